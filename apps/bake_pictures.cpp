@@ -3,7 +3,7 @@
 #include "apps/interrupt.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
-#include "viewer/image.h"
+#include "viewer/pictures/image_files.h"
 
 #include <chrono>
 #include <thread>

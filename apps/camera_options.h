@@ -3,7 +3,7 @@
 #include "apps/command_line.h"
 #include "geometry/result.h"
 #include "session/session.h"
-#include "viewer/scene.h"
+#include "viewer/renderer/scene.h"
 
 #include <optional>
 #include <string>

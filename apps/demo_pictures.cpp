@@ -1,6 +1,7 @@
 #include "apps/demo_pictures.h"
 
 #include "apps/report.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 

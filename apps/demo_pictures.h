@@ -1,7 +1,8 @@
 #pragma once
 
 #include "player/snapshots.h"
-#include "viewer/image.h"
+#include "viewer/pictures/video_writer.h"
+#include "viewer/renderer/image.h"
 
 #include <filesystem>
 #include <memory>

@@ -3,7 +3,7 @@
 #include "apps/command_line.h"
 #include "apps/report.h"
 #include "player/window_opener.h"
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 namespace lorica {
 

@@ -11,6 +11,7 @@
 #include "prepare/playback_input.h"
 #include "prepare/scenes.h"
 #include "prepare/springs.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

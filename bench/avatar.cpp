@@ -7,8 +7,8 @@
 #include "geometry/files.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
-#include "viewer/avatar_mesh.h"
-#include "viewer/renderer.h"
+#include "viewer/renderer/avatar_mesh.h"
+#include "viewer/renderer/renderer.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

@@ -2,7 +2,7 @@
 
 #include "capture/sensor/depth_frame.h"
 #include "capture/skeleton_frame.h"
-#include "viewer/image.h"
+#include "viewer/renderer/image.h"
 
 #include <array>
 #include <cstdint>

@@ -15,7 +15,8 @@
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/edge_stretch.h"
-#include "viewer/renderer.h"
+#include "viewer/pictures/image_files.h"
+#include "viewer/renderer/renderer.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

@@ -1,6 +1,6 @@
 #include "bench/plot.h"
 
-#include "viewer/image.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <opencv2/imgproc.hpp>

@@ -5,7 +5,7 @@
 #include "capture/sensor/oni_source.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "skinning/mannequin/mannequin.h"
-#include "viewer/image.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>

@@ -7,7 +7,7 @@
 #include "capture/tracking/track_log.h"
 #include "capture/tracking/tracker.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
-#include "viewer/image.h"
+#include "viewer/pictures/image_files.h"
 
 #include <tbb/parallel_for.h>
 

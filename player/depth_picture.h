@@ -1,7 +1,7 @@
 #pragma once
 
 #include "capture/tracking/depth_joints.h"
-#include "viewer/image.h"
+#include "viewer/renderer/image.h"
 
 namespace lorica {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "collision/world/world.h"
-#include "viewer/scene.h"
+#include "viewer/renderer/scene.h"
 
 namespace lorica {
 

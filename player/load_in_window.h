@@ -2,7 +2,7 @@
 
 #include "apps/interrupt.h"
 #include "player/background_work.h"
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 #include <chrono>
 #include <functional>

@@ -1,7 +1,8 @@
 #pragma once
 
-#include "viewer/gif_writer.h"
-#include "viewer/image.h"
+#include "viewer/pictures/gif_writer.h"
+#include "viewer/pictures/video_writer.h"
+#include "viewer/renderer/image.h"
 
 #include <filesystem>
 #include <optional>

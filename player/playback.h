@@ -4,7 +4,7 @@
 #include "prepare/springs.h"
 #include "prepare/subject.h"
 #include "session/session.h"
-#include "viewer/scene.h"
+#include "viewer/renderer/scene.h"
 
 #include <memory>
 #include <optional>

@@ -4,7 +4,7 @@
 #include "session/session.h"
 #include "skinning/look/avatar.h"
 #include "skinning/morphs/face.h"
-#include "viewer/scene.h"
+#include "viewer/renderer/scene.h"
 
 #include <memory>
 #include <optional>

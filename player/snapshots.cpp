@@ -5,6 +5,7 @@
 #include "player/playback.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/avatar.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

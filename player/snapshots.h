@@ -7,9 +7,9 @@
 #include "player/movie.h"
 #include "player/session_face.h"
 #include "session/session.h"
-#include "viewer/image.h"
-#include "viewer/renderer.h"
-#include "viewer/scene.h"
+#include "viewer/renderer/image.h"
+#include "viewer/renderer/renderer.h"
+#include "viewer/renderer/scene.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -3,7 +3,7 @@
 #include "apps/report.h"
 #include "session/contact_events.h"
 #include "session/scenes/hit_counter.h"
-#include "viewer/window_values.h"
+#include "viewer/window/window_values.h"
 
 #include <nlohmann/json_fwd.hpp>
 

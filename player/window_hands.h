@@ -2,7 +2,7 @@
 
 #include "player/action_tape.h"
 #include "session/session.h"
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 #include <optional>
 

@@ -4,7 +4,7 @@
 #include "player/window_opener.h"
 #include "prepare/treatment.h"
 #include "session/session.h"
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 #include <functional>
 #include <memory>

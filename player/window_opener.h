@@ -2,7 +2,7 @@
 
 #include "player/background_work.h"
 #include "prepare/cast_loading.h"
-#include "viewer/window_values.h"
+#include "viewer/window/window_values.h"
 
 #include <memory>
 #include <optional>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "session/session.h"
-#include "viewer/window.h"
+#include "viewer/window/window.h"
 
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "prepare/read_motion.h"
-#include "viewer/window_values.h"
+#include "viewer/window/window_values.h"
 
 #include <functional>
 #include <memory>

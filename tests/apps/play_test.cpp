@@ -1,7 +1,7 @@
 #include "geometry/files.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
-#include "viewer/image.h"
+#include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
 

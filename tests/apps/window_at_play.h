@@ -5,7 +5,7 @@
 #include "tests/support/background_script.h"
 #include "tests/support/datasets.h"
 #include "tests/support/virtual_display.h"
-#include "viewer/image.h"
+#include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
 

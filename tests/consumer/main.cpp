@@ -3,7 +3,7 @@
 
 #include <lorica/capture/files/joint_csv.h>
 #include <lorica/collision/world/world.h>
-#include <lorica/viewer/image.h>
+#include <lorica/viewer/pictures/image_files.h>
 
 #include <cmath>
 #include <cstdio>

@@ -3,7 +3,7 @@
 #include "skinning/import/character_file.h"
 #include "skinning/look/avatar.h"
 #include "tests/peers/likeness.h"
-#include "tests/viewer/pictures.h"
+#include "tests/viewer/renderer/pictures.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -4,6 +4,7 @@
 #include "tests/peers/peer.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
+#include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
 

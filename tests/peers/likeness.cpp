@@ -1,6 +1,6 @@
 #include "tests/peers/likeness.h"
 
-#include "tests/viewer/picture_error.h"
+#include "tests/viewer/renderer/picture_error.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "viewer/image.h"
+#include "viewer/renderer/image.h"
 
 namespace lorica::test {
 

@@ -2,6 +2,7 @@
 #include "tests/peers/bare_picture.h"
 #include "tests/peers/peer.h"
 #include "tests/support/datasets.h"
+#include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
 

@@ -2,6 +2,7 @@
 
 #include "skinning/import/gltf_parts.h"
 #include "tests/support/datasets.h"
+#include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "geometry/math.h"
-#include "viewer/image.h"
+#include "viewer/renderer/image.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,0 +1,102 @@
+#pragma once
+
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+#include "tests/support/virtual_display.h"
+#include "tests/viewer/renderer/avatars.h"
+#include "tests/viewer/renderer/pictures.h"
+#include "viewer/pictures/image_files.h"
+#include "viewer/window/window.h"
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace lorica {
+
+using test::differingPixels;
+using test::VirtualDisplay;
+
+struct Box {
+  TriMesh mesh = test::makeBox({-0.3, 0.6, -0.3}, {0.3, 1.4, 0.3});
+  std::vector<LivePart> parts = {test::boxPart({-0.5, 0.5, -0.5}, {0.5, 1.5, 0.5})};
+  std::vector<Prop> props = std::vector<Prop>(1);
+  std::vector<Contact> contacts = std::vector<Contact>(1);
+  Scene scene;
+  Box() {
+    props[0].worldFromProp.translation() = Vec3(0.9, 0.6, 0.0);
+    contacts[0].point = Vec3(-0.9, 1.0, 0.0);
+    scene.vertices = mesh.vertices;
+    scene.triangles = mesh.triangles;
+    scene.parts = parts;
+    scene.props = props;
+    scene.contacts = contacts;
+  }
+};
+
+/// A window with a box in it, on its own display; pictures are saved in its own folder.
+class WindowAtWork : public ::testing::Test {
+ protected:
+  void open(int width, int height) {
+    ASSERT_TRUE(display_->ready());
+    Result<Window> opened = Window::create("Lorica test", width, height);
+    ASSERT_TRUE(opened.ok()) << opened.error().message;
+    window.emplace(std::move(opened).value());
+    window->setQuality(RenderQuality::kHigh);
+    window->setCamera(test::frontCamera());
+    values.name = "a box";
+    values.duration = 10.0;
+    values.parts = 3;
+    values.maxParts = 5;
+    frames(2);
+  }
+  void SetUp() override {
+    LORICA_REQUIRE_KEYS();
+    display_.emplace();
+    std::filesystem::current_path(folder_.path());
+  }
+  void TearDown() override {
+    window.reset();
+    std::filesystem::current_path(before_);
+  }
+
+  void frames(int n) {
+    for (int i = 0; i < n; ++i) {
+      window->show(box.scene, values);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    }
+  }
+  void send(const std::string& what) {
+    const std::string command =
+        "xdotool search --sync --name 'Lorica test' windowfocus --sync " + what + " > /dev/null 2>&1";
+    ASSERT_EQ(std::system(command.c_str()), 0) << command;
+    frames(3);
+  }
+  /// The picture that P or shift P saves.
+  Image picture(const char* key = "p") {
+    send(std::string("key ") + key);
+    char name[32];
+    std::snprintf(name, sizeof name, "lorica-%03d.png", ++pictures_);
+    const Result<Image> read = readPng(name);
+    EXPECT_TRUE(read.ok()) << read.error().message;
+    return read.ok() ? read.value() : Image{};
+  }
+
+  Box box;
+  WindowValues values;
+  std::optional<Window> window;
+
+ private:
+  std::optional<VirtualDisplay> display_;
+  test::TemporaryFolder folder_;
+  std::filesystem::path before_ = std::filesystem::current_path();
+  int pictures_ = 0;
+};
+
+}  // namespace lorica

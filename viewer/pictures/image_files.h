@@ -1,0 +1,18 @@
+#pragma once
+
+#include "geometry/result.h"
+#include "viewer/renderer/image.h"
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace lorica {
+
+[[nodiscard]] Result<void> writePng(const std::filesystem::path& file, const Image& image);
+[[nodiscard]] Result<Image> readPng(const std::filesystem::path& file);
+
+/// Images in rows, each with its label underneath.
+[[nodiscard]] Image contactSheet(std::span<const Image> images, std::span<const std::string> labels, int columns);
+
+}  // namespace lorica

@@ -1,0 +1,102 @@
+#include "viewer/renderer/gpu.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lorica {
+
+Gpu::~Gpu() {
+  for (const GLuint program : programs_) gl.DeleteProgram(program);
+  gl.DeleteVertexArrays(static_cast<GLsizei>(vertexArrays_.size()), vertexArrays_.data());
+  gl.DeleteFramebuffers(static_cast<GLsizei>(framebuffers_.size()), framebuffers_.data());
+  gl.DeleteRenderbuffers(static_cast<GLsizei>(renderbuffers_.size()), renderbuffers_.data());
+  gl.DeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
+  gl.DeleteBuffers(static_cast<GLsizei>(buffers_.size()), buffers_.data());
+}
+
+GLuint Gpu::makeBuffer() {
+  gl.GenBuffers(1, &buffers_.emplace_back());
+  return buffers_.back();
+}
+
+GLuint Gpu::makeVertexArray() {
+  gl.GenVertexArrays(1, &vertexArrays_.emplace_back());
+  return vertexArrays_.back();
+}
+
+GLuint Gpu::makeFramebuffer() {
+  gl.GenFramebuffers(1, &framebuffers_.emplace_back());
+  return framebuffers_.back();
+}
+
+GLuint Gpu::makeRenderbuffer() {
+  gl.GenRenderbuffers(1, &renderbuffers_.emplace_back());
+  return renderbuffers_.back();
+}
+
+GLuint Gpu::makeTexture(GLint filter) {
+  gl.GenTextures(1, &textures_.emplace_back());
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, textures_.back());
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return textures_.back();
+}
+
+GLuint Gpu::makeBufferTexture() {
+  gl.GenTextures(1, &textures_.emplace_back());
+  return textures_.back();
+}
+
+void Gpu::discardTexture(GLuint texture) {
+  gl.DeleteTextures(1, &texture);
+  std::erase(textures_, texture);
+}
+
+Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, const std::string& fragment) {
+  const GLuint program = gl.CreateProgram();
+  programs_.push_back(program);
+  std::string log(1024, '\0');
+  GLint ok = 0;
+  for (const GLenum stage : {GL_VERTEX_SHADER, GL_FRAGMENT_SHADER}) {
+    const GLuint shader = gl.CreateShader(stage);
+    const char* text = stage == GL_VERTEX_SHADER ? vertex.c_str() : fragment.c_str();
+    gl.ShaderSource(shader, 1, &text, nullptr);
+    gl.CompileShader(shader);
+    gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (!ok) gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    gl.AttachShader(program, shader);
+    gl.DeleteShader(shader);
+    if (!ok) {
+      return Error{ErrorCode::kNoDisplay,
+                   fmt::format("the OpenGL driver cannot compile the {} shader '{}': {}",
+                               stage == GL_VERTEX_SHADER ? "vertex" : "fragment", name, log.c_str())};
+    }
+  }
+  gl.LinkProgram(program);
+  gl.GetProgramiv(program, GL_LINK_STATUS, &ok);
+  if (!ok) {
+    gl.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    return Error{ErrorCode::kNoDisplay,
+                 fmt::format("the OpenGL driver cannot link the shader program '{}': {}", name, log.c_str())};
+  }
+  for (const auto& [block, point] : {std::pair{"Frame", 0u}, {"Surface", 1u}}) {
+    const GLuint index = gl.GetUniformBlockIndex(program, block);
+    if (index != GL_INVALID_INDEX) gl.UniformBlockBinding(program, index, point);
+  }
+  return program;
+}
+
+void Gpu::upload(StreamBuffer& buffer, const void* data, std::size_t bytes) const {
+  gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id);
+  if (bytes > buffer.capacity) {
+    buffer.capacity = bytes + bytes / 2;
+    gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(buffer.capacity), nullptr, GL_STREAM_DRAW);
+  }
+  if (bytes > 0) gl.BufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(bytes), data);
+}
+
+}  // namespace lorica

@@ -1,0 +1,60 @@
+#include "viewer/renderer/grain_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lorica {
+namespace {
+
+constexpr float kBeside = 1.05f;  // bound of visible grains [clip space]: their centres may be outside the picture
+
+/// Brightness of a grain, 0.8 to 1.2, depending on its index.
+float shadeOf(std::uint32_t index) {
+  // PCG's output function: M. O'Neill, "PCG", 2014.
+  std::uint32_t h = index * 747796405u + 2891336453u;
+  h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+  return 0.8f + 0.4f / 65535.0f * static_cast<float>(h >> 16u);
+}
+
+}  // namespace
+
+const std::vector<GrainVertex>& GrainList::choose(std::span<const Vec3f> centers, std::span<const Vec3f> colors,
+                                                  const GrainView& view, float margin) {
+  chosen_.clear();
+  if (colors.empty()) return chosen_;
+  const bool hides = std::isfinite(margin);
+  const std::size_t count = centers.size();
+  depth_.resize(count);
+  cell_.resize(count);
+  nearest_.assign(static_cast<std::size_t>(view.columns) * static_cast<std::size_t>(view.rows),
+                  std::numeric_limits<float>::max());
+  const Eigen::Matrix4f& m = view.clipFromWorld;
+  const float perX = 0.5f / kBeside * static_cast<float>(view.columns);
+  const float perY = 0.5f / kBeside * static_cast<float>(view.rows);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3f& p = centers[i];
+    const float w = m(3, 0) * p.x() + m(3, 1) * p.y() + m(3, 2) * p.z() + m(3, 3);
+    const float x = m(0, 0) * p.x() + m(0, 1) * p.y() + m(0, 2) * p.z() + m(0, 3);
+    const float y = m(1, 0) * p.x() + m(1, 1) * p.y() + m(1, 2) * p.z() + m(1, 3);
+    cell_[i] = -1;
+    const float reach = kBeside * w;
+    if (!(std::abs(x) < reach && std::abs(y) < reach)) continue;  // behind, outside or not finite
+    const auto column = std::min(static_cast<int>((x / w + kBeside) * perX), view.columns - 1);
+    const auto row = std::min(static_cast<int>((y / w + kBeside) * perY), view.rows - 1);
+    cell_[i] = row * view.columns + column;
+    const Eigen::Vector4f& d = view.depthFromWorld;
+    depth_[i] = d.x() * p.x() + d.y() * p.y() + d.z() * p.z() + d.w();
+    float& nearest = nearest_[cell_[i]];
+    nearest = std::min(nearest, depth_[i]);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (cell_[i] < 0) continue;
+    if (hides && depth_[i] > nearest_[cell_[i]] + margin) continue;
+    const Vec3f& color = colors[colors.size() == count ? i : 0];
+    chosen_.push_back({centers[i], shadeOf(static_cast<std::uint32_t>(i)) * color});
+  }
+  return chosen_;
+}
+
+}  // namespace lorica

@@ -1,0 +1,193 @@
+#include "viewer/renderer/renderer.h"
+
+#include "viewer/renderer/frame_setup.h"
+#include "viewer/renderer/renderer_impl.h"
+
+#include <algorithm>
+
+namespace lorica {
+namespace {
+
+using shaders::Pass;
+
+}  // namespace
+
+Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+Result<Renderer> Renderer::create(GetProc getProc) {
+  const Result<GlFunctions> functions = loadGlFunctions(getProc);
+  if (!functions.ok()) return functions.error();
+  auto impl = std::make_unique<Impl>(functions.value());
+  if (auto r = impl->createPrograms(); !r.ok()) return r.error();
+  if (auto r = impl->targets.create(impl->gpu); !r.ok()) return r.error();
+  impl->createMeshes();
+  return Renderer(std::move(impl));
+}
+
+void Renderer::setQuality(RenderQuality quality) {
+  if (quality != impl_->targets.quality) impl_->targets.setQuality(impl_->gpu, quality);
+}
+
+RenderQuality Renderer::quality() const {
+  return impl_->targets.quality;
+}
+
+void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height) {
+  Impl& i = *impl_;
+  const GlFunctions& gl = i.gl;
+  i.targets.resize(i.gpu, std::max(width, 1), std::max(height, 1));
+  const FrameSetup setup =
+      setUpFrame(scene, options, camera, i.targets.drawnWidth, i.targets.drawnHeight, i.targets.shadowSize);
+
+  // First upload everything that changes with the frame, one upload per buffer.
+  gl.BindBuffer(GL_UNIFORM_BUFFER, i.frameBlock);
+  gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof(FrameUniforms), &setup.uniforms);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, i.frameBlock);
+  i.uploadFigures(scene, options);
+  const GLsizei hullCount = options.hulls ? i.uploadHulls(scene, camera.eye) : 0;
+  const GLsizei boneCount = options.bones ? i.uploadBones(scene, camera.eye) : 0;
+  const bool bodies = options.skin || options.hulls;
+  const GLsizei insideCount = bodies && options.props ? i.uploadInsides(scene, camera.eye) : 0;
+  GLsizei markerCount = 0;
+  if (options.contacts) markerCount = i.uploadMarkers(scene.contacts);
+  for (std::size_t shape = 0; shape < i.propShapes.size(); ++shape) {
+    PropShapeGpu& target = i.propShapes[shape];
+    target.instances.clear();
+    if (!options.props) continue;
+    makePropInstances(scene.props, static_cast<PropShape>(shape), target.instances);
+    if (!target.instances.empty()) i.gpu.upload(target.instanceBuffer, target.instances);
+  }
+
+  i.uploadMeshProps(scene.props, options.props);
+
+  // Shadow map.
+  gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.shadow);
+  gl.Viewport(0, 0, i.targets.shadowSize, i.targets.shadowSize);
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.DepthMask(GL_TRUE);
+  gl.Disable(GL_BLEND);
+  gl.Disable(GL_CULL_FACE);
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  // Closed surfaces cast shadows with the faces that face away from the light, so that lit faces do not shadow
+  // themselves.
+  gl.Enable(GL_CULL_FACE);
+  gl.CullFace(GL_FRONT);
+  i.drawCasters(Pass::kShadow, hullCount);
+  gl.Disable(GL_CULL_FACE);
+  if (options.particles) i.drawGrainShadows(scene, setup);
+  if (options.ground) i.drawContactShadow(hullCount, setup.uniforms.contactArea.z());
+
+  // Opaque objects from near to far, so that covered pixels are not shaded.
+  gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);
+  gl.Viewport(0, 0, i.targets.drawnWidth, i.targets.drawnHeight);
+  gl.Enable(GL_DEPTH_TEST);
+  const Vec3f background = options.background.value_or(Vec3f::Zero());
+  gl.ClearColor(background.x(), background.y(), background.z(), 1.0f);
+  gl.Clear(options.background ? GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT : GL_DEPTH_BUFFER_BIT);
+  gl.ActiveTexture(GL_TEXTURE1);
+  gl.BindTexture(GL_TEXTURE_2D, i.targets.contactMap[0]);
+  gl.ActiveTexture(GL_TEXTURE2);
+  gl.BindTexture(GL_TEXTURE_2D, i.targets.shadowMap);
+  gl.CullFace(GL_BACK);
+  i.drawSkins(options);
+  i.drawAvatarOpaque();
+  gl.Enable(GL_CULL_FACE);
+  i.drawProps(Pass::kLit);
+  if (options.particles) i.drawGrains(scene, setup);
+  if (options.ground) i.drawFloor(setup);
+  gl.Disable(GL_CULL_FACE);
+  if (!options.background) {
+    gl.UseProgram(i.skyProgram);
+    gl.BindVertexArray(i.skyVertexArray);
+    gl.DrawElements(GL_TRIANGLES, i.skyIndexCount, GL_UNSIGNED_INT, nullptr);
+  }
+  i.drawAvatarBlended(camera.eye);
+
+  // Translucent hulls.
+  gl.DepthMask(GL_FALSE);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  if (hullCount > 0) {
+    gl.UseProgram(i.overlayProgram);
+    gl.BindVertexArray(i.hullVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
+  }
+
+  // The avatar passes through static bodies: what of it is in one shines through.
+  if (insideCount > 0) {
+    gl.DepthFunc(GL_GREATER);
+    gl.UseProgram(i.overlayProgram);
+    gl.BindVertexArray(i.insideVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, insideCount);
+    gl.DepthFunc(GL_LEQUAL);
+  }
+
+  // Contacts: faint if something is in front of them.
+  if (markerCount > 0) {
+    gl.UseProgram(i.markerProgram);
+    gl.BindVertexArray(i.markerVertexArray);
+    for (const GLenum where : {GL_GREATER, GL_LEQUAL}) {
+      gl.DepthFunc(where);
+      gl.Uniform4f(i.markerTint, 1.0f, 1.0f, 1.0f, where == GL_GREATER ? 0.45f : 1.0f);
+      gl.DrawArrays(GL_TRIANGLES, 0, markerCount);
+    }
+    gl.DepthFunc(GL_LEQUAL);
+  }
+  gl.DepthMask(GL_TRUE);
+
+  // Bones are visible through everything, but hide one another.
+  if (boneCount > 0) {
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    gl.UseProgram(i.overlayProgram);
+    gl.BindVertexArray(i.boneVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, boneCount);
+  }
+  gl.Disable(GL_BLEND);
+
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, i.targets.picture);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, i.targets.resolved);
+  const bool sameSize = i.targets.drawnWidth == i.targets.width && i.targets.drawnHeight == i.targets.height;
+  gl.BlitFramebuffer(0, 0, i.targets.drawnWidth, i.targets.drawnHeight, 0, 0, i.targets.width, i.targets.height,
+                     GL_COLOR_BUFFER_BIT, sameSize ? GL_NEAREST : GL_LINEAR);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.resolved);
+  gl.Viewport(0, 0, i.targets.width, i.targets.height);
+  i.drawPanel(i.caption, options.caption, false);
+  i.drawPanel(i.panel, options.panel, true);
+  if (scene.inset != nullptr && scene.inset->width > 0) i.drawInset(*scene.inset);
+}
+
+Image Renderer::readBack() {
+  const Targets& t = impl_->targets;
+  Image image;
+  image.width = t.width;
+  image.height = t.height;
+  const std::size_t rowBytes = static_cast<std::size_t>(t.width) * 4;
+  image.rgba.resize(rowBytes * static_cast<std::size_t>(t.height));
+  impl_->gl.BindFramebuffer(GL_FRAMEBUFFER, t.resolved);
+  impl_->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  impl_->gl.ReadPixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+  // OpenGL's rows start at the bottom. Panels and hulls have changed alpha; reset it, because the picture is opaque.
+  for (int top = 0, bottom = t.height - 1; top < bottom; ++top, --bottom) {
+    std::swap_ranges(image.rgba.data() + static_cast<std::size_t>(top) * rowBytes,
+                     image.rgba.data() + static_cast<std::size_t>(top + 1) * rowBytes,
+                     image.rgba.data() + static_cast<std::size_t>(bottom) * rowBytes);
+  }
+  for (std::size_t k = 3; k < image.rgba.size(); k += 4) image.rgba[k] = 255;
+  return image;
+}
+
+void Renderer::present(int windowWidth, int windowHeight) {
+  const Targets& t = impl_->targets;
+  const GlFunctions& gl = impl_->gl;
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, t.resolved);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  const bool sameSize = windowWidth == t.width && windowHeight == t.height;
+  gl.BlitFramebuffer(0, 0, t.width, t.height, 0, 0, windowWidth, windowHeight, GL_COLOR_BUFFER_BIT,
+                     sameSize ? GL_NEAREST : GL_LINEAR);
+}
+
+}  // namespace lorica

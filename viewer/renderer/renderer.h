@@ -1,0 +1,66 @@
+#pragma once
+
+#include "geometry/result.h"
+#include "viewer/renderer/image.h"
+#include "viewer/renderer/scene.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+namespace lorica {
+
+/// A current OpenGL 3.3 core context without a window: OSMesa, or EGL surfaceless if OSMesa is missing, both loaded at
+/// run time. Only one may exist at a time; used only from the thread that created it.
+class OffscreenContext {
+ public:
+  /// @return the context, or kNoDisplay with what was tried and which package to install
+  static Result<OffscreenContext> create();
+  ~OffscreenContext();
+  OffscreenContext(OffscreenContext&&) noexcept;
+  OffscreenContext& operator=(OffscreenContext&&) noexcept;
+  /// "OSMesa 22.3.6" or "EGL surfaceless, ...".
+  [[nodiscard]] std::string description() const;
+  using GetProc = void* (*)(const char*);
+  [[nodiscard]] GetProc getProc() const;
+
+ private:
+  struct Impl;
+  explicit OffscreenContext(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+/// Rendering quality. Costs: docs/PICTURES.md.
+enum class RenderQuality : std::uint8_t {
+  kHigh,    ///< anti-aliased edges, fine shadows
+  kMedium,  ///< no anti-aliasing
+  kLow,     ///< also rendered at a lower resolution and enlarged; text stays sharp
+};
+
+/// Draws scenes in the current OpenGL 3.3 core context; the same code is used in a window and off screen.
+class Renderer {
+ public:
+  using GetProc = void* (*)(const char*);
+  static Result<Renderer> create(GetProc getProc);
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  /// Sets the quality from the next draw() on. The default is high.
+  void setQuality(RenderQuality quality);
+  [[nodiscard]] RenderQuality quality() const;
+
+  /// Draws into the renderer's own framebuffer of this size.
+  void draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height);
+  /// The picture of the last draw().
+  [[nodiscard]] Image readBack();
+  /// Copies the picture of the last draw() to the window's framebuffer (number 0).
+  void present(int windowWidth, int windowHeight);
+
+ private:
+  struct Impl;
+  explicit Renderer(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lorica

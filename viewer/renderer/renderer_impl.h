@@ -1,0 +1,177 @@
+#pragma once
+
+#include "viewer/renderer/avatar_gpu.h"
+#include "viewer/renderer/gpu.h"
+#include "viewer/renderer/grain_list.h"
+#include "viewer/renderer/overlay_mesh.h"
+#include "viewer/renderer/prop_mesh.h"
+#include "viewer/renderer/renderer.h"
+#include "viewer/renderer/shaders.h"
+#include "viewer/renderer/skin_mesh.h"
+#include "viewer/renderer/targets.h"
+
+#include <array>
+#include <deque>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+struct FrameSetup;
+
+struct MarkerVertex {
+  Vec3f center;
+  Eigen::Vector2f corner;
+};
+
+/// One shape of prop on the GPU.
+struct PropShapeGpu {
+  GLuint vertexArray = 0;
+  GLuint vertexBuffer = 0, indexBuffer = 0;
+  GLsizei indexCount = 0;
+  StreamBuffer instanceBuffer;
+  std::vector<PropInstance> instances;
+};
+
+/// The GPU data of a mesh shape, kept as long as the shape exists.
+struct MeshPropGpu {
+  std::weak_ptr<const PropMeshShape> shape;
+  PropShapeGpu gpu;
+};
+
+/// A text panel as a texture, redrawn only if its text or size changes.
+struct PanelGpu {
+  GLuint texture = 0;
+  std::string text;
+  int lineHeight = 0;
+  int width = 0;
+  int height = 0;
+};
+
+/// Lit faces that cast shadows are moved away from the light, so that they do not shadow themselves: by so many times
+/// their slope in a texel, and smallest steps of the depth. With the shaders' offset along the normal that is enough
+/// for all texels that a lookup reads, at any slope.
+inline constexpr float kCasterSlope = 2.0f, kCasterUnits = 8.0f;
+
+inline std::size_t passIndex(shaders::Pass pass) {
+  return static_cast<std::size_t>(pass);
+}
+inline GLsizei glCount(std::size_t n) {
+  return static_cast<GLsizei>(n);
+}
+
+/// The skin of a figure on the GPU.
+struct SkinGpu {
+  SkinMesh mesh;
+  GLuint vertexArray = 0;
+  StreamBuffer vertices, colors;
+  GLuint indices = 0;
+  GLsizei indexCount = 0;
+  float opacity = 1.0f;
+};
+
+/// The state of a Renderer: created by renderer_setup.cpp; filled and drawn by renderer_passes.cpp in the order given
+/// by renderer.cpp.
+struct Renderer::Impl {
+  explicit Impl(const GlFunctions& functions) : gpu(functions), gl(gpu.gl) {}
+
+  Gpu gpu;
+  const GlFunctions& gl;
+  Targets targets;
+
+  std::array<GLuint, 3> skinProgram{}, fadingSkinProgram{}, propProgram{};  // by Pass
+  GLuint coarseSkinProgram = 0;
+  GLuint skyProgram = 0, farFloorProgram = 0, nearFloorProgram = 0, overlayProgram = 0, markerProgram = 0;
+  GLuint blurProgram = 0, panelProgram = 0;
+  GLint blurStride = -1, markerTint = -1, panelRectangle = -1;
+  GLuint frameBlock = 0, emptyVertexArray = 0;
+
+  std::vector<SkinGpu> skins;
+  std::size_t skinCount = 0;  ///< of `skins`: drawn in this picture
+
+  std::deque<AvatarGpu> avatars;
+  std::vector<AvatarProgram> avatarPrograms;
+  std::vector<AvatarGpu*> shownAvatars;  ///< avatars in this picture
+  AvatarGpu* avatar = nullptr;           ///< that is being filled or drawn
+  std::vector<HullFigure> figureParts;
+
+  OverlayMesh overlay;
+  GLuint hullVertexArray = 0, insideVertexArray = 0, boneVertexArray = 0;
+  StreamBuffer hullBuffer, insideBuffer, boneBuffer;
+
+  std::array<PropShapeGpu, kPropShapeCount> propShapes;
+  std::vector<MeshPropGpu> meshProps;
+  GLuint skyVertexArray = 0, floorVertexArray = 0, markerVertexArray = 0;
+  GLsizei skyIndexCount = 0;
+  StreamBuffer floorBuffer, markerBuffer;
+  std::vector<MarkerVertex> markers;
+  PanelGpu caption, panel;
+  GLuint insetTexture = 0;
+
+  GLuint grainShadowProgram = 0, farGrainProgram = 0, nearGrainProgram = 0;
+  GLint grainShadowUniform = -1, farGrainUniform = -1, nearGrainUniform = -1;
+  GLuint grainVertexArray = 0;
+  StreamBuffer grainBuffer;
+  GrainList grains;
+  bool software = false;      ///< software rendering on the CPU: each grain is costly
+  float maxPointSize = 1.0f;  ///< of the driver [pixels]
+
+  Result<void> createPrograms();
+  void createMeshes();
+  void attribute(GLuint index, GLint size, GLenum type, GLboolean normalized, std::size_t stride, std::size_t at);
+  void overlayAttributes(GLuint vertexArray, const StreamBuffer& buffer);
+  void createSky();
+  void createPropShape(PropShapeGpu& shape, const PropMesh& mesh);
+  void fillPropShape(PropShapeGpu& shape, const PropMesh& mesh);
+  MeshPropGpu& meshPropOf(const std::shared_ptr<const PropMeshShape>& shape);
+  void uploadMeshProps(std::span<const Prop> props, bool shown);
+  void drawPropShape(const PropShapeGpu& shape);
+
+  /// Uploads all figures: avatars to `shownAvatars`, the rest to `skins`.
+  void uploadFigures(const Scene& scene, const SceneOptions& options);
+  void createSkin(SkinGpu& skin);
+  void uploadSkin(const SceneFigure& figure, const SceneOptions& options);
+  /// @return false if the figure is not drawn as an avatar
+  bool uploadAvatar(const SceneFigure& figure, const SceneOptions& options);
+  /// Makes an avatar the one that is drawn next.
+  void bindAvatar(AvatarGpu& next);
+  void useSkinProgram(const SkinGpu& skin, shaders::Pass pass);
+  /// Sets the share of the pixels that the program in use draws, see shaders::fading().
+  void setOpacity(GLuint program, float opacity) {
+    gl.Uniform4f(gl.GetUniformLocation(program, "opacity"), opacity, 0.0f, 0.0f, 0.0f);
+  }
+  void drawSkins(const SceneOptions& options);
+  AvatarGpu& avatarGpuOf(const std::shared_ptr<const Avatar>& drawn);
+  void fillAvatar(AvatarGpu& made, const Avatar& drawn);
+  void releaseAvatar(AvatarGpu& made);
+  void reshapeAvatar(const SceneFigure& figure);
+  void recolorAvatar(const SceneFigure& figure);
+  [[nodiscard]] GLuint avatarTexture(AvatarGpu& made, const Avatar& drawn, const TextureUse& use, bool srgb);
+  [[nodiscard]] GLuint avatarProgram(shaders::AvatarVariant variant);
+  /// @param indexCount  0 = the group's; more = with the groups after it
+  void drawAvatarGroup(const AvatarGroup& group, shaders::AvatarVariant::Draw draw, GLsizei indexCount = 0);
+  void drawAvatarCasters(shaders::Pass pass);
+  void drawAvatarOpaque();
+  void drawAvatarBlended(const Vec3& eye);
+  void drawBlendedGroups(const Vec3& eye);
+  void drawCasters(shaders::Pass pass, GLsizei hullCount);
+  void drawContactShadow(GLsizei hullCount, float contactHalfSide);
+  void drawProps(shaders::Pass pass);
+  void drawGrainShadows(const Scene& scene, const FrameSetup& setup);
+  void drawGrains(const Scene& scene, const FrameSetup& setup);
+  void drawFloor(const FrameSetup& setup);
+  GLsizei uploadHulls(const Scene& scene, const Vec3& eye);
+  /// Parts inside static bodies.
+  GLsizei uploadInsides(const Scene& scene, const Vec3& eye);
+  GLsizei uploadBones(const Scene& scene, const Vec3& eye);
+  GLsizei uploadMarkers(std::span<const Contact> contacts);
+  /// Draws a text panel: at the top unchanged, at the bottom wrapped to fit.
+  void drawPanel(PanelGpu& target, const std::string& whole, bool top);
+  void drawInset(const Image& image);
+  /// Draws the bound texture onto the resolved picture; coordinates in pixels from the lower left.
+  void drawFlat(int left, int bottom, int width, int height);
+};
+
+}  // namespace lorica

@@ -1,0 +1,251 @@
+#include "viewer/renderer/frame_setup.h"
+#include "viewer/renderer/renderer_impl.h"
+#include "viewer/renderer/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using shaders::Pass;
+/// Skins with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
+constexpr std::size_t kFineTriangles = 8000;
+constexpr float kContactSoftness = 0.05f;  // standard deviation of the contact shadow's blur [m]
+
+}  // namespace
+
+void Renderer::Impl::uploadFigures(const Scene& scene, const SceneOptions& options) {
+  shownAvatars.clear();
+  skinCount = 0;
+  for (AvatarGpu& known : avatars) {
+    if (known.inUse && known.avatar.expired()) releaseAvatar(known);
+    known.shown = false;
+  }
+  scene.eachFigure([&](const SceneFigure& figure) {
+    if (options.skin && !uploadAvatar(figure, options) && !figure.triangles.empty()) uploadSkin(figure, options);
+  });
+}
+
+void Renderer::Impl::uploadSkin(const SceneFigure& figure, const SceneOptions& options) {
+  if (skinCount == skins.size()) createSkin(skins.emplace_back());
+  SkinGpu& skin = skins[skinCount++];
+  const bool changed = skin.mesh.update(figure.vertices, figure.triangles, figure.partOfTriangle);
+  gl.BindVertexArray(skin.vertexArray);
+  gpu.upload(skin.vertices, skin.mesh.vertices());
+  if (changed) {
+    const std::vector<std::uint32_t>& indices = skin.mesh.indices();
+    gpu.upload(skin.colors, skin.mesh.colors());
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
+                  indices.data(), GL_STATIC_DRAW);
+  }
+  if (options.colorSkinByPart) {
+    gl.EnableVertexAttribArray(2);
+  } else {
+    gl.DisableVertexAttribArray(2);
+  }
+  skin.indexCount = glCount(skin.mesh.indices().size());
+  skin.opacity = figure.opacity;
+}
+
+void Renderer::Impl::useSkinProgram(const SkinGpu& skin, Pass pass) {
+  const bool fades = skin.opacity < 1.0f;
+  const bool coarse = pass == Pass::kLit && skin.mesh.triangleCount() < kFineTriangles;
+  const GLuint program = fades    ? fadingSkinProgram[passIndex(pass)]
+                         : coarse ? coarseSkinProgram
+                                  : skinProgram[passIndex(pass)];
+  gl.UseProgram(program);
+  if (fades) setOpacity(program, skin.opacity);
+}
+
+/// Draws the skins in the colours of the parts or of clay.
+void Renderer::Impl::drawSkins(const SceneOptions& options) {
+  if (!options.colorSkinByPart) {
+    const Vec3f clay = SkinMesh::clay();
+    gl.VertexAttrib3f(2, clay.x(), clay.y(), clay.z());
+  }
+  for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
+    if (skin.mesh.closed()) {
+      gl.Enable(GL_CULL_FACE);
+    } else {
+      gl.Disable(GL_CULL_FACE);
+    }
+    useSkinProgram(skin, Pass::kLit);
+    gl.BindVertexArray(skin.vertexArray);
+    gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
+  }
+}
+
+GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
+  figureParts.clear();
+  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back({figure.parts, figure.opacity}); });
+  const std::vector<OverlayVertex>& vertices = overlay.hulls(figureParts, eye);
+  if (!vertices.empty()) gpu.upload(hullBuffer, vertices);
+  return glCount(vertices.size());
+}
+
+GLsizei Renderer::Impl::uploadInsides(const Scene& scene, const Vec3& eye) {
+  figureParts.clear();
+  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back({figure.parts, figure.opacity}); });
+  const std::vector<OverlayVertex>& vertices = overlay.insides(figureParts, scene.props, eye);
+  if (!vertices.empty()) gpu.upload(insideBuffer, vertices);
+  return glCount(vertices.size());
+}
+
+GLsizei Renderer::Impl::uploadBones(const Scene& scene, const Vec3& eye) {
+  const std::vector<OverlayVertex>* vertices = nullptr;
+  scene.eachFigure([&](const SceneFigure& figure) {
+    if (figure.skeleton == nullptr) return;
+    vertices = vertices == nullptr ? &overlay.bones(*figure.skeleton, figure.worldFromJoint, eye, figure.opacity)
+                                   : &overlay.moreBones(*figure.skeleton, figure.worldFromJoint, eye, figure.opacity);
+  });
+  if (vertices == nullptr || vertices->empty()) return 0;
+  gpu.upload(boneBuffer, *vertices);
+  return glCount(vertices->size());
+}
+
+GLsizei Renderer::Impl::uploadMarkers(std::span<const Contact> contacts) {
+  markers.clear();
+  for (const Contact& contact : contacts) {
+    const Vec3f center = contact.point.cast<float>();
+    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
+      markers.push_back({center, {static_cast<float>(x), static_cast<float>(y)}});
+    }
+  }
+  if (!markers.empty()) gpu.upload(markerBuffer, markers);
+  return glCount(markers.size());
+}
+
+void Renderer::Impl::drawProps(Pass pass) {
+  gl.UseProgram(propProgram[passIndex(pass)]);
+  for (const PropShapeGpu& shape : propShapes) drawPropShape(shape);
+  for (const MeshPropGpu& mesh : meshProps) drawPropShape(mesh.gpu);
+}
+
+void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
+  if (shape.instances.empty()) return;
+  gl.BindVertexArray(shape.vertexArray);
+  gl.DrawElementsInstanced(GL_TRIANGLES, shape.indexCount, GL_UNSIGNED_INT, nullptr, glCount(shape.instances.size()));
+}
+
+/// Draws the shadow casters: the skin, or the hulls if no skin is shown, and the props.
+void Renderer::Impl::drawCasters(Pass pass, GLsizei hullCount) {
+  drawAvatarCasters(pass);
+  gl.PolygonOffset(kCasterSlope, kCasterUnits);
+  for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
+    if (!skin.mesh.closed()) {
+      gl.Disable(GL_CULL_FACE);
+      gl.Enable(GL_POLYGON_OFFSET_FILL);
+    }
+    useSkinProgram(skin, pass);
+    gl.BindVertexArray(skin.vertexArray);
+    gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
+    gl.Disable(GL_POLYGON_OFFSET_FILL);
+    if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
+  }
+  if (skinCount == 0 && shownAvatars.empty() && hullCount > 0) {
+    gl.UseProgram(skinProgram[passIndex(pass)]);
+    gl.BindVertexArray(hullVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
+  }
+  if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
+  drawProps(pass);
+}
+
+/// Draws the proximity to the floor of the lowest surface over each point, blurred in both directions.
+void Renderer::Impl::drawContactShadow(GLsizei hullCount, float contactHalfSide) {
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[0]);
+  gl.Viewport(0, 0, Targets::kContactSize, Targets::kContactSize);
+  gl.ClearColor(0, 0, 0, 0);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ONE);
+  gl.BlendEquation(GL_MAX);
+  drawCasters(Pass::kContact, hullCount);
+  gl.BlendEquation(GL_FUNC_ADD);
+  gl.Disable(GL_BLEND);
+  gl.UseProgram(blurProgram);
+  gl.BindVertexArray(emptyVertexArray);
+  gl.ActiveTexture(GL_TEXTURE0);
+  // The filter's own standard deviation is 1.41 texels; taps more than three texels apart would be visible.
+  const float texel = 2.0f * contactHalfSide / Targets::kContactSize;
+  const float step = std::clamp(kContactSoftness / (1.41f * texel), 1.0f, 3.0f) / Targets::kContactSize;
+  for (const int from : {0, 1}) {
+    gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[1 - from]);
+    gl.BindTexture(GL_TEXTURE_2D, targets.contactMap[from]);
+    gl.Uniform4f(blurStride, from == 0 ? step : 0.0f, from == 0 ? 0.0f : step, 0.0f, 0.0f);
+    gl.DrawArrays(GL_TRIANGLES, 0, 3);
+  }
+}
+
+/// The floor consists of four plain strips around the part that shadows can reach, because shadow map lookups are
+/// costly.
+void Renderer::Impl::drawFloor(const FrameSetup& setup) {
+  const float x = setup.uniforms.floorFade.x(), z = setup.uniforms.floorFade.y(), h = setup.floorHalfSide;
+  const float xs[] = {x - h, setup.shadedMin.x(), setup.shadedMax.x(), x + h};
+  const float zs[] = {z - h, setup.shadedMin.y(), setup.shadedMax.y(), z + h};
+  std::array<Eigen::Vector2f, 30> corners;
+  std::size_t n = 0;
+  const auto rectangle = [&](float x0, float x1, float z0, float z1) {
+    for (const auto& [px, pz] : {std::pair{x0, z0}, {x0, z1}, {x1, z1}, {x0, z0}, {x1, z1}, {x1, z0}}) {
+      corners[n++] = {px, pz};
+    }
+  };
+  rectangle(xs[1], xs[2], zs[1], zs[2]);
+  rectangle(xs[0], xs[3], zs[0], zs[1]);
+  rectangle(xs[0], xs[3], zs[2], zs[3]);
+  rectangle(xs[0], xs[1], zs[1], zs[2]);
+  rectangle(xs[2], xs[3], zs[1], zs[2]);
+  gpu.upload(floorBuffer, corners.data(), sizeof(corners));
+  gl.BindVertexArray(floorVertexArray);
+  gl.UseProgram(nearFloorProgram);
+  gl.DrawArrays(GL_TRIANGLES, 0, 6);
+  gl.UseProgram(farFloorProgram);
+  gl.DrawArrays(GL_TRIANGLES, 6, 24);
+}
+
+void Renderer::Impl::drawFlat(int left, int bottom, int width, int height) {
+  const float sx = 2.0f / static_cast<float>(targets.width), sy = 2.0f / static_cast<float>(targets.height);
+  gl.UseProgram(panelProgram);
+  gl.Uniform4f(panelRectangle, static_cast<float>(left) * sx - 1.0f, static_cast<float>(bottom) * sy - 1.0f,
+               static_cast<float>(left + width) * sx - 1.0f, static_cast<float>(bottom + height) * sy - 1.0f);
+  gl.Disable(GL_DEPTH_TEST);
+  gl.Enable(GL_BLEND);
+  gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  gl.BindVertexArray(emptyVertexArray);
+  gl.DrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+  gl.Disable(GL_BLEND);
+}
+
+/// One texel per pixel.
+void Renderer::Impl::drawPanel(PanelGpu& target, const std::string& whole, bool top) {
+  if (whole.empty()) return;
+  const int lineHeight = std::clamp(targets.height / 34, 12, 48);
+  // A plate is wider than its text by the height of a line, and is half of that away from the side.
+  const std::string text = top ? whole : fittedText(whole, lineHeight, targets.width - 2 * lineHeight);
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, target.texture);
+  if (text != target.text || lineHeight != target.lineHeight) {
+    const Image image = drawTextPanel(text, lineHeight);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width, image.height, 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                  image.rgba.data());
+    target = {target.texture, text, lineHeight, image.width, image.height};
+  }
+  const int margin = lineHeight / 2;
+  drawFlat(margin, top ? targets.height - target.height - margin : margin, target.width, target.height);
+}
+
+void Renderer::Impl::drawInset(const Image& image) {
+  gl.ActiveTexture(GL_TEXTURE0);
+  gl.BindTexture(GL_TEXTURE_2D, insetTexture);
+  gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, image.width, image.height, 0, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+  const int width = targets.width / 4;
+  const int height = width * image.height / image.width;
+  const int margin = std::clamp(targets.height / 34, 12, 48) / 2;
+  drawFlat(targets.width - width - margin, margin, width, height);
+}
+
+}  // namespace lorica

@@ -1,0 +1,100 @@
+#pragma once
+
+#include "acd/decomposition.h"
+#include "collision/live/live_part.h"
+#include "collision/world/world.h"
+#include "geometry/math.h"
+#include "geometry/tri_mesh.h"
+#include "skinning/look/avatar.h"
+#include "skinning/skeleton.h"
+#include "viewer/renderer/image.h"
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// The light on avatars: a key light from above and the left of a figure that faces +Z, and a sky over a ground around
+/// it. Linear RGB; a white surface that faces the key light and is lit by nothing else has its colour.
+struct AvatarLight {
+  Vec3f key{0.98f, 0.95f, 0.90f};
+  Vec3f sky{0.40f, 0.42f, 0.46f};
+  Vec3f ground{0.27f, 0.26f, 0.25f};
+};
+
+/// A figure in a picture, borrowed from the caller.
+struct SceneFigure {
+  std::span<const Vec3> vertices;  ///< posed mesh [m]
+  std::span<const Triangle> triangles;
+  std::span<const PartIndex> partOfTriangle;  ///< for colouring the skin; empty = one colour
+  std::span<const LivePart> parts;            ///< hull overlay
+  const Skeleton* skeleton = nullptr;         ///< drawn as bones with worldFromJoint
+  std::span<const Affine3> worldFromJoint;
+  std::shared_ptr<const Avatar> avatar;       ///< drawn instead of the mesh; null = none
+  std::span<const Affine3> worldFromModel;    ///< of the avatar's joints, see computeWorldFromModel()
+  std::span<const Vec3> avatarPositions;      ///< of the avatar's vertices in the bind pose, changed by an expression
+  std::span<const Vec3f> avatarNormals;       ///< with them; both empty = as in the avatar
+  std::span<const Material> avatarMaterials;  ///< changed by an expression; empty = as in the avatar
+  float opacity = 1.0f;                       ///< 0 to 1: of a surface this share of the pixels is drawn
+};
+
+/// The contents of one picture, borrowed from the caller: a figure, if there is one, and what is around it.
+/// Independent of sessions and files.
+struct Scene : SceneFigure {
+  std::span<const SceneFigure> others;  ///< further figures
+  std::span<const Prop> props;
+  std::span<const Contact> contacts;
+  std::span<const Vec3f> particles;          ///< centres of grains or drops [m]
+  float particleRadius = 0.0f;               ///< of all particles [m]
+  Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all particles, linear RGB: dry sand
+  std::span<const Vec3f> particleColors;     ///< of each particle, linear RGB; empty = `particleColor`
+  const Image* inset = nullptr;  ///< opaque, at the lower right, a quarter of the picture's width; null = none
+  double time = 0.0;             ///< of moving textures [s]
+
+  /// Calls visit(const SceneFigure&) for each figure.
+  template <typename Visit>
+  void eachFigure(const Visit& visit) const {
+    visit(static_cast<const SceneFigure&>(*this));
+    for (const SceneFigure& figure : others) visit(figure);
+  }
+};
+
+/// The layers of a scene that are drawn.
+struct SceneOptions {
+  bool skin = true;
+  bool colorSkinByPart = true;  ///< shows the mesh even if there is an avatar
+  bool hulls = true;            ///< translucent faces with edges
+  bool bones = false;
+  bool props = true;
+  bool contacts = true;
+  bool particles = true;
+  bool ground = true;
+  std::string caption;  ///< one line of text at the lower left; empty = none
+  std::string panel;    ///< lines of text at the upper left; empty = none
+  AvatarLight light;
+  std::optional<Vec3f> background;  ///< sRGB, instead of the sky
+};
+
+struct Camera {
+  Vec3 eye{1.8, 1.6, 3.6};
+  Vec3 target{0.0, 0.95, 0.0};
+  double verticalFov = 0.6;  ///< [rad]
+  /// Where in the picture the target is: from its middle to the right and up, in half widths and half heights.
+  Eigen::Vector2d targetAt = Eigen::Vector2d::Zero();
+};
+
+/// The skin, cut along the borders of the parts, with indices into Session::points(). Used as Scene::triangles and
+/// partOfTriangle, it shows borders along the cuts instead of the mesh's edges.
+struct PartedSkin {
+  std::vector<Triangle> triangles;
+  std::vector<PartIndex> partOfTriangle;
+};
+[[nodiscard]] PartedSkin makePartedSkin(const Decomposition& decomposition);
+
+/// Distinct colour of a part, the same in every picture; linear RGB.
+[[nodiscard]] Vec3f partColor(PartIndex part);
+
+}  // namespace lorica

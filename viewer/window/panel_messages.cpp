@@ -1,0 +1,132 @@
+#include "viewer/window/panel_style.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr ImU32 kPlate = IM_COL32(22, 26, 33, 224);
+constexpr ImU32 kInk = IM_COL32(236, 240, 245, 255);
+constexpr ImU32 kAmber = IM_COL32(255, 190, 84, 255);
+constexpr ImU32 kRed = IM_COL32(235, 78, 70, 255);
+
+constexpr double kDotSeconds = 0.4;
+
+struct HelpLine {
+  const char* keys;
+  const char* what;
+};
+constexpr std::array kHelp = {HelpLine{"left drag", "rotate the camera, or move a prop"},
+                              HelpLine{"right drag", "pan the camera"},
+                              HelpLine{"wheel", "zoom"},
+                              HelpLine{"F", "follow the avatars, or not"},
+                              HelpLine{"F2 F3 F4 F5", "front, side, back, top"},
+                              HelpLine{"R", "reset the camera"},
+                              HelpLine{"click", "follow an avatar; beside it: all"},
+                              HelpLine{"space", "pause, resume"},
+                              HelpLine{"N", "step one frame"},
+                              HelpLine{"left, right", "1 s back, forward"},
+                              HelpLine{"home", "restart"},
+                              HelpLine{"L", "at the end: start again, or go on"},
+                              HelpLine{"- +", "slower, faster"},
+                              HelpLine{"1 2 3 4", "character, hulls, bones, props"},
+                              HelpLine{"5 6 7", "contacts, ground, grains"},
+                              HelpLine{"C", "colour by part"},
+                              HelpLine{"[ ]", "fewer, more parts"},
+                              HelpLine{"E", "next expression"},
+                              HelpLine{"B", "throw a ball"},
+                              HelpLine{"U", "undo the last throw or drag"},
+                              HelpLine{"P", "save a picture; with shift, panels too"},
+                              HelpLine{"V", "start, stop a video"},
+                              HelpLine{"ctrl + -", "larger, smaller text; ctrl 0: usual"},
+                              HelpLine{"drop files", "open them"},
+                              HelpLine{"tab", "show, hide panels"},
+                              HelpLine{"H", "hide this help"},
+                              HelpLine{"esc", "close this help, then the window"}};
+
+/// A message on its own plate, centred horizontally and not over open panels. The next one is placed below.
+void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark) {
+  const float top = layout.ceiling;
+  ImDrawList& list = *ImGui::GetForegroundDrawList();
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  const float pad = layout.of(8.0f), bar = layout.of(4.0f);
+  const float panel = layout.small() || layout.panels.empty() ? 0.0f : layout.of(kWidestPanel) + layout.margin();
+  const float wrap = layout.width - 2.0f * (panel + layout.margin() + pad) - bar;
+  const ImVec2 size = ImGui::CalcTextSize(begin, end, false, wrap);
+  const float left = std::round(0.5f * (layout.width - size.x - 2.0f * pad - bar));
+  const ImVec2 corner(left + size.x + 2.0f * pad + bar, top + size.y + pad);
+  list.AddRectFilled(ImVec2(left, top), corner, kPlate, layout.of(5.0f));
+  if (mark != 0) {
+    list.AddRectFilled(ImVec2(left, top), ImVec2(left + bar, corner.y), mark, layout.of(5.0f),
+                       ImDrawFlags_RoundCornersLeft);
+  }
+  list.AddText(nullptr, 0.0f, ImVec2(left + bar + pad, top + std::round(0.5f * pad)), ink, begin, end, wrap);
+  layout.ceiling = corner.y + layout.of(4.0f);
+}
+
+}  // namespace
+
+void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status) {
+  // Between the panels, or below their titles if there is no space between them.
+  if (layout.small() && !layout.panels.empty()) {
+    layout.ceiling = std::max(layout.ceiling + layout.of(kPanelLine + 12.0f), layout.titles + layout.of(4.0f));
+  }
+  for (const std::string& warning : values.warnings) drawPlate(layout, warning, kAmber, kAmber);
+  if (status.videoSeconds >= 0.0) {
+    drawPlate(layout, fmt::format("video {:.1f} s, V to stop", status.videoSeconds), kInk, kRed);
+  }
+  if (!status.notice.empty()) drawPlate(layout, status.notice, kInk, status.problem ? kRed : 0);
+}
+
+void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests) {
+  const float width = std::min(layout.of(360.0f), layout.width - 2.0f * layout.margin());
+  ImGui::SetNextWindowPos(ImVec2(0.5f * layout.width, layout.ceiling), ImGuiCond_Always, ImVec2(0.5f, 0.0f));
+  ImGui::SetNextWindowSize(ImVec2(width, 0.0f));
+  ImGui::SetNextWindowBgAlpha(0.92f);
+  ImGui::Begin("loading", nullptr, kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
+  ImGui::PushTextWrapPos(0.0f);
+  // Dots that come and go: it is alive where the share stays for a while.
+  const auto dots = static_cast<std::size_t>(ImGui::GetTime() / kDotSeconds) % 4;
+  ImGui::TextUnformatted(fmt::format("{} {}", values.loading, std::string(dots, '.')).c_str());
+  ImGui::PopTextWrapPos();
+  const float button = layout.of(72.0f);
+  const ImVec2 bar(ImGui::GetContentRegionAvail().x - button - ImGui::GetStyle().ItemSpacing.x, 0.0f);
+  ImGui::ProgressBar(static_cast<float>(values.loaded), bar);
+  ImGui::SameLine();
+  if (ImGui::Button("Cancel", ImVec2(button, 0.0f))) requests.cancel = true;
+  notePanel(layout);
+  layout.ceiling = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y + layout.of(4.0f);
+  ImGui::End();
+}
+
+void drawHelp(PanelLayout& layout) {
+  // Below the warnings and above the transport. If that is too small, it covers the transport and scrolls if needed.
+  constexpr float kTitleAndPads = 46.0f;
+  const float line = ImGui::GetTextLineHeightWithSpacing();
+  const float wanted = line * static_cast<float>(kHelp.size()) + layout.of(kTitleAndPads);
+  const float top = layout.ceiling;
+  const float above = layout.panels.empty() ? layout.height - layout.margin() : layout.floor - layout.of(4.0f);
+  const float bottom = wanted <= above - top ? above : layout.height - layout.margin();
+  const float room = std::max(bottom - top, layout.of(40.0f));
+  ImGui::SetNextWindowPos(ImVec2(0.5f * layout.width, 0.5f * (top + bottom)), ImGuiCond_Always, ImVec2(0.5f, 0.5f));
+  ImGui::SetNextWindowSizeConstraints(ImVec2(0.0f, 0.0f), ImVec2(layout.width - 2.0f * layout.margin(), room));
+  ImGui::SetNextWindowBgAlpha(0.92f);
+  ImGui::SetNextWindowFocus();
+  ImGui::Begin("Keys and mouse", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
+  for (const HelpLine& help : kHelp) {
+    ImGui::TextUnformatted(help.keys);
+    ImGui::SameLine(layout.of(120.0f));
+    ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
+    ImGui::TextUnformatted(help.what);
+    ImGui::PopStyleColor();
+  }
+  notePanel(layout);
+  ImGui::End();
+}
+
+}  // namespace lorica

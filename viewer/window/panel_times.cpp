@@ -1,0 +1,104 @@
+#include "viewer/window/panel_parts.h"
+
+#include <imgui.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace lorica {
+namespace {
+
+constexpr std::array<ImU32, TimeGraph::kMaxStages> kStageColors = {
+    IM_COL32(94, 168, 255, 255),  IM_COL32(120, 214, 166, 255), IM_COL32(240, 205, 98, 255),
+    IM_COL32(240, 142, 92, 255),  IM_COL32(214, 122, 200, 255), IM_COL32(150, 150, 240, 255),
+    IM_COL32(170, 190, 200, 255), IM_COL32(210, 100, 110, 255)};
+constexpr ImU32 kLine = IM_COL32(255, 255, 255, 40);
+constexpr ImU32 kFaint = IM_COL32(158, 168, 184, 255);
+
+/// Upper end of the scale [ms]: one of a few values, so that it rarely changes.
+double scaleFor(double milliseconds) {
+  constexpr std::array kScales = {0.5, 1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0};
+  const auto* found = std::find_if(kScales.begin(), kScales.end(), [&](double s) { return milliseconds <= s; });
+  return found == kScales.end() ? 1000.0 : *found;
+}
+
+/// A number at the right edge of the line.
+void rightText(const char* format, double value) {
+  std::array<char, 32> text{};
+  std::snprintf(text.data(), text.size(), format, value);
+  ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::CalcTextSize(text.data()).x);
+  ImGui::TextUnformatted(text.data());
+}
+
+/// One bar per frame, with its stages stacked.
+void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, double scale) {
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const float bar = size.x / TimeGraph::kFrames;
+  const float first = corner.x + bar * static_cast<float>(TimeGraph::kFrames - times.frameCount());
+  for (int f = 0; f < times.frameCount(); ++f) {
+    const float left = first + bar * static_cast<float>(f);
+    double sum = 0.0;
+    float below = corner.y + size.y;
+    for (int s = 0; s < times.stageCount(); ++s) {
+      sum += times.milliseconds(f, s);
+      const float above = corner.y + size.y * (1.0f - static_cast<float>(std::min(sum / scale, 1.0)));
+      list.AddRectFilled(ImVec2(left, above), ImVec2(left + bar, below), kStageColors[s]);
+      below = above;
+    }
+  }
+}
+
+}  // namespace
+
+void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining) {
+  const float margin = layout.margin();
+  const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
+  const float room = layout.rightFloor - 2.0f * margin;
+  if (room < layout.of(40.0f)) return;
+  ImGui::SetNextWindowPos(ImVec2(layout.width - margin, margin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
+  foldAsSizeSays(layout, layout.times);
+  ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
+  const bool open = ImGui::Begin("Frame time", nullptr,
+                                 ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
+  noteFold(layout.times);
+  if (open) {
+    const double scale = scaleFor(times.longest());
+    const ImVec2 corner = ImGui::GetCursorScreenPos();
+    const ImVec2 size(ImGui::GetContentRegionAvail().x, layout.of(64.0f));
+    ImGui::Dummy(size);
+    drawBars(times, corner, size, scale);
+    ImDrawList& list = *ImGui::GetWindowDrawList();
+    list.AddLine(ImVec2(corner.x, corner.y + size.y), ImVec2(corner.x + size.x, corner.y + size.y), kLine);
+    list.AddLine(corner, ImVec2(corner.x + size.x, corner.y), kLine);
+    std::array<char, 32> label{};
+    std::snprintf(label.data(), label.size(), "%g ms", scale);
+    list.AddText(ImVec2(corner.x + layout.of(2.0f), corner.y + layout.of(1.0f)), kFaint, label.data());
+    double total = 0.0;
+    for (int s = times.stageCount() - 1; s >= 0; --s) {  // same order as in the bars, from the top
+      const ImVec2 position = ImGui::GetCursorScreenPos();
+      const float box = layout.of(9.0f), drop = 0.5f * (ImGui::GetTextLineHeight() - box);
+      list.AddRectFilled(ImVec2(position.x, position.y + drop), ImVec2(position.x + box, position.y + drop + box),
+                         kStageColors[s], layout.of(2.0f));
+      ImGui::SetCursorPosX(ImGui::GetCursorPosX() + layout.of(16.0f));
+      ImGui::TextUnformatted(times.name(s));
+      rightText("%.2f ms", times.mean(s));
+      total += times.mean(s);
+    }
+    ImGui::Separator();
+    ImGui::TextUnformatted("total");
+    rightText("%.2f ms", total);
+    ImGui::TextUnformatted("drawing");
+    rightText("%.1f ms", status.pictureMilliseconds);
+    ImGui::TextUnformatted("frames per second");
+    rightText("%.0f", status.picturesASecond);
+    ImGui::TextUnformatted(outsideTraining ? "pose outside training range" : "pose within training range");
+  }
+  notePanel(layout);
+  layout.right = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
+  ImGui::End();
+}
+
+}  // namespace lorica

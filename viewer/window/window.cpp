@@ -1,0 +1,274 @@
+#include "viewer/window/window.h"
+
+#include "viewer/window/display_loss.h"
+#include "viewer/window/first_picture.h"
+#include "viewer/window/window_impl.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+
+namespace lorica {
+namespace {
+
+constexpr std::array<const char*, 3> kQualityNames = {"low", "medium", "high"};
+constexpr std::array<RenderQuality, 3> kQualities = {RenderQuality::kLow, RenderQuality::kMedium, RenderQuality::kHigh};
+constexpr double kCounted = 0.5;  // interval of the displayed statistics [s]
+
+std::string& lastGlfwError() {
+  static std::string text;
+  return text;
+}
+
+void* glfwProc(const char* name) {
+  return reinterpret_cast<void*>(glfwGetProcAddress(name));
+}
+
+Error noDisplay(const std::string& why) {
+  return {ErrorCode::kNoDisplay,
+          fmt::format("no window can be opened ({}): run without --window, or on a desktop with DISPLAY set; "
+                      "snapshots and videos need no display",
+                      why)};
+}
+
+}  // namespace
+
+double secondsNow() {
+  using Clock = std::chrono::steady_clock;
+  static const Clock::time_point start = Clock::now();
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+Window::Impl::~Impl() {
+  if (video) endVideo();
+  panels.reset();  // their objects belong to the window's context
+  renderer.reset();
+  if (window != nullptr) glfwDestroyWindow(window);
+  glfwTerminate();
+}
+
+Window::Window(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Window::~Window() = default;
+Window::Window(Window&&) noexcept = default;
+Window& Window::operator=(Window&&) noexcept = default;
+
+Result<Window> Window::create(const std::string& title, int width, int height) {
+  if (width < 1 || height < 1 || width > 16384 || height > 16384) {
+    return Error{ErrorCode::kInvalidArgument,
+                 fmt::format("window of {} x {} pixels: expected 1 to 16384 each", width, height)};
+  }
+  if (!displayAvailable()) return noDisplay("neither DISPLAY nor WAYLAND_DISPLAY is set");
+  lastGlfwError().clear();
+  glfwSetErrorCallback([](int, const char* text) { lastGlfwError() = text; });
+  if (!glfwInit()) return noDisplay(lastGlfwError().empty() ? "GLFW cannot be initialized" : lastGlfwError());
+  endWithDisplay();
+
+  auto impl = std::make_unique<Impl>();
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MAJOR, 3);
+  glfwWindowHint(GLFW_CONTEXT_VERSION_MINOR, 3);
+  glfwWindowHint(GLFW_OPENGL_PROFILE, GLFW_OPENGL_CORE_PROFILE);
+  glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
+  glfwWindowHint(GLFW_DEPTH_BITS, 0);  // the renderer draws into its own framebuffers
+  glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  impl->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
+  if (impl->window == nullptr) return noDisplay(lastGlfwError());
+  glfwMakeContextCurrent(impl->window);
+  glfwSwapInterval(1);
+  const Result<GlFunctions> functions = loadGlFunctions(glfwProc);
+  if (!functions.ok()) return functions.error();
+  impl->gl = functions.value();
+  // To compile the shaders takes longer than to open the window.
+  glfwGetFramebufferSize(impl->window, &width, &height);
+  drawFirstPicture(impl->gl, width, height);
+  glfwSwapBuffers(impl->window);
+  glfwPollEvents();
+  Result<Renderer> renderer = Renderer::create(glfwProc);
+  if (!renderer.ok()) return renderer.error();
+  impl->renderer.emplace(std::move(renderer).value());
+  Result<WindowPanels> panels = WindowPanels::create(impl->gl);
+  if (!panels.ok()) return panels.error();
+  impl->panels.emplace(std::move(panels).value());
+  impl->lastShow = secondsNow();
+  impl->listen();
+  return Window(std::move(impl));
+}
+
+bool Window::open() const {
+  return !glfwWindowShouldClose(impl_->window);
+}
+
+bool Window::wantsStep() {
+  ControlState& state = impl_->state;
+  if (state.scrubbing) return false;
+  if (!state.paused) {
+    state.steps = 0;
+    return true;
+  }
+  if (state.steps == 0) return false;
+  --state.steps;
+  return true;
+}
+
+bool Window::paused() const {
+  return impl_->state.paused;
+}
+double Window::speed() const {
+  return impl_->state.speed;
+}
+const SceneOptions& Window::shown() const {
+  return impl_->state.show;
+}
+void Window::setShown(const SceneOptions& show) {
+  impl_->state.show = show;
+}
+const WindowChoices& Window::choices() const {
+  return impl_->state.choices;
+}
+void Window::setChoices(const WindowChoices& choices) {
+  impl_->state.choices = choices;
+}
+void Window::setCamera(const Camera& camera) {
+  impl_->camera = OrbitCamera(camera);
+  impl_->followed.reset();
+  impl_->targetAt.reset();
+  impl_->fitted = 0.0;
+  impl_->ownView = false;
+}
+void Window::addTimes(std::span<const TimedStage> stages) {
+  impl_->times.add(stages);
+}
+void Window::notice(std::string sentence, double seconds) {
+  impl_->setNotice(std::move(sentence), seconds);
+}
+void Window::problem(std::string sentence) {
+  impl_->setNotice(std::move(sentence), kNoticeSeconds);
+  impl_->noticeIsProblem = true;
+}
+void Window::setTitle(const std::string& title) {
+  glfwSetWindowTitle(impl_->window, title.c_str());
+}
+Camera Window::camera() const {
+  return impl_->view();
+}
+Ray Window::pointer() const {
+  return impl_->rayThrough(impl_->cursorX, impl_->cursorY);
+}
+WindowRequests Window::takeRequests() {
+  return std::exchange(impl_->requests, {});
+}
+
+bool Window::takeCancel() {
+  WindowRequests requests = takeRequests();
+  impl_->requests.files = std::move(requests.files);
+  return requests.cancel;
+}
+
+void Window::setQuality(std::optional<RenderQuality> quality) {
+  const auto* found = quality ? std::find(kQualities.begin(), kQualities.end(), *quality) : kQualities.end();
+  impl_->state.quality = found == kQualities.end() ? -1 : static_cast<int>(found - kQualities.begin());
+}
+
+void Window::Impl::setNotice(std::string sentence, double seconds) {
+  noticeText = std::move(sentence);
+  noticeUntil = secondsNow() + seconds;
+  noticeIsProblem = false;
+}
+
+void Window::Impl::drawScene(const Scene& scene, int width, int height) {
+  state.show.caption.clear();  // the panels show it
+  state.show.panel.clear();
+  renderer->draw(scene, state.show, view(), width, height);
+}
+
+void Window::Impl::countPicture(double seconds) {
+  const double now = secondsNow();
+  if (count == 0) countBegin = now - seconds;
+  ++count;
+  countSeconds += seconds;
+  if (now - countBegin < kCounted) return;
+  pictureSeconds = countSeconds / count;
+  pictureRate = count / (now - countBegin);
+  count = 0;
+  countSeconds = 0.0;
+}
+
+void Window::Impl::chooseQuality(double seconds) {
+  // The quality does not change during a video. What the user is being told is more important.
+  if (state.quality < 0 && !video && choice.add(seconds, secondsNow()) && secondsNow() >= noticeUntil) {
+    setNotice(fmt::format("drawing a frame takes {:.0f} ms: quality set to {}", 1e3 * seconds,
+                          kQualityNames[choice.level()]));
+  }
+}
+
+void Window::show(const Scene& scene, const WindowValues& values) {
+  Impl& i = *impl_;
+  int width = 0, height = 0;
+  glfwMakeContextCurrent(i.window);
+  glfwGetFramebufferSize(i.window, &width, &height);
+  i.decideDrag(values.holdsProp);
+  i.follow(values.focus);
+  if (width > 0 && height > 0) i.frameFollowed(values, static_cast<double>(width) / height);
+  i.lastValues = values;
+  i.lastValues.scenes = i.lastValues.avatars = i.lastValues.clips = i.lastValues.people = i.lastValues.motions =
+      i.lastValues.recent = {};
+  i.lastValues.expressions = {};
+  i.lastValues.warnings = {};
+  i.lastValues.hits = {};
+  i.lastValues.name = i.lastValues.status = i.lastValues.hint = i.lastValues.loading = {};
+
+  const double begin = secondsNow();
+  const auto level = static_cast<std::size_t>(i.state.quality < 0 ? i.choice.level() : i.state.quality);
+  // While the first session loads, a picture waits for something to see.
+  const bool nothingYet = !values.loading.empty() && scene.vertices.empty();
+  if (width > 0 && height > 0) {           // minimised windows have no pixels
+    if (i.state.picture && !nothingYet) {  // saved at the best quality
+      i.renderer->setQuality(RenderQuality::kHigh);
+      i.drawScene(scene, width, height);
+      i.savePicture(i.renderer->readBack());
+      i.state.picture = false;
+    }
+    if (i.state.video) i.toggleVideo(width, height);
+    i.state.video = false;
+    const double drawing = secondsNow();
+    i.renderer->setQuality(kQualities[level]);
+    i.drawScene(scene, width, height);
+    if (i.video) i.addToVideo(width, height);
+    i.renderer->present(width, height);
+    i.gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+
+    PanelStatus status;
+    status.pictureMilliseconds = 1e3 * i.pictureSeconds;
+    status.picturesASecond = i.pictureRate;
+    status.qualities = kQualityNames;
+    status.quality = static_cast<int>(level);
+    status.videoSeconds = i.video ? begin - i.video->begin : -1.0;
+    if (scene.inset != nullptr && scene.inset->width > 0) {
+      status.insetWidth = 0.25 * width;
+      status.insetHeight = status.insetWidth * scene.inset->height / scene.inset->width;
+    }
+    if (begin < i.noticeUntil) status.notice = i.noticeText;
+    status.problem = i.noticeIsProblem;
+    i.state.scrubbing = false;  // only visible panels can set it
+    i.panels->draw(i.takePanelInput(width, height), values, status, i.times, i.state, i.requests);
+    if (i.state.pictureWithPanels) i.savePicture(readWindow(i.gl, width, height));
+    i.state.pictureWithPanels = false;
+    // The driver may defer its work, which would then be measured as waiting for the display.
+    i.gl.Finish();
+    const double seconds = secondsNow() - drawing;
+    i.countPicture(seconds);
+    i.chooseQuality(seconds);
+    glfwSwapBuffers(i.window);
+  }
+  glfwPollEvents();
+}
+
+bool displayAvailable() {
+  const auto set = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+  };
+  return set("DISPLAY") || set("WAYLAND_DISPLAY");
+}
+
+}  // namespace lorica

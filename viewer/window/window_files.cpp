@@ -1,0 +1,98 @@
+#include "viewer/window/window_impl.h"
+
+#include "viewer/pictures/image_files.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace lorica {
+namespace {
+
+constexpr double kVideoRate = 30.0;  // [1/s]
+
+/// The first unused name of lorica-001, lorica-002 ... in the working directory.
+std::string freeName(const char* extension) {
+  std::string name;
+  for (int i = 1; i <= 999; ++i) {
+    name = fmt::format("lorica-{:03}{}", i, extension);
+    std::error_code error;
+    if (!std::filesystem::exists(name, error)) break;
+  }
+  return name;
+}
+
+/// Encoders accept only even sizes.
+Image croppedToEven(Image image) {
+  const int width = image.width & ~1, height = image.height & ~1;
+  if (width != image.width) {
+    for (int y = 0; y < height; ++y) {
+      const auto from = image.rgba.begin() + static_cast<std::ptrdiff_t>(y) * image.width * 4;
+      std::copy(from, from + static_cast<std::ptrdiff_t>(width) * 4,
+                image.rgba.begin() + static_cast<std::ptrdiff_t>(y) * width * 4);
+    }
+  }
+  image.width = width;
+  image.height = height;
+  image.rgba.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
+  return image;
+}
+
+}  // namespace
+
+Image readWindow(const GlFunctions& gl, int width, int height) {
+  Image image;
+  image.width = width;
+  image.height = height;
+  const auto row = static_cast<std::ptrdiff_t>(width) * 4;
+  image.rgba.resize(static_cast<std::size_t>(row) * static_cast<std::size_t>(height));
+  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
+  for (int top = 0, bottom = height - 1; top < bottom; ++top, --bottom) {
+    std::swap_ranges(image.rgba.begin() + top * row, image.rgba.begin() + (top + 1) * row,
+                     image.rgba.begin() + bottom * row);
+  }
+  for (std::size_t k = 3; k < image.rgba.size(); k += 4) image.rgba[k] = 255;
+  return image;
+}
+
+void Window::Impl::savePicture(const Image& image) {
+  const std::string name = freeName(".png");
+  const Result<void> written = writePng(name, image);
+  setNotice(written.ok() ? "saved " + name : written.error().message);
+}
+
+void Window::Impl::toggleVideo(int width, int height) {
+  if (video) return endVideo();
+  const std::string name = freeName(".mp4");
+  Result<VideoWriter> writer = VideoWriter::create(name, width & ~1, height & ~1, kVideoRate);
+  if (!writer.ok()) return setNotice(writer.error().message);
+  video.emplace(WindowVideo{std::move(writer).value(), name, width, height, secondsNow(), 0});
+}
+
+/// Adds as many frames as the elapsed time requires: late pictures are repeated.
+void Window::Impl::addToVideo(int width, int height) {
+  if (width != video->width || height != video->height) return endVideo();
+  const int due = static_cast<int>(std::floor((secondsNow() - video->begin) * kVideoRate)) + 1;
+  if (video->frames >= due) return;
+  const Image image = croppedToEven(renderer->readBack());
+  while (video->frames < due) {
+    if (Result<void> added = video->writer.add(image); !added.ok()) {
+      setNotice(added.error().message);
+      video.reset();
+      return;
+    }
+    ++video->frames;
+  }
+}
+
+void Window::Impl::endVideo() {
+  const Result<void> written = video->writer.finish();
+  setNotice(written.ok() ? "saved " + video->name : written.error().message);
+  video.reset();
+}
+
+}  // namespace lorica

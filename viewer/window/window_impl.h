@@ -1,0 +1,114 @@
+#pragma once
+
+#include "viewer/pictures/video_writer.h"
+#include "viewer/window/orbit_camera.h"
+#include "viewer/window/quality_choice.h"
+#include "viewer/window/time_graph.h"
+#include "viewer/window/window.h"
+#include "viewer/window/window_panels.h"
+
+#define GLFW_INCLUDE_NONE
+#include <GLFW/glfw3.h>
+
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string>
+
+namespace lorica {
+
+/// Seconds of a monotonic clock since the program's first call.
+[[nodiscard]] double secondsNow();
+
+/// The contents of the window's framebuffer, including panels, before it is presented.
+[[nodiscard]] Image readWindow(const GlFunctions& gl, int width, int height);
+
+/// The video that a window writes: its contents, 30 times per second of real time.
+struct WindowVideo {
+  VideoWriter writer;
+  std::string name;
+  int width = 0, height = 0;  ///< of the window at the start [pixels]
+  double begin = 0.0;         ///< start time [s]
+  int frames = 0;
+};
+
+/// The state of a Window: window.cpp creates it and draws, window_input.cpp handles keys and mouse, window_files.cpp
+/// writes pictures and videos.
+struct Window::Impl {
+  ~Impl();
+
+  void listen();
+  void onKey(int key, int mods);
+  void onControlKey(int key);
+  void onCharacter(unsigned int code);
+  void onCursor(double x, double y);
+  void decideDrag(bool holdsProp);
+  void onButton(int button, bool down);
+  void noteClick(double x, double y);
+  void onWheel(double y);
+  /// Mouse input for the panels; each press is reported at least once.
+  [[nodiscard]] PanelInput takePanelInput(int width, int height);
+  [[nodiscard]] Ray rayThrough(double x, double y) const;
+  void seekBy(double seconds);
+  void follow(const std::optional<Vec3>& focus);
+  void frameFollowed(const WindowValues& values, double aspect);
+  void takeOver();
+  /// The camera as the picture is drawn.
+  [[nodiscard]] Camera view() const;
+
+  void drawScene(const Scene& scene, int width, int height);
+  void countPicture(double seconds);
+  void chooseQuality(double seconds);
+  void savePicture(const Image& image);
+  void toggleVideo(int width, int height);
+  void addToVideo(int width, int height);
+  void endVideo();
+  void setNotice(std::string sentence, double seconds = 3.0);
+
+  GLFWwindow* window = nullptr;
+  GlFunctions gl;
+  std::optional<Renderer> renderer;
+  std::optional<WindowPanels> panels;
+  OrbitCamera camera;
+  std::optional<Vec3> followed;  ///< the focus that the camera has moved with; none = it has not followed yet
+  bool leftFocus = false;        ///< the user chose not to follow since then
+  bool ownView = false;          ///< the user panned or zoomed since then
+  double fitted = 0.0;           ///< distance from the target at which the followed avatars are in view [m]
+  double fittedAt = 0.0;         ///< WindowValues::seconds of that
+  std::optional<Eigen::Vector2d> targetAt;  ///< see Camera; none = in the middle
+  ControlState state;
+  WindowRequests requests;
+  WindowValues lastValues;  ///< numbers only, views are cleared
+  TimeGraph times;
+
+  QualityChoice choice{3};
+  double lastShow = 0.0;  ///< [s]
+  /// Displayed statistics, updated twice per second for readability: time per picture [s], and pictures per second.
+  double pictureSeconds = 0.0, pictureRate = 0.0;
+  double countBegin = 0.0, countSeconds = 0.0;  ///< measurements for the next update [s]
+  int count = 0;
+
+  std::string noticeText;
+  double noticeUntil = 0.0;  ///< [s]
+  bool noticeIsProblem = false;
+  std::optional<WindowVideo> video;
+
+  /// What a drag with a pressed button controls.
+  enum class Drag : std::uint8_t {
+    kNone,
+    kPanel,
+    kUndecided,  ///< until the next show() tells whether a prop is held
+    kCamera,
+    kProp,
+    kPan
+  };
+  Drag drag = Drag::kNone;
+  std::optional<std::array<double, 2>> undecidedEnd;  ///< where the button was released before that was decided
+  double cursorX = 0.0, cursorY = 0.0;                ///< in window coordinates
+  double heldX = 0.0, heldY = 0.0;                    ///< mouse position up to which the camera has followed
+  double pressedX = 0.0, pressedY = 0.0;              ///< where the button was pressed
+  std::array<bool, 2> down{}, pressedSince{};
+  float wheel = 0.0f;
+};
+
+}  // namespace lorica

@@ -1,0 +1,340 @@
+#include "viewer/window/window_impl.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kSeekStep = 1.0;         // of the arrow keys [s]
+constexpr double kPresetElevation = 0.1;  // of the views from the front, the side and the back [rad]
+constexpr double kSpeedStep = 1.25;
+constexpr double kScaleStep = 1.25;     // of text
+constexpr double kClickReach = 4.0;     // a press that moves no farther is a click [screen coordinates]
+constexpr double kAstray = 1.0;         // of a focus from the camera's target, at which the camera goes there [m]
+constexpr double kFilled = 0.92;        // of what panels leave free, by the followed avatars
+constexpr double kNearerSeconds = 3.0;  // in which the camera comes back most of the way [s]
+constexpr double kLongestFrame = 0.5;   // of a session that runs; longer is a jump [s]
+constexpr double kTurnPerHeight = 4.0;  // camera rotation for a drag over the window's height [rad]
+
+void toggle(bool& flag) {
+  flag = !flag;
+}
+
+}  // namespace
+
+void Window::Impl::listen() {
+  glfwSetWindowUserPointer(window, this);
+  static constexpr auto kOf = [](GLFWwindow* w) { return static_cast<Impl*>(glfwGetWindowUserPointer(w)); };
+  glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
+    const bool repeats = key == GLFW_KEY_N || key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT;
+    if (action == GLFW_PRESS || (action == GLFW_REPEAT && repeats)) kOf(w)->onKey(key, mods);
+  });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) { kOf(w)->onCharacter(code); });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { kOf(w)->onCursor(x, y); });
+  glfwSetMouseButtonCallback(
+      window, [](GLFWwindow* w, int button, int action, int) { kOf(w)->onButton(button, action == GLFW_PRESS); });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) { kOf(w)->onWheel(y); });
+  glfwSetDropCallback(window, [](GLFWwindow* w, int fileCount, const char** files) {
+    kOf(w)->requests.files.insert(kOf(w)->requests.files.end(), files, files + fileCount);
+  });
+  glfwGetCursorPos(window, &cursorX, &cursorY);
+}
+
+void Window::Impl::seekBy(double seconds) {
+  if (lastValues.duration <= 0.0) return;
+  // Requests add up that were not handled yet, or that a seek has not reached.
+  const double from = requests.seekTo.value_or(lastValues.seekingTo.value_or(lastValues.seconds));
+  requests.seekTo = std::clamp(from + seconds, 0.0, lastValues.duration);
+}
+
+/// Larger and smaller text.
+void Window::Impl::onControlKey(int key) {
+  double& scale = state.choices.scale;
+  if (key == GLFW_KEY_EQUAL || key == GLFW_KEY_KP_ADD) scale = std::min(scale * kScaleStep, kLargestScale);
+  if (key == GLFW_KEY_MINUS || key == GLFW_KEY_KP_SUBTRACT) scale = std::max(scale / kScaleStep, kSmallestScale);
+  if (key == GLFW_KEY_0) scale = 1.0;
+}
+
+void Window::Impl::onKey(int key, int mods) {
+  if ((mods & GLFW_MOD_CONTROL) != 0) return onControlKey(key);
+  switch (key) {
+    case GLFW_KEY_SPACE:
+      return toggle(state.paused);
+    case GLFW_KEY_N:
+      state.paused = true;
+      ++state.steps;
+      return;
+    case GLFW_KEY_LEFT:
+      return seekBy(-kSeekStep);
+    case GLFW_KEY_RIGHT:
+      return seekBy(kSeekStep);
+    case GLFW_KEY_HOME:
+      if (lastValues.duration > 0.0) requests.seekTo = 0.0;
+      return;
+    case GLFW_KEY_1:
+      return toggle(state.show.skin);
+    case GLFW_KEY_2:
+      return toggle(state.show.hulls);
+    case GLFW_KEY_3:
+      return toggle(state.show.bones);
+    case GLFW_KEY_4:
+      return toggle(state.show.props);
+    case GLFW_KEY_5:
+      return toggle(state.show.contacts);
+    case GLFW_KEY_6:
+      return toggle(state.show.ground);
+    case GLFW_KEY_7:
+      return toggle(state.show.particles);
+    case GLFW_KEY_C:
+      return toggle(state.show.colorSkinByPart);
+    case GLFW_KEY_E:
+      requests.nextExpression = true;
+      return;
+    case GLFW_KEY_B:
+      requests.throwBall = true;
+      return;
+    case GLFW_KEY_P:
+      ((mods & GLFW_MOD_SHIFT) != 0 ? state.pictureWithPanels : state.picture) = true;
+      return;
+    case GLFW_KEY_V:
+      return toggle(state.video);
+    case GLFW_KEY_U:
+      requests.undo = true;
+      return;
+    case GLFW_KEY_L:
+      return toggle(state.choices.loop);
+    case GLFW_KEY_F:
+      return toggle(state.choices.follow);
+    case GLFW_KEY_R:
+      ownView = false;
+      fitted = 0.0;
+      return camera.reset();
+    case GLFW_KEY_F2:
+      return camera.lookFrom(0.0, kPresetElevation);
+    case GLFW_KEY_F3:
+      return camera.lookFrom(0.5 * std::numbers::pi, kPresetElevation);
+    case GLFW_KEY_F4:
+      return camera.lookFrom(std::numbers::pi, kPresetElevation);
+    case GLFW_KEY_F5:
+      return camera.lookFrom(0.0, 0.5 * std::numbers::pi);
+    case GLFW_KEY_TAB:
+      return toggle(state.panels);
+    case GLFW_KEY_H:
+    case GLFW_KEY_F1:
+      return toggle(state.help);
+    case GLFW_KEY_ESCAPE:
+      if (panels->closeList()) return;
+      if (state.help) return toggle(state.help);
+      glfwSetWindowShouldClose(window, GLFW_TRUE);
+      return;
+    default:
+      return;
+  }
+}
+
+/// The camera moves with the focus over the ground, as long as the user wants it. When that begins again, it looks at
+/// the focus.
+void Window::Impl::follow(const std::optional<Vec3>& focus) {
+  if (!state.choices.follow) {
+    leftFocus = true;
+    return;
+  }
+  if (!focus) return;
+  if (!followed) {
+    // A motion may begin far from where the camera looks.
+    Vec3 off = *focus - camera.camera().target;
+    off.y() = 0.0;
+    if (off.norm() > kAstray) camera.carry(off);
+  } else {
+    camera.carry(Vec3(focus->x() - followed->x(), 0.0, focus->z() - followed->z()));
+  }
+  if (leftFocus) {
+    camera.centreOn(*focus);
+    ownView = false;
+  }
+  followed = focus;
+  leftFocus = false;
+}
+
+/// The target comes to the middle of what the panels leave free, and the camera goes back as far as the followed
+/// avatars need to be seen there. It comes near again slowly as the session goes on, and at once after a jump in time:
+/// a picture depends on what is shown, not on when it was drawn.
+void Window::Impl::frameFollowed(const WindowValues& values, double aspect) {
+  if (!values.followed) return;
+  PictureArea area = panels->freeArea();
+  targetAt = area.middle;
+  const double seconds = values.seconds - std::exchange(fittedAt, values.seconds);
+  if (!state.choices.follow || ownView) return;
+  area.half *= kFilled;
+  const double needed = distanceToSee(*values.followed, camera.camera(), area, aspect);
+  const bool jumped = seconds < 0.0 || seconds > kLongestFrame;
+  const double kept = jumped ? 0.0 : std::exp(-seconds / kNearerSeconds);
+  fitted = std::max(needed, needed + kept * (fitted - needed));
+}
+
+/// The user pans or zooms: from what is seen, and from now on without being interfered with.
+void Window::Impl::takeOver() {
+  const Camera now = camera.camera();
+  camera.zoom(std::max(fitted / (now.eye - now.target).norm(), 1.0));
+  fitted = 0.0;
+  ownView = true;
+}
+
+Camera Window::Impl::view() const {
+  Camera view = camera.camera();
+  const Vec3 back = view.eye - view.target;
+  if (fitted > back.norm()) view.eye = view.target + fitted * back.normalized();
+  if (targetAt) view.targetAt = *targetAt;
+  return view;
+}
+
+/// Punctuation keys are handled as typed characters, because keyboard layouts differ.
+void Window::Impl::onCharacter(unsigned int code) {
+  const int parts = requests.parts.value_or(lastValues.parts);
+  switch (code) {
+    case '-':
+      if (lastValues.duration > 0.0) state.speed = std::max(state.speed / kSpeedStep, kSlowest);
+      return;
+    case '+':
+    case '=':
+      if (lastValues.duration > 0.0) state.speed = std::min(state.speed * kSpeedStep, kFastest);
+      return;
+    case '[':
+      if (lastValues.maxParts > 0) requests.parts = std::max(parts - 1, 1);
+      return;
+    case ']':
+      if (lastValues.maxParts > 0) requests.parts = std::min(parts + 1, lastValues.maxParts);
+      return;
+    default:
+      return;
+  }
+}
+
+void Window::Impl::onButton(int button, bool pressed) {
+  if (button != GLFW_MOUSE_BUTTON_LEFT && button != GLFW_MOUSE_BUTTON_RIGHT) return;
+  const bool left = button == GLFW_MOUSE_BUTTON_LEFT;
+  const std::size_t index = left ? 0 : 1;
+  down[index] = pressed;
+  pressedSince[index] = pressedSince[index] || pressed;
+  if (!pressed) {
+    const bool ends = left ? drag != Drag::kPan : drag == Drag::kPan;
+    if (!ends) return;
+    if (drag == Drag::kUndecided) {
+      requests.released = true;
+      undecidedEnd = {cursorX, cursorY};
+      return;
+    }
+    if (drag == Drag::kProp) requests.released = true;
+    if (drag == Drag::kCamera) noteClick(cursorX, cursorY);
+    drag = Drag::kNone;
+    return;
+  }
+  if (drag != Drag::kNone) return;
+  heldX = pressedX = cursorX;
+  heldY = pressedY = cursorY;
+  int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
+  const auto x = static_cast<float>(cursorX * pixelWidth / std::max(width, 1));
+  const auto y = static_cast<float>(cursorY * pixelHeight / std::max(height, 1));
+  if (panels->covers(x, y) || panels->busy()) {
+    drag = Drag::kPanel;
+  } else if (left) {
+    drag = Drag::kUndecided;
+    requests.pressed = rayThrough(cursorX, cursorY);
+  } else {
+    drag = Drag::kPan;
+  }
+}
+
+void Window::Impl::noteClick(double x, double y) {
+  if (std::hypot(x - pressedX, y - pressedY) <= kClickReach) requests.clicked = rayThrough(x, y);
+}
+
+/// Called when the owner has handled the press: the mouse moves the held prop, or otherwise the camera, starting from
+/// where the button was pressed.
+void Window::Impl::decideDrag(bool holdsProp) {
+  if (drag != Drag::kUndecided) return;
+  drag = holdsProp ? Drag::kProp : Drag::kCamera;
+  const std::array<double, 2> now = {cursorX, cursorY};
+  const std::array<double, 2> end = undecidedEnd.value_or(now);
+  onCursor(end[0], end[1]);
+  if (undecidedEnd) {  // already released
+    if (drag == Drag::kCamera) noteClick(end[0], end[1]);
+    drag = Drag::kNone;
+  }
+  undecidedEnd.reset();
+  onCursor(now[0], now[1]);
+}
+
+void Window::Impl::onCursor(double x, double y) {
+  cursorX = x;
+  cursorY = y;
+  if (drag != Drag::kCamera && drag != Drag::kPan) return;
+  // Cursor and window size are both in screen coordinates, which may differ from pixels.
+  int width = 1, height = 1;
+  glfwGetWindowSize(window, &width, &height);
+  const double dx = (x - heldX) / std::max(height, 1);
+  const double dy = (y - heldY) / std::max(height, 1);
+  heldX = x;
+  heldY = y;
+  if (drag == Drag::kCamera) {
+    camera.turn(-kTurnPerHeight * dx, kTurnPerHeight * dy);
+  } else {
+    takeOver();
+    camera.pan(-dx, dy);
+  }
+}
+
+void Window::Impl::onWheel(double y) {
+  int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
+  const auto px = static_cast<float>(cursorX * pixelWidth / std::max(width, 1));
+  const auto py = static_cast<float>(cursorY * pixelHeight / std::max(height, 1));
+  if (panels->covers(px, py) || panels->busy()) {
+    wheel += static_cast<float>(y);
+  } else {
+    takeOver();
+    camera.zoom(std::pow(0.9, y));
+  }
+}
+
+PanelInput Window::Impl::takePanelInput(int width, int height) {
+  PanelInput input;
+  int windowWidth = 1, windowHeight = 1;
+  glfwGetWindowSize(window, &windowWidth, &windowHeight);
+  float scaleX = 1.0f, scaleY = 1.0f;
+  glfwGetWindowContentScale(window, &scaleX, &scaleY);
+  input.width = width;
+  input.height = height;
+  input.scale = std::max(scaleX, scaleY) * static_cast<float>(state.choices.scale);
+  input.x = static_cast<float>(cursorX * width / std::max(windowWidth, 1));
+  input.y = static_cast<float>(cursorY * height / std::max(windowHeight, 1));
+  // A button that was pressed over the scene is not down for the panels.
+  const bool theirs = drag == Drag::kPanel || drag == Drag::kNone;
+  for (std::size_t b = 0; b < down.size(); ++b) input.down[b] = theirs && (down[b] || pressedSince[b]);
+  pressedSince = {};
+  input.wheel = std::exchange(wheel, 0.0f);
+  input.seconds = static_cast<float>(secondsNow() - std::exchange(lastShow, secondsNow()));
+  return input;
+}
+
+/// The inverse of the renderer's camera projection.
+Ray Window::Impl::rayThrough(double x, double y) const {
+  int width = 1, height = 1;
+  glfwGetWindowSize(window, &width, &height);
+  const Camera now = view();
+  const Vec3 forward = (now.target - now.eye).normalized();
+  const Vec3 right = forward.cross(Vec3::UnitY()).normalized();
+  const Vec3 up = right.cross(forward);
+  const double half = std::tan(0.5 * now.verticalFov);
+  const double across = (2.0 * x / std::max(width, 1) - 1.0 - now.targetAt.x()) * half * width / std::max(height, 1);
+  const double upward = (1.0 - 2.0 * y / std::max(height, 1) - now.targetAt.y()) * half;
+  return {now.eye, (forward + across * right + upward * up).normalized()};
+}
+
+}  // namespace lorica

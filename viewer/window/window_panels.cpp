@@ -1,0 +1,123 @@
+#include "viewer/window/window_panels.h"
+
+#include "viewer/window/panel_font.h"
+#include "viewer/window/panel_parts.h"
+
+#include <imgui.h>
+#include <imgui_internal.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace lorica {
+
+struct WindowPanels::Impl {
+  explicit Impl(const GlFunctions& functions) : drawer(functions) {}
+  ~Impl() {
+    if (context != nullptr) ImGui::DestroyContext(context);
+  }
+
+  void takeInput(const PanelInput& input);
+  void takeScale(float scale);
+  void noteFreeArea(const PanelStatus& status);
+
+  ImguiDraw drawer;
+  ImGuiContext* context = nullptr;
+  float scale = 0.0f;  // of the current font and style
+  PanelLayout layout;
+};
+
+void WindowPanels::Impl::takeScale(float wanted) {
+  // Font sizes are whole pixels, so tiny changes have no effect.
+  const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.5f, 8.0f);
+  if (rounded == scale) return;
+  scale = rounded;
+  layout.unit = scale;
+  fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)));
+  drawer.takeFont(*ImGui::GetIO().Fonts);
+  setPanelStyle(scale);
+}
+
+void WindowPanels::Impl::takeInput(const PanelInput& input) {
+  ImGuiIO& io = ImGui::GetIO();
+  io.DisplaySize = ImVec2(static_cast<float>(input.width), static_cast<float>(input.height));
+  io.DeltaTime = std::clamp(input.seconds, 1e-4f, 0.25f);
+  io.MousePos = ImVec2(input.x, input.y);
+  io.MouseDown[0] = input.down[0];
+  io.MouseDown[1] = input.down[1];
+  io.MouseWheel = input.wheel;
+}
+
+void WindowPanels::Impl::noteFreeArea(const PanelStatus& status) {
+  std::vector<PixelArea>& taken = layout.panels;
+  const auto insetWidth = static_cast<float>(status.insetWidth), insetHeight = static_cast<float>(status.insetHeight);
+  const bool inset = insetWidth > 0.0f;
+  if (inset) taken.push_back({layout.width - insetWidth, layout.height - insetHeight, layout.width, layout.height});
+  layout.free = lorica::freeArea(layout.width, layout.height, taken);
+  if (inset) taken.pop_back();  // it takes no input
+}
+
+WindowPanels::WindowPanels(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+WindowPanels::~WindowPanels() = default;
+WindowPanels::WindowPanels(WindowPanels&&) noexcept = default;
+WindowPanels& WindowPanels::operator=(WindowPanels&&) noexcept = default;
+
+Result<WindowPanels> WindowPanels::create(const GlFunctions& functions) {
+  auto impl = std::make_unique<Impl>(functions);
+  if (Result<void> made = impl->drawer.create(); !made.ok()) return made.error();
+  impl->context = ImGui::CreateContext();
+  ImGui::SetCurrentContext(impl->context);
+  ImGuiIO& io = ImGui::GetIO();
+  io.IniFilename = nullptr;  // do not write a settings file
+  io.LogFilename = nullptr;
+  io.ConfigWindowsMoveFromTitleBarOnly = true;
+  io.BackendPlatformName = io.BackendRendererName = "lorica";
+  return WindowPanels(std::move(impl));
+}
+
+void WindowPanels::draw(const PanelInput& input, const WindowValues& values, const PanelStatus& status,
+                        const TimeGraph& times, ControlState& state, WindowRequests& requests) {
+  Impl& i = *impl_;
+  ImGui::SetCurrentContext(i.context);
+  i.takeScale(input.scale);
+  i.takeInput(input);
+  ImGui::NewFrame();
+  i.layout.begin(static_cast<float>(input.width), static_cast<float>(input.height));
+  if (state.panels) {
+    drawTransport(i.layout, values, status, state, requests);
+    drawViewPanel(i.layout, values, status, state, requests);
+    drawTimesPanel(i.layout, status, times, values.outsideTraining);
+    drawMotionPanel(i.layout, values, state, requests);
+    drawHitsPanel(i.layout, values);
+  }
+  i.noteFreeArea(status);
+  if (!values.loading.empty()) drawLoading(i.layout, values, requests);  // stays where it is: its button is clicked
+  drawWarnings(i.layout, values, status);
+  if (state.help) drawHelp(i.layout);
+  ImGui::Render();
+  i.drawer.draw(*ImGui::GetDrawData(), input.width, input.height);
+}
+
+bool WindowPanels::covers(float x, float y) const {
+  return std::any_of(impl_->layout.panels.begin(), impl_->layout.panels.end(),
+                     [&](const PixelArea& a) { return x >= a.left && x < a.right && y >= a.top && y < a.bottom; });
+}
+
+const PictureArea& WindowPanels::freeArea() const {
+  return impl_->layout.free;
+}
+
+bool WindowPanels::busy() const {
+  ImGui::SetCurrentContext(impl_->context);
+  return ImGui::IsAnyItemActive() || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
+}
+
+bool WindowPanels::closeList() {
+  ImGui::SetCurrentContext(impl_->context);
+  if (!ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return false;
+  ImGui::ClosePopupToLevel(0, false);
+  return true;
+}
+
+}  // namespace lorica

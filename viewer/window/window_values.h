@@ -1,0 +1,129 @@
+#pragma once
+
+#include "collision/world/world.h"
+#include "viewer/renderer/scene.h"
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A stage of a frame and its time.
+struct TimedStage {
+  const char* name = "";  ///< with static storage duration
+  double milliseconds = 0.0;
+};
+
+/// A gravity that the user may choose.
+struct GravityChoice {
+  const char* name = "";
+  double factor = 1.0;  ///< times that of the scene
+};
+inline constexpr std::array<GravityChoice, 4> kGravities = {
+    {{"none", 0.0}, {"moon", 1.0 / 6.0}, {"usual", 1.0}, {"double", 2.0}}};
+
+/// A smoothing of tracked joints that the user may choose.
+struct SmoothingChoice {
+  const char* name = "";
+  double minCutoff = 0.0;  ///< see OneEuroSettings [Hz]; 0 = no smoothing
+};
+inline constexpr std::array<SmoothingChoice, 4> kSmoothings = {
+    {{"off", 0.0}, {"light", 3.0}, {"medium", 1.5}, {"strong", 0.75}}};
+/// WindowChoices::smoothing: the filter of the command line.
+inline constexpr int kSmoothingAsGiven = -1;
+
+/// How the motion and the world are treated in a window.
+struct WindowTreatment {
+  bool mirror = false;
+  int smoothing = 0;  ///< index of kSmoothings or kSmoothingAsGiven
+  int gravity = 2;    ///< index of kGravities
+
+  [[nodiscard]] bool operator==(const WindowTreatment&) const = default;
+};
+
+/// What the user chose and keeps from one session to the next.
+struct WindowChoices {
+  bool loop = true;    ///< at the end of a recording it starts again; else the world goes on and the avatar stands
+  bool follow = true;  ///< the camera moves with WindowValues::focus
+  double scale = 1.0;  ///< of text and panels, times the system's; kSmallestScale to kLargestScale
+  WindowTreatment treatment;
+
+  [[nodiscard]] bool operator==(const WindowChoices&) const = default;
+};
+
+inline constexpr double kSmallestScale = 0.5, kLargestScale = 4.0;
+
+/// A target and how often it was hit.
+struct TargetScore {
+  std::string name;
+  int hits = 0;
+};
+
+/// Values for the panels of a window, borrowed while they are drawn. Independent of sessions and files.
+struct WindowValues {
+  std::string_view name;                     ///< of the played motion
+  std::string_view status;                   ///< one line of status
+  double seconds = 0.0;                      ///< since the first frame [s]
+  std::optional<double> seekingTo;           ///< the time that the recording runs to without pictures [s]
+  double duration = 0.0;                     ///< of a recording [s]; 0 = live, without timeline and speed
+  bool ended = false;                        ///< there are no more frames
+  int parts = 0;                             ///< of the body
+  int maxParts = 0;                          ///< at the finest level of detail; 0 = no choice
+  bool preparingParts = false;               ///< another level of detail is being computed
+  std::span<const std::string> scenes;       ///< to choose from; empty = none
+  int scene = 0;                             ///< index of the current scene
+  std::span<const std::string> expressions;  ///< of the avatar's face, to choose from; empty = none
+  int expression = -1;                       ///< index of the one that was chosen here; -1 = none
+  std::span<const std::string> warnings;     ///< messages
+  bool outsideTraining = false;              ///< the pose is outside the training range of the hulls
+  bool holdsProp = false;                    ///< the mouse moves a prop instead of the camera
+  std::optional<Vec3> focus = {};            ///< what a following camera moves with [m]
+  std::optional<Aabb> followed = {};         ///< whom a following camera keeps in view, between the panels [m]
+  std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
+  int avatar = -1;                           ///< index of the followed one; -1 = all
+  std::span<const std::string> motions;      ///< that can be opened by name; empty = none
+  int motion = -1;                           ///< index of the played one; -1 = another
+  std::span<const std::string> clips;        ///< of the played file; empty = no choice
+  int clip = 0;                              ///< index of the played one
+  std::span<const std::string> people;       ///< of the played recording; empty = no choice
+  int person = -1;                           ///< index of the one who is followed; -1 = everyone
+  bool everyone = false;                     ///< everyone can be chosen
+  std::span<const std::string> recent;       ///< files that were opened, to be opened again; empty = none
+  std::string_view hint;                     ///< what may be dropped on the window; empty = nothing is said
+  std::string_view loading;                  ///< what is loaded meanwhile; empty = nothing
+  double loaded = 0.0;                       ///< share of it that is done
+  std::span<const TargetScore> hits;         ///< of the scene's targets; empty = it has none
+  bool treatable = false;                    ///< there is a choice of mirror, smoothing and gravity
+  double smoothingDelay = -1.0;              ///< as measured [s]; below 0 = no smoothing
+  // Why something cannot be done; empty = it can be done. With static storage duration.
+  std::string_view noMirror;
+  std::string_view noSmoothing;
+  std::string_view noGravity;
+  std::string_view noThrow;
+  std::string_view noUndo;
+  std::string_view noLoop;
+};
+
+/// Requests of the user since the last call, except those that the window handles itself.
+struct WindowRequests {
+  std::optional<double> seekTo;    ///< this time of the recording [s]
+  std::optional<int> parts;        ///< another level of detail
+  std::optional<int> scene;        ///< another of WindowValues::scenes
+  std::optional<int> expression;   ///< another of WindowValues::expressions, or -1 = none
+  bool nextExpression = false;     ///< the one after the current one; after the last none
+  std::optional<int> avatar;       ///< follow another of WindowValues::avatars, or -1 = all
+  std::optional<int> clip;         ///< another of WindowValues::clips
+  std::optional<int> person;       ///< another of WindowValues::people, or -1 = everyone
+  std::vector<std::string> files;  ///< open these, which were dropped on the window
+  bool cancel = false;             ///< what is loading
+  bool throwBall = false;
+  bool undo = false;           ///< take back what was thrown or dragged last
+  std::optional<Ray> clicked;  ///< the left button was pressed and released at one place, not on a held prop
+  std::optional<Ray> pressed;  ///< the left button was pressed outside the panels
+  bool released = false;       ///< the left button was released
+};
+
+}  // namespace lorica
