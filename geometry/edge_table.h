@@ -13,7 +13,7 @@
 namespace lorica {
 
 /// One side of a triangle, stored under the smaller of its two vertex indices.
-struct Side {
+struct TriangleSide {
   VertexIndex larger;
   std::int32_t triangle;
   bool ascending;  ///< the triangle runs from the smaller vertex to the larger
@@ -44,8 +44,8 @@ class EdgeTable {
   template <typename Visit>
   void forEachEdge(Visit&& visit) {
     for (std::size_t v = 0; v + 1 < begin_.size(); ++v) {
-      const std::span<Side> fan(sides_.data() + begin_[v], begin_[v + 1] - begin_[v]);
-      std::sort(fan.begin(), fan.end(), [](const Side& a, const Side& b) {
+      const std::span<TriangleSide> fan(sides_.data() + begin_[v], begin_[v + 1] - begin_[v]);
+      std::sort(fan.begin(), fan.end(), [](const TriangleSide& a, const TriangleSide& b) {
         return a.larger != b.larger ? a.larger < b.larger : a.triangle < b.triangle;
       });
       for (std::size_t from = 0; from < fan.size();) {
@@ -59,7 +59,7 @@ class EdgeTable {
 
  private:
   std::vector<std::size_t> begin_;  ///< sides with smaller vertex v: begin_[v] to begin_[v + 1]
-  std::vector<Side> sides_;
+  std::vector<TriangleSide> sides_;
 };
 
 }  // namespace lorica

@@ -85,7 +85,7 @@ MeshPieces findPieces(const TriMesh& mesh) {
   MeshPieces pieces;
   std::vector<Neighbours> across(count);
   std::vector<bool> border(count, false);
-  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex, std::span<const Side> sides) {
+  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex, std::span<const TriangleSide> sides) {
     if (sides.size() == 1) {
       ++pieces.openEdges;
       border[sides[0].triangle] = true;

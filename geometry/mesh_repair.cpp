@@ -87,13 +87,13 @@ class Repairer {
     std::vector<std::array<std::size_t, 3>> edges(triangles().size());
     std::vector<bool> nonManifold(triangles().size(), false);
     EdgeTable table(input_.vertices.size(), triangles());
-    table.forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
-      for (const Side& s : sides) {
+    table.forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
+      for (const TriangleSide& s : sides) {
         const auto t = static_cast<std::size_t>(s.triangle);
         edges[t][edgeOf(triangles()[t], s.ascending ? v : s.larger, s.ascending ? s.larger : v)] = excess.size();
         if (sides.size() > 2) nonManifold[t] = true;
       }
-      const auto upward = std::count_if(sides.begin(), sides.end(), [](const Side& s) { return s.ascending; });
+      const auto upward = std::count_if(sides.begin(), sides.end(), [](const TriangleSide& s) { return s.ascending; });
       excess.push_back(static_cast<int>(2 * upward - std::ssize(sides)));
     });
     const auto directionOf = [&](std::size_t t, std::size_t e) {
@@ -152,9 +152,9 @@ class Repairer {
     std::iota(fan_.begin(), fan_.end(), std::size_t{0});
     bool closed = true;
     EdgeTable table(input_.vertices.size(), triangles());
-    table.forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
+    table.forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
       const VertexIndex w = sides[0].larger;
-      const auto upward = std::count_if(sides.begin(), sides.end(), [](const Side& s) { return s.ascending; });
+      const auto upward = std::count_if(sides.begin(), sides.end(), [](const TriangleSide& s) { return s.ascending; });
       if (2 * upward != std::ssize(sides)) {
         closed = false;
         return;
@@ -198,7 +198,8 @@ class Repairer {
 
   // A counter-clockwise sweep about v -> w leaves the solid at a triangle that runs v -> w and enters it at a triangle
   // that runs w -> v. Entries and exits are matched like nested brackets; each pair bounds one wedge of solid.
-  [[nodiscard]] std::vector<Seam> pairedByAngle(VertexIndex v, VertexIndex w, std::span<const Side> sides) const {
+  [[nodiscard]] std::vector<Seam> pairedByAngle(VertexIndex v, VertexIndex w,
+                                                std::span<const TriangleSide> sides) const {
     const Vec3& origin = vertex(v);
     const Vec3 axis = vertex(w) - origin;
     const bool hasDirection = axis.squaredNorm() > 0.0;
@@ -206,11 +207,11 @@ class Repairer {
     const Vec3 y = hasDirection ? Vec3(axis.normalized().cross(x)) : Vec3::Zero();
     struct Leaf {
       double angle;
-      Side side;
+      TriangleSide side;
     };
     std::vector<Leaf> leaves;
     leaves.reserve(sides.size());
-    for (const Side& s : sides) {
+    for (const TriangleSide& s : sides) {
       Vec3 apex = origin;
       for (const VertexIndex corner : repair_.mesh.triangles[s.triangle]) {
         if (corner != v && corner != w) apex = vertex(corner);
@@ -235,7 +236,7 @@ class Repairer {
     seams.reserve(sides.size() / 2);
     std::vector<std::int32_t> entered;
     for (std::size_t i = 0; i < leaves.size(); ++i) {
-      const Side& s = leaves[(start + i) % leaves.size()].side;
+      const TriangleSide& s = leaves[(start + i) % leaves.size()].side;
       if (s.ascending) {
         LORICA_CHECK(!entered.empty(), "after the position of minimum depth, every exit must have an entry");
         seams.push_back({s.triangle, entered.back()});

@@ -23,9 +23,9 @@ struct HalfEdge {
 std::optional<std::vector<HalfEdge>> missingHalfEdges(const TriMesh& mesh) {
   std::vector<HalfEdge> missing;
   bool simple = true;
-  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
+  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
     int excess = 0;  // of triangles that run v -> larger
-    for (const Side& s : sides) excess += s.ascending ? 1 : -1;
+    for (const TriangleSide& s : sides) excess += s.ascending ? 1 : -1;
     if (excess == 0) return;
     simple = simple && std::abs(excess) == 1;
     if (excess > 0) {

@@ -25,7 +25,7 @@ std::string suchEdges(std::size_t count) {
 }
 
 /// "17, 20, 31", truncated after five.
-std::string triangleList(std::span<const Side> sides) {
+std::string triangleList(std::span<const TriangleSide> sides) {
   std::string list;
   for (std::size_t i = 0; i < std::min<std::size_t>(sides.size(), 5); ++i) {
     list += fmt::format("{}{}", i == 0 ? "" : ", ", sides[i].triangle);
@@ -82,10 +82,10 @@ Result<void> checkEdges(const TriMesh& mesh) {
   Fault nonManifold;
   Fault turned;
   bool balanced = true;  // along each edge, equally many triangles run in both directions
-  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const Side> sides) {
+  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
     if (sides.size() == 2 && sides[0].ascending != sides[1].ascending) return;
     const VertexIndex w = sides[0].larger;
-    const auto upward = std::count_if(sides.begin(), sides.end(), [](const Side& s) { return s.ascending; });
+    const auto upward = std::count_if(sides.begin(), sides.end(), [](const TriangleSide& s) { return s.ascending; });
     balanced &= 2 * upward == std::ssize(sides);
     if (sides.size() == 1) {
       if (open.count++ == 0) {
@@ -234,7 +234,7 @@ Components connectedComponents(std::size_t vertexCount, std::span<const Triangle
 
 std::size_t openEdgeCount(const TriMesh& mesh) {
   std::size_t count = 0;
-  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex, std::span<const Side> sides) {
+  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex, std::span<const TriangleSide> sides) {
     if (sides.size() == 1) ++count;
   });
   return count;

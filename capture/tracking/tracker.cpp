@@ -1,8 +1,8 @@
 #include "capture/tracking/tracker.h"
 
-#include "capture/tracking/body_belief.h"
-#include "capture/tracking/people.h"
-#include "capture/tracking/person_fit.h"
+#include "capture/tracking/fit/body_belief.h"
+#include "capture/tracking/fit/person_fit.h"
+#include "capture/tracking/people/people.h"
 
 #include <fmt/format.h>
 

@@ -54,7 +54,7 @@ using Ints = hn::RebindToSigned<Floats>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
 
 /// Three coordinates of as many points as there are lanes.
-struct Rows {
+struct Points {
   Float x, y, z;
 };
 
@@ -72,7 +72,7 @@ HWY_INLINE hn::Vec<D> blocksOfRows(D d, const PointRow* points, const std::int32
 }
 
 // Lane i is the point ids[i * stride].
-HWY_INLINE Rows rowsOf(const PointRow* points, const std::int32_t* ids, int stride) {
+HWY_INLINE Points rowsOf(const PointRow* points, const std::int32_t* ids, int stride) {
   const Floats f;
   const hn::RepartitionToWide<Floats> pairs;
   const auto p0 = blocksOfRows(f, points, ids, stride);
@@ -88,17 +88,17 @@ HWY_INLINE Rows rowsOf(const PointRow* points, const std::int32_t* ids, int stri
           hn::BitCast(f, hn::InterleaveLower(pairs, zw01, zw23))};
 }
 
-HWY_INLINE Rows operator-(const Rows& a, const Rows& b) {
+HWY_INLINE Points operator-(const Points& a, const Points& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
 
 /// A cross product, and for each coordinate the sum of the absolute values of its two products.
 struct Cross {
-  Rows value;
-  Rows size;
+  Points value;
+  Points size;
 };
 
-HWY_INLINE Cross cross(const Rows& u, const Rows& v) {
+HWY_INLINE Cross cross(const Points& u, const Points& v) {
   const Float yz = hn::Mul(u.y, v.z), zy = hn::Mul(u.z, v.y);
   const Float zx = hn::Mul(u.z, v.x), xz = hn::Mul(u.x, v.z);
   const Float xy = hn::Mul(u.x, v.y), yx = hn::Mul(u.y, v.x);
@@ -115,7 +115,7 @@ struct Bounded {
 // With unit roundoff e = 2^-24 and exact factors u, v, w: products and their difference add up to 2 e of the absolute
 // sum to a coordinate of the normal; the product with w and two sums add 3 e more. The e^2 terms and the rounding of
 // the absolute sum itself are far below the remaining one e of the 6.
-HWY_INLINE Bounded dot(const Cross& n, const Rows& w) {
+HWY_INLINE Bounded dot(const Cross& n, const Points& w) {
   const Floats f;
   const Float size =
       hn::MulAdd(n.size.x, hn::Abs(w.x), hn::MulAdd(n.size.y, hn::Abs(w.y), hn::Mul(n.size.z, hn::Abs(w.z))));
@@ -142,9 +142,9 @@ int doubtfulFaces(const PointRow* points, const Triangle* faces, const VertexInd
   int found = 0;
   for (int first = 0; first < count; first += kLanes) {
     const std::int32_t* ids = faces[first].data();
-    const Rows a = rowsOf(points, ids, 3);
-    const Rows b = rowsOf(points, ids + 1, 3);
-    const Rows c = rowsOf(points, ids + 2, 3);
+    const Points a = rowsOf(points, ids, 3);
+    const Points b = rowsOf(points, ids + 1, 3);
+    const Points c = rowsOf(points, ids + 2, 3);
     const Cross normal = cross(b - a, c - a);
     auto doubt = bitWhereNot(surelyAbove(dot(normal, a)), kMayBeTurned);
     // z of a x b and so on: rounding preserves the order of two products.
@@ -154,7 +154,7 @@ int doubtfulFaces(const PointRow* points, const Triangle* faces, const VertexInd
     doubt = hn::Or(doubt, bitWhereNot(hn::Not(pierced), kMayBePierced));
     const std::int32_t* across = opposites + 3 * first;
     for (int edge = 0; edge < 3; ++edge) {
-      const Rows opposite = rowsOf(points, across + edge, 3);
+      const Points opposite = rowsOf(points, across + edge, 3);
       doubt = hn::Or(doubt, bitWhereNot(surelyBelow(dot(normal, opposite - a)), kEdgeMayBeConcave << edge));
     }
     if (hn::AllTrue(n, hn::Eq(doubt, hn::Zero(n)))) continue;
@@ -173,10 +173,10 @@ int doubtfulCertificates(const PointRow* points, const HullCertificate* certific
   int found = 0;
   for (int first = 0; first < count; first += kLanes) {
     const std::int32_t* ids = &certificates[first].a;
-    const Rows a = rowsOf(points, ids, 4);
-    const Rows b = rowsOf(points, ids + 1, 4);
-    const Rows c = rowsOf(points, ids + 2, 4);
-    const Rows p = rowsOf(points, ids + 3, 4);
+    const Points a = rowsOf(points, ids, 4);
+    const Points b = rowsOf(points, ids + 1, 4);
+    const Points c = rowsOf(points, ids + 2, 4);
+    const Points p = rowsOf(points, ids + 3, 4);
     // Within the cone of a, b, c, by det(a, b, p), det(c, a, p) and det(b, c, p), and below their plane.
     const Cross pa = cross(p, a);
     const auto beside = hn::And(surelyAbove(dot(pa, b)), surelyBelow(dot(pa, c)));
@@ -195,7 +195,7 @@ int doubtfulCertificates(const PointRow* points, const HullCertificate* certific
 }
 
 // Lane sums over faces whose numbers are equal modulo kPassWidth, for any vector width.
-HWY_INLINE void addDeterminants(const Rows& a, const Rows& ab, const Rows& ac, bool upper, double* sums) {
+HWY_INLINE void addDeterminants(const Points& a, const Points& ab, const Points& ac, bool upper, double* sums) {
   const hn::Rebind<double, hn::Half<Floats> > d;
   const hn::Half<Floats> h;
   const auto wide = [&](Float v)
@@ -215,9 +215,9 @@ double sumDeterminants(const PointRow* points, const Triangle* faces, int count)
   int first = 0;
   for (; first + kLanes <= count; first += kLanes) {
     const std::int32_t* ids = faces[first].data();
-    const Rows a = rowsOf(points, ids, 3);
-    const Rows b = rowsOf(points, ids + 1, 3);
-    const Rows c = rowsOf(points, ids + 2, 3);
+    const Points a = rowsOf(points, ids, 3);
+    const Points b = rowsOf(points, ids + 1, 3);
+    const Points c = rowsOf(points, ids + 2, 3);
     double* here = sums.data() + first % kPassWidth;
     addDeterminants(a, b - a, c - a, false, here);
     addDeterminants(a, b - a, c - a, true, here);

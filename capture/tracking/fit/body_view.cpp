@@ -1,0 +1,372 @@
+#include "capture/tracking/fit/body_view.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace lorica::fit {
+namespace {
+
+constexpr int kMargin = 14;           ///< around the person [blocks]
+constexpr float kLayer = 0.06F;       ///< depths this far behind a block's nearest one belong to another layer [m]
+constexpr float kNormalStep = 0.07F;  ///< neighbours that differ by more in depth belong to another surface [m]
+constexpr int kCutBlocks = 6;         ///< blocks at the image border for the person to count as cut off
+constexpr std::size_t kMaxPoints = 4000;
+constexpr std::size_t kLowShare = 100;  ///< one of so many points may lie below the ground that the others show
+constexpr float kLowMargin = 0.02F;     ///< from the lowest points seen down to the ground [m]
+
+constexpr float kFarBlocks = 1e6F;
+constexpr float kOccluderGap = 0.15F;  ///< something nearer than the person beside it by this much may hide more [m]
+constexpr int kOccluderBlocks = 3;     ///< of the eight around a block of something that hides the person
+constexpr float kAboveFloor = 0.10F;   ///< what is lower may be the floor [m]
+
+enum Kind : std::uint8_t { kElse, kPerson, kUnknown, kNearer, kOccluder };
+
+/// Rank of a cell in an 8 x 8 ordered dither (Bayer 1973): every prefix is evenly distributed.
+int bayerRank(int x, int y) {
+  int rank = 0;
+  for (int bit = 0; bit < 3; ++bit) {
+    const int a = (x >> bit) & 1;
+    const int b = (y >> bit) & 1;
+    rank = rank * 4 + ((a ^ b) * 2 + b);
+  }
+  return rank;
+}
+
+}  // namespace
+
+BodyView::BodyView(const DepthCamera& camera)
+    : camera_(camera),
+      block_(camera.width < 400 ? 2 : 4),
+      focalX_(static_cast<float>(camera.focalX())),
+      focalY_(static_cast<float>(camera.focalY())),
+      columns_(camera.width / block_),
+      rows_(camera.height / block_) {
+  const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  blocks_.resize(count);
+  positions_.resize(count);
+  outside_.resize(count);
+  scratch_.resize(count);
+  points_.reserve(kMaxPoints);
+  for (auto& list : byRank_) list.reserve(count / 64 + 64);
+}
+
+V3 BodyView::cameraPositionOf(float column, float row, float depth) const {
+  return {(column - 0.5F * static_cast<float>(camera_.width)) * depth / focalX_,
+          (0.5F * static_cast<float>(camera_.height) - row) * depth / focalY_, -depth};
+}
+
+void BodyView::look(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label,
+                    const Isometry3& floorFromCamera, bool floorFound) {
+  floorFromCamera_ = floorFromCamera.linear().cast<float>();
+  cameraPosition_ = floorFromCamera.translation().cast<float>();
+  gather(depthMm, labels, label);
+  distances();
+  makePoints();
+  findGround(floorFound);
+}
+
+void BodyView::findGround(bool floorFound) {
+  ground_.reset();
+  if (floorFound) {
+    ground_ = 0.0F;
+  } else if (!cutBelow_ && !points_.empty()) {
+    for (std::size_t k = 0; k < points_.size(); ++k) scratch_[k] = points_[k].position.y();
+    const auto low = scratch_.begin() + static_cast<std::ptrdiff_t>(points_.size() / kLowShare);
+    std::nth_element(scratch_.begin(), low, scratch_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
+    ground_ = *low - kLowMargin;
+  }
+}
+
+void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels,
+                      std::uint8_t label) {
+  left_ = columns_;
+  right_ = 0;
+  top_ = rows_;
+  bottom_ = 0;
+  const int width = camera_.width;
+  // Pixels of the person for a block to count as theirs, and those that must lie in its nearest layer.
+  const int minPixels = block_ == 4 ? 5 : 2, minLayer = block_ == 4 ? 3 : 1;
+  for (int by = 0; by < rows_; ++by) {
+    for (int bx = 0; bx < columns_; ++bx) {
+      const auto first = static_cast<std::size_t>(by * block_) * static_cast<std::size_t>(width) +
+                         static_cast<std::size_t>(bx * block_);
+      int mine = 0;
+      int missing = 0;
+      std::uint16_t nearest = 0xffff;
+      std::uint16_t nearestElse = 0xffff;
+      for (int y = 0; y < block_; ++y) {
+        const std::size_t at = first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        for (std::size_t x = 0; x < static_cast<std::size_t>(block_); ++x) {
+          const std::uint16_t mm = depthMm[at + x];
+          if (mm == 0) {
+            ++missing;
+          } else if (labels[at + x] == label) {
+            ++mine;
+            nearest = std::min(nearest, mm);
+          } else {
+            nearestElse = std::min(nearestElse, mm);
+          }
+        }
+      }
+      const auto index =
+          static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx);
+      Block& block = blocks_[index];
+      block.kind = kElse;
+      block.depth = nearestElse == 0xffff ? 0.0F : 0.001F * static_cast<float>(nearestElse);
+      if (mine < minPixels) {
+        if (missing > block_ * block_ / 2) block.kind = kUnknown;
+        continue;
+      }
+      float sum = 0.0F, sumX = 0.0F, sumY = 0.0F;
+      int count = 0;
+      const float limit = static_cast<float>(nearest) + 1000.0F * kLayer;
+      for (int y = 0; y < block_; ++y) {
+        const std::size_t at = first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        for (std::size_t x = 0; x < static_cast<std::size_t>(block_); ++x) {
+          const auto mm = static_cast<float>(depthMm[at + x]);
+          if (mm == 0.0F || labels[at + x] != label || mm > limit) continue;
+          sum += mm;
+          sumX += static_cast<float>(x);
+          sumY += static_cast<float>(y);
+          ++count;
+        }
+      }
+      if (count < minLayer) continue;
+      const float share = 1.0F / static_cast<float>(count);
+      block.kind = kPerson;
+      block.depth = 0.001F * sum * share;
+      positions_[index] = cameraPositionOf(static_cast<float>(bx * block_) + 0.5F + sumX * share,
+                                           static_cast<float>(by * block_) + 0.5F + sumY * share, block.depth);
+      left_ = std::min(left_, bx);
+      right_ = std::max(right_, bx + 1);
+      top_ = std::min(top_, by);
+      bottom_ = std::max(bottom_, by + 1);
+    }
+  }
+  int border = 0;
+  for (int by = 0; by < rows_; ++by) {
+    for (const int bx : {0, 1, 2, columns_ - 3, columns_ - 2, columns_ - 1}) {
+      border +=
+          blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)]
+                      .kind == kPerson
+              ? 1
+              : 0;
+    }
+  }
+  for (int bx = 0; bx < columns_; ++bx) {
+    for (const int by : {0, 1, rows_ - 2, rows_ - 1}) {
+      border +=
+          blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)]
+                      .kind == kPerson
+              ? 1
+              : 0;
+    }
+  }
+  cut_ = border >= kCutBlocks;
+  cutBelow_ = bottom_ >= rows_ - 1;
+  left_ = std::max(0, left_ - kMargin);
+  top_ = std::max(0, top_ - kMargin);
+  right_ = std::min(columns_, right_ + kMargin);
+  bottom_ = std::min(rows_, bottom_ + kMargin);
+}
+
+/// Visits the blocks twice, each with its neighbours in the direction of the pass (Borgefors 1986).
+/// @param relax  called with a block, a neighbour, and the step between them [blocks]
+template <typename Relax>
+void BodyView::sweep(const Relax& relax) const {
+  const auto visit = [&](int x, int y, int u, int v, float step) {
+    if (u >= left_ && u < right_ && v >= top_ && v < bottom_) relax(indexOf(x, y), indexOf(u, v), step);
+  };
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      visit(x, y, x - 1, y, 1.0F);
+      visit(x, y, x, y - 1, 1.0F);
+      visit(x, y, x - 1, y - 1, 1.4F);
+      visit(x, y, x + 1, y - 1, 1.4F);
+    }
+  }
+  for (int y = bottom_ - 1; y >= top_; --y) {
+    for (int x = right_ - 1; x >= left_; --x) {
+      visit(x, y, x + 1, y, 1.0F);
+      visit(x, y, x, y + 1, 1.0F);
+      visit(x, y, x + 1, y + 1, 1.4F);
+      visit(x, y, x - 1, y + 1, 1.4F);
+    }
+  }
+}
+
+/// What is clearly nearer than the person beside it may hide more of them: the outline there is not the person's.
+void BodyView::markOccluders() {
+  // The depth of the nearest block of the person.
+  std::vector<float>& away = outside_;
+  std::vector<float>& depth = scratch_;
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const std::size_t i = indexOf(x, y);
+      away[i] = blocks_[i].kind == kPerson ? 0.0F : kFarBlocks;
+      depth[i] = blocks_[i].depth;
+    }
+  }
+  sweep([&](std::size_t i, std::size_t j, float step) {
+    if (away[j] + step >= away[i]) return;
+    away[i] = away[j] + step;
+    depth[i] = depth[j];
+  });
+  const auto size = static_cast<float>(block_);
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const std::size_t i = indexOf(x, y);
+      Block& block = blocks_[i];
+      if (block.kind != kElse || block.depth == 0.0F || block.depth > depth[i] - kOccluderGap) continue;
+      const V3 position =
+          cameraPositionOf((static_cast<float>(x) + 0.5F) * size, (static_cast<float>(y) + 0.5F) * size, block.depth);
+      if ((floorFromCamera_ * position + cameraPosition_).y() > kAboveFloor) block.kind = kNearer;
+    }
+  }
+  // Slivers beside a limb are the limb's own edge.
+  const auto isNearer = [&](int x, int y) {
+    if (x < left_ || x >= right_ || y < top_ || y >= bottom_) return true;
+    const std::uint8_t kind = blocks_[indexOf(x, y)].kind;
+    return kind == kNearer || kind == kOccluder;
+  };
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      Block& block = blocks_[indexOf(x, y)];
+      if (block.kind != kNearer) continue;
+      int around = 0;
+      for (const int v : {y - 1, y, y + 1}) {
+        for (const int u : {x - 1, x, x + 1}) around += isNearer(u, v) ? 1 : 0;
+      }
+      if (around > kOccluderBlocks) block.kind = kOccluder;
+    }
+  }
+}
+
+/// Chamfer distances from the outline.
+void BodyView::distances() {
+  markOccluders();
+  const auto mayShow = [&](std::size_t i) { return blocks_[i].kind == kPerson || blocks_[i].kind == kOccluder; };
+  const auto inside = [&](int x, int y) {
+    if (mayShow(indexOf(x, y))) return true;
+    if (blocks_[indexOf(x, y)].kind != kUnknown) return false;
+    int near = 0;
+    for (int v = std::max(top_, y - 2); v < std::min(bottom_, y + 3); ++v) {
+      for (int u = std::max(left_, x - 2); u < std::min(right_, x + 3); ++u) near += mayShow(indexOf(u, v)) ? 1 : 0;
+    }
+    return near >= 9;
+  };
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const bool in = inside(x, y);
+      outside_[indexOf(x, y)] = in ? 0.0F : kFarBlocks;
+      scratch_[indexOf(x, y)] = in ? kFarBlocks : 0.0F;
+    }
+  }
+  for (std::vector<float>* field : {&outside_, &scratch_}) {
+    sweep([&](std::size_t i, std::size_t j, float step) { (*field)[i] = std::min((*field)[i], (*field)[j] + step); });
+  }
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const std::size_t i = indexOf(x, y);
+      outside_[i] = outside_[i] > 0.0F ? outside_[i] - 0.5F : 0.5F - scratch_[i];
+    }
+  }
+}
+
+void BodyView::makePoints() {
+  points_.clear();
+  for (auto& list : byRank_) list.clear();
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
+      if (blocks_[i].kind == kPerson) {
+        byRank_[bayerRank(x & 7, y & 7)].push_back(static_cast<std::uint32_t>(i));
+      }
+    }
+  }
+  const auto step = static_cast<std::size_t>(columns_);
+  for (const auto& list : byRank_) {
+    for (const std::uint32_t i : list) {
+      if (points_.size() >= kMaxPoints) break;
+      const int x = static_cast<int>(i) % columns_;
+      const int y = static_cast<int>(i) / columns_;
+      const V3& position = positions_[i];
+      // Difference of the neighbours on either side, or of one neighbour and the point itself.
+      const auto slope = [&](bool hasBefore, bool hasAfter, std::size_t by, V3& out) {
+        const auto same = [&](std::size_t j) {
+          return blocks_[j].kind == kPerson && std::abs(positions_[j].z() - position.z()) < kNormalStep;
+        };
+        const bool before = hasBefore && same(i - by);
+        const bool after = hasAfter && same(i + by);
+        if (!before && !after) return false;
+        out = (after ? positions_[i + by] : position) - (before ? positions_[i - by] : position);
+        return true;
+      };
+      Point point;
+      point.position = floorFromCamera_ * position + cameraPosition_;
+      point.ray = floorFromCamera_ * position.normalized();
+      point.column = static_cast<std::uint16_t>(x);
+      point.row = static_cast<std::uint16_t>(y);
+      V3 across, down;
+      point.normal = V3::Zero();
+      if (slope(x > 0, x + 1 < columns_, 1, across) && slope(y > 0, y + 1 < rows_, step, down)) {
+        const V3 normal = down.cross(across);
+        const float length = normal.norm();
+        if (length > 1e-9F) point.normal = floorFromCamera_ * (normal / length);
+      }
+      points_.push_back(point);
+    }
+  }
+  if (points_.empty()) return;
+  const std::size_t n = points_.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t k = 0; k < n; ++k) scratch_[k] = points_[k].position[axis];
+    const auto half = scratch_.begin() + static_cast<std::ptrdiff_t>(n / 2);
+    std::nth_element(scratch_.begin(), half, scratch_.begin() + static_cast<std::ptrdiff_t>(n));
+    middle_[axis] = *half;
+  }
+}
+
+BodyView::Sight BodyView::sightOf(const V3& position) const {
+  const V3 p = floorFromCamera_.transpose() * (position - cameraPosition_);
+  Sight sight{};
+  sight.depth = -p.z();
+  sight.axis = -floorFromCamera_.col(2);
+  if (sight.depth < 0.2F) return sight;
+  const float column =
+      (0.5F * static_cast<float>(camera_.width) + focalX_ * p.x() / sight.depth) / static_cast<float>(block_) - 0.5F;
+  const float row =
+      (0.5F * static_cast<float>(camera_.height) - focalY_ * p.y() / sight.depth) / static_cast<float>(block_) - 0.5F;
+  sight.metresPerBlock = static_cast<float>(block_) * sight.depth / focalX_;
+  sight.inside = column > -0.5F && row > -0.5F && column < static_cast<float>(columns_) - 0.5F &&
+                 row < static_cast<float>(rows_) - 0.5F;
+  if (!sight.inside || right_ - left_ < 2 || bottom_ - top_ < 2) return sight;
+  // Beyond the margin, the distance to the margin's border is added.
+  const float x = std::clamp(column, static_cast<float>(left_), static_cast<float>(right_) - 1.001F);
+  const float y = std::clamp(row, static_cast<float>(top_), static_cast<float>(bottom_) - 1.001F);
+  const int x0 = std::min(static_cast<int>(x), right_ - 2);
+  const int y0 = std::min(static_cast<int>(y), bottom_ - 2);
+  const float fx = x - static_cast<float>(x0);
+  const float fy = y - static_cast<float>(y0);
+  const auto at = static_cast<std::size_t>(y0) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x0);
+  const auto below = at + static_cast<std::size_t>(columns_);
+  const float a = outside_[at], b = outside_[at + 1], c = outside_[below], d = outside_[below + 1];
+  sight.outside = (1 - fy) * ((1 - fx) * a + fx * b) + fy * ((1 - fx) * c + fx * d);
+  V3 gradient((1 - fy) * (b - a) + fy * (d - c), -((1 - fx) * (c - a) + fx * (d - b)), 0.0F);
+  const V3 beyond(column - x, y - row, 0.0F);
+  const float off = beyond.norm();
+  if (off > 0.01F) {
+    sight.outside += off;
+    gradient = V3(beyond.x(), -beyond.y(), 0.0F) / off;
+  }
+  sight.gradient = floorFromCamera_ * gradient;
+  const int bx = std::clamp(static_cast<int>(std::lround(column)), 0, columns_ - 1);
+  const int by = std::clamp(static_cast<int>(std::lround(row)), 0, rows_ - 1);
+  const Block& block =
+      blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)];
+  sight.person = block.kind == kPerson;
+  sight.seen = block.depth;
+  return sight;
+}
+
+}  // namespace lorica::fit

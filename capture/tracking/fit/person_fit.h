@@ -1,0 +1,74 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+#include "capture/tracking/fit/body_fit.h"
+#include "capture/tracking/fit/joint_confidence.h"
+#include "capture/tracking/fit/limb_search.h"
+#include "capture/tracking/fit/person_search.h"
+
+#include <array>
+#include <optional>
+
+namespace lorica::fit {
+
+/// Tracks one person from view to view.
+class PersonFit {
+ public:
+  /// @param seconds  since the last view; ignored in the first
+  /// @return whether there is a pose
+  bool follow(const BodyView& view, float seconds);
+
+  [[nodiscard]] bool started() const { return started_; }
+  [[nodiscard]] const BodyPose& pose() const { return pose_; }
+  [[nodiscard]] const Proportions& proportions() const { return proportions_; }
+  [[nodiscard]] const CapsuleSupport& support() const { return support_; }
+  [[nodiscard]] const FitCost& cost() const { return cost_; }
+  /// Standing height [m].
+  [[nodiscard]] float height() const;
+  [[nodiscard]] bool proportionsKnown() const { return views_ > 30; }
+
+  /// The 15 joints with confidences, floor frame; time and user are left unchanged.
+  void report(SkeletonFrame& frame) const;
+
+  void forget();
+  /// To be called when the floor frame changed.
+  void move(const Eigen::Isometry3f& newFromOld);
+
+ private:
+  bool start(const BodyView& view);
+  void resume(const BodyView& view);
+  void reconsider(const BodyView& view);
+  void searchLimbs(const BodyView& view);
+  void challenge(const BodyView& view);
+  void compareRival(const BodyView& view);
+  void take(const Figure& figure);
+
+  BodyFitter fitter_;
+  LimbSearch limbs_;
+  PersonSearch search_;
+  bool started_ = false;
+  int views_ = 0;              ///< since the person appeared
+  int wholeViews_ = 0;         ///< those that showed the whole body
+  int lost_ = 0;               ///< consecutive views not explained by the body
+  float leastSeen_ = 0.0F;     ///< least area seen since the last search, if the image cut it off [m^2]
+  V3 oldMiddle_ = V3::Zero();  ///< of the last view
+  BodyPose pose_;
+  Step velocity_ = Step::Zero();
+  Proportions proportions_;
+  CapsuleSupport support_;
+  JointConfidence confidence_;
+  FitCost cost_;
+  float usualCost_ = 0.0F;  ///< of the image, recent average
+  int turn_ = 0;            ///< limb to be searched for next
+  int sincePair_ = 1;       ///< views since both legs were searched for again
+
+  /// Another figure that may be the true one, tracked in parallel for some views.
+  std::optional<Figure> rival_;
+  int rivalViews_ = 0;
+  float rivalCost_ = 0.0F, ownCost_ = 0.0F;  ///< sums over those views
+  int sinceChallenge_ = 0;
+  bool urgent_ = false;  ///< the search in progress should end soon: the current estimate is not to be trusted
+  bool fresh_ = false;   ///< the search in progress does not use the current estimate
+};
+
+}  // namespace lorica::fit

@@ -1,0 +1,179 @@
+#include "capture/tracking/people/components.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+namespace lorica {
+
+namespace {
+
+constexpr int kMinCells = 12;
+constexpr std::size_t kMaxComponents = 2048;
+
+}  // namespace
+
+float DepthComponent::thickness() const {
+  const float n = static_cast<float>(cells);
+  const Vec3f mean = sum / n;
+  Eigen::Matrix3f covariance;
+  covariance << products[0], products[1], products[2],  //
+      products[1], products[3], products[4],            //
+      products[2], products[4], products[5];
+  covariance = covariance / n - mean * mean.transpose();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3f> axes(covariance, Eigen::EigenvaluesOnly);
+  return std::sqrt(std::max(0.0F, axes.eigenvalues()[0]));
+}
+
+FloorPositions::FloorPositions(const DepthGrid& grid)
+    : columns_(static_cast<std::size_t>(grid.width)), rows_(static_cast<std::size_t>(grid.height)) {
+  set(grid, Isometry3::Identity());
+}
+
+void FloorPositions::set(const DepthGrid& grid, const Isometry3& floorFromCamera) {
+  const Eigen::Matrix3f turn = floorFromCamera.linear().cast<float>();
+  for (std::size_t c = 0; c < columns_.size(); ++c) columns_[c] = turn.col(0) * grid.rayX[c];
+  for (std::size_t r = 0; r < rows_.size(); ++r) rows_[r] = turn.col(1) * grid.rayY[r] - turn.col(2);
+  origin_ = floorFromCamera.translation().cast<float>();
+}
+
+ComponentFinder::ComponentFinder(const DepthGrid& grid)
+    : labels_(grid.cellCount()),
+      step_([](double depth) { return 0.025F + 5.0F * depthNoise(static_cast<float>(depth)); }) {
+  parents_.reserve(grid.cellCount() / 2 + 1);
+  sizes_.reserve(grid.cellCount() / 2 + 1);
+  componentOf_.reserve(grid.cellCount() / 2 + 1);
+  components_.reserve(kMaxComponents);
+}
+
+std::int32_t ComponentFinder::rootOf(std::int32_t label) {
+  while (parents_[label] != label) {
+    std::int32_t& parent = parents_[label];
+    parent = parents_[parent];
+    label = parent;
+  }
+  return label;
+}
+
+void ComponentFinder::join(std::int32_t a, std::int32_t b) {
+  a = rootOf(a);
+  b = rootOf(b);
+  // The smaller label wins, so that labels follow the order of the image.
+  if (a < b) {
+    parents_[b] = a;
+  } else {
+    parents_[a] = b;
+  }
+}
+
+void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& positions, std::span<const CellKind> kinds,
+                           const LastCells& last) {
+  const auto w = static_cast<std::size_t>(grid.width);
+  parents_.clear();
+  components_.clear();
+
+  // Neighbours to the left and above at about the same depth belong to one surface.
+  for (std::size_t r = 0, i = 0; r < static_cast<std::size_t>(grid.height); ++r) {
+    for (std::size_t c = 0; c < w; ++c, ++i) {
+      if (kinds[i] < CellKind::kUnknown) {
+        labels_[i] = -1;
+        continue;
+      }
+      const int depth = grid.depthMm[i];
+      const int step = static_cast<int>(1000.0F * step_[grid.depthMm[i]]);
+      const bool left = c > 0 && labels_[i - 1] >= 0 && std::abs(depth - grid.depthMm[i - 1]) < step;
+      const bool above = r > 0 && labels_[i - w] >= 0 && std::abs(depth - grid.depthMm[i - w]) < step;
+      if (left) {
+        labels_[i] = labels_[i - 1];
+        if (above && labels_[i - w] != labels_[i]) join(labels_[i], labels_[i - w]);
+      } else if (above) {
+        labels_[i] = labels_[i - w];
+      } else {
+        labels_[i] = static_cast<std::int32_t>(parents_.size());
+        parents_.push_back(labels_[i]);
+      }
+    }
+  }
+
+  // Remove specks; number the rest in image order.
+  for (std::size_t k = 0; k < parents_.size(); ++k) {
+    parents_[k] = rootOf(static_cast<std::int32_t>(k));
+  }
+  sizes_.assign(parents_.size(), 0);
+  for (const std::int32_t label : labels_) {
+    if (label >= 0) ++sizes_[parents_[static_cast<std::size_t>(label)]];
+  }
+  componentOf_.assign(parents_.size(), -1);
+  for (std::size_t k = 0; k < parents_.size(); ++k) {
+    const auto root = static_cast<std::size_t>(parents_[k]);
+    if (root == k && sizes_[k] >= kMinCells && components_.size() < kMaxComponents) {
+      componentOf_[k] = static_cast<std::int32_t>(components_.size());
+      components_.emplace_back();
+    } else if (root != k) {
+      componentOf_[k] = componentOf_[root];
+    }
+  }
+
+  // Measure each surface.
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const std::size_t i = grid.index(c, r);
+      if (labels_[i] < 0) continue;
+      labels_[i] = componentOf_[labels_[i]];
+    }
+  }
+  for (int r = 0; r < grid.height; ++r) {
+    for (int c = 0; c < grid.width; ++c) {
+      const std::size_t i = grid.index(c, r);
+      const std::int32_t label = labels_[i];
+      if (label < 0) continue;
+      DepthComponent& one = components_[label];
+      const std::uint16_t depthMm = grid.depthMm[i];
+      const Vec3f position = positions(grid, c, r);
+      if (one.cells++ == 0) {
+        one.origin = position;
+        one.left = one.right = c;
+        one.top = r;
+      }
+      one.newCells += static_cast<int>(kinds[i] == CellKind::kNew);
+      one.left = std::min(one.left, c);
+      one.right = std::max(one.right, c);
+      one.bottom = r;
+      const float depth = 0.001F * static_cast<float>(depthMm);
+      one.area += static_cast<double>(depth * depth);
+      one.min = one.min.cwiseMin(position);
+      one.max = one.max.cwiseMax(position);
+      const Vec3f p = position - one.origin;
+      one.sum += p;
+      one.products[0] += p.x() * p.x();
+      one.products[1] += p.x() * p.y();
+      one.products[2] += p.x() * p.z();
+      one.products[3] += p.y() * p.y();
+      one.products[4] += p.y() * p.z();
+      one.products[5] += p.z() * p.z();
+      const std::uint8_t was = last.person[i];
+      if (was != 0 && std::abs(depthMm - last.depthMm[i]) < 150) ++one.overlap[was - 1U];
+
+      // Its border: where the surface ends, and whether it really ends or continues into known background.
+      bool border = false, contact = false;
+      const auto look = [&](bool inside, std::size_t other) {
+        if (!inside) return;
+        if (labels_[other] == label) return;
+        border = true;
+        contact = contact || (kinds[other] == CellKind::kBackground &&
+                              std::abs(depthMm - grid.depthMm[other]) < 500.0F * step_[depthMm]);
+      };
+      look(c > 0, i - 1);
+      look(c + 1 < grid.width, i + 1);
+      look(r > 0, i - w);
+      look(r + 1 < grid.height, i + w);
+      one.borderCells += static_cast<int>(border);
+      one.backgroundContacts += static_cast<int>(contact);
+    }
+  }
+  for (DepthComponent& one : components_) one.area *= grid.cellArea;
+}
+
+}  // namespace lorica

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "capture/sensor/depth_frame.h"
+#include "capture/tracking/people/people_at_heads.h"
+#include "capture/tracking/people/people_scene.h"
+#include "capture/tracking/people/person_split.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// Assigns surfaces to people from frame to frame: to those already present, to newcomers, and to those who return.
+class PersonOwners {
+ public:
+  PersonOwners(const DepthGrid& grid, const DepthCamera& camera);
+
+  /// @param slots  `seen` is reset; newcomers occupy free slots
+  void share(const PeopleScene& scene, PersonSlots& slots);
+
+  /// Slot + 1 of each cell; the caller may remove cells from a person.
+  [[nodiscard]] std::span<const std::uint8_t> person() const { return person_; }
+  [[nodiscard]] std::span<std::uint8_t> person() { return person_; }
+  /// A surface there is no person: no head is looked for near it for some seconds.
+  /// @param middle  floor frame [m]
+  void refuse(const Vec3f& middle, double time) { atHeads_.refuse(middle, time); }
+  /// Cells of people found at a head whose background must be forgotten: it had a person in it.
+  [[nodiscard]] std::span<const std::uint32_t> uncovered() const { return atHeads_.uncovered(); }
+  /// Whether a surface was given to one person as a whole, or nearly so.
+  [[nodiscard]] bool isOf(std::size_t component, int slot) const { return owner_[component] == slot; }
+  /// Whether a surface may be a person for whom no slot is free.
+  [[nodiscard]] bool mayBeSomeone(std::size_t component) const;
+
+ private:
+  void assign(const PeopleScene& scene, PersonSlots& slots);
+  void findNewcomers(const PeopleScene& scene, PersonSlots& slots);
+  bool separateHeads(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
+  [[nodiscard]] std::array<float, kPersonSlots> gapsTo(const PeopleScene& scene, std::size_t component,
+                                                       float max) const;
+  void joinPieces(const PeopleScene& scene, PersonSlots& slots);
+  void give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
+  void splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask, PersonSlots& slots,
+                    const LastCells& last);
+  [[nodiscard]] SplitShare shareOf(const PeopleScene& scene, const PersonSlot& slot) const;
+
+  DepthCamera camera_;
+  PersonSplit split_;
+  PeopleAtHeads atHeads_;
+  std::vector<std::uint8_t> person_;
+  std::vector<std::uint8_t> nobody_;  ///< zeros
+  std::vector<int> owner_;            ///< of components: slot, or a special value of person_owners.cpp
+};
+
+}  // namespace lorica
