@@ -8,23 +8,9 @@ set(lorica_package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/lorica)
 add_library(lorica_all INTERFACE)
 add_library(lorica::lorica ALIAS lorica_all)
 set_target_properties(lorica_all PROPERTIES EXPORT_NAME lorica)
-target_link_libraries(lorica_all INTERFACE
-<<<<<<< ours
-  lorica::window lorica::pictures lorica::renderer lorica::session lorica::prepare lorica::world lorica::particles
-  lorica::live lorica::tracking lorica::virtual_sensor lorica::sensor lorica::synthetic lorica::retarget lorica::files lorica::capture lorica::body
-  lorica::clip_files lorica::import lorica::look lorica::morphs lorica::springs lorica::humanoid lorica::mannequin
-  lorica::skinning lorica::acd lorica::geometry)
-||||||| base
-  lorica::viewer lorica::session lorica::prepare lorica::world lorica::particles lorica::live lorica::tracking
-  lorica::virtual_sensor lorica::sensor lorica::synthetic lorica::retarget lorica::files lorica::capture lorica::body
-  lorica::clip_files lorica::import lorica::look lorica::morphs lorica::springs lorica::humanoid lorica::mannequin
-  lorica::skinning lorica::acd lorica::geometry)
-=======
-  lorica::viewer lorica::session lorica::prepare lorica::world lorica::particles lorica::live lorica::tracking
-  lorica::people lorica::fit lorica::virtual_sensor lorica::sensor lorica::synthetic lorica::retarget
-  lorica::files lorica::capture lorica::body lorica::clip_files lorica::import lorica::look lorica::morphs
-  lorica::springs lorica::humanoid lorica::mannequin lorica::skinning lorica::acd lorica::geometry)
->>>>>>> theirs
+get_property(every GLOBAL PROPERTY LORICA_COMPONENTS)
+list(TRANSFORM every PREPEND lorica::)
+target_link_libraries(lorica_all INTERFACE ${every})
 install(TARGETS lorica_all EXPORT loricaTargets)
 
 # find_package(lorica COMPONENTS acd) looks for what acd and the libraries that it links need, and for nothing else.
