@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/errors.h"
 #include "geometry/result.h"
 #include "player/work_monitor.h"
 
@@ -34,7 +35,7 @@ template <class T>
   while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
     if (!monitor->cancelled()) continue;
     noteAbandoned();
-    return Error{ErrorCode::kCancelled, "cancelled"};
+    return cancelled();
   }
   return result.get();
 }

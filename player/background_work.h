@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/errors.h"
 #include "geometry/result.h"
 #include "player/abandoned_work.h"
 #include "player/work_monitor.h"
@@ -23,7 +24,7 @@ class BackgroundWork {
     std::packaged_task<Result<T>()> task([monitor = monitor_, work = std::move(work)]() -> Result<T> {
       const WorkMonitor::Scope watched(*monitor);
       Result<T> done = work();
-      if (monitor->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+      if (monitor->cancelled()) return cancelled();
       return done;
     });
     result_ = task.get_future();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/interrupt.h"
+#include "geometry/errors.h"
 #include "player/background_work.h"
 #include "viewer/window/window.h"
 
@@ -21,7 +22,7 @@ template <class T>
   BackgroundWork<T> loading(std::move(load));
   while (window.open()) {
     if (window.takeCancel()) break;
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    if (interrupted()) return cancelled();
     if (std::optional<Result<T>> loaded = loading.take()) {
       if (!*loaded) return loaded->error();
       return std::optional<T>(std::move(**loaded));
