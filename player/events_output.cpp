@@ -1,6 +1,5 @@
 #include "player/events_output.h"
 
-#include "apps/standard_streams.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
@@ -157,13 +156,6 @@ class EventsWriter final : public EventsOutput {
 };
 
 }  // namespace
-
-void addEventsOption(CommandLine& app, std::string& to) {
-  app.addOption("--events", to,
-                "Write begin, stay and end of each contact as lines of JSON; `-` is standard output, and the report "
-                "goes to standard error; see docs/CONTACTS.md")
-      ->typeName("FILE");
-}
 
 Result<void> checkEvents(const std::string& to, const CommonOptions& common, const std::vector<fs::path>& others) {
   if (to.empty()) return {};

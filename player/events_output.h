@@ -1,7 +1,6 @@
 #pragma once
 
-#include "apps/command_line.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "geometry/result.h"
 #include "session/session.h"
 #include "session/step_watcher.h"
@@ -12,9 +11,6 @@
 #include <vector>
 
 namespace lorica {
-
-/// --events FILE|-.
-void addEventsOption(CommandLine& app, std::string& to);
 
 /// Rejects, before any work, a file that cannot be written or that is one of the others, and two uses of standard
 /// output.

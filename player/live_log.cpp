@@ -1,6 +1,5 @@
 #include "player/live_log.h"
 
-#include "apps/standard_streams.h"
 #include "player/percentiles.h"
 
 #include <fmt/format.h>

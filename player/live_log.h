@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "capture/tracking/live_joints.h"
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "apps/interrupt.h"
 #include "geometry/errors.h"
 #include "player/background_work.h"
 #include "viewer/window/window.h"

@@ -1,6 +1,6 @@
 #include "player/movie.h"
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "geometry/errors.h"
 
 #include <cmath>

@@ -1,6 +1,6 @@
 #include "player/playback.h"
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "player/snapshots.h"
 #include "session/scenes/demo_scene.h"
 

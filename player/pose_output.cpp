@@ -237,19 +237,6 @@ Result<std::unique_ptr<SentFace>> faceOf(const Subject& subject, std::span<const
 
 }  // namespace
 
-void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
-  Option* vmc = app.addOption("--vmc-out", options.vmc,
-                              "Send the pose by the VMC protocol, for VSeeFace, Unity, Unreal and others, such as "
-                              "127.0.0.1:39539; see docs/STREAMS.md");
-  vmc->typeName("HOST:PORT");
-  app.addOption("--vmc-bones", options.bones, "Send only these bones: Hips,Head,LeftHand [default: all]")
-      ->typeName("NAME,...")
-      ->separatedBy(',')
-      ->needs(vmc);
-  app.addOption("--vrchat", options.vrchat, "Send the pose as VRChat's OSC trackers [default port: 9000]")
-      ->typeName("HOST[:PORT]");
-}
-
 Result<void> checkPoseOutput(const PoseOutputOptions& options) {
   if (!options.vmc.empty()) LORICA_TRY_DO(prefixed("--vmc-out", parseNetworkAddress(options.vmc, true)));
   if (!options.vrchat.empty()) LORICA_TRY_DO(vrchatAddress(options));

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "geometry/result.h"
 #include "prepare/subject.h"
 #include "session/session.h"
@@ -21,9 +20,6 @@ struct PoseOutputOptions {
 
   [[nodiscard]] bool any() const { return !vmc.empty() || !vrchat.empty(); }
 };
-
-/// --vmc-out HOST:PORT, --vmc-bones NAME,..., --vrchat HOST[:PORT]
-void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options);
 
 /// Rejects a bad address or bone before any work.
 [[nodiscard]] Result<void> checkPoseOutput(const PoseOutputOptions& options);

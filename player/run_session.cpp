@@ -1,7 +1,5 @@
 #include "player/run_session.h"
 
-#include "apps/interrupt.h"
-#include "apps/progress_bar.h"
 #include "geometry/errors.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "collision/world/self_contact.h"
 #include "session/session.h"
 

@@ -1,6 +1,5 @@
 #include "player/snapshots.h"
 
-#include "apps/options.h"
 #include "collision/live/attached_vertices.h"
 #include "geometry/errors.h"
 #include "player/playback.h"
@@ -131,15 +130,6 @@ Result<SnapshotCamera> SnapshotCamera::create(int width, int height) {
 Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, const Camera& camera) {
   renderer_.draw(scene, options, camera, width_, height_);
   return renderer_.readBack();
-}
-
-void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window) {
-  Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder")->typeName("DIR");
-  addCount(app, "--every", options.every, 1, "Write a picture every N frames [default: 30]")->needs(snapshots);
-  Option* video = app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second) or .gif (15)")
-                      ->typeName("FILE");
-  for (Option* option : {snapshots, video}) option->excludes(window);
-  addCameraOptions(app, options.camera);
 }
 
 Result<void> checkSnapshots(const SnapshotOptions& options) {

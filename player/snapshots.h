@@ -1,8 +1,7 @@
 #pragma once
 
 #include "apps/camera_options.h"
-#include "apps/command_line.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "player/avatar_fade.h"
 #include "player/movie.h"
 #include "player/session_face.h"
@@ -86,9 +85,6 @@ struct SnapshotOptions {
 
   [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
 };
-
-/// @param window  the option --window, which these exclude
-void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window);
 
 /// Fails early if the folder or the video cannot be written, or if a camera was given without pictures.
 [[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);

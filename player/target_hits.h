@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "session/contact_events.h"
 #include "session/scenes/hit_counter.h"
 #include "viewer/window/window_values.h"

@@ -1,7 +1,6 @@
 #include "player/window_loop.h"
 
-#include "apps/interrupt.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "geometry/counts.h"
 #include "player/framing.h"
 #include "player/window_loop_impl.h"

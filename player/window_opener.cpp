@@ -1,6 +1,6 @@
 #include "player/window_opener.h"
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "player/window_settings.h"

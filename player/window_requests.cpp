@@ -1,4 +1,4 @@
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "geometry/counts.h"
 #include "player/window_loop_impl.h"
 #include "prepare/scenes.h"

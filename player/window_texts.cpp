@@ -1,6 +1,6 @@
 #include "player/window_texts.h"
 
-#include "apps/report.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,3 @@
-#include "apps/interrupt.h"
 #include "player/window_loop_impl.h"
 #include "prepare/scenes.h"
 

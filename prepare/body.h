@@ -1,7 +1,6 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
-#include "apps/command_line.h"
 #include "prepare/cover.h"
 #include "prepare/decomposition_cache.h"
 #include "prepare/subject.h"
@@ -16,18 +15,15 @@ struct BodyOptions {
   CoverRequest cover;         ///< not given = the cover in the file
 };
 
-/// The user's cache; it prints warnings to standard error, each sentence once.
-[[nodiscard]] DecompositionCache userCache();
+/// The user's cache; its warnings go to the host, which must outlive it.
+[[nodiscard]] DecompositionCache userCache(Host& host);
 
-/// defaultDecomposition() with the character's default training, the user's cache and a progress bar; Ctrl-C cancels.
-[[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads);
-
-/// --decomposition, --cover, --hull-vertices.
-void addBodyOptions(CommandLine& app, BodyOptions& options);
+/// defaultDecomposition() with the character's default training, the user's cache, as a task of the host.
+[[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, Host& host);
 
 /// The decomposition with the requested cover; without a request, its own cover, or an exact one if it has none.
 /// @param subject  a character
 /// @return the body, or an error if the file was made from another mesh or cannot be read
-[[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, int threads);
+[[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host);
 
 }  // namespace lorica

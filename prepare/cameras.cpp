@@ -1,6 +1,6 @@
 #include "prepare/cameras.h"
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "capture/sensor/nite.h"
 #include "capture/sensor/openni.h"
 #include "capture/virtual_sensor/virtual_script.h"
@@ -82,21 +82,6 @@ Error withAdvice(const Error& error, const DepthOptions& options) {
 }
 
 }  // namespace
-
-void addDepthOptions(CommandLine& app, DepthOptions& options) {
-  Option* device =
-      app.addOption("--device", options.device, "URI of the camera, see `lorica info --devices` [default: the first]")
-          ->typeName("URI");
-  Option* driver = app.addOption("--driver", options.driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE");
-  Option* virtualCamera = app.addFlag("--virtual", options.virtualCamera, "Use a virtual camera with a virtual person");
-  virtualCamera->excludes(device)->excludes(driver);
-  app.addOption("--motion", options.motion,
-                "Motion of the virtual person, repeated: a shipped recording or a joint CSV; two of them, separated by "
-                "a comma, "
-                "for two people [default: from $LORICA_VIRTUAL, else wave]")
-      ->typeName("MOTION")
-      ->needs(virtualCamera);
-}
 
 Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options) {
   LORICA_TRY(const std::shared_ptr<OpenNi> openNi, startOpenNi(options));

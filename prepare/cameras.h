@@ -1,6 +1,5 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "capture/sensor/depth_source.h"
 #include "capture/skeleton_frame.h"
 #include "geometry/result.h"
@@ -17,9 +16,6 @@ struct DepthOptions {
   bool virtualCamera = false;  ///< Lorica's driver, see docs/VIRTUAL_SENSOR.md
   std::string motion;          ///< motion of the virtual people; empty = as in $LORICA_VIRTUAL
 };
-
-/// --device, --driver, --virtual, --motion.
-void addDepthOptions(CommandLine& app, DepthOptions& options);
 
 /// Opens a real or virtual camera through OpenNI2.
 /// @return the source, or an error that says why there is none and what to do

@@ -5,7 +5,6 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "player/playback.h"
-#include "player/work_monitor.h"
 #include "prepare/scenes.h"
 #include "prepare/settling.h"
 #include "skinning/look/avatar.h"

@@ -1,6 +1,6 @@
 #include "prepare/cast_choices.h"
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "geometry/counts.h"
 
 #include <algorithm>

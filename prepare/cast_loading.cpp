@@ -1,7 +1,6 @@
 #include "prepare/cast_loading.h"
 
 #include "geometry/counts.h"
-#include "player/work_monitor.h"
 #include "prepare/scenes.h"
 #include "prepare/settling.h"
 

@@ -1,12 +1,9 @@
 #include "prepare/cover.h"
 
-#include "apps/interrupt.h"
-#include "apps/progress_bar.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -24,21 +21,6 @@ bool isExact(const HullCover& cover) {
 }
 
 }  // namespace
-
-Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::string& description) {
-  const TextCheck check = [](std::string& text) -> std::string {
-    if (text == "exact") {
-      text = "0";
-      return "";
-    }
-    double length = 0.0;
-    const char* end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, length);
-    if (error == std::errc() && stopped == end && std::isfinite(length) && length > 0.0) return "";
-    return fmt::format("found `{}`, expected exact, or a length above 0 in metres such as 0.002", text);
-  };
-  return app.addOption("--cover", tolerance, description)->typeName("exact|METRES")->check(check);
-}
 
 Result<void> checkCover(const CoverRequest& request, const Character& character) {
   if (request.tolerance && *request.tolerance == 0.0 && request.hullVertices > 0) {
@@ -68,52 +50,15 @@ std::string asTyped(const CoverRequest& request) {
 }
 
 Result<HullCover> chooseCoverWithProgress(const Character& character, const Decomposition& decomposition,
-                                          const CoverPoses& poses, const CoverRequest& request, int threads) {
-  ProgressBar bar("Choosing a hull cover for " + character.name, "parts");
-  bar.update(0, countOf(decomposition.parts));
-  Result<HullCover> cover = chooseCover(character, decomposition, poses, request, threads, progressOf(bar));
-  if (interrupted()) return cancelled();
+                                          const CoverPoses& poses, const CoverRequest& request, Host& host) {
+  Task task(host, "Choosing a hull cover for " + character.name, "parts");
+  task.update(0, countOf(decomposition.parts));
+  Result<HullCover> cover = chooseCover(character, decomposition, poses, request, host.threads, task.progress());
+  if (host.cancelled()) return cancelled();
   if (!cover && cover.error().code == ErrorCode::kInvalidArgument) {
     return invalidArgument(asTyped(request) + ": " + cover.error().message);
   }
   return cover;
-}
-
-void addCoverTo(Report& report, const std::optional<HullCover>& cover) {
-  if (!cover || isExact(*cover)) {
-    report.line("cover", "exact: the surface is inside the hulls in every pose");
-    return;
-  }
-  const auto [fewest, max] = std::minmax_element(cover->points.begin(), cover->points.end(),
-                                                 [](const auto& a, const auto& b) { return a.size() < b.size(); });
-  const std::string range = fewest->size() == max->size() ? fmt::format("{}", max->size())
-                                                          : fmt::format("{} to {}", fewest->size(), max->size());
-  std::string chosen = fmt::format("{} points per part, chosen in {}", range, counted(cover->sampledPoses, "pose"));
-  if (cover->tolerance > 0.0) chosen += fmt::format(", tolerance {}", millimetres(cover->tolerance));
-  if (cover->maxHullVertices > 0) chosen += fmt::format(", at most {} per part", grouped(cover->maxHullVertices));
-  report.line("cover", chosen);
-  report.line("hulls enlarged", fmt::format("by up to {}; the surface protruded {} before", millimetres(cover->growth),
-                                            millimetres(cover->sampledShortfall)));
-  if (cover->heldOutPoses > 0) {
-    report.line("held-out poses",
-                fmt::format("the surface protrudes by at most {} in {}", millimetres(cover->heldOutShortfall),
-                            counted(cover->heldOutPoses, "other pose")));
-  }
-}
-
-void addCoverTo(nlohmann::ordered_json& json, const std::optional<HullCover>& cover) {
-  nlohmann::ordered_json& figures = json["cover"];
-  const bool exact = !cover || isExact(*cover);
-  figures["exact"] = exact;
-  if (exact) return;
-  figures["tolerance"] = cover->tolerance;
-  figures["hullVertices"] = cover->maxHullVertices;
-  figures["sampledPoses"] = cover->sampledPoses;
-  figures["heldOutPoses"] = cover->heldOutPoses;
-  figures["growth"] = cover->growth;
-  figures["sampledShortfall"] = cover->sampledShortfall;
-  figures["heldOutShortfall"] = cover->heldOutShortfall;
-  for (const std::vector<CoverPoint>& points : cover->points) figures["pointsPerPart"].push_back(points.size());
 }
 
 }  // namespace lorica

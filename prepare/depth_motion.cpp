@@ -1,8 +1,6 @@
 #include "prepare/depth_motion.h"
 
-#include "apps/interrupt.h"
-#include "apps/progress_bar.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "capture/sensor/oni_source.h"
 #include "capture/tracking/depth_joints.h"
 #include "capture/tracking/track_log.h"
@@ -37,7 +35,7 @@ bool isDepthRecording(const std::filesystem::path& file) {
   return stream.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == "NI10";
 }
 
-Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options) {
+Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options, Host& host) {
   LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
@@ -47,17 +45,17 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   motion.name = file.stem().string();
   motion.format = "OpenNI depth recording";
   motion.joints.reserve(frames);
-  ProgressBar bar("Tracking " + motion.name, "frames");
+  Task task(host, "Tracking " + motion.name, "frames");
   int followed = 0;
   int maxPeople = 0;
   while (true) {
-    if (bar.cancelled()) return cancelled();
+    if (task.cancelled()) return cancelled();
     LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
     if (!joints.has_value()) break;
     motion.joints.push_back(*joints);
     followed += people.sight().followed ? 1 : 0;
     maxPeople = std::max(maxPeople, people.sight().people);
-    bar.update(countOf(motion.joints), frames);
+    task.update(countOf(motion.joints), frames);
   }
   motion.notes.push_back(whoWasSeen(followed, frames, maxPeople));
   if (options.person > 0 && followed == 0 && maxPeople > 0) {
@@ -67,20 +65,20 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   return motion;
 }
 
-Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file) {
+Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host) {
   constexpr int kPlaces = 6;  // as many as a tracker follows
   LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera(), {.maxPeople = kPlaces})));
   DepthJoints people(std::move(depth), std::move(tracker), PeoplePlaces(kPlaces));
   std::vector<Motion> motions(kPlaces);
-  ProgressBar bar("Tracking " + file.stem().string(), "frames");
+  Task task(host, "Tracking " + file.stem().string(), "frames");
   while (true) {
-    if (bar.cancelled()) return cancelled();
+    if (task.cancelled()) return cancelled();
     LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
     if (!joints.has_value()) break;
     for (std::size_t p = 0; p < motions.size(); ++p) motions[p].joints.push_back(people.sight().places[p]);
-    bar.update(countOf(motions.front().joints), frames);
+    task.update(countOf(motions.front().joints), frames);
   }
   std::erase_if(motions, [](const Motion& motion) {
     return std::ranges::all_of(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
@@ -96,19 +94,19 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   return motions;
 }
 
-Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base) {
+Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base, Host& host) {
   LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
-  ProgressBar bar("Tracking " + file.stem().string(), "frames");
+  Task task(host, "Tracking " + file.stem().string(), "frames");
   LORICA_TRY(TrackLog log, TrackLog::create(base));
   DepthFrame frame;
   for (int number = 0; number < frames; ++number) {
-    if (interrupted()) return cancelled();
+    if (host.cancelled()) return cancelled();
     LORICA_TRY(const DepthRead read, depth->next(frame));
     if (read != DepthRead::kFrame) break;
     log.add(number, tracker.track(frame), tracker);
-    bar.update(number + 1, frames);
+    task.update(number + 1, frames);
   }
   LORICA_TRY_DO(log.finish());
   return frames;

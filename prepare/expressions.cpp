@@ -10,15 +10,6 @@
 
 namespace lorica {
 
-void addExpressionOption(CommandLine& app, std::vector<std::string>& expressions) {
-  app.addOption(
-         "--expression", expressions,
-         "Expression of the face and its weight from 0 to 1, such as Joy=1; may be repeated; `lorica info` lists "
-         "a character's expressions")
-      ->repeatable()
-      ->typeName("NAME=WEIGHT");
-}
-
 Result<std::vector<float>> chosenExpressions(const Expressions& expressions, std::span<const std::string> given,
                                              const std::string& input) {
   std::vector<float> weights(expressions.list.size(), 0.0F);

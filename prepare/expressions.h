@@ -1,6 +1,5 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "geometry/result.h"
 #include "skinning/morphs/expressions.h"
 
@@ -9,9 +8,6 @@
 #include <vector>
 
 namespace lorica {
-
-/// --expression NAME=WEIGHT, which may be repeated.
-void addExpressionOption(CommandLine& app, std::vector<std::string>& expressions);
 
 /// The weight of each expression of a character.
 /// @param given  "Joy=1" and the like; several weights of one expression: the last counts

@@ -1,6 +1,4 @@
-#include "prepare/file_trust.h"
 
-#include "apps/interrupt.h"
 
 #include <utility>
 

@@ -2,7 +2,6 @@
 
 #include "acd/held_vertices.h"
 #include "acd/level_of_detail.h"
-#include "apps/interrupt.h"
 #include "collision/live/attached_vertices.h"
 #include "geometry/counts.h"
 #include "prepare/cover.h"
@@ -31,10 +30,10 @@ double distanceIn(const FitRequest& request, const Fit& fit) {
 }
 
 /// Decomposes once, and finds the hulls that are used.
-Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings) {
+Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings, Host& host) {
   const Subject& subject = request.subject;
   Fit fit;
-  LORICA_TRY(TimedDecomposition made, decomposeWithProgress(subject.name, subject.mesh, posesOf(request), settings));
+  LORICA_TRY(TimedDecomposition made, decomposeWithProgress(subject.name, subject.mesh, posesOf(request), settings, host));
   fit.made = std::move(made);
   const Decomposition& parts = fit.made.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
@@ -50,7 +49,7 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
     HullCover cover = coverExactly(parts, liftPoints(character, parts));
     if (request.coverPoses != nullptr) {
       LORICA_TRY(HullCover chosen,
-                 chooseCoverWithProgress(character, parts, *request.coverPoses, request.cover, settings.threads));
+                 chooseCoverWithProgress(character, parts, *request.coverPoses, request.cover, host));
       cover = std::move(chosen);
       fit.cover = cover;
     }
@@ -85,12 +84,12 @@ double Fit::excess(const DecomposeSettings& settings) const {
   return most;
 }
 
-Result<Fit> fitHulls(const FitRequest& request) {
+Result<Fit> fitHulls(const FitRequest& request, Host& host) {
   const DecomposeSettings& asked = request.settings;
   const auto met = [&](const Fit& fit) { return fit.errorMet(asked) && fit.distanceMet(asked); };
   const auto partsOf = [](const Fit& fit) { return countOf(fit.made.decomposition.parts); };
   // With as many parts as their own hulls need. Hulls that are used need at least as many.
-  Result<Fit> best = fitOnce(request, asked);
+  Result<Fit> best = fitOnce(request, asked, host);
   if (!best || !request.limited() || met(*best)) return best;
   DecomposeSettings settings = asked;
   settings.maxError = settings.maxDistance = 0.0;
@@ -99,7 +98,7 @@ Result<Fit> fitHulls(const FitRequest& request) {
   double seconds = best->made.seconds;
   const auto tryWith = [&](int parts) {
     settings.maxParts = parts;
-    Result<Fit> fit = fitOnce(request, settings);
+    Result<Fit> fit = fitOnce(request, settings, host);
     if (fit) seconds += fit->made.seconds;
     return fit;
   };

@@ -47,6 +47,6 @@ struct Fit {
 /// the parts: by few vertices, or by vertices that no part contains. Then the number of parts is found by trying some.
 /// The numbers of parts and of vertices are always kept. Where the other limits cannot be met, the parts that came
 /// nearest to them are returned.
-[[nodiscard]] Result<Fit> fitHulls(const FitRequest& request);
+[[nodiscard]] Result<Fit> fitHulls(const FitRequest& request, Host& host);
 
 }  // namespace lorica

@@ -1,8 +1,7 @@
 #include "prepare/live_cast.h"
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "geometry/errors.h"
-#include "player/work_monitor.h"
 #include "prepare/cast.h"
 #include "prepare/scenes.h"
 

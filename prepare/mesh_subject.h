@@ -1,6 +1,6 @@
 #pragma once
 
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "prepare/subject.h"
 
 #include <nlohmann/json.hpp>
@@ -10,25 +10,17 @@
 
 namespace lorica {
 
-/// --body: auto, never or always.
-void addBodyOption(CommandLine& app, std::string& body);
-/// @param name  one of these
-[[nodiscard]] BodyChoice bodyChoice(const std::string& name);
-
 /// A subject of a mesh that is no character: repaired, see mendMesh(); if that is not enough and the options allow it,
 /// with a closed body instead of its own surface.
 /// @param name     for the subject and for errors
 /// @param mesh     as the file has it
 /// @param options  body and bodyResolution; the latter in the mesh's unit
 /// @return the subject; its mesh is not closed if no body may be made, which is left to the check
-[[nodiscard]] Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options);
+[[nodiscard]] Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options,
+                                          Host& host);
 
 /// The vertices that the hulls of a subject must hold: those of a mesh's surface and those that it stands for; all
 /// vertices of a character.
 [[nodiscard]] std::vector<VertexIndex> verticesToHold(const Subject& subject);
-
-/// What was repaired in a mesh, and the closed body that was made for it: why, and how far it is from the original.
-void addMeshTo(Report& report, const Subject& subject);
-void addMeshTo(nlohmann::ordered_json& json, const Subject& subject);
 
 }  // namespace lorica

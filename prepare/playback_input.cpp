@@ -52,20 +52,6 @@ void tellReached(const Subject& subject, Motion& motion) {
 
 }  // namespace
 
-void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options) {
-  app.addOption("MOTION", options.motion,
-                "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
-                "recording [default: a clip of --character]")
-      ->typeName("");
-  app.addOption("--character", options.character,
-                "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
-      ->typeName("FILE");
-  addReadingOptions(app, options.performing);
-  addPlayingOptions(app, options.performing);
-  addCharacterOptions(app, options.reading);
-  addSpringOption(app, options.springs);
-}
-
 Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   const std::string& own = options.motion.empty() ? options.character : options.motion;
   if (own.empty()) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "prepare/read_motion.h"
 #include "prepare/subject.h"
 
@@ -17,9 +16,6 @@ struct PlaybackInputOptions {
   MotionOptions performing;
   std::string springs;  ///< see chooseSprings()
 };
-
-/// MOTION, --character, and the options for reading and processing both.
-void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options);
 
 /// A character and the motion that it performs.
 struct PlaybackInput {

@@ -1,13 +1,11 @@
 #include "prepare/read_motion.h"
 
-#include "apps/options.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
 #include "geometry/errors.h"
 #include "prepare/depth_motion.h"
-#include "prepare/file_trust.h"
 #include "prepare/shipped_motion.h"
 #include "prepare/stream_motion.h"
 #include "skinning/import/character_file.h"
@@ -50,7 +48,7 @@ Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
   return motion;
 }
 
-Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
+Result<Motion> readBones(const fs::path& file, const MotionOptions& options, const Host& host) {
   LORICA_TRY_DO(refuse(!options.format.empty(), "--format", file.string(), "recorded joints"));
   LORICA_TRY_DO(refuse(options.person != 0, "--person", file.string(), "recorded joints"));
   LORICA_TRY_DO(refuse(options.smooth != "off", "--smooth", file.string(), "recorded joints"));
@@ -65,7 +63,7 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
     motion.notes = std::move(read.notes);
     return motion;
   }
-  LORICA_TRY(CharacterFile read, readCharacterFile(file, characterFileSettings()));
+  LORICA_TRY(CharacterFile read, readCharacterFile(file, host.characterFiles()));
   LORICA_TRY(const Clip* clip, findClip(read.clips, options.clip, file.string()));
   if (!clip->name.empty()) motion.name += ": " + clip->name;
   motion.bones = framesOf(read.character.skeleton, *clip);
@@ -84,19 +82,19 @@ Result<void> refuseReadingOptions(const fs::path& file, const MotionOptions& opt
   return refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips");
 }
 
-Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options) {
+Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options, Host& host) {
   const bool packets = isPacketFile(file);
   LORICA_TRY_DO(refuse(!options.sender.empty() && !packets, "--sender", file.string(), "VMC packets"));
   if (packets || isSessionFile(file)) {
     LORICA_TRY_DO(refuseReadingOptions(file, options));
-    return packets ? readPacketMotion(file, options) : readSessionMotion(file, options.person);
+    return packets ? readPacketMotion(file, options, host) : readSessionMotion(file, options.person, host);
   }
   if (isDepthRecording(file)) {
     LORICA_TRY_DO(refuse(!options.format.empty(), "--format", file.string(), "recorded joints"));
     LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips"));
-    return readDepthMotion(file, options);
+    return readDepthMotion(file, options, host);
   }
-  return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
+  return isBvh(file) || isCharacterFile(file) ? readBones(file, options, host) : readJoints(file, options);
 }
 
 /// The file of a shipped recording; empty if there is none.
@@ -127,77 +125,7 @@ FaultSettings MotionOptions::faults() const {
 
 namespace {
 
-void addPersonOption(CommandLine& app, int& person) {
-  const TextCheck check = [](std::string& text) -> std::string {
-    const bool whole = !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
-    if (text != "all" && (!whole || std::stoi(text) == 0)) {
-      return fmt::format("found `{}`, expected a whole number from 1, or all", text);
-    }
-    if (text == "all") text = std::to_string(kEveryone);
-    return "";
-  };
-  app.addOption(
-         "--person", person,
-         "Person to use, by number in a stream of joints or a recorded session, or by order of appearance before a "
-         "depth camera; "
-         "all: an avatar for each, with play and record [default: the one with the most motion; before a "
-         "camera the nearest]")
-      ->typeName("N|all")
-      ->check(check);
-}
-
 }  // namespace
-
-void addReadingOptions(CommandLine& app, MotionOptions& options) {
-  std::vector<std::string> formats;
-  formats.reserve(kJointFormatCount);
-  for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
-  const std::string names = fmt::format("{}", fmt::join(formats, ", "));
-  app.addOption("--format", options.format,
-                fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names))
-      ->typeName("NAME")
-      ->check(oneOf(std::move(formats)));
-  addPersonOption(app, options.person);
-  app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
-  addSenderOption(app, options.sender);
-}
-
-void addPlayingOptions(CommandLine& app, MotionOptions& options) {
-  app.addFlag("--mirror", options.mirror, "Mirror the motion: swap left and right");
-  app.addFlag(
-      "--upper-body", options.upperBody,
-      "Do not use the person's legs: the character stands, for people who sit and for webcams; motions of bones "
-      "keep theirs");
-  app.addOption("--smooth", options.smooth,
-                "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
-      ->typeName("NAME")
-      ->check(oneOf({"off", "one-euro"}));
-  addPositive(
-      app, "--min-cutoff", options.oneEuro.minCutoff,
-      fmt::format("Cutoff of one-euro at rest [Hz]; lower is smoother [default: {:g}]", options.oneEuro.minCutoff),
-      "HZ");
-  addPositive(
-      app, "--beta", options.oneEuro.beta,
-      fmt::format("Increase of the cutoff with speed [1/m]; higher lags less [default: {:g}]", options.oneEuro.beta),
-      "NUMBER");
-}
-
-bool smoothingGiven(const CommandLine& app) {
-  return app.given("--smooth") || app.given("--min-cutoff") || app.given("--beta");
-}
-
-void addFaultOption(CommandLine& app, MotionOptions& options) {
-  const TextCheck check = [](std::string& text) -> std::string {
-    const Result<FaultSettings> faults = parseFaults(text);
-    return faults ? "" : faults.error().message;
-  };
-  app.addOption("--inject", options.inject,
-                "Simulate tracking faults, each with a rate or its default: dropout=0.1 (fraction of joints lost), "
-                "jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (fractions of frames); seed=1. Only late and "
-                "freeze apply to a motion of bones")
-      ->typeName("FAULTS")
-      ->check(check);
-}
 
 bool isBareName(const std::string& text) {
   std::error_code ignored;
@@ -256,23 +184,23 @@ Result<fs::path> motionFile(const std::string& pathOrName) {
 
 }  // namespace
 
-Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options) {
+Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options, Host& host) {
   LORICA_TRY(const fs::path file, motionFile(pathOrName));
   if (options.person == kEveryone) {
     return invalidArgument(
         "{}: found --person all, expected the number of one person; `lorica play` and `lorica record` show all",
         pathOrName);
   }
-  return readMotionFile(file, options);
+  return readMotionFile(file, options, host);
 }
 
-Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options) {
+Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options, Host& host) {
   LORICA_TRY(const fs::path file, motionFile(pathOrName));
   if (isBvh(file) || isCharacterFile(file) || isSessionFile(file) || isPacketFile(file)) {
     return refuse(true, "--person", file.string(), "recorded joints").error();
   }
   LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"));
-  if (isDepthRecording(file)) return readDepthMotionOfAll(file);
+  if (isDepthRecording(file)) return readDepthMotionOfAll(file, host);
   JointStreamSettings settings;
   if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
   LORICA_TRY(std::vector<JointStream> streams, readJointStreamOfAll(file, settings));

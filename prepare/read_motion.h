@@ -1,8 +1,8 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "capture/fault_injector.h"
 #include "geometry/result.h"
+#include "prepare/host.h"
 #include "prepare/motion.h"
 #include "skinning/clip.h"
 
@@ -35,23 +35,15 @@ struct MotionOptions {
   [[nodiscard]] FaultSettings faults() const;
 };
 
-/// --format, --person, --clip, --sender: how a motion is read.
-void addReadingOptions(CommandLine& app, MotionOptions& options);
-/// --mirror, --upper-body, --smooth, --min-cutoff, --beta: how it is processed.
-void addPlayingOptions(CommandLine& app, MotionOptions& options);
-/// Whether one of --smooth, --min-cutoff and --beta was given.
-[[nodiscard]] bool smoothingGiven(const CommandLine& app);
-/// --inject: simulated tracking faults.
-void addFaultOption(CommandLine& app, MotionOptions& options);
-
 /// Reads a motion from a path or, for a name such as `walk`, from the shipped recordings: joints in any known layout,
 /// BVH, or a clip of a character file.
-[[nodiscard]] Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options = {});
+[[nodiscard]] Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options, Host& host);
 
 /// The motions of all people in a stream of joints or a depth recording, as they stood to each other; named "duel:
 /// person 1", ...
 /// @return at least one motion, or an error about the file
-[[nodiscard]] Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options);
+[[nodiscard]] Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options,
+                                                       Host& host);
 
 /// The shipped recording with this name; empty if there is none, or if a file of the working folder has the name.
 [[nodiscard]] std::filesystem::path shippedRecording(const std::string& name);

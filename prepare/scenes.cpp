@@ -1,13 +1,10 @@
 #include "prepare/scenes.h"
 
-#include "apps/interrupt.h"
-#include "apps/progress_bar.h"
 #include "collision/world/prop_meshes.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "prepare/body.h"
-#include "prepare/file_trust.h"
 #include "prepare/read_motion.h"
 #include "session/scenes/demo_scene.h"
 #include "session/scenes/scene_file.h"
@@ -23,26 +20,25 @@ namespace {
 constexpr int kDroppedParts = 8;
 constexpr double kShortestSide = 0.1, kLongestSide = 1.5, kScaledSide = 0.5;  // see openMeshProp()
 
-/// The decomposition of a prop's mesh: from the user's cache, or computed with a progress bar. Ctrl-C cancels.
-Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surface, int parts) {
-  ProgressBar bar("Decomposing " + name, "parts");
+/// The decomposition of a prop's mesh: from the user's cache, or computed as a task of the host.
+Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surface, int parts, Host& host) {
+  Task task(host, "Decomposing " + name, "parts");
   DecomposeSettings settings;
   settings.maxParts = parts;
-  settings.progress = progressOf(bar);
-  Result<CachedDecomposition> made = meshDecomposition(name, surface, settings, userCache());
-  if (interrupted()) return cancelled();
+  settings.progress = task.progress();
+  Result<CachedDecomposition> made = meshDecomposition(name, surface, settings, userCache(host));
+  if (host.cancelled()) return cancelled();
   if (!made) return made.error();
   return std::move(made->file.decomposition);
 }
 
-}  // namespace
-
-void addSceneOption(CommandLine& app, std::string& scene) {
-  app.addOption("--scene", scene,
-                "Scene: a scene file (.json), or boxes, bowling, bridge, curtain, dominoes, duel, sand or targets "
-                "[default: boxes and balls of the demo]")
-      ->typeName("SCENE");
+MeshDecomposer decomposerOf(Host& host) {
+  return [&host](const std::string& name, const TriMesh& surface, int parts) {
+    return decomposeProp(name, surface, parts, host);
+  };
 }
+
+}  // namespace
 
 Result<std::filesystem::path> scenesFolder() {
   // It is next to that of recordings, in the source tree and when installed.
@@ -50,7 +46,7 @@ Result<std::filesystem::path> scenesFolder() {
   return recordings.parent_path() / "scenes";
 }
 
-Result<SceneText> readSceneText(const std::string& scene) {
+Result<SceneText> readSceneText(const std::string& scene, const Host& host) {
   if (scene.empty()) return SceneText();
   std::filesystem::path file = scene;
   if (isBareName(scene)) {
@@ -64,16 +60,16 @@ Result<SceneText> readSceneText(const std::string& scene) {
     }
   }
   LORICA_TRY(std::string text, readFile(file));
-  return SceneText{std::move(text), file.parent_path(), pathTrust()};
+  return SceneText{std::move(text), file.parent_path(), host.paths};
 }
 
 namespace {
 
 /// @param name  for error messages
-Result<SceneFile> sceneOf(const SceneText& scene, const std::string& name) {
+Result<SceneFile> sceneOf(const SceneText& scene, const std::string& name, Host& host) {
   SceneReading reading;
   reading.folder = scene.folder;
-  reading.decomposer = decomposeProp;
+  reading.decomposer = decomposerOf(host);
   reading.paths = scene.paths;
   return parseScene(scene.text, name, reading);
 }
@@ -89,22 +85,22 @@ Result<void> findNamed(const SceneText& scene, std::string& name) {
 
 }  // namespace
 
-Result<World> worldOf(const SceneText& scene, const std::string& name) {
+Result<World> worldOf(const SceneText& scene, const std::string& name, Host& host) {
   if (scene.text.empty() && name.empty()) return makeDemoWorld(kDemoSeed);
-  LORICA_TRY(const SceneFile read, sceneOf(scene, name));
+  LORICA_TRY(const SceneFile read, sceneOf(scene, name, host));
   return makeWorld(read);
 }
 
-std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name) {
+std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name, Host& host) {
   if (scene.text.empty()) return {};
-  Result<SceneFile> read = sceneOf(scene, name);
+  Result<SceneFile> read = sceneOf(scene, name, host);
   return read ? std::move(read->targets) : std::vector<HitTarget>();
 }
 
-Result<OpenedScene> openStage(const std::string& scene) {
-  LORICA_TRY(const SceneText text, readSceneText(scene));
+Result<OpenedScene> openStage(const std::string& scene, Host& host) {
+  LORICA_TRY(const SceneText text, readSceneText(scene, host));
   if (text.text.empty()) return OpenedScene{makeDemoWorld(kDemoSeed), {}, {}};
-  LORICA_TRY(SceneFile read, sceneOf(text, scene));
+  LORICA_TRY(SceneFile read, sceneOf(text, scene, host));
   for (std::size_t i = 0; i < read.stage.size(); ++i) {
     for (std::string* name : {&read.stage[i].character, &read.stage[i].motion}) {
       LORICA_TRY_DO(prefixed(fmt::format("{}: avatars[{}]", scene, i), findNamed(text, *name)));
@@ -113,12 +109,12 @@ Result<OpenedScene> openStage(const std::string& scene) {
   return OpenedScene{makeWorld(read), std::move(read.targets), std::move(read.stage)};
 }
 
-std::vector<HitTarget> targetsOf(const std::string& scene) {
-  const Result<SceneText> text = readSceneText(scene);
-  return text ? targetsOf(*text, scene) : std::vector<HitTarget>();
+std::vector<HitTarget> targetsOf(const std::string& scene, Host& host) {
+  const Result<SceneText> text = readSceneText(scene, host);
+  return text ? targetsOf(*text, scene, host) : std::vector<HitTarget>();
 }
 
-Result<Prop> openMeshProp(const std::string& file) {
+Result<Prop> openMeshProp(const std::string& file, Host& host) {
   LORICA_TRY(const TriMesh mesh, readMesh(file));
   Eigen::AlignedBox3d box;
   for (const Vec3& v : mesh.vertices) box.extend(v);
@@ -126,19 +122,19 @@ Result<Prop> openMeshProp(const std::string& file) {
   PropMeshRequest request{file};
   request.parts = kDroppedParts;
   if (side > 0.0 && (side < kShortestSide || side > kLongestSide)) request.scale = kScaledSide / side;
-  Result<std::shared_ptr<const PropMeshShape>> shape = readPropMesh(request, decomposeProp);
+  Result<std::shared_ptr<const PropMeshShape>> shape = readPropMesh(request, decomposerOf(host));
   if (!shape && shape.error().code != ErrorCode::kCancelled) {
     request.parts = 1;
-    shape = readPropMesh(request, decomposeProp);
+    shape = readPropMesh(request, decomposerOf(host));
   }
   if (!shape) return shape.error();
   return meshProp(std::move(*shape));
 }
 
-Result<World> openScene(const std::string& scene, double gravity) {
-  LORICA_TRY(const SceneText text, readSceneText(scene));
+Result<World> openScene(const std::string& scene, double gravity, Host& host) {
+  LORICA_TRY(const SceneText text, readSceneText(scene, host));
   if (text.text.empty()) return makeDemoWorldUnder(gravity * World::Settings().gravity, kDemoSeed);
-  LORICA_TRY(SceneFile read, sceneOf(text, scene));
+  LORICA_TRY(SceneFile read, sceneOf(text, scene, host));
   read.world.gravity *= gravity;
   if (read.particles) read.particles->gravity *= gravity;
   return makeWorld(read);

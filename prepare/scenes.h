@@ -1,9 +1,9 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "collision/world/world.h"
 #include "geometry/named_file.h"
 #include "geometry/result.h"
+#include "prepare/host.h"
 #include "session/scenes/hit_counter.h"
 #include "session/scenes/scene_stage.h"
 
@@ -13,13 +13,10 @@
 
 namespace lorica {
 
-/// --scene.
-void addSceneOption(CommandLine& app, std::string& scene);
-
 /// The world of a scene file or of a shipped scene, given by its name. Empty = the boxes and balls of the demo.
 /// @param gravity  times that of the scene
 /// @return the world, or an error about the file
-[[nodiscard]] Result<World> openScene(const std::string& scene, double gravity = 1.0);
+[[nodiscard]] Result<World> openScene(const std::string& scene, double gravity, Host& host);
 
 /// The text of a scene file.
 struct SceneText {
@@ -32,7 +29,7 @@ struct SceneText {
 [[nodiscard]] Result<std::filesystem::path> scenesFolder();
 
 /// The text that openScene() reads.
-[[nodiscard]] Result<SceneText> readSceneText(const std::string& scene);
+[[nodiscard]] Result<SceneText> readSceneText(const std::string& scene, const Host& host);
 
 /// A scene that was opened.
 struct OpenedScene {
@@ -42,18 +39,19 @@ struct OpenedScene {
 };
 
 /// openScene() with the avatars of the scene.
-[[nodiscard]] Result<OpenedScene> openStage(const std::string& scene);
+[[nodiscard]] Result<OpenedScene> openStage(const std::string& scene, Host& host);
 
 /// The targets of a scene that the user chose; none if it cannot be read any more.
-[[nodiscard]] std::vector<HitTarget> targetsOf(const std::string& scene);
+[[nodiscard]] std::vector<HitTarget> targetsOf(const std::string& scene, Host& host);
 
 /// A prop at rest at the world's origin, from a mesh file: in at most 8 convex parts if the mesh is closed, else its
 /// convex hull. A mesh whose largest side is not 0.1 to 1.5 units long is scaled to 0.5 m, else a unit is a metre.
-[[nodiscard]] Result<Prop> openMeshProp(const std::string& file);
+[[nodiscard]] Result<Prop> openMeshProp(const std::string& file, Host& host);
 
 /// The world of a scene text. @param name  for error messages
-[[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name);
+[[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name, Host& host);
 /// The targets of a scene text that worldOf() has read.
-[[nodiscard]] std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name);
+[[nodiscard]] std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name,
+                                               Host& host);
 
 }  // namespace lorica

@@ -1,7 +1,6 @@
 #include "prepare/session_files.h"
 
 #include "geometry/errors.h"
-#include "prepare/file_trust.h"
 #include "session/scenes/demo_scene.h"
 
 #include <fmt/format.h>
@@ -31,10 +30,6 @@ std::string nameFor(const std::string& session, const std::string& file) {
 }
 
 }  // namespace
-
-void addRecordOption(CommandLine& app, std::string& file) {
-  app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
-}
 
 void sayFound(const std::optional<std::filesystem::path>& found) {
   if (!found) return;

@@ -1,8 +1,7 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
-#include "apps/command_line.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "prepare/body.h"
 #include "prepare/read_motion.h"
 #include "prepare/scenes.h"
@@ -19,9 +18,6 @@
 #include <string>
 
 namespace lorica {
-
-/// --record FILE.lsession.
-void addRecordOption(CommandLine& app, std::string& file);
 
 /// Says that a recording was found that a killed program left behind. @param found  its new name
 void sayFound(const std::optional<std::filesystem::path>& found);

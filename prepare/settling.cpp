@@ -1,6 +1,5 @@
 #include "prepare/settling.h"
 
-#include "player/work_monitor.h"
 
 #include <functional>
 #include <utility>
@@ -9,14 +8,12 @@ namespace lorica {
 namespace {
 
 /// @param stopped  called if the settling is stopped
-Particles::SettlingWatch reporting(const World& world, std::function<void()> stopped) {
-  WorkMonitor* monitor = WorkMonitor::ofThisThread();
-  if (monitor == nullptr) return [](int, int) { return true; };
+Particles::SettlingWatch reporting(const World& world, std::function<void()> stopped, Host& host) {
   const bool sand = world.particles()->settings().kind == ParticleSettings::Kind::kSand;
-  monitor->begin(sand ? "Settling the sand" : "Settling the water");
-  return [monitor, stopped = std::move(stopped)](int frame, int frames) {
-    monitor->report(frame, frames);
-    if (!monitor->cancelled()) return true;
+  auto task = std::make_shared<Task>(host, sand ? "Settling the sand" : "Settling the water", "frames");
+  return [task, stopped = std::move(stopped)](int frame, int frames) {
+    task->update(frame, frames);
+    if (!task->cancelled()) return true;
     stopped();
     return false;
   };
@@ -37,16 +34,16 @@ bool mustSettle(const World& world) {
   return world.particles() != nullptr && !world.particles()->settled();
 }
 
-void settleAround(const PartsOfAvatars& parts, World& world) {
+void settleAround(const PartsOfAvatars& parts, World& world, Host& host) {
   if (!mustSettle(world)) return;
   const std::vector<std::span<const LivePart>> avatars(parts.begin(), parts.end());
-  world.watchSettling(reporting(world, [] {}));
+  world.watchSettling(reporting(world, [] {}, host));
   world.settle(avatars);
 }
 
-Result<bool> stepAndSettle(Session& session) {
+Result<bool> stepAndSettle(Session& session, Host& host) {
   if (mustSettle(session.world())) {
-    session.world().watchSettling(reporting(session.world(), [&session] { session.watch(nullptr); }));
+    session.world().watchSettling(reporting(session.world(), [&session] { session.watch(nullptr); }, host));
   }
   return session.step();
 }

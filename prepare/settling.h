@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/result.h"
+#include "prepare/host.h"
 #include "session/session.h"
 
 #include <span>
@@ -14,15 +15,14 @@ using PartsOfAvatars = std::vector<std::vector<LivePart>>;
 
 /// Whether a step of this world begins with letting sand or water settle, which takes seconds.
 [[nodiscard]] bool mustSettle(const World& world);
-/// Share of the work of opening what an avatar and a scene need that comes before settling, see WorkMonitor::Stage.
+/// Share of the work of opening what an avatar and a scene need that comes before settling, see Stage.
 inline constexpr double kBeforeSettling = 0.6;
 
-/// Lets sand and water settle around parts that stand. Reports to the monitor of this thread, and stops if that is
-/// cancelled: the world is to be given up then.
-void settleAround(const PartsOfAvatars& parts, World& world);
+/// Lets sand and water settle around parts that stand. A task of the host; stops if that is cancelled: the world is to be given up then.
+void settleAround(const PartsOfAvatars& parts, World& world, Host& host);
 
 /// The same in the first step of a session. If it is stopped, the step that ends it is not watched any more: nobody
 /// records it.
-[[nodiscard]] Result<bool> stepAndSettle(Session& session);
+[[nodiscard]] Result<bool> stepAndSettle(Session& session, Host& host);
 
 }  // namespace lorica

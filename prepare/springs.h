@@ -1,7 +1,6 @@
 #pragma once
 
-#include "apps/command_line.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "prepare/subject.h"
 #include "session/session.h"
 
@@ -11,9 +10,6 @@
 #include <string>
 
 namespace lorica {
-
-/// --springs. @param mode  receives its value; empty = not given
-void addSpringOption(CommandLine& app, std::string& mode);
 
 /// The springs and constraints of a character and what they do.
 struct SpringChoice {
@@ -27,8 +23,5 @@ struct SpringChoice {
 
 /// Session::setSprings() with the choice; without one nothing happens.
 [[nodiscard]] Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session, int avatar = 0);
-
-/// The numbers of springs, joints, colliders and constraints for `lorica info`.
-void describeSprings(const SpringBones& springs, Report& report, nlohmann::ordered_json& json);
 
 }  // namespace lorica

@@ -2,7 +2,6 @@
 
 #include "capture/streams/recorded_stream.h"
 #include "geometry/errors.h"
-#include "prepare/file_trust.h"
 #include "prepare/session_files.h"
 #include "prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
@@ -106,9 +105,9 @@ int playAll(const RecordedPackets& packets, Use&& use) {
 
 }  // namespace
 
-Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& options) {
+Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& options, Host& host) {
   LORICA_TRY(PacketFile read, readPacketFile(file));
-  LORICA_TRY(std::optional<SenderRest> sender, readSenderRest(options.sender));
+  LORICA_TRY(std::optional<SenderRest> sender, readSenderRest(options.sender, host));
   Motion motion;
   motion.name = file.stem().string();
   motion.format = "VMC packets";
@@ -135,7 +134,7 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
   return motion;
 }
 
-Result<Motion> readSessionMotion(const fs::path& file, int person) {
+Result<Motion> readSessionMotion(const fs::path& file, int person, Host& host) {
   LORICA_TRY(SessionFile recorded, readSession(file));
   Motion motion;
   motion.name = file.stem().string();
@@ -158,10 +157,10 @@ Result<Motion> readSessionMotion(const fs::path& file, int person) {
     motion.joints = std::move(chosen.joints);
     std::erase_if(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
   } else {
-    LORICA_TRY(const SessionInputs inputs, inputsOf(recorded, file.string(), index, "", ""));
+    LORICA_TRY(const SessionInputs inputs, inputsOf(recorded, file.string(), index, "", "", host));
     CharacterOptions reading{inputs.boneMap, header.bodyResolution};
     reading.hidden = header.hidden;
-    LORICA_TRY(Subject subject, readCharacter(inputs.character, reading));
+    LORICA_TRY(Subject subject, readCharacter(inputs.character, reading, host));
     const Skeleton& skeleton = subject.character->skeleton;
     if (skeleton.jointCount() != header.poseJoints) {
       return invalidArgument("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
@@ -175,9 +174,9 @@ Result<Motion> readSessionMotion(const fs::path& file, int person) {
   return motion;
 }
 
-Result<std::optional<SenderRest>> readSenderRest(const std::string& file) {
+Result<std::optional<SenderRest>> readSenderRest(const std::string& file, const Host& host) {
   if (file.empty()) return std::optional<SenderRest>();
-  LORICA_TRY(const CharacterFile model, prefixed("--sender", readCharacterFile(file, characterFileSettings())));
+  LORICA_TRY(const CharacterFile model, prefixed("--sender", readCharacterFile(file, host.characterFiles())));
   if (model.format != "VRM 1.0") {
     return invalidArgument(
         "--sender: {}: found {}, expected VRM 1.0: of other models a rotation of zero is the T-pose already", file,
@@ -185,12 +184,6 @@ Result<std::optional<SenderRest>> readSenderRest(const std::string& file) {
   }
   LORICA_TRY(SenderRest rest, prefixed("--sender: " + file, SenderRest::create(model.character.skeleton)));
   return std::optional<SenderRest>(std::move(rest));
-}
-
-void addSenderOption(CommandLine& app, std::string& file) {
-  app.addOption("--sender", file,
-                "The sender's model, if it is VRM 1.0 and sends its bones' own rotations: then zero is not the T-pose")
-      ->typeName("FILE.vrm");
 }
 
 }  // namespace lorica

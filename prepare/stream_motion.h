@@ -9,16 +9,14 @@
 namespace lorica {
 
 /// Reads a recording of VMC packets (.pcap): what the sender's bones did.
-[[nodiscard]] Result<Motion> readPacketMotion(const std::filesystem::path& file, const MotionOptions& options);
+[[nodiscard]] Result<Motion> readPacketMotion(const std::filesystem::path& file, const MotionOptions& options, Host& host);
 
 /// Reads the motion of an avatar of a recorded session (.lsession): its joints, or the poses of its character, whose
 /// file must be there.
 /// @param person  number of the avatar, from 1; 0 = the first, with a note if there are several
-[[nodiscard]] Result<Motion> readSessionMotion(const std::filesystem::path& file, int person);
+[[nodiscard]] Result<Motion> readSessionMotion(const std::filesystem::path& file, int person, Host& host);
 
 /// The rest pose of a sender's model. @param file  VRM 1.0; empty = none
-[[nodiscard]] Result<std::optional<SenderRest>> readSenderRest(const std::string& file);
-/// --sender FILE.vrm
-void addSenderOption(CommandLine& app, std::string& file);
+[[nodiscard]] Result<std::optional<SenderRest>> readSenderRest(const std::string& file, const Host& host);
 
 }  // namespace lorica

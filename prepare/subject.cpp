@@ -1,14 +1,12 @@
 #include "prepare/subject.h"
 
-#include "apps/options.h"
-#include "apps/progress_bar.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 #include "prepare/body.h"
 #include "prepare/body_cache.h"
 #include "prepare/expressions.h"
-#include "prepare/file_trust.h"
 #include "prepare/mesh_subject.h"
+#include "prepare/read_motion.h"
 #include "skinning/import/bone_map.h"
 #include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
@@ -22,14 +20,14 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
 
-/// cachedBody() with a progress bar; Ctrl-C cancels.
-Result<ClosedBody> makeBodyWithProgress(const Character& character, const CharacterOptions& options) {
-  ProgressBar bar("Making a closed body for " + character.name, "steps");
+/// cachedBody() as a task of the host.
+Result<ClosedBody> makeBodyWithProgress(const Character& character, const CharacterOptions& options, Host& host) {
+  Task task(host, "Making a closed body for " + character.name, "steps");
   BodySettings settings;
   settings.resolution = options.bodyResolution;
   settings.keepClosed = options.body != BodyChoice::kAlways;
-  settings.progress = progressOf(bar);
-  return prefixed(character.name, cachedBody(character, settings, userCache()));
+  settings.progress = task.progress();
+  return prefixed(character.name, cachedBody(character, settings, userCache(host)));
 }
 
 /// The mannequin's material.
@@ -53,13 +51,13 @@ Result<void> refuseFileOptions(const std::string& input, const CharacterOptions&
   return {};
 }
 
-/// Decodes the pictures of a character's materials with a progress bar; Ctrl-C cancels.
+/// Decodes the pictures of a character's materials as a task of the host.
 Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float> expressions,
-                                          const CharacterOptions& options) {
-  ProgressBar bar("Decoding textures of " + file.character.name, "textures");
+                                          const CharacterOptions& options, Host& host) {
+  Task task(host, "Decoding textures of " + file.character.name, "textures");
   DecodeSettings settings;
   settings.largestSide = options.textureSize;
-  settings.progress = progressOf(bar);
+  settings.progress = task.progress();
   AvatarFace face{file.morphs, file.expressions, file.lookAt, std::move(expressions)};
   if (options.ownClip) {
     // Without such a clip the command fails later.
@@ -69,8 +67,8 @@ Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float
   return makeAvatar(file.character, std::move(file.look), settings, std::move(face));
 }
 
-Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
-  LORICA_TRY(CharacterFile read, readCharacterFile(file, characterFileSettings(options.hidden)));
+Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options, Host& host) {
+  LORICA_TRY(CharacterFile read, readCharacterFile(file, host.characterFiles(options.hidden)));
   if (read.character.mesh.triangles.empty()) {
     return badMesh("{}: no triangles, only {}; expected a character with a surface", file.string(),
                    read.clips.empty() ? "joints" : "motion");
@@ -87,18 +85,18 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
     // A mesh: in the units and coordinates of the file, from which the first joint converts.
     TriMesh mesh = read.character.mesh;
     for (Vec3& p : mesh.vertices) p = read.character.jointFromModel.front() * p;
-    Result<Subject> subject = meshSubject(read.character.name, std::move(mesh), options);
+    Result<Subject> subject = meshSubject(read.character.name, std::move(mesh), options, host);
     if (subject) subject->file = std::move(read);
     return subject;
   }
-  LORICA_TRY(ClosedBody body, makeBodyWithProgress(read.character, options));
+  LORICA_TRY(ClosedBody body, makeBodyWithProgress(read.character, options, host));
   const std::vector<float> used = usedWeightSets(read.morphs, read.expressions, expressions);
   (void)coverReached(body, read.character,
                      reachedPositions(read.morphs, used, read.character.mesh.vertices, kReachTolerance));
   Subject subject{read.character.name, body.character.mesh, std::nullopt, "", std::move(read), std::move(body)};
   subject.character = subject.body->character;
   if (options.drawn && subject.file->look.given()) {
-    LORICA_TRY(MadeAvatar made, makeAvatarWithProgress(*subject.file, std::move(expressions), options));
+    LORICA_TRY(MadeAvatar made, makeAvatarWithProgress(*subject.file, std::move(expressions), options, host));
     subject.character->avatar = std::move(made.avatar);
     std::vector<std::string>& notes = subject.file->notes;
     notes.insert(notes.end(), made.notes.begin(), made.notes.end());
@@ -108,33 +106,7 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
 
 }  // namespace
 
-void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
-  app.addOption(
-         "--map", options.map,
-         "Bone map: the joint for each humanoid bone, if names and shape are not enough; `lorica info --write-map` "
-         "creates one")
-      ->typeName("FILE.json");
-  addLength(app, "--body-resolution", options.bodyResolution,
-            "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
-  addExpressionOption(app, options.expressions);
-  addHideOption(app, options.hidden);
-}
-
-void addHideOption(CommandLine& app, std::vector<std::string>& hidden) {
-  app.addOption(
-         "--hide", hidden,
-         "Leave out a mesh of the character, such as a weapon, from pictures and hulls; may be repeated; `lorica "
-         "info` lists the names")
-      ->repeatable()
-      ->typeName("NAME");
-}
-
-void addTextureOption(CommandLine& app, int& textureSize) {
-  addCount(app, "--texture-size", textureSize, 16,
-           "Reduce textures whose width or height is larger than this [pixels; default: as stored]");
-}
-
-Result<Subject> readSubject(const std::string& input, const CharacterOptions& options) {
+Result<Subject> readSubject(const std::string& input, const CharacterOptions& options, Host& host) {
   if (input == kMannequin) {
     LORICA_TRY_DO(refuseFileOptions(input, options));
     if (options.body == BodyChoice::kAlways || options.bodyResolution > 0.0) {
@@ -153,10 +125,10 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
         "(.glb, .gltf, .vrm, .fbx, .dae) or {}",
         input, kMannequin);
   }
-  if (isCharacterFile(input)) return readCharacterSubject(input, options);
+  if (isCharacterFile(input)) return readCharacterSubject(input, options, host);
   LORICA_TRY_DO(refuseFileOptions(input, options));
   LORICA_TRY(TriMesh mesh, readMesh(input));
-  return meshSubject(fs::path(input).filename().string(), std::move(mesh), options);
+  return meshSubject(fs::path(input).filename().string(), std::move(mesh), options, host);
 }
 
 Result<void> followsPerson(const CharacterFile& file) {
@@ -166,7 +138,7 @@ Result<void> followsPerson(const CharacterFile& file) {
   return checkPerformed(file.character, person);
 }
 
-Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options) {
+Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host) {
   if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
     return notFound("{}: no character with that name, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)",
                     nameOrFile, kMannequin);
@@ -176,7 +148,7 @@ Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOpti
     if (!file.isMesh()) return options.suits ? options.suits(file) : Result<void>();
     return invalidArgument("{}: found a mesh without skin and clips, expected a character", nameOrFile);
   };
-  return readSubject(nameOrFile, reading);
+  return readSubject(nameOrFile, reading, host);
 }
 
 }  // namespace lorica

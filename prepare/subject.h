@@ -1,9 +1,8 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "geometry/result.h"
 #include "geometry/tri_mesh.h"
-#include "prepare/read_motion.h"
+#include "prepare/host.h"
 #include "skinning/body/closed_body.h"
 #include "skinning/character.h"
 #include "skinning/import/character_file.h"
@@ -38,13 +37,6 @@ struct CharacterOptions {
   std::function<Result<void>(const CharacterFile& file)> suits = {};
 };
 
-/// --map, --body-resolution, --expression and --hide.
-void addCharacterOptions(CommandLine& app, CharacterOptions& options);
-/// --hide NAME, which may be repeated.
-void addHideOption(CommandLine& app, std::vector<std::string>& hidden);
-/// --texture-size, for commands that draw.
-void addTextureOption(CommandLine& app, int& textureSize);
-
 /// A closed body that was made for a mesh. Lengths are in the mesh's unit.
 struct RebuiltMesh {
   std::string problem;            ///< what was wrong with the mesh; empty if a body was asked for
@@ -74,12 +66,13 @@ struct Subject {
 /// Reads INPUT of `decompose` and `info`: the name of a built-in character, a character file, or else a mesh file. A
 /// character file with neither skin nor clips is a mesh. A mesh is repaired, or gets a closed body, see meshSubject();
 /// a body is made for a character.
-[[nodiscard]] Result<Subject> readSubject(const std::string& input, const CharacterOptions& options = {});
+[[nodiscard]] Result<Subject> readSubject(const std::string& input, const CharacterOptions& options, Host& host);
 
 /// CharacterOptions::suits for a person before a camera, whose joints the character must be able to follow.
 [[nodiscard]] Result<void> followsPerson(const CharacterFile& file);
 
 /// A character by its name or file, or an error that says what is expected.
-[[nodiscard]] Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options = {});
+[[nodiscard]] Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options,
+                                            Host& host);
 
 }  // namespace lorica

@@ -11,12 +11,13 @@
 namespace lorica {
 
 /// Reads motions by paths or names, see readMotion().
-[[nodiscard]] Result<std::vector<Motion>> readMotions(std::span<const std::string> names);
+[[nodiscard]] Result<std::vector<Motion>> readMotions(std::span<const std::string> names, Host& host);
 
 /// trainingMotions() of session/prepare. The shipped recordings are the usual motions.
 /// Where they are not found, they are generated again, with a warning.
 /// @param motions  may be empty
-[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions);
+[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions,
+                                              Host& host);
 
 /// A decomposition and its computation time.
 struct TimedDecomposition {
@@ -24,9 +25,9 @@ struct TimedDecomposition {
   double seconds = 0.0;
 };
 
-/// decompose() with a progress bar; Ctrl-C cancels.
-/// @param name  of the mesh, for the bar and for errors: "Bunny.off"
+/// decompose() as a task of the host.
+/// @param name  of the mesh, for the task and for errors: "Bunny.off"
 [[nodiscard]] Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh,
-                                                               PoseView keyframes, DecomposeSettings settings);
+                                                               PoseView keyframes, DecomposeSettings settings, Host& host);
 
 }  // namespace lorica

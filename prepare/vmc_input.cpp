@@ -1,7 +1,5 @@
 #include "prepare/vmc_input.h"
 
-#include "apps/options.h"
-#include "apps/standard_streams.h"
 #include "geometry/errors.h"
 #include "geometry/printable.h"
 #include "player/percentiles.h"
@@ -21,19 +19,6 @@ constexpr double kLongestWait = 1.0 / 30.0;
 constexpr int kLongestDelayMs = 1000;
 
 }  // namespace
-
-Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
-  Option* vmc = app.addOption("--vmc", options.listenAt,
-                              "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "
-                              "to this machine only; see docs/STREAMS.md. `live` takes several, separated by commas: "
-                              "an avatar for each");
-  vmc->typeName("[HOST:]PORT");
-  addCount(app, "--delay", options.delayMs, 0,
-           "Show what is received so many milliseconds later, at an even pace, if the network is uneven [default: 0]")
-      ->typeName("MS")
-      ->needs(vmc);
-  return vmc;
-}
 
 Result<void> checkVmcInput(const VmcInputOptions& options) {
   if (options.listenAt.empty()) {

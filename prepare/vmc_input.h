@@ -1,7 +1,6 @@
 #pragma once
 
-#include "apps/command_line.h"
-#include "apps/report.h"
+#include "geometry/text.h"
 #include "capture/retarget/sender_rest.h"
 #include "capture/streams/vmc_stream.h"
 #include "session/session.h"
@@ -21,9 +20,6 @@ struct VmcInputOptions {
   int delayMs = 0;       ///< of the frames
   std::string sender;    ///< see readSenderRest()
 };
-
-/// --vmc and --delay. @return --vmc
-Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options);
 
 /// Rejects a bad address or sender before any work.
 [[nodiscard]] Result<void> checkVmcInput(const VmcInputOptions& options);
