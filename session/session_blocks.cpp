@@ -1,6 +1,7 @@
 #include "session/session_blocks.h"
 
 #include "geometry/byte_reader.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -22,7 +23,7 @@ std::uint64_t checkOf(std::string_view bytes, std::uint64_t chain) {
 
 void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes) {
   const auto fits = [](const NamedWeight& one) { return one.name.size() <= kLongestExpression; };
-  const auto fitting = static_cast<std::size_t>(std::count_if(expressions.begin(), expressions.end(), fits));
+  const std::size_t fitting = std::count_if(expressions.begin(), expressions.end(), fits);
   std::size_t left = std::min(fitting, kMostExpressions);
   bytes.put(static_cast<std::uint16_t>(left));
   for (const NamedWeight& one : expressions) {
@@ -50,11 +51,10 @@ void appendBlock(BlockKind kind, std::string_view payload, std::uint64_t& chain,
 
 Result<Blocks> readBlocks(std::string_view bytes, const std::string& name) {
   const auto damaged = [&](std::size_t offset, std::string_view what) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", name, offset, what)};
+    return badFormat("{}: byte {}: {}", name, offset, what);
   };
   if (bytes.substr(0, kSessionMagic.size()) != kSessionMagic) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: not a session file, expected a file written by `lorica record`", name)};
+    return badFormat("{}: not a session file, expected a file written by `lorica record`", name);
   }
   Blocks read;
   std::uint64_t chain = 0;
