@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/work_monitor.h"
+#include "geometry/errors.h"
 #include "geometry/result.h"
 
 #include <chrono>
@@ -34,7 +35,7 @@ template <class T>
   while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
     if (!monitor->cancelled()) continue;
     noteAbandoned();
-    return Error{ErrorCode::kCancelled, "cancelled"};
+    return cancelled();
   }
   return result.get();
 }

@@ -7,6 +7,8 @@
 #include <limits>
 #include <utility>
 
+#include "geometry/counts.h"
+
 namespace lorica {
 namespace {
 
@@ -16,8 +18,8 @@ constexpr double kFollowSeconds = 0.3;  // in which the focus makes up for most 
 std::optional<Vec3> middleOf(const Session& session, int avatar) {
   Vec3 sum = Vec3::Zero();
   int count = 0;
-  for (std::size_t a = 0; a < session.avatars().size(); ++a) {
-    if (avatar >= 0 && static_cast<std::size_t>(avatar) != a) continue;
+  for (int a = 0; a < countOf(session.avatars()); ++a) {
+    if (avatar >= 0 && avatar != a) continue;
     for (const LivePart& part : session.avatars()[a].partsInWorld()) {
       sum += part.worldFromPart.translation();
       ++count;
@@ -58,8 +60,8 @@ void AvatarFocus::update(const Session& session) {
 
 std::optional<Aabb> AvatarFocus::bounds(const Session& session) const {
   Aabb box;
-  for (std::size_t a = 0; a < session.avatars().size(); ++a) {
-    if (avatar_ >= 0 && static_cast<std::size_t>(avatar_) != a) continue;
+  for (int a = 0; a < countOf(session.avatars()); ++a) {
+    if (avatar_ >= 0 && avatar_ != a) continue;
     for (const LivePart& part : session.avatars()[a].partsInWorld()) {
       for (const Vec3& vertex : part.shape.vertices) box.extend(part.worldFromPart * vertex);
     }
@@ -71,14 +73,14 @@ std::optional<Aabb> AvatarFocus::bounds(const Session& session) const {
 int avatarAt(const Session& session, const Ray& ray) {
   int nearest = -1;
   double distance = std::numeric_limits<double>::max();
-  for (std::size_t a = 0; a < session.avatars().size(); ++a) {
+  for (int a = 0; a < countOf(session.avatars()); ++a) {
     for (const LivePart& part : session.avatars()[a].partsInWorld()) {
       const Isometry3 partFromWorld = part.worldFromPart.inverse();
       const Ray inPart{partFromWorld * ray.origin, partFromWorld.linear() * ray.direction};
       const std::optional<double> entry = entryOf(inPart, part.shape);
       if (!entry || *entry >= distance) continue;
       distance = *entry;
-      nearest = static_cast<int>(a);
+      nearest = a;
     }
   }
   return nearest;

@@ -2,6 +2,7 @@
 
 #include "apps/abandoned_work.h"
 #include "apps/work_monitor.h"
+#include "geometry/errors.h"
 #include "geometry/result.h"
 
 #include <chrono>
@@ -23,7 +24,7 @@ class BackgroundWork {
     std::packaged_task<Result<T>()> task([monitor = monitor_, work = std::move(work)]() -> Result<T> {
       const WorkMonitor::Scope watched(*monitor);
       Result<T> done = work();
-      if (monitor->cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
+      if (monitor->cancelled()) return cancelled();
       return done;
     });
     result_ = task.get_future();

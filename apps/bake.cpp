@@ -7,6 +7,7 @@
 #include "apps/progress_bar.h"
 #include "apps/standard_streams.h"
 #include "bake/bake_report.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
 
@@ -31,7 +32,7 @@ constexpr std::size_t kSimulatedItems = 10'000;
 constexpr std::array<int, 4> kSimulatedCores = {1, 10, 100, 1000};
 
 std::string megabytes(std::uint64_t bytes) {
-  return grouped(static_cast<long long>((bytes + 999'999) / 1'000'000)) + " MB";
+  return grouped((bytes + 999'999) / 1'000'000) + " MB";
 }
 
 void pause(std::chrono::milliseconds time) {
@@ -46,11 +47,9 @@ ItemRunSettings howToRun(const BakeOptions& options, const CommonOptions& common
 
 /// The jobs of the shard; or why a list or a setting is refused.
 Result<std::vector<BakeJob>> readJobs(const BakeOptions& options) {
-  const Result<BakeSettings> defaults = options.defaults();
-  if (!defaults) return defaults.error();
-  const Result<std::vector<BakeItem>> items = readBakeLists(options.lists, *defaults);
-  if (!items) return items.error();
-  return jobsOf(options.chosenShard(), bakeJobs(*items));
+  LORICA_TRY(const BakeSettings defaults, options.defaults());
+  LORICA_TRY(const std::vector<BakeItem> items, readBakeLists(options.lists, defaults));
+  return jobsOf(options.chosenShard(), bakeJobs(items));
 }
 
 /// How the same items, drawn many times, would keep many cores busy.
@@ -80,15 +79,15 @@ std::vector<Schedule> simulated(const BakeCollection& collection) {
 
 Error notWhole(const BakeCollection& collection, std::size_t jobs) {
   if (!collection.damaged.empty()) {
-    return {ErrorCode::kBadFormat, fmt::format("{}; remove the folder to have it made again", collection.damaged[0])};
+    return badFormat("{}; remove the folder to have it made again", collection.damaged[0]);
   }
-  return {ErrorCode::kNotFound, fmt::format("{} of {} are not done yet; `lorica bake` without --collect does them",
-                                            collection.missing.size(), counted(static_cast<long long>(jobs), "item"))};
+  return notFound("{} of {} are not done yet; `lorica bake` without --collect does them", collection.missing.size(),
+                  counted(jobs, "item"));
 }
 
 Report collectionReport(const BakeCollection& collection, std::span<const Schedule> schedules, std::size_t jobs,
                         const fs::path& out) {
-  Report report(fmt::format("{} in {}", counted(static_cast<long long>(jobs), "item"), out.string()));
+  Report report(fmt::format("{} in {}", counted(jobs, "item"), out.string()));
   report.line("baked", grouped(std::ssize(collection.worstFirst())));
   report.line("failed", grouped(std::ssize(collection.failed())));
   if (!collection.missing.empty()) report.line("not done yet", grouped(std::ssize(collection.missing)));
@@ -170,9 +169,9 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
     return pictures->draw(job.item, store.folderOf(job.name) / (job.stem + ".lorica"), scratch.folder());
   };
   const std::string page = htmlReport(collection, schedules, draw);
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-  if (Result<void> written = writeFileAtomically(out / "bake.jsonl", jsonLines(collection)); !written) return written;
-  if (Result<void> written = writeFileAtomically(out / "report.html", page); !written) return written;
+  if (interrupted()) return cancelled();
+  LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection)));
+  LORICA_TRY_DO(writeFileAtomically(out / "report.html", page));
   const Result<void> published = publish(common, collectionReport(collection, schedules, jobs.size(), out),
                                          toJson(collection, schedules, jobs.size()));
   if (!published || (collection.missing.empty() && collection.damaged.empty())) return published;
@@ -231,36 +230,31 @@ BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& com
 }
 
 Result<void> run(const BakeOptions& options, const CommonOptions& common) {
-  if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
-  if (Result<void> fine = checkJsonOutput(common, {fs::path(options.out) / "bake.jsonl"}); !fine) return fine;
-  const Result<std::vector<BakeJob>> jobs = readJobs(options);
-  if (!jobs) return jobs.error();
+  LORICA_TRY_DO(checkOutputFolder("--out", options.out));
+  LORICA_TRY_DO(checkJsonOutput(common, {fs::path(options.out) / "bake.jsonl"}));
+  LORICA_TRY(const std::vector<BakeJob> jobs, readJobs(options));
   FileLayer files;
   BakeStore store(files, options.out, pause);
-  if (options.collect) return collectAll(options, common, *jobs, store);
+  if (options.collect) return collectAll(options, common, jobs, store);
 
-  Result<Claims> claims = Claims::open(files, options.out, options.lostAfter);
-  if (!claims) return claims.error();
+  LORICA_TRY(Claims claims, Claims::open(files, options.out, options.lostAfter));
   Result<BakeOutcome> outcome = Error{ErrorCode::kCancelled, ""};
   {
     ProgressBar bar("Baking", "items");
-    outcome = bakeAll(*jobs, store, *claims, bakerSettings(options, common, bar));
+    outcome = bakeAll(jobs, store, claims, bakerSettings(options, common, bar));
   }
   if (!outcome) return outcome.error();
-  if (outcome->stopped) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (outcome->stopped) return cancelled();
 
   // One process of several that share the work cannot merge it.
   if (options.chosenShard().count == 1) {
-    const std::string lines = jsonLines(collect(*jobs, store, false));
+    const std::string lines = jsonLines(collect(jobs, store, false));
     const fs::path merged = fs::path(options.out) / "bake.jsonl";
-    if (Result<void> written = writeFileAtomically(merged, lines); !written) return written;
+    LORICA_TRY_DO(writeFileAtomically(merged, lines));
   }
-  if (Result<void> published = publish(common, toReport(*outcome, options), toJson(*outcome)); !published) {
-    return published;
-  }
+  LORICA_TRY_DO(publish(common, toReport(*outcome, options), toJson(*outcome)));
   if (outcome->tooLarge.empty()) return {};
-  return Error{ErrorCode::kInvalidArgument, fmt::format("{}; {} left out", outcome->tooLarge.front(),
-                                                        counted(std::ssize(outcome->tooLarge), "item"))};
+  return invalidArgument("{}; {} left out", outcome->tooLarge.front(), counted(std::ssize(outcome->tooLarge), "item"));
 }
 
 }  // namespace

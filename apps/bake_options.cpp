@@ -68,7 +68,7 @@ Shard BakeOptions::chosenShard() const {
 
 std::uint64_t BakeOptions::memoryBytes() const {
   if (const std::optional<std::uint64_t> given = bytesIn(memory)) return *given;
-  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
 }
 
 void addBakeOptions(CommandLine& app, BakeOptions& options) {

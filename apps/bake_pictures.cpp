@@ -34,14 +34,14 @@ TriMesh joined(const std::vector<NamedMesh>& objects, std::vector<PartIndex>& pa
   TriMesh all;
   Aabb box;
   for (const NamedMesh& object : objects) {
-    const auto first = static_cast<VertexIndex>(all.vertices.size());
+    const VertexIndex first = all.vertices.size();
     for (const Vec3& p : object.mesh.vertices) {
       all.vertices.push_back(p);
       box.extend(p);
     }
     for (const Triangle& t : object.mesh.triangles) {
       all.triangles.push_back({first + t[0], first + t[1], first + t[2]});
-      partOfTriangle.push_back(static_cast<PartIndex>(&object - objects.data()));
+      partOfTriangle.push_back(&object - objects.data());
     }
   }
   const double scale = box.diagonal() > 0.0 ? kSize / box.diagonal() : 1.0;
@@ -53,9 +53,8 @@ TriMesh joined(const std::vector<NamedMesh>& objects, std::vector<PartIndex>& pa
 }  // namespace
 
 Result<BakePictures> BakePictures::create(ItemRunSettings how) {
-  Result<SnapshotCamera> camera = SnapshotCamera::create(kWidth, kHeight);
-  if (!camera) return camera.error();
-  return BakePictures(std::move(how), std::move(*camera));
+  LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
+  return BakePictures(std::move(how), std::move(camera));
 }
 
 std::string BakePictures::draw(const BakeItem& item, const fs::path& lorica, const fs::path& scratch) {

@@ -5,8 +5,7 @@
 #include "apps/progress_bar.h"
 #include "apps/report.h"
 #include "apps/training.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <utility>
 
@@ -17,17 +16,14 @@ namespace {
 Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const Subject& subject, int threads) {
   const Character& character = *subject.character;
   if (options.decomposition.empty()) {
-    Result<CachedDecomposition> made = defaultDecomposition(subject, threads);
-    if (!made) return made.error();
-    return std::move(made->file);
+    LORICA_TRY(CachedDecomposition made, defaultDecomposition(subject, threads));
+    return std::move(made.file);
   }
-  Result<DecompositionFile> read = readDecomposition(options.decomposition);
-  if (!read) return read.error();
-  if (read->meshHash != topologyHash(character.mesh)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)",
-                             options.decomposition, read->source, grouped(read->decomposition.vertexCount),
-                             character.name, grouped(std::ssize(character.mesh.vertices)))};
+  LORICA_TRY(DecompositionFile read, readDecomposition(options.decomposition));
+  if (read.meshHash != topologyHash(character.mesh)) {
+    return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)",
+                           options.decomposition, read.source, grouped(read.decomposition.vertexCount), character.name,
+                           grouped(std::ssize(character.mesh.vertices)));
   }
   return read;
 }
@@ -36,12 +32,10 @@ Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const 
 Result<HullCover> coverOf(const Subject& subject, const DecompositionFile& body, const CoverRequest& request,
                           int threads) {
   const Character& character = *subject.character;
-  const Result<Training> training = trainingMotions(subject, {});
-  if (!training) return training.error();
-  const Result<CoverPoses> poses = coverPoses(character, training->motions);
-  if (!poses) return poses.error();
-  const auto choose = [&] { return chooseCoverWithProgress(character, body.decomposition, *poses, request, threads); };
-  return cachedCover(character, body, *poses, request, choose, userCache());
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
+  LORICA_TRY(const CoverPoses poses, coverPoses(character, training.motions));
+  const auto choose = [&] { return chooseCoverWithProgress(character, body.decomposition, poses, request, threads); };
+  return cachedCover(character, body, poses, request, choose, userCache());
 }
 
 }  // namespace
@@ -52,15 +46,14 @@ DecompositionCache userCache() {
 }
 
 Result<CachedDecomposition> defaultDecomposition(const Subject& subject, int threads) {
-  const Result<Training> training = trainingMotions(subject, {});
-  if (!training) return training.error();
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
   ProgressBar bar("Decomposing " + subject.character->name, "parts");
   DecomposeSettings settings;
   settings.threads = threads;
   settings.progress = progressOf(bar);
-  Result<CachedDecomposition> made = defaultDecomposition(*subject.character, *training, settings, userCache());
+  Result<CachedDecomposition> made = defaultDecomposition(*subject.character, training, settings, userCache());
   // The last cut may have finished before the progress callback was called.
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (interrupted()) return cancelled();
   return made;
 }
 
@@ -81,9 +74,7 @@ Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& 
   body->cover.reset();
   body->errorPerKeyframe.clear();  // it was that of other hulls
   if (options.cover.exact()) return body;
-  Result<HullCover> cover = coverOf(subject, *body, options.cover, threads);
-  if (!cover) return cover.error();
-  body->cover = std::move(*cover);
+  LORICA_TRY(body->cover, coverOf(subject, *body, options.cover, threads));
   return body;
 }
 

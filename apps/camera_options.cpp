@@ -1,6 +1,7 @@
 #include "apps/camera_options.h"
 
 #include "apps/options.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 
@@ -53,7 +54,7 @@ Vec3 directionOf(const std::string& preset) {
 Vec3 centerOf(std::span<const LivePart> parts) {
   Vec3 center = Vec3::Zero();
   for (const LivePart& part : parts) center += part.worldFromPart.translation();
-  return center / static_cast<double>(parts.size());
+  return center / parts.size();
 }
 
 }  // namespace
@@ -84,9 +85,8 @@ Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int widt
   const std::optional<Vec3> eye = positionOf(options.eye);
   const std::optional<Vec3> target = positionOf(options.target);
   if (!eye || !target || (*eye - *target).norm() < 1e-3) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("--eye {} --target {}: expected two positions at least 1 mm apart", options.eye, options.target)};
+    return invalidArgument("--eye {} --target {}: expected two positions at least 1 mm apart", options.eye,
+                           options.target);
   }
   Camera camera;
   camera.eye = *eye;

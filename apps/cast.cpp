@@ -6,6 +6,8 @@
 #include "apps/scenes.h"
 #include "apps/settling.h"
 #include "apps/work_monitor.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "skinning/look/avatar.h"
 
 #include <fmt/format.h>
@@ -75,8 +77,7 @@ namespace {
 Result<PlaybackInput> readInput(Role& role) {
   Result<PlaybackInput> input =
       role.motion ? readPlaybackInput(role.options, std::move(*role.motion)) : readPlaybackInput(role.options);
-  const auto wrong = [&](const Error& error) { return Error{error.code, role.where + error.message}; };
-  if (!input) return wrong(input.error());
+  if (!input) return Error{input.error().code, role.where + input.error().message};
   const double seconds = input->motion.seconds();
   if (role.stage.start > seconds) {
     return wrong(
@@ -90,15 +91,14 @@ Result<PlaybackInput> readInput(Role& role) {
 /// Reads everything that may be refused before any body is decomposed.
 Result<std::vector<CastMember>> readCast(std::vector<Role> roles, const BodyOptions& body, int threads) {
   std::vector<PlaybackInput> inputs;
-  const auto part = [&](std::size_t i) { return static_cast<double>(i) / static_cast<double>(roles.size()); };
+  const auto part = [&](std::size_t i) { return static_cast<double>(i) / roles.size(); };
   for (Role& role : roles) {
     const WorkMonitor::Stage stage(kReading * part(inputs.size()), kReading * part(inputs.size() + 1));
-    Result<PlaybackInput> input = readInput(role);
-    if (!input) return input.error();
-    if (Result<void> fine = checkCover(body.cover, *input->subject.character); !fine) return fine.error();
-    std::shared_ptr<const Avatar>& look = input->subject.character->avatar;
+    LORICA_TRY(PlaybackInput input, readInput(role));
+    LORICA_TRY_DO(checkCover(body.cover, *input.subject.character));
+    std::shared_ptr<const Avatar>& look = input.subject.character->avatar;
     if (role.stage.color && look != nullptr) look = tinted(*look, *role.stage.color);
-    inputs.push_back(std::move(*input));
+    inputs.push_back(std::move(input));
   }
   std::vector<CastMember> cast;
   for (std::size_t i = 0; i < roles.size(); ++i) {
@@ -114,12 +114,11 @@ Result<std::vector<CastMember>> readCast(std::vector<Role> roles, const BodyOpti
 }
 
 Error charactersFor(const std::string& where, std::size_t characters, const std::string& what) {
-  return {ErrorCode::kInvalidArgument,
-          fmt::format("{}found {} characters and {}, expected one character for all of them or one for each", where,
-                      characters, what)};
+  return invalidArgument("{}found {} characters and {}, expected one character for all of them or one for each", where,
+                         characters, what);
 }
 
-std::string countOf(std::size_t count, const char* one, const char* several) {
+std::string countedAs(std::size_t count, const char* one, const char* several) {
   return count == 1 ? fmt::format("1 {}", one) : fmt::format("{} {}", count, several);
 }
 
@@ -128,21 +127,19 @@ Result<std::vector<Role>> rolesOfMotions(const PlaybackInputOptions& options) {
   const std::vector<std::string> motions = namesIn(options.motion);
   const std::vector<std::string> characters = namesIn(options.character);
   if (characters.size() > 1 && characters.size() != motions.size()) {
-    return charactersFor("", characters.size(), countOf(motions.size(), "motion", "motions"));
+    return charactersFor("", characters.size(), countedAs(motions.size(), "motion", "motions"));
   }
   if (motions.size() > kMaxCast) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("found {} motions, expected at most {}", motions.size(), kMaxCast)};
+    return invalidArgument("found {} motions, expected at most {}", motions.size(), kMaxCast);
   }
   std::vector<Role> roles;
   for (std::size_t i = 0; i < motions.size(); ++i) {
     Role& role = roles.emplace_back(Role{options});
     role.options.motion = motions[i];
     role.options.character = characters.size() > 1 ? characters[i] : options.character;
-    role.stage.place.x() = kSpacing * (static_cast<double>(i) - 0.5 * static_cast<double>(motions.size() - 1));
+    role.stage.place.x() = kSpacing * (i - 0.5 * (motions.size() - 1));
     if (motions.size() > 1 && motions[i].empty()) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("found an empty name in `{}`, expected motions such as `walk,wave`", options.motion)};
+      return invalidArgument("found an empty name in `{}`, expected motions such as `walk,wave`", options.motion);
     }
   }
   return roles;
@@ -151,18 +148,16 @@ Result<std::vector<Role>> rolesOfMotions(const PlaybackInputOptions& options) {
 /// An avatar for each person of a recording, where they stood.
 Result<std::vector<Role>> rolesOfPeople(const PlaybackInputOptions& options) {
   if (namesIn(options.motion).size() != 1 || options.motion.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--person all: found `{}`, expected one recording of several people", options.motion)};
+    return invalidArgument("--person all: found `{}`, expected one recording of several people", options.motion);
   }
-  Result<std::vector<Motion>> motions = readEveryone(options.motion, options.performing);
-  if (!motions) return motions.error();
+  LORICA_TRY(std::vector<Motion> motions, readEveryone(options.motion, options.performing));
   const std::vector<std::string> characters = namesIn(options.character);
-  if (characters.size() > 1 && characters.size() != motions->size()) {
-    return charactersFor(options.motion + ": ", characters.size(), countOf(motions->size(), "person", "people"));
+  if (characters.size() > 1 && characters.size() != motions.size()) {
+    return charactersFor(options.motion + ": ", characters.size(), countedAs(motions.size(), "person", "people"));
   }
   std::vector<Role> roles;
-  for (std::size_t i = 0; i < motions->size(); ++i) {
-    Role& role = roles.emplace_back(Role{options, std::move((*motions)[i])});
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    Role& role = roles.emplace_back(Role{options, std::move(motions[i])});
     if (characters.size() > 1) role.options.character = characters[i];
   }
   return roles;
@@ -185,17 +180,14 @@ std::vector<Role> rolesOfStage(std::span<const StageAvatar> stage, const Playbac
 
 Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptions& body, const std::string& scene,
                             int threads) {
-  Result<OpenedScene> opened = openStage(scene);
-  if (!opened) return opened.error();
-  const bool staged = !opened->stage.empty() && options.motion.empty() && options.character.empty();
-  Result<std::vector<Role>> roles = staged ? rolesOfStage(opened->stage, options, scene)
-                                    : options.performing.person == kEveryone ? rolesOfPeople(options)
-                                                                             : rolesOfMotions(options);
-  if (!roles) return roles.error();
-  const WorkMonitor::Stage stage(0.0, mustSettle(opened->world) ? kBeforeSettling : 1.0);
-  Result<std::vector<CastMember>> cast = readCast(std::move(*roles), body, threads);
-  if (!cast) return cast.error();
-  return OpenedCast{std::move(opened->world), std::move(opened->targets), std::move(*cast)};
+  LORICA_TRY(OpenedScene opened, openStage(scene));
+  const bool staged = !opened.stage.empty() && options.motion.empty() && options.character.empty();
+  LORICA_TRY(std::vector<Role> roles, staged ? rolesOfStage(opened.stage, options, scene)
+                                      : options.performing.person == kEveryone ? rolesOfPeople(options)
+                                                                               : rolesOfMotions(options));
+  const WorkMonitor::Stage stage(0.0, mustSettle(opened.world) ? kBeforeSettling : 1.0);
+  LORICA_TRY(std::vector<CastMember> cast, readCast(std::move(roles), body, threads));
+  return OpenedCast{std::move(opened.world), std::move(opened.targets), std::move(cast)};
 }
 
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, std::span<const CastMember> cast,
@@ -227,11 +219,9 @@ Result<Session> startSession(std::span<const CastMember> cast, const std::shared
   Session session(std::move(world));
   for (std::size_t i = 0; i < cast.size(); ++i) {
     const CastMember& member = cast[i];
-    Result<std::unique_ptr<PoseSource>> source = sourceOf(member, recorder ? recorder->log(i) : nullptr);
-    if (!source) return source.error();
+    LORICA_TRY(std::unique_ptr<PoseSource> source, sourceOf(member, recorder ? recorder->log(i) : nullptr));
     const AvatarSetting setting{placeOf(member.place, member.heading), member.springs};
-    Result<void> added = addAvatar(session, member.character(), member.body, std::move(*source), setting);
-    if (!added) return added.error();
+    LORICA_TRY_DO(addAvatar(session, member.character(), member.body, std::move(source), setting));
   }
   return session;
 }
@@ -240,10 +230,9 @@ Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastM
                                                            const WindowTreatment& treatment) {
   std::vector<std::unique_ptr<PoseSource>> sources;
   for (const CastMember& member : cast) {
-    Result<std::unique_ptr<PoseSource>> source =
-        poseSourceOf(member.character(), member.motion(), treated(member.options.performing, treatment));
-    if (!source) return source.error();
-    sources.push_back(std::move(*source));
+    LORICA_TRY(std::unique_ptr<PoseSource> source,
+               poseSourceOf(member.character(), member.motion(), treated(member.options.performing, treatment)));
+    sources.push_back(std::move(source));
   }
   return sources;
 }

@@ -1,6 +1,7 @@
 #include "apps/cast_choices.h"
 
 #include "apps/report.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -13,13 +14,13 @@ void addClips(const std::vector<std::string>& clips, const std::string& played, 
   choices.clips = clips;
   const auto same = [&](const std::string& clip) { return lowerCase(clip) == lowerCase(played); };
   const auto found = std::find_if(clips.begin(), clips.end(), same);
-  if (found != clips.end()) choices.clip = static_cast<int>(found - clips.begin());
+  if (found != clips.end()) choices.clip = found - clips.begin();
 }
 
 void addPeople(const std::vector<int>& people, int followed, CastChoices& choices) {
   if (people.size() < 2) return;
   for (const int person : people) {
-    if (person == followed) choices.person = static_cast<int>(choices.people.size());
+    if (person == followed) choices.person = countOf(choices.people);
     choices.people.push_back(std::to_string(person));
   }
   if (followed == kEveryone) choices.person = -1;

@@ -3,6 +3,7 @@
 #include "apps/scenes.h"
 #include "apps/settling.h"
 #include "apps/work_monitor.h"
+#include "geometry/counts.h"
 
 #include <optional>
 #include <utility>
@@ -16,8 +17,8 @@ constexpr double kAbove = 0.3;   // of its lowest point over the floor, from whe
 constexpr int kInRow = 3;
 
 /// Where a dropped thing falls: in rows before the avatar.
-Isometry3 placeOfDropped(std::size_t index, const Prop& prop) {
-  const int column = static_cast<int>(index) % kInRow - 1, row = static_cast<int>(index) / kInRow;
+Isometry3 placeOfDropped(int index, const Prop& prop) {
+  const int column = index % kInRow - 1, row = index / kInRow;
   return Isometry3(Eigen::Translation3d(kBeside * column, kAbove + prop.halfExtents.y(), kAhead + kBeside * (row + 1)));
 }
 
@@ -26,30 +27,26 @@ Result<void> settle(LoadedCast& loaded) {
   if (!mustSettle(loaded.opened.world)) return {};
   const WorkMonitor::Stage stage(kBeforeSettling, 1.0);
   // The poses come from a step in another world: of the same props, without particles.
-  Result<World> other = openScene(loaded.request.scene);
-  if (!other) return other.error();
-  addProps(loaded.added, *other);
-  other->setParticles(ParticleSettings());
-  Result<Session> session = startSession(loaded.opened.avatars, nullptr, std::move(*other));
-  if (!session) return session.error();
-  if (const Result<bool> stepped = session->step(); !stepped) return stepped.error();
-  settleAround(partsOf(*session), loaded.opened.world);
+  LORICA_TRY(World other, openScene(loaded.request.scene));
+  addProps(loaded.added, other);
+  other.setParticles(ParticleSettings());
+  LORICA_TRY(Session session, startSession(loaded.opened.avatars, nullptr, std::move(other)));
+  LORICA_TRY_DO(session.step());
+  settleAround(partsOf(session), loaded.opened.world);
   return {};
 }
 
 Result<LoadedCast> load(const CastRequest& request, int threads) {
-  Result<OpenedCast> opened = openCast(request.input, request.body, request.scene, threads);
-  if (!opened) return opened.error();
-  LoadedCast loaded{request, std::move(*opened), {}};
+  LORICA_TRY(OpenedCast opened, openCast(request.input, request.body, request.scene, threads));
+  LoadedCast loaded{request, std::move(opened), {}};
   for (const std::string& mesh : request.meshes) {
-    Result<Prop> prop = openMeshProp(mesh);
-    if (!prop) return prop.error();
-    prop->worldFromProp = placeOfDropped(loaded.added.size(), *prop);
-    loaded.added.push_back(std::move(*prop));
+    LORICA_TRY(Prop prop, openMeshProp(mesh));
+    prop.worldFromProp = placeOfDropped(loaded.added.size(), prop);
+    loaded.added.push_back(std::move(prop));
   }
   addProps(loaded.added, loaded.opened.world);
   loaded.choices = choicesOf(request.input, loaded.opened);
-  if (Result<void> settled = settle(loaded); !settled) return settled.error();
+  LORICA_TRY_DO(settle(loaded));
   return loaded;
 }
 
@@ -57,7 +54,7 @@ Result<LoadedCast> load(const CastRequest& request, int threads) {
 
 void addProps(std::span<const Prop> props, World& world) {
   for (const Prop& prop : props) {
-    if (world.props().size() < static_cast<std::size_t>(World::kMaxProps)) world.addProp(prop);
+    if (countOf(world.props()) < World::kMaxProps) world.addProp(prop);
   }
 }
 

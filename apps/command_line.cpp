@@ -87,7 +87,7 @@ class HelpFormatter : public CLI::Formatter {
   }
 
  private:
-  std::size_t width_ = static_cast<std::size_t>(helpWidth());
+  std::size_t width_ = helpWidth();
 };
 
 CLI::Validator validatorOf(TextCheck check) {

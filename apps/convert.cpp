@@ -6,6 +6,7 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -35,9 +36,7 @@ struct Joints {
 Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
   std::vector<SkeletonFrame> frames = motion.joints;
   if (motion.bones) {
-    Result<std::vector<SkeletonFrame>> read = bodyJointsOf(*motion.bones);
-    if (!read) return Error{read.error().code, motion.name + ": " + read.error().message};
-    frames = std::move(*read);
+    LORICA_TRY(frames, prefixed(motion.name, bodyJointsOf(*motion.bones)));
   }
   const JointSettings settings = options.joints();
   std::optional<OneEuroFilter> filter;
@@ -56,28 +55,24 @@ Result<void> runCameraFrame(const Options& options, const CommonOptions& common)
   const fs::path shipped = shippedRecording(options.input);
   const fs::path input = shipped.empty() ? fs::path(options.input) : shipped;
   if (!isDepthRecording(input)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: --camera-frame is for depth recordings (.oni)", options.input)};
+    return invalidArgument("{}: --camera-frame is for depth recordings (.oni)", options.input);
   }
   const MotionOptions& motion = options.motion;
   if (motion.person > 0 || motion.mirror || motion.smooth != "off" || !motion.format.empty() || !motion.clip.empty()) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        "--camera-frame writes everyone as tracked: leave out --person, --mirror, --smooth, --format and --clip"};
+    return invalidArgument(
+        "--camera-frame writes everyone as tracked: leave out --person, --mirror, --smooth, --format and --clip");
   }
   if (lowerCase(fs::path(options.output).extension().string()) != ".csv") {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: --camera-frame writes .cam.csv and .lab, expected OUT.csv", options.output)};
+    return invalidArgument("{}: --camera-frame writes .cam.csv and .lab, expected OUT.csv", options.output);
   }
   const fs::path base = fs::path(options.output).replace_extension();
-  const Result<int> frames = writeTrackLog(input, base);
-  if (!frames) return frames.error();
-  Report report(fmt::format("{}: {}, camera frame", input.stem().string(), counted(*frames, "frame")));
+  LORICA_TRY(const int frames, writeTrackLog(input, base));
+  Report report(fmt::format("{}: {}, camera frame", input.stem().string(), counted(frames, "frame")));
   report.line("joints", base.string() + ".cam.csv");
   report.line("labels", base.string() + ".lab");
   nlohmann::ordered_json json;
   json["input"] = options.input;
-  json["frames"] = *frames;
+  json["frames"] = frames;
   json["joints"] = base.string() + ".cam.csv";
   json["labels"] = base.string() + ".lab";
   return publish(common, report, json);
@@ -87,67 +82,60 @@ Result<void> runCameraFrame(const Options& options, const CommonOptions& common)
 Result<void> checkFiles(const Options& options, const std::string& extension) {
   const bool onCharacter = !options.character.name.empty();
   if (options.cameraFrame && onCharacter) {
-    return Error{ErrorCode::kInvalidArgument, "--camera-frame writes everyone as tracked: leave out --character"};
+    return invalidArgument("--camera-frame writes everyone as tracked: leave out --character");
   }
   const bool known = extension == ".bvh" || extension == (onCharacter ? ".glb" : ".csv");
   if (!known && extension == ".glb") {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: a .glb shows a character in motion, expected --character FILE", options.output)};
+    return invalidArgument("{}: a .glb shows a character in motion, expected --character FILE", options.output);
   }
   if (!known) {
     const char* expected = onCharacter ? ".glb or .bvh, which hold the motion of a character"
                                        : ".csv (Lorica's joints), .bvh, or .glb with --character";
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found the extension `{}`, expected {}", options.output, extension, expected)};
+    return invalidArgument("{}: found the extension `{}`, expected {}", options.output, extension, expected);
   }
   if (!options.character.map.empty() && !onCharacter) {
-    return Error{ErrorCode::kInvalidArgument, "--map is for the bones of a character, expected --character FILE"};
+    return invalidArgument("--map is for the bones of a character, expected --character FILE");
   }
-  if (Result<void> fine = checkOutput("OUT", options.output); !fine) return fine;
+  LORICA_TRY_DO(checkOutput("OUT", options.output));
   std::error_code ignored;
   for (const std::string& input : {options.input, options.character.name, options.character.map}) {
     if (fs::equivalent(input, options.output, ignored)) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("{} is an input and would be overwritten", options.output)};
+      return invalidArgument("{} is an input and would be overwritten", options.output);
     }
   }
   return {};
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.input, options.output, options.character.name}); !fine) {
-    return fine;
-  }
+  LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.output, options.character.name}));
   const std::string extension = lowerCase(fs::path(options.output).extension().string());
-  if (Result<void> fine = checkFiles(options, extension); !fine) return fine;
+  LORICA_TRY_DO(checkFiles(options, extension));
   if (options.cameraFrame) return runCameraFrame(options, common);
-  const Result<Motion> motion = readMotion(options.input, options.motion);
-  if (!motion) return motion.error();
-  const Result<ConvertedClip> made = options.character.name.empty()
-                                         ? writeMotion(options.output, *motion, options.motion)
-                                         : convertOnto(options.character, *motion, options.motion, options.output);
-  if (!made) return made.error();
+  LORICA_TRY(const Motion motion, readMotion(options.input, options.motion));
+  LORICA_TRY(const ConvertedClip made, options.character.name.empty()
+                                           ? writeMotion(options.output, motion, options.motion)
+                                           : convertOnto(options.character, motion, options.motion, options.output));
 
-  Report report(
-      fmt::format("{}: {}, {:.2f} s", motion->name, counted(motion->frameCount(), "frame"), motion->seconds()));
-  report.line("input format", motion->format);
-  if (made->joints > 0) {
+  Report report(fmt::format("{}: {}, {:.2f} s", motion.name, counted(motion.frameCount(), "frame"), motion.seconds()));
+  report.line("input format", motion.format);
+  if (made.joints > 0) {
     report.line("character",
-                fmt::format("{}, {}, {}", options.character.name, counted(made->joints, "joint"), made->units));
+                fmt::format("{}, {}, {}", options.character.name, counted(made.joints, "joint"), made.units));
   }
-  if (made->delay) report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * *made->delay));
+  if (made.delay) report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * *made.delay));
   report.line("output", options.output);
-  std::vector<std::string> notes = motion->notes;
-  notes.insert(notes.end(), made->notes.begin(), made->notes.end());
+  std::vector<std::string> notes = motion.notes;
+  notes.insert(notes.end(), made.notes.begin(), made.notes.end());
   for (const std::string& note : notes) report.note(note);
   nlohmann::ordered_json json;
   json["input"] = options.input;
-  json["format"] = motion->format;
-  json["frames"] = motion->frameCount();
-  json["seconds"] = motion->seconds();
-  json["smoothingDelay"] = made->delay ? nlohmann::ordered_json(*made->delay) : nlohmann::ordered_json();
-  if (made->joints > 0) {
+  json["format"] = motion.format;
+  json["frames"] = motion.frameCount();
+  json["seconds"] = motion.seconds();
+  json["smoothingDelay"] = made.delay ? nlohmann::ordered_json(*made.delay) : nlohmann::ordered_json();
+  if (made.joints > 0) {
     json["character"] = options.character.name;
-    json["joints"] = made->joints;
+    json["joints"] = made.joints;
   }
   json["output"] = options.output;
   json["notes"] = notes;
@@ -159,20 +147,18 @@ Result<void> run(const Options& options, const CommonOptions& common) {
 Result<ConvertedClip> writeMotion(const std::string& output, const Motion& motion, const MotionOptions& options) {
   const bool asBvh = lowerCase(fs::path(output).extension().string()) == ".bvh";
   if (asBvh && motion.bones && !options.mirror) {
-    if (Result<void> written = writeBvh(output, *motion.bones); !written) return written.error();
+    LORICA_TRY_DO(writeBvh(output, *motion.bones));
     return ConvertedClip{};
   }
-  const Result<Joints> joints = asJoints(motion, options);
-  if (!joints) return joints.error();
+  LORICA_TRY(const Joints joints, asJoints(motion, options));
   if (asBvh) {
-    const Result<SkeletalMotion> bones = skeletalMotionOf(joints->frames);
-    if (!bones) return bones.error();
-    if (Result<void> written = writeBvh(output, *bones); !written) return written.error();
-  } else if (Result<void> written = writeJointCsv(output, joints->frames); !written) {
-    return written.error();
+    LORICA_TRY(const SkeletalMotion bones, skeletalMotionOf(joints.frames));
+    LORICA_TRY_DO(writeBvh(output, bones));
+  } else {
+    LORICA_TRY_DO(writeJointCsv(output, joints.frames));
   }
   ConvertedClip made;
-  made.delay = joints->delay;
+  made.delay = joints.delay;
   return made;
 }
 

@@ -4,6 +4,7 @@
 #include "apps/options.h"
 #include "capture/files/bvh_file.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "geometry/errors.h"
 #include "skinning/clip_files/character_clip.h"
 #include "skinning/clip_files/own_motion.h"
 #include "skinning/import/bone_map.h"
@@ -21,17 +22,13 @@ constexpr const char* kMannequin = "mannequin";
 
 Result<CharacterFile> readMapped(const ConvertCharacter& from) {
   if (!isCharacterFile(from.name)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--character {}: expected a character file (.glb, .gltf, .vrm, .fbx, .dae) or {}",
-                             from.name, kMannequin)};
+    return invalidArgument("--character {}: expected a character file (.glb, .gltf, .vrm, .fbx, .dae) or {}", from.name,
+                           kMannequin);
   }
   Result<CharacterFile> file = readCharacterFile(from.name, characterFileSettings());
   if (!file || from.map.empty()) return file;
-  const Result<BoneMap> map = readBoneMap(from.map);
-  if (!map) return map.error();
-  Result<Skeleton> mapped = applyBoneMap(file->character.skeleton, *map, from.map);
-  if (!mapped) return mapped.error();
-  file->character.skeleton = std::move(*mapped);
+  LORICA_TRY(const BoneMap map, readBoneMap(from.map));
+  LORICA_TRY(file->character.skeleton, applyBoneMap(file->character.skeleton, map, from.map));
   return file;
 }
 
@@ -42,18 +39,16 @@ struct Performed {
 
 /// All frames of the motion on the character, as `play` shows them.
 Result<Performed> performWhole(const Character& character, const Motion& motion, const MotionOptions& options) {
-  const Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion, options);
-  if (!source) return source.error();
+  LORICA_TRY(const std::unique_ptr<PoseSource> source, poseSourceOf(character, motion, options));
   Performed performed{{motion.name, character.skeleton, {}, {}}, std::nullopt};
   Pose pose = restPose(character.skeleton);
   for (;;) {
-    const Result<std::optional<double>> time = (*source)->next(pose);
-    if (!time) return time.error();
-    if (!*time) break;
-    performed.motion.times.push_back(**time);
+    LORICA_TRY(const std::optional<double> time, source->next(pose));
+    if (!time) break;
+    performed.motion.times.push_back(*time);
     performed.motion.poses.insert(performed.motion.poses.end(), pose.begin(), pose.end());
   }
-  performed.delay = (*source)->smoothingDelay();
+  performed.delay = source->smoothingDelay();
   return performed;
 }
 
@@ -64,8 +59,7 @@ std::string scaleNote(const SkeletalMotion& motion) {
   const auto count = std::count_if(joints.begin(), joints.end(), scaled);
   if (count == 0) return {};
   return fmt::format("{} with a scale, the first '{}': BVH has none; their joints are where they are, unscaled",
-                     counted(static_cast<int>(count), "joint"),
-                     std::find_if(joints.begin(), joints.end(), scaled)->name);
+                     counted(count, "joint"), std::find_if(joints.begin(), joints.end(), scaled)->name);
 }
 
 Result<void> writeCharacterBvh(const std::string& out, const SkeletalMotion& motion, ConvertedClip& made) {
@@ -83,36 +77,28 @@ Result<ConvertedClip> convertOnto(const ConvertCharacter& from, const Motion& mo
   ConvertedClip made;
   if (from.name == kMannequin) {
     const Character mannequin = makeMannequin();
-    const Result<Performed> performed = performWhole(mannequin, motion, options);
-    if (!performed) return performed.error();
-    made.delay = performed->delay;
+    LORICA_TRY(const Performed performed, performWhole(mannequin, motion, options));
+    made.delay = performed.delay;
     made.joints = mannequin.skeleton.jointCount();
     made.units = "metres";
-    const Result<void> written =
-        asBvh ? writeCharacterBvh(out, performed->motion, made) : writeClip(out, mannequin, performed->motion);
-    if (!written) return written.error();
+    LORICA_TRY_DO(asBvh ? writeCharacterBvh(out, performed.motion, made) : writeClip(out, mannequin, performed.motion));
     return made;
   }
-  const Result<CharacterFile> file = readMapped(from);
-  if (!file) return file.error();
-  const Result<Performed> performed = performWhole(file->character, motion, options);
-  if (!performed) return performed.error();
-  made.delay = performed->delay;
-  made.notes = leftBehind(file->character);
+  LORICA_TRY(const CharacterFile file, readMapped(from));
+  LORICA_TRY(const Performed performed, performWhole(file.character, motion, options));
+  made.delay = performed.delay;
+  made.notes = leftBehind(file.character);
   if (asBvh) {
-    const SkeletalMotion own = withoutCopies(inMetres(*file, performed->motion));
-    if (Result<void> written = writeCharacterBvh(out, own, made); !written) return written.error();
+    const SkeletalMotion own = withoutCopies(inMetres(file, performed.motion));
+    LORICA_TRY_DO(writeCharacterBvh(out, own, made));
     return made;
   }
-  const Result<std::vector<std::string>> notes = writeClip(out, {from.name, &*file, pathTrust()}, performed->motion);
-  if (!notes) return notes.error();
-  made.joints =
-      static_cast<int>(file->nodeOfJoint.size() - std::count(file->nodeOfJoint.begin(), file->nodeOfJoint.end(), -1));
-  made.notes.insert(made.notes.end(), notes->begin(), notes->end());
-  const bool ownUnits = file->format.starts_with("glTF") || file->format.starts_with("VRM");
-  made.units = !ownUnits || file->metresPerUnit == 1.0
-                   ? "metres"
-                   : fmt::format("the character's, {:g} m each", file->metresPerUnit);
+  LORICA_TRY(const std::vector<std::string> notes, writeClip(out, {from.name, &file, pathTrust()}, performed.motion));
+  made.joints = file.nodeOfJoint.size() - std::count(file.nodeOfJoint.begin(), file.nodeOfJoint.end(), -1);
+  made.notes.insert(made.notes.end(), notes.begin(), notes.end());
+  const bool ownUnits = file.format.starts_with("glTF") || file.format.starts_with("VRM");
+  made.units = !ownUnits || file.metresPerUnit == 1.0 ? "metres"
+                                                      : fmt::format("the character's, {:g} m each", file.metresPerUnit);
   return made;
 }
 

@@ -2,6 +2,8 @@
 
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -40,22 +42,18 @@ Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::
 
 Result<void> checkCover(const CoverRequest& request, const Character& character) {
   if (request.tolerance && *request.tolerance == 0.0 && request.hullVertices > 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--cover exact and --hull-vertices {} exclude each other, expected only one of them",
-                             request.hullVertices)};
+    return invalidArgument("--cover exact and --hull-vertices {} exclude each other, expected only one of them",
+                           request.hullVertices);
   }
   const double max = kLargestTolerance * character.height;
   const double min = kSmallestTolerance * character.height;
   if (request.tolerance && *request.tolerance > 0.0 && *request.tolerance < min) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--cover: found {:g} m, expected exact, or at least {:.2g} m (0.01 % of the height of "
-                             "{})",
-                             *request.tolerance, min, character.name)};
+    return invalidArgument("--cover: found {:g} m, expected exact, or at least {:.2g} m (0.01 % of the height of {})",
+                           *request.tolerance, min, character.name);
   }
   if (request.tolerance && *request.tolerance > max) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--cover: found {:g} m, expected at most {:.3g} m (10 % of the height of {})",
-                             *request.tolerance, max, character.name)};
+    return invalidArgument("--cover: found {:g} m, expected at most {:.3g} m (10 % of the height of {})",
+                           *request.tolerance, max, character.name);
   }
   return {};
 }
@@ -72,11 +70,11 @@ std::string asTyped(const CoverRequest& request) {
 Result<HullCover> chooseCoverWithProgress(const Character& character, const Decomposition& decomposition,
                                           const CoverPoses& poses, const CoverRequest& request, int threads) {
   ProgressBar bar("Choosing a hull cover for " + character.name, "parts");
-  bar.update(0, static_cast<int>(decomposition.parts.size()));
+  bar.update(0, countOf(decomposition.parts));
   Result<HullCover> cover = chooseCover(character, decomposition, poses, request, threads, progressOf(bar));
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (interrupted()) return cancelled();
   if (!cover && cover.error().code == ErrorCode::kInvalidArgument) {
-    return Error{ErrorCode::kInvalidArgument, asTyped(request) + ": " + cover.error().message};
+    return invalidArgument(asTyped(request) + ": " + cover.error().message);
   }
   return cover;
 }

@@ -8,6 +8,8 @@
 #include "apps/options.h"
 #include "apps/training.h"
 #include "export/mesh_export.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -26,32 +28,27 @@ static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is
 /// Rejects, before any work, options that do not fit the input and outputs that cannot be written.
 Result<void> check(const DecomposeOptions& options, const CommonOptions& common, const Subject& subject) {
   if (!subject.character && (options.keyframes != 0 || !options.motions.empty())) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} is for characters, but {} is a static mesh",
-                             options.keyframes != 0 ? "--keyframes" : "--motion", subject.name)};
+    return invalidArgument("{} is for characters, but {} is a static mesh",
+                           options.keyframes != 0 ? "--keyframes" : "--motion", subject.name);
   }
   if (!subject.character && options.cover.tolerance) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--cover is for characters, but {} is a static mesh", subject.name)};
+    return invalidArgument("--cover is for characters, but {} is a static mesh", subject.name);
   }
   if (subject.character) {
-    if (Result<void> fine = checkCover(options.cover, *subject.character); !fine) return fine;
+    LORICA_TRY_DO(checkCover(options.cover, *subject.character));
   }
   if (subject.body && subject.body->made && options.body == "never") {
-    return Error{ErrorCode::kBadMesh, fmt::format("{}: its surface is not one closed solid ({}, {}), and --body never "
-                                                  "was given",
-                                                  subject.name, counted(subject.body->shells, "shell"),
-                                                  counted(subject.body->openEdges, "open edge"))};
+    return badMesh("{}: its surface is not one closed solid ({}, {}), and --body never was given", subject.name,
+                   counted(subject.body->shells, "shell"), counted(subject.body->openEdges, "open edge"));
   }
   if (!options.output.empty()) {
-    if (Result<void> fine = checkOutput("--output", options.output, ".lorica"); !fine) return fine;
+    LORICA_TRY_DO(checkOutput("--output", options.output, ".lorica"));
   }
   if (!options.obj.empty()) {
-    if (Result<void> fine = checkOutput("--export-obj", options.obj, ".obj"); !fine) return fine;
+    LORICA_TRY_DO(checkOutput("--export-obj", options.obj, ".obj"));
     std::error_code ignored;
     if (std::filesystem::equivalent(options.obj, options.input, ignored)) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--export-obj: {} is the input and would be overwritten", options.obj)};
+      return invalidArgument("--export-obj: {} is the input and would be overwritten", options.obj);
     }
   }
   std::vector<std::filesystem::path> others(options.motions.begin(), options.motions.end());
@@ -75,45 +72,37 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   // Read the input and check the options.
   CharacterOptions reading = options.character;
   reading.body = bodyChoice(options.body);
-  const Result<std::vector<Motion>> motions = readMotions(options.motions);
-  if (!motions) return motions.error();
+  LORICA_TRY(const std::vector<Motion> motions, readMotions(options.motions));
   reading.suits = [&](const CharacterFile& file) -> Result<void> {
     if (file.isMesh()) return {};
-    for (const Motion& motion : *motions) {
-      if (Result<void> able = checkPerformed(file.character, motion); !able) return able;
+    for (const Motion& motion : motions) {
+      LORICA_TRY_DO(checkPerformed(file.character, motion));
     }
     return {};
   };
-  const Result<Subject> subject = readSubject(options.input, reading);
-  if (!subject) return subject.error();
-  if (Result<void> fine = check(options, common, *subject); !fine) return fine;
+  LORICA_TRY(const Subject subject, readSubject(options.input, reading));
+  LORICA_TRY_DO(check(options, common, subject));
 
   // The poses to fit: one for a mesh, keyframes of motions for a character. Then the poses for choosing a cover.
   DecomposeOutcome outcome;
-  outcome.keyframes = Keyframes{subject->mesh.vertices, 1, {}, 0.0};
+  outcome.keyframes = Keyframes{subject.mesh.vertices, 1, {}, 0.0};
   outcome.threads = common.threadCount();
   std::optional<CoverPoses> posesToCover;
   std::optional<Training> training;
-  if (subject->character) {
-    Result<Training> trained = trainingMotions(*subject, *motions);
-    if (!trained) return trained.error();
-    training = std::move(*trained);
+  if (subject.character) {
+    LORICA_TRY(training, trainingMotions(subject, motions));
     const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
-    Result<Keyframes> sampled = trainingKeyframes(*subject->character, *training, count);
-    if (!sampled) return Error{sampled.error().code, "--keyframes: " + sampled.error().message};
-    outcome.keyframes = std::move(*sampled);
+    LORICA_TRY(outcome.keyframes, prefixed("--keyframes", trainingKeyframes(*subject.character, *training, count)));
     if (!options.cover.exact() || options.heldOut) {
-      Result<CoverPoses> poses = coverPoses(*subject->character, training->motions);
-      if (!poses) return poses.error();
-      posesToCover = std::move(*poses);
+      LORICA_TRY(posesToCover, coverPoses(*subject.character, training->motions));
     }
   }
-  const PoseView poses{outcome.keyframes.positions, static_cast<int>(subject->mesh.vertices.size())};
+  const PoseView poses{outcome.keyframes.positions, countOf(subject.mesh.vertices)};
 
   // Decompose and measure.
   DecomposeSettings& settings = outcome.limits;
   const bool limited = options.maxError > 0.0 || options.maxDistance > 0.0;
-  settings.maxParts = options.parts > 0 ? options.parts : subject->character && !limited ? kCharacterParts : 0;
+  settings.maxParts = options.parts > 0 ? options.parts : subject.character && !limited ? kCharacterParts : 0;
   settings.maxError = options.maxError;
   settings.maxDistance = options.maxDistance;
   settings.preset = options.preset == "paper"  ? DecomposePreset::kPaper
@@ -124,39 +113,36 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   settings.threads = outcome.threads;
   sayWhatGives(options, settings);
   const CoverPoses* posesOfCover = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
-  Result<Fit> found =
-      fitHulls({*subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings});
-  if (!found) return found.error();
-  const Fit& fit = outcome.fit = std::move(*found);
+  LORICA_TRY(Fit found,
+             fitHulls({subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings}));
+  const Fit& fit = outcome.fit = std::move(found);
   const Decomposition& decomposition = fit.made.decomposition;
   if (fit.cover) {
-    outcome.coverVolume = volumeGrowth(*subject->character, decomposition, *posesToCover, *fit.cover);
+    outcome.coverVolume = volumeGrowth(*subject.character, decomposition, *posesToCover, *fit.cover);
   }
-  if (options.heldOut && subject->character) {
-    outcome.heldOut = heldOutError(*subject->character, decomposition, fit.cover, *posesToCover);
+  if (options.heldOut && subject.character) {
+    outcome.heldOut = heldOutError(*subject.character, decomposition, fit.cover, *posesToCover);
   }
-  if (!subject->character || !options.obj.empty()) {
-    if (Result<void> all = checkHullsHold(fit.exported, subject->mesh.vertices, verticesToHold(*subject)); !all) {
-      return Error{all.error().code, subject->name + ": " + all.error().message};
-    }
+  if (!subject.character || !options.obj.empty()) {
+    LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
   }
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (interrupted()) return cancelled();
 
   // Write the outputs, each completely or not at all.
   if (!options.output.empty()) {
     // Of a mesh, a file has all points, whatever the vertex limit of the exported hulls.
-    const UsedHulls hulls = subject->character ? fit.hulls : hullsOfParts(fit.held, poses);
+    const UsedHulls hulls = subject.character ? fit.hulls : hullsOfParts(fit.held, poses);
     DecompositionFile content =
-        fileContent(subject->name, subject->mesh, subject->character ? &*subject->character : nullptr,
+        fileContent(subject.name, subject.mesh, subject.character ? &*subject.character : nullptr,
                     training ? &*training : nullptr, poses, decomposition, hulls);
     content.cover = fit.cover;
-    if (!subject->character && fit.attached > 0) content.cover = coverWithHeldVertices(fit.held);
-    if (Result<void> written = writeDecomposition(options.output, content); !written) return written;
+    if (!subject.character && fit.attached > 0) content.cover = coverWithHeldVertices(fit.held);
+    LORICA_TRY_DO(writeDecomposition(options.output, content));
   }
   if (!options.obj.empty()) {
-    if (Result<void> written = writeMeshes(options.obj, fit.exported.objects); !written) return written;
+    LORICA_TRY_DO(writeMeshes(options.obj, fit.exported.objects));
   }
-  return publish(common, toReport(options, *subject, outcome), toJson(options, *subject, outcome));
+  return publish(common, toReport(options, subject, outcome), toJson(options, subject, outcome));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "acd/decomposition_file.h"
 #include "apps/mesh_subject.h"
+#include "geometry/counts.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,7 +21,7 @@ std::string endedBy(const DecomposeOutcome& outcome) {
     return both ? "limits" : limits.maxError > 0.0 ? "error" : "distance";
   }
   if (fit.stalled) return "vertices";
-  return static_cast<int>(fit.made.decomposition.parts.size()) == limits.maxParts ? "parts" : "convex";
+  return countOf(fit.made.decomposition.parts) == limits.maxParts ? "parts" : "convex";
 }
 
 /// "the limit of 8 parts was reached; an error of 5.0 % was not"
@@ -45,13 +46,12 @@ std::string endingSentence(const DecomposeOutcome& outcome) {
 /// "at most 32, before 2,023; volume +2.5 %, at most +4.4 % (part 7)"
 std::string sentence(const HullExport& hulls) {
   if (hulls.maxVertices == hulls.maxVerticesBefore) {
-    return fmt::format("at most {}, unchanged", grouped(static_cast<long long>(hulls.maxVertices)));
+    return fmt::format("at most {}, unchanged", grouped(hulls.maxVertices));
   }
   const auto worst = std::max_element(hulls.growth.begin(), hulls.growth.end());
-  return fmt::format("at most {}, before {}; volume +{}, at most +{} (part {})",
-                     grouped(static_cast<long long>(hulls.maxVertices)),
-                     grouped(static_cast<long long>(hulls.maxVerticesBefore)), percent(hulls.totalGrowth - 1.0),
-                     percent(*worst - 1.0), worst - hulls.growth.begin());
+  return fmt::format("at most {}, before {}; volume +{}, at most +{} (part {})", grouped(hulls.maxVertices),
+                     grouped(hulls.maxVerticesBefore), percent(hulls.totalGrowth - 1.0), percent(*worst - 1.0),
+                     worst - hulls.growth.begin());
 }
 
 /// Whether hulls in a single pose are simplified: those of a mesh, and those of the exported bind pose. For a character
@@ -107,14 +107,13 @@ nlohmann::ordered_json toJson(const DecomposeOptions& options, const Subject& su
 Report toReport(const DecomposeOptions& options, const Subject& subject, const DecomposeOutcome& outcome) {
   const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
   const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
-  Report report(fmt::format("{}: {}", subject.name,
-                            counted(static_cast<long long>(made.decomposition.parts.size()), "convex part")));
+  Report report(fmt::format("{}: {}", subject.name, counted(made.decomposition.parts.size(), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
                                   grouped(std::ssize(subject.mesh.triangles))));
   addMeshTo(report, subject);
   if (attached > 0 && !subject.character) {
     report.line("attached", fmt::format("{} that no part contains: the hulls were enlarged to hold them",
-                                        counted(static_cast<long long>(attached), "vertex", "vertices")));
+                                        counted(attached, "vertex", "vertices")));
   }
   const std::string mean = subject.character ? ", mean over the keyframes" : "";
   report.line("volume", fmt::format("{:.6g}, hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));

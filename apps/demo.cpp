@@ -11,6 +11,7 @@
 #include "apps/run_session.h"
 #include "apps/run_statistics.h"
 #include "apps/standard_streams.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -44,41 +45,36 @@ struct Show {
 };
 
 Result<Show> loadShow(int threads) {
-  Result<Motion> performance = makePerformance();
-  if (!performance) return performance.error();
-  Result<Subject> mannequin = readCharacter("mannequin");
-  if (!mannequin) return mannequin.error();
-  Result<CachedDecomposition> body = defaultDecomposition(*mannequin, threads);
-  if (!body) return body.error();
-  return Show{std::move(*mannequin->character), std::move(*performance), std::move(*body), {}, 0.0, 0, std::nullopt};
+  LORICA_TRY(Motion performance, makePerformance());
+  LORICA_TRY(Subject mannequin, readCharacter("mannequin"));
+  LORICA_TRY(CachedDecomposition body, defaultDecomposition(mannequin, threads));
+  return Show{std::move(*mannequin.character), std::move(performance), std::move(body), {}, 0.0, 0, std::nullopt};
 }
 
 /// Plays repeatedly until the window is closed or the time limit is reached.
 /// @return what the user opened meanwhile; none if the show is over
 Result<std::optional<LoadedCast>> playForPeople(const Options& options, Window& window, WindowOpener& opener,
                                                 Show& show) {
-  Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
-  if (!session) return session.error();
+  LORICA_TRY(Session session, startDemoSession(show.character, show.body.file, show.performance));
   prepareWindow("demo", show.character, 1, window);
-  WindowSubject subject{*session, show.performance.name};
+  WindowSubject subject{session, show.performance.name};
   subject.duration = show.performance.seconds();
   subject.opener = &opener;
   subject.treatment = treatmentControl(MotionOptions(), true);
   subject.treatment.sources =
       [&](const WindowTreatment& treatment) -> Result<std::vector<std::unique_ptr<PoseSource>>> {
-    Result<std::unique_ptr<PoseSource>> source =
-        poseSourceOf(show.character, show.performance, treated(MotionOptions(), treatment));
-    if (!source) return source.error();
+    LORICA_TRY(std::unique_ptr<PoseSource> source,
+               poseSourceOf(show.character, show.performance, treated(MotionOptions(), treatment)));
     std::vector<std::unique_ptr<PoseSource>> sources;
-    sources.push_back(std::move(*source));
+    sources.push_back(std::move(source));
     return sources;
   };
   subject.sourcesAgain = [&] { return subject.treatment.sources(subject.treatment.first); };
   if (options.seconds > 0.0) subject.atEnd = WindowSubject::AtEnd::kRepeat;
   double before = 0.0, seconds = 0.0;  // of earlier repetitions, and of the current one
   subject.stepped = [&] {
-    show.statistics.add(*session);
-    seconds = session->time() - show.performance.firstTime();
+    show.statistics.add(session);
+    seconds = session.time() - show.performance.firstTime();
     show.seconds = before + seconds;
   };
   subject.restarted = [&] {
@@ -86,10 +82,9 @@ Result<std::optional<LoadedCast>> playForPeople(const Options& options, Window& 
     before += seconds;
   };
   subject.enough = [&] { return options.seconds > 0.0 && show.seconds >= options.seconds; };
-  const Result<WindowEnd> end = runInWindow(window, subject, {});
-  if (!end) return end.error();
-  show.hash = session->hash();
-  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
+  LORICA_TRY(const WindowEnd end, runInWindow(window, subject, {}));
+  show.hash = session.hash();
+  if (end == WindowEnd::kInterrupted) return cancelled();
   return std::move(subject.next);
 }
 
@@ -100,8 +95,7 @@ Result<void> playForFiles(const Options& options, Show& show) {
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
   if (!pictures) warn(pictures.error().message + "; running the demo without pictures");
 
-  Result<Session> session = startDemoSession(show.character, show.body.file, show.performance);
-  if (!session) return session.error();
+  LORICA_TRY(Session session, startDemoSession(show.character, show.body.file, show.performance));
   const double wanted = options.seconds > 0.0 ? options.seconds : kVideoSeconds;
   const double first = show.performance.firstTime();
   int frames = 0;
@@ -109,23 +103,20 @@ Result<void> playForFiles(const Options& options, Show& show) {
 
   ProgressBar bar(pictures ? "Drawing the demo" : "Running the demo", "frames");
   for (int frame = 0; frame < frames; ++frame) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<bool> more = session->step();
-    if (!more) return more.error();
-    if (!*more) break;
-    show.statistics.add(*session);
-    show.seconds = session->time() - first;
+    if (interrupted()) return cancelled();
+    LORICA_TRY(const bool more, session.step());
+    if (!more) break;
+    show.statistics.add(session);
+    show.seconds = session.time() - first;
     if (pictures) {
-      const std::string caption = captionOf(show.performance.name, *session, show.seconds);
-      if (Result<void> drawn = pictures->add(*session, caption, show.seconds, frame, frames); !drawn) return drawn;
+      const std::string caption = captionOf(show.performance.name, session, show.seconds);
+      LORICA_TRY_DO(pictures->add(session, caption, show.seconds, frame, frames));
     }
     bar.update(frame + 1, frames);
   }
-  show.hash = session->hash();
+  show.hash = session.hash();
   if (!pictures) return {};
-  Result<DemoFiles> files = pictures->finish();
-  if (!files) return files.error();
-  show.files = std::move(*files);
+  LORICA_TRY(show.files, pictures->finish());
   return {};
 }
 
@@ -196,32 +187,27 @@ Result<std::optional<Window>> chooseWindow(const Options& options) {
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   // Fail early.
-  if (Result<void> fine = checkJsonOutput(common, {}); !fine) return fine;
-  if (Result<void> fine = checkWindow(options.window, "`lorica demo --headless` draws a video instead"); !fine)
-    return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, {}));
+  LORICA_TRY_DO(checkWindow(options.window, "`lorica demo --headless` draws a video instead"));
   if (options.headless || !displayAvailable()) {
-    if (Result<void> fine = checkOutputFolder("--out", options.out); !fine) return fine;
+    LORICA_TRY_DO(checkOutputFolder("--out", options.out));
   }
-  Result<std::optional<Window>> window = chooseWindow(options);
-  if (!window) return window.error();
+  LORICA_TRY(std::optional<Window> window, chooseWindow(options));
   const auto load = [threads = common.threadCount()] { return loadShow(threads); };
-  if (!*window) {
-    Result<Show> show = load();
-    if (!show) return show.error();
-    if (Result<void> played = playForFiles(options, *show); !played) return played;
-    return publish(common, toReport(*show), toJson(*show));
+  if (!window) {
+    LORICA_TRY(Show show, load());
+    LORICA_TRY_DO(playForFiles(options, show));
+    return publish(common, toReport(show), toJson(show));
   }
-  Result<std::optional<Show>> loaded = loadInWindow<Show>(**window, load);
-  if (!loaded) return loaded.error();
-  if (!*loaded) return {};
-  Show& show = **loaded;
+  LORICA_TRY(std::optional<Show> loaded, loadInWindow<Show>(*window, load));
+  if (!loaded) return {};
+  Show& show = *loaded;
   CastRequest present;
   present.input.motion = kOwnMotion;
   present.input.reading.drawn = true;
   WindowOpener opener(std::move(present), common.threadCount());
-  Result<std::optional<LoadedCast>> next = playForPeople(options, **window, opener, show);
-  if (!next) return next.error();
-  if (*next) return playOpened(common, **window, opener, std::move(**next));
+  LORICA_TRY(std::optional<LoadedCast> next, playForPeople(options, *window, opener, show));
+  if (next) return playOpened(common, *window, opener, std::move(*next));
   return publish(common, toReport(show), toJson(show));
 }
 

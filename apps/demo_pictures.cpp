@@ -1,6 +1,8 @@
 #include "apps/demo_pictures.h"
 
 #include "apps/report.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 
@@ -24,9 +26,9 @@ Image halved(const Image& image) {
   Image half;
   half.width = image.width / 2;
   half.height = image.height / 2;
-  half.rgba.resize(static_cast<std::size_t>(half.width) * static_cast<std::size_t>(half.height) * 4);
+  half.rgba.resize(static_cast<std::size_t>(half.width) * half.height * 4);
   const auto at = [&image](int x, int y, int channel) {
-    return static_cast<int>(image.rgba[(static_cast<std::size_t>(y) * image.width + x) * 4 + channel]);
+    return image.rgba[(static_cast<std::size_t>(y) * image.width + x) * 4 + channel];
   };
   std::size_t out = 0;
   for (int y = 0; y < half.height; ++y) {
@@ -34,7 +36,7 @@ Image halved(const Image& image) {
       for (int c = 0; c < 4; ++c) {
         const int sum =
             at(2 * x, 2 * y, c) + at(2 * x + 1, 2 * y, c) + at(2 * x, 2 * y + 1, c) + at(2 * x + 1, 2 * y + 1, c);
-        half.rgba[out++] = static_cast<std::uint8_t>((sum + 2) / 4);
+        half.rgba[out++] = (sum + 2) / 4;
       }
     }
   }
@@ -58,18 +60,17 @@ DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, std::optional
       moments_(kMoments) {}
 
 Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
-  Result<SnapshotCamera> camera = SnapshotCamera::create(kWidth, kHeight);
-  if (!camera) return camera.error();
+  LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) return Error{ErrorCode::kUnwritable, fmt::format("--out: {}: {}", folder.string(), error.message())};
+  if (error) return unwritable("--out: {}: {}", folder.string(), error.message());
   Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, kFramesPerSecond);
   if (!video) {
     if (video.error().code != ErrorCode::kUnsupported) return video.error();
     warn(video.error().message + "; drawing pictures only");  // the video module is optional
-    return DemoPictures(folder, std::move(*camera), std::nullopt);
+    return DemoPictures(folder, std::move(camera), std::nullopt);
   }
-  return DemoPictures(folder, std::move(*camera), std::move(*video));
+  return DemoPictures(folder, std::move(camera), std::move(*video));
 }
 
 Result<void> DemoPictures::add(const Session& session, const std::string& caption, double seconds, int frame,
@@ -82,7 +83,7 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
   show.caption = caption;
   Image image = camera_.draw(scene_->of(session, show, follow_.camera().eye), show, follow_.camera());
   if (video_) {
-    if (Result<void> added = video_->add(image); !added) return added;
+    LORICA_TRY_DO(video_->add(image));
   }
 
   // The time is divided evenly among the snapshots; each keeps the most eventful frame of its interval.
@@ -98,7 +99,7 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
 Result<DemoFiles> DemoPictures::finish() {
   DemoFiles files{camera_.rendererName(), std::nullopt, {}, folder_ / "contact_sheet.png"};
   if (video_) {
-    if (Result<void> finished = video_->finish(); !finished) return finished.error();
+    LORICA_TRY_DO(video_->finish());
     files.video = folder_ / kVideoName;
   }
   std::erase_if(moments_, [](const Moment& moment) { return moment.body.rgba.empty(); });  // fewer frames than moments
@@ -111,13 +112,13 @@ Result<DemoFiles> DemoPictures::finish() {
       const Moment& moment = moments_[i];
       const Image& image = hullsOnly ? moment.hulls : moment.body;
       files.snapshots.push_back(folder_ / fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", i + 1));
-      if (Result<void> written = writePng(files.snapshots.back(), image); !written) return written.error();
+      LORICA_TRY_DO(writePng(files.snapshots.back(), image));
       thumbnails.push_back(halved(image));
       labels.push_back(moment.label + (hullsOnly ? ", collision hulls" : ""));
     }
   }
-  const Image sheet = contactSheet(thumbnails, labels, static_cast<int>(moments_.size()));
-  if (Result<void> written = writePng(files.contactSheet, sheet); !written) return written.error();
+  const Image sheet = contactSheet(thumbnails, labels, countOf(moments_));
+  LORICA_TRY_DO(writePng(files.contactSheet, sheet));
   return files;
 }
 

@@ -5,8 +5,7 @@
 #include "capture/sensor/nite.h"
 #include "capture/sensor/openni.h"
 #include "capture/virtual_sensor/virtual_script.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <cstdlib>
 #include <filesystem>
@@ -41,9 +40,8 @@ Result<std::string> virtualText(const DepthOptions& options) {
     const fs::path shipped = isBareName(name) ? shippedRecording(name) : fs::path();
     const std::string motion = shipped.extension() == ".csv" ? shipped.string() : name;
     if (motion.find_first_of(" \t\n") != std::string::npos) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--motion: {}: found white space, which ends a name in the script of the virtual camera",
-                               motion)};
+      return invalidArgument("--motion: {}: found white space, which ends a name in the script of the virtual camera",
+                             motion);
     }
     text += motion;
   }
@@ -52,12 +50,7 @@ Result<std::string> virtualText(const DepthOptions& options) {
 
 /// The parsed script.
 Result<VirtualScript> virtualScript(const DepthOptions& options, const std::string& text) {
-  Result<VirtualScript> script = parseVirtualScript(text);
-  if (!script) {
-    const std::string origin = options.motion.empty() ? kVirtualScriptVariable : "--motion";
-    return Error{script.error().code, origin + ": " + script.error().message};
-  }
-  return script;
+  return prefixed(options.motion.empty() ? kVirtualScriptVariable : "--motion", parseVirtualScript(text));
 }
 
 /// Starts OpenNI2 with the requested drivers, and passes the script to the virtual camera.
@@ -65,18 +58,16 @@ Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
   OpenNiSettings settings;
   if (!options.driver.empty()) settings.drivers.emplace_back(options.driver);
   if (options.virtualCamera) {
-    const Result<std::string> text = virtualText(options);
-    if (!text) return text.error();
-    if (const Result<VirtualScript> script = virtualScript(options, *text); !script) return script.error();
+    LORICA_TRY(const std::string text, virtualText(options));
+    LORICA_TRY_DO(virtualScript(options, text));
     settings.drivers.push_back(virtualDriver());
     if (settings.drivers.back().empty()) {
-      return Error{
-          ErrorCode::kNotFound,
-          "--virtual: Lorica's driver libLoricaSensor.so.0 was not found next to the program or in ../lib; it is "
-          "built only if libopenni2-dev is installed"};
+      return notFound(
+          "--virtual: Lorica's driver libLoricaSensor.so.0 was not found next to the program or in ../lib; it is built "
+          "only if libopenni2-dev is installed");
     }
     // OpenNI2 loads the driver into this process, which then reads the variable.
-    if (!options.motion.empty()) setenv(kVirtualScriptVariable, text->c_str(), 1);
+    if (!options.motion.empty()) setenv(kVirtualScriptVariable, text.c_str(), 1);
   }
   return OpenNi::start(settings);
 }
@@ -108,30 +99,25 @@ void addDepthOptions(CommandLine& app, DepthOptions& options) {
 }
 
 Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options) {
-  const Result<std::shared_ptr<OpenNi>> openNi = startOpenNi(options);
-  if (!openNi) return openNi.error();
-  Result<std::unique_ptr<DepthSource>> camera = (*openNi)->open(uriOf(options));
+  LORICA_TRY(const std::shared_ptr<OpenNi> openNi, startOpenNi(options));
+  Result<std::unique_ptr<DepthSource>> camera = openNi->open(uriOf(options));
   if (!camera) return withAdvice(camera.error(), options);
   return camera;
 }
 
 Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library) {
-  const Result<std::shared_ptr<OpenNi>> openNi = startOpenNi(options);
-  if (!openNi) return openNi.error();
-  Result<std::unique_ptr<SkeletonSource>> joints = makeNiteSource(*openNi, library, uriOf(options));
+  LORICA_TRY(const std::shared_ptr<OpenNi> openNi, startOpenNi(options));
+  Result<std::unique_ptr<SkeletonSource>> joints = makeNiteSource(openNi, library, uriOf(options));
   if (!joints) return withAdvice(joints.error(), options);
   return joints;
 }
 
 Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options) {
   if (!options.virtualCamera || !virtualDriver().empty()) return openCamera(options);
-  const Result<std::string> text = virtualText(options);
-  if (!text) return text.error();
-  const Result<VirtualScript> script = virtualScript(options, *text);
-  if (!script) return script.error();
-  Result<VirtualSensor> sensor = makeVirtualSensor(*script);
-  if (!sensor) return sensor.error();
-  return std::unique_ptr<DepthSource>(std::make_unique<VirtualSensor>(std::move(*sensor)));
+  LORICA_TRY(const std::string text, virtualText(options));
+  LORICA_TRY(const VirtualScript script, virtualScript(options, text));
+  LORICA_TRY(VirtualSensor sensor, makeVirtualSensor(script));
+  return std::unique_ptr<DepthSource>(std::make_unique<VirtualSensor>(std::move(sensor)));
 }
 
 }  // namespace lorica

@@ -6,6 +6,8 @@
 #include "capture/sensor/oni_source.h"
 #include "capture/tracking/depth_joints.h"
 #include "capture/tracking/track_log.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 
@@ -36,13 +38,11 @@ bool isDepthRecording(const std::filesystem::path& file) {
 }
 
 Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options) {
-  Result<std::unique_ptr<OniSource>> depth = openOni(file);
-  if (!depth) return depth.error();
-  const int frames = (*depth)->info().frameCount;
-  Result<Tracker> tracker = Tracker::create((*depth)->camera());
-  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  const int frames = depth->info().frameCount;
+  LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
 
-  DepthJoints people(std::move(*depth), std::move(*tracker), options.person);
+  DepthJoints people(std::move(depth), std::move(tracker), options.person);
   Motion motion;
   motion.name = file.stem().string();
   motion.format = "OpenNI depth recording";
@@ -51,48 +51,43 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   int followed = 0;
   int maxPeople = 0;
   while (true) {
-    if (bar.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<std::optional<SkeletonFrame>> joints = people.next();
-    if (!joints) return joints.error();
-    if (!joints->has_value()) break;
-    motion.joints.push_back(**joints);
+    if (bar.cancelled()) return cancelled();
+    LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
+    if (!joints.has_value()) break;
+    motion.joints.push_back(*joints);
     followed += people.sight().followed ? 1 : 0;
     maxPeople = std::max(maxPeople, people.sight().people);
-    bar.update(static_cast<int>(motion.joints.size()), frames);
+    bar.update(countOf(motion.joints), frames);
   }
   motion.notes.push_back(whoWasSeen(followed, frames, maxPeople));
   if (options.person > 0 && followed == 0 && maxPeople > 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: person {} not found: {}", file.string(), options.person,
-                             maxPeople == 1 ? "1 person appears" : fmt::format("{} people appear", maxPeople))};
+    return invalidArgument("{}: person {} not found: {}", file.string(), options.person,
+                           maxPeople == 1 ? "1 person appears" : fmt::format("{} people appear", maxPeople));
   }
   return motion;
 }
 
 Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file) {
   constexpr int kPlaces = 6;  // as many as a tracker follows
-  Result<std::unique_ptr<OniSource>> depth = openOni(file);
-  if (!depth) return depth.error();
-  const int frames = (*depth)->info().frameCount;
-  Result<Tracker> tracker = Tracker::create((*depth)->camera(), {.maxPeople = kPlaces});
-  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
-  DepthJoints people(std::move(*depth), std::move(*tracker), PeoplePlaces(kPlaces));
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  const int frames = depth->info().frameCount;
+  LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera(), {.maxPeople = kPlaces})));
+  DepthJoints people(std::move(depth), std::move(tracker), PeoplePlaces(kPlaces));
   std::vector<Motion> motions(kPlaces);
   ProgressBar bar("Tracking " + file.stem().string(), "frames");
   while (true) {
-    if (bar.cancelled()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<std::optional<SkeletonFrame>> joints = people.next();
-    if (!joints) return joints.error();
-    if (!joints->has_value()) break;
+    if (bar.cancelled()) return cancelled();
+    LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
+    if (!joints.has_value()) break;
     for (std::size_t p = 0; p < motions.size(); ++p) motions[p].joints.push_back(people.sight().places[p]);
-    bar.update(static_cast<int>(motions.front().joints.size()), frames);
+    bar.update(countOf(motions.front().joints), frames);
   }
   std::erase_if(motions, [](const Motion& motion) {
     return std::ranges::all_of(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
   });
   if (motions.empty()) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: found no person in {}, expected at least one",
-                                                          file.string(), counted(frames, "depth frame"))};
+    return invalidArgument("{}: found no person in {}, expected at least one", file.string(),
+                           counted(frames, "depth frame"));
   }
   for (std::size_t p = 0; p < motions.size(); ++p) {
     motions[p].name = fmt::format("{}: person {}", file.stem().string(), p + 1);
@@ -102,24 +97,20 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
 }
 
 Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base) {
-  Result<std::unique_ptr<OniSource>> depth = openOni(file);
-  if (!depth) return depth.error();
-  const int frames = (*depth)->info().frameCount;
-  Result<Tracker> tracker = Tracker::create((*depth)->camera());
-  if (!tracker) return Error{tracker.error().code, file.string() + ": " + tracker.error().message};
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  const int frames = depth->info().frameCount;
+  LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
   ProgressBar bar("Tracking " + file.stem().string(), "frames");
-  Result<TrackLog> log = TrackLog::create(base);
-  if (!log) return log.error();
+  LORICA_TRY(TrackLog log, TrackLog::create(base));
   DepthFrame frame;
   for (int number = 0; number < frames; ++number) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<DepthRead> read = (*depth)->next(frame);
-    if (!read) return read.error();
-    if (*read != DepthRead::kFrame) break;
-    log->add(number, tracker->track(frame), *tracker);
+    if (interrupted()) return cancelled();
+    LORICA_TRY(const DepthRead read, depth->next(frame));
+    if (read != DepthRead::kFrame) break;
+    log.add(number, tracker.track(frame), tracker);
     bar.update(number + 1, frames);
   }
-  if (Result<void> done = log->finish(); !done) return done.error();
+  LORICA_TRY_DO(log.finish());
   return frames;
 }
 

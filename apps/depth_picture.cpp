@@ -16,15 +16,14 @@ constexpr Color kSeen = {60, 220, 90}, kGuessed = {250, 160, 40};
 
 void paint(Image& picture, int x, int y, const Color& color) {
   if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return;
-  const std::size_t at =
-      4 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(picture.width) + static_cast<std::size_t>(x));
-  std::copy(color.begin(), color.end(), picture.rgba.begin() + static_cast<std::ptrdiff_t>(at));
+  const std::size_t at = 4 * (static_cast<std::size_t>(y) * picture.width + x);
+  std::copy(color.begin(), color.end(), picture.rgba.begin() + at);
 }
 
 std::uint8_t shade(std::uint16_t depthMm) {
   if (depthMm == 0) return 0;
   const double nearness = (kFar - depthMm) / (kFar - kNear);
-  return static_cast<std::uint8_t>(std::lround(40.0 + 190.0 * std::clamp(nearness, 0.0, 1.0)));
+  return std::lround(40.0 + 190.0 * std::clamp(nearness, 0.0, 1.0));
 }
 
 }  // namespace
@@ -34,7 +33,7 @@ void drawDepthPicture(const DepthCamera& camera, const DepthSight& sight, Image&
   if (depth.depthMm.empty()) return;
   picture.width = camera.width / 2;
   picture.height = camera.height / 2;
-  picture.rgba.assign(4 * static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height), 255);
+  picture.rgba.assign(4 * static_cast<std::size_t>(picture.width) * picture.height, 255);
   for (int y = 0; y < picture.height; ++y) {
     const std::uint16_t* row = depth.depthMm.data() + 2 * static_cast<std::ptrdiff_t>(y) * camera.width;
     for (int x = 0; x < picture.width; ++x) {
@@ -47,7 +46,7 @@ void drawDepthPicture(const DepthCamera& camera, const DepthSight& sight, Image&
     const Vec3 position = sight.cameraFromWorld * joint.position;
     if (position.z() > -0.1) continue;
     const Eigen::Vector2d middle = 0.5 * camera.imagePointOf(position);
-    const int cx = static_cast<int>(std::lround(middle.x())), cy = static_cast<int>(std::lround(middle.y()));
+    const int cx = std::lround(middle.x()), cy = std::lround(middle.y());
     for (int dy = -kDot; dy <= kDot; ++dy) {
       for (int dx = -kDot; dx <= kDot; ++dx) {
         if (dx * dx + dy * dy <= kDot * kDot)

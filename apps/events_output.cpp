@@ -1,6 +1,7 @@
 #include "apps/events_output.h"
 
 #include "apps/standard_streams.h"
+#include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
 #include "session/contact_events.h"
@@ -30,7 +31,7 @@ void put(const char* name, const Vec3& v, Text& text) {
 /// The name of each joint as JSON.
 std::vector<std::string> quotedNames(const Skeleton& skeleton) {
   std::vector<std::string> names;
-  names.reserve(static_cast<std::size_t>(skeleton.jointCount()));
+  names.reserve(skeleton.jointCount());
   for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
     names.push_back(
         nlohmann::json(skeleton.joint(joint).name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
@@ -50,8 +51,7 @@ class EventLines {
 
  private:
   [[nodiscard]] const char* bone(int avatar, JointIndex joint) const {
-    return joint == kNoJoint ? "null"
-                             : bones_[static_cast<std::size_t>(avatar)][static_cast<std::size_t>(joint)].c_str();
+    return joint == kNoJoint ? "null" : bones_[avatar][joint].c_str();
   }
 
   void put(std::span<const ContactEvent> events, Text& text) const {
@@ -99,7 +99,7 @@ class EventsWriter final : public EventsOutput {
     {
       const std::lock_guard<std::mutex> lock(mutex_);
       lines_->add(session, text_);
-      if (Result<void> written = write(); !written) return written;
+      LORICA_TRY_DO(write());
     }
     return next_ ? next_->afterStep(session, done) : Result<void>();
   }
@@ -124,14 +124,13 @@ class EventsWriter final : public EventsOutput {
     if (failed_ || !written) return written;  // what could be written stays under the name of the part
     std::error_code error;
     fs::rename(part_, file_, error);
-    return error ? unwritable(error.value()) : Result<void>();
+    return error ? cannotWrite(error.value()) : Result<void>();
   }
 
  private:
-  [[nodiscard]] Error unwritable(int error) const {
-    return {ErrorCode::kUnwritable,
-            fmt::format("--events: {}: cannot be written: {}", part_.empty() ? "standard output" : part_.string(),
-                        std::generic_category().message(error))};
+  [[nodiscard]] Error cannotWrite(int error) const {
+    return unwritable("--events: {}: cannot be written: {}", part_.empty() ? "standard output" : part_.string(),
+                      std::generic_category().message(error));
   }
 
   [[nodiscard]] Result<void> write() {
@@ -140,8 +139,8 @@ class EventsWriter final : public EventsOutput {
       const ssize_t written = ::write(descriptor_, left.data(), left.size());
       if (written < 0 && errno == EINTR) continue;
       failed_ = written < 0;
-      if (failed_) return unwritable(errno);
-      left.remove_prefix(static_cast<std::size_t>(written));
+      if (failed_) return cannotWrite(errno);
+      left.remove_prefix(written);
     }
     text_.clear();
     return {};
@@ -170,8 +169,7 @@ Result<void> checkEvents(const std::string& to, const CommonOptions& common, con
   if (to.empty()) return {};
   if (to == "-") {
     if (common.json != "-") return {};
-    return Error{ErrorCode::kInvalidArgument,
-                 "--events and --json cannot both use standard output: give a file for one of them"};
+    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
   }
   std::vector<fs::path> all = others;
   if (common.json != "-") all.emplace_back(common.json);
@@ -186,12 +184,10 @@ Result<std::shared_ptr<EventsOutput>> makeEventsOutput(const std::string& to, st
   if (to == "-") return Output(std::make_shared<EventsWriter>("", "", STDOUT_FILENO, std::move(next)));
   const fs::path file = to;
   const fs::path part = file.parent_path() / (file.stem().string() + ".part" + file.extension().string());
-  const Result<std::optional<fs::path>> found = keepFound(part);
-  if (!found) return Error{found.error().code, "--events: " + found.error().message};
-  if (*found) warn(fmt::format("found events that were not finished; kept as {}", (*found)->string()));
-  const Result<int> descriptor = createPart(part);
-  if (!descriptor) return Error{descriptor.error().code, "--events: " + descriptor.error().message};
-  return Output(std::make_shared<EventsWriter>(file, part, *descriptor, std::move(next)));
+  LORICA_TRY(const std::optional<fs::path> found, prefixed("--events", keepFound(part)));
+  if (found) warn(fmt::format("found events that were not finished; kept as {}", found->string()));
+  LORICA_TRY(const int descriptor, prefixed("--events", createPart(part)));
+  return Output(std::make_shared<EventsWriter>(file, part, descriptor, std::move(next)));
 }
 
 Result<void> finishEvents(const std::shared_ptr<EventsOutput>& output) {

@@ -9,6 +9,8 @@
 #include "export/mesh_export.h"
 #include "export/robot_files.h"
 #include "export/vrm_colliders.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -53,7 +55,7 @@ std::optional<Format> formatOf(const std::string& file) {
 }
 
 Error refused(std::string sentence) {
-  return {ErrorCode::kInvalidArgument, std::move(sentence)};
+  return invalidArgument(std::move(sentence));
 }
 
 /// The vertex limit: what was asked for, else the engine's. 0 = none.
@@ -88,7 +90,7 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   if (options.khr && format != Format::kGlb) {
     return refused(fmt::format("{}: --khr is an extension of glTF, expected OUT.glb", options.output));
   }
-  if (Result<void> fine = checkOutput("OUT", options.output); !fine) return fine;
+  LORICA_TRY_DO(checkOutput("OUT", options.output));
   std::error_code ignored;
   if (format == Format::kUrdf && fs::exists(urdfFolder(options.output), ignored)) {
     return refused(fmt::format("{}: exists already, expected a new folder for the meshes of {}",
@@ -120,18 +122,16 @@ Result<void> checkSubject(const Options& options, const Subject& subject) {
 /// Hulls that are rigid on bones, and how well they do in poses that were not used to make them.
 Result<RigidExport> makeRigid(const Options& options, const ExportSource& source, int threads) {
   const Character& character = *source.subject.character;
-  const Result<CoverPoses> poses = exportPoses(source.subject);
-  if (!poses) return poses.error();
+  LORICA_TRY(const CoverPoses poses, exportPoses(source.subject));
   const RigidColliderSettings settings{vertexLimit(options), options.perBone, threads};
-  Result<std::vector<RigidCollider>> made =
-      makeRigidColliders(character, source.content.decomposition, poses->sampledView(), settings);
-  if (!made) return made.error();
+  LORICA_TRY(std::vector<RigidCollider> made,
+             makeRigidColliders(character, source.content.decomposition, poses.sampledView(), settings));
   RigidExport rigid;
-  rigid.colliders = std::move(*made);
-  rigid.trainingPoses = poses->sampledView().poseCount();
-  rigid.heldOutPoses = poses->heldOutView().poseCount();
-  const BonePoseView measured = rigid.heldOutPoses > 0 ? poses->heldOutView() : poses->sampledView();
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  rigid.colliders = std::move(made);
+  rigid.trainingPoses = poses.sampledView().poseCount();
+  rigid.heldOutPoses = poses.heldOutView().poseCount();
+  const BonePoseView measured = rigid.heldOutPoses > 0 ? poses.heldOutView() : poses.sampledView();
+  if (interrupted()) return cancelled();
   rigid.fits = measureFit(character, rigid.colliders, measured, threads);
   return rigid;
 }
@@ -141,7 +141,7 @@ Result<HullExport> hullsInOnePose(const Options& options, const ExportSource& so
   const int limit = vertexLimit(options);
   Result<HullExport> hulls = options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit)
                                         : restHulls(source, limit, threads);
-  if (hulls && interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (hulls && interrupted()) return cancelled();
   return hulls;
 }
 
@@ -166,67 +166,61 @@ Result<void> writeCharacter(const Options& options, const ExportSource& source,
                             std::span<const RigidCollider> colliders, ExportReport& report) {
   const Character& character = *source.subject.character;
   const std::optional<CharacterFile>& file = source.subject.file;
-  Result<CharacterDocument> document = file ? characterDocument({source.input, &*file, pathTrust()})
-                                            : Result<CharacterDocument>(characterDocument(character));
-  if (!document) return document.error();
+  LORICA_TRY(CharacterDocument document, file ? characterDocument({source.input, &*file, pathTrust()})
+                                              : Result<CharacterDocument>(characterDocument(character)));
   if (formatOf(options.output) == Format::kVrm) {
-    const Result<int> added =
-        addSpringColliders(*document, colliders, character.skeleton, file->springs, source.subject.name);
-    if (!added) return added.error();
-    report.addSprings(*added, static_cast<int>(file->springs.chains.size()));
+    LORICA_TRY(const int added,
+               addSpringColliders(document, colliders, character.skeleton, file->springs, source.subject.name));
+    report.addSprings(added, countOf(file->springs.chains));
   } else {
-    addColliders(*document, colliders, plainNames(colliderNames(character, colliders)), glbSettings(options));
+    addColliders(document, colliders, plainNames(colliderNames(character, colliders)), glbSettings(options));
   }
-  report.note(document->notes);
-  return writeDocument(options.output, *document);
+  report.note(document.notes);
+  return writeDocument(options.output, document);
 }
 
 Result<void> exportRigid(const Options& options, const ExportSource& source, int threads, ExportReport& report) {
-  const Result<RigidExport> rigid = makeRigid(options, source, threads);
-  if (!rigid) return rigid.error();
+  LORICA_TRY(const RigidExport rigid, makeRigid(options, source, threads));
   const Character& character = *source.subject.character;
   const std::optional<Format> format = formatOf(options.output);
   Result<void> written;
   if (format == Format::kGlb || format == Format::kVrm) {
-    written = writeCharacter(options, source, rigid->colliders, report);
+    written = writeCharacter(options, source, rigid.colliders, report);
   } else if (format == Format::kMeshes) {
-    written = writeMeshes(options.output, namedHulls(character, rigid->colliders));
+    written = writeMeshes(options.output, namedHulls(character, rigid.colliders));
   } else {
-    const RigidModel model = rigidModelOf(character, rigid->colliders);
+    const RigidModel model = rigidModelOf(character, rigid.colliders);
     written = writeModel(options, model);
     report.add(model);
   }
-  report.add(*rigid);
+  report.add(rigid);
   return written;
 }
 
 Result<void> exportOnePose(const Options& options, const ExportSource& source, int threads, ExportReport& report) {
-  Result<HullExport> hulls = hullsInOnePose(options, source, threads);
-  if (!hulls) return hulls.error();
-  report.add(*hulls);
-  if (formatOf(options.output) == Format::kMeshes) return writeMeshes(options.output, hulls->objects);
+  LORICA_TRY(HullExport hulls, hullsInOnePose(options, source, threads));
+  report.add(hulls);
+  if (formatOf(options.output) == Format::kMeshes) return writeMeshes(options.output, hulls.objects);
   if (formatOf(options.output) == Format::kGlb) {
-    return writeGlbHulls(options.output, hulls->objects, glbSettings(options));
+    return writeGlbHulls(options.output, hulls.objects, glbSettings(options));
   }
   const std::string name = fs::path(source.subject.name).stem().string();
-  const RigidModel model = rigidModelOf(name, source.subject.mesh, std::move(hulls->objects));
+  const RigidModel model = rigidModelOf(name, source.subject.mesh, std::move(hulls.objects));
   report.add(model);
   return writeModel(options, model);
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = check(options, common); !fine) return fine;
+  LORICA_TRY_DO(check(options, common));
   ExportSourceOptions reading = options.source;
   reading.reading.body = bodyChoice(options.body);
   const int threads = common.threadCount();
-  const Result<ExportSource> source = readExportSource(reading, threads);
-  if (!source) return source.error();
-  if (Result<void> fine = checkSubject(options, source->subject); !fine) return fine;
-  const bool rigid = source->subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);
-  ExportReport report(source->subject, options.output);
-  const Result<void> done =
-      rigid ? exportRigid(options, *source, threads, report) : exportOnePose(options, *source, threads, report);
-  if (!done) return done;
+  LORICA_TRY(const ExportSource source, readExportSource(reading, threads));
+  LORICA_TRY_DO(checkSubject(options, source.subject));
+  const bool rigid = source.subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);
+  ExportReport report(source.subject, options.output);
+  LORICA_TRY_DO(rigid ? exportRigid(options, source, threads, report)
+                      : exportOnePose(options, source, threads, report));
   return publish(common, report.text, report.json);
 }
 

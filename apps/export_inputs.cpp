@@ -10,6 +10,7 @@
 #include "apps/training.h"
 #include "collision/live/attached_vertices.h"
 #include "collision/live/live_body.h"
+#include "geometry/errors.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
@@ -33,19 +34,17 @@ Result<DecompositionFile> decomposeMesh(const Subject& subject, int parts, int t
   settings.threads = threads;
   settings.progress = progressOf(bar);
   Result<CachedDecomposition> made = meshDecomposition(subject.name, subject.mesh, settings, userCache());
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (interrupted()) return cancelled();
   if (!made) return made.error();
   return std::move(made->file);
 }
 
 Result<DecompositionFile> readFitting(const std::string& file, const Subject& subject) {
-  Result<DecompositionFile> read = readDecomposition(file);
-  if (!read) return read;
-  if (read->meshHash != topologyHash(subject.mesh)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", file,
-                             read->source, grouped(read->decomposition.vertexCount), subject.name,
-                             grouped(std::ssize(subject.mesh.vertices)))};
+  LORICA_TRY(DecompositionFile read, readDecomposition(file));
+  if (read.meshHash != topologyHash(subject.mesh)) {
+    return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", file,
+                           read.source, grouped(read.decomposition.vertexCount), subject.name,
+                           grouped(std::ssize(subject.mesh.vertices)));
   }
   return read;
 }
@@ -57,41 +56,31 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, int th
   std::string decomposition = options.decomposition;
   if (lowerCase(fs::path(input).extension().string()) == ".lorica") {
     if (!decomposition.empty()) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("{}: IN is a decomposition already, expected no --decomposition", input)};
+      return invalidArgument("{}: IN is a decomposition already, expected no --decomposition", input);
     }
-    const Result<DecompositionFile> content = readDecomposition(input);
-    if (!content) return content.error();
+    LORICA_TRY(const DecompositionFile content, readDecomposition(input));
     decomposition = input;
-    input = sourceBeside(input, content->source);
+    input = sourceBeside(input, content.source);
     if (!isBareName(input) && !fs::exists(input)) {
-      return Error{ErrorCode::kNotFound,
-                   fmt::format("{}: made from {}, which is not beside it; expected `lorica export {} OUT "
-                               "--decomposition {}`",
-                               decomposition, content->source, content->source, decomposition)};
+      return notFound("{}: made from {}, which is not beside it; expected `lorica export {} OUT --decomposition {}`",
+                      decomposition, content.source, content.source, decomposition);
     }
   }
-  Result<Subject> subject = readSubject(input, options.reading);
-  if (!subject) return subject.error();
-  if (subject->character && options.parts > 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--parts is for meshes, but {} is a character: expected `lorica decompose {} --parts {} "
-                             "-o FILE.lorica`, then --decomposition FILE.lorica",
-                             subject->name, input, options.parts)};
+  LORICA_TRY(Subject subject, readSubject(input, options.reading));
+  if (subject.character && options.parts > 0) {
+    return invalidArgument(
+        "--parts is for meshes, but {} is a character: expected `lorica decompose {} --parts {} -o FILE.lorica`, then "
+        "--decomposition FILE.lorica",
+        subject.name, input, options.parts);
   }
-  ExportSource source{input, std::move(*subject), {}};
+  ExportSource source{input, std::move(subject), {}};
   if (!decomposition.empty()) {
-    Result<DecompositionFile> read = readFitting(decomposition, source.subject);
-    if (!read) return read.error();
-    source.content = std::move(*read);
+    LORICA_TRY(source.content, readFitting(decomposition, source.subject));
   } else if (source.subject.character) {
-    Result<CachedDecomposition> made = defaultDecomposition(source.subject, threads);
-    if (!made) return made.error();
-    source.content = std::move(made->file);
+    LORICA_TRY(CachedDecomposition made, defaultDecomposition(source.subject, threads));
+    source.content = std::move(made.file);
   } else {
-    Result<DecompositionFile> made = decomposeMesh(source.subject, options.parts, threads);
-    if (!made) return made.error();
-    source.content = std::move(*made);
+    LORICA_TRY(source.content, decomposeMesh(source.subject, options.parts, threads));
   }
   return source;
 }
@@ -104,36 +93,30 @@ Result<HullExport> restHulls(const ExportSource& source, int maxVertices, int th
                         : assignHeldVertices(decomposition, subject.mesh.vertices, subject.held);
   HullExport hulls =
       exportHulls(withHeldVertices(decomposition, attached), subject.mesh.vertices, maxVertices, threads);
-  if (Result<void> all = checkHullsHold(hulls, subject.mesh.vertices, verticesToHold(subject)); !all) {
-    return Error{all.error().code, subject.name + ": " + all.error().message};
-  }
+  LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(hulls, subject.mesh.vertices, verticesToHold(subject))));
   return hulls;
 }
 
 Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion, const MotionOptions& reading,
                            double at, int maxVertices) {
   const Character& character = *source.subject.character;
-  const Result<Motion> read = readMotion(motion, reading);
-  if (!read) return read.error();
-  if (!(at <= read->seconds())) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--at {:g}: {} lasts {:g} s, expected 0 to that", at, read->name, read->seconds())};
+  LORICA_TRY(const Motion read, readMotion(motion, reading));
+  if (!(at <= read.seconds())) {
+    return invalidArgument("--at {:g}: {} lasts {:g} s, expected 0 to that", at, read.name, read.seconds());
   }
-  const Result<SkeletalMotion> performed = performedBy(character, *read, reading.joints());
-  if (!performed) return performed.error();
+  LORICA_TRY(const SkeletalMotion performed, performedBy(character, read, reading.joints()));
   Pose pose = restPose(character.skeleton);
-  poseAt(*performed, performed->times.front() + at, pose);
+  poseAt(performed, performed.times.front() + at, pose);
   std::vector<Affine3> bones(pose.size());
   computeWorldFromJoint(character.skeleton, pose, bones);
   computeWorldFromModel(character, bones, bones);
-  Result<LiveBody> body = LiveBody::create(source.content.decomposition, character, source.content.cover);
-  if (!body) return body.error();
-  body->update(bones);
+  LORICA_TRY(LiveBody body, LiveBody::create(source.content.decomposition, character, source.content.cover));
+  body.update(bones);
 
   HullExport hulls;
   double before = 0.0;
   double after = 0.0;
-  for (const LivePart& part : body->parts()) {
+  for (const LivePart& part : body.parts()) {
     const ConvexHull hull = worldHull(part);
     BudgetedHull exported{{hull.vertices, hull.triangles}, hull.volume, 1.0};
     if (maxVertices > 0) exported = simplifyHull(hull, maxVertices);
@@ -149,9 +132,8 @@ Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion
 }
 
 Result<CoverPoses> exportPoses(const Subject& subject) {
-  const Result<Training> training = trainingMotions(subject, {});
-  if (!training) return training.error();
-  return coverPoses(*subject.character, training->motions);
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
+  return coverPoses(*subject.character, training.motions);
 }
 
 }  // namespace lorica

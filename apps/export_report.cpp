@@ -59,8 +59,7 @@ void ExportReport::add(const RigidExport& rigid) {
     bones.insert(collider.joint);
     most = std::max(most, collider.hull.vertices.size());
   }
-  text.line("hulls", fmt::format("{} on {}, each rigid on one", rigid.colliders.size(),
-                                 counted(static_cast<long long>(bones.size()), "bone")));
+  text.line("hulls", fmt::format("{} on {}, each rigid on one", rigid.colliders.size(), counted(bones.size(), "bone")));
   text.line("hull vertices", fmt::format("at most {}", most));
   text.line("fit", rigid.heldOutPoses > 0 ? fmt::format("measured in {}; made from {} others",
                                                         counted(rigid.heldOutPoses, "pose"), rigid.trainingPoses)
@@ -87,8 +86,8 @@ void ExportReport::add(const RigidModel& model) {
     mass += body.mass;
     hinges += body.hinges.size();
   }
-  text.line("bodies", fmt::format("{}, {:.4g} kg, {} between them", model.bodies.size(), mass,
-                                  counted(static_cast<long long>(hinges), "hinge")));
+  text.line("bodies",
+            fmt::format("{}, {:.4g} kg, {} between them", model.bodies.size(), mass, counted(hinges, "hinge")));
   note(model.notes);
   json["bodies"] = model.bodies.size();
   json["mass"] = mass;

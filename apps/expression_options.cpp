@@ -6,6 +6,8 @@
 #include <cmath>
 #include <optional>
 
+#include "geometry/errors.h"
+
 namespace lorica {
 
 void addExpressionOption(CommandLine& app, std::vector<std::string>& expressions) {
@@ -21,9 +23,7 @@ Result<std::vector<float>> chosenExpressions(const Expressions& expressions, std
                                              const std::string& input) {
   std::vector<float> weights(expressions.list.size(), 0.0F);
   for (const std::string& one : given) {
-    const auto bad = [&](const std::string& what) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("--expression {}: {}", one, what)};
-    };
+    const auto bad = [&](const std::string& what) { return invalidArgument("--expression {}: {}", one, what); };
     const std::size_t equals = one.rfind('=');
     if (equals == std::string::npos) return bad("expected a name and a weight, such as Joy=1");
     float weight = 0.0F;

@@ -2,6 +2,7 @@
 
 #include "collision/live/choose_cover.h"
 #include "collision/live/lifted_point.h"
+#include "geometry/counts.h"
 #include "session/prepare/quality.h"
 #include "skinning/linear_blend.h"
 
@@ -13,7 +14,7 @@ HeldOutError heldOutError(const Character& character, const Decomposition& decom
                           const std::optional<HullCover>& cover, const CoverPoses& poses) {
   constexpr int kEvery = 4;
   const BonePoseView all = poses.heldOutView();
-  const std::size_t vertexCount = character.mesh.vertices.size();
+  const int vertexCount = countOf(character.mesh.vertices);
   std::vector<Affine3> bones;
   std::vector<Vec3> positions;
   for (int p = 0; p < all.poseCount(); p += kEvery) {
@@ -24,8 +25,8 @@ HeldOutError heldOutError(const Character& character, const Decomposition& decom
   }
   const HullCover used = cover ? *cover : coverExactly(decomposition, liftPoints(character, decomposition));
   const UsedHulls hulls = liveHulls(character, decomposition, used, {bones, all.jointCount});
-  const Quality quality = measureQuality(character.mesh, {positions, static_cast<int>(vertexCount)}, hulls);
-  return {quality.error, static_cast<int>(hulls.size())};
+  const Quality quality = measureQuality(character.mesh, {positions, vertexCount}, hulls);
+  return {quality.error, countOf(hulls)};
 }
 
 }  // namespace lorica

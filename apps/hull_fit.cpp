@@ -5,6 +5,7 @@
 #include "apps/cover_options.h"
 #include "apps/interrupt.h"
 #include "collision/live/attached_vertices.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 
@@ -18,7 +19,7 @@ constexpr int kNearly = 20;         // the search ends within this fraction of t
 constexpr double kRounding = 1e-9;  // share of a limit by which rounding may exceed it
 
 PoseView posesOf(const FitRequest& request) {
-  return {request.keyframes.positions, static_cast<int>(request.subject.mesh.vertices.size())};
+  return {request.keyframes.positions, countOf(request.subject.mesh.vertices)};
 }
 
 double distanceIn(const FitRequest& request, const Fit& fit) {
@@ -33,9 +34,8 @@ double distanceIn(const FitRequest& request, const Fit& fit) {
 Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings) {
   const Subject& subject = request.subject;
   Fit fit;
-  Result<TimedDecomposition> made = decomposeWithProgress(subject.name, subject.mesh, posesOf(request), settings);
-  if (!made) return made.error();
-  fit.made = std::move(*made);
+  LORICA_TRY(TimedDecomposition made, decomposeWithProgress(subject.name, subject.mesh, posesOf(request), settings));
+  fit.made = std::move(made);
   const Decomposition& parts = fit.made.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
       subject.character ? attachedVerticesOf(parts, liftPoints(*subject.character, parts))
@@ -49,10 +49,9 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
     const Character& character = *subject.character;
     HullCover cover = coverExactly(parts, liftPoints(character, parts));
     if (request.coverPoses != nullptr) {
-      Result<HullCover> chosen =
-          chooseCoverWithProgress(character, parts, *request.coverPoses, request.cover, settings.threads);
-      if (!chosen) return chosen.error();
-      cover = std::move(*chosen);
+      LORICA_TRY(HullCover chosen,
+                 chooseCoverWithProgress(character, parts, *request.coverPoses, request.cover, settings.threads));
+      cover = std::move(chosen);
       fit.cover = cover;
     }
     const BonePoseView bones{request.keyframes.worldFromModel, character.skeleton.jointCount()};
@@ -89,7 +88,7 @@ double Fit::excess(const DecomposeSettings& settings) const {
 Result<Fit> fitHulls(const FitRequest& request) {
   const DecomposeSettings& asked = request.settings;
   const auto met = [&](const Fit& fit) { return fit.errorMet(asked) && fit.distanceMet(asked); };
-  const auto partsOf = [](const Fit& fit) { return static_cast<int>(fit.made.decomposition.parts.size()); };
+  const auto partsOf = [](const Fit& fit) { return countOf(fit.made.decomposition.parts); };
   // With as many parts as their own hulls need. Hulls that are used need at least as many.
   Result<Fit> best = fitOnce(request, asked);
   if (!best || !request.limited() || met(*best)) return best;

@@ -4,6 +4,7 @@
 #include "apps/inputs.h"
 #include "apps/motions.h"
 #include "apps/options.h"
+#include "geometry/errors.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bone_map.h"
 
@@ -35,19 +36,18 @@ bool isMeshFile(const fs::path& file) {
 }
 
 Error nothingNamed(const std::string& name) {
-  const Result<fs::path> folder = recordingsFolder();
-  if (!folder) return folder.error();
-  return {ErrorCode::kNotFound,
-          fmt::format("{}: no such file and no shipped recording with that name, expected a mesh (.off, .obj, .ply, "
-                      ".stl), a character (.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, .oni), a "
-                      "decomposition (.lorica), mannequin, or one of {}, {}",
-                      name, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
+  LORICA_TRY(const fs::path folder, recordingsFolder());
+  return notFound(
+      "{}: no such file and no shipped recording with that name, expected a mesh (.off, .obj, .ply, .stl), a character "
+      "(.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, .oni), a decomposition (.lorica), mannequin, or one of "
+      "{}, {}",
+      name, shippedNames(folder, ".csv"), shippedNames(folder, ".oni"));
 }
 
 Result<FileSummary> describe(const Options& options) {
   if (options.devices) return describeDevices(options.driver);
   if (options.input.empty()) {
-    return Error{ErrorCode::kInvalidArgument, "expected a file or --devices"};
+    return invalidArgument("expected a file or --devices");
   }
   const fs::path file(options.input);
   if (file.extension() == ".lorica") return describeDecomposition(file);
@@ -56,9 +56,8 @@ Result<FileSummary> describe(const Options& options) {
   if (isDepthRecording(shipped)) return describeDepthRecording(shipped);
   const bool shape = options.input == "mannequin" || isMeshFile(file) || isCharacterFile(file);
   if (!shape && (!isBareName(options.input) || !shipped.empty())) {
-    const Result<Motion> motion = readMotion(options.input, options.motion);
-    if (!motion) return motion.error();
-    return describeMotion(*motion);
+    LORICA_TRY(const Motion motion, readMotion(options.input, options.motion));
+    return describeMotion(motion);
   }
   if (!shape) return nothingNamed(options.input);
   CharacterOptions reading = options.character;
@@ -76,13 +75,11 @@ Result<FileSummary> describe(const Options& options) {
 /// @return how many of its bones may be wrong
 Result<std::size_t> writeMap(const Options& options) {
   if (!isCharacterFile(options.input)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--write-map is for character files, but {} is not one", options.input)};
+    return invalidArgument("--write-map is for character files, but {} is not one", options.input);
   }
-  if (Result<void> fine = checkOutput("--write-map", options.writeMap, ".json"); !fine) return fine.error();
-  const Result<CharacterFile> file = readCharacterFile(options.input, characterFileSettings());
-  if (!file) return file.error();
-  const Skeleton& own = file->character.skeleton;
+  LORICA_TRY_DO(checkOutput("--write-map", options.writeMap, ".json"));
+  LORICA_TRY(const CharacterFile file, readCharacterFile(options.input, characterFileSettings()));
+  const Skeleton& own = file.character.skeleton;
   HumanoidGuess none;
   none.jointOf.fill(kNoJoint);
   HumanoidGuess guess = suggestHumanoid(withBones(own, none));
@@ -94,30 +91,25 @@ Result<std::size_t> writeMap(const Options& options) {
     bones = own;
     guess.doubts.clear();
   }
-  const Result<void> written = writeBoneMap(options.writeMap, bones, file->character.name, guess.doubts);
-  if (!written) return written.error();
+  LORICA_TRY_DO(writeBoneMap(options.writeMap, bones, file.character.name, guess.doubts));
   std::set<HumanBone> unsure;
   for (const BoneDoubt& doubt : guess.doubts) unsure.insert(doubt.bones.begin(), doubt.bones.end());
   return unsure.size();
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.input, options.character.map, options.writeMap}); !fine)
-    return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.character.map, options.writeMap}));
   std::size_t unsure = 0;
   if (!options.writeMap.empty()) {
-    const Result<std::size_t> written = writeMap(options);
-    if (!written) return written.error();
-    unsure = *written;
+    LORICA_TRY(unsure, writeMap(options));
   }
-  Result<FileSummary> summary = describe(options);
-  if (!summary) return summary.error();
+  LORICA_TRY(FileSummary summary, describe(options));
   if (!options.writeMap.empty()) {
     const std::string check = unsure == 0 ? "" : fmt::format(", {} unsure", counted(unsure, "bone is", "bones are"));
-    summary->report.line("bone map", options.writeMap + check + ": edit it and pass it with --map");
-    summary->json["map"] = options.writeMap;
+    summary.report.line("bone map", options.writeMap + check + ": edit it and pass it with --map");
+    summary.json["map"] = options.writeMap;
   }
-  return publish(common, summary->report, summary->json);
+  return publish(common, summary.report, summary.json);
 }
 
 }  // namespace

@@ -6,13 +6,12 @@
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
 #include "apps/progress_bar.h"
+#include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 #include "session/prepare/body_cache.h"
 #include "skinning/import/bone_map.h"
 #include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
-
-#include <fmt/format.h>
 
 #include <utility>
 
@@ -30,9 +29,7 @@ Result<ClosedBody> makeBodyWithProgress(const Character& character, const Charac
   settings.resolution = options.bodyResolution;
   settings.keepClosed = options.body != BodyChoice::kAlways;
   settings.progress = progressOf(bar);
-  Result<ClosedBody> body = cachedBody(character, settings, userCache());
-  if (!body) return Error{body.error().code, character.name + ": " + body.error().message};
-  return body;
+  return prefixed(character.name, cachedBody(character, settings, userCache()));
 }
 
 /// The mannequin's material.
@@ -51,8 +48,7 @@ Result<void> refuseFileOptions(const std::string& input, const CharacterOptions&
        {std::pair(!options.map.empty(), "--map"), std::pair(!options.expressions.empty(), "--expression"),
         std::pair(!options.hidden.empty(), "--hide")}) {
     if (!given) continue;
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae)", input, option)};
+    return invalidArgument("{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae)", input, option);
   }
   return {};
 }
@@ -68,51 +64,44 @@ Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float
   if (options.ownClip) {
     // Without such a clip the command fails later.
     const Result<const Clip*> clip = findClip(file.clips, *options.ownClip, file.character.name);
-    if (clip) face.clip = static_cast<int>(*clip - file.clips.data());
+    if (clip) face.clip = *clip - file.clips.data();
   }
   return makeAvatar(file.character, std::move(file.look), settings, std::move(face));
 }
 
 Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options) {
-  Result<CharacterFile> read = readCharacterFile(file, characterFileSettings(options.hidden));
-  if (!read) return read.error();
-  if (read->character.mesh.triangles.empty()) {
-    return Error{ErrorCode::kBadMesh, fmt::format("{}: no triangles, only {}; expected a character with a surface",
-                                                  file.string(), read->clips.empty() ? "joints" : "motion")};
+  LORICA_TRY(CharacterFile read, readCharacterFile(file, characterFileSettings(options.hidden)));
+  if (read.character.mesh.triangles.empty()) {
+    return badMesh("{}: no triangles, only {}; expected a character with a surface", file.string(),
+                   read.clips.empty() ? "joints" : "motion");
   }
   if (!options.map.empty()) {
-    const Result<BoneMap> map = readBoneMap(options.map);
-    if (!map) return map.error();
-    Result<Skeleton> mapped = applyBoneMap(read->character.skeleton, *map, options.map);
-    if (!mapped) return mapped.error();
-    read->character.skeleton = std::move(*mapped);
+    LORICA_TRY(const BoneMap map, readBoneMap(options.map));
+    LORICA_TRY(read.character.skeleton, applyBoneMap(read.character.skeleton, map, options.map));
   }
-  Result<std::vector<float>> expressions = chosenExpressions(read->expressions, options.expressions, file.string());
-  if (!expressions) return expressions.error();
+  LORICA_TRY(std::vector<float> expressions, chosenExpressions(read.expressions, options.expressions, file.string()));
   if (options.suits) {
-    if (Result<void> fine = options.suits(*read); !fine) return fine.error();
+    LORICA_TRY_DO(options.suits(read));
   }
-  if (read->isMesh()) {
+  if (read.isMesh()) {
     // A mesh: in the units and coordinates of the file, from which the first joint converts.
-    TriMesh mesh = read->character.mesh;
-    for (Vec3& p : mesh.vertices) p = read->character.jointFromModel.front() * p;
-    Result<Subject> subject = meshSubject(read->character.name, std::move(mesh), options);
-    if (subject) subject->file = std::move(*read);
+    TriMesh mesh = read.character.mesh;
+    for (Vec3& p : mesh.vertices) p = read.character.jointFromModel.front() * p;
+    Result<Subject> subject = meshSubject(read.character.name, std::move(mesh), options);
+    if (subject) subject->file = std::move(read);
     return subject;
   }
-  Result<ClosedBody> body = makeBodyWithProgress(read->character, options);
-  if (!body) return body.error();
-  const std::vector<float> used = usedWeightSets(read->morphs, read->expressions, *expressions);
-  (void)coverReached(*body, read->character,
-                     reachedPositions(read->morphs, used, read->character.mesh.vertices, kReachTolerance));
-  Subject subject{read->character.name, body->character.mesh, std::nullopt, "", std::move(*read), std::move(*body)};
+  LORICA_TRY(ClosedBody body, makeBodyWithProgress(read.character, options));
+  const std::vector<float> used = usedWeightSets(read.morphs, read.expressions, expressions);
+  (void)coverReached(body, read.character,
+                     reachedPositions(read.morphs, used, read.character.mesh.vertices, kReachTolerance));
+  Subject subject{read.character.name, body.character.mesh, std::nullopt, "", std::move(read), std::move(body)};
   subject.character = subject.body->character;
   if (options.drawn && subject.file->look.given()) {
-    Result<MadeAvatar> made = makeAvatarWithProgress(*subject.file, std::move(*expressions), options);
-    if (!made) return made.error();
-    subject.character->avatar = std::move(made->avatar);
+    LORICA_TRY(MadeAvatar made, makeAvatarWithProgress(*subject.file, std::move(expressions), options));
+    subject.character->avatar = std::move(made.avatar);
     std::vector<std::string>& notes = subject.file->notes;
-    notes.insert(notes.end(), made->notes.begin(), made->notes.end());
+    notes.insert(notes.end(), made.notes.begin(), made.notes.end());
   }
   return subject;
 }
@@ -147,13 +136,11 @@ void addTextureOption(CommandLine& app, int& textureSize) {
 
 Result<Subject> readSubject(const std::string& input, const CharacterOptions& options) {
   if (input == kMannequin) {
-    if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
+    LORICA_TRY_DO(refuseFileOptions(input, options));
     if (options.body == BodyChoice::kAlways || options.bodyResolution > 0.0) {
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format(
-              "{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae) and meshes (.off, .obj, .ply, .stl)",
-              input, options.bodyResolution > 0.0 ? "--body-resolution" : "--body always")};
+      return invalidArgument(
+          "{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae) and meshes (.off, .obj, .ply, .stl)", input,
+          options.bodyResolution > 0.0 ? "--body-resolution" : "--body always");
     }
     Character character = makeMannequin();
     TriMesh mesh = character.mesh;
@@ -161,16 +148,15 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
     return Subject{input, std::move(mesh), std::move(character), "", std::nullopt, std::nullopt};
   }
   if (isBareName(input)) {
-    return Error{ErrorCode::kNotFound,
-                 fmt::format("{}: no such file and no character with that name, expected a mesh (.off, .obj, .ply, "
-                             ".stl), a character (.glb, .gltf, .vrm, .fbx, .dae) or {}",
-                             input, kMannequin)};
+    return notFound(
+        "{}: no such file and no character with that name, expected a mesh (.off, .obj, .ply, .stl), a character "
+        "(.glb, .gltf, .vrm, .fbx, .dae) or {}",
+        input, kMannequin);
   }
   if (isCharacterFile(input)) return readCharacterSubject(input, options);
-  if (Result<void> fine = refuseFileOptions(input, options); !fine) return fine.error();
-  Result<TriMesh> mesh = readMesh(input);
-  if (!mesh) return mesh.error();
-  return meshSubject(fs::path(input).filename().string(), std::move(*mesh), options);
+  LORICA_TRY_DO(refuseFileOptions(input, options));
+  LORICA_TRY(TriMesh mesh, readMesh(input));
+  return meshSubject(fs::path(input).filename().string(), std::move(mesh), options);
 }
 
 Result<void> followsPerson(const CharacterFile& file) {
@@ -182,15 +168,13 @@ Result<void> followsPerson(const CharacterFile& file) {
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options) {
   if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
-    return Error{ErrorCode::kNotFound, fmt::format("{}: no character with that name, expected {} or a character file "
-                                                   "(.glb, .gltf, .vrm, .fbx, .dae)",
-                                                   nameOrFile, kMannequin)};
+    return notFound("{}: no character with that name, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)",
+                    nameOrFile, kMannequin);
   }
   CharacterOptions reading = options;
   reading.suits = [&](const CharacterFile& file) -> Result<void> {
     if (!file.isMesh()) return options.suits ? options.suits(file) : Result<void>();
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found a mesh without skin and clips, expected a character", nameOrFile)};
+    return invalidArgument("{}: found a mesh without skin and clips, expected a character", nameOrFile);
   };
   return readSubject(nameOrFile, reading);
 }

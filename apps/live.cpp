@@ -76,24 +76,20 @@ Result<bool> step(const Options& options, Live& live, double& firstTime) {
 }
 
 Result<void> runHeadless(const Options& options, Live& live) {
-  Result<std::optional<SnapshotSeries>> pictures = SnapshotSeries::create(options.pictures, live.session);
-  if (!pictures) return pictures.error();
+  LORICA_TRY(std::optional<SnapshotSeries> pictures, SnapshotSeries::create(options.pictures, live.session));
   double firstTime = 0.0;
   while (!interrupted()) {
-    const Result<bool> more = step(options, live, firstTime);
-    if (!more) return more.error();
-    if (*pictures) {
-      if (live.joints != nullptr && (*pictures)->due(live.session))
+    LORICA_TRY(const bool more, step(options, live, firstTime));
+    if (pictures) {
+      if (live.joints != nullptr && pictures->due(live.session))
         drawDepthPicture(live.joints->source().camera(), live.joints->sight(), live.picture);
-      if (Result<void> drawn = (*pictures)->add(live.session, live.name, &live.picture); !drawn) return drawn;
+      LORICA_TRY_DO(pictures->add(live.session, live.name, &live.picture));
     }
-    if (!*more) break;
+    if (!more) break;
   }
   answerInterrupt();
-  if (!*pictures) return {};
-  const Result<DrawnFiles> drawn = (*pictures)->finish();
-  if (!drawn) return drawn.error();
-  live.drawn = *drawn;
+  if (!pictures) return {};
+  LORICA_TRY(live.drawn, pictures->finish());
   return {};
 }
 
@@ -184,22 +180,19 @@ Report toReport(const Options& options, const Live& live) {
 /// Whether to open a window: if requested, or if a display is available and no other output was requested.
 Result<bool> chooseWindow(const Options& options) {
   if (options.headless || options.pictures.any()) return false;
-  if (Result<void> fine = checkWindow(options.window, "--headless, --snapshots DIR and --video FILE do not need one");
-      !fine) {
-    return fine.error();
-  }
+  LORICA_TRY_DO(checkWindow(options.window, "--headless, --snapshots DIR and --video FILE do not need one"));
   return displayAvailable();
 }
 
 Result<void> checkOptions(const Options& options, const CommonOptions& common) {
   std::vector<std::filesystem::path> inputs{options.body.decomposition};
   for (const std::string& name : namesIn(options.character)) inputs.emplace_back(name);
-  if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
-  if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
-  if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
-  if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, inputs));
+  LORICA_TRY_DO(checkSnapshots(options.pictures));
+  LORICA_TRY_DO(checkRecord("--record", options.record));
+  LORICA_TRY_DO(checkPoseOutput(options.out));
   inputs.emplace_back(options.record);
-  if (Result<void> fine = checkPeople(options); !fine) return fine;
+  LORICA_TRY_DO(checkPeople(options));
   return checkEvents(options.events, common, inputs);
 }
 
@@ -212,33 +205,26 @@ struct Loaded {
 
 /// @param drawn  whether pictures are drawn of the characters
 Result<Loaded> load(const Options& options, bool drawn, int threads) {
-  Result<World> world = openSceneForPeople(options.scene);
-  if (!world) return world.error();
-  Result<std::vector<Follower>> followers = readFollowers(options, drawn, threads);
-  if (!followers) return followers.error();
+  LORICA_TRY(World world, openSceneForPeople(options.scene));
+  LORICA_TRY(std::vector<Follower> followers, readFollowers(options, drawn, threads));
   // The source is opened last, because it runs while the rest is prepared. A driver may take as long as it likes.
-  Result<Performer> performer =
-      runOrAbandon<Performer>("Opening the camera", [options] { return openPerformer(options); });
-  if (!performer) return performer.error();
-  return Loaded{std::move(*world), std::move(*followers), std::move(*performer)};
+  LORICA_TRY(Performer performer,
+             runOrAbandon<Performer>("Opening the camera", [options] { return openPerformer(options); }));
+  return Loaded{std::move(world), std::move(followers), std::move(performer)};
 }
 
 /// @param window  null = none
 Result<void> follow(const Options& options, const CommonOptions& common, Loaded loaded, Window* window) {
   auto& [world, followers, performer] = loaded;
   const bool sent = !performer.vmc.empty();
-  const Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(options, performer, followers, world);
-  if (!recorder) return recorder.error();
-  Result<Session> session = startSession(options, performer, followers, *recorder, std::move(world));
-  if (!session) return session.error();
-  Result<std::shared_ptr<StepWatcher>> watcher =
-      makePoseOutput(options.out, followers.front().subject, options.reading.expressions, *recorder);
-  if (!watcher) return watcher.error();
-  const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
-  if (!events) return events.error();
-  session->watch(*events ? *events : *watcher);
+  LORICA_TRY(const std::shared_ptr<SessionRecorder> recorder, startRecorder(options, performer, followers, world));
+  LORICA_TRY(Session session, startSession(options, performer, followers, recorder, std::move(world)));
+  LORICA_TRY(std::shared_ptr<StepWatcher> watcher,
+             makePoseOutput(options.out, followers.front().subject, options.reading.expressions, recorder));
+  LORICA_TRY(const std::shared_ptr<EventsOutput> events, makeEventsOutput(options.events, watcher));
+  session.watch(events ? events : watcher);
 
-  Live live{std::move(*session),
+  Live live{std::move(session),
             performer.tracked,
             std::move(performer.vmc),
             performer.name,
@@ -262,33 +248,30 @@ Result<void> follow(const Options& options, const CommonOptions& common, Loaded 
   const Result<void> ran =
       window != nullptr ? runInWindow(options, *window, treatment, live) : runHeadless(options, live);
   if (!ran) {
-    if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
+    if (recorder) (void)recorder->finish();  // keep what was recorded despite the error
     return ran;
   }
   Report report = toReport(options, live);
   nlohmann::ordered_json json = toJson(options, live, followers.front().body);
-  if (Result<void> kept = finishEvents(*events); !kept) return kept;
-  if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
+  LORICA_TRY_DO(finishEvents(events));
+  LORICA_TRY_DO(finishRecorder(recorder, options.record, report, json));
   return publish(common, report, json, options.events == "-");
 }
 
 /// Opens the window first: it shows how the rest is loaded.
 Result<void> followInWindow(const Options& options, const CommonOptions& common) {
-  Result<Window> window = openWindow();
-  if (!window) return window.error();
-  Result<std::optional<Loaded>> loaded =
-      loadInWindow<Loaded>(*window, [&] { return load(options, true, common.threadCount()); });
-  if (!loaded) return loaded.error();
-  return *loaded ? follow(options, common, std::move(**loaded), &*window) : Result<void>();
+  LORICA_TRY(Window window, openWindow());
+  LORICA_TRY(std::optional<Loaded> loaded,
+             loadInWindow<Loaded>(window, [&] { return load(options, true, common.threadCount()); }));
+  return loaded ? follow(options, common, std::move(*loaded), &window) : Result<void>();
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkOptions(options, common); !fine) return fine;
-  const Result<bool> inWindow = chooseWindow(options);
-  if (!inWindow) return inWindow.error();
-  if (*inWindow) return followInWindow(options, common);
-  Result<Loaded> loaded = load(options, options.pictures.any(), common.threadCount());
-  return loaded ? follow(options, common, std::move(*loaded), nullptr) : loaded.error();
+  LORICA_TRY_DO(checkOptions(options, common));
+  LORICA_TRY(const bool inWindow, chooseWindow(options));
+  if (inWindow) return followInWindow(options, common);
+  LORICA_TRY(Loaded loaded, load(options, options.pictures.any(), common.threadCount()));
+  return follow(options, common, std::move(loaded), nullptr);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include "apps/report.h"
 #include "apps/scenes.h"
 #include "apps/work_monitor.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 
@@ -31,10 +32,9 @@ Result<std::unique_ptr<PoseSource>> sourceOf(const Character& character, Perform
   if (performer.vmc.empty()) {
     return makeTreatedSource(character, std::make_unique<SharedJoints>(performer.joints[index]), treatment);
   }
-  Result<std::unique_ptr<PoseSource>> sent =
-      performer.vmc[index].makeSource(character, treatment.joints.mirror, index == 0);
-  if (!sent) return sent.error();
-  return makeTreatedSource(std::move(*sent), treatment);
+  LORICA_TRY(std::unique_ptr<PoseSource> sent,
+             performer.vmc[index].makeSource(character, treatment.joints.mirror, index == 0));
+  return makeTreatedSource(std::move(sent), treatment);
 }
 
 }  // namespace
@@ -56,56 +56,50 @@ std::size_t avatarsOf(const LiveOptions& options) {
 
 Result<void> checkPeople(const LiveOptions& options) {
   for (const VmcInputOptions& sender : sendersOf(options)) {
-    if (Result<void> fine = checkVmcInput(sender); !fine) return fine;
+    LORICA_TRY_DO(checkVmcInput(sender));
   }
   if (options.vmc.listenAt.empty()) {
-    if (Result<void> fine = checkVmcInput(options.vmc); !fine) return fine;
+    LORICA_TRY_DO(checkVmcInput(options.vmc));
   }
   if (avatarsOf(options) <= kMaxPeople) return {};
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("--people, --vmc: found {}, expected at most {}", avatarsOf(options), kMaxPeople)};
+  return invalidArgument("--people, --vmc: found {}, expected at most {}", avatarsOf(options), kMaxPeople);
 }
 
 Result<World> openSceneForPeople(const std::string& scene) {
-  Result<OpenedScene> opened = openStage(scene);
-  if (!opened) return opened.error();
-  if (!opened->stage.empty()) {
+  LORICA_TRY(OpenedScene opened, openStage(scene));
+  if (!opened.stage.empty()) {
     warn(fmt::format("{}: its {} stay away, because avatars follow people here; `lorica play --scene {}` shows them",
-                     scene, counted(std::ssize(opened->stage), "avatar"), scene));
+                     scene, counted(std::ssize(opened.stage), "avatar"), scene));
   }
-  return std::move(opened->world);
+  return std::move(opened.world);
 }
 
 Result<Performer> openPerformer(const LiveOptions& options) {
   Performer performer{{}, nullptr, {}, ""};
   for (const VmcInputOptions& sender : sendersOf(options)) {
-    Result<VmcInput> vmc = VmcInput::open(sender);
-    if (!vmc) return vmc.error();
-    performer.name += (performer.vmc.empty() ? "" : " and ") + vmc->name();
-    performer.vmc.push_back(std::move(*vmc));
+    LORICA_TRY(VmcInput vmc, VmcInput::open(sender));
+    performer.name += (performer.vmc.empty() ? "" : " and ") + vmc.name();
+    performer.vmc.push_back(std::move(vmc));
   }
   if (!performer.vmc.empty()) return performer;
   if (!options.nite.empty()) {
-    Result<std::unique_ptr<SkeletonSource>> source = openNite(options.depth, options.nite);
-    if (!source) return source.error();
-    performer.joints.push_back(std::move(*source));
+    LORICA_TRY(std::unique_ptr<SkeletonSource> source, openNite(options.depth, options.nite));
+    performer.joints.push_back(std::move(source));
     performer.name = "NiTE 2";
     return performer;
   }
-  Result<std::unique_ptr<DepthSource>> depth = openDepth(options.depth);
-  if (!depth) return depth.error();
+  LORICA_TRY(std::unique_ptr<DepthSource> depth, openDepth(options.depth));
   TrackerSettings settings;
   settings.maxPeople = std::max(settings.maxPeople, options.people);
-  Result<Tracker> tracker = Tracker::create((*depth)->camera(), settings);
-  if (!tracker) return tracker.error();
+  LORICA_TRY(Tracker tracker, Tracker::create(depth->camera(), settings));
   auto joints = std::make_unique<LiveJoints>(
-      options.people > 1 ? DepthJoints(std::move(*depth), std::move(*tracker), PeoplePlaces(options.people))
-                         : DepthJoints(std::move(*depth), std::move(*tracker), options.person));
+      options.people > 1 ? DepthJoints(std::move(depth), std::move(tracker), PeoplePlaces(options.people))
+                         : DepthJoints(std::move(depth), std::move(tracker), options.person));
   performer.tracked = joints.get();
   performer.name = joints->source().name();
   performer.joints.push_back(std::move(joints));
   for (int place = 1; place < options.people; ++place) {
-    performer.joints.push_back(makePlaceSource(*performer.tracked, static_cast<std::size_t>(place)));
+    performer.joints.push_back(makePlaceSource(*performer.tracked, place));
   }
   return performer;
 }
@@ -114,26 +108,24 @@ Result<std::vector<Follower>> readFollowers(const LiveOptions& options, bool dra
   const std::vector<std::string> names = namesIn(options.character);
   const std::size_t people = avatarsOf(options);
   if (names.size() > 1 && names.size() != people) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--character: found {} characters for {}, expected one for all or one for each; --people "
-                             "says how many there are",
-                             names.size(), people == 1 ? "1 person" : fmt::format("{} people", people))};
+    return invalidArgument(
+        "--character: found {} characters for {}, expected one for all or one for each; --people says how many there "
+        "are",
+        names.size(), people == 1 ? "1 person" : fmt::format("{} people", people));
   }
   CharacterOptions reading = options.reading;
   reading.drawn = drawn;
   if (options.vmc.listenAt.empty()) reading.suits = followsPerson;
   std::vector<Follower> followers;
   for (std::size_t i = 0; i < people; ++i) {
-    const double count = static_cast<double>(people) / kBeforeCamera, at = static_cast<double>(i);
+    const double count = people / kBeforeCamera, at = i;
     const WorkMonitor::Stage stage(at / count, (at + 1.0) / count);
     const std::string& name = names[names.size() == 1 ? 0 : i];
-    Result<Subject> subject = readCharacter(name, reading);
-    if (!subject) return subject.error();
-    if (Result<void> fine = checkCover(options.body.cover, *subject->character); !fine) return fine.error();
-    Result<DecompositionFile> body = chooseBody(options.body, *subject, threads);
-    if (!body) return body.error();
-    std::optional<SpringChoice> springs = chooseSprings(*subject, options.springs);
-    followers.push_back({name, std::move(*subject), std::move(*body), std::move(springs)});
+    LORICA_TRY(Subject subject, readCharacter(name, reading));
+    LORICA_TRY_DO(checkCover(options.body.cover, *subject.character));
+    LORICA_TRY(DecompositionFile body, chooseBody(options.body, subject, threads));
+    std::optional<SpringChoice> springs = chooseSprings(subject, options.springs);
+    followers.push_back({name, std::move(subject), std::move(body), std::move(springs)});
   }
   return followers;
 }
@@ -157,11 +149,10 @@ Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(const LiveOptions& op
   const MotionOptions performing = treated(options.performing, treatment);
   std::vector<std::unique_ptr<PoseSource>> sources;
   for (std::size_t i = 0; i < followers.size(); ++i) {
-    Result<std::unique_ptr<PoseSource>> source =
-        makeTreatedSource(followers[i].character(), std::make_unique<SharedJoints>(performer.joints[i]),
-                          {nullptr, performing.faults(), performing.joints()});
-    if (!source) return source.error();
-    sources.push_back(std::move(*source));
+    LORICA_TRY(std::unique_ptr<PoseSource> source,
+               makeTreatedSource(followers[i].character(), std::make_unique<SharedJoints>(performer.joints[i]),
+                                 {nullptr, performing.faults(), performing.joints()}));
+    sources.push_back(std::move(source));
   }
   return sources;
 }
@@ -173,11 +164,9 @@ Result<Session> startSession(const LiveOptions& options, Performer& performer, s
     const Follower& follower = followers[i];
     const SourceTreatment treatment{recorder ? recorder->log(i) : nullptr, options.performing.faults(),
                                     options.performing.joints()};
-    Result<std::unique_ptr<PoseSource>> source = sourceOf(follower.character(), performer, i, treatment);
-    if (!source) return source.error();
+    LORICA_TRY(std::unique_ptr<PoseSource> source, sourceOf(follower.character(), performer, i, treatment));
     const AvatarSetting setting{std::nullopt, follower.springs};
-    Result<void> added = addAvatar(session, follower.character(), follower.body, std::move(*source), setting);
-    if (!added) return added.error();
+    LORICA_TRY_DO(addAvatar(session, follower.character(), follower.body, std::move(source), setting));
   }
   return session;
 }

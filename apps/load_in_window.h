@@ -2,6 +2,7 @@
 
 #include "apps/background_work.h"
 #include "apps/interrupt.h"
+#include "geometry/errors.h"
 #include "viewer/window.h"
 
 #include <chrono>
@@ -21,7 +22,7 @@ template <class T>
   BackgroundWork<T> loading(std::move(load));
   while (window.open()) {
     if (window.takeCancel()) break;
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+    if (interrupted()) return cancelled();
     if (std::optional<Result<T>> loaded = loading.take()) {
       if (!*loaded) return loaded->error();
       return std::optional<T>(std::move(**loaded));

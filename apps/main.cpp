@@ -49,8 +49,7 @@ int run(int argc, char** argv) {
                                    [](const lorica::Command& command) { return command.app->parsed(); });
 
   if (common.trustPaths) lorica::trustPaths();
-  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism,
-                                    static_cast<std::size_t>(common.threadCount()));
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, common.threadCount());
   const lorica::Result<void> done = chosen->run(common);
   if (!done) return fail(done.error());
   return chosen->status ? chosen->status() : 0;

@@ -30,7 +30,7 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
   }
   subject.held.clear();
   for (std::size_t v = 0; v < used.size(); ++v) {
-    if (used[v]) subject.held.push_back(body->firstOriginal + static_cast<VertexIndex>(v));
+    if (used[v]) subject.held.push_back(body->firstOriginal + v);
   }
   subject.mesh = std::move(body->mesh);
   subject.rebuilt = RebuiltMesh{std::move(problem), body->resolution, body->distances, body->firstOriginal};
@@ -55,7 +55,7 @@ BodyChoice bodyChoice(const std::string& name) {
 Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options) {
   Subject subject{name, std::move(mesh), std::nullopt, "", std::nullopt, std::nullopt};
   if (options.body == BodyChoice::kAlways) {
-    if (Result<void> made = rebuild(subject, options, ""); !made) return made.error();
+    LORICA_TRY_DO(rebuild(subject, options, ""));
     return subject;
   }
   Result<MeshMending> mending = mendMesh(subject.mesh);
@@ -64,7 +64,7 @@ Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const Charact
     subject.mesh = std::move(mending->mesh);
     subject.held = std::move(mending->leftOut);
   } else if (options.body == BodyChoice::kIfNeeded) {
-    if (Result<void> made = rebuild(subject, options, mending.error().message); !made) return made.error();
+    LORICA_TRY_DO(rebuild(subject, options, mending.error().message));
   }
   return subject;
 }
@@ -77,7 +77,7 @@ std::vector<VertexIndex> verticesToHold(const Subject& subject) {
   for (const VertexIndex v : subject.held) hold[v] = true;
   std::vector<VertexIndex> which;
   for (std::size_t v = 0; v < hold.size(); ++v) {
-    if (hold[v]) which.push_back(static_cast<VertexIndex>(v));
+    if (hold[v]) which.push_back(v);
   }
   return which;
 }

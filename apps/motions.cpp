@@ -8,6 +8,7 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
+#include "geometry/errors.h"
 #include "session/prepare/shipped_motion.h"
 #include "skinning/import/character_file.h"
 
@@ -31,86 +32,68 @@ bool isSessionFile(const fs::path& file) {
 /// Rejects an option that would have no effect on this kind of file.
 Result<void> refuse(bool given, const std::string& option, const std::string& file, const char* what) {
   if (!given) return {};
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("{}: {} is for {}, which this file does not contain", file, option, what)};
+  return invalidArgument("{}: {} is for {}, which this file does not contain", file, option, what);
 }
 
 Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
-  if (Result<void> fine = refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"); !fine) {
-    return fine.error();
-  }
+  LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"));
   JointStreamSettings settings;
   if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
   if (options.person > 0) settings.person = options.person;
-  Result<JointStream> stream = readJointStream(file, settings);
-  if (!stream) return stream.error();
+  LORICA_TRY(JointStream stream, readJointStream(file, settings));
   Motion motion;
   motion.name = file.stem().string();
-  motion.joints = std::move(stream->frames);
-  motion.format = fmt::format("joints ({})", nameOf(stream->format));
-  motion.notes = std::move(stream->notes);
-  motion.people = std::move(stream->people);
+  motion.joints = std::move(stream.frames);
+  motion.format = fmt::format("joints ({})", nameOf(stream.format));
+  motion.notes = std::move(stream.notes);
+  motion.people = std::move(stream.people);
   return motion;
 }
 
 Result<Motion> readBones(const fs::path& file, const MotionOptions& options) {
-  for (const Result<void>& fine :
-       {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
-        refuse(options.person != 0, "--person", file.string(), "recorded joints"),
-        refuse(options.smooth != "off", "--smooth", file.string(), "recorded joints"),
-        refuse(isBvh(file) && !options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
-    if (!fine) return fine.error();
-  }
+  LORICA_TRY_DO(refuse(!options.format.empty(), "--format", file.string(), "recorded joints"));
+  LORICA_TRY_DO(refuse(options.person != 0, "--person", file.string(), "recorded joints"));
+  LORICA_TRY_DO(refuse(options.smooth != "off", "--smooth", file.string(), "recorded joints"));
+  LORICA_TRY_DO(
+      refuse(isBvh(file) && !options.clip.empty(), "--clip", file.string(), "character files with several clips"));
   Motion motion;
   motion.name = file.stem().string();
   if (isBvh(file)) {
-    Result<BvhFile> read = readBvh(file);
-    if (!read) return read.error();
-    motion.bones = std::move(read->motion);
+    LORICA_TRY(BvhFile read, readBvh(file));
+    motion.bones = std::move(read.motion);
     motion.format = "BVH";
-    motion.notes = std::move(read->notes);
+    motion.notes = std::move(read.notes);
     return motion;
   }
-  Result<CharacterFile> read = readCharacterFile(file, characterFileSettings());
-  if (!read) return read.error();
-  const Result<const Clip*> clip = findClip(read->clips, options.clip, file.string());
-  if (!clip) return clip.error();
-  if (!(*clip)->name.empty()) motion.name += ": " + (*clip)->name;
-  motion.bones = framesOf(read->character.skeleton, **clip);
+  LORICA_TRY(CharacterFile read, readCharacterFile(file, characterFileSettings()));
+  LORICA_TRY(const Clip* clip, findClip(read.clips, options.clip, file.string()));
+  if (!clip->name.empty()) motion.name += ": " + clip->name;
+  motion.bones = framesOf(read.character.skeleton, *clip);
   motion.fromCharacterFile = true;
-  motion.format = read->format;
-  motion.notes = std::move(read->notes);
-  for (const Clip& found : read->clips) motion.clips.push_back(found.name);
+  motion.format = read.format;
+  motion.notes = std::move(read.notes);
+  for (const Clip& found : read.clips) motion.clips.push_back(found.name);
   return motion;
 }
 
 /// Rejects options that are for other motions than packets or a session.
 Result<void> refuseReadingOptions(const fs::path& file, const MotionOptions& options) {
-  for (const Result<void>& fine :
-       {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
-        refuse(options.person > 0 && !isSessionFile(file), "--person", file.string(), "recorded joints or sessions"),
-        refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
-    if (!fine) return fine;
-  }
-  return {};
+  LORICA_TRY_DO(refuse(!options.format.empty(), "--format", file.string(), "recorded joints"));
+  LORICA_TRY_DO(
+      refuse(options.person > 0 && !isSessionFile(file), "--person", file.string(), "recorded joints or sessions"));
+  return refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips");
 }
 
 Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options) {
   const bool packets = isPacketFile(file);
-  if (Result<void> fine = refuse(!options.sender.empty() && !packets, "--sender", file.string(), "VMC packets");
-      !fine) {
-    return fine.error();
-  }
+  LORICA_TRY_DO(refuse(!options.sender.empty() && !packets, "--sender", file.string(), "VMC packets"));
   if (packets || isSessionFile(file)) {
-    if (Result<void> fine = refuseReadingOptions(file, options); !fine) return fine.error();
+    LORICA_TRY_DO(refuseReadingOptions(file, options));
     return packets ? readPacketMotion(file, options) : readSessionMotion(file, options.person);
   }
   if (isDepthRecording(file)) {
-    for (const Result<void>& fine :
-         {refuse(!options.format.empty(), "--format", file.string(), "recorded joints"),
-          refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips")}) {
-      if (!fine) return fine.error();
-    }
+    LORICA_TRY_DO(refuse(!options.format.empty(), "--format", file.string(), "recorded joints"));
+    LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips"));
     return readDepthMotion(file, options);
   }
   return isBvh(file) || isCharacterFile(file) ? readBones(file, options) : readJoints(file, options);
@@ -231,7 +214,7 @@ Result<fs::path> recordingsFolder() {
   std::error_code error;
   if (const std::string chosen = environment("LORICA_RECORDINGS"); !chosen.empty()) {
     if (fs::is_directory(chosen, error)) return fs::path(chosen);
-    return Error{ErrorCode::kNotFound, fmt::format("LORICA_RECORDINGS={}: no such folder", chosen)};
+    return notFound("LORICA_RECORDINGS={}: no such folder", chosen);
   }
   const fs::path program = fs::read_symlink("/proc/self/exe", error).parent_path();
   // build/lorica, build/PRESET/lorica, and PREFIX/bin/lorica.
@@ -239,10 +222,10 @@ Result<fs::path> recordingsFolder() {
     const fs::path folder = (program / relative).lexically_normal();
     if (fs::is_directory(folder, error)) return folder;
   }
-  return Error{ErrorCode::kNotFound,
-               fmt::format("the shipped recordings were not found next to {} or in ../share/lorica/recordings: set "
-                           "LORICA_RECORDINGS to their folder",
-                           program.string())};
+  return notFound(
+      "the shipped recordings were not found next to {} or in ../share/lorica/recordings: set LORICA_RECORDINGS to "
+      "their folder",
+      program.string());
 }
 
 std::string shippedNames(const fs::path& folder, const std::string& extension) {
@@ -260,15 +243,13 @@ namespace {
 /// A path as it is, or the file of a shipped recording.
 Result<fs::path> motionFile(const std::string& pathOrName) {
   if (!isBareName(pathOrName)) return fs::path(pathOrName);
-  const Result<fs::path> folder = recordingsFolder();
-  if (!folder) return folder.error();
-  const fs::path file = shippedRecording(*folder, pathOrName);
+  LORICA_TRY(const fs::path folder, recordingsFolder());
+  const fs::path file = shippedRecording(folder, pathOrName);
   if (file.empty()) {
-    return Error{
-        ErrorCode::kNotFound,
-        fmt::format("{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, "
-                    ".oni, .glb, .vrm, .fbx, .dae) or one of {}, {}",
-                    pathOrName, shippedNames(*folder, ".csv"), shippedNames(*folder, ".oni"))};
+    return notFound(
+        "{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, .oni, .glb, .vrm, "
+        ".fbx, .dae) or one of {}, {}",
+        pathOrName, shippedNames(folder, ".csv"), shippedNames(folder, ".oni"));
   }
   return file;
 }
@@ -276,37 +257,31 @@ Result<fs::path> motionFile(const std::string& pathOrName) {
 }  // namespace
 
 Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options) {
-  const Result<fs::path> file = motionFile(pathOrName);
-  if (!file) return file.error();
+  LORICA_TRY(const fs::path file, motionFile(pathOrName));
   if (options.person == kEveryone) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found --person all, expected the number of one person; `lorica play` and `lorica "
-                             "record` show all",
-                             pathOrName)};
+    return invalidArgument(
+        "{}: found --person all, expected the number of one person; `lorica play` and `lorica record` show all",
+        pathOrName);
   }
-  return readMotionFile(*file, options);
+  return readMotionFile(file, options);
 }
 
 Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options) {
-  const Result<fs::path> file = motionFile(pathOrName);
-  if (!file) return file.error();
-  if (isBvh(*file) || isCharacterFile(*file) || isSessionFile(*file) || isPacketFile(*file)) {
-    return refuse(true, "--person", file->string(), "recorded joints").error();
+  LORICA_TRY(const fs::path file, motionFile(pathOrName));
+  if (isBvh(file) || isCharacterFile(file) || isSessionFile(file) || isPacketFile(file)) {
+    return refuse(true, "--person", file.string(), "recorded joints").error();
   }
-  if (Result<void> fine = refuse(!options.clip.empty(), "--clip", file->string(), "clips of skeletons"); !fine) {
-    return fine.error();
-  }
-  if (isDepthRecording(*file)) return readDepthMotionOfAll(*file);
+  LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"));
+  if (isDepthRecording(file)) return readDepthMotionOfAll(file);
   JointStreamSettings settings;
   if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
-  Result<std::vector<JointStream>> streams = readJointStreamOfAll(*file, settings);
-  if (!streams) return streams.error();
+  LORICA_TRY(std::vector<JointStream> streams, readJointStreamOfAll(file, settings));
   std::vector<Motion> motions;
-  for (std::size_t i = 0; i < streams->size(); ++i) {
-    JointStream& stream = (*streams)[i];
+  for (std::size_t i = 0; i < streams.size(); ++i) {
+    JointStream& stream = streams[i];
     Motion& motion = motions.emplace_back();
-    motion.name = file->stem().string();
-    if (streams->size() > 1) motion.name += fmt::format(": person {}", stream.people[i]);
+    motion.name = file.stem().string();
+    if (streams.size() > 1) motion.name += fmt::format(": person {}", stream.people[i]);
     motion.joints = std::move(stream.frames);
     motion.format = fmt::format("joints ({})", nameOf(stream.format));
     motion.notes = std::move(stream.notes);
@@ -316,15 +291,13 @@ Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const Mo
 }
 
 Result<std::vector<Motion>> readShippedRecordings() {
-  const Result<fs::path> folder = recordingsFolder();
-  if (!folder) return folder.error();
+  LORICA_TRY(const fs::path folder, recordingsFolder());
   std::vector<Motion> motions;
   motions.reserve(kSyntheticMotionCount);
   for (int m = 0; m < kSyntheticMotionCount; ++m) {
     const std::string name(nameOf(static_cast<SyntheticMotion>(m)));
-    Result<Motion> motion = readJoints(*folder / (name + ".csv"), {});
-    if (!motion) return motion.error();
-    motions.push_back(std::move(*motion));
+    LORICA_TRY(Motion motion, readJoints(folder / (name + ".csv"), {}));
+    motions.push_back(std::move(motion));
   }
   return motions;
 }
@@ -338,7 +311,7 @@ std::vector<Motion> makeShippedMotions() {
 
 Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name, const std::string& source) {
   if (clips.empty()) {
-    return Error{ErrorCode::kNotFound, source + ": found no animation, expected at least one clip"};
+    return notFound(source + ": found no animation, expected at least one clip");
   }
   if (name.empty()) return &clips.front();
   std::vector<std::string> names;
@@ -347,18 +320,14 @@ Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& nam
     if (lowerCase(clip.name) == lowerCase(name)) return &clip;
     names.push_back(clip.name);
   }
-  return Error{ErrorCode::kNotFound,
-               fmt::format("{}: no clip named {}, expected one of {}", source, name, fmt::join(names, ", "))};
+  return notFound("{}: no clip named {}, expected one of {}", source, name, fmt::join(names, ", "));
 }
 
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const MotionOptions& options, std::shared_ptr<SourceLog> log) {
   Result<std::unique_ptr<PoseSource>> source =
       poseSourceOf(character, motion, {std::move(log), options.faults(), options.joints()});
-  if (!source && motion.bones && !options.inject.empty()) {
-    return Error{source.error().code, "--inject: " + source.error().message};
-  }
-  return source;
+  return motion.bones && !options.inject.empty() ? prefixed("--inject", std::move(source)) : std::move(source);
 }
 
 }  // namespace lorica

@@ -1,8 +1,7 @@
 #include "apps/movie.h"
 
 #include "apps/report.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <cmath>
 #include <utility>
@@ -16,8 +15,7 @@ constexpr double kGifRate = 16.0;  // maximum frames per second
 
 Result<void> Movie::check(const std::string& option, const std::filesystem::path& file) {
   if (file.extension() != ".mp4" && file.extension() != ".gif") {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} {}: expected a name that ends in .mp4 or .gif", option, file.string())};
+    return invalidArgument("{} {}: expected a name that ends in .mp4 or .gif", option, file.string());
   }
   return checkOutput(option, file);
 }
@@ -25,15 +23,13 @@ Result<void> Movie::check(const std::string& option, const std::filesystem::path
 Result<Movie> Movie::create(const std::filesystem::path& file, int width, int height, double framesPerSecond) {
   Movie movie;
   if (file.extension() == ".gif") {
-    movie.every_ = static_cast<int>(std::ceil(framesPerSecond / kGifRate - 1e-6));
-    Result<GifWriter> gif = GifWriter::create(file, width, height, framesPerSecond / movie.every_);
-    if (!gif) return gif.error();
-    movie.gif_.emplace(std::move(*gif));
+    movie.every_ = std::ceil(framesPerSecond / kGifRate - 1e-6);
+    LORICA_TRY(GifWriter gif, GifWriter::create(file, width, height, framesPerSecond / movie.every_));
+    movie.gif_.emplace(std::move(gif));
     return movie;
   }
-  Result<VideoWriter> video = VideoWriter::create(file, width, height, framesPerSecond);
-  if (!video) return video.error();
-  movie.video_.emplace(std::move(*video));
+  LORICA_TRY(VideoWriter video, VideoWriter::create(file, width, height, framesPerSecond));
+  movie.video_.emplace(std::move(video));
   return movie;
 }
 

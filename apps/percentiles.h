@@ -18,7 +18,7 @@ struct Percentiles {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
   const auto quantile = [&](double share) {
-    const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(values.size())));
+    const std::size_t rank = std::ceil(share * values.size());
     return values[std::max<std::size_t>(rank, 1) - 1];
   };
   return {quantile(0.5), quantile(0.95)};

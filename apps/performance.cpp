@@ -55,16 +55,16 @@ SkeletonFrame blend(const SkeletonFrame& a, const SkeletonFrame& b, double share
 void append(std::vector<SkeletonFrame>& frames, std::vector<SkeletonFrame> piece) {
   std::size_t overlap = 0;
   if (!frames.empty()) {
-    const auto wanted = static_cast<std::size_t>(std::lround(kFadeSeconds * kRate));
+    const std::size_t wanted = std::lround(kFadeSeconds * kRate);
     overlap = std::min({wanted, frames.size(), piece.size()});
     moveBy(footing(frames.back()) - footing(piece.front()), piece);
   }
   const std::size_t first = frames.size() - overlap;
   for (std::size_t i = 0; i < overlap; ++i) {
-    const double t = static_cast<double>(i + 1) / static_cast<double>(overlap + 1);
+    const double t = static_cast<double>(i + 1) / (overlap + 1);
     frames[first + i] = blend(frames[first + i], piece[i], t * t * (3.0 - 2.0 * t));
   }
-  frames.insert(frames.end(), piece.begin() + static_cast<std::ptrdiff_t>(overlap), piece.end());
+  frames.insert(frames.end(), piece.begin() + overlap, piece.end());
 }
 
 }  // namespace
@@ -73,18 +73,17 @@ Result<Motion> makePerformance() {
   Motion performance;
   performance.name = "kick and walk";
   for (const Piece& piece : kPieces) {
-    const Result<Motion> recording = readMotion(piece.recording);
-    if (!recording) return recording.error();
+    LORICA_TRY(const Motion recording, readMotion(piece.recording));
     std::vector<SkeletonFrame> frames;
-    const double start = recording->joints.front().time;
-    for (const SkeletonFrame& frame : recording->joints) {
+    const double start = recording.joints.front().time;
+    for (const SkeletonFrame& frame : recording.joints) {
       const double time = frame.time - start;
       if (time >= piece.from && time <= piece.to) frames.push_back(frame);
     }
     append(performance.joints, std::move(frames));
   }
   for (std::size_t i = 0; i < performance.joints.size(); ++i) {
-    performance.joints[i].time = static_cast<double>(i) / kRate;
+    performance.joints[i].time = i / kRate;
   }
   return performance;
 }

@@ -12,6 +12,7 @@
 #include "apps/scenes.h"
 #include "apps/session_files.h"
 #include "apps/target_hits.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "session/prop_overlaps.h"
 
@@ -102,10 +103,9 @@ Result<void> playWithWindow(const Options& options, const LoadedCast& loaded, Se
   subject.sceneChosen = [&](const std::string& scene) { targets = targetsOf(scene); };
   subject.hits = [&] { return counts.hits.scores(); };
   subject.restarted = [&] { counts = Counts{RunStatistics(), TargetHits(targets)}; };  // the report covers the last run
-  const Result<WindowEnd> end = runInWindow(play.window, subject, options.playing);
-  if (!end) return end.error();
+  LORICA_TRY(const WindowEnd end, runInWindow(play.window, subject, options.playing));
   play.next = std::move(subject.next);
-  if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (end == WindowEnd::kInterrupted) return cancelled();
   return {};
 }
 
@@ -212,36 +212,30 @@ Report toReport(const Options& options, const Cast& cast, const Session& session
 /// @param window  null = none
 Result<void> playCast(const Options& options, const CommonOptions& common, LoadedCast loaded, PlayWindow* window) {
   const Cast& cast = loaded.opened.avatars;
-  const Result<std::shared_ptr<SessionRecorder>> recorder =
-      startRecorder(options.record, cast, options.body, options.scene, loaded.opened.world);
-  if (!recorder) return recorder.error();
-  Result<Session> session = startSession(cast, *recorder, std::move(loaded.opened.world));
-  if (!session) return session.error();
+  LORICA_TRY(const std::shared_ptr<SessionRecorder> recorder,
+             startRecorder(options.record, cast, options.body, options.scene, loaded.opened.world));
+  LORICA_TRY(Session session, startSession(cast, recorder, std::move(loaded.opened.world)));
 
   Counts counts{RunStatistics(), TargetHits(loaded.opened.targets)};
-  Result<std::shared_ptr<StepWatcher>> watcher =
-      makePoseOutput(options.out, cast.front().input.subject, options.input.reading.expressions, *recorder);
-  if (!watcher) return watcher.error();
-  const Result<std::shared_ptr<EventsOutput>> events = makeEventsOutput(options.events, *watcher);
-  if (!events) return events.error();
-  session->watch(*events ? *events : *watcher);
+  LORICA_TRY(std::shared_ptr<StepWatcher> watcher,
+             makePoseOutput(options.out, cast.front().input.subject, options.input.reading.expressions, recorder));
+  LORICA_TRY(const std::shared_ptr<EventsOutput> events, makeEventsOutput(options.events, watcher));
+  session.watch(events ? events : watcher);
   DrawnFiles drawn;
   const auto play = [&]() -> Result<void> {
-    if (window != nullptr) return playWithWindow(options, loaded, *session, counts, *window);
-    const Result<DrawnFiles> played = playHeadless(options, cast, *session, counts);
-    if (!played) return played.error();
-    drawn = *played;
+    if (window != nullptr) return playWithWindow(options, loaded, session, counts, *window);
+    LORICA_TRY(drawn, playHeadless(options, cast, session, counts));
     return {};
   };
   if (Result<void> played = play(); !played) {
-    if (*recorder) (void)(*recorder)->finish();  // keep what was recorded despite the error
+    if (recorder) (void)recorder->finish();  // keep what was recorded despite the error
     return played;
   }
   if (window != nullptr && window->next) return {};
-  Report report = toReport(options, cast, *session, counts, drawn);
-  nlohmann::ordered_json json = toJson(options, cast, *session, counts, drawn);
-  if (Result<void> kept = finishEvents(*events); !kept) return kept;
-  if (Result<void> kept = finishRecorder(*recorder, options.record, report, json); !kept) return kept;
+  Report report = toReport(options, cast, session, counts, drawn);
+  nlohmann::ordered_json json = toJson(options, cast, session, counts, drawn);
+  LORICA_TRY_DO(finishEvents(events));
+  LORICA_TRY_DO(finishRecorder(recorder, options.record, report, json));
   return publish(common, report, json, options.events == "-");
 }
 
@@ -249,41 +243,37 @@ Result<void> playCast(const Options& options, const CommonOptions& common, Loade
 Result<void> playInTurn(const Options& options, const CommonOptions& common, PlayWindow play) {
   while (play.next) {
     LoadedCast cast = std::move(*std::exchange(play.next, std::nullopt));
-    if (Result<void> played = playCast(options, common, std::move(cast), &play); !played) return played;
+    LORICA_TRY_DO(playCast(options, common, std::move(cast), &play));
   }
   return {};
 }
 
 /// Opens the window first: it shows how the rest is loaded.
 Result<void> playInWindow(const Options& options, const CommonOptions& common, const CastRequest& request) {
-  Result<Window> window = openWindow();
-  if (!window) return window.error();
+  LORICA_TRY(Window window, openWindow());
   const int threads = common.threadCount();
-  Result<std::optional<LoadedCast>> loaded =
-      loadInWindow<LoadedCast>(*window, [&] { return loadCast({request}, threads); });
-  if (!loaded) return loaded.error();
-  if (!*loaded) return {};
-  WindowOpener opener(**loaded, threads,
+  LORICA_TRY(std::optional<LoadedCast> loaded,
+             loadInWindow<LoadedCast>(window, [&] { return loadCast({request}, threads); }));
+  if (!loaded) return {};
+  WindowOpener opener(*loaded, threads,
                       options.written() ? "what is written or sent is one session: nothing else can be opened" : "");
-  return playInTurn(options, common, {*window, opener, std::move(*loaded)});
+  return playInTurn(options, common, {window, opener, std::move(loaded)});
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
   std::vector<std::filesystem::path> inputs = filesOf(options.input, options.body);
-  if (Result<void> fine = checkJsonOutput(common, inputs); !fine) return fine;
-  if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"); !fine)
-    return fine;
-  if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
-  if (Result<void> fine = checkRecord("--record", options.record); !fine) return fine;
-  if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, inputs));
+  LORICA_TRY_DO(checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"));
+  LORICA_TRY_DO(checkSnapshots(options.pictures));
+  LORICA_TRY_DO(checkRecord("--record", options.record));
+  LORICA_TRY_DO(checkPoseOutput(options.out));
   inputs.emplace_back(options.record);
-  if (Result<void> fine = checkEvents(options.events, common, inputs); !fine) return fine;
+  LORICA_TRY_DO(checkEvents(options.events, common, inputs));
   CastRequest request{options.input, options.body, options.scene, {}};
   request.input.reading.drawn = options.window || options.pictures.any();
   if (options.window) return playInWindow(options, common, request);
-  Result<OpenedCast> opened = openCast(request.input, request.body, request.scene, common.threadCount());
-  if (!opened) return opened.error();
-  return playCast(options, common, {std::move(request), std::move(*opened), {}}, nullptr);
+  LORICA_TRY(OpenedCast opened, openCast(request.input, request.body, request.scene, common.threadCount()));
+  return playCast(options, common, {std::move(request), std::move(opened), {}}, nullptr);
 }
 
 }  // namespace

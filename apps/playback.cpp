@@ -20,25 +20,23 @@ const Vec3 kWindowTarget(0.171, 0.486, 0.229);
 
 Result<void> addAvatar(Session& session, const Character& character, const DecompositionFile& body,
                        std::unique_ptr<PoseSource> source, const AvatarSetting& setting) {
-  Result<SessionAvatar> avatar =
-      SessionAvatar::create(character, body.decomposition, std::move(source), body.cover, body.training);
-  if (!avatar) return avatar.error();
-  if (setting.place) avatar->setPlace(*setting.place);
-  const int index = session.addAvatar(std::move(*avatar));
+  LORICA_TRY(SessionAvatar avatar,
+             SessionAvatar::create(character, body.decomposition, std::move(source), body.cover, body.training));
+  if (setting.place) avatar.setPlace(*setting.place);
+  const int index = session.addAvatar(std::move(avatar));
   return addSprings(setting.springs, session, index);
 }
 
 Result<Session> startSession(const Character& character, const DecompositionFile& body,
                              std::unique_ptr<PoseSource> source, World world) {
   Session session(std::move(world));
-  if (Result<void> added = addAvatar(session, character, body, std::move(source)); !added) return added.error();
+  LORICA_TRY_DO(addAvatar(session, character, body, std::move(source)));
   return session;
 }
 
 Result<Session> startDemoSession(const Character& character, const DecompositionFile& body, const Motion& motion) {
-  Result<std::unique_ptr<PoseSource>> source = poseSourceOf(character, motion, SourceTreatment{});
-  if (!source) return source.error();
-  return startSession(character, body, std::move(*source), makeDemoWorld(kDemoSeed));
+  LORICA_TRY(std::unique_ptr<PoseSource> source, poseSourceOf(character, motion, SourceTreatment{}));
+  return startSession(character, body, std::move(source), makeDemoWorld(kDemoSeed));
 }
 
 std::string captionOf(const std::string& name, const Session& session, double seconds) {
@@ -55,7 +53,7 @@ std::string captionOf(const std::string& name, const Session& session, double se
 Camera windowCamera(double height, std::size_t avatars) {
   Camera camera;
   camera.target = height * kWindowTarget;
-  const double wider = 1.0 + kWiderForEach * static_cast<double>(avatars - 1);
+  const double wider = 1.0 + kWiderForEach * (avatars - 1);
   camera.eye = camera.target + height * kWindowDistance * wider * kViewDirection;
   return camera;
 }

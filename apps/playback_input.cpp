@@ -3,6 +3,7 @@
 #include "apps/spring_options.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -35,14 +36,13 @@ Result<void> checkPerformer(const Motion& motion, const CharacterFile& file, con
   const Result<void> able = checkPerformed(file.character, motion, settings);
   if (able || file.clips.empty() || canPerform(file.character)) return able;
   const std::string clips = clipsOf(file);
-  return Error{
-      ErrorCode::kInvalidArgument,
-      fmt::format("{} on {}: found a motion of {}, expected one of the character's own clips{}, because its {} joints "
-                  "were not recognised as a humanoid: lorica play {}{}. If it is a humanoid, write a bone map with "
-                  "`lorica info {} --write-map FILE`, edit it and pass it with --map",
-                  motion.name, file.character.name, motion.fromCharacterFile ? "another character" : "a human",
-                  clips.empty() ? "" : ", " + clips, file.character.skeleton.jointCount(), asGiven,
-                  clips.empty() ? "" : " --clip " + file.clips.front().name, asGiven)};
+  return invalidArgument(
+      "{} on {}: found a motion of {}, expected one of the character's own clips{}, because its {} joints were not "
+      "recognised as a humanoid: lorica play {}{}. If it is a humanoid, write a bone map with `lorica info {} "
+      "--write-map FILE`, edit it and pass it with --map",
+      motion.name, file.character.name, motion.fromCharacterFile ? "another character" : "a human",
+      clips.empty() ? "" : ", " + clips, file.character.skeleton.jointCount(), asGiven,
+      clips.empty() ? "" : " --clip " + file.clips.front().name, asGiven);
 }
 
 /// Notes if the hulls grew for expressions or clips.
@@ -69,26 +69,23 @@ void addPlaybackInputOptions(CommandLine& app, PlaybackInputOptions& options) {
 Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
   const std::string& own = options.motion.empty() ? options.character : options.motion;
   if (own.empty()) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        "expected a motion, such as `lorica play walk`, or a character with clips: --character hero.glb --clip "
-        "Run"};
+    return invalidArgument(
+        "expected a motion, such as `lorica play walk`, or a character with clips: --character hero.glb --clip Run");
   }
   if (isCharacterFile(own) &&
       (options.character.empty() || options.motion.empty() || options.motion == options.character)) {
     CharacterOptions reading = options.reading;
     reading.ownClip = options.performing.clip;
     reading.suits = [&](const CharacterFile& file) -> Result<void> {
-      const Result<const Clip*> clip = findClip(file.clips, options.performing.clip, own);
-      return clip ? Result<void>() : clip.error();
+      LORICA_TRY_DO(findClip(file.clips, options.performing.clip, own));
+      return {};
     };
     Result<Subject> subject = readSubject(own, reading);
     if (subject && subject->character) {
-      const Result<const Clip*> clip = findClip(subject->file->clips, options.performing.clip, own);
-      if (!clip) return clip.error();
+      LORICA_TRY(const Clip* clip, findClip(subject->file->clips, options.performing.clip, own));
       Motion motion;
-      motion.name = subject->name + ((*clip)->name.empty() ? "" : ": " + (*clip)->name);
-      motion.bones = framesOf(subject->character->skeleton, **clip);
+      motion.name = subject->name + (clip->name.empty() ? "" : ": " + clip->name);
+      motion.bones = framesOf(subject->character->skeleton, *clip);
       motion.fromCharacterFile = true;
       motion.format = subject->file->format;
       motion.notes = subject->file->notes;
@@ -98,9 +95,8 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options) {
     // A file without a surface holds a motion for another character.
     if (!subject && (options.motion.empty() || subject.error().code != ErrorCode::kBadMesh)) return subject.error();
   }
-  Result<Motion> motion = readMotion(own, options.performing);
-  if (!motion) return motion.error();
-  return readPlaybackInput(options, std::move(*motion));
+  LORICA_TRY(Motion motion, readMotion(own, options.performing));
+  return readPlaybackInput(options, std::move(motion));
 }
 
 Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options, Motion motion) {
@@ -108,16 +104,15 @@ Result<PlaybackInput> readPlaybackInput(const PlaybackInputOptions& options, Mot
   reading.suits = [&](const CharacterFile& file) {
     return checkPerformer(motion, file, options.character, options.performing.joints());
   };
-  Result<Subject> subject = readCharacter(options.character.empty() ? "mannequin" : options.character, reading);
-  if (!subject) return subject.error();
-  if (subject->file) {
+  LORICA_TRY(Subject subject, readCharacter(options.character.empty() ? "mannequin" : options.character, reading));
+  if (subject.file) {
     // Notes about the character are told from those about the motion.
-    for (const std::string& note : subject->file->notes) motion.notes.push_back(subject->name + ": " + note);
-    const std::vector<std::string> strays = leftBehind(*subject->character);
+    for (const std::string& note : subject.file->notes) motion.notes.push_back(subject.name + ": " + note);
+    const std::vector<std::string> strays = leftBehind(*subject.character);
     motion.notes.insert(motion.notes.end(), strays.begin(), strays.end());
-    tellReached(*subject, motion);
+    tellReached(subject, motion);
   }
-  return PlaybackInput{std::move(*subject), std::move(motion)};
+  return PlaybackInput{std::move(subject), std::move(motion)};
 }
 
 }  // namespace lorica

@@ -7,6 +7,7 @@
 #include "capture/streams/vmc_names.h"
 #include "capture/streams/vmc_writer.h"
 #include "capture/streams/vrchat_writer.h"
+#include "geometry/errors.h"
 #include "session/contact_events.h"
 
 #include <fmt/format.h>
@@ -68,7 +69,7 @@ class SentContacts {
  public:
   explicit SentContacts(const Session& session) : events_(session) {
     const Skeleton& skeleton = session.character().skeleton;
-    names_.reserve(static_cast<std::size_t>(skeleton.jointCount()));
+    names_.reserve(skeleton.jointCount());
     for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
       JointIndex named = joint;
       while (named != kNoJoint && !skeleton.joint(named).bone) named = skeleton.joint(named).parent;
@@ -81,7 +82,7 @@ class SentContacts {
 
  private:
   [[nodiscard]] std::string_view nameOf(JointIndex joint) const {
-    return joint == kNoJoint ? vmcNameOf(HumanBone::kHips) : names_[static_cast<std::size_t>(joint)];
+    return joint == kNoJoint ? vmcNameOf(HumanBone::kHips) : names_[joint];
   }
 
   void send(std::span<const ContactEvent> events, UdpSocket& to) {
@@ -196,10 +197,10 @@ Result<VmcBones> bonesOf(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::optional<HumanBone> bone = vmcBoneNamed(name);
     if (!bone) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--vmc-bones: found '{}', expected names of humanoid bones such as Hips, Head, "
-                               "LeftUpperArm and LeftHand, separated by commas",
-                               name.substr(0, 40))};
+      return invalidArgument(
+          "--vmc-bones: found '{}', expected names of humanoid bones such as Hips, Head, LeftUpperArm and LeftHand, "
+          "separated by commas",
+          name.substr(0, 40));
     }
     bones[static_cast<std::size_t>(*bone)] = true;
   }
@@ -208,9 +209,7 @@ Result<VmcBones> bonesOf(const std::vector<std::string>& names) {
 
 Result<UdpSocket> openVmc(const PoseOutputOptions& options) {
   const Result<NetworkAddress> address = parseNetworkAddress(options.vmc, true);
-  Result<UdpSocket> socket = address ? UdpSocket::connect(*address) : address.error();
-  if (!socket) return Error{socket.error().code, "--vmc-out: " + socket.error().message};
-  return socket;
+  return prefixed("--vmc-out", address ? UdpSocket::connect(*address) : address.error());
 }
 
 Result<NetworkAddress> vrchatAddress(const PoseOutputOptions& options) {
@@ -222,22 +221,18 @@ Result<NetworkAddress> vrchatAddress(const PoseOutputOptions& options) {
 }
 
 Result<UdpSocket> openVrchat(const PoseOutputOptions& options) {
-  const Result<NetworkAddress> address = vrchatAddress(options);
-  if (!address) return address.error();
-  Result<UdpSocket> socket = UdpSocket::connect(*address);
-  if (!socket) return Error{socket.error().code, "--vrchat: " + socket.error().message};
-  return socket;
+  LORICA_TRY(const NetworkAddress address, vrchatAddress(options));
+  return prefixed("--vrchat", UdpSocket::connect(address));
 }
 
 /// The subject's expressions without what they move.
 Result<std::unique_ptr<SentFace>> faceOf(const Subject& subject, std::span<const std::string> given) {
   if (!subject.file) return std::make_unique<SentFace>(Expressions(), std::vector<float>());
-  Result<std::vector<float>> chosen = chosenExpressions(subject.file->expressions, given, subject.name);
-  if (!chosen) return chosen.error();
+  LORICA_TRY(std::vector<float> chosen, chosenExpressions(subject.file->expressions, given, subject.name));
   Expressions expressions = subject.file->expressions;
   expressions.baseWeights.clear();
   for (Expression& expression : expressions.list) expression.morphs.clear();
-  return std::make_unique<SentFace>(std::move(expressions), std::move(*chosen));
+  return std::make_unique<SentFace>(std::move(expressions), std::move(chosen));
 }
 
 }  // namespace
@@ -256,43 +251,31 @@ void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
 }
 
 Result<void> checkPoseOutput(const PoseOutputOptions& options) {
-  if (!options.vmc.empty()) {
-    const Result<NetworkAddress> address = parseNetworkAddress(options.vmc, true);
-    if (!address) return Error{address.error().code, "--vmc-out: " + address.error().message};
-  }
-  if (!options.vrchat.empty()) {
-    if (const Result<NetworkAddress> address = vrchatAddress(options); !address) return address.error();
-  }
-  const Result<VmcBones> bones = bonesOf(options.bones);
-  return bones ? Result<void>() : bones.error();
+  if (!options.vmc.empty()) LORICA_TRY_DO(prefixed("--vmc-out", parseNetworkAddress(options.vmc, true)));
+  if (!options.vrchat.empty()) LORICA_TRY_DO(vrchatAddress(options));
+  LORICA_TRY_DO(bonesOf(options.bones));
+  return {};
 }
 
 Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options, const Subject& subject,
                                                     std::span<const std::string> expressions,
                                                     std::shared_ptr<StepWatcher> next) {
   if (!options.any()) return next;
-  const Result<VmcBones> bones = bonesOf(options.bones);
-  if (!bones) return bones.error();
-  Result<BonePoseReader> reader = BonePoseReader::create(subject.character->skeleton);
-  if (!reader) {
-    return Error{reader.error().code,
-                 fmt::format("{}: {}", options.vmc.empty() ? "--vrchat" : "--vmc-out", reader.error().message)};
-  }
-  Result<std::unique_ptr<SentFace>> face = faceOf(subject, expressions);
-  if (!face) return face.error();
+  LORICA_TRY(const VmcBones bones, bonesOf(options.bones));
+  LORICA_TRY(BonePoseReader reader, prefixed(options.vmc.empty() ? "--vrchat" : "--vmc-out",
+                                             BonePoseReader::create(subject.character->skeleton)));
+  LORICA_TRY(std::unique_ptr<SentFace> face, faceOf(subject, expressions));
   std::optional<VmcReceiverAt> vmc;
   if (!options.vmc.empty()) {
-    Result<UdpSocket> socket = openVmc(options);
-    if (!socket) return socket.error();
-    vmc.emplace(VmcReceiverAt{std::move(*socket), VmcWriter(*bones)});
+    LORICA_TRY(UdpSocket socket, openVmc(options));
+    vmc.emplace(VmcReceiverAt{std::move(socket), VmcWriter(bones)});
   }
   std::optional<VrchatAt> vrchat;
   if (!options.vrchat.empty()) {
-    Result<UdpSocket> socket = openVrchat(options);
-    if (!socket) return socket.error();
-    vrchat.emplace(VrchatAt{std::move(*socket), VrchatWriter(subject.character->height)});
+    LORICA_TRY(UdpSocket socket, openVrchat(options));
+    vrchat.emplace(VrchatAt{std::move(socket), VrchatWriter(subject.character->height)});
   }
-  return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(std::move(*reader), std::move(*face), std::move(vmc),
+  return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(std::move(reader), std::move(face), std::move(vmc),
                                                                    std::move(vrchat), std::move(next)));
 }
 

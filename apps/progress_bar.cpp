@@ -3,6 +3,7 @@
 #include "apps/interrupt.h"
 #include "apps/report.h"
 #include "apps/standard_streams.h"
+#include "geometry/counts.h"
 #include "geometry/printable.h"
 
 #include <fmt/format.h>
@@ -74,15 +75,15 @@ void ProgressBar::draw(int done, int total, double seconds) const {
   const std::string tail =
       fmt::format("  {}  {:.0f} s{}", countText(done, total, unit_), seconds, leftText(done, total, seconds));
   std::string line = label_ + "  ";
-  const int room = terminalWidth(stderr) - 1 - static_cast<int>(line.size() + tail.size());
+  const int room = terminalWidth(stderr) - 1 - countOf(line) - countOf(tail);
   const int width = std::min(kWidestBar, room - 2);
   if (width >= 5 && total > 0) {
     const int filled = std::clamp(width * done / total, 0, width);
-    line += fmt::format("[{:<{}}]", std::string(static_cast<std::size_t>(filled), '='), width);
+    line += fmt::format("[{:<{}}]", std::string(filled, '='), width);
   }
   line += tail;
   // A line longer than the terminal would wrap and could not be erased.
-  line.resize(std::min<std::size_t>(line.size(), static_cast<std::size_t>(std::max(terminalWidth(stderr) - 1, 1))));
+  line.resize(std::min<std::size_t>(line.size(), std::max(terminalWidth(stderr) - 1, 1)));
   say(fmt::format("\r\x1b[K{}", line));
 }
 

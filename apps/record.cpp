@@ -13,6 +13,7 @@
 #include "capture/sensor/oni_joints.h"
 #include "capture/sensor/openni.h"
 #include "capture/tracking/tracker.h"
+#include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 
 #include <fmt/format.h>
@@ -69,7 +70,7 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
     const Result<int> rows = joints.finish();
     if (read == 0) {  // ended before the first image
       recorder.discard();
-      return Error{ErrorCode::kCancelled, "cancelled"};
+      return cancelled();
     }
     const Result<int> frames = recorder.finish();
     if (!rows) return rows.error();
@@ -93,7 +94,7 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
     if (finished) break;  // the program is being ended
     ++read;
     for (const TrackedPerson& person : people) {
-      if (Result<void> added = joints.add(person.skeleton); !added) return added.error();
+      LORICA_TRY_DO(joints.add(person.skeleton));
     }
     if (!firstTime) firstTime = frame.time;
     recording.seconds = frame.time - *firstTime;
@@ -101,7 +102,7 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
     if (limit.seconds > 0.0 && recording.seconds >= limit.seconds) break;
   }
   answerInterrupt();
-  if (const Result<void> done = finish(); !done) return done.error();
+  LORICA_TRY_DO(finish());
   return recording;
 }
 
@@ -113,87 +114,77 @@ Result<void> refuseSessionOptions(const CommandLine& app, const Options& options
                            "--mirror",  "--upper-body",    "--smooth", "--min-cutoff",      "--beta",       "--clip",
                            "--format",  "--person",        "--people"}) {
     if (!app.given(name)) continue;
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: {} is for sessions ({}), not for {}", options.out, name, kSessionEnding, what)};
+    return invalidArgument("{}: {} is for sessions ({}), not for {}", options.out, name, kSessionEnding, what);
   }
   return {};
 }
 
 Result<void> recordDepth(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.out, jointsBeside(options.out)}); !fine) return fine;
-  if (Result<void> fine = checkOutput("OUT", options.out, ".oni"); !fine) return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, {options.out, jointsBeside(options.out)}));
+  LORICA_TRY_DO(checkOutput("OUT", options.out, ".oni"));
   // An older recording of both files may be replaced; a joint CSV of another origin may not.
   if (std::error_code ignored; !fs::exists(options.out, ignored) && fs::exists(jointsBeside(options.out), ignored)) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{} exists, but {} does not, so it was not written by this command: choose another name for OUT",
-                    jointsBeside(options.out).string(), options.out)};
+    return invalidArgument(
+        "{} exists, but {} does not, so it was not written by this command: choose another name for OUT",
+        jointsBeside(options.out).string(), options.out);
   }
-  Result<std::unique_ptr<DepthSource>> depth = openCamera(options.depth);
-  if (!depth) return depth.error();
-  Result<Tracker> tracker = Tracker::create((*depth)->camera());
-  if (!tracker) return tracker.error();
-  Result<JointCsvWriter> joints = JointCsvWriter::create(jointsBeside(options.out));
-  if (!joints) return joints.error();
-  std::optional<AtHardStop> starting(std::in_place, [&] { (void)joints->finish(); });  // removes the empty file
-  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**depth, options.out);
+  LORICA_TRY(std::unique_ptr<DepthSource> depth, openCamera(options.depth));
+  LORICA_TRY(Tracker tracker, Tracker::create(depth->camera()));
+  LORICA_TRY(JointCsvWriter joints, JointCsvWriter::create(jointsBeside(options.out)));
+  std::optional<AtHardStop> starting(std::in_place, [&] { (void)joints.finish(); });  // removes the empty file
+  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(*depth, options.out);
   if (!recorder) {
-    (void)joints->finish();
+    (void)joints.finish();
     return recorder.error();
   }
   starting.reset();
   sayFound((*recorder)->found());
-  sayFound(joints->found());
+  sayFound(joints.found());
 
-  say(fmt::format("Recording {}; press Ctrl-C to stop.\n", (*depth)->name()));
-  const Result<Recording> made = record(options, **depth, *tracker, **recorder, *joints);
-  if (!made) return made.error();
+  say(fmt::format("Recording {}; press Ctrl-C to stop.\n", depth->name()));
+  LORICA_TRY(const Recording made, record(options, *depth, tracker, **recorder, joints));
 
-  Report report(fmt::format("Recorded {} of {} ({:.1f} s)", counted(made->frames, "depth frame"), (*depth)->name(),
-                            made->seconds));
+  Report report(
+      fmt::format("Recorded {} of {} ({:.1f} s)", counted(made.frames, "depth frame"), depth->name(), made.seconds));
   report.line("depth", options.out);
-  report.line("joints", made->rows == 0 ? "no person found"
-                                        : fmt::format("{}, {}", jointsBeside(options.out).string(),
-                                                      counted(made->rows, "skeleton")));
-  if (made->unplugged) report.note("The sensor was unplugged during the recording.");
+  report.line("joints", made.rows == 0 ? "no person found"
+                                       : fmt::format("{}, {}", jointsBeside(options.out).string(),
+                                                     counted(made.rows, "skeleton")));
+  if (made.unplugged) report.note("The sensor was unplugged during the recording.");
   nlohmann::ordered_json json;
-  json["source"] = (*depth)->name();
+  json["source"] = depth->name();
   json["depth"] = options.out;
-  json["frames"] = made->frames;
-  json["seconds"] = made->seconds;
+  json["frames"] = made.frames;
+  json["seconds"] = made.seconds;
   json["joints"] =
-      made->rows > 0 ? nlohmann::ordered_json(jointsBeside(options.out).string()) : nlohmann::ordered_json();
-  json["skeletons"] = made->rows;
-  json["unplugged"] = made->unplugged;
+      made.rows > 0 ? nlohmann::ordered_json(jointsBeside(options.out).string()) : nlohmann::ordered_json();
+  json["skeletons"] = made.rows;
+  json["unplugged"] = made.unplugged;
   return publish(common, report, json);
 }
 
 /// A motion while it happens: the session is recorded, and converted at its end. If the program is killed, the session
 /// is left, which `lorica convert` reads.
 Result<void> recordMotion(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, filesOf(options)); !fine) return fine;
-  if (Result<void> fine = checkOutput("OUT", options.out); !fine) return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
+  LORICA_TRY_DO(checkOutput("OUT", options.out));
   if (options.input.performing.person == kEveryone) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found --person all, expected the number of one person: a motion file holds one "
-                             "skeleton, a session ({}) any number",
-                             options.out, kSessionEnding)};
+    return invalidArgument(
+        "{}: found --person all, expected the number of one person: a motion file holds one skeleton, a session ({}) "
+        "any number",
+        options.out, kSessionEnding);
   }
   if (const std::size_t avatars = avatarsOf(options); avatars > 1) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found {} avatars, expected one: a motion file holds one skeleton, a session ({}) any "
-                             "number",
-                             options.out, avatars, kSessionEnding)};
+    return invalidArgument(
+        "{}: found {} avatars, expected one: a motion file holds one skeleton, a session ({}) any number", options.out,
+        avatars, kSessionEnding);
   }
   Options session = options;
   session.out = options.out + kSessionEnding;
   return recordSession(session, common, [&](Report& report) -> Result<void> {
-    const Result<Motion> motion = readSessionMotion(session.out, 0);
-    if (!motion) return motion.error();
+    LORICA_TRY(const Motion motion, readSessionMotion(session.out, 0));
     // Poses of bones are mirrored already.
-    const Result<ConvertedClip> made =
-        writeMotion(options.out, *motion, motion->bones ? MotionOptions() : options.input.performing);
-    if (!made) return made.error();
+    LORICA_TRY_DO(writeMotion(options.out, motion, motion.bones ? MotionOptions() : options.input.performing));
     std::error_code ignored;
     fs::remove(session.out, ignored);
     report.line("motion", options.out);
@@ -204,25 +195,24 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common) {
 Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common) {
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
-    if (Result<void> fine = checkJsonOutput(common, filesOf(options)); !fine) return fine;
-    if (Result<void> fine = checkRecord("OUT", options.out); !fine) return fine;
+    LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
+    LORICA_TRY_DO(checkRecord("OUT", options.out));
     return recordSession(options, common);
   }
   if (ending == ".bvh" || ending == ".csv") return recordMotion(options, common);
   if (ending == ".pcap") {
-    if (Result<void> fine = refuseSessionOptions(app, options, "packets (.pcap)"); !fine) return fine;
+    LORICA_TRY_DO(refuseSessionOptions(app, options, "packets (.pcap)"));
     return recordPackets(options.out, options.vmc.listenAt, options.limit, common);
   }
   if (ending != ".oni") {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("OUT: found {}, expected a name that ends in .oni (depth), {} (a session), .bvh or .csv (a "
-                    "motion), or .pcap (packets)",
-                    options.out, kSessionEnding)};
+    return invalidArgument(
+        "OUT: found {}, expected a name that ends in .oni (depth), {} (a session), .bvh or .csv (a motion), or .pcap "
+        "(packets)",
+        options.out, kSessionEnding);
   }
-  if (Result<void> fine = refuseSessionOptions(app, options, "depth recordings (.oni)"); !fine) return fine;
+  LORICA_TRY_DO(refuseSessionOptions(app, options, "depth recordings (.oni)"));
   if (app.given("--vmc")) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: --vmc sends no depth images", options.out)};
+    return invalidArgument("{}: --vmc sends no depth images", options.out);
   }
   return recordDepth(options, common);
 }

@@ -7,6 +7,7 @@
 #include "capture/streams/packet_file.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_writer.h"
+#include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
 
@@ -31,8 +32,8 @@ namespace fs = std::filesystem;
 /// How long the socket is waited for before Ctrl-C is looked for [s].
 constexpr double kPollSeconds = 0.1;
 
-Error unwritable(const fs::path& file, int error) {
-  return {ErrorCode::kUnwritable, fmt::format("{}: {}", file.string(), std::generic_category().message(error))};
+Error cannotWrite(const fs::path& file, int error) {
+  return unwritable("{}: {}", file.string(), std::generic_category().message(error));
 }
 
 /// A .pcap file that grows. Each packet is handed to the system at once, so that a killed program loses none.
@@ -40,13 +41,11 @@ class PacketWriter {
  public:
   [[nodiscard]] static Result<std::unique_ptr<PacketWriter>> create(const fs::path& file) {
     const fs::path part = fs::path(file).replace_extension(".part.pcap");
-    const Result<std::optional<fs::path>> found = keepFound(part);
-    if (!found) return found.error();
-    sayFound(*found);
-    const Result<int> descriptor = createPart(part);
-    if (!descriptor) return descriptor.error();
-    std::unique_ptr<PacketWriter> writer(new PacketWriter(file, part, *descriptor));
-    if (Result<void> written = writer->write(packetFileHeader()); !written) return written.error();
+    LORICA_TRY(const std::optional<fs::path> found, keepFound(part));
+    sayFound(found);
+    LORICA_TRY(const int descriptor, createPart(part));
+    std::unique_ptr<PacketWriter> writer(new PacketWriter(file, part, descriptor));
+    LORICA_TRY_DO(writer->write(packetFileHeader()));
     return writer;
   }
   ~PacketWriter() {
@@ -76,9 +75,9 @@ class PacketWriter {
     const bool kept = fsync(descriptor_) == 0 || errno == EINVAL;
     const int error = errno;
     close(std::exchange(descriptor_, -1));
-    if (!kept) return unwritable(part_, error);
+    if (!kept) return cannotWrite(part_, error);
     fs::rename(part_, file_, failed);
-    return failed ? unwritable(file_, failed.value()) : Result<void>();
+    return failed ? cannotWrite(file_, failed.value()) : Result<void>();
   }
 
  private:
@@ -90,8 +89,8 @@ class PacketWriter {
     while (!rest.empty()) {
       const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
       if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return unwritable(part_, errno);
-      rest.remove_prefix(static_cast<std::size_t>(written));
+      if (written < 0) return cannotWrite(part_, errno);
+      rest.remove_prefix(written);
     }
     return {};
   }
@@ -105,47 +104,44 @@ class PacketWriter {
 
 std::uint64_t microsecondsNow() {
   const auto since = std::chrono::system_clock::now().time_since_epoch();
-  return static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::microseconds>(since).count());
+  return std::chrono::duration_cast<std::chrono::microseconds>(since).count();
 }
 
 }  // namespace
 
 Result<void> recordPackets(const std::string& out, const std::string& listenAt, const PlaybackOptions& limit,
                            const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {out}); !fine) return fine;
-  if (Result<void> fine = checkOutput("OUT", out, ".pcap"); !fine) return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, {out}));
+  LORICA_TRY_DO(checkOutput("OUT", out, ".pcap"));
   if (listenAt.empty()) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: packets come from a program, expected --vmc PORT", out)};
+    return invalidArgument("{}: packets come from a program, expected --vmc PORT", out);
   }
   if (listenAt.find(',') != std::string::npos) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--vmc {}: a file holds the packets of one program, expected one PORT", listenAt)};
+    return invalidArgument("--vmc {}: a file holds the packets of one program, expected one PORT", listenAt);
   }
   const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
-  Result<UdpSocket> socket = address ? UdpSocket::listen(*address) : address.error();
-  if (!socket) return Error{socket.error().code, "--vmc: " + socket.error().message};
-  const Result<std::unique_ptr<PacketWriter>> writer = PacketWriter::create(out);
-  if (!writer) return writer.error();
+  LORICA_TRY(UdpSocket socket, prefixed("--vmc", address ? UdpSocket::listen(*address) : address.error()));
+  LORICA_TRY(const std::unique_ptr<PacketWriter> writer, PacketWriter::create(out));
 
   say(fmt::format("Recording packets to {}; press Ctrl-C to stop.\n", textOf(*address)));
   std::vector<std::byte> memory(kLargestPacket);
   std::optional<std::uint64_t> first;
   double seconds = 0.0;
   while (!interrupted()) {
-    const std::optional<UdpSocket::Packet> packet = socket->receive(memory, kPollSeconds);
+    const std::optional<UdpSocket::Packet> packet = socket.receive(memory, kPollSeconds);
     const std::uint64_t now = microsecondsNow();
     if (packet) {
       if (!first) first = now;
       const std::string record = packetRecord(std::span(memory).first(packet->size), now, packet->port, address->port);
-      if (Result<void> added = (*writer)->add(record); !added) return added;
+      LORICA_TRY_DO(writer->add(record));
     }
-    seconds = first ? 1e-6 * static_cast<double>(now - *first) : 0.0;
+    seconds = first ? 1e-6 * (now - *first) : 0.0;
     if (limit.seconds > 0.0 && seconds >= limit.seconds) break;
   }
   answerInterrupt();
-  if (Result<void> done = (*writer)->finish(); !done) return done;
-  const int packets = (*writer)->packets();
-  if (packets == 0) return Error{ErrorCode::kCancelled, "cancelled"};
+  LORICA_TRY_DO(writer->finish());
+  const int packets = writer->packets();
+  if (packets == 0) return cancelled();
   Report report(fmt::format("Recorded {} to {} ({:.1f} s)", counted(packets, "packet"), textOf(*address), seconds));
   report.line("packets", out);
   nlohmann::ordered_json json;

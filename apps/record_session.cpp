@@ -7,6 +7,7 @@
 #include "apps/scenes.h"
 #include "apps/session_files.h"
 #include "apps/standard_streams.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -50,37 +51,31 @@ LiveOptions liveOf(const SessionRecording& options) {
 }
 
 Result<Recording> startMotions(const SessionRecording& options, int threads) {
-  Result<OpenedCast> opened = openCast(options.input, options.body, options.scene, threads);
-  if (!opened) return opened.error();
-  const std::vector<CastMember>& cast = opened->avatars;
-  Result<std::shared_ptr<SessionRecorder>> recorder =
-      startRecorder(options.out, cast, options.body, options.scene, opened->world);
-  if (!recorder) return recorder.error();
-  Result<Session> session = startSession(cast, *recorder, std::move(opened->world));
+  LORICA_TRY(OpenedCast opened, openCast(options.input, options.body, options.scene, threads));
+  const std::vector<CastMember>& cast = opened.avatars;
+  LORICA_TRY(std::shared_ptr<SessionRecorder> recorder,
+             startRecorder(options.out, cast, options.body, options.scene, opened.world));
+  Result<Session> session = startSession(cast, recorder, std::move(opened.world));
   if (!session) {
-    (void)(*recorder)->finish();  // removes the file
+    (void)recorder->finish();  // removes the file
     return session.error();
   }
-  return Recording{std::move(*session), std::move(*recorder), motionsOf(cast), {}};
+  return Recording{std::move(*session), std::move(recorder), motionsOf(cast), {}};
 }
 
 Result<Recording> startLive(const SessionRecording& options, int threads) {
   const LiveOptions live = liveOf(options);
-  Result<World> world = openSceneForPeople(live.scene);
-  if (!world) return world.error();
-  const Result<std::vector<Follower>> followers = readFollowers(live, false, threads);
-  if (!followers) return followers.error();
+  LORICA_TRY(World world, openSceneForPeople(live.scene));
+  LORICA_TRY(const std::vector<Follower> followers, readFollowers(live, false, threads));
   // The source is opened last, because it runs while the rest is prepared.
-  Result<Performer> performer = openPerformer(live);
-  if (!performer) return performer.error();
-  Result<std::shared_ptr<SessionRecorder>> recorder = startRecorder(live, *performer, *followers, *world);
-  if (!recorder) return recorder.error();
-  Result<Session> session = startSession(live, *performer, *followers, *recorder, std::move(*world));
+  LORICA_TRY(Performer performer, openPerformer(live));
+  LORICA_TRY(std::shared_ptr<SessionRecorder> recorder, startRecorder(live, performer, followers, world));
+  Result<Session> session = startSession(live, performer, followers, recorder, std::move(world));
   if (!session) {
-    (void)(*recorder)->finish();  // removes the file
+    (void)recorder->finish();  // removes the file
     return session.error();
   }
-  return Recording{std::move(*session), std::move(*recorder), performer->name, std::move(performer->vmc)};
+  return Recording{std::move(*session), std::move(recorder), performer.name, std::move(performer.vmc)};
 }
 
 /// Runs until the end, the limit or Ctrl-C. @return seconds from the first step to the last
@@ -88,9 +83,8 @@ Result<double> runAll(const SessionRecording& options, Recording& recording) {
   Session& session = recording.session;
   double first = 0.0;
   while (!interrupted()) {
-    const Result<bool> more = session.step();
-    if (!more) return more.error();
-    if (!*more) break;
+    LORICA_TRY(const bool more, session.step());
+    if (!more) break;
     for (VmcInput& sender : recording.vmc) sender.add(session);
     if (session.frameCount() == 1) first = session.time();
     if (options.limit.frames > 0 && session.frameCount() >= options.limit.frames) break;
@@ -102,9 +96,8 @@ Result<double> runAll(const SessionRecording& options, Recording& recording) {
 
 Result<void> checkSource(const SessionRecording& options) {
   if (followsPeople(options) && options.input.performing.person == kEveryone) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "--person all: found a camera, expected a recording; --people says how "
-                 "many avatars follow a camera"};
+    return invalidArgument(
+        "--person all: found a camera, expected a recording; --people says how many avatars follow a camera");
   }
   if (followsPeople(options)) return checkPeople(liveOf(options));
   const std::string& motion = options.input.motion.empty() ? options.input.character : options.input.motion;
@@ -112,11 +105,10 @@ Result<void> checkSource(const SessionRecording& options) {
   if (!options.vmc.listenAt.empty()) other = "--vmc";
   if (options.people > 1) other = "--people";
   if (other != nullptr) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("found a motion and {}, expected only one of them", other)};
+    return invalidArgument("found a motion and {}, expected only one of them", other);
   }
   if (options.depth.virtualCamera || !options.depth.device.empty() || !options.depth.driver.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("found a motion, {}, and a camera, expected only one of them", motion)};
+    return invalidArgument("found a motion, {}, and a camera, expected only one of them", motion);
   }
   return checkVmcInput(options.vmc);
 }
@@ -144,34 +136,33 @@ std::size_t avatarsOf(const SessionRecording& options) {
 
 Result<void> recordSession(const SessionRecording& options, const CommonOptions& common,
                            const std::function<Result<void>(Report&)>& finished) {
-  if (Result<void> fine = checkSource(options); !fine) return fine;
+  LORICA_TRY_DO(checkSource(options));
   const bool live = followsPeople(options);
-  Result<Recording> recording =
-      live ? startLive(options, common.threadCount()) : startMotions(options, common.threadCount());
-  if (!recording) return recording.error();
-  Session& session = recording->session;
-  session.watch(recording->recorder);
+  LORICA_TRY(Recording recording,
+             live ? startLive(options, common.threadCount()) : startMotions(options, common.threadCount()));
+  Session& session = recording.session;
+  session.watch(recording.recorder);
 
-  if (live) say(fmt::format("Recording {}; press Ctrl-C to stop.\n", recording->source));
-  const Result<double> ran = runAll(options, *recording);
+  if (live) say(fmt::format("Recording {}; press Ctrl-C to stop.\n", recording.source));
+  const Result<double> ran = runAll(options, recording);
   if (interrupted() && session.frameCount() == 0) {
-    (void)recording->recorder->finish();  // removes the file
-    return Error{ErrorCode::kCancelled, "cancelled"};
+    (void)recording.recorder->finish();  // removes the file
+    return cancelled();
   }
   const double seconds = ran ? *ran : 0.0;
   const std::string avatars =
       session.avatars().size() > 1 ? fmt::format(", {}", counted(std::ssize(session.avatars()), "avatar")) : "";
-  Report report(fmt::format("Recorded a session of {}{}: {} ({:.1f} s)", recording->source, avatars,
+  Report report(fmt::format("Recorded a session of {}{}: {} ({:.1f} s)", recording.source, avatars,
                             counted(session.frameCount(), "step"), seconds));
-  nlohmann::ordered_json json = toJson(*recording, seconds);
-  if (Result<void> kept = finishRecorder(recording->recorder, options.out, report, json); !kept) return kept;
+  nlohmann::ordered_json json = toJson(recording, seconds);
+  LORICA_TRY_DO(finishRecorder(recording.recorder, options.out, report, json));
   if (!ran) return ran.error();
-  for (VmcInput& sender : recording->vmc) {
+  for (VmcInput& sender : recording.vmc) {
     sender.addTo(report);
-    if (&sender == &recording->vmc.front()) sender.addTo(json);
+    if (&sender == &recording.vmc.front()) sender.addTo(json);
   }
   if (finished) {
-    if (Result<void> done = finished(report); !done) return done;
+    LORICA_TRY_DO(finished(report));
   }
   report.line("hash", hexDigits(session.hash()));
   return publish(common, report, json);

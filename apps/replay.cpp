@@ -10,6 +10,8 @@
 #include "apps/scenes.h"
 #include "apps/session_files.h"
 #include "apps/target_hits.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "session/session_replay.h"
 #include "skinning/look/avatar.h"
@@ -69,8 +71,7 @@ Result<DecompositionFile> findBody(const Options& options, const AvatarHeader& h
                                                 options.file, header.decomposition, file.error().message)};
   }
   if (file && hashOf(file->cover) != header.coverHash) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: the hull cover differs from the recording", options.file)};
+    return invalidArgument("{}: the hull cover differs from the recording", options.file);
   }
   return file;
 }
@@ -88,22 +89,18 @@ Result<RecordedPerformer> findPerformer(const Options& options, const SessionFil
   const AvatarHeader& header = recorded.header.avatar(index);
   Options own = options;
   if (index > 0) own.character = own.decomposition = "";
-  Result<SessionInputs> inputs = inputsOf(recorded, options.file, index, own.character, own.decomposition);
-  if (!inputs) return inputs.error();
-  Result<Subject> subject = findCharacter(own, header, *inputs);
-  if (!subject) return subject.error();
-  if (hashOf(*subject->character) != header.characterHash) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: recorded with the character {}, but {} has a different mesh, skeleton or weights: give "
-                    "the recorded character with --character",
-                    options.file, header.character, subject->name)};
+  LORICA_TRY(SessionInputs inputs, inputsOf(recorded, options.file, index, own.character, own.decomposition));
+  LORICA_TRY(Subject subject, findCharacter(own, header, inputs));
+  if (hashOf(*subject.character) != header.characterHash) {
+    return invalidArgument(
+        "{}: recorded with the character {}, but {} has a different mesh, skeleton or weights: give the recorded "
+        "character with --character",
+        options.file, header.character, subject.name);
   }
-  std::shared_ptr<const Avatar>& look = subject->character->avatar;
+  std::shared_ptr<const Avatar>& look = subject.character->avatar;
   if (header.color && look != nullptr) look = tinted(*look, *header.color);
-  Result<DecompositionFile> body = findBody(own, header, *inputs, *subject, threads);
-  if (!body) return body.error();
-  return RecordedPerformer{std::move(*inputs), std::move(*subject), std::move(*body)};
+  LORICA_TRY(DecompositionFile body, findBody(own, header, inputs, subject, threads));
+  return RecordedPerformer{std::move(inputs), std::move(subject), std::move(body)};
 }
 
 using Sources = std::vector<std::unique_ptr<PoseSource>>;
@@ -112,9 +109,9 @@ Result<Sources> sourcesOf(const Options& options, const SessionFile& recorded,
                           std::span<const RecordedPerformer> performers) {
   Sources sources;
   for (std::size_t i = 0; i < performers.size(); ++i) {
-    Result<std::unique_ptr<PoseSource>> source = SessionReplay::source(recorded, *performers[i].subject.character, i);
-    if (!source) return Error{source.error().code, options.file + ": " + source.error().message};
-    sources.push_back(std::move(*source));
+    LORICA_TRY(std::unique_ptr<PoseSource> source,
+               prefixed(options.file, SessionReplay::source(recorded, *performers[i].subject.character, i)));
+    sources.push_back(std::move(source));
   }
   return sources;
 }
@@ -122,8 +119,7 @@ Result<Sources> sourcesOf(const Options& options, const SessionFile& recorded,
 /// The session as it was at the start of the recording.
 Result<Session> startAgain(const Options& options, const SessionFile& recorded,
                            std::span<const RecordedPerformer> performers, World world) {
-  Result<Sources> sources = sourcesOf(options, recorded, performers);
-  if (!sources) return sources.error();
+  LORICA_TRY(Sources sources, sourcesOf(options, recorded, performers));
   Session session(std::move(world));
   for (std::size_t i = 0; i < performers.size(); ++i) {
     const RecordedPerformer& performer = performers[i];
@@ -132,11 +128,9 @@ Result<Session> startAgain(const Options& options, const SessionFile& recorded,
     if (header.springs) {
       setting.springs = {performer.subject.file ? performer.subject.file->springs : SpringBones(), *header.springs};
     }
-    Result<void> added =
-        addAvatar(session, *performer.subject.character, performer.body, std::move((*sources)[i]), setting);
-    if (!added) return added.error();
+    LORICA_TRY_DO(addAvatar(session, *performer.subject.character, performer.body, std::move(sources[i]), setting));
   }
-  if (Result<void> same = checkReplay(recorded.header, options.file, session); !same) return same.error();
+  LORICA_TRY_DO(checkReplay(recorded.header, options.file, session));
   return session;
 }
 
@@ -152,30 +146,24 @@ struct Recorded {
 };
 
 Result<Recorded> load(const Options& options, int threads) {
-  Result<SessionFile> read = readSession(options.file);
-  if (!read) return read.error();
-  auto session = std::make_shared<const SessionFile>(std::move(*read));
+  LORICA_TRY(SessionFile read, readSession(options.file));
+  auto session = std::make_shared<const SessionFile>(std::move(read));
   std::vector<RecordedPerformer> performers;
-  const auto count = static_cast<double>(session->header.avatars.size());
+  const double count = session->header.avatars.size();
   for (std::size_t i = 0; i < session->header.avatars.size(); ++i) {
-    const WorkMonitor::Stage stage(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
-    Result<RecordedPerformer> performer = findPerformer(options, *session, i, threads);
-    if (!performer) return performer.error();
-    performers.push_back(std::move(*performer));
+    const WorkMonitor::Stage stage(i / count, (i + 1) / count);
+    LORICA_TRY(RecordedPerformer performer, findPerformer(options, *session, i, threads));
+    performers.push_back(std::move(performer));
   }
-  Result<World> world = worldOf(performers.front().inputs.scene, session->header.scene);
-  if (!world) return world.error();
-  return Recorded{std::move(session), std::move(performers), std::move(*world)};
+  LORICA_TRY(World world, worldOf(performers.front().inputs.scene, session->header.scene));
+  return Recorded{std::move(session), std::move(performers), std::move(world)};
 }
 
 Result<void> checkOptions(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.file, options.character, options.decomposition}); !fine) {
-    return fine;
-  }
-  if (Result<void> fine = checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"); !fine)
-    return fine;
-  if (Result<void> fine = checkSnapshots(options.pictures); !fine) return fine;
-  if (Result<void> fine = checkPoseOutput(options.out); !fine) return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, {options.file, options.character, options.decomposition}));
+  LORICA_TRY_DO(checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"));
+  LORICA_TRY_DO(checkSnapshots(options.pictures));
+  LORICA_TRY_DO(checkPoseOutput(options.out));
   return checkEvents(options.events, common, {options.file, options.character, options.decomposition});
 }
 
@@ -188,8 +176,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
   const AvatarHeader& header = recorded->header.avatar();
   const Subject& subject = performers.front().subject;
   const Character& character = *subject.character;
-  Result<Session> session = startAgain(options, *recorded, performers, std::move(loaded.world));
-  if (!session) return session.error();
+  LORICA_TRY(Session session, startAgain(options, *recorded, performers, std::move(loaded.world)));
 
   std::shared_ptr<SessionReplay> comparison;
   std::shared_ptr<EventsOutput> events;
@@ -197,31 +184,29 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
   const std::vector<HitTarget> targets = targetsOf(performers.front().inputs.scene, recorded->header.scene);
   TargetHits hits(targets);
   const auto count = [&] {
-    statistics.add(*session);
-    hits.add(*session);
+    statistics.add(session);
+    hits.add(session);
   };
   const auto begin = [&]() -> Result<void> {
     comparison = std::make_shared<SessionReplay>(recorded);
     statistics = RunStatistics();
     hits = TargetHits(targets);
-    Result<std::shared_ptr<StepWatcher>> watcher = makePoseOutput(options.out, subject, header.expressions, comparison);
-    if (!watcher) return watcher.error();
-    if (Result<void> kept = finishEvents(events); !kept) return kept;
-    Result<std::shared_ptr<EventsOutput>> written = makeEventsOutput(options.events, *watcher);
-    if (!written) return written.error();
-    events = std::move(*written);
-    session->watch(events ? events : *watcher);
+    LORICA_TRY(std::shared_ptr<StepWatcher> watcher,
+               makePoseOutput(options.out, subject, header.expressions, comparison));
+    LORICA_TRY_DO(finishEvents(events));
+    LORICA_TRY(events, makeEventsOutput(options.events, watcher));
+    session.watch(events ? events : watcher);
     return {};
   };
-  if (Result<void> begun = begin(); !begun) return begun;
+  LORICA_TRY_DO(begin());
   std::vector<std::string> sources;
   for (const AvatarHeader& avatar : recorded->header.avatars) sources.push_back(avatar.source);
   const std::string name = header.source.empty() ? options.file : listed(sources);
-  const auto steps = static_cast<int>(recorded->steps.size());
+  const auto steps = countOf(recorded->steps);
   DrawnFiles drawn;
   if (window != nullptr) {
     prepareWindow(name, character, performers.size(), *window);
-    WindowSubject watched{*session, name};
+    WindowSubject watched{session, name};
     watched.duration = recorded->steps.back().time - recorded->steps.front().time;
     watched.sourcesAgain = [&] { return sourcesOf(options, *recorded, performers); };
     watched.worldAgain = [&] { return loaded.worldAgain(); };
@@ -231,18 +216,15 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
     watched.hits = [&] { return hits.scores(); };
     PlaybackOptions limit;
     limit.frames = steps;
-    const Result<WindowEnd> end = runInWindow(*window, watched, limit);
-    if (!end) return end.error();
-    if (*end == WindowEnd::kInterrupted) return Error{ErrorCode::kCancelled, "cancelled"};
+    LORICA_TRY(const WindowEnd end, runInWindow(*window, watched, limit));
+    if (end == WindowEnd::kInterrupted) return cancelled();
   } else {
     HeadlessRun all{"Replaying", name, "steps", steps};
     all.stepped = count;
     all.caption = [&] { return hits.caption(); };
-    const Result<DrawnFiles> played = runHeadless(all, options.pictures, *session);
-    if (!played) return played.error();
-    drawn = *played;
+    LORICA_TRY(drawn, runHeadless(all, options.pictures, session));
   }
-  if (Result<void> kept = finishEvents(events); !kept) return kept;
+  LORICA_TRY_DO(finishEvents(events));
 
   const std::optional<SessionReplay::Difference>& difference = comparison->difference();
   const bool whole = comparison->steps() == steps;
@@ -251,7 +233,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
   json["source"] = header.source;
   json["character"] = character.name;
   json["avatars"] = nlohmann::ordered_json::array();
-  for (const SessionAvatar& avatar : session->avatars()) {
+  for (const SessionAvatar& avatar : session.avatars()) {
     json["avatars"].push_back(
         {{"character", avatar.character().name}, {"frames", avatar.frameCount()}, {"hash", hexDigits(avatar.hash())}});
   }
@@ -267,7 +249,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
   statistics.addTo(json);
   hits.addTo(json);
   drawn.addTo(options.pictures, json);
-  json["hash"] = hexDigits(session->hash());
+  json["hash"] = hexDigits(session.hash());
 
   const std::string who = performers.size() == 1 ? character.name : counted(std::ssize(performers), "avatar");
   Report report(fmt::format("{} replayed {}: {}", who, name, counted(comparison->steps(), "step")));
@@ -279,7 +261,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
   if (header.faults.any()) report.line("faults", textOf(header.faults));
   hits.addTo(report);
   drawn.addTo(options.pictures, report);
-  report.line("hash", hexDigits(session->hash()));
+  report.line("hash", hexDigits(session.hash()));
   for (const std::string& note : recorded->notes) report.note("Recording: " + note + ".");
   differs = difference.has_value();
   return publish(common, report, json, options.events == "-");
@@ -287,19 +269,17 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
 
 /// Opens the window first: it shows how the rest is loaded.
 Result<void> replayInWindow(const Options& options, const CommonOptions& common, bool& differs) {
-  Result<Window> window = openWindow();
-  if (!window) return window.error();
-  Result<std::optional<Recorded>> loaded =
-      loadInWindow<Recorded>(*window, [&] { return load(options, common.threadCount()); });
-  if (!loaded) return loaded.error();
-  return *loaded ? replay(options, common, std::move(**loaded), &*window, differs) : Result<void>();
+  LORICA_TRY(Window window, openWindow());
+  LORICA_TRY(std::optional<Recorded> loaded,
+             loadInWindow<Recorded>(window, [&] { return load(options, common.threadCount()); }));
+  return loaded ? replay(options, common, std::move(*loaded), &window, differs) : Result<void>();
 }
 
 Result<void> run(const Options& options, const CommonOptions& common, bool& differs) {
-  if (Result<void> fine = checkOptions(options, common); !fine) return fine;
+  LORICA_TRY_DO(checkOptions(options, common));
   if (options.window) return replayInWindow(options, common, differs);
-  Result<Recorded> loaded = load(options, common.threadCount());
-  return loaded ? replay(options, common, std::move(*loaded), nullptr, differs) : loaded.error();
+  LORICA_TRY(Recorded loaded, load(options, common.threadCount()));
+  return replay(options, common, std::move(loaded), nullptr, differs);
 }
 
 }  // namespace

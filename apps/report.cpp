@@ -1,6 +1,8 @@
 #include "apps/report.h"
 
 #include "apps/standard_streams.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/printable.h"
 
@@ -22,8 +24,7 @@ namespace {
 
 /// Number of characters in UTF-8 text: the bytes that are not continuation bytes.
 std::size_t widthOf(const std::string& text) {
-  return static_cast<std::size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
+  return std::count_if(text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; });
 }
 
 constexpr std::size_t kLongestCell = 200;    // [bytes]
@@ -61,7 +62,7 @@ void addTable(const Table& table, std::string& text) {
 }  // namespace
 
 int CommonOptions::threadCount() const {
-  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return threads > 0 ? threads : std::max<int>(1, std::thread::hardware_concurrency());
 }
 
 std::string Report::text() const {
@@ -89,7 +90,7 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
     return print(text, "the JSON");
   }
   if (!options.json.empty()) {
-    if (Result<void> written = writeFileAtomically(options.json, text); !written) return written;
+    LORICA_TRY_DO(writeFileAtomically(options.json, text));
   }
   if (!outputTaken) return print(report.text(), "the report");
   say(report.text());
@@ -104,14 +105,11 @@ Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std
   const std::filesystem::path meant = std::filesystem::weakly_canonical(json, ignored);
   for (const std::filesystem::path& other : others) {
     if (other.empty() || std::filesystem::weakly_canonical(other, ignored) != meant) continue;
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: {} is also an input or another output and would be overwritten", option, json.string())};
+    return invalidArgument("{}: {} is also an input or another output and would be overwritten", option, json.string());
   }
   if (std::filesystem::exists(json, ignored) && !std::filesystem::is_directory(json, ignored) &&
       !std::filesystem::is_regular_file(json, ignored)) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: {} is not a regular file; `{} -` writes to standard output",
-                                                     option, json.string(), option)};
+    return unwritable("{}: {} is not a regular file; `{} -` writes to standard output", option, json.string(), option);
   }
   return checkOutput(option, json);
 }
@@ -119,20 +117,17 @@ Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std
 Result<void> checkOutput(const std::string& option, const std::filesystem::path& file, const std::string& extension) {
   std::error_code ignored;
   if (!extension.empty() && file.extension() != extension) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: {}: expected a name that ends in {}", option, file.string(), extension)};
+    return invalidArgument("{}: {}: expected a name that ends in {}", option, file.string(), extension);
   }
   if (std::filesystem::is_directory(file, ignored)) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: {} is a folder, expected a file", option, file.string())};
+    return unwritable("{}: {} is a folder, expected a file", option, file.string());
   }
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : std::filesystem::path(".");
   if (!std::filesystem::is_directory(folder, ignored)) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: {}: no such folder: {}", option, file.string(), folder.string())};
+    return unwritable("{}: {}: no such folder: {}", option, file.string(), folder.string());
   }
   if (access(folder.c_str(), W_OK) != 0) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: {}: the folder {} is not writable", option, file.string(), folder.string())};
+    return unwritable("{}: {}: the folder {} is not writable", option, file.string(), folder.string());
   }
   return {};
 }
@@ -143,12 +138,10 @@ Result<void> checkOutputFolder(const std::string& option, const std::filesystem:
   std::filesystem::path nearest = std::filesystem::absolute(folder, ignored).lexically_normal();
   while (!std::filesystem::exists(nearest, ignored) && nearest.has_relative_path()) nearest = nearest.parent_path();
   if (!std::filesystem::is_directory(nearest, ignored)) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: {}: {} is a file, expected a folder", option, folder.string(), nearest.string())};
+    return unwritable("{}: {}: {} is a file, expected a folder", option, folder.string(), nearest.string());
   }
   if (access(nearest.c_str(), W_OK) != 0) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: {}: the folder {} is not writable", option, folder.string(), nearest.string())};
+    return unwritable("{}: {}: the folder {} is not writable", option, folder.string(), nearest.string());
   }
   return {};
 }
@@ -172,15 +165,15 @@ int terminalWidth(std::FILE* stream) {
 }
 
 std::string lowerCase(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (char& c : text) c = c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c;
   return text;
 }
 
 std::string grouped(long long number) {
   std::string text = std::to_string(number);
   const int firstDigit = number < 0 ? 1 : 0;
-  for (int at = static_cast<int>(text.size()) - 3; at > firstDigit; at -= 3) {
-    text.insert(static_cast<std::size_t>(at), 1, ',');
+  for (int at = countOf(text) - 3; at > firstDigit; at -= 3) {
+    text.insert(at, 1, ',');
   }
   return text;
 }

@@ -2,8 +2,7 @@
 
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <optional>
@@ -18,8 +17,7 @@ constexpr int kWindowHeight = 720;
 
 Result<void> checkWindow(bool wanted, const std::string& instead) {
   if (!wanted || displayAvailable()) return {};
-  return Error{ErrorCode::kNoDisplay,
-               fmt::format("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead)};
+  return noDisplay("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead);
 }
 
 Result<Window> openWindow() {
@@ -33,21 +31,19 @@ void prepareWindow(const std::string& name, const Character& character, std::siz
 }
 
 Result<DrawnFiles> runHeadless(const HeadlessRun& run, const SnapshotOptions& pictures, Session& session) {
-  Result<std::optional<SnapshotSeries>> series = SnapshotSeries::create(pictures, session);
-  if (!series) return series.error();
+  LORICA_TRY(std::optional<SnapshotSeries> series, SnapshotSeries::create(pictures, session));
   ProgressBar bar(run.doing + " " + run.name, run.unit);
   for (int frame = 0; frame < run.frames; ++frame) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<bool> more = session.step();
-    if (!more) return more.error();
-    if (!*more) break;
+    if (interrupted()) return cancelled();
+    LORICA_TRY(const bool more, session.step());
+    if (!more) break;
     if (run.stepped) run.stepped();
     bar.update(frame + 1, run.expected > 0 ? std::max(run.expected, frame + 1) : run.frames);
-    if (!*series) continue;
+    if (!series) continue;
     const std::string name = run.caption ? run.name + run.caption() : run.name;
-    if (Result<void> drawn = (*series)->add(session, name); !drawn) return drawn.error();
+    LORICA_TRY_DO(series->add(session, name));
   }
-  return *series ? (*series)->finish() : DrawnFiles();
+  return series ? series->finish() : DrawnFiles();
 }
 
 }  // namespace lorica

@@ -56,7 +56,7 @@ void RunStatistics::add(const Session& session, bool selfContacts) {
   now_.clear();
   for (const Contact& contact : session.world().contacts()) {
     ++contacts_;
-    ++contactsOf_[static_cast<std::size_t>(contact.avatar)];
+    ++contactsOf_[contact.avatar];
     now_.push_back({contact.avatar, contact.part, contact.prop, 0});
     touched_[contact.prop] = 1;
   }
@@ -118,7 +118,7 @@ nlohmann::ordered_json RunStatistics::selfContactsOf(std::size_t avatar) const {
 }
 
 int RunStatistics::propsTouched() const {
-  return static_cast<int>(std::count(touched_.begin(), touched_.end(), 1));
+  return std::count(touched_.begin(), touched_.end(), 1);
 }
 
 void RunStatistics::addTo(nlohmann::ordered_json& json) const {

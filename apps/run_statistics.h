@@ -28,7 +28,7 @@ class RunStatistics {
     start_.reset();
   }
 
-  [[nodiscard]] int frames() const { return static_cast<int>(stages_.size()); }
+  [[nodiscard]] int frames() const { return stages_.size(); }
   /// Contact points between avatars and props, summed over the frames.
   [[nodiscard]] long long contacts() const { return contacts_; }
   /// The same of one avatar.
@@ -39,7 +39,7 @@ class RunStatistics {
   [[nodiscard]] long long avatarTouches() const { return avatarTouches_; }
   /// Number of contacts between a part and a prop that started, i.e. were not present in the previous frame.
   [[nodiscard]] long long touches() const { return touches_; }
-  [[nodiscard]] int propCount() const { return static_cast<int>(touched_.size()); }
+  [[nodiscard]] int propCount() const { return touched_.size(); }
   /// Number of different props touched.
   [[nodiscard]] int propsTouched() const;
 

@@ -30,7 +30,7 @@ SceneList scenesBeside(const std::string& present) {
     list.arguments.push_back(present);
     found = list.arguments.end() - 1;
   }
-  list.present = static_cast<int>(found - list.arguments.begin());
+  list.present = found - list.arguments.begin();
   return list;
 }
 

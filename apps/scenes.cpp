@@ -5,6 +5,7 @@
 #include "apps/interrupt.h"
 #include "apps/motions.h"
 #include "apps/progress_bar.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "session/demo_scene.h"
@@ -29,7 +30,7 @@ Result<Decomposition> decomposeProp(const std::string& name, const TriMesh& surf
   settings.maxParts = parts;
   settings.progress = progressOf(bar);
   Result<CachedDecomposition> made = meshDecomposition(name, surface, settings, userCache());
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (interrupted()) return cancelled();
   if (!made) return made.error();
   return std::move(made->file.decomposition);
 }
@@ -45,29 +46,25 @@ void addSceneOption(CommandLine& app, std::string& scene) {
 
 Result<std::filesystem::path> scenesFolder() {
   // It is next to that of recordings, in the source tree and when installed.
-  const Result<std::filesystem::path> recordings = recordingsFolder();
-  if (!recordings) return recordings.error();
-  return recordings->parent_path() / "scenes";
+  LORICA_TRY(const std::filesystem::path recordings, recordingsFolder());
+  return recordings.parent_path() / "scenes";
 }
 
 Result<SceneText> readSceneText(const std::string& scene) {
   if (scene.empty()) return SceneText();
   std::filesystem::path file = scene;
   if (isBareName(scene)) {
-    const Result<std::filesystem::path> folder = scenesFolder();
-    if (!folder) return folder.error();
-    file = *folder / (scene + ".json");
+    LORICA_TRY(const std::filesystem::path folder, scenesFolder());
+    file = folder / (scene + ".json");
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
-      return Error{ErrorCode::kNotFound,
-                   fmt::format("--scene: {}: no such file and no shipped scene with that name, expected a scene file "
-                               "(.json) or one of {}",
-                               scene, shippedNames(file.parent_path(), ".json"))};
+      return notFound(
+          "--scene: {}: no such file and no shipped scene with that name, expected a scene file (.json) or one of {}",
+          scene, shippedNames(file.parent_path(), ".json"));
     }
   }
-  Result<std::string> text = readFile(file);
-  if (!text) return text.error();
-  return SceneText{std::move(*text), file.parent_path(), pathTrust()};
+  LORICA_TRY(std::string text, readFile(file));
+  return SceneText{std::move(text), file.parent_path(), pathTrust()};
 }
 
 namespace {
@@ -85,9 +82,8 @@ Result<SceneFile> sceneOf(const SceneText& scene, const std::string& name) {
 Result<void> findNamed(const SceneText& scene, std::string& name) {
   const std::filesystem::path path(name);
   if (name.empty() || (!path.has_parent_path() && !path.has_extension())) return {};
-  const Result<std::filesystem::path> found = NamedFiles{scene.folder, scene.paths}.find(name);
-  if (!found) return found.error();
-  name = found->string();
+  LORICA_TRY(const std::filesystem::path found, NamedFiles{scene.folder, scene.paths}.find(name));
+  name = found.string();
   return {};
 }
 
@@ -95,9 +91,8 @@ Result<void> findNamed(const SceneText& scene, std::string& name) {
 
 Result<World> worldOf(const SceneText& scene, const std::string& name) {
   if (scene.text.empty() && name.empty()) return makeDemoWorld(kDemoSeed);
-  const Result<SceneFile> read = sceneOf(scene, name);
-  if (!read) return read.error();
-  return makeWorld(*read);
+  LORICA_TRY(const SceneFile read, sceneOf(scene, name));
+  return makeWorld(read);
 }
 
 std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name) {
@@ -107,19 +102,15 @@ std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name
 }
 
 Result<OpenedScene> openStage(const std::string& scene) {
-  const Result<SceneText> text = readSceneText(scene);
-  if (!text) return text.error();
-  if (text->text.empty()) return OpenedScene{makeDemoWorld(kDemoSeed), {}, {}};
-  Result<SceneFile> read = sceneOf(*text, scene);
-  if (!read) return read.error();
-  for (std::size_t i = 0; i < read->stage.size(); ++i) {
-    for (std::string* name : {&read->stage[i].character, &read->stage[i].motion}) {
-      if (Result<void> found = findNamed(*text, *name); !found) {
-        return Error{found.error().code, fmt::format("{}: avatars[{}]: {}", scene, i, found.error().message)};
-      }
+  LORICA_TRY(const SceneText text, readSceneText(scene));
+  if (text.text.empty()) return OpenedScene{makeDemoWorld(kDemoSeed), {}, {}};
+  LORICA_TRY(SceneFile read, sceneOf(text, scene));
+  for (std::size_t i = 0; i < read.stage.size(); ++i) {
+    for (std::string* name : {&read.stage[i].character, &read.stage[i].motion}) {
+      LORICA_TRY_DO(prefixed(fmt::format("{}: avatars[{}]", scene, i), findNamed(text, *name)));
     }
   }
-  return OpenedScene{makeWorld(*read), std::move(read->targets), std::move(read->stage)};
+  return OpenedScene{makeWorld(read), std::move(read.targets), std::move(read.stage)};
 }
 
 std::vector<HitTarget> targetsOf(const std::string& scene) {
@@ -128,11 +119,10 @@ std::vector<HitTarget> targetsOf(const std::string& scene) {
 }
 
 Result<Prop> openMeshProp(const std::string& file) {
-  const Result<TriMesh> mesh = readMesh(file);
-  if (!mesh) return mesh.error();
+  LORICA_TRY(const TriMesh mesh, readMesh(file));
   Eigen::AlignedBox3d box;
-  for (const Vec3& v : mesh->vertices) box.extend(v);
-  const double side = mesh->vertices.empty() ? 0.0 : box.sizes().maxCoeff();
+  for (const Vec3& v : mesh.vertices) box.extend(v);
+  const double side = mesh.vertices.empty() ? 0.0 : box.sizes().maxCoeff();
   PropMeshRequest request{file};
   request.parts = kDroppedParts;
   if (side > 0.0 && (side < kShortestSide || side > kLongestSide)) request.scale = kScaledSide / side;
@@ -146,14 +136,12 @@ Result<Prop> openMeshProp(const std::string& file) {
 }
 
 Result<World> openScene(const std::string& scene, double gravity) {
-  const Result<SceneText> text = readSceneText(scene);
-  if (!text) return text.error();
-  if (text->text.empty()) return makeDemoWorldUnder(gravity * World::Settings().gravity, kDemoSeed);
-  Result<SceneFile> read = sceneOf(*text, scene);
-  if (!read) return read.error();
-  read->world.gravity *= gravity;
-  if (read->particles) read->particles->gravity *= gravity;
-  return makeWorld(*read);
+  LORICA_TRY(const SceneText text, readSceneText(scene));
+  if (text.text.empty()) return makeDemoWorldUnder(gravity * World::Settings().gravity, kDemoSeed);
+  LORICA_TRY(SceneFile read, sceneOf(text, scene));
+  read.world.gravity *= gravity;
+  if (read.particles) read.particles->gravity *= gravity;
+  return makeWorld(read);
 }
 
 }  // namespace lorica

@@ -4,6 +4,7 @@
 #include "apps/interrupt.h"
 #include "apps/mesh_subject.h"
 #include "apps/options.h"
+#include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 
 #include <fmt/format.h>
@@ -41,7 +42,7 @@ nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, con
 }
 
 Report toReport(const Options& options, const Subject& subject, std::size_t partCount, const Score& score) {
-  Report report(fmt::format("{} in {}", options.mesh, counted(static_cast<long long>(partCount), "part")));
+  Report report(fmt::format("{} in {}", options.mesh, counted(partCount, "part")));
   addMeshTo(report, subject);
   report.line("score, Eq. 16", fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted repeatedly)",
                                            score.score16, score.score16StandardError));
@@ -75,34 +76,28 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = checkJsonOutput(common, {options.mesh, options.parts}); !fine) return fine;
-  const Result<Subject> subject = readSubject(options.mesh, options.reading);
-  if (!subject) return subject.error();
-  const TriMesh& mesh = subject->mesh;
+  LORICA_TRY_DO(checkJsonOutput(common, {options.mesh, options.parts}));
+  LORICA_TRY(const Subject subject, readSubject(options.mesh, options.reading));
+  const TriMesh& mesh = subject.mesh;
   if (std::filesystem::path(options.parts).extension() == ".lorica") {
-    return Error{ErrorCode::kInvalidArgument,
-                 options.parts +
-                     ": found a decomposition, expected its hulls, written by `lorica decompose --export-obj "
-                     "FILE.obj`"};
+    return invalidArgument(
+        options.parts +
+        ": found a decomposition, expected its hulls, written by `lorica decompose --export-obj FILE.obj`");
   }
-  Result<std::vector<NamedMesh>> objects = readObjObjects(options.parts);
-  if (!objects) return objects.error();
+  LORICA_TRY(std::vector<NamedMesh> objects, readObjObjects(options.parts));
   std::vector<TriMesh> parts;
-  for (NamedMesh& object : *objects) parts.push_back(std::move(object.mesh));
+  for (NamedMesh& object : objects) parts.push_back(std::move(object.mesh));
 
-  const Result<Score> judged = score(mesh, parts, ScoreSettings());
-  if (!judged) {
-    // Either the mesh or the parts were rejected: name that file.
-    const std::string& file = checkClosedTwoManifold(mesh) ? options.parts : options.mesh;
-    return Error{judged.error().code, file + ": " + judged.error().message};
-  }
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-  nlohmann::ordered_json json = toJson(*subject, parts.size(), *judged);
-  if (const std::string doubt = doubtAbout(mesh, parts, *judged); !doubt.empty()) {
+  // Either the mesh or the parts may be rejected: a failure names that file.
+  const std::string& file = checkClosedTwoManifold(mesh) ? options.parts : options.mesh;
+  LORICA_TRY(const Score judged, prefixed(file, score(mesh, parts, ScoreSettings())));
+  if (interrupted()) return cancelled();
+  nlohmann::ordered_json json = toJson(subject, parts.size(), judged);
+  if (const std::string doubt = doubtAbout(mesh, parts, judged); !doubt.empty()) {
     warn(options.parts + ": " + doubt);
     json["warning"] = doubt;
   }
-  return publish(common, toReport(options, *subject, parts.size(), *judged), json);
+  return publish(common, toReport(options, subject, parts.size(), judged), json);
 }
 
 }  // namespace

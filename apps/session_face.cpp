@@ -1,5 +1,6 @@
 #include "apps/session_face.h"
 
+#include "geometry/counts.h"
 #include "skinning/look/expressed_materials.h"
 
 #include <algorithm>
@@ -29,24 +30,24 @@ SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
 void SessionFace::choose(int expression) {
   const std::vector<float>& given = avatar_->face.chosen;
   if (chosen_ >= 0) {
-    const auto last = static_cast<std::size_t>(chosen_);
+    const std::size_t last = chosen_;
     face_.set(last, last < given.size() ? given[last] : 0.0f);
   }
   chosen_ = expression;
-  if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
+  if (chosen_ >= 0) face_.set(chosen_, 1.0f);
 }
 
 void SessionFace::update(const SessionAvatar& performer, double time, const Vec3& watcher,
                          std::span<Affine3> worldFromModel, SceneFigure& figure) {
   const AvatarFace& own = avatar_->face;
   follower_.apply(performer.source().expressions(), own.expressions, own.chosen, face_);
-  if (chosen_ >= 0) face_.set(static_cast<std::size_t>(chosen_), 1.0f);
+  if (chosen_ >= 0) face_.set(chosen_, 1.0f);
   FaceInput input;
   input.time = time;
   if (own.lookAt.head != kNoJoint) {
     input.gaze = followed(gazeTowards(own.lookAt, performer.worldFromJoint()[own.lookAt.head], watcher));
   }
-  if (own.clip >= 0 && static_cast<std::size_t>(own.clip) < own.morphs.clips.size()) {
+  if (own.clip >= 0 && own.clip < countOf(own.morphs.clips)) {
     input.clip = own.morphs.clips[own.clip];
     input.clipTime = time;
   }

@@ -1,6 +1,7 @@
 #include "apps/session_files.h"
 
 #include "apps/file_trust.h"
+#include "geometry/errors.h"
 #include "session/demo_scene.h"
 
 #include <fmt/format.h>
@@ -58,7 +59,7 @@ Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& s
     const bool special = type == fs::file_type::fifo || type == fs::file_type::socket;  // opening one may wait
     if (file && !special) return file->string();
     const std::string why = file ? fmt::format("{} is no regular file", file->string()) : file.error().message;
-    done = Error{ErrorCode::kBadFormat, fmt::format("{}: the recorded {}: {}{}", session, what, why, instead)};
+    done = badFormat("{}: the recorded {}: {}{}", session, what, why, instead);
     return {};
   };
   SessionInputs inputs;
@@ -72,9 +73,7 @@ Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& s
                              : decomposition;
   inputs.scene = {recorded.sceneText, {}, pathTrust()};
   if (isShippedName(whole.scene) && !whole.scene.empty()) {
-    const Result<fs::path> shipped = scenesFolder();
-    if (!shipped) return shipped.error();
-    inputs.scene.folder = *shipped;
+    LORICA_TRY(inputs.scene.folder, scenesFolder());
   } else if (!whole.scene.empty()) {
     inputs.scene.folder = find(whole.sceneFolder.empty() ? "." : whole.sceneFolder, "folder of the scene", "");
   }
@@ -123,16 +122,15 @@ AvatarHeader headerOf(const std::string& file, const RecordedAvatar& avatar) {
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, std::span<const RecordedAvatar> avatars,
                                                        const std::string& scene, const World& world) {
   if (file.empty()) return std::shared_ptr<SessionRecorder>();
-  const Result<SceneText> text = readSceneText(scene);
-  if (!text) return text.error();
+  LORICA_TRY(const SceneText text, readSceneText(scene));
   SessionHeader header;
   header.avatars.clear();
   for (const RecordedAvatar& avatar : avatars) header.avatars.push_back(headerOf(file, avatar));
   header.scene = scene;
-  if (!isBareName(scene)) header.sceneFolder = nameFor(file, text->folder.empty() ? "." : text->folder.string());
+  if (!isBareName(scene)) header.sceneFolder = nameFor(file, text.folder.empty() ? "." : text.folder.string());
   header.sceneSeed = scene.empty() ? kDemoSeed : 0;
   header.worldHash = hashOf(world);
-  Result<std::shared_ptr<SessionRecorder>> recorder = SessionRecorder::start(file, header, text->text);
+  Result<std::shared_ptr<SessionRecorder>> recorder = SessionRecorder::start(file, header, text.text);
   if (recorder) sayFound((*recorder)->found());
   return recorder;
 }
@@ -140,13 +138,12 @@ Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, 
 Result<void> finishRecorder(const std::shared_ptr<SessionRecorder>& recorder, const std::string& file, Report& report,
                             nlohmann::ordered_json& json) {
   if (!recorder) return {};
-  const Result<int> steps = recorder->finish();
-  if (!steps) return steps.error();
-  report.line("recorded", *steps == 0 ? "no steps" : fmt::format("{} in {}", counted(*steps, "step"), file));
+  LORICA_TRY(const int steps, recorder->finish());
+  report.line("recorded", steps == 0 ? "no steps" : fmt::format("{} in {}", counted(steps, "step"), file));
   if (recorder->cutShort()) {
     report.note("The recording ends at the restart of the session, or at the change of its scene or number of parts.");
   }
-  json["recorded"] = *steps;
+  json["recorded"] = steps;
   return {};
 }
 

@@ -10,6 +10,8 @@
 #include "apps/snapshots.h"
 #include "apps/spring_options.h"
 #include "apps/target_hits.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -100,16 +102,14 @@ Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion&
   wanted.reserve(options.at.size() + options.frames.size() + 1);
   for (const double at : options.at) {
     if (!(at >= 0.0 && at <= motion.seconds() + kSameTime)) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--at {}: {} lasts from 0 to {:.2f} s", at, motion.name, motion.seconds())};
+      return invalidArgument("--at {}: {} lasts from 0 to {:.2f} s", at, motion.name, motion.seconds());
     }
     wanted.push_back({at, -1});
   }
   for (const int frame : options.frames) {
     if (frame < 0 || frame >= motion.frameCount()) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--frame {}: {} has {}, from 0 to {}", frame, motion.name,
-                               counted(motion.frameCount(), "frame"), motion.frameCount() - 1)};
+      return invalidArgument("--frame {}: {} has {}, from 0 to {}", frame, motion.name,
+                             counted(motion.frameCount(), "frame"), motion.frameCount() - 1);
     }
     wanted.push_back({0.0, frame});
   }
@@ -137,14 +137,12 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const Motion& motion = cast.front().motion();  // leads
   const std::string name = motionsOf(cast);
   const Size size = *sizeOf(options.size);
-  Result<SnapshotCamera> pictures = SnapshotCamera::create(size.width, size.height);
-  if (!pictures) return pictures.error();
+  LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   std::optional<Movie> movie;
   if (!options.video.empty()) {
     const double rate = motion.seconds() > 0.0 ? (motion.frameCount() - 1) / motion.seconds() : 30.0;
-    Result<Movie> made = Movie::create(options.video, size.width, size.height, rate);
-    if (!made) return made.error();
-    movie.emplace(std::move(*made));
+    LORICA_TRY(Movie made, Movie::create(options.video, size.width, size.height, rate));
+    movie.emplace(std::move(made));
   }
 
   SessionScene scene(session);
@@ -160,16 +158,15 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const double until = std::accumulate(wanted.begin(), wanted.end(), movie ? end : 0.0,
                                        [](double sum, const Wanted& one) { return std::max(sum, one.seconds); });
   const double share = motion.seconds() > 0.0 ? std::min(until / motion.seconds(), 1.0) : 1.0;
-  int frames = 1 + static_cast<int>(std::ceil(share * (motion.frameCount() - 1)));  // estimate
+  int frames = 1 + std::ceil(share * (motion.frameCount() - 1));  // estimate
   for (const Wanted& one : wanted) frames = std::max(frames, one.frame + 1);
   double firstTime = 0.0, previousTime = 0.0;
   ProgressBar bar((movie ? "Rendering video of " : "Playing ") + name, "frames");
   Outcome outcome;
   for (int frame = 0; frame < motion.frameCount(); ++frame) {
-    if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
-    const Result<bool> more = session.step();
-    if (!more) return more.error();
-    if (!*more) break;
+    if (interrupted()) return cancelled();
+    LORICA_TRY(const bool more, session.step());
+    if (!more) break;
     ++outcome.frames;
     scene.follow(session);
     hits.add(session);
@@ -183,7 +180,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     const auto draw = [&]() -> const Image& {
       if (!image) {
         if (caption) show.caption = captionOf(name + hits.caption(), session, seconds);
-        image = pictures->draw(scene.of(session, show, camera.camera().eye), show, camera.camera());
+        image = pictures.draw(scene.of(session, show, camera.camera().eye), show, camera.camera());
       }
       return *image;
     };
@@ -197,28 +194,28 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     }
     const bool filmed = movie && seconds >= options.from - kSameTime && seconds <= end + kSameTime;
     if (filmed && movie->takes(frame)) {
-      if (Result<void> added = movie->add(draw()); !added) return added.error();
+      LORICA_TRY_DO(movie->add(draw()));
     }
     const bool allTaken = std::find(taken.begin(), taken.end(), false) == taken.end();
     if (allTaken && (!movie || seconds > end)) break;
   }
 
-  outcome.renderer = pictures->rendererName();
+  outcome.renderer = pictures.rendererName();
   outcome.hash = session.hash();
   const fs::path out = options.out.empty() ? fs::path(motion.name + ".png") : fs::path(options.out);
   if (options.strip && images.size() > 1) {
-    const Image sheet = contactSheet(images, labels, static_cast<int>(images.size()));
+    const Image sheet = contactSheet(images, labels, countOf(images));
     images.assign(1, sheet);
   }
   for (std::size_t i = 0; i < images.size(); ++i) {
     fs::path file = out;
     if (images.size() > 1) file.replace_filename(fmt::format("{}_{}.png", out.stem().string(), i + 1));
-    if (Result<void> written = writePng(file, images[i]); !written) return written.error();
+    LORICA_TRY_DO(writePng(file, images[i]));
     outcome.files.push_back(file);
   }
   if (movie) {
     outcome.videoFrames = movie->frames();
-    if (Result<void> finished = movie->finish(); !finished) return finished.error();
+    LORICA_TRY_DO(movie->finish());
   }
   return outcome;
 }
@@ -226,62 +223,56 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
 Result<void> check(const Options& options, const CommonOptions& common) {
   std::vector<fs::path> others = filesOf(options.input, options.body);
   others.insert(others.end(), {options.out, options.video});
-  if (Result<void> fine = checkJsonOutput(common, others); !fine) return fine;
+  LORICA_TRY_DO(checkJsonOutput(common, others));
   if (!options.out.empty()) {
-    if (Result<void> fine = checkOutput("--out", options.out, ".png"); !fine) return fine;
+    LORICA_TRY_DO(checkOutput("--out", options.out, ".png"));
   }
   if (!options.video.empty()) {
-    if (Result<void> fine = Movie::check("--video", options.video); !fine) return fine;
+    LORICA_TRY_DO(Movie::check("--video", options.video));
     const Size size = *sizeOf(options.size);
     const bool mp4 = fs::path(options.video).extension() == ".mp4";
     if (mp4 && (size.width % 2 != 0 || size.height % 2 != 0)) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("--size {}: width and height of an .mp4 video must be even", options.size)};
+      return invalidArgument("--size {}: width and height of an .mp4 video must be even", options.size);
     }
   }
   if (options.to > 0.0 && options.to < options.from) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("--to {} is before --from {}", options.to, options.from)};
+    return invalidArgument("--to {} is before --from {}", options.to, options.from);
   }
   return {};
 }
 
 Result<void> run(const Options& options, const CommonOptions& common) {
-  if (Result<void> fine = check(options, common); !fine) return fine;
+  LORICA_TRY_DO(check(options, common));
   PlaybackInputOptions asked = options.input;
   asked.reading.drawn = true;
-  Result<OpenedCast> opened = openCast(asked, options.body, options.scene, common.threadCount());
-  if (!opened) return opened.error();
-  const std::span<const CastMember> cast = opened->avatars;
+  LORICA_TRY(OpenedCast opened, openCast(asked, options.body, options.scene, common.threadCount()));
+  const std::span<const CastMember> cast = opened.avatars;
   const Motion& motion = cast.front().motion();
-  const Result<std::vector<Wanted>> wanted = wantedPictures(options, motion);
-  if (!wanted) return wanted.error();
+  LORICA_TRY(const std::vector<Wanted> wanted, wantedPictures(options, motion));
   const Size size = *sizeOf(options.size);
-  const Result<FollowCamera> camera = FollowCamera::create(options.camera, size.width, size.height);
-  if (!camera) return camera.error();
-  Result<Session> session = startSession(cast, nullptr, std::move(opened->world));
-  if (!session) return session.error();
-  const Result<Outcome> outcome = shoot(options, *wanted, *camera, *opened, *session);
-  if (!outcome) return outcome.error();
+  LORICA_TRY(const FollowCamera camera, FollowCamera::create(options.camera, size.width, size.height));
+  LORICA_TRY(Session session, startSession(cast, nullptr, std::move(opened.world)));
+  LORICA_TRY(const Outcome outcome, shoot(options, wanted, camera, opened, session));
 
   nlohmann::ordered_json json;
   json["recording"] = motion.name;
-  json["character"] = session->character().name;
-  json["frames"] = outcome->frames;
+  json["character"] = session.character().name;
+  json["frames"] = outcome.frames;
   json["pictures"] = nlohmann::ordered_json::array();
-  for (const fs::path& picture : outcome->files) json["pictures"].push_back(picture.string());
+  for (const fs::path& picture : outcome.files) json["pictures"].push_back(picture.string());
   json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
-  json["videoFrames"] = outcome->videoFrames;
-  json["renderer"] = outcome->renderer;
-  json["hash"] = hexDigits(outcome->hash);
+  json["videoFrames"] = outcome.videoFrames;
+  json["renderer"] = outcome.renderer;
+  json["hash"] = hexDigits(outcome.hash);
   Report report(fmt::format("{} performed {}: {}",
-                            cast.size() == 1 ? session->character().name : counted(std::ssize(cast), "avatar"),
-                            motionsOf(cast), counted(outcome->frames, "frame")));
-  for (const fs::path& picture : outcome->files) report.line("picture", picture.string());
+                            cast.size() == 1 ? session.character().name : counted(std::ssize(cast), "avatar"),
+                            motionsOf(cast), counted(outcome.frames, "frame")));
+  for (const fs::path& picture : outcome.files) report.line("picture", picture.string());
   if (!options.video.empty()) {
-    report.line("video", fmt::format("{}, {}", options.video, counted(outcome->videoFrames, "frame")));
+    report.line("video", fmt::format("{}, {}", options.video, counted(outcome.videoFrames, "frame")));
   }
-  report.line("renderer", outcome->renderer);
-  report.line("hash", hexDigits(outcome->hash));
+  report.line("renderer", outcome.renderer);
+  report.line("hash", hexDigits(outcome.hash));
   for (const std::string& note : motion.notes) report.note(note);
   return publish(common, report, json);
 }

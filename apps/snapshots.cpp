@@ -3,6 +3,7 @@
 #include "apps/options.h"
 #include "apps/playback.h"
 #include "collision/live/attached_vertices.h"
+#include "geometry/errors.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/avatar.h"
 
@@ -46,7 +47,7 @@ SessionScene::Drawn SessionScene::drawnOf(const SessionAvatar& avatar) {
     const std::vector<std::vector<PointIndex>> attached =
         attachedVerticesOf(decomposition, liftPoints(character, decomposition));
     for (std::size_t p = 0; p < attached.size(); ++p) {
-      for (const PointIndex v : attached[p]) partOfVertex[v] = static_cast<PartIndex>(p);
+      for (const PointIndex v : attached[p]) partOfVertex[v] = p;
     }
     drawn.partOfTriangle.reserve(drawn.triangles.size());
     for (const Triangle& t : drawn.triangles) drawn.partOfTriangle.push_back(partOfVertex[t[0]]);
@@ -57,7 +58,7 @@ SessionScene::Drawn SessionScene::drawnOf(const SessionAvatar& avatar) {
     for (std::size_t t = 0; t < part.triangles.size(); ++t) {
       if (part.sourceTriangle[t] < 0) continue;  // a cap is inside the body
       drawn.triangles.push_back(part.triangles[t]);
-      drawn.partOfTriangle.push_back(static_cast<PartIndex>(p));
+      drawn.partOfTriangle.push_back(p);
     }
   }
   return drawn;
@@ -93,7 +94,7 @@ Scene SessionScene::of(const Session& session, const SceneOptions& show, const V
     const double opacity = fade_.of(session, a);
     if (opacity <= 0.0) continue;
     SceneFigure figure = figureOf(drawn_[a], avatar, session.time(), show, watcher);
-    figure.opacity = static_cast<float>(opacity);
+    figure.opacity = opacity;
     if (first) {
       static_cast<SceneFigure&>(scene) = figure;
     } else {
@@ -107,7 +108,7 @@ Scene SessionScene::of(const Session& session, const SceneOptions& show, const V
   scene.contacts = session.world().contacts();
   if (const Particles* particles = session.world().particles()) {
     scene.particles = particles->positions();
-    scene.particleRadius = static_cast<float>(particles->settings().radius);
+    scene.particleRadius = particles->settings().radius;
     scene.particleColor = particles->settings().color;
   }
   return scene;
@@ -121,11 +122,9 @@ SnapshotCamera::SnapshotCamera(OffscreenContext context, Renderer renderer, int 
       height_(height) {}
 
 Result<SnapshotCamera> SnapshotCamera::create(int width, int height) {
-  Result<OffscreenContext> context = OffscreenContext::create();
-  if (!context) return context.error();
-  Result<Renderer> renderer = Renderer::create(context->getProc());
-  if (!renderer) return renderer.error();
-  return SnapshotCamera(std::move(*context), std::move(*renderer), width, height);
+  LORICA_TRY(OffscreenContext context, OffscreenContext::create());
+  LORICA_TRY(Renderer renderer, Renderer::create(context.getProc()));
+  return SnapshotCamera(std::move(context), std::move(renderer), width, height);
 }
 
 Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, const Camera& camera) {
@@ -144,11 +143,10 @@ void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* wind
 
 Result<void> checkSnapshots(const SnapshotOptions& options) {
   if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "--camera and --eye have no effect without pictures: expected --snapshots or --video"};
+    return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
   }
   if (!options.folder.empty()) {
-    if (Result<void> fine = checkOutputFolder("--snapshots", options.folder); !fine) return fine;
+    LORICA_TRY_DO(checkOutputFolder("--snapshots", options.folder));
   }
   return options.video.empty() ? Result<void>() : Movie::check("--video", options.video);
 }
@@ -170,22 +168,19 @@ void DrawnFiles::addTo(const SnapshotOptions& options, Report& report) const {
 
 Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
   if (!options.any()) return std::optional<SnapshotSeries>();
-  Result<FollowCamera> follow = FollowCamera::create(options.camera, kWidth, kHeight);
-  if (!follow) return follow.error();
-  Result<SnapshotCamera> pictures = SnapshotCamera::create(kWidth, kHeight);
-  if (!pictures) return pictures.error();
+  LORICA_TRY(FollowCamera follow, FollowCamera::create(options.camera, kWidth, kHeight));
+  LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(kWidth, kHeight));
   if (!options.folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
     if (error) {
-      return Error{ErrorCode::kUnwritable, fmt::format("--snapshots: {}: {}", options.folder, error.message())};
+      return unwritable("--snapshots: {}: {}", options.folder, error.message());
     }
   }
-  SnapshotSeries series(options, std::move(*pictures), *follow, session);
+  SnapshotSeries series(options, std::move(pictures), follow, session);
   if (!options.video.empty()) {
-    Result<Movie> movie = Movie::create(options.video, kWidth, kHeight, kFilmRate);
-    if (!movie) return movie.error();
-    series.movie_.emplace(std::move(*movie));
+    LORICA_TRY(Movie movie, Movie::create(options.video, kWidth, kHeight, kFilmRate));
+    series.movie_.emplace(std::move(movie));
   }
   return std::optional<SnapshotSeries>(std::move(series));
 }
@@ -206,7 +201,7 @@ double SnapshotSeries::filmSeconds(const Session& session) const {
 /// Number of video frames that show the session's current frame.
 int SnapshotSeries::filmFrames(const Session& session) const {
   if (!movie_) return 0;
-  return 1 + static_cast<int>(std::floor(filmSeconds(session) * kFilmRate + kFilmEarly)) - filmed_;
+  return 1 + std::floor(filmSeconds(session) * kFilmRate + kFilmEarly) - filmed_;
 }
 
 Result<void> SnapshotSeries::add(const Session& session, const std::string& name, const Image* inset) {
@@ -224,12 +219,12 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   const Image image = pictures_.draw(scene, show, follow_.camera());
   for (int i = 0; i < film; ++i, ++filmed_) {
     if (!movie_->takes(filmed_)) continue;
-    if (Result<void> added = movie_->add(image); !added) return added;
+    LORICA_TRY_DO(movie_->add(image));
   }
   if (!snapshotDue(session)) return {};
   const std::filesystem::path file =
       std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", session.frameCount() - 1);
-  if (Result<void> saved = writePng(file, image); !saved) return saved;
+  LORICA_TRY_DO(writePng(file, image));
   ++drawn_.snapshots;
   return {};
 }
@@ -237,7 +232,7 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
 Result<DrawnFiles> SnapshotSeries::finish() {
   if (movie_ && movie_->frames() > 0) {
     drawn_.videoFrames = movie_->frames();
-    if (Result<void> finished = movie_->finish(); !finished) return finished.error();
+    LORICA_TRY_DO(movie_->finish());
   }
   return drawn_;
 }

@@ -1,11 +1,12 @@
 #include "apps/standard_streams.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <system_error>
+
+#include "geometry/errors.h"
 
 namespace lorica {
 namespace {
@@ -16,7 +17,7 @@ int writeAll(int descriptor, std::string_view text) {
     const ssize_t written = ::write(descriptor, text.data(), text.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return errno;
-    text.remove_prefix(static_cast<std::size_t>(written));
+    text.remove_prefix(written);
   }
   return 0;
 }
@@ -40,8 +41,7 @@ void say(std::string_view text) {
 Result<void> print(std::string_view text, std::string_view what) {
   const int error = writeAll(STDOUT_FILENO, text);
   if (error == 0) return {};
-  return Error{ErrorCode::kUnwritable,
-               fmt::format("standard output: could not write {}: {}", what, std::generic_category().message(error))};
+  return unwritable("standard output: could not write {}: {}", what, std::generic_category().message(error));
 }
 
 }  // namespace lorica

@@ -4,6 +4,7 @@
 #include "apps/inputs.h"
 #include "apps/session_files.h"
 #include "capture/streams/recorded_stream.h"
+#include "geometry/errors.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/character_file.h"
 #include "skinning/mannequin/mannequin.h"
@@ -57,7 +58,7 @@ class SenderBody {
         }
         joint.rest.translation += offsets_.offset[a];
       }
-      jointOf_[b] = static_cast<JointIndex>(joints.size());
+      jointOf_[b] = joints.size();
       joints.push_back(std::move(joint));
     }
     return Skeleton::create(std::move(joints));
@@ -106,31 +107,26 @@ int playAll(const RecordedPackets& packets, Use&& use) {
 }  // namespace
 
 Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& options) {
-  Result<PacketFile> read = readPacketFile(file);
-  if (!read) return read.error();
-  Result<std::optional<SenderRest>> sender = readSenderRest(options.sender);
-  if (!sender) return sender.error();
+  LORICA_TRY(PacketFile read, readPacketFile(file));
+  LORICA_TRY(std::optional<SenderRest> sender, readSenderRest(options.sender));
   Motion motion;
   motion.name = file.stem().string();
   motion.format = "VMC packets";
-  motion.notes = read->notes();
-  motion.packets = RecordedPackets{std::make_shared<const PacketFile>(std::move(*read)), std::move(*sender), 0};
+  motion.notes = read.notes();
+  motion.packets = RecordedPackets{std::make_shared<const PacketFile>(std::move(read)), std::move(sender), 0};
 
-  Result<BonePoseReader> mannequin = BonePoseReader::create(makeMannequin().skeleton);
-  if (!mannequin) return mannequin.error();
-  SenderBody body(mannequin->read(restPose(makeMannequin().skeleton)));
+  LORICA_TRY(BonePoseReader mannequin, BonePoseReader::create(makeMannequin().skeleton));
+  SenderBody body(mannequin.read(restPose(makeMannequin().skeleton)));
   std::size_t frames = 0;
   motion.packets->steps = playAll(*motion.packets, [&](const BoneFrame& frame) {
     body.learn(frame.pose);
     ++frames;
   });
   if (frames == 0 || frames > kMostFrames) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: found {} frames of bones, expected 1 to {}", file.string(), frames, kMostFrames)};
+    return badFormat("{}: found {} frames of bones, expected 1 to {}", file.string(), frames, kMostFrames);
   }
-  Result<Skeleton> skeleton = body.skeleton();
-  if (!skeleton) return Error{skeleton.error().code, fmt::format("{}: {}", file.string(), skeleton.error().message)};
-  motion.bones = SkeletalMotion{motion.name, std::move(*skeleton), {}, {}};
+  LORICA_TRY(Skeleton skeleton, prefixed(file.string(), body.skeleton()));
+  motion.bones = SkeletalMotion{motion.name, std::move(skeleton), {}, {}};
   playAll(*motion.packets, [&](const BoneFrame& frame) {
     if (!motion.bones->times.empty() && frame.time <= motion.bones->times.back()) return;
     motion.bones->times.push_back(frame.time);
@@ -140,63 +136,55 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
 }
 
 Result<Motion> readSessionMotion(const fs::path& file, int person) {
-  Result<SessionFile> recorded = readSession(file);
-  if (!recorded) return recorded.error();
+  LORICA_TRY(SessionFile recorded, readSession(file));
   Motion motion;
   motion.name = file.stem().string();
-  motion.notes = recorded->notes;
+  motion.notes = recorded.notes;
   motion.format = "recorded session";
-  motion.people.resize(recorded->header.avatars.size());
+  motion.people.resize(recorded.header.avatars.size());
   std::iota(motion.people.begin(), motion.people.end(), 1);
-  const std::size_t count = recorded->motions.size();
-  const std::size_t index = person > 0 ? static_cast<std::size_t>(person) - 1 : 0;
+  const std::size_t count = recorded.motions.size();
+  const std::size_t index = person > 0 ? person - 1 : 0;
   if (index >= count) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--person {}: {} has {}, expected at most that number", person, file.string(),
-                             counted(std::ssize(recorded->motions), "avatar"))};
+    return invalidArgument("--person {}: {} has {}, expected at most that number", person, file.string(),
+                           counted(std::ssize(recorded.motions), "avatar"));
   }
   if (count > 1 && person == 0) {
     motion.notes.push_back(fmt::format("of {} avatars this is the first; --person 2 is the second", count));
   }
-  const AvatarHeader& header = recorded->header.avatar(index);
-  RecordedMotion& chosen = recorded->motions[index];
+  const AvatarHeader& header = recorded.header.avatar(index);
+  RecordedMotion& chosen = recorded.motions[index];
   if (header.poseJoints == 0) {
     motion.joints = std::move(chosen.joints);
     std::erase_if(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
   } else {
-    const Result<SessionInputs> inputs = inputsOf(*recorded, file.string(), index, "", "");
-    if (!inputs) return inputs.error();
-    CharacterOptions reading{inputs->boneMap, header.bodyResolution};
+    LORICA_TRY(const SessionInputs inputs, inputsOf(recorded, file.string(), index, "", ""));
+    CharacterOptions reading{inputs.boneMap, header.bodyResolution};
     reading.hidden = header.hidden;
-    Result<Subject> subject = readCharacter(inputs->character, reading);
-    if (!subject) return subject.error();
-    const Skeleton& skeleton = subject->character->skeleton;
+    LORICA_TRY(Subject subject, readCharacter(inputs.character, reading));
+    const Skeleton& skeleton = subject.character->skeleton;
     if (skeleton.jointCount() != header.poseJoints) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
-                               inputs->character, skeleton.jointCount())};
+      return invalidArgument("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
+                             inputs.character, skeleton.jointCount());
     }
     motion.bones = SkeletalMotion{motion.name, skeleton, std::move(chosen.poseTimes), std::move(chosen.poses)};
   }
   if (motion.bones ? motion.bones->times.empty() : motion.joints.empty()) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: found no motion, expected at least one frame", file.string())};
+    return badFormat("{}: found no motion, expected at least one frame", file.string());
   }
   return motion;
 }
 
 Result<std::optional<SenderRest>> readSenderRest(const std::string& file) {
   if (file.empty()) return std::optional<SenderRest>();
-  const Result<CharacterFile> model = readCharacterFile(file, characterFileSettings());
-  if (!model) return Error{model.error().code, "--sender: " + model.error().message};
-  if (model->format != "VRM 1.0") {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--sender: {}: found {}, expected VRM 1.0: of other models a rotation of zero is the "
-                             "T-pose already",
-                             file, model->format)};
+  LORICA_TRY(const CharacterFile model, prefixed("--sender", readCharacterFile(file, characterFileSettings())));
+  if (model.format != "VRM 1.0") {
+    return invalidArgument(
+        "--sender: {}: found {}, expected VRM 1.0: of other models a rotation of zero is the T-pose already", file,
+        model.format);
   }
-  Result<SenderRest> rest = SenderRest::create(model->character.skeleton);
-  if (!rest) return Error{rest.error().code, fmt::format("--sender: {}: {}", file, rest.error().message)};
-  return std::optional<SenderRest>(std::move(*rest));
+  LORICA_TRY(SenderRest rest, prefixed("--sender: " + file, SenderRest::create(model.character.skeleton)));
+  return std::optional<SenderRest>(std::move(rest));
 }
 
 void addSenderOption(CommandLine& app, std::string& file) {

@@ -169,10 +169,10 @@ std::optional<BodyDistances> distancesOverClips(const Subject& subject) {
   const std::vector<Clip>& clips = subject.file->clips;
   if (!body.made || clips.empty()) return std::nullopt;
   const Character& character = body.character;
-  std::vector<Affine3> worldFromModel(static_cast<std::size_t>(character.skeleton.jointCount()));
+  std::vector<Affine3> worldFromModel(character.skeleton.jointCount());
   BodyDistances worst;
   for (int i = 0; i < kPosesMeasured; ++i) {
-    const double at = (i + 0.5) * static_cast<double>(clips.size()) / kPosesMeasured;  // in the concatenated clips
+    const double at = (i + 0.5) * clips.size() / kPosesMeasured;  // in the concatenated clips
     const Clip& clip = clips[at];
     Pose pose = restPose(character.skeleton);
     sampleClip(clip, (at - std::floor(at)) * clip.seconds, pose);

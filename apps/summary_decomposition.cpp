@@ -1,6 +1,7 @@
 #include "acd/decomposition_file.h"
 #include "apps/cover_options.h"
 #include "apps/file_summary.h"
+#include "geometry/counts.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -21,11 +22,11 @@ Table levelTable(const std::vector<DetailLevel>& detailLevels, bool animated) {
   Table table{{"parts", "error", "hull vertices"}, {}};
   if (animated) table.headings.insert(table.headings.begin() + 2, "worst keyframe");
   int next = 1;
-  const int all = static_cast<int>(detailLevels.size());
+  const int all = countOf(detailLevels);
   for (int n = 1; n <= all; ++n) {
     if (n < next && n != all) continue;
     next = n < kRowsInFull ? n + 1 : n + n / 8;
-    const DetailLevel& level = detailLevels[static_cast<std::size_t>(n) - 1];
+    const DetailLevel& level = detailLevels[n - 1];
     std::vector<std::string> row = {grouped(n), percent(level.meanError), grouped(level.hullVertices)};
     if (animated) row.insert(row.begin() + 2, percent(level.worstError));
     table.rows.push_back(std::move(row));
@@ -104,56 +105,55 @@ void addCoverAndTraining(const DecompositionFile& content, FileSummary& summary)
 }  // namespace
 
 Result<FileSummary> describeDecomposition(const fs::path& file) {
-  const Result<DecompositionFile> content = readDecomposition(file);
-  if (!content) return content.error();
-  const Decomposition& made = content->decomposition;
+  LORICA_TRY(const DecompositionFile content, readDecomposition(file));
+  const Decomposition& made = content.decomposition;
   std::error_code ignored;
   const std::uintmax_t bytes = fs::file_size(file, ignored);
-  const bool animated = content->errorPerKeyframe.size() > 1;
+  const bool animated = content.errorPerKeyframe.size() > 1;
 
   FileSummary summary{Report(file.filename().string() + ": a decomposition"), {}};
   Report& report = summary.report;
-  report.line("source mesh", fmt::format("{}: {} vertices, {} triangles", content->source, grouped(made.vertexCount),
+  report.line("source mesh", fmt::format("{}: {} vertices, {} triangles", content.source, grouped(made.vertexCount),
                                          grouped(made.triangleCount)));
   report.line("parts", grouped(std::ssize(made.parts)));
   report.line("cut points", grouped(std::ssize(made.cutPoints)));
-  report.line("keyframes", grouped(std::ssize(content->errorPerKeyframe)));
-  report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(content->meanError),
+  report.line("keyframes", grouped(std::ssize(content.errorPerKeyframe)));
+  report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(content.meanError),
                                    animated ? ", mean over the keyframes" : ""));
   report.line("hash", hexDigits(hashOf(made)));
-  report.line("file", fmt::format("{} bytes", grouped(static_cast<long long>(bytes))));
-  if (content->detailLevels.empty()) {
+  report.line("file", fmt::format("{} bytes", grouped(bytes)));
+  if (content.detailLevels.empty()) {
     report.line("levels of detail", "not in the file");
   } else {
-    report.table(levelTable(content->detailLevels, animated));
+    report.table(levelTable(content.detailLevels, animated));
   }
-  report.table(originTable(*content));
+  report.table(originTable(content));
   if (made.parts.size() > kRowsInFull) report.note("The tables do not show all rows; --json does.");
 
   Json& json = summary.json;
   json["kind"] = "decomposition";
   json["name"] = file.filename().string();
-  json["source"] = content->source;
-  json["meshHash"] = hexDigits(content->meshHash);
+  json["source"] = content.source;
+  json["meshHash"] = hexDigits(content.meshHash);
   json["vertices"] = made.vertexCount;
   json["triangles"] = made.triangleCount;
   json["parts"] = made.parts.size();
   json["cutPoints"] = made.cutPoints.size();
-  json["error"] = content->meanError;
-  json["errorPerKeyframe"] = content->errorPerKeyframe;
-  if (animated || content->training || content->cover || !content->bonesOfPart.empty())
-    addCoverAndTraining(*content, summary);
+  json["error"] = content.meanError;
+  json["errorPerKeyframe"] = content.errorPerKeyframe;
+  if (animated || content.training || content.cover || !content.bonesOfPart.empty())
+    addCoverAndTraining(content, summary);
   json["hash"] = hexDigits(hashOf(made));
   json["bytes"] = bytes;
   json["detailLevels"] = Json::array();
-  for (std::size_t i = 0; i < content->detailLevels.size(); ++i) {
-    const DetailLevel& level = content->detailLevels[i];
+  for (std::size_t i = 0; i < content.detailLevels.size(); ++i) {
+    const DetailLevel& level = content.detailLevels[i];
     json["detailLevels"].push_back({{"parts", i + 1},
                                     {"error", level.meanError},
                                     {"worstError", level.worstError},
                                     {"hullVertices", level.hullVertices}});
   }
-  json["partOrigins"] = partsToJson(*content);
+  json["partOrigins"] = partsToJson(content);
   return summary;
 }
 

@@ -24,9 +24,8 @@ std::string describe(const OpenNiCamera& camera) {
 }  // namespace
 
 Result<FileSummary> describeDepthRecording(const std::filesystem::path& file) {
-  const Result<OniFile> read = OniFile::open(file);
-  if (!read) return read.error();
-  const OniInfo& info = read->info();
+  LORICA_TRY(const OniFile read, OniFile::open(file));
+  const OniInfo& info = read.info();
   const double rate = info.duration > 0.0 ? (info.frameCount - 1) / info.duration : 0.0;
   FileSummary summary{Report(file.filename().string() + ": a depth recording"), {}};
   Report& report = summary.report;
@@ -58,17 +57,15 @@ Result<FileSummary> describeDepthRecording(const std::filesystem::path& file) {
 Result<FileSummary> describeDevices(const std::string& driver) {
   OpenNiSettings settings;
   if (!driver.empty()) settings.drivers.emplace_back(driver);
-  const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start(settings);
-  if (!openNi) return openNi.error();
-  const Result<std::vector<OpenNiCamera>> cameras = (*openNi)->cameras();
-  if (!cameras) return cameras.error();
+  LORICA_TRY(const std::shared_ptr<OpenNi> openNi, OpenNi::start(settings));
+  LORICA_TRY(const std::vector<OpenNiCamera> cameras, openNi->cameras());
 
-  FileSummary summary{
-      Report(cameras->empty() ? "No depth camera found" : counted(std::ssize(*cameras), "depth camera")), {}};
+  FileSummary summary{Report(cameras.empty() ? "No depth camera found" : counted(std::ssize(cameras), "depth camera")),
+                      {}};
   Json& json = summary.json;
   json["kind"] = "devices";
   json["cameras"] = Json::array();
-  for (const OpenNiCamera& camera : *cameras) {
+  for (const OpenNiCamera& camera : cameras) {
     summary.report.line(camera.uri, describe(camera));
     json["cameras"].push_back({{"uri", camera.uri},
                                {"vendor", camera.vendor},
@@ -76,9 +73,9 @@ Result<FileSummary> describeDevices(const std::string& driver) {
                                {"usb", fmt::format("{:04x}:{:04x}", camera.usbVendor, camera.usbProduct)},
                                {"driver", camera.driver}});
   }
-  if (!cameras->empty()) summary.report.gap();
+  if (!cameras.empty()) summary.report.gap();
   json["drivers"] = Json::array();
-  for (const OpenNiDriver& known : (*openNi)->drivers()) {
+  for (const OpenNiDriver& known : openNi->drivers()) {
     const std::string origin = known.packaged ? "part of OpenNI2" : "added";
     summary.report.line(known.file.filename().string(),
                         known.problem.empty() ? origin : origin + ", not usable: " + known.problem);
@@ -87,7 +84,7 @@ Result<FileSummary> describeDevices(const std::string& driver) {
                                {"problem", known.problem.empty() ? Json() : Json(known.problem)}});
   }
   json["why"] = Json::array();
-  if (cameras->empty()) {
+  if (cameras.empty()) {
     for (const std::string& sentence : whyNoCamera(usbDepthCameras(), !driver.empty())) {
       summary.report.note(sentence);
       json["why"].push_back(sentence);

@@ -44,16 +44,16 @@ std::vector<std::string> texturesOf(const Material& material) {
 /// Memory of a texture with its smaller copies, which add a third [bytes].
 std::size_t bytesOf(PictureSize size, int textureSize) {
   const PictureSize limited = limitedSize(size, textureSize);
-  return static_cast<std::size_t>(limited.width) * static_cast<std::size_t>(limited.height) * 4 / 3 * 4;
+  return static_cast<std::size_t>(limited.width) * limited.height * 4 / 3 * 4;
 }
 
 std::string megabytes(std::size_t bytes) {
-  return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
+  return fmt::format("{:.1f} MB", bytes * 1e-6);
 }
 
 void describeMaterials(const Look& look, Report& report, Json& json) {
   std::vector<std::size_t> triangles(look.materials.size(), 0);
-  for (const LookGroup& group : look.groups) triangles[static_cast<std::size_t>(group.material)] += group.triangleCount;
+  for (const LookGroup& group : look.groups) triangles[group.material] += group.triangleCount;
   Table table{{"triangles", "material", "kind", "alpha", "textures"}, {}, 1};
   std::size_t count = 0;
   json["materials"] = Json::array();
@@ -68,8 +68,8 @@ void describeMaterials(const Look& look, Report& report, Json& json) {
                                  {"triangles", triangles[m]},
                                  {"textures", textures}});
     if (count++ >= kRowsShown) continue;
-    table.rows.push_back({grouped(static_cast<std::int64_t>(triangles[m])), material.name, nameOf(material.shading),
-                          nameOf(material.alpha), fmt::format("{}", fmt::join(textures, ", "))});
+    table.rows.push_back({grouped(triangles[m]), material.name, nameOf(material.shading), nameOf(material.alpha),
+                          fmt::format("{}", fmt::join(textures, ", "))});
   }
   report.line("materials", fmt::format("{}", count));
   report.table(std::move(table));
@@ -99,7 +99,7 @@ void describePictures(const Look& look, int textureSize, Report& report, Json& j
     json["pictures"].push_back(std::move(one));
     if (!size || table.rows.size() >= kRowsShown) continue;
     table.rows.push_back({fmt::format("{}", size->width), fmt::format("{}", size->height),
-                          fmt::format("{:.0f}", static_cast<double>(picture.bytes.size()) * 1e-3), picture.name});
+                          fmt::format("{:.0f}", picture.bytes.size() * 1e-3), picture.name});
   }
   json["textureBytes"] = stored;
   json["reducedTextureBytes"] = {{"textureSize", reduced}, {"bytes", limited}};

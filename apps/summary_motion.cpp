@@ -17,16 +17,14 @@ void addJoints(const Motion& motion, FileSummary& summary) {
       ++(joint.confidence >= 1.0 ? seen : joint.confidence > 0.0 ? guessed : unknown);
     }
   }
-  const double all = static_cast<double>(motion.joints.size()) * kBodyJointCount;
+  const double all = motion.joints.size() * kBodyJointCount;
   summary.report.line("user", std::to_string(motion.joints.front().user));
-  summary.report.line(
-      "joints",
-      fmt::format("{}: {} seen, {} guessed, {} unknown", kBodyJointCount, percent(static_cast<double>(seen) / all),
-                  percent(static_cast<double>(guessed) / all), percent(static_cast<double>(unknown) / all)));
+  summary.report.line("joints", fmt::format("{}: {} seen, {} guessed, {} unknown", kBodyJointCount, percent(seen / all),
+                                            percent(guessed / all), percent(unknown / all)));
   summary.json["user"] = motion.joints.front().user;
-  summary.json["jointsSeen"] = static_cast<double>(seen) / all;
-  summary.json["jointsGuessed"] = static_cast<double>(guessed) / all;
-  summary.json["jointsUnknown"] = static_cast<double>(unknown) / all;
+  summary.json["jointsSeen"] = seen / all;
+  summary.json["jointsGuessed"] = guessed / all;
+  summary.json["jointsUnknown"] = unknown / all;
 }
 
 void addBones(const Skeleton& skeleton, FileSummary& summary) {

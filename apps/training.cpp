@@ -3,8 +3,7 @@
 #include "apps/interrupt.h"
 #include "apps/progress_bar.h"
 #include "apps/report.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <chrono>
 #include <utility>
@@ -15,9 +14,8 @@ Result<std::vector<Motion>> readMotions(std::span<const std::string> names) {
   std::vector<Motion> motions;
   motions.reserve(names.size());
   for (const std::string& name : names) {
-    Result<Motion> motion = readMotion(name);
-    if (!motion) return motion.error();
-    motions.push_back(std::move(*motion));
+    LORICA_TRY(Motion motion, readMotion(name));
+    motions.push_back(std::move(motion));
   }
   return motions;
 }
@@ -41,11 +39,11 @@ Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const 
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!made) {
     // The mesh was rejected: the error names the element, but only this function knows the file.
-    if (made.error().code == ErrorCode::kBadMesh) return Error{ErrorCode::kBadMesh, name + ": " + made.error().message};
+    if (made.error().code == ErrorCode::kBadMesh) return badMesh(name + ": " + made.error().message);
     return made.error();
   }
   // The last cut may have finished before the progress callback was called.
-  if (interrupted()) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (interrupted()) return cancelled();
   return TimedDecomposition{std::move(*made), seconds};
 }
 

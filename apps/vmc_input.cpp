@@ -4,6 +4,7 @@
 #include "apps/percentiles.h"
 #include "apps/standard_streams.h"
 #include "apps/stream_motion.h"
+#include "geometry/errors.h"
 #include "geometry/printable.h"
 #include "session/stream_pose_source.h"
 
@@ -37,27 +38,22 @@ Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
 Result<void> checkVmcInput(const VmcInputOptions& options) {
   if (options.listenAt.empty()) {
     if (options.sender.empty()) return {};
-    return Error{ErrorCode::kInvalidArgument, "--sender is for a program that sends, expected --vmc"};
+    return invalidArgument("--sender is for a program that sends, expected --vmc");
   }
   if (options.delayMs > kLongestDelayMs) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("--delay: found {} ms, expected at most {}", options.delayMs, kLongestDelayMs)};
+    return invalidArgument("--delay: found {} ms, expected at most {}", options.delayMs, kLongestDelayMs);
   }
-  const Result<NetworkAddress> address = parseNetworkAddress(options.listenAt, false);
-  if (!address) return Error{address.error().code, "--vmc: " + address.error().message};
-  const Result<std::optional<SenderRest>> sender = readSenderRest(options.sender);
-  return sender ? Result<void>() : sender.error();
+  LORICA_TRY_DO(prefixed("--vmc", parseNetworkAddress(options.listenAt, false)));
+  LORICA_TRY_DO(readSenderRest(options.sender));
+  return {};
 }
 
 Result<VmcInput> VmcInput::open(const VmcInputOptions& options) {
-  const Result<NetworkAddress> address = parseNetworkAddress(options.listenAt, false);
-  if (!address) return Error{address.error().code, "--vmc: " + address.error().message};
-  Result<UdpSocket> socket = UdpSocket::listen(*address);
-  if (!socket) return Error{socket.error().code, "--vmc: " + socket.error().message};
-  Result<std::optional<SenderRest>> sender = readSenderRest(options.sender);
-  if (!sender) return sender.error();
-  return VmcInput(std::make_unique<VmcStream>(std::move(*socket), 1e-3 * options.delayMs), "VMC on " + textOf(*address),
-                  std::move(*sender), options.delayMs);
+  LORICA_TRY(const NetworkAddress address, prefixed("--vmc", parseNetworkAddress(options.listenAt, false)));
+  LORICA_TRY(UdpSocket socket, prefixed("--vmc", UdpSocket::listen(address)));
+  LORICA_TRY(std::optional<SenderRest> sender, readSenderRest(options.sender));
+  return VmcInput(std::make_unique<VmcStream>(std::move(socket), 1e-3 * options.delayMs), "VMC on " + textOf(address),
+                  std::move(sender), options.delayMs);
 }
 
 VmcInput::VmcInput(std::unique_ptr<VmcStream> stream, std::string name, std::optional<SenderRest> sender, int delayMs)

@@ -4,6 +4,7 @@
 #include "apps/interrupt.h"
 #include "apps/report.h"
 #include "apps/window_loop_impl.h"
+#include "geometry/counts.h"
 
 #include <fmt/format.h>
 
@@ -25,17 +26,17 @@ Result<WindowEnd> WindowLoop::run() {
   window_.setCamera(framing(window_.camera(), session_.world()));
   while (window_.open() && !closed_) {
     if (interrupted()) return WindowEnd::kInterrupted;
-    if (Result<void> done = answer(window_.takeRequests()); !done) return done.error();
-    if (Result<void> done = treat(); !done) return done.error();
+    LORICA_TRY_DO(answer(window_.takeRequests()));
+    LORICA_TRY_DO(treat());
     if (subject_.next) return WindowEnd::kExchanged;
-    if (Result<void> done = takeWorld(); !done) return done.error();
-    if (Result<void> done = seek_ && !nextWorld_ ? runSeek() : advance(); !done) return done.error();
+    LORICA_TRY_DO(takeWorld());
+    LORICA_TRY_DO(seek_ && !nextWorld_ ? runSeek() : advance());
     if (started_ && subject_.enough && subject_.enough()) return WindowEnd::kOver;
     if (ended_ && !seek_) {
       if (subject_.atEnd == WindowSubject::AtEnd::kReturn) return WindowEnd::kOver;
       if (loops() && window_.wantsStep()) {
-        if (Result<void> done = startOver(); !done) return done.error();
-        if (Result<void> done = step(); !done) return done.error();
+        LORICA_TRY_DO(startOver());
+        LORICA_TRY_DO(step());
       }
     }
     show();
@@ -54,10 +55,9 @@ Result<void> WindowLoop::startOver() {
 }
 
 Result<void> WindowLoop::restartIn(World world) {
-  Result<std::vector<std::unique_ptr<PoseSource>>> sources = this->sources();
-  if (!sources) return sources.error();
+  LORICA_TRY(std::vector<std::unique_ptr<PoseSource>> sources, this->sources());
   hands_.rewind(session_);
-  session_.restart(std::move(*sources), std::move(world));
+  session_.restart(std::move(sources), std::move(world));
   if (subject_.restarted) subject_.restarted();
   warnings_.clear();
   focus_.reset();
@@ -82,7 +82,7 @@ Result<void> WindowLoop::beginSeek(double to) {
 Result<void> WindowLoop::runSeek() {
   const double until = now() + kSeekSlice;
   while (now() < until && !ended_ && (!started_ || seconds() < seek_->to)) {
-    if (Result<void> done = step(); !done) return done;
+    LORICA_TRY_DO(step());
     ++seek_->frames;
   }
   if (!ended_ && seconds() < seek_->to) {
@@ -119,7 +119,7 @@ Result<void> WindowLoop::advance() {
     }
     const double before = started_ ? session_.time() : 0.0;
     const bool first = !started_;
-    if (Result<void> done = step(); !done) return done;
+    LORICA_TRY_DO(step());
     if (ended_) break;
     describe();
     addStageTimes(session_, subject_.trackingSeconds ? std::optional(subject_.trackingSeconds()) : std::nullopt,
@@ -198,7 +198,7 @@ void WindowLoop::show() {
   if (seek_) values.seekingTo = seek_->to;
   values.duration = subject_.duration;
   values.ended = ended_;
-  values.parts = levels_.asked().value_or(static_cast<int>(session_.body().parts().size()));
+  values.parts = levels_.asked().value_or(countOf(session_.body().parts()));
   values.maxParts = onlyWatched() ? 0 : levels_.maxParts();
   values.preparingParts = levels_.asked().has_value();
   values.scenes = scenes_.names;

@@ -2,6 +2,7 @@
 
 #include "apps/report.h"
 #include "apps/window_settings.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "skinning/import/character_file.h"
 
@@ -31,7 +32,7 @@ bool isSceneFile(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
   std::string begin(kSceneBegin, '\0');
   stream.read(begin.data(), kSceneBegin);
-  begin.resize(static_cast<std::size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
+  begin.resize(std::max<std::streamsize>(stream.gcount(), 0));
   return begin.find("lorica scene") != std::string::npos;
 }
 
@@ -125,7 +126,7 @@ void WindowOpener::remember(const LoadedCast& loaded) {
 }
 
 Result<WindowOpener::Others> WindowOpener::open(const std::vector<std::string>& files) {
-  if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
+  if (!whyNot_.empty()) return invalidArgument(whyNot_);
   // Names of what ships have no folder.
   dropped_ =
       dropped_ || std::any_of(files.begin(), files.end(), [](const fs::path& file) { return file.is_absolute(); });
@@ -144,8 +145,7 @@ Result<WindowOpener::Others> WindowOpener::open(const std::vector<std::string>& 
   }
   request.meshes.insert(request.meshes.end(), kinds.meshes.begin(), kinds.meshes.end());
   if (request.meshes.size() > kMaxMeshes) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("found {} meshes, expected at most {} in a session", request.meshes.size(), kMaxMeshes)};
+    return invalidArgument("found {} meshes, expected at most {} in a session", request.meshes.size(), kMaxMeshes);
   }
   std::vector<CastRequest> attempts{request};
   if (!kinds.characters.empty()) {
@@ -165,17 +165,17 @@ std::string_view WindowOpener::hint() const {
 }
 
 Result<void> WindowOpener::openClip(int index) {
-  if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
+  if (!whyNot_.empty()) return invalidArgument(whyNot_);
   CastRequest request = present_;
-  request.input.performing.clip = choices_.clips[static_cast<std::size_t>(index)];
+  request.input.performing.clip = choices_.clips[index];
   load({std::move(request)}, {});
   return {};
 }
 
 Result<void> WindowOpener::openPerson(int index) {
-  if (!whyNot_.empty()) return Error{ErrorCode::kInvalidArgument, whyNot_};
+  if (!whyNot_.empty()) return invalidArgument(whyNot_);
   CastRequest request = present_;
-  request.input.performing.person = index < 0 ? kEveryone : std::stoi(choices_.people[static_cast<std::size_t>(index)]);
+  request.input.performing.person = index < 0 ? kEveryone : std::stoi(choices_.people[index]);
   load({std::move(request)}, {});
   return {};
 }
@@ -199,7 +199,7 @@ void WindowOpener::giveUp() {
 }
 
 std::optional<Result<LoadedCast>> WindowOpener::take() {
-  if (std::exchange(cancelled_, false)) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (std::exchange(cancelled_, false)) return cancelled();
   if (!loading_) return std::nullopt;
   std::optional<Result<LoadedCast>> result = loading_->take();
   if (!result) return result;
@@ -216,7 +216,7 @@ void WindowOpener::describe(WindowValues& values) {
   if (whyNot_.empty()) {
     values.motions = motions_;
     const auto present = std::find(motions_.begin(), motions_.end(), present_.input.motion);
-    values.motion = present == motions_.end() ? -1 : static_cast<int>(present - motions_.begin());
+    values.motion = present == motions_.end() ? -1 : present - motions_.begin();
     values.clips = choices_.clips;
     values.clip = choices_.clip;
     values.people = choices_.people;

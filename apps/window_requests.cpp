@@ -1,6 +1,7 @@
 #include "apps/report.h"
 #include "apps/scenes.h"
 #include "apps/window_loop_impl.h"
+#include "geometry/counts.h"
 
 #include <fmt/format.h>
 
@@ -37,7 +38,7 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
   if (requests.cancel && nextWorld_) nextWorld_->cancel();
   if (requests.scene && *requests.scene != scenes_.present) prepareWorld(*requests.scene);
   hands_.take(requests, window_, window_.choices().follow ? focus_.position() : std::nullopt, session_);
-  if (requests.parts && *requests.parts != levels_.asked().value_or(static_cast<int>(session_.body().parts().size()))) {
+  if (requests.parts && *requests.parts != levels_.asked().value_or(countOf(session_.body().parts()))) {
     levels_.ask(*requests.parts);
   }
   if (const std::shared_ptr<const BodyPlan> plan = levels_.take(); plan != nullptr && plan != session_.body().plan()) {
@@ -49,7 +50,7 @@ Result<void> WindowLoop::answer(WindowRequests requests) {
   }
   if (requests.nextExpression) requests.expression = expression_ + 1;
   if (requests.expression && !expressions_.empty()) {
-    expression_ = *requests.expression < static_cast<int>(expressions_.size()) ? *requests.expression : -1;
+    expression_ = *requests.expression < countOf(expressions_) ? *requests.expression : -1;
     scene_.chooseExpression(expression_);
   }
   if (requests.seekTo && subject_.sourcesAgain) return beginSeek(*requests.seekTo);
@@ -134,7 +135,7 @@ Result<void> WindowLoop::treat() {
   const bool worldStays = chosen.gravity == treatment_.gravity && !subject_.sourcesAgain;
   if (chosen.mirror != treatment_.mirror || chosen.smoothing != treatment_.smoothing) firstParts_.clear();
   treatment_ = chosen;
-  hands_.setGravity(kGravities[static_cast<std::size_t>(chosen.gravity)].factor);
+  hands_.setGravity(kGravities[chosen.gravity].factor);
   if (worldStays) return restartIn(std::move(session_.world()));
   return runAgain();
 }

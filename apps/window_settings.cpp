@@ -1,5 +1,6 @@
 #include "apps/window_settings.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -66,7 +67,7 @@ std::optional<std::string> readChoice(const json& settings, const char* name, co
     for (const auto& choice : list) names += fmt::format("{}{}", names.empty() ? "" : ", ", choice.name);
     return fmt::format("{}: one of {}", name, names);
   }
-  index = static_cast<int>(named - list.begin());
+  index = named - list.begin();
   return std::nullopt;
 }
 
@@ -109,14 +110,12 @@ fs::path windowSettingsFile() {
 Result<WindowSettings> readWindowSettings(const fs::path& file) {
   std::error_code ignored;
   if (file.empty() || !fs::exists(file, ignored)) return WindowSettings();
-  const Result<std::string> text = readFile(file, NamedBy::kUser, kMaxBytes);
-  if (!text) return text.error();
+  LORICA_TRY(const std::string text, readFile(file, NamedBy::kUser, kMaxBytes));
   const auto wrong = [&](const std::string& expected) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: the window's settings are damaged, expected {}; the usual ones are used",
-                             file.string(), expected)};
+    return badFormat("{}: the window's settings are damaged, expected {}; the usual ones are used", file.string(),
+                     expected);
   };
-  const json settings = json::parse(*text, nullptr, false);
+  const json settings = json::parse(text, nullptr, false);
   if (!settings.is_object() || settings.value("format", json()) != kFormat) {
     return wrong(fmt::format("\"format\": \"{}\"", kFormat));
   }
@@ -144,8 +143,8 @@ Result<void> writeWindowSettings(const fs::path& file, const WindowSettings& set
   written["scale"] = settings.choices.scale;
   const WindowTreatment& treatment = settings.choices.treatment;
   written["mirror"] = treatment.mirror;
-  written["smoothing"] = kSmoothings[static_cast<std::size_t>(treatment.smoothing)].name;
-  written["gravity"] = kGravities[static_cast<std::size_t>(treatment.gravity)].name;
+  written["smoothing"] = kSmoothings[treatment.smoothing].name;
+  written["gravity"] = kGravities[treatment.gravity].name;
   written["shown"] = settings.shown;
   written["recent"] = settings.recent;
   // Names of files need not be text.

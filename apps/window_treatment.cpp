@@ -24,7 +24,7 @@ WindowTreatment allowed(const TreatmentControl& control, WindowTreatment chosen)
 MotionOptions treated(MotionOptions options, const WindowTreatment& treatment) {
   options.mirror = treatment.mirror;
   if (treatment.smoothing == kSmoothingAsGiven) return options;
-  const double cutoff = kSmoothings[static_cast<std::size_t>(treatment.smoothing)].minCutoff;
+  const double cutoff = kSmoothings[treatment.smoothing].minCutoff;
   options.smooth = cutoff > 0.0 ? "one-euro" : "off";
   options.oneEuro = OneEuroSettings();
   options.oneEuro.minCutoff = cutoff;

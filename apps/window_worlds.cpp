@@ -35,7 +35,7 @@ Result<bool> WindowLoop::stepSession() {
 /// Opens the world of a scene at its start, in any thread.
 std::function<Result<World>()> WindowLoop::worldOf(int scene) const {
   if (onlyWatched()) return subject_.worldAgain;
-  const double gravity = kGravities[static_cast<std::size_t>(treatment_.gravity)].factor;
+  const double gravity = kGravities[treatment_.gravity].factor;
   return [name = scenes_.arguments[scene], gravity, added = subject_.added]() -> Result<World> {
     Result<World> world = openScene(name, gravity);
     if (world) addProps(added, *world);
@@ -92,14 +92,12 @@ void WindowLoop::describeNextWorld(WindowValues& values) {
 /// Finds the parts of the first frame, around which particles settle, when body or motion have changed since: by a step
 /// in a world of the same props without particles. Then the motion starts again in the present world.
 Result<void> WindowLoop::findFirstParts() {
-  Result<World> other = worldOf(scenes_.present)();
-  if (!other) return other.error();
-  Result<std::vector<std::unique_ptr<PoseSource>>> sources = this->sources();
-  if (!sources) return sources.error();
-  other->setParticles(ParticleSettings());
+  LORICA_TRY(World other, worldOf(scenes_.present)());
+  LORICA_TRY(std::vector<std::unique_ptr<PoseSource>> sources, this->sources());
+  other.setParticles(ParticleSettings());
   World present = std::move(session_.world());
-  session_.restart(std::move(*sources), std::move(*other));
-  if (const Result<bool> stepped = session_.step(); !stepped) return stepped.error();
+  session_.restart(std::move(sources), std::move(other));
+  LORICA_TRY_DO(session_.step());
   firstParts_ = partsOf(session_);
   present.stepAvatars({}, 0.0);  // the avatars come back without sweeping
   return restartIn(std::move(present));
@@ -110,14 +108,13 @@ Result<void> WindowLoop::restart() {
   const bool known = !firstParts_.empty();
   if (particles != nullptr && particles->settings().settleSeconds > 0.0 && (started_ || known)) {
     if (subject_.sourcesAgain && !known) {
-      if (Result<void> found = findFirstParts(); !found) return found;
+      LORICA_TRY_DO(findFirstParts());
     }
     prepareWorld(std::nullopt);
     return {};
   }
-  Result<World> world = worldOf(scenes_.present)();
-  if (!world) return world.error();
-  return restartIn(std::move(*world));
+  LORICA_TRY(World world, worldOf(scenes_.present)());
+  return restartIn(std::move(world));
 }
 
 }  // namespace lorica
