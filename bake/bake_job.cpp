@@ -128,7 +128,7 @@ std::vector<BakeJob> bakeJobs(std::span<const BakeItem> items) {
 std::vector<BakeJob> jobsOf(const Shard& shard, std::span<const BakeJob> jobs) {
   std::vector<BakeJob> own;
   for (const BakeJob& job : jobs) {
-    if (job.key % static_cast<std::uint64_t>(shard.count) == static_cast<std::uint64_t>(shard.index - 1)) {
+    if (job.key % shard.count == static_cast<std::uint64_t>(shard.index - 1)) {
       own.push_back(job);
     }
   }

@@ -1,5 +1,6 @@
 #include "bake/bake_list.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -30,7 +31,7 @@ bool isModel(const fs::path& file) {
 }
 
 Error inLine(const std::string& list, std::size_t line, const std::string& message) {
-  return {ErrorCode::kBadFormat, fmt::format("{}: line {}: {}", list, line, message)};
+  return badFormat("{}: line {}: {}", list, line, message);
 }
 
 std::vector<std::string> linesOf(const std::string& text) {
@@ -71,17 +72,16 @@ Result<void> addInputs(const std::string& input, const BakeSettings& settings, s
     for (fs::recursive_directory_iterator entry(input, error), end; entry != end; entry.increment(error)) {
       if (isModel(entry->path()) && !entry->is_directory()) found.push_back(entry->path().string());
     }
-    if (error) return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot be read: {}", input, error.message())};
+    if (error) return unreadable("{}: cannot be read: {}", input, error.message());
     if (found.empty()) {
-      return Error{ErrorCode::kNotFound,
-                   fmt::format("{}: found no file that ends in {}", input, fmt::join(kModelEndings, ", "))};
+      return notFound("{}: found no file that ends in {}", input, fmt::join(kModelEndings, ", "));
     }
   } else if (input.find_first_of("*?[") != std::string::npos && !fs::exists(input, error)) {
     glob_t matches = {};
     if (::glob(input.c_str(), 0, nullptr, &matches) == 0)
       found.assign(matches.gl_pathv, matches.gl_pathv + matches.gl_pathc);
     ::globfree(&matches);
-    if (found.empty()) return Error{ErrorCode::kNotFound, fmt::format("{}: no file fits this pattern", input)};
+    if (found.empty()) return notFound("{}: no file fits this pattern", input);
   } else {
     found.push_back(input);
   }
@@ -115,11 +115,11 @@ Result<void> addRow(const std::vector<std::pair<std::string, std::string>>& row,
     if (value.empty()) continue;
     if (name == "input") {
       input = relativeTo(folder, value);
-    } else if (Result<void> set = setBakeSetting(settings, name, value, folder); !set) {
-      return set;
+    } else {
+      LORICA_TRY_DO(setBakeSetting(settings, name, value, folder));
     }
   }
-  if (input.empty()) return Error{ErrorCode::kBadFormat, "found no input, expected the path of a mesh or character"};
+  if (input.empty()) return badFormat("found no input, expected the path of a mesh or character");
   return addInputs(input, settings, items);
 }
 
@@ -186,16 +186,15 @@ Result<std::vector<BakeItem>> readBakeLists(std::span<const std::string> lists, 
     if (!listed) {
       added = addInputs(list, defaults, items);
     } else {
-      const Result<std::string> text = readFile(list);
-      if (!text) return text.error();
+      LORICA_TRY(const std::string text, readFile(list));
       const std::string ending = endingOf(list);
-      added = ending == ".csv"     ? addCsv(list, *text, defaults, items)
-              : ending == ".jsonl" ? addJsonLines(list, *text, defaults, items)
-                                   : addPaths(list, *text, defaults, items);
+      added = ending == ".csv"     ? addCsv(list, text, defaults, items)
+              : ending == ".jsonl" ? addJsonLines(list, text, defaults, items)
+                                   : addPaths(list, text, defaults, items);
     }
     if (!added) return added.error();
   }
-  if (items.empty()) return Error{ErrorCode::kBadFormat, fmt::format("{}: names no input", fmt::join(lists, ", "))};
+  if (items.empty()) return badFormat("{}: names no input", fmt::join(lists, ", "));
   return items;
 }
 

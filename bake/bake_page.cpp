@@ -73,14 +73,14 @@ std::string histogram(const std::vector<double>& figures, const Axis& axis) {
   std::vector<std::size_t> counts(kBins, 0);
   for (const double figure : figures) {
     const double place = max > min ? (figure - min) / (max - min) : 0.0;
-    ++counts[std::min(kBins - 1, static_cast<std::size_t>(place * static_cast<double>(kBins)))];
+    ++counts[std::min<std::size_t>(kBins - 1, place * kBins)];
   }
-  const double most = static_cast<double>(*std::ranges::max_element(counts));
+  const double most = *std::ranges::max_element(counts);
   std::string svg =
       fmt::format("<figure><figcaption>{}</figcaption><svg viewBox=\"0 0 260 120\">", escaped(axis.title));
   for (std::size_t b = 0; b < kBins; ++b) {
-    const double height = 100.0 * static_cast<double>(counts[b]) / most;
-    const double from = min + (max - min) * static_cast<double>(b) / static_cast<double>(kBins);
+    const double height = 100.0 * counts[b] / most;
+    const double from = min + (max - min) * b / kBins;
     svg += fmt::format(
         "<rect x=\"{}\" y=\"{:.1f}\" width=\"12\" height=\"{:.1f}\"><title>{} from {:.4g} {}</title></rect>", 13 * b,
         100.0 - height, height, counts[b], axis.factor * from, axis.unit);

@@ -8,6 +8,8 @@
 #include <cmath>
 #include <filesystem>
 
+#include "geometry/errors.h"
+
 namespace lorica {
 namespace {
 
@@ -120,13 +122,12 @@ Result<void> setBakeSetting(BakeSettings& settings, const std::string& name, con
                             const std::string& folder) {
   const auto* known = std::ranges::find(kKnown, name, &Known::name);
   if (known == kKnown.end()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("found the setting `{}`, expected input or one of {}", name, bakeSettingNames())};
+    return invalidArgument("found the setting `{}`, expected input or one of {}", name, bakeSettingNames());
   }
   std::vector<std::string> values = takesSeveral(known->kind) ? split(value, ';') : std::vector{value};
   for (std::string& one : values) {
     if (const std::string expected = expectedFor(known->kind, one); !expected.empty()) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("{}: found `{}`, expected {}", name, one, expected)};
+      return invalidArgument("{}: found `{}`, expected {}", name, one, expected);
     }
     if (known->kind == Kind::kFile || known->kind == Kind::kMotions) one = relativeTo(folder, one);
   }

@@ -1,5 +1,6 @@
 #include "bake/bake_store.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -33,12 +34,10 @@ bool BakeStore::has(const std::string& item) {
 
 Result<ordered_json> BakeStore::describe(const std::string& item) {
   const fs::path file = folderOf(item) / kDescription;
-  const Result<std::string> text = files_->read(file);
-  if (!text) return text.error();
-  ordered_json json = ordered_json::parse(*text, nullptr, false);
+  LORICA_TRY(const std::string text, files_->read(file));
+  ordered_json json = ordered_json::parse(text, nullptr, false);
   if (!json.is_object()) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: found no JSON object, expected the description of a result", file.string())};
+    return badFormat("{}: found no JSON object, expected the description of a result", file.string());
   }
   return json;
 }
@@ -49,7 +48,7 @@ Result<fs::path> BakeStore::begin(const std::string& item, int earlier) {
   fs::path made = work / fmt::format("{}.{}", item, earlier);
   files_->remove(made);
   for (const fs::path& folder : {made, folder_ / "items"}) {
-    if (const int error = files_->createFolders(folder); error != 0) return unwritable(folder, error);
+    if (const int error = files_->createFolders(folder); error != 0) return cannotWrite(folder, error);
   }
   return made;
 }
@@ -58,7 +57,7 @@ Result<bool> BakeStore::publish(const std::string& item, const fs::path& made, c
   const std::string text = textOf(description);
   if (const int error = files_->create(made / kDescription, text); error != 0) {
     drop(made);
-    return unwritable(made / kDescription, error);
+    return cannotWrite(made / kDescription, error);
   }
   int error = 0;
   for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -73,7 +72,7 @@ Result<bool> BakeStore::publish(const std::string& item, const fs::path& made, c
     return *there == text;
   }
   drop(made);
-  return unwritable(folderOf(item), error);
+  return cannotWrite(folderOf(item), error);
 }
 
 void BakeStore::drop(const fs::path& made) {
@@ -81,7 +80,7 @@ void BakeStore::drop(const fs::path& made) {
 }
 
 Result<void> BakeStore::discard(const std::string& item) {
-  if (const int error = files_->remove(folderOf(item)); error != 0) return unwritable(folderOf(item), error);
+  if (const int error = files_->remove(folderOf(item)); error != 0) return cannotWrite(folderOf(item), error);
   return {};
 }
 
@@ -90,13 +89,12 @@ Result<std::vector<BakedFile>> bakedFiles(const fs::path& folder) {
   std::error_code error;
   for (fs::recursive_directory_iterator entry(folder, error), end; entry != end; entry.increment(error)) {
     if (entry->is_directory() || entry->path() == folder / kDescription) continue;
-    const Result<std::string> content = readFile(entry->path(), NamedBy::kFile);
-    if (!content) return content.error();
+    LORICA_TRY(const std::string content, readFile(entry->path(), NamedBy::kFile));
     files.push_back(
-        {entry->path().lexically_relative(folder).generic_string(), hexDigits(contentHash(*content)), content->size()});
+        {entry->path().lexically_relative(folder).generic_string(), hexDigits(contentHash(content)), content.size()});
   }
   if (error) {
-    return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot be read: {}", folder.string(), error.message())};
+    return unreadable("{}: cannot be read: {}", folder.string(), error.message());
   }
   std::ranges::sort(files, {}, &BakedFile::name);
   return files;

@@ -1,5 +1,6 @@
 #include "bake/baker.h"
 
+#include "geometry/counts.h"
 #include "geometry/hard_stop.h"
 
 #include <fmt/format.h>
@@ -47,7 +48,7 @@ class Baker {
 };
 
 void Baker::findWork(std::span<const BakeJob> jobs) {
-  outcome_.items = static_cast<int>(jobs.size());
+  outcome_.items = countOf(jobs);
   for (const BakeJob& job : jobs) {
     const std::uint64_t bound = memoryBound(job.triangles);
     outcome_.memoryBound = std::max(outcome_.memoryBound, bound);
@@ -86,8 +87,7 @@ Result<void> Baker::takeUp() {
       continue;
     }
     next = waiting_.erase(next);
-    const Result<bool> started = tryStart(job);
-    if (!started) return started.error();
+    LORICA_TRY_DO(tryStart(job));
     claims_.beat();
   }
   return {};
@@ -101,18 +101,16 @@ Result<bool> Baker::tryStart(const BakeJob& job) {
     return has;
   };
   if (done()) return false;
-  const Result<std::optional<int>> claimed = claims_.claim(job.name);
-  if (!claimed) return claimed.error();
-  if (!*claimed) {
+  LORICA_TRY(const std::optional<int> claimed, claims_.claim(job.name));
+  if (!claimed) {
     atOthers_.push_back(&job);
     return false;
   }
   if (done()) return false;  // between the look and the claim
-  const Result<std::filesystem::path> folder = store_.begin(job.name, **claimed);
-  if (!folder) return folder.error();
-  Result<ItemRun> run = ItemRun::start(job, *folder, settings_.item);
+  LORICA_TRY(const std::filesystem::path folder, store_.begin(job.name, *claimed));
+  Result<ItemRun> run = ItemRun::start(job, folder, settings_.item);
   if (!run) {
-    store_.drop(*folder);
+    store_.drop(folder);
     return run.error();
   }
   running_.push_back(std::move(*run));
@@ -127,7 +125,7 @@ Result<void> Baker::collectEnded() {
       continue;
     }
     if (description) {
-      if (Result<void> finished = finish(*run, **description); !finished) return finished;
+      LORICA_TRY_DO(finish(*run, **description));
     } else if (settings_.stopping()) {  // who stops this process may have ended its items too
       store_.drop(run->folder());
       outcome_.stopped = true;
@@ -140,12 +138,11 @@ Result<void> Baker::collectEnded() {
 }
 
 Result<void> Baker::finish(const ItemRun& run, const ordered_json& description) {
-  const Result<bool> published = store_.publish(run.job().name, run.folder(), description);
-  if (!published) return published.error();
+  LORICA_TRY(const bool published, store_.publish(run.job().name, run.folder(), description));
   outcome_.cpuSeconds += description["cpuSeconds"].get<double>();
   outcome_.longest = std::max(outcome_.longest, description["seconds"].get<double>());
   outcome_.peakMemory = std::max(outcome_.peakMemory, description["peakMemory"].get<std::uint64_t>());
-  if (!*published) {
+  if (!published) {
     ++outcome_.byOthers;
   } else if (description.contains("failure")) {
     ++outcome_.failed;
@@ -180,7 +177,7 @@ Result<BakeOutcome> Baker::run(std::span<const BakeJob> jobs) {
     dropAll();
   });
   findWork(jobs);
-  const int toDo = static_cast<int>(waiting_.size());
+  const int toDo = countOf(waiting_);
   Result<void> fine;
   while (fine && !(waiting_.empty() && atOthers_.empty() && running_.empty())) {
     {

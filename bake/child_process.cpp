@@ -1,5 +1,6 @@
 #include "bake/child_process.h"
 
+#include "geometry/errors.h"
 #include "geometry/sanitizer.h"
 
 #include <fcntl.h>
@@ -66,8 +67,7 @@ std::vector<std::string> environmentWith(const std::vector<std::pair<std::string
 
 Result<ChildProcess> ChildProcess::start(const ProcessOrder& order) {
   const auto failed = [&order](int error) {
-    return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot be started: {}", order.program.string(),
-                                                     std::generic_category().message(error))};
+    return unreadable("{}: cannot be started: {}", order.program.string(), std::generic_category().message(error));
   };
   std::vector<std::string> words = {order.program.string()};
   words.insert(words.end(), order.arguments.begin(), order.arguments.end());

@@ -73,10 +73,10 @@ Result<Claims> Claims::open(FileLayer& files, const fs::path& folder, double los
                             std::function<Clock::time_point()> now) {
   Claims claims(files, folder, lostAfter, std::move(now));
   for (const char* name : {"claims", "workers"}) {
-    if (const int error = files.createFolders(folder / name); error != 0) return unwritable(folder / name, error);
+    if (const int error = files.createFolders(folder / name); error != 0) return cannotWrite(folder / name, error);
   }
   const fs::path own = claims.fileOf(claims.worker_);
-  if (const int error = files.create(own, claims.lifeSign()); error != 0) return unwritable(own, error);
+  if (const int error = files.create(own, claims.lifeSign()); error != 0) return cannotWrite(own, error);
   return claims;
 }
 
@@ -95,7 +95,7 @@ Result<std::optional<int>> Claims::claim(const std::string& key) {
     if (!owner && owner.error().code == ErrorCode::kNotFound) {
       const int error = files_->create(file, worker_);
       if (error == 0) return std::optional(earlier);
-      if (error != EEXIST) return unwritable(file, error);
+      if (error != EEXIST) return cannotWrite(file, error);
       owner = files_->read(file);  // somebody was faster, or the server answered twice
     }
     // What is there and cannot be read yet is watched like a claim without a name.

@@ -1,9 +1,9 @@
 #include "bake/file_layer.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -19,7 +19,7 @@ int writeAndClose(int fd, std::string_view content) {
   while (error == 0 && !content.empty()) {
     const ssize_t written = ::write(fd, content.data(), content.size());
     if (written >= 0) {
-      content.remove_prefix(static_cast<std::size_t>(written));
+      content.remove_prefix(written);
     } else if (errno != EINTR) {
       error = errno;
     }
@@ -69,9 +69,8 @@ int FileLayer::remove(const std::filesystem::path& path) {
   return error.value();
 }
 
-Error unwritable(const std::filesystem::path& file, int error) {
-  return {ErrorCode::kUnwritable,
-          fmt::format("{}: cannot be written: {}", file.string(), std::generic_category().message(error))};
+Error cannotWrite(const std::filesystem::path& file, int error) {
+  return unwritable("{}: cannot be written: {}", file.string(), std::generic_category().message(error));
 }
 
 }  // namespace lorica

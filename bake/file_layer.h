@@ -31,6 +31,6 @@ class FileLayer {
 };
 
 /// "DIR/x: cannot be written: No space left on device"
-[[nodiscard]] Error unwritable(const std::filesystem::path& file, int error);
+[[nodiscard]] Error cannotWrite(const std::filesystem::path& file, int error);
 
 }  // namespace lorica

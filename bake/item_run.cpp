@@ -1,6 +1,7 @@
 #include "bake/item_run.h"
 
 #include "acd/decompose.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -87,7 +88,7 @@ ItemRun::ItemRun(BakeJob job, fs::path folder, ItemRunSettings settings)
 
 Result<ItemRun> ItemRun::start(const BakeJob& job, const fs::path& folder, const ItemRunSettings& settings) {
   ItemRun run(job, folder, settings);
-  if (Result<void> started = run.startStep(); !started) return started.error();
+  LORICA_TRY_DO(run.startStep());
   return run;
 }
 
@@ -98,17 +99,14 @@ Result<void> ItemRun::startStep() {
                      {{"XDG_CACHE_HOME", fs::absolute(folder_ / kCache)}},
                      folder_ / kLog,
                      memoryBound(job_.triangles)};
-  Result<ChildProcess> process = ChildProcess::start(order);
-  if (!process) return process.error();
-  process_ = std::move(*process);
+  LORICA_TRY(process_, ChildProcess::start(order));
   return {};
 }
 
 Result<std::optional<ordered_json>> ItemRun::poll() {
   const auto done = [this](const std::string& failure) -> Result<std::optional<ordered_json>> {
-    Result<ordered_json> description = finish(failure);
-    if (!description) return description.error();
-    return std::optional(std::move(*description));
+    LORICA_TRY(ordered_json description, finish(failure));
+    return std::optional(std::move(description));
   };
   const std::optional<ProcessEnd> end = process_->ended();
   if (!end) {
@@ -120,10 +118,10 @@ Result<std::optional<ordered_json>> ItemRun::poll() {
   }
   cpuSeconds_ += end->cpuSeconds;
   peakMemory_ = std::max(peakMemory_, end->peakMemory);
-  if (Result<void> fine = checkMachine(*end); !fine) return fine.error();
+  LORICA_TRY_DO(checkMachine(*end));
   if (const std::string failure = failureOf(*end); !failure.empty()) return done(failure);
   if (++step_ == steps_.size()) return done("");
-  if (Result<void> started = startStep(); !started) return started.error();
+  LORICA_TRY_DO(startStep());
   return std::optional<ordered_json>();
 }
 
@@ -146,7 +144,7 @@ std::string ItemRun::lastSentence() const {
 Result<void> ItemRun::checkMachine(const ProcessEnd& end) const {
   const std::string said = lastSentence();
   if (end.exitStatus != 0 && said.find("cannot be written") != std::string::npos) {
-    return Error{ErrorCode::kUnwritable, said};
+    return unwritable(said);
   }
   // Lorica reports signals as shells do.
   const int signal = end.signal != 0 ? end.signal : end.exitStatus - 128;
@@ -202,14 +200,13 @@ Result<ordered_json> ItemRun::finish(const std::string& failure) {
     fs::remove_all(folder_, error);
     fs::create_directory(folder_, error);
   }
-  if (error) return unwritable(folder_, error.value());
-  const Result<std::vector<BakedFile>> files = bakedFiles(folder_);
-  if (!files) return files.error();
+  if (error) return cannotWrite(folder_, error.value());
+  LORICA_TRY(const std::vector<BakedFile> files, bakedFiles(folder_));
   description["files"] = ordered_json::array();
-  for (const BakedFile& file : *files) {
+  for (const BakedFile& file : files) {
     description["files"].push_back({{"file", file.name}, {"hash", file.hash}, {"bytes", file.bytes}});
   }
-  description["result"] = resultHash(*files);
+  description["result"] = resultHash(files);
   return description;
 }
 

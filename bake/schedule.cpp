@@ -6,6 +6,8 @@
 #include <queue>
 #include <random>
 
+#include "geometry/counts.h"
+
 namespace lorica {
 namespace {
 
@@ -13,7 +15,7 @@ namespace {
 /// @param allTaken  when the last item was started [s]
 Schedule summary(std::span<const double> seconds, std::span<const double> freeAt, double allTaken) {
   Schedule schedule;
-  schedule.cores = static_cast<int>(freeAt.size());
+  schedule.cores = countOf(freeAt);
   schedule.items = seconds.size();
   schedule.seconds = *std::ranges::max_element(freeAt);
   schedule.tail = schedule.seconds - allTaken;
@@ -40,7 +42,7 @@ Schedule simulateSchedule(std::span<const double> seconds, std::span<const std::
 }
 
 Schedule simulateShards(std::span<const double> seconds, std::span<const std::size_t> shardOf, int cores) {
-  std::vector<double> ends(static_cast<std::size_t>(cores), 0.0);
+  std::vector<double> ends(cores, 0.0);
   for (std::size_t i = 0; i < seconds.size(); ++i) ends[shardOf[i]] += seconds[i];
   // The first core that has nothing to do leaves the others alone with the rest.
   return summary(seconds, ends, *std::ranges::min_element(ends));

@@ -20,7 +20,7 @@ std::string_view nextWord(std::string_view& text) {
   const auto begin = std::ranges::find_if_not(text, isSpace);
   const auto end = std::find_if(begin, text.end(), isSpace);
   const std::string_view word(begin, end);
-  text.remove_prefix(static_cast<std::size_t>(end - text.begin()));
+  text.remove_prefix(end - text.begin());
   return word;
 }
 

@@ -1,8 +1,7 @@
 #include "bindings/live_character.h"
 
+#include "geometry/errors.h"
 #include "skinning/linear_blend.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <utility>
@@ -12,11 +11,11 @@ namespace lorica {
 LiveCharacter::LiveCharacter(std::shared_ptr<const CharacterBody> body)
     : body_(std::move(body)),
       live_(body_->plan),
-      worldFromJoint_(static_cast<std::size_t>(body_->character().skeleton.jointCount()), Affine3::Identity()),
+      worldFromJoint_(body_->character().skeleton.jointCount(), Affine3::Identity()),
       worldFromModel_(worldFromJoint_.size(), Affine3::Identity()),
       hulls_(live_.parts().size()) {
   for (std::size_t p = 0; p < hulls_.size(); ++p) {
-    const std::size_t most = live_.candidateCount(static_cast<PartIndex>(p));
+    const std::size_t most = live_.candidateCount(p);
     hulls_[p].vertices.reserve(most);
     hulls_[p].pointOfVertex.reserve(most);
     hulls_[p].triangles.reserve(2 * most);
@@ -54,15 +53,14 @@ std::span<const ShapeContact> LiveCharacter::touches(const RoundedShape& shape) 
 
 Result<void> checkShape(const RoundedShape& shape) {
   constexpr double kFarthest = 1e6;  // [m]; single precision has nothing to say beyond
-  if (shape.points.empty()) return Error{ErrorCode::kInvalidArgument, "points: found none, expected at least one"};
+  if (shape.points.empty()) return invalidArgument("points: found none, expected at least one");
   if (!(shape.radius >= 0.0 && shape.radius <= kFarthest)) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("radius: found {}, expected 0 to 1,000,000 m", shape.radius)};
+    return invalidArgument("radius: found {}, expected 0 to 1,000,000 m", shape.radius);
   }
   for (std::size_t i = 0; i < shape.points.size(); ++i) {
     const Vec3& p = shape.points[i];
     if (p.allFinite() && p.cwiseAbs().maxCoeff() <= kFarthest) continue;
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("point {}: found {} {} {}, expected -1,000,000 to 1,000,000 m", i, p.x(), p.y(), p.z())};
+    return invalidArgument("point {}: found {} {} {}, expected -1,000,000 to 1,000,000 m", i, p.x(), p.y(), p.z());
   }
   return {};
 }

@@ -1,6 +1,8 @@
 #include "bindings/mesh_parts.h"
 
 #include "acd/held_vertices.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/mesh_mending.h"
 #include "prepare/hull_export.h"
 #include "prepare/quality.h"
@@ -43,7 +45,7 @@ Result<Solid> rebuilt(const TriMesh& mesh, const MeshPartsSettings& settings, co
     for (const VertexIndex v : t) used[v] = true;
   }
   for (std::size_t v = 0; v < used.size(); ++v) {
-    if (used[v]) solid.held.push_back(body->firstOriginal + static_cast<VertexIndex>(v));
+    if (used[v]) solid.held.push_back(body->firstOriginal + v);
   }
   solid.mesh = std::move(body->mesh);
   solid.repaired = fmt::format("closed body built with voxels of {:.4g}{}", body->resolution,
@@ -62,8 +64,7 @@ Result<Solid> solidOf(TriMesh mesh, const MeshPartsSettings& settings) {
 Result<void> checkSettings(const MeshPartsSettings& settings) {
   const int vertices = settings.hullVertices;
   if (vertices == 0 || vertices >= 4) return {};
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("vertices of a hull: found {}, expected at least 4, or 0 for no limit", vertices)};
+  return invalidArgument("vertices of a hull: found {}, expected at least 4, or 0 for no limit", vertices);
 }
 
 /// The hulls of a decomposition, and the content of its file.
@@ -71,7 +72,7 @@ Result<MeshParts> assemble(Solid solid, Decomposition decomposition, const MeshP
   const std::vector<Vec3>& vertices = solid.mesh.vertices;
   const Decomposition parts = withHeldVertices(decomposition, assignHeldVertices(decomposition, vertices, solid.held));
   HullExport made = exportHulls(parts, vertices, settings.hullVertices, settings.decompose.threads);
-  if (Result<void> all = checkHullsHold(made, vertices, solid.held); !all) return all.error();
+  LORICA_TRY_DO(checkHullsHold(made, vertices, solid.held));
 
   MeshParts result;
   result.hulls.reserve(made.objects.size());
@@ -85,7 +86,7 @@ Result<MeshParts> assemble(Solid solid, Decomposition decomposition, const MeshP
   }
   result.meshVolume = signedVolume(vertices, solid.mesh.triangles);
   result.repaired = std::move(solid.repaired);
-  const PoseView pose{vertices, static_cast<int>(vertices.size())};
+  const PoseView pose{vertices, countOf(vertices)};
   result.content =
       fileContent(kName, solid.mesh, nullptr, nullptr, pose, std::move(decomposition), hullsOfParts(parts, pose));
   if (!solid.held.empty()) result.content.cover = coverWithHeldVertices(parts);
@@ -101,17 +102,15 @@ Result<TriMesh> checkedMesh(std::span<const double> positions, std::span<const s
   for (std::size_t v = 0; v < vertexCount; ++v) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       if (std::isfinite(positions[3 * v + axis])) continue;
-      return Error{ErrorCode::kBadMesh, fmt::format("vertex {}: {} is {}, expected a finite number", v, "xyz"[axis],
-                                                    positions[3 * v + axis])};
+      return badMesh("vertex {}: {} is {}, expected a finite number", v, "xyz"[axis], positions[3 * v + axis]);
     }
     mesh.vertices.emplace_back(positions[3 * v], positions[3 * v + 1], positions[3 * v + 2]);
   }
   mesh.triangles.reserve(corners.size() / 3);
   for (std::size_t c = 0; c < corners.size(); ++c) {
     if (corners[c] < 0 || corners[c] >= static_cast<std::int64_t>(vertexCount)) {
-      return Error{ErrorCode::kBadMesh,
-                   fmt::format("triangle {}: found vertex {}, expected 0 to {}, for there are {}", c / 3, corners[c],
-                               static_cast<std::int64_t>(vertexCount) - 1, vertexCount)};
+      return badMesh("triangle {}: found vertex {}, expected 0 to {}, for there are {}", c / 3, corners[c],
+                     static_cast<std::int64_t>(vertexCount) - 1, vertexCount);
     }
     if (c % 3 != 2) continue;
     const auto index = [&](std::size_t i) { return static_cast<VertexIndex>(corners[i]); };
@@ -121,28 +120,22 @@ Result<TriMesh> checkedMesh(std::span<const double> positions, std::span<const s
 }
 
 Result<MeshParts> partsOfMesh(TriMesh mesh, const MeshPartsSettings& settings) {
-  if (Result<void> fine = checkSettings(settings); !fine) return fine.error();
-  Result<Solid> solid = solidOf(std::move(mesh), settings);
-  if (!solid) return solid.error();
-  const PoseView pose{solid->mesh.vertices, static_cast<int>(solid->mesh.vertices.size())};
-  Result<Decomposition> made = decompose(solid->mesh, pose, settings.decompose);
-  if (!made) return made.error();
-  return assemble(std::move(*solid), std::move(*made), settings);
+  LORICA_TRY_DO(checkSettings(settings));
+  LORICA_TRY(Solid solid, solidOf(std::move(mesh), settings));
+  const PoseView pose{solid.mesh.vertices, countOf(solid.mesh.vertices)};
+  LORICA_TRY(Decomposition made, decompose(solid.mesh, pose, settings.decompose));
+  return assemble(std::move(solid), std::move(made), settings);
 }
 
 Result<MeshParts> partsFromFile(const std::filesystem::path& file, TriMesh mesh, const MeshPartsSettings& settings) {
-  if (Result<void> fine = checkSettings(settings); !fine) return fine.error();
-  Result<DecompositionFile> read = readDecomposition(file);
-  if (!read) return read.error();
-  Result<Solid> solid = solidOf(std::move(mesh), settings);
-  if (!solid) return solid.error();
-  if (read->meshHash != topologyHash(solid->mesh)) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: made from {} with {} vertices, expected a decomposition of this mesh with {}", file.string(),
-                    read->source, read->decomposition.vertexCount, solid->mesh.vertices.size())};
+  LORICA_TRY_DO(checkSettings(settings));
+  LORICA_TRY(DecompositionFile read, readDecomposition(file));
+  LORICA_TRY(Solid solid, solidOf(std::move(mesh), settings));
+  if (read.meshHash != topologyHash(solid.mesh)) {
+    return invalidArgument("{}: made from {} with {} vertices, expected a decomposition of this mesh with {}",
+                           file.string(), read.source, read.decomposition.vertexCount, solid.mesh.vertices.size());
   }
-  return assemble(std::move(*solid), std::move(read->decomposition), settings);
+  return assemble(std::move(solid), std::move(read.decomposition), settings);
 }
 
 }  // namespace lorica

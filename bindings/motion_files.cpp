@@ -5,6 +5,7 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
+#include "geometry/errors.h"
 #include "prepare/shipped_motion.h"
 #include "skinning/import/character_file.h"
 
@@ -28,37 +29,35 @@ Result<Motion> motionByName(const std::string& name) {
     if (nameOf(which) == name) return shippedMotion(which);
     names.push_back(nameOf(which));
   }
-  return Error{ErrorCode::kNotFound,
-               fmt::format("{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, "
-                           ".glb, .vrm, .fbx, .dae) or one of {}",
-                           name, fmt::join(names, ", "))};
+  return notFound(
+      "{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, .glb, .vrm, .fbx, "
+      ".dae) or one of {}",
+      name, fmt::join(names, ", "));
 }
 
 std::string lowerCased(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
   return text;
 }
 
 Result<Motion> readClip(const fs::path& file, const std::string& clip) {
-  Result<CharacterFile> read = readCharacterFile(file, fileReading());
-  if (!read) return read.error();
+  LORICA_TRY(CharacterFile read, readCharacterFile(file, fileReading()));
   const std::string wanted = lowerCased(clip);
   const auto found =
-      clip.empty() ? read->clips.begin()
-                   : std::ranges::find_if(read->clips, [&](const Clip& own) { return lowerCased(own.name) == wanted; });
-  if (found == read->clips.end()) {
+      clip.empty() ? read.clips.begin()
+                   : std::ranges::find_if(read.clips, [&](const Clip& own) { return lowerCased(own.name) == wanted; });
+  if (found == read.clips.end()) {
     std::vector<std::string> names;
-    for (const Clip& own : read->clips) names.push_back(own.name);
-    return Error{ErrorCode::kNotFound, names.empty()
-                                           ? file.string() + ": found no animation, expected at least one clip"
-                                           : fmt::format("{}: no clip named {}, expected one of {}", file.string(),
-                                                         clip, fmt::join(names, ", "))};
+    for (const Clip& own : read.clips) names.push_back(own.name);
+    return notFound(names.empty() ? file.string() + ": found no animation, expected at least one clip"
+                                  : fmt::format("{}: no clip named {}, expected one of {}", file.string(), clip,
+                                                fmt::join(names, ", ")));
   }
   Motion motion;
   motion.name = file.stem().string() + (found->name.empty() ? "" : ": " + found->name);
-  motion.bones = framesOf(read->character.skeleton, *found);
+  motion.bones = framesOf(read.character.skeleton, *found);
   motion.fromCharacterFile = true;
-  motion.format = read->format;
+  motion.format = read.format;
   return motion;
 }
 
@@ -77,22 +76,19 @@ Result<Motion> readMotionNamed(const std::string& nameOrFile, const std::string&
   if (!file.has_parent_path() && !file.has_extension() && !fs::exists(file, ignored)) return motionByName(nameOrFile);
   if (isCharacterFile(file)) return readClip(file, clip);
   if (!clip.empty()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: clip {} was asked for, but only character files have clips", nameOrFile, clip)};
+    return invalidArgument("{}: clip {} was asked for, but only character files have clips", nameOrFile, clip);
   }
   Motion motion;
   motion.name = file.stem().string();
   if (lowerCased(file.extension().string()) == ".bvh") {
-    Result<BvhFile> read = readBvh(file);
-    if (!read) return read.error();
-    motion.bones = std::move(read->motion);
+    LORICA_TRY(BvhFile read, readBvh(file));
+    motion.bones = std::move(read.motion);
     motion.format = "BVH";
     return motion;
   }
-  Result<JointStream> read = readJointStream(file);
-  if (!read) return read.error();
-  motion.joints = std::move(read->frames);
-  motion.format = fmt::format("joints ({})", nameOf(read->format));
+  LORICA_TRY(JointStream read, readJointStream(file));
+  motion.joints = std::move(read.frames);
+  motion.format = fmt::format("joints ({})", nameOf(read.format));
   return motion;
 }
 

@@ -3,14 +3,14 @@
 #include "bindings/file_reading.h"
 #include "bindings/motion_files.h"
 #include "collision/live/lifted_point.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "prepare/body_cache.h"
 #include "prepare/decomposition_cache.h"
 #include "prepare/training.h"
 #include "prepare/used_hulls.h"
 #include "skinning/import/character_file.h"
 #include "skinning/mannequin/mannequin.h"
-
-#include <fmt/format.h>
 
 #include <utility>
 
@@ -30,23 +30,20 @@ Result<Training> usualTraining(const PlayableCharacter& owner) {
 Result<DecompositionFile> decomposed(const PlayableCharacter& owner, const Training& training,
                                      const DecomposeSettings& settings) {
   const Character& character = owner.character;
-  const Result<Keyframes> keyframes = trainingKeyframes(character, training, std::nullopt);
-  if (!keyframes) return keyframes.error();
-  const PoseView poses{keyframes->positions, static_cast<int>(character.mesh.vertices.size())};
-  Result<Decomposition> made = decompose(character.mesh, poses, settings);
-  if (!made) return Error{made.error().code, character.name + ": " + made.error().message};
-  const HullCover exact = coverExactly(*made, liftPoints(character, *made));
+  LORICA_TRY(const Keyframes keyframes, trainingKeyframes(character, training, std::nullopt));
+  const PoseView poses{keyframes.positions, countOf(character.mesh.vertices)};
+  LORICA_TRY(Decomposition made, prefixed(character.name, decompose(character.mesh, poses, settings)));
+  const HullCover exact = coverExactly(made, liftPoints(character, made));
   const UsedHulls hulls =
-      liveHulls(character, *made, exact, {keyframes->worldFromModel, character.skeleton.jointCount()});
-  return fileContent(character.name, character.mesh, &character, &training, poses, std::move(*made), hulls);
+      liveHulls(character, made, exact, {keyframes.worldFromModel, character.skeleton.jointCount()});
+  return fileContent(character.name, character.mesh, &character, &training, poses, std::move(made), hulls);
 }
 
 Result<std::shared_ptr<const CharacterBody>> bodyOf(std::shared_ptr<const PlayableCharacter> owner,
                                                     DecompositionFile content) {
-  Result<std::shared_ptr<const BodyPlan>> plan =
-      BodyPlan::create(content.decomposition, owner->character, content.cover);
-  if (!plan) return plan.error();
-  return std::make_shared<const CharacterBody>(CharacterBody{std::move(owner), std::move(content), std::move(*plan)});
+  LORICA_TRY(std::shared_ptr<const BodyPlan> plan,
+             BodyPlan::create(content.decomposition, owner->character, content.cover));
+  return std::make_shared<const CharacterBody>(CharacterBody{std::move(owner), std::move(content), std::move(plan)});
 }
 
 }  // namespace
@@ -56,76 +53,63 @@ Result<std::shared_ptr<const PlayableCharacter>> readPlayable(const std::string&
     return std::make_shared<const PlayableCharacter>(PlayableCharacter{makeMannequin(), {}, {}});
   }
   if (!isCharacterFile(nameOrFile)) {
-    return Error{ErrorCode::kNotFound, fmt::format("{}: no character with that name, expected mannequin or a character "
-                                                   "file (.glb, .gltf, .vrm, .fbx, .dae)",
-                                                   nameOrFile)};
+    return notFound(
+        "{}: no character with that name, expected mannequin or a character file (.glb, .gltf, .vrm, .fbx, .dae)",
+        nameOrFile);
   }
-  Result<CharacterFile> file = readCharacterFile(nameOrFile, fileReading());
-  if (!file) return file.error();
-  if (file->isMesh()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found a mesh without skin and clips, expected a character", nameOrFile)};
+  LORICA_TRY(CharacterFile file, readCharacterFile(nameOrFile, fileReading()));
+  if (file.isMesh()) {
+    return invalidArgument("{}: found a mesh without skin and clips, expected a character", nameOrFile);
   }
-  if (file->character.mesh.triangles.empty()) {
-    return Error{ErrorCode::kBadMesh, nameOrFile + ": no triangles, expected a character with a surface"};
+  if (file.character.mesh.triangles.empty()) {
+    return badMesh(nameOrFile + ": no triangles, expected a character with a surface");
   }
-  Result<ClosedBody> body = cachedBody(file->character, {}, userCache());
-  if (!body) return Error{body.error().code, nameOrFile + ": " + body.error().message};
-  PlayableCharacter playable{std::move(body->character), std::move(file->clips), std::move(file->notes)};
-  playable.notes.insert(playable.notes.end(), body->notes.begin(), body->notes.end());
+  LORICA_TRY(ClosedBody body, prefixed(nameOrFile, cachedBody(file.character, {}, userCache())));
+  PlayableCharacter playable{std::move(body.character), std::move(file.clips), std::move(file.notes)};
+  playable.notes.insert(playable.notes.end(), body.notes.begin(), body.notes.end());
   return std::make_shared<const PlayableCharacter>(std::move(playable));
 }
 
 Result<std::shared_ptr<const CharacterBody>> makeCharacterBody(std::shared_ptr<const PlayableCharacter> owner,
                                                                const CharacterBodySettings& settings) {
-  const Result<Training> training = usualTraining(*owner);
-  if (!training) return training.error();
+  LORICA_TRY(const Training training, usualTraining(*owner));
   DecomposeSettings decomposing;
   decomposing.threads = settings.threads;
   decomposing.progress = settings.progress;
   DecompositionFile content;
   if (settings.parts == 0) {
-    Result<CachedDecomposition> usual = defaultDecomposition(owner->character, *training, decomposing, userCache());
-    if (!usual) return usual.error();
-    content = std::move(usual->file);
+    LORICA_TRY(CachedDecomposition usual, defaultDecomposition(owner->character, training, decomposing, userCache()));
+    content = std::move(usual.file);
   } else {
     decomposing.maxParts = settings.parts;
-    Result<DecompositionFile> made = decomposed(*owner, *training, decomposing);
-    if (!made) return made.error();
-    content = std::move(*made);
+    LORICA_TRY(content, decomposed(*owner, training, decomposing));
   }
   if (!settings.cover.exact()) {
-    const Result<CoverPoses> poses = coverPoses(owner->character, training->motions);
-    if (!poses) return poses.error();
-    Result<HullCover> cover = chooseCover(owner->character, content.decomposition, *poses, settings.cover,
-                                          settings.threads, settings.progress);
-    if (!cover) return cover.error();
-    content.cover = std::move(*cover);
+    LORICA_TRY(const CoverPoses poses, coverPoses(owner->character, training.motions));
+    LORICA_TRY(content.cover, chooseCover(owner->character, content.decomposition, poses, settings.cover,
+                                          settings.threads, settings.progress));
   }
   return bodyOf(std::move(owner), std::move(content));
 }
 
 Result<std::shared_ptr<const CharacterBody>> readCharacterBody(std::shared_ptr<const PlayableCharacter> owner,
                                                                const std::filesystem::path& file) {
-  Result<DecompositionFile> content = readDecomposition(file);
-  if (!content) return content.error();
+  LORICA_TRY(DecompositionFile content, readDecomposition(file));
   const Character& character = owner->character;
-  if (content->meshHash != topologyHash(character.mesh)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: made from {} with {} vertices, expected a decomposition of {} with {}", file.string(),
-                             content->source, content->decomposition.vertexCount, character.name,
-                             character.mesh.vertices.size())};
+  if (content.meshHash != topologyHash(character.mesh)) {
+    return invalidArgument("{}: made from {} with {} vertices, expected a decomposition of {} with {}", file.string(),
+                           content.source, content.decomposition.vertexCount, character.name,
+                           character.mesh.vertices.size());
   }
-  return bodyOf(std::move(owner), std::move(*content));
+  return bodyOf(std::move(owner), std::move(content));
 }
 
 Result<SkeletalMotion> performanceOf(const Character& character, const std::string& nameOrFile,
                                      const PerformanceSettings& settings) {
-  Result<Motion> motion = readMotionNamed(nameOrFile, settings.clip);
-  if (!motion) return motion.error();
+  LORICA_TRY(Motion motion, readMotionNamed(nameOrFile, settings.clip));
   JointSettings joints;
   joints.mirror = settings.mirror;
-  return performedBy(character, *motion, joints);
+  return performedBy(character, motion, joints);
 }
 
 }  // namespace lorica

@@ -69,7 +69,7 @@ double Capsule::outside(const Vec3& p) const {
 
 Capsule capsuleAround(std::span<const Vec3> points) {
   Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  for (const Vec3& p : points) mean += p / points.size();
   Mat3 covariance = Mat3::Zero();
   for (const Vec3& p : points) covariance += (p - mean) * (p - mean).transpose();
   const SymmetricAxes axes = symmetricAxes(covariance);

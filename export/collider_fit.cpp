@@ -62,7 +62,7 @@ class Hull {
     for (int i = 0; i < kSamples; ++i) {
       const double at = all * (i + 0.5) / kSamples;
       const auto found = std::lower_bound(upTo.begin(), upTo.end() - 1, at);
-      const Triangle& t = mesh_->triangles[static_cast<std::size_t>(found - upTo.begin())];
+      const Triangle& t = mesh_->triangles[found - upTo.begin()];
       double u = random.unit();
       double v = random.unit();
       if (u + v > 1.0) {
@@ -170,14 +170,14 @@ ColliderFit sumOf(std::span<const OnePose> poses, std::size_t vertexCount) {
   double sum = 0.0;
   for (const OnePose& pose : poses) {
     fit.worstOut = std::max(fit.worstOut, pose.worstOut);
-    fit.meanWorstOut += pose.worstOut / static_cast<double>(poses.size());
+    fit.meanWorstOut += pose.worstOut / poses.size();
     fit.worstStandOff = std::max(fit.worstStandOff, pose.worstStandOff);
     sum += pose.sumStandOff;
     out += pose.out;
     samples += pose.samples;
   }
-  if (samples > 0) fit.meanStandOff = sum / static_cast<double>(samples);
-  fit.shareOut = static_cast<double>(out) / static_cast<double>(std::max<std::size_t>(1, poses.size() * vertexCount));
+  if (samples > 0) fit.meanStandOff = sum / samples;
+  fit.shareOut = out / static_cast<double>(std::max<std::size_t>(1, poses.size() * vertexCount));
   return fit;
 }
 
@@ -199,7 +199,7 @@ ColliderFits measureFit(const Character& character, std::span<const RigidCollide
   const std::size_t count = character.mesh.vertices.size();
   const auto isSkin = std::make_unique<bool[]>(count);
   for (const Triangle& t : triangles) {
-    for (const VertexIndex v : t) isSkin[static_cast<std::size_t>(v)] = true;
+    for (const VertexIndex v : t) isSkin[v] = true;
   }
   std::vector<Hull> hulls;
   std::vector<Round> rounds;
@@ -207,11 +207,11 @@ ColliderFits measureFit(const Character& character, std::span<const RigidCollide
   prepare(colliders, hulls, ofHulls);
   prepare(colliders, rounds, ofRounds);
 
-  const auto poseCount = static_cast<std::size_t>(poses.poseCount());
+  const std::size_t poseCount = poses.poseCount();
   std::vector<OnePose> hullPoses(poseCount), roundPoses(poseCount);
   tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic).execute([&] {
     tbb::parallel_for(std::size_t{0}, poseCount, [&](std::size_t k) {
-      const std::span<const Affine3> worldFromModel = poses.pose(static_cast<int>(k));
+      const std::span<const Affine3> worldFromModel = poses.pose(k);
       PosedSkin skin{std::vector<Vec3>(count), triangles, {}};
       skinLinearBlend(character, worldFromModel, skin.vertices);
       for (const Affine3& transform : worldFromModel) skin.modelFromWorld.push_back(transform.inverse());
@@ -221,7 +221,7 @@ ColliderFits measureFit(const Character& character, std::span<const RigidCollide
       roundPoses[k] = measurePose(colliders, rounds, ofRounds, isShown, skin, tree, worldFromModel);
     });
   });
-  const auto shown = static_cast<std::size_t>(std::count(isSkin.get(), isSkin.get() + count, true));
+  const std::size_t shown = std::count(isSkin.get(), isSkin.get() + count, true);
   ColliderFits fits{sumOf(hullPoses, shown), sumOf(roundPoses, shown)};
   for (const RigidCollider& collider : colliders) {
     fits.hulls.volume += collider.volume;

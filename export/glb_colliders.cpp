@@ -26,7 +26,7 @@ void useExtension(Json& document, const char* name) {
 int addHullMesh(GltfWriter& writer, const TriMesh& hull, const std::string& name, int material) {
   std::vector<float> positions;
   for (const Vec3& p : hull.vertices) {
-    for (int i = 0; i < 3; ++i) positions.push_back(static_cast<float>(p[i]));
+    for (int i = 0; i < 3; ++i) positions.push_back(p[i]);
   }
   std::vector<std::uint32_t> indices;
   for (const Triangle& t : hull.triangles) indices.insert(indices.end(), t.begin(), t.end());
@@ -82,7 +82,7 @@ int addHullNode(GltfWriter& writer, const TriMesh& hull, const std::string& plai
 /// Puts a node below another one, or into the scene.
 void hang(Json& document, int node, int parent) {
   if (parent >= 0) {
-    document["nodes"][static_cast<std::size_t>(parent)]["children"].push_back(node);
+    document["nodes"][parent]["children"].push_back(node);
     return;
   }
   if (!document.contains("scenes")) document["scenes"] = Json::array({Json::object()});
@@ -124,9 +124,8 @@ Result<void> writeGlbHulls(const std::filesystem::path& file, const std::vector<
 }
 
 Result<void> writeDocument(const std::filesystem::path& file, CharacterDocument& document) {
-  const Result<std::string> bytes = document.writer.glb(file.string());
-  if (!bytes) return bytes.error();
-  return writeFileAtomically(file, *bytes);
+  LORICA_TRY(const std::string bytes, document.writer.glb(file.string()));
+  return writeFileAtomically(file, bytes);
 }
 
 }  // namespace lorica

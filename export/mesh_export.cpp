@@ -70,7 +70,7 @@ std::string formatMeshes(const std::vector<NamedMesh>& meshes, const std::string
 
 Result<void> writeMeshes(const std::filesystem::path& file, const std::vector<NamedMesh>& meshes) {
   std::string extension = file.extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c;
   if (extension == ".obj") return writeObjObjects(file, meshes);
   return writeFileAtomically(file, formatMeshes(meshes, extension));
 }

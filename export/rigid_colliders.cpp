@@ -3,8 +3,8 @@
 #include "acd/hull_budget.h"
 #include "collision/live/attached_vertices.h"
 #include "collision/live/lifted_point.h"
+#include "geometry/errors.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -42,13 +42,13 @@ void addWeights(const Facet& facet, std::span<const LiftedPoint> lifted, std::sp
 JointIndex strongestOf(const Facet& facet, std::span<const LiftedPoint> lifted, std::vector<double>& scratch) {
   std::fill(scratch.begin(), scratch.end(), 0.0);
   addWeights(facet, lifted, scratch);
-  return static_cast<JointIndex>(std::max_element(scratch.begin(), scratch.end()) - scratch.begin());
+  return std::max_element(scratch.begin(), scratch.end()) - scratch.begin();
 }
 
 /// Divides the facets of a part among its bones.
 std::vector<Group> groupByBone(const Skeleton& skeleton, PartIndex part, std::span<const Facet> facets,
                                std::span<const LiftedPoint> lifted, double leastShare) {
-  std::vector<double> scratch(static_cast<std::size_t>(skeleton.jointCount()));
+  std::vector<double> scratch(skeleton.jointCount());
   std::vector<JointIndex> boneOf;
   std::vector<double> area(scratch.size(), 0.0);
   double all = 0.0;
@@ -57,7 +57,7 @@ std::vector<Group> groupByBone(const Skeleton& skeleton, PartIndex part, std::sp
     area[boneOf.back()] += facet.area;
     all += facet.area;
   }
-  const auto largest = static_cast<JointIndex>(std::max_element(area.begin(), area.end()) - area.begin());
+  const JointIndex largest = std::max_element(area.begin(), area.end()) - area.begin();
   const auto kept = [&](JointIndex j) { return j == largest || area[j] >= std::max(leastShare * all, 1e-300); };
   const auto ownerOf = [&](JointIndex j) {
     while (j != kNoJoint && !kept(j)) j = skeleton.joint(j).parent;
@@ -96,7 +96,7 @@ std::vector<Group> groupsOfParts(const Character& character, const Decomposition
       if (part.sourceTriangle[t] >= 0) facets.push_back(facetOf(part.triangles[t], bind));
     }
     for (const PointIndex p : attached[i]) facets.push_back({{p}, 0.0});
-    for (Group& group : groupByBone(character.skeleton, static_cast<PartIndex>(i), facets, lifted, kShareOfPart)) {
+    for (Group& group : groupByBone(character.skeleton, i, facets, lifted, kShareOfPart)) {
       groups.push_back(std::move(group));
     }
   }
@@ -123,7 +123,7 @@ std::vector<Vec3> carriedPoints(const Group& group, std::span<const LiftedPoint>
   };
   reduce();
   for (int k = 0; k < poses.poseCount(); ++k) {
-    const Affine3& back = modelFromWorld[static_cast<std::size_t>(k * poses.jointCount + group.joint)];
+    const Affine3& back = modelFromWorld[k * poses.jointCount + group.joint];
     for (const PointIndex p : group.points) points.push_back(back * positionOf(lifted[p], poses.pose(k)));
     reduce();
   }
@@ -153,10 +153,9 @@ Result<std::vector<RigidCollider>> makeRigidColliders(const Character& character
   for (const Affine3& worldFromModel : poses.worldFromModel) {
     const double size = std::abs(worldFromModel.linear().determinant());
     if (!(size > 1e-12) || !std::isfinite(size)) {
-      const auto joint = static_cast<JointIndex>(modelFromWorld.size() % static_cast<std::size_t>(poses.jointCount));
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("{}: joint '{}' is scaled to nothing in a pose; expected bones that keep their volume",
-                               character.name, character.skeleton.joint(joint).name)};
+      const JointIndex joint = modelFromWorld.size() % poses.jointCount;
+      return unsupported("{}: joint '{}' is scaled to nothing in a pose; expected bones that keep their volume",
+                         character.name, character.skeleton.joint(joint).name);
     }
     modelFromWorld.push_back(worldFromModel.inverse());
   }

@@ -2,6 +2,7 @@
 
 #include "acd/separating_plane.h"
 #include "export/mesh_export.h"
+#include "geometry/counts.h"
 #include "skinning/humanoid/joint_limits.h"
 
 #include <fmt/format.h>
@@ -72,8 +73,8 @@ bool overlap(const RigidBody& a, const RigidBody& b) {
 }
 
 void findOverlaps(RigidModel& model) {
-  for (int a = 0; a < static_cast<int>(model.bodies.size()); ++a) {
-    for (int b = a + 1; b < static_cast<int>(model.bodies.size()); ++b) {
+  for (int a = 0; a < countOf(model.bodies); ++a) {
+    for (int b = a + 1; b < countOf(model.bodies); ++b) {
       if (model.bodies[b].parent != a && overlap(model.bodies[a], model.bodies[b]))
         model.overlapping.emplace_back(a, b);
     }
@@ -123,7 +124,7 @@ RigidModel rigidModelOf(const Character& character, std::span<const RigidCollide
       body.hulls.push_back(std::move(hull));
       volume += collider->volume;
     }
-    bodyOf[joint] = static_cast<int>(model.bodies.size());
+    bodyOf[joint] = countOf(model.bodies);
     model.bodies.push_back(std::move(body));
   }
   const int renamed = nameBodies(model.bodies);

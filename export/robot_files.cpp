@@ -1,6 +1,7 @@
 #include "export/robot_files.h"
 
 #include "export/mesh_export.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -80,7 +81,7 @@ class Mjcf {
     const bool mocap = motion_ == MjcfMotion::kMocap;
     const bool nested = !mocap && body.parent >= 0;
     const Vec3 from = nested ? model_.bodies[body.parent].origin : Vec3(Vec3::Zero());
-    const std::string indent(2 * static_cast<std::size_t>(depth), ' ');
+    const std::string indent(2 * depth, ' ');
     text_ += fmt::format("{}<body name=\"{}\" pos=\"{}\"{}>\n", indent, body.name, three(zUp(Vec3(body.origin - from))),
                          mocap ? " mocap=\"true\"" : "");
     if (!mocap) {
@@ -201,12 +202,11 @@ Result<void> writeUrdf(const fs::path& file, const RigidModel& model) {
   const std::string folder = path.filename().string();
   std::error_code failed;
   if (fs::exists(path, failed)) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: exists already, expected a new folder for the meshes of {}",
-                                                     path.string(), file.filename().string())};
+    return unwritable("{}: exists already, expected a new folder for the meshes of {}", path.string(),
+                      file.filename().string());
   }
   if (!fs::create_directory(path, failed)) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: cannot make this folder: {}", path.string(), failed.message())};
+    return unwritable("{}: cannot make this folder: {}", path.string(), failed.message());
   }
   Result<void> written;
   for (const UrdfMesh& mesh : urdfMeshes(model, folder)) {

@@ -1,10 +1,12 @@
 #include "export/vrm_colliders.h"
 
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
+
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 namespace lorica {
 
@@ -24,11 +26,11 @@ struct NodeCapsule {
 std::vector<bool> swingingJoints(const Skeleton& skeleton, const SpringBones& springs) {
   std::vector<bool> swings(skeleton.joints().size(), false);
   for (const SpringChain& chain : springs.chains) {
-    for (const SpringJoint& joint : chain.joints) swings[static_cast<std::size_t>(joint.joint)] = true;
+    for (const SpringJoint& joint : chain.joints) swings[joint.joint] = true;
   }
   for (std::size_t j = 0; j < swings.size(); ++j) {
     const JointIndex parent = skeleton.joints()[j].parent;
-    if (parent != kNoJoint && swings[static_cast<std::size_t>(parent)]) swings[j] = true;
+    if (parent != kNoJoint && swings[parent]) swings[j] = true;
   }
   return swings;
 }
@@ -38,7 +40,7 @@ std::vector<NodeCapsule> capsulesOnNodes(const CharacterDocument& document, std:
   std::vector<NodeCapsule> capsules;
   for (const RigidCollider& collider : colliders) {
     const int node = document.hangOn[collider.joint];
-    if (node < 0 || swings[static_cast<std::size_t>(collider.joint)]) continue;
+    if (node < 0 || swings[collider.joint]) continue;
     const Affine3& nodeFromModel = document.nodeFromModel[collider.joint];
     const Capsule capsule = withVolume(collider.capsule, std::min(collider.volume, collider.capsule.volume()));
     const double scale = std::cbrt(std::abs(nodeFromModel.linear().determinant()));
@@ -65,7 +67,7 @@ int addToVrm1(Json& springBone, std::span<const NodeCapsule> capsules) {
   const std::size_t index = springBone["colliderGroups"].size();
   springBone["colliderGroups"].push_back(std::move(group));
   for (Json& spring : springBone["springs"]) spring["colliderGroups"].push_back(index);
-  return static_cast<int>(capsules.size());
+  return countOf(capsules);
 }
 
 /// VRM 0.x: balls by node, used by every group of bones. Offsets are left-handed: z is negated.
@@ -105,12 +107,10 @@ Result<int> addSpringColliders(CharacterDocument& document, std::span<const Rigi
   Json& extensions = all.contains("extensions") ? all["extensions"] : none;
   const bool vrm1 = extensions.contains("VRMC_vrm");
   if (!vrm1 && !extensions.contains("VRM")) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: no VRM, so a .vrm cannot be made of it; expected OUT.glb", name)};
+    return unsupported("{}: no VRM, so a .vrm cannot be made of it; expected OUT.glb", name);
   }
   if (springs.chains.empty()) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: has no springs that colliders could touch; expected OUT.glb", name)};
+    return unsupported("{}: has no springs that colliders could touch; expected OUT.glb", name);
   }
   const std::vector<NodeCapsule> capsules = capsulesOnNodes(document, colliders, swingingJoints(skeleton, springs));
   if (vrm1) return addToVrm1(extensions["VRMC_springBone"], capsules);

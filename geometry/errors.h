@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "geometry/result.h"
@@ -33,6 +34,13 @@ LORICA_ERROR_FACTORY(noDisplay, ErrorCode::kNoDisplay)
 
 [[nodiscard]] inline Error cancelled() {
   return {ErrorCode::kCancelled, "cancelled"};
+}
+
+/// A result whose error, if it has one, says first where: prefixed(file, parse(text)) fails with "FILE: ...".
+template <typename T>
+[[nodiscard]] Result<T> prefixed(std::string_view where, Result<T> result) {
+  if (result.ok()) return result;
+  return Error{result.error().code, fmt::format("{}: {}", where, result.error().message)};
 }
 
 }  // namespace lorica

@@ -1,7 +1,7 @@
 #include "player/movie.h"
 
-#include "geometry/text.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <cmath>
 #include <utility>

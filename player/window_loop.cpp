@@ -1,7 +1,7 @@
 #include "player/window_loop.h"
 
-#include "geometry/text.h"
 #include "geometry/counts.h"
+#include "geometry/text.h"
 #include "player/framing.h"
 #include "player/window_loop_impl.h"
 

@@ -1,8 +1,8 @@
 #include "player/window_opener.h"
 
-#include "geometry/text.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/text.h"
 #include "player/window_settings.h"
 #include "skinning/import/character_file.h"
 

@@ -1,5 +1,5 @@
-#include "geometry/text.h"
 #include "geometry/counts.h"
+#include "geometry/text.h"
 #include "player/window_loop_impl.h"
 #include "prepare/scenes.h"
 

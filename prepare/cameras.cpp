@@ -1,10 +1,10 @@
 #include "prepare/cameras.h"
 
-#include "geometry/text.h"
 #include "capture/sensor/nite.h"
 #include "capture/sensor/openni.h"
 #include "capture/virtual_sensor/virtual_script.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/read_motion.h"
 
 #include <cstdlib>

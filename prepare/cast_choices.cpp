@@ -1,7 +1,7 @@
 #include "prepare/cast_choices.h"
 
-#include "geometry/text.h"
 #include "geometry/counts.h"
+#include "geometry/text.h"
 
 #include <algorithm>
 #include <filesystem>

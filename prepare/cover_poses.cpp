@@ -1,10 +1,9 @@
 #include "prepare/cover_poses.h"
 
 #include "capture/retarget/proxy_skeleton.h"
+#include "geometry/errors.h"
 #include "skinning/humanoid/joint_limits.h"
 #include "skinning/linear_blend.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +29,7 @@ bool hasKnownLimits(const Skeleton& skeleton) {
 
 /// Appends the transforms of a pose relative to the bind pose.
 void append(const Character& character, std::span<const JointTransform> pose, std::vector<Affine3>& worldFromModel) {
-  const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
+  const std::size_t jointCount = character.skeleton.jointCount();
   worldFromModel.resize(worldFromModel.size() + jointCount);
   const std::span<Affine3> last = std::span(worldFromModel).last(jointCount);
   computeWorldFromJoint(character.skeleton, pose, last);
@@ -56,17 +55,16 @@ Result<CoverPoses> coverPoses(const Character& character, std::span<const Skelet
   Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
   const bool random = proxy && hasKnownLimits(proxy->skeleton());
   if (frameCount == 0 && !random) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("'{}': there are no motions, and the character is not a humanoid whose bones rest along the "
-                    "model's axes; expected one of the two as a source of poses",
-                    character.name)};
+    return invalidArgument(
+        "'{}': there are no motions, and the character is not a humanoid whose bones rest along the model's axes; "
+        "expected one of the two as a source of poses",
+        character.name);
   }
 
   CoverPoses poses;
   poses.jointCount = character.skeleton.jointCount();
   poses.randomPoses = !random ? 0 : frameCount == 0 ? count : count / 2;
-  const auto each = static_cast<std::size_t>(poses.jointCount) * static_cast<std::size_t>(count);
+  const auto each = static_cast<std::size_t>(poses.jointCount) * count;
   poses.sampled.reserve(each);
   poses.heldOut.reserve(each);
 

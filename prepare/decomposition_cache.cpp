@@ -2,6 +2,8 @@
 
 #include "acd/level_of_detail.h"
 #include "collision/live/lifted_point.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "prepare/cache_entries.h"
 
@@ -87,9 +89,8 @@ std::optional<DecompositionFile> readCache(const DecompositionCache& cache, std:
 void writeCache(const DecompositionCache& cache, std::uint64_t key, const DecompositionFile& content) {
   const fs::path file = cacheFile(cache, key, kExtension);
   keepEntry(cache, file, [&]() -> Result<void> {
-    const Result<std::string> bytes = formatDecomposition(content, file.string());
-    if (!bytes) return bytes.error();
-    return writeFileAtomically(file, firstLine(key) + *bytes);
+    LORICA_TRY(const std::string bytes, formatDecomposition(content, file.string()));
+    return writeFileAtomically(file, firstLine(key) + bytes);
   });
 }
 
@@ -101,13 +102,13 @@ Result<CachedDecomposition> decomposeCached(const std::string& name, const TriMe
   if (std::optional<DecompositionFile> cached = readCache(cache, key, mesh)) {
     return CachedDecomposition{std::move(*cached), true, 0.0};
   }
-  const PoseView poses{keyframes.positions, static_cast<int>(mesh.vertices.size())};
+  const PoseView poses{keyframes.positions, countOf(mesh.vertices)};
   const auto start = std::chrono::steady_clock::now();
   Result<Decomposition> made = decompose(mesh, poses, settings);
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (!made) {
     // The error names the mesh element; the name of the file is added here.
-    if (made.error().code == ErrorCode::kBadMesh) return Error{ErrorCode::kBadMesh, name + ": " + made.error().message};
+    if (made.error().code == ErrorCode::kBadMesh) return badMesh(name + ": " + made.error().message);
     return made.error();
   }
   UsedHulls hulls = hullsOfParts(*made, poses);
@@ -136,13 +137,12 @@ std::filesystem::path userCacheFolder() {
 
 Result<CachedDecomposition> defaultDecomposition(const Character& character, const Training& training,
                                                  const DecomposeSettings& settings, const DecompositionCache& cache) {
-  const Result<Keyframes> keyframes = trainingKeyframes(character, training, std::nullopt);
-  if (!keyframes) return keyframes.error();
+  LORICA_TRY(const Keyframes keyframes, trainingKeyframes(character, training, std::nullopt));
   DecomposeSettings chosen;
   chosen.maxParts = kParts;
   chosen.threads = settings.threads;
   chosen.progress = settings.progress;
-  return decomposeCached(character.name, character.mesh, &character, &training, *keyframes, chosen, cache);
+  return decomposeCached(character.name, character.mesh, &character, &training, keyframes, chosen, cache);
 }
 
 Result<CachedDecomposition> meshDecomposition(const std::string& name, const TriMesh& mesh,
@@ -161,10 +161,9 @@ Result<HullCover> cachedCover(const Character& character, const DecompositionFil
   if (cached && cached->cover && hashOf(cached->decomposition) == hashOf(content.decomposition)) {
     return std::move(*cached->cover);
   }
-  Result<HullCover> cover = choose();
-  if (!cover) return cover.error();
+  LORICA_TRY(HullCover cover, choose());
   DecompositionFile kept = content;
-  kept.cover = *cover;
+  kept.cover = cover;
   writeCache(cache, key, kept);
   return cover;
 }

@@ -34,7 +34,7 @@ HullCover coverOfLevel(const BodyPlan& finest, std::size_t partCount) {
 
 std::shared_ptr<const BodyPlan> planOfLevel(const std::shared_ptr<const BodyPlan>& finest, const Character& character,
                                             int partCount) {
-  const auto parts = static_cast<std::size_t>(partCount);
+  const std::size_t parts = partCount;
   if (parts == finest->decomposition().parts.size()) return finest;
   Decomposition level = levelOfDetail(finest->decomposition(), partCount);
   // Without a tolerance the cover is exact: the points of the joined parts, which need fewer, are determined again.

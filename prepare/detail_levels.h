@@ -24,7 +24,7 @@ class DetailLevels {
   /// @param character  outlives this
   DetailLevels(std::shared_ptr<const BodyPlan> finest, const Character& character);
 
-  [[nodiscard]] int maxParts() const { return static_cast<int>(made_.size()); }
+  [[nodiscard]] int maxParts() const { return made_.size(); }
   /// Starts making a level, now or when the one in progress is done. Only the last of several requests counts.
   /// @param partCount  1 to maxParts()
   void ask(int partCount);

@@ -2,6 +2,7 @@
 
 #include "acd/hull_budget.h"
 #include "acd/transfer.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -14,7 +15,7 @@ namespace lorica {
 
 HullExport exportHulls(const Decomposition& decomposition, std::span<const Vec3> vertices, int maxVertices,
                        int threads) {
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, vertices, points);
   const std::vector<ConvexHull> hulls = partHulls(decomposition, points);
   std::vector<BudgetedHull> exported(hulls.size());
@@ -93,12 +94,11 @@ Result<void> checkHullsHold(const HullExport& hulls, std::span<const Vec3> verti
   });
   const auto worst = std::max_element(outside.begin(), outside.end());
   if (worst == outside.end() || *worst <= tolerance) return {};
-  const VertexIndex v = which[static_cast<std::size_t>(worst - outside.begin())];
+  const VertexIndex v = which[worst - outside.begin()];
   const Vec3& p = vertices[v];
-  return Error{ErrorCode::kBadMesh,
-               fmt::format("vertex {} at ({:g}, {:g}, {:g}) is {:g} outside all hulls, expected at most {:g}; nothing "
-                           "was written",
-                           v, p.x(), p.y(), p.z(), *worst, tolerance)};
+  return badMesh(
+      "vertex {} at ({:g}, {:g}, {:g}) is {:g} outside all hulls, expected at most {:g}; nothing was written", v, p.x(),
+      p.y(), p.z(), *worst, tolerance);
 }
 
 }  // namespace lorica

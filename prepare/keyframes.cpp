@@ -1,9 +1,9 @@
 #include "prepare/keyframes.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/rigid_distance.h"
 #include "skinning/linear_blend.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
@@ -15,7 +15,7 @@ namespace {
 class Poser {
  public:
   explicit Poser(const Character& character)
-      : character_(character), worldFromModel_(static_cast<std::size_t>(character.skeleton.jointCount())) {}
+      : character_(character), worldFromModel_(character.skeleton.jointCount()) {}
 
   void skin(std::span<const JointTransform> pose, std::span<Vec3> posed) {
     computeWorldFromJoint(character_.skeleton, pose, worldFromModel_);
@@ -47,8 +47,7 @@ std::vector<Vec3> poseFrames(const Character& character, std::span<const Skeleta
   for (const SkeletalMotion& motion : motions) {
     const std::size_t end = first + motion.times.size();
     for (; next < frames.size() && frames[next] < end; ++next) {
-      poser.skin(motion.pose(static_cast<int>(frames[next] - first)),
-                 std::span(positions).subspan(next * vertexCount, vertexCount));
+      poser.skin(motion.pose(frames[next] - first), std::span(positions).subspan(next * vertexCount, vertexCount));
     }
     first = end;
   }
@@ -60,7 +59,7 @@ std::vector<Vec3> poseFrames(const Character& character, std::span<const Skeleta
 /// @return worldFromModel, as many poses as frames x jointCount, pose-major
 std::vector<Affine3> bonesInFrames(const Character& character, std::span<const SkeletalMotion> motions,
                                    std::span<const std::size_t> frames) {
-  const auto jointCount = static_cast<std::size_t>(character.skeleton.jointCount());
+  const std::size_t jointCount = character.skeleton.jointCount();
   std::vector<Affine3> bones(frames.size() * jointCount);
   std::size_t next = 0;
   std::size_t first = 0;
@@ -68,7 +67,7 @@ std::vector<Affine3> bonesInFrames(const Character& character, std::span<const S
     const std::size_t end = first + motion.times.size();
     for (; next < frames.size() && frames[next] < end; ++next) {
       const std::span<Affine3> here = std::span(bones).subspan(next * jointCount, jointCount);
-      computeWorldFromJoint(character.skeleton, motion.pose(static_cast<int>(frames[next] - first)), here);
+      computeWorldFromJoint(character.skeleton, motion.pose(frames[next] - first), here);
       computeWorldFromModel(character, here, here);
     }
     first = end;
@@ -100,7 +99,7 @@ Character withFewerVertices(const Character& character) {
     const auto begin = character.influences.begin();
     few.influences.insert(few.influences.end(), begin + character.influenceBegin[v],
                           begin + character.influenceBegin[v + 1]);
-    few.influenceBegin.push_back(static_cast<std::uint32_t>(few.influences.size()));
+    few.influenceBegin.push_back(few.influences.size());
   }
   return few;
 }
@@ -112,7 +111,7 @@ std::vector<Vec3> poseAllFrames(const Character& character, const SkeletalMotion
   std::vector<Vec3> positions(motion.times.size() * vertexCount);
   Poser poser(character);
   for (int f = 0; f < motion.frameCount(); ++f) {
-    poser.skin(motion.pose(f), std::span(positions).subspan(static_cast<std::size_t>(f) * vertexCount, vertexCount));
+    poser.skin(motion.pose(f), std::span(positions).subspan(f * vertexCount, vertexCount));
   }
   return positions;
 }
@@ -120,27 +119,25 @@ std::vector<Vec3> poseAllFrames(const Character& character, const SkeletalMotion
 Result<std::vector<Vec3>> sampleKeyframes(const Character& character, std::span<const SkeletalMotion> motions,
                                           int count) {
   const std::size_t frameCount = frameCountOf(motions);
-  if (count < 1)
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes requested, expected 1 or more", count)};
-  const auto wanted = static_cast<std::size_t>(count);
+  if (count < 1) return invalidArgument("{} keyframes requested, expected 1 or more", count);
+  const std::size_t wanted = count;
   if (wanted > frameCount) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} keyframes requested, the motions have {} frames", count, frameCount)};
+    return invalidArgument("{} keyframes requested, the motions have {} frames", count, frameCount);
   }
   return poseFrames(character, motions, evenly(wanted, frameCount));
 }
 
 std::vector<Affine3> sampleBones(const Character& character, std::span<const SkeletalMotion> motions, int count) {
-  return bonesInFrames(character, motions, evenly(static_cast<std::size_t>(count), frameCountOf(motions)));
+  return bonesInFrames(character, motions, evenly(count, frameCountOf(motions)));
 }
 
 Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<const SkeletalMotion> motions, int atMost,
                                         double closeEnough) {
   const std::size_t frameCount = frameCountOf(motions);
   if (atMost < 1) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{} keyframes requested, expected 1 or more", atMost)};
+    return invalidArgument("{} keyframes requested, expected 1 or more", atMost);
   }
-  if (frameCount == 0) return Error{ErrorCode::kInvalidArgument, "the motions have no frames to choose from"};
+  if (frameCount == 0) return invalidArgument("the motions have no frames to choose from");
 
   // All considered poses with fewer vertices, relative to their centroids.
   const Character few = withFewerVertices(character);
@@ -150,7 +147,7 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<co
   const auto pose = [&](std::size_t i) { return std::span(posed).subspan(i * size, size); };
   for (std::size_t i = 0; i < looked.size(); ++i) {
     Vec3 centroid = Vec3::Zero();
-    for (const Vec3& p : pose(i)) centroid += p / static_cast<double>(size);
+    for (const Vec3& p : pose(i)) centroid += p / size;
     for (Vec3& p : pose(i)) p -= centroid;
   }
 
@@ -164,9 +161,9 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<co
     for (std::size_t i = 0; i < looked.size(); ++i) {
       nearest[i] = std::min(nearest[i], rigidDistance(pose(next), pose(i)));
     }
-    next = static_cast<std::size_t>(std::max_element(nearest.begin(), nearest.end()) - nearest.begin());
+    next = std::max_element(nearest.begin(), nearest.end()) - nearest.begin();
     result.farthest = nearest[next];
-    if (result.farthest <= closeEnough || chosen.size() == static_cast<std::size_t>(atMost)) break;
+    if (result.farthest <= closeEnough || countOf(chosen) == atMost) break;
   }
   std::sort(chosen.begin(), chosen.end());
 

@@ -1,7 +1,7 @@
 #include "prepare/live_cast.h"
 
-#include "geometry/text.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/cast.h"
 #include "prepare/scenes.h"
 

@@ -51,8 +51,8 @@ Result<SkeletalMotion> performedBy(const Character& character, const Motion& mot
 
 Result<void> checkPerformed(const Character& character, const Motion& motion, const JointSettings& settings) {
   if (motion.packets) {
-    const Result<std::unique_ptr<PoseSource>> source = streamSourceOf(character, motion, settings);
-    return source ? Result<void>() : source.error();
+    LORICA_TRY_DO(streamSourceOf(character, motion, settings));
+    return {};
   }
   Motion first{motion.name, {}, std::nullopt, std::nullopt, motion.fromCharacterFile, motion.format, {}};
   if (motion.bones) {
@@ -62,16 +62,15 @@ Result<void> checkPerformed(const Character& character, const Motion& motion, co
   } else {
     first.joints = {motion.joints.front()};
   }
-  const Result<SkeletalMotion> performed = performedBy(character, first, settings);
-  return performed ? Result<void>() : performed.error();
+  LORICA_TRY_DO(performedBy(character, first, settings));
+  return {};
 }
 
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const SourceTreatment& treatment) {
   if (motion.packets) {
-    Result<std::unique_ptr<PoseSource>> source = streamSourceOf(character, motion, treatment.joints);
-    if (!source) return source.error();
-    return makeTreatedSource(std::move(*source), treatment);
+    LORICA_TRY(std::unique_ptr<PoseSource> source, streamSourceOf(character, motion, treatment.joints));
+    return makeTreatedSource(std::move(source), treatment);
   }
   if (!motion.bones) {
     Result<std::unique_ptr<PoseSource>> source =
@@ -79,9 +78,8 @@ Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, con
     if (!source) return onCharacter(motion, character, source.error());
     return source;
   }
-  Result<SkeletalMotion> performed = performedBy(character, motion, treatment.joints);
-  if (!performed) return performed.error();
-  return makeTreatedSource(makeMotionPoseSource(std::move(*performed)), treatment);
+  LORICA_TRY(SkeletalMotion performed, performedBy(character, motion, treatment.joints));
+  return makeTreatedSource(makeMotionPoseSource(std::move(performed)), treatment);
 }
 
 }  // namespace lorica

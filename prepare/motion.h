@@ -3,6 +3,7 @@
 #include "capture/retarget/sender_rest.h"
 #include "capture/skeleton_frame.h"
 #include "capture/streams/packet_file.h"
+#include "geometry/counts.h"
 #include "geometry/result.h"
 #include "session/pose_source.h"
 #include "session/treated_source.h"
@@ -37,7 +38,7 @@ struct Motion {
 
   [[nodiscard]] int frameCount() const {
     if (packets) return packets->steps;
-    return bones ? bones->frameCount() : static_cast<int>(joints.size());
+    return bones ? bones->frameCount() : countOf(joints);
   }
   [[nodiscard]] double firstTime() const { return bones ? bones->times.front() : joints.front().time; }
   /// From the first frame to the last [s].

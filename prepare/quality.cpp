@@ -28,7 +28,7 @@ Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls&
 double measureDistance(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
                        double ignoreBelow) {
   double worst = 0.0;
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   std::vector<double> ofPart(decomposition.parts.size());
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     transfer(decomposition, keyframes.keyframe(k), points);

@@ -2,9 +2,9 @@
 
 #include "capture/retarget/proxy_skeleton.h"
 #include "collision/live/part_bones.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "prepare/keyframes.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -24,10 +24,10 @@ double farthestTrained(const TrainingRange& range, const Decomposition& decompos
   for (const SkeletalMotion& motion : training.motions) {
     SkeletalMotion one{motion.name, motion.skeleton, {0.0}, {}};
     for (std::size_t f = 0; f < motion.times.size(); f += stride) {
-      const std::span<const JointTransform> pose = motion.pose(static_cast<int>(f));
+      const std::span<const JointTransform> pose = motion.pose(f);
       one.poses.assign(pose.begin(), pose.end());
       const std::vector<Vec3> posed = poseAllFrames(character, one);
-      farthest = std::max(farthest, farthestFrame(range, decomposition, {posed, static_cast<int>(posed.size())}));
+      farthest = std::max(farthest, farthestFrame(range, decomposition, {posed, countOf(posed)}));
     }
   }
   return farthest;
@@ -40,14 +40,13 @@ Result<Training> trainingMotions(const Character& character, std::span<const Mot
   Training training;
   const auto add = [&](std::span<const Motion> motions) -> Result<void> {
     for (const Motion& motion : motions) {
-      Result<SkeletalMotion> performed = performedBy(character, motion);
-      if (!performed) return performed.error();
-      training.motions.push_back(std::move(*performed));
+      LORICA_TRY(SkeletalMotion performed, performedBy(character, motion));
+      training.motions.push_back(std::move(performed));
     }
     return {};
   };
   if (!given.empty()) {
-    if (Result<void> added = add(given); !added) return added.error();
+    LORICA_TRY_DO(add(given));
     return training;
   }
   if (!clips.empty()) {
@@ -62,7 +61,7 @@ Result<Training> trainingMotions(const Character& character, std::span<const Mot
     const Result<std::vector<Motion>> motions = usual();
     if (!motions && clips.empty()) return motions.error();
     if (motions) {
-      if (Result<void> added = add(*motions); !added) return added.error();
+      LORICA_TRY_DO(add(*motions));
     }
   }
   if (training.motions.empty())
@@ -78,28 +77,22 @@ Result<Keyframes> trainingKeyframes(const Character& character, const Training& 
         training.ownClips ? kChooseKeyframes : static_cast<int>(std::min<std::size_t>(kDefaultKeyframes, frameCount));
   }
   if (*count == kChooseKeyframes) {
-    Result<ChosenKeyframes> found =
-        chooseKeyframes(character, training.motions, kDefaultKeyframes, kLikeEnough * character.height);
-    if (!found) return found.error();
-    Keyframes keyframes{std::move(found->positions),
-                        static_cast<int>(found->sources.size()),
-                        {},
-                        found->farthest,
-                        std::move(found->worldFromModel)};
-    keyframes.chosen.reserve(found->sources.size());
-    for (const KeyframeSource& source : found->sources) {
+    LORICA_TRY(ChosenKeyframes found,
+               chooseKeyframes(character, training.motions, kDefaultKeyframes, kLikeEnough * character.height));
+    Keyframes keyframes{
+        std::move(found.positions), countOf(found.sources), {}, found.farthest, std::move(found.worldFromModel)};
+    keyframes.chosen.reserve(found.sources.size());
+    for (const KeyframeSource& source : found.sources) {
       keyframes.chosen.push_back({training.motions[source.motion].name, source.frame, source.time});
     }
     return keyframes;
   }
   if (static_cast<std::size_t>(*count) > frameCount) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("found {} keyframes, expected at most {}, the number of frames to choose from", *count,
-                             frameCount)};
+    return invalidArgument("found {} keyframes, expected at most {}, the number of frames to choose from", *count,
+                           frameCount);
   }
-  Result<std::vector<Vec3>> positions = sampleKeyframes(character, training.motions, *count);
-  if (!positions) return positions.error();
-  return Keyframes{std::move(*positions), *count, {}, 0.0, sampleBones(character, training.motions, *count)};
+  LORICA_TRY(std::vector<Vec3> positions, sampleKeyframes(character, training.motions, *count));
+  return Keyframes{std::move(positions), *count, {}, 0.0, sampleBones(character, training.motions, *count)};
 }
 
 DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,

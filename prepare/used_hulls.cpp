@@ -7,7 +7,7 @@ namespace lorica {
 UsedHulls liveHulls(const Character& character, const Decomposition& decomposition, const HullCover& cover,
                     BonePoseView poses) {
   const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition);
-  UsedHulls hulls(static_cast<std::size_t>(poses.poseCount()));
+  UsedHulls hulls(poses.poseCount());
   tbb::parallel_for(0, poses.poseCount(), [&](int k) {
     std::vector<Vec3> positions;
     for (const std::vector<CoverPoint>& points : cover.points) {

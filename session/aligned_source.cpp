@@ -38,13 +38,12 @@ void AlignedSource::place() {
 Result<void> AlignedSource::read() {
   std::swap(previous_, next_);
   std::copy(previous_.begin(), previous_.end(), next_.begin());
-  const Result<std::optional<double>> time = source_->next(next_);
-  if (!time) return time.error();
-  ended_ = !time->has_value();
+  LORICA_TRY(const std::optional<double> time, source_->next(next_));
+  ended_ = !time.has_value();
   if (ended_) return {};
-  if (!started_) sessionFromSource_ = joined_.value_or(**time) - **time;
+  if (!started_) sessionFromSource_ = joined_.value_or(*time) - *time;
   previousTime_ = nextTime_;
-  nextTime_ = **time + sessionFromSource_;
+  nextTime_ = *time + sessionFromSource_;
   if (!started_) {
     previous_ = next_;
     previousTime_ = nextTime_;
@@ -55,7 +54,7 @@ Result<void> AlignedSource::read() {
 
 Result<std::optional<double>> AlignedSource::lead() {
   if (!pending_) {
-    if (Result<void> done = read(); !done) return done.error();
+    LORICA_TRY_DO(read());
     if (ended_) return std::optional<double>();
   }
   pending_ = false;
@@ -69,7 +68,7 @@ Result<void> AlignedSource::follow(double time) {
   while (!ended_ && (!started_ || nextTime_ < time)) {
     const bool advanced = started_;
     const double before = nextTime_;
-    if (Result<void> done = read(); !done) return done;
+    LORICA_TRY_DO(read());
     if (advanced && nextTime_ <= before) break;  // a live source has nothing newer
   }
   pending_ = !ended_ && nextTime_ > time;

@@ -33,7 +33,7 @@ Vec3 nearestOnTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& 
 }  // namespace
 
 ContactBones::ContactBones(const Decomposition& decomposition, const Character& character)
-    : weights_(static_cast<std::size_t>(character.skeleton.jointCount()), 0.0) {
+    : weights_(character.skeleton.jointCount(), 0.0) {
   const std::vector<LiftedPoint> points = liftPoints(character, decomposition);
   std::size_t count = 0;
   for (const LiftedPoint& point : points) count += point.size();
@@ -69,12 +69,12 @@ JointIndex ContactBones::at(const LivePart& part, const Vec3& position) {
   if (face == nullptr) return kNoJoint;
   std::fill(weights_.begin(), weights_.end(), 0.0);
   for (int i = 0; i < 3; ++i) {
-    const auto point = static_cast<std::size_t>(hull.pointOfVertex[(*face)[i]]);
+    const std::size_t point = hull.pointOfVertex[(*face)[i]];
     for (std::size_t s = points_->begin[point]; s < points_->begin[point + 1]; ++s) {
       weights_[points_->shares[s].joint] += corners[i] * points_->shares[s].weight;
     }
   }
-  return static_cast<JointIndex>(std::max_element(weights_.begin(), weights_.end()) - weights_.begin());
+  return std::max_element(weights_.begin(), weights_.end()) - weights_.begin();
 }
 
 }  // namespace lorica

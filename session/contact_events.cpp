@@ -1,6 +1,7 @@
 #include "session/contact_events.h"
 
 #include "collision/world/strike_limit.h"
+#include "geometry/counts.h"
 #include "session/part_masses.h"
 #include "session/session.h"
 
@@ -50,7 +51,7 @@ void ContactEvents::addPropTouches(const Session& session) {
 }
 
 void ContactEvents::addSelfTouches(const Session& session, double seconds) {
-  for (int a = 0; a < static_cast<int>(session.avatars().size()); ++a) {
+  for (int a = 0; a < countOf(session.avatars()); ++a) {
     const SessionAvatar& avatar = session.avatar(a);
     const std::span<const LivePart> parts = avatar.body().parts();
     for (const SelfContact& contact : avatar.selfContacts()) {
@@ -67,7 +68,7 @@ void ContactEvents::addSelfTouches(const Session& session, double seconds) {
 }
 
 void ContactEvents::addAvatarTouches(const Session& session) {
-  const auto begin = static_cast<std::ptrdiff_t>(touches_.size());
+  const std::ptrdiff_t begin = touches_.size();
   for (const BodyContact& contact : session.avatarContacts()) {
     const SessionAvatar& first = session.avatar(contact.firstBody);
     const SessionAvatar& second = session.avatar(contact.secondBody);

@@ -31,9 +31,7 @@ class ContactEvents {
   std::span<const ContactEvent> endAll() { return tracker_.endAll(); }
 
   /// Mass of a part: its own volume without those of its neighbours, as if it were of water [kg].
-  [[nodiscard]] double massOf(PartIndex part, int avatar = 0) const {
-    return masses_[static_cast<std::size_t>(avatar)][part];
-  }
+  [[nodiscard]] double massOf(PartIndex part, int avatar = 0) const { return masses_[avatar][part]; }
 
  private:
   void addPropTouches(const Session& session);

@@ -39,7 +39,7 @@ std::optional<JointTrust::Source> JointTrust::sourceOf(HumanBone bone) {
   return Source{hand, hand};  // the hand and its fingers
 }
 
-JointTrust::JointTrust(const Skeleton& skeleton) : joints_(static_cast<std::size_t>(skeleton.jointCount()), 1.0) {
+JointTrust::JointTrust(const Skeleton& skeleton) : joints_(skeleton.jointCount(), 1.0) {
   sources_.reserve(joints_.size());
   for (const Joint& joint : skeleton.joints()) {
     std::optional<Source> source;

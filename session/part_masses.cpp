@@ -8,7 +8,7 @@
 namespace lorica {
 
 std::vector<double> partMasses(const Decomposition& decomposition, const Character& character) {
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, character.mesh.vertices, points);
   std::vector<double> masses;
   masses.reserve(decomposition.parts.size());

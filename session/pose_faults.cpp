@@ -4,6 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "geometry/errors.h"
+
 namespace lorica {
 namespace {
 
@@ -74,8 +76,8 @@ class FaultyPoses final : public PoseSource {
 Result<std::unique_ptr<PoseSource>> makePoseFaults(std::unique_ptr<PoseSource> source, const FaultSettings& settings) {
   LORICA_CHECK(source != nullptr, "pose faults need a source");
   if (settings.ofJoints()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 "dropout, jitter and swap apply to tracked joints, not to motions of bones; expected late or freeze"};
+    return invalidArgument(
+        "dropout, jitter and swap apply to tracked joints, not to motions of bones; expected late or freeze");
   }
   if (!settings.any()) return source;
   return std::unique_ptr<PoseSource>(std::make_unique<FaultyPoses>(std::move(source), settings));

@@ -90,13 +90,12 @@ Result<SkeletalMotion> playedBy(const Skeleton& skeleton, Result<std::unique_ptr
   if (!source) return source.error();
   SkeletalMotion motion{"", skeleton, {}, {}};
   motion.times.reserve(frameCount);
-  motion.poses.reserve(frameCount * static_cast<std::size_t>(skeleton.jointCount()));
+  motion.poses.reserve(frameCount * skeleton.jointCount());
   Pose pose = restPose(skeleton);
   while (true) {
-    const Result<std::optional<double>> time = (*source)->next(pose);
-    if (!time) return time.error();
-    if (!time->has_value()) return motion;
-    motion.times.push_back(**time);
+    LORICA_TRY(const std::optional<double> time, (*source)->next(pose));
+    if (!time.has_value()) return motion;
+    motion.times.push_back(*time);
     motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
   }
 }
@@ -108,9 +107,8 @@ Result<std::vector<SkeletalMotion>> performEach(const Performer& performer,
   std::vector<SkeletalMotion> motions;
   motions.reserve(recordings.size());
   for (const std::vector<SkeletonFrame>& recording : recordings) {
-    Result<SkeletalMotion> motion = perform(performer, recording);
-    if (!motion) return motion.error();
-    motions.push_back(std::move(*motion));
+    LORICA_TRY(SkeletalMotion motion, perform(performer, recording));
+    motions.push_back(std::move(motion));
   }
   return motions;
 }
@@ -121,20 +119,18 @@ Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton
                                                         std::unique_ptr<SkeletonSource> joints,
                                                         const JointSettings& settings) {
   LORICA_CHECK(joints != nullptr, "a joint pose source needs a source of joints");
-  Result<Retargeter> retargeter = Retargeter::create(skeleton);
-  if (!retargeter) return retargeter.error();
+  LORICA_TRY(Retargeter retargeter, Retargeter::create(skeleton));
   return std::unique_ptr<PoseSource>(
-      std::make_unique<JointPoseSource>(skeleton, std::move(retargeter).value(), std::move(joints), settings));
+      std::make_unique<JointPoseSource>(skeleton, std::move(retargeter), std::move(joints), settings));
 }
 
 Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Character& character,
                                                         std::unique_ptr<SkeletonSource> joints,
                                                         const JointSettings& settings) {
-  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
-  if (!proxy) return proxy.error();
-  Result<std::unique_ptr<PoseSource>> source = makeJointPoseSource(proxy->skeleton(), std::move(joints), settings);
-  if (!source || proxy->isOwn()) return source;
-  return makeProxyPoseSource(std::move(*proxy), std::move(*source));
+  LORICA_TRY(ProxySkeleton proxy, ProxySkeleton::create(character));
+  Result<std::unique_ptr<PoseSource>> source = makeJointPoseSource(proxy.skeleton(), std::move(joints), settings);
+  if (!source || proxy.isOwn()) return source;
+  return makeProxyPoseSource(std::move(proxy), std::move(*source));
 }
 
 std::unique_ptr<PoseSource> makeMotionPoseSource(SkeletalMotion motion) {

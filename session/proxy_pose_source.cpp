@@ -17,7 +17,7 @@ class ProxyPoseSource final : public PoseSource {
     const std::span<const double> trust = source_->trust();
     trust_.resize(trust.empty() ? 0 : pose.size());
     for (std::size_t j = 0; j < trust_.size(); ++j) {
-      trust_[j] = trust[proxy_.proxyOf(static_cast<JointIndex>(j))];
+      trust_[j] = trust[proxy_.proxyOf(j)];
     }
     return time;
   }

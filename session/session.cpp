@@ -9,6 +9,8 @@
 #include <chrono>
 #include <utility>
 
+#include "geometry/counts.h"
+
 namespace lorica {
 namespace {
 
@@ -38,11 +40,10 @@ std::uint64_t chainHash(std::uint64_t hash, const Prop& prop) {
 
 Result<Session> Session::create(Character character, Decomposition decomposition, std::unique_ptr<PoseSource> source,
                                 World world, std::optional<HullCover> cover, std::optional<TrainingRange> training) {
-  Result<SessionAvatar> avatar = SessionAvatar::create(std::move(character), std::move(decomposition),
-                                                       std::move(source), std::move(cover), std::move(training));
-  if (!avatar) return avatar.error();
+  LORICA_TRY(SessionAvatar avatar, SessionAvatar::create(std::move(character), std::move(decomposition),
+                                                         std::move(source), std::move(cover), std::move(training)));
   Session session(std::move(world));
-  session.addAvatar(std::move(*avatar));
+  session.addAvatar(std::move(avatar));
   return session;
 }
 
@@ -50,19 +51,18 @@ int Session::addAvatar(SessionAvatar avatar) {
   if (watcher_) watcher_->sessionChanged();
   if (frameCount_ > 0) avatar.source_.joinAt(time_ + kFirstFrameSeconds);
   avatars_.push_back(std::move(avatar));
-  return static_cast<int>(avatars_.size()) - 1;
+  return countOf(avatars_) - 1;
 }
 
 Result<bool> Session::step() {
   if (watcher_) watcher_->beforeStep(*this);
   const Clock::time_point begin = Clock::now();
-  const Result<std::optional<double>> next = readPoses();
-  if (!next) return next.error();
-  if (!next->has_value()) return false;
-  const double sourceSeconds = **next - time_;
+  LORICA_TRY(const std::optional<double> next, readPoses());
+  if (!next.has_value()) return false;
+  const double sourceSeconds = *next - time_;
   const double seconds = frameCount_ == 0 ? kFirstFrameSeconds : frameSeconds(sourceSeconds);
   seconds_ = frameCount_ == 0 ? kFirstFrameSeconds : std::max(sourceSeconds, kShortestFrameSeconds);
-  time_ = **next;
+  time_ = *next;
   times_ = {};
   for (const SessionAvatar& avatar : avatars_) times_.retarget -= 1e6 * avatar.source().waited();
   times_.retarget = std::max(0.0, times_.retarget + microsecondsBetween(begin, Clock::now()));
@@ -91,7 +91,7 @@ Result<bool> Session::step() {
   addToHashes();
   ++frameCount_;
   if (watcher_) {
-    if (Result<void> watched = watcher_->afterStep(*this, actions_); !watched) return watched.error();
+    LORICA_TRY_DO(watcher_->afterStep(*this, actions_));
   }
   actions_.clear();
   return true;
@@ -103,13 +103,11 @@ Result<std::optional<double>> Session::readPoses() {
   std::optional<double> time;
   for (; leader != avatars_.end() && !time; ++leader) {
     if (leader->source_.ended()) continue;
-    const Result<std::optional<double>> led = leader->source_.lead();
-    if (!led) return led.error();
-    time = *led;
+    LORICA_TRY(time, leader->source_.lead());
   }
   if (!time) return time;
   for (; leader != avatars_.end(); ++leader) {
-    if (Result<void> done = leader->source_.follow(*time); !done) return done.error();
+    LORICA_TRY_DO(leader->source_.follow(*time));
   }
   return time;
 }
@@ -167,13 +165,13 @@ void Session::restart(std::vector<std::unique_ptr<PoseSource>> sources, World wo
 
 void Session::setBody(std::shared_ptr<const BodyPlan> plan, int avatar) {
   if (watcher_) watcher_->sessionChanged();
-  avatars_[static_cast<std::size_t>(avatar)].setBody(std::move(plan));
+  avatars_[avatar].setBody(std::move(plan));
   contactsFrame_ = 0;
   if (frameCount_ > 0) world_.stepAvatars({}, 0.0);  // removes the old parts and their contacts from Bullet
 }
 
 Result<void> Session::setSprings(const SpringBones& springs, SpringMode mode, int avatar) {
-  if (Result<void> set = avatars_[static_cast<std::size_t>(avatar)].setSprings(springs, mode); !set) return set;
+  LORICA_TRY_DO(avatars_[avatar].setSprings(springs, mode));
   if (watcher_) watcher_->sessionChanged();
   return {};
 }

@@ -75,7 +75,7 @@ class Session {
   void setWorld(World world);
 
   [[nodiscard]] std::span<const SessionAvatar> avatars() const { return avatars_; }
-  [[nodiscard]] const SessionAvatar& avatar(int index = 0) const { return avatars_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] const SessionAvatar& avatar(int index = 0) const { return avatars_[index]; }
   /// Time of this frame [s].
   [[nodiscard]] double time() const { return time_; }
   /// Overlapping parts of different avatars in this frame. Computed on demand: by the first call of a frame, or, if

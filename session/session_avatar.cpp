@@ -1,9 +1,9 @@
 #include "session/session_avatar.h"
 
 #include "acd/transfer.h"
+#include "geometry/errors.h"
 #include "skinning/linear_blend.h"
 
-#include <fmt/format.h>
 #include <xxhash.h>
 
 #include <algorithm>
@@ -30,16 +30,16 @@ std::uint64_t chainHash(std::uint64_t hash, const LivePart& part) {
 Result<void> checkTraining(const TrainingRange& training, const Decomposition& decomposition) {
   const std::size_t probes = training.probes.size();
   if (probes < 1 || probes > kMaxProbes || training.keyframeCount < 1 ||
-      training.positions.size() != probes * static_cast<std::size_t>(training.keyframeCount)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the training range has {} probes, {} keyframes and {} positions, expected 1 to {} "
-                             "probes, at least one keyframe and a position for each probe in each keyframe",
-                             probes, training.keyframeCount, training.positions.size(), kMaxProbes)};
+      training.positions.size() != probes * training.keyframeCount) {
+    return invalidArgument(
+        "the training range has {} probes, {} keyframes and {} positions, expected 1 to {} probes, at least one "
+        "keyframe and a position for each probe in each keyframe",
+        probes, training.keyframeCount, training.positions.size(), kMaxProbes);
   }
   for (const PointIndex p : training.probes) {
     if (p >= 0 && p < decomposition.pointCount()) continue;
-    return Error{ErrorCode::kInvalidArgument, fmt::format("a probe of the training range is point {}, expected 0 to {}",
-                                                          p, decomposition.pointCount() - 1)};
+    return invalidArgument("a probe of the training range is point {}, expected 0 to {}", p,
+                           decomposition.pointCount() - 1);
   }
   return {};
 }
@@ -50,19 +50,18 @@ Result<SessionAvatar> SessionAvatar::create(Character character, Decomposition d
                                             std::unique_ptr<PoseSource> source, std::optional<HullCover> cover,
                                             std::optional<TrainingRange> training) {
   LORICA_CHECK(source != nullptr, "an avatar needs a source");
-  Result<LiveBody> body = LiveBody::create(std::move(decomposition), character, std::move(cover));
-  if (!body) return body.error();
+  LORICA_TRY(LiveBody body, LiveBody::create(std::move(decomposition), character, std::move(cover)));
   std::vector<LiftedPoint> probes;
   if (training) {
-    if (Result<void> fits = checkTraining(*training, body->decomposition()); !fits) return fits.error();
-    std::vector<LiftedPoint> lifted = liftPoints(character, body->decomposition());
+    LORICA_TRY_DO(checkTraining(*training, body.decomposition()));
+    std::vector<LiftedPoint> lifted = liftPoints(character, body.decomposition());
     probes.reserve(training->probes.size());
     for (const PointIndex p : training->probes) probes.push_back(std::move(lifted[p]));
   }
-  ContactBones bones(body->decomposition(), character);
-  JointsOfParts joints = jointsOfParts(body->decomposition(), character);
+  ContactBones bones(body.decomposition(), character);
+  JointsOfParts joints = jointsOfParts(body.decomposition(), character);
   auto kind = std::make_shared<const Kind>(Kind{std::move(character), std::move(training), std::move(probes)});
-  return SessionAvatar(std::move(kind), std::move(*body), std::move(joints), std::move(bones), std::move(source));
+  return SessionAvatar(std::move(kind), std::move(body), std::move(joints), std::move(bones), std::move(source));
 }
 
 SessionAvatar SessionAvatar::another(std::unique_ptr<PoseSource> source) const {
@@ -77,7 +76,7 @@ SessionAvatar::SessionAvatar(std::shared_ptr<const Kind> kind, LiveBody body, Jo
       jointsOfPart_(std::move(joints)),
       contactBones_(std::move(bones)),
       probePositions_(kind_->probes.size()),
-      worldFromJoint_(static_cast<std::size_t>(kind_->character.skeleton.jointCount()), Affine3::Identity()),
+      worldFromJoint_(kind_->character.skeleton.jointCount(), Affine3::Identity()),
       worldFromModel_(worldFromJoint_.size()) {}
 
 void SessionAvatar::setPlace(const Isometry3& worldFromMotion) {
@@ -147,9 +146,7 @@ void SessionAvatar::setBody(std::shared_ptr<const BodyPlan> plan) {
 }
 
 Result<void> SessionAvatar::setSprings(const SpringBones& springs, SpringMode mode) {
-  Result<SessionSprings> made = SessionSprings::create(character(), springs, mode, body_);
-  if (!made) return made.error();
-  springs_ = std::move(*made);
+  LORICA_TRY(springs_, SessionSprings::create(character(), springs, mode, body_));
   return {};
 }
 
@@ -160,7 +157,7 @@ void SessionAvatar::passTrustOn() {
   for (std::size_t p = 0; p < jointsOfPart_.size(); ++p) {
     double distrust = 0.0;
     for (const JointShare& j : jointsOfPart_[p]) distrust += j.share * (1.0 - trust[j.joint]);
-    body_.setTrust(static_cast<PartIndex>(p), 1.0 - std::min(distrust, 1.0));
+    body_.setTrust(p, 1.0 - std::min(distrust, 1.0));
   }
 }
 
@@ -190,7 +187,7 @@ JointIndex SessionAvatar::boneAt(PartIndex part, const Vec3& position) const {
 std::span<const Vec3> SessionAvatar::points() const {
   if (pointsFrame_ == frameCount_) return points_;
   const std::vector<Vec3>& bind = character().mesh.vertices;
-  points_.resize(static_cast<std::size_t>(body_.decomposition().pointCount()));
+  points_.resize(body_.decomposition().pointCount());
   const auto posed = std::span(points_).first(bind.size());
   if (frameCount_ == 0) {
     std::copy(bind.begin(), bind.end(), posed.begin());

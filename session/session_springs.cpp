@@ -36,9 +36,8 @@ Result<SessionSprings> SessionSprings::create(const Character& character, Spring
   if (mode == SpringMode::kBody) {
     for (SpringChain& chain : springs.chains) chain.colliderGroups.clear();
   }
-  Result<SpringSimulation> simulation = SpringSimulation::create(character.skeleton, std::move(springs));
-  if (!simulation) return simulation.error();
-  SessionSprings made(std::move(*simulation), mode, hash);
+  LORICA_TRY(SpringSimulation simulation, SpringSimulation::create(character.skeleton, std::move(springs)));
+  SessionSprings made(std::move(simulation), mode, hash);
   made.pose_ = restPose(character.skeleton);
   made.worldFromModel_.resize(made.pose_.size());
   made.setBody(character, body);

@@ -25,7 +25,7 @@ class StreamPoseSource final : public PoseSource {
         retargeter_(std::move(retargeter)),
         stream_(std::move(stream)),
         settings_(settings),
-        trust_(static_cast<std::size_t>(skeleton.jointCount()), 0.0) {}
+        trust_(skeleton.jointCount(), 0.0) {}
 
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
     using Clock = std::chrono::steady_clock;
@@ -58,7 +58,7 @@ class StreamPoseSource final : public PoseSource {
     const std::span<const Joint> joints = skeleton_.joints();
     for (std::size_t j = 0; j < joints.size(); ++j) {
       const JointIndex parent = joints[j].parent;
-      const bool above = parent == kNoJoint ? known : trust_[static_cast<std::size_t>(parent)] > 0.0;
+      const bool above = parent == kNoJoint ? known : trust_[parent] > 0.0;
       const bool sure = above && !isGuessed(joints[j].bone);
       trust_[j] = sure ? std::min(1.0, trust_[j] + std::max(step, kLeastTrust) / kRecoverSeconds) : 0.0;
     }
@@ -90,14 +90,12 @@ class StreamPoseSource final : public PoseSource {
 Result<std::unique_ptr<PoseSource>> makeStreamPoseSource(const Character& character, std::unique_ptr<BoneStream> stream,
                                                          const StreamSettings& settings) {
   LORICA_CHECK(stream != nullptr, "a stream pose source needs a stream");
-  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
-  if (!proxy) return proxy.error();
-  Result<StreamRetargeter> retargeter = StreamRetargeter::create(proxy->skeleton());
-  if (!retargeter) return retargeter.error();
+  LORICA_TRY(ProxySkeleton proxy, ProxySkeleton::create(character));
+  LORICA_TRY(StreamRetargeter retargeter, StreamRetargeter::create(proxy.skeleton()));
   auto source =
-      std::make_unique<StreamPoseSource>(proxy->skeleton(), std::move(*retargeter), std::move(stream), settings);
-  if (proxy->isOwn()) return std::unique_ptr<PoseSource>(std::move(source));
-  return makeProxyPoseSource(std::move(*proxy), std::move(source));
+      std::make_unique<StreamPoseSource>(proxy.skeleton(), std::move(retargeter), std::move(stream), settings);
+  if (proxy.isOwn()) return std::unique_ptr<PoseSource>(std::move(source));
+  return makeProxyPoseSource(std::move(proxy), std::move(source));
 }
 
 }  // namespace lorica

@@ -2,6 +2,8 @@
 
 #include <numbers>
 
+#include "geometry/counts.h"
+
 namespace lorica {
 namespace {
 
@@ -50,7 +52,7 @@ bool canBeDone(const WorldAction& action, const World& world) {
       return isPosition(action.position) && action.velocity.allFinite() && action.velocity.norm() <= kFastestBall &&
              action.radius >= kSmallestBall && action.radius <= kLargestBall;
     case WorldAction::Kind::kGrab:
-      return isPosition(action.position) && action.prop >= 0 && action.prop < static_cast<int>(world.props().size());
+      return isPosition(action.position) && action.prop >= 0 && action.prop < countOf(world.props());
     case WorldAction::Kind::kMoveGrab:
       return isPosition(action.position);
     case WorldAction::Kind::kRelease:

@@ -1,6 +1,7 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
 #include "bindings/c/hull.h"
+#include "geometry/errors.h"
 
 #include <cmath>
 #include <optional>
@@ -10,22 +11,21 @@ namespace lorica {
 namespace {
 
 Result<CharacterBodySettings> settingsFrom(const lorica_body_options* given) {
-  const Result<lorica_body_options> options = taken(given, "options");
-  if (!options) return options.error();
-  const bool fits = options->parts >= 0 && options->threads >= 0 && std::isfinite(options->cover) &&
-                    options->cover >= 0.0 && (options->hull_vertices == 0 || options->hull_vertices >= 4);
+  LORICA_TRY(const lorica_body_options options, taken(given, "options"));
+  const bool fits = options.parts >= 0 && options.threads >= 0 && std::isfinite(options.cover) &&
+                    options.cover >= 0.0 && (options.hull_vertices == 0 || options.hull_vertices >= 4);
   if (!fits) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("parts {}, threads {}, cover {}, hull_vertices {}: expected none below 0, and at least 4 "
-                             "vertices of a hull, or 0",
-                             options->parts, options->threads, options->cover, options->hull_vertices)};
+    return invalidArgument(
+        "parts {}, threads {}, cover {}, hull_vertices {}: expected none below 0, and at least 4 vertices of a hull, "
+        "or 0",
+        options.parts, options.threads, options.cover, options.hull_vertices);
   }
   CharacterBodySettings settings;
-  settings.parts = options->parts;
-  settings.cover.hullVertices = options->hull_vertices;
-  if (options->cover > 0.0) settings.cover.tolerance = options->cover;
-  settings.threads = options->threads;
-  settings.progress = progressFrom(options->progress, options->user);
+  settings.parts = options.parts;
+  settings.cover.hullVertices = options.hull_vertices;
+  if (options.cover > 0.0) settings.cover.tolerance = options.cover;
+  settings.threads = options.threads;
+  settings.progress = progressFrom(options.progress, options.user);
   return settings;
 }
 
@@ -36,11 +36,10 @@ using namespace lorica;
 
 lorica_status lorica_character_read(const char* name_or_file, lorica_character** out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(name_or_file, "name_or_file"); !fine) return fine;
-    if (Result<void> fine = given(out, "out"); !fine) return fine;
-    auto read = readPlayable(name_or_file);
-    if (!read) return read.error();
-    *out = new lorica_character{std::move(*read)};
+    LORICA_TRY_DO(given(name_or_file, "name_or_file"));
+    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY(auto read, readPlayable(name_or_file));
+    *out = new lorica_character{std::move(read)};
     return {};
   });
 }
@@ -82,33 +81,30 @@ const char* lorica_character_clip_name(const lorica_character* character, size_t
 lorica_status lorica_body_make(const lorica_character* character, const lorica_body_options* options,
                                lorica_body** out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(character, "character"); !fine) return fine;
-    if (Result<void> fine = given(out, "out"); !fine) return fine;
-    const Result<CharacterBodySettings> settings = settingsFrom(options);
-    if (!settings) return settings.error();
-    auto made = makeCharacterBody(character->owner, *settings);
-    if (!made) return made.error();
-    *out = new lorica_body{std::move(*made)};
+    LORICA_TRY_DO(given(character, "character"));
+    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY(const CharacterBodySettings settings, settingsFrom(options));
+    LORICA_TRY(auto made, makeCharacterBody(character->owner, settings));
+    *out = new lorica_body{std::move(made)};
     return {};
   });
 }
 
 lorica_status lorica_body_load(const lorica_character* character, const char* file, lorica_body** out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(character, "character"); !fine) return fine;
-    if (Result<void> fine = given(file, "file"); !fine) return fine;
-    if (Result<void> fine = given(out, "out"); !fine) return fine;
-    auto read = readCharacterBody(character->owner, file);
-    if (!read) return read.error();
-    *out = new lorica_body{std::move(*read)};
+    LORICA_TRY_DO(given(character, "character"));
+    LORICA_TRY_DO(given(file, "file"));
+    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY(auto read, readCharacterBody(character->owner, file));
+    *out = new lorica_body{std::move(read)};
     return {};
   });
 }
 
 lorica_status lorica_body_save(const lorica_body* body, const char* file) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(body, "body"); !fine) return fine;
-    if (Result<void> fine = given(file, "file"); !fine) return fine;
+    LORICA_TRY_DO(given(body, "body"));
+    LORICA_TRY_DO(given(file, "file"));
     return writeDecomposition(file, body->body->content);
   });
 }
@@ -124,15 +120,13 @@ size_t lorica_body_part_count(const lorica_body* body) {
 lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
                                  const lorica_motion_options* options, lorica_motion** out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(character, "character"); !fine) return fine;
-    if (Result<void> fine = given(name_or_file, "name_or_file"); !fine) return fine;
-    if (Result<void> fine = given(out, "out"); !fine) return fine;
-    const Result<lorica_motion_options> wanted = taken(options, "options");
-    if (!wanted) return wanted.error();
-    const PerformanceSettings settings{wanted->clip == nullptr ? "" : wanted->clip, wanted->mirror != 0};
-    Result<SkeletalMotion> performed = performanceOf(character->owner->character, name_or_file, settings);
-    if (!performed) return performed.error();
-    *out = new lorica_motion{std::move(*performed)};
+    LORICA_TRY_DO(given(character, "character"));
+    LORICA_TRY_DO(given(name_or_file, "name_or_file"));
+    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY(const lorica_motion_options wanted, taken(options, "options"));
+    const PerformanceSettings settings{wanted.clip == nullptr ? "" : wanted.clip, wanted.mirror != 0};
+    LORICA_TRY(SkeletalMotion performed, performanceOf(character->owner->character, name_or_file, settings));
+    *out = new lorica_motion{std::move(performed)};
     return {};
   });
 }

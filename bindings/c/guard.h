@@ -1,9 +1,8 @@
 #pragma once
 
 #include "bindings/c/lorica.h"
+#include "geometry/errors.h"
 #include "geometry/result.h"
-
-#include <fmt/format.h>
 
 #include <cstddef>
 #include <cstring>
@@ -24,11 +23,11 @@ lorica_status guarded(const Body& body) noexcept {
     const Result<void> done = body();
     return done ? LORICA_OK : fail(done.error());
   } catch (const std::bad_alloc&) {
-    static_cast<void>(fail({ErrorCode::kUnsupported, "out of memory"}));
+    (void)fail(unsupported("out of memory"));
   } catch (const std::exception& thrown) {
-    static_cast<void>(fail({ErrorCode::kUnsupported, std::string("unexpected: ") + thrown.what()}));
+    (void)fail(unsupported(std::string("unexpected: ") + thrown.what()));
   } catch (...) {
-    static_cast<void>(fail({ErrorCode::kUnsupported, "unexpected failure"}));
+    (void)fail(unsupported("unexpected failure"));
   }
   return LORICA_FAILURE;
 }
@@ -36,23 +35,23 @@ lorica_status guarded(const Body& body) noexcept {
 /// An error if a pointer is null. @param name  of the argument
 inline Result<void> given(const void* pointer, const char* name) {
   if (pointer != nullptr) return {};
-  return Error{ErrorCode::kInvalidArgument, fmt::format("{} is null", name)};
+  return invalidArgument("{} is null", name);
 }
 
 /// An error if an index is out of range. @param what  is counted
 inline Result<void> inRange(std::size_t index, std::size_t count, const char* what) {
   if (index < count) return {};
-  return Error{ErrorCode::kInvalidArgument, fmt::format("{} {}: found {} of them, counted from 0", what, index, count)};
+  return invalidArgument("{} {}: found {} of them, counted from 0", what, index, count);
 }
 
 /// Checks the size that a program gave for a struct.
 template <typename Struct>
 Result<void> checkSize(const Struct& given, const char* name) {
   if (given.size == sizeof(Struct)) return {};  // all structs are of their first version
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("{}.size: found {}, expected {}: set it to sizeof of the struct, and use a library that is "
-                           "not older than the header",
-                           name, given.size, sizeof(Struct))};
+  return invalidArgument(
+      "{}.size: found {}, expected {}: set it to sizeof of the struct, and use a library that is not older than the "
+      "header",
+      name, given.size, sizeof(Struct));
 }
 
 /// What a program gave, with zeros where its version of the struct ends. @param given  null = all zeros
@@ -60,7 +59,7 @@ template <typename Struct>
 Result<Struct> taken(const Struct* given, const char* name) {
   Struct whole = {};
   if (given == nullptr) return whole;
-  if (Result<void> fine = checkSize(*given, name); !fine) return fine.error();
+  LORICA_TRY_DO(checkSize(*given, name));
   std::memcpy(&whole, given, given->size);
   return whole;
 }
@@ -68,8 +67,8 @@ Result<Struct> taken(const Struct* given, const char* name) {
 /// Fills as much of a struct as the program knows.
 template <typename Struct>
 Result<void> handOut(Struct whole, Struct* out) {
-  if (Result<void> fine = given(out, "out"); !fine) return fine;
-  if (Result<void> fine = checkSize(*out, "out"); !fine) return fine;
+  LORICA_TRY_DO(given(out, "out"));
+  LORICA_TRY_DO(checkSize(*out, "out"));
   whole.size = out->size;
   std::memcpy(out, &whole, out->size);
   return {};

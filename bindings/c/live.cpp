@@ -1,6 +1,7 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
 #include "bindings/c/hull.h"
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,24 +12,23 @@ namespace {
 
 /// Whether a motion is of the same skeleton as the body.
 Result<void> checkMotion(const lorica_live* live, const lorica_motion* motion) {
-  if (Result<void> fine = given(live, "live"); !fine) return fine;
-  if (Result<void> fine = given(motion, "motion"); !fine) return fine;
+  LORICA_TRY_DO(given(live, "live"));
+  LORICA_TRY_DO(given(motion, "motion"));
   const Skeleton& own = live->live.body().character().skeleton;
   const Skeleton& other = motion->motion.skeleton;
   bool same = own.jointCount() == other.jointCount();
   for (JointIndex j = 0; same && j < own.jointCount(); ++j) same = own.joint(j).name == other.joint(j).name;
   if (same) return {};
-  return Error{ErrorCode::kInvalidArgument,
-               fmt::format("the motion is one of another character, with {} joints; expected the {} joints of {}",
-                           other.jointCount(), own.jointCount(), live->live.body().character().name)};
+  return invalidArgument("the motion is one of another character, with {} joints; expected the {} joints of {}",
+                         other.jointCount(), own.jointCount(), live->live.body().character().name);
 }
 
 Result<void> checkJoints(const lorica_live* live, const double* numbers, std::size_t count) {
-  if (Result<void> fine = given(live, "live"); !fine) return fine;
-  if (Result<void> fine = given(numbers, "world_from_joint"); !fine) return fine;
+  LORICA_TRY_DO(given(live, "live"));
+  LORICA_TRY_DO(given(numbers, "world_from_joint"));
   const std::size_t expected = live->live.worldFromJoint().size();
   if (count == expected) return {};
-  return Error{ErrorCode::kInvalidArgument, fmt::format("joint_count: found {}, expected {}", count, expected)};
+  return invalidArgument("joint_count: found {}, expected {}", count, expected);
 }
 
 }  // namespace
@@ -38,8 +38,8 @@ using namespace lorica;
 
 lorica_status lorica_live_make(const lorica_body* body, lorica_live** out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(body, "body"); !fine) return fine;
-    if (Result<void> fine = given(out, "out"); !fine) return fine;
+    LORICA_TRY_DO(given(body, "body"));
+    LORICA_TRY_DO(given(out, "out"));
     const Skeleton& skeleton = body->body->character().skeleton;
     *out = new lorica_live{
         LiveCharacter(body->body), restPose(skeleton), std::vector<Affine3>(skeleton.joints().size()), {}, {}, {}};
@@ -53,9 +53,9 @@ void lorica_live_free(lorica_live* live) {
 
 lorica_status lorica_live_play(lorica_live* live, const lorica_motion* motion, size_t frame) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = checkMotion(live, motion); !fine) return fine;
-    if (Result<void> fine = inRange(frame, motion->motion.times.size(), "frame"); !fine) return fine;
-    live->live.pose(motion->motion.pose(static_cast<int>(frame)));
+    LORICA_TRY_DO(checkMotion(live, motion));
+    LORICA_TRY_DO(inRange(frame, motion->motion.times.size(), "frame"));
+    live->live.pose(motion->motion.pose(frame));
     live->contacts.clear();
     live->touches.clear();
     return {};
@@ -64,9 +64,9 @@ lorica_status lorica_live_play(lorica_live* live, const lorica_motion* motion, s
 
 lorica_status lorica_live_play_at(lorica_live* live, const lorica_motion* motion, double seconds) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = checkMotion(live, motion); !fine) return fine;
+    LORICA_TRY_DO(checkMotion(live, motion));
     if (!std::isfinite(seconds)) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("seconds: found {}, expected a finite number", seconds)};
+      return invalidArgument("seconds: found {}, expected a finite number", seconds);
     }
     poseAt(motion->motion, seconds, live->pose);
     live->live.pose(live->pose);
@@ -78,16 +78,15 @@ lorica_status lorica_live_play_at(lorica_live* live, const lorica_motion* motion
 
 lorica_status lorica_live_pose(lorica_live* live, const double* world_from_joint, size_t joint_count) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = checkJoints(live, world_from_joint, joint_count); !fine) return fine;
+    LORICA_TRY_DO(checkJoints(live, world_from_joint, joint_count));
     for (std::size_t joint = 0; joint < joint_count; ++joint) {
       const Eigen::Map<const Mat4> matrix(world_from_joint + 16 * joint);
       live->given[joint].matrix() = matrix;
       if (matrix.allFinite() && matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))) continue;
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("the matrix of joint {} has a number that is not finite, or a last row that is not 0 0 0 "
-                      "1; matrices are stored by columns",
-                      joint)};
+      return invalidArgument(
+          "the matrix of joint {} has a number that is not finite, or a last row that is not 0 0 0 1; matrices are "
+          "stored by columns",
+          joint);
     }
     live->live.place(live->given);
     live->contacts.clear();
@@ -98,7 +97,7 @@ lorica_status lorica_live_pose(lorica_live* live, const double* world_from_joint
 
 lorica_status lorica_live_transforms(const lorica_live* live, double* world_from_joint, size_t joint_count) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = checkJoints(live, world_from_joint, joint_count); !fine) return fine;
+    LORICA_TRY_DO(checkJoints(live, world_from_joint, joint_count));
     for (const Affine3& transform : live->live.worldFromJoint()) {
       world_from_joint = std::copy_n(transform.data(), 16, world_from_joint);
     }
@@ -108,26 +107,25 @@ lorica_status lorica_live_transforms(const lorica_live* live, double* world_from
 
 lorica_status lorica_live_hull(const lorica_live* live, size_t part, lorica_hull* out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(live, "live"); !fine) return fine;
-    if (Result<void> fine = inRange(part, live->live.hulls().size(), "part"); !fine) return fine;
+    LORICA_TRY_DO(given(live, "live"));
+    LORICA_TRY_DO(inRange(part, live->live.hulls().size(), "part"));
     return handOut(live->live.hulls()[part], out);
   });
 }
 
 lorica_status lorica_live_support(const lorica_live* live, size_t part, const double* direction, double* point) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(live, "live"); !fine) return fine;
-    if (Result<void> fine = given(direction, "direction"); !fine) return fine;
-    if (Result<void> fine = given(point, "point"); !fine) return fine;
-    if (Result<void> fine = inRange(part, live->live.hulls().size(), "part"); !fine) return fine;
-    if (!live->live.posed()) return Error{ErrorCode::kInvalidArgument, "the body has no pose yet"};
+    LORICA_TRY_DO(given(live, "live"));
+    LORICA_TRY_DO(given(direction, "direction"));
+    LORICA_TRY_DO(given(point, "point"));
+    LORICA_TRY_DO(inRange(part, live->live.hulls().size(), "part"));
+    if (!live->live.posed()) return invalidArgument("the body has no pose yet");
     const Eigen::Map<const Vec3> along(direction);
     if (!along.allFinite() || along.isZero(0.0)) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("direction: found {} {} {}, expected finite numbers that are not all 0", along.x(),
-                               along.y(), along.z())};
+      return invalidArgument("direction: found {} {} {}, expected finite numbers that are not all 0", along.x(),
+                             along.y(), along.z());
     }
-    const Vec3 farthest = live->live.support(static_cast<PartIndex>(part), along);
+    const Vec3 farthest = live->live.support(part, along);
     std::copy_n(farthest.data(), 3, point);
     return {};
   });
@@ -135,8 +133,8 @@ lorica_status lorica_live_support(const lorica_live* live, size_t part, const do
 
 lorica_status lorica_live_find_contacts(lorica_live* live, size_t* count) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(live, "live"); !fine) return fine;
-    if (Result<void> fine = given(count, "count"); !fine) return fine;
+    LORICA_TRY_DO(given(live, "live"));
+    LORICA_TRY_DO(given(count, "count"));
     const std::span<const SelfContact> found = live->live.selfContacts();
     live->contacts.assign(found.begin(), found.end());
     *count = live->contacts.size();
@@ -146,12 +144,12 @@ lorica_status lorica_live_find_contacts(lorica_live* live, size_t* count) {
 
 lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_contact* out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(live, "live"); !fine) return fine;
-    if (Result<void> fine = inRange(index, live->contacts.size(), "contact"); !fine) return fine;
+    LORICA_TRY_DO(given(live, "live"));
+    LORICA_TRY_DO(inRange(index, live->contacts.size(), "contact"));
     const SelfContact& found = live->contacts[index];
     lorica_contact contact = {};
-    contact.first = static_cast<std::size_t>(found.first);
-    contact.second = static_cast<std::size_t>(found.second);
+    contact.first = found.first;
+    contact.second = found.second;
     Eigen::Map<Vec3>(contact.position) = found.position;
     Eigen::Map<Vec3>(contact.direction) = found.direction;
     contact.depth = found.depth;
@@ -161,16 +159,15 @@ lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_
 
 lorica_status lorica_live_find_touches(lorica_live* live, const lorica_shape* shape, size_t* count) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(live, "live"); !fine) return fine;
-    if (Result<void> fine = given(shape, "shape"); !fine) return fine;
-    if (Result<void> fine = given(count, "count"); !fine) return fine;
-    const Result<lorica_shape> whole = taken(shape, "shape");
-    if (!whole) return whole.error();
-    if (Result<void> fine = given(whole->points, "shape.points"); !fine) return fine;
+    LORICA_TRY_DO(given(live, "live"));
+    LORICA_TRY_DO(given(shape, "shape"));
+    LORICA_TRY_DO(given(count, "count"));
+    LORICA_TRY(const lorica_shape whole, taken(shape, "shape"));
+    LORICA_TRY_DO(given(whole.points, "shape.points"));
     live->points.clear();
-    for (std::size_t i = 0; i < whole->point_count; ++i) live->points.emplace_back(whole->points + 3 * i);
-    const RoundedShape rounded{live->points, whole->radius};
-    if (Result<void> fine = checkShape(rounded); !fine) return fine;
+    for (std::size_t i = 0; i < whole.point_count; ++i) live->points.emplace_back(whole.points + 3 * i);
+    const RoundedShape rounded{live->points, whole.radius};
+    LORICA_TRY_DO(checkShape(rounded));
     const std::span<const ShapeContact> found = live->live.touches(rounded);
     live->touches.assign(found.begin(), found.end());
     *count = live->touches.size();
@@ -180,11 +177,11 @@ lorica_status lorica_live_find_touches(lorica_live* live, const lorica_shape* sh
 
 lorica_status lorica_live_touch(const lorica_live* live, size_t index, lorica_touch* out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(live, "live"); !fine) return fine;
-    if (Result<void> fine = inRange(index, live->touches.size(), "touch"); !fine) return fine;
+    LORICA_TRY_DO(given(live, "live"));
+    LORICA_TRY_DO(inRange(index, live->touches.size(), "touch"));
     const ShapeContact& found = live->touches[index];
     lorica_touch touch = {};
-    touch.part = static_cast<std::size_t>(found.part);
+    touch.part = found.part;
     Eigen::Map<Vec3>(touch.position) = found.position;
     Eigen::Map<Vec3>(touch.direction) = found.direction;
     touch.depth = found.depth;

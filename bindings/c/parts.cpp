@@ -1,6 +1,7 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
 #include "bindings/c/hull.h"
+#include "geometry/errors.h"
 
 #include <utility>
 
@@ -37,44 +38,39 @@ lorica_status statusOf(ErrorCode code) {
 /// Numbers of an enum from outside.
 Result<void> checkChoice(int chosen, int last, const char* name) {
   if (chosen >= 0 && chosen <= last) return {};
-  return Error{ErrorCode::kInvalidArgument, fmt::format("{}: found {}, expected 0 to {}", name, chosen, last)};
+  return invalidArgument("{}: found {}, expected 0 to {}", name, chosen, last);
 }
 
 Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
-  const Result<lorica_decompose_options> options = taken(given, "options");
-  if (!options) return options.error();
-  if (Result<void> fine = checkChoice(options->preset, LORICA_QUALITY, "preset"); !fine) return fine.error();
-  if (Result<void> fine = checkChoice(options->closed_body, LORICA_CLOSED_ALWAYS, "closed_body"); !fine) {
-    return fine.error();
-  }
-  if (options->parts < -1) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("parts: found {}, expected -1 or more", options->parts)};
+  LORICA_TRY(const lorica_decompose_options options, taken(given, "options"));
+  LORICA_TRY_DO(checkChoice(options.preset, LORICA_QUALITY, "preset"));
+  LORICA_TRY_DO(checkChoice(options.closed_body, LORICA_CLOSED_ALWAYS, "closed_body"));
+  if (options.parts < -1) {
+    return invalidArgument("parts: found {}, expected -1 or more", options.parts);
   }
   constexpr DecomposePreset kPresets[] = {DecomposePreset::kFast, DecomposePreset::kPaper, DecomposePreset::kQuality};
   constexpr ClosedSurface kChoices[] = {ClosedSurface::kIfNeeded, ClosedSurface::kNever, ClosedSurface::kAlways};
-  const bool limited = options->max_error > 0.0 || options->max_distance > 0.0;
+  const bool limited = options.max_error > 0.0 || options.max_distance > 0.0;
   MeshPartsSettings settings;
-  settings.decompose.maxParts = options->parts > 0 ? options->parts : options->parts == 0 && !limited ? kUsualParts : 0;
-  settings.decompose.preset = kPresets[options->preset];
-  settings.decompose.maxError = options->max_error;
-  settings.decompose.maxDistance = options->max_distance;
-  settings.decompose.threads = options->threads;
-  settings.decompose.progress = progressFrom(options->progress, options->user);
-  settings.hullVertices = options->hull_vertices;
-  settings.closed = kChoices[options->closed_body];
+  settings.decompose.maxParts = options.parts > 0 ? options.parts : options.parts == 0 && !limited ? kUsualParts : 0;
+  settings.decompose.preset = kPresets[options.preset];
+  settings.decompose.maxError = options.max_error;
+  settings.decompose.maxDistance = options.max_distance;
+  settings.decompose.threads = options.threads;
+  settings.decompose.progress = progressFrom(options.progress, options.user);
+  settings.hullVertices = options.hull_vertices;
+  settings.closed = kChoices[options.closed_body];
   return settings;
 }
 
 Result<TriMesh> meshFrom(const lorica_mesh* given) {
-  if (Result<void> fine = lorica::given(given, "mesh"); !fine) return fine.error();
-  const Result<lorica_mesh> mesh = taken(given, "mesh");
-  if (!mesh) return mesh.error();
-  if ((mesh->vertices == nullptr && mesh->vertex_count > 0) ||
-      (mesh->triangles == nullptr && mesh->triangle_count > 0)) {
-    return Error{ErrorCode::kInvalidArgument, "mesh: vertices or triangles are null, and their count is not 0"};
+  LORICA_TRY_DO(lorica::given(given, "mesh"));
+  LORICA_TRY(const lorica_mesh mesh, taken(given, "mesh"));
+  if ((mesh.vertices == nullptr && mesh.vertex_count > 0) || (mesh.triangles == nullptr && mesh.triangle_count > 0)) {
+    return invalidArgument("mesh: vertices or triangles are null, and their count is not 0");
   }
-  const std::vector<std::int64_t> corners(mesh->triangles, mesh->triangles + 3 * mesh->triangle_count);
-  return checkedMesh({mesh->vertices, 3 * mesh->vertex_count}, corners);
+  const std::vector<std::int64_t> corners(mesh.triangles, mesh.triangles + 3 * mesh.triangle_count);
+  return checkedMesh({mesh.vertices, 3 * mesh.vertex_count}, corners);
 }
 
 /// The common part of decomposing and loading. @param make  from a mesh and settings
@@ -82,14 +78,11 @@ template <typename Make>
 lorica_status makeParts(const lorica_mesh* mesh, const lorica_decompose_options* options, lorica_parts** out,
                         const Make& make) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(out, "out"); !fine) return fine;
-    const Result<MeshPartsSettings> settings = settingsFrom(options);
-    if (!settings) return settings.error();
-    Result<TriMesh> checked = meshFrom(mesh);
-    if (!checked) return checked.error();
-    Result<MeshParts> made = make(std::move(*checked), *settings);
-    if (!made) return made.error();
-    *out = new lorica_parts{std::move(*made)};
+    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY(const MeshPartsSettings settings, settingsFrom(options));
+    LORICA_TRY(TriMesh checked, meshFrom(mesh));
+    LORICA_TRY(MeshParts made, make(std::move(checked), settings));
+    *out = new lorica_parts{std::move(made)};
     return {};
   });
 }
@@ -141,15 +134,15 @@ lorica_status lorica_decompose(const lorica_mesh* mesh, const lorica_decompose_o
 lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh, const lorica_decompose_options* options,
                                 lorica_parts** out) {
   return makeParts(mesh, options, out, [&](TriMesh checked, const MeshPartsSettings& settings) -> Result<MeshParts> {
-    if (Result<void> fine = given(file, "file"); !fine) return fine.error();
+    LORICA_TRY_DO(given(file, "file"));
     return partsFromFile(file, std::move(checked), settings);
   });
 }
 
 lorica_status lorica_parts_save(const lorica_parts* parts, const char* file) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(parts, "parts"); !fine) return fine;
-    if (Result<void> fine = given(file, "file"); !fine) return fine;
+    LORICA_TRY_DO(given(parts, "parts"));
+    LORICA_TRY_DO(given(file, "file"));
     return writeDecomposition(file, parts->parts.content);
   });
 }
@@ -164,8 +157,8 @@ size_t lorica_parts_count(const lorica_parts* parts) {
 
 lorica_status lorica_parts_hull(const lorica_parts* parts, size_t part, lorica_hull* out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(parts, "parts"); !fine) return fine;
-    if (Result<void> fine = inRange(part, parts->parts.hulls.size(), "part"); !fine) return fine;
+    LORICA_TRY_DO(given(parts, "parts"));
+    LORICA_TRY_DO(inRange(part, parts->parts.hulls.size(), "part"));
     return handOut(parts->parts.hulls[part], out);
   });
 }

@@ -1,5 +1,6 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
+#include "geometry/errors.h"
 
 #include <cmath>
 #include <utility>
@@ -8,22 +9,20 @@ using namespace lorica;
 
 lorica_status lorica_tracker_make(const lorica_tracker_options* options, lorica_tracker** out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(out, "out"); !fine) return fine;
-    const Result<lorica_tracker_options> wanted = taken(options, "options");
-    if (!wanted) return wanted.error();
+    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY(const lorica_tracker_options wanted, taken(options, "options"));
     DepthCamera camera;
-    if (wanted->width != 0) camera.width = wanted->width;
-    if (wanted->height != 0) camera.height = wanted->height;
-    if (wanted->horizontal_fov != 0.0) camera.horizontalFov = wanted->horizontal_fov;
-    if (wanted->vertical_fov != 0.0) camera.verticalFov = wanted->vertical_fov;
+    if (wanted.width != 0) camera.width = wanted.width;
+    if (wanted.height != 0) camera.height = wanted.height;
+    if (wanted.horizontal_fov != 0.0) camera.horizontalFov = wanted.horizontal_fov;
+    if (wanted.vertical_fov != 0.0) camera.verticalFov = wanted.vertical_fov;
     TrackerSettings settings;
-    if (wanted->max_people != 0) settings.maxPeople = wanted->max_people;
-    Result<Tracker> made = Tracker::create(camera, settings);
-    if (!made) return made.error();
+    if (wanted.max_people != 0) settings.maxPeople = wanted.max_people;
+    LORICA_TRY(Tracker made, Tracker::create(camera, settings));
     DepthFrame frame;
     frame.time = -kInfinity;
-    frame.depthMm.resize(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height));
-    *out = new lorica_tracker{std::move(*made), std::move(frame), {}};
+    frame.depthMm.resize(static_cast<std::size_t>(camera.width) * camera.height);
+    *out = new lorica_tracker{std::move(made), std::move(frame), {}};
     return {};
   });
 }
@@ -35,18 +34,15 @@ void lorica_tracker_free(lorica_tracker* tracker) {
 lorica_status lorica_tracker_track(lorica_tracker* tracker, double seconds, const uint16_t* depth_mm,
                                    size_t pixel_count, size_t* people) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(tracker, "tracker"); !fine) return fine;
-    if (Result<void> fine = given(depth_mm, "depth_mm"); !fine) return fine;
-    if (Result<void> fine = given(people, "people"); !fine) return fine;
+    LORICA_TRY_DO(given(tracker, "tracker"));
+    LORICA_TRY_DO(given(depth_mm, "depth_mm"));
+    LORICA_TRY_DO(given(people, "people"));
     DepthFrame& frame = tracker->frame;
     if (pixel_count != frame.depthMm.size()) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("pixel_count: found {}, expected {}", pixel_count, frame.depthMm.size())};
+      return invalidArgument("pixel_count: found {}, expected {}", pixel_count, frame.depthMm.size());
     }
     if (!std::isfinite(seconds) || !(seconds > frame.time)) {
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("seconds: found {}, expected more than {}, that of the last image", seconds, frame.time)};
+      return invalidArgument("seconds: found {}, expected more than {}, that of the last image", seconds, frame.time);
     }
     frame.time = seconds;
     frame.depthMm.assign(depth_mm, depth_mm + pixel_count);
@@ -59,8 +55,8 @@ lorica_status lorica_tracker_track(lorica_tracker* tracker, double seconds, cons
 
 lorica_status lorica_tracker_person(const lorica_tracker* tracker, size_t index, lorica_person* out) {
   return guarded([&]() -> Result<void> {
-    if (Result<void> fine = given(tracker, "tracker"); !fine) return fine;
-    if (Result<void> fine = inRange(index, tracker->people.size(), "person"); !fine) return fine;
+    LORICA_TRY_DO(given(tracker, "tracker"));
+    LORICA_TRY_DO(inRange(index, tracker->people.size(), "person"));
     static_assert(LORICA_JOINT_COUNT == kBodyJointCount);
     const TrackedPerson& found = tracker->people[index];
     lorica_person person = {};

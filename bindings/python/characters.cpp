@@ -91,8 +91,7 @@ struct Player {
     if (next >= motion.frameCount()) throw py::stop_iteration();
     const int index = next++;
     const py::gil_scoped_release released;
-    return live->frameAfter(motion.times[static_cast<std::size_t>(index)],
-                            [&](LiveCharacter& body) { body.pose(motion.pose(index)); });
+    return live->frameAfter(motion.times[index], [&](LiveCharacter& body) { body.pose(motion.pose(index)); });
   }
 
   FrameHandle at(double seconds) const {

@@ -99,9 +99,9 @@ void addParts(py::module_& module) {
       .def("__len__", [](const PartList& self) { return self.parts->hulls.size(); })
       .def("__getitem__",
            [](const PartList& self, py::ssize_t index) {
-             const auto count = static_cast<py::ssize_t>(self.parts->hulls.size());
+             const py::ssize_t count = self.parts->hulls.size();
              if (index < -count || index >= count) throw py::index_error(fmt::format("part {} of {}", index, count));
-             return HullView{{self.parts, &self.parts->hulls[static_cast<std::size_t>((index + count) % count)]}};
+             return HullView{{self.parts, &self.parts->hulls[(index + count) % count]}};
            })
       .def("__iter__", [](const PartList& self) { return py::iter(hullList(self.parts->hulls, self.parts)); })
       .def_property_readonly(

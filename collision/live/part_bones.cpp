@@ -1,6 +1,7 @@
 #include "collision/live/part_bones.h"
 
 #include "acd/transfer.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 
@@ -25,7 +26,7 @@ void weighPoints(const Decomposition& decomposition, const Part& part, std::span
   // A cut point is a blend of two earlier points: distribute its weight to them, from the last cut point to the first.
   for (std::size_t i = decomposition.cutPoints.size(); i-- > 0;) {
     const CutPoint& cut = decomposition.cutPoints[i];
-    const double own = weight[static_cast<std::size_t>(decomposition.vertexCount) + i];
+    const double own = weight[decomposition.vertexCount + i];
     weight[cut.first] += cut.lambda * own;
     weight[cut.second] += (1.0 - cut.lambda) * own;
   }
@@ -34,16 +35,16 @@ void weighPoints(const Decomposition& decomposition, const Part& part, std::span
 }  // namespace
 
 std::vector<std::vector<JointShare>> jointsOfParts(const Decomposition& decomposition, const Character& character) {
-  LORICA_CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
+  LORICA_CHECK(decomposition.vertexCount == countOf(character.mesh.vertices),
                "the decomposition must be of the character's mesh");
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, character.mesh.vertices, points);
   std::vector<double> weight(points.size());
   std::vector<std::vector<JointShare>> jointsOfPart;
   jointsOfPart.reserve(decomposition.parts.size());
   for (const Part& part : decomposition.parts) {
     weighPoints(decomposition, part, points, weight);
-    std::vector<double> moved(static_cast<std::size_t>(character.skeleton.jointCount()), 0.0);
+    std::vector<double> moved(character.skeleton.jointCount(), 0.0);
     double all = 0.0;
     for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
       for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {

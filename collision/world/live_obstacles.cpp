@@ -183,7 +183,7 @@ LiveObstacles::LiveObstacles(const LiveBody& body, const Character& character, c
   std::vector<char> swings(character.skeleton.joints().size(), 0);
   for (const SpringJoint& joint : springs.joints()) swings[joint.joint] = 1;
   for (std::size_t j = 0; j < swings.size(); ++j) {  // a joint below one that swings is moved by it
-    const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
+    const JointIndex parent = character.skeleton.joint(j).parent;
     if (parent != kNoJoint && swings[parent] != 0) swings[j] = 1;
   }
 
@@ -194,7 +194,7 @@ LiveObstacles::LiveObstacles(const LiveBody& body, const Character& character, c
     Solid& solid = solids_[p];
     std::fill(moves.begin(), moves.end(), 0.0);
     std::vector<Vec3> firm;
-    for (const PointIndex i : body.plan()->candidates(static_cast<PartIndex>(p))) {
+    for (const PointIndex i : body.plan()->candidates(p)) {
       double swung = 0.0;
       for (const LiftedTerm& term : lifted[i]) {
         swung += swings[term.joint] != 0 ? term.weight : 0.0;
@@ -203,9 +203,9 @@ LiveObstacles::LiveObstacles(const LiveBody& body, const Character& character, c
       solid.live = solid.live && swung < kTouchedBySprings;
       if (swung < kMovedBySprings) firm.push_back(bindPositionOf(lifted[i]));
     }
-    solid.joint = static_cast<JointIndex>(std::max_element(moves.begin(), moves.end()) - moves.begin());
+    solid.joint = std::max_element(moves.begin(), moves.end()) - moves.begin();
     if (solid.live) {
-      solid.planes.reserve(2 * body.candidateCount(static_cast<PartIndex>(p)));
+      solid.planes.reserve(2 * body.candidateCount(p));
     } else {
       takeFaces(convexHull(firm), solid);
     }
@@ -263,7 +263,7 @@ void LiveObstacles::moveTo(double share) {
 
 std::optional<double> LiveObstacles::distance(std::size_t spring, PartIndex part, const Vec3& point) const {
   const Solid& solid = solids_[part];
-  if (radii_[spring * solids_.size() + static_cast<std::size_t>(part)] == -kInfinity || solid.planes.empty()) {
+  if (radii_[spring * solids_.size() + part] == -kInfinity || solid.planes.empty()) {
     return std::nullopt;
   }
   return depthless(solid, solid.worldFromSolid.inverse() * point);

@@ -1,6 +1,7 @@
 #include "session/recording/session_blocks.h"
 
 #include "geometry/byte_reader.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -35,11 +36,10 @@ void appendBlock(BlockKind kind, std::string_view payload, std::uint64_t& chain,
 
 Result<Blocks> readBlocks(std::string_view bytes, const std::string& name) {
   const auto damaged = [&](std::size_t offset, std::string_view what) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", name, offset, what)};
+    return badFormat("{}: byte {}: {}", name, offset, what);
   };
   if (bytes.substr(0, kSessionMagic.size()) != kSessionMagic) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: not a session file, expected a file written by `lorica record`", name)};
+    return badFormat("{}: not a session file, expected a file written by `lorica record`", name);
   }
   Blocks read;
   std::uint64_t chain = 0;

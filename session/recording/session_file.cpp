@@ -1,6 +1,7 @@
 #include "session/recording/session_file.h"
 
 #include "geometry/byte_reader.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "session/recording/session_blocks.h"
 
@@ -179,19 +180,15 @@ class StepReader {
 }  // namespace
 
 Result<SessionFile> parseSession(std::string_view bytes, const std::string& name) {
-  Result<Blocks> blocks = readBlocks(bytes, name);
-  if (!blocks) return blocks.error();
-  const auto bad = [&](const std::string& what) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
-  };
-  const std::vector<Block>& all = blocks->blocks;
+  LORICA_TRY(Blocks blocks, readBlocks(bytes, name));
+  const auto bad = [&](const std::string& what) { return badFormat("{}: {}", name, what); };
+  const std::vector<Block>& all = blocks.blocks;
   if (all.size() < 2 || all[0].kind != BlockKind::kHeader || all[1].kind != BlockKind::kScene) {
     return bad(fmt::format("found {} complete blocks, expected a header, a scene and steps", all.size()));
   }
-  Result<SessionHeader> header = parseSessionHeader(all[0].payload, name);
-  if (!header) return header.error();
+  LORICA_TRY(SessionHeader header, parseSessionHeader(all[0].payload, name));
   SessionFile file;
-  file.header = std::move(*header);
+  file.header = std::move(header);
   file.sceneText = std::string(all[1].payload);
   file.steps.reserve(all.size());
   file.motions.resize(file.header.avatars.size());
@@ -208,19 +205,18 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
                              all[b].offset));
     }
   }
-  if (file.finished && blocks->cut > 0) return bad("bytes after the end");
+  if (file.finished && blocks.cut > 0) return bad("bytes after the end");
   if (file.steps.empty()) return bad("found no steps, expected at least one");
-  if (blocks->cut > 0) {
-    file.notes.push_back(fmt::format("the last {} bytes are an incomplete step, which was dropped", blocks->cut));
+  if (blocks.cut > 0) {
+    file.notes.push_back(fmt::format("the last {} bytes are an incomplete step, which was dropped", blocks.cut));
   }
   if (!file.finished) file.notes.emplace_back("the recording was not closed: the program ended early");
   return file;
 }
 
 Result<SessionFile> readSession(const std::filesystem::path& file) {
-  const Result<std::string> bytes = readFile(file, NamedBy::kUser, kMaxBytes);
-  if (!bytes) return bytes.error();
-  return parseSession(*bytes, file.string());
+  LORICA_TRY(const std::string bytes, readFile(file, NamedBy::kUser, kMaxBytes));
+  return parseSession(bytes, file.string());
 }
 
 }  // namespace lorica

@@ -1,3 +1,4 @@
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "session/recording/session_file.h"
 #include "session/scenes/scene_element.h"
@@ -201,11 +202,10 @@ std::string textOf(const SessionHeader& header) {
 }
 
 Result<SessionHeader> parseSessionHeader(std::string_view text, const std::string& name) {
-  const Result<SceneJson> json = parseSceneJson(text, name);
-  if (!json) return json.error();
+  LORICA_TRY(const SceneJson json, parseSceneJson(text, name));
   std::optional<std::string> error;
   SessionHeader header;
-  SceneElement root(*json, "", error);
+  SceneElement root(json, "", error);
   std::string format;
   root.need("format", fmt::format("\"{}\"", kFormat));
   root.text("format", format);
@@ -217,7 +217,7 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   root.need("scene", "an object");
   readAvatars(root, header);
   if (!root.failed()) readScene(root.child("scene"), header);
-  if (error) return Error{ErrorCode::kBadFormat, fmt::format("{}: header: {}", name, *error)};
+  if (error) return badFormat("{}: header: {}", name, *error);
   return header;
 }
 

@@ -1,5 +1,6 @@
 #include "session/recording/session_recorder.h"
 
+#include "geometry/errors.h"
 #include "geometry/part_file.h"
 
 #include <fmt/format.h>
@@ -14,8 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error unwritable(const fs::path& file, int error) {
-  return {ErrorCode::kUnwritable, fmt::format("{}: {}", file.string(), std::generic_category().message(error))};
+Error cannotWrite(const fs::path& file, int error) {
+  return unwritable("{}: {}", file.string(), std::generic_category().message(error));
 }
 
 void put(const Vec3& v, ByteWriter& bytes) {
@@ -50,20 +51,18 @@ void put(const WorldAction& action, ByteWriter& bytes) {
 Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& file, const SessionHeader& header,
                                                                 std::string_view sceneText) {
   if (sceneText.size() > kLargestBlock) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: a scene of {} bytes, expected at most {}", file.string(),
-                                                          sceneText.size(), kLargestBlock)};
+    return invalidArgument("{}: a scene of {} bytes, expected at most {}", file.string(), sceneText.size(),
+                           kLargestBlock);
   }
   const fs::path part = fs::path(file).replace_extension(".part.lsession");
-  Result<std::optional<fs::path>> found = keepFound(part);
-  if (!found) return found.error();
-  const Result<int> descriptor = createPart(part);
-  if (!descriptor) return descriptor.error();
-  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, *descriptor, header));
-  recorder->found_ = std::move(*found);
+  LORICA_TRY(std::optional<fs::path> found, keepFound(part));
+  LORICA_TRY(const int descriptor, createPart(part));
+  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, descriptor, header));
+  recorder->found_ = std::move(found);
   recorder->block_ = kSessionMagic;
   appendBlock(BlockKind::kHeader, textOf(header), recorder->chain_, recorder->block_);
   appendBlock(BlockKind::kScene, sceneText, recorder->chain_, recorder->block_);
-  if (Result<void> written = recorder->write(); !written) return written.error();
+  LORICA_TRY_DO(recorder->write());
   return recorder;
 }
 
@@ -81,8 +80,8 @@ Result<void> SessionRecorder::write() {
   std::string_view left = block_;
   while (!left.empty()) {
     const ssize_t written = ::write(descriptor_, left.data(), left.size());
-    if (written < 0 && errno != EINTR) return unwritable(part_, errno);
-    if (written > 0) left.remove_prefix(static_cast<std::size_t>(written));
+    if (written < 0 && errno != EINTR) return cannotWrite(part_, errno);
+    if (written > 0) left.remove_prefix(written);
   }
   block_.clear();
   return {};
@@ -145,14 +144,14 @@ Result<int> SessionRecorder::finish() {
     return 0;
   }
   appendBlock(BlockKind::kEnd, "", chain_, block_);
-  if (Result<void> written = write(); !written) return written.error();
+  LORICA_TRY_DO(write());
   const bool kept = fsync(descriptor_) == 0 || errno == EINVAL;  // EINVAL: pipes and devices do not support fsync
   const int error = errno;
   close(std::exchange(descriptor_, -1));
-  if (!kept) return unwritable(part_, error);
+  if (!kept) return cannotWrite(part_, error);
   std::error_code renamed;
   fs::rename(part_, file_, renamed);
-  if (renamed) return unwritable(file_, renamed.value());
+  if (renamed) return cannotWrite(file_, renamed.value());
   return steps_;
 }
 

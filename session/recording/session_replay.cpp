@@ -1,6 +1,7 @@
 #include "session/recording/session_replay.h"
 
 #include "capture/files/joint_csv.h"
+#include "geometry/errors.h"
 #include "session/treated_source.h"
 
 #include <fmt/format.h>
@@ -19,7 +20,7 @@ class RecordedPoses final : public PoseSource {
   /// @param trust        one for each joint of each pose; empty = all trusted
   /// @param expressions  of each pose; empty = none
   RecordedPoses(SkeletalMotion motion, std::vector<double> trust, std::vector<std::vector<NamedWeight>> expressions)
-      : joints_(static_cast<std::size_t>(motion.skeleton.jointCount())),
+      : joints_(motion.skeleton.jointCount()),
         poses_(makeMotionPoseSource(std::move(motion))),
         trust_(std::move(trust)),
         expressions_(std::move(expressions)) {}
@@ -55,9 +56,8 @@ Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& rec
   const SourceTreatment treatment{nullptr, header.faults, header.joints};
   if (header.poseJoints == 0) return makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);
   if (header.poseJoints != character.skeleton.jointCount()) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("poses of {} joints were recorded, {} has {}", header.poseJoints, character.name,
-                             character.skeleton.jointCount())};
+    return invalidArgument("poses of {} joints were recorded, {} has {}", header.poseJoints, character.name,
+                           character.skeleton.jointCount());
   }
   SkeletalMotion poses{header.source, character.skeleton, motion.poseTimes, motion.poses};
   return makeTreatedSource(std::make_unique<RecordedPoses>(std::move(poses), motion.poseTrust, motion.poseExpressions),
@@ -116,12 +116,10 @@ Result<void> checkAvatar(const AvatarHeader& header, const SessionAvatar& avatar
 }  // namespace
 
 Result<void> checkReplay(const SessionHeader& header, const std::string& name, const Session& session) {
-  const auto differs = [&](const std::string& what) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("{}: {}", name, what)};
-  };
+  const auto differs = [&](const std::string& what) { return invalidArgument("{}: {}", name, what); };
   LORICA_CHECK(session.avatars().size() == header.avatars.size(), "as many avatars as were recorded");
   for (std::size_t a = 0; a < header.avatars.size(); ++a) {
-    if (Result<void> same = checkAvatar(header.avatar(a), session.avatars()[a], differs); !same) return same;
+    LORICA_TRY_DO(checkAvatar(header.avatar(a), session.avatars()[a], differs));
   }
   if (hashOf(session.world()) != header.worldHash) {
     return differs(fmt::format(

@@ -27,7 +27,7 @@ class SessionReplay final : public StepWatcher {
     std::string what;   ///< "hulls", "hulls and props"
   };
   [[nodiscard]] const std::optional<Difference>& difference() const { return difference_; }
-  [[nodiscard]] int steps() const { return static_cast<int>(step_); }
+  [[nodiscard]] int steps() const { return step_; }
   [[nodiscard]] bool over() const { return step_ >= recorded_->steps.size(); }
 
   void beforeStep(Session& session) override;

@@ -17,7 +17,7 @@ const std::array<Vec3f, 6> kPalette = {{{0.83f, 0.29f, 0.13f},
 
 /// Uniform numbers in [low, high). Unlike the standard's distributions, the same with every library.
 double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * static_cast<double>(random() >> 11) * 0x1.0p-53;
+  return low + (high - low) * (random() >> 11) * 0x1.0p-53;
 }
 
 /// Boxes stacked on the floor, each slightly rotated.
@@ -26,7 +26,7 @@ void addTower(World& world, double x, double z, int count, const Vec3& halfExten
     Prop box;
     box.halfExtents = halfExtents;
     box.mass = 0.6;
-    box.color = kPalette[static_cast<std::size_t>(i) % kPalette.size()];
+    box.color = kPalette[i % kPalette.size()];
     box.worldFromProp = Eigen::Translation3d(x, halfExtents.y() * (2 * i + 1), z) *
                         Eigen::AngleAxisd(uniform(random, -0.08, 0.08), Vec3::UnitY());
     world.addProp(box);

@@ -26,9 +26,9 @@ HitLimb limbOf(const Skeleton& skeleton, JointIndex joint) {
 HitCounter::HitCounter(std::vector<HitTarget> targets) : targets_(std::move(targets)), hits_(targets_.size(), Hits{}) {
   for (std::size_t target = 0; target < targets_.size(); ++target) {
     for (const int prop : targets_[target].props) {
-      const auto p = static_cast<std::size_t>(prop);
+      const std::size_t p = prop;
       if (targetOfProp_.size() <= p) targetOfProp_.resize(p + 1, kNoTarget);
-      targetOfProp_[p] = static_cast<int>(target);
+      targetOfProp_[p] = target;
     }
   }
 }
@@ -44,7 +44,7 @@ void HitCounter::add(std::span<const ContactEvent> events, const Session& sessio
 }
 
 void HitCounter::begin(const Touch& touch, const Session& session) {
-  const auto prop = static_cast<std::size_t>(touch.pair.other);
+  const std::size_t prop = touch.pair.other;
   if (touch.pair.kind != TouchKind::kProp || prop >= targetOfProp_.size()) return;
   if (targetOfProp_[prop] == kNoTarget) return;
   const Open opened{touch.pair, static_cast<std::size_t>(targetOfProp_[prop]),

@@ -1,5 +1,6 @@
 #include "session/scenes/scene_chains.h"
 
+#include "geometry/counts.h"
 #include "session/scenes/scene_element.h"
 #include "session/scenes/scene_file.h"
 
@@ -86,7 +87,7 @@ void addChain(SceneElement& element, Prop link, std::size_t maxProps, SceneFile&
     link.halfExtents = plank ? Vec3(0.5 * chain.width, 0.5 * kPlankShare * step.norm(), chain.radius)
                              : Vec3(chain.radius, 0.5 * step.norm(), chain.radius);
     link.worldFromProp = Eigen::Translation3d(middle) * rotation;
-    const int index = static_cast<int>(scene.props.size());
+    const int index = countOf(scene.props);
     scene.props.push_back(link);
     addLinks(chain, index, before, i, side, scene);
     before = index;

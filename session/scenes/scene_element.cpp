@@ -1,5 +1,6 @@
 #include "session/scenes/scene_element.h"
 
+#include "geometry/errors.h"
 #include "geometry/line_scanner.h"
 
 #include <fmt/format.h>
@@ -94,9 +95,9 @@ Result<SceneJson> parseSceneJson(std::string_view text, std::string_view name) {
         text, [&](int depth, SceneJson::parse_event_t event, SceneJson& parsed) { return watch(depth, event, parsed); },
         true, true);
   } catch (const SceneJson::exception& e) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, notJson(e.what()))};
+    return badFormat("{}: {}", name, notJson(e.what()));
   }
-  if (!watch.error().empty()) return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, watch.error())};
+  if (!watch.error().empty()) return badFormat("{}: {}", name, watch.error());
   return json;
 }
 
@@ -158,7 +159,7 @@ void SceneElement::vector(const char* key, double min, double max, Vec3& value) 
   for (std::size_t i = 0; fine && i < 3; ++i) {
     const std::optional<double> part = numberIn(json[i], min, max);
     fine = part.has_value();
-    if (fine) read[static_cast<Eigen::Index>(i)] = *part;
+    if (fine) read[i] = *part;
   }
   if (fine) {
     value = read;
@@ -208,7 +209,7 @@ void SceneElement::color(const char* key, Vec3f& value) {
   for (std::size_t i = 0; i < 3; ++i) {
     const double srgb = std::stoi(text.substr(1 + 2 * i, 2), nullptr, 16) / 255.0;
     const double linear = srgb <= 0.04045 ? srgb / 12.92 : std::pow((srgb + 0.055) / 1.055, 2.4);
-    value[static_cast<Eigen::Index>(i)] = static_cast<float>(linear);
+    value[i] = linear;
   }
 }
 

@@ -1,6 +1,7 @@
 #include "session/scenes/scene_file.h"
 
 #include "collision/world/prop_overlaps.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "session/scenes/scene_chains.h"
 #include "session/scenes/scene_element.h"
@@ -156,7 +157,7 @@ void readTarget(SceneElement& element, std::size_t first, SceneFile& scene) {
   auto target = std::find_if(scene.targets.begin(), scene.targets.end(),
                              [&](const HitTarget& known) { return known.name == name; });
   if (target == scene.targets.end()) target = scene.targets.insert(target, HitTarget{name, {}});
-  for (std::size_t prop = first; prop < scene.props.size(); ++prop) target->props.push_back(static_cast<int>(prop));
+  for (std::size_t prop = first; prop < scene.props.size(); ++prop) target->props.push_back(prop);
 }
 
 /// The copies of a prop. Each is a step from the one before; it and that step are turned about the vertical.
@@ -253,16 +254,13 @@ std::size_t hullsOf(const SceneFile& scene) {
 }  // namespace
 
 Result<SceneFile> parseScene(std::string_view text, std::string_view name, const SceneReading& reading) {
-  const auto bad = [&](std::string_view what) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
-  };
+  const auto bad = [&](std::string_view what) { return badFormat("{}: {}", name, what); };
   if (text.size() > kMaxBytes) return bad(fmt::format("{} bytes, expected at most {}", text.size(), kMaxBytes));
-  const Result<SceneJson> json = parseSceneJson(text, name);
-  if (!json) return json.error();
+  LORICA_TRY(const SceneJson json, parseSceneJson(text, name));
   MeshShelf meshes(reading);
   std::optional<std::string> error;
   SceneFile scene;
-  SceneElement root(*json, "", error);
+  SceneElement root(json, "", error);
   root.allow({"format", "name", "gravity", "floor", "props", "chains", "grains", "water", "avatars"});
   root.need("format", fmt::format("\"{}\"", kFormat));
   if (root.has("format") && root.at("format") != kFormat) {
@@ -292,9 +290,8 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
 }
 
 Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecomposer& decomposer, PathTrust paths) {
-  const Result<std::string> text = readFile(file, NamedBy::kUser, kMaxBytes);
-  if (!text) return text.error();
-  Result<SceneFile> scene = parseScene(*text, file.string(), {file.parent_path(), decomposer, paths});
+  LORICA_TRY(const std::string text, readFile(file, NamedBy::kUser, kMaxBytes));
+  Result<SceneFile> scene = parseScene(text, file.string(), {file.parent_path(), decomposer, paths});
   if (scene && scene->name.empty()) scene->name = file.stem().string();
   return scene;
 }
