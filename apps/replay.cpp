@@ -43,7 +43,7 @@ struct Options {
 };
 
 /// The recorded character, or the one given by --character.
-Result<Subject> findCharacter(const Options& options, const AvatarHeader& header, const SessionInputs& inputs) {
+Result<Subject> findCharacter(const Options& options, const AvatarRecord& header, const SessionInputs& inputs) {
   CharacterOptions reading{inputs.boneMap, header.bodyResolution};
   reading.drawn = options.window || options.pictures.any();
   reading.textureSize = options.textureSize;
@@ -58,7 +58,7 @@ Result<Subject> findCharacter(const Options& options, const AvatarHeader& header
 }
 
 /// The recorded decomposition and cover: the file given by --decomposition, the recorded file, or the default one.
-Result<DecompositionFile> findBody(const Options& options, const AvatarHeader& header, const SessionInputs& inputs,
+Result<DecompositionFile> findBody(const Options& options, const AvatarRecord& header, const SessionInputs& inputs,
                                    const Subject& subject, int threads) {
   BodyOptions body;
   body.decomposition = inputs.decomposition;
@@ -86,7 +86,7 @@ struct RecordedPerformer {
 /// @param index  of the avatar; --character and --decomposition give those of the first
 Result<RecordedPerformer> findPerformer(const Options& options, const SessionFile& recorded, std::size_t index,
                                         int threads) {
-  const AvatarHeader& header = recorded.header.avatar(index);
+  const AvatarRecord& header = recorded.header.avatar(index);
   Options own = options;
   if (index > 0) own.character = own.decomposition = "";
   LORICA_TRY(SessionInputs inputs, inputsOf(recorded, options.file, index, own.character, own.decomposition));
@@ -123,7 +123,7 @@ Result<Session> startAgain(const Options& options, const SessionFile& recorded,
   Session session(std::move(world));
   for (std::size_t i = 0; i < performers.size(); ++i) {
     const RecordedPerformer& performer = performers[i];
-    const AvatarHeader& header = recorded.header.avatar(i);
+    const AvatarRecord& header = recorded.header.avatar(i);
     AvatarSetting setting{placeOf(header.place, header.heading)};
     if (header.springs) {
       setting.springs = {performer.subject.file ? performer.subject.file->springs : SpringBones(), *header.springs};
@@ -173,7 +173,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
                     bool& differs) {
   const std::shared_ptr<const SessionFile>& recorded = loaded.session;
   const std::vector<RecordedPerformer>& performers = loaded.performers;
-  const AvatarHeader& header = recorded->header.avatar();
+  const AvatarRecord& header = recorded->header.avatar();
   const Subject& subject = performers.front().subject;
   const Character& character = *subject.character;
   LORICA_TRY(Session session, startAgain(options, *recorded, performers, std::move(loaded.world)));
@@ -200,7 +200,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Recorde
   };
   LORICA_TRY_DO(begin());
   std::vector<std::string> sources;
-  for (const AvatarHeader& avatar : recorded->header.avatars) sources.push_back(avatar.source);
+  for (const AvatarRecord& avatar : recorded->header.avatars) sources.push_back(avatar.source);
   const std::string name = header.source.empty() ? options.file : listed(sources);
   const auto steps = countOf(recorded->steps);
   DrawnFiles drawn;

@@ -2,8 +2,8 @@
 
 #include "geometry/errors.h"
 #include "geometry/result.h"
-#include "player/abandoned_work.h"
-#include "player/work_monitor.h"
+#include "player/monitored_host.h"
+#include "prepare/abandoned_work.h"
 
 #include <chrono>
 #include <functional>
@@ -15,16 +15,16 @@
 
 namespace lorica {
 
-/// Work in another thread that reports how far it is (ProgressBar) and can be cancelled.
+/// Work in another thread that reports how far it is and can be cancelled.
 template <class T>
 class BackgroundWork {
  public:
-  /// Starts it. @param work  should end soon after WorkMonitor::cancelled(); what it returns then does not count
-  explicit BackgroundWork(std::function<Result<T>()> work) : monitor_(std::make_shared<WorkMonitor>()) {
+  /// Starts it. @param host  outlives the work, also if that is abandoned
+  /// @param work  should end soon after its host is cancelled; what it returns then does not count
+  BackgroundWork(Host& host, std::function<Result<T>(Host&)> work) : monitor_(std::make_shared<MonitoredHost>(host)) {
     std::packaged_task<Result<T>()> task([monitor = monitor_, work = std::move(work)]() -> Result<T> {
-      const WorkMonitor::Scope watched(*monitor);
-      Result<T> done = work();
-      if (monitor->cancelled()) return cancelled();
+      Result<T> done = work(*monitor);
+      if (monitor->stopped()) return cancelled();
       return done;
     });
     result_ = task.get_future();
@@ -38,7 +38,7 @@ class BackgroundWork {
   BackgroundWork(const BackgroundWork&) = delete;
   BackgroundWork& operator=(const BackgroundWork&) = delete;
 
-  [[nodiscard]] WorkMonitor::Progress progress() const { return monitor_->progress(); }
+  [[nodiscard]] MonitoredHost::Progress progress() const { return monitor_->progress(); }
   /// It ends soon, with kCancelled.
   void cancel() { monitor_->cancel(); }
   /// Cancels and waits for a moment only: then the work is given up, see abandoned_work.h. It must own what it uses.
@@ -56,7 +56,7 @@ class BackgroundWork {
 
  private:
   static constexpr std::chrono::milliseconds kMoment{100};
-  std::shared_ptr<WorkMonitor> monitor_;
+  std::shared_ptr<MonitoredHost> monitor_;
   std::future<Result<T>> result_;
   std::thread thread_;
 };

@@ -157,27 +157,15 @@ class EventsWriter final : public EventsOutput {
 
 }  // namespace
 
-Result<void> checkEvents(const std::string& to, const CommonOptions& common, const std::vector<fs::path>& others) {
-  if (to.empty()) return {};
-  if (to == "-") {
-    if (common.json != "-") return {};
-    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
-  }
-  std::vector<fs::path> all = others;
-  if (common.json != "-") all.emplace_back(common.json);
-  CommonOptions asFile;
-  asFile.json = to;
-  return checkJsonOutput(asFile, all, "--events");
-}
-
-Result<std::shared_ptr<EventsOutput>> makeEventsOutput(const std::string& to, std::shared_ptr<StepWatcher> next) {
+Result<std::shared_ptr<EventsOutput>> makeEventsOutput(const std::string& to, std::shared_ptr<StepWatcher> next,
+                                                       Host& host) {
   using Output = std::shared_ptr<EventsOutput>;
   if (to.empty()) return Output();
   if (to == "-") return Output(std::make_shared<EventsWriter>("", "", STDOUT_FILENO, std::move(next)));
   const fs::path file = to;
   const fs::path part = file.parent_path() / (file.stem().string() + ".part" + file.extension().string());
   LORICA_TRY(const std::optional<fs::path> found, prefixed("--events", keepFound(part)));
-  if (found) warn(fmt::format("found events that were not finished; kept as {}", found->string()));
+  if (found) host.warn(fmt::format("found events that were not finished; kept as {}", found->string()));
   LORICA_TRY(const int descriptor, prefixed("--events", createPart(part)));
   return Output(std::make_shared<EventsWriter>(file, part, descriptor, std::move(next)));
 }

@@ -1,9 +1,7 @@
 #pragma once
 
-#include "geometry/text.h"
 #include "capture/tracking/live_joints.h"
-
-#include <nlohmann/json_fwd.hpp>
+#include "prepare/host.h"
 
 #include <optional>
 #include <string>
@@ -14,25 +12,26 @@ namespace lorica {
 /// Messages and statistics of a live performance.
 class LiveLog {
  public:
-  /// Adds a frame whose hulls have been posed; prints changes before the camera to standard error.
+  /// Adds a frame whose hulls have been posed; tells the host what changes in front of the camera.
   /// @param seconds  since the first frame [s]
-  void add(const LiveJoints& joints, double seconds);
+  void add(const LiveJoints& joints, double seconds, Host& host);
 
   /// For the caption: "no person is visible", "the sensor is unplugged", what to do where person and room
   /// cannot be told apart, or empty.
   [[nodiscard]] std::string state() const;
 
-  /// "depthFrames", "framesWithPerson", ..., "tracking" and "latency" in microseconds.
-  void addTo(nlohmann::ordered_json& json) const;
-  void addTo(Report& report) const;
+  struct Figures {
+    std::vector<double> track, latency;  ///< [us], of the images whose joints were used
+    int frames = 0;                      ///< tracked images
+    int followed = 0;                    ///< images with a person
+    int maxPeople = 0;
+    int unplugs = 0;
+    std::optional<double> firstPose;  ///< since the first frame [s]
+  };
+  [[nodiscard]] const Figures& figures() const { return figures_; }
 
  private:
-  std::vector<double> track_, latency_;  // [us], of the images whose joints were used
-  int frames_ = 0;                       // tracked images
-  int followed_ = 0;                     // images with a person
-  int maxPeople_ = 0;
-  int unplugs_ = 0;
-  std::optional<double> firstPose_;  // since the first frame [s]
+  Figures figures_;
   bool unplugged_ = false;
   bool wasFollowed_ = false;
   bool wasUncertain_ = false;

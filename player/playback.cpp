@@ -1,8 +1,7 @@
 #include "player/playback.h"
 
 #include "geometry/text.h"
-#include "player/snapshots.h"
-#include "session/scenes/demo_scene.h"
+#include "player/follow_camera.h"
 
 #include <fmt/format.h>
 
@@ -17,27 +16,6 @@ constexpr double kWiderForEach = 0.25;  // further avatar
 const Vec3 kWindowTarget(0.171, 0.486, 0.229);
 
 }  // namespace
-
-Result<void> addAvatar(Session& session, const Character& character, const DecompositionFile& body,
-                       std::unique_ptr<PoseSource> source, const AvatarSetting& setting) {
-  LORICA_TRY(SessionAvatar avatar,
-             SessionAvatar::create(character, body.decomposition, std::move(source), body.cover, body.training));
-  if (setting.place) avatar.setPlace(*setting.place);
-  const int index = session.addAvatar(std::move(avatar));
-  return addSprings(setting.springs, session, index);
-}
-
-Result<Session> startSession(const Character& character, const DecompositionFile& body,
-                             std::unique_ptr<PoseSource> source, World world) {
-  Session session(std::move(world));
-  LORICA_TRY_DO(addAvatar(session, character, body, std::move(source)));
-  return session;
-}
-
-Result<Session> startDemoSession(const Character& character, const DecompositionFile& body, const Motion& motion) {
-  LORICA_TRY(std::unique_ptr<PoseSource> source, poseSourceOf(character, motion, SourceTreatment{}));
-  return startSession(character, body, std::move(source), makeDemoWorld(kDemoSeed));
-}
 
 std::string captionOf(const std::string& name, const Session& session, double seconds) {
   std::set<int> touched;

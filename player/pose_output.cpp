@@ -202,7 +202,7 @@ Result<VmcBones> bonesOf(const std::vector<std::string>& names) {
           "separated by commas",
           name.substr(0, 40));
     }
-    bones[*bone] = true;
+    bones[std::size_t(*bone)] = true;
   }
   return bones;
 }

@@ -1,10 +1,7 @@
 #pragma once
 
-#include "geometry/text.h"
 #include "collision/world/self_contact.h"
 #include "session/session.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <array>
 #include <cstddef>
@@ -61,18 +58,10 @@ class RunStatistics {
     SelfContact deepest;
     double deepestTime = 0.0;  ///< relative to the first frame [s]
   };
-  /// Those of an avatar: frames, pairs, and the deepest; null if not requested.
-  [[nodiscard]] nlohmann::ordered_json selfContactsOf(std::size_t avatar) const;
-
-  /// Adds "frames", "contacts", "touches", "propsTouched", "avatarTouches", "selfContacts" of the first avatar,
-  /// "training" and "stages": the median and p95 of each stage [us].
-  void addTo(nlohmann::ordered_json& json) const;
-  /// Adds one line per stage.
-  void addTo(Report& report) const;
-  /// Adds one line on the self-contacts of each avatar, if requested.
-  void addSelfContactsTo(Report& report) const;
-  /// Adds one line on the training range; two if poses were outside it.
-  void addTrainingTo(Report& report) const;
+  /// Of each avatar; empty if not requested.
+  [[nodiscard]] const std::vector<SelfContacts>& selfContacts() const { return selfContacts_; }
+  /// Of each frame.
+  [[nodiscard]] const std::vector<StageTimes>& times() const { return stages_; }
 
  private:
   /// An avatar, its part, and a prop; or an avatar, its part, another avatar, and its part.

@@ -12,7 +12,7 @@ constexpr const char* kDemoScene = "boxes and balls";
 
 }  // namespace
 
-SceneList scenesBeside(const std::string& present) {
+SceneList scenesNextTo(const std::string& present) {
   SceneList list{{kDemoScene}, {""}};
   if (const Result<std::filesystem::path> folder = scenesFolder()) {
     std::error_code ignored;

@@ -14,6 +14,6 @@ struct SceneList {
 
 /// The scene of the demo, the shipped ones, and the present one if it is the user's own.
 /// @param present  as given to openScene()
-[[nodiscard]] SceneList scenesBeside(const std::string& present);
+[[nodiscard]] SceneList scenesNextTo(const std::string& present);
 
 }  // namespace lorica

@@ -8,7 +8,6 @@
 #include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -132,31 +131,6 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
   return renderer_.readBack();
 }
 
-Result<void> checkSnapshots(const SnapshotOptions& options) {
-  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
-    return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
-  }
-  if (!options.folder.empty()) {
-    LORICA_TRY_DO(checkOutputFolder("--snapshots", options.folder));
-  }
-  return options.video.empty() ? Result<void>() : Movie::check("--video", options.video);
-}
-
-void DrawnFiles::addTo(const SnapshotOptions& options, nlohmann::ordered_json& json) const {
-  json["snapshots"] = snapshots;
-  json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
-  json["videoFrames"] = videoFrames;
-}
-
-void DrawnFiles::addTo(const SnapshotOptions& options, Report& report) const {
-  if (!options.folder.empty()) {
-    report.line("pictures", fmt::format("{} in {}", counted(snapshots, "PNG file"), options.folder));
-  }
-  if (!options.video.empty()) {
-    report.line("video", fmt::format("{}, {}", options.video, counted(videoFrames, "frame")));
-  }
-}
-
 Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
   if (!options.any()) return std::optional<SnapshotSeries>();
   LORICA_TRY(FollowCamera follow, FollowCamera::create(options.camera, kWidth, kHeight));
@@ -209,7 +183,6 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   scene.inset = inset;
   const Image image = pictures_.draw(scene, show, follow_.camera());
   for (int i = 0; i < film; ++i, ++filmed_) {
-    if (!movie_->takes(filmed_)) continue;
     LORICA_TRY_DO(movie_->add(image));
   }
   if (!snapshotDue(session)) return {};

@@ -1,16 +1,14 @@
 #pragma once
 
-#include "apps/camera_options.h"
 #include "geometry/text.h"
 #include "player/avatar_fade.h"
+#include "player/follow_camera.h"
 #include "player/movie.h"
 #include "player/session_face.h"
 #include "session/session.h"
 #include "viewer/renderer/image.h"
 #include "viewer/renderer/renderer.h"
 #include "viewer/renderer/scene.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <optional>
 #include <string>
@@ -86,16 +84,10 @@ struct SnapshotOptions {
   [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
 };
 
-/// Fails early if the folder or the video cannot be written, or if a camera was given without pictures.
-[[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);
-
 /// Number of snapshots and video frames drawn.
 struct DrawnFiles {
   int snapshots = 0;
   int videoFrames = 0;
-
-  void addTo(const SnapshotOptions& options, nlohmann::ordered_json& json) const;
-  void addTo(const SnapshotOptions& options, Report& report) const;
 };
 
 /// Pictures of a running session (frame_0000.png, ...) and a video, by default from a camera that follows the body.

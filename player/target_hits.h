@@ -1,11 +1,8 @@
 #pragma once
 
-#include "geometry/text.h"
 #include "session/contact_events.h"
 #include "session/scenes/hit_counter.h"
-#include "viewer/window/window_values.h"
-
-#include <nlohmann/json_fwd.hpp>
+#include "viewer/renderer/window_values.h"
 
 #include <optional>
 #include <span>
@@ -26,10 +23,7 @@ class TargetHits {
   [[nodiscard]] std::span<const TargetScore> scores() const { return scores_; }
   /// For the caption of a picture: "   hits: bag 5, board 0"; empty without targets.
   [[nodiscard]] std::string caption() const;
-  /// Adds "targets": of each its name, "hits", and those of each limb.
-  void addTo(nlohmann::ordered_json& json) const;
-  /// Adds a line for each target.
-  void addTo(Report& report) const;
+  [[nodiscard]] const HitCounter& counter() const { return counter_; }
 
  private:
   HitCounter counter_;

@@ -94,34 +94,34 @@ std::vector<std::string> shippedMotions() {
 /// What a dropped character may be: one that performs the present motion or its own clip, or a motion.
 std::vector<CastRequest> attemptsWith(const std::string& character, bool withMotion, const CastRequest& request) {
   CastRequest performs = request, own = request, moves = request;
-  performs.input.character = own.input.character = character;
-  own.input.motion = "";
+  performs.character = own.character = character;
+  own.motion = "";
   if (withMotion) return {performs};
-  moves.input.motion = character;
-  if (request.input.motion.empty()) return {own};
+  moves.motion = character;
+  if (request.motion.empty()) return {own};
   return {performs, own, moves};
 }
 
 }  // namespace
 
-WindowOpener::WindowOpener(const LoadedCast& present, int threads, std::string whyNot)
-    : threads_(threads), whyNot_(std::move(whyNot)), motions_(shippedMotions()) {
+WindowOpener::WindowOpener(const Cast& present, Host& host, std::string whyNot)
+    : host_(host), whyNot_(std::move(whyNot)), motions_(shippedMotions()) {
   remember(present);
 }
 
-WindowOpener::WindowOpener(CastRequest present, int threads)
-    : present_(std::move(present)), threads_(threads), motions_(shippedMotions()) {}
+WindowOpener::WindowOpener(CastRequest present, Host& host)
+    : present_(std::move(present)), host_(host), motions_(shippedMotions()) {}
 
 WindowOpener::~WindowOpener() {
   giveUp();
 }
 
-void WindowOpener::remember(const LoadedCast& loaded) {
+void WindowOpener::remember(const Cast& loaded) {
   present_ = loaded.request;
   choices_ = loaded.choices;
   // A scene with avatars of its own: a dropped character performs the motion of its first.
-  if (present_.input.motion.empty() && present_.input.character.empty() && !loaded.opened.avatars.empty()) {
-    present_.input.motion = loaded.opened.avatars.front().options.motion;
+  if (present_.motion.empty() && present_.character.empty() && !loaded.avatars.empty()) {
+    present_.motion = loaded.avatars.front().setting.motion;
   }
 }
 
@@ -138,10 +138,10 @@ Result<WindowOpener::Others> WindowOpener::open(const std::vector<std::string>& 
   if (!kinds.characters.empty()) request.body.decomposition.clear();
   if (!kinds.bodies.empty()) request.body.decomposition = kinds.bodies.front();
   if (!kinds.motions.empty()) {
-    request.input.motion = kinds.motions.front();
-    request.input.performing.clip.clear();
-    request.input.performing.person = 0;
-    request.input.performing.format.clear();
+    request.motion = kinds.motions.front();
+    request.performing.clip.clear();
+    request.performing.person = 0;
+    request.performing.format.clear();
   }
   request.meshes.insert(request.meshes.end(), kinds.meshes.begin(), kinds.meshes.end());
   if (request.meshes.size() > kMaxMeshes) {
@@ -167,7 +167,7 @@ std::string_view WindowOpener::hint() const {
 Result<void> WindowOpener::openClip(int index) {
   if (!whyNot_.empty()) return invalidArgument(whyNot_);
   CastRequest request = present_;
-  request.input.performing.clip = choices_.clips[index];
+  request.performing.clip = choices_.clips[index];
   load({std::move(request)}, {});
   return {};
 }
@@ -175,7 +175,7 @@ Result<void> WindowOpener::openClip(int index) {
 Result<void> WindowOpener::openPerson(int index) {
   if (!whyNot_.empty()) return invalidArgument(whyNot_);
   CastRequest request = present_;
-  request.input.performing.person = index < 0 ? kEveryone : std::stoi(choices_.people[index]);
+  request.performing.person = index < 0 ? kEveryone : std::stoi(choices_.people[index]);
   load({std::move(request)}, {});
   return {};
 }
@@ -184,8 +184,8 @@ Result<void> WindowOpener::openPerson(int index) {
 void WindowOpener::load(std::vector<CastRequest> attempts, std::vector<std::string> files) {
   asked_ = std::move(files);
   giveUp();
-  loading_ = std::make_unique<BackgroundWork<LoadedCast>>(
-      [attempts = std::move(attempts), threads = threads_] { return loadCast(attempts, threads); });
+  loading_ = std::make_unique<BackgroundWork<Cast>>(
+      host_, [attempts = std::move(attempts)](Host& host) { return prepareSettledCast(attempts, host); });
 }
 
 void WindowOpener::cancel() {
@@ -198,10 +198,10 @@ void WindowOpener::giveUp() {
   loading_.reset();
 }
 
-std::optional<Result<LoadedCast>> WindowOpener::take() {
+std::optional<Result<Cast>> WindowOpener::take() {
   if (std::exchange(cancelled_, false)) return cancelled();
   if (!loading_) return std::nullopt;
-  std::optional<Result<LoadedCast>> result = loading_->take();
+  std::optional<Result<Cast>> result = loading_->take();
   if (!result) return result;
   loading_.reset();
   if (*result) {
@@ -215,7 +215,7 @@ void WindowOpener::describe(WindowValues& values) {
   values.hint = hint();
   if (whyNot_.empty()) {
     values.motions = motions_;
-    const auto present = std::find(motions_.begin(), motions_.end(), present_.input.motion);
+    const auto present = std::find(motions_.begin(), motions_.end(), present_.motion);
     values.motion = present == motions_.end() ? -1 : present - motions_.begin();
     values.clips = choices_.clips;
     values.clip = choices_.clip;

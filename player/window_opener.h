@@ -1,8 +1,8 @@
 #pragma once
 
 #include "player/background_work.h"
-#include "prepare/cast_loading.h"
-#include "viewer/window/window_values.h"
+#include "prepare/cast.h"
+#include "viewer/renderer/window_values.h"
 
 #include <memory>
 #include <optional>
@@ -16,9 +16,9 @@ namespace lorica {
 class WindowOpener {
  public:
   /// @param whyNot  nothing can be opened; empty = it can
-  WindowOpener(const LoadedCast& present, int threads, std::string whyNot);
+  WindowOpener(const Cast& present, Host& host, std::string whyNot);
   /// @param present  what the first files are combined with
-  WindowOpener(CastRequest present, int threads);
+  WindowOpener(CastRequest present, Host& host);
   /// What loads is given up, and so it is by cancel() and by the next files.
   ~WindowOpener();
 
@@ -47,19 +47,19 @@ class WindowOpener {
   /// What is loaded and how far it is, for the window.
   void describe(WindowValues& values);
   /// The result, once; none while it loads.
-  [[nodiscard]] std::optional<Result<LoadedCast>> take();
+  [[nodiscard]] std::optional<Result<Cast>> take();
 
  private:
-  void remember(const LoadedCast& loaded);
+  void remember(const Cast& loaded);
   void giveUp();
   void load(std::vector<CastRequest> attempts, std::vector<std::string> files);
 
   CastRequest present_;
   CastChoices choices_;
-  int threads_ = 1;
+  Host& host_;
   std::string whyNot_;
-  std::unique_ptr<BackgroundWork<LoadedCast>> loading_;
-  WorkMonitor::Progress progress_;    // for the window
+  std::unique_ptr<BackgroundWork<Cast>> loading_;
+  MonitoredHost::Progress progress_;  // for the window
   std::vector<std::string> motions_;  // that ship
   std::vector<std::string> asked_;    // files that are loading
   std::vector<std::string> opened_;

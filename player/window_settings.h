@@ -1,7 +1,7 @@
 #pragma once
 
 #include "geometry/result.h"
-#include "viewer/window/window_values.h"
+#include "viewer/renderer/window_values.h"
 
 #include <filesystem>
 #include <map>

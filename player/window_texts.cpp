@@ -35,7 +35,7 @@ std::string statusOf(const Session& session, bool ended) {
   return status;
 }
 
-void addStageTimes(const Session& session, std::optional<double> tracking, Window& window) {
+void addStageTimes(const Session& session, std::optional<double> tracking, Screen& screen) {
   const StageTimes& t = session.times();
   std::array<TimedStage, 8> stages;
   std::size_t count = 0;
@@ -48,7 +48,7 @@ void addStageTimes(const Session& session, std::optional<double> tracking, Windo
   add("hulls", t.hulls);
   add("physics", t.physics);
   if (session.world().particles() != nullptr) add("particles", t.particles);
-  window.addTimes(std::span(stages).first(count));
+  screen.addTimes(std::span(stages).first(count));
 }
 
 }  // namespace lorica

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "session/session.h"
-#include "viewer/window/window.h"
+#include "viewer/renderer/screen.h"
 
 #include <optional>
 #include <string>
@@ -12,11 +12,11 @@ namespace lorica {
 /// @param source  name of the motion or of what is followed
 [[nodiscard]] std::string titleOf(const Session& session, const std::string& source, bool live);
 
-/// The line of status of a window: parts and touched props.
+/// The line of status of a screen: parts and touched props.
 [[nodiscard]] std::string statusOf(const Session& session, bool ended);
 
-/// Adds the last frame of a session to the window's graph.
+/// Adds the last frame of a session to the screen's graph.
 /// @param tracking  time for tracking the joints [s]; none = not measured
-void addStageTimes(const Session& session, std::optional<double> tracking, Window& window);
+void addStageTimes(const Session& session, std::optional<double> tracking, Screen& screen);
 
 }  // namespace lorica

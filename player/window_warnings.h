@@ -1,7 +1,7 @@
 #pragma once
 
+#include "player/warning_board.h"
 #include "session/session.h"
-#include "viewer/window/warning_board.h"
 
 #include <string>
 #include <string_view>

@@ -1,7 +1,7 @@
 #include "prepare/body.h"
 
-#include "geometry/text.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/subject_training.h"
 
 #include <utility>

@@ -2,12 +2,15 @@
 
 #include "acd/decomposition_file.h"
 #include "prepare/body.h"
-#include "prepare/playback_input.h"
-#include "prepare/session_files.h"
+#include "prepare/read_motion.h"
 #include "prepare/springs.h"
+#include "prepare/subject.h"
+#include "session/recording/session_recorder.h"
 #include "session/scenes/hit_counter.h"
+#include "session/scenes/scene_stage.h"
 #include "session/session.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -17,64 +20,113 @@
 
 namespace lorica {
 
-struct WindowTreatment;
+/// What is asked of a run: motions and characters, one for each avatar, and the world around them.
+struct CastRequest {
+  std::string motion;     ///< several, separated by commas: an avatar each; empty = the character's own clip
+  std::string character;  ///< one for all avatars or one for each; empty = the mannequin, or the motion's file if it is
+                          ///< a character with a surface
+  CharacterOptions reading;
+  MotionOptions performing;
+  std::string springs;  ///< see chooseSprings()
+  BodyOptions body;
+  std::string scene;                ///< see readSceneText()
+  std::vector<std::string> meshes;  ///< files that become props
 
-/// An avatar of a run, set up by the options of the command line: what it is and what it performs.
-struct CastMember {
-  PlaybackInputOptions options;
-  PlaybackInput input;
-  DecompositionFile body;
-  std::optional<SpringChoice> springs;
-  Vec3 place = Vec3::Zero();   ///< of the motion's origin [m]
-  double heading = 0.0;        ///< by which the motion is turned around the vertical [degrees]
-  std::optional<Vec3f> color;  ///< see StageAvatar
-
-  [[nodiscard]] const Character& character() const { return *input.subject.character; }
-  [[nodiscard]] const Motion& motion() const { return input.motion; }
+  /// The files that it names, which no output may overwrite.
+  [[nodiscard]] std::vector<std::filesystem::path> files() const;
 };
 
-/// Maximum number of avatars that the command line sets up.
+/// An avatar that was read and decomposed, ready for a session.
+struct PreparedAvatar {
+  AvatarSetting setting;                    ///< as asked for
+  std::string source;                       ///< name of what moves it: "walk"
+  bool poses = false;                       ///< poses of bones move it; else joints
+  bool stream = false;                      ///< the poses come with trust and expressions, see PoseSource
+  Subject subject;                          ///< with a character
+  std::optional<Motion> motion = {};        ///< none = a camera, a program that sends, or a recorded session
+  std::optional<std::string> ownClip = {};  ///< the character's own clip that it performs, as given; see findClip()
+  DecompositionFile body = {};
+  std::optional<SpringChoice> springs = {};
+
+  [[nodiscard]] const Character& character() const { return *subject.character; }
+};
+
+/// What moves the avatars of a cast.
+class CastSources {
+ public:
+  virtual ~CastSources() = default;
+  /// A new source for an avatar: of recordings from their start, of what is live from now on.
+  /// @param performing  mirror, smoothing and faults
+  /// @param log         gets what the source gives; null = none
+  [[nodiscard]] virtual Result<std::unique_ptr<PoseSource>> open(const PreparedAvatar& avatar, std::size_t index,
+                                                                 const MotionOptions& performing,
+                                                                 std::shared_ptr<SourceLog> log) = 0;
+};
+
+/// What else the file of a cast's motion holds: other clips of a character file, other people of a recording.
+struct CastChoices {
+  std::vector<std::string> clips;   ///< empty = there is at most one
+  int clip = 0;                     ///< index of the played one
+  std::vector<std::string> people;  ///< their numbers; empty = there is at most one
+  int person = 0;                   ///< index of the followed one; -1 = everyone
+  bool everyone = false;            ///< everyone may be followed at once
+};
+
+/// The avatars of a run, prepared, and their world.
+struct Cast {
+  CastRequest request;
+  World world;
+  std::vector<HitTarget> targets = {};  ///< of the scene
+  std::vector<PreparedAvatar> avatars = {};
+  std::shared_ptr<CastSources> sources = {};
+  std::string name = {};         ///< "walk and wave"
+  double seconds = 0.0;          ///< of the longest motion; 0 = live
+  std::vector<Prop> added = {};  ///< of the request's meshes, which are in `world` already
+  CastChoices choices = {};
+};
+
+/// Maximum number of avatars that a command sets up.
 inline constexpr std::size_t kMaxCast = 64;
 
 /// The parts of a text between commas; a file whose name has commas is one.
 [[nodiscard]] std::vector<std::string> namesIn(const std::string& text);
 
-/// The files that the options name, which no output may overwrite.
-[[nodiscard]] std::vector<std::filesystem::path> filesOf(const PlaybackInputOptions& input, const BodyOptions& body);
+/// Reads the avatars that the request names, one for each motion ("walk,wave"), next to each other, 1.2 m apart, all
+/// with one character or each with its own; else those of the scene. Opens the scene and decomposes the bodies.
+[[nodiscard]] Result<Cast> prepareCast(const CastRequest& request, Host& host);
 
-/// The avatars of a run and their world.
-struct OpenedCast {
-  World world;
-  std::vector<HitTarget> targets;  ///< of the scene
-  std::vector<CastMember> avatars;
-};
+/// prepareCast(), and sand and water settle as in the first step of the session.
+/// @param attempts  the first that can be prepared is; if none can, the error of the first counts
+[[nodiscard]] Result<Cast> prepareSettledCast(const std::vector<CastRequest>& attempts, Host& host);
 
-/// Opens the scene and reads the avatars: those that the options name, one for each motion ("walk,wave"), side by side,
-/// 1.2 m apart, all with one character or each with its own; else those of the scene.
-/// @param scene  as given by the user, see openScene()
-[[nodiscard]] Result<OpenedCast> openCast(const PlaybackInputOptions& options, const BodyOptions& body,
-                                          const std::string& scene, int threads);
+/// The sources of a cast whose avatars have motions.
+[[nodiscard]] std::shared_ptr<CastSources> motionSources();
 
-/// startRecorder() for a cast.
-[[nodiscard]] Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file,
-                                                                     std::span<const CastMember> cast,
-                                                                     const BodyOptions& body, const std::string& scene,
-                                                                     const World& world);
+/// What the user can choose in the motion's file.
+[[nodiscard]] CastChoices choicesOf(const CastRequest& request, std::span<const PreparedAvatar> avatars);
 
-/// @param recorder  gets what the sources give; null = none
-[[nodiscard]] Result<Session> startSession(std::span<const CastMember> cast,
-                                           const std::shared_ptr<SessionRecorder>& recorder, World world);
+/// Adds an avatar to a session.
+[[nodiscard]] Result<void> addAvatar(Session& session, const PreparedAvatar& avatar,
+                                     std::unique_ptr<PoseSource> source);
 
-/// New sources for a session of the cast, from their start.
-[[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sourcesOf(std::span<const CastMember> cast,
-                                                                         const WindowTreatment& treatment);
+/// New sources for all avatars.
+/// @param recorder  its logs get what the sources give; null = none
+[[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> openSources(const Cast& cast,
+                                                                           const MotionOptions& performing,
+                                                                           const SessionRecorder* recorder = nullptr);
 
-/// "walk, wave and jump"
-[[nodiscard]] std::string listed(std::span<const std::string> names);
+/// A session of the cast, whose world is taken.
+[[nodiscard]] Result<Session> startSession(Cast& cast, const SessionRecorder* recorder = nullptr);
 
-/// "walk" or "walk and wave".
-[[nodiscard]] std::string motionsOf(std::span<const CastMember> cast);
-/// The duration of the longest motion [s].
-[[nodiscard]] double secondsOf(std::span<const CastMember> cast);
+/// Starts to record a session of the cast. @param file  NAME.lsession; empty = none
+/// @return the recorder, which must watch the session and whose logs the sources need; null if none was asked for
+[[nodiscard]] Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, const Cast& cast,
+                                                                     Host& host);
+
+/// Says that a file was found that a killed program left behind. @param found  its new name; none = nothing is said
+void warnOfFound(const std::optional<std::filesystem::path>& found, Host& host);
+
+/// Adds props to a world, as they are.
+void addProps(std::span<const Prop> props, World& world);
 
 }  // namespace lorica

@@ -1,7 +1,6 @@
-#include "prepare/cast_choices.h"
-
 #include "geometry/counts.h"
 #include "geometry/text.h"
+#include "prepare/cast.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -34,20 +33,20 @@ int followedIn(const Motion& motion, bool session, int given) {
 
 }  // namespace
 
-CastChoices choicesOf(const PlaybackInputOptions& input, const OpenedCast& cast) {
+CastChoices choicesOf(const CastRequest& request, std::span<const PreparedAvatar> avatars) {
   CastChoices choices;
-  const int person = input.performing.person;
-  const bool named = !input.motion.empty() || !input.character.empty();
-  if (!named || cast.avatars.empty() || (cast.avatars.size() > 1 && person != kEveryone)) return choices;
-  const PlaybackInput& first = cast.avatars.front().input;
-  std::vector<std::string> clips = first.motion.clips;
+  const int person = request.performing.person;
+  const bool named = !request.motion.empty() || !request.character.empty();
+  if (!named || avatars.empty() || (avatars.size() > 1 && person != kEveryone)) return choices;
+  const PreparedAvatar& first = avatars.front();
+  std::vector<std::string> clips = first.motion->clips;
   if (first.ownClip && first.subject.file) {
     for (const Clip& clip : first.subject.file->clips) clips.push_back(clip.name);
   }
-  addClips(clips, input.performing.clip, choices);
-  if (first.motion.people.empty()) return choices;
-  const bool session = lowerCase(std::filesystem::path(input.motion).extension().string()) == ".lsession";
-  addPeople(first.motion.people, followedIn(first.motion, session, person), choices);
+  addClips(clips, request.performing.clip, choices);
+  if (first.motion->people.empty()) return choices;
+  const bool session = lowerCase(std::filesystem::path(request.motion).extension().string()) == ".lsession";
+  addPeople(first.motion->people, followedIn(*first.motion, session, person), choices);
   choices.everyone = !session;
   return choices;
 }

@@ -16,10 +16,6 @@ namespace {
 constexpr double kLargestTolerance = 0.1;
 constexpr double kSmallestTolerance = 1e-4;
 
-bool isExact(const HullCover& cover) {
-  return cover.tolerance == 0.0 && cover.maxHullVertices == 0;
-}
-
 }  // namespace
 
 Result<void> checkCover(const CoverRequest& request, const Character& character) {

@@ -1,5 +1,7 @@
 #include "prepare/demo_motion.h"
 
+#include "session/scenes/demo_scene.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -69,11 +71,11 @@ void append(std::vector<SkeletonFrame>& frames, std::vector<SkeletonFrame> piece
 
 }  // namespace
 
-Result<Motion> makePerformance() {
+Result<Motion> makeDemoMotion(Host& host) {
   Motion performance;
   performance.name = "kick and walk";
   for (const Piece& piece : kPieces) {
-    LORICA_TRY(const Motion recording, readMotion(piece.recording));
+    LORICA_TRY(const Motion recording, readMotion(piece.recording, {}, host));
     std::vector<SkeletonFrame> frames;
     const double start = recording.joints.front().time;
     for (const SkeletonFrame& frame : recording.joints) {
@@ -86,6 +88,23 @@ Result<Motion> makePerformance() {
     performance.joints[i].time = i / kRate;
   }
   return performance;
+}
+
+Result<DemoCast> prepareDemo(Host& host) {
+  LORICA_TRY(Motion motion, makeDemoMotion(host));
+  LORICA_TRY(Subject mannequin, readCharacter("mannequin", {}, host));
+  LORICA_TRY(CachedDecomposition body, defaultDecomposition(mannequin, host));
+  PreparedAvatar avatar;
+  avatar.source = motion.name;
+  avatar.subject = std::move(mannequin);
+  avatar.body = std::move(body.file);
+  Cast cast{CastRequest(), makeDemoWorld(kDemoSeed)};
+  cast.name = motion.name;
+  cast.seconds = motion.seconds();
+  avatar.motion = std::move(motion);
+  cast.avatars.push_back(std::move(avatar));
+  cast.sources = motionSources();
+  return DemoCast{std::move(cast), body.fromCache, body.seconds};
 }
 
 }  // namespace lorica

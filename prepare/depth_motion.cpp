@@ -1,11 +1,11 @@
 #include "prepare/depth_motion.h"
 
-#include "geometry/text.h"
 #include "capture/sensor/oni_source.h"
 #include "capture/tracking/depth_joints.h"
 #include "capture/tracking/track_log.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 

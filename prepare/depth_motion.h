@@ -9,10 +9,11 @@ namespace lorica {
 /// Decides by the file extension or by the first bytes.
 [[nodiscard]] bool isDepthRecording(const std::filesystem::path& file);
 
-/// Tracks a person in a depth recording (.oni) and reports how far that is. Every frame is used once, in order; the result
-/// is deterministic. All joints are unknown in frames without a person.
+/// Tracks a person in a depth recording (.oni) and reports how far that is. Every frame is used once, in order; the
+/// result is deterministic. All joints are unknown in frames without a person.
 /// @return the motion, an error about the file, or kCancelled
-[[nodiscard]] Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options, Host& host);
+[[nodiscard]] Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options,
+                                             Host& host);
 
 /// The same of everyone, see PeoplePlaces: a motion for each place that was taken.
 [[nodiscard]] Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host);
@@ -21,6 +22,6 @@ namespace lorica {
 /// joints to `base`.cam.csv and the labels of the pixels to `base`.lab.
 /// @return the number of frames, or an error about a file, or kCancelled
 [[nodiscard]] Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base,
-                                         Host& host);
+                                        Host& host);
 
 }  // namespace lorica

@@ -27,7 +27,11 @@ class Host {
   virtual void endStage() {}
   /// Whether the work should stop with cancelled().
   [[nodiscard]] virtual bool cancelled() const { return false; }
-  /// One sentence for the user, about work that goes on.
+  /// Whether this is the work of a thread in the background: what cannot be stopped there may be given up.
+  [[nodiscard]] virtual bool inBackground() const { return false; }
+  /// One line for the user about what happens.
+  virtual void tell(const std::string& /*sentence*/) {}
+  /// The same about something that may be wrong, though the work continues. Repeated sentences are told once.
   virtual void warn(const std::string& /*sentence*/) {}
 
   int threads = 0;                        ///< 0 = all that the machine has

@@ -33,7 +33,8 @@ double distanceIn(const FitRequest& request, const Fit& fit) {
 Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings, Host& host) {
   const Subject& subject = request.subject;
   Fit fit;
-  LORICA_TRY(TimedDecomposition made, decomposeWithProgress(subject.name, subject.mesh, posesOf(request), settings, host));
+  LORICA_TRY(TimedDecomposition made,
+             decomposeWithProgress(subject.name, subject.mesh, posesOf(request), settings, host));
   fit.made = std::move(made);
   const Decomposition& parts = fit.made.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
@@ -48,8 +49,7 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
     const Character& character = *subject.character;
     HullCover cover = coverExactly(parts, liftPoints(character, parts));
     if (request.coverPoses != nullptr) {
-      LORICA_TRY(HullCover chosen,
-                 chooseCoverWithProgress(character, parts, *request.coverPoses, request.cover, host));
+      LORICA_TRY(HullCover chosen, chooseCoverWithProgress(character, parts, *request.coverPoses, request.cover, host));
       cover = std::move(chosen);
       fit.cover = cover;
     }

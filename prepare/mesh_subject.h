@@ -3,8 +3,6 @@
 #include "geometry/text.h"
 #include "prepare/subject.h"
 
-#include <nlohmann/json.hpp>
-
 #include <string>
 #include <vector>
 

@@ -1,10 +1,10 @@
 #include "prepare/read_motion.h"
 
-#include "geometry/text.h"
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/depth_motion.h"
 #include "prepare/shipped_motion.h"
 #include "prepare/stream_motion.h"
@@ -123,9 +123,7 @@ FaultSettings MotionOptions::faults() const {
   return *faults;
 }
 
-namespace {
-
-}  // namespace
+namespace {}  // namespace
 
 bool isBareName(const std::string& text) {
   std::error_code ignored;

@@ -35,7 +35,7 @@ struct SceneText {
 struct OpenedScene {
   World world;
   std::vector<HitTarget> targets;
-  std::vector<StageAvatar> stage;  ///< character and motion as names of what ships, or as paths
+  std::vector<AvatarSetting> stage;  ///< character and motion as names of what ships, or as paths
 };
 
 /// openScene() with the avatars of the scene.
@@ -51,7 +51,6 @@ struct OpenedScene {
 /// The world of a scene text. @param name  for error messages
 [[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name, Host& host);
 /// The targets of a scene text that worldOf() has read.
-[[nodiscard]] std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name,
-                                               Host& host);
+[[nodiscard]] std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name, Host& host);
 
 }  // namespace lorica

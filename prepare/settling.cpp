@@ -1,6 +1,5 @@
 #include "prepare/settling.h"
 
-
 #include <functional>
 #include <utility>
 
@@ -37,13 +36,15 @@ bool mustSettle(const World& world) {
 void settleAround(const PartsOfAvatars& parts, World& world, Host& host) {
   if (!mustSettle(world)) return;
   const std::vector<std::span<const LivePart>> avatars(parts.begin(), parts.end());
-  world.watchSettling(reporting(world, [] {}, host));
+  world.watchSettling(reporting(
+      world, [] {}, host));
   world.settle(avatars);
 }
 
 Result<bool> stepAndSettle(Session& session, Host& host) {
   if (mustSettle(session.world())) {
-    session.world().watchSettling(reporting(session.world(), [&session] { session.watch(nullptr); }, host));
+    session.world().watchSettling(reporting(
+        session.world(), [&session] { session.watch(nullptr); }, host));
   }
   return session.step();
 }

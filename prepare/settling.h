@@ -18,7 +18,8 @@ using PartsOfAvatars = std::vector<std::vector<LivePart>>;
 /// Share of the work of opening what an avatar and a scene need that comes before settling, see Stage.
 inline constexpr double kBeforeSettling = 0.6;
 
-/// Lets sand and water settle around parts that stand. A task of the host; stops if that is cancelled: the world is to be given up then.
+/// Lets sand and water settle around parts that stand. A task of the host; stops if that is cancelled: the world is to
+/// be given up then.
 void settleAround(const PartsOfAvatars& parts, World& world, Host& host);
 
 /// The same in the first step of a session. If it is stopped, the step that ends it is not watched any more: nobody

@@ -1,9 +1,5 @@
 #include "prepare/springs.h"
 
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
-
 namespace lorica {
 
 std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::string& mode) {
@@ -12,10 +8,6 @@ std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::str
   SpringChoice choice{springs, springModeNamed(mode).value_or(usualSpringMode(springs))};
   if (choice.mode == SpringMode::kNone && springs.constraints.empty()) return std::nullopt;
   return choice;
-}
-
-Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session, int avatar) {
-  return choice ? session.setSprings(choice->springs, choice->mode, avatar) : Result<void>();
 }
 
 }  // namespace lorica

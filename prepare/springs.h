@@ -1,10 +1,7 @@
 #pragma once
 
-#include "geometry/text.h"
 #include "prepare/subject.h"
 #include "session/session.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <optional>
 #include <string>
@@ -20,8 +17,5 @@ struct SpringChoice {
 /// @param mode  as given; empty = usualSpringMode()
 /// @return none if there is nothing to move: neither springs, or the mode is none, nor constraints
 [[nodiscard]] std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::string& mode);
-
-/// Session::setSprings() with the choice; without one nothing happens.
-[[nodiscard]] Result<void> addSprings(const std::optional<SpringChoice>& choice, Session& session, int avatar = 0);
 
 }  // namespace lorica

@@ -2,7 +2,8 @@
 
 #include "capture/streams/recorded_stream.h"
 #include "geometry/errors.h"
-#include "prepare/session_files.h"
+#include "geometry/text.h"
+#include "prepare/session_inputs.h"
 #include "prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/character_file.h"
@@ -151,7 +152,7 @@ Result<Motion> readSessionMotion(const fs::path& file, int person, Host& host) {
   if (count > 1 && person == 0) {
     motion.notes.push_back(fmt::format("of {} avatars this is the first; --person 2 is the second", count));
   }
-  const AvatarHeader& header = recorded.header.avatar(index);
+  const AvatarRecord& header = recorded.header.avatar(index);
   RecordedMotion& chosen = recorded.motions[index];
   if (header.poseJoints == 0) {
     motion.joints = std::move(chosen.joints);

@@ -9,7 +9,8 @@
 namespace lorica {
 
 /// Reads a recording of VMC packets (.pcap): what the sender's bones did.
-[[nodiscard]] Result<Motion> readPacketMotion(const std::filesystem::path& file, const MotionOptions& options, Host& host);
+[[nodiscard]] Result<Motion> readPacketMotion(const std::filesystem::path& file, const MotionOptions& options,
+                                              Host& host);
 
 /// Reads the motion of an avatar of a recorded session (.lsession): its joints, or the poses of its character, whose
 /// file must be there.

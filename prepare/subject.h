@@ -72,7 +72,6 @@ struct Subject {
 [[nodiscard]] Result<void> followsPerson(const CharacterFile& file);
 
 /// A character by its name or file, or an error that says what is expected.
-[[nodiscard]] Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options,
-                                            Host& host);
+[[nodiscard]] Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host);
 
 }  // namespace lorica

@@ -1,7 +1,7 @@
 #include "prepare/subject_training.h"
 
-#include "geometry/text.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <chrono>
 #include <utility>

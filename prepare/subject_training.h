@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "prepare/read_motion.h"
 #include "prepare/subject.h"
 #include "prepare/training.h"
 
@@ -16,8 +17,7 @@ namespace lorica {
 /// trainingMotions() of session/prepare. The shipped recordings are the usual motions.
 /// Where they are not found, they are generated again, with a warning.
 /// @param motions  may be empty
-[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions,
-                                              Host& host);
+[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions, Host& host);
 
 /// A decomposition and its computation time.
 struct TimedDecomposition {
@@ -28,6 +28,7 @@ struct TimedDecomposition {
 /// decompose() as a task of the host.
 /// @param name  of the mesh, for the task and for errors: "Bunny.off"
 [[nodiscard]] Result<TimedDecomposition> decomposeWithProgress(const std::string& name, const TriMesh& mesh,
-                                                               PoseView keyframes, DecomposeSettings settings, Host& host);
+                                                               PoseView keyframes, DecomposeSettings settings,
+                                                               Host& host);
 
 }  // namespace lorica

@@ -2,12 +2,10 @@
 
 #include "geometry/errors.h"
 #include "geometry/printable.h"
-#include "player/percentiles.h"
 #include "prepare/stream_motion.h"
 #include "session/stream_pose_source.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <utility>
 
@@ -20,7 +18,7 @@ constexpr int kLongestDelayMs = 1000;
 
 }  // namespace
 
-Result<void> checkVmcInput(const VmcInputOptions& options) {
+Result<void> checkVmcInput(const VmcInputOptions& options, const Host& host) {
   if (options.listenAt.empty()) {
     if (options.sender.empty()) return {};
     return invalidArgument("--sender is for a program that sends, expected --vmc");
@@ -29,14 +27,14 @@ Result<void> checkVmcInput(const VmcInputOptions& options) {
     return invalidArgument("--delay: found {} ms, expected at most {}", options.delayMs, kLongestDelayMs);
   }
   LORICA_TRY_DO(prefixed("--vmc", parseNetworkAddress(options.listenAt, false)));
-  LORICA_TRY_DO(readSenderRest(options.sender));
+  LORICA_TRY_DO(readSenderRest(options.sender, host));
   return {};
 }
 
-Result<VmcInput> VmcInput::open(const VmcInputOptions& options) {
+Result<VmcInput> VmcInput::open(const VmcInputOptions& options, const Host& host) {
   LORICA_TRY(const NetworkAddress address, prefixed("--vmc", parseNetworkAddress(options.listenAt, false)));
   LORICA_TRY(UdpSocket socket, prefixed("--vmc", UdpSocket::listen(address)));
-  LORICA_TRY(std::optional<SenderRest> sender, readSenderRest(options.sender));
+  LORICA_TRY(std::optional<SenderRest> sender, readSenderRest(options.sender, host));
   return VmcInput(std::make_unique<VmcStream>(std::move(socket), 1e-3 * options.delayMs), "VMC on " + textOf(address),
                   std::move(sender), options.delayMs);
 }
@@ -56,7 +54,7 @@ bool VmcInput::ready(const Session& session) const {
   return view_->ready() || session.frameCount() == 0 || view_->now() - session.time() > kLongestWait;
 }
 
-void VmcInput::add(const Session& session) {
+void VmcInput::add(const Session& session, Host& host) {
   const std::optional<VmcStream::Given> last = view_->lastGiven();
   const bool isNew = last && session.time() == last->time;
   const double afterHulls = session.times().physics + session.times().particles;
@@ -64,40 +62,14 @@ void VmcInput::add(const Session& session) {
   const bool hears = last && view_->now() - last->time < kSilentSeconds;
   if (hears != heard_) {
     const std::string title = view_->title();
-    say(hears ? fmt::format("A program is sending{}.\n", title.empty() ? "" : ": " + printable(title))
-              : std::string("No program is sending any more.\n"));
+    host.tell(hears ? fmt::format("A program is sending{}.", title.empty() ? "" : ": " + printable(title))
+                    : std::string("No program is sending any more."));
   }
   heard_ = hears;
 }
 
 std::string VmcInput::state() const {
   return heard_ ? "" : "no program is sending";
-}
-
-void VmcInput::addTo(nlohmann::ordered_json& json) const {
-  const VmcStream::Counts counts = view_->counts();
-  const Percentiles latency = percentilesOf(latency_);
-  json["stream"] = {{"packets", counts.packets}, {"refusedPackets", counts.refused}, {"packetsOfOthers", counts.others},
-                    {"frames", counts.frames},   {"jitter", 1e6 * counts.jitter},    {"delay", delayMs_},
-                    {"lateFrames", counts.late}};
-  json["latency"] = {{"median", latency.median}, {"p95", latency.p95}};
-}
-
-void VmcInput::addTo(Report& report) const {
-  const VmcStream::Counts counts = view_->counts();
-  std::string packets = counted(counts.packets, "packet");
-  if (counts.refused > 0) packets += fmt::format(", {} not understood", counts.refused);
-  if (counts.others > 0) packets += fmt::format("; {} of other senders ignored", counts.others);
-  report.line("stream", fmt::format("{} in {}", counted(counts.frames, "frame"), packets));
-  if (counts.frames > 1) report.line("jitter", fmt::format("{:.1f} ms", 1e3 * counts.jitter));
-  if (delayMs_ > 0.0) {
-    report.line("delay", fmt::format("{} ms, which the latency includes; {} came later", delayMs_,
-                                     counted(counts.late, "frame")));
-  }
-  if (latency_.empty()) return;
-  const Percentiles latency = percentilesOf(latency_);
-  report.line("latency", fmt::format("{:.2f} ms from a packet to its hulls; 95 % within {:.2f} ms",
-                                     1e-3 * latency.median, 1e-3 * latency.p95));
 }
 
 }  // namespace lorica

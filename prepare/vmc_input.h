@@ -1,11 +1,9 @@
 #pragma once
 
-#include "geometry/text.h"
 #include "capture/retarget/sender_rest.h"
 #include "capture/streams/vmc_stream.h"
+#include "prepare/host.h"
 #include "session/session.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <memory>
 #include <optional>
@@ -22,14 +20,14 @@ struct VmcInputOptions {
 };
 
 /// Rejects a bad address or sender before any work.
-[[nodiscard]] Result<void> checkVmcInput(const VmcInputOptions& options);
+[[nodiscard]] Result<void> checkVmcInput(const VmcInputOptions& options, const Host& host);
 
 /// A VMC stream that a session follows, and what is told of it.
 class VmcInput {
  public:
   /// @param options  with an address
   /// @return the opened stream, or why there is none
-  [[nodiscard]] static Result<VmcInput> open(const VmcInputOptions& options);
+  [[nodiscard]] static Result<VmcInput> open(const VmcInputOptions& options, const Host& host);
 
   /// The poses of a character that follows the stream; once. The source must outlive this object's later use.
   /// @param leads  whether the session waits for its frames
@@ -41,13 +39,15 @@ class VmcInput {
 
   /// Whether the session should step now: there is a new frame, or none came for a thirtieth of a second.
   [[nodiscard]] bool ready(const Session& session) const;
-  /// Adds a frame whose hulls have been posed; tells on standard error when the sender comes and goes.
-  void add(const Session& session);
+  /// Adds a frame whose hulls have been posed; tells the host when the sender comes and goes.
+  void add(const Session& session, Host& host);
   /// For the caption: "no program is sending", or empty.
   [[nodiscard]] std::string state() const;
 
-  void addTo(nlohmann::ordered_json& json) const;
-  void addTo(Report& report) const;
+  [[nodiscard]] VmcStream::Counts counts() const { return view_->counts(); }
+  [[nodiscard]] int delayMs() const { return delayMs_; }
+  /// From the packet to the posed hulls [us], of each frame.
+  [[nodiscard]] const std::vector<double>& latency() const { return latency_; }
 
  private:
   VmcInput(std::unique_ptr<VmcStream> stream, std::string name, std::optional<SenderRest> sender, int delayMs);

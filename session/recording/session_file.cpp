@@ -1,3 +1,4 @@
+#include "session/byte_writer.h"
 #include "session/recording/session_file.h"
 
 #include "geometry/byte_reader.h"
@@ -55,7 +56,7 @@ class StepReader {
   }
 
   /// @return the number of frames
-  std::size_t readMotion(const AvatarHeader& avatar, RecordedMotion& motion) {
+  std::size_t readMotion(const AvatarRecord& avatar, RecordedMotion& motion) {
     const auto count = reader_.take<std::uint32_t>();
     checkRecords(count);
     const bool poses = avatar.poseJoints > 0;
@@ -118,7 +119,7 @@ class StepReader {
     motion.joints.push_back(frame);
   }
 
-  void readPose(const AvatarHeader& avatar, RecordedMotion& motion) {
+  void readPose(const AvatarRecord& avatar, RecordedMotion& motion) {
     motion.poseTimes.push_back(time());
     for (int j = 0; j < avatar.poseJoints && !wrong_ && reader_.ok(); ++j) {
       JointTransform joint;

@@ -16,7 +16,7 @@
 namespace lorica {
 
 /// The inputs of one avatar of a recorded session.
-struct AvatarHeader {
+struct AvatarRecord {
   std::string source;            ///< name of the motion: "walk"
   int poseJoints = 0;            ///< joints per recorded pose; 0 = tracked joints were recorded
   bool poseTrust = false;        ///< whether the trust of each joint was recorded with each pose
@@ -50,15 +50,15 @@ struct AvatarHeader {
 /// The inputs of a recorded session. File names are those at the time of the recording, as hints for finding the files;
 /// hashes verify that the files found are the same.
 struct SessionHeader {
-  std::vector<AvatarHeader> avatars = std::vector<AvatarHeader>(1);  ///< at least one
+  std::vector<AvatarRecord> avatars = std::vector<AvatarRecord>(1);  ///< at least one
 
   std::string scene;            ///< name or file, as given; empty = the demo scene
   std::string sceneFolder;      ///< base folder of relative mesh paths
   std::uint64_t sceneSeed = 0;  ///< of the demo scene
   std::uint64_t worldHash = 0;  ///< hashOf(World) at the start
 
-  [[nodiscard]] AvatarHeader& avatar(std::size_t index = 0) { return avatars[index]; }
-  [[nodiscard]] const AvatarHeader& avatar(std::size_t index = 0) const { return avatars[index]; }
+  [[nodiscard]] AvatarRecord& avatar(std::size_t index = 0) { return avatars[index]; }
+  [[nodiscard]] const AvatarRecord& avatar(std::size_t index = 0) const { return avatars[index]; }
 };
 
 /// Maximum number of avatars of a recorded session.
@@ -68,9 +68,9 @@ inline constexpr std::size_t kMaxRecordedAvatars = 1000;
 struct RecordedMotion {
   std::vector<SkeletonFrame> joints;
   std::vector<double> poseTimes;      ///< [s]
-  std::vector<JointTransform> poses;  ///< AvatarHeader::poseJoints for each time
-  std::vector<double> poseTrust;      ///< the same number for each time; empty without AvatarHeader::poseTrust
-  /// For each time; empty without AvatarHeader::poseExpressions.
+  std::vector<JointTransform> poses;  ///< AvatarRecord::poseJoints for each time
+  std::vector<double> poseTrust;      ///< the same number for each time; empty without AvatarRecord::poseTrust
+  /// For each time; empty without AvatarRecord::poseExpressions.
   std::vector<std::vector<NamedWeight>> poseExpressions;
 };
 

@@ -38,7 +38,7 @@ void readSmoothing(SceneElement element, JointSettings& joints) {
   joints.smoothing = settings;
 }
 
-void readFaults(SceneElement& root, AvatarHeader& header) {
+void readFaults(SceneElement& root, AvatarRecord& header) {
   std::string text;
   root.text("faults", text);
   if (text.empty() || root.failed()) return;
@@ -61,7 +61,7 @@ void readTexts(SceneElement& element, const char* key, const char* example, std:
   }
 }
 
-void readCharacter(SceneElement element, AvatarHeader& header) {
+void readCharacter(SceneElement element, AvatarRecord& header) {
   element.allow({"name", "map", "body-resolution", "expressions", "hide", "clip", "hash"});
   element.text("name", header.character);
   element.text("map", header.boneMap);
@@ -72,7 +72,7 @@ void readCharacter(SceneElement element, AvatarHeader& header) {
   readHash(element, "hash", header.characterHash);
 }
 
-void readBody(SceneElement element, AvatarHeader& header) {
+void readBody(SceneElement element, AvatarRecord& header) {
   element.allow({"file", "hash", "cover", "hull-vertices", "cover-hash", "training-hash"});
   element.text("file", header.decomposition);
   readHash(element, "hash", header.decompositionHash);
@@ -86,7 +86,7 @@ void readBody(SceneElement element, AvatarHeader& header) {
   readHash(element, "training-hash", header.trainingHash);
 }
 
-void readSprings(SceneElement element, AvatarHeader& header) {
+void readSprings(SceneElement element, AvatarRecord& header) {
   element.allow({"mode", "hash"});
   std::string mode;
   element.need("mode", "none, file or body");
@@ -105,7 +105,7 @@ void readScene(SceneElement element, SessionHeader& header) {
   readHash(element, "hash", header.worldHash);
 }
 
-void readAvatar(SceneElement element, AvatarHeader& header) {
+void readAvatar(SceneElement element, AvatarRecord& header) {
   element.allow({"source", "pose-joints", "pose-trust", "pose-expressions", "character", "decomposition", "mirror",
                  "upper-body", "smoothing", "faults", "place", "heading", "color", "springs"});
   element.text("source", header.source);
@@ -139,7 +139,7 @@ void readAvatars(SceneElement& root, SessionHeader& header) {
   if (!root.failed() && header.avatars.empty()) root.fail("avatars", "an empty list", "at least one avatar");
 }
 
-SceneJson jsonOf(const AvatarHeader& header) {
+SceneJson jsonOf(const AvatarRecord& header) {
   SceneJson json;
   json["source"] = header.source;
   json["pose-joints"] = header.poseJoints;
@@ -191,7 +191,7 @@ std::string textOf(const SessionHeader& header) {
   SceneJson json;
   json["format"] = kFormat;
   json["avatars"] = SceneJson::array();
-  for (const AvatarHeader& avatar : header.avatars) json["avatars"].push_back(jsonOf(avatar));
+  for (const AvatarRecord& avatar : header.avatars) json["avatars"].push_back(jsonOf(avatar));
   SceneJson& scene = json["scene"];
   scene["name"] = header.scene;
   if (!header.sceneFolder.empty()) scene["folder"] = header.sceneFolder;

@@ -69,7 +69,7 @@ Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& 
 SessionRecorder::SessionRecorder(fs::path file, fs::path part, int descriptor, const SessionHeader& header)
     : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor) {
   tracks_.reserve(header.avatars.size());
-  for (const AvatarHeader& avatar : header.avatars) tracks_.push_back({avatar.poseJoints > 0, avatar.poseExpressions});
+  for (const AvatarRecord& avatar : header.avatars) tracks_.push_back({avatar.poseJoints > 0, avatar.poseExpressions});
 }
 
 SessionRecorder::~SessionRecorder() {

@@ -51,7 +51,7 @@ class RecordedPoses final : public PoseSource {
 
 Result<std::unique_ptr<PoseSource>> SessionReplay::source(const SessionFile& recorded, const Character& character,
                                                           std::size_t avatar) {
-  const AvatarHeader& header = recorded.header.avatar(avatar);
+  const AvatarRecord& header = recorded.header.avatar(avatar);
   const RecordedMotion& motion = recorded.motions[avatar];
   const SourceTreatment treatment{nullptr, header.faults, header.joints};
   if (header.poseJoints == 0) return makeTreatedSource(character, makeRecordedSource(motion.joints), treatment);
@@ -88,7 +88,7 @@ namespace {
 
 /// @param differs  makes the error
 template <typename Differs>
-Result<void> checkAvatar(const AvatarHeader& header, const SessionAvatar& avatar, const Differs& differs) {
+Result<void> checkAvatar(const AvatarRecord& header, const SessionAvatar& avatar, const Differs& differs) {
   if (hashOf(avatar.character()) != header.characterHash) {
     return differs(
         fmt::format("recorded with a character {} that differs from the one found, expected the same mesh, "

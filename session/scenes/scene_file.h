@@ -29,7 +29,7 @@ struct SceneFile {
   std::vector<Link> links;
   std::optional<ParticleSettings> particles;
   std::vector<HitTarget> targets;  ///< in the order of the file
-  std::vector<StageAvatar> stage;  ///< the avatars that perform in it; empty = whichever is played
+  std::vector<AvatarSetting> stage;  ///< the avatars that perform in it; empty = whichever is played
 };
 
 /// What is needed to read a scene in addition to its text.

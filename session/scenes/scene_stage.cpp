@@ -14,10 +14,10 @@ constexpr double kNearest = 0.1;       // of two places [m]
 
 }  // namespace
 
-std::vector<StageAvatar> readStage(SceneElement& root) {
-  std::vector<StageAvatar> stage;
+std::vector<AvatarSetting> readStage(SceneElement& root) {
+  std::vector<AvatarSetting> stage;
   root.each("avatars", [&](SceneElement& element) {
-    StageAvatar avatar;
+    AvatarSetting avatar;
     element.allow({"character", "motion", "start", "place", "heading", "color"});
     element.text("character", avatar.character);
     element.text("motion", avatar.motion);

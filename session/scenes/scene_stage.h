@@ -9,7 +9,7 @@
 namespace lorica {
 
 /// An avatar that a scene file asks for.
-struct StageAvatar {
+struct AvatarSetting {
   std::string character = "mannequin";  ///< what ships, or a file beneath the scene's folder
   std::string motion;                   ///< the same; empty = the character's own clip
   double start = 0.0;                   ///< time in the motion at which it begins, from its first frame [s]
@@ -21,6 +21,6 @@ struct StageAvatar {
 class SceneElement;
 
 /// Reads "avatars" of a scene. Internal to scene_file.cpp.
-[[nodiscard]] std::vector<StageAvatar> readStage(SceneElement& root);
+[[nodiscard]] std::vector<AvatarSetting> readStage(SceneElement& root);
 
 }  // namespace lorica

@@ -33,7 +33,7 @@ SceneFile shipped(const std::string& name) {
 /// The scene with its avatars, as `lorica play --scene` sets it up, but of eight parts.
 Session performance(const SceneFile& scene) {
   Session session(makeWorld(scene));
-  for (const StageAvatar& asked : scene.stage) {
+  for (const AvatarSetting& asked : scene.stage) {
     std::unique_ptr<PoseSource> source =
         makeTreatedSource(makeMannequin(), makeRecordedSource(test::shippedFrames(asked.motion, 10'000, asked.start)),
                           {})

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "viewer/window/window_values.h"
+#include "viewer/renderer/window_values.h"
 
 #include <array>
 #include <span>

@@ -3,7 +3,7 @@
 #include "viewer/window/free_area.h"
 #include "viewer/window/imgui_draw.h"
 #include "viewer/window/time_graph.h"
-#include "viewer/window/window_values.h"
+#include "viewer/renderer/window_values.h"
 
 #include <array>
 #include <memory>

@@ -1,4 +1,4 @@
-#include "player/abandoned_work.h"
+#include "prepare/abandoned_work.h"
 
 #include "geometry/hard_stop.h"
 

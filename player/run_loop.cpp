@@ -1,9 +1,8 @@
-#include "player/window_loop.h"
 
+#include "player/run_loop.h"
 #include "geometry/counts.h"
 #include "geometry/text.h"
 #include "player/framing.h"
-#include "player/window_loop_impl.h"
 
 #include <fmt/format.h>
 
@@ -21,19 +20,39 @@ constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on 
 
 }  // namespace
 
-Result<WindowEnd> WindowLoop::run() {
-  window_.setCamera(framing(window_.camera(), session_.world()));
-  while (window_.open() && !closed_) {
-    if (interrupted()) return WindowEnd::kInterrupted;
-    LORICA_TRY_DO(answer(window_.takeRequests()));
+RunLoop::RunLoop(Run& run, Shown& shown, Host& host)
+    : run_(run),
+      shown_(shown),
+      host_(host),
+      screen_(shown.screen),
+      session_(run.session),
+      hands_(run.restartable()),
+      due_(now()) {
+  if (screen_ == nullptr) return;
+  if (!run.watched()) scenes_ = scenesNextTo(run.cast.request.scene);
+  scene_.emplace(session_);
+  levels_->emplace(session_.body().plan(), session_.character());
+  avatarNames_ = avatarNames(session_);
+  title_ = titleOf(session_, run.name(), run.live());
+  const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
+  if (avatar == nullptr) return;
+  for (const Expression& expression : avatar->face.expressions.list) expressions_.push_back(expression.name);
+}
+
+Result<RunEnd> RunLoop::run() {
+  if (screen_ == nullptr) return runUnseen();
+  screen_->setCamera(framing(screen_->camera(), session_.world()));
+  while (screen_->open() && !closed_) {
+    if (host_.cancelled()) return RunEnd::kInterrupted;
+    LORICA_TRY_DO(answer(screen_->takeRequests()));
     LORICA_TRY_DO(treat());
-    if (subject_.next) return WindowEnd::kExchanged;
+    if (shown_.next) return RunEnd::kExchanged;
     LORICA_TRY_DO(takeWorld());
     LORICA_TRY_DO(seek_ && !nextWorld_ ? runSeek() : advance());
-    if (started_ && subject_.enough && subject_.enough()) return WindowEnd::kOver;
+    if (started_ && run_.enough()) return RunEnd::kOver;
     if (ended_ && !seek_) {
-      if (subject_.atEnd == WindowSubject::AtEnd::kReturn) return WindowEnd::kOver;
-      if (loops() && window_.wantsStep()) {
+      if (run_.setting.atEnd == AtEnd::kReturn) return RunEnd::kOver;
+      if (loops() && screen_->wantsStep()) {
         LORICA_TRY_DO(startOver());
         LORICA_TRY_DO(step());
       }
@@ -42,22 +61,41 @@ Result<WindowEnd> WindowLoop::run() {
     // Limits the frame rate without vertical synchronisation.
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
-  return WindowEnd::kClosed;
+  return RunEnd::kClosed;
+}
+
+/// Without a screen: steps and pictures, as fast as they come.
+Result<RunEnd> RunLoop::runUnseen() {
+  const RunSetting& setting = run_.setting;
+  std::optional<Task> task;
+  if (!run_.live()) task.emplace(host_, setting.doing + " " + run_.name(), setting.unit);
+  while (!ended_) {
+    if (host_.cancelled()) return RunEnd::kInterrupted;
+    LORICA_TRY_DO(step());
+    const int frame = session_.frameCount();
+    if (frame == shownFrame_) break;  // the sources are over
+    shownFrame_ = frame;
+    if (task) task->update(frame, setting.expected > 0 ? std::max(setting.expected, frame) : setting.frames);
+    if (!shown_.picture) continue;
+    LORICA_TRY(const bool more, shown_.picture());
+    if (!more) break;
+  }
+  return RunEnd::kOver;
 }
 
 /// After the end. Sand and water would need seconds to settle again: there only the motion starts again.
-Result<void> WindowLoop::startOver() {
+Result<void> RunLoop::startOver() {
   hands_.forget();
   if (session_.world().particles() == nullptr) return restart();
   session_.world().stepAvatars({}, 0.0);  // the avatars come back without sweeping
   return restartIn(std::move(session_.world()));
 }
 
-Result<void> WindowLoop::restartIn(World world) {
+Result<void> RunLoop::restartIn(World world) {
   LORICA_TRY(std::vector<std::unique_ptr<PoseSource>> sources, this->sources());
   hands_.rewind(session_);
   session_.restart(std::move(sources), std::move(world));
-  if (subject_.restarted) subject_.restarted();
+  LORICA_TRY_DO(run_.restarted(host_));
   warnings_.clear();
   focus_.reset();
   started_ = ended_ = false;
@@ -66,7 +104,7 @@ Result<void> WindowLoop::restartIn(World world) {
   return {};
 }
 
-Result<void> WindowLoop::beginSeek(double to) {
+Result<void> RunLoop::beginSeek(double to) {
   // A held slider repeats its request, and the current frame may already be the requested one.
   if (seek_ && seek_->to == to) return {};
   if (started_ && to <= seconds() && (to > frameBegin_ || session_.frameCount() == 1)) return {};
@@ -78,7 +116,7 @@ Result<void> WindowLoop::beginSeek(double to) {
   return restart();
 }
 
-Result<void> WindowLoop::runSeek() {
+Result<void> RunLoop::runSeek() {
   const double until = now() + kSeekSlice;
   while (now() < until && !ended_ && (!started_ || seconds() < seek_->to)) {
     LORICA_TRY_DO(step());
@@ -89,10 +127,10 @@ Result<void> WindowLoop::runSeek() {
         fmt::format("seeking {}to {:.1f} s: {:.1f} s", seek_->again ? "from the start " : "", seek_->to, seconds());
     return {};
   }
-  const double took = now() - seek_->begun;
+  const double took = now() - seek_->since;
   if (took > kSoon) {
-    window_.notice(fmt::format("ran {}{} to {:.1f} s in {:.1f} s", counted(seek_->frames, "frame"),
-                               seek_->again ? " from the start" : "", seconds(), took));
+    screen_->notice(fmt::format("ran {}{} to {:.1f} s in {:.1f} s", counted(seek_->frames, "frame"),
+                                seek_->again ? " from the start" : "", seconds(), took));
   }
   seek_.reset();
   due_ = now();
@@ -102,17 +140,17 @@ Result<void> WindowLoop::runSeek() {
 
 /// Runs the frames that are due. Drawing may take longer than a frame, so several may be due; their number is limited
 /// to keep the window responsive.
-Result<void> WindowLoop::advance() {
+Result<void> RunLoop::advance() {
   if (ended_) {
     goOn();
     return {};
   }
   for (int steps = 0; steps < kMaxStepsAPicture && !ended_; ++steps) {
-    if (subject_.ready && !subject_.ready()) break;
-    const bool live = subject_.duration <= 0.0;
+    if (!run_.ready()) break;
+    const bool live = run_.live();
     // Single steps are not timed.
-    if (!live && !options_.hurry && !window_.paused() && now() < due_) break;
-    if (!window_.wantsStep()) {
+    if (!live && !run_.setting.hurry && !screen_->paused() && now() < due_) break;
+    if (!screen_->wantsStep()) {
       due_ = now();
       break;
     }
@@ -121,11 +159,10 @@ Result<void> WindowLoop::advance() {
     LORICA_TRY_DO(step());
     if (ended_) break;
     describe();
-    addStageTimes(session_, subject_.trackingSeconds ? std::optional(subject_.trackingSeconds()) : std::nullopt,
-                  window_);
+    addStageTimes(session_, run_.trackingSeconds(), *screen_);
     if (live) break;  // only the latest frame counts
     const double length = first ? 0.0 : std::min(session_.time() - before, kLongestPause);
-    due_ += length / window_.speed();
+    due_ += length / screen_->speed();
     // Catch up with late frames, but not after a long stop such as a pause or a dragged window.
     if (now() - due_ > kLongestPause) due_ = now();
   }
@@ -133,7 +170,7 @@ Result<void> WindowLoop::advance() {
 }
 
 /// The world after the end of the recording: the avatars stand, and what the user throws and drags still moves.
-void WindowLoop::goOn() {
+void RunLoop::goOn() {
   if (!goesOn()) return;
   hands_.goOnWithout();
   // Their parts no longer have the velocity of the last frame: it would strike in each step.
@@ -145,20 +182,20 @@ void WindowLoop::goOn() {
     for (LivePart& part : standing_[a]) part.previousWorldFromPart = part.worldFromPart;
     standing.emplace_back(standing_[a]);
   }
-  for (int steps = 0; steps < kMaxStepsAPicture && (window_.paused() || now() >= due_); ++steps) {
-    if (!window_.wantsStep()) {
+  for (int steps = 0; steps < kMaxStepsAPicture && (screen_->paused() || now() >= due_); ++steps) {
+    if (!screen_->wantsStep()) {
       due_ = now();
       break;
     }
     hands_.beforeStep(window_, session_);
     session_.world().stepAvatars(standing, kAfterSeconds);
-    due_ += kAfterSeconds / window_.speed();
+    due_ += kAfterSeconds / screen_->speed();
     if (now() - due_ > kLongestPause) due_ = now();
   }
   describe();
 }
 
-Result<void> WindowLoop::step() {
+Result<void> RunLoop::step() {
   hands_.beforeStep(window_, session_);
   const double before = seconds();
   const Result<bool> more = stepSession();
@@ -176,18 +213,19 @@ Result<void> WindowLoop::step() {
   started_ = true;
   if (session_.frameCount() == 1) firstParts_ = partsOf(session_);
   frameBegin_ = before;
-  scene_.follow(session_);
+  if (scene_) scene_->follow(session_);
   focus_.update(session_);
-  if (subject_.stepped) subject_.stepped();
-  const bool over = (options_.frames > 0 && session_.frameCount() >= options_.frames) ||
-                    (options_.seconds > 0.0 && seconds() >= options_.seconds);
+  run_.stepped(host_);
+  if (screen_ != nullptr) inset_ = run_.drawInset();
+  const bool over = (run_.setting.frames > 0 && session_.frameCount() >= run_.setting.frames) ||
+                    (run_.setting.seconds > 0.0 && seconds() >= run_.setting.seconds);
   if (over) ended_ = true;
   return {};
 }
 
-void WindowLoop::show() {
+void RunLoop::show() {
   const double time = now();
-  if (started_) raiseWarnings(session_, subject_.trouble ? subject_.trouble() : "", time, warnings_);
+  if (started_) raiseWarnings(session_, run_.trouble(), time, warnings_);
   warnings_.update(time);
 
   WindowValues values;
@@ -195,11 +233,11 @@ void WindowLoop::show() {
   values.status = status_;
   values.seconds = seek_ ? std::min(seconds(), seek_->to) : seconds();
   if (seek_) values.seekingTo = seek_->to;
-  values.duration = subject_.duration;
+  values.duration = run_.duration();
   values.ended = ended_;
-  values.parts = levels_.asked().value_or(countOf(session_.body().parts()));
-  values.maxParts = onlyWatched() ? 0 : levels_.maxParts();
-  values.preparingParts = levels_.asked().has_value();
+  values.parts = levels_->asked().value_or(countOf(session_.body().parts()));
+  values.maxParts = onlyWatched() ? 0 : levels_->maxParts();
+  values.preparingParts = levels_->asked().has_value();
   values.scenes = scenes_.names;
   values.scene = scenes_.present;
   values.expressions = expressions_;
@@ -212,31 +250,32 @@ void WindowLoop::show() {
   if (started_) values.followed = focus_.bounds(session_);
   values.avatars = avatarNames_;
   values.avatar = focus_.avatar();
-  if (subject_.opener != nullptr) subject_.opener->describe(values);
+  if (shown_.opener != nullptr) shown_.opener->describe(values);
   describeNextWorld(values);
   if (!values.motions.empty()) values.recent = settings_.recent;
-  if (subject_.hits) values.hits = subject_.hits();
-  values.treatable = subject_.treatment.sources != nullptr;
+  values.hits = run_.hits.scores();
+  values.treatable = run_.treatable();
   values.smoothingDelay = started_ ? session_.source().smoothingDelay().value_or(-1.0) : -1.0;
-  values.noMirror = subject_.treatment.noMirror;
-  values.noSmoothing = subject_.treatment.noSmoothing;
-  values.noGravity = subject_.treatment.noGravity;
+  values.noMirror = run_.treatment.noMirror;
+  values.noSmoothing = run_.treatment.noSmoothing;
+  values.noGravity = run_.treatment.noGravity;
   values.noThrow = whyNoThrow();
   values.noUndo = whyNoUndo();
   values.noLoop = whyNoLoop();
   Scene scene;
   if (started_) {
-    scene = scene_.of(session_, window_.shown(), window_.camera().eye);
-    scene.inset = subject_.inset;
+    scene = scene_->of(session_, screen_->shown(), screen_->camera().eye);
+    scene.inset = inset_;
   }
-  window_.show(scene, values);
+  screen_->show(scene, values);
 }
 
-Result<WindowEnd> runInWindow(Window& window, WindowSubject& subject, const PlaybackOptions& options) {
-  WindowLoop loop(window, subject, options);
-  loop.recallSettings();
-  Result<WindowEnd> end = loop.run();
-  loop.keepSettings();
+Result<RunEnd> play(Run& run, Shown& shown, Host& host) {
+  RunLoop loop(run, shown, host);
+  if (shown.screen != nullptr) loop.recallSettings();
+  Result<RunEnd> end = loop.run();
+  if (shown.screen != nullptr) loop.keepSettings();
+  if (!end && run.recorder) (void)run.recorder->finish();  // keep what was recorded despite the error
   return end;
 }
 

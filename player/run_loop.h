@@ -2,10 +2,12 @@
 
 #include "player/avatar_focus.h"
 #include "player/background_work.h"
+#include "player/hands.h"
+#include "player/run.h"
 #include "player/scene_list.h"
 #include "player/snapshots.h"
-#include "player/window_hands.h"
-#include "player/window_loop.h"
+#include "player/warning_board.h"
+#include "player/window_opener.h"
 #include "player/window_settings.h"
 #include "player/window_texts.h"
 #include "player/window_warnings.h"
@@ -27,28 +29,13 @@ inline double now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
-/// The state of runInWindow(): window_loop.cpp runs the session and shows it, window_requests.cpp does what the user
-/// asks for.
-class WindowLoop {
+/// The state of play(): run_loop.cpp runs the session and shows it, run_requests.cpp does what the user asks for,
+/// run_worlds.cpp exchanges the world.
+class RunLoop {
  public:
-  WindowLoop(Window& window, WindowSubject& subject, const PlaybackOptions& options)
-      : window_(window),
-        subject_(subject),
-        session_(subject.session),
-        options_(options),
-        scenes_(subject.worldAgain ? SceneList{{}, {}} : scenesBeside(subject.scene)),
-        scene_(session_),
-        levels_(session_.body().plan(), session_.character()),
-        hands_(subject.sourcesAgain != nullptr),
-        avatarNames_(avatarNames(session_)),
-        title_(titleOf(session_, subject.name, subject.duration <= 0.0)),
-        due_(now()) {
-    const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
-    if (avatar == nullptr) return;
-    for (const Expression& expression : avatar->face.expressions.list) expressions_.push_back(expression.name);
-  }
+  RunLoop(Run& run, Shown& shown, Host& host);
 
-  Result<WindowEnd> run();
+  Result<RunEnd> run();
   /// Reads and writes what the user chose.
   void recallSettings();
   void keepSettings();
@@ -57,13 +44,14 @@ class WindowLoop {
   /// A seek: the recording runs to a time without pictures.
   struct Seek {
     double to = 0.0;     // [s]
-    double begun = 0.0;  // [s]
+    double since = 0.0;  // [s]
     int frames = 0;
     bool again = false;  // from the start
   };
 
-  [[nodiscard]] bool onlyWatched() const { return subject_.worldAgain != nullptr; }
+  [[nodiscard]] bool onlyWatched() const { return run_.watched(); }
   [[nodiscard]] double seconds() const { return started_ ? session_.time() - firstTime_ : 0.0; }
+  Result<RunEnd> runUnseen();
   Result<void> answer(WindowRequests requests);
   [[nodiscard]] std::string_view whyNoThrow() const;
   [[nodiscard]] std::string_view whyNoUndo() const;
@@ -71,7 +59,7 @@ class WindowLoop {
   void open(const WindowRequests& requests);
   [[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sources() const;
   Result<void> treat();
-  [[nodiscard]] std::function<Result<World>()> worldOf(int scene) const;
+  [[nodiscard]] std::function<Result<World>(Host&)> worldOf(int scene) const;
   void prepareWorld(std::optional<int> scene);
   Result<void> takeWorld();
   void describeNextWorld(WindowValues& values);
@@ -84,9 +72,9 @@ class WindowLoop {
   void answerAboutAvatars(const WindowRequests& requests);
   Result<void> undo();
   Result<void> runAgain();
-  [[nodiscard]] bool mayLoop() const { return subject_.atEnd != WindowSubject::AtEnd::kHold && subject_.sourcesAgain; }
+  [[nodiscard]] bool mayLoop() const { return run_.setting.atEnd != AtEnd::kHold && run_.restartable(); }
   [[nodiscard]] bool loops() const;
-  [[nodiscard]] bool goesOn() const { return ended_ && subject_.atEnd == WindowSubject::AtEnd::kChoice; }
+  [[nodiscard]] bool goesOn() const { return ended_ && run_.setting.atEnd == AtEnd::kChoice; }
   Result<void> startOver();
   Result<void> findFirstParts();
   Result<void> restart();
@@ -95,23 +83,24 @@ class WindowLoop {
   void describe() { status_ = statusOf(session_, ended_); }
   void show();
 
-  Window& window_;
-  WindowSubject& subject_;
+  Run& run_;
+  Shown& shown_;
+  Host& host_;
+  Screen* screen_;  // null = none: then there is no more than steps and pictures
   Session& session_;
-  const PlaybackOptions& options_;
   SceneList scenes_;
-  SessionScene scene_;
-  DetailLevels levels_;
-  WindowHands hands_;
+  std::optional<SessionScene> scene_;   // on a screen
+  std::optional<DetailLevels> levels_;  // on a screen
+  Hands hands_;
   WarningBoard warnings_;
   WindowSettings settings_;                           // of the user, with what was dropped since
   WindowSettings keptSettings_;                       // as in the user's file
   std::string remark_;                                // about the files that are loading
-  SceneOptions firstShown_;                           // when the session came to the window
+  SceneOptions firstShown_;                           // when the session came to the screen
   WindowTreatment treatment_;                         // of the session
   std::unique_ptr<BackgroundWork<World>> nextWorld_;  // which the session comes into when it has settled; null = none
   std::optional<int> nextScene_;                      // of nextWorld_; none = the present one, at its start
-  WorkMonitor::Progress progress_;                    // of nextWorld_
+  MonitoredHost::Progress progress_;                  // of nextWorld_
   PartsOfAvatars firstParts_;                         // in the first frame, for settling again; empty = unknown
   std::vector<std::vector<LivePart>> standing_;       // parts of the avatars after the end
   AvatarFocus focus_;
@@ -122,10 +111,12 @@ class WindowLoop {
   double firstTime_ = 0.0;
   double frameBegin_ = 0.0;  // time of the previous frame, since the first [s]
   bool started_ = false, ended_ = false;
-  bool closed_ = false;  // while the session settled
+  bool closed_ = false;           // while the session settled
+  int shownFrame_ = 0;            // without a screen
+  const Image* inset_ = nullptr;  // null = none
   std::string status_;
   std::vector<std::string> expressions_;  // of the avatar's face
-  int expression_ = -1;                   // chosen in the window
+  int expression_ = -1;                   // chosen on the screen
 };
 
 }  // namespace lorica

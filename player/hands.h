@@ -2,25 +2,25 @@
 
 #include "player/action_tape.h"
 #include "session/session.h"
-#include "viewer/window/window.h"
+#include "viewer/renderer/screen.h"
 
 #include <optional>
 
 namespace lorica {
 
 /// Turns the mouse and the ball key into actions of the session.
-class WindowHands {
+class Hands {
  public:
   /// @param again  whether the session can restart, so that actions have to be recorded
-  explicit WindowHands(bool again) : again_(again) {}
+  explicit Hands(bool again) : again_(again) {}
 
   /// @param factor  times the earth's gravity: how thrown balls are aimed
   void setGravity(double factor) { gravity_ = factor; }
   /// Grabs the prop under the mouse, releases it, or throws a ball.
   /// @param target  of the ball [m]; none = what the camera looks at
-  void take(const WindowRequests& requests, const Window& window, const std::optional<Vec3>& target, Session& session);
+  void take(const WindowRequests& requests, const Screen& screen, const std::optional<Vec3>& target, Session& session);
   /// Call before each frame of the session: repeats its recorded actions and moves a held prop to the mouse position.
-  void beforeStep(const Window& window, Session& session);
+  void beforeStep(const Screen& screen, Session& session);
   /// Call before the session restarts: releases a held prop. Recorded actions will be repeated.
   void rewind(Session& session);
   /// The session has ended and the world goes on without it: actions are applied to the world at once and not recorded.

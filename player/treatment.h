@@ -1,7 +1,7 @@
 #pragma once
 
 #include "prepare/read_motion.h"
-#include "viewer/window/window_values.h"
+#include "viewer/renderer/window_values.h"
 
 #include <functional>
 #include <memory>
@@ -12,9 +12,6 @@ namespace lorica {
 
 /// How the user may change the treatment of a window's session while it runs.
 struct TreatmentControl {
-  /// Makes the sources of all avatars again: recordings from their start, live ones from now on. Null = no treatment
-  /// can be changed.
-  std::function<Result<std::vector<std::unique_ptr<PoseSource>>>(const WindowTreatment&)> sources = {};
   WindowTreatment first = {};  ///< of the session as it was made
   // Why one stays as it was made, whatever the user has kept; empty = it can be changed. With static storage duration.
   std::string_view noMirror = {};

@@ -1,4 +1,4 @@
-#include "player/window_hands.h"
+#include "player/hands.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +32,7 @@ Vec3 forwardOf(const Camera& camera) {
 
 }  // namespace
 
-void WindowHands::act(Session& session, const WorldAction& action) {
+void Hands::act(Session& session, const WorldAction& action) {
   if (without_) {
     if (canBeDone(action, session.world())) apply(action, session.world());
   } else if (again_) {
@@ -42,13 +42,13 @@ void WindowHands::act(Session& session, const WorldAction& action) {
   }
 }
 
-void WindowHands::take(const WindowRequests& requests, const Window& window, const std::optional<Vec3>& target,
-                       Session& session) {
+void Hands::take(const WindowRequests& requests, const Screen& screen, const std::optional<Vec3>& target,
+                 Session& session) {
   if (requests.pressed) {
     const std::optional<PropPick> pick = session.world().pick(*requests.pressed);
     if (pick && session.world().props()[pick->prop].mass > 0.0) {
       act(session, WorldAction::grab(pick->prop, pick->position));
-      const Camera camera = window.camera();
+      const Camera camera = screen.camera();
       depth_ = (pick->position - camera.eye).dot(forwardOf(camera));
       holds_ = true;
     }
@@ -58,30 +58,30 @@ void WindowHands::take(const WindowRequests& requests, const Window& window, con
     holds_ = false;
   }
   if (requests.throwBall) {
-    const Camera camera = window.camera();
+    const Camera camera = screen.camera();
     act(session, ballFrom(camera, target.value_or(camera.target), gravity_));
   }
 }
 
-void WindowHands::beforeStep(const Window& window, Session& session) {
+void Hands::beforeStep(const Screen& screen, Session& session) {
   if (!without_) tape_.redo(session);
   if (!holds_) return;
   // In the plane that faces the camera and contains the grabbed point.
-  const Ray ray = window.pointer();
-  const double along = ray.direction.normalized().dot(forwardOf(window.camera()));
+  const Ray ray = screen.pointer();
+  const double along = ray.direction.normalized().dot(forwardOf(screen.camera()));
   Vec3 position = ray.origin + depth_ / std::max(along, 0.1) * ray.direction.normalized();
   position.y() = std::max(position.y(), kLowestHand);
   if (position.norm() > kFarthestHand) position *= kFarthestHand / position.norm();
   act(session, WorldAction::moveGrab(position));
 }
 
-void WindowHands::rewind(Session& session) {
+void Hands::rewind(Session& session) {
   if (holds_) act(session, WorldAction::release());
   holds_ = without_ = false;
   tape_.rewind();
 }
 
-void WindowHands::forget() {
+void Hands::forget() {
   holds_ = false;
   tape_.clear();
 }

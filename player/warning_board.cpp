@@ -1,4 +1,4 @@
-#include "viewer/window/warning_board.h"
+#include "player/warning_board.h"
 
 #include <algorithm>
 #include <cstddef>

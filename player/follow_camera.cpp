@@ -1,6 +1,5 @@
-#include "apps/camera_options.h"
+#include "player/follow_camera.h"
 
-#include "apps/options.h"
 #include "geometry/errors.h"
 
 #include <fmt/format.h>
@@ -21,28 +20,6 @@ constexpr double kSpread = 0.5;         // how much farther the camera goes for 
 constexpr double kWideEnough = 1.0;     // width / height of a picture below which the camera steps back
 constexpr double kFarthest = 1e4;       // maximum distance of a position from the origin [m]
 
-/// Parses a position such as "1.5,1,-3"; none for any other text.
-std::optional<Vec3> positionOf(std::string_view text) {
-  Vec3 position;
-  const char* at = text.data();
-  const char* end = at + text.size();
-  for (int i = 0; i < 3; ++i) {
-    if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
-    const auto [stopped, error] = std::from_chars(at, end, position[i]);
-    if (error != std::errc() || !(std::abs(position[i]) <= kFarthest)) return std::nullopt;
-    at = stopped;
-  }
-  if (at != end) return std::nullopt;
-  return position;
-}
-
-TextCheck isPosition() {
-  return [](std::string& text) -> std::string {
-    if (positionOf(text)) return "";
-    return fmt::format("found `{}`, expected a position in metres, such as 1.5,1,-3", text);
-  };
-}
-
 Vec3 directionOf(const std::string& preset) {
   // A character faces +Z; its right hand is at -X.
   if (preset == "front") return Vec3(0.0, 0.10, 1.0).normalized();
@@ -59,22 +36,18 @@ Vec3 centerOf(std::span<const LivePart> parts) {
 
 }  // namespace
 
-void addCameraOptions(CommandLine& app, CameraOptions& options) {
-  Option* camera =
-      app.addOption("--camera", options.preset,
-                    "View from the front, the side, the top or three-quarter; the camera follows the body [default: "
-                    "three-quarter]")
-          ->typeName("VIEW")
-          ->check(oneOf({"front", "side", "top", "three-quarter"}));
-  Option* eye = app.addOption("--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3")
-                    ->typeName("X,Y,Z")
-                    ->check(isPosition())
-                    ->excludes(camera);
-  Option* target = app.addOption("--target", options.target, "Point that the fixed camera looks at, in metres")
-                       ->typeName("X,Y,Z")
-                       ->check(isPosition())
-                       ->needs(eye);
-  eye->needs(target);
+std::optional<Vec3> positionOf(std::string_view text) {
+  Vec3 position;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
+    const auto [stopped, error] = std::from_chars(at, end, position[i]);
+    if (error != std::errc() || !(std::abs(position[i]) <= kFarthest)) return std::nullopt;
+    at = stopped;
+  }
+  if (at != end) return std::nullopt;
+  return position;
 }
 
 Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int width, int height) {

@@ -1,4 +1,4 @@
-#include "prepare/treatment.h"
+#include "player/treatment.h"
 
 namespace lorica {
 

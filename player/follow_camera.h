@@ -1,12 +1,12 @@
 #pragma once
 
-#include "apps/command_line.h"
 #include "geometry/result.h"
 #include "session/session.h"
 #include "viewer/renderer/scene.h"
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace lorica {
 
@@ -17,7 +17,8 @@ struct CameraOptions {
   std::string target;
 };
 
-void addCameraOptions(CommandLine& app, CameraOptions& options);
+/// Parses a position such as "1.5,1,-3"; none for any other text.
+[[nodiscard]] std::optional<Vec3> positionOf(std::string_view text);
 
 /// Unit vector from the body to the camera: on the right, slightly in front and above, so that a kick is visible.
 inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();

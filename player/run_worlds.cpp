@@ -1,4 +1,4 @@
-#include "player/window_loop_impl.h"
+#include "player/run_loop.h"
 #include "prepare/scenes.h"
 
 #include <thread>
@@ -13,30 +13,31 @@ constexpr std::chrono::milliseconds kPictureWait(30);
 
 /// In the first step sand and water may have to settle, which takes seconds: that runs beside the picture. Closing the
 /// window and Cancel end it, and the session.
-Result<bool> WindowLoop::stepSession() {
+Result<bool> RunLoop::stepSession() {
   if (started_ || !mustSettle(session_.world())) return session_.step();
-  BackgroundWork<bool> stepping([&] { return stepAndSettle(session_); });
+  if (screen_ == nullptr) return stepAndSettle(session_, host_);
+  BackgroundWork<bool> stepping(host_, [&](Host& host) { return stepAndSettle(session_, host); });
   for (;;) {
     if (std::optional<Result<bool>> stepped = stepping.take()) return std::move(*stepped);
-    if (!window_.open() || window_.takeCancel()) closed_ = true;
-    if (closed_ || interrupted()) stepping.cancel();
+    if (!screen_->open() || screen_->takeCancel()) closed_ = true;
+    if (closed_ || host_.cancelled()) stepping.cancel();
     progress_ = stepping.progress();
     WindowValues values;
     values.name = title_;
-    values.duration = subject_.duration;
+    values.duration = run_.duration();
     values.loading = progress_.title();
     values.loaded = progress_.share;
-    window_.show(Scene(), values);
+    screen_->show(Scene(), values);
     std::this_thread::sleep_for(kPictureWait);
   }
 }
 
 /// Opens the world of a scene at its start, in any thread.
-std::function<Result<World>()> WindowLoop::worldOf(int scene) const {
-  if (onlyWatched()) return subject_.worldAgain;
+std::function<Result<World>(Host&)> RunLoop::worldOf(int scene) const {
+  if (onlyWatched()) return [this](Host& host) { return run_.worldAgain(host); };
   const double gravity = kGravities[treatment_.gravity].factor;
-  return [name = scenes_.arguments[scene], gravity, added = subject_.added]() -> Result<World> {
-    Result<World> world = openScene(name, gravity);
+  return [name = scenes_.arguments[scene], gravity, added = run_.cast.added](Host& host) -> Result<World> {
+    Result<World> world = openScene(name, gravity, host);
     if (world) addProps(added, *world);
     return world;
   };
@@ -44,20 +45,20 @@ std::function<Result<World>()> WindowLoop::worldOf(int scene) const {
 
 /// Opens a world and lets it settle beside the picture. The session goes on until takeWorld() puts it there.
 /// @param scene  index; none = the present one, in which the session starts again
-void WindowLoop::prepareWorld(std::optional<int> scene) {
+void RunLoop::prepareWorld(std::optional<int> scene) {
   nextWorld_.reset();
   nextScene_ = scene;
   PartsOfAvatars parts = firstParts_;
-  if (!subject_.sourcesAgain) parts = started_ ? partsOf(session_) : PartsOfAvatars();
+  if (!run_.restartable()) parts = started_ ? partsOf(session_) : PartsOfAvatars();
   nextWorld_ = std::make_unique<BackgroundWork<World>>(
-      [open = worldOf(scene.value_or(scenes_.present)), parts = std::move(parts)]() -> Result<World> {
-        Result<World> world = open();
-        if (world && !parts.empty()) settleAround(parts, *world);
+      host_, [open = worldOf(scene.value_or(scenes_.present)), parts = std::move(parts)](Host& host) -> Result<World> {
+        Result<World> world = open(host);
+        if (world && !parts.empty()) settleAround(parts, *world, host);
         return world;
       });
 }
 
-Result<void> WindowLoop::takeWorld() {
+Result<void> RunLoop::takeWorld() {
   if (nextWorld_ == nullptr) return {};
   std::optional<Result<World>> world = nextWorld_->take();
   if (!world) return {};
@@ -65,22 +66,22 @@ Result<void> WindowLoop::takeWorld() {
   const std::optional<int> scene = std::exchange(nextScene_, std::nullopt);
   if (!*world) {
     seek_.reset();
-    if (world->error().code != ErrorCode::kCancelled) window_.problem(world->error().message);
+    if (world->error().code != ErrorCode::kCancelled) screen_->problem(world->error().message);
     return {};
   }
   if (!scene) return restartIn(std::move(**world));
   scenes_.present = *scene;
   const std::string& name = scenes_.arguments[*scene];
-  if (subject_.sceneChosen) subject_.sceneChosen(name);
-  if (subject_.opener != nullptr) subject_.opener->choseScene(name);
+  if (run_.cast.request.sceneChosen) run_.cast.request.sceneChosen(name);
+  if (shown_.opener != nullptr) shown_.opener->choseScene(name);
   hands_.forget();
-  if (subject_.sourcesAgain) return restartIn(std::move(**world));
+  if (run_.restartable()) return restartIn(std::move(**world));
   session_.setWorld(std::move(**world));
   return {};
 }
 
 /// Shows how far the next world is, once that is known.
-void WindowLoop::describeNextWorld(WindowValues& values) {
+void RunLoop::describeNextWorld(WindowValues& values) {
   if (nextWorld_ == nullptr) return;
   progress_ = nextWorld_->progress();
   if (progress_.label.empty()) return;
@@ -90,8 +91,8 @@ void WindowLoop::describeNextWorld(WindowValues& values) {
 
 /// Finds the parts of the first frame, around which particles settle, when body or motion have changed since: by a step
 /// in a world of the same props without particles. Then the motion starts again in the present world.
-Result<void> WindowLoop::findFirstParts() {
-  LORICA_TRY(World other, worldOf(scenes_.present)());
+Result<void> RunLoop::findFirstParts() {
+  LORICA_TRY(World other, worldOf(scenes_.present)(host_));
   LORICA_TRY(std::vector<std::unique_ptr<PoseSource>> sources, this->sources());
   other.setParticles(ParticleSettings());
   World present = std::move(session_.world());
@@ -102,17 +103,17 @@ Result<void> WindowLoop::findFirstParts() {
   return restartIn(std::move(present));
 }
 
-Result<void> WindowLoop::restart() {
+Result<void> RunLoop::restart() {
   const Particles* particles = session_.world().particles();
   const bool known = !firstParts_.empty();
   if (particles != nullptr && particles->settings().settleSeconds > 0.0 && (started_ || known)) {
-    if (subject_.sourcesAgain && !known) {
+    if (run_.restartable() && !known) {
       LORICA_TRY_DO(findFirstParts());
     }
     prepareWorld(std::nullopt);
     return {};
   }
-  LORICA_TRY(World world, worldOf(scenes_.present)());
+  LORICA_TRY(World world, worldOf(scenes_.present)(host_));
   return restartIn(std::move(world));
 }
 

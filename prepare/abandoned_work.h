@@ -2,7 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/result.h"
-#include "player/work_monitor.h"
+#include "prepare/host.h"
 
 #include <chrono>
 #include <functional>
@@ -25,15 +25,14 @@ void noteAbandoned();
 /// @param work  owns what it uses
 /// @return its result, or kCancelled
 template <class T>
-[[nodiscard]] Result<T> runOrAbandon(const std::string& label, std::function<Result<T>()> work) {
-  WorkMonitor* monitor = WorkMonitor::ofThisThread();
-  if (monitor == nullptr) return work();
-  monitor->begin(label);
+[[nodiscard]] Result<T> runOrAbandon(const std::string& label, Host& host, std::function<Result<T>()> work) {
+  if (!host.inBackground()) return work();
+  const Task opening(host, label, "");
   std::packaged_task<Result<T>()> task(std::move(work));
   std::future<Result<T>> result = task.get_future();
   std::thread(std::move(task)).detach();
   while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
-    if (!monitor->cancelled()) continue;
+    if (!host.cancelled()) continue;
     noteAbandoned();
     return cancelled();
   }

@@ -1,4 +1,4 @@
-#include "player/work_monitor.h"
+#include "player/monitored_host.h"
 
 #include <gtest/gtest.h>
 
@@ -8,35 +8,35 @@
 namespace lorica {
 namespace {
 
-TEST(WorkMonitor, AHalfDoneTaskIsHalfOfWhatItsStageHasForIt) {
-  WorkMonitor monitor;
-  const WorkMonitor::Scope watched(monitor);
+TEST(MonitoredHost, AHalfDoneTaskIsHalfOfWhatItsStageHasForIt) {
+  Host parent;
+  MonitoredHost monitor(parent);
   EXPECT_EQ(monitor.progress().share, 0.0);
   EXPECT_EQ(monitor.progress().title(), "Loading");
-  const WorkMonitor::Stage stage(0.2, 0.6);
+  const Stage stage(monitor, 0.2, 0.6);
   EXPECT_DOUBLE_EQ(monitor.progress().share, 0.2);
-  monitor.begin("Cutting");
+  monitor.beginTask("Cutting", "");
   monitor.report(2, 2);
   const double task = monitor.progress().share - 0.2;
   EXPECT_GT(task, 0.2);
   EXPECT_LT(task, 0.4);
   EXPECT_EQ(monitor.progress().title(), "Cutting");
-  monitor.begin("Settling");
+  monitor.beginTask("Settling", "");
   monitor.report(1, 2);
   const double rest = 0.4 - task;
   EXPECT_NEAR(monitor.progress().share, 0.2 + task + 0.5 * rest * task / 0.4, 1e-12) << "the same part of the rest";
 }
 
 /// Works for a while: stages within stages, and tasks that report what they like.
-void work(WorkMonitor& monitor, std::mt19937& random, int depth, const std::function<void()>& look) {
+void work(MonitoredHost& monitor, std::mt19937& random, int depth, const std::function<void()>& look) {
   const int pieces = 1 + static_cast<int>(random() % 3);
   for (int piece = 0; piece < pieces; ++piece) {
     if (depth > 0 && random() % 2 == 0) {
-      const WorkMonitor::Stage stage(static_cast<double>(piece) / pieces, (piece + 1.0) / pieces);
+      const Stage stage(monitor, static_cast<double>(piece) / pieces, (piece + 1.0) / pieces);
       look();
       work(monitor, random, depth - 1, look);
     } else {
-      monitor.begin("Task");
+      monitor.beginTask("Task", "");
       for (int report = 0; report < 5; ++report) {
         const int done = static_cast<int>(random() % 14), total = static_cast<int>(random() % 12) - 1;
         monitor.report(done, total);
@@ -46,11 +46,11 @@ void work(WorkMonitor& monitor, std::mt19937& random, int depth, const std::func
   }
 }
 
-TEST(WorkMonitor, TheShareNeverGoesBackAndIsWholeAtTheEnd) {
+TEST(MonitoredHost, TheShareNeverGoesBackAndIsWholeAtTheEnd) {
   std::mt19937 random(5);
   for (int round = 0; round < 200; ++round) {
-    WorkMonitor monitor;
-    const WorkMonitor::Scope watched(monitor);
+    Host parent;
+    MonitoredHost monitor(parent);
     double before = 0.0;
     const auto look = [&] {
       const double share = monitor.progress().share;
@@ -59,7 +59,7 @@ TEST(WorkMonitor, TheShareNeverGoesBackAndIsWholeAtTheEnd) {
       before = share;
     };
     {
-      const WorkMonitor::Stage all(0.0, 1.0);
+      const MonitoredHost::Stage all(0.0, 1.0);
       work(monitor, random, 3, look);
     }
     EXPECT_NEAR(monitor.progress().share, 1.0, 1e-12) << round;

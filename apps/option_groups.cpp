@@ -1,0 +1,328 @@
+#include "apps/option_groups.h"
+
+#include "apps/options.h"
+#include "capture/fault_injector.h"
+#include "capture/files/joint_stream.h"
+#include "geometry/errors.h"
+#include "viewer/window/window.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace lorica {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+void addPersonOption(CommandLine& app, int& person) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    const bool whole = !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
+    if (text != "all" && (!whole || std::stoi(text) == 0)) {
+      return fmt::format("found `{}`, expected a whole number from 1, or all", text);
+    }
+    if (text == "all") text = std::to_string(kEveryone);
+    return "";
+  };
+  app.addOption(
+         "--person", person,
+         "Person to use, by number in a stream of joints or a recorded session, or by order of appearance before a "
+         "depth camera; "
+         "all: an avatar for each, with play and record [default: the one with the most motion; before a "
+         "camera the nearest]")
+      ->typeName("N|all")
+      ->check(check);
+}
+
+TextCheck isPosition() {
+  return [](std::string& text) -> std::string {
+    if (positionOf(text)) return "";
+    return fmt::format("found `{}`, expected a position in metres, such as 1.5,1,-3", text);
+  };
+}
+
+}  // namespace
+
+void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
+  app.addOption(
+         "--map", options.map,
+         "Bone map: the joint for each humanoid bone, if names and shape are not enough; `lorica info --write-map` "
+         "creates one")
+      ->typeName("FILE.json");
+  addLength(app, "--body-resolution", options.bodyResolution,
+            "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
+  addExpressionOption(app, options.expressions);
+  addHideOption(app, options.hidden);
+}
+
+void addHideOption(CommandLine& app, std::vector<std::string>& hidden) {
+  app.addOption(
+         "--hide", hidden,
+         "Leave out a mesh of the character, such as a weapon, from pictures and hulls; may be repeated; `lorica "
+         "info` lists the names")
+      ->repeatable()
+      ->typeName("NAME");
+}
+
+void addTextureOption(CommandLine& app, int& textureSize) {
+  addCount(app, "--texture-size", textureSize, 16,
+           "Reduce textures whose width or height is larger than this [pixels; default: as stored]");
+}
+
+void addReadingOptions(CommandLine& app, MotionOptions& options) {
+  std::vector<std::string> formats;
+  formats.reserve(kJointFormatCount);
+  for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
+  const std::string names = fmt::format("{}", fmt::join(formats, ", "));
+  app.addOption("--format", options.format,
+                fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names))
+      ->typeName("NAME")
+      ->check(oneOf(std::move(formats)));
+  addPersonOption(app, options.person);
+  app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
+  addSenderOption(app, options.sender);
+}
+
+void addPlayingOptions(CommandLine& app, MotionOptions& options) {
+  app.addFlag("--mirror", options.mirror, "Mirror the motion: swap left and right");
+  app.addFlag(
+      "--upper-body", options.upperBody,
+      "Do not use the person's legs: the character stands, for people who sit and for webcams; motions of bones "
+      "keep theirs");
+  app.addOption("--smooth", options.smooth,
+                "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
+      ->typeName("NAME")
+      ->check(oneOf({"off", "one-euro"}));
+  addPositive(
+      app, "--min-cutoff", options.oneEuro.minCutoff,
+      fmt::format("Cutoff of one-euro at rest [Hz]; lower is smoother [default: {:g}]", options.oneEuro.minCutoff),
+      "HZ");
+  addPositive(
+      app, "--beta", options.oneEuro.beta,
+      fmt::format("Increase of the cutoff with speed [1/m]; higher lags less [default: {:g}]", options.oneEuro.beta),
+      "NUMBER");
+}
+
+bool smoothingGiven(const CommandLine& app) {
+  return app.given("--smooth") || app.given("--min-cutoff") || app.given("--beta");
+}
+
+void addFaultOption(CommandLine& app, MotionOptions& options) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    const Result<FaultSettings> faults = parseFaults(text);
+    return faults ? "" : faults.error().message;
+  };
+  app.addOption("--inject", options.inject,
+                "Simulate tracking faults, each with a rate or its default: dropout=0.1 (fraction of joints lost), "
+                "jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (fractions of frames); seed=1. Only late and "
+                "freeze apply to a motion of bones")
+      ->typeName("FAULTS")
+      ->check(check);
+}
+
+void addCastRequest(CommandLine& app, CastRequest& options) {
+  app.addOption("MOTION", options.motion,
+                "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
+                "recording [default: a clip of --character]")
+      ->typeName("");
+  app.addOption("--character", options.character,
+                "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
+      ->typeName("FILE");
+  addReadingOptions(app, options.performing);
+  addPlayingOptions(app, options.performing);
+  addCharacterOptions(app, options.reading);
+  addSpringOption(app, options.springs);
+}
+
+void addSenderOption(CommandLine& app, std::string& file) {
+  app.addOption("--sender", file,
+                "The sender's model, if it is VRM 1.0 and sends its bones' own rotations: then zero is not the T-pose")
+      ->typeName("FILE.vrm");
+}
+
+void addBodyOptions(CommandLine& app, BodyOptions& options) {
+  app.addOption("--decomposition", options.decomposition, "Decomposition written by `lorica decompose -o`")
+      ->typeName("FILE.lorica");
+  addCover(
+      app, options.cover.tolerance,
+      "Hull cover: `exact` keeps the surface inside the hulls in every pose; a length keeps fewer points, so that the "
+      "surface protrudes by at most this length before the hulls are enlarged [default: as decomposed, else exact]");
+  addCount(app, "--hull-vertices", options.cover.hullVertices, 4,
+           "Limit each hull to N vertices in every frame; hulls are enlarged to contain the body");
+}
+
+Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::string& description) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    if (text == "exact") {
+      text = "0";
+      return "";
+    }
+    double length = 0.0;
+    const char* end = text.data() + text.size();
+    const auto [stopped, error] = std::from_chars(text.data(), end, length);
+    if (error == std::errc() && stopped == end && std::isfinite(length) && length > 0.0) return "";
+    return fmt::format("found `{}`, expected exact, or a length above 0 in metres such as 0.002", text);
+  };
+  return app.addOption("--cover", tolerance, description)->typeName("exact|METRES")->check(check);
+}
+
+void addBodyOption(CommandLine& app, std::string& body) {
+  app.addOption(
+         "--body", body,
+         "Replace the surface by a closed body: `auto` = if it cannot be repaired, `never` = refuse such a mesh, "
+         "`always` = even a closed one [default: auto]")
+      ->typeName("WHEN")
+      ->check(oneOf({"auto", "never", "always"}));
+}
+
+BodyChoice bodyChoice(const std::string& name) {
+  return name == "never" ? BodyChoice::kNever : name == "always" ? BodyChoice::kAlways : BodyChoice::kIfNeeded;
+}
+
+void addSceneOption(CommandLine& app, std::string& scene) {
+  app.addOption("--scene", scene,
+                "Scene: a scene file (.json), or boxes, bowling, bridge, curtain, dominoes, duel, sand or targets "
+                "[default: boxes and balls of the demo]")
+      ->typeName("SCENE");
+}
+
+void addSpringOption(CommandLine& app, std::string& mode) {
+  app.addOption("--springs", mode,
+                "What the character's hair and clothes do, if its file (VRM) has springs: `file` = collide with the "
+                "file's colliders, `body` = with the live hulls of the body and with props, `none` = stay at rest "
+                "[default: file, or body if the file has no colliders]")
+      ->typeName("MODE")
+      ->check(oneOf({"none", "file", "body"}));
+}
+
+void addExpressionOption(CommandLine& app, std::vector<std::string>& expressions) {
+  app.addOption(
+         "--expression", expressions,
+         "Expression of the face and its weight from 0 to 1, such as Joy=1; may be repeated; `lorica info` lists "
+         "a character's expressions")
+      ->repeatable()
+      ->typeName("NAME=WEIGHT");
+}
+
+void addRecordOption(CommandLine& app, std::string& file) {
+  app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
+}
+
+void addDepthOptions(CommandLine& app, DepthOptions& options) {
+  Option* device =
+      app.addOption("--device", options.device, "URI of the camera, see `lorica info --devices` [default: the first]")
+          ->typeName("URI");
+  Option* driver = app.addOption("--driver", options.driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE");
+  Option* virtualCamera = app.addFlag("--virtual", options.virtualCamera, "Use a virtual camera with a virtual person");
+  virtualCamera->excludes(device)->excludes(driver);
+  app.addOption("--motion", options.motion,
+                "Motion of the virtual person, repeated: a shipped recording or a joint CSV; two of them, separated by "
+                "a comma, "
+                "for two people [default: from $LORICA_VIRTUAL, else wave]")
+      ->typeName("MOTION")
+      ->needs(virtualCamera);
+}
+
+Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
+  Option* vmc = app.addOption("--vmc", options.listenAt,
+                              "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "
+                              "to this machine only; see docs/STREAMS.md. `live` takes several, separated by commas: "
+                              "an avatar for each");
+  vmc->typeName("[HOST:]PORT");
+  addCount(app, "--delay", options.delayMs, 0,
+           "Show what is received so many milliseconds later, at an even pace, if the network is uneven [default: 0]")
+      ->typeName("MS")
+      ->needs(vmc);
+  return vmc;
+}
+
+void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
+  Option* vmc = app.addOption("--vmc-out", options.vmc,
+                              "Send the pose by the VMC protocol, for VSeeFace, Unity, Unreal and others, such as "
+                              "127.0.0.1:39539; see docs/STREAMS.md");
+  vmc->typeName("HOST:PORT");
+  app.addOption("--vmc-bones", options.bones, "Send only these bones: Hips,Head,LeftHand [default: all]")
+      ->typeName("NAME,...")
+      ->separatedBy(',')
+      ->needs(vmc);
+  app.addOption("--vrchat", options.vrchat, "Send the pose as VRChat's OSC trackers [default port: 9000]")
+      ->typeName("HOST[:PORT]");
+}
+
+void addEventsOption(CommandLine& app, std::string& to) {
+  app.addOption("--events", to,
+                "Write begin, stay and end of each contact as lines of JSON; `-` is standard output, and the report "
+                "goes to standard error; see docs/CONTACTS.md")
+      ->typeName("FILE");
+}
+
+void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window) {
+  Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder")->typeName("DIR");
+  addCount(app, "--every", options.every, 1, "Write a picture every N frames [default: 30]")->needs(snapshots);
+  Option* video =
+      app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second)")->typeName("FILE");
+  for (Option* option : {snapshots, video}) option->excludes(window);
+  addCameraOptions(app, options.camera);
+}
+
+Result<void> checkEvents(const std::string& to, const CommonOptions& common, const std::vector<fs::path>& others) {
+  if (to.empty()) return {};
+  if (to == "-") {
+    if (common.json != "-") return {};
+    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
+  }
+  std::vector<fs::path> all = others;
+  if (common.json != "-") all.emplace_back(common.json);
+  CommonOptions asFile;
+  asFile.json = to;
+  return checkJsonOutput(asFile, all, "--events");
+}
+
+Result<void> checkSnapshots(const SnapshotOptions& options) {
+  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
+    return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
+  }
+  if (!options.folder.empty()) {
+    LORICA_TRY_DO(checkOutputFolder("--snapshots", options.folder));
+  }
+  return options.video.empty() ? Result<void>() : checkVideo("--video", options.video);
+}
+
+void addCameraOptions(CommandLine& app, CameraOptions& options) {
+  Option* camera =
+      app.addOption("--camera", options.preset,
+                    "View from the front, the side, the top or three-quarter; the camera follows the body [default: "
+                    "three-quarter]")
+          ->typeName("VIEW")
+          ->check(oneOf({"front", "side", "top", "three-quarter"}));
+  Option* eye = app.addOption("--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3")
+                    ->typeName("X,Y,Z")
+                    ->check(isPosition())
+                    ->excludes(camera);
+  Option* target = app.addOption("--target", options.target, "Point that the fixed camera looks at, in metres")
+                       ->typeName("X,Y,Z")
+                       ->check(isPosition())
+                       ->needs(eye);
+  eye->needs(target);
+}
+
+Result<void> checkVideo(const std::string& option, const std::filesystem::path& file) {
+  if (file.extension() != ".mp4") {
+    return invalidArgument("{} {}: films are MP4 files, expected a name that ends in .mp4", option, file.string());
+  }
+  return checkOutput(option, file);
+}
+
+Result<void> checkRecord(const std::string& option, const std::string& file) {
+  return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
+}
+
+Result<void> checkWindow(bool wanted, const std::string& instead) {
+  if (!wanted || displayAvailable()) return {};
+  return noDisplay("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead);
+}
+
+}  // namespace lorica

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "apps/command_line.h"
+#include "apps/report.h"
+#include "player/events_output.h"
+#include "player/follow_camera.h"
+#include "player/pose_output.h"
+#include "player/snapshots.h"
+#include "prepare/cameras.h"
+#include "prepare/cast.h"
+#include "prepare/vmc_input.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// --map, --body-resolution, --expression and --hide.
+void addCharacterOptions(CommandLine& app, CharacterOptions& options);
+
+/// --hide NAME, which may be repeated.
+void addHideOption(CommandLine& app, std::vector<std::string>& hidden);
+
+/// --texture-size, for commands that draw.
+void addTextureOption(CommandLine& app, int& textureSize);
+
+/// --format, --person, --clip, --sender: how a motion is read.
+void addReadingOptions(CommandLine& app, MotionOptions& options);
+
+/// --mirror, --upper-body, --smooth, --min-cutoff, --beta: how it is processed.
+void addPlayingOptions(CommandLine& app, MotionOptions& options);
+
+/// Whether one of --smooth, --min-cutoff and --beta was given.
+[[nodiscard]] bool smoothingGiven(const CommandLine& app);
+
+/// --inject: simulated tracking faults.
+void addFaultOption(CommandLine& app, MotionOptions& options);
+
+/// MOTION, --character, and the options for reading and processing both.
+void addCastRequest(CommandLine& app, CastRequest& options);
+
+/// --sender FILE.vrm
+void addSenderOption(CommandLine& app, std::string& file);
+
+/// --decomposition, --cover, --hull-vertices.
+void addBodyOptions(CommandLine& app, BodyOptions& options);
+
+/// --cover: `exact`, or a length above zero [m].
+Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::string& description);
+
+/// --body: auto, never or always.
+void addBodyOption(CommandLine& app, std::string& body);
+
+/// @param name  one of these
+[[nodiscard]] BodyChoice bodyChoice(const std::string& name);
+
+/// --scene.
+void addSceneOption(CommandLine& app, std::string& scene);
+
+/// --springs. @param mode  receives its value; empty = not given
+void addSpringOption(CommandLine& app, std::string& mode);
+
+/// --expression NAME=WEIGHT, which may be repeated.
+void addExpressionOption(CommandLine& app, std::vector<std::string>& expressions);
+
+/// --record FILE.lsession.
+void addRecordOption(CommandLine& app, std::string& file);
+
+/// --device, --driver, --virtual, --motion.
+void addDepthOptions(CommandLine& app, DepthOptions& options);
+
+/// --vmc and --delay. @return --vmc
+Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options);
+
+/// --vmc-out HOST:PORT, --vmc-bones NAME,..., --vrchat HOST[:PORT]
+void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options);
+
+/// --events FILE|-.
+void addEventsOption(CommandLine& app, std::string& to);
+
+/// @param window  the option --window, which these exclude
+void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window);
+
+/// Rejects, before any work, a file that cannot be written or that is one of the others, and two uses of standard
+/// output.
+/// @param others  inputs and other outputs of the command; empty ones are ignored
+[[nodiscard]] Result<void> checkEvents(const std::string& to, const CommonOptions& common,
+                                       const std::vector<std::filesystem::path>& others);
+
+/// Fails early if the folder or the video cannot be written, or if a camera was given without pictures.
+[[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);
+
+void addCameraOptions(CommandLine& app, CameraOptions& options);
+
+/// Rejects, before any work, a video that cannot be written.
+[[nodiscard]] Result<void> checkVideo(const std::string& option, const std::filesystem::path& file);
+
+/// Rejects an unusable name of a recorded session before any work.
+[[nodiscard]] Result<void> checkRecord(const std::string& option, const std::string& file);
+
+/// Rejects --window if there is no display.
+/// @param instead  alternatives, for the error message
+[[nodiscard]] Result<void> checkWindow(bool wanted, const std::string& instead);
+
+}  // namespace lorica

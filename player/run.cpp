@@ -1,0 +1,136 @@
+#include "player/run.h"
+
+#include "geometry/errors.h"
+#include "player/depth_picture.h"
+#include "player/playback.h"
+#include "player/snapshots.h"
+#include "prepare/scenes.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+
+Run::Run(Cast given, RunSetting asked, Session started, Host& /*host*/)
+    : cast(std::move(given)),
+      setting(std::move(asked)),
+      session(std::move(started)),
+      hits(cast.targets),
+      targets_(cast.targets) {}
+
+Result<std::unique_ptr<Run>> Run::make(Cast cast, RunSetting setting, Host& host) {
+  LORICA_TRY(std::shared_ptr<SessionRecorder> recorder, startRecorder(setting.record, cast, host));
+  Result<Session> session = startSession(cast, recorder.get());
+  if (!session) {
+    if (recorder) (void)recorder->finish();  // removes the file
+    return session.error();
+  }
+  std::unique_ptr<Run> run(new Run(std::move(cast), std::move(setting), std::move(*session), host));
+  run->recorder = std::move(recorder);
+  return run;
+}
+
+Result<std::unique_ptr<Run>> Run::start(Cast cast, RunSetting setting, Host& host) {
+  const auto tracked = [](const PreparedAvatar& avatar) { return !avatar.motion->joints.empty(); };
+  const bool anyTracked = std::any_of(cast.avatars.begin(), cast.avatars.end(), tracked);
+  LORICA_TRY(std::unique_ptr<Run> run, make(std::move(cast), std::move(setting), host));
+  run->treatment = treatmentControl(run->cast.request.performing, anyTracked);
+  LORICA_TRY_DO(run->watch());
+  return run;
+}
+
+Result<std::unique_ptr<Run>> Run::start(LiveCast live, RunSetting setting, Host& host) {
+  setting.atEnd = AtEnd::kReturn;
+  LORICA_TRY(std::unique_ptr<Run> run, make(std::move(live.cast), std::move(setting), host));
+  run->live_ = std::move(live.sources);
+  run->treatment = treatmentControl(run->cast.request.performing, run->live_->vmc.empty());
+  LORICA_TRY_DO(run->watch());
+  return run;
+}
+
+Result<std::unique_ptr<Run>> Run::start(RecordedCast recorded, RunSetting setting, Host& host) {
+  setting.atEnd = AtEnd::kHold;
+  LORICA_TRY(std::unique_ptr<Run> run, make(std::move(recorded.cast), std::move(setting), host));
+  run->recorded_ = std::make_unique<RecordedCast>(std::move(recorded));
+  LORICA_TRY_DO(run->watch());
+  return run;
+}
+
+/// What watches the session's steps: recorder or comparison, then what sends poses, then events.
+Result<void> Run::watch() {
+  if (setting.written()) treatment.fix("what is written or sent is as the command says");
+  if (recorded_) comparison = std::make_shared<SessionReplay>(recorded_->session);
+  std::shared_ptr<StepWatcher> next = recorder;
+  if (comparison) next = comparison;
+  LORICA_TRY(const std::shared_ptr<StepWatcher> sender,
+             makePoseOutput(setting.out, cast.avatars.front().subject, cast.request.reading.expressions, next));
+  LORICA_TRY_DO(finishEvents(events_));
+  LORICA_TRY(events_, makeEventsOutput(setting.events, sender));
+  session.watch(events_ ? events_ : sender);
+  return {};
+}
+
+const std::vector<VmcInput>& Run::streams() const {
+  static const std::vector<VmcInput> none;
+  return live_ ? live_->vmc : none;
+}
+
+bool Run::ready() const {
+  if (tracked()) return live_->tracked->ready();
+  return streams().empty() || streams().front().ready(session);
+}
+
+std::string Run::trouble() const {
+  if (tracked()) return log.state();
+  return streams().empty() ? "" : streams().front().state();
+}
+
+std::optional<double> Run::trackingSeconds() const {
+  return tracked() ? std::optional(live_->tracked->sight().trackSeconds) : std::nullopt;
+}
+
+void Run::stepped(Host& host) {
+  if (++frames_ == 1) firstTime_ = session.time();
+  now_ = session.time() - firstTime_;
+  if (tracked()) log.add(*live_->tracked, now_, host);
+  if (live_) {
+    for (VmcInput& sender : live_->vmc) sender.add(session, host);
+  }
+  statistics.add(session, setting.selfContacts);
+  hits.add(session);
+  if (frames_ == 1 && first) first(*this, host);
+}
+
+const Image* Run::drawInset() {
+  if (!tracked()) return nullptr;
+  drawDepthPicture(live_->tracked->source().camera(), live_->tracked->sight(), inset);
+  return &inset;
+}
+
+Result<void> Run::restarted(Host& /*host*/) {
+  before_ += now_;
+  now_ = 0.0;
+  frames_ = 0;
+  hits = TargetHits(targets_);
+  if (setting.sumUp) {
+    statistics.restart();
+  } else {
+    statistics = RunStatistics();
+  }
+  return recorded_ ? watch() : Result<void>();
+}
+
+void Run::sceneChosen(const std::string& scene, Host& host) {
+  cast.request.scene = scene;
+  targets_ = targetsOf(scene, host);
+  if (live()) hits = TargetHits(targets_);
+}
+
+void prepareScreen(const Run& run, Screen& screen) {
+  const Character& character = run.session.character();
+  screen.setTitle(run.name().empty() ? "Lorica" : "Lorica: " + run.name());
+  screen.setCamera(windowCamera(character.height, run.session.avatars().size()));
+  screen.setShown(usualView(character));
+}
+
+}  // namespace lorica

@@ -1,0 +1,57 @@
+#pragma once
+
+#include "geometry/result.h"
+#include "viewer/renderer/renderer.h"
+#include "viewer/renderer/scene.h"
+#include "viewer/renderer/window_values.h"
+
+#include <optional>
+#include <span>
+#include <string>
+
+namespace lorica {
+
+/// Shows scenes to people, who control them: a window is one. Used from one thread.
+class Screen {
+ public:
+  virtual ~Screen() = default;
+
+  [[nodiscard]] virtual bool open() const = 0;
+  /// Whether the simulation should advance by a frame: it is not paused, or a single step was requested. The call
+  /// consumes the request.
+  [[nodiscard]] virtual bool wantsStep() = 0;
+  [[nodiscard]] virtual bool paused() const = 0;
+  /// Playback speed, 1 = as recorded.
+  [[nodiscard]] virtual double speed() const = 0;
+
+  /// Draws, presents, polls input.
+  virtual void show(const Scene& scene, const WindowValues& values) = 0;
+  /// The requests since the last call.
+  [[nodiscard]] virtual WindowRequests takeRequests() = 0;
+  /// While nothing else can be asked for: forgets the requests, but for dropped files, which the next requests have.
+  /// @return whether to cancel what is loading
+  [[nodiscard]] virtual bool takeCancel() = 0;
+  /// The ray from the eye through the pointer.
+  [[nodiscard]] virtual Ray pointer() const = 0;
+  [[nodiscard]] virtual Camera camera() const = 0;
+  /// Sets the initial camera, to which a reset returns.
+  virtual void setCamera(const Camera& camera) = 0;
+
+  /// Adds a frame to the time graph. A change of stages clears the graph.
+  virtual void addTimes(std::span<const TimedStage> stages) = 0;
+  /// Shows a message.
+  virtual void notice(std::string sentence, double seconds = 3.0) = 0;
+  static constexpr double kNoticeSeconds = 12.0;  ///< long enough to read a path
+  /// Shows what failed for kNoticeSeconds, marked as such.
+  virtual void problem(std::string sentence) = 0;
+  virtual void setTitle(const std::string& title) = 0;
+
+  /// The layers that are drawn, which the user may change.
+  [[nodiscard]] virtual const SceneOptions& shown() const = 0;
+  virtual void setShown(const SceneOptions& show) = 0;
+  /// What the user chose, by keys or panels.
+  [[nodiscard]] virtual const WindowChoices& choices() const = 0;
+  virtual void setChoices(const WindowChoices& choices) = 0;
+};
+
+}  // namespace lorica
