@@ -1,5 +1,7 @@
 #include "acd/cap.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -28,22 +30,22 @@ class CornerGrid {
       low_ = low_.cwiseMin(p);
       high_ = high_.cwiseMax(p);
     }
-    side_ = std::max(1, static_cast<int>(std::sqrt(static_cast<double>(corners.size()))));
-    begin_.assign(static_cast<std::size_t>(side_ * side_) + 1, 0);
+    side_ = std::max(1, static_cast<int>(std::sqrt(corners.size())));
+    begin_.assign(side_ * side_ + 1, 0);
     for (std::size_t i = 0; i < corners.size(); ++i) {
-      cellOf_[i] = static_cast<std::size_t>(cell(corners[i], 1) * side_ + cell(corners[i], 0));
+      cellOf_[i] = cell(corners[i], 1) * side_ + cell(corners[i], 0);
       ++begin_[cellOf_[i] + 1];
     }
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
     end_.assign(begin_.begin(), begin_.end() - 1);
     corners_.resize(corners.size());
-    for (std::size_t i = 0; i < corners.size(); ++i) corners_[end_[cellOf_[i]]++] = static_cast<int>(i);
+    for (std::size_t i = 0; i < corners.size(); ++i) corners_[end_[cellOf_[i]]++] = i;
   }
 
   void remove(int corner) {
     std::size_t& end = end_[cellOf_[corner]];
-    const auto first = corners_.begin() + static_cast<std::ptrdiff_t>(begin_[cellOf_[corner]]);
-    std::iter_swap(std::find(first, corners_.end(), corner), corners_.begin() + static_cast<std::ptrdiff_t>(--end));
+    const auto first = corners_.begin() + begin_[cellOf_[corner]];
+    std::iter_swap(std::find(first, corners_.end(), corner), corners_.begin() + --end);
   }
 
   /// Whether the predicate holds for any corner in the cells that overlap the box. Tests all corners in the box, and
@@ -54,7 +56,7 @@ class CornerGrid {
     const int top = cell(high, 1);
     for (int y = cell(low, 1); y <= top; ++y) {
       for (int x = cell(low, 0); x <= right; ++x) {
-        const auto c = static_cast<std::size_t>(y * side_ + x);
+        const std::size_t c = y * side_ + x;
         for (std::size_t i = begin_[c]; i < end_[c]; ++i) {
           if (holds(corners_[i])) return true;
         }
@@ -126,7 +128,7 @@ class CapTriangulator {
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(), [&](int a, int b) { return edges[a] < edges[b]; });
     std::vector<int> firstFrom(vertices_.size() + 1, 0);
-    for (const CapEdge& e : edges) ++firstFrom[static_cast<std::size_t>(e[0]) + 1];
+    for (const CapEdge& e : edges) ++firstFrom[e[0] + 1];
     std::partial_sum(firstFrom.begin(), firstFrom.end(), firstFrom.begin());
     std::vector<bool> used(edges.size(), false);
     for (int start : order) {
@@ -205,11 +207,11 @@ class CapTriangulator {
     });
     for (const Hole& hole : sorted) {
       const std::size_t bridge = visibleFrom(ring, at((*hole.loop)[hole.rightmost]));
-      Loop joined(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(bridge) + 1);
+      Loop joined(ring.begin(), ring.begin() + bridge + 1);
       for (std::size_t i = 0; i <= hole.loop->size(); ++i) {
         joined.push_back((*hole.loop)[(hole.rightmost + i) % hole.loop->size()]);
       }
-      joined.insert(joined.end(), ring.begin() + static_cast<std::ptrdiff_t>(bridge), ring.end());
+      joined.insert(joined.end(), ring.begin() + bridge, ring.end());
       ring = std::move(joined);
     }
     return ring;
@@ -277,7 +279,7 @@ class CapTriangulator {
 
   // Ear clipping. If no true ear is left (crossing or degenerate loops), clips any convex corner, then any corner.
   void clipEars(const Loop& ring) {
-    const int count = static_cast<int>(ring.size());
+    const int count = countOf(ring);
     if (count < 3) return;
     std::vector<int> previous(count), next(count);
     for (int i = 0; i < count; ++i) {

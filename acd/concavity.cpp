@@ -1,6 +1,7 @@
 #include "acd/concavity.h"
 
 #include "acd/separating_plane.h"
+#include "geometry/counts.h"
 
 #include <tbb/parallel_for.h>
 
@@ -64,9 +65,9 @@ std::vector<Crease> creasesOf(const Part& part) {
     }
   };
   // Counting sort of half-edges by their lower end: sorting all of them would take most of the time.
-  std::vector<std::uint32_t> end(part.points.empty() ? 1 : static_cast<std::size_t>(part.points.back()) + 2, 0);
+  std::vector<std::uint32_t> end(part.points.empty() ? 1 : part.points.back() + 2, 0);
   for (const Triangle& t : part.triangles) {
-    for (int e = 0; e < 3; ++e) ++end[static_cast<std::size_t>(std::min(t[e], t[(e + 1) % 3])) + 1];
+    for (int e = 0; e < 3; ++e) ++end[std::min(t[e], t[(e + 1) % 3]) + 1];
   }
   for (std::size_t i = 1; i < end.size(); ++i) end[i] += end[i - 1];
   std::vector<HalfEdge> edges(part.triangles.size() * 3);
@@ -182,7 +183,7 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
   // computed only for the few edges that reach the top of the heap.
   std::vector<ConcaveEdge> deepest;
   std::set<std::pair<std::int32_t, std::int32_t>> taken;
-  while (!heap.empty() && static_cast<int>(deepest.size()) < count) {
+  while (!heap.empty() && countOf(deepest) < count) {
     std::pop_heap(heap.begin(), heap.end());
     Found found = heap.back();
     heap.pop_back();
@@ -230,7 +231,7 @@ std::vector<Plane> componentPlanes(const Part& part, std::span<const Vec3> point
   std::vector<Plane> planes;
   const Components components = connectedComponents(points.size(), part.triangles);
   if (components.count < 2) return planes;
-  std::vector<std::vector<Triangle>> trianglesOf(static_cast<std::size_t>(components.count));
+  std::vector<std::vector<Triangle>> trianglesOf(components.count);
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
     trianglesOf[components.componentOfTriangle[i]].push_back(part.triangles[i]);
   }

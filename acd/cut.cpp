@@ -1,6 +1,7 @@
 #include "acd/cut.h"
 
 #include "acd/cap.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 #include <unordered_map>
@@ -65,7 +66,7 @@ int PlaneSides::classify(PointIndex p, std::span<const Vec3> points, const Plane
     side_.resize(points.size());
     distance_.resize(points.size());
   }
-  const auto i = static_cast<std::size_t>(p);
+  const std::size_t i = p;
   const double distance = plane.normal.dot(points[i]) - plane.offset;
   distance_[i] = distance;
   side_[i] = distance > tolerance ? 1 : distance < -tolerance ? -1 : 0;
@@ -99,8 +100,7 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
   CutResult result;
   std::unordered_map<std::uint64_t, PointIndex> cutPointOfEdge;
   const auto cutPoint = [&](PointIndex a, PointIndex b) {
-    const auto [entry, isNew] =
-        cutPointOfEdge.try_emplace(edgeKey(a, b), firstNewPoint + static_cast<PointIndex>(result.newPoints.size()));
+    const auto [entry, isNew] = cutPointOfEdge.try_emplace(edgeKey(a, b), firstNewPoint + countOf(result.newPoints));
     if (isNew) result.newPoints.push_back(sides.crossing(a, b));
     return entry->second;
   };
@@ -174,7 +174,7 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
   for (const auto& edge : open) {
     CapEdge local{};
     for (int i = 0; i < 2; ++i) {
-      const auto [entry, isNew] = capVertexOf.try_emplace(edge[i], static_cast<int>(pointOf.size()));
+      const auto [entry, isNew] = capVertexOf.try_emplace(edge[i], countOf(pointOf));
       if (isNew) {
         pointOf.push_back(edge[i]);
         const Vec3 p = positionOf(edge[i]);
@@ -199,7 +199,7 @@ CutResult cutPart(const Part& part, std::span<const Vec3> points, const Plane& p
 std::vector<PointIndex> pointsUsedBy(std::span<const Triangle> triangles) {
   PointIndex largest = -1;
   for (const Triangle& t : triangles) largest = std::max({largest, t[0], t[1], t[2]});
-  std::vector<bool> used(static_cast<std::size_t>(largest + 1), false);
+  std::vector<bool> used(largest + 1, false);
   for (const Triangle& t : triangles) {
     for (const PointIndex p : t) used[p] = true;
   }

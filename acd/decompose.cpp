@@ -2,6 +2,8 @@
 
 #include "acd/decomposer.h"
 #include "acd/mesh_frame.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/mass_properties.h"
 
 #include <fmt/format.h>
@@ -20,8 +22,8 @@ constexpr int kGridBits = 34;  // cells along the largest coordinate are 2 to th
 
 /// Removes cut points that no part needs any more, and renumbers the rest.
 void dropUnusedCutPoints(Decomposition& decomposition) {
-  const auto vertexCount = static_cast<std::size_t>(decomposition.vertexCount);
-  std::vector<bool> used(static_cast<std::size_t>(decomposition.pointCount()), false);
+  const std::size_t vertexCount = decomposition.vertexCount;
+  std::vector<bool> used(decomposition.pointCount(), false);
   for (const Part& part : decomposition.parts) {
     for (const PointIndex p : part.points) used[p] = true;
   }
@@ -36,7 +38,7 @@ void dropUnusedCutPoints(Decomposition& decomposition) {
   kept.reserve(decomposition.cutPoints.size());
   for (std::size_t c = 0; c < decomposition.cutPoints.size(); ++c) {
     if (!used[vertexCount + c]) continue;
-    numberOf[vertexCount + c] = decomposition.vertexCount + static_cast<PointIndex>(kept.size());
+    numberOf[vertexCount + c] = decomposition.vertexCount + countOf(kept);
     CutPoint point = decomposition.cutPoints[c];
     point.first = numberOf[point.first];
     point.second = numberOf[point.second];
@@ -103,19 +105,17 @@ Result<Decomposition> cutAndMerge(const TriMesh& mesh, PoseView keyframes, const
 
 Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings) {
   if (settings.maxParts < 0 || settings.candidateEdges < 0 || settings.planesPerEdge < 0 || settings.threads < 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("parts {}, candidate edges {}, planes per edge {}, threads {}: expected 0 or more of each",
-                             settings.maxParts, settings.candidateEdges, settings.planesPerEdge, settings.threads)};
+    return invalidArgument("parts {}, candidate edges {}, planes per edge {}, threads {}: expected 0 or more of each",
+                           settings.maxParts, settings.candidateEdges, settings.planesPerEdge, settings.threads);
   }
   if (!(settings.maxError >= 0.0 && settings.maxDistance >= 0.0)) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("max error {}, max distance {}: expected 0 or more of each",
-                                                          settings.maxError, settings.maxDistance)};
+    return invalidArgument("max error {}, max distance {}: expected 0 or more of each", settings.maxError,
+                           settings.maxDistance);
   }
-  if (static_cast<std::size_t>(keyframes.vertexCount) != mesh.vertices.size() || keyframes.keyframeCount() < 1 ||
+  if (keyframes.vertexCount != countOf(mesh.vertices) || keyframes.keyframeCount() < 1 ||
       keyframes.positions.size() % mesh.vertices.size() != 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} keyframe positions for a mesh of {} vertices: expected a positive multiple",
-                             keyframes.positions.size(), mesh.vertices.size())};
+    return invalidArgument("{} keyframe positions for a mesh of {} vertices: expected a positive multiple",
+                           keyframes.positions.size(), mesh.vertices.size());
   }
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     TriMesh posed;
@@ -131,7 +131,7 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
   // Allow more threads than cores, so that tests can verify that the result does not depend on the number.
   const std::size_t known = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
-                                    std::max(known, static_cast<std::size_t>(settings.threads)));
+                                    std::max<std::size_t>(known, settings.threads));
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   std::optional<Result<Decomposition>> result;
   arena.execute([&] { result.emplace(cutAndMerge(mesh, {own, keyframes.vertexCount}, settings)); });

@@ -70,12 +70,12 @@ Plan planFor(const DecomposeSettings& settings) {
 }
 
 std::vector<std::size_t> pieceCounts(int partCount, double overCut) {
-  const auto wanted = static_cast<std::size_t>(partCount);
+  const std::size_t wanted = partCount;
   std::vector<std::size_t> counts = {wanted};
   if (overCut <= 1.0) return counts;
   // A fixed sequence of part counts, each 1.4 times the one before.
   for (std::size_t upTo = 1;; upTo = (7 * upTo + 4) / 5) {
-    const auto pieces = static_cast<std::size_t>(std::ceil(static_cast<double>(upTo) * overCut));
+    const std::size_t pieces = std::ceil(upTo * overCut);
     if (pieces > counts.back()) counts.push_back(pieces);
     if (upTo >= wanted) return counts;
   }

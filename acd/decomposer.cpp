@@ -3,6 +3,7 @@
 #include "acd/hull_distance.h"
 #include "acd/merge.h"
 #include "geometry/convex_hull.h"
+#include "geometry/counts.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -38,7 +39,7 @@ bool Decomposer::divide() {
   Part whole;
   whole.triangles = context_.mesh.triangles;
   whole.sourceTriangle.reserve(whole.triangles.size());
-  for (std::size_t i = 0; i < whole.triangles.size(); ++i) whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
+  for (std::size_t i = 0; i < whole.triangles.size(); ++i) whole.sourceTriangle.push_back(i);
   whole.points = pointsUsedBy(whole.triangles);
   leaves_.push_back(leafOf(std::move(whole)));
   std::vector<std::size_t> counts;
@@ -51,7 +52,7 @@ bool Decomposer::divide() {
       // Cut further, so that merging has alternatives; merging stops while the limits are still met.
       met_ = leaves_.size();
       atLimit_ = piecesNow();
-      limit = std::min(limit, static_cast<std::size_t>(std::ceil(static_cast<double>(met_) * cuts_.overCut)));
+      limit = std::min(limit, static_cast<std::size_t>(std::ceil(met_ * cuts_.overCut)));
       continue;
     }
     if (std::ranges::find(counts, leaves_.size()) != counts.end()) stages_.push_back(piecesNow());
@@ -77,13 +78,13 @@ bool Decomposer::betterThan(const Decomposer& other) const {
 
 Decomposition Decomposer::finish() {
   Decomposition result;
-  result.vertexCount = static_cast<int>(context_.mesh.vertices.size());
-  result.triangleCount = static_cast<int>(context_.mesh.triangles.size());
+  result.vertexCount = countOf(context_.mesh.vertices);
+  result.triangleCount = countOf(context_.mesh.triangles);
   if (cuts_.overCut <= 1.0) {
     result.splitFrom = std::move(splitFrom_);
     for (const SharedPiece& part : parts_) result.parts.push_back(part->part);
   } else {
-    Merged order = mergePieces(parts_, context_, static_cast<int>(parts_.size()), cuts_.effort.coarse);
+    Merged order = mergePieces(parts_, context_, countOf(parts_), cuts_.effort.coarse);
     result.splitFrom = std::move(order.splitFrom);
     for (const std::vector<std::size_t>& group : order.groups) result.parts.push_back(parts_[group[0]]->part);
   }
@@ -95,9 +96,8 @@ Decomposition Decomposer::finish() {
 /// Reports progress, scaled to the requested number of parts if more pieces are cut. Returns false to cancel.
 bool Decomposer::goOn(std::size_t pieces, std::size_t limit) const {
   if (!settings_.progress) return true;
-  const std::size_t done =
-      settings_.maxParts > 0 ? pieces * static_cast<std::size_t>(settings_.maxParts) / limit : pieces;
-  return settings_.progress(static_cast<int>(done), settings_.maxParts);
+  const std::size_t done = settings_.maxParts > 0 ? pieces * settings_.maxParts / limit : pieces;
+  return settings_.progress(done, settings_.maxParts);
 }
 
 /// Whether the hull volume of all pieces meets maxError in every keyframe.
@@ -233,7 +233,7 @@ void Decomposer::carryOut(std::size_t index) {
   CutResult cut = cutPart(leaves_[index].piece->part, context_.points[split.keyframe], split.plane,
                           context_.onPlane[split.keyframe], context_.pointCount());
   context_.addCutPoints(cut.newPoints);
-  splitFrom_.push_back(static_cast<PartIndex>(index));
+  splitFrom_.push_back(index);
   leaves_.emplace_back();
   tbb::parallel_invoke([&] { leaves_[index] = leafOf(std::move(cut.above)); },
                        [&] { leaves_.back() = leafOf(std::move(cut.below)); });
@@ -244,7 +244,7 @@ void Decomposer::carryOut(std::size_t index) {
 void Decomposer::separateComponents() {
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
     const Part& part = leaves_[i].piece->part;
-    const Components components = connectedComponents(static_cast<std::size_t>(context_.pointCount()), part.triangles);
+    const Components components = connectedComponents(context_.pointCount(), part.triangles);
     if (components.count < 2) continue;
     Part first, rest;
     for (std::size_t t = 0; t < part.triangles.size(); ++t) {
@@ -258,7 +258,7 @@ void Decomposer::separateComponents() {
     }
     first.points = pointsUsedBy(first.triangles);
     rest.points = pointsUsedBy(rest.triangles);
-    splitFrom_.push_back(static_cast<PartIndex>(i));
+    splitFrom_.push_back(i);
     leaves_[i] = leafOf(std::move(first));
     leaves_.push_back(leafOf(std::move(rest)));
   }
@@ -275,7 +275,7 @@ std::vector<Decomposer::SharedPiece> Decomposer::piecesNow() const {
 std::vector<Decomposer::SharedPiece> Decomposer::merged(std::span<const SharedPiece> pieces, std::size_t count) const {
   std::vector<SharedPiece> parts;
   parts.reserve(count);
-  for (const auto& group : mergePieces(pieces, context_, static_cast<int>(count), cuts_.effort.coarse).groups) {
+  for (const auto& group : mergePieces(pieces, context_, count, cuts_.effort.coarse).groups) {
     std::vector<const Part*> members;
     members.reserve(group.size());
     for (const std::size_t i : group) members.push_back(&pieces[i]->part);

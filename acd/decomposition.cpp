@@ -14,7 +14,7 @@ class HashedBytes {
   void add(std::int32_t value) { appendLittleEndian(value, bytes_); }
   void add(double value) { appendLittleEndian(value, bytes_); }
   /// A length before each list, so that different lists cannot give the same bytes.
-  void addLength(std::size_t length) { appendLittleEndian(static_cast<std::uint64_t>(length), bytes_); }
+  void addLength(std::size_t length) { appendLittleEndian(std::uint64_t{length}, bytes_); }
   [[nodiscard]] std::uint64_t hash() const { return contentHash(bytes_); }
 
  private:

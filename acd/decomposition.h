@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "geometry/tri_mesh.h"
 
 #include <cstdint>
@@ -16,9 +17,7 @@ struct PoseView {
   std::span<const Vec3> positions;
   int vertexCount = 0;
 
-  [[nodiscard]] int keyframeCount() const {
-    return vertexCount == 0 ? 0 : static_cast<int>(positions.size()) / vertexCount;
-  }
+  [[nodiscard]] int keyframeCount() const { return vertexCount == 0 ? 0 : countOf(positions) / vertexCount; }
   [[nodiscard]] std::span<const Vec3> keyframe(int k) const {
     return positions.subspan(static_cast<std::size_t>(k) * vertexCount, vertexCount);
   }
@@ -50,7 +49,7 @@ struct Decomposition {
   std::vector<PartIndex> splitFrom;  ///< one entry for each part except the first, splitFrom[i] <= i
   std::vector<Part> parts;
 
-  [[nodiscard]] int pointCount() const { return vertexCount + static_cast<int>(cutPoints.size()); }
+  [[nodiscard]] int pointCount() const { return vertexCount + countOf(cutPoints); }
 };
 
 /// 64-bit hash of the whole decomposition, bit for bit; equal decompositions have equal hashes on every machine.

@@ -3,6 +3,7 @@
 #include "acd/decomposition_file_cover.h"
 #include "acd/packed_numbers.h"
 #include "geometry/byte_reader.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -30,7 +31,7 @@ constexpr std::size_t kBoneShareBytes = 4 + 8;
 // ---- Writing ----
 
 std::uint32_t bits(std::int32_t value) {
-  return static_cast<std::uint32_t>(value);
+  return value;
 }
 
 /// The points that triangles use, ascending.
@@ -110,7 +111,7 @@ class Writer {
     for (const DetailLevel& level : detailLevels) {
       put(level.meanError);
       put(level.worstError);
-      put(static_cast<std::int32_t>(level.hullVertices));
+      put(level.hullVertices);
     }
   }
 
@@ -139,7 +140,7 @@ class Writer {
     std::string bytes(kMagic);
     bytes.reserve(kHeaderBytes + payload_.size());
     appendLittleEndian(kVersion, bytes);
-    appendLittleEndian(static_cast<std::uint64_t>(payload_.size()), bytes);
+    appendLittleEndian(std::uint64_t{payload_.size()}, bytes);
     appendLittleEndian(contentHash(payload_, kVersion), bytes);
     return bytes + payload_;
   }
@@ -156,8 +157,8 @@ std::string encode(const DecompositionFile& content) {
   writer.put(content.meanError);
   writer.putCount(content.errorPerKeyframe.size());
   for (const double error : content.errorPerKeyframe) writer.put(error);
-  writer.put(static_cast<std::int32_t>(decomposition.vertexCount));
-  writer.put(static_cast<std::int32_t>(decomposition.triangleCount));
+  writer.put(decomposition.vertexCount);
+  writer.put(decomposition.triangleCount);
   writer.putCutPoints(decomposition.cutPoints);
   writer.putCount(decomposition.splitFrom.size());
   for (const PartIndex from : decomposition.splitFrom) writer.put(from);
@@ -206,11 +207,11 @@ void takeCutPoints(ByteReader& reader, Decomposition& decomposition, Scratch& en
     const std::uint32_t older = bits(decomposition.vertexCount) + static_cast<std::uint32_t>(i);
     if (first >= older || second >= older) {
       reader.fail(begin, fmt::format("cut point {} lies between points {} and {}, expected 0 to {} for both", i, first,
-                                     second, static_cast<std::int64_t>(older) - 1));
+                                     second, std::int64_t{older} - 1));
       return;
     }
-    point.first = static_cast<PointIndex>(first);
-    point.second = static_cast<PointIndex>(second);
+    point.first = first;
+    point.second = second;
     point.lambda = reader.take<double>("a cut point's lambda");
     if (!(point.lambda >= 0.0 && point.lambda <= 1.0)) {
       reader.fail(reader.offset() - 8, fmt::format("lambda of cut point {} is {}, expected 0 to 1", i, point.lambda));
@@ -237,7 +238,7 @@ void takePoints(ByteReader& reader, std::size_t index, int pointCount, Scratch& 
   std::uint64_t next = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     const std::uint64_t p = next + values[i];
-    part.points[i] = static_cast<PointIndex>(p);
+    part.points[i] = p;
     next = p + 1;
   }
   if (next > static_cast<std::uint64_t>(pointCount)) {
@@ -258,7 +259,7 @@ void takeTriangles(ByteReader& reader, std::size_t index, Scratch& values, Part&
   const std::span<const std::uint32_t> differences = values;
   const std::span<const PointIndex> points = part.points;
   const std::span<Triangle> triangles = part.triangles;
-  const auto end = static_cast<std::uint32_t>(used.size());
+  const std::uint32_t end = used.size();
   std::uint32_t first = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
     first += unzigzag(differences[3 * i]);
@@ -286,7 +287,7 @@ void takeSources(ByteReader& reader, std::size_t index, int triangleCount, Scrat
   std::uint32_t source = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {
     source += unzigzag(values[i]);
-    part.sourceTriangle[i] = static_cast<std::int32_t>(source);
+    part.sourceTriangle[i] = source;
     // One more turns -1, a cap, into 0, and what would be negative into a number beyond any.
     if (source + 1 > bits(triangleCount)) {
       reader.fail(begin, fmt::format("triangle {} of part {} comes from triangle {}, expected -1 to {}", i, index,
@@ -380,7 +381,7 @@ DecompositionFile takeContent(ByteReader& reader) {
 std::uint64_t topologyHash(const TriMesh& mesh) {
   std::string bytes;
   bytes.reserve(8 + 12 * mesh.triangles.size());
-  appendLittleEndian(static_cast<std::uint64_t>(mesh.vertices.size()), bytes);
+  appendLittleEndian(std::uint64_t{mesh.vertices.size()}, bytes);
   for (const Triangle& t : mesh.triangles) {
     for (const VertexIndex v : t) appendLittleEndian(v, bytes);
   }
@@ -427,35 +428,30 @@ Result<DecompositionFile> parseDecomposition(std::string_view bytes, const std::
 
 Result<std::string> formatDecomposition(const DecompositionFile& content, const std::string& name) {
   if (const std::optional<TrainingRange>& training = content.training) {
-    const std::size_t expected = static_cast<std::size_t>(training->keyframeCount) * training->probes.size();
+    const std::size_t expected = training->keyframeCount * training->probes.size();
     if (training->positions.size() != expected) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("{}: not written: {} positions of {} probes in {} keyframes", name,
-                               training->positions.size(), training->probes.size(), training->keyframeCount)};
+      return invalidArgument("{}: not written: {} positions of {} probes in {} keyframes", name,
+                             training->positions.size(), training->probes.size(), training->keyframeCount);
     }
   }
   // Reading back costs a millisecond, and a file that nobody can read later would cost the whole decomposition.
   std::string bytes = encode(content);
   const Result<DecompositionFile> again = parseDecomposition(bytes, name);
-  if (!again)
-    return Error{ErrorCode::kInvalidArgument, "not written, for it could not be read: " + again.error().message};
+  if (!again) return invalidArgument("not written, for it could not be read: " + again.error().message);
   if (hashOf(again->decomposition) != hashOf(content.decomposition)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: not written: a part's points or source triangles do not fit its triangles", name)};
+    return invalidArgument("{}: not written: a part's points or source triangles do not fit its triangles", name);
   }
   return bytes;
 }
 
 Result<void> writeDecomposition(const std::filesystem::path& file, const DecompositionFile& content) {
-  const Result<std::string> bytes = formatDecomposition(content, file.string());
-  if (!bytes) return bytes.error();
-  return writeFileAtomically(file, *bytes);
+  LORICA_TRY(const std::string bytes, formatDecomposition(content, file.string()));
+  return writeFileAtomically(file, bytes);
 }
 
 Result<DecompositionFile> readDecomposition(const std::filesystem::path& file) {
-  const Result<std::string> bytes = readFile(file);
-  if (!bytes) return bytes.error();
-  return parseDecomposition(*bytes, file.string());
+  LORICA_TRY(const std::string bytes, readFile(file));
+  return parseDecomposition(bytes, file.string());
 }
 
 }  // namespace lorica

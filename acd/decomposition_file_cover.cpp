@@ -55,11 +55,11 @@ void appendTraining(const TrainingRange& training, std::string& payload) {
   std::uint32_t before = 0;
   for (const PointIndex probe : training.probes) {
     differences.push_back(zigzag(static_cast<std::uint32_t>(probe) - before));
-    before = static_cast<std::uint32_t>(probe);
+    before = probe;
   }
   appendPacked(differences, payload);
   appendLittleEndian(training.knownDistance, payload);
-  appendCount(static_cast<std::size_t>(training.keyframeCount), payload);
+  appendCount(training.keyframeCount, payload);
   for (const Vec3& p : training.positions) appendVector(p, payload);
 }
 
@@ -79,7 +79,7 @@ void takeProbes(ByteReader& reader, int pointCount, std::vector<PointIndex>& pro
     if (probe >= static_cast<std::uint32_t>(pointCount)) {
       reader.fail(begin, fmt::format("probe {} is point {}, expected 0 to {}", i, probe, pointCount - 1));
     }
-    probes[i] = static_cast<PointIndex>(probe);
+    probes[i] = probe;
   }
   std::vector<PointIndex> sorted = probes;
   std::sort(sorted.begin(), sorted.end());
@@ -95,7 +95,7 @@ TrainingRange takeTraining(ByteReader& reader, int pointCount) {
                                              std::max<std::size_t>(training.probes.size(), 1) * kVectorBytes);
   if (count == 0) reader.fail(reader.offset() - 4, "0 training keyframes, expected 1 or more");
   if (!reader.ok()) return training;
-  training.keyframeCount = static_cast<int>(count);
+  training.keyframeCount = count;
   training.positions.resize(count * training.probes.size());
   for (Vec3& p : training.positions) p = takeVector(reader, "a probe's position");
   return training;
@@ -130,9 +130,9 @@ void appendCoverPoints(std::span<const CoverPoint> points, const Part& part, int
 void appendCover(const HullCover& cover, const Decomposition& decomposition, std::string& payload) {
   const std::span<const Part> parts = decomposition.parts;
   appendLittleEndian(cover.tolerance, payload);
-  appendLittleEndian(static_cast<std::int32_t>(cover.maxHullVertices), payload);
-  appendLittleEndian(static_cast<std::int32_t>(cover.sampledPoses), payload);
-  appendLittleEndian(static_cast<std::int32_t>(cover.heldOutPoses), payload);
+  appendLittleEndian(cover.maxHullVertices, payload);
+  appendLittleEndian(cover.sampledPoses, payload);
+  appendLittleEndian(cover.heldOutPoses, payload);
   appendLittleEndian(cover.growth, payload);
   appendLittleEndian(cover.sampledShortfall, payload);
   appendLittleEndian(cover.heldOutShortfall, payload);
@@ -169,7 +169,7 @@ std::vector<CoverPoint> takeCoverPoints(ByteReader& reader, std::size_t index, s
       points[i].point = part.points[position];
       continue;
     }
-    points[i].point = static_cast<PointIndex>(position - part.points.size());
+    points[i].point = position - part.points.size();
     if (isInAPart(points[i].point, parts)) {
       reader.fail(begin, fmt::format("cover point {} of part {} is vertex {}, expected one of the part or of no part",
                                      i, index, points[i].point));
@@ -198,7 +198,7 @@ HullCover takeCover(ByteReader& reader, const Decomposition& decomposition) {
   if (!reader.ok()) return cover;
   cover.points.reserve(count);
   for (std::size_t i = 0; i < count && reader.ok(); ++i) {
-    cover.points.push_back(takeCoverPoints(reader, i, parts, static_cast<std::size_t>(decomposition.vertexCount)));
+    cover.points.push_back(takeCoverPoints(reader, i, parts, decomposition.vertexCount));
   }
   return cover;
 }

@@ -1,6 +1,7 @@
 #include "acd/half_volumes.h"
 
 #include "geometry/convex_hull.h"
+#include "geometry/counts.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -19,7 +20,7 @@ HalfVolumes::HalfVolumes(const PartTree& tree, bool reduce) : tree_(tree) {
   std::vector<int> depth(nodes.size(), 0);
   std::vector<std::vector<std::size_t>> level(1);
   for (std::size_t n = 0; n < nodes.size(); ++n) {
-    const auto own = static_cast<std::size_t>(depth[n]);
+    const std::size_t own = depth[n];
     if (level.size() <= own) level.resize(own + 1);
     level[own].push_back(n);
     if (nodes[n].second < 0) continue;
@@ -33,7 +34,7 @@ HalfVolumes::HalfVolumes(const PartTree& tree, bool reduce) : tree_(tree) {
       const std::size_t k = job % frameCount;
       std::vector<std::int32_t>& result = hullPoints_[n * frameCount + k];
       if (nodes[n].second < 0) {
-        const std::span<const std::int32_t> own = tree.pointsOf(static_cast<std::int32_t>(n));
+        const std::span<const std::int32_t> own = tree.pointsOf(n);
         result.assign(own.begin(), own.end());
         return;
       }
@@ -86,7 +87,7 @@ HalfEstimates::HalfEstimates(const PartTree& tree)
     const std::span<const Vec3> points = tree.points(k);
     Vec3 mean = Vec3::Zero();
     for (const Vec3& p : points) mean += p;
-    mean /= static_cast<double>(points.size());
+    mean /= points.size();
     Mat3 covariance = Mat3::Zero();
     for (const Vec3& p : points) covariance += (p - mean) * (p - mean).transpose();
     const SymmetricAxes solver = symmetricAxes(covariance);
@@ -107,7 +108,7 @@ HalfEstimates::HalfEstimates(const PartTree& tree)
         if (nodes[n].second >= 0) continue;
         Support& support = supports_[n * tree.keyframeCount() + k];
         support.clear();
-        include(support, own, tree.pointsOf(static_cast<std::int32_t>(n)), 0, nullptr);
+        include(support, own, tree.pointsOf(n), 0, nullptr);
       }
     });
     for (std::size_t n = nodes.size(); n-- > 0;) {
@@ -124,15 +125,15 @@ std::pair<double, double> HalfEstimates::volumes(const PartTree::Sketch& sketch)
   thread_local std::vector<std::int32_t> ids;
   const std::size_t frameCount = tree_.keyframeCount();
   crossings.resize(sketch.crossings.size());
-  while (ids.size() < sketch.crossings.size()) ids.push_back(static_cast<std::int32_t>(ids.size()));
+  while (ids.size() < sketch.crossings.size()) ids.push_back(countOf(ids));
   std::pair<double, double> sum = {0.0, 0.0};
   for (std::size_t k = 0; k < frameCount; ++k) {
     const FloatPoints& points = points_[k];
     for (std::size_t i = 0; i < sketch.crossings.size(); ++i) {
       const CutPoint& c = sketch.crossings[i];
-      const auto a = static_cast<std::size_t>(c.first);
-      const auto b = static_cast<std::size_t>(c.second);
-      const auto lambda = static_cast<float>(c.lambda);
+      const std::size_t a = c.first;
+      const std::size_t b = c.second;
+      const float lambda = c.lambda;
       crossings.x[i] = lambda * points.x[a] + (1.0F - lambda) * points.x[b];
       crossings.y[i] = lambda * points.y[a] + (1.0F - lambda) * points.y[b];
       crossings.z[i] = lambda * points.z[a] + (1.0F - lambda) * points.z[b];
@@ -141,15 +142,15 @@ std::pair<double, double> HalfEstimates::volumes(const PartTree::Sketch& sketch)
     above.clear();
     below.clear();
     for (const std::int32_t n : sketch.above.nodes) {
-      include(above, supports_[static_cast<std::size_t>(n) * frameCount + k]);
+      include(above, supports_[n * frameCount + k]);
     }
     for (const std::int32_t n : sketch.below.nodes) {
-      include(below, supports_[static_cast<std::size_t>(n) * frameCount + k]);
+      include(below, supports_[n * frameCount + k]);
     }
     PartTree::CutLeaf before;
-    const auto firstCrossing = static_cast<std::int32_t>(points.size());
+    const std::int32_t firstCrossing = points.size();
     for (const PartTree::CutLeaf& leaf : sketch.leaves) {
-      const Support& bound = supports_[static_cast<std::size_t>(leaf.node) * frameCount + k];
+      const Support& bound = supports_[leaf.node * frameCount + k];
       const auto fresh = std::span(ids).subspan(before.endCrossings, leaf.endCrossings - before.endCrossings);
       include(above, points, std::span(sketch.above.points).subspan(before.endAbove, leaf.endAbove - before.endAbove),
               0, &bound);

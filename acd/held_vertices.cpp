@@ -41,7 +41,7 @@ std::vector<std::vector<PointIndex>> assignHeldVertices(const Decomposition& dec
                                                         std::span<const VertexIndex> held) {
   std::vector<std::vector<PointIndex>> verticesOfPart(decomposition.parts.size());
   if (held.empty() || verticesOfPart.empty()) return verticesOfPart;
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, vertices, points);
   std::vector<Obstacle> obstacles;
   for (const ConvexHull& hull : partHulls(decomposition, points)) obstacles.emplace_back(hull);
@@ -52,7 +52,7 @@ std::vector<std::vector<PointIndex>> assignHeldVertices(const Decomposition& dec
   }
   const double inside = kHeld * all.diagonal();
 
-  constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  constexpr std::size_t kNone = -1;
   std::vector<std::size_t> partOf(held.size(), kNone);
   tbb::parallel_for(std::size_t{0}, held.size(), [&](std::size_t k) {
     const Vec3& p = vertices[held[k]];

@@ -1,6 +1,7 @@
 #include "acd/hull_budget.h"
 
 #include "acd/outer_shell.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +53,7 @@ void momentsOf(const ConvexHull& hull, std::span<const Vec3> vertices, Vec3& cen
 
 OwnAxes ownAxesOf(const ConvexHull& hull) {
   OwnAxes axes;
-  for (const Vec3& p : hull.vertices) axes.origin += p / static_cast<double>(hull.vertices.size());
+  for (const Vec3& p : hull.vertices) axes.origin += p / countOf(hull.vertices);
   const double size = boundsOf(hull.vertices).diagonal();
   axes.bodyFromOwn *= size;
   axes.ownFromBody /= size;
@@ -117,7 +118,7 @@ ConvexHull withoutOneVertex(const ConvexHull& hull, std::span<const Vec3> points
   ConvexHull best;
   for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
     std::vector<Vec3> others = hull.vertices;
-    others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
+    others.erase(others.begin() + i);
     const ConvexHull rest = convexHull(others);
     if (rest.degenerate()) continue;
     const double scale = scaleToHold(rest, points);
@@ -131,10 +132,10 @@ ConvexHull withoutOneVertex(const ConvexHull& hull, std::span<const Vec3> points
 
 /// Returns the shell with at most `maxVertices` vertices; degenerate if none was found.
 ConvexHull shrunkShell(std::span<const Vec3> body, int maxVertices) {
-  const auto budget = static_cast<std::size_t>(maxVertices);
+  const std::size_t budget = maxVertices;
   ConvexHull around = coarseHull(body, std::max(kStartFactor * budget, std::size_t{kStartAtLeast}));
   while (around.vertices.size() > budget && !around.degenerate()) {
-    const auto count = static_cast<int>(around.vertices.size());
+    const auto count = countOf(around.vertices);
     OuterShell shell(around, body, Vec3::Zero());
     shell.relax(kRoundsBetween, kRoundGain);
     shell.collapseTo(std::max(maxVertices, static_cast<int>(kStage * count)));
@@ -186,7 +187,7 @@ std::optional<BudgetedHull> fitted(const ConvexHull& shell, const OwnAxes& axes,
 /// A rectangle around a flat set, in its plane.
 BudgetedHull rectangleAround(const ConvexHull& flat) {
   Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : flat.vertices) mean += p / static_cast<double>(flat.vertices.size());
+  for (const Vec3& p : flat.vertices) mean += p / countOf(flat.vertices);
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : flat.vertices) spread += (p - mean) * (p - mean).transpose();
   const SymmetricAxes solver = symmetricAxes(spread);

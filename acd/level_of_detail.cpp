@@ -2,6 +2,7 @@
 
 #include "acd/piece.h"
 #include "acd/transfer.h"
+#include "geometry/counts.h"
 
 #include <tbb/parallel_for.h>
 
@@ -25,7 +26,7 @@ LevelsInPose judge(const Decomposition& decomposition, double meshVolume, std::v
     double volume = 0.0;
     for (const ConvexHull& hull : hulls) {
       volume += hull.volume;
-      levels.hullVertices[n - 1] += static_cast<int>(hull.vertices.size());
+      levels.hullVertices[n - 1] += countOf(hull.vertices);
     }
     levels.error[n - 1] = (volume - meshVolume) / meshVolume;
     if (n > 1) {
@@ -42,7 +43,7 @@ LevelsInPose judge(const Decomposition& decomposition, double meshVolume, std::v
 }  // namespace
 
 Decomposition levelOfDetail(const Decomposition& decomposition, int partCount) {
-  const auto wanted = static_cast<std::size_t>(partCount);
+  const std::size_t wanted = partCount;
   LORICA_CHECK(partCount >= 1 && wanted <= decomposition.parts.size(), "partCount must be 1 to the number of parts");
   // Find the part of the level that each part belongs to. A part is split from an earlier part, so one pass is enough.
   std::vector<std::vector<const Part*>> members(wanted);
@@ -64,9 +65,9 @@ Decomposition levelOfDetail(const Decomposition& decomposition, int partCount) {
 }
 
 std::vector<std::vector<ConvexHull>> hullsOfParts(const Decomposition& decomposition, PoseView keyframes) {
-  std::vector<std::vector<ConvexHull>> hulls(static_cast<std::size_t>(keyframes.keyframeCount()));
+  std::vector<std::vector<ConvexHull>> hulls(keyframes.keyframeCount());
   tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
-    std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+    std::vector<Vec3> points(decomposition.pointCount());
     transfer(decomposition, keyframes.keyframe(k), points);
     hulls[k] = partHulls(decomposition, points);
   });
@@ -76,7 +77,7 @@ std::vector<std::vector<ConvexHull>> hullsOfParts(const Decomposition& decomposi
 std::vector<DetailLevel> detailLevels(const Decomposition& decomposition, const TriMesh& mesh, PoseView keyframes,
                                       std::span<const std::vector<ConvexHull>> hulls) {
   LORICA_CHECK(keyframes.keyframeCount() > 0, "detailLevels() needs at least one keyframe");
-  std::vector<LevelsInPose> poses(static_cast<std::size_t>(keyframes.keyframeCount()));
+  std::vector<LevelsInPose> poses(keyframes.keyframeCount());
   tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
     poses[k] = judge(decomposition, signedVolume(keyframes.keyframe(k), mesh.triangles), hulls[k]);
   });

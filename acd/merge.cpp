@@ -153,7 +153,7 @@ Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const C
   groupOf.push_back(steps.empty() ? atPartCount[0] : steps.back().kept);
   for (auto step = steps.rbegin(); step != steps.rend(); ++step) {
     const auto parent = std::find(groupOf.begin(), groupOf.end(), step->kept) - groupOf.begin();
-    result.splitFrom.push_back(static_cast<PartIndex>(parent));
+    result.splitFrom.push_back(parent);
     groupOf.push_back(step->absorbed);
   }
   for (std::size_t g : groupOf) {

@@ -43,7 +43,7 @@ std::vector<Vec3> areaVectors(std::span<const Vec3> points, std::span<const Tria
 std::size_t cellOf(const Vec3& direction) {
   int largest = 0;
   const double length = direction.cwiseAbs().maxCoeff(&largest);
-  std::size_t cell = static_cast<std::size_t>(largest);
+  std::size_t cell = largest;
   for (int i = 1; i <= 2; ++i) {
     const double at = 0.5 * (direction[(largest + i) % 3] / length + 1.0);
     cell = cell * kCells + static_cast<std::size_t>(std::clamp(static_cast<int>(at * kCells), 0, kCells - 1));

@@ -1,5 +1,7 @@
 #include "acd/outer_shell.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -22,12 +24,7 @@ bool costsMore(const auto& x, const auto& y) {
 }  // namespace
 
 OuterShell::OuterShell(const ConvexHull& start, std::span<const Vec3> body, const Vec3& center)
-    : body_(body),
-      center_(center),
-      at_(start.vertices),
-      ring_(at_.size()),
-      changes_(at_.size()),
-      count_(static_cast<int>(at_.size())) {
+    : body_(body), center_(center), at_(start.vertices), ring_(at_.size()), changes_(at_.size()), count_(countOf(at_)) {
   // In the ring of v, a triangle (v, p, q) means that q follows p.
   std::vector<std::vector<std::array<Vertex, 2>>> follows(at_.size());
   for (const Triangle& t : start.triangles) {
@@ -154,7 +151,7 @@ std::optional<OuterShell::Placement> OuterShell::placementFor(Vertex a, Vertex b
   const std::vector<Vertex> link = linkOfEdge(a, b);
   // With more than two common neighbours the surface would become non-manifold.
   for (std::size_t i = 0; i < link.size(); ++i) {
-    if (std::find(link.begin() + static_cast<std::ptrdiff_t>(i) + 1, link.end(), link[i]) != link.end()) return {};
+    if (std::find(link.begin() + i + 1, link.end(), link[i]) != link.end()) return {};
   }
   if (link.size() < 3) return {};
   const std::optional<Vec3> apex = bestApex(link);
@@ -206,7 +203,7 @@ void OuterShell::collapse(Vertex a, Vertex b, const Vec3& position) {
 
 bool OuterShell::collapseTo(int maxVertices) {
   candidates_.clear();
-  for (Vertex a = 0; a < static_cast<Vertex>(ring_.size()); ++a) {
+  for (Vertex a = 0; a < countOf(ring_); ++a) {
     for (const Vertex b : linkOfVertex(a)) {
       if (a < b) propose(a, b);
     }
@@ -244,7 +241,7 @@ void OuterShell::relax(int maxRounds, double share) {
   for (int round = 0; round < maxRounds; ++round) {
     double volume = 0.0;
     double gained = 0.0;
-    for (Vertex v = 0; v < static_cast<Vertex>(ring_.size()); ++v) {
+    for (Vertex v = 0; v < countOf(ring_); ++v) {
       if (ring_[v].empty()) continue;
       const std::vector<Vertex> link = linkOfVertex(v);
       const double before = fanVolume(link, at_[v]);

@@ -23,7 +23,7 @@ constexpr std::array<Group, 256> makeGroups() {
     for (unsigned slot = 0; slot < 4; ++slot) {
       const unsigned lessOne = control >> (2 * slot) & 3;
       group.mask[slot] = kMask[lessOne];
-      group.begin[slot] = static_cast<std::uint8_t>(group.bytes);
+      group.begin[slot] = group.bytes;
       group.bytes += lessOne + 1;
     }
   }
@@ -44,11 +44,11 @@ void appendPacked(std::span<const std::uint32_t> values, std::string& bytes) {
     for (std::size_t slot = 0; slot < 4 && i + slot < values.size(); ++slot) {
       control |= bytesLessOne(values[i + slot]) << (2 * slot);
     }
-    bytes.push_back(static_cast<char>(control));
+    bytes.push_back(control);
   }
   for (const std::uint32_t value : values) {
     for (unsigned byte = 0; byte <= bytesLessOne(value); ++byte) {
-      bytes.push_back(static_cast<char>(value >> (8 * byte) & 0xFF));
+      bytes.push_back(value >> (8 * byte) & 0xFF);
     }
   }
 }
@@ -80,7 +80,7 @@ std::optional<std::size_t> unpack(std::string_view bytes, std::span<std::uint32_
     const unsigned length = (controlOf(i / 4) >> (2 * (i % 4)) & 3u) + 1;
     values[i] = 0;
     for (unsigned byte = 0; byte < length; ++byte) {
-      values[i] |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[at++])) << (8 * byte);
+      values[i] |= std::uint32_t{static_cast<unsigned char>(bytes[at++])} << (8 * byte);
     }
   }
   return at;

@@ -1,5 +1,7 @@
 #include "acd/part_tree.h"
 
+#include "geometry/counts.h"
+
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
 
@@ -31,7 +33,7 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
     for (PointIndex p : part.triangles[i]) sum += all[p];
     items[i] = {sum.cast<float>(), static_cast<std::int32_t>(i)};
   }
-  nodes_.resize(static_cast<std::size_t>(nodeCount(count)));
+  nodes_.resize(nodeCount(count));
   build(items, 0, 0);
 
   // Number points in leaf order, so that the data of a leaf is contiguous in memory.
@@ -44,25 +46,25 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
   for (std::size_t n = 0; n < nodes_.size(); ++n) {
     Node& node = nodes_[n];
     if (node.second >= 0) continue;
-    node.firstPoint = static_cast<std::int32_t>(leafPoints_.size());
+    node.firstPoint = countOf(leafPoints_);
     for (std::int32_t i = node.first; i < node.last; ++i) {
-      Triangle t = part.triangles[items[static_cast<std::size_t>(i)].triangle];
+      Triangle t = part.triangles[items[i].triangle];
       for (PointIndex& p : t) {
         node.box.extend(all[p]);
         std::int32_t& number = numberOf[p];
         if (number < 0) {
-          number = static_cast<std::int32_t>(pointOf.size());
+          number = countOf(pointOf);
           pointOf.push_back(p);
         }
         if (seenBy[number] != static_cast<std::int32_t>(n)) {
-          seenBy[number] = static_cast<std::int32_t>(n);
+          seenBy[number] = n;
           leafPoints_.push_back(number);
         }
         p = number;
       }
       triangles_.push_back(t);
     }
-    node.lastPoint = static_cast<std::int32_t>(leafPoints_.size());
+    node.lastPoint = countOf(leafPoints_);
   }
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
@@ -85,7 +87,7 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
 void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t first) {
   Node& here = nodes_[node];
   here.first = first;
-  here.last = first + static_cast<std::int32_t>(items.size());
+  here.last = first + countOf(items);
   if (items.size() <= kLeafTriangles) return;
   Vec3f low = items[0].center;
   Vec3f high = low;
@@ -96,14 +98,12 @@ void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t firs
   int axis = 0;
   (high - low).maxCoeff(&axis);
   const std::size_t middle = items.size() / 2;
-  std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
-                   [axis](const Item& a, const Item& b) {
-                     return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis]
-                                                             : a.triangle < b.triangle;
-                   });
+  std::nth_element(items.begin(), items.begin() + middle, items.end(), [axis](const Item& a, const Item& b) {
+    return a.center[axis] != b.center[axis] ? a.center[axis] < b.center[axis] : a.triangle < b.triangle;
+  });
   here.second = node + 1 + nodeCount(middle);
   const auto lower = [&] { build(items.first(middle), node + 1, first); };
-  const auto upper = [&] { build(items.subspan(middle), here.second, first + static_cast<std::int32_t>(middle)); };
+  const auto upper = [&] { build(items.subspan(middle), here.second, first + middle); };
   if (items.size() > kParallel) {
     tbb::parallel_invoke(lower, upper);
   } else {
@@ -114,8 +114,7 @@ void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t firs
 
 std::span<const std::int32_t> PartTree::pointsOf(std::int32_t node) const {
   const Node& n = nodes_[node];
-  return std::span(leafPoints_)
-      .subspan(static_cast<std::size_t>(n.firstPoint), static_cast<std::size_t>(n.lastPoint - n.firstPoint));
+  return std::span(leafPoints_).subspan(n.firstPoint, n.lastPoint - n.firstPoint);
 }
 
 bool PartTree::sketch(const Plane& plane, double tolerance, Sketch& out) const {

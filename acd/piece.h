@@ -2,6 +2,7 @@
 
 #include "acd/concavity.h"
 #include "acd/decomposition.h"
+#include "geometry/counts.h"
 
 #include <span>
 #include <vector>
@@ -19,7 +20,7 @@ struct CutContext {
 
   CutContext(const TriMesh& closedMesh, PoseView keyframes);
   [[nodiscard]] std::size_t keyframeCount() const { return points.size(); }
-  [[nodiscard]] PointIndex pointCount() const { return static_cast<PointIndex>(points[0].size()); }
+  [[nodiscard]] PointIndex pointCount() const { return countOf(points[0]); }
   /// Adds new cut points and computes their positions in every keyframe (Eq. 12).
   void addCutPoints(std::span<const CutPoint> added);
 };

@@ -2,10 +2,10 @@
 
 #include "acd/volume_coverage.h"
 #include "geometry/convex_hull.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/random_numbers.h"
 #include "geometry/triangle_tree.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +14,6 @@
 namespace lorica {
 
 namespace {
-
-Error invalid(std::string message) {
-  return {ErrorCode::kInvalidArgument, std::move(message)};
-}
 
 /// Appends the surface for distances: the hull's faces; for a flat part its triangles, or its points if it has none.
 void appendSurface(const TriMesh& part, const ConvexHull& hull, std::vector<std::array<Vec3, 3>>& surface) {
@@ -49,7 +45,7 @@ double meanDistance(const TriMesh& mesh, const TriangleTree& surface, int sample
   double sum = 0.0;
   std::size_t k = 0;
   for (int i = 0; i < samples; ++i) {
-    const double at = (i + randomUnit(seed, 2 + static_cast<std::uint64_t>(i))) * area / samples;
+    const double at = (i + randomUnit(seed, 2 + i)) * area / samples;
     while (k + 1 < areaUpTo.size() && areaUpTo[k] <= at) ++k;
     const Triangle& t = mesh.triangles[k];
     // The square root makes points uniform by area: it maps a uniform number to the distance from a corner.
@@ -65,14 +61,13 @@ Result<void> checkParts(std::span<const TriMesh> parts) {
     const TriMesh& part = parts[i];
     for (std::size_t v = 0; v < part.vertices.size(); ++v) {
       if (part.vertices[v].allFinite()) continue;
-      return Error{ErrorCode::kBadMesh, fmt::format("part {}: vertex {} is not finite", i, v)};
+      return badMesh("part {}: vertex {} is not finite", i, v);
     }
     for (std::size_t k = 0; k < part.triangles.size(); ++k) {
       for (const VertexIndex v : part.triangles[k]) {
-        if (v >= 0 && static_cast<std::size_t>(v) < part.vertices.size()) continue;
-        return Error{ErrorCode::kBadMesh,
-                     fmt::format("part {}: triangle {}: vertex index {} is out of range ({} vertices)", i, k, v,
-                                 part.vertices.size())};
+        if (v >= 0 && v < countOf(part.vertices)) continue;
+        return badMesh("part {}: triangle {}: vertex index {} is out of range ({} vertices)", i, k, v,
+                       part.vertices.size());
       }
     }
   }
@@ -83,13 +78,13 @@ Result<void> checkParts(std::span<const TriMesh> parts) {
 
 Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const ScoreSettings& settings) {
   if (settings.volumeSamples < 16) {
-    return invalid(fmt::format("volumeSamples is {}, expected 16 or more", settings.volumeSamples));
+    return invalidArgument("volumeSamples is {}, expected 16 or more", settings.volumeSamples);
   }
   if (settings.surfaceSamples < 1) {
-    return invalid(fmt::format("surfaceSamples is {}, expected 1 or more", settings.surfaceSamples));
+    return invalidArgument("surfaceSamples is {}, expected 1 or more", settings.surfaceSamples);
   }
-  if (const auto checked = checkClosedTwoManifold(mesh); !checked) return checked.error();
-  if (const auto checked = checkParts(parts); !checked) return checked.error();
+  LORICA_TRY_DO(checkClosedTwoManifold(mesh));
+  LORICA_TRY_DO(checkParts(parts));
 
   std::vector<ConvexHull> hulls;
   std::vector<std::array<Vec3, 3>> surface;
@@ -99,7 +94,7 @@ Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const S
     hullVolume += hulls.back().volume;
     appendSurface(part, hulls.back(), surface);
   }
-  if (!(hullVolume > 0.0)) return invalid(fmt::format("none of the {} parts has a volume", parts.size()));
+  if (!(hullVolume > 0.0)) return invalidArgument("none of the {} parts has a volume", parts.size());
 
   Score result;
   const double meshVolume = signedVolume(mesh.vertices, mesh.triangles);

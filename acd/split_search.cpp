@@ -3,6 +3,7 @@
 #include "acd/half_volumes.h"
 #include "acd/part_tree.h"
 #include "geometry/convex_hull.h"
+#include "geometry/counts.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_invoke.h>
@@ -41,8 +42,7 @@ class SplitSearch {
     if (estimates_) {
       planes = ranked(planes);
       // Small parts cost so little that many planes can be scored.
-      few = std::max(static_cast<std::size_t>(effort_.shortlist), kScoredPoints / tree_->points(0).size()) +
-            static_cast<std::size_t>(effort_.refinedPlanes);
+      few = std::max<std::size_t>(effort_.shortlist, kScoredPoints / tree_->points(0).size()) + effort_.refinedPlanes;
     }
     // If none of the first planes leaves volume on both sides, try the next ones.
     for (std::size_t first = 0; first < planes.size(); first += few) {
@@ -94,7 +94,7 @@ class SplitSearch {
   void addAxisPlanes(std::vector<Plane>& planes) const {
     const std::vector<Vec3>& hullPoints = hullPoints_;
     Vec3 mean = Vec3::Zero();
-    for (const Vec3& p : hullPoints) mean += p / static_cast<double>(hullPoints.size());
+    for (const Vec3& p : hullPoints) mean += p / countOf(hullPoints);
     Mat3 covariance = Mat3::Zero();
     for (const Vec3& p : hullPoints) covariance += (p - mean) * (p - mean).transpose();
     const SymmetricAxes solver = symmetricAxes(covariance);
@@ -138,7 +138,7 @@ class SplitSearch {
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return estimates[a] < estimates[b]; });
     std::vector<Plane> result;
-    result.reserve(order.size() + static_cast<std::size_t>(effort_.refinedPlanes));
+    result.reserve(order.size() + effort_.refinedPlanes);
     for (std::size_t i : order) result.push_back(planes[i]);
     if (refinesLate()) return result;
     std::vector<Plane> refined;
@@ -154,7 +154,7 @@ class SplitSearch {
   [[nodiscard]] std::vector<Plane> distinct(const std::vector<Plane>& planes) const {
     std::vector<Plane> found;
     for (const Plane& plane : planes) {
-      if (static_cast<int>(found.size()) == effort_.refinedPlanes) break;
+      if (countOf(found) == effort_.refinedPlanes) break;
       const bool known = std::any_of(found.begin(), found.end(), [&](const Plane& f) { return close(f, plane); });
       if (!known) found.push_back(plane);
     }
@@ -218,7 +218,7 @@ class SplitSearch {
   /// if none improves the estimate.
   [[nodiscard]] Plane refine(const Plane& start) const {
     Vec3 pivot = Vec3::Zero();
-    for (const Vec3& p : hullPoints_) pivot += p / static_cast<double>(hullPoints_.size());
+    for (const Vec3& p : hullPoints_) pivot += p / countOf(hullPoints_);
     double extent = 0.0;
     for (const Vec3& p : hullPoints_) extent = std::max(extent, (p - pivot).norm());
     pivot -= (start.normal.dot(pivot) - start.offset) * start.normal;

@@ -65,7 +65,7 @@ void includePoints(Support& into, const SupportDirections& directions, const Flo
     const auto y = hn::Load(f, directions.y.data() + i);
     const auto z = hn::Load(f, directions.z.data() + i);
     for (const std::int32_t id : ids) {
-      const auto p = static_cast<std::size_t>(id);
+      const std::size_t p = id;
       // No fused multiply-add, so that every instruction set rounds the same way.
       const auto value = hn::Add(hn::Add(hn::Mul(x, hn::Set(f, points.x[p])), hn::Mul(y, hn::Set(f, points.y[p]))),
                                  hn::Mul(z, hn::Set(f, points.z[p])));
@@ -126,11 +126,11 @@ Sphere makeSphere() {
     };
     const auto known = slotOf.find(key(direction));
     if (known != slotOf.end()) return known->second;
-    sphere.directions.x[pairs] = static_cast<float>(direction.x());
-    sphere.directions.y[pairs] = static_cast<float>(direction.y());
-    sphere.directions.z[pairs] = static_cast<float>(direction.z());
+    sphere.directions.x[pairs] = direction.x();
+    sphere.directions.y[pairs] = direction.y();
+    sphere.directions.z[pairs] = direction.z();
     slotOf[key(direction)] = pairs;
-    slotOf[key(-direction)] = static_cast<std::uint8_t>(Support::kPairs + pairs);
+    slotOf[key(-direction)] = Support::kPairs + pairs;
     return pairs++;
   };
   for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -193,7 +193,7 @@ void include(Support& into, const FloatPoints& points, std::span<const std::int3
 double enclosedVolume(const Support& support, const FloatPoints& points, const FloatPoints& more) {
   std::array<std::array<float, 3>, 2 * Support::kPairs> corner;
   const auto fetch = [&](std::int32_t id) {
-    auto i = static_cast<std::size_t>(id);
+    std::size_t i = id;
     const FloatPoints& from = i < points.size() ? points : more;
     if (i >= points.size()) i -= points.size();
     return std::array<float, 3>{from.x[i], from.y[i], from.z[i]};

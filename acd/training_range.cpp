@@ -20,7 +20,7 @@ constexpr double kKnownShare = 0.3;
 void center(std::span<Vec3> points) {
   Vec3 centroid = Vec3::Zero();
   for (const Vec3& p : points) centroid += p;
-  centroid /= static_cast<double>(points.size());
+  centroid /= points.size();
   for (Vec3& p : points) p -= centroid;
 }
 
@@ -89,25 +89,24 @@ std::vector<PointIndex> chooseProbes(const Decomposition& decomposition, std::sp
 
 TrainingRange trainingRange(const Decomposition& decomposition, PoseView keyframes) {
   LORICA_CHECK(keyframes.keyframeCount() > 0, "trainingRange() needs at least one keyframe");
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, keyframes.keyframe(0), points);
 
   TrainingRange range;
   range.probes = chooseProbes(decomposition, points);
   LORICA_CHECK(!range.probes.empty(), "trainingRange() needs a part with points");
   range.keyframeCount = keyframes.keyframeCount();
-  range.positions.resize(static_cast<std::size_t>(range.keyframeCount) * range.probes.size());
+  range.positions.resize(range.keyframeCount * range.probes.size());
   for (int k = 0; k < range.keyframeCount; ++k) {
     transfer(decomposition, keyframes.keyframe(k), points);
-    const std::span<Vec3> kept =
-        std::span(range.positions).subspan(static_cast<std::size_t>(k) * range.probes.size(), range.probes.size());
+    const std::span<Vec3> kept = std::span(range.positions).subspan(k * range.probes.size(), range.probes.size());
     gatherProbes(range, points, kept);
     center(kept);
   }
 
   double sumSq = 0.0;
   for (const Vec3& p : range.positions) sumSq += p.squaredNorm();
-  range.knownDistance = kKnownShare * std::sqrt(sumSq / static_cast<double>(range.positions.size()));
+  range.knownDistance = kKnownShare * std::sqrt(sumSq / range.positions.size());
   return range;
 }
 
@@ -133,7 +132,7 @@ void gatherProbes(const TrainingRange& range, std::span<const Vec3> points, std:
 }
 
 double farthestFrame(const TrainingRange& range, const Decomposition& decomposition, PoseView frames) {
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   std::vector<Vec3> probePositions(range.probes.size());
   double farthest = 0.0;
   for (int f = 0; f < frames.keyframeCount(); ++f) {

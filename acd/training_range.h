@@ -19,7 +19,7 @@ struct TrainingRange {
   double knownDistance = 0.0;      ///< poses up to this distance from the nearest keyframe are in range [m]
 
   [[nodiscard]] std::span<const Vec3> keyframe(int k) const {
-    return std::span(positions).subspan(static_cast<std::size_t>(k) * probes.size(), probes.size());
+    return std::span(positions).subspan(k * probes.size(), probes.size());
   }
 };
 

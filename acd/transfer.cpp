@@ -1,14 +1,14 @@
 #include "acd/transfer.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 
 namespace lorica {
 
 void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, std::span<Vec3> points) {
-  LORICA_CHECK(posed.size() == static_cast<std::size_t>(decomposition.vertexCount),
-               "posed must have one position for each mesh vertex");
-  LORICA_CHECK(points.size() == static_cast<std::size_t>(decomposition.pointCount()),
-               "points must have room for vertices and cut points");
+  LORICA_CHECK(countOf(posed) == decomposition.vertexCount, "posed must have one position for each mesh vertex");
+  LORICA_CHECK(countOf(points) == decomposition.pointCount(), "points must have room for vertices and cut points");
   if (posed.data() != points.data()) std::copy(posed.begin(), posed.end(), points.begin());
   Vec3* next = points.data() + posed.size();
   for (const CutPoint& c : decomposition.cutPoints) {
@@ -18,7 +18,7 @@ void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, s
 
 std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const Part& part) {
   // A point is `held` if it is in the hull of the part's points in every pose.
-  std::vector<bool> held(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<bool> held(decomposition.pointCount());
   for (const PointIndex p : part.points) held[p] = true;
   std::vector<PointIndex> spanning;
   spanning.reserve(part.points.size());
@@ -28,7 +28,7 @@ std::vector<PointIndex> spanningPoints(const Decomposition& decomposition, const
   PointIndex point = decomposition.vertexCount;
   for (const CutPoint& cut : decomposition.cutPoints) {
     const bool blend = held[cut.first] && held[cut.second];
-    const auto own = static_cast<std::size_t>(point);
+    const std::size_t own = point;
     if (held[own] && !blend) spanning.push_back(point);
     held[own] = held[own] || blend;
     ++point;
@@ -51,7 +51,7 @@ std::vector<ConvexHull> partHulls(const Decomposition& decomposition, std::span<
 }
 
 PoseError errorInPose(const Decomposition& decomposition, const TriMesh& mesh, std::span<const Vec3> posed) {
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, posed, points);
   PoseError error;
   error.meshVolume = signedVolume(posed, mesh.triangles);

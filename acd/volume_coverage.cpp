@@ -30,7 +30,7 @@ class LineGrid {
     lines_.reserve(static_cast<std::size_t>(cells_) * cells_);
     for (int row = 0; row < cells_; ++row) {
       for (int column = 0; column < cells_; ++column) {
-        const auto counter = 2 * static_cast<std::uint64_t>(lines_.size());
+        const auto counter = 2 * std::uint64_t{lines_.size()};
         lines_.push_back({origin_.x() + (column + randomUnit(seed, counter)) * cell_.x(),
                           origin_.y() + (row + randomUnit(seed, counter + 1)) * cell_.y()});
       }
@@ -83,8 +83,8 @@ class LineGrid {
     // Add a margin on either side: rounding here must not break the consistency along edges.
     const double first = std::floor((low - origin_[axis]) / cell_[axis] - 1e-6);
     const double last = std::floor((high - origin_[axis]) / cell_[axis] + 1e-6);
-    return {static_cast<int>(std::clamp(first, 0.0, static_cast<double>(cells_))),
-            static_cast<int>(std::clamp(last, -1.0, static_cast<double>(cells_ - 1)))};
+    return {static_cast<int>(std::clamp<double>(first, 0.0, cells_)),
+            static_cast<int>(std::clamp<double>(last, -1.0, cells_ - 1))};
   }
 
   int cells_;
@@ -136,7 +136,7 @@ Coverage estimateCoverage(const TriMesh& mesh, std::span<const ConvexHull> hulls
   std::array<Lengths, kReplicates> replicates;
   Lengths total;
   for (int k = 0; k < kReplicates; ++k) {
-    const LineGrid grid(box, cellsPerSide, randomBits(seed, static_cast<std::uint64_t>(k)));
+    const LineGrid grid(box, cellsPerSide, randomBits(seed, k));
     crossings.clear();
     grid.cross(mesh.vertices, mesh.triangles, 1, 0, crossings);
     for (const ConvexHull& hull : hulls) grid.cross(hull.vertices, hull.triangles, 0, 1, crossings);

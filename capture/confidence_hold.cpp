@@ -19,7 +19,7 @@ double smoothStep(double t) {
 }  // namespace
 
 ConfidenceHold::ConfidenceHold(const Skeleton& skeleton, const ConfidenceHoldSettings& settings)
-    : settings_(settings), joints_(static_cast<std::size_t>(skeleton.jointCount())) {
+    : settings_(settings), joints_(skeleton.jointCount()) {
   for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
     JointState& state = joints_[j];
     state.rest = state.shown = state.held = skeleton.joint(j).rest.rotation;

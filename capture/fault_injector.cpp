@@ -1,5 +1,7 @@
 #include "capture/fault_injector.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -44,7 +46,7 @@ bool parseWhole(std::string_view text, Number& number) {
 }
 
 Error unexpected(std::string_view found, std::string_view expected) {
-  return {ErrorCode::kInvalidArgument, fmt::format("found `{}`, expected {}", found, expected)};
+  return invalidArgument("found `{}`, expected {}", found, expected);
 }
 
 /// Parses one comma-separated entry.
@@ -150,7 +152,7 @@ class FaultInjector final : public SkeletonSource {
       swapping_ = false;
       return;
     }
-    if (!swapping_) which_ = static_cast<int>(3.0 * swap_.random().unit());  // arms, legs or both
+    if (!swapping_) which_ = 3.0 * swap_.random().unit();  // arms, legs or both
     swapping_ = true;
     if (which_ != 1) exchange(kArms, frame);
     if (which_ != 0) exchange(kLegs, frame);
@@ -189,7 +191,7 @@ Result<FaultSettings> parseFaults(std::string_view text) {
   std::vector<std::string_view> seen;
   while (true) {
     const std::size_t comma = text.find(',');
-    if (Result<void> taken = takeFault(text.substr(0, comma), settings, seen); !taken) return taken.error();
+    LORICA_TRY_DO(takeFault(text.substr(0, comma), settings, seen));
     if (comma == std::string_view::npos) return settings;
     text.remove_prefix(comma + 1);
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "geometry/math.h"
 #include "geometry/result.h"
 
@@ -52,8 +53,8 @@ struct SkeletonFrame {
   int user = 1;       ///< number of the person, from 0; kNobody while there is none
   std::array<TrackedJoint, kBodyJointCount> joints;
 
-  [[nodiscard]] TrackedJoint& operator[](BodyJoint j) { return joints[static_cast<std::size_t>(j)]; }
-  [[nodiscard]] const TrackedJoint& operator[](BodyJoint j) const { return joints[static_cast<std::size_t>(j)]; }
+  [[nodiscard]] TrackedJoint& operator[](BodyJoint j) { return joints[ordinalOf(j)]; }
+  [[nodiscard]] const TrackedJoint& operator[](BodyJoint j) const { return joints[ordinalOf(j)]; }
 };
 
 /// Source of skeletons: a recording, a tracker, or a network stream.

@@ -96,7 +96,7 @@ void OneEuroFilter::remember(const SkeletonFrame& measured) {
 
 void OneEuroFilter::compare(const SkeletonFrame& measured, const SkeletonFrame& smoothed) {
   const double time = measured.time;
-  constexpr double kLongestLag = kLagStep * static_cast<double>(kLags - 1);
+  constexpr double kLongestLag = kLagStep * (kLags - 1);
   std::array<bool, kBodyJointCount> counts{};
   bool any = false;
   for (std::size_t j = 0; j < kBodyJointCount; ++j) {
@@ -109,7 +109,7 @@ void OneEuroFilter::compare(const SkeletonFrame& measured, const SkeletonFrame& 
   const std::size_t remembered = std::min(pastCount_, kPast);
   std::size_t older = 0;
   for (std::size_t lag = 0; lag < kLags; ++lag) {
-    const double when = time - kLagStep * static_cast<double>(lag);
+    const double when = time - kLagStep * lag;
     while (older + 1 < remembered && past(older).time > when) ++older;
     const Past& before = past(older);
     const double nextTime = older == 0 ? time : past(older - 1).time;
@@ -127,12 +127,12 @@ void OneEuroFilter::compare(const SkeletonFrame& measured, const SkeletonFrame& 
 double OneEuroFilter::delay() const {
   const auto min =
       static_cast<std::size_t>(std::min_element(disagreement_.begin(), disagreement_.end()) - disagreement_.begin());
-  if (min == 0 || min + 1 == kLags) return kLagStep * static_cast<double>(min);
+  if (min == 0 || min + 1 == kLags) return kLagStep * min;
   const double before = disagreement_[min - 1];
   const double after = disagreement_[min + 1];
   const double bend = before - 2.0 * disagreement_[min] + after;
   const double shift = bend > 0.0 ? 0.5 * (before - after) / bend : 0.0;
-  return kLagStep * (static_cast<double>(min) + shift);
+  return kLagStep * (min + shift);
 }
 
 void mirror(SkeletonFrame& frame) {

@@ -1,5 +1,7 @@
 #include "geometry/byte_reader.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -28,7 +30,7 @@ std::size_t ByteReader::takeCount(const char* what, std::size_t bytesEach) {
   const auto count = take<std::uint32_t>(what);
   if (count > left() / bytesEach || count > std::numeric_limits<std::int32_t>::max()) {
     fail(offset_ - 4, fmt::format("{} is {}, which needs {} bytes or more; {} are left", what, count,
-                                  static_cast<std::uint64_t>(count) * bytesEach, left()));
+                                  std::uint64_t{count} * bytesEach, left()));
   }
   return error_ ? 0 : count;
 }
@@ -40,7 +42,7 @@ std::string ByteReader::takeText(std::size_t length) {
 }
 
 void ByteReader::fail(std::size_t at, std::string_view message) {
-  if (!error_) error_ = Error{ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", name_, at, message)};
+  if (!error_) error_ = badFormat("{}: byte {}: {}", name_, at, message);
 }
 
 bool ByteReader::has(std::size_t size, const char* what) {

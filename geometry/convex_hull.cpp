@@ -1,5 +1,7 @@
 #include "geometry/convex_hull.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -75,7 +77,7 @@ class HullBuilder {
     }
     for (std::size_t p = 0; p < points_.size(); ++p) {
       if (seen[p] == kNone) continue;
-      indices.push_back(static_cast<VertexIndex>(p));
+      indices.push_back(p);
       seen[p] = kNone;
     }
     return indices;
@@ -91,7 +93,7 @@ class HullBuilder {
       for (int i = 0; i < 3; ++i) {
         int& slot = vertexOfPoint[f.vertex[i]];
         if (slot == kNone) {
-          slot = static_cast<int>(hull.vertices.size());
+          slot = countOf(hull.vertices);
           hull.pointOfVertex.push_back(f.vertex[i]);
           hull.vertices.push_back(point(f.vertex[i]));
         }
@@ -127,7 +129,7 @@ class HullBuilder {
   // Finds four points that span a volume: the farthest pair of the axis extremes, then the point farthest from their
   // line, then the point farthest from the plane of these three.
   bool makeSimplex() {
-    const int count = static_cast<int>(points_.size());
+    const int count = countOf(points_);
     std::array<int, 6> extreme{};
     for (int i = 1; i < count; ++i) {
       for (int axis = 0; axis < 3; ++axis) {
@@ -190,7 +192,7 @@ class HullBuilder {
   int newFace(int a, int b, int c) {
     int index;
     if (free_.empty()) {
-      index = static_cast<int>(faces_.size());
+      index = countOf(faces_);
       faces_.emplace_back();
     } else {
       index = free_.back();
@@ -251,7 +253,7 @@ class HullBuilder {
       }
       Face& f = faces_[test.face];
       if (value <= f.addThreshold + f.filter) {
-        value = static_cast<double>(exactDeterminant(f, p));
+        value = exactDeterminant(f, p);
         if (value <= f.addThreshold) {
           barelyAbove |= value > 0.0;
           continue;
@@ -345,7 +347,7 @@ class HullBuilder {
       for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Face& f = faces_[i];
         if (!f.alive || determinant(f, p) <= f.addThreshold + f.filter) continue;
-        addPoint(static_cast<int>(i), p);
+        addPoint(i, p);
         drain();
         break;
       }
@@ -381,7 +383,7 @@ ConvexHull convexHull(std::span<const Vec3> points) {
   if (builder.build(points, kFinest, true)) return builder.extract();
   ConvexHull flat;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    flat.pointOfVertex.push_back(static_cast<VertexIndex>(i));
+    flat.pointOfVertex.push_back(i);
     flat.vertices.push_back(points[i]);
   }
   return flat;

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <iterator>
+#include <type_traits>
 
 namespace lorica {
 
@@ -8,6 +10,13 @@ namespace lorica {
 template <typename Container>
 [[nodiscard]] constexpr int countOf(const Container& container) {
   return static_cast<int>(std::size(container));
+}
+
+/// The index of a value in its enumeration.
+template <typename Enum>
+requires std::is_enum_v<Enum>
+[[nodiscard]] constexpr std::size_t ordinalOf(Enum value) {
+  return static_cast<std::size_t>(value);
 }
 
 }  // namespace lorica

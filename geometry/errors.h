@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "geometry/result.h"
@@ -31,6 +33,11 @@ LORICA_ERROR_FACTORY(invalidArgument, ErrorCode::kInvalidArgument)
 LORICA_ERROR_FACTORY(unsupported, ErrorCode::kUnsupported)
 LORICA_ERROR_FACTORY(noDisplay, ErrorCode::kNoDisplay)
 #undef LORICA_ERROR_FACTORY
+
+/// @param error  an errno
+[[nodiscard]] inline Error unwritable(const std::filesystem::path& file, int error) {
+  return unwritable("{}: cannot be written: {}", file.string(), std::generic_category().message(error));
+}
 
 [[nodiscard]] inline Error cancelled() {
   return {ErrorCode::kCancelled, "cancelled"};

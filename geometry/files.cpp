@@ -1,5 +1,6 @@
 #include "geometry/files.h"
 
+#include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 
 #include <fcntl.h>
@@ -43,17 +44,13 @@ std::string reason(int error) {
   return std::generic_category().message(error);
 }
 
-Error unreadable(const std::filesystem::path& file, int error) {
+Error cannotRead(const std::filesystem::path& file, int error) {
   const ErrorCode code = error == ENOENT || error == ENOTDIR ? ErrorCode::kNotFound : ErrorCode::kUnreadable;
   return {code, fmt::format("{}: cannot be read: {}", file.string(), reason(error))};
 }
 
 Error tooLarge(const std::filesystem::path& file, const std::string& found, std::uint64_t maxBytes) {
-  return {ErrorCode::kUnreadable, fmt::format("{}: {}, expected at most {} bytes", file.string(), found, maxBytes)};
-}
-
-Error unwritable(const std::filesystem::path& file, int error) {
-  return {ErrorCode::kUnwritable, fmt::format("{}: cannot be written: {}", file.string(), reason(error))};
+  return unreadable("{}: {}, expected at most {} bytes", file.string(), found, maxBytes);
 }
 
 /// Opens a new file in the target's folder, so that the rename stays on one file system. O_EXCL ensures that two
@@ -74,7 +71,7 @@ int writeAll(int fd, std::string_view content) {
     const ssize_t written = ::write(fd, content.data(), content.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return errno;
-    content.remove_prefix(static_cast<std::size_t>(written));
+    content.remove_prefix(written);
   }
   return 0;
 }
@@ -85,16 +82,16 @@ Result<std::string> readFile(const std::filesystem::path& file, NamedBy by, std:
   // Without O_NONBLOCK, opening a named pipe waits until somebody writes into it.
   const int flags = O_RDONLY | O_CLOEXEC | (by == NamedBy::kFile ? O_NONBLOCK | O_NOCTTY : 0);
   const Descriptor in(::open(file.c_str(), flags));
-  if (!in.valid()) return unreadable(file, errno);
+  if (!in.valid()) return cannotRead(file, errno);
   struct stat status {};
-  if (::fstat(in.get(), &status) != 0) return unreadable(file, errno);
-  if (S_ISDIR(status.st_mode)) return unreadable(file, EISDIR);
+  if (::fstat(in.get(), &status) != 0) return cannotRead(file, errno);
+  if (S_ISDIR(status.st_mode)) return cannotRead(file, EISDIR);
   const bool regular = S_ISREG(status.st_mode);
   if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode) || (!regular && by == NamedBy::kFile)) {  // some never end
-    return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot be read: found a {}, expected a file", file.string(),
-                                                     S_ISFIFO(status.st_mode)   ? "named pipe"
-                                                     : S_ISSOCK(status.st_mode) ? "socket"
-                                                                                : "device")};
+    return unreadable("{}: cannot be read: found a {}, expected a file", file.string(),
+                      S_ISFIFO(status.st_mode)   ? "named pipe"
+                      : S_ISSOCK(status.st_mode) ? "socket"
+                                                 : "device");
   }
   if (regular && static_cast<std::uint64_t>(status.st_size) > maxBytes) {
     return tooLarge(file, fmt::format("{} bytes", status.st_size), maxBytes);
@@ -108,9 +105,9 @@ Result<std::string> readFile(const std::filesystem::path& file, NamedBy by, std:
     if (length == content.size()) content.resize(2 * content.size());
     const ssize_t got = ::read(in.get(), content.data() + length, content.size() - length);
     if (got < 0 && errno == EINTR) continue;
-    if (got < 0) return unreadable(file, errno);
+    if (got < 0) return cannotRead(file, errno);
     if (got == 0) break;
-    length += static_cast<std::size_t>(got);
+    length += got;
     if (length > maxBytes) return tooLarge(file, "more", maxBytes);
   }
   content.resize(length);
@@ -129,7 +126,7 @@ Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_
   const bool exists = ::stat(target.c_str(), &status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return unwritable(file, EISDIR);
   if (exists && !S_ISREG(status.st_mode)) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: cannot be written: not a regular file", file.string())};
+    return unwritable("{}: cannot be written: not a regular file", file.string());
   }
 
   std::string temporary;

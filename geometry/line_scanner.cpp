@@ -1,5 +1,7 @@
 #include "geometry/line_scanner.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -37,8 +39,7 @@ bool LineScanner::nextLine() {
   while (true) {
     if (line_ > 0 && lineEnd_ == textEnd_) return false;
     cursor_ = line_ == 0 ? lineEnd_ : lineEnd_ + 1;
-    const void* end =
-        cursor_ == textEnd_ ? nullptr : std::memchr(cursor_, newline_, static_cast<std::size_t>(textEnd_ - cursor_));
+    const void* end = cursor_ == textEnd_ ? nullptr : std::memchr(cursor_, newline_, textEnd_ - cursor_);
     lineEnd_ = end == nullptr ? textEnd_ : static_cast<const char*>(end);
     ++line_;
     if (!atLineEnd()) return true;
@@ -55,7 +56,7 @@ std::string_view LineScanner::word() {
   if (atLineEnd()) return {};
   const char* begin = cursor_;
   while (cursor_ != lineEnd_ && !isBlank(*cursor_)) ++cursor_;
-  return {begin, static_cast<std::size_t>(cursor_ - begin)};
+  return {begin, cursor_};
 }
 
 std::string_view LineScanner::rest() {
@@ -64,7 +65,7 @@ std::string_view LineScanner::rest() {
   const char* end = lineEnd_;
   while (end != begin && isBlank(end[-1])) --end;
   cursor_ = lineEnd_;
-  return {begin, static_cast<std::size_t>(end - begin)};
+  return {begin, end};
 }
 
 bool LineScanner::real(double& value) {
@@ -85,22 +86,22 @@ Error LineScanner::error(std::string_view what) const {
 }
 
 Error LineScanner::fail(std::string_view message) const {
-  return {ErrorCode::kBadFormat, fmt::format("{}: line {}: {}", fileName_, line_, message)};
+  return badFormat("{}: line {}: {}", fileName_, line_, message);
 }
 
 Error LineScanner::failAtEnd(std::string_view message) const {
-  return {ErrorCode::kBadFormat, fmt::format("{}: line {}: the file ends here; {}", fileName_, line_, message)};
+  return badFormat("{}: line {}: the file ends here; {}", fileName_, line_, message);
 }
 
 std::string_view LineScanner::afterLine() const {
   if (lineEnd_ == textEnd_) return {};
-  return {lineEnd_ + 1, static_cast<std::size_t>(textEnd_ - lineEnd_ - 1)};
+  return {lineEnd_ + 1, textEnd_};
 }
 
 std::string quotedWord(std::string_view word) {
   std::string text = "'";
   for (const char c : word.substr(0, 40)) {
-    const auto byte = static_cast<unsigned char>(c);
+    const unsigned char byte = c;
     if (byte < 0x20 || byte >= 0x7f) {
       text += fmt::format("\\x{:02x}", byte);
     } else {

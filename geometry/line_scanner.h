@@ -41,7 +41,7 @@ class LineScanner {
   [[nodiscard]] std::string_view afterLine() const;
   [[nodiscard]] std::size_t line() const { return line_; }
   /// Bytes not yet read. Limits how many items a count in the file can refer to.
-  [[nodiscard]] std::size_t bytesLeft() const { return static_cast<std::size_t>(textEnd_ - cursor_); }
+  [[nodiscard]] std::size_t bytesLeft() const { return textEnd_ - cursor_; }
 
  private:
   const char* cursor_;

@@ -1,9 +1,8 @@
 #include "geometry/mesh_files.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/mesh_formats.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -39,20 +38,17 @@ Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by) {
   if (parse == nullptr) {
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored)) {
-      return Error{ErrorCode::kUnreadable, fmt::format("{}: is a folder, expected a mesh file", file.string())};
+      return unreadable("{}: is a folder, expected a mesh file", file.string());
     }
-    return Error{ErrorCode::kUnsupported, fmt::format("{}: the name ends in '{}', expected .off, .obj, .ply or .stl",
-                                                      file.string(), file.extension().string())};
+    return unsupported("{}: the name ends in '{}', expected .off, .obj, .ply or .stl", file.string(),
+                       file.extension().string());
   }
-  const Result<std::string> content = readFile(file, by);
-  if (!content) return content.error();
-  Result<TriMesh> mesh = parse(*content, file.string());
-  if (!mesh) return mesh;
-  if (mesh->triangles.empty()) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: {} vertices and no face, expected a surface", file.string(), mesh->vertices.size())};
+  LORICA_TRY(const std::string content, readFile(file, by));
+  LORICA_TRY(TriMesh mesh, parse(content, file.string()));
+  if (mesh.triangles.empty()) {
+    return badFormat("{}: {} vertices and no face, expected a surface", file.string(), mesh.vertices.size());
   }
-  weldIfThatClosesEdges(*mesh);
+  weldIfThatClosesEdges(mesh);
   return mesh;
 }
 

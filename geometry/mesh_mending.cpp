@@ -1,5 +1,6 @@
 #include "geometry/mesh_mending.h"
 
+#include "geometry/counts.h"
 #include "geometry/mesh_pieces.h"
 #include "geometry/mesh_repair.h"
 #include "geometry/near_positions.h"
@@ -24,7 +25,7 @@ bool hasRepeatedCorner(const Triangle& t) {
 
 /// The triangle with its smallest corner first, facing as before.
 Triangle rotated(const Triangle& t) {
-  const auto first = static_cast<std::size_t>(std::min_element(t.begin(), t.end()) - t.begin());
+  const std::size_t first = std::min_element(t.begin(), t.end()) - t.begin();
   return {t[first], t[(first + 1) % 3], t[(first + 2) % 3]};
 }
 
@@ -125,7 +126,7 @@ class Mender {
     std::size_t welded = 0;
     for (std::size_t v = 0; v < used.size(); ++v) {
       if (!used[v]) continue;
-      const auto own = static_cast<VertexIndex>(v);
+      const VertexIndex own = v;
       first[v] = positions.firstAt(own, input_.vertices, [](VertexIndex) { return true; });
       welded += first[v] == own ? 0 : 1;
     }
@@ -180,7 +181,7 @@ class Mender {
       }
     }
     for (std::size_t v = 0; v < uses.size(); ++v) {
-      if (uses[v] != 0) mending_.leftOut.push_back(static_cast<VertexIndex>(v));
+      if (uses[v] != 0) mending_.leftOut.push_back(v);
     }
   }
 
@@ -193,7 +194,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 }
 
 bool isReadable(const TriMesh& mesh) {
-  const auto inRange = [&](VertexIndex v) { return v >= 0 && static_cast<std::size_t>(v) < mesh.vertices.size(); };
+  const auto inRange = [&](VertexIndex v) { return v >= 0 && v < countOf(mesh.vertices); };
   return !mesh.triangles.empty() && std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
     return std::all_of(t.begin(), t.end(), inRange);
   }) && std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return p.allFinite(); });

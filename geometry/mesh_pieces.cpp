@@ -53,7 +53,7 @@ std::vector<Shell> shellsOf(const TriMesh& mesh, const MeshPieces& pieces) {
   std::vector<Shell> shells(pieces.members.size());
   std::vector<double> largest(shells.size(), -1.0);
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-    const auto s = static_cast<std::size_t>(pieces.pieceOfTriangle[k]);
+    const std::size_t s = pieces.pieceOfTriangle[k];
     const Triangle& t = mesh.triangles[k];
     shells[s].triangles.push_back(t);
     for (const VertexIndex v : t) shells[s].box.extend(mesh.vertices[v]);
@@ -103,14 +103,14 @@ MeshPieces findPieces(const TriMesh& mesh) {
   std::vector<bool> turned(count, false);
   for (std::size_t start = 0; start < count; ++start) {
     if (pieces.pieceOfTriangle[start] >= 0) continue;
-    const auto number = static_cast<std::int32_t>(pieces.members.size());
+    const std::int32_t number = pieces.members.size();
     std::vector<std::int32_t> walk{static_cast<std::int32_t>(start)};
     pieces.pieceOfTriangle[start] = number;
     bool open = false;
     double area = 0.0;
     double turnedArea = 0.0;
     for (std::size_t next = 0; next < walk.size(); ++next) {
-      const auto k = static_cast<std::size_t>(walk[next]);
+      const std::size_t k = walk[next];
       const double own = doubleAreaOf(mesh, mesh.triangles[k]);
       area += own;
       if (turned[k]) turnedArea += own;

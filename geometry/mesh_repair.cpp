@@ -1,5 +1,6 @@
 #include "geometry/mesh_repair.h"
 
+#include "geometry/counts.h"
 #include "geometry/edge_table.h"
 
 #include <fmt/format.h>
@@ -89,12 +90,12 @@ class Repairer {
     EdgeTable table(input_.vertices.size(), triangles());
     table.forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
       for (const TriangleSide& s : sides) {
-        const auto t = static_cast<std::size_t>(s.triangle);
+        const std::size_t t = s.triangle;
         edges[t][edgeOf(triangles()[t], s.ascending ? v : s.larger, s.ascending ? s.larger : v)] = excess.size();
         if (sides.size() > 2) nonManifold[t] = true;
       }
       const auto upward = std::count_if(sides.begin(), sides.end(), [](const TriangleSide& s) { return s.ascending; });
-      excess.push_back(static_cast<int>(2 * upward - std::ssize(sides)));
+      excess.push_back(2 * upward - std::ssize(sides));
     });
     const auto directionOf = [&](std::size_t t, std::size_t e) {
       return triangles()[t][e] < triangles()[t][(e + 1) % 3] ? 1 : -1;
@@ -141,7 +142,7 @@ class Repairer {
     for (std::size_t i = 0; i < alive_.size(); ++i) {
       if (!alive_[i]) continue;
       triangles().push_back(input_.triangles[i]);
-      repair_.sourceTriangle.push_back(static_cast<std::int32_t>(i));
+      repair_.sourceTriangle.push_back(i);
     }
   }
 
@@ -276,7 +277,7 @@ class Repairer {
   VertexIndex add(const VertexOrigin& origin, const Vec3& position) {
     repair_.origin.push_back(origin);
     repair_.mesh.vertices.push_back(position);
-    return static_cast<VertexIndex>(repair_.origin.size()) - 1;
+    return countOf(repair_.origin) - 1;
   }
 
   // If two seams of an edge have the same vertices at both ends, gives the second seam a vertex at the midpoint.
@@ -287,8 +288,8 @@ class Repairer {
     for (std::size_t i = 0; i < nonManifoldSeams_.size(); ++i) {
       const auto& [v, w, seam] = nonManifoldSeams_[i];
       if (i == 0 || nonManifoldSeams_[i - 1].v != v || nonManifoldSeams_[i - 1].w != w) taken.clear();
-      const auto up = static_cast<std::size_t>(seam.up);
-      const auto down = static_cast<std::size_t>(seam.down);
+      const std::size_t up = seam.up;
+      const std::size_t down = seam.down;
       const std::size_t upEdge = edgeOf(input_.triangles[repair_.sourceTriangle[up]], v, w);
       const std::size_t downEdge = edgeOf(input_.triangles[repair_.sourceTriangle[down]], w, v);
       const std::array<VertexIndex, 2> ends = {triangles()[up][upEdge], triangles()[up][(upEdge + 1) % 3]};
@@ -315,7 +316,7 @@ class Repairer {
         apex = ring.size();
         ring.push_back(middle[t][corner]);
       }
-      std::rotate(ring.begin(), ring.begin() + static_cast<std::ptrdiff_t>(apex), ring.end());
+      std::rotate(ring.begin(), ring.begin() + apex, ring.end());
       for (std::size_t i = 1; i + 1 < ring.size(); ++i) {
         split.push_back({ring[0], ring[i], ring[i + 1]});
         source.push_back(repair_.sourceTriangle[t]);
@@ -325,7 +326,7 @@ class Repairer {
     repair_.sourceTriangle = std::move(source);
   }
 
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  static constexpr std::size_t kNone = -1;
 
   struct NonManifoldSeam {
     VertexIndex v, w;
@@ -343,7 +344,7 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 }
 
 bool isReadable(const TriMesh& mesh) {
-  const auto inRange = [&](VertexIndex v) { return v >= 0 && static_cast<std::size_t>(v) < mesh.vertices.size(); };
+  const auto inRange = [&](VertexIndex v) { return v >= 0 && v < countOf(mesh.vertices); };
   return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
                      [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), inRange); }) &&
          std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return p.allFinite(); });

@@ -1,5 +1,7 @@
 #include "geometry/module.h"
 
+#include "geometry/errors.h"
+
 #include <dlfcn.h>
 #include <fmt/format.h>
 
@@ -11,8 +13,8 @@ Result<const void*> loadModule(std::string_view name, const char* symbol, std::s
   const void* address = library == nullptr ? nullptr : ::dlsym(library, symbol);
   if (address == nullptr) {
     const char* problem = ::dlerror();
-    return Error{ErrorCode::kUnsupported, fmt::format("{} needs {}, which cannot be loaded: {}", purpose, file,
-                                                      problem == nullptr ? "unknown cause" : problem)};
+    return unsupported("{} needs {}, which cannot be loaded: {}", purpose, file,
+                       problem == nullptr ? "unknown cause" : problem);
   }
   return address;
 }

@@ -1,6 +1,6 @@
 #include "geometry/named_file.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -21,8 +21,7 @@ std::string shown(std::string_view name) {
 }
 
 Error outside(const std::string& name) {
-  return {ErrorCode::kBadFormat,
-          fmt::format("'{}' is outside the file's folder, expected a file in it (or --trust-paths)", shown(name))};
+  return badFormat("'{}' is outside the file's folder, expected a file in it (or --trust-paths)", shown(name));
 }
 
 /// Whether the name alone stays in the folder.
@@ -41,9 +40,10 @@ bool isBeneath(const fs::path& folder, const fs::path& path) {
 
 Result<fs::path> NamedFiles::find(std::string name) const {
   if (const std::size_t zero = name.find('\0'); zero != std::string::npos) {
-    return Error{ErrorCode::kBadFormat, fmt::format("found a name with a zero byte after '{}', expected the name of a "
-                                                    "file",
-                                                    shown(std::string_view(name).substr(0, zero)))};
+    return badFormat(
+        "found a name with a zero byte after '{}', expected the name of a "
+        "file",
+        shown(std::string_view(name).substr(0, zero)));
   }
   const fs::path base = folder.empty() ? fs::path(".") : folder;
   std::replace(name.begin(), name.end(), '\\', '/');  // some exporters write backslashes
@@ -53,7 +53,7 @@ Result<fs::path> NamedFiles::find(std::string name) const {
   const fs::path root = fs::canonical(base, error);
   const fs::path real = error ? fs::path() : fs::weakly_canonical(root / name, error);
   if (error) {
-    return Error{ErrorCode::kUnreadable, fmt::format("'{}' cannot be found: {}", shown(name), error.message())};
+    return unreadable("'{}' cannot be found: {}", shown(name), error.message());
   }
   if (!isBeneath(root, real)) return outside(name);
   return base / fs::path(name);

@@ -51,18 +51,17 @@ class NearPositions {
     std::size_t operator()(const Cell& cell) const {
       std::uint64_t h = 0x9e3779b97f4a7c15u;
       for (const std::int64_t k : cell) {
-        h = (h ^ static_cast<std::uint64_t>(k)) * 0xff51afd7ed558ccdu;
+        h = (h ^ k) * 0xff51afd7ed558ccdu;
         h ^= h >> 32;
       }
-      return static_cast<std::size_t>(h);
+      return h;
     }
   };
 
   [[nodiscard]] Cell cellOf(const Vec3& p) const {
     Cell cell{};
     for (std::size_t i = 0; i < 3; ++i) {
-      cell[i] =
-          cell_ > 0.0 ? static_cast<std::int64_t>(std::floor((p - origin_)[static_cast<Eigen::Index>(i)] / cell_)) : 0;
+      cell[i] = cell_ > 0.0 ? std::floor((p - origin_)[i] / cell_) : 0;
     }
     return cell;
   }

@@ -1,3 +1,4 @@
+#include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/line_scanner.h"
 #include "geometry/mesh_formats.h"
@@ -49,7 +50,7 @@ Result<VertexIndex> parseCorner(std::string_view word, std::size_t vertexCount, 
   }
   if (!rest.empty())
     return scanner.fail(fmt::format("corner {}, expected v, v/vt, v//vn or v/vt/vn", quotedWord(word)));
-  const auto count = static_cast<std::int64_t>(vertexCount);
+  const std::int64_t count = vertexCount;
   if (index == 0 || index > count || index < -count) {
     return scanner.fail(
         fmt::format("vertex index {} is out of range, expected 1 to {} or -{} to -1 ({} vertices so far)", index, count,
@@ -76,9 +77,8 @@ Result<ObjFile> parse(std::string_view content, const std::string& fileName) {
     } else if (statement == "f") {
       corners.clear();
       for (std::string_view word = scanner.word(); !word.empty(); word = scanner.word()) {
-        const Result<VertexIndex> corner = parseCorner(word, obj.mesh.vertices.size(), scanner);
-        if (!corner) return corner.error();
-        corners.push_back(*corner);
+        LORICA_TRY(const VertexIndex corner, parseCorner(word, obj.mesh.vertices.size(), scanner));
+        corners.push_back(corner);
       }
       if (corners.size() < 3) {
         return scanner.fail(fmt::format("a face of {} corners, expected 3 or more", corners.size()));
@@ -103,7 +103,7 @@ TriMesh submesh(const TriMesh& mesh, std::span<const Triangle> triangles, std::v
   used.erase(std::unique(used.begin(), used.end()), used.end());
   TriMesh sub;
   for (const VertexIndex v : used) {
-    renumbered[v] = static_cast<VertexIndex>(sub.vertices.size());
+    renumbered[v] = countOf(sub.vertices);
     sub.vertices.push_back(mesh.vertices[v]);
   }
   for (const Triangle& t : triangles) sub.triangles.push_back({renumbered[t[0]], renumbered[t[1]], renumbered[t[2]]});
@@ -113,25 +113,22 @@ TriMesh submesh(const TriMesh& mesh, std::span<const Triangle> triangles, std::v
 }  // namespace
 
 Result<TriMesh> parseObj(std::string_view content, const std::string& fileName) {
-  Result<ObjFile> obj = parse(content, fileName);
-  if (!obj) return obj.error();
-  return std::move(obj->mesh);
+  LORICA_TRY(ObjFile obj, parse(content, fileName));
+  return std::move(obj.mesh);
 }
 
 Result<std::vector<NamedMesh>> readObjObjects(const std::filesystem::path& file) {
-  const Result<std::string> content = readFile(file);
-  if (!content) return content.error();
-  const Result<ObjFile> obj = parse(*content, file.string());
-  if (!obj) return obj.error();
+  LORICA_TRY(const std::string content, readFile(file));
+  LORICA_TRY(const ObjFile obj, parse(content, file.string()));
 
   std::vector<NamedMesh> objects;
-  std::vector<VertexIndex> renumbered(obj->mesh.vertices.size());
-  const std::span<const Triangle> triangles = obj->mesh.triangles;
-  for (std::size_t i = 0; i < obj->sections.size(); ++i) {
-    const std::size_t first = obj->sections[i].firstTriangle;
-    const std::size_t end = i + 1 < obj->sections.size() ? obj->sections[i + 1].firstTriangle : triangles.size();
+  std::vector<VertexIndex> renumbered(obj.mesh.vertices.size());
+  const std::span<const Triangle> triangles = obj.mesh.triangles;
+  for (std::size_t i = 0; i < obj.sections.size(); ++i) {
+    const std::size_t first = obj.sections[i].firstTriangle;
+    const std::size_t end = i + 1 < obj.sections.size() ? obj.sections[i + 1].firstTriangle : triangles.size();
     if (first == end) continue;
-    objects.push_back({obj->sections[i].name, submesh(obj->mesh, triangles.subspan(first, end - first), renumbered)});
+    objects.push_back({obj.sections[i].name, submesh(obj.mesh, triangles.subspan(first, end - first), renumbered)});
   }
   return objects;
 }

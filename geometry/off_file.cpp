@@ -37,15 +37,14 @@ Result<Header> readHeader(LineScanner& scanner) {
 
 Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) {
   LineScanner scanner(content, fileName, '#');
-  const Result<Header> header = readHeader(scanner);
-  if (!header) return header.error();
+  LORICA_TRY(const Header header, readHeader(scanner));
 
   // The counts are on the header's line or the next. The third, of edges, is often wrong or missing and is not used.
   std::int64_t vertexCount = 0;
   std::int64_t faceCount = 0;
-  if (!header->restOfWord.empty()) {
-    if (!parseInteger(header->restOfWord, vertexCount)) {
-      return scanner.fail(fmt::format("found {} after OFF, expected the vertex count", quotedWord(header->restOfWord)));
+  if (!header.restOfWord.empty()) {
+    if (!parseInteger(header.restOfWord, vertexCount)) {
+      return scanner.fail(fmt::format("found {} after OFF, expected the vertex count", quotedWord(header.restOfWord)));
     }
   } else {
     if (scanner.atLineEnd() && !scanner.nextLine()) return scanner.failAtEnd("expected the vertex and face counts");
@@ -70,7 +69,7 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
     for (int axis = 0; axis < 3; ++axis) {
       if (!scanner.real(p[axis])) return scanner.error(fmt::format("{} of vertex {}", "xyz"[axis], i));
     }
-    if (!header->extraVertexData && !scanner.atLineEnd()) {
+    if (!header.extraVertexData && !scanner.atLineEnd()) {
       return scanner.fail(fmt::format("found {} after the coordinates of vertex {} of {}, expected the end of the line",
                                       quotedWord(scanner.word()), i, vertexCount));
     }
@@ -96,7 +95,7 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
         return scanner.fail(fmt::format("face {}: vertex index {} is out of range, expected 0 to {} ({} vertices)", i,
                                         index, vertexCount - 1, vertexCount));
       }
-      corners.push_back(static_cast<VertexIndex>(index));
+      corners.push_back(index);
     }
     appendPolygon(corners, mesh.triangles);  // the rest of the line is the face's colour
   }

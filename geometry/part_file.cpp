@@ -1,5 +1,7 @@
 #include "geometry/part_file.h"
 
+#include "geometry/errors.h"
+
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
@@ -13,11 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error unwritable(const fs::path& file, int error) {
-  return {ErrorCode::kUnwritable,
-          fmt::format("{}: cannot be written: {}", file.string(), std::generic_category().message(error))};
-}
-
 }  // namespace
 
 Result<std::optional<fs::path>> keepFound(const fs::path& part) {
@@ -28,7 +25,7 @@ Result<std::optional<fs::path>> keepFound(const fs::path& part) {
   const bool isWritten = ::flock(found, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   ::close(found);
   if (isWritten) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: another program is writing to it", part.string())};
+    return unwritable("{}: another program is writing to it", part.string());
   }
   const fs::path name = part.stem().replace_extension();
   for (int number = 1;; ++number) {

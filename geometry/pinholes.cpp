@@ -43,7 +43,7 @@ std::optional<std::vector<HalfEdge>> missingHalfEdges(const TriMesh& mesh) {
 /// Loops that pass no vertex twice. Nothing if one has more than kPinholeEdges edges.
 std::optional<std::vector<Loop>> loopsOf(const std::vector<HalfEdge>& edges, std::size_t vertexCount) {
   std::vector<std::size_t> next(vertexCount + 1, 0);
-  for (const HalfEdge& e : edges) ++next[static_cast<std::size_t>(e.from) + 1];
+  for (const HalfEdge& e : edges) ++next[e.from + 1];
   for (std::size_t v = 0; v < vertexCount; ++v) next[v + 1] += next[v];
   std::vector<std::size_t> end(next.begin() + 1, next.end());
   std::vector<Loop> loops;
@@ -142,7 +142,7 @@ std::optional<Pinholes> closePinholes(const TriMesh& mesh) {
 
   const double largest = kPinholeExtent * surfaceBounds(mesh).diagonal();
   const Components components = connectedComponents(mesh.vertices.size(), mesh.triangles);
-  std::vector<double> area(static_cast<std::size_t>(components.count), 0.0);
+  std::vector<double> area(components.count, 0.0);
   std::vector<double> capArea(area.size(), 0.0);
   std::vector<std::int32_t> componentOf(mesh.vertices.size(), -1);
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {

@@ -1,3 +1,5 @@
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/line_scanner.h"
 #include "geometry/little_endian.h"
 #include "geometry/mesh_formats.h"
@@ -54,7 +56,7 @@ bool isInteger(Scalar type) {
 
 std::size_t sizeOf(Scalar type) {
   constexpr std::array<std::size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[static_cast<std::size_t>(type)];
+  return kSizes[ordinalOf(type)];
 }
 
 Result<Property> readProperty(LineScanner& scanner) {
@@ -113,9 +115,8 @@ Result<Header> readHeader(LineScanner& scanner) {
       header.elements.push_back(std::move(element));
     } else if (keyword == "property") {
       if (header.elements.empty()) return scanner.fail("a property before the first element");
-      Result<Property> property = readProperty(scanner);
-      if (!property) return property.error();
-      header.elements.back().properties.push_back(std::move(*property));
+      LORICA_TRY(Property property, readProperty(scanner));
+      header.elements.back().properties.push_back(std::move(property));
     } else {
       return scanner.fail(
           fmt::format("found {} in the header, expected element, property or end_header", quotedWord(keyword)));
@@ -153,7 +154,7 @@ class TextElements {
     if (!isInteger(type)) return scanner_.real(value);
     std::int64_t integer = 0;
     if (!scanner_.integer(integer)) return false;
-    value = static_cast<double>(integer);
+    value = integer;
     return true;
   }
   bool skip(Scalar, std::int64_t count) {
@@ -182,12 +183,12 @@ class BinaryElements {
   std::optional<Error> checkSize(const Element& element) {
     std::size_t min = 0;
     for (const Property& p : element.properties) min += sizeOf(p.countType.value_or(p.type));
-    const std::size_t needed = min * static_cast<std::size_t>(element.count);
+    const std::size_t needed = min * element.count;
     if (needed <= bytes_.size()) return std::nullopt;
     return fail(fmt::format("{} of element {} need at least {} bytes, {} bytes are left", element.count, element.name,
                             needed, bytes_.size()));
   }
-  [[nodiscard]] std::size_t atMost(std::int64_t count) const { return static_cast<std::size_t>(count); }
+  [[nodiscard]] std::size_t atMost(std::int64_t count) const { return count; }
   std::optional<Error> beginItem(const Element&, std::int64_t) { return std::nullopt; }
   std::optional<Error> endItem(const Element&, std::int64_t) { return std::nullopt; }
   std::optional<Error> endBody() {
@@ -229,14 +230,14 @@ class BinaryElements {
   }
   bool skip(Scalar type, std::int64_t count) {
     if (static_cast<std::uint64_t>(count) > bytes_.size() / sizeOf(type)) return false;
-    bytes_.remove_prefix(sizeOf(type) * static_cast<std::size_t>(count));
+    bytes_.remove_prefix(sizeOf(type) * count);
     return true;
   }
   [[nodiscard]] Error error(std::string_view what) const {
     return fail(fmt::format("{}: expected a finite number, {} bytes are left", what, bytes_.size()));
   }
   [[nodiscard]] Error fail(std::string_view message) const {
-    return {ErrorCode::kBadFormat, fmt::format("{}: byte {}: {}", fileName_, fileSize_ - bytes_.size(), message)};
+    return badFormat("{}: byte {}: {}", fileName_, fileSize_ - bytes_.size(), message);
   }
 
  private:
@@ -258,7 +259,7 @@ std::optional<Error> readLength(Body& body, const Property& property, const Elem
     return body.fail(
         fmt::format("{} of {} {} has length {}, expected 0 or more", property.name, element.name, index, value));
   }
-  length = static_cast<std::int64_t>(value);
+  length = value;
   return std::nullopt;
 }
 
@@ -317,11 +318,11 @@ std::optional<Error> readFaces(Body& body, const Element& element, std::int64_t 
         if (!body.read(property.type, index)) {
           return body.error(fmt::format("corner {} of {} of face {}", k, length, i));
         }
-        if (index < 0.0 || index >= static_cast<double>(vertexCount)) {
+        if (index < 0.0 || index >= vertexCount) {
           return body.fail(fmt::format("face {}: vertex index {} is out of range, expected 0 to {} ({} vertices)", i,
                                        index, vertexCount - 1, vertexCount));
         }
-        corners.push_back(static_cast<VertexIndex>(index));
+        corners.push_back(index);
       }
       appendPolygon(corners, mesh.triangles);
     }
@@ -389,16 +390,15 @@ std::optional<std::string> missingInHeader(const Header& header) {
 
 Result<TriMesh> parsePly(std::string_view content, const std::string& fileName) {
   LineScanner scanner(content, fileName, 0);
-  const Result<Header> header = readHeader(scanner);
-  if (!header) return header.error();
-  if (const auto missing = missingInHeader(*header)) return scanner.fail(*missing);
+  LORICA_TRY(const Header header, readHeader(scanner));
+  if (const auto missing = missingInHeader(header)) return scanner.fail(*missing);
   std::int64_t vertexCount = 0;
-  for (const Element& element : header->elements) {
+  for (const Element& element : header.elements) {
     if (element.name == "vertex") vertexCount = element.count;
   }
-  if (*header->encoding == Encoding::kAscii) return readBody(TextElements(scanner), *header, vertexCount);
-  const std::endian order = *header->encoding == Encoding::kBigEndian ? std::endian::big : std::endian::little;
-  return readBody(BinaryElements(scanner.afterLine(), content.size(), order, fileName), *header, vertexCount);
+  if (*header.encoding == Encoding::kAscii) return readBody(TextElements(scanner), header, vertexCount);
+  const std::endian order = *header.encoding == Encoding::kBigEndian ? std::endian::big : std::endian::little;
+  return readBody(BinaryElements(scanner.afterLine(), content.size(), order, fileName), header, vertexCount);
 }
 
 }  // namespace lorica

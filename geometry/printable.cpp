@@ -13,7 +13,7 @@ bool continues(char c) {
 
 /// Length of the UTF-8 character at the start of the text; 0 if there is none or it is a control character.
 std::size_t printableBytes(std::string_view text) {
-  const auto first = static_cast<unsigned char>(text[0]);
+  const unsigned char first = text[0];
   if (first < 0x80) return first >= 0x20 && first != 0x7F ? 1 : 0;
   const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
                              : first >= 0xE0 && first < 0xF0 ? 3

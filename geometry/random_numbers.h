@@ -12,7 +12,7 @@ namespace lorica {
 }
 /// The top 53 bits as a number in [0, 1), a multiple of 2^-53.
 [[nodiscard]] constexpr double unitOf(std::uint64_t bits) {
-  return static_cast<double>(bits >> 11) * 0x1p-53;
+  return (bits >> 11) * 0x1p-53;
 }
 
 /// Random numbers without state: one for each counter and seed.

@@ -26,7 +26,7 @@ double rigidDistance(std::span<const Vec3> a, std::span<const Vec3> b) {
   gain(3, 1) = s(2, 0) + s(0, 2);
   gain(3, 2) = s(1, 2) + s(2, 1);
   const Eigen::SelfAdjointEigenSolver<Mat4> solver(gain, Eigen::EigenvaluesOnly);
-  const double meanSq = (squares - 2.0 * solver.eigenvalues()(3)) / static_cast<double>(a.size());
+  const double meanSq = (squares - 2.0 * solver.eigenvalues()(3)) / a.size();
   // Round to a micrometre: mirrored poses differ only by rounding errors, which must not decide their order.
   return std::round(std::sqrt(std::max(0.0, meanSq)) * 1e6) * 1e-6;
 }

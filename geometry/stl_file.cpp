@@ -1,3 +1,4 @@
+#include "geometry/errors.h"
 #include "geometry/line_scanner.h"
 #include "geometry/little_endian.h"
 #include "geometry/mesh_formats.h"
@@ -20,7 +21,7 @@ bool sameWord(std::string_view a, std::string_view b) {
 
 /// Appends a triangle with its own three vertices: the format does not share vertices.
 void appendTriangle(const std::array<Vec3, 3>& corners, TriMesh& mesh) {
-  const auto first = static_cast<VertexIndex>(mesh.vertices.size());
+  const VertexIndex first = mesh.vertices.size();
   mesh.vertices.insert(mesh.vertices.end(), corners.begin(), corners.end());
   mesh.triangles.push_back({first, first + 1, first + 2});
 }
@@ -74,7 +75,7 @@ Result<TriMesh> parseAscii(std::string_view content, const std::string& fileName
 Result<TriMesh> parseBinary(std::string_view content, const std::string& fileName) {
   const auto count = loadLittleEndian<std::uint32_t>(content.data() + 80);
   TriMesh mesh;
-  mesh.vertices.reserve(3 * static_cast<std::size_t>(count));
+  mesh.vertices.reserve(3 * std::size_t{count});
   mesh.triangles.reserve(count);
   for (std::uint32_t k = 0; k < count; ++k) {
     const std::size_t at = kHeaderBytes + kTriangleBytes * k + 12;
@@ -84,9 +85,8 @@ Result<TriMesh> parseBinary(std::string_view content, const std::string& fileNam
         corners[i][axis] = loadLittleEndian<float>(content.data() + at + 12 * i + 4 * axis);
       }
       if (!corners[i].allFinite()) {
-        return Error{ErrorCode::kBadFormat,
-                     fmt::format("{}: triangle {} (byte {}): corner {} is ({}, {}, {}), expected finite numbers",
-                                 fileName, k, at + 12 * i, i, corners[i].x(), corners[i].y(), corners[i].z())};
+        return badFormat("{}: triangle {} (byte {}): corner {} is ({}, {}, {}), expected finite numbers", fileName, k,
+                         at + 12 * i, i, corners[i].x(), corners[i].y(), corners[i].z());
       }
     }
     appendTriangle(corners, mesh);
@@ -105,14 +105,13 @@ Result<TriMesh> parseStl(std::string_view content, const std::string& fileName) 
       sameWord(content.substr(std::min(content.find_first_not_of("\xEF\xBB\xBF \t\r\n"), content.size()), 5), "solid");
   if (!binary && !text) {
     if (content.size() < kHeaderBytes) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: {} bytes that do not start with 'solid': neither a text STL nor a binary one, "
-                               "whose header alone has {} bytes",
-                               fileName, content.size(), kHeaderBytes)};
+      return badFormat(
+          "{}: {} bytes that do not start with 'solid': neither a text STL nor a binary one, "
+          "whose header alone has {} bytes",
+          fileName, content.size(), kHeaderBytes);
     }
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: the header (byte 80) declares {} triangles, which need {} bytes; the file has {}",
-                             fileName, count, binarySize, content.size())};
+    return badFormat("{}: the header (byte 80) declares {} triangles, which need {} bytes; the file has {}", fileName,
+                     count, binarySize, content.size());
   }
   Result<TriMesh> mesh = binary ? parseBinary(content, fileName) : parseAscii(content, fileName);
   if (mesh) weldEqualVertices(*mesh);

@@ -1,6 +1,7 @@
 #include "geometry/tri_mesh.h"
 
 #include "geometry/edge_table.h"
+#include "geometry/errors.h"
 
 #include <fmt/format.h>
 
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace lorica {
 
@@ -37,20 +39,16 @@ std::string describe(const Vec3& p) {
   return fmt::format("({}, {}, {})", p.x(), p.y(), p.z());
 }
 
-Error badMesh(std::string message) {
-  return {ErrorCode::kBadMesh, std::move(message)};
-}
-
 Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
   const std::size_t vertexCount = mesh.vertices.size();
-  if (mesh.triangles.empty()) return badMesh(fmt::format("the mesh has {} vertices and no triangle", vertexCount));
+  if (mesh.triangles.empty()) return badMesh("the mesh has {} vertices and no triangle", vertexCount);
   Fault outside;
   Fault repeated;
   Fault notFinite;
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const Triangle& t = mesh.triangles[k];
     for (const VertexIndex v : t) {
-      if (v >= 0 && static_cast<std::size_t>(v) < vertexCount) continue;
+      if (v >= 0 && std::cmp_less(v, vertexCount)) continue;
       if (outside.count++ == 0) {
         outside.first = fmt::format("triangle {}: vertex index {} is out of range, expected 0 to {} ({} vertices)", k,
                                     v, static_cast<std::int64_t>(vertexCount) - 1, vertexCount);
@@ -63,7 +61,7 @@ Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
       }
     }
   }
-  if (outside.count > 0) return badMesh(fmt::format("{}; {} such indices in all", outside.first, outside.count));
+  if (outside.count > 0) return badMesh("{}; {} such indices in all", outside.first, outside.count);
   for (std::size_t v = 0; v < vertexCount; ++v) {
     if (mesh.vertices[v].allFinite()) continue;
     if (notFinite.count++ == 0) {
@@ -71,9 +69,9 @@ Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
     }
   }
   if (notFinite.count > 0) {
-    return badMesh(fmt::format("{}; {} such vertices in all", notFinite.first, notFinite.count));
+    return badMesh("{}; {} such vertices in all", notFinite.first, notFinite.count);
   }
-  if (repeated.count > 0) return badMesh(fmt::format("{}; {} such triangles in all", repeated.first, repeated.count));
+  if (repeated.count > 0) return badMesh("{}; {} such triangles in all", repeated.first, repeated.count);
   return {};
 }
 
@@ -115,13 +113,11 @@ Result<void> checkEdges(const TriMesh& mesh) {
     return badMesh(std::move(message));
   }
   if (nonManifold.count > 0) {
-    return badMesh(fmt::format("{}; {}: the mesh is not a two-manifold{}", nonManifold.first,
-                               suchEdges(nonManifold.count),
-                               balanced ? "; repairClosedMesh() can separate the triangles" : ""));
+    return badMesh("{}; {}: the mesh is not a two-manifold{}", nonManifold.first, suchEdges(nonManifold.count),
+                   balanced ? "; repairClosedMesh() can separate the triangles" : "");
   }
   if (turned.count > 0) {
-    return badMesh(
-        fmt::format("{}; {}: the triangles are not consistently oriented", turned.first, suchEdges(turned.count)));
+    return badMesh("{}; {}: the triangles are not consistently oriented", turned.first, suchEdges(turned.count));
   }
   return {};
 }
@@ -130,17 +126,17 @@ Result<void> checkVolume(const TriMesh& mesh) {
   const double diagonal = surfaceBounds(mesh).diagonal();
   const double cube = diagonal * diagonal * diagonal;
   if (!std::isfinite(cube) || cube < std::numeric_limits<double>::min()) {
-    return badMesh(fmt::format("the mesh's diagonal is {:g}: too {} to measure a volume", diagonal,
-                               std::isfinite(cube) ? "small" : "large"));
+    return badMesh("the mesh's diagonal is {:g}: too {} to measure a volume", diagonal,
+                   std::isfinite(cube) ? "small" : "large");
   }
   // Rounding errors alone are about 1e-16 of the cube; a needle of 1 : 1000 : 10000 still has 1e-7.
   const double volume = signedVolume(mesh.vertices, mesh.triangles);
   if (std::abs(volume) < 1e-12 * cube) {
-    return badMesh(fmt::format("the mesh is flat: its volume is {:g} with a diagonal of {:g}", volume, diagonal));
+    return badMesh("the mesh is flat: its volume is {:g} with a diagonal of {:g}", volume, diagonal);
   }
   if (volume < 0.0) {
-    return badMesh(fmt::format(
-        "the mesh is inside out: its signed volume is {:g}, expected above 0; reverse all triangles", volume));
+    return badMesh("the mesh is inside out: its signed volume is {:g}, expected above 0; reverse all triangles",
+                   volume);
   }
   return {};
 }
@@ -168,7 +164,7 @@ std::vector<VertexIndex> firstAtSamePosition(std::span<const Vec3> vertices) {
     const auto key = positionKey(vertices[v]);
     std::size_t slot = mixed(key) & (slots.size() - 1);
     while (slots[slot] >= 0 && positionKey(vertices[slots[slot]]) != key) slot = (slot + 1) & (slots.size() - 1);
-    if (slots[slot] < 0) slots[slot] = static_cast<VertexIndex>(v);
+    if (slots[slot] < 0) slots[slot] = v;
     first[v] = slots[slot];
   }
   return first;
@@ -252,7 +248,7 @@ std::size_t weldEqualVertices(TriMesh& mesh) {
     mesh.vertices[kept] = mesh.vertices[v];
     renumbered[v] = kept++;
   }
-  const std::size_t removed = first.size() - static_cast<std::size_t>(kept);
+  const std::size_t removed = first.size() - kept;
   if (removed == 0) return 0;
   mesh.vertices.resize(kept);
   for (Triangle& t : mesh.triangles) {
@@ -263,8 +259,8 @@ std::size_t weldEqualVertices(TriMesh& mesh) {
 }
 
 Result<void> checkClosedTwoManifold(const TriMesh& mesh) {
-  if (auto checked = checkIndicesAndPositions(mesh); !checked) return checked;
-  if (auto checked = checkEdges(mesh); !checked) return checked;
+  LORICA_TRY_DO(checkIndicesAndPositions(mesh));
+  LORICA_TRY_DO(checkEdges(mesh));
   return checkVolume(mesh);
 }
 

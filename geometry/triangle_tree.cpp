@@ -1,5 +1,7 @@
 #include "geometry/triangle_tree.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -106,8 +108,8 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
   nodes_.emplace_back();
   measure(nodes_[self], first, count);
   if (count <= kLeafSize) {
-    nodes_[self].first = static_cast<std::int32_t>(first);
-    nodes_[self].count = static_cast<std::int32_t>(count);
+    nodes_[self].first = first;
+    nodes_[self].count = count;
     return;
   }
   const auto center = [&](std::int32_t i) -> Vec3 {
@@ -118,15 +120,14 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
   for (std::size_t i = first; i < first + count; ++i) centers.extend(center(original_[i]));
   Eigen::Index axis = 0;
   (centers.max - centers.min).maxCoeff(&axis);
-  const auto begin = original_.begin() + static_cast<std::ptrdiff_t>(first);
+  const auto begin = original_.begin() + first;
   const std::size_t half = count / 2;
-  std::nth_element(begin, begin + static_cast<std::ptrdiff_t>(half), begin + static_cast<std::ptrdiff_t>(count),
-                   [&](std::int32_t a, std::int32_t b) {
-                     const double ca = center(a)[axis], cb = center(b)[axis];
-                     return ca != cb ? ca < cb : a < b;
-                   });
+  std::nth_element(begin, begin + half, begin + count, [&](std::int32_t a, std::int32_t b) {
+    const double ca = center(a)[axis], cb = center(b)[axis];
+    return ca != cb ? ca < cb : a < b;
+  });
   build(first, half);
-  nodes_[self].first = static_cast<std::int32_t>(nodes_.size());
+  nodes_[self].first = countOf(nodes_);
   build(first + half, count - half);
 }
 
@@ -143,7 +144,7 @@ double TriangleTree::windingNumber(const Vec3& p) const {
     if (distanceSq > kFar * kFar * node.radius * node.radius) {
       sum += node.dipole.dot(offset) / (4.0 * std::numbers::pi * distanceSq * std::sqrt(distanceSq));
     } else if (node.count > 0) {
-      for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
+      for (int i = node.first; i < node.first + node.count; ++i) {
         sum += windingOf(p, corners_[i]);
       }
     } else {

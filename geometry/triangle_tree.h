@@ -85,17 +85,16 @@ TriangleTree::Hit TriangleTree::nearest(const Vec3& p, double within, Accept&& a
     if (boxDistanceSq > best) continue;
     const Node& node = nodes_[index];
     if (node.count > 0) {
-      for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
+      for (int i = node.first; i < node.first + node.count; ++i) {
         const auto [distanceSq, shares] = nearestOnTriangle(p, corners_[i]);
         if (distanceSq > best || (distanceSq == best && hit.triangle >= 0 && original_[i] > hit.triangle)) continue;
         if (!accept(original_[i])) continue;
         best = distanceSq;
-        hit = {std::sqrt(distanceSq), original_[i], static_cast<std::int32_t>(i), shares};
+        hit = {std::sqrt(distanceSq), original_[i], i, shares};
       }
       continue;
     }
-    std::pair<std::int32_t, double> near{index + 1,
-                                         distanceSqToBox(p, nodes_[static_cast<std::size_t>(index) + 1].box)};
+    std::pair<std::int32_t, double> near{index + 1, distanceSqToBox(p, nodes_[index + 1].box)};
     std::pair<std::int32_t, double> far{node.first, distanceSqToBox(p, nodes_[node.first].box)};
     if (far.second < near.second) std::swap(near, far);
     stack[depth++] = far;
@@ -119,7 +118,7 @@ void TriangleTree::forEachWithin(const Vec3& p, double radius, Visit&& visit) co
       stack[depth++] = index + 1;
       continue;
     }
-    for (auto i = static_cast<std::size_t>(node.first); i < static_cast<std::size_t>(node.first + node.count); ++i) {
+    for (int i = node.first; i < node.first + node.count; ++i) {
       const double distanceSq = nearestOnTriangle(p, corners_[i]).first;
       if (distanceSq <= radiusSq) visit(original_[i], std::sqrt(distanceSq));
     }

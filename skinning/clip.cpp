@@ -1,5 +1,6 @@
 #include "skinning/clip.h"
 
+#include "geometry/counts.h"
 #include "skinning/key_times.h"
 
 #include <algorithm>
@@ -52,8 +53,7 @@ template <typename Value>
 
 void sampleClip(const Clip& clip, double time, std::span<JointTransform> pose) {
   for (const JointTrack& track : clip.tracks) {
-    LORICA_CHECK(track.joint >= 0 && static_cast<std::size_t>(track.joint) < pose.size(),
-                 "the clip belongs to another skeleton");
+    LORICA_CHECK(track.joint >= 0 && track.joint < countOf(pose), "the clip belongs to another skeleton");
     JointTransform& joint = pose[track.joint];
     if (track.translation) joint.translation = sampled(*track.translation, time);
     if (track.scale) joint.scale = sampled(*track.scale, time);
@@ -71,13 +71,12 @@ SkeletalMotion sampleWhole(const Skeleton& skeleton, const Clip& clip, double fr
   const double steps = std::max(0.0, std::round(clip.seconds * framesPerSecond));
   const auto frameCount = std::size_t{1} + static_cast<std::size_t>(clip.seconds > 0.0 ? std::max(1.0, steps) : 0.0);
   SkeletalMotion motion{clip.name, skeleton, {}, {}};
-  const auto jointCount = static_cast<std::size_t>(skeleton.jointCount());
+  const std::size_t jointCount = skeleton.jointCount();
   motion.times.reserve(frameCount);
   motion.poses.reserve(frameCount * jointCount);
   Pose pose = restPose(skeleton);
   for (std::size_t frame = 0; frame < frameCount; ++frame) {
-    const double time =
-        frameCount == 1 ? 0.0 : clip.seconds * static_cast<double>(frame) / static_cast<double>(frameCount - 1);
+    const double time = frameCount == 1 ? 0.0 : clip.seconds * frame / static_cast<double>(frameCount - 1);
     sampleClip(clip, time, pose);
     motion.times.push_back(time);
     motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
@@ -87,7 +86,7 @@ SkeletalMotion sampleWhole(const Skeleton& skeleton, const Clip& clip, double fr
 
 void poseAt(const SkeletalMotion& motion, double time, std::span<JointTransform> pose) {
   const auto after = std::upper_bound(motion.times.begin(), motion.times.end(), time);
-  const int next = static_cast<int>(after - motion.times.begin());
+  const int next = after - motion.times.begin();
   const std::span<const JointTransform> from = motion.pose(std::max(next - 1, 0));
   const std::span<const JointTransform> to = motion.pose(std::min(next, motion.frameCount() - 1));
   const double begin = next > 0 ? motion.times[next - 1] : 0.0;

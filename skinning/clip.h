@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "skinning/skeleton.h"
 
 #include <optional>
@@ -48,9 +49,9 @@ struct SkeletalMotion {
   std::vector<double> times;          ///< [s], increasing, at least one
   std::vector<JointTransform> poses;  ///< frameCount x jointCount, frame-major
 
-  [[nodiscard]] int frameCount() const { return static_cast<int>(times.size()); }
+  [[nodiscard]] int frameCount() const { return countOf(times); }
   [[nodiscard]] std::span<const JointTransform> pose(int frame) const {
-    const auto joints = static_cast<std::size_t>(skeleton.jointCount());
+    const std::size_t joints = skeleton.jointCount();
     return std::span(poses).subspan(static_cast<std::size_t>(frame) * joints, joints);
   }
 };

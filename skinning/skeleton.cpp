@@ -1,9 +1,11 @@
 #include "skinning/skeleton.h"
 
-#include <fmt/format.h>
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lorica {
 
@@ -71,7 +73,7 @@ constexpr std::array<std::string_view, kHumanBoneCount> kBoneNames = {
 }  // namespace
 
 std::string_view nameOf(HumanBone bone) {
-  const auto i = static_cast<std::size_t>(bone);
+  const std::size_t i = ordinalOf(bone);
   LORICA_CHECK(i < kBoneNames.size(), "HumanBone is out of range");
   return kBoneNames[i];
 }
@@ -87,34 +89,30 @@ Affine3 JointTransform::matrix() const {
 }
 
 Result<Skeleton> Skeleton::create(std::vector<Joint> joints) {
-  if (joints.empty()) return Error{ErrorCode::kInvalidArgument, "the skeleton has no joints, expected at least one"};
+  if (joints.empty()) return invalidArgument("the skeleton has no joints, expected at least one");
 
   Skeleton skeleton;
   skeleton.jointOfBone_.fill(kNoJoint);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     Joint& joint = joints[i];
-    if (joint.parent != kNoJoint && (joint.parent < 0 || static_cast<std::size_t>(joint.parent) >= i)) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("joint {} '{}': its parent is joint {}, expected a preceding joint, or {} for a root", i,
-                               joint.name, joint.parent, kNoJoint)};
+    if (joint.parent != kNoJoint && (joint.parent < 0 || std::cmp_greater_equal(joint.parent, i))) {
+      return invalidArgument("joint {} '{}': its parent is joint {}, expected a preceding joint, or {} for a root", i,
+                             joint.name, joint.parent, kNoJoint);
     }
     if (!isFinite(joint.rest)) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("joint {} '{}': its rest transform is not finite", i, joint.name)};
+      return invalidArgument("joint {} '{}': its rest transform is not finite", i, joint.name);
     }
     const double norm = joint.rest.rotation.norm();
     if (std::abs(norm - 1.0) > 1e-3) {
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("joint {} '{}': its rest rotation has norm {}, expected 1 +- 0.001", i, joint.name, norm)};
+      return invalidArgument("joint {} '{}': its rest rotation has norm {}, expected 1 +- 0.001", i, joint.name, norm);
     }
     if (!joint.bone) continue;
-    JointIndex& slot = skeleton.jointOfBone_[static_cast<std::size_t>(*joint.bone)];
+    JointIndex& slot = skeleton.jointOfBone_[ordinalOf(*joint.bone)];
     if (slot != kNoJoint) {
-      return Error{ErrorCode::kInvalidArgument, fmt::format("joints {} and {} '{}' are both the bone {}, expected one",
-                                                            slot, i, joint.name, nameOf(*joint.bone))};
+      return invalidArgument("joints {} and {} '{}' are both the bone {}, expected one", slot, i, joint.name,
+                             nameOf(*joint.bone));
     }
-    slot = static_cast<JointIndex>(i);
+    slot = i;
   }
   skeleton.joints_ = std::move(joints);
   return skeleton;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "geometry/math.h"
 #include "geometry/result.h"
 
@@ -101,10 +102,10 @@ class Skeleton {
   static Result<Skeleton> create(std::vector<Joint> joints);
 
   [[nodiscard]] std::span<const Joint> joints() const { return joints_; }
-  [[nodiscard]] int jointCount() const { return static_cast<int>(joints_.size()); }
+  [[nodiscard]] int jointCount() const { return countOf(joints_); }
   [[nodiscard]] const Joint& joint(JointIndex i) const { return joints_[i]; }
   /// kNoJoint if the skeleton lacks the bone.
-  [[nodiscard]] JointIndex jointOf(HumanBone bone) const { return jointOfBone_[static_cast<std::size_t>(bone)]; }
+  [[nodiscard]] JointIndex jointOf(HumanBone bone) const { return jointOfBone_[ordinalOf(bone)]; }
 
  private:
   std::vector<Joint> joints_;

@@ -2,6 +2,7 @@
 #include "capture/sensor/nite_api.h"
 #include "capture/sensor/openni_library.h"
 #include "capture/sensor/openni_working_folder.h"
+#include "geometry/errors.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -60,12 +61,11 @@ class NiteSource final : public SkeletonSource {
   Result<void> start(const fs::path& library, const std::string& uri) {
     std::error_code error;
     const fs::path file = fs::canonical(library, error);
-    if (error) return Error{ErrorCode::kNotFound, fmt::format("{}: found no such file, expected libNiTE2.so", name_)};
+    if (error) return notFound("{}: found no such file, expected libNiTE2.so", name_);
     void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) {
       const char* why = dlerror();
-      return Error{ErrorCode::kUnreadable,
-                   fmt::format("{}: cannot be loaded: {}", name_, why == nullptr ? "unknown" : why)};
+      return unreadable("{}: cannot be loaded: {}", name_, why == nullptr ? "unknown" : why);
     }
     if (!load(handle, "niteInitialize", api_.initialize) || !load(handle, "niteShutdown", api_.shutdown) ||
         !load(handle, "niteInitializeUserTrackerByDevice", api_.createTracker) ||
@@ -77,27 +77,22 @@ class NiteSource final : public SkeletonSource {
         !load(handle, "niteReadUserTrackerFrame", api_.readFrame) ||
         !load(handle, "niteUserTrackerFrameRelease", api_.releaseFrame)) {
       ::dlclose(handle);
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("{}: not a NiTE 2 library: some of its functions are missing", name_)};
+      return unsupported("{}: not a NiTE 2 library: some of its functions are missing", name_);
     }
 
-    const Result<std::vector<OpenNiCamera>> cameras = openNi_->cameras();
-    if (!cameras) return cameras.error();
-    const auto camera = std::find_if(cameras->begin(), cameras->end(),
+    LORICA_TRY(const std::vector<OpenNiCamera> cameras, openNi_->cameras());
+    const auto camera = std::find_if(cameras.begin(), cameras.end(),
                                      [&](const OpenNiCamera& c) { return uri.empty() || c.uri == uri; });
-    if (camera == cameras->end()) {
-      return Error{ErrorCode::kNotFound,
-                   fmt::format("{}: found no camera {}, expected a connected camera", name_, uri)};
+    if (camera == cameras.end()) {
+      return notFound("{}: found no camera {}, expected a connected camera", name_, uri);
     }
     camera_ = *camera;
-    if (const Result<void> opened = openDevice(); !opened) return opened.error();
+    LORICA_TRY_DO(openDevice());
 
     const WorkingFolder keep;
     fs::current_path(file.parent_path(), error);  // NiTE 2 looks for its data in the working folder
     if (const int status = api_.initialize(); status != nite::kOk) {
-      return Error{
-          ErrorCode::kUnreadable,
-          fmt::format("{}: cannot be started (status {}): is its data folder NiTE2 beside it?", name_, status)};
+      return unreadable("{}: cannot be started (status {}): is its data folder NiTE2 beside it?", name_, status);
     }
     initialized_ = true;
     return beginTracker();
@@ -117,7 +112,7 @@ class NiteSource final : public SkeletonSource {
     }
     nite::Frame* frame = nullptr;
     if (const int status = api_.readFrame(tracker_, &frame); status != nite::kOk || frame == nullptr) {
-      return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot read a frame (status {})", name_, status)};
+      return unreadable("{}: cannot read a frame (status {})", name_, status);
     }
     SkeletonFrame skeleton = read(*frame);
     (void)api_.releaseFrame(tracker_, frame);
@@ -143,12 +138,11 @@ class NiteSource final : public SkeletonSource {
     const int status = api_.createTracker(&device_, &tracker_);
     if (status != nite::kOk || tracker_ == nullptr) {
       tracker_ = nullptr;
-      return Error{ErrorCode::kUnreadable,
-                   fmt::format("{}: cannot track with {} (status {})", name_, camera_.uri, status)};
+      return unreadable("{}: cannot track with {} (status {})", name_, camera_.uri, status);
     }
     if (api_.addCallbacks(tracker_, &callbacks_, this) != nite::kOk) {
       (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
-      return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot report when a frame is ready", name_)};
+      return unreadable("{}: cannot report when a frame is ready", name_);
     }
     clockIsNew_ = true;
     return {};
@@ -214,7 +208,7 @@ class NiteSource final : public SkeletonSource {
 
     SkeletonFrame skeleton;
     const auto now = std::chrono::steady_clock::now();
-    const double sensorTime = 1e-6 * static_cast<double>(frame.timeUs);
+    const double sensorTime = 1e-6 * frame.timeUs;
     if (clockIsNew_ && lastTime_ >= 0.0) {
       timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
     }
@@ -243,7 +237,7 @@ class NiteSource final : public SkeletonSource {
     const Vec3 position = positionOf(from.position);
     if (!position.allFinite() || !(from.positionConfidence > 0.0F)) return joint;
     joint.position = position;
-    joint.confidence = std::min(1.0, static_cast<double>(from.positionConfidence));
+    joint.confidence = std::min<double>(1.0, from.positionConfidence);
     const nite::Quaternion& q = from.orientation;
     const Quat turned(q.w, -q.x, q.y, -q.z);  // the same half turn
     if (from.orientationConfidence >= kSure && std::abs(turned.norm() - 1.0) < 0.05)
@@ -305,7 +299,7 @@ Result<std::unique_ptr<SkeletonSource>> makeNiteSource(std::shared_ptr<OpenNi> o
   auto running = std::dynamic_pointer_cast<OpenNiLibrary>(std::move(openNi));
   LORICA_CHECK(running != nullptr, "NiTE 2 needs a running OpenNI2");
   auto source = std::make_unique<NiteSource>(std::move(running), library.string());
-  if (const Result<void> started = source->start(library, uri); !started) return started.error();
+  LORICA_TRY_DO(source->start(library, uri));
   return std::unique_ptr<SkeletonSource>(std::move(source));
 }
 

@@ -1,8 +1,7 @@
 #include "capture/sensor/oni_depth_codec.h"
 
+#include "geometry/errors.h"
 #include "geometry/little_endian.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 
@@ -22,10 +21,6 @@ constexpr int kValueByte = 0xff;
 constexpr int kDifferenceBit = 0x80;
 constexpr int kZeroOfDifferenceByte = 192;
 
-Error damaged(std::string message) {
-  return {ErrorCode::kBadFormat, std::move(message)};
-}
-
 std::uint16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return loadLittleEndian<std::uint16_t>(reinterpret_cast<const char*>(bytes.data() + at));
 }
@@ -41,7 +36,7 @@ Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t
     ++pixel;
     return true;
   };
-  const auto subtract = [&](int difference) { value = static_cast<std::uint16_t>(value - difference); };
+  const auto subtract = [&](int difference) { value = value - difference; };
   /// Reads an explicit value; false if the bytes run out.
   const auto readValue = [&]() -> bool {
     if (at >= bytes.size()) return false;
@@ -51,12 +46,12 @@ Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t
       return true;
     }
     if (at >= bytes.size()) return false;
-    value = static_cast<std::uint16_t>((upper << 8) | bytes[at++]);
+    value = (upper << 8) | bytes[at++];
     return true;
   };
 
   if (bytes.size() < 2) {
-    return damaged(fmt::format("found {} bytes of packed depth, expected at least 2", bytes.size()));
+    return badFormat("found {} bytes of packed depth, expected at least 2", bytes.size());
   }
   value = word(bytes, 0);
   at = 2;
@@ -67,8 +62,8 @@ Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t
       const int first = byte >> 4;
       const int second = byte & 15;
       if (first > kLargestDifference || second == 14) {
-        return damaged(fmt::format("found byte 0x{:02x} at {} of packed depth, expected two differences of up to 6",
-                                   byte, at - 1));
+        return badFormat("found byte 0x{:02x} at {} of packed depth, expected two differences of up to 6", byte,
+                         at - 1);
       }
       subtract(first - kZeroDifference);
       good = put();
@@ -81,23 +76,22 @@ Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t
     } else if (byte == kValueByte) {
       good = readValue() && put();
     } else if (byte > kFirstRun && byte <= kLastRun) {
-      const auto count = static_cast<std::size_t>(2 * (byte - kFirstRun));
+      const std::size_t count = 2 * (byte - kFirstRun);
       good = count <= depths.size() - pixel;
-      if (good) std::fill_n(depths.begin() + static_cast<std::ptrdiff_t>(pixel), count, depths[pixel - 1]);
+      if (good) std::fill_n(depths.begin() + pixel, count, depths[pixel - 1]);
       if (good) pixel += count;
     } else {
-      return damaged(
-          fmt::format("found byte 0x{:02x} at {} of packed depth, expected 0xe1 to 0xef or 0xff", byte, at - 1));
+      return badFormat("found byte 0x{:02x} at {} of packed depth, expected 0xe1 to 0xef or 0xff", byte, at - 1);
     }
   }
   if (!good) {
-    return damaged(
-        fmt::format("packed depth is damaged near byte {} of {}: found value {} for pixel {}, expected one of the "
-                    "table and {} pixels",
-                    at, bytes.size(), value, pixel, depths.size()));
+    return badFormat(
+        "packed depth is damaged near byte {} of {}: found value {} for pixel {}, expected one of the "
+        "table and {} pixels",
+        at, bytes.size(), value, pixel, depths.size());
   }
   if (pixel != depths.size()) {
-    return damaged(fmt::format("found {} pixels in packed depth, expected {}", pixel, depths.size()));
+    return badFormat("found {} pixels in packed depth, expected {}", pixel, depths.size());
   }
   return {};
 }
@@ -109,7 +103,7 @@ Result<void> OniDepthDecoder::decode(OniCodec codec, std::span<const std::uint8_
   switch (codec) {
     case OniCodec::kRaw:
       if (packed.size() != 2 * depths.size()) {
-        return damaged(fmt::format("found {} bytes of depth, expected {}", packed.size(), 2 * depths.size()));
+        return badFormat("found {} bytes of depth, expected {}", packed.size(), 2 * depths.size());
       }
       for (std::size_t i = 0; i < depths.size(); ++i) depths[i] = word(packed, 2 * i);
       return {};
@@ -121,8 +115,8 @@ Result<void> OniDepthDecoder::decode(OniCodec codec, std::span<const std::uint8_
     case OniCodec::kTable: {
       const std::size_t count = packed.size() < 2 ? 0 : word(packed, 0);
       if (count == 0 || packed.size() < 2 + 2 * count) {
-        return damaged(fmt::format("found a table of {} depths in {} bytes, expected at least 1 and their bytes", count,
-                                   packed.size()));
+        return badFormat("found a table of {} depths in {} bytes, expected at least 1 and their bytes", count,
+                         packed.size());
       }
       table_.resize(count);
       for (std::size_t i = 0; i < count; ++i) table_[i] = word(packed, 2 + 2 * i);
@@ -133,7 +127,7 @@ Result<void> OniDepthDecoder::decode(OniCodec codec, std::span<const std::uint8_
       });
     }
   }
-  return damaged("found an unknown codec, expected NONE, 16zP or 16zT");
+  return badFormat("found an unknown codec, expected NONE, 16zP or 16zT");
 }
 
 }  // namespace lorica

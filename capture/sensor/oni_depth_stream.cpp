@@ -1,5 +1,7 @@
 #include "capture/sensor/oni_depth_stream.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <limits>
@@ -15,10 +17,10 @@ constexpr std::uint64_t kMillimetres = 100;
 constexpr std::uint64_t kTenthsOfMillimetres = 101;
 
 Error bad(const std::string& found, const std::string& expected) {
-  return {ErrorCode::kBadFormat, fmt::format("found {}, expected {}", found, expected)};
+  return badFormat("found {}, expected {}", found, expected);
 }
-Error unsupported(const std::string& found, const std::string& expected) {
-  return {ErrorCode::kUnsupported, fmt::format("found {}, expected {}", found, expected)};
+Error notHandled(const std::string& found, const std::string& expected) {
+  return unsupported("found {}, expected {}", found, expected);
 }
 
 }  // namespace
@@ -31,7 +33,7 @@ Result<void> OniDepthStream::setCodec(std::uint32_t codec) {
     case OniCodec::kTable:
       return {};
   }
-  return unsupported(fmt::format("depth codec 0x{:08x}", codec), "NONE, 16zP or 16zT");
+  return notHandled(fmt::format("depth codec 0x{:08x}", codec), "NONE, 16zP or 16zT");
 }
 
 Result<void> OniDepthStream::setNumber(std::string_view name, std::uint64_t value) {
@@ -49,7 +51,7 @@ Result<void> OniDepthStream::setGeneral(std::string_view name, OniFields value, 
 
 Result<void> OniDepthStream::setPixelFormat(std::uint64_t format) {
   if (format != kMillimetres && format != kTenthsOfMillimetres) {
-    return unsupported(fmt::format("depth in pixel format {}", format), "100 (millimetres) or 101 (tenths)");
+    return notHandled(fmt::format("depth in pixel format {}", format), "100 (millimetres) or 101 (tenths)");
   }
   const bool tenths = format == kTenthsOfMillimetres;
   if (tenths != index_.tenths && !index_.frames.empty())
@@ -69,12 +71,12 @@ Result<void> OniDepthStream::setSize(OniFields value, std::uint32_t bytes) {
   const bool same =
       static_cast<std::uint32_t>(camera.width) == width && static_cast<std::uint32_t>(camera.height) == height;
   if (!index_.frames.empty() && !same) {
-    return unsupported(
+    return notHandled(
         fmt::format("images of {} x {} after images of {} x {}", width, height, camera.width, camera.height),
         "the same size");
   }
-  camera.width = static_cast<int>(width);
-  camera.height = static_cast<int>(height);
+  camera.width = width;
+  camera.height = height;
   sized_ = true;
   return {};
 }
@@ -121,8 +123,8 @@ Result<void> OniDepthStream::addFrame(OniFields fields, OniPayload payload, std:
   lastNumber_ = *number;
   if (!sized_) return bad("a depth frame", "the image size before it");
 
-  const auto width = static_cast<std::uint16_t>(index_.info.camera.width);
-  const auto height = static_cast<std::uint16_t>(index_.info.camera.height);
+  const std::uint16_t width = index_.info.camera.width;
+  const std::uint16_t height = index_.info.camera.height;
   OniFrameEntry entry = crop_.value_or(OniFrameEntry{.width = width, .height = height});
   if (entry.width == 0 || entry.height == 0 || entry.left + entry.width > width || entry.top + entry.height > height) {
     return bad(fmt::format("an image cropped to {} x {} at {}, {}", entry.width, entry.height, entry.left, entry.top),

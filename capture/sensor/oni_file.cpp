@@ -1,6 +1,7 @@
 #include "capture/sensor/oni_file.h"
 
 #include "capture/sensor/oni_records.h"
+#include "geometry/errors.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -26,11 +27,11 @@ class FileBytes : public OniBytes {
   [[nodiscard]] std::uint64_t size() const override { return size_; }
   [[nodiscard]] bool read(std::uint64_t at, std::span<std::uint8_t> out) const override {
     while (!out.empty()) {
-      const ssize_t got = ::pread(descriptor_, out.data(), out.size(), static_cast<off_t>(at));
+      const ssize_t got = ::pread(descriptor_, out.data(), out.size(), at);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) return false;
-      out = out.subspan(static_cast<std::size_t>(got));
-      at += static_cast<std::uint64_t>(got);
+      out = out.subspan(got);
+      at += got;
     }
     return true;
   }
@@ -66,11 +67,9 @@ Result<std::unique_ptr<OniBytes>> openOniBytes(const std::filesystem::path& file
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor);
-    return Error{ErrorCode::kUnreadable,
-                 fmt::format("{}: found no regular file, expected an .oni recording", file.string())};
+    return unreadable("{}: found no regular file, expected an .oni recording", file.string());
   }
-  return std::unique_ptr<OniBytes>(
-      std::make_unique<FileBytes>(descriptor, static_cast<std::uint64_t>(std::max<off_t>(status.st_size, 0))));
+  return std::unique_ptr<OniBytes>(std::make_unique<FileBytes>(descriptor, std::max<off_t>(status.st_size, 0)));
 }
 
 std::unique_ptr<OniBytes> oniBytesOf(std::string_view bytes) {
@@ -92,14 +91,12 @@ OniFile& OniFile::operator=(OniFile&&) noexcept = default;
 OniFile::~OniFile() = default;
 
 Result<OniFile> OniFile::open(const std::filesystem::path& file) {
-  Result<std::unique_ptr<OniBytes>> bytes = openOniBytes(file);
-  if (!bytes) return bytes.error();
+  LORICA_TRY(std::unique_ptr<OniBytes> bytes, openOniBytes(file));
   auto contents = std::make_unique<Contents>();
   contents->name = file.string();
-  contents->bytes = std::move(*bytes);
-  Result<OniIndex> index = indexOni(*contents->bytes, contents->name);
-  if (!index) return index.error();
-  contents->index = std::move(*index);
+  contents->bytes = std::move(bytes);
+  LORICA_TRY(OniIndex index, indexOni(*contents->bytes, contents->name));
+  contents->index = std::move(index);
   return OniFile(std::move(contents));
 }
 
@@ -107,9 +104,8 @@ Result<OniFile> OniFile::parse(std::string_view bytes, std::string name) {
   auto contents = std::make_unique<Contents>();
   contents->name = std::move(name);
   contents->bytes = oniBytesOf(bytes);
-  Result<OniIndex> index = indexOni(*contents->bytes, contents->name);
-  if (!index) return index.error();
-  contents->index = std::move(*index);
+  LORICA_TRY(OniIndex index, indexOni(*contents->bytes, contents->name));
+  contents->index = std::move(index);
   return OniFile(std::move(contents));
 }
 
@@ -119,22 +115,21 @@ const OniInfo& OniFile::info() const {
 
 double OniFile::timeOf(int frame) const {
   LORICA_CHECK(frame >= 0 && frame < info().frameCount, "the frame index must be within the recording");
-  return 1e-6 * static_cast<double>(contents_->index.frames[frame].timeUs);
+  return 1e-6 * contents_->index.frames[frame].timeUs;
 }
 
 Result<void> OniFile::read(int frame, DepthFrame& out) {
   out.time = timeOf(frame);
   Contents& c = *contents_;
   const OniFrameEntry& entry = c.index.frames[frame];
-  const auto width = static_cast<std::size_t>(c.index.info.camera.width);
-  const auto height = static_cast<std::size_t>(c.index.info.camera.height);
+  const std::size_t width = c.index.info.camera.width;
+  const std::size_t height = c.index.info.camera.height;
   const std::size_t recorded = std::size_t{entry.width} * entry.height;
 
   c.packed.resize(entry.payloadBytes);
   if (!c.bytes->read(entry.payload, c.packed)) {
-    return Error{ErrorCode::kUnreadable,
-                 fmt::format("{}: depth frame {} can no longer be read, expected {} bytes at byte {}", c.name, frame,
-                             entry.payloadBytes, entry.payload)};
+    return unreadable("{}: depth frame {} can no longer be read, expected {} bytes at byte {}", c.name, frame,
+                      entry.payloadBytes, entry.payload);
   }
   c.depths.resize(recorded);
   if (const Result<void> decoded = c.decoder.decode(c.index.info.codec, c.packed, c.depths); !decoded) {
@@ -142,7 +137,7 @@ Result<void> OniFile::read(int frame, DepthFrame& out) {
                                                    decoded.error().message)};
   }
   if (c.index.tenths) {
-    for (std::uint16_t& depth : c.depths) depth = static_cast<std::uint16_t>((depth + 5) / 10);
+    for (std::uint16_t& depth : c.depths) depth = (depth + 5) / 10;
   }
 
   if (recorded == width * height) {
@@ -150,14 +145,14 @@ Result<void> OniFile::read(int frame, DepthFrame& out) {
   } else {
     out.depthMm.assign(width * height, 0);
     for (std::size_t row = 0; row < entry.height; ++row) {
-      std::copy_n(c.depths.begin() + static_cast<std::ptrdiff_t>(row * entry.width), entry.width,
-                  out.depthMm.begin() + static_cast<std::ptrdiff_t>((row + entry.top) * width + entry.left));
+      std::copy_n(c.depths.begin() + row * entry.width, entry.width,
+                  out.depthMm.begin() + ((row + entry.top) * width + entry.left));
     }
   }
   if (entry.mirrored) {
     for (std::size_t row = 0; row < height; ++row) {
-      const auto begin = out.depthMm.begin() + static_cast<std::ptrdiff_t>(row * width);
-      std::reverse(begin, begin + static_cast<std::ptrdiff_t>(width));
+      const auto begin = out.depthMm.begin() + row * width;
+      std::reverse(begin, begin + width);
     }
   }
   return {};

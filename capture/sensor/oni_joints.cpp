@@ -1,9 +1,9 @@
 #include "capture/sensor/oni_joints.h"
 
 #include "capture/files/joint_csv.h"
+#include "geometry/errors.h"
 #include "geometry/part_file.h"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -15,23 +15,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error unwritable(const fs::path& file, int error) {
-  return {ErrorCode::kUnwritable,
-          fmt::format("{}: cannot be written: {}", file.string(), std::generic_category().message(error))};
-}
-
 }  // namespace
 
 Result<JointCsvWriter> JointCsvWriter::create(const fs::path& file) {
   fs::path beside = file;
   beside.replace_extension(".part.csv");
-  Result<std::optional<fs::path>> found = keepFound(beside);
-  if (!found) return found.error();
-  const Result<int> descriptor = createPart(beside);
-  if (!descriptor) return descriptor.error();
-  JointCsvWriter writer(file, beside, *descriptor);
-  writer.found_ = std::move(*found);
-  if (const Result<void> written = writer.write(jointCsvHeader()); !written) return written.error();
+  LORICA_TRY(std::optional<fs::path> found, keepFound(beside));
+  LORICA_TRY(const int descriptor, createPart(beside));
+  JointCsvWriter writer(file, beside, descriptor);
+  writer.found_ = std::move(found);
+  LORICA_TRY_DO(writer.write(jointCsvHeader()));
   return writer;
 }
 
@@ -57,7 +50,7 @@ Result<void> JointCsvWriter::write(const std::string& text) {
     const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return unwritable(beside_, errno);
-    rest.remove_prefix(static_cast<std::size_t>(written));
+    rest.remove_prefix(written);
   }
   return {};
 }
@@ -65,15 +58,14 @@ Result<void> JointCsvWriter::write(const std::string& text) {
 Result<void> JointCsvWriter::add(const SkeletonFrame& frame) {
   const auto last = lastTimes_.find(frame.user);
   if (last != lastTimes_.end() && !(frame.time > last->second)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found a frame of user {} at {} s after one at {} s, expected increasing times",
-                             beside_.string(), frame.user, frame.time, last->second)};
+    return invalidArgument("{}: found a frame of user {} at {} s after one at {} s, expected increasing times",
+                           beside_.string(), frame.user, frame.time, last->second);
   }
   // Check with the reader: a single row that it rejects would make the whole file unreadable.
   static const std::string kHeader = jointCsvHeader();
   const std::string row = jointCsvRow(frame);
-  if (const auto read = parseJointCsv(kHeader + row, beside_.string()); !read) return read.error();
-  if (const Result<void> written = write(row); !written) return written;
+  LORICA_TRY_DO(parseJointCsv(kHeader + row, beside_.string()));
+  LORICA_TRY_DO(write(row));
   lastTimes_[frame.user] = frame.time;
   ++rows_;
   return {};

@@ -1,6 +1,8 @@
 #include "capture/sensor/oni_records.h"
 
 #include "capture/sensor/oni_depth_stream.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/printable.h"
 
 #include <fmt/format.h>
@@ -53,17 +55,16 @@ class Walk {
   Walk(const OniBytes& bytes, const std::string& name) : bytes_(bytes), name_(name), size_(bytes.size()) {}
 
   Result<OniIndex> run() {
-    if (const Result<void> read = readFileHeader(); !read) return read.error();
+    LORICA_TRY_DO(readFileHeader());
     while (!ended_) {
-      const Result<void> read = readRecord();
-      if (!read) return read.error();
+      LORICA_TRY_DO(readRecord());
     }
     return finish();
   }
 
  private:
   [[nodiscard]] Error bad(const std::string& found, const std::string& expected) const {
-    return {ErrorCode::kBadFormat, fmt::format("{}, byte {}: found {}, expected {}", name_, at_, found, expected)};
+    return badFormat("{}, byte {}: found {}, expected {}", name_, at_, found, expected);
   }
 
   /// Adds the position in the file to an error.
@@ -92,8 +93,7 @@ class Walk {
     constexpr std::array<std::uint32_t, 4> kOldest = {1, 0, 0, 4};
     constexpr std::array<std::uint32_t, 4> kWide = {1, 0, 1, 0};
     if (version < kOldest || version > kWide) {
-      return Error{ErrorCode::kUnsupported, fmt::format("{}, byte 4: found version {}, expected 1.0.0.4 to 1.0.1.0",
-                                                        name_, index_.info.version)};
+      return unsupported("{}, byte 4: found version {}, expected 1.0.0.4 to 1.0.1.0", name_, index_.info.version);
     }
     recordHeader_ = version < kWide ? 24 : 28;
     latestUs_ = *fields.take<std::uint64_t>();
@@ -112,7 +112,7 @@ class Walk {
   }
 
   [[nodiscard]] bool onlyZeros(std::uint64_t from, std::uint64_t max) const {
-    std::vector<std::uint8_t> raw(static_cast<std::size_t>(std::min(max, size_ - from)));
+    std::vector<std::uint8_t> raw(std::min(max, size_ - from));
     return bytes_.read(from, raw) && std::all_of(raw.begin(), raw.end(), [](std::uint8_t b) { return b == 0; });
   }
 
@@ -120,9 +120,9 @@ class Walk {
     if (at_ == size_) return cutOff("the end of the file");
     std::array<std::uint8_t, kLookedAt> raw;
     const std::span<std::uint8_t> whole(raw);
-    const auto look = static_cast<std::size_t>(std::min<std::uint64_t>(kLookedAt, size_ - at_));
+    const std::size_t look = std::min<std::uint64_t>(kLookedAt, size_ - at_);
     if (!bytes_.read(at_, whole.first(look))) {
-      return Error{ErrorCode::kUnreadable, fmt::format("{}, byte {}: cannot be read", name_, at_)};
+      return unreadable("{}, byte {}: cannot be read", name_, at_);
     }
     if (look < recordHeader_) return cutOff(fmt::format("only {} bytes before the end of the file", look));
     OniFields header(whole.first(recordHeader_));
@@ -148,8 +148,7 @@ class Walk {
     const std::size_t inSight = std::min<std::size_t>(fieldsBytes, look);
     const OniFields fields(whole.subspan(recordHeader_, inSight - recordHeader_));
     const std::uint32_t ownBytes = fieldsBytes - recordHeader_;
-    Result<void> handled = handle(type, node, fields, ownBytes, payloadBytes);
-    if (!handled) return handled;
+    LORICA_TRY_DO(handle(type, node, fields, ownBytes, payloadBytes));
     at_ += total;
     if (type == kEnd) return end();
     return {};
@@ -170,17 +169,17 @@ class Walk {
       case kReal:
       case kString:
       case kGeneral:
-        if (const Result<void> there = known(node, false); !there) return there;
+        LORICA_TRY_DO(known(node, false));
         return property(type, node, fields, bytes);
       case kNodeRemoved:
-        if (const Result<void> there = known(node, false); !there) return there;
+        LORICA_TRY_DO(known(node, false));
         nodes_[node].removed = true;
         return {};
       case kNodeReady:
       case kDataBegin:
         return known(node, false);
       case kData:
-        if (const Result<void> there = known(node, false); !there) return there;
+        LORICA_TRY_DO(known(node, false));
         return data(node, fields, bytes, payloadBytes);
       default:
         return bad(fmt::format("a record of type {}", type), "2 to 14");
@@ -276,12 +275,12 @@ class Walk {
   Result<OniIndex> finish() {
     if (index_.info.cutOff && countMustEnd_) return bad("no end record", "one");
     if (!depthNode_) {
-      return Error{ErrorCode::kUnsupported, fmt::format("{}: found no depth stream, expected one", name_)};
+      return unsupported("{}: found no depth stream, expected one", name_);
     }
     if (index_.frames.empty()) return bad("no complete depth frame", "at least one");
     OniInfo& info = index_.info;
-    info.frameCount = static_cast<int>(index_.frames.size());
-    info.duration = 1e-6 * static_cast<double>(index_.frames.back().timeUs - index_.frames.front().timeUs);
+    info.frameCount = countOf(index_.frames);
+    info.duration = 1e-6 * (index_.frames.back().timeUs - index_.frames.front().timeUs);
     info.end = at_;
     return std::move(index_);
   }

@@ -7,7 +7,7 @@ namespace lorica {
 Result<DepthRead> OniSource::next(DepthFrame& frame) {
   if (position_ >= info().frameCount) return DepthRead::kEnd;
   // A damaged frame must not be written partially to the caller's frame, so it is read into another one first.
-  if (const Result<void> read = file_.read(position_, scratch_); !read) return read.error();
+  LORICA_TRY_DO(file_.read(position_, scratch_));
   std::swap(frame, scratch_);
   ++position_;
   return DepthRead::kFrame;
@@ -33,15 +33,13 @@ void OniSource::seekTime(double seconds) {
 }
 
 Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file) {
-  Result<OniFile> opened = OniFile::open(file);
-  if (!opened) return opened.error();
-  return std::make_unique<OniSource>(std::move(*opened), file.filename().string());
+  LORICA_TRY(OniFile opened, OniFile::open(file));
+  return std::make_unique<OniSource>(std::move(opened), file.filename().string());
 }
 
 Result<std::unique_ptr<DepthSource>> makeOniSource(const std::filesystem::path& file) {
-  Result<std::unique_ptr<OniSource>> opened = openOni(file);
-  if (!opened) return opened.error();
-  return std::unique_ptr<DepthSource>(std::move(*opened));
+  LORICA_TRY(std::unique_ptr<OniSource> opened, openOni(file));
+  return std::unique_ptr<DepthSource>(std::move(opened));
 }
 
 }  // namespace lorica

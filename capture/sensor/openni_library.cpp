@@ -2,6 +2,7 @@
 
 #include "capture/sensor/openni_source.h"
 #include "capture/sensor/openni_working_folder.h"
+#include "geometry/errors.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -35,9 +36,8 @@ bool same(const OpenNiSettings& a, const OpenNiSettings& b) {
 
 Error notInstalled() {
   const char* why = dlerror();
-  return {ErrorCode::kNotFound,
-          fmt::format("OpenNI2 cannot be loaded, expected libOpenNI2.so.0 (package libopenni2-0): {}",
-                      why == nullptr ? "unknown" : why)};
+  return notFound("OpenNI2 cannot be loaded, expected libOpenNI2.so.0 (package libopenni2-0): {}",
+                  why == nullptr ? "unknown" : why);
 }
 
 /// Finds the system's libOpenNI2.
@@ -51,8 +51,7 @@ Result<fs::path> findLibrary() {
   ::dlclose(handle);
   std::error_code error;
   const fs::path whole = fs::canonical(path, error);
-  if (!found || error)
-    return Error{ErrorCode::kNotFound, "libOpenNI2.so.0 was loaded, but its path cannot be determined"};
+  if (!found || error) return notFound("libOpenNI2.so.0 was loaded, but its path cannot be determined");
   return whole;
 }
 
@@ -83,26 +82,22 @@ bool loadAll(void* handle, OpenNiApi& api) {
 }
 
 Result<std::unique_ptr<Loaded>> loadLibrary(const OpenNiSettings& settings) {
-  const Result<fs::path> library = settings.library.empty() ? findLibrary() : Result<fs::path>(settings.library);
-  if (!library) return library.error();
+  LORICA_TRY(const fs::path library, settings.library.empty() ? findLibrary() : Result<fs::path>(settings.library));
   auto loaded = std::make_unique<Loaded>();
   loaded->settings = settings;
-  Result<std::unique_ptr<OpenNiStage>> stage = OpenNiStage::make(*library, settings.drivers);
-  if (!stage) return stage.error();
-  loaded->stage = std::move(*stage);
+  LORICA_TRY(std::unique_ptr<OpenNiStage> stage, OpenNiStage::make(library, settings.drivers));
+  loaded->stage = std::move(stage);
   // Global: NiTE 2 and drivers that use OpenNI2 must find this library.
   loaded->handle = ::dlopen(loaded->stage->library().c_str(), RTLD_NOW | RTLD_GLOBAL);
   if (loaded->handle == nullptr) return notInstalled();
   if (!loadAll(loaded->handle, loaded->api)) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: not an OpenNI 2.2 library: some of its functions are missing", library->string())};
+    return unsupported("{}: not an OpenNI 2.2 library: some of its functions are missing", library.string());
   }
   Dl_info where{};
   const void* symbol = ::dlsym(loaded->handle, "oniInitialize");
   if (::dladdr(symbol, &where) == 0 || loaded->stage->library() != where.dli_fname) {
-    return Error{
-        ErrorCode::kUnsupported,
-        "libOpenNI2 is already loaded in this process, so no driver can be added: do not link the program with it"};
+    return unsupported(
+        "libOpenNI2 is already loaded in this process, so no driver can be added: do not link the program with it");
   }
   return loaded;
 }
@@ -158,19 +153,18 @@ Result<std::shared_ptr<OpenNi>> OpenNi::start(const OpenNiSettings& settings) {
   const std::lock_guard<std::mutex> lock(g_mutex);
   if (std::shared_ptr<OpenNiLibrary> running = g_running.lock()) {
     if (same(running->settings(), settings)) return std::shared_ptr<OpenNi>(std::move(running));
-    return Error{ErrorCode::kInvalidArgument, "OpenNI2 is already running with other drivers, expected the same ones"};
+    return invalidArgument("OpenNI2 is already running with other drivers, expected the same ones");
   }
   if (g_loaded && !same(g_loaded->settings, settings)) {
     g_loaded->unload = true;
     g_loaded.reset();
   }
   if (!g_loaded) {
-    Result<std::unique_ptr<Loaded>> loaded = loadLibrary(settings);
-    if (!loaded) return loaded.error();
-    g_loaded = std::move(*loaded);
+    LORICA_TRY(std::unique_ptr<Loaded> loaded, loadLibrary(settings));
+    g_loaded = std::move(loaded);
   }
   auto library = std::make_shared<OpenNiLibrary>(g_loaded->api, g_loaded->stage->drivers(), settings);
-  if (const Result<void> initialized = library->initialize(); !initialized) return initialized.error();
+  LORICA_TRY_DO(library->initialize());
   g_running = library;
   return std::shared_ptr<OpenNi>(std::move(library));
 }
@@ -201,7 +195,7 @@ Result<void> OpenNiLibrary::initialize() {
       if (driver.packaged) driver.problem = problemOf(driver);
     }
   } catch (...) {
-    return Error{ErrorCode::kUnreadable, "OpenNI2 failed on startup, in one of its drivers"};
+    return unreadable("OpenNI2 failed on startup, in one of its drivers");
   }
   return {};
 }
@@ -234,7 +228,7 @@ Error OpenNiLibrary::failure(const std::string& what) const {
   std::string why;
   std::istringstream words(said == nullptr ? "" : said);
   for (std::string word; words >> word;) why += why.empty() ? word : " " + word;
-  return {ErrorCode::kUnreadable, why.empty() ? what : fmt::format("{}: {}", what, why)};
+  return unreadable(why.empty() ? what : fmt::format("{}: {}", what, why));
 }
 
 Result<std::vector<OpenNiCamera>> OpenNiLibrary::cameras() const {
@@ -251,26 +245,24 @@ Result<std::vector<OpenNiCamera>> OpenNiLibrary::cameras() const {
     api_.releaseDeviceList(devices);
     return cameras;
   } catch (...) {
-    return Error{ErrorCode::kUnreadable, "OpenNI2 failed while listing its cameras"};
+    return unreadable("OpenNI2 failed while listing its cameras");
   }
 }
 
 Result<std::unique_ptr<DepthSource>> OpenNiLibrary::open(const std::string& uri) {
-  const Result<std::vector<OpenNiCamera>> listed = cameras();
-  if (!listed) return listed.error();
+  LORICA_TRY(const std::vector<OpenNiCamera> listed, cameras());
   std::string problems;
-  for (const OpenNiCamera& camera : *listed) {
+  for (const OpenNiCamera& camera : listed) {
     if (!uri.empty() && camera.uri != uri) continue;
     Result<std::unique_ptr<OpenNiSource>> source = OpenNiSource::open(shared_from_this(), camera);
     if (source) return std::unique_ptr<DepthSource>(std::move(*source));
     problems += (problems.empty() ? "" : "; ") + source.error().message;
   }
-  if (!problems.empty()) return Error{ErrorCode::kUnreadable, problems};
-  if (uri.empty()) return Error{ErrorCode::kNotFound, "OpenNI2 found no depth camera, expected at least one"};
+  if (!problems.empty()) return unreadable(problems);
+  if (uri.empty()) return notFound("OpenNI2 found no depth camera, expected at least one");
   std::string uris;
-  for (const OpenNiCamera& camera : *listed) uris += (uris.empty() ? "" : ", ") + camera.uri;
-  return Error{ErrorCode::kNotFound,
-               fmt::format("found no camera \"{}\", available: {}", uri, uris.empty() ? "none" : uris)};
+  for (const OpenNiCamera& camera : listed) uris += (uris.empty() ? "" : ", ") + camera.uri;
+  return notFound("found no camera \"{}\", available: {}", uri, uris.empty() ? "none" : uris);
 }
 
 }  // namespace lorica

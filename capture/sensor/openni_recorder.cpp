@@ -1,5 +1,6 @@
 #include "capture/sensor/oni_file.h"
 #include "capture/sensor/openni_source.h"
+#include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
 
@@ -53,13 +54,11 @@ class Recorder final : public OpenNiRecorder {
 
   /// No file is left on failure.
   Result<void> begin(OpenNiSource& source) {
-    Result<std::optional<fs::path>> found = keepFound(beside_);
-    if (!found) return found.error();
-    found_ = std::move(*found);
+    LORICA_TRY(std::optional<fs::path> found, keepFound(beside_));
+    found_ = std::move(found);
     // OpenNI2 would crash on a file that it cannot create; it empties one that is there.
-    const Result<int> created = createPart(beside_);
-    if (!created) return created.error();
-    lock_ = *created;
+    LORICA_TRY(const int created, createPart(beside_));
+    lock_ = created;
     const AtHardStop cleaning([this] { ::unlink(beside_.c_str()); });
     Result<void> begun = record(source);
     if (!begun) {
@@ -82,7 +81,7 @@ class Recorder final : public OpenNiRecorder {
         return library_.failure(fmt::format("{}: {} cannot be recorded", beside_.string(), source.name()));
       }
     } catch (...) {
-      return Error{ErrorCode::kUnwritable, fmt::format("{}: OpenNI2's recorder failed", beside_.string())};
+      return unwritable("{}: OpenNI2's recorder failed", beside_.string());
     }
     return {};
   }
@@ -95,7 +94,7 @@ class Recorder final : public OpenNiRecorder {
     for (int step = 0; step < 1000; ++step) {
       std::string head(1 << 16, '\0');
       std::ifstream file(beside_, std::ios::binary);
-      file.read(head.data(), static_cast<std::streamsize>(head.size()));
+      file.read(head.data(), head.size());
       const bool begun = head.find(kDataBegin) != std::string::npos;
       std::this_thread::sleep_for(kStep);
       if (begun) return;
@@ -107,22 +106,20 @@ class Recorder final : public OpenNiRecorder {
     int frames = 0;
     std::uint64_t end = 0;
     {
-      const Result<OniFile> file = OniFile::open(beside_);
-      if (!file) return file.error();
-      if (file->info().cutOff) {
-        return Error{ErrorCode::kUnwritable,
-                     fmt::format("{}: the recording has no end record: is the disk full?", beside_.string())};
+      LORICA_TRY(const OniFile file, OniFile::open(beside_));
+      if (file.info().cutOff) {
+        return unwritable("{}: the recording has no end record: is the disk full?", beside_.string());
       }
-      frames = file->info().frameCount;
-      end = file->info().end;
+      frames = file.info().frameCount;
+      end = file.info().end;
     }
     // The recorder appends as many zeros to the file as the recording has bytes.
     std::error_code error;
     fs::resize_file(beside_, end, error);
     if (!error) fs::rename(beside_, target_, error);
     if (error) {
-      return Error{ErrorCode::kUnwritable, fmt::format("{}: cannot be written: {}; the recording is {}",
-                                                       target_.string(), error.message(), beside_.string())};
+      return unwritable("{}: cannot be written: {}; the recording is {}", target_.string(), error.message(),
+                        beside_.string());
     }
     return frames;
   }
@@ -159,19 +156,17 @@ class Recorder final : public OpenNiRecorder {
 Result<std::unique_ptr<OpenNiRecorder>> OpenNiRecorder::start(DepthSource& source, const fs::path& file) {
   auto* const camera = dynamic_cast<OpenNiSource*>(&source);
   if (camera == nullptr) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: not an OpenNI2 camera, expected one to record", source.name())};
+    return unsupported("{}: not an OpenNI2 camera, expected one to record", source.name());
   }
   if (camera->stream() == nullptr) {
-    return Error{ErrorCode::kNotFound,
-                 fmt::format("{}: is unplugged, expected a connected camera to record", source.name())};
+    return notFound("{}: is unplugged, expected a connected camera to record", source.name());
   }
   fs::path beside = file;
   beside.replace_extension(".part.oni");
   auto recorder = std::make_unique<Recorder>(*camera, file, beside);
   if (!recorder->isTheOnlyOne())
-    return Error{ErrorCode::kInvalidArgument, "a recording is already in progress, expected only one at a time"};
-  if (const Result<void> begun = recorder->begin(*camera); !begun) return begun.error();
+    return invalidArgument("a recording is already in progress, expected only one at a time");
+  LORICA_TRY_DO(recorder->begin(*camera));
   return std::unique_ptr<OpenNiRecorder>(std::move(recorder));
 }
 

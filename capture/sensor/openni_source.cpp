@@ -1,5 +1,7 @@
 #include "capture/sensor/openni_source.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -40,7 +42,7 @@ std::optional<OniVideoMode> chooseMode(const OniSensorInfo& sensor) {
 Result<std::unique_ptr<OpenNiSource>> OpenNiSource::open(std::shared_ptr<OpenNiLibrary> library,
                                                          const OpenNiCamera& camera) {
   std::unique_ptr<OpenNiSource> source(new OpenNiSource(std::move(library), camera));
-  if (const Result<void> opened = source->open(); !opened) return opened.error();
+  LORICA_TRY_DO(source->open());
   return source;
 }
 
@@ -49,7 +51,7 @@ std::string OpenNiSource::name() const {
 }
 
 Result<void> OpenNiSource::open() {
-  Result<DepthCamera> camera = Error{ErrorCode::kUnreadable, name() + ": its driver failed"};
+  Result<DepthCamera> camera = unreadable(name() + ": its driver failed");
   try {
     camera = setUp();
   } catch (...) {  // drivers written in C++ may throw
@@ -60,8 +62,8 @@ Result<void> OpenNiSource::open() {
   }
   if (known_ && !(*camera == camera_)) {
     close();
-    return Error{ErrorCode::kUnsupported, fmt::format("{}: returned with images of {} x {}, expected {} x {}", name(),
-                                                      camera->width, camera->height, camera_.width, camera_.height)};
+    return unsupported("{}: returned with images of {} x {}, expected {} x {}", name(), camera->width, camera->height,
+                       camera_.width, camera_.height);
   }
   camera_ = *camera;
   known_ = true;
@@ -76,7 +78,7 @@ Result<DepthCamera> OpenNiSource::setUp() {
     return library_->failure(name() + ": cannot be opened");
   }
   const OniSensorInfo* sensor = api.sensorInfo(device_, ONI_SENSOR_DEPTH);
-  if (sensor == nullptr) return Error{ErrorCode::kUnsupported, name() + ": provides no depth"};
+  if (sensor == nullptr) return unsupported(name() + ": provides no depth");
   if (api.createStream(device_, ONI_SENSOR_DEPTH, &stream_) != ONI_STATUS_OK) {
     stream_ = nullptr;
     return library_->failure(name() + ": provides no depth");
@@ -90,9 +92,8 @@ Result<DepthCamera> OpenNiSource::setUp() {
   const bool known = api.getProperty(stream_, ONI_STREAM_PROPERTY_VIDEO_MODE, &mode, &size) == ONI_STATUS_OK;
   if (!known || !isDepth(mode.pixelFormat) || mode.resolutionX < 1 || mode.resolutionX > kLargestSide ||
       mode.resolutionY < 1 || mode.resolutionY > kLargestSide) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: found images of {} x {} in pixel format {}, expected depth of up to 2048 x 2048",
-                             name(), mode.resolutionX, mode.resolutionY, static_cast<int>(mode.pixelFormat))};
+    return unsupported("{}: found images of {} x {} in pixel format {}, expected depth of up to 2048 x 2048", name(),
+                       mode.resolutionX, mode.resolutionY, static_cast<int>(mode.pixelFormat));
   }
   tenths_ = mode.pixelFormat == ONI_PIXEL_FORMAT_DEPTH_100_UM;
 
@@ -154,9 +155,8 @@ Result<bool> OpenNiSource::comeBack() {
 
 Result<DepthRead> OpenNiSource::next(DepthFrame& frame) {
   if (stream_ == nullptr) {
-    const Result<bool> back = comeBack();
-    if (!back) return back.error();
-    if (!*back) {
+    LORICA_TRY(const bool back, comeBack());
+    if (!back) {
       std::this_thread::sleep_for(std::chrono::milliseconds(kWaitMs));
       return DepthRead::kUnplugged;
     }
@@ -178,19 +178,18 @@ Result<DepthRead> OpenNiSource::next(DepthFrame& frame) {
     if (!copied) return copied.error();
     return DepthRead::kFrame;
   } catch (...) {
-    return Error{ErrorCode::kUnreadable, name() + ": its driver failed"};
+    return unreadable(name() + ": its driver failed");
   }
 }
 
 Result<void> OpenNiSource::copy(const OniFrame& from, DepthFrame& to) {
-  const auto width = static_cast<std::size_t>(camera_.width);
-  const auto height = static_cast<std::size_t>(camera_.height);
-  const std::size_t stride = static_cast<std::size_t>(std::max(from.stride, 0));
+  const std::size_t width = camera_.width;
+  const std::size_t height = camera_.height;
+  const std::size_t stride = std::max(from.stride, 0);
   if (from.width != camera_.width || from.height != camera_.height || stride < 2 * width || from.data == nullptr ||
       from.dataSize < 0 || static_cast<std::size_t>(from.dataSize) < stride * (height - 1) + 2 * width) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: found an image of {} x {} in {} bytes, expected {} x {}", name(), from.width,
-                             from.height, from.dataSize, camera_.width, camera_.height)};
+    return badFormat("{}: found an image of {} x {} in {} bytes, expected {} x {}", name(), from.width, from.height,
+                     from.dataSize, camera_.width, camera_.height);
   }
   to.depthMm.resize(width * height);
   for (std::size_t row = 0; row < height; ++row) {
@@ -199,11 +198,11 @@ Result<void> OpenNiSource::copy(const OniFrame& from, DepthFrame& to) {
     if (mirrors_) std::reverse(out, out + width);
   }
   if (tenths_) {
-    for (std::uint16_t& depth : to.depthMm) depth = static_cast<std::uint16_t>((depth + 5) / 10);
+    for (std::uint16_t& depth : to.depthMm) depth = (depth + 5) / 10;
   }
 
   const auto now = std::chrono::steady_clock::now();
-  const double sensorTime = 1e-6 * static_cast<double>(from.timestamp);
+  const double sensorTime = 1e-6 * from.timestamp;
   if (clockIsNew_ && lastTime_ >= 0.0) {
     timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
   }

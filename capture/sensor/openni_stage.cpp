@@ -1,7 +1,8 @@
 #include "capture/sensor/openni_stage.h"
 
+#include "geometry/errors.h"
+
 #include <dlfcn.h>
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -41,8 +42,7 @@ Result<void> OpenNiStage::link(const fs::path& from, const fs::path& to) const {
   std::error_code error;
   fs::create_symlink(from, to, error);
   if (error) {
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: cannot link to {}: {}", to.string(), from.string(), error.message())};
+    return unwritable("{}: cannot link to {}: {}", to.string(), from.string(), error.message());
   }
   return {};
 }
@@ -52,8 +52,7 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
   const fs::path temporary = fs::temp_directory_path(error);
   std::string folder = ((error ? fs::path("/tmp") : temporary) / "lorica-openni-XXXXXX").string();
   if (::mkdtemp(folder.data()) == nullptr) {  // accessible only to this user: its content is executed
-    return Error{ErrorCode::kUnwritable,
-                 fmt::format("{}: cannot be created, expected a folder for links to drivers", folder)};
+    return unwritable("{}: cannot be created, expected a folder for links to drivers", folder);
   }
   std::unique_ptr<OpenNiStage> stage(new OpenNiStage);
   stage->folder_ = folder;
@@ -63,7 +62,7 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
     fs::remove_all(folder, ignored);
   });
   fs::create_directories(stage->folder_ / kDriverFolder, error);
-  if (const Result<void> linked = stage->link(library, stage->library()); !linked) return linked.error();
+  LORICA_TRY_DO(stage->link(library, stage->library()));
 
   std::map<std::string, OpenNiDriver> packaged;  // by link name; sorted, so that the order is always the same
   for (fs::directory_iterator file(library.parent_path() / kDriverFolder, error), end; !error && file != end;
@@ -76,30 +75,24 @@ Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, 
   for (const fs::path& driver : drivers) {
     const fs::path file = fs::canonical(driver, error);
     if (error || !fs::is_regular_file(file, error)) {
-      return Error{ErrorCode::kNotFound,
-                   fmt::format("{}: found no such file, expected an OpenNI2 driver", driver.string())};
+      return notFound("{}: found no such file, expected an OpenNI2 driver", driver.string());
     }
     // It stays loaded: its threads may need its code after OpenNI2 has shut down.
     void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) {
-      return Error{ErrorCode::kUnreadable,
-                   fmt::format("{}: the driver cannot be loaded: {}", driver.string(), loaderProblem())};
+      return unreadable("{}: the driver cannot be loaded: {}", driver.string(), loaderProblem());
     }
     if (::dlsym(handle, "oniDriverCreate") == nullptr) {
-      return Error{
-          ErrorCode::kUnsupported,
-          fmt::format("{}: found a library without oniDriverCreate, expected an OpenNI2 driver", driver.string())};
+      return unsupported("{}: found a library without oniDriverCreate, expected an OpenNI2 driver", driver.string());
     }
     const std::string name = driverName(file);
     packaged.erase(name);  // the user's driver replaces one of the same name
-    if (const Result<void> linked = stage->link(file, stage->folder_ / kDriverFolder / name); !linked) {
-      return linked.error();
-    }
+    LORICA_TRY_DO(stage->link(file, stage->folder_ / kDriverFolder / name));
     users.push_back({file, false, {}});
   }
   for (auto& [name, driver] : packaged) {
     const fs::path to = stage->folder_ / kDriverFolder / name;
-    if (const Result<void> linked = stage->link(driver.file, to); !linked) return linked.error();
+    LORICA_TRY_DO(stage->link(driver.file, to));
     stage->drivers_.push_back(std::move(driver));
   }
   stage->drivers_.insert(stage->drivers_.end(), users.begin(), users.end());

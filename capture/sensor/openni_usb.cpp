@@ -101,11 +101,11 @@ std::vector<UsbDepthCamera> usbDepthCameras(const fs::path& devices, const fs::p
     const std::optional<int> vendor = number(port / "idVendor", 16);
     const std::optional<int> product = number(port / "idProduct", 16);
     if (!vendor || !product) continue;  // an interface
-    const KnownCamera* known = find(static_cast<std::uint16_t>(*vendor), static_cast<std::uint16_t>(*product));
+    const KnownCamera* known = find(*vendor, *product);
     if (known == nullptr) continue;
     UsbDepthCamera camera;
-    camera.vendor = static_cast<std::uint16_t>(*vendor);
-    camera.product = static_cast<std::uint16_t>(*product);
+    camera.vendor = *vendor;
+    camera.product = *product;
     camera.name = known->name;
     camera.driver = known->driver;
     camera.packaged = known->packaged;

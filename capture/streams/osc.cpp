@@ -99,9 +99,9 @@ std::optional<double> OscArguments::number() {
   const std::uint32_t word = wordAt(data_);
   types_.remove_prefix(1);
   data_ = data_.subspan(4);
-  if (type == 'i') return static_cast<double>(static_cast<std::int32_t>(word));
+  if (type == 'i') return static_cast<std::int32_t>(word);
   const auto value = std::bit_cast<float>(word);
-  if (std::isfinite(value)) return static_cast<double>(value);
+  if (std::isfinite(value)) return value;
   types_ = {};
   return std::nullopt;
 }
@@ -159,7 +159,7 @@ void OscWriter::add(float value) {
 }
 
 void OscWriter::add(std::int32_t value) {
-  putWord(static_cast<std::uint32_t>(value));
+  putWord(value);
 }
 
 void OscWriter::add(std::string_view value) {
@@ -170,7 +170,7 @@ void OscWriter::endMessage() {
   if (!fits_ || !bundled_) return;
   const std::size_t end = size_;
   size_ = messageAt_;
-  putWord(static_cast<std::uint32_t>(end - messageAt_ - 4));
+  putWord(end - messageAt_ - 4);
   size_ = end;
 }
 

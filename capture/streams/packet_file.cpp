@@ -1,5 +1,6 @@
 #include "capture/streams/packet_file.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/little_endian.h"
 
@@ -104,9 +105,7 @@ void put(std::string& bytes, std::uint32_t value, std::size_t count) {
 }  // namespace
 
 Result<PacketFile> PacketFile::parse(std::string bytes, const std::string& name) {
-  const auto bad = [&](const std::string& what) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
-  };
+  const auto bad = [&](const std::string& what) { return badFormat("{}: {}", name, what); };
   if (bytes.size() < kFileHead) return bad(fmt::format("found {} bytes, expected a .pcap file", bytes.size()));
   std::endian order = std::endian::little;
   std::uint32_t magic = FileNumbers(bytes, order).at(0);
@@ -165,14 +164,13 @@ Result<PacketFile> PacketFile::parse(std::string bytes, const std::string& name)
 }
 
 Result<PacketFile> readPacketFile(const std::filesystem::path& file) {
-  Result<std::string> bytes = readFile(file);
-  if (!bytes) return bytes.error();
-  return PacketFile::parse(std::move(*bytes), file.string());
+  LORICA_TRY(std::string bytes, readFile(file));
+  return PacketFile::parse(std::move(bytes), file.string());
 }
 
 bool isPacketFile(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (char& c : extension) c = std::tolower(static_cast<unsigned char>(c));
   return extension == ".pcap";
 }
 
@@ -188,7 +186,7 @@ std::string packetRecord(std::span<const std::byte> payload, std::uint64_t micro
   constexpr std::uint64_t kMillion = 1000000;
   constexpr std::uint32_t kLoopback = 0x7f000001;
   constexpr std::size_t kHeads = 28;
-  const auto size = static_cast<std::uint32_t>(kHeads + payload.size());
+  const std::uint32_t size = kHeads + payload.size();
   std::string ip;
   put(ip, 0x4500, 2);
   put(ip, size, 2);
@@ -201,15 +199,15 @@ std::string packetRecord(std::span<const std::byte> payload, std::uint64_t micro
   for (std::size_t i = 0; i < ip.size(); i += 2) sum += word16(ip, i);
   sum = (sum & 0xffff) + (sum >> 16);
   sum = ~(sum + (sum >> 16)) & 0xffff;
-  ip[10] = static_cast<char>(sum >> 8);
-  ip[11] = static_cast<char>(sum & 0xff);
+  ip[10] = sum >> 8;
+  ip[11] = sum & 0xff;
   put(ip, fromPort, 2);
   put(ip, toPort, 2);
   put(ip, size - 20, 2);
   put(ip, 0, 2);  // no checksum
   std::string bytes;
-  put(bytes, static_cast<std::uint32_t>(microseconds / kMillion), 4);
-  put(bytes, static_cast<std::uint32_t>(microseconds % kMillion), 4);
+  put(bytes, microseconds / kMillion, 4);
+  put(bytes, microseconds % kMillion, 4);
   put(bytes, size, 4);
   put(bytes, size, 4);
   bytes += ip;

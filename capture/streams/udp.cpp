@@ -1,5 +1,6 @@
 #include "capture/streams/udp.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -20,9 +21,8 @@ namespace lorica {
 namespace {
 
 Error badAddress(const std::string& text, bool needsHost) {
-  return {ErrorCode::kInvalidArgument,
-          fmt::format("the address {}: expected {}, with a port from 1 to 65535", text.empty() ? "''" : text,
-                      needsHost ? "HOST:PORT, such as 127.0.0.1:39539" : "PORT or HOST:PORT, such as 39539")};
+  return invalidArgument("the address {}: expected {}, with a port from 1 to 65535", text.empty() ? "''" : text,
+                         needsHost ? "HOST:PORT, such as 127.0.0.1:39539" : "PORT or HOST:PORT, such as 39539");
 }
 
 struct FreeAddresses {
@@ -38,7 +38,7 @@ Result<Addresses> resolve(const NetworkAddress& address, bool passive) {
   addrinfo* list = nullptr;
   const int failed = getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &list);
   if (failed != 0) {
-    return Error{ErrorCode::kNotFound, fmt::format("{}: {}", textOf(address), gai_strerror(failed))};
+    return notFound("{}: {}", textOf(address), gai_strerror(failed));
   }
   return Addresses(list);
 }
@@ -46,17 +46,15 @@ Result<Addresses> resolve(const NetworkAddress& address, bool passive) {
 /// Opens a socket and applies `use` to it and each address until one succeeds.
 template <typename Use>
 Result<int> openFirst(const NetworkAddress& address, bool passive, const char* purpose, Use&& use) {
-  const Result<Addresses> list = resolve(address, passive);
-  if (!list) return list.error();
+  LORICA_TRY(const Addresses list, resolve(address, passive));
   int reason = EADDRNOTAVAIL;
-  for (const addrinfo* one = list->get(); one != nullptr; one = one->ai_next) {
+  for (const addrinfo* one = list.get(); one != nullptr; one = one->ai_next) {
     const int descriptor = socket(one->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     if (descriptor >= 0 && use(descriptor, one->ai_addr, one->ai_addrlen) == 0) return descriptor;
     reason = errno;
     if (descriptor >= 0) close(descriptor);
   }
-  return Error{ErrorCode::kUnreadable,
-               fmt::format("{}: cannot {}: {}", textOf(address), purpose, std::strerror(reason))};
+  return unreadable("{}: cannot {}: {}", textOf(address), purpose, std::strerror(reason));
 }
 
 std::uint16_t portOf(const sockaddr_storage& address) {
@@ -87,7 +85,7 @@ Result<NetworkAddress> parseNetworkAddress(const std::string& text, bool needsHo
       address.host.empty()) {
     return badAddress(text, needsHost);
   }
-  address.port = static_cast<std::uint16_t>(number);
+  address.port = number;
   return address;
 }
 
@@ -97,15 +95,13 @@ std::string textOf(const NetworkAddress& address) {
 }
 
 Result<UdpSocket> UdpSocket::listen(const NetworkAddress& address) {
-  const Result<int> descriptor = openFirst(address, true, "listen there", ::bind);
-  if (!descriptor) return descriptor.error();
-  return UdpSocket(*descriptor);
+  LORICA_TRY(const int descriptor, openFirst(address, true, "listen there", ::bind));
+  return UdpSocket(descriptor);
 }
 
 Result<UdpSocket> UdpSocket::connect(const NetworkAddress& address) {
-  const Result<int> descriptor = openFirst(address, false, "send there", ::connect);
-  if (!descriptor) return descriptor.error();
-  return UdpSocket(*descriptor);
+  LORICA_TRY(const int descriptor, openFirst(address, false, "send there", ::connect));
+  return UdpSocket(descriptor);
 }
 
 UdpSocket::~UdpSocket() {

@@ -1,5 +1,7 @@
 #include "capture/streams/vmc_names.h"
 
+#include "geometry/counts.h"
+
 #include <array>
 #include <string>
 
@@ -16,7 +18,7 @@ Names unityNames() {
   Names names;
   for (std::size_t b = 0; b < names.size(); ++b) {
     std::string name(nameOf(static_cast<HumanBone>(b)));
-    name.front() = static_cast<char>(name.front() - 'a' + 'A');
+    name.front() = name.front() - 'a' + 'A';
     const std::size_t thumb = name.find(kThumb);
     if (thumb != std::string::npos) {
       const std::string part = name.substr(thumb + kThumb.size());
@@ -60,7 +62,7 @@ constexpr std::array<std::array<std::string_view, 2>, 17> kExpressions = {{{"neu
 }  // namespace
 
 std::string_view vmcNameOf(HumanBone bone) {
-  return names()[static_cast<std::size_t>(bone)];
+  return names()[ordinalOf(bone)];
 }
 
 std::optional<HumanBone> vmcBoneNamed(std::string_view name) {

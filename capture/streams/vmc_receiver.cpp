@@ -2,6 +2,7 @@
 
 #include "capture/streams/vmc_axes.h"
 #include "capture/streams/vmc_names.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +51,7 @@ VmcReceiver::Taken VmcReceiver::takeBone(OscArguments arguments, double seconds)
   if (!p || !q) return Taken::kNothing;
   const std::optional<HumanBone> bone = vmcBoneNamed(*name);
   if (!bone) return Taken::kState;  // an eye, the jaw, or one of another version
-  const auto b = static_cast<std::size_t>(*bone);
+  const std::size_t b = ordinalOf(*bone);
   if (fresh_[b]) complete();
   pending_.rotation[b] = *q;
   pending_.offset[b] = *p;
@@ -76,13 +77,13 @@ VmcReceiver::Taken VmcReceiver::takeExpression(OscArguments arguments) {
   if (!name || !weight) return Taken::kNothing;
   const auto known = std::find_if(expressions_.begin(), expressions_.end(),
                                   [&](const NamedWeight& expression) { return expression.name == *name; });
-  const auto index = static_cast<std::size_t>(known - expressions_.begin());
+  const std::size_t index = known - expressions_.begin();
   if (known == expressions_.end()) {
     if (expressions_.size() == kMostExpressions || name->size() > kLongestName) return Taken::kState;
     expressions_.push_back({std::string(*name), 0.0f});
     wanted_.push_back(0.0f);
   }
-  wanted_[index] = static_cast<float>(std::clamp(*weight, 0.0, 1.0));
+  wanted_[index] = std::clamp(*weight, 0.0, 1.0);
   return Taken::kState;
 }
 

@@ -53,7 +53,7 @@ SkeletonFrame performAt(const Performance& p, double time, double drop) {
     return Wander(seed + channel, life * amplitude, 0.12, 0.7)(time);
   };
   // A breath every 3.6 s lifts chest and shoulders.
-  const double breath = std::sin(2.0 * std::numbers::pi * time / 3.6 + 0.7 * static_cast<double>(p.seed));
+  const double breath = std::sin(2.0 * std::numbers::pi * time / 3.6 + 0.7 * p.seed);
 
   FigurePose pose;
   pose.worldFromPelvis = turned(p.heading(time) + wander(1, 0.02), p.pelvisPitch(time) + wander(2, 0.01),
@@ -97,7 +97,7 @@ std::vector<SkeletonFrame> perform(const Performance& p) {
   constexpr int kFine = 4;
   constexpr int kReachOut = 14;  // fine samples, 0.12 s
   const int fineCount = (frameCount - 1) * kFine + 1;
-  std::vector<double> needed(static_cast<std::size_t>(fineCount), 0.0);
+  std::vector<double> needed(fineCount, 0.0);
   if (!p.heightIsCentreOfMass) {
     for (int i = 0; i < fineCount; ++i) {
       const double time = i / (kFrameRate * kFine);

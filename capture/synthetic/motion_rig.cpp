@@ -170,7 +170,7 @@ Vec3 centreOfMass(const SkeletonFrame& frame) {
   sum += 0.284 * (0.5 * at(BodyJoint::kTorso) + 0.5 * at(BodyJoint::kNeck));
   sum += 0.213 * (0.5 * hips + 0.5 * at(BodyJoint::kTorso));
   for (const Side side : {kLeft, kRight}) {
-    const auto s = static_cast<std::size_t>(side);
+    const std::size_t s = side;
     sum += 0.028 * (0.56 * at(kShoulders[s]) + 0.44 * at(kElbows[s]));
     sum += 0.022 * (0.32 * at(kElbows[s]) + 0.68 * at(kHands[s]));
     sum += 0.100 * (0.57 * at(kHips[s]) + 0.43 * at(kKnees[s]));

@@ -67,7 +67,7 @@ double Track::operator()(double time) const {
   if (time <= times_.front()) return keys_.front().value;
   if (time >= times_.back()) return keys_.back().value;
   const auto after = std::upper_bound(times_.begin(), times_.end(), time);
-  const auto i = static_cast<std::size_t>(after - times_.begin());
+  const std::size_t i = after - times_.begin();
   const double duration = times_[i] - times_[i - 1];
   return quintic(keys_[i - 1], keys_[i], duration, (time - times_[i - 1]) / duration);
 }

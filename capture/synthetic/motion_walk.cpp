@@ -1,4 +1,5 @@
 #include "capture/synthetic/motion_clips.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,7 +45,7 @@ class Loop {
   [[nodiscard]] Vec3 at(double s) const {
     const double position = std::clamp(s, 0.0, kLength) / kStep;
     const auto i = std::min(static_cast<std::size_t>(position), points_.size() - 2);
-    const double share = position - static_cast<double>(i);
+    const double share = position - i;
     return (1.0 - share) * points_[i] + share * points_[i + 1];
   }
 
@@ -82,11 +83,11 @@ struct Pace {
   void smooth() {
     const int reach = 36;
     std::vector<double> soft(distance.size() + 2 * reach);
-    for (int i = 0; i < static_cast<int>(soft.size()); ++i) {
+    for (int i = 0; i < countOf(soft); ++i) {
       double sum = 0.0;
       double weights = 0.0;
       for (int k = -reach; k <= reach; ++k) {
-        const int j = std::clamp(i - reach + k, 0, static_cast<int>(distance.size()) - 1);
+        const int j = std::clamp(i - reach + k, 0, countOf(distance) - 1);
         const double weight = 1.0 + std::cos(kPi * k / (reach + 1));
         sum += weight * distance[j];
         weights += weight;
@@ -99,18 +100,18 @@ struct Pace {
   [[nodiscard]] double operator()(double time) const {
     const double position = (time - kStart) / kTick;
     if (position <= 0.0) return 0.0;
-    const auto i = static_cast<std::size_t>(position);
+    const std::size_t i = position;
     if (i + 1 >= distance.size()) return distance.back();
-    const double share = position - static_cast<double>(i);
+    const double share = position - i;
     return (1.0 - share) * distance[i] + share * distance[i + 1];
   }
   [[nodiscard]] double speed(double time) const { return ((*this)(time + 0.02) - (*this)(time - 0.02)) / 0.04; }
   /// The first time at which s is reached.
   [[nodiscard]] double when(double s) const {
     const auto at = std::lower_bound(distance.begin(), distance.end(), s);
-    return kStart + kTick * static_cast<double>(at - distance.begin());
+    return kStart + kTick * (at - distance.begin());
   }
-  [[nodiscard]] double end() const { return kStart + kTick * static_cast<double>(distance.size()); }
+  [[nodiscard]] double end() const { return kStart + kTick * distance.size(); }
 };
 
 /// Footfalls along the loop, alternating right and left, and the gait phase: equals k when the body passes over
@@ -123,7 +124,7 @@ struct Gait {
 
 Gait planGait(const Loop& loop, const Pace& pace) {
   constexpr double kStride = 0.6;
-  const int count = static_cast<int>(std::lround(Loop::kLength / kStride));
+  const int count = std::lround(Loop::kLength / kStride);
   // Footfall k is at distance k * stride; one more brings the feet side by side.
   struct Fall {
     double s, land, lift;

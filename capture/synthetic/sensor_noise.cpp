@@ -1,5 +1,6 @@
 #include "capture/synthetic/motion_track.h"
 #include "capture/synthetic/synthetic_motion.h"
+#include "geometry/counts.h"
 
 #include <array>
 #include <cmath>
@@ -102,7 +103,7 @@ std::vector<SkeletonFrame> addSensorNoise(std::vector<SkeletonFrame> frames, std
   using enum BodyJoint;
   const std::array<std::array<BodyJoint, 2>, 4> limbs{
       {{kLeftElbow, kLeftHand}, {kRightElbow, kRightHand}, {kLeftKnee, kLeftFoot}, {kRightKnee, kRightFoot}}};
-  const int count = static_cast<int>(frames.size());
+  const int count = countOf(frames);
   for (const auto& [middle, end] : limbs) {
     const auto between = [&](int low, int high) { return low + static_cast<int>(random.unit() * (high - low + 1)); };
     int frame = between(20, 90);

@@ -1,5 +1,7 @@
 #include "capture/tracking/depth_joints.h"
 
+#include "geometry/counts.h"
+
 #include <utility>
 
 namespace lorica {
@@ -40,9 +42,8 @@ double DepthJoints::riseTo(double sensorTime) {
 }
 
 Result<std::optional<SkeletonFrame>> DepthJoints::next() {
-  const Result<DepthRead> read = depth_->next(sight_.image);
-  if (!read) return read.error();
-  sight_.read = *read;
+  LORICA_TRY(const DepthRead read, depth_->next(sight_.image));
+  sight_.read = read;
   sight_.people = 0;
   sight_.followed = false;
   sight_.roomUncertain = false;
@@ -50,8 +51,8 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   sight_.arrived = std::chrono::steady_clock::now();
   SkeletonFrame& joints = sight_.joints;
   joints = {};
-  if (*read == DepthRead::kEnd) return std::optional<SkeletonFrame>();
-  if (*read != DepthRead::kFrame) {
+  if (read == DepthRead::kEnd) return std::optional<SkeletonFrame>();
+  if (read != DepthRead::kFrame) {
     time_ = time_ ? *time_ + kSilence : 0.0;
     joints.time = *time_;
     if (places_) fillPlaces({});
@@ -60,7 +61,7 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
 
   const std::span<const TrackedPerson> people = tracker_.track(sight_.image);
   sight_.trackSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sight_.arrived).count();
-  sight_.people = static_cast<int>(people.size());
+  sight_.people = countOf(people);
   sight_.roomUncertain = tracker_.roomUncertain();
   time_ = riseTo(sight_.image.time);
   follow(people);

@@ -4,8 +4,7 @@
 
 namespace lorica {
 
-PeoplePlaces::PeoplePlaces(int count)
-    : places_(static_cast<std::size_t>(std::max(count, 1))), frames_(places_.size()) {}
+PeoplePlaces::PeoplePlaces(int count) : places_(std::max(count, 1)), frames_(places_.size()) {}
 
 void PeoplePlaces::update(std::span<const TrackedPerson> people, double time) {
   for (Place& place : places_) {
@@ -18,7 +17,7 @@ void PeoplePlaces::update(std::span<const TrackedPerson> people, double time) {
     Place* taken = place != places_.end() ? &*place : placeFor(person, time);
     if (taken == nullptr) continue;
     *taken = {person.skeleton.user, time, person.skeleton[BodyJoint::kTorso].position};
-    SkeletonFrame& frame = frames_[static_cast<std::size_t>(taken - places_.data())];
+    SkeletonFrame& frame = frames_[taken - places_.data()];
     frame = person.skeleton;
   }
   for (std::size_t p = 0; p < places_.size(); ++p) {

@@ -1,5 +1,7 @@
 #include "capture/tracking/track_log.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <iterator>
@@ -10,8 +12,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Error unwritable(const fs::path& file) {
-  return {ErrorCode::kUnwritable, file.string() + ": cannot be written"};
+Error cannotWrite(const fs::path& file) {
+  return unwritable(file.string() + ": cannot be written");
 }
 
 std::string header() {
@@ -31,7 +33,7 @@ Result<TrackLog> TrackLog::create(const fs::path& base) {
     part.target = base.string() + (i == 0 ? ".cam.csv" : ".lab");
     part.path = part.target.string() + ".part";
     part.stream.open(part.path, std::ios::binary | std::ios::trunc);
-    if (!part.stream) return unwritable(part.target);
+    if (!part.stream) return cannotWrite(part.target);
   }
   log.parts_[0].stream << header();
   return log;
@@ -61,19 +63,19 @@ void TrackLog::add(int frame, std::span<const TrackedPerson> people, Tracker& tr
   }
   parts_[0].stream << rows;
   const std::span<const std::uint8_t> labels = tracker.labels();
-  parts_[1].stream.write(reinterpret_cast<const char*>(labels.data()), static_cast<std::streamsize>(labels.size()));
+  parts_[1].stream.write(reinterpret_cast<const char*>(labels.data()), labels.size());
 }
 
 Result<void> TrackLog::finish() {
   for (Part& part : parts_) {
     part.stream.flush();
-    if (!part.stream) return unwritable(part.target);
+    if (!part.stream) return cannotWrite(part.target);
   }
   for (Part& part : parts_) {
     part.stream.close();
     std::error_code error;
     fs::rename(part.path, part.target, error);
-    if (error) return unwritable(part.target);
+    if (error) return cannotWrite(part.target);
     part.path.clear();
   }
   return {};

@@ -3,8 +3,7 @@
 #include "capture/tracking/fit/body_belief.h"
 #include "capture/tracking/fit/person_fit.h"
 #include "capture/tracking/people/people.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <array>
@@ -34,12 +33,9 @@ struct Seat {
 
 struct Tracker::Impl {
   Impl(const DepthCamera& device, const TrackerSettings& settings)
-      : camera(device),
-        finder(device, settings.maxPeople),
-        view(device),
-        seats(static_cast<std::size_t>(settings.maxPeople)) {
+      : camera(device), finder(device, settings.maxPeople), view(device), seats(settings.maxPeople) {
     reported.reserve(seats.size());
-    labels.resize(static_cast<std::size_t>(device.width) * static_cast<std::size_t>(device.height));
+    labels.resize(static_cast<std::size_t>(device.width) * device.height);
   }
 
   Seat* seatOf(const PersonSegment& person, double time) {
@@ -78,19 +74,16 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
 Result<Tracker> Tracker::create(const DepthCamera& camera, const TrackerSettings& settings) {
   if (settings.maxPeople < 1 || settings.maxPeople > 6) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the number of people to track is {}, expected 1 to 6", settings.maxPeople)};
+    return invalidArgument("the number of people to track is {}, expected 1 to 6", settings.maxPeople);
   }
   if (camera.width < 80 || camera.height < 60 || camera.width > 4096 || camera.height > 4096) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the depth camera's images are {} x {}, expected 80 x 60 to 4096 x 4096", camera.width,
-                             camera.height)};
+    return invalidArgument("the depth camera's images are {} x {}, expected 80 x 60 to 4096 x 4096", camera.width,
+                           camera.height);
   }
   const auto isAngle = [](double a) { return a > 0.1 && a < 2.8; };
   if (!isAngle(camera.horizontalFov) || !isAngle(camera.verticalFov)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the depth camera's field of view is {} x {} rad, expected 0.1 to 2.8 each",
-                             camera.horizontalFov, camera.verticalFov)};
+    return invalidArgument("the depth camera's field of view is {} x {} rad, expected 0.1 to 2.8 each",
+                           camera.horizontalFov, camera.verticalFov);
   }
   return Tracker(std::make_unique<Impl>(camera, settings));
 }
@@ -98,7 +91,7 @@ Result<Tracker> Tracker::create(const DepthCamera& camera, const TrackerSettings
 std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
   Impl& t = *impl_;
   t.reported.clear();
-  const auto pixels = static_cast<std::size_t>(t.camera.width) * static_cast<std::size_t>(t.camera.height);
+  const auto pixels = static_cast<std::size_t>(t.camera.width) * t.camera.height;
   if (frame.depthMm.size() != pixels) return {};
   t.finder.find(frame);
   const Isometry3& floor = t.finder.floorFromCamera();
@@ -123,9 +116,9 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
   for (std::size_t i = 0; i < people.size(); ++i) {
     Seat* seat = t.seatOf(people[i], frame.time);
     if (!seat || people[i].pixelCount * kMinShare < t.camera.width * t.camera.height / 3) continue;
-    t.view.look(frame.depthMm, t.finder.labels(), static_cast<std::uint8_t>(i + 1), floor, t.finder.floorFound());
+    t.view.look(frame.depthMm, t.finder.labels(), i + 1, floor, t.finder.floorFound());
     t.view.setAttached(people[i].attached);
-    seat->seen = seat->fit.follow(t.view, static_cast<float>(frame.time - seat->lastTime));
+    seat->seen = seat->fit.follow(t.view, frame.time - seat->lastTime);
     if (!seat->seen) continue;
     seat->lastTime = frame.time;
     seat->belief.update(
@@ -136,7 +129,7 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     t.roomUncertain = t.roomUncertain || people[i].attached || (doubtful && people[i].moved);
     if (seat->belief.believed()) {
       t.finder.confirm(seat->user);
-      t.shown[i + 1] = static_cast<std::uint8_t>(i + 1);
+      t.shown[i + 1] = i + 1;
     } else if (doubtful && !people[i].moved) {
       t.finder.reject(seat->user);
       seat->user = 0;

@@ -25,7 +25,7 @@ float deviate(std::uint64_t bits) {
   const auto sum =
       static_cast<std::int32_t>((bits & 0xffff) + ((bits >> 16) & 0xffff) + ((bits >> 32) & 0xffff) + (bits >> 48));
   constexpr float kScale = 1.7320508F / 65536.0F;
-  return static_cast<float>(sum - 2 * 65535) * kScale;
+  return (sum - 2 * 65535) * kScale;
 }
 
 std::uint64_t seedOf(std::uint64_t seed, std::uint64_t frame, std::uint64_t use) {
@@ -38,8 +38,7 @@ std::uint64_t seedOf(std::uint64_t seed, std::uint64_t frame, std::uint64_t use)
 float deviateExceededBy(double part) {
   if (part <= 0.0) return 1e9F;
   const double t = std::sqrt(-2.0 * std::log(part));
-  return static_cast<float>(t - (2.515517 + t * (0.802853 + t * 0.010328)) /
-                                    (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308))));
+  return t - (2.515517 + t * (0.802853 + t * 0.010328)) / (1.0 + t * (1.432788 + t * (0.189269 + t * 0.001308)));
 }
 
 /// Whole pixels of the image, at least one. Half of an odd size is rounded up, also if the focal lengths are not quite
@@ -52,7 +51,7 @@ int pixelsOf(double size, double scale) {
 void sumAcross(std::vector<float>& image, std::size_t width, std::size_t before, std::size_t after,
                std::vector<float>& line) {
   for (std::size_t row = 0; row < image.size(); row += width) {
-    std::copy_n(image.begin() + static_cast<std::ptrdiff_t>(row), width, line.begin());
+    std::copy_n(image.begin() + row, width, line.begin());
     float sum = 0.0F;
     for (std::size_t i = 0; i < std::min(after, width); ++i) sum += line[i];
     for (std::size_t i = 0; i < width; ++i) {
@@ -75,7 +74,7 @@ void sumDown(std::span<const float> image, std::size_t width, std::size_t before
   for (std::size_t row = 0; row < std::min(after, height); ++row) add(row, 1.0F);
   for (std::size_t row = 0; row < height; ++row) {
     if (row + after < height) add(row + after, 1.0F);
-    std::copy_n(line.begin(), width, out.begin() + static_cast<std::ptrdiff_t>(row * width));
+    std::copy_n(line.begin(), width, out.begin() + row * width);
     if (row >= before) add(row - before, -1.0F);
   }
 }
@@ -173,13 +172,13 @@ void DepthNoise::Field::resize(const DepthCamera& camera, int cellSize) {
   cell = cellSize;
   columns = camera.width / cell + 2;
   rows = camera.height / cell + 2;
-  values.assign(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows), 0.0F);
+  values.assign(static_cast<std::size_t>(columns) * rows, 0.0F);
   weights.clear();
-  weights.reserve(static_cast<std::size_t>(cell) * static_cast<std::size_t>(cell) * 4);
+  weights.reserve(static_cast<std::size_t>(cell) * cell * 4);
   for (int y = 0; y < cell; ++y) {
     for (int x = 0; x < cell; ++x) {
-      const float v = (static_cast<float>(y) + 0.5F) / static_cast<float>(cell);
-      const float u = (static_cast<float>(x) + 0.5F) / static_cast<float>(cell);
+      const float v = (y + 0.5F) / cell;
+      const float u = (x + 0.5F) / cell;
       const std::array<float, 4> w = {(1 - u) * (1 - v), u * (1 - v), (1 - u) * v, u * v};
       const float norm = std::sqrt(w[0] * w[0] + w[1] * w[1] + w[2] * w[2] + w[3] * w[3]);
       for (const float weight : w) weights.push_back(weight / norm);
@@ -196,8 +195,8 @@ void DepthNoise::Field::readRow(int row, std::span<float> out) const {
   const int cellRow = row / cell;
   const float* corner = &values[cellRow * columns];
   const float* rowWeights = &weights[(row - cellRow * cell) * cell * 4];
-  for (std::size_t begin = 0; begin < out.size(); begin += static_cast<std::size_t>(cell), ++corner) {
-    const std::size_t count = std::min(out.size() - begin, static_cast<std::size_t>(cell));
+  for (std::size_t begin = 0; begin < out.size(); begin += cell, ++corner) {
+    const std::size_t count = std::min<std::size_t>(out.size() - begin, cell);
     const float* w = rowWeights;
     for (std::size_t i = 0; i < count; ++i, w += 4) {
       out[begin + i] = w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[columns] + w[3] * corner[columns + 1];
@@ -212,7 +211,7 @@ DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& sett
       jitterCell_(pixelsOf(kJitterCell, scale_)),
       smearWidth_(pixelsOf(settings.smear, scale_)),
       edgeLossWidth_(settings.edgeLoss > 0.0 ? pixelsOf(settings.edgeLoss, scale_) : 0) {
-  const auto pixels = static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height);
+  const auto pixels = static_cast<std::size_t>(camera.width) * camera.height;
   lit_.assign(pixels, 0.0F);
   spread_.assign(pixels, 0.0F);
   threshold_.assign(pixels, 0.0F);
@@ -220,25 +219,23 @@ DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& sett
   lasting_.draw(seedOf(settings.seed, 0, 4));
   smooth_.resize(camera, pixelsOf(settings.smoothness, scale_));
   clumps_.resize(camera, pixelsOf(kClumpCell, scale_));
-  smoothRow_.assign(static_cast<std::size_t>(camera.width), 0.0F);
+  smoothRow_.assign(camera.width, 0.0F);
   lastingRow_ = clumpsRow_ = rayX_ = smoothRow_;
   if (smearWidth_ > 1) weight_ = sums_ = lit_;
   for (int column = 0; column < camera.width; ++column) {
-    rayX_[column] = static_cast<float>(camera.positionOf(column, 0.0, 1.0).x());
+    rayX_[column] = camera.positionOf(column, 0.0, 1.0).x();
   }
-  jitter_.assign(static_cast<std::size_t>(camera.width / jitterCell_ + 1) *
-                     static_cast<std::size_t>(camera.height / jitterCell_ + 1) * 2,
-                 0);
+  jitter_.assign(static_cast<std::size_t>(camera.width / jitterCell_ + 1) * (camera.height / jitterCell_ + 1) * 2, 0);
   // Without steps depth is still stored as a disparity, in steps so small that none exceeds 0.1 mm.
   const double steps = settings.steps > 0.0 ? settings.steps : 1e-4 / (2.9e-3 * settings.max * settings.max);
   const double whole = kStepsPerPixel / steps * DepthCamera{}.focalX() * kMeasuringBaseline;
-  disparityOfInverse_ = static_cast<float>(whole);
+  disparityOfInverse_ = whole;
   if (settings.steps <= 0.0) return;
   millimetres_.resize(static_cast<std::size_t>(whole / settings.min) + 2, 0);
   for (std::size_t step = 1; step < millimetres_.size(); ++step) {
-    const double depth = whole / static_cast<double>(step);
+    const double depth = whole / step;
     if (depth >= settings.min && depth <= settings.max) {
-      millimetres_[step] = static_cast<std::uint16_t>(std::lround(1000.0 * depth));
+      millimetres_[step] = std::lround(1000.0 * depth);
     }
   }
 }
@@ -249,14 +246,14 @@ void DepthNoise::findLit(std::span<const float> inverseDepth) {
   // The nearer a point is, the further left the projector sees it. Scanning from the right, a point is lit if the
   // projector sees it left of all previous points. A near surface ends half a pixel left of its last pixel's centre,
   // and what is hidden by less than a pixel of the sensor is measured.
-  const auto shift = static_cast<float>(camera_.focalX() * settings_.baseline);
-  const auto tolerance = static_cast<float>(scale_ - 0.5);
-  const auto width = static_cast<std::size_t>(camera_.width);
+  const float shift = camera_.focalX() * settings_.baseline;
+  const float tolerance = scale_ - 0.5;
+  const std::size_t width = camera_.width;
   for (std::size_t row = 0; row < lit_.size(); row += width) {
-    auto leftmost = static_cast<float>(2 * camera_.width);
+    float leftmost = 2 * camera_.width;
     for (std::size_t i = width; i-- > 0;) {
       const float inverse = inverseDepth[row + i];
-      const float position = static_cast<float>(i) - shift * inverse;
+      const float position = i - shift * inverse;
       if (position > leftmost + tolerance) lit_[row + i] = 0.0F;
       if (inverse > 0.0F) leftmost = std::min(leftmost, position);
     }
@@ -265,7 +262,7 @@ void DepthNoise::findLit(std::span<const float> inverseDepth) {
 
 void DepthNoise::loseEdges(std::span<const float> inverseDepth) {
   // Beside a near thing the matching window sees both surfaces; on its left the shadow is there anyway.
-  const auto width = static_cast<std::size_t>(camera_.width);
+  const std::size_t width = camera_.width;
   for (std::size_t row = 0; row < lit_.size(); row += width) {
     int left = 0;  // pixels that are still to be lost
     float far = 0.0F;
@@ -281,9 +278,9 @@ void DepthNoise::loseEdges(std::span<const float> inverseDepth) {
 
 void DepthNoise::smear() {
   // A box twice along each axis, the second time shifted the other way: a triangle. Only what is measured counts.
-  const auto width = static_cast<std::size_t>(camera_.width);
-  const auto half = static_cast<std::size_t>(smearWidth_ / 2);
-  const std::size_t rest = static_cast<std::size_t>(smearWidth_) - 1 - half;
+  const std::size_t width = camera_.width;
+  const std::size_t half = smearWidth_ / 2;
+  const std::size_t rest = smearWidth_ - 1 - half;
   for (std::size_t i = 0; i < lit_.size(); ++i) weight_[i] = lit_[i] > 0.0F ? 1.0F : 0.0F;
   for (std::vector<float>* image : {&lit_, &weight_}) {
     sumAcross(*image, width, rest, half, smoothRow_);
@@ -297,23 +294,23 @@ void DepthNoise::smear() {
 void DepthNoise::findSurface(std::span<const float> inverseDepth) {
   // The slope of the surface follows from the gradient of inverse depth. Of the two differences to neighbours the
   // smaller one is used, so that an edge does not look like a slope.
-  const auto width = static_cast<std::size_t>(camera_.width);
-  const auto fx = static_cast<float>(camera_.focalX());
-  const auto fy = static_cast<float>(camera_.focalY());
-  const float middleY = 0.5F * static_cast<float>(camera_.height) - 0.5F;
+  const std::size_t width = camera_.width;
+  const float fx = camera_.focalX();
+  const float fy = camera_.focalY();
+  const float middleY = 0.5F * camera_.height - 0.5F;
   const float usual = deviateExceededBy(settings_.dropout);
   const float perGrazing = settings_.grazing ? 1.0F : 0.0F;
-  const auto axial = static_cast<float>(settings_.axial);
+  const float axial = settings_.axial;
   const float scale = disparityOfInverse_;
   const float quantisation = settings_.steps > 0.0 ? 1.0F / 12.0F : 0.0F;
   const AxialNoise& noise = settings_.axialNoise;
-  const auto base = static_cast<float>(noise.base);
-  const auto quadratic = static_cast<float>(noise.quadratic);
-  const auto nearest = static_cast<float>(noise.nearest);
-  const auto angle = static_cast<float>(noise.angle);
-  const auto angleFar = static_cast<float>(noise.angleFar);
+  const float base = noise.base;
+  const float quadratic = noise.quadratic;
+  const float nearest = noise.nearest;
+  const float angle = noise.angle;
+  const float angleFar = noise.angleFar;
   for (int row = 0; row < camera_.height; ++row) {
-    const std::size_t begin = static_cast<std::size_t>(row) * width;
+    const std::size_t begin = row * width;
     const float* here = &inverseDepth[begin];
     // At the border only one neighbour exists: the other one is replaced by its mirror image.
     const float* above = row > 0 ? here - width : here + width;
@@ -330,7 +327,7 @@ void DepthNoise::findSurface(std::span<const float> inverseDepth) {
     across[0] = here[1] - here[0];
     across[width - 1] = here[width - 1] - here[width - 2];
 
-    const float y = (middleY - static_cast<float>(row)) / fy;
+    const float y = (middleY - row) / fy;
     float* spread = &spread_[begin];
     float* threshold = &threshold_[begin];
     for (std::size_t i = 0; i < width; ++i) {
@@ -379,15 +376,15 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
   clumps_.draw(seedOf(settings_.seed, frame, 1));
   RandomNumbers jitter(seedOf(settings_.seed, frame, 2));
   RandomNumbers white(seedOf(settings_.seed, frame, 3));
-  const auto lateral = static_cast<float>(settings_.lateral * scale_);
+  const float lateral = settings_.lateral * scale_;
   for (std::int8_t& offset : jitter_) {
-    offset = static_cast<std::int8_t>(std::lround(std::clamp(lateral * deviate(jitter.bits()), -100.0F, 100.0F)));
+    offset = std::lround(std::clamp(lateral * deviate(jitter.bits()), -100.0F, 100.0F));
   }
-  const auto lasting = static_cast<float>(std::sqrt(settings_.lasting));
-  const auto shared = static_cast<float>(std::sqrt(settings_.shared));
-  const auto own = static_cast<float>(std::sqrt(std::max(0.0, 1.0 - settings_.lasting - settings_.shared)));
-  const auto min = static_cast<float>(settings_.min);
-  const auto max = static_cast<float>(settings_.max);
+  const float lasting = std::sqrt(settings_.lasting);
+  const float shared = std::sqrt(settings_.shared);
+  const float own = std::sqrt(std::max(0.0, 1.0 - settings_.lasting - settings_.shared));
+  const float min = settings_.min;
+  const float max = settings_.max;
   const int width = camera_.width;
   const int height = camera_.height;
   const int jitterColumns = width / jitterCell_ + 1;
@@ -398,10 +395,10 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
     if (losing) clumps_.readRow(row, clumpsRow_);
     const int jitterRow = row / jitterCell_ * jitterColumns;
     for (int column = 0; column < width; ++column, ++at) {
-      const std::size_t cell = static_cast<std::size_t>(jitterRow + column / jitterCell_) * 2;
+      const std::size_t cell = (jitterRow + column / jitterCell_) * 2;
       const int fromColumn = std::clamp(column + jitter_[cell], 0, width - 1);
       const int fromRow = std::clamp(row + jitter_[cell + 1], 0, height - 1);
-      const auto from = static_cast<std::size_t>(fromRow * width + fromColumn);
+      const std::size_t from = fromRow * width + fromColumn;
       const float inverse = lit_[from];
       depthMm[at] = 0;
       if (inverse <= 0.0F || (losing && clumpsRow_[column] > threshold_[from])) continue;
@@ -413,12 +410,12 @@ void DepthNoise::apply(std::span<const float> inverseDepth, std::uint64_t frame,
       if (disparity <= 0.0F) continue;
       if (!millimetres_.empty()) {
         const float upToHalf = disparity + 0.5F;  // truncation rounds this to nearest
-        const auto step = static_cast<std::size_t>(upToHalf);
+        const std::size_t step = upToHalf;
         if (step < millimetres_.size()) depthMm[at] = millimetres_[step];
       } else {
         const float depth = disparityOfInverse_ / disparity;
         const float upToHalf = 1000.0F * depth + 0.5F;
-        if (depth >= min && depth <= max) depthMm[at] = static_cast<std::uint16_t>(upToHalf);
+        if (depth >= min && depth <= max) depthMm[at] = upToHalf;
       }
     }
   }

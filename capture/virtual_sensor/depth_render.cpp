@@ -15,7 +15,7 @@ constexpr double kNearest = 0.05;
 std::pair<int, int> pixelsIn(double from, double to, int count) {
   if (!(from <= to)) return {0, -1};
   const double first = std::clamp(std::ceil(from - 0.5), 0.0, static_cast<double>(count));
-  const double last = std::clamp(std::floor(to - 0.5), -1.0, static_cast<double>(count) - 1.0);
+  const double last = std::clamp(std::floor(to - 0.5), -1.0, count - 1.0);
   return {static_cast<int>(first), static_cast<int>(last)};
 }
 
@@ -25,7 +25,7 @@ DepthRenderer::DepthRenderer(const DepthCamera& camera)
     : camera_(camera),
       focalX_(camera.focalX()),
       focalY_(camera.focalY()),
-      inverseDepth_(static_cast<std::size_t>(camera.width) * static_cast<std::size_t>(camera.height), 0.0F),
+      inverseDepth_(static_cast<std::size_t>(camera.width) * camera.height, 0.0F),
       labels_(inverseDepth_.size(), 0) {}
 
 void DepthRenderer::clear() {
@@ -46,9 +46,9 @@ void DepthRenderer::draw(std::span<const Vec3> positions, std::span<const Triang
     seen_[i] = positions[i].z() <= -kNearest ? project(positions[i]) : Seen{0.0, 0.0, 0.0};
   }
   for (const Triangle& triangle : triangles) {
-    const auto a = static_cast<std::size_t>(triangle[0]);
-    const auto b = static_cast<std::size_t>(triangle[1]);
-    const auto c = static_cast<std::size_t>(triangle[2]);
+    const std::size_t a = triangle[0];
+    const std::size_t b = triangle[1];
+    const std::size_t c = triangle[2];
     if (seen_[a].inverse > 0.0 && seen_[b].inverse > 0.0 && seen_[c].inverse > 0.0) {
       drawSeen(seen_[a], seen_[b], seen_[c], sides, label);
     } else {
@@ -107,9 +107,9 @@ void DepthRenderer::drawSeen(const Seen& a, const Seen& b, const Seen& c, Surfac
       ((b.inverse - a.inverse) * (c.row - a.row) - (c.inverse - a.inverse) * (b.row - a.row)) / area;
   const double perRow =
       ((c.inverse - a.inverse) * (b.column - a.column) - (b.inverse - a.inverse) * (c.column - a.column)) / area;
-  const auto min = static_cast<float>(std::min({a.inverse, b.inverse, c.inverse}));
-  const auto max = static_cast<float>(std::max({a.inverse, b.inverse, c.inverse}));
-  const auto step = static_cast<float>(perColumn);
+  const float min = std::min({a.inverse, b.inverse, c.inverse});
+  const float max = std::max({a.inverse, b.inverse, c.inverse});
+  const float step = perColumn;
 
   for (int row = firstRow; row <= lastRow; ++row) {
     const double y = row + 0.5;
@@ -117,15 +117,14 @@ void DepthRenderer::drawSeen(const Seen& a, const Seen& b, const Seen& c, Surfac
     const double x1 =
         y < middle->row ? top->column + (y - top->row) * upper : middle->column + (y - middle->row) * lower;
     const auto [first, last] = pixelsIn(std::min(x0, x1), std::max(x0, x1), camera_.width);
-    const auto start = static_cast<float>(a.inverse + perColumn * (first + 0.5 - a.column) + perRow * (y - a.row));
-    const std::size_t at =
-        static_cast<std::size_t>(row) * static_cast<std::size_t>(camera_.width) + static_cast<std::size_t>(first);
+    const float start = a.inverse + perColumn * (first + 0.5 - a.column) + perRow * (y - a.row);
+    const std::size_t at = static_cast<std::size_t>(row) * camera_.width + first;
     for (int i = 0; i <= last - first; ++i) {
-      const float inverse = std::clamp(start + step * static_cast<float>(i), min, max);
-      float& held = inverseDepth_[at + static_cast<std::size_t>(i)];
+      const float inverse = std::clamp(start + step * i, min, max);
+      float& held = inverseDepth_[at + i];
       if (inverse > held) {
         held = inverse;
-        labels_[at + static_cast<std::size_t>(i)] = label;
+        labels_[at + i] = label;
       }
     }
   }
@@ -141,7 +140,7 @@ void DepthRenderer::drawPlane(const Vec3& normal, double offset, std::uint8_t la
     const double start =
         (0.5 - 0.5 * camera_.width) * perColumn + (row + 0.5 - 0.5 * camera_.height) * perRow - normal.z() / offset;
     for (int column = 0; column < camera_.width; ++column, ++at) {
-      const auto inverse = static_cast<float>(start + column * perColumn);
+      const float inverse = start + column * perColumn;
       if (inverse > inverseDepth_[at] && inverse < 1.0 / kNearest) {
         inverseDepth_[at] = inverse;
         labels_[at] = label;

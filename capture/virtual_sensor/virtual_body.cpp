@@ -55,7 +55,7 @@ double lowestOf(const TriMesh& mesh) {
 
 Character withProportions(const Character& character, const BodyProportions& proportions) {
   const Skeleton& skeleton = character.skeleton;
-  const auto jointCount = static_cast<std::size_t>(skeleton.jointCount());
+  const std::size_t jointCount = skeleton.jointCount();
   std::vector<Affine3> modelFromJoint(jointCount);
   for (std::size_t j = 0; j < jointCount; ++j) modelFromJoint[j] = character.jointFromModel[j].inverse();
 
@@ -87,7 +87,7 @@ Character withProportions(const Character& character, const BodyProportions& pro
     const JointIndex parent = joints[j].parent;
     position[j] = modelFromJoint[j].translation();
     if (parent == kNoJoint) continue;
-    const auto p = static_cast<std::size_t>(parent);
+    const std::size_t p = parent;
     position[j] = position[p] + changes[p].lengths * (position[j] - modelFromJoint[p].translation());
     joints[j].rest.translation = changes[p].restLengths * joints[j].rest.translation;
   }
@@ -96,7 +96,7 @@ Character withProportions(const Character& character, const BodyProportions& pro
   for (std::size_t v = 0; v < changed.mesh.vertices.size(); ++v) {
     Vec3 sum = Vec3::Zero();
     for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
-      const auto j = static_cast<std::size_t>(character.influences[i].joint);
+      const std::size_t j = character.influences[i].joint;
       const Vec3 from = character.mesh.vertices[v] - modelFromJoint[j].translation();
       sum += character.influences[i].weight * (position[j] + changes[j].whole * from);
     }

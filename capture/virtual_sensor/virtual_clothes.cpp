@@ -1,5 +1,7 @@
 #include "capture/virtual_sensor/virtual_clothes.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -32,16 +34,16 @@ double smoothly(double from, double to, double value) {
 class Tailor {
  public:
   explicit Tailor(const Character& body) : dressed_(body), unit_(body.height / kUsualHeight) {
-    const auto jointCount = static_cast<std::size_t>(body.skeleton.jointCount());
+    const std::size_t jointCount = body.skeleton.jointCount();
     std::vector<std::optional<B>> boneOfJoint(jointCount);
     for (int bone = 0; bone < kHumanBoneCount; ++bone) {
       const JointIndex joint = body.skeleton.jointOf(static_cast<B>(bone));
-      if (joint != kNoJoint) boneOfJoint[static_cast<std::size_t>(joint)] = static_cast<B>(bone);
+      if (joint != kNoJoint) boneOfJoint[joint] = static_cast<B>(bone);
     }
     // Joints between two humanoid bones belong to the upper one. Parents precede children.
     for (std::size_t j = 0; j < jointCount; ++j) {
-      const JointIndex parent = body.skeleton.joint(static_cast<JointIndex>(j)).parent;
-      if (!boneOfJoint[j] && parent != kNoJoint) boneOfJoint[j] = boneOfJoint[static_cast<std::size_t>(parent)];
+      const JointIndex parent = body.skeleton.joint(j).parent;
+      if (!boneOfJoint[j] && parent != kNoJoint) boneOfJoint[j] = boneOfJoint[parent];
     }
     boneOfVertex_.resize(body.mesh.vertices.size());
     for (std::size_t v = 0; v < boneOfVertex_.size(); ++v) {
@@ -49,7 +51,7 @@ class Tailor {
       for (std::uint32_t i = body.influenceBegin[v]; i < body.influenceBegin[v + 1]; ++i) {
         if (body.influences[i].weight <= most) continue;
         most = body.influences[i].weight;
-        boneOfVertex_[v] = boneOfJoint[static_cast<std::size_t>(body.influences[i].joint)];
+        boneOfVertex_[v] = boneOfJoint[body.influences[i].joint];
       }
     }
   }
@@ -104,7 +106,7 @@ class Tailor {
   /// Adds the closed surface through rings. @param weigh  (position, influences to fill)
   template <typename Weigh>
   void addTube(std::span<const Ring> rings, const Weigh& weigh) {
-    const auto first = static_cast<int>(dressed_.mesh.vertices.size());
+    const auto first = countOf(dressed_.mesh.vertices);
     const auto addVertex = [&](const Vec3& position) {
       dressed_.mesh.vertices.push_back(position);
       std::vector<Influence> weights;
@@ -113,7 +115,7 @@ class Tailor {
       double sum = 0.0;
       for (const Influence& one : weights) sum += one.weight;
       for (Influence one : weights) dressed_.influences.push_back({one.joint, one.weight / sum});
-      dressed_.influenceBegin.push_back(static_cast<std::uint32_t>(dressed_.influences.size()));
+      dressed_.influenceBegin.push_back(dressed_.influences.size());
     };
     for (const Ring& ring : rings) {
       for (int k = 0; k < kSegments; ++k) {
@@ -121,7 +123,7 @@ class Tailor {
         addVertex(ring.centre + std::cos(angle) * ring.a + std::sin(angle) * ring.b);
       }
     }
-    const auto ringCount = static_cast<int>(rings.size());
+    const auto ringCount = countOf(rings);
     const int begin = first + ringCount * kSegments, end = begin + 1;
     addVertex(rings.front().centre);
     addVertex(rings.back().centre);

@@ -3,6 +3,7 @@
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/retarget.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "geometry/errors.h"
 #include "skinning/linear_blend.h"
 
 #include <algorithm>
@@ -28,40 +29,35 @@ bool sameNames(const Skeleton& a, const Skeleton& b) {
 }  // namespace
 
 Result<VirtualPerformer> VirtualPerformer::create(Character character, std::span<const SkeletonFrame> recording) {
-  if (recording.empty()) return Error{ErrorCode::kInvalidArgument, "found no joint frames, expected at least one"};
-  if (const Result<void> checked = checkCharacter(character); !checked) return checked.error();
-  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
-  if (!proxy) return proxy.error();
-  Result<Retargeter> retargeter = Retargeter::create(proxy->skeleton());
-  if (!retargeter) return retargeter.error();
-  SkeletalMotion motion{"", proxy->skeleton(), {}, {}};
+  if (recording.empty()) return invalidArgument("found no joint frames, expected at least one");
+  LORICA_TRY_DO(checkCharacter(character));
+  LORICA_TRY(ProxySkeleton proxy, ProxySkeleton::create(character));
+  LORICA_TRY(Retargeter retargeter, Retargeter::create(proxy.skeleton()));
+  SkeletalMotion motion{"", proxy.skeleton(), {}, {}};
   Pose pose = restPose(motion.skeleton);
   motion.times.reserve(recording.size());
   motion.poses.reserve(recording.size() * pose.size());
   for (const SkeletonFrame& frame : recording) {
-    retargeter->apply(frame, pose);
+    retargeter.apply(frame, pose);
     motion.times.push_back(frame.time);
     motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
   }
-  motion = proxy->mapBack(std::move(motion));
+  motion = proxy.mapBack(std::move(motion));
   return VirtualPerformer(std::move(character), std::move(motion));
 }
 
 Result<VirtualPerformer> VirtualPerformer::create(Character character, const SkeletalMotion& motion) {
   if (motion.times.empty() || motion.poses.size() != motion.times.size() * motion.skeleton.joints().size()) {
-    return Error{ErrorCode::kInvalidArgument, "the motion has no frames, or frames without one transform per joint"};
+    return invalidArgument("the motion has no frames, or frames without one transform per joint");
   }
-  if (const Result<void> checked = checkCharacter(character); !checked) return checked.error();
+  LORICA_TRY_DO(checkCharacter(character));
   if (sameNames(motion.skeleton, character.skeleton)) {
-    Result<SkeletalMotion> own = retargetByJointNames(motion, character.skeleton);
-    if (!own) return own.error();
-    return VirtualPerformer(std::move(character), std::move(*own));
+    LORICA_TRY(SkeletalMotion own, retargetByJointNames(motion, character.skeleton));
+    return VirtualPerformer(std::move(character), std::move(own));
   }
-  Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
-  if (!proxy) return proxy.error();
-  Result<SkeletalMotion> carried = retargetMotion(motion, proxy->skeleton());
-  if (!carried) return carried.error();
-  SkeletalMotion own = proxy->mapBack(std::move(*carried));
+  LORICA_TRY(ProxySkeleton proxy, ProxySkeleton::create(character));
+  LORICA_TRY(SkeletalMotion carried, retargetMotion(motion, proxy.skeleton()));
+  SkeletalMotion own = proxy.mapBack(std::move(carried));
   return VirtualPerformer(std::move(character), std::move(own));
 }
 
@@ -89,13 +85,13 @@ void VirtualPerformer::pose(double time, const Isometry3& targetFromWorld) {
   // The frames before and after the time.
   const double wanted = std::clamp(motion_.times.front() + time, motion_.times.front(), motion_.times.back());
   const auto after = std::upper_bound(motion_.times.begin(), motion_.times.end(), wanted);
-  const auto last = static_cast<std::size_t>(motion_.frameCount() - 1);
+  const std::size_t last = motion_.frameCount() - 1;
   const std::size_t to = std::min(static_cast<std::size_t>(after - motion_.times.begin()), last);
   const std::size_t from = to > 0 ? to - 1 : 0;
   const double span = motion_.times[to] - motion_.times[from];
   const double part = span > 0.0 ? std::clamp((wanted - motion_.times[from]) / span, 0.0, 1.0) : 1.0;
-  const std::span<const JointTransform> fromPose = motion_.pose(static_cast<int>(from));
-  const std::span<const JointTransform> toPose = motion_.pose(static_cast<int>(to));
+  const std::span<const JointTransform> fromPose = motion_.pose(from);
+  const std::span<const JointTransform> toPose = motion_.pose(to);
   for (std::size_t j = 0; j < pose_.size(); ++j) {
     pose_[j].translation = (1.0 - part) * fromPose[j].translation + part * toPose[j].translation;
     pose_[j].rotation = fromPose[j].rotation.slerp(part, toPose[j].rotation);

@@ -3,6 +3,7 @@
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "capture/virtual_sensor/virtual_body.h"
+#include "geometry/errors.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
@@ -20,7 +21,7 @@ namespace {
 constexpr double kApart = 1.3;
 
 Error badScript(std::string message) {
-  return Error{ErrorCode::kInvalidArgument, "virtual sensor script: " + std::move(message)};
+  return invalidArgument("virtual sensor script: " + std::move(message));
 }
 
 std::vector<std::string_view> split(std::string_view text, char by) {
@@ -181,14 +182,12 @@ Result<VirtualSensor> makeVirtualSensor(const VirtualScript& script) {
     if (const std::optional<SyntheticMotion> shipped = motionNamed(motion)) {
       frames = synthesizeMotion(*shipped);
     } else {
-      Result<std::vector<SkeletonFrame>> read = readJointCsv(motion);
-      if (!read) return read.error();
-      frames = std::move(*read);
+      LORICA_TRY(std::vector<SkeletonFrame> read, readJointCsv(motion));
+      frames = std::move(read);
     }
-    Result<VirtualPerformer> performer = VirtualPerformer::create(body, frames);
-    if (!performer) return performer.error();
-    VirtualPerson person{std::move(*performer)};
-    const auto position = static_cast<double>(people.size()) - 0.5 * static_cast<double>(script.motions.size() - 1);
+    LORICA_TRY(VirtualPerformer performer, VirtualPerformer::create(body, frames));
+    VirtualPerson person{std::move(performer)};
+    const auto position = people.size() - 0.5 * (script.motions.size() - 1);
     person.worldFromMotion.translate(Vec3(kApart * position, 0.0, 0.0));
     person.start = script.start;
     person.absent = script.absent;

@@ -1,6 +1,6 @@
 #include "capture/virtual_sensor/virtual_sensor.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -26,39 +26,38 @@ Isometry3 floorFromWorld(const Isometry3& worldFromCamera) {
 }
 
 Result<void> check(std::size_t people, const VirtualSensorSettings& settings) {
-  const auto bad = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
   if (people > kMaxPeople) {
-    return bad(fmt::format("{} people in front of the virtual sensor, expected at most {}", people, kMaxPeople));
+    return invalidArgument("{} people in front of the virtual sensor, expected at most {}", people, kMaxPeople);
   }
   const DepthCamera& camera = settings.camera;
   if (std::min(camera.width, camera.height) < 2 || std::max(camera.width, camera.height) > kMaxPixels) {
-    return bad(fmt::format("the virtual sensor's image has {} x {} pixels, expected 2 to {} per side", camera.width,
-                           camera.height, kMaxPixels));
+    return invalidArgument("the virtual sensor's image has {} x {} pixels, expected 2 to {} per side", camera.width,
+                           camera.height, kMaxPixels);
   }
   for (const double view : {camera.horizontalFov, camera.verticalFov}) {
-    if (!(view > 0.01 && view < 3.0)) return bad(fmt::format("a field of view of {} rad, expected 0.01 to 3", view));
+    if (!(view > 0.01 && view < 3.0)) return invalidArgument("a field of view of {} rad, expected 0.01 to 3", view);
   }
   if (!(settings.framesPerSecond >= 1.0 && settings.framesPerSecond <= 1000.0)) {
-    return bad(fmt::format("{} frames per second, expected 1 to 1000", settings.framesPerSecond));
+    return invalidArgument("{} frames per second, expected 1 to 1000", settings.framesPerSecond);
   }
   const DepthNoiseSettings& noise = settings.noise;
   for (const double part : {noise.axial, noise.lateral, noise.smear, noise.baseline, noise.edgeLoss, noise.steps,
                             noise.dropout, noise.lasting, noise.shared}) {
-    if (!(part >= 0.0 && part <= 100.0)) return bad(fmt::format("a noise setting of {}, expected 0 to 100", part));
+    if (!(part >= 0.0 && part <= 100.0)) return invalidArgument("a noise setting of {}, expected 0 to 100", part);
   }
   if (noise.steps > 0.0 && noise.steps < 0.01) {
-    return bad(fmt::format("a depth step factor of {}, expected 0 or at least 0.01", noise.steps));
+    return invalidArgument("a depth step factor of {}, expected 0 or at least 0.01", noise.steps);
   }
   if (noise.lasting + noise.shared > 1.0) {
-    return bad(
-        fmt::format("shares of {} and {} of the noise, expected at most 1 together", noise.lasting, noise.shared));
+    return invalidArgument("shares of {} and {} of the noise, expected at most 1 together", noise.lasting,
+                           noise.shared);
   }
   if (!(noise.smoothness >= 1.0 && noise.smoothness <= 1000.0)) {
-    return bad(fmt::format("a noise that is smooth over {} pixels, expected 1 to 1000", noise.smoothness));
+    return invalidArgument("a noise that is smooth over {} pixels, expected 1 to 1000", noise.smoothness);
   }
-  if (noise.dropout > 0.5) return bad(fmt::format("a dropout of {}, expected 0 to 0.5", noise.dropout));
+  if (noise.dropout > 0.5) return invalidArgument("a dropout of {}, expected 0 to 0.5", noise.dropout);
   if (!(noise.min >= 0.1 && noise.min < noise.max && noise.max <= 60.0)) {
-    return bad(fmt::format("a range of {} to {} m, expected one within 0.1 to 60 m", noise.min, noise.max));
+    return invalidArgument("a range of {} to {} m, expected one within 0.1 to 60 m", noise.min, noise.max);
   }
   return {};
 }
@@ -75,7 +74,7 @@ SkeletonFrame moved(SkeletonFrame joints, const Isometry3& otherFromThis) {
 }
 
 Result<VirtualSensor> VirtualSensor::create(std::vector<VirtualPerson> people, const VirtualSensorSettings& settings) {
-  if (const Result<void> checked = check(people.size(), settings); !checked) return checked.error();
+  LORICA_TRY_DO(check(people.size(), settings));
   return VirtualSensor(std::move(people), settings);
 }
 
@@ -94,7 +93,7 @@ VirtualSensor::VirtualSensor(std::vector<VirtualPerson> people, const VirtualSen
 }
 
 void VirtualSensor::render(std::uint64_t number, DepthFrame& frame) {
-  const double time = static_cast<double>(number) / settings_.framesPerSecond;
+  const double time = number / settings_.framesPerSecond;
   const Isometry3 cameraFromWorld = settings_.room.worldFromCamera.inverse();
   renderer_.clear();
   roomNow_.boxes.assign(settings_.room.boxes.begin(), settings_.room.boxes.end());
@@ -119,7 +118,7 @@ void VirtualSensor::render(std::uint64_t number, DepthFrame& frame) {
     person.performer.pose(performed, cameraFromMotion);
     truth.joints = person.performer.joints();
     truth.joints.time = time;
-    truth.joints.user = static_cast<int>(i) + 1;
+    truth.joints.user = i + 1;
     if (!truth.present) continue;
     renderer_.draw(person.performer.positions(), person.performer.triangles(), person.performer.sides(),
                    static_cast<std::uint8_t>(i + 1));
@@ -141,10 +140,10 @@ Result<DepthRead> VirtualSensor::next(DepthFrame& frame) {
     if (!begin_) begin_ = now;
     const auto timeOf = [&](std::uint64_t number) {
       return *begin_ + std::chrono::duration_cast<Clock::duration>(
-                           std::chrono::duration<double>(static_cast<double>(number) / settings_.framesPerSecond));
+                           std::chrono::duration<double>(number / settings_.framesPerSecond));
     };
     const double passed = std::chrono::duration<double>(now - *begin_).count();
-    nextFrame_ = std::max(nextFrame_, static_cast<std::uint64_t>(passed * settings_.framesPerSecond));
+    nextFrame_ = std::max<std::uint64_t>(nextFrame_, passed * settings_.framesPerSecond);
     if (settings_.loop || nextFrame_ < frameCount_) {
       const Clock::time_point due = timeOf(nextFrame_);
       std::this_thread::sleep_until(std::min(due, now + kPatience));
@@ -153,7 +152,7 @@ Result<DepthRead> VirtualSensor::next(DepthFrame& frame) {
   }
   if (!settings_.loop && nextFrame_ >= frameCount_) return DepthRead::kEnd;
   const std::uint64_t number = nextFrame_++;
-  const double time = static_cast<double>(number) / settings_.framesPerSecond;
+  const double time = number / settings_.framesPerSecond;
   for (const TimeSpan& span : settings_.unplugged) {
     if (span.holds(time)) return DepthRead::kUnplugged;
   }

@@ -78,7 +78,7 @@ Surface surfaceOf(const Decomposition& decomposition, std::span<const Vec3> bind
 
 /// The vertices that no part contains.
 std::vector<PointIndex> unusedVertices(const Decomposition& decomposition) {
-  std::vector<bool> used(static_cast<std::size_t>(decomposition.pointCount()), false);
+  std::vector<bool> used(decomposition.pointCount(), false);
   for (const Part& part : decomposition.parts) {
     for (const PointIndex p : part.points) used[p] = true;
   }
@@ -105,7 +105,7 @@ std::vector<std::vector<PointIndex>> attachedVerticesOf(const Decomposition& dec
 
   std::vector<std::size_t> partOf(unused.size(), 0);
   tbb::parallel_for(std::size_t{0}, unused.size(), [&](std::size_t k) {
-    const auto own = static_cast<std::size_t>(unused[k]);
+    const std::size_t own = unused[k];
     const JointIndex joint = strongest(lifted[own]);
     auto share =
         std::lower_bound(shares.begin(), shares.end(), joint, [](const Share& s, JointIndex j) { return s.joint < j; });

@@ -3,8 +3,7 @@
 #include "acd/transfer.h"
 #include "collision/live/choose_cover.h"
 #include "collision/live/part_plan.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <string>
@@ -14,18 +13,14 @@ namespace lorica {
 
 namespace {
 
-Error refused(std::string message) {
-  return {ErrorCode::kInvalidArgument, std::move(message)};
-}
-
 Result<void> check(const Decomposition& decomposition) {
   for (std::size_t i = 0; i < decomposition.parts.size(); ++i) {
     const std::vector<PointIndex>& points = decomposition.parts[i].points;
-    if (points.empty()) return refused(fmt::format("part {} of the decomposition has no points", i));
+    if (points.empty()) return invalidArgument("part {} of the decomposition has no points", i);
     const auto [min, max] = std::minmax_element(points.begin(), points.end());
     if (*min < 0 || *max >= decomposition.pointCount()) {
-      return refused(fmt::format("part {} of the decomposition has point {}, expected 0 to {}", i,
-                                 *min < 0 ? *min : *max, decomposition.pointCount() - 1));
+      return invalidArgument("part {} of the decomposition has point {}, expected 0 to {}", i, *min < 0 ? *min : *max,
+                             decomposition.pointCount() - 1);
     }
   }
   return {};
@@ -35,26 +30,25 @@ Result<void> check(const Decomposition& decomposition, const Character& characte
   const std::size_t vertices = character.mesh.vertices.size(), triangles = character.mesh.triangles.size();
   if (std::cmp_not_equal(decomposition.vertexCount, vertices) ||
       std::cmp_not_equal(decomposition.triangleCount, triangles)) {
-    return refused(
-        fmt::format("the decomposition was made from a mesh of {} vertices and {} triangles; {} has {} and {}",
-                    decomposition.vertexCount, decomposition.triangleCount, character.name, vertices, triangles));
+    return invalidArgument("the decomposition was made from a mesh of {} vertices and {} triangles; {} has {} and {}",
+                           decomposition.vertexCount, decomposition.triangleCount, character.name, vertices, triangles);
   }
   return check(decomposition);
 }
 
 Result<void> check(const HullCover& cover, const Decomposition& decomposition) {
   if (cover.points.size() != decomposition.parts.size()) {
-    return refused(fmt::format("the hull cover lists the points of {} parts, expected {}", cover.points.size(),
-                               decomposition.parts.size()));
+    return invalidArgument("the hull cover lists the points of {} parts, expected {}", cover.points.size(),
+                           decomposition.parts.size());
   }
   for (std::size_t i = 0; i < cover.points.size(); ++i) {
-    if (cover.points[i].empty()) return refused(fmt::format("the hull cover has no points of part {}", i));
+    if (cover.points[i].empty()) return invalidArgument("the hull cover has no points of part {}", i);
     for (const CoverPoint& p : cover.points[i]) {
       if (p.point >= 0 && p.point < decomposition.pointCount() && p.outward.allFinite()) continue;
-      return refused(
-          fmt::format("the hull cover of part {} has point {}, displaced by ({}, {}, {}) m, expected points 0 "
-                      "to {} and finite displacements",
-                      i, p.point, p.outward.x(), p.outward.y(), p.outward.z(), decomposition.pointCount() - 1));
+      return invalidArgument(
+          "the hull cover of part {} has point {}, displaced by ({}, {}, {}) m, expected points 0 "
+          "to {} and finite displacements",
+          i, p.point, p.outward.x(), p.outward.y(), p.outward.z(), decomposition.pointCount() - 1);
     }
   }
   return {};
@@ -71,9 +65,9 @@ std::span<const PointIndex> BodyPlan::candidates(PartIndex part) const {
 
 Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposition, const Character& character,
                                                          std::optional<HullCover> cover) {
-  if (Result<void> fits = check(decomposition, character); !fits) return fits.error();
+  LORICA_TRY_DO(check(decomposition, character));
   if (cover) {
-    if (Result<void> fits = check(*cover, decomposition); !fits) return fits.error();
+    LORICA_TRY_DO(check(*cover, decomposition));
   }
   const std::shared_ptr<BodyPlan> plan(new BodyPlan(std::move(decomposition)));
   const std::vector<LiftedPoint> lifted = liftPoints(character, plan->decomposition_);
@@ -83,7 +77,7 @@ Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposi
 }
 
 Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposition) {
-  if (Result<void> fits = check(decomposition); !fits) return fits.error();
+  LORICA_TRY_DO(check(decomposition));
   const std::shared_ptr<BodyPlan> plan(new BodyPlan(std::move(decomposition)));
   plan->parts_.reserve(plan->decomposition_.parts.size());
   for (const Part& part : plan->decomposition_.parts) {

@@ -68,8 +68,7 @@ HWY_INLINE bool viewBone(const Affine3& worldFromModel, const BoneView& view, co
   const Vec3& at = view.center;
   std::array<double, 3> center{};
   for (std::size_t r = 0; r < 3; ++r) {
-    center[r] =
-        m[r] * at.x() + m[4 + r] * at.y() + m[8 + r] * at.z() + (m[12 + r] - view.origin[static_cast<Eigen::Index>(r)]);
+    center[r] = m[r] * at.x() + m[4 + r] * at.y() + m[8 + r] * at.z() + (m[12 + r] - view.origin[r]);
   }
   for (std::size_t row = 0; row < 4; row += hn::Lanes(d)) {
     const auto x = hn::Load(d, steps.column[0].data() + row);
@@ -100,7 +99,7 @@ bool viewAllBones(std::span<const Affine3> worldFromModel, const BoneView& view,
   FourColumns<double> steps;
   for (std::size_t c = 0; c < 3; ++c) {
     for (std::size_t r = 0; r < 3; ++r) {
-      steps.column[c][r] = view.stepsFromWorld(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c));
+      steps.column[c][r] = view.stepsFromWorld(r, c);
     }
   }
   const auto bone = [&](std::size_t b) -> const Affine3& { return worldFromModel[joints[b]]; };

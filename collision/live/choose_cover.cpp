@@ -2,8 +2,8 @@
 
 #include "collision/live/attached_vertices.h"
 #include "geometry/convex_hull.h"
+#include "geometry/errors.h"
 
-#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -37,15 +37,15 @@ struct Planes {
 
 Planes planesOf(const ConvexHull& hull) {
   Planes planes;
-  planes.normals.resize(static_cast<Eigen::Index>(hull.triangles.size()), 3);
+  planes.normals.resize(hull.triangles.size(), 3);
   planes.offsets.resize(planes.normals.rows());
   for (std::size_t f = 0; f < hull.triangles.size(); ++f) {
     const Vec3& a = hull.vertices[hull.triangles[f][0]];
     const Vec3& b = hull.vertices[hull.triangles[f][1]];
     const Vec3& c = hull.vertices[hull.triangles[f][2]];
     const Vec3 normal = (b - a).cross(c - a).stableNormalized();
-    planes.normals.row(static_cast<Eigen::Index>(f)) = normal.transpose();
-    planes.offsets[static_cast<Eigen::Index>(f)] = normal.dot(a);
+    planes.normals.row(f) = normal.transpose();
+    planes.offsets[f] = normal.dot(a);
   }
   return planes;
 }
@@ -57,7 +57,7 @@ class PartCover {
  public:
   PartCover(std::span<const PointIndex> candidates, std::span<const LiftedPoint> lifted, BonePoseView sampled)
       : candidates_(candidates), lifted_(lifted), sampled_(sampled) {
-    lookAt_.resize(static_cast<std::size_t>(sampled.poseCount()));
+    lookAt_.resize(sampled.poseCount());
     for (int s = 0; s < sampled.poseCount(); ++s) {
       const std::vector<Vec3> all = positions(sampled, s);
       size_ = std::max(size_, boundsOf(all).diagonal());
@@ -65,9 +65,9 @@ class PartCover {
       // on.
       std::vector<VertexIndex> corners = convexHullOutline(all).points;
       Columns& at = lookAt_[s].at;
-      at.resize(3, static_cast<Eigen::Index>(corners.size()));
+      at.resize(3, corners.size());
       for (std::size_t i = 0; i < corners.size(); ++i) {
-        at.col(static_cast<Eigen::Index>(i)) = all[corners[i]];
+        at.col(i) = all[corners[i]];
       }
       lookAt_[s].candidate = std::move(corners);
     }
@@ -171,15 +171,13 @@ class PartCover {
     Columns at;
   };
 
-  [[nodiscard]] const LiftedPoint& point(VertexIndex candidate) const {
-    return lifted_[candidates_[static_cast<std::size_t>(candidate)]];
-  }
+  [[nodiscard]] const LiftedPoint& point(VertexIndex candidate) const { return lifted_[candidates_[candidate]]; }
 
   [[nodiscard]] std::vector<Vec3> positions(BonePoseView poses, int p) const {
     std::vector<Vec3> at;
     at.reserve(candidates_.size());
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      at.push_back(positionOf(point(static_cast<VertexIndex>(i)), poses.pose(p)));
+      at.push_back(positionOf(point(i), poses.pose(p)));
     }
     return at;
   }
@@ -209,7 +207,7 @@ class PartCover {
     const auto takeFarthest = [&](const auto& distance) {
       VertexIndex best = 0;
       for (std::size_t i = 1; i < at.size(); ++i) {
-        if (distance(at[i]) > distance(at[best])) best = static_cast<VertexIndex>(i);
+        if (distance(at[i]) > distance(at[best])) best = i;
       }
       const bool known =
           std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == best; });
@@ -252,17 +250,17 @@ class PartCover {
   void findDirections() {
     Vec3 mean = Vec3::Zero();
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      mean += bindPositionOf(point(static_cast<VertexIndex>(i))) / static_cast<double>(candidates_.size());
+      mean += bindPositionOf(point(i)) / countOf(candidates_);
     }
     Mat3 spread = Mat3::Zero();
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      const Vec3 offset = bindPositionOf(point(static_cast<VertexIndex>(i))) - mean;
+      const Vec3 offset = bindPositionOf(point(i)) - mean;
       spread += offset * offset.transpose();
     }
     axes_ = symmetricAxes(spread).vectors;
     box_ = Aabb();
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      box_.extend(axes_.transpose() * bindPositionOf(point(static_cast<VertexIndex>(i))));
+      box_.extend(axes_.transpose() * bindPositionOf(point(i)));
     }
     for (Chosen& c : chosen_) c.direction = directionOf(c.candidate);
   }
@@ -342,7 +340,7 @@ class PartCover {
   }
 
   [[nodiscard]] static std::size_t chosenOf(const ConvexHull& hull, const Triangle& t, int corner) {
-    return static_cast<std::size_t>(hull.pointOfVertex[t[static_cast<std::size_t>(corner)]]);
+    return hull.pointOfVertex[t[corner]];
   }
 
   /// Barycentric coordinates of the projection of a point onto a triangle; negative ones are clamped to 0.
@@ -386,13 +384,10 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
                               BonePoseView sampled, BonePoseView heldOut, const CoverSettings& settings) {
   LORICA_CHECK(sampled.poseCount() > 0, "choosing a hull cover needs at least one sampled pose");
   if (!(settings.tolerance >= 0.0) || !std::isfinite(settings.tolerance)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the cover tolerance is {} m, expected 0 or more", settings.tolerance)};
+    return invalidArgument("the cover tolerance is {} m, expected 0 or more", settings.tolerance);
   }
   if (settings.maxHullVertices != 0 && settings.maxHullVertices < 4) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("the maximum number of hull vertices is {}, expected 4 or more", settings.maxHullVertices)};
+    return invalidArgument("the maximum number of hull vertices is {}, expected 4 or more", settings.maxHullVertices);
   }
   HullCover cover = coverExactly(decomposition, lifted);
   cover.tolerance = settings.tolerance;
@@ -411,11 +406,11 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
   std::vector<Outcome> outcomes(partCount);
   std::mutex progressMutex;
   int done = 0;
-  std::atomic<bool> cancelled = false;
+  std::atomic<bool> stopped = false;
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   arena.execute([&] {
     tbb::parallel_for(std::size_t{0}, partCount, [&](std::size_t i) {
-      if (cancelled) return;
+      if (stopped) return;
       std::vector<PointIndex> candidates;
       candidates.reserve(cover.points[i].size());
       for (const CoverPoint& p : cover.points[i]) candidates.push_back(p.point);
@@ -430,16 +425,16 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
       }
       const std::scoped_lock lock(progressMutex);
       ++done;
-      if (settings.progress && !settings.progress(done, static_cast<int>(partCount))) cancelled = true;
+      if (settings.progress && !settings.progress(done, partCount)) stopped = true;
     });
   });
-  if (cancelled) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (stopped) return cancelled();
   for (std::size_t i = 0; i < partCount; ++i) {
     if (!outcomes[i].held) {
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("part {}: {} points cannot cover the body in all {} sampled poses; allow more vertices "
-                               "or reduce the tolerance",
-                               i, cover.points[i].size(), sampled.poseCount())};
+      return invalidArgument(
+          "part {}: {} points cannot cover the body in all {} sampled poses; allow more vertices "
+          "or reduce the tolerance",
+          i, cover.points[i].size(), sampled.poseCount());
     }
     cover.growth = std::max(cover.growth, outcomes[i].growth);
     cover.sampledShortfall = std::max(cover.sampledShortfall, outcomes[i].shortfall);

@@ -2,6 +2,7 @@
 
 #include "acd/hull_cover.h"
 #include "collision/live/lifted_point.h"
+#include "geometry/counts.h"
 
 #include <functional>
 #include <span>
@@ -14,12 +15,9 @@ struct BonePoseView {
   std::span<const Affine3> worldFromModel;
   int jointCount = 0;
 
-  [[nodiscard]] int poseCount() const {
-    return jointCount == 0 ? 0 : static_cast<int>(worldFromModel.size()) / jointCount;
-  }
+  [[nodiscard]] int poseCount() const { return jointCount == 0 ? 0 : countOf(worldFromModel) / jointCount; }
   [[nodiscard]] std::span<const Affine3> pose(int p) const {
-    return worldFromModel.subspan(static_cast<std::size_t>(p) * static_cast<std::size_t>(jointCount),
-                                  static_cast<std::size_t>(jointCount));
+    return worldFromModel.subspan(static_cast<std::size_t>(p) * jointCount, jointCount);
   }
 };
 

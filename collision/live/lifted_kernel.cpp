@@ -134,7 +134,7 @@ std::int32_t farthestOfRows(std::span<const PointRow> rows, const Vec3f& directi
     const float along = (direction.x() * rows[i].x + direction.y() * rows[i].y) + direction.z() * rows[i].z;
     if (!(along > max)) continue;
     max = along;
-    row = static_cast<std::int32_t>(i);
+    row = i;
   }
   return row;
 }

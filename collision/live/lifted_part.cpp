@@ -43,7 +43,7 @@ bool fits(const Layout& small, const Layout& large) {
 /// Groups points by layout. A few points that would leave most of a block empty join other groups.
 std::map<Layout, std::vector<std::int32_t>> groupByLayout(std::span<const LiftedPoint> points) {
   std::map<Layout, std::vector<std::int32_t>> groups;
-  for (std::size_t i = 0; i < points.size(); ++i) groups[layoutOf(points[i])].push_back(static_cast<std::int32_t>(i));
+  for (std::size_t i = 0; i < points.size(); ++i) groups[layoutOf(points[i])].push_back(i);
   const auto lanesOf = [](const Layout& layout) {
     return LiftedPart::lanesOfBlock(layout.bones.size(), layout.onePosition);
   };
@@ -69,7 +69,7 @@ std::map<Layout, std::vector<std::int32_t>> groupByLayout(std::span<const Lifted
 
 LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
   LORICA_CHECK(!points.empty(), "a part must have points");
-  const double share = 1.0 / static_cast<double>(points.size());
+  const double share = 1.0 / points.size();
 
   // Bind positions and the bones of the whole part.
   std::vector<Vec3> bind(points.size(), Vec3::Zero());
@@ -83,7 +83,7 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
   }
   for (const Vec3& p : bind) radius_ = std::max(radius_, (p - bindMean_).norm());
   for (auto& [joint, bone] : boneOfJoint) {
-    bone = static_cast<std::uint32_t>(joints_.size());
+    bone = joints_.size();
     joints_.push_back(joint);
   }
 
@@ -96,8 +96,8 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
       FourColumns<double>& sum = sums_[boneOfJoint[t.joint]];
       const Eigen::Vector4d lifted(t.moment.x(), t.moment.y(), t.moment.z(), t.weight);
       for (std::size_t r = 0; r < 4; ++r) {
-        const double entry = lifted[static_cast<Eigen::Index>(r)];
-        for (std::size_t c = 0; c < 3; ++c) sum.column[c][r] += entry * offset[static_cast<Eigen::Index>(c)];
+        const double entry = lifted[r];
+        for (std::size_t c = 0; c < 3; ++c) sum.column[c][r] += entry * offset[c];
         sum.column[3][r] += entry * share;
       }
       offsetSum_ += t.weight * offset;
@@ -109,11 +109,11 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
   order_.reserve(points.size());
   for (const auto& [layout, members] : groupByLayout(points)) {
     Group group;
-    group.firstRow = static_cast<std::uint32_t>(order_.size());
-    group.blocks = static_cast<std::uint32_t>((members.size() + kBlock - 1) / kBlock);
-    group.firstLane = static_cast<std::uint32_t>(lanes_.size());
-    group.firstBone = static_cast<std::uint32_t>(groupBones_.size());
-    group.bones = static_cast<std::uint32_t>(layout.bones.size());
+    group.firstRow = order_.size();
+    group.blocks = (members.size() + kBlock - 1) / kBlock;
+    group.firstLane = lanes_.size();
+    group.firstBone = groupBones_.size();
+    group.bones = layout.bones.size();
     group.onePosition = layout.onePosition;
     const std::size_t lanesOfOne = lanesOfBlock(group.bones, group.onePosition);
     lanes_.resize(lanes_.size() + group.blocks * lanesOfOne);
@@ -121,16 +121,15 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
       Lane* block = &lanes_[group.firstLane + i / kBlock * lanesOfOne];
       const std::size_t lane = i % kBlock;
       const auto write = [&](std::size_t first, const Vec3& v) {
-        for (int axis = 0; axis < 3; ++axis)
-          block[first + static_cast<std::size_t>(axis)].of[lane] = static_cast<float>(v[axis]);
+        for (int axis = 0; axis < 3; ++axis) block[first + axis].of[lane] = v[axis];
       };
-      const auto member = static_cast<std::size_t>(members[i]);
+      const std::size_t member = members[i];
       if (layout.onePosition) write(0, bind[member] - bindMean_);
       for (const LiftedTerm& t : points[member]) {
-        const auto bone = static_cast<std::size_t>(std::lower_bound(layout.bones.begin(), layout.bones.end(), t.joint) -
-                                                   layout.bones.begin());
+        const std::size_t bone =
+            std::lower_bound(layout.bones.begin(), layout.bones.end(), t.joint) - layout.bones.begin();
         if (!layout.onePosition) write(4 * bone, t.moment - t.weight * bindMean_);
-        block[layout.onePosition ? 3 + bone : 4 * bone + 3].of[lane] = static_cast<float>(t.weight);
+        block[layout.onePosition ? 3 + bone : 4 * bone + 3].of[lane] = t.weight;
       }
       order_.push_back(members[i]);
     }

@@ -2,6 +2,7 @@
 
 #include "acd/transfer.h"
 #include "geometry/convex_hull.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,10 +52,10 @@ Vec3 bindPositionOf(const LiftedPoint& point) {
 }
 
 std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposition& decomposition) {
-  LORICA_CHECK(static_cast<std::size_t>(decomposition.vertexCount) == character.mesh.vertices.size(),
+  LORICA_CHECK(decomposition.vertexCount == countOf(character.mesh.vertices),
                "the decomposition must have been made from the character's mesh");
   std::vector<LiftedPoint> lifted;
-  lifted.reserve(static_cast<std::size_t>(decomposition.pointCount()));
+  lifted.reserve(decomposition.pointCount());
   for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
     LiftedPoint point;
     for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {

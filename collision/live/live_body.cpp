@@ -78,10 +78,10 @@ LiveBody::LiveBody(std::shared_ptr<const BodyPlan> plan, LiveDetail detail) : pl
       track.rows.resize(count);
       track.points.resize(count);
       track.firstPoints.resize(count);
-      meshPoints_.resize(static_cast<std::size_t>(decomposition().pointCount()), Vec3::Zero());
+      meshPoints_.resize(decomposition().pointCount(), Vec3::Zero());
     }
     if (detail != LiveDetail::kFaces) continue;
-    track.hull.emplace(static_cast<int>(count));
+    track.hull.emplace(count);
     LivePart& part = parts_[i];
     part.shape.vertices.reserve(count);
     part.shape.pointOfVertex.reserve(count);
@@ -112,16 +112,14 @@ LiveBody& LiveBody::operator=(const LiveBody& other) {
 
 Result<LiveBody> LiveBody::create(Decomposition decomposition, const Character& character,
                                   std::optional<HullCover> cover, LiveDetail detail) {
-  Result<std::shared_ptr<const BodyPlan>> plan =
-      BodyPlan::create(std::move(decomposition), character, std::move(cover));
-  if (!plan) return plan.error();
-  return LiveBody(std::move(*plan), detail);
+  LORICA_TRY(std::shared_ptr<const BodyPlan> plan,
+             BodyPlan::create(std::move(decomposition), character, std::move(cover)));
+  return LiveBody(std::move(plan), detail);
 }
 
 Result<LiveBody> LiveBody::create(Decomposition decomposition) {
-  Result<std::shared_ptr<const BodyPlan>> plan = BodyPlan::create(std::move(decomposition));
-  if (!plan) return plan.error();
-  return LiveBody(std::move(*plan));
+  LORICA_TRY(std::shared_ptr<const BodyPlan> plan, BodyPlan::create(std::move(decomposition)));
+  return LiveBody(std::move(plan));
 }
 
 Vec3 LiveBody::support(PartIndex part, const Vec3& direction) const {
@@ -185,7 +183,7 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
       if (!taken || !isFinite(parts_[i].worldFromPart)) break;
       const float largest = lifted.evaluate(track.taken, track.rows);
       if (largest >= kSmallest && largest <= kLargest) break;
-      const double tick = tickFor(track.tick * static_cast<double>(largest));
+      const double tick = tickFor(track.tick * largest);
       if (tick == 0.0) break;
       track.tick = tick;
     }
@@ -295,7 +293,7 @@ void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& p
   part.shape.volume = hull ? hull->volume() * track.tick * track.tick * track.tick : 0.0;
   part.shape.vertices.resize(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    const PointRow& row = track.rows[static_cast<std::size_t>(vertices[v])];
+    const PointRow& row = track.rows[vertices[v]];
     part.shape.vertices[v] = track.tick * Vec3(row.x, row.y, row.z);
   }
   part.radius = std::sqrt(farthestSq(part.shape.vertices));
@@ -303,7 +301,7 @@ void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& p
   if (hull && hull->keptFaces() && part.shape.triangles.size() == faces.size()) return;
   part.shape.pointOfVertex.resize(vertices.size());
   for (std::size_t v = 0; v < vertices.size(); ++v) {
-    part.shape.pointOfVertex[v] = plan.candidates[static_cast<std::size_t>(vertices[v])];
+    part.shape.pointOfVertex[v] = plan.candidates[vertices[v]];
   }
   part.shape.triangles.resize(faces.size());
   for (std::size_t f = 0; f < faces.size(); ++f) {

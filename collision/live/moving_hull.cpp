@@ -2,6 +2,7 @@
 
 #include "collision/live/extent_kernel.h"
 #include "collision/live/moving_hull_exact.h"
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -35,13 +36,13 @@ void MovingHull::Scratch::fit(std::size_t pointCount) {
 
 MovingHull::MovingHull(int pointCount) : surface_(pointCount) {
   LORICA_CHECK(pointCount > 0, "a hull needs at least one point");
-  const auto n = static_cast<std::size_t>(pointCount);
+  const std::size_t n = pointCount;
   scratchOfThisThread().fit(n);
   vertices_.reserve(n);
   inside_.resize(n + kPassWidth);
   slot_.resize(n);
   for (std::size_t p = 0; p < n; ++p) {
-    const auto id = static_cast<VertexIndex>(p);
+    const VertexIndex id = p;
     slot_[p] = id;
     inside_[p] = {id, id, id, id};
   }
@@ -70,7 +71,7 @@ void MovingHull::update(std::span<const PointRow> points) {
 }
 
 void MovingHull::fetch() const {
-  const auto count = static_cast<std::size_t>(surface_.faceCount());
+  const std::size_t count = surface_.faceCount();
   lorica::fetch(std::as_bytes(surface_.faces()));
   lorica::fetch(std::as_bytes(std::span(surface_.opposites(), 3 * count)));
   lorica::fetch(std::as_bytes(std::span(inside_).first(insideCount_)));
@@ -221,13 +222,12 @@ bool MovingHull::holds(const HullCertificate& certificate) const {
 
 bool MovingHull::checkCertificates() {
   scratch_->unsettled.clear();
-  const int found =
-      findDoubtfulCertificates(points_.data(), inside_.data(), static_cast<int>(insideCount_), scratch_->doubts.data());
-  for (const std::int32_t doubt : std::span(scratch_->doubts).first(static_cast<std::size_t>(found))) {
+  const int found = findDoubtfulCertificates(points_.data(), inside_.data(), insideCount_, scratch_->doubts.data());
+  for (const std::int32_t doubt : std::span(scratch_->doubts).first(found)) {
     const HullCertificate& certificate = inside_[doubt];
     if (!holds(certificate)) scratch_->unsettled.push_back(certificate.point);
   }
-  counts_.failedCertificates = static_cast<int>(scratch_->unsettled.size());
+  counts_.failedCertificates = countOf(scratch_->unsettled);
   return settleAll();
 }
 
@@ -238,7 +238,7 @@ bool MovingHull::settleAll() {
 
 // A vertex that may be near a point.
 VertexIndex MovingHull::hintFor(VertexIndex p) const {
-  const HullCertificate& last = inside_[slot_[static_cast<std::size_t>(p)]];
+  const HullCertificate& last = inside_[slot_[p]];
   for (const VertexIndex v : {last.a, last.b, last.c}) {
     if (isVertex(v)) return v;
   }
@@ -259,7 +259,7 @@ bool MovingHull::settle(VertexIndex p) {
   const Position position = locate(p, hintFor(p));
   const Triangle t = faces()[position.face];
   if (side(at(t[0]), at(t[1]), at(t[2]), at(p)) <= 0.0) {
-    inside_[slot_[static_cast<std::size_t>(p)]] = {t[0], t[1], t[2], p};
+    inside_[slot_[p]] = {t[0], t[1], t[2], p};
     return true;
   }
   ++counts_.insertions;
@@ -364,7 +364,7 @@ void MovingHull::becomeVertex(VertexIndex p) {
   const HullCertificate last = inside_[--insideCount_];
   inside_[slot] = last;
   slot_[last.point] = slot;
-  slot = static_cast<std::int32_t>(vertices_.size());
+  slot = countOf(vertices_);
   vertices_.push_back(p);
 }
 
@@ -375,7 +375,7 @@ void MovingHull::becomeInside(VertexIndex p, const Triangle& certificate) {
   vertices_[slot] = last;
   slot_[last] = slot;
   vertices_.pop_back();
-  slot = static_cast<std::int32_t>(insideCount_);
+  slot = insideCount_;
   inside_[insideCount_++] = {certificate[0], certificate[1], certificate[2], p};
 }
 

@@ -37,7 +37,7 @@ struct Row {
   const auto product = [](double a, double b) {
     return static_cast<Wide>(static_cast<std::int64_t>(a)) * static_cast<std::int64_t>(b);
   };
-  return static_cast<double>(product(normal.x, w.x) + product(normal.y, w.y) + product(normal.z, w.z));
+  return product(normal.x, w.x) + product(normal.y, w.y) + product(normal.z, w.z);
 }
 
 /// Normal times w with the correct sign, including zero.

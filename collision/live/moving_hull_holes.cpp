@@ -18,11 +18,11 @@ bool MovingHull::takeOut(VertexIndex v, Link link, const Triangle& certificate) 
   do {
     const HalfEdge rim = HullSurface::next(h);
     if (surface_.opposite(rim) == v) return false;  // while faces are turned, parts of the surface may lie back to back
-    const auto i = static_cast<std::int32_t>(scratch_->link.size());
+    const std::int32_t i = scratch_->link.size();
     scratch_->link.push_back({surface_.start(rim), surface_.twin(rim), HullSurface::faceOf(h), i - 1, i + 1});
     h = surface_.turn(h);
   } while (h != first && scratch_->link.size() < vertices_.size());
-  const auto corners = static_cast<std::int32_t>(scratch_->link.size());
+  const std::int32_t corners = scratch_->link.size();
   if (h != first || corners < 3) return false;
   scratch_->link.front().before = corners - 1;
   scratch_->link.back().after = 0;
@@ -30,8 +30,8 @@ bool MovingHull::takeOut(VertexIndex v, Link link, const Triangle& certificate) 
 
   // Make the planned cuts in the memory of the faces around the vertex; two of these are left over.
   for (std::size_t i = 0; i < scratch_->link.size(); ++i) {
-    scratch_->link[i].before = static_cast<std::int32_t>(i == 0 ? scratch_->link.size() - 1 : i - 1);
-    scratch_->link[i].after = static_cast<std::int32_t>(i + 1 == scratch_->link.size() ? 0 : i + 1);
+    scratch_->link[i].before = i == 0 ? scratch_->link.size() - 1 : i - 1;
+    scratch_->link[i].after = i + 1 == scratch_->link.size() ? 0 : i + 1;
   }
   std::size_t used = 0;
   for (const std::int32_t tip : scratch_->cuts) {

@@ -51,7 +51,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, kPassWidth>;
 using Float = hn::Vec<Floats>;
 using Ints = hn::RebindToSigned<Floats>;
-constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
+constexpr int kLanes = hn::MaxLanes(Floats());
 
 /// Three coordinates of as many points as there are lanes.
 struct Points {
@@ -66,7 +66,7 @@ HWY_INLINE hn::Vec<D> blocksOfRows(D d, const PointRow* points, const std::int32
   } else {
     const hn::Half<D> half;
     const auto lower = blocksOfRows(half, points, ids, stride);
-    const int lanes = static_cast<int>(hn::MaxLanes(half));
+    const int lanes = hn::MaxLanes(half);
     return hn::Combine(d, blocksOfRows(half, points, ids + lanes * stride, stride), lower);
   }
 }

@@ -18,7 +18,7 @@ VertexIndex farthest(std::span<const PointRow> points, const Measure& measure) {
     const double value = measure(points[i]);
     if (value > max) {
       max = value;
-      best = static_cast<VertexIndex>(i);
+      best = i;
     }
   }
   return best;

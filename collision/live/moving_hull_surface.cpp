@@ -5,11 +5,11 @@
 namespace lorica {
 
 HullSurface::HullSurface(int pointCount) {
-  const auto max = static_cast<std::size_t>(std::max(4, 2 * pointCount - 4));
+  const std::size_t max = std::max(4, 2 * pointCount - 4);
   faces_.reserve(max + kPadding + 1);
   opposites_.reserve(3 * faces_.capacity());
   twins_.reserve(3 * faces_.capacity());
-  outOf_.resize(static_cast<std::size_t>(pointCount), kNone);
+  outOf_.resize(pointCount, kNone);
   touchMore();
 }
 

@@ -2,6 +2,7 @@
 
 #include "collision/live/moving_hull.h"
 #include "collision/live/moving_hull_exact.h"
+#include "geometry/counts.h"
 
 namespace lorica {
 
@@ -26,7 +27,7 @@ void MovingHull::scanFaces() {
   scratch_->pierced.clear();
   const int found = findDoubtfulFaces(points_.data(), faces().data(), surface_.opposites(), surface_.faceCount(),
                                       scratch_->doubts.data());
-  for (const std::int32_t doubt : std::span(scratch_->doubts).first(static_cast<std::size_t>(found))) {
+  for (const std::int32_t doubt : std::span(scratch_->doubts).first(found)) {
     const std::int32_t face = doubt / kFaceBits;
     const Triangle& t = faces()[face];
     const PointRow &a = at(t[0]), &b = at(t[1]), &c = at(t[2]);
@@ -69,7 +70,7 @@ void MovingHull::lookAgain() {
 }
 
 bool MovingHull::turnFaces() {
-  counts_.turnedFaces += static_cast<int>(scratch_->turned.size());
+  counts_.turnedFaces += countOf(scratch_->turned);
   if (scratch_->turned.size() > 8 + static_cast<std::size_t>(surface_.faceCount()) / 8) return false;
   for (const std::int32_t face : scratch_->turned) {
     if (face < surface_.faceCount() && faceDet(face) <= 0.0 && !turnFace(face)) return false;

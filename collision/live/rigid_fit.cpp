@@ -55,8 +55,8 @@ void fitRotations(std::span<const Mat3> covariances, std::span<Mat3> rotations) 
     MatrixBlock fits;
     for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t e = 0; e < 9; ++e) {
-        const auto row = static_cast<Eigen::Index>(e / 3);
-        const auto column = static_cast<Eigen::Index>(e % 3);
+        const Eigen::Index row = e / 3;
+        const Eigen::Index column = e % 3;
         from.entry[e][k] = covariances[first + k](row, column);
         fits.entry[e][k] = rotations[first + k](row, column);
       }
@@ -69,7 +69,7 @@ void fitRotations(std::span<const Mat3> covariances, std::span<Mat3> rotations) 
         continue;
       }
       for (std::size_t e = 0; e < 9; ++e) {
-        rotation(static_cast<Eigen::Index>(e / 3), static_cast<Eigen::Index>(e % 3)) = fits.entry[e][k];
+        rotation(e / 3, e % 3) = fits.entry[e][k];
       }
     }
   }
@@ -85,7 +85,7 @@ Vec3 centroidOf(std::span<const Vec3> points) {
   if (points.empty()) return Vec3::Zero();
   Vec3 sum = Vec3::Zero();
   for (const Vec3& p : points) sum += p;
-  return sum / static_cast<double>(points.size());
+  return sum / points.size();
 }
 
 Isometry3 fitRigidMotion(std::span<const Vec3> from, std::span<const Vec3> to, const Mat3& previous) {

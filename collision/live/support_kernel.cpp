@@ -20,7 +20,7 @@ using Ints = hn::RebindToSigned<Floats>;
 int findSupport(const float* x, const float* y, const float* z, int count, float dx, float dy, float dz) {
   const Floats f;
   const Ints n;
-  const auto lanes = static_cast<int>(hn::Lanes(f));
+  const int lanes = hn::Lanes(f);
   const auto directionX = hn::Set(f, dx);
   const auto directionY = hn::Set(f, dy);
   const auto directionZ = hn::Set(f, dz);

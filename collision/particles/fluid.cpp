@@ -29,7 +29,7 @@ FluidKernels makeKernels(double spacing) {
   for (int x = -2; x <= 2; ++x) {
     for (int y = -2; y <= 2; ++y) {
       for (int z = -2; z <= 2; ++z) {
-        const double r = spacing * std::sqrt(static_cast<double>(x * x + y * y + z * z));
+        const double r = spacing * std::sqrt(x * x + y * y + z * z);
         if (r >= reach) continue;
         const double left = reach * reach - r * r;
         sum += left * left * left;
@@ -86,7 +86,7 @@ Fluid::State::State(const FluidSettings& wanted)
     : settings(wanted),
       set(wanted.capacity, particleRoom(wanted.floor, wanted.walls, 0.5 * wanted.spacing), 0.5 * wanted.spacing,
           kMaxNeighbours),
-      spacing(static_cast<float>(wanted.spacing)),
+      spacing(wanted.spacing),
       kernels(makeKernels(wanted.spacing)),
       before(set.position.size()),
       pressure(set.position.size()),
@@ -102,7 +102,7 @@ Fluid::State::State(const FluidSettings& wanted)
 std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   const Vec3f speed = velocity.cast<float>();
   const std::size_t added = set.add(positions, speed, speed);
-  std::fill_n(pressure.begin() + static_cast<std::ptrdiff_t>(set.count - added), added, 0.0f);
+  std::fill_n(pressure.begin() + (set.count - added), added, 0.0f);
   return added;
 }
 
@@ -183,9 +183,8 @@ void Fluid::State::findMotions(float seconds) {
 
 void Fluid::State::pushOut(float seconds) {
   // The farthest that any particle can move since the sorting.
-  const float margin = (1.0f + (kSubstepsPerSort - 1) * kFastest +
-                        kSubstepsPerSort * kLongestMove * static_cast<float>(settings.iterations)) *
-                       spacing;
+  const float margin =
+      (1.0f + (kSubstepsPerSort - 1) * kFastest + kSubstepsPerSort * kLongestMove * settings.iterations) * spacing;
   if (!set.markAround(ParticleSet::Parts::kAll, margin, set.nearBody)) return;
   set.candidates.clear();
   set.candidateOf.clear();
@@ -193,7 +192,7 @@ void Fluid::State::pushOut(float seconds) {
     if (set.nearBody[i] == 0) continue;
     set.nearBody[i] = 0;
     set.candidates.push_back(vectorOf(set.position[i]));
-    set.candidateOf.push_back(static_cast<std::uint32_t>(i));
+    set.candidateOf.push_back(i);
   }
   const float fastest = kFastest * spacing / seconds;
   for (const ParticleTouch& touch : set.body.push(set.candidates, set.room)) {

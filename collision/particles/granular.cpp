@@ -63,7 +63,7 @@ Granular::State::State(const GranularSettings& wanted)
 std::size_t Granular::State::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   const Vec3f speed = velocity.cast<float>();
   const std::size_t added = set.add(positions, speed * motionSeconds, speed);
-  std::fill_n(woken.begin() + static_cast<std::ptrdiff_t>(set.count - added), added, std::uint8_t{0});
+  std::fill_n(woken.begin() + (set.count - added), added, std::uint8_t{0});
   return added;
 }
 
@@ -127,7 +127,7 @@ void Granular::State::findNeighbours() {
   for (std::size_t i = 0; i < set.count; ++i) {
     if (asleep[i] == 0) {
       if (set.nearBody[i] != 0) {
-        set.candidateOf.push_back(static_cast<std::uint32_t>(i));
+        set.candidateOf.push_back(i);
       } else {
         set.position[i].w = 0.0f;  // it no longer rests on the body
       }
@@ -218,7 +218,7 @@ void Granular::State::rouse(float seconds) {
         if (asleep[i] != 0 || way.x * way.x + way.y * way.y + way.z * way.z < rousing * rousing) continue;
         const std::uint32_t* slots = set.lists.slots(block) + i % kParticleBlock;
         for (int s = 0; s < set.lists.slotCount(block); ++s) {
-          const std::uint32_t other = slots[static_cast<std::size_t>(s) * kParticleBlock];
+          const std::uint32_t other = slots[s * kParticleBlock];
           if ((other & NeighbourLists::kMarked) == 0) continue;
           std::atomic_ref<std::uint8_t>(woken[other & ~NeighbourLists::kMarked]).store(1, std::memory_order_relaxed);
         }
@@ -254,8 +254,7 @@ const GranularSettings& Granular::settings() const {
 
 std::size_t Granular::awakeCount() const {
   const std::span<const ParticleRow> motions = std::span(state_->set.motion).first(state_->set.count);
-  return static_cast<std::size_t>(
-      std::count_if(motions.begin(), motions.end(), [](const ParticleRow& motion) { return motion.w < kAsleep; }));
+  return std::count_if(motions.begin(), motions.end(), [](const ParticleRow& motion) { return motion.w < kAsleep; });
 }
 
 }  // namespace lorica

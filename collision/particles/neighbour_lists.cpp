@@ -26,7 +26,7 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
              std::uint32_t self, float radiusSq, int max, std::uint32_t* found) {
   const hn::CappedTag<float, kParticleBlock> f;
   const hn::RebindToUnsigned<decltype(f)> u;
-  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(f));
+  const std::uint32_t lanes = hn::Lanes(f);
   const auto ownX = hn::Set(f, x[self]), ownY = hn::Set(f, y[self]), ownZ = hn::Set(f, z[self]);
   const auto limit = hn::Set(f, radiusSq);
   const auto own = hn::Set(u, self);
@@ -47,7 +47,7 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
       if (count > static_cast<std::size_t>(max)) return max + 1;
     }
   }
-  return static_cast<int>(count);
+  return count;
 }
 
 void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
@@ -83,16 +83,16 @@ void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const
     slotCounts[block] = static_cast<std::uint8_t>(longest);
     std::uint32_t* out = slots + firstSlot;
     firstSlots[block] = firstSlot;
-    firstSlot += static_cast<std::size_t>(longest) * kParticleBlock;
+    firstSlot += longest * kParticleBlock;
     for (std::size_t lane = 0; lane < kParticleBlock; ++lane) {
-      const auto self = static_cast<std::uint32_t>(block * kParticleBlock + lane);
+      const std::uint32_t self = block * kParticleBlock + lane;
       const std::uint32_t* in = found[lane].data();
       for (int slot = 0; slot < counts[lane]; ++slot) {
         const std::uint32_t mark = skipped[in[slot]] != 0 ? NeighbourLists::kMarked : 0u;
-        out[static_cast<std::size_t>(slot) * kParticleBlock + lane] = in[slot] | mark;
+        out[slot * kParticleBlock + lane] = in[slot] | mark;
       }
       for (int slot = counts[lane]; slot < longest; ++slot) {
-        out[static_cast<std::size_t>(slot) * kParticleBlock + lane] = self;
+        out[slot * kParticleBlock + lane] = self;
       }
     }
   }

@@ -14,8 +14,8 @@ namespace {
 // std::floor is a function call if the compiler may not use newer instructions.
 inline int cellIndex(float position, float perCell) {
   const float scaled = position * perCell;
-  const auto whole = static_cast<int>(scaled);
-  return static_cast<float>(whole) > scaled ? whole - 1 : whole;
+  const int whole = scaled;
+  return whole > scaled ? whole - 1 : whole;
 }
 
 }  // namespace
@@ -51,8 +51,8 @@ void ParticleGrid::placeWindow(const ParticleRow* positions) {
   std::array<Sums, kChunks> chunks;
   tbb::parallel_for(0, kChunks, [&](int chunk) {
     Sums sums;
-    const std::size_t end = count_ * static_cast<std::size_t>(chunk + 1) / kChunks;
-    for (std::size_t i = count_ * static_cast<std::size_t>(chunk) / kChunks; i < end; ++i) {
+    const std::size_t end = count_ * (chunk + 1) / kChunks;
+    for (std::size_t i = count_ * chunk / kChunks; i < end; ++i) {
       sums.minX = std::min(sums.minX, positions[i].x);
       sums.maxX = std::max(sums.maxX, positions[i].x);
       sums.minZ = std::min(sums.minZ, positions[i].z);
@@ -76,7 +76,7 @@ void ParticleGrid::placeWindow(const ParticleRow* positions) {
     columns = cellIndex(max, perCell_) - origin + 1;
     if (columns <= kMaxColumns) return;
     const int last = origin + columns - kMaxColumns;
-    const int mean = static_cast<int>(sum / static_cast<std::int64_t>(count_));
+    const int mean = sum / static_cast<std::int64_t>(count_);
     origin = std::clamp(mean - kMaxColumns / 2, origin, last);
     columns = kMaxColumns;
   };
@@ -90,7 +90,7 @@ void ParticleGrid::sort(std::span<const ParticleRow> positions, float cellSize, 
                "sort() needs at most `capacity` particles, and cell size and rows above 0");
   count_ = count;
   perCell_ = 1.0f / cellSize;
-  perRow_ = perCell_ * static_cast<float>(rows);
+  perRow_ = perCell_ * rows;
   rows_ = rows;
   if (count == 0) return;
   placeWindow(positions.data());
@@ -99,10 +99,10 @@ void ParticleGrid::sort(std::span<const ParticleRow> positions, float cellSize, 
   tbb::parallel_for(0, kChunks, [&](int chunk) {
     std::uint32_t* slabs = &chunkSlabs_[static_cast<std::size_t>(chunk) * kMaxColumns];
     std::fill_n(slabs, columnsZ_, 0u);
-    const std::size_t end = count * static_cast<std::size_t>(chunk + 1) / kChunks;
-    for (std::size_t i = count * static_cast<std::size_t>(chunk) / kChunks; i < end; ++i) {
+    const std::size_t end = count * (chunk + 1) / kChunks;
+    for (std::size_t i = count * chunk / kChunks; i < end; ++i) {
       const int slab = clampTo(cellIndex(positions[i].z, perCell_) - originZ_, columnsZ_);
-      slabOf_[i] = static_cast<std::uint16_t>(slab);
+      slabOf_[i] = slab;
       ++slabs[slab];
     }
   });
@@ -119,8 +119,8 @@ void ParticleGrid::sort(std::span<const ParticleRow> positions, float cellSize, 
   slabFirst_[columnsZ_] = sum;
   tbb::parallel_for(0, kChunks, [&](int chunk) {
     std::uint32_t* next = &chunkSlabs_[static_cast<std::size_t>(chunk) * kMaxColumns];
-    const std::size_t end = count * static_cast<std::size_t>(chunk + 1) / kChunks;
-    for (std::size_t i = count * static_cast<std::size_t>(chunk) / kChunks; i < end; ++i) {
+    const std::size_t end = count * (chunk + 1) / kChunks;
+    for (std::size_t i = count * chunk / kChunks; i < end; ++i) {
       slabOrder_[next[slabOf_[i]]++] = static_cast<std::uint32_t>(i);
     }
   });
@@ -129,9 +129,9 @@ void ParticleGrid::sort(std::span<const ParticleRow> positions, float cellSize, 
 
 void ParticleGrid::sortSlab(int slab, const ParticleRow* positions) {
   const std::uint32_t begin = slabFirst_[slab];
-  const std::uint32_t end = slabFirst_[static_cast<std::size_t>(slab) + 1];
-  const std::size_t firstColumn = static_cast<std::size_t>(slab) * static_cast<std::size_t>(columnsX_);
-  const auto columnCount = static_cast<std::size_t>(columnsX_);
+  const std::uint32_t end = slabFirst_[slab + 1];
+  const std::size_t firstColumn = static_cast<std::size_t>(slab) * columnsX_;
+  const std::size_t columnCount = columnsX_;
   Column* columns = &columns_[firstColumn];
   std::uint32_t* counts = &columnCount_[firstColumn];
   std::int32_t* low = &columnLow_[firstColumn];
@@ -152,7 +152,7 @@ void ParticleGrid::sortSlab(int slab, const ParticleRow* positions) {
   }
   // The cells of the columns, one after the other. The number of cells is limited by the number of particles, however
   // high the highest particle is: the top cell contains everything above.
-  auto cell = static_cast<std::uint32_t>(kCellsPerParticle * begin);
+  std::uint32_t cell = kCellsPerParticle * begin;
   for (std::size_t c = 0; c < columnCount; ++c) {
     Column& column = columns[c];
     column.cells = 0;
@@ -161,14 +161,14 @@ void ParticleGrid::sortSlab(int slab, const ParticleRow* positions) {
     column.cells = std::min(high[c] - low[c] + 1, 8 * static_cast<std::int32_t>(counts[c]));
     column.firstCell = cell;
     std::fill_n(&cellFirst_[cell], column.cells + 1, 0u);
-    cell += static_cast<std::uint32_t>(column.cells) + 1;
+    cell += column.cells + 1;
   }
   for (std::uint32_t k = begin; k < end; ++k) {
     const Column& column = columns[columnInSlab_[k]];
     const int inColumn = clampTo(yOf_[k] - column.firstY, column.cells);
-    ++cellFirst_[column.firstCell + static_cast<std::uint32_t>(inColumn)];
+    ++cellFirst_[column.firstCell + inColumn];
   }
-  const auto firstCell = static_cast<std::uint32_t>(kCellsPerParticle * begin);
+  const std::uint32_t firstCell = kCellsPerParticle * begin;
   std::uint32_t sum = begin;
   for (std::uint32_t c = firstCell; c < cell; ++c) {  // the end of a column is empty: the next column starts there
     const std::uint32_t own = cellFirst_[c];
@@ -176,14 +176,13 @@ void ParticleGrid::sortSlab(int slab, const ParticleRow* positions) {
     sum += own;
   }
   for (std::uint32_t k = begin; k < end; ++k) {
-    const auto inSlab = static_cast<std::size_t>(columnInSlab_[k]);
+    const std::size_t inSlab = columnInSlab_[k];
     const Column& column = columns[inSlab];
-    const std::uint32_t own =
-        column.firstCell + static_cast<std::uint32_t>(clampTo(yOf_[k] - column.firstY, column.cells));
+    const std::uint32_t own = column.firstCell + clampTo(yOf_[k] - column.firstY, column.cells);
     const std::uint32_t position = cellFirst_[own]++;
     order_[position] = slabOrder_[k];
     rowOf_[position] = yOf_[k];
-    columnOf_[position] = static_cast<std::uint32_t>(firstColumn + inSlab);
+    columnOf_[position] = firstColumn + inSlab;
   }
   // Each start has advanced to its end, which is the start of the next one.
   for (std::uint32_t c = cell; c-- > firstCell + 1;) cellFirst_[c] = cellFirst_[c - 1];
@@ -191,7 +190,7 @@ void ParticleGrid::sortSlab(int slab, const ParticleRow* positions) {
 }
 
 int ParticleGrid::runsAround(std::size_t position, Runs& runs) const {
-  const auto column = static_cast<int>(columnOf_[position]);
+  const int column = columnOf_[position];
   const int z = column / columnsX_, x = column % columnsX_;
   const int y = rowOf_[position];
   const int firstX = std::max(x - 1, 0), lastX = std::min(x + 1, columnsX_ - 1);

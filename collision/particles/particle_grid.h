@@ -75,8 +75,8 @@ class ParticleGrid {
   /// The particles of a column in a range of cell rows.
   [[nodiscard]] Run runOf(const Column& column, int fromY, int toY) const {
     if (column.cells == 0 || toY < column.firstY) return {};
-    const auto from = static_cast<std::uint32_t>(clampTo(fromY - column.firstY, column.cells));
-    const auto to = static_cast<std::uint32_t>(clampTo(toY - column.firstY, column.cells));
+    const std::uint32_t from = clampTo(fromY - column.firstY, column.cells);
+    const std::uint32_t to = clampTo(toY - column.firstY, column.cells);
     return {cellFirst_[column.firstCell + from], cellFirst_[column.firstCell + to + 1]};
   }
   void placeWindow(const ParticleRow* positions);

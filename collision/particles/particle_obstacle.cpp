@@ -32,8 +32,8 @@ void extend(ParticleObstacle::Sweep& bounds, const LivePart& part, const Isometr
   for (const Vec3& v : part.shape.vertices) {
     const Vec3f p = (worldFromPart * v).cast<float>();
     for (std::size_t i = 0; i < 3; ++i) {
-      bounds.min[i] = std::min(bounds.min[i], p[static_cast<Eigen::Index>(i)]);
-      bounds.max[i] = std::max(bounds.max[i], p[static_cast<Eigen::Index>(i)]);
+      bounds.min[i] = std::min(bounds.min[i], p[i]);
+      bounds.max[i] = std::max(bounds.max[i], p[i]);
     }
   }
 }
@@ -44,7 +44,7 @@ constexpr ParticleObstacle::Sweep kNowhere{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1
 
 ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double radius) {
   ParticleRoom room;
-  const auto away = static_cast<float>(radius);
+  const float away = radius;
   if (floor) room.min.y() = away;
   if (walls) {
     for (const Eigen::Index axis : {0, 2}) {

@@ -66,7 +66,7 @@ std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
   LORICA_CHECK(positions.size() <= std::numeric_limits<std::uint32_t>::max(),
                "the number of particles must fit in 32 bits");
   if (s.hulls.hulls().empty() || positions.empty()) return {};
-  const double cells = std::clamp(static_cast<double>(positions.size()) / kParticlesOfCell, kFewestCells, kMaxCells);
+  const double cells = std::clamp(positions.size() / kParticlesOfCell, kFewestCells, kMaxCells);
   if (s.cells < 0.5 * cells) {
     s.cells = cells;
     s.grid.build(s.hulls, cells);

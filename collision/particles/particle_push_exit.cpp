@@ -56,7 +56,7 @@ std::optional<Vec3f> Search::ontoAll(std::span<const Side> sides) const {
   Vec3 lift;
   for (std::size_t i = 0; i < sides.size(); ++i) {
     normals[i] = hulls_.normal(sides[i].plane).cast<double>();
-    lift[static_cast<Eigen::Index>(i)] = static_cast<double>(hulls_.margin() - hulls_.height(sides[i].plane, start_));
+    lift[i] = hulls_.margin() - hulls_.height(sides[i].plane, start_);
   }
   const Vec3 from = start_.cast<double>();
   if (sides.size() == 1) return (from + lift[0] * normals[0]).cast<float>();
@@ -154,7 +154,7 @@ const std::array<Vec3f, 14>& anyDirections() {
       made[i] = third * Vec3f((i & 1U) != 0 ? 1.0F : -1.0F, (i & 2U) != 0 ? 1.0F : -1.0F, (i & 4U) != 0 ? 1.0F : -1.0F);
     }
     for (std::size_t i = 0; i < 6; ++i) {
-      made[8 + i] = (i % 2 == 0 ? 1.0F : -1.0F) * Vec3f::Unit(static_cast<Eigen::Index>(i / 2));
+      made[8 + i] = (i % 2 == 0 ? 1.0F : -1.0F) * Vec3f::Unit(i / 2);
     }
     return made;
   }();

@@ -72,7 +72,7 @@ HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float 
     for (; i < end; i += hn::Lanes(f)) {
       const auto lane = hn::FindFirstTrue(f, hn::Eq(hn::LoadU(f, out.height.data() + i), hn::Set(f, height)));
       if (lane < 0) continue;
-      i += static_cast<std::size_t>(lane);
+      i += lane;
       break;
     }
     return Highest{height, in.x[i], in.y[i], in.z[i]};
@@ -120,7 +120,7 @@ HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float 
 HWY_INLINE void append(const PushGrid::Chosen& from, bool last, PushGrid& grid) {
   PushGrid::List list{from.hull, static_cast<std::uint32_t>(grid.blocks.size()), 0, 0, last};
   for (std::size_t i = 0; i < from.count; i += PushGrid::kWidth) {
-    if (i == from.exitCount) list.exitCount = static_cast<std::uint32_t>(grid.blocks.size()) - list.firstBlock;
+    if (i == from.exitCount) list.exitCount = grid.blocks.size() - list.firstBlock;
     if (from.offset[i] == std::numeric_limits<float>::infinity()) continue;
     PushGrid::Block& block = grid.blocks.emplace_back();
     std::copy_n(from.x.data() + i, PushGrid::kWidth, block.x.data());
@@ -129,8 +129,8 @@ HWY_INLINE void append(const PushGrid::Chosen& from, bool last, PushGrid& grid) 
     std::copy_n(from.offset.data() + i, PushGrid::kWidth, block.offset.data());
     std::copy_n(from.plane.data() + i, PushGrid::kWidth, grid.planes.emplace_back().data());
   }
-  if (from.count == from.exitCount) list.exitCount = static_cast<std::uint32_t>(grid.blocks.size()) - list.firstBlock;
-  list.blockCount = static_cast<std::uint32_t>(grid.blocks.size()) - list.firstBlock;
+  if (from.count == from.exitCount) list.exitCount = grid.blocks.size() - list.firstBlock;
+  list.blockCount = grid.blocks.size() - list.firstBlock;
   grid.lists.push_back(list);
 }
 
@@ -143,7 +143,7 @@ void fillGrid(const PushHulls& hulls, PushGrid& grid) {
     return (static_cast<float>(first) + 0.5F * static_cast<float>(cells)) * grid.size;
   };
   const float halfCell = 0.5F * grid.size + slack;  // rounding may assign a point to the neighbouring cell
-  const float halfGroup = 0.5F * static_cast<float>(kGroup) * grid.size + slack;
+  const float halfGroup = 0.5F * kGroup * grid.size + slack;
 
   for (std::int32_t z0 = 0; z0 < grid.count[2]; z0 += kGroup) {
     for (std::int32_t y0 = 0; y0 < grid.count[1]; y0 += kGroup) {
@@ -162,7 +162,7 @@ void fillGrid(const PushHulls& hulls, PushGrid& grid) {
                            hull.exitCount,         hull.planeCount};
           PushGrid::Chosen& chosen = grid.chosen[reaching];
           if (!choose(all, center, halfGroup, slack, chosen)) continue;
-          chosen.hull = static_cast<std::uint32_t>(h);
+          chosen.hull = h;
           ++reaching;
         }
         if (reaching == 0) continue;
@@ -181,8 +181,8 @@ void fillGrid(const PushHulls& hulls, PushGrid& grid) {
               }
               if (grid.lists.size() == before) continue;
               grid.lists.back().last = true;
-              const auto cell = static_cast<std::size_t>((z * grid.count[1] + y) * grid.count[0] + x);
-              grid.firstList[cell] = static_cast<std::uint32_t>(before);
+              const std::size_t cell = (z * grid.count[1] + y) * grid.count[0] + x;
+              grid.firstList[cell] = before;
               grid.occupied[cell / 32] |= 1U << (cell % 32);
             }
           }
@@ -221,13 +221,12 @@ void PushGrid::build(const PushHulls& hulls, double cells) {
   const Eigen::Array3d extent = hulls.boxMax().cast<double>().array();
   const double longest = extent.maxCoeff();
   const Eigen::Array3d thick = extent.max(1e-3 * longest);
-  size = static_cast<float>(std::max(std::cbrt(thick.prod() / cells), longest / kMaxAlong));
+  size = std::max(std::cbrt(thick.prod() / cells), longest / kMaxAlong);
   inverseSize = 1.0F / size;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    count[axis] = static_cast<std::int32_t>(hulls.boxMax()[static_cast<Eigen::Index>(axis)] * inverseSize) + 1;
+    count[axis] = static_cast<std::int32_t>(hulls.boxMax()[axis] * inverseSize) + 1;
   }
-  const std::size_t cellCount =
-      static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) * static_cast<std::size_t>(count[2]);
+  const std::size_t cellCount = static_cast<std::size_t>(count[0]) * count[1] * count[2];
   firstList.assign(cellCount, 0);
   occupied.assign(cellCount / 32 + 1, 0);
 

@@ -38,10 +38,10 @@ class PushGrid {
 
   /// The cell of a point in the box of all hulls.
   [[nodiscard]] std::size_t cellOf(const Vec3f& p) const {
-    const auto x = static_cast<std::size_t>(p.x() * inverseSize);
-    const auto y = static_cast<std::size_t>(p.y() * inverseSize);
-    const auto z = static_cast<std::size_t>(p.z() * inverseSize);
-    return (z * static_cast<std::size_t>(count[1]) + y) * static_cast<std::size_t>(count[0]) + x;
+    const std::size_t x = p.x() * inverseSize;
+    const std::size_t y = p.y() * inverseSize;
+    const std::size_t z = p.z() * inverseSize;
+    return (z * count[1] + y) * count[0] + x;
   }
 
   float size = 1.0F;  ///< edge of a cell [m]

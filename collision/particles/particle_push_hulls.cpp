@@ -46,13 +46,13 @@ void PushHulls::prepare(std::span<const LivePart> parts, double seconds, double 
   // Rounding of a height: a few units in the last place of a local coordinate, and of the world coordinate when it is
   // written.
   const double farthest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
-  margin_ = static_cast<float>(0x1p-20 * (box.diagonal() + farthest));
-  const double grown = radius + 4.0 * static_cast<double>(margin_);
+  margin_ = 0x1p-20 * (box.diagonal() + farthest);
+  const double grown = radius + 4.0 * margin_;
   origin_ = (box.min.array() - grown).matrix().cast<float>();
   boxMax_ = (box.max.array() + grown).matrix().cast<float>() - origin_;
 
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    if (!boxOf(parts[i]).empty()) takeHull(parts[i], static_cast<std::uint32_t>(i));
+    if (!boxOf(parts[i]).empty()) takeHull(parts[i], i);
   }
   if (again && wereCovered_.size() == faces_.size()) {
     for (std::size_t f = 0; f < faces_.size(); ++f) faces_[f].covered = wereCovered_[f];
@@ -69,7 +69,7 @@ void PushHulls::takeHull(const LivePart& part, std::uint32_t index) {
   raw.boxMin = boxMax_;
   raw.boxMax = Vec3f::Zero();
   for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
-    const Vec3f p = local(static_cast<VertexIndex>(v)).cast<float>();
+    const Vec3f p = local(v).cast<float>();
     vertices_.push_back(p);
     raw.boxMin = raw.boxMin.cwiseMin(p);
     raw.boxMax = raw.boxMax.cwiseMax(p);
@@ -87,10 +87,10 @@ void PushHulls::takeHull(const LivePart& part, std::uint32_t index) {
     const double longestSq = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
     if (twiceArea < 1e-3 * longestSq) {
       for (std::size_t v = 0; v < part.shape.vertices.size(); ++v) {
-        offset = std::max(offset, normal.dot(local(static_cast<VertexIndex>(v))));
+        offset = std::max(offset, normal.dot(local(v)));
       }
     }
-    const auto first = static_cast<VertexIndex>(raw.firstVertex);
+    const VertexIndex first = raw.firstVertex;
     faces_.push_back({normal.cast<float>(), static_cast<float>(offset), {t[0] + first, t[1] + first, t[2] + first}});
   }
   raw.endVertex = vertices_.size();
@@ -128,15 +128,15 @@ void PushHulls::findCovered() {
       for (std::size_t v = of.firstVertex; v < of.endVertex; ++v) coveredVertices_[v] = nearlyInside(vertices_[v]);
       for (std::size_t f = of.firstFace; f < of.endFace; ++f) {
         Face& face = faces_[f];
-        const auto corner = [&](std::size_t i) { return static_cast<std::size_t>(face.corners[i]); };
+        const auto corner = [&](std::size_t i) -> std::size_t { return face.corners[i]; };
         const auto hidden = [&](std::size_t i) { return nearlyInside(vertices_[corner(i)] + before * face.normal); };
         face.covered = face.covered || (coveredVertices_[corner(0)] && coveredVertices_[corner(1)] &&
                                         coveredVertices_[corner(2)] && hidden(0) && hidden(1) && hidden(2));
       }
     }
     // A hull that is wholly inside others keeps its ways out, so that each hull has some.
-    const auto first = faces_.begin() + static_cast<std::ptrdiff_t>(of.firstFace);
-    const auto end = faces_.begin() + static_cast<std::ptrdiff_t>(of.endFace);
+    const auto first = faces_.begin() + of.firstFace;
+    const auto end = faces_.begin() + of.endFace;
     if (std::all_of(first, end, [](const Face& face) { return face.covered; })) {
       std::for_each(first, end, [](Face& face) { face.covered = false; });
     }
@@ -165,9 +165,9 @@ void PushHulls::addHull(const Raw& raw, double seconds, double radius) {
   Hull hull;
   hull.part = raw.index;
   hull.firstPlane = x_.size();
-  addPlanes(raw, false, static_cast<float>(radius));
+  addPlanes(raw, false, radius);
   hull.exitCount = x_.size() - hull.firstPlane;
-  addPlanes(raw, true, static_cast<float>(radius));
+  addPlanes(raw, true, radius);
   hull.planeCount = x_.size() - hull.firstPlane;
   const Vec3f grown = Vec3f::Constant(static_cast<float>(radius) + 2.0F * margin_);
   hull.boxMin = raw.boxMin - grown;

@@ -70,7 +70,7 @@ HWY_INLINE PushDepth depthOf(const PushGrid& grid, const PushGrid::List& list, f
     for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
       const auto lane =
           hn::FindFirstTrue(f, hn::Eq(heights(grid.blocks[b], i, position.x, position.y, position.z), wanted));
-      if (lane >= 0) return {height, list.hull, grid.planes[b][i + static_cast<std::size_t>(lane)]};
+      if (lane >= 0) return {height, list.hull, grid.planes[b][i + lane]};
     }
   }
   return {};
@@ -152,10 +152,10 @@ std::size_t waysOutOf(const PushHulls& hulls, std::uint32_t which, const Vec3f& 
     for (; at < hull.exitCount; at += hn::Lanes(f)) {
       const auto lane = hn::FindFirstTrue(f, hn::Eq(hn::LoadU(f, height.data() + at), hn::Set(f, wanted)));
       if (lane < 0) continue;
-      at += static_cast<std::size_t>(lane);
+      at += lane;
       break;
     }
-    const auto plane = static_cast<std::uint32_t>(first + at);
+    const std::uint32_t plane = first + at;
     faces[count++] = {wanted, which, plane};
     const Vec3f normal = hulls.normal(plane);
     highest = none;
@@ -194,7 +194,7 @@ PushLeave leaveOne(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, 
   if (!(length < infinity)) return {infinity, 0};
   for (std::size_t i = hull.firstPlane; i < end; i += hn::Lanes(f)) {
     const auto lane = hn::FindFirstTrue(f, hn::Eq(lengths(i), hn::Set(f, length)));
-    if (lane >= 0) return {length, static_cast<std::uint32_t>(i + static_cast<std::size_t>(lane))};
+    if (lane >= 0) return {length, static_cast<std::uint32_t>(i + lane)};
   }
   return {infinity, 0};
 }
@@ -243,7 +243,7 @@ HWY_INLINE std::size_t screen(const PushHulls& hulls, const PushGrid& grid, cons
   }
   for (; i < count; ++i) {
     const Vec3f p = Vec3f(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]) - hulls.origin();
-    if (isNear(hulls, p) && grid.firstList[grid.cellOf(p)] != 0) listed[found++] = static_cast<std::uint32_t>(i);
+    if (isNear(hulls, p) && grid.firstList[grid.cellOf(p)] != 0) listed[found++] = i;
   }
   return found;
 }

@@ -38,7 +38,7 @@ std::size_t ParticleSet::add(std::span<const Vec3f> given, const Vec3f& ownMotio
     velocities[i] = velocity;
     position[i] = rowOf(positions[i]);
     motion[i] = rowOf(ownMotion);
-    id[i] = static_cast<std::uint32_t>(i);
+    id[i] = i;
   }
   return count - before;
 }
@@ -48,7 +48,7 @@ ParticleSet::Substeps ParticleSet::beginFrame(std::span<const LivePart> parts, d
   LORICA_CHECK(seconds > 0.0 && std::isfinite(seconds), "the length of a particle step must be finite and above 0");
   Substeps substeps;
   substeps.count = std::max(1, static_cast<int>(std::ceil(seconds / maxSubstepSeconds - 1e-6)));
-  substeps.seconds = static_cast<float>(seconds / substeps.count);
+  substeps.seconds = seconds / substeps.count;
   body.begin(parts, seconds, substeps.count);
   return substeps;
 }

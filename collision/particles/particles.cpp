@@ -1,5 +1,6 @@
 #include "collision/particles/particles.h"
 
+#include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "geometry/result.h"
 
@@ -28,19 +29,19 @@ Lattice latticeIn(const ParticleSettings& settings, const ParticleSettings::Fill
   double count = 1.0;
   for (Eigen::Index axis = 0; axis < 3; ++axis) {
     const double along = std::clamp(std::floor(fill.size[axis] / step), 1.0, 1e5);
-    lattice.counts[axis] = static_cast<int>(along);
+    lattice.counts[axis] = along;
     count *= along;
   }
-  lattice.count = static_cast<int>(std::min(count, static_cast<double>(fill.max)));
+  lattice.count = std::min<double>(count, fill.max);
   return lattice;
 }
 
 std::size_t countOf(const ParticleSettings& settings) {
   std::size_t count = 0;
   for (const ParticleSettings::Fill& fill : settings.fills) {
-    count += static_cast<std::size_t>(latticeIn(settings, fill).count);
+    count += latticeIn(settings, fill).count;
   }
-  for (const ParticleSettings::Pour& pour : settings.pours) count += static_cast<std::size_t>(std::max(pour.count, 0));
+  for (const ParticleSettings::Pour& pour : settings.pours) count += std::max(pour.count, 0);
   return std::clamp<std::size_t>(count, 1, ParticleSettings::kMaxParticles);
 }
 
@@ -79,7 +80,7 @@ Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
   sources_.resize(settings.pours.size());
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const double step = 2.0 * settings.radius * kApart, radius = settings.pours[i].radius;
-    const int max = static_cast<int>(std::min(radius / step, 200.0));
+    const int max = std::min(radius / step, 200.0);
     for (int z = -max; z <= max; ++z) {
       for (int x = -max; x <= max; ++x) {
         if (x * x + z * z > max * max) continue;
@@ -111,18 +112,18 @@ void Particles::pour(std::size_t index, double seconds) {
   const ParticleSettings::Pour& pour = settings_.pours[index];
   Source& source = sources_[index];
   const double waiting = source.due;  // of the next particle: the part of it that was due before
-  source.due = std::min(source.due + pour.rate * seconds, static_cast<double>(pour.count - source.poured));
-  const auto count = static_cast<int>(source.due);
+  source.due = std::min<double>(source.due + pour.rate * seconds, pour.count - source.poured);
+  const int count = source.due;
   if (count <= 0) return;
   source.due -= count;
   const double layer = 2.0 * settings_.radius * kApart;
-  RandomNumbers random(kSeed + static_cast<std::uint64_t>(source.poured));
-  const auto positions = static_cast<int>(source.disc.size());
+  RandomNumbers random(kSeed + source.poured);
+  const auto positions = countOf(source.disc);
   // Evenly in time. A particle that is released later in the frame begins it where it falls to the disc from: a frame's
   // particles are thus as far from each other, and from those of other frames, as the speed at any height asks for.
   for (int i = 0; i < count; ++i) {
     const double later = (i + 1 - waiting) / pour.rate;
-    Vec3 offset = source.disc[static_cast<std::size_t>((source.poured + i) % positions)].cast<double>();
+    Vec3 offset = source.disc[(source.poured + i) % positions].cast<double>();
     offset.x() += layer * kJitter * random.between(-0.5, 0.5);
     offset.z() += layer * kJitter * random.between(-0.5, 0.5);
     offset += -later * pour.velocity + 0.5 * later * later * settings_.gravity;
@@ -159,7 +160,7 @@ bool Particles::settle(std::span<const LivePart> parts) {
     part.previousWorldFromPart = part.worldFromPart;
     part.reshaped = false;
   }
-  const auto frames = static_cast<int>(std::ceil(settings_.settleSeconds / kSettlingFrame - 1e-6));
+  const int frames = std::ceil(settings_.settleSeconds / kSettlingFrame - 1e-6);
   for (int frame = 1; frame <= frames; ++frame) {
     move(still, kSettlingFrame);
     if (settlingWatch_ && !settlingWatch_(frame, frames)) return false;

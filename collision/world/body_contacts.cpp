@@ -126,7 +126,7 @@ void BodyContactQuery::Impl::findPairs(std::span<const BodyInWorld> present, int
   near.clear();
   for (std::size_t p = 0; p < present[b].parts.size(); ++p) {
     if (!second.solids[p].bounds.empty() && !apart(first.bounds, second.solids[p].bounds)) {
-      near.push_back(static_cast<PartIndex>(p));
+      near.push_back(p);
     }
   }
   for (std::size_t p = 0; p < present[a].parts.size(); ++p) {
@@ -142,7 +142,7 @@ void BodyContactQuery::Impl::findPairs(std::span<const BodyInWorld> present, int
       BodyContact& contact = pairs.emplace_back();
       contact.firstBody = a;
       contact.secondBody = b;
-      contact.firstPart = static_cast<PartIndex>(p);
+      contact.firstPart = p;
       contact.secondPart = other;
     }
   }

@@ -1,6 +1,7 @@
 #include "collision/world/part_shape.h"
 
 #include "collision/live/support_kernel.h"
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -18,15 +19,15 @@ void PartShape::reserve(std::size_t count) {
 
 void PartShape::setPoints(std::span<const Vec3> points) {
   LORICA_CHECK(!points.empty(), "a shape needs at least one point");
-  const int count = static_cast<int>(points.size());
+  const int count = countOf(points);
   stride_ = (count + kSupportBlock - 1) / kSupportBlock * kSupportBlock;
   coordinates_.resize(3 * static_cast<std::size_t>(stride_));
   for (int axis = 0; axis < 3; ++axis) {
     float* row = coordinates_.data() + static_cast<std::ptrdiff_t>(axis) * stride_;
-    float low = static_cast<float>(points[0][axis]);
+    float low = points[0][axis];
     float high = low;
     for (int i = 0; i < count; ++i) {
-      row[i] = static_cast<float>(points[i][axis]);
+      row[i] = points[i][axis];
       low = std::min(low, row[i]);
       high = std::max(high, row[i]);
     }

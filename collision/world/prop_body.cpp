@@ -1,6 +1,7 @@
 #include "collision/world/prop_body.h"
 
 #include "collision/world/bullet_math.h"
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <LinearMath/btConvexHullComputer.h>
@@ -24,10 +25,10 @@ std::unique_ptr<PartShape> hullShape(const ConvexHull& hull, const Isometry3& ma
   for (const Vec3& v : hull.vertices) points.emplace_back(massFromProp * v);
   btConvexHullComputer shrunk;
   const btScalar margin =
-      shrunk.compute(points[0].data(), 3 * sizeof(double), static_cast<int>(points.size()), kHullMargin, kMaxShrunk);
+      shrunk.compute(points[0].data(), 3 * sizeof(double), countOf(points), kHullMargin, kMaxShrunk);
   if (margin > 0.0f && shrunk.vertices.size() >= 4) {
     points.clear();
-    points.reserve(static_cast<std::size_t>(shrunk.vertices.size()));
+    points.reserve(shrunk.vertices.size());
     for (int i = 0; i < shrunk.vertices.size(); ++i) points.push_back(fromBullet(shrunk.vertices[i]));
   }
   auto shape = std::make_unique<PartShape>(std::max(margin, btScalar(0.0)));
@@ -47,7 +48,7 @@ Vec3 takeMesh(const Prop& prop, PropBody& body) {
   body.massFromProp = propFromMass.inverse();
   body.centered = false;
   body.radius = 0.0;
-  auto compound = std::make_unique<btCompoundShape>(true, static_cast<int>(mesh.hulls.size()));
+  auto compound = std::make_unique<btCompoundShape>(true, countOf(mesh.hulls));
   for (const ConvexHull& hull : mesh.hulls) {
     for (const Vec3& v : hull.vertices) body.radius = std::max(body.radius, (v - mesh.solid.center).norm());
     body.hulls.push_back(hullShape(hull, body.massFromProp));
@@ -59,7 +60,7 @@ Vec3 takeMesh(const Prop& prop, PropBody& body) {
 
 /// @return moments of inertia along the axes of the body [kg m^2]
 btVector3 takeShape(const Prop& prop, PropBody& body) {
-  const auto radius = static_cast<btScalar>(prop.halfExtents.x());
+  const btScalar radius = prop.halfExtents.x();
   body.radius = boundingRadius(prop);
   switch (prop.shape) {
     case PropShape::kBox:
@@ -83,7 +84,7 @@ btVector3 takeShape(const Prop& prop, PropBody& body) {
       return toBullet(takeMesh(prop, body));
   }
   btVector3 inertia(0.0f, 0.0f, 0.0f);
-  if (prop.mass > 0.0) body.shape->calculateLocalInertia(static_cast<btScalar>(prop.mass), inertia);
+  if (prop.mass > 0.0) body.shape->calculateLocalInertia(prop.mass, inertia);
   return inertia;
 }
 
@@ -101,10 +102,9 @@ PropBody makePropBody(const Prop& prop, int index) {
                "a prop needs extents above zero and a mass of at least zero");
   PropBody body;
   const btVector3 inertia = takeShape(prop, body);
-  btRigidBody::btRigidBodyConstructionInfo construction(static_cast<btScalar>(prop.mass), nullptr, body.shape.get(),
-                                                        inertia);
-  construction.m_friction = static_cast<btScalar>(prop.friction);
-  construction.m_restitution = static_cast<btScalar>(prop.restitution);
+  btRigidBody::btRigidBodyConstructionInfo construction(prop.mass, nullptr, body.shape.get(), inertia);
+  construction.m_friction = prop.friction;
+  construction.m_restitution = prop.restitution;
   const Isometry3 worldFromMass = prop.worldFromProp * body.massFromProp.inverse();
   construction.m_startWorldTransform = toBullet(Quat(worldFromMass.linear()), worldFromMass.translation());
   // Bullet's default threshold of 0.8 m/s would freeze bodies that still visibly drift.

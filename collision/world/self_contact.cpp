@@ -4,6 +4,7 @@
 #include "collision/world/bullet_math.h"
 #include "collision/world/part_overlap.h"
 #include "collision/world/part_shape.h"
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
@@ -56,15 +57,14 @@ struct SelfContactQuery::Impl {
 
 SelfContactQuery::SelfContactQuery(const LiveBody& body, std::span<const Vec3> rest) : impl_(std::make_unique<Impl>()) {
   const Decomposition& decomposition = body.decomposition();
-  LORICA_CHECK(rest.size() == static_cast<std::size_t>(decomposition.vertexCount),
-               "the rest pose must have the vertices of the body's mesh");
+  LORICA_CHECK(countOf(rest) == decomposition.vertexCount, "the rest pose must have the vertices of the body's mesh");
   const std::size_t count = decomposition.parts.size();
   impl_->solids.resize(count);
   impl_->neighbours.assign(count * count, 1);
   impl_->contacts.reserve(count * (count - 1) / 2);
   impl_->order.reserve(count);
 
-  std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
+  std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, rest, points);
   const std::vector<ConvexHull> hulls = partHulls(decomposition, points);
   for (std::size_t i = 0; i < count; ++i) {
@@ -83,8 +83,7 @@ SelfContactQuery::SelfContactQuery(const LiveBody& body, std::span<const Vec3> r
       impl_->neighbour(a, b) = impl_->neighbour(b, a) = close ? 1 : 0;
     }
   }
-  for (std::size_t i = 0; i < count; ++i)
-    impl_->solids[i].shape.reserve(body.candidateCount(static_cast<PartIndex>(i)));
+  for (std::size_t i = 0; i < count; ++i) impl_->solids[i].shape.reserve(body.candidateCount(i));
 }
 
 SelfContactQuery::~SelfContactQuery() = default;
@@ -92,7 +91,7 @@ SelfContactQuery::SelfContactQuery(SelfContactQuery&&) noexcept = default;
 SelfContactQuery& SelfContactQuery::operator=(SelfContactQuery&&) noexcept = default;
 
 bool SelfContactQuery::areNeighbours(PartIndex a, PartIndex b) const {
-  return impl_->neighbour(static_cast<std::size_t>(a), static_cast<std::size_t>(b)) != 0;
+  return impl_->neighbour(a, b) != 0;
 }
 
 std::span<const SelfContact> SelfContactQuery::find(std::span<const LivePart> parts) {
@@ -110,9 +109,9 @@ std::span<const SelfContact> SelfContactQuery::find(std::span<const LivePart> pa
   }
   std::sort(impl_->order.begin(), impl_->order.end());
   for (auto i = impl_->order.begin(); i != impl_->order.end(); ++i) {
-    const auto a = static_cast<std::size_t>(i->second);
+    const std::size_t a = i->second;
     for (auto j = i + 1; j != impl_->order.end() && j->first <= solids[a].bounds.max.x(); ++j) {
-      const auto b = static_cast<std::size_t>(j->second);
+      const std::size_t b = j->second;
       if (impl_->neighbour(a, b) != 0 || apart(solids[a].bounds, solids[b].bounds)) continue;
       impl_->test(parts, std::min(i->second, j->second), std::max(i->second, j->second));
     }

@@ -31,7 +31,7 @@ struct ShapeContactQuery::Impl {
 ShapeContactQuery::ShapeContactQuery(const LiveBody& body) : impl_(std::make_unique<Impl>()) {
   std::size_t most = 0;
   for (std::size_t p = 0; p < body.parts().size(); ++p) {
-    most = std::max(most, body.candidateCount(static_cast<PartIndex>(p)));
+    most = std::max(most, body.candidateCount(p));
   }
   impl_->partShape.reserve(most);
   impl_->contacts.reserve(body.parts().size());

@@ -4,6 +4,7 @@
 #include "collision/world/resolve_overlaps.h"
 #include "collision/world/strike_limit.h"
 #include "collision/world/world_impl.h"
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -63,7 +64,7 @@ World::Impl::~Impl() {
 
 void World::Impl::addProp(const Prop& prop) {
   LORICA_CHECK(props.size() < kMaxProps, "too many props for the broad phase");
-  propBodies.push_back(makePropBody(prop, static_cast<int>(props.size())));
+  propBodies.push_back(makePropBody(prop, countOf(props)));
   addBody(propBodies.back(), prop.mass == 0.0);
   props.push_back(prop);
 }
@@ -106,7 +107,7 @@ void World::Impl::resolveInitialOverlaps(std::span<const std::span<const LivePar
     if (moves[i].isZero() || std::find(thrown.begin(), thrown.end(), static_cast<int>(i)) != thrown.end()) continue;
     Prop prop = props[i];
     prop.worldFromProp.pretranslate(moves[i]);
-    replaceProp(static_cast<int>(i), prop);
+    replaceProp(i, prop);
   }
 }
 
@@ -154,7 +155,7 @@ void World::Impl::collectContacts(const btPersistentManifold& manifold, std::vec
     contact.prop = (partIsA ? b : a)->getUserIndex();
     contact.point = fromBullet(partIsA ? point.getPositionWorldOnA() : point.getPositionWorldOnB());
     contact.normal = fromBullet(partIsA ? -point.m_normalWorldOnB : point.m_normalWorldOnB);
-    contact.depth = -static_cast<double>(point.getDistance());
+    contact.depth = -point.getDistance();
     contact.impulse = point.getAppliedImpulse();
     noteContact(contacts, contact);
   }
@@ -192,7 +193,7 @@ void World::Impl::readProps() {
 /// substeps.
 btContactSolverInfo World::Impl::solverInfo(double length) {
   btContactSolverInfo info = world.getSolverInfo();
-  info.m_erp = info.m_erp2 = static_cast<btScalar>(0.2 * std::min(1.0, length / settings.substepSeconds));
+  info.m_erp = info.m_erp2 = 0.2 * std::min(1.0, length / settings.substepSeconds);
   return info;
 }
 
@@ -212,7 +213,7 @@ void World::Impl::stepTogether(double seconds) {
     }
     world.getSolverInfo() = solverInfo(length);
     drawGrabbed(length);
-    world.stepSimulation(static_cast<btScalar>(length), 0);
+    world.stepSimulation(length, 0);
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
       collectContacts(*dispatcher.getManifoldByIndexInternal(m), contacts);
     }
@@ -229,7 +230,7 @@ World& World::operator=(World&&) noexcept = default;
 
 int World::addProp(const Prop& prop) {
   impl_->addProp(prop);
-  return static_cast<int>(impl_->props.size()) - 1;
+  return countOf(impl_->props) - 1;
 }
 
 void World::addLink(int a, int b, const Vec3& position) {
@@ -289,7 +290,7 @@ std::span<const LivePart> World::partsForParticles(std::span<const std::span<con
   std::size_t count = 0;
   for (const std::span<const LivePart> avatar : avatars) {
     if (allParts_.size() < count + avatar.size()) allParts_.resize(count + avatar.size());
-    std::copy(avatar.begin(), avatar.end(), allParts_.begin() + static_cast<std::ptrdiff_t>(count));
+    std::copy(avatar.begin(), avatar.end(), allParts_.begin() + count);
     count += avatar.size();
   }
   return std::span(allParts_).first(count);

@@ -3,6 +3,7 @@
 
 #include "collision/world/bullet_math.h"
 #include "collision/world/world_impl.h"
+#include "geometry/counts.h"
 
 #include <tbb/parallel_for.h>
 
@@ -77,7 +78,7 @@ void Island::clear() {
 }
 
 void DisjointSets::reset(int count) {
-  parents_.resize(static_cast<std::size_t>(count));
+  parents_.resize(count);
   for (int i = 0; i < count; ++i) parents_[i] = i;
 }
 
@@ -97,7 +98,7 @@ void World::Impl::stepCrowd(double seconds) {
   for (const auto& parts : avatars) {
     for (const std::unique_ptr<PartCollider>& part : parts) {
       if (!part->inWorld) continue;
-      part->slot = static_cast<int>(props.size() + crowd.parts.size());
+      part->slot = props.size() + crowd.parts.size();
       crowd.parts.push_back(part.get());
     }
   }
@@ -145,7 +146,7 @@ void World::Impl::setTickBounds(const Tick& tick) {
     if (!isAwake(*prop.body)) continue;
     btVector3 low, high;
     prop.shape->getAabb(prop.body->getWorldTransform(), low, high);
-    const btVector3 travel = prop.body->getLinearVelocity() * static_cast<btScalar>(tick.share * tick.seconds);
+    const btVector3 travel = prop.body->getLinearVelocity() * (tick.share * tick.seconds);
     const btVector3 none(0, 0, 0);
     btVector3 back = travel, ahead = travel;
     back.setMin(none);
@@ -164,7 +165,7 @@ void World::Impl::wakeTouched(const Tick& tick) {
   const auto wakes = [&](btBroadphasePair& pair, const PairBodies& bodies) {
     if (bodies.withPart()) {
       const Sweep& sweep = partOf(*bodies.other).sweep;
-      return dispatcher.canTouch(pair, static_cast<btScalar>(sweep.path() * tick.share));
+      return dispatcher.canTouch(pair, sweep.path() * tick.share);
     }
     const btCollisionObject& awake = isAwake(*bodies.prop) ? *bodies.prop : *bodies.other;
     if (propBodies[awake.getUserIndex()].speed() > kWakingSpeed) return true;
@@ -197,7 +198,7 @@ void World::Impl::wakeTouched(const Tick& tick) {
 
 void World::Impl::findIslands() {
   btBroadphasePairArray& pairs = broadphase.getOverlappingPairCache()->getOverlappingPairArray();
-  const int count = static_cast<int>(props.size() + crowd.parts.size());
+  const int count = props.size() + crowd.parts.size();
   crowd.sets.reset(count);
   for (int p = 0; p < pairs.size(); ++p) {
     const PairBodies bodies(pairs[p]);
@@ -212,11 +213,11 @@ void World::Impl::findIslands() {
   }
 
   crowd.islandCount = 0;
-  crowd.islandOfSet.assign(static_cast<std::size_t>(count), -1);
+  crowd.islandOfSet.assign(count, -1);
   const auto islandOf = [&](int i) -> Island& {
     int& island = crowd.islandOfSet[crowd.sets.find(i)];
     if (island < 0) {
-      island = static_cast<int>(crowd.islandCount++);
+      island = crowd.islandCount++;
       if (crowd.islands.size() < crowd.islandCount) crowd.islands.emplace_back();
       crowd.islands[island].clear();
     }
@@ -224,7 +225,7 @@ void World::Impl::findIslands() {
   };
   for (std::size_t i = 0; i < props.size(); ++i) {
     btRigidBody* body = propBodies[i].body.get();
-    if (isAwake(*body)) islandOf(static_cast<int>(i)).props.push_back(body);
+    if (isAwake(*body)) islandOf(i).props.push_back(body);
   }
   for (PartCollider* part : crowd.parts) {
     if (crowd.islandOfSet[crowd.sets.find(part->slot)] >= 0) islandOf(part->slot).parts.push_back(part);
@@ -288,7 +289,7 @@ void World::Impl::stepIsland(Island& island, const Tick& tick) {
 }
 
 void World::Impl::substep(Island& island, double length) {
-  const auto seconds = static_cast<btScalar>(length);
+  const btScalar seconds = length;
   btContactSolverInfo solving = solverInfo(length);
   solving.m_timeStep = seconds;
   solving.m_leastSquaresResidualThreshold = kSolvedTo;
@@ -305,10 +306,9 @@ void World::Impl::substep(Island& island, double length) {
     body.applyDamping(seconds);
     body.applyGravity();
   }
-  island.solver->solveGroup(island.props.data(), static_cast<int>(island.props.size()),
+  island.solver->solveGroup(island.props.data(), countOf(island.props),
                             island.manifolds.size() > 0 ? &island.manifolds[0] : nullptr, island.manifolds.size(),
-                            island.joints.data(), static_cast<int>(island.joints.size()), solving, nullptr,
-                            &dispatcher);
+                            island.joints.data(), countOf(island.joints), solving, nullptr, &dispatcher);
   for (int m = 0; m < island.manifolds.size(); ++m) collectContacts(*island.manifolds[m], island.contacts);
   for (btCollisionObject* prop : island.props) {
     btRigidBody& body = *btRigidBody::upcast(prop);
@@ -322,7 +322,7 @@ void World::Impl::substep(Island& island, double length) {
 
 /// Lets props sleep that rest, together with all that they touch.
 void World::Impl::sleepAtRest(double seconds) {
-  crowd.sets.reset(static_cast<int>(props.size()));
+  crowd.sets.reset(countOf(props));
   for (std::size_t i = 0; i < crowd.islandCount; ++i) {
     for (const btBroadphasePair* pair : crowd.islands[i].pairs) {
       const PairBodies bodies(*pair);
@@ -335,12 +335,12 @@ void World::Impl::sleepAtRest(double seconds) {
   const auto eachAwake = [&](const auto& visit) {
     for (std::size_t i = 0; i < props.size(); ++i) {
       PropBody& prop = propBodies[i];
-      if (isAwake(*prop.body)) visit(prop, restless[crowd.sets.find(static_cast<int>(i))]);
+      if (isAwake(*prop.body)) visit(prop, restless[crowd.sets.find(i)]);
     }
   };
   eachAwake([&](PropBody& prop, int& restlessSet) {
     btRigidBody& body = *prop.body;
-    body.updateDeactivation(static_cast<btScalar>(seconds));
+    body.updateDeactivation(seconds);
     const bool still = body.getLinearVelocity().length2() < kStillSpeed * kStillSpeed &&
                        body.getAngularVelocity().length2() < kStillSpin * kStillSpin;
     prop.stillSeconds = still ? prop.stillSeconds + seconds : 0.0;

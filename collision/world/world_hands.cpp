@@ -37,7 +37,7 @@ std::optional<PropPick> World::pick(const Ray& ray) const {
   if (!nearest.hasHit() || nearest.m_collisionObject == impl_->floor.get()) return std::nullopt;
   PropPick pick;
   pick.prop = nearest.m_collisionObject->getUserIndex();
-  pick.distance = kFarthestPick * static_cast<double>(nearest.m_closestHitFraction);
+  pick.distance = kFarthestPick * nearest.m_closestHitFraction;
   pick.position = ray.origin + pick.distance / length * ray.direction;
   return pick;
 }
@@ -99,10 +99,10 @@ void World::Impl::drawGrabbed(double seconds) {
   const Vec3 lead = grabbed->drawn - position;
   grabbed->drawn = position + lead * std::min(1.0, kLongestLead / std::max(lead.norm(), 1e-9));
   grabbed->joint->setPivotB(toBullet(grabbed->drawn));
-  const double mass = 1.0 / static_cast<double>(held.body->getInvMass());
+  const double mass = 1.0 / held.body->getInvMass();
   const double force = std::min(kMaxForce, kMaxAcceleration * mass);
-  grabbed->joint->m_setting.m_impulseClamp = static_cast<btScalar>(force * seconds);
-  grabbed->joint->setParam(BT_CONSTRAINT_ERP, static_cast<btScalar>(std::min(0.5, kStiffness * seconds)), -1);
+  grabbed->joint->m_setting.m_impulseClamp = force * seconds;
+  grabbed->joint->setParam(BT_CONSTRAINT_ERP, std::min(0.5, kStiffness * seconds), -1);
 }
 
 int World::throwProp(const Prop& prop) {

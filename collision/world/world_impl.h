@@ -7,6 +7,7 @@
 #include "collision/world/prop_body.h"
 #include "collision/world/strike_limit.h"
 #include "collision/world/world.h"
+#include "geometry/counts.h"
 
 #include <btBulletDynamicsCommon.h>
 
@@ -117,7 +118,7 @@ struct World::Impl {
   void replaceProp(int index, const Prop& prop);
   void addBody(const PropBody& body, bool isStatic);
   void addLink(int a, int b, const Vec3& position);
-  [[nodiscard]] bool isProp(int index) const { return index >= 0 && index < static_cast<int>(props.size()); }
+  [[nodiscard]] bool isProp(int index) const { return index >= 0 && index < countOf(props); }
   void release();
   void drawGrabbed(double seconds);
   void resolveInitialOverlaps(std::span<const std::span<const LivePart>> avatars);

@@ -2,6 +2,7 @@
 #include "collision/world/bullet_math.h"
 #include "collision/world/strike_limit.h"
 #include "collision/world/world_impl.h"
+#include "geometry/counts.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <tbb/parallel_for.h>
@@ -113,8 +114,8 @@ void World::Impl::setPartCount(std::size_t avatar, std::size_t count) {
     part->body = std::make_unique<btRigidBody>(construction);
     part->body->setCollisionFlags(btCollisionObject::CF_KINEMATIC_OBJECT);
     part->body->setActivationState(DISABLE_DEACTIVATION);
-    part->body->setUserIndex(static_cast<int>(parts.size()));
-    part->body->setUserIndex3(static_cast<int>(avatar));
+    part->body->setUserIndex(countOf(parts));
+    part->body->setUserIndex3(avatar);
     parts.push_back(std::move(part));
   }
 }

@@ -1,11 +1,13 @@
 #include "skinning/body/body_assembly.h"
 
+#include "geometry/counts.h"
+
 namespace lorica {
 
 void appendVertex(Character& character, const Vec3& vertex, std::span<const Influence> influences) {
   character.mesh.vertices.push_back(vertex);
   character.influences.insert(character.influences.end(), influences.begin(), influences.end());
-  character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+  character.influenceBegin.push_back(character.influences.size());
 }
 
 Character bonesOf(const Character& character) {
@@ -31,7 +33,7 @@ Character assembleBody(const Character& character, const TriMesh& surface,
   }
   for (std::size_t v = 0; v < numberOf.size(); ++v) {
     if (!used[v]) continue;
-    numberOf[v] = static_cast<VertexIndex>(made.mesh.vertices.size());
+    numberOf[v] = countOf(made.mesh.vertices);
     appendVertex(
         made, character.mesh.vertices[v],
         std::span(character.influences)

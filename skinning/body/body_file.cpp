@@ -1,6 +1,8 @@
 #include "skinning/body/body_file.h"
 
 #include "geometry/byte_reader.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "skinning/body/body_assembly.h"
 
@@ -113,14 +115,14 @@ std::string encodeBody(const ClosedBody& body, std::uint64_t key) {
   const Character& character = body.character;
   std::string payload;
   put(key, payload);
-  eachCount(body, [&](int count) { put(static_cast<std::int32_t>(count), payload); });
+  eachCount(body, [&](int count) { put(count, payload); });
   eachLength(body, [&](double length) { put(length, payload); });
   put(static_cast<std::uint32_t>(body.notes.size()), payload);
   for (const std::string& note : body.notes) {
     put(static_cast<std::uint32_t>(note.size()), payload);
     payload += note;
   }
-  const auto vertexCount = static_cast<std::size_t>(body.bodyVertices);
+  const std::size_t vertexCount = body.bodyVertices;
   put(static_cast<std::uint32_t>(vertexCount), payload);
   for (std::size_t v = 0; v < vertexCount; ++v) {
     for (const double coordinate : character.mesh.vertices[v]) put(coordinate, payload);
@@ -148,7 +150,7 @@ Result<ClosedBody> decodeBody(std::string_view bytes, const Character& character
                               const std::string& name) {
   ByteReader reader(bytes, 0, name);
   if (bytes.size() < kHeaderBytes || !bytes.starts_with(kMagic)) {
-    return Error{ErrorCode::kBadFormat, name + ": not a body: its first bytes are not LORBODY"};
+    return badFormat(name + ": not a body: its first bytes are not LORBODY");
   }
   reader.skip(kMagic.size());
   if (const auto version = reader.take<std::uint32_t>("the version"); version != kBodyVersion) {
@@ -170,10 +172,10 @@ Result<ClosedBody> decodeBody(std::string_view bytes, const Character& character
     reader.fail(reader.offset(), fmt::format("{} bytes are left after the end", reader.left()));
   }
   if (!reader.ok()) return reader.error();
-  body.bodyVertices = static_cast<int>(weights.size());
+  body.bodyVertices = countOf(weights);
   body.character = assembleBody(character, surface, weights);
   if (const Result<void> sound = checkCharacter(body.character); !sound) {
-    return Error{ErrorCode::kBadFormat, name + ": " + sound.error().message};
+    return badFormat(name + ": " + sound.error().message);
   }
   return body;
 }

@@ -1,5 +1,7 @@
 #include "skinning/body/closed_body.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
 #include "skinning/body/body_assembly.h"
 #include "skinning/body/solid_source.h"
@@ -23,10 +25,6 @@ namespace {
 constexpr int kSteps = 5;
 constexpr double kCoarsest = 0.125;  // largest voxel, relative to the character's longest side
 
-Error cancelled() {
-  return {ErrorCode::kCancelled, "cancelled"};
-}
-
 std::string counted(std::size_t count, const char* one, const char* many) {
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
@@ -34,11 +32,11 @@ std::string counted(std::size_t count, const char* one, const char* many) {
 /// Whether every shell encloses its own volume. Shells with overlapping boxes may overlap, so they do not qualify.
 bool shellsApart(const TriMesh& mesh, const Components& shells) {
   if (shells.count == 1) return true;
-  const auto count = static_cast<std::size_t>(shells.count);
+  const std::size_t count = shells.count;
   std::vector<Aabb> boxes(count);
   std::vector<std::vector<Triangle>> triangles(count);
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-    const auto s = static_cast<std::size_t>(shells.componentOfTriangle[k]);
+    const std::size_t s = shells.componentOfTriangle[k];
     triangles[s].push_back(mesh.triangles[k]);
     for (const VertexIndex v : mesh.triangles[k]) boxes[s].extend(mesh.vertices[v]);
   }
@@ -62,9 +60,8 @@ class BodyMaker {
     const Limbs limbs(character_);
     welded_ = weld(character_, limbs);
     if (welded_.mesh.triangles.empty()) {
-      return Error{ErrorCode::kBadMesh,
-                   fmt::format("the character has {} vertices and {} triangles, expected a surface",
-                               character_.mesh.vertices.size(), character_.mesh.triangles.size())};
+      return badMesh("the character has {} vertices and {} triangles, expected a surface",
+                     character_.mesh.vertices.size(), character_.mesh.triangles.size());
     }
     if (welded_.weldedVertices > 0) {
       note(fmt::format("{} welded to others at the same position",
@@ -75,8 +72,7 @@ class BodyMaker {
                    "triangles without area were dropped"));
     }
     if (!(surfaceArea(welded_.mesh.vertices, welded_.mesh.triangles) > 0.0)) {
-      return Error{ErrorCode::kBadMesh, fmt::format("the character's {} triangles have no area, expected a surface",
-                                                    welded_.mesh.triangles.size())};
+      return badMesh("the character's {} triangles have no area, expected a surface", welded_.mesh.triangles.size());
     }
     body_.shells = connectedComponents(welded_.mesh.vertices.size(), welded_.mesh.triangles).count;
     if (settings_.keepClosed && keepAsItIs()) {
@@ -110,7 +106,7 @@ class BodyMaker {
       note(fmt::format("at {} the welded vertices had different weights: their mean is used",
                        counted(welded_.mixedVertices, "position", "positions")));
     }
-    body_.nonManifoldEdges = static_cast<int>(repaired->nonManifoldEdges);
+    body_.nonManifoldEdges = repaired->nonManifoldEdges;
     body_.shells = shells.count;
     body_.character = bonesOf(character_);
     for (std::size_t v = 0; v < repaired->mesh.vertices.size(); ++v) {
@@ -122,7 +118,7 @@ class BodyMaker {
                    origin.first == origin.second ? *lists[0] : blended(lists, shares));
     }
     body_.character.mesh.triangles = std::move(repaired->mesh.triangles);
-    body_.bodyVertices = static_cast<int>(body_.character.mesh.vertices.size());
+    body_.bodyVertices = countOf(body_.character.mesh.vertices);
     return true;
   }
 
@@ -140,21 +136,19 @@ class BodyMaker {
     const Aabb box = boundsOf(character_.mesh.vertices);
     const double coarsest = kCoarsest * (box.max - box.min).maxCoeff();
     if (settings_.resolution > coarsest) {
-      return Error{
-          ErrorCode::kInvalidArgument,
-          fmt::format("body resolution {:.4g} m: expected at most {:.4g} m, an eighth of the character's longest side",
-                      settings_.resolution, coarsest)};
+      return invalidArgument(
+          "body resolution {:.4g} m: expected at most {:.4g} m, an eighth of the character's longest side",
+          settings_.resolution, coarsest);
     }
-    Result<SolidSurface> solid = solidSurface(source, body_.resolution);
-    if (!solid) return solid.error();
-    tell(*solid);
+    LORICA_TRY(SolidSurface solid, solidSurface(source, body_.resolution));
+    tell(solid);
     if (!step(2)) return cancelled();
 
-    const std::vector<std::vector<Influence>> weights = transferWeights(solid->mesh, source, body_.resolution);
+    const std::vector<std::vector<Influence>> weights = transferWeights(solid.mesh, source, body_.resolution);
     if (!step(3)) return cancelled();
 
-    body_.character = assembleBody(character_, solid->mesh, weights);
-    body_.bodyVertices = static_cast<int>(weights.size());
+    body_.character = assembleBody(character_, solid.mesh, weights);
+    body_.bodyVertices = countOf(weights);
     const std::vector<Affine3> bind(character_.jointFromModel.size(), Affine3::Identity());
     body_.distances = distancesInPose(body_, bind);
     (void)step(kSteps);  // the body is complete: cancelling has no effect any more
@@ -162,8 +156,8 @@ class BodyMaker {
   }
 
   void tell(const SolidSource& source) {
-    body_.openEdges = static_cast<int>(source.openEdges);
-    body_.nonManifoldEdges = static_cast<int>(source.nonManifoldEdges);
+    body_.openEdges = source.openEdges;
+    body_.nonManifoldEdges = source.nonManifoldEdges;
     if (source.turnedPatches > 0) {
       note(counted(source.turnedPatches, "piece was inside out and was flipped",
                    "pieces were inside out and were flipped"));
@@ -206,14 +200,14 @@ class BodyMaker {
 
 Result<ClosedBody> makeBody(const Character& character, const BodySettings& settings) {
   if (!(settings.resolution >= 0.0) || !std::isfinite(settings.resolution) || settings.threads < 0) {
-    return Error{ErrorCode::kInvalidArgument, fmt::format("body resolution {} m, threads {}: expected both >= 0",
-                                                          settings.resolution, settings.threads)};
+    return invalidArgument("body resolution {} m, threads {}: expected both >= 0", settings.resolution,
+                           settings.threads);
   }
-  if (Result<void> checked = checkCharacter(character); !checked) return checked.error();
+  LORICA_TRY_DO(checkCharacter(character));
   // More threads than cores are allowed, so that tests can show that the result does not depend on them.
   const std::size_t known = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
-                                    std::max(known, static_cast<std::size_t>(settings.threads)));
+                                    std::max<std::size_t>(known, settings.threads));
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   std::optional<Result<ClosedBody>> result;
   arena.execute([&] { result.emplace(BodyMaker(character, settings).run()); });

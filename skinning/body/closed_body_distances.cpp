@@ -26,11 +26,10 @@ std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const T
     const Vec3& b = vertices[t[1]];
     const Vec3& c = vertices[t[2]];
     upTo += 0.5 * (b - a).cross(c - a).norm();
-    while (points.size() < kSamples &&
-           (static_cast<double>(points.size()) + 0.5) * area / static_cast<double>(kSamples) <= upTo) {
+    while (points.size() < kSamples && (points.size() + 0.5) * area / kSamples <= upTo) {
       // Within a triangle an additive recurrence (with powers of the plastic number) spreads consecutive points; the
       // square root makes them uniform in area.
-      const auto i = static_cast<double>(points.size());
+      const double i = points.size();
       const double r = std::sqrt(fraction(0.5 + i * 0.7548776662466927));
       const double u = r * fraction(0.5 + i * 0.5698402909980532);
       points.emplace_back((1.0 - r) * a + (r - u) * b + u * c);
@@ -57,7 +56,7 @@ std::vector<double> distancesTo(const TriangleTree& tree, std::span<const Vec3> 
 double meanOf(std::span<const double> values) {
   double sum = 0.0;
   for (const double v : values) sum += v;
-  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+  return values.empty() ? 0.0 : sum / values.size();
 }
 
 double largestOf(std::span<const double> values) {
@@ -72,9 +71,9 @@ BodyDistances distancesInPose(const ClosedBody& body, std::span<const Affine3> w
   const Character& character = body.character;
   std::vector<Vec3> posed(character.mesh.vertices.size());
   skinLinearBlend(character, worldFromModel, posed);
-  const auto bodyCount = static_cast<std::size_t>(body.bodyVertices);
+  const std::size_t bodyCount = body.bodyVertices;
   const std::span<const Vec3> bodyVertices = std::span(posed).first(bodyCount);
-  const std::size_t shownCount = posed.size() - bodyCount - static_cast<std::size_t>(body.reachedVertices);
+  const std::size_t shownCount = posed.size() - bodyCount - body.reachedVertices;
   const std::span<const Vec3> shownVertices = std::span(posed).subspan(bodyCount, shownCount);
 
   const TriangleTree bodyTree(posed, character.mesh.triangles);

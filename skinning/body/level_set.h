@@ -15,9 +15,7 @@ struct VoxelGrid {
   std::vector<float> values;   ///< z varies fastest; distances in voxels
 
   [[nodiscard]] std::size_t index(int x, int y, int z) const {
-    return (static_cast<std::size_t>(x) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(y)) *
-               static_cast<std::size_t>(size[2]) +
-           static_cast<std::size_t>(z);
+    return (static_cast<std::size_t>(x) * size[1] + y) * size[2] + z;
   }
   [[nodiscard]] float at(int x, int y, int z) const { return values[index(x, y, z)]; }
 };

@@ -1,6 +1,7 @@
 #include "skinning/body/level_set_module.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
+
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/Dense.h>
 #include <openvdb/tools/MeshToVolume.h>
@@ -18,7 +19,7 @@ openvdb::CoordBBox boxOf(const VoxelGrid& grid) {
 }
 
 Error failed(const char* what, const std::exception& e) {
-  return {ErrorCode::kUnsupported, fmt::format("OpenVDB could not {}: {}", what, e.what())};
+  return unsupported("OpenVDB could not {}: {}", what, e.what());
 }
 
 /// Registers OpenVDB's grid types, once.
@@ -48,7 +49,7 @@ Result<void> measureDistances(VoxelGrid& grid, const TriMesh& mesh, double voxel
     }
     const openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I> adapter(points, triangles);
     const openvdb::math::Transform::Ptr identity = openvdb::math::Transform::createLinearTransform(1.0);
-    const auto width = static_cast<float>(band);
+    const float width = band;
     const openvdb::FloatGrid::Ptr distances = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
         adapter, *identity, width, width, openvdb::tools::UNSIGNED_DISTANCE_FIELD);
     DenseGrid dense(boxOf(grid), grid.values.data());

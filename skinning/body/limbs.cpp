@@ -13,7 +13,7 @@ constexpr double kDownOne = 0.2;    // from the bone that carries a limb: the el
 }  // namespace
 
 Limbs::Limbs(const Character& character) {
-  const auto count = static_cast<std::size_t>(character.skeleton.jointCount());
+  const std::size_t count = character.skeleton.jointCount();
   at_.reserve(count);
   for (const Affine3& m : character.jointFromModel) {
     // A joint with a singular bind matrix moves nothing in a valid file, so its position does not matter.
@@ -26,11 +26,11 @@ Limbs::Limbs(const Character& character) {
 
   direction_.assign(count, Vec3::Zero());
   for (std::size_t j = 0; j < count; ++j) {
-    const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
+    const JointIndex parent = character.skeleton.joint(j).parent;
     if (parent != kNoJoint) direction_[parent] += at_[j] - positionOf(parent);
   }
   for (std::size_t j = 0; j < count; ++j) {
-    const JointIndex parent = character.skeleton.joint(static_cast<JointIndex>(j)).parent;
+    const JointIndex parent = character.skeleton.joint(j).parent;
     if (direction_[j].isZero() && parent != kNoJoint) direction_[j] = at_[j] - positionOf(parent);
     direction_[j].stableNormalize();
   }
@@ -39,13 +39,13 @@ Limbs::Limbs(const Character& character) {
   meeting_.assign(count * count, kNoJoint);
   onOneBranch_.assign(count * count, 0);
   for (std::size_t j = 0; j < count; ++j) {
-    const auto own = static_cast<JointIndex>(j);
+    const JointIndex own = j;
     const JointIndex parent = character.skeleton.joint(own).parent;
     onOneBranch_[pair(own, own)] = 1;
     if (parent == kNoJoint) continue;
     for (std::size_t k = 0; k < j; ++k) {
       // Parents precede children: the parent's entries are complete.
-      const auto other = static_cast<JointIndex>(k);
+      const JointIndex other = k;
       const bool above = onOneBranch_[pair(parent, other)] != 0 && other <= parent;
       onOneBranch_[pair(own, other)] = onOneBranch_[pair(other, own)] = above ? 1 : 0;
       way_[pair(own, other)] = way_[pair(other, own)] =
@@ -70,7 +70,7 @@ bool Limbs::apart(JointIndex a, JointIndex b, const Vec3& at) const {
   if (a == b) return false;
   const JointIndex meeting = meeting_[pair(a, b)];
   const auto down = [&](JointIndex joint) {
-    const double way = meeting == kNoJoint ? 0.0 : static_cast<double>(way_[pair(meeting, joint)]);
+    const double way = meeting == kNoJoint ? 0.0 : way_[pair(meeting, joint)];
     return way + along(joint, at);
   };
   if (onOneBranch(a, b)) return down(std::max(a, b)) > kDownOne * size_;

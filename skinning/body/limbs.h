@@ -22,9 +22,7 @@ class Limbs {
 
  private:
   [[nodiscard]] const Vec3& positionOf(JointIndex joint) const { return at_[joint]; }
-  [[nodiscard]] std::size_t pair(JointIndex a, JointIndex b) const {
-    return static_cast<std::size_t>(a) * at_.size() + static_cast<std::size_t>(b);
-  }
+  [[nodiscard]] std::size_t pair(JointIndex a, JointIndex b) const { return a * at_.size() + b; }
   /// Distance of a position from a joint along the joint's bone, at least 0 [m].
   [[nodiscard]] double along(JointIndex joint, const Vec3& at) const;
 

@@ -1,6 +1,6 @@
 #include "skinning/body/mesh_body.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <cmath>
 #include <utility>
@@ -12,15 +12,14 @@ constexpr double kRounding = 1e-12;  // of the longest side
 
 /// The mesh as a character with one joint, which moves all of it.
 Result<Character> rigidCharacter(TriMesh mesh) {
-  Result<Skeleton> skeleton = Skeleton::create({{"mesh", kNoJoint, {}, std::nullopt}});
-  if (!skeleton) return skeleton.error();
+  LORICA_TRY(Skeleton skeleton, Skeleton::create({{"mesh", kNoJoint, {}, std::nullopt}}));
   Character character;
   character.name = "mesh";
-  character.skeleton = std::move(*skeleton);
+  character.skeleton = std::move(skeleton);
   character.jointFromModel = {Affine3::Identity()};
   character.influences.assign(mesh.vertices.size(), {0, 1.0});
   for (std::size_t v = 0; v <= mesh.vertices.size(); ++v) {
-    character.influenceBegin.push_back(static_cast<std::uint32_t>(v));
+    character.influenceBegin.push_back(v);
   }
   const Aabb box = boundsOf(mesh.vertices);
   character.height = box.max.y() - box.min.y();
@@ -34,7 +33,7 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
   const Aabb box = surfaceBounds(mesh);
   const double size = box.empty() ? 0.0 : (box.max - box.min).maxCoeff();
   if (!(size > 0.0) || !std::isfinite(size) || !std::isfinite(1.0 / size)) {
-    return Error{ErrorCode::kBadMesh, fmt::format("the longest side of its surface is {:g}, expected a surface", size)};
+    return badMesh("the longest side of its surface is {:g}, expected a surface", size);
   }
   TriMesh scaled = mesh;
   // Vertices that no triangle uses may be anywhere; they have no effect but on the box.
@@ -52,24 +51,22 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
     p = (p - center) / size;
     for (int i = 0; i < 3; ++i) p[i] = kRounding * std::round(p[i] / kRounding);
   }
-  Result<Character> character = rigidCharacter(std::move(scaled));
-  if (!character) return character.error();
+  LORICA_TRY(Character character, rigidCharacter(std::move(scaled)));
   BodySettings unitSettings = settings;
   unitSettings.resolution = settings.resolution / size;
   unitSettings.keepClosed = false;
-  Result<ClosedBody> made = makeBody(*character, unitSettings);
-  if (!made) return made.error();
+  LORICA_TRY(ClosedBody made, makeBody(character, unitSettings));
 
   MeshBody body;
-  body.firstOriginal = static_cast<VertexIndex>(made->bodyVertices);
-  body.mesh.triangles = std::move(made->character.mesh.triangles);
-  body.mesh.vertices = std::move(made->character.mesh.vertices);
-  body.mesh.vertices.resize(static_cast<std::size_t>(made->bodyVertices));
+  body.firstOriginal = made.bodyVertices;
+  body.mesh.triangles = std::move(made.character.mesh.triangles);
+  body.mesh.vertices = std::move(made.character.mesh.vertices);
+  body.mesh.vertices.resize(made.bodyVertices);
   for (Vec3& p : body.mesh.vertices) p = center + size * p;
   body.mesh.vertices.insert(body.mesh.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-  body.resolution = size * made->resolution;
-  body.distances = {size * made->distances.farthestOutside, size * made->distances.meanOutside,
-                    size * made->distances.meanToOriginal, size * made->distances.farthestToOriginal};
+  body.resolution = size * made.resolution;
+  body.distances = {size * made.distances.farthestOutside, size * made.distances.meanOutside,
+                    size * made.distances.meanToOriginal, size * made.distances.farthestToOriginal};
   return body;
 }
 

@@ -45,7 +45,7 @@ int coverReached(ClosedBody& body, const Character& character, std::span<const R
   std::vector<double> outside(reached.size(), 0.0);
   tbb::parallel_for(std::size_t{0}, reached.size(), [&](std::size_t i) {
     const Vec3& p = reached[i].position;
-    const auto hull = hulls.find(strongestJoint(character, static_cast<std::size_t>(reached[i].vertex)));
+    const auto hull = hulls.find(strongestJoint(character, reached[i].vertex));
     const bool solid = hull != hulls.end() && !hull->second.degenerate();
     const double ofHull = solid ? largestViolation(hull->second, std::span(&p, 1)) : kInfinity;
     if (ofHull < kReachTolerance || tree.windingNumber(p) >= kInside) return;
@@ -57,11 +57,11 @@ int coverReached(ClosedBody& body, const Character& character, std::span<const R
   double farthest = 0.0;
   for (std::size_t i = 0; i < reached.size(); ++i) {
     if (outside[i] < kReachTolerance) continue;
-    const auto v = static_cast<std::size_t>(reached[i].vertex);
+    const std::size_t v = reached[i].vertex;
     made.mesh.vertices.push_back(reached[i].position);
     made.influences.insert(made.influences.end(), character.influences.begin() + character.influenceBegin[v],
                            character.influences.begin() + character.influenceBegin[v + 1]);
-    made.influenceBegin.push_back(static_cast<std::uint32_t>(made.influences.size()));
+    made.influenceBegin.push_back(made.influences.size());
     farthest = std::max(farthest, outside[i]);
     ++added;
   }

@@ -51,7 +51,7 @@ std::vector<Thickness> thicknesses(const SolidSource& source, std::span<const st
   const Vec3 origin = surfaceBounds(source.mesh).center();
   for (std::size_t k = 0; k < groupOfTriangle.size(); ++k) {
     if (source.roles[k] != TriangleRole::kSkin) continue;
-    const auto g = static_cast<std::size_t>(groupOfTriangle[k]);
+    const std::size_t g = groupOfTriangle[k];
     const std::array<Vec3, 3> t = source.corners(k);
     const double area = areaOf(t);
     const Vec3 at = middleOf(t) - origin;
@@ -117,7 +117,7 @@ SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
   });
   std::vector<double> meanInFront(patches.patches.size(), 0.0);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto p = static_cast<std::size_t>(patches.patchOfTriangle[k]);
+    const std::size_t p = patches.patchOfTriangle[k];
     if (patches.patches[p].area > 0.0) meanInFront[p] += areaOf(corners(k)) / patches.patches[p].area * inFront[k];
   }
   double area = 0.0;
@@ -152,7 +152,7 @@ SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
   });
 
   patchOfTriangle = patches.patchOfTriangle;
-  ofJoint = thicknesses(*this, jointOfTriangle, static_cast<std::size_t>(character.skeleton.jointCount()));
+  ofJoint = thicknesses(*this, jointOfTriangle, character.skeleton.jointCount());
   ofPatch = thicknesses(*this, patchOfTriangle, patches.patches.size());
 }
 

@@ -1,5 +1,7 @@
 #include "skinning/body/solid_surface.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
 #include "skinning/body/level_set.h"
 
@@ -35,16 +37,15 @@ class Solid {
   Solid(const SolidSource& source, double voxel) : source_(source), voxel_(voxel) {}
 
   Result<SolidSurface> make() {
-    if (Result<void> laid = layGrid(); !laid) return laid.error();
-    if (Result<void> known = unsignedDistances(grid_, skin(), voxel_, kBand); !known) return known.error();
+    LORICA_TRY_DO(layGrid());
+    LORICA_TRY_DO(unsignedDistances(grid_, skin(), voxel_, kBand));
     wind();
     sign();
     dropThin();
-    if (Result<void> thickened = thickenRods(); !thickened) return thickened.error();
+    LORICA_TRY_DO(thickenRods());
     part();
-    Result<TriMesh> mesh = zeroSurface(grid_, voxel_);
-    if (!mesh) return mesh.error();
-    return finished(std::move(*mesh));
+    LORICA_TRY(TriMesh mesh, zeroSurface(grid_, voxel_));
+    return finished(std::move(mesh));
   }
 
  private:
@@ -56,19 +57,18 @@ class Solid {
     const Vec3 margin = Vec3::Constant((kBand + 2) * voxel_);
     const Vec3 sizes = sizesOf(voxel_);
     const double count = sizes.prod();
-    if (!(count <= static_cast<double>(kMaxVoxels))) {
+    if (!(count <= kMaxVoxels)) {
       constexpr double kFiner = 1.02;
       double min = voxel_ * kFiner;  // margin for rounding
-      while (!(sizesOf(min / kFiner).prod() <= static_cast<double>(kMaxVoxels))) min *= kFiner;
-      return Error{ErrorCode::kInvalidArgument,
-                   fmt::format("voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} "
-                               "of them, expected voxels of at least {:.3g} m",
-                               voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(),
-                               kMaxVoxels, min)};
+      while (!(sizesOf(min / kFiner).prod() <= kMaxVoxels)) min *= kFiner;
+      return invalidArgument(
+          "voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} "
+          "of them, expected voxels of at least {:.3g} m",
+          voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(), kMaxVoxels, min);
     }
-    for (std::size_t i = 0; i < 3; ++i) grid_.size[i] = static_cast<int>(sizes[static_cast<Eigen::Index>(i)]);
+    for (std::size_t i = 0; i < 3; ++i) grid_.size[i] = sizes[i];
     grid_.origin = box.min - margin;
-    grid_.values.assign(static_cast<std::size_t>(count), 0.0f);
+    grid_.values.assign(count, 0.0f);
     return {};
   }
 
@@ -111,7 +111,7 @@ class Solid {
     float middle = 0.0f;
     if (!near) {
       const Vec3 at = 0.5 * (positionOf(begin[0], begin[1], begin[2]) + positionOf(end[0] - 1, end[1] - 1, end[2] - 1));
-      middle = static_cast<float>(source_.winding->windingNumber(at));
+      middle = source_.winding->windingNumber(at);
       near = std::abs(middle - kInside) < 0.3f;
     }
     each([&](int x, int y, int z) {
@@ -223,7 +223,7 @@ class Solid {
     if (rods.triangles.empty()) return {};
     result_.rodTriangles = rods.triangles.size();
     VoxelGrid distances = grid_;
-    if (Result<void> known = unsignedDistances(distances, rods, voxel_, kBand); !known) return known;
+    LORICA_TRY_DO(unsignedDistances(distances, rods, voxel_, kBand));
     for (std::size_t i = 0; i < grid_.values.size(); ++i) {
       grid_.values[i] = std::min(grid_.values[i], distances.values[i] - kRodRadius);
     }
@@ -245,7 +245,7 @@ class Solid {
 
   /// Removes voxels where two limbs touch.
   void part() {
-    std::vector<std::size_t> counts(static_cast<std::size_t>(grid_.size[0]), 0);
+    std::vector<std::size_t> counts(grid_.size[0], 0);
     tbb::parallel_for(0, grid_.size[0], [&](int x) {
       std::vector<std::pair<JointIndex, double>> near;  // distance of each joint's skin
       for (int y = 0; y < grid_.size[1]; ++y) {
@@ -290,7 +290,7 @@ class Solid {
       for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
     }
     const Components pieces = connectedComponents(mesh.vertices.size(), mesh.triangles);
-    std::vector<std::vector<Triangle>> trianglesOf(static_cast<std::size_t>(pieces.count));
+    std::vector<std::vector<Triangle>> trianglesOf(pieces.count);
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
       trianglesOf[pieces.componentOfTriangle[k]].push_back(mesh.triangles[k]);
     }
@@ -312,7 +312,7 @@ class Solid {
         for (VertexIndex& v : t) {
           VertexIndex& number = numberOf[v];
           if (number < 0) {
-            number = static_cast<VertexIndex>(kept.vertices.size());
+            number = countOf(kept.vertices);
             kept.vertices.push_back(mesh.vertices[v]);
           }
           v = number;
@@ -321,9 +321,8 @@ class Solid {
       }
     }
     if (kept.triangles.empty()) return nothing;
-    Result<MeshRepair> repaired = repairClosedMesh(kept);
-    if (!repaired) return repaired.error();
-    result_.mesh = std::move(repaired->mesh);
+    LORICA_TRY(MeshRepair repaired, repairClosedMesh(kept));
+    result_.mesh = std::move(repaired.mesh);
     smooth(result_.mesh);
     return std::move(result_);
   }

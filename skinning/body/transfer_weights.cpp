@@ -103,7 +103,7 @@ class Carrier {
         const std::vector<Influence>& list = weights_[n];
         if (!source_.limbs.apart(own, strongest(list), body_.vertices[v])) lists.push_back(&list);
       }
-      std::vector<double> shares(lists.size(), 0.5 / static_cast<double>(std::max<std::size_t>(lists.size() - 1, 1)));
+      std::vector<double> shares(lists.size(), 0.5 / std::max<std::size_t>(lists.size() - 1, 1));
       shares.front() = lists.size() > 1 ? 0.5 : 1.0;
       std::vector<Influence> mean = blended(lists, shares);
       // A bone outside the vertex's own branch is kept only if it was there before: a thigh never follows the other

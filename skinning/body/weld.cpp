@@ -1,5 +1,6 @@
 #include "skinning/body/weld.h"
 
+#include "geometry/counts.h"
 #include "geometry/near_positions.h"
 
 #include <algorithm>
@@ -68,7 +69,7 @@ Welded weld(const Character& character, const Limbs& limbs) {
   const Aabb box = surfaceBounds(character.mesh);
   NearPositions positions(kSamePosition * box.diagonal(), box.min);
   const auto jointOf = [&](VertexIndex v) {
-    const auto i = static_cast<std::size_t>(v);
+    const std::size_t i = v;
     const std::uint32_t begin = character.influenceBegin[i];
     return strongest(std::span(character.influences).subspan(begin, character.influenceBegin[i + 1] - begin));
   };
@@ -79,13 +80,13 @@ Welded weld(const Character& character, const Limbs& limbs) {
       ++welded.unusedVertices;
       continue;
     }
-    const auto own = static_cast<VertexIndex>(v);
+    const VertexIndex own = v;
     const JointIndex joint = jointOf(own);
     const VertexIndex first = positions.firstAt(own, vertices, [&](VertexIndex kept) {
       return limbs.onOneBranch(jointOf(kept), joint) || !limbs.apart(jointOf(kept), joint, vertices[v]);
     });
     if (first == own) {
-      numberOf[v] = static_cast<VertexIndex>(welded.mesh.vertices.size());
+      numberOf[v] = countOf(welded.mesh.vertices);
       welded.mesh.vertices.push_back(vertices[v]);
       members.emplace_back();
     } else {
@@ -102,7 +103,7 @@ Welded weld(const Character& character, const Limbs& limbs) {
     bool mixed = false;
     for (const VertexIndex v : group) {
       const auto begin = character.influences.begin() + character.influenceBegin[v];
-      const auto end = character.influences.begin() + character.influenceBegin[static_cast<std::size_t>(v) + 1];
+      const auto end = character.influences.begin() + character.influenceBegin[v + 1];
       lists.push_back(tidied({begin, end}));
       mixed = mixed || difference(lists.front(), lists.back()) > kSameWeights;
     }
@@ -114,7 +115,7 @@ Welded weld(const Character& character, const Limbs& limbs) {
     std::vector<const std::vector<Influence>*> pointers;
     pointers.reserve(lists.size());
     for (const std::vector<Influence>& list : lists) pointers.push_back(&list);
-    const std::vector<double> shares(lists.size(), 1.0 / static_cast<double>(lists.size()));
+    const std::vector<double> shares(lists.size(), 1.0 / lists.size());
     welded.influences.push_back(blended(pointers, shares));
   }
 

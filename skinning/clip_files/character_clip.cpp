@@ -15,9 +15,8 @@ namespace {
 namespace fs = std::filesystem;
 
 [[nodiscard]] Result<void> writeGlb(const fs::path& out, GltfWriter& writer) {
-  const Result<std::string> bytes = writer.glb(out.string());
-  if (!bytes) return bytes.error();
-  return writeFileAtomically(out, *bytes);
+  LORICA_TRY(const std::string bytes, writer.glb(out.string()));
+  return writeFileAtomically(out, bytes);
 }
 
 [[nodiscard]] Error about(const fs::path& out, const Error& error) {
@@ -39,17 +38,15 @@ namespace fs = std::filesystem;
 /// The user's own file with one animation more.
 [[nodiscard]] Result<std::vector<std::string>> writeAdded(const fs::path& out, const ClipCharacter& from,
                                                           const SkeletalMotion& motion) {
-  const Result<std::string> content = readFile(from.path);
-  if (!content) return content.error();
+  LORICA_TRY(const std::string content, readFile(from.path));
   const NamedFiles files{from.path.has_parent_path() ? from.path.parent_path() : ".", from.paths};
   std::vector<std::string> notes;
-  Result<GltfWriter> writer = embedGltf(std::as_bytes(std::span(*content)), from.path.string(), files, notes);
-  if (!writer) return writer.error();
+  LORICA_TRY(GltfWriter writer, embedGltf(std::as_bytes(std::span(content)), from.path.string(), files, notes));
   const OwnMotion own = inFileUnits(*from.file, motion);
-  if (Result<void> added = addAnimationToFile(*writer, own.motion, own.nodeOfJoint); !added) {
+  if (Result<void> added = addAnimationToFile(writer, own.motion, own.nodeOfJoint); !added) {
     return about(out, added.error());
   }
-  if (Result<void> written = writeGlb(out, *writer); !written) return written.error();
+  LORICA_TRY_DO(writeGlb(out, writer));
   return notes;
 }
 
@@ -67,8 +64,7 @@ Result<std::vector<std::string>> writeClip(const fs::path& out, const ClipCharac
   for (std::size_t j = 1; j < character.jointFromModel.size(); ++j) {
     jointFromModel.emplace_back(Eigen::Scaling(metresPerUnit) * character.jointFromModel[j]);
   }
-  Result<void> written = writeWhole(out, character, from.file->look, own.motion, jointFromModel);
-  if (!written) return written.error();
+  LORICA_TRY_DO(writeWhole(out, character, from.file->look, own.motion, jointFromModel));
   return std::vector<std::string>();
 }
 

@@ -29,8 +29,8 @@ CharacterDocument readDocument(const Character& character, const Look& look, con
   CharacterDocument document;
   const int first = character.skeleton.jointCount() - skeleton.jointCount();
   addCharacter(document.writer, character, look, skeleton, jointFromModel, first);
-  document.nodeOfJoint.assign(static_cast<std::size_t>(first), -1);
-  document.nodeFromModel.assign(static_cast<std::size_t>(first), Affine3::Identity());
+  document.nodeOfJoint.assign(first, -1);
+  document.nodeFromModel.assign(first, Affine3::Identity());
   for (JointIndex j = 0; j < skeleton.jointCount(); ++j) document.nodeOfJoint.push_back(j);
   document.nodeFromModel.insert(document.nodeFromModel.end(), jointFromModel.begin(), jointFromModel.end());
   document.hangOn = document.nodeOfJoint;
@@ -38,13 +38,12 @@ CharacterDocument readDocument(const Character& character, const Look& look, con
 }
 
 Result<CharacterDocument> ownDocument(const ClipCharacter& from) {
-  const Result<std::string> content = readFile(from.path);
-  if (!content) return content.error();
+  LORICA_TRY(const std::string content, readFile(from.path));
   const NamedFiles files{from.path.has_parent_path() ? from.path.parent_path() : ".", from.paths};
   CharacterDocument document;
-  Result<GltfWriter> writer = embedGltf(std::as_bytes(std::span(*content)), from.path.string(), files, document.notes);
-  if (!writer) return writer.error();
-  document.writer = std::move(*writer);
+  LORICA_TRY(GltfWriter writer,
+             embedGltf(std::as_bytes(std::span(content)), from.path.string(), files, document.notes));
+  document.writer = std::move(writer);
   document.nodeOfJoint = from.file->nodeOfJoint;
   document.nodeFromModel = from.file->character.jointFromModel;
   hangOnNodes(document, from.file->character);

@@ -1,6 +1,6 @@
 #include "skinning/clip_files/gltf_animation.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,8 +22,7 @@ constexpr double kStill = 1e-9;
       const bool finite = t.translation.cast<float>().allFinite() && t.rotation.coeffs().allFinite() &&
                           t.scale.cast<float>().allFinite();
       if (finite && std::isfinite(motion.times[f])) continue;
-      return Error{ErrorCode::kInvalidArgument, fmt::format("frame {}: the pose of joint '{}' is not finite", f + 1,
-                                                            motion.skeleton.joint(static_cast<JointIndex>(j)).name)};
+      return invalidArgument("frame {}: the pose of joint '{}' is not finite", f + 1, motion.skeleton.joint(j).name);
     }
   }
   return {};
@@ -41,7 +40,7 @@ class AnimationWriter {
   AnimationWriter(GltfWriter& writer, const SkeletalMotion& motion) : writer_(writer), motion_(motion) {
     // Times that are the same as floats are one key.
     for (int f = 0; f < motion.frameCount(); ++f) {
-      const auto time = static_cast<float>(motion.times[f] - motion.times.front());
+      const float time = motion.times[f] - motion.times.front();
       if (!times_.empty() && !(time > times_.back())) continue;
       times_.push_back(time);
       frames_.push_back(f);
@@ -145,16 +144,15 @@ class AnimationWriter {
 }  // namespace
 
 Result<void> addAnimation(GltfWriter& writer, const SkeletalMotion& motion, std::span<const int> nodes) {
-  if (Result<void> finite = checkFinite(motion); !finite) return finite;
+  LORICA_TRY_DO(checkFinite(motion));
   AnimationWriter animation(writer, motion);
   JointIndex anyNode = kNoJoint;
   for (JointIndex j = 0; j < motion.skeleton.jointCount(); ++j) {
     if (nodes[j] != -1 && anyNode == kNoJoint) anyNode = j;
     const std::vector<Channel> channels = animation.channelsOf(j);
     if (nodes[j] == -1 && !channels.empty()) {
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("joint '{}' moves, but its node is sheared, which an animation of glTF cannot hold",
-                               motion.skeleton.joint(j).name)};
+      return unsupported("joint '{}' moves, but its node is sheared, which an animation of glTF cannot hold",
+                         motion.skeleton.joint(j).name);
     }
     for (const Channel& channel : channels) animation.add(nodes[j], channel);
   }

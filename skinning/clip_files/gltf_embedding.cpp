@@ -1,5 +1,6 @@
 #include "skinning/clip_files/gltf_embedding.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "skinning/clip_files/gltf_animation.h"
 #include "skinning/import/gltf_document.h"
@@ -25,7 +26,7 @@ class BufferMerger {
     for (std::size_t b = 0; b < file_.buffers.size(); ++b) {
       const std::span<const std::byte> bytes = file_.buffers[b];
       if (bytes.size() < writer_.document["buffers"][b]["byteLength"].get<std::uint64_t>()) {
-        return Error{ErrorCode::kUnsupported, fmt::format("{}: buffer {} has no content", file_.name, b)};
+        return unsupported("{}: buffer {} has no content", file_.name, b);
       }
       while (writer_.binary.size() % 4 != 0) writer_.binary.push_back('\0');
       begin_.push_back(writer_.binary.size());
@@ -96,13 +97,11 @@ void embedPictures(GltfWriter& writer, const NamedFiles& files, std::vector<std:
 
 Result<GltfWriter> embedGltf(std::span<const std::byte> bytes, const std::string& name, const NamedFiles& files,
                              std::vector<std::string>& notes) {
-  const Result<GltfDocument> file = parseGltf(bytes, name, files);
-  if (!file) return file.error();
-  const Result<GltfParts> parts = splitGltf(bytes, name);
-  if (!parts) return parts.error();
+  LORICA_TRY(const GltfDocument file, parseGltf(bytes, name, files));
+  LORICA_TRY(const GltfParts parts, splitGltf(bytes, name));
   GltfWriter writer;
-  writer.document = Json::parse(parts->json);
-  if (Result<void> merged = BufferMerger(writer, *file).merge(); !merged) return merged.error();
+  writer.document = Json::parse(parts.json);
+  LORICA_TRY_DO(BufferMerger(writer, file).merge());
   embedPictures(writer, files, notes);
   return writer;
 }
@@ -114,13 +113,13 @@ Result<void> addAnimationToFile(GltfWriter& writer, const SkeletalMotion& motion
     // The second half of a sheared node, whose matrix is not a transform of this joint alone.
     if (parent != kNoJoint && nodeOfJoint[parent] == -1) nodes[j] = -1;
   }
-  if (Result<void> added = addAnimation(writer, motion, nodes); !added) return added;
+  LORICA_TRY_DO(addAnimation(writer, motion, nodes));
   for (const Json& channel : writer.document["animations"][0]["channels"]) {
     const int index = channel["target"]["node"].get<int>();
-    Json& node = writer.document["nodes"][static_cast<std::size_t>(index)];
+    Json& node = writer.document["nodes"][index];
     if (node.erase("matrix") == 0) continue;
     const auto joint = std::find(nodes.begin(), nodes.end(), index) - nodes.begin();
-    const JointTransform& rest = motion.skeleton.joint(static_cast<JointIndex>(joint)).rest;
+    const JointTransform& rest = motion.skeleton.joint(joint).rest;
     node["translation"] = listOf(rest.translation);
     node["rotation"] = listOf(rest.rotation);
     node["scale"] = listOf(rest.scale);

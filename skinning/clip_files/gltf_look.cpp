@@ -71,7 +71,7 @@ void GltfLook::use(const char* extension) {
 int GltfLook::pictureIndex(int picture) {
   const auto [known, isNew] = imageOf_.emplace(picture, -1);
   if (!isNew) return known->second;
-  const std::string_view bytes = asText(look_.pictures[static_cast<std::size_t>(picture)].bytes);
+  const std::string_view bytes = asText(look_.pictures[picture].bytes);
   const bool png = bytes.starts_with("\x89PNG");
   if (!png && !bytes.starts_with("\xFF\xD8\xFF")) return -1;
   Json image;

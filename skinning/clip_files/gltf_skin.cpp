@@ -36,7 +36,7 @@ using Json = nlohmann::ordered_json;
     if (joint.parent == kNoJoint) {
       roots.push_back(index);
     } else {
-      writer.document["nodes"][static_cast<std::size_t>(joint.parent)]["children"].push_back(index);
+      writer.document["nodes"][joint.parent]["children"].push_back(index);
     }
   }
   return roots;

@@ -1,8 +1,8 @@
 #include "skinning/clip_files/gltf_writer.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/little_endian.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <limits>
@@ -33,7 +33,7 @@ void padTo4(std::string& bytes, char with) {
 int GltfWriter::add(const char* list, Json element) {
   Json& all = document[list];
   all.push_back(std::move(element));
-  return static_cast<int>(all.size()) - 1;
+  return countOf(all) - 1;
 }
 
 int GltfWriter::addView(std::string_view bytes) {
@@ -101,8 +101,7 @@ Result<std::string> GltfWriter::glb(const std::string& name) {
   padTo4(text, ' ');
   const std::uint64_t length = 12 + 8 + text.size() + 8 + binary.size();
   if (length > std::numeric_limits<std::uint32_t>::max()) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: would have {} bytes, expected at most the 4,294,967,295 of a .glb", name, length)};
+    return unsupported("{}: would have {} bytes, expected at most the 4,294,967,295 of a .glb", name, length);
   }
   std::string bytes;
   bytes.reserve(length);

@@ -1,5 +1,7 @@
 #include "skinning/clip_files/own_motion.h"
 
+#include "geometry/counts.h"
+
 #include <utility>
 
 namespace lorica {
@@ -49,7 +51,7 @@ class RootRemoval {
   const RootRemoval removal(motion.skeleton, outFromFile);
   std::vector<Joint> joints(motion.skeleton.joints().begin() + 1, motion.skeleton.joints().end());
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    joints[j].rest = removal.convert(static_cast<JointIndex>(j + 1), joints[j].rest, motion.skeleton.joint(0).rest);
+    joints[j].rest = removal.convert(j + 1, joints[j].rest, motion.skeleton.joint(0).rest);
     joints[j].parent = joints[j].parent == 0 ? kNoJoint : joints[j].parent - 1;
   }
   Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
@@ -63,7 +65,7 @@ class RootRemoval {
   for (int f = 0; f < motion.frameCount(); ++f) {
     const std::span<const JointTransform> pose = motion.pose(f);
     for (std::size_t j = 1; j < pose.size(); ++j) {
-      own.motion.poses.push_back(removal.convert(static_cast<JointIndex>(j), pose[j], pose[0]));
+      own.motion.poses.push_back(removal.convert(j, pose[j], pose[0]));
     }
   }
   return own;
@@ -90,7 +92,7 @@ SkeletalMotion withoutCopies(const OwnMotion& own) {
   std::vector<Joint> joints;
   for (JointIndex j = 0; j < all.jointCount(); ++j) {
     if (own.nodeOfJoint[j] == -1 && !isParent[j]) continue;  // a copy has no children, a sheared node's joint has one
-    keptAs[j] = static_cast<JointIndex>(joints.size());
+    keptAs[j] = countOf(joints);
     joints.push_back(all.joint(j));
     if (joints.back().parent != kNoJoint) joints.back().parent = keptAs[joints.back().parent];
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "skinning/skeleton.h"
 
 #include <array>
@@ -27,7 +28,7 @@ struct HumanoidGuess {
   std::string by;  ///< "names (Mixamo)", "names (CMU)", "the skeleton's shape", ...; empty if nothing was found
   std::vector<BoneDoubt> doubts;  ///< only of a shape; a user should check these bones
 
-  [[nodiscard]] JointIndex operator[](HumanBone bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
+  [[nodiscard]] JointIndex operator[](HumanBone bone) const { return jointOf[ordinalOf(bone)]; }
 };
 
 /// Finds the humanoid bones of a skeleton.

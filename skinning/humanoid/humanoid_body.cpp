@@ -61,7 +61,7 @@ using enum HumanBone;
   }
   for (JointIndex Limb::*const joint : {&Limb::upper, &Limb::lower, &Limb::end, &Limb::beyond}) {
     const auto at = std::find(pair.ways[0].begin(), pair.ways[0].end(), limbs[0].*joint);
-    if (at != pair.ways[0].end()) limbs[1].*joint = pair.ways[1][static_cast<std::size_t>(at - pair.ways[0].begin())];
+    if (at != pair.ways[0].end()) limbs[1].*joint = pair.ways[1][at - pair.ways[0].begin()];
   }
   return limbs;
 }

@@ -1,5 +1,6 @@
 #include "skinning/humanoid/humanoid_limbs.h"
 
+#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid_names.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 
@@ -59,7 +60,7 @@ constexpr double kSamePosition = 1e-3;
   }
   const double both = upper.norm() + lower.norm();
   score -= 0.5 * std::max(0.0, before / both - 0.4) + std::max(0.0, after / both - 0.35);
-  score -= 0.1 * static_cast<double>(at[2] - at[0] - 2);
+  score -= 0.1 * (at[2] - at[0] - 2);
   score -= 3.0 * (bulge(tree, way, at[0], at[1]) + bulge(tree, way, at[1], at[2])) / wholeLength;
   if (kind == LimbKind::kArm && tree.children(way[at[2]]).size() >= 3) score += 0.5;
   if (kind == LimbKind::kLeg && at[2] + 1 < way.size()) {
@@ -72,15 +73,15 @@ constexpr double kSamePosition = 1e-3;
 }  // namespace
 
 Reach::Reach(const JointTree& tree) {
-  const auto count = static_cast<std::size_t>(tree.jointCount());
+  const std::size_t count = tree.jointCount();
   length.assign(count, 0.0);
   next.assign(count, kNoJoint);
   size.assign(count, 1);
   for (std::size_t i = count; i-- > 0;) {
-    const auto joint = static_cast<JointIndex>(i);
+    const JointIndex joint = i;
     const JointIndex parent = tree.parent(joint);
     if (parent == kNoJoint) continue;
-    const auto p = static_cast<std::size_t>(parent);
+    const std::size_t p = parent;
     size[p] += size[i];
     // On ties the first child: children are visited in reverse order.
     const double reached = length[i] + distance(tree, joint, parent);
@@ -175,7 +176,7 @@ void addFingersByShape(const JointTree& tree, const Reach& reach, bool left, Bon
     }
   }
   Vec3 middle = Vec3::Zero();
-  for (const JointIndex finger : fingers) middle += knuckle(finger) / static_cast<double>(fingers.size());
+  for (const JointIndex finger : fingers) middle += knuckle(finger) / countOf(fingers);
   const Vec3 thumbKnuckle = tree.position(fingerJoints(tree, reach, hand, thumb, true).back());
   if (across.dot(middle - thumbKnuckle) < 0.0) across = -across;
   std::stable_sort(fingers.begin(), fingers.end(),

@@ -1,5 +1,6 @@
 #include "skinning/humanoid/humanoid_names.h"
 
+#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid_tables.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 
@@ -71,20 +72,20 @@ class ConventionMatch {
  public:
   ConventionMatch(const NameRows& rows, std::span<const JointName> names, const BoneJoints& given) : rows_(rows) {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto joint = static_cast<JointIndex>(i);
+      const JointIndex joint = i;
       if (std::find(given.begin(), given.end(), joint) != given.end()) continue;
       addCandidates(joint, names[i]);
     }
     for (std::size_t bone = 0; bone < kHumanBoneCount; ++bone) {
       Candidates& all = candidates_[bone];
       if (given[bone] != kNoJoint) all = {{given[bone], 0}};
-      if (bone == static_cast<std::size_t>(kSpine)) continue;
+      if (bone == ordinalOf(kSpine)) continue;
       std::stable_sort(all.begin(), all.end(), [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
       if (all.size() > kMaxCandidates) all.resize(kMaxCandidates);
     }
   }
 
-  [[nodiscard]] const Candidates& of(HumanBone bone) const { return candidates_[static_cast<std::size_t>(bone)]; }
+  [[nodiscard]] const Candidates& of(HumanBone bone) const { return candidates_[ordinalOf(bone)]; }
 
  private:
   /// @return whether the key names a bone of this side
@@ -95,7 +96,7 @@ class ConventionMatch {
     for (const NameRow& row : found->second) {
       const bool sided = mirrored(row.bone) != row.bone;
       if (sided != (side != Side::kMiddle)) continue;
-      candidates_[static_cast<std::size_t>(ofSide(row.bone, side))].push_back({joint, row.rank * 4 + preference});
+      candidates_[ordinalOf(ofSide(row.bone, side))].push_back({joint, row.rank * 4 + preference});
       added = true;
     }
     return added;
@@ -241,7 +242,7 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   const JointIndex meeting = tree.commonAncestor(legs, topOfTrunk(tree, bones));
   if (meeting == kNoJoint) return 0;
   JointIndex& hips = jointOf(bones, kHips);
-  hips = given[static_cast<std::size_t>(kHips)];
+  hips = given[ordinalOf(kHips)];
   if (hips == kNoJoint) hips = findHips(tree, match.of(kHips), meeting);
   if (!tree.isBelowOrSame(meeting, hips) || hips == leftLeg || hips == rightLeg) return 0;
   weight += std::any_of(match.of(kHips).begin(), match.of(kHips).end(),
@@ -263,11 +264,10 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
                        [&](const Candidate& candidate) { return candidate.joint == joint; });
   };
   std::erase_if(trunk, [&](JointIndex joint) { return !isNamed(joint) || isUsed(bones, joint); });
-  const bool trunkGiven = given[static_cast<std::size_t>(kSpine)] != kNoJoint ||
-                          given[static_cast<std::size_t>(kChest)] != kNoJoint ||
-                          given[static_cast<std::size_t>(kUpperChest)] != kNoJoint;
+  const bool trunkGiven = given[ordinalOf(kSpine)] != kNoJoint || given[ordinalOf(kChest)] != kNoJoint ||
+                          given[ordinalOf(kUpperChest)] != kNoJoint;
   if (!trunkGiven) assignTrunk(trunk, bones);
-  weight += static_cast<int>(trunk.size());
+  weight += countOf(trunk);
 
   for (std::size_t bone = 0; bone < bones.size(); ++bone) {
     if (given[bone] != kNoJoint) bones[bone] = given[bone];
@@ -312,7 +312,7 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
                                    [&](const Candidate& candidate) { return candidate.joint == joint; });
     if (named) trunk.insert(trunk.begin(), joint);
   }
-  weight += static_cast<int>(trunk.size());
+  weight += countOf(trunk);
   if (trunk.empty() && !has(bones, kHips)) trunk.push_back(top);
   assignTrunk(trunk, bones);
   return weight;

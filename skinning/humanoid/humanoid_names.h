@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid_tree.h"
 #include "skinning/humanoid/humanoid_words.h"
 
@@ -30,10 +31,10 @@ void addFingersByNames(const JointTree& tree, std::span<const JointName> names, 
 void assignTrunk(std::span<const JointIndex> fromHipsUp, BoneJoints& bones);
 
 [[nodiscard]] inline JointIndex& jointOf(BoneJoints& bones, HumanBone bone) {
-  return bones[static_cast<std::size_t>(bone)];
+  return bones[ordinalOf(bone)];
 }
 [[nodiscard]] inline JointIndex jointOf(const BoneJoints& bones, HumanBone bone) {
-  return bones[static_cast<std::size_t>(bone)];
+  return bones[ordinalOf(bone)];
 }
 
 /// The lowest joint that carries both arms and the head; kNoJoint if there are neither arms nor head.

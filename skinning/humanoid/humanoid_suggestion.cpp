@@ -33,7 +33,7 @@ constexpr JointIndex kMaxCompared = 1000;
   std::vector<double> across;
   for (JointIndex joint = 0; joint < count; ++joint) across.push_back(tree.position(joint).x());
   std::nth_element(across.begin(), across.begin() + count / 2, across.end());
-  const double middle = across[static_cast<std::size_t>(count / 2)];
+  const double middle = across[count / 2];
 
   const auto isMirrored = [&](JointIndex a, JointIndex b) {
     if (a == kNoJoint || b == kNoJoint || a == b) return false;
@@ -41,7 +41,7 @@ constexpr JointIndex kMaxCompared = 1000;
     const Vec3 right(2.0 * middle - tree.position(b).x(), tree.position(b).y(), tree.position(b).z());
     return left.x() - middle > kApart * size && (left - right).norm() < kNear * size;
   };
-  std::vector<double> lowest(static_cast<std::size_t>(tree.jointCount()));
+  std::vector<double> lowest(tree.jointCount());
   for (JointIndex joint = tree.jointCount(); joint-- > 0;) {
     double& its = lowest[joint];
     its = tree.position(joint).y();

@@ -15,7 +15,7 @@ JointTree::JointTree(const Skeleton& skeleton) {
     const JointIndex parent = skeleton.joints()[i].parent;
     parent_.push_back(parent);
     position_.push_back(worldFromJoint[i].translation());
-    if (parent != kNoJoint) children_[at(parent)].push_back(static_cast<JointIndex>(i));
+    if (parent != kNoJoint) children_[at(parent)].push_back(i);
   }
 
   // Sizes from the leaves up, then numbers from the roots down: no recursion, because a file may contain a very long

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <array>
@@ -15,7 +16,7 @@ class JointTree {
  public:
   explicit JointTree(const Skeleton& skeleton);
 
-  [[nodiscard]] int jointCount() const { return static_cast<int>(parent_.size()); }
+  [[nodiscard]] int jointCount() const { return countOf(parent_); }
   [[nodiscard]] JointIndex parent(JointIndex joint) const { return parent_[at(joint)]; }
   [[nodiscard]] const std::vector<JointIndex>& children(JointIndex joint) const { return children_[at(joint)]; }
   [[nodiscard]] const Vec3& position(JointIndex joint) const { return position_[at(joint)]; }  ///< world [m]
@@ -30,7 +31,7 @@ class JointTree {
   [[nodiscard]] std::vector<JointIndex> pathBelow(JointIndex top, JointIndex bottom) const;
 
  private:
-  [[nodiscard]] static std::size_t at(JointIndex joint) { return static_cast<std::size_t>(joint); }
+  [[nodiscard]] static std::size_t at(JointIndex joint) { return joint; }
 
   std::vector<JointIndex> parent_;
   std::vector<std::vector<JointIndex>> children_;

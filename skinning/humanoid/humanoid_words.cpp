@@ -68,7 +68,7 @@ using Words = std::vector<std::string>;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const Side side = sideOf(words[i]);
     if (side == Side::kMiddle || words.size() == 1) continue;
-    words.erase(words.begin() + static_cast<std::ptrdiff_t>(i));
+    words.erase(words.begin() + i);
     return side;
   }
   for (std::string& word : words) {

@@ -1,5 +1,6 @@
 #include "skinning/humanoid/joint_limits.h"
 
+#include "geometry/counts.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ JointRange mirroredRange(JointRange range) {
 
 Table makeTable() {
   Table table;
-  const auto at = [&table](HumanBone bone) -> JointRange& { return table[static_cast<std::size_t>(bone)]; };
+  const auto at = [&table](HumanBone bone) -> JointRange& { return table[ordinalOf(bone)]; };
   const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
 
   // Trunk: turn left, right; bend forward (about +X), back; bend to a side. Flexion 80, extension 25, to the side 35,
@@ -150,7 +151,7 @@ JointAngles randomAngles(const JointRange& range, RandomNumbers& random) {
 
 const JointRange& jointRange(HumanBone bone) {
   static const Table table = makeTable();
-  return table[static_cast<std::size_t>(bone)];
+  return table[ordinalOf(bone)];
 }
 
 Quat rotationOf(const JointRange& range, const JointAngles& angles) {

@@ -1,5 +1,7 @@
 #include "skinning/import/assimp_file.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "skinning/import/assimp_materials.h"
 #include "skinning/import/assimp_morphs.h"
 #include "skinning/import/collada_check.h"
@@ -77,7 +79,7 @@ class NoOtherFiles : public Assimp::IOSystem {
     const double axis = metadata(scene, rows[row].first).value_or(row == 0 ? 0.0 : row == 1 ? 1.0 : 2.0);
     const double sign = metadata(scene, rows[row].second).value_or(1.0);
     if (axis != 0.0 && axis != 1.0 && axis != 2.0) return Quat::Identity();
-    modelFromFile(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(axis)) = sign < 0.0 ? -1.0 : 1.0;
+    modelFromFile(row, axis) = sign < 0.0 ? -1.0 : 1.0;
   }
   // Mirrored or repeated axes are not a rotation; then only the up axis is used.
   if (modelFromFile.determinant() > 0.5) return Quat(modelFromFile).normalized();
@@ -101,22 +103,22 @@ class AssimpSceneReader {
       scene_.modelFromFileAxes = fbxAxes(from_);
     }
     if (from_.mRootNode == nullptr) return bad("has no nodes");
-    if (Result<void> done = readNodes(); !done) return done.error();
+    LORICA_TRY_DO(readNodes());
     addAssimpMaterials(from_, files_, scene_);
-    if (Result<void> done = readMeshes(); !done) return done.error();
-    if (Result<void> done = readClips(); !done) return done.error();
+    LORICA_TRY_DO(readMeshes());
+    LORICA_TRY_DO(readClips());
     return std::move(scene_);
   }
 
  private:
-  [[nodiscard]] Error bad(const std::string& what) const { return {ErrorCode::kBadFormat, name_ + ": " + what}; }
+  [[nodiscard]] Error bad(const std::string& what) const { return badFormat(name_ + ": " + what); }
 
   [[nodiscard]] Result<void> readNodes() {
     std::vector<std::pair<const aiNode*, int>> stack = {{from_.mRootNode, -1}};
     while (!stack.empty()) {
       const auto [node, parent] = stack.back();
       stack.pop_back();
-      const int index = static_cast<int>(scene_.nodes.size());
+      const int index = countOf(scene_.nodes);
       FileNode made;
       made.name = asText(node->mName);
       if (made.name.empty()) made.name = fmt::format("node {}", index);
@@ -139,15 +141,14 @@ class AssimpSceneReader {
   }
 
   [[nodiscard]] Result<void> readMeshes() {
-    scene_.meshCount = static_cast<int>(from_.mNumMeshes);
+    scene_.meshCount = from_.mNumMeshes;
     scene_.primitiveCount = scene_.meshCount;
     std::vector<int> skinOfMesh(from_.mNumMeshes, -1);
     for (unsigned m = 0; m < from_.mNumMeshes; ++m) {
       const aiMesh& mesh = *from_.mMeshes[m];
-      scene_.morphTargetCount += static_cast<int>(mesh.mNumAnimMeshes);
-      const Result<bool> skinned = addSkin(mesh);
-      if (!skinned) return skinned.error();
-      if (*skinned) skinOfMesh[m] = static_cast<int>(scene_.skins.size()) - 1;
+      scene_.morphTargetCount += mesh.mNumAnimMeshes;
+      LORICA_TRY(const bool skinned, addSkin(mesh));
+      if (skinned) skinOfMesh[m] = countOf(scene_.skins) - 1;
     }
     for (std::size_t n = 0; n < nodes_.size(); ++n) {
       for (unsigned i = 0; i < nodes_[n]->mNumMeshes; ++i) {
@@ -156,7 +157,7 @@ class AssimpSceneReader {
           return bad(fmt::format("node '{}': refers to mesh {}, expected 0 to {}", scene_.nodes[n].name, m,
                                  static_cast<int>(from_.mNumMeshes) - 1));
         }
-        if (Result<void> added = addMesh(*from_.mMeshes[m], static_cast<int>(n), skinOfMesh[m]); !added) return added;
+        LORICA_TRY_DO(addMesh(*from_.mMeshes[m], n, skinOfMesh[m]));
       }
     }
     const auto note = [&](std::uint64_t count, const char* what) {
@@ -186,7 +187,7 @@ class AssimpSceneReader {
       if (!offset.matrix().allFinite()) {
         return bad(fmt::format("mesh '{}', bone '{}': contains a non-finite number", skin.name, asText(bone.mName)));
       }
-      positions[b] = static_cast<std::int64_t>(skin.nodes.size());
+      positions[b] = skin.nodes.size();
       skin.nodes.push_back(node->second);
       skin.jointFromMesh.push_back(offset);
     }
@@ -249,7 +250,7 @@ class AssimpSceneReader {
     mesh.weightBegin = next;
     mesh.weights.resize(next.back());
     forEach([&](unsigned b, const aiVertexWeight& w) {
-      mesh.weights[next[w.mVertexId]++] = {positions[b], static_cast<double>(w.mWeight)};
+      mesh.weights[next[w.mVertexId]++] = {positions[b], w.mWeight};
     });
   }
 
@@ -329,7 +330,7 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
                                   const NamedFiles& files) {
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (format == AssimpFormat::kCollada) {
-    if (Result<void> sound = checkCollada(text, name); !sound) return sound.error();
+    LORICA_TRY_DO(checkCollada(text, name));
   }
   const char* formatName = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
   try {
@@ -340,12 +341,11 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
     const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
                                                        format == AssimpFormat::kFbx ? "fbx" : "dae");
     if (scene == nullptr) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: broken {}: {}", name, formatName, importer.GetErrorString())};
+      return badFormat("{}: broken {}: {}", name, formatName, importer.GetErrorString());
     }
     return AssimpSceneReader(*scene, name, files).read(format);
   } catch (const std::exception& problem) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: broken {}: {}", name, formatName, problem.what())};
+    return badFormat("{}: broken {}: {}", name, formatName, problem.what());
   }
 }
 

@@ -1,5 +1,6 @@
 #include "skinning/import/assimp_morphs.h"
 
+#include "geometry/counts.h"
 #include "skinning/import/gltf_morphs.h"
 
 #include <assimp/anim.h>
@@ -25,7 +26,7 @@ class WeightKeys {
       return;
     }
     track_.times.push_back(time);
-    track_.values.push_back(static_cast<float>(weight));
+    track_.values.push_back(weight);
   }
   void appendTo(std::vector<MorphWeightTrack>& tracks, int target) {
     if (track_.times.empty()) return;
@@ -76,7 +77,7 @@ void AssimpMorphs::add(const aiMesh& from, FileMesh& mesh) {
     std::string name(target.mName.data, std::min<std::size_t>(target.mName.length, sizeof target.mName.data));
     if (name.empty()) name = fmt::format("{} {}", mesh.name.empty() ? "target" : mesh.name, t);
     const auto known = known_.find({mesh.node, name});
-    if (known == known_.end() && scene_.morphTargets.size() >= static_cast<std::size_t>(kMaxMorphTargets)) {
+    if (known == known_.end() && scene_.morphTargets.size() >= kMaxMorphTargets) {
       ++beyondLimit_;
       continue;
     }
@@ -85,7 +86,7 @@ void AssimpMorphs::add(const aiMesh& from, FileMesh& mesh) {
       ++broken_;
       continue;
     }
-    const int index = known != known_.end() ? known->second : static_cast<int>(scene_.morphTargets.size());
+    const int index = known != known_.end() ? known->second : countOf(scene_.morphTargets);
     if (known == known_.end()) {
       known_.emplace(std::pair(mesh.node, name), index);
       scene_.morphTargets.push_back({name, mesh.node, -1, static_cast<int>(t), 0.0F});

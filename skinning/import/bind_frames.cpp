@@ -15,7 +15,7 @@ namespace {
   std::vector<int> stack;
   for (std::size_t i = nodes.size(); i-- > 0;) {
     const int parent = nodes[i].parent;
-    (parent == -1 ? stack : children[parent]).push_back(static_cast<int>(i));
+    (parent == -1 ? stack : children[parent]).push_back(i);
   }
   std::vector<int> order;
   order.reserve(nodes.size());
@@ -52,11 +52,11 @@ BindFrames findBindFrames(const FileScene& scene) {
   frames.order = parentsFirst(scene.nodes);
   std::vector<int> rank(scene.nodes.size());
   for (std::size_t i = 0; i < frames.order.size(); ++i) {
-    rank[frames.order[i]] = static_cast<int>(i);
+    rank[frames.order[i]] = i;
   }
   const auto position = [&](std::vector<Affine3>& fileFromNode, const std::vector<char>& given) {
     for (const int node : frames.order) {
-      const auto i = static_cast<std::size_t>(node);
+      const std::size_t i = node;
       if (given[i] != 0) continue;
       const Affine3 local = invertibleLocal(scene.nodes[i]);
       const int parent = scene.nodes[i].parent;
@@ -74,8 +74,8 @@ BindFrames findBindFrames(const FileScene& scene) {
     std::vector<std::size_t> bones(skin.nodes.size());
     std::iota(bones.begin(), bones.end(), std::size_t{0});
     std::stable_sort(bones.begin(), bones.end(), [&](std::size_t a, std::size_t b) {
-      const auto nodeA = static_cast<std::size_t>(skin.nodes[a]);
-      const auto nodeB = static_cast<std::size_t>(skin.nodes[b]);
+      const std::size_t nodeA = skin.nodes[a];
+      const std::size_t nodeB = skin.nodes[b];
       return given[nodeA] != given[nodeB] ? given[nodeA] > given[nodeB] : rank[nodeA] < rank[nodeB];
     });
     for (const std::size_t bone : bones) {
@@ -85,7 +85,7 @@ BindFrames findBindFrames(const FileScene& scene) {
       break;
     }
     for (const std::size_t bone : bones) {
-      const auto node = static_cast<std::size_t>(skin.nodes[bone]);
+      const std::size_t node = skin.nodes[bone];
       if (given[node] != 0 || !isInvertible(skin.jointFromMesh[bone])) continue;
       const Affine3 fileFromNode = frames.fileFromSkin[s] * skin.jointFromMesh[bone].inverse();
       if (!isInvertible(fileFromNode)) continue;

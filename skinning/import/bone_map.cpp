@@ -1,5 +1,7 @@
 #include "skinning/import/bone_map.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/line_scanner.h"
 #include "geometry/similar_name.h"
@@ -26,12 +28,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::string_view kFormat = "bone map 1";
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundred thousand joints is smaller
 
-[[nodiscard]] std::size_t at(HumanBone bone) {
-  return static_cast<std::size_t>(bone);
-}
-
 [[nodiscard]] Error bad(std::string_view name, std::string_view what) {
-  return {ErrorCode::kBadFormat, fmt::format("{}: {}", name, what)};
+  return badFormat("{}: {}", name, what);
 }
 
 /// Text that JSON can store: bytes that are not UTF-8 become U+FFFD.
@@ -75,7 +73,7 @@ class JointNames {
   explicit JointNames(const Skeleton& skeleton) : skeleton_(skeleton) {
     names_.reserve(skeleton.joints().size());
     for (const Joint& joint : skeleton.joints()) names_.push_back(asText(joint.name));
-    for (std::size_t i = 0; i < names_.size(); ++i) jointsOf_[names_[i]].push_back(static_cast<JointIndex>(i));
+    for (std::size_t i = 0; i < names_.size(); ++i) jointsOf_[names_[i]].push_back(i);
   }
 
   [[nodiscard]] std::span<const std::string> all() const { return names_; }
@@ -131,37 +129,35 @@ class JointNames {
 }  // namespace
 
 Result<BoneMap> readBoneMap(const std::filesystem::path& file) {
-  const Result<std::string> text = readFile(file, NamedBy::kUser, kMaxBytes);
-  if (!text) return text.error();
-  return parseBoneMap(*text, file.string());
+  LORICA_TRY(const std::string text, readFile(file, NamedBy::kUser, kMaxBytes));
+  return parseBoneMap(text, file.string());
 }
 
 Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
   if (text.size() > kMaxBytes) {
     return bad(name, fmt::format("{} bytes, expected at most {}", text.size(), kMaxBytes));
   }
-  const Result<Json> json = parse(text, name);
-  if (!json) return json.error();
-  if (!json->is_object() || !json->contains("lorica") || !(*json)["lorica"].is_string()) {
+  LORICA_TRY(const Json json, parse(text, name));
+  if (!json.is_object() || !json.contains("lorica") || !json["lorica"].is_string()) {
     return bad(name, fmt::format("not a bone map, expected an object with \"lorica\": \"{}\"", kFormat));
   }
-  const std::string format = (*json)["lorica"].get<std::string>();
+  const std::string format = json["lorica"].get<std::string>();
   if (format != kFormat) return bad(name, fmt::format("lorica is \"{}\", expected \"{}\"", format, kFormat));
   const std::vector<std::string> known = {"lorica", "character", "bones", "unsure", "unusedJoints"};
-  for (const auto& [key, value] : json->items()) {
+  for (const auto& [key, value] : json.items()) {
     if (std::find(known.begin(), known.end(), key) != known.end()) continue;
     return bad(name, fmt::format("unknown key \"{}\"{}", key, didYouMean(key, known)));
   }
-  if (!json->contains("bones") || !(*json)["bones"].is_object()) {
+  if (!json.contains("bones") || !json["bones"].is_object()) {
     return bad(name, "bones is missing, expected an object with a joint name for each bone");
   }
 
   BoneMap map;
-  if (json->contains("character")) {
-    if (!(*json)["character"].is_string()) return bad(name, "character is not a string, expected a file name");
-    map.character = (*json)["character"].get<std::string>();
+  if (json.contains("character")) {
+    if (!json["character"].is_string()) return bad(name, "character is not a string, expected a file name");
+    map.character = json["character"].get<std::string>();
   }
-  for (const auto& [key, value] : (*json)["bones"].items()) {
+  for (const auto& [key, value] : json["bones"].items()) {
     const std::optional<HumanBone> bone = humanBoneNamed(key);
     if (!bone) return bad(name, fmt::format("bones: \"{}\" is not a bone{}", key, didYouMean(key, boneNames())));
     if (value.is_null()) continue;
@@ -169,7 +165,7 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
       return bad(name, fmt::format("bones: {} is {}, expected a joint name or null", key,
                                    value.is_string() ? "an empty string" : std::string("a") + " " + value.type_name()));
     }
-    map.jointOf[at(*bone)] = value.get<std::string>();
+    map.jointOf[ordinalOf(*bone)] = value.get<std::string>();
   }
   return map;
 }
@@ -208,12 +204,12 @@ Result<Skeleton> applyBoneMap(const Skeleton& skeleton, const BoneMap& map, std:
   std::map<JointIndex, HumanBone> boneOf;
   for (int i = 0; i < kHumanBoneCount; ++i) {
     const auto bone = static_cast<HumanBone>(i);
-    const std::string& text = map.jointOf[at(bone)];
+    const std::string& text = map.jointOf[ordinalOf(bone)];
     if (text.empty()) continue;
     const std::vector<JointIndex> found = names.find(text);
     if (found.empty()) {
-      return Error{ErrorCode::kNotFound, fmt::format("{}: {}: the character has no joint \"{}\"{}", name, nameOf(bone),
-                                                     text, didYouMean(text, names.all()))};
+      return notFound("{}: {}: the character has no joint \"{}\"{}", name, nameOf(bone), text,
+                      didYouMean(text, names.all()));
     }
     if (found.size() > 1) {
       return bad(name, fmt::format("{}: {} joints are named \"{}\", expected one: write \"{}\" or \"{}\"", nameOf(bone),
@@ -224,7 +220,7 @@ Result<Skeleton> applyBoneMap(const Skeleton& skeleton, const BoneMap& map, std:
       return bad(name, fmt::format("the joint \"{}\" is both {} and {}, expected one bone", text, nameOf(other->second),
                                    nameOf(bone)));
     }
-    bones.jointOf[at(bone)] = found[0];
+    bones.jointOf[ordinalOf(bone)] = found[0];
   }
 
   for (const auto& [joint, bone] : boneOf) {
@@ -234,8 +230,8 @@ Result<Skeleton> applyBoneMap(const Skeleton& skeleton, const BoneMap& map, std:
     JointIndex ancestor = skeleton.joint(joint).parent;
     while (ancestor != kNoJoint && ancestor != bones[*above]) ancestor = skeleton.joint(ancestor).parent;
     if (ancestor != kNoJoint) continue;
-    return bad(name, fmt::format("{} is \"{}\", which is not below \"{}\", the {}", nameOf(bone), map.jointOf[at(bone)],
-                                 map.jointOf[at(*above)], nameOf(*above)));
+    return bad(name, fmt::format("{} is \"{}\", which is not below \"{}\", the {}", nameOf(bone),
+                                 map.jointOf[ordinalOf(bone)], map.jointOf[ordinalOf(*above)], nameOf(*above)));
   }
   return withBones(skeleton, bones);
 }

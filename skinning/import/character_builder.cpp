@@ -1,3 +1,5 @@
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
 #include "skinning/import/file_scene.h"
@@ -21,7 +23,7 @@ namespace {
 constexpr double kSecondsInADay = 86400.0;
 
 [[nodiscard]] JointIndex asJoint(std::size_t index) {
-  return static_cast<JointIndex>(index);
+  return index;
 }
 
 /// Converts a FileScene to a CharacterFile, phase by phase.
@@ -36,25 +38,25 @@ class CharacterBuilder {
     out_.meshes = scene_.meshCount;
     out_.meshNames = meshNamesOf(scene_);
     out_.primitives = scene_.primitiveCount;
-    out_.skins = static_cast<int>(scene_.skins.size());
+    out_.skins = countOf(scene_.skins);
     out_.morphTargets = scene_.morphTargetCount;
     out_.notes = scene_.notes;
     out_.character.name = std::filesystem::path(fileName_).stem().string();
 
     placeMeshes();
     chooseNodes();
-    if (Result<void> sized = chooseUnits(); !sized) return sized.error();
+    LORICA_TRY_DO(chooseUnits());
     addJoints();
     addVertices();
     addLook();
     out_.morphs = makeMorphs(scene_, frames_, Affine3(joints_.front().rest.matrix()));
     addClips();
-    if (Result<void> finished = finish(); !finished) return finished.error();
+    LORICA_TRY_DO(finish());
     return std::move(out_);
   }
 
  private:
-  [[nodiscard]] Error bad(const std::string& what) const { return {ErrorCode::kBadFormat, fileName_ + ": " + what}; }
+  [[nodiscard]] Error bad(const std::string& what) const { return badFormat(fileName_ + ": " + what); }
 
   [[nodiscard]] const Affine3& fileFromMesh(const FileMesh& mesh) const {
     return mesh.skin != -1 ? frames_.fileFromSkin[mesh.skin] : frames_.fileFromNode[mesh.node];
@@ -73,7 +75,7 @@ class CharacterBuilder {
     all.triangles.reserve(triangleCount);
     for (const FileMesh& mesh : scene_.meshes) {
       const Affine3& fileFrom = fileFromMesh(mesh);
-      const auto first = static_cast<VertexIndex>(all.vertices.size());
+      const VertexIndex first = all.vertices.size();
       for (const Vec3& p : mesh.positions) all.vertices.push_back(fileFrom * p);
       // A mirrored mesh is inside out.
       const bool mirrored = fileFrom.linear().determinant() < 0.0;
@@ -140,7 +142,7 @@ class CharacterBuilder {
 
   // 4. A joint for each chosen node.
   void addJoints() {
-    const auto chosenCount = static_cast<std::size_t>(std::count(chosen_.begin(), chosen_.end(), 1));
+    const std::size_t chosenCount = std::count(chosen_.begin(), chosen_.end(), 1);
     joints_.reserve(chosenCount + 1);
     jointFromFile_.reserve(chosenCount + 1);
     JointTransform modelFromFile;
@@ -152,7 +154,7 @@ class CharacterBuilder {
 
     int sheared = 0;
     for (const int n : frames_.order) {
-      const auto i = static_cast<std::size_t>(n);
+      const std::size_t i = n;
       if (chosen_[i] == 0) continue;
       const FileNode& node = scene_.nodes[i];
       JointIndex parent = node.parent == -1 ? 0 : jointsOfNode_[node.parent].front();
@@ -170,7 +172,7 @@ class CharacterBuilder {
       jointFromFile_.push_back(frames_.fileFromNode[i].inverse());
     }
     for (const auto& [bone, node] : scene_.bones) {
-      joints_[jointsOfNode_[static_cast<std::size_t>(node)].front()].bone = bone;
+      joints_[jointsOfNode_[node].front()].bone = bone;
     }
     if (sheared > 0) {
       out_.notes.push_back(fmt::format("{} nodes are sheared: each is represented by two joints", sheared));
@@ -179,7 +181,7 @@ class CharacterBuilder {
 
   /// The joint for a node and an inverse bind matrix: the node's own joint, or an additional one.
   [[nodiscard]] JointIndex jointFor(int node, const Affine3& jointFromFile) {
-    const auto n = static_cast<std::size_t>(node);
+    const std::size_t n = node;
     for (const JointIndex joint : jointsOfNode_[n]) {
       if (carrySame(frames_.fileFromNode[n], jointFromFile, jointFromFile_[joint])) {
         return joint;
@@ -219,7 +221,7 @@ class CharacterBuilder {
         const JointIndex joint = jointsOfNode_[mesh.node].front();
         for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
           character.influences.push_back({joint, 1.0});
-          character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+          character.influenceBegin.push_back(character.influences.size());
         }
         if (!mesh.positions.empty()) out_.maxInfluences = std::max(out_.maxInfluences, 1);
       } else {
@@ -234,17 +236,16 @@ class CharacterBuilder {
     if (out_.repairedVertices > 0) {
       out_.notes.push_back(fmt::format(
           "{} vertices had weights that do not sum to 1, are negative or not finite, or refer to no bone: repaired",
-          grouped(static_cast<std::uint64_t>(out_.repairedVertices))));
+          grouped(out_.repairedVertices)));
     }
     if (copies_ > 0) {
-      out_.notes.push_back(fmt::format("{} joints added for bones with more than one bind matrix",
-                                       grouped(static_cast<std::uint64_t>(copies_))));
+      out_.notes.push_back(fmt::format("{} joints added for bones with more than one bind matrix", grouped(copies_)));
     }
   }
 
   void addSkinned(const FileMesh& mesh) {
     Character& character = out_.character;
-    const auto s = static_cast<std::size_t>(mesh.skin);
+    const std::size_t s = mesh.skin;
     const FileSkin& skin = scene_.skins[s];
     const Affine3 skinFromFile = frames_.fileFromSkin[s].inverse();
     std::vector<JointIndex> jointOfBone(skin.nodes.size(), kNoJoint);
@@ -254,9 +255,7 @@ class CharacterBuilder {
       }
       return jointOfBone[bone];
     };
-    const auto inSkin = [&](const FileWeight& w) {
-      return w.bone >= 0 && w.bone < static_cast<std::int64_t>(skin.nodes.size());
-    };
+    const auto inSkin = [&](const FileWeight& w) { return w.bone >= 0 && w.bone < countOf(skin.nodes); };
     character.influences.reserve(character.influences.size() + mesh.weights.size());
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const std::size_t begin = character.influences.size();
@@ -270,11 +269,10 @@ class CharacterBuilder {
           repaired = true;
           continue;
         }
-        const JointIndex joint = jointOf(static_cast<std::size_t>(w.bone));
+        const JointIndex joint = jointOf(w.bone);
         sum += w.weight;
-        const auto same =
-            std::find_if(character.influences.begin() + static_cast<std::ptrdiff_t>(begin), character.influences.end(),
-                         [&](const Influence& i) { return i.joint == joint; });
+        const auto same = std::find_if(character.influences.begin() + begin, character.influences.end(),
+                                       [&](const Influence& i) { return i.joint == joint; });
         if (same != character.influences.end()) {
           same->weight += w.weight;
         } else {
@@ -294,7 +292,7 @@ class CharacterBuilder {
       for (std::size_t i = begin; i < character.influences.size(); ++i) character.influences[i].weight /= sum;
       out_.maxInfluences = std::max(out_.maxInfluences, static_cast<int>(character.influences.size() - begin));
       out_.repairedVertices += repaired ? 1 : 0;
-      character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+      character.influenceBegin.push_back(character.influences.size());
     }
   }
 
@@ -302,7 +300,7 @@ class CharacterBuilder {
   void addLook() {
     if (scene_.materials.empty() || scene_.meshes.empty()) return;
     LORICA_CHECK(std::all_of(scene_.meshes.begin(), scene_.meshes.end(),
-                             [&](const FileMesh& m) { return m.material < static_cast<int>(scene_.materials.size()); }),
+                             [&](const FileMesh& m) { return m.material < countOf(scene_.materials); }),
                  "the format's reader gives meshes materials that exist");
     Look& look = out_.look;
     look.materials = std::move(scene_.materials);
@@ -337,7 +335,7 @@ class CharacterBuilder {
       int material = mesh.material;
       if (material < 0) {
         if (plain == -1) {
-          plain = static_cast<int>(look.materials.size());
+          plain = countOf(look.materials);
           look.materials.emplace_back().name = "(none)";
         }
         material = plain;
@@ -383,14 +381,14 @@ class CharacterBuilder {
         std::span(mesh.triangles).subspan(group.firstTriangle, group.triangleCount);
     for (const Triangle& t : triangles) {
       for (const VertexIndex v : t) {
-        if (!out_.look.normals[static_cast<std::size_t>(v)].isZero()) continue;
+        if (!out_.look.normals[v].isZero()) continue;
         const Vec3& a = mesh.vertices[t[0]];
         Vec3& sum = mended.emplace(v, Vec3::Zero()).first->second;
         sum += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
       }
     }
     for (const auto& [v, sum] : mended) {
-      out_.look.normals[static_cast<std::size_t>(v)] = sum.stableNormalized().cast<float>();
+      out_.look.normals[v] = sum.stableNormalized().cast<float>();
     }
   }
 
@@ -430,7 +428,7 @@ class CharacterBuilder {
     }
     out_.nodeOfJoint.assign(joints_.size(), -1);
     for (std::size_t n = 0; n < jointsOfNode_.size(); ++n) {
-      if (!jointsOfNode_[n].empty()) out_.nodeOfJoint[jointsOfNode_[n].front()] = static_cast<int>(n);
+      if (!jointsOfNode_[n].empty()) out_.nodeOfJoint[jointsOfNode_[n].front()] = n;
     }
     Result<Skeleton> skeleton = Skeleton::create(std::move(joints_));
     if (!skeleton) return bad(skeleton.error().message);
@@ -457,7 +455,7 @@ class CharacterBuilder {
 
   /// Springs and constraints with joints instead of nodes, and in metres.
   void addSprings() {
-    const auto jointOf = [&](int node) { return jointsOfNode_[static_cast<std::size_t>(node)].front(); };
+    const auto jointOf = [&](int node) { return jointsOfNode_[node].front(); };
     out_.springs = withJoints(scene_.springs, jointOf, out_.metresPerUnit);
     const Skeleton& skeleton = out_.character.skeleton;
     for (const JointIndex joint : orderConstraints(skeleton, out_.springs.constraints)) {
@@ -496,9 +494,8 @@ class CharacterBuilder {
 
 Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName,
                                         const CharacterFileSettings& settings) {
-  const Result<std::vector<FileMesh>> hidden = takeHiddenMeshes(scene, settings.hidden, fileName);
-  if (!hidden) return hidden.error();
-  return CharacterBuilder(std::move(scene), *hidden, fileName).build();
+  LORICA_TRY(const std::vector<FileMesh> hidden, takeHiddenMeshes(scene, settings.hidden, fileName));
+  return CharacterBuilder(std::move(scene), hidden, fileName).build();
 }
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "skinning/import/character_file.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/printable.h"
 #include "skinning/import/assimp_file.h"
@@ -49,9 +50,8 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
 [[nodiscard]] Result<CharacterFile> parse(std::span<const std::byte> bytes, const std::string& name,
                                           const std::filesystem::path& folder, const CharacterFileSettings& settings) {
   const NamedFiles files{folder, settings.paths};
-  if (bytes.empty()) return Error{ErrorCode::kBadFormat, name + ": is empty, expected a character"};
-  Result<FileScene> scene =
-      Error{ErrorCode::kUnsupported, name + ": unknown format, expected glTF, VRM, FBX or COLLADA"};
+  if (bytes.empty()) return badFormat(name + ": is empty, expected a character");
+  Result<FileScene> scene = unsupported(name + ": unknown format, expected glTF, VRM, FBX or COLLADA");
   switch (kindOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
     case Kind::kGltf:
       scene = readGltfScene(bytes, name, files);
@@ -66,7 +66,7 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
       break;
   }
   if (!scene) return scene.error();
-  if (Result<void> bounded = checkWork(*scene, name); !bounded) return bounded.error();
+  LORICA_TRY_DO(checkWork(*scene, name));
   return makeCharacterFile(std::move(*scene), name, settings);
 }
 
@@ -79,10 +79,9 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
 }  // namespace
 
 Result<CharacterFile> readCharacterFile(const std::filesystem::path& file, const CharacterFileSettings& settings) {
-  const Result<std::string> content = readFile(file);
-  if (!content) return content.error();
+  LORICA_TRY(const std::string content, readFile(file));
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
-  return inOneLine(parse(std::as_bytes(std::span(*content)), file.string(), folder, settings));
+  return inOneLine(parse(std::as_bytes(std::span(content)), file.string(), folder, settings));
 }
 
 Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name,

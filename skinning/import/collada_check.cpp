@@ -1,5 +1,6 @@
 #include "skinning/import/collada_check.h"
 
+#include "geometry/errors.h"
 #include "skinning/import/file_scene.h"
 
 #include <fmt/format.h>
@@ -72,7 +73,7 @@ class ColladaCheck {
       if (close == std::string_view::npos) return {};
       const Tag tag = tagOf(text_.substr(open + 1, close - open - 1));
       const std::size_t end = std::min(text_.find('<', close), text_.size());
-      if (Result<void> sound = checkTag(tag, close + 1, end, open); !sound) return sound;
+      LORICA_TRY_DO(checkTag(tag, close + 1, end, open));
     }
     return checkAccessors();
   }
@@ -85,8 +86,8 @@ class ColladaCheck {
   };
 
   [[nodiscard]] Error bad(std::size_t at, const std::string& what) const {
-    const auto line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(at), '\n');
-    return {ErrorCode::kBadFormat, fmt::format("{}: line {}: {}", name_, line, what)};
+    const auto line = 1 + std::count(text_.begin(), text_.begin() + at, '\n');
+    return badFormat("{}: line {}: {}", name_, line, what);
   }
 
   [[nodiscard]] Result<void> checkTag(const Tag& tag, std::size_t begin, std::size_t end, std::size_t at) {

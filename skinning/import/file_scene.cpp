@@ -1,5 +1,7 @@
 #include "skinning/import/file_scene.h"
 
+#include "geometry/errors.h"
+
 #include <Eigen/SVD>
 
 #include <fmt/format.h>
@@ -71,8 +73,7 @@ void setMatrix(FileNode& node, const Affine3& parentFromNode) {
 
 Result<void> checkWork(const FileScene& scene, const std::string& fileName) {
   const auto beyond = [&](std::uint64_t count, const char* what, std::uint64_t most) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: {} {}, expected at most {}", fileName, grouped(count), what, grouped(most))};
+    return unsupported("{}: {} {}, expected at most {}", fileName, grouped(count), what, grouped(most));
   };
   std::uint64_t triangles = 0;
   for (const FileMesh& mesh : scene.meshes) triangles += mesh.triangles.size();
@@ -88,7 +89,7 @@ LookNeeds needsOf(const Material& material) {
   needs.colors = material.shading != Shading::kToon;
   for (const TextureUse* use : material.textures()) {
     const bool byNormal = use == &material.toon.matcap;  // no coordinates
-    if (use->given() && !byNormal) needs.uv[static_cast<std::size_t>(use->uvSet)] = true;
+    if (use->given() && !byNormal) needs.uv[use->uvSet] = true;
   }
   return needs;
 }

@@ -1,5 +1,6 @@
 #include "skinning/import/gltf_accessor.h"
 
+#include "geometry/errors.h"
 #include "skinning/import/file_scene.h"
 
 #include <fmt/format.h>
@@ -10,6 +11,7 @@
 #include <cstring>
 #include <limits>
 #include <type_traits>
+#include <utility>
 
 namespace lorica {
 
@@ -67,7 +69,7 @@ void unpack(Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t 
             std::vector<Number>& out, const Row& row) {
   // glTF 2.0, 3.6.2.2: c / 255, c / 65535, max(c / 127, -1), max(c / 32767, -1).
   const bool scaled = normalized && std::is_integral_v<Stored>;
-  const double max = static_cast<double>(std::numeric_limits<Stored>::max());
+  const double max = std::numeric_limits<Stored>::max();
   for (std::uint64_t i = 0; i < count; ++i) {
     const std::byte* element = bytes.data() + i * stride;
     Number* to = out.data() + row(i) * components;
@@ -77,7 +79,7 @@ void unpack(Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t 
       if constexpr (std::is_integral_v<Number>) {
         to[c] = static_cast<Number>(value);
       } else {
-        to[c] = scaled ? std::max(static_cast<double>(value) / max, -1.0) : static_cast<double>(value);
+        to[c] = scaled ? std::max(value / max, -1.0) : static_cast<double>(value);
       }
     }
   }
@@ -130,13 +132,11 @@ void unpackKind(int componentType, Bytes bytes, std::uint64_t stride, std::uint6
 
 Result<void> checkIndex(const GltfDocument& document, int index, std::size_t count, const std::string& user,
                         std::string_view kind) {
-  if (index >= 0 && static_cast<std::size_t>(index) < count) return {};
+  if (index >= 0 && std::cmp_less(index, count)) return {};
   if (count == 0) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: {}: refers to {} {}, but the file has none", document.name, user, kind, index)};
+    return badFormat("{}: {}: refers to {} {}, but the file has none", document.name, user, kind, index);
   }
-  return Error{ErrorCode::kBadFormat, fmt::format("{}: {}: refers to {} {}, expected 0 to {}", document.name, user,
-                                                  kind, index, grouped(count - 1))};
+  return badFormat("{}: {}: refers to {} {}, expected 0 to {}", document.name, user, kind, index, grouped(count - 1));
 }
 
 GltfAccessors::GltfAccessors(const GltfDocument& document, std::uint64_t numbersPerByte)
@@ -149,20 +149,15 @@ bool GltfAccessors::spend(std::uint64_t numbers) {
 }
 
 Error GltfAccessors::bad(const std::string& what) const {
-  return {ErrorCode::kBadFormat, document_.name + ": " + what};
+  return badFormat(document_.name + ": " + what);
 }
 
 Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::uint64_t count,
                                       std::uint64_t elementBytes, const std::string& who, std::uint64_t& stride) const {
-  if (Result<void> known = checkIndex(document_, viewIndex, document_.model.bufferViews.size(), who, "buffer view");
-      !known) {
-    return known.error();
-  }
+  LORICA_TRY_DO(checkIndex(document_, viewIndex, document_.model.bufferViews.size(), who, "buffer view"));
   const tinygltf::BufferView& view = document_.model.bufferViews[viewIndex];
   const std::string viewName = fmt::format("buffer view {}", viewIndex);
-  if (Result<void> known = checkIndex(document_, view.buffer, document_.buffers.size(), viewName, "buffer"); !known) {
-    return known.error();
-  }
+  LORICA_TRY_DO(checkIndex(document_, view.buffer, document_.buffers.size(), viewName, "buffer"));
   const Bytes buffer = document_.buffers[view.buffer];
   if (buffer.empty()) {
     return bad(fmt::format("{}: buffer {} has no data, neither embedded nor in another file", viewName, view.buffer));
@@ -181,10 +176,8 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
   const bool fits = offset <= bytes && elementBytes <= bytes - offset &&
                     (count == 0 || count - 1 <= (bytes - offset - elementBytes) / stride);
   if (!fits) {
-    const double end = static_cast<double>(offset) + static_cast<double>(count - 1) * static_cast<double>(stride) +
-                       static_cast<double>(elementBytes);
-    const std::string endText =
-        end < 9e15 ? "byte " + grouped(static_cast<std::uint64_t>(end)) : fmt::format("byte {:.3g}", end);
+    const double end = offset + (count - 1) * static_cast<double>(stride) + elementBytes;
+    const std::string endText = end < 9e15 ? "byte " + grouped(end) : fmt::format("byte {:.3g}", end);
     return bad(fmt::format("{}: {} elements of {} bytes end at {}, but buffer view {} has {}", who, grouped(count),
                            elementBytes, endText, viewIndex, grouped(bytes)));
   }
@@ -193,14 +186,12 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
 
 template <typename Number>
 Result<std::vector<Number>> GltfAccessors::read(int index, int components, const std::string& user, bool wantIntegers) {
-  if (Result<void> known = checkIndex(document_, index, document_.model.accessors.size(), user, "accessor"); !known) {
-    return known.error();
-  }
+  LORICA_TRY_DO(checkIndex(document_, index, document_.model.accessors.size(), user, "accessor"));
   const tinygltf::Accessor& accessor = document_.model.accessors[index];
   const std::string who = fmt::format("accessor {}", index);
 
   // 1. Its declaration.
-  const auto wanted = static_cast<std::size_t>(components);
+  const std::size_t wanted = components;
   if (componentCount(accessor.type) != components || accessor.type == TINYGLTF_TYPE_MAT2) {
     return bad(fmt::format("{}: has {} numbers per element, expected {} for {}", who, componentCount(accessor.type),
                            typeName(components), user));
@@ -220,9 +211,8 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   std::uint64_t stride = 0;
   const bool inView = accessor.bufferView != -1;
   if (inView) {
-    const Result<Bytes> found = elements(accessor.bufferView, accessor.byteOffset, count, elementBytes, who, stride);
-    if (!found) return found.error();
-    bytes = *found;
+    LORICA_TRY(const Bytes found, elements(accessor.bufferView, accessor.byteOffset, count, elementBytes, who, stride));
+    bytes = found;
   }
   if (count > budget_ / wanted) {
     return bad(fmt::format("{}: {} elements, too many for a file of {} bytes", who, grouped(count),
@@ -240,8 +230,8 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   // 3. Elements replaced by its sparse part.
   const auto& sparse = accessor.sparse;
   // tinygltf's offsets are signed or, from 2.9 on, unsigned; there a negative one becomes huge.
-  const auto indicesFrom = static_cast<std::int64_t>(sparse.indices.byteOffset);
-  const auto valuesFrom = static_cast<std::int64_t>(sparse.values.byteOffset);
+  const std::int64_t indicesFrom = sparse.indices.byteOffset;
+  const std::int64_t valuesFrom = sparse.values.byteOffset;
   if (sparse.count < 1 || static_cast<std::uint64_t>(sparse.count) > count || indicesFrom < 0 || valuesFrom < 0 ||
       !isUnsigned(sparse.indices.componentType)) {
     return bad(
@@ -249,27 +239,25 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
                     "1 to {} elements, offsets of 0 or more and unsigned indices",
                     who, sparse.count, indicesFrom, valuesFrom, sparse.indices.componentType, grouped(count)));
   }
-  const auto replaced = static_cast<std::uint64_t>(sparse.count);
+  const std::uint64_t replaced = sparse.count;
   std::uint64_t indexStride = 0;
-  const Result<Bytes> indexBytes =
-      elements(sparse.indices.bufferView, static_cast<std::uint64_t>(indicesFrom), replaced,
-               componentBytes(sparse.indices.componentType), who + ", sparse indices", indexStride);
-  if (!indexBytes) return indexBytes.error();
+  LORICA_TRY(const Bytes indexBytes,
+             elements(sparse.indices.bufferView, indicesFrom, replaced, componentBytes(sparse.indices.componentType),
+                      who + ", sparse indices", indexStride));
   std::uint64_t valueStride = 0;
-  const Result<Bytes> valueBytes = elements(sparse.values.bufferView, static_cast<std::uint64_t>(valuesFrom), replaced,
-                                            elementBytes, who + ", sparse values", valueStride);
-  if (!valueBytes) return valueBytes.error();
+  LORICA_TRY(const Bytes valueBytes, elements(sparse.values.bufferView, valuesFrom, replaced, elementBytes,
+                                              who + ", sparse values", valueStride));
 
   std::vector<std::uint32_t> rows(replaced);
-  unpackKind(sparse.indices.componentType, *indexBytes, indexStride, replaced, 1, false, rows,
+  unpackKind(sparse.indices.componentType, indexBytes, indexStride, replaced, 1, false, rows,
              [](std::uint64_t i) { return i; });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i] >= count) {
       return bad(fmt::format("{}: sparse index {} is {}, expected 0 to {}", who, i, rows[i], grouped(count - 1)));
     }
   }
-  unpackKind(accessor.componentType, *valueBytes, valueStride, replaced, wanted, accessor.normalized, numbers,
-             [&](std::uint64_t i) { return static_cast<std::uint64_t>(rows[i]); });
+  unpackKind(accessor.componentType, valueBytes, valueStride, replaced, wanted, accessor.normalized, numbers,
+             [&](std::uint64_t i) { return rows[i]; });
   return numbers;
 }
 
@@ -282,12 +270,11 @@ Result<std::vector<std::uint32_t>> GltfAccessors::integers(int accessor, int com
 }
 
 Result<std::vector<double>> GltfAccessors::numbers(int accessor, int components, const std::string& user) {
-  Result<std::vector<double>> all = read<double>(accessor, components, user, false);
-  if (!all) return all;
-  const auto broken = std::find_if(all->begin(), all->end(), [](double x) { return !std::isfinite(x); });
-  if (broken != all->end()) {
+  LORICA_TRY(std::vector<double> all, read<double>(accessor, components, user, false));
+  const auto broken = std::find_if(all.begin(), all.end(), [](double x) { return !std::isfinite(x); });
+  if (broken != all.end()) {
     return bad(fmt::format("accessor {}: element {} has {}, expected finite numbers for {}", accessor,
-                           grouped(static_cast<std::uint64_t>((broken - all->begin()) / components)), *broken, user));
+                           grouped((broken - all.begin()) / components), *broken, user));
   }
   return all;
 }

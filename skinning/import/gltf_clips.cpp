@@ -1,5 +1,7 @@
 #include "skinning/import/gltf_clips.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <map>
@@ -36,10 +38,7 @@ class ClipReader {
       ++unknownChannels;
       return {};
     }
-    if (Result<void> known = checkIndex(document_, channel.target_node, document_.model.nodes.size(), user, "node");
-        !known) {
-      return known;
-    }
+    LORICA_TRY_DO(checkIndex(document_, channel.target_node, document_.model.nodes.size(), user, "node"));
     const auto [position, isNew] = trackOfNode_.emplace(channel.target_node, clip.tracks.size());
     if (isNew) clip.tracks.push_back({channel.target_node, std::nullopt, std::nullopt, std::nullopt});
     FileTrack& track = clip.tracks[position->second];
@@ -61,10 +60,7 @@ class ClipReader {
       ++doubledChannels;
       return {};
     }
-    if (Result<void> known = checkIndex(document_, channel.sampler, animation_.samplers.size(), user, "sampler");
-        !known) {
-      return known;
-    }
+    LORICA_TRY_DO(checkIndex(document_, channel.sampler, animation_.samplers.size(), user, "sampler"));
     const tinygltf::AnimationSampler& sampler = animation_.samplers[channel.sampler];
     KeyTrack<Value> track;
     if (sampler.interpolation == "STEP") {
@@ -72,31 +68,27 @@ class ClipReader {
     } else if (sampler.interpolation == "CUBICSPLINE") {
       track.interpolation = KeyInterpolation::kCubicSpline;
     } else if (sampler.interpolation != "LINEAR") {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: {}: interpolation '{}', expected STEP, LINEAR or CUBICSPLINE", document_.name, user,
-                               sampler.interpolation)};
+      return badFormat("{}: {}: interpolation '{}', expected STEP, LINEAR or CUBICSPLINE", document_.name, user,
+                       sampler.interpolation);
     }
-    const Result<std::vector<double>> times = accessors_.numbers(sampler.input, 1, user + ": times");
-    if (!times) return times.error();
-    const Result<std::vector<double>> values = accessors_.numbers(sampler.output, components, user + ": values");
-    if (!values) return values.error();
+    LORICA_TRY(const std::vector<double> times, accessors_.numbers(sampler.input, 1, user + ": times"));
+    LORICA_TRY(const std::vector<double> values, accessors_.numbers(sampler.output, components, user + ": values"));
     const std::size_t perKey = track.interpolation == KeyInterpolation::kCubicSpline ? 3 : 1;
-    const std::size_t valueCount = values->size() / static_cast<std::size_t>(components);
-    if (valueCount != perKey * times->size()) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: {}: {} values for {} keys, expected {}", document_.name, user, grouped(valueCount),
-                               grouped(times->size()), grouped(perKey * times->size()))};
+    const std::size_t valueCount = values.size() / components;
+    if (valueCount != perKey * times.size()) {
+      return badFormat("{}: {}: {} values for {} keys, expected {}", document_.name, user, grouped(valueCount),
+                       grouped(times.size()), grouped(perKey * times.size()));
     }
-    track.times.reserve(times->size());
+    track.times.reserve(times.size());
     track.values.reserve(valueCount);
-    for (std::size_t key = 0; key < times->size(); ++key) {
-      if (!track.times.empty() && (*times)[key] <= track.times.back()) {
+    for (std::size_t key = 0; key < times.size(); ++key) {
+      if (!track.times.empty() && times[key] <= track.times.back()) {
         ++lateKeys;
         continue;
       }
-      track.times.push_back((*times)[key]);
+      track.times.push_back(times[key]);
       for (std::size_t v = perKey * key; v < perKey * (key + 1); ++v) {
-        track.values.push_back(valueAt(*values, v, static_cast<const Value*>(nullptr)));
+        track.values.push_back(valueAt(values, v, static_cast<const Value*>(nullptr)));
       }
     }
     out = std::move(track);
@@ -119,7 +111,7 @@ Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors
   for (std::size_t a = 0; a < document.model.animations.size(); ++a) {
     ClipReader reader(document, accessors, a);
     for (std::size_t c = 0; c < document.model.animations[a].channels.size(); ++c) {
-      if (Result<void> added = reader.addChannel(c); !added) return added;
+      LORICA_TRY_DO(reader.addChannel(c));
     }
     unknownChannels += reader.unknownChannels;
     doubledChannels += reader.doubledChannels;
@@ -129,9 +121,8 @@ Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors
   const auto note = [&](std::uint64_t count, const char* what) {
     if (count > 0) scene.notes.push_back(fmt::format("{} {}", grouped(count), what));
   };
-  note(static_cast<std::uint64_t>(unknownChannels), "animation channels animate something other than nodes: skipped");
-  note(static_cast<std::uint64_t>(doubledChannels),
-       "animation channels animate what another already animates: skipped");
+  note(unknownChannels, "animation channels animate something other than nodes: skipped");
+  note(doubledChannels, "animation channels animate what another already animates: skipped");
   note(lateKeys, "animation keys are not later than the previous key: skipped");
   return {};
 }

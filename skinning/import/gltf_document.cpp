@@ -1,5 +1,6 @@
 #include "skinning/import/gltf_document.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_parts.h"
@@ -47,16 +48,16 @@ constexpr int kMaxLevels = 64;
 
 [[nodiscard]] Result<Json> parseJson(std::string_view text, const std::string& name) {
   if (levelsOf(text) > kMaxLevels) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON nests deeper than {} levels", name, kMaxLevels)};
+    return badFormat("{}: its JSON nests deeper than {} levels", name, kMaxLevels);
   }
   try {
     Json document = Json::parse(text);
     if (!document.is_object()) {
-      return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON is not an object, expected a glTF object", name)};
+      return badFormat("{}: its JSON is not an object, expected a glTF object", name);
     }
     return document;
   } catch (const std::exception& problem) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: its JSON is broken: {}", name, problem.what())};
+    return badFormat("{}: its JSON is broken: {}", name, problem.what());
   }
 }
 
@@ -123,22 +124,21 @@ class BufferFinder {
       if (!buffer.is_object() || length == buffer.end() || !length->is_number_unsigned()) {
         return bad(i, "has no byteLength, expected a whole number");
       }
-      Result<Bytes> bytes = bytesOf(buffer, i);
-      if (!bytes) return bytes.error();
+      LORICA_TRY(Bytes bytes, bytesOf(buffer, i));
       const auto expected = length->get<std::uint64_t>();
       // An empty buffer is rejected when something reads from it.
-      if (!bytes->empty() && bytes->size() < expected) {
+      if (!bytes.empty() && bytes.size() < expected) {
         return bad(i,
-                   fmt::format("byteLength is {}, but there are {} bytes", grouped(expected), grouped(bytes->size())));
+                   fmt::format("byteLength is {}, but there are {} bytes", grouped(expected), grouped(bytes.size())));
       }
-      document_.buffers.push_back(bytes->first(std::min<std::uint64_t>(expected, bytes->size())));
+      document_.buffers.push_back(bytes.first(std::min<std::uint64_t>(expected, bytes.size())));
     }
     return {};
   }
 
  private:
   [[nodiscard]] Error bad(std::size_t buffer, const std::string& what) const {
-    return {ErrorCode::kBadFormat, fmt::format("{}: buffer {}: {}", document_.name, buffer, what)};
+    return badFormat("{}: buffer {}: {}", document_.name, buffer, what);
   }
 
   [[nodiscard]] Result<Bytes> bytesOf(const Json& buffer, std::size_t i) {
@@ -185,10 +185,10 @@ class BufferFinder {
   for (const std::string_view extension :
        {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
     if (!lists("extensionsRequired", extension)) continue;
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: its meshes are compressed ({}), which is not supported: export it again without "
-                             "mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
-                             name, extension)};
+    return unsupported(
+        "{}: its meshes are compressed ({}), which is not supported: export it again without "
+        "mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
+        name, extension);
   }
   return {};
 }
@@ -208,61 +208,58 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const Named
   document.files = files;
 
   // 1. JSON and binary.
-  const Result<GltfParts> parts = splitGltf(bytes, name);
-  if (!parts) return parts.error();
-  Result<Json> json = parseJson(parts->json, name);
-  if (!json) return json.error();
+  LORICA_TRY(const GltfParts parts, splitGltf(bytes, name));
+  LORICA_TRY(Json json, parseJson(parts.json, name));
 
   // 2. Content that is not supported.
-  const auto asset = json->find("asset");
+  const auto asset = json.find("asset");
   const bool hasVersion =
-      asset != json->end() && asset->is_object() && asset->contains("version") && (*asset)["version"].is_string();
+      asset != json.end() && asset->is_object() && asset->contains("version") && (*asset)["version"].is_string();
   const std::string version = hasVersion ? (*asset)["version"].get<std::string>() : std::string();
   if (!version.starts_with("2.")) {
     return Error{version.empty() ? ErrorCode::kBadFormat : ErrorCode::kUnsupported,
                  fmt::format("{}: glTF version '{}', expected 2.0", name, version)};
   }
-  if (Result<void> plain = refuseCompression(*json, name); !plain) return plain.error();
-  for (const auto& [key, value] : json->items()) {
+  LORICA_TRY_DO(refuseCompression(json, name));
+  for (const auto& [key, value] : json.items()) {
     if (value.is_array() && value.size() > kMaxElements) {
-      return Error{ErrorCode::kUnsupported, fmt::format("{}: {} {}, expected at most {}", name, grouped(value.size()),
-                                                        key, grouped(kMaxElements))};
+      return unsupported("{}: {} {}, expected at most {}", name, grouped(value.size()), key, grouped(kMaxElements));
     }
   }
 
   // 3. Buffers, which are read here; tinygltf reads the rest that is needed.
-  if (json->contains("buffers")) {
-    BufferFinder finder(document, files, parts->binary);
-    if (Result<void> found = finder.find((*json)["buffers"]); !found) return found.error();
-    json->erase("buffers");
+  if (json.contains("buffers")) {
+    BufferFinder finder(document, files, parts.binary);
+    LORICA_TRY_DO(finder.find(json["buffers"]));
+    json.erase("buffers");
   }
   document.extensions = Json::object();
-  if (const auto extensions = json->find("extensions"); extensions != json->end() && extensions->is_object()) {
+  if (const auto extensions = json.find("extensions"); extensions != json.end() && extensions->is_object()) {
     document.extensions = std::move(*extensions);
   }
   document.look = Json::object();
   for (const char* list : {"images", "textures", "materials", "samplers"}) {
-    if (const auto found = json->find(list); found != json->end()) document.look[list] = std::move(*found);
-    json->erase(list);
+    if (const auto found = json.find(list); found != json.end()) document.look[list] = std::move(*found);
+    json.erase(list);
   }
-  json->erase("cameras");
-  document.nodeConstraints = takeNodeConstraints(*json);
-  document.targetNames = targetNamesOf(*json);
-  dropExtensions(*json);
-  if (Result<void> typed = checkGltfTypes(*json, name); !typed) return typed.error();
+  json.erase("cameras");
+  document.nodeConstraints = takeNodeConstraints(json);
+  document.targetNames = targetNamesOf(json);
+  dropExtensions(json);
+  LORICA_TRY_DO(checkGltfTypes(json, name));
 
   std::string problem;
   std::string warning;
   try {
     tinygltf::TinyGLTF reader;
-    const std::string text = json->dump();
-    json->clear();
+    const std::string text = json.dump();
+    json.clear();
     if (!reader.LoadASCIIFromString(&document.model, &problem, &warning, text.data(),
                                     static_cast<unsigned int>(text.size()), "")) {
-      return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, oneLine(problem))};
+      return badFormat("{}: {}", name, oneLine(problem));
     }
   } catch (const std::exception& exception) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, oneLine(exception.what()))};
+    return badFormat("{}: {}", name, oneLine(exception.what()));
   }
   return document;
 }

@@ -1,5 +1,7 @@
 #include "skinning/import/gltf_file.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "skinning/import/gltf_accessor.h"
 #include "skinning/import/gltf_clips.h"
 #include "skinning/import/gltf_document.h"
@@ -31,9 +33,9 @@ class GltfSceneReader {
     addGltfMaterials(document_, scene_);
     for (const auto step : {&GltfSceneReader::readNodes, &GltfSceneReader::linkNodes, &GltfSceneReader::readSkins,
                             &GltfSceneReader::readMeshes}) {
-      if (Result<void> done = (this->*step)(); !done) return done.error();
+      LORICA_TRY_DO((this->*step)());
     }
-    if (Result<void> done = addGltfClips(document_, accessors_, scene_); !done) return done.error();
+    LORICA_TRY_DO(addGltfClips(document_, accessors_, scene_));
     scene_.format = "glTF 2.0";
     readVrm(document_.extensions, scene_);
     addGltfMorphs(document_, accessors_, scene_);
@@ -48,9 +50,7 @@ class GltfSceneReader {
   }
 
  private:
-  [[nodiscard]] Error bad(const std::string& what) const {
-    return {ErrorCode::kBadFormat, document_.name + ": " + what};
-  }
+  [[nodiscard]] Error bad(const std::string& what) const { return badFormat(document_.name + ": " + what); }
 
   /// Copies the numbers of a node's property, if it has them.
   [[nodiscard]] Result<void> readProperty(const std::vector<double>& from, std::size_t node, const char* property,
@@ -72,13 +72,12 @@ class GltfSceneReader {
       node.name = from.name.empty() ? fmt::format("node {}", i) : from.name;
       Mat4 matrix = Mat4::Identity();
       Eigen::Vector4d rotation(0.0, 0.0, 0.0, 1.0);
-      const auto numbersOf = [](auto& m) { return std::span(m.data(), static_cast<std::size_t>(m.size())); };
+      const auto numbersOf = [](auto& m) { return std::span(m.data(), m.size()); };
       Vec3& translation = node.local.translation;
-      if (Result<void> read = readProperty(from.matrix, i, "matrix", numbersOf(matrix)); !read) return read;
-      if (Result<void> read = readProperty(from.translation, i, "translation", numbersOf(translation)); !read)
-        return read;
-      if (Result<void> read = readProperty(from.rotation, i, "rotation", numbersOf(rotation)); !read) return read;
-      if (Result<void> read = readProperty(from.scale, i, "scale", numbersOf(node.local.scale)); !read) return read;
+      LORICA_TRY_DO(readProperty(from.matrix, i, "matrix", numbersOf(matrix)));
+      LORICA_TRY_DO(readProperty(from.translation, i, "translation", numbersOf(translation)));
+      LORICA_TRY_DO(readProperty(from.rotation, i, "rotation", numbersOf(rotation)));
+      LORICA_TRY_DO(readProperty(from.scale, i, "scale", numbersOf(node.local.scale)));
       const double norm = rotation.norm();
       if (!matrix.allFinite() || !node.local.translation.allFinite() || !node.local.scale.allFinite() ||
           !std::isfinite(norm)) {
@@ -99,22 +98,20 @@ class GltfSceneReader {
     const std::size_t count = scene_.nodes.size();
     for (std::size_t i = 0; i < count; ++i) {
       for (const int child : document_.model.nodes[i].children) {
-        if (Result<void> known = checkIndex(document_, child, count, fmt::format("node {}", i), "child node"); !known) {
-          return known;
-        }
+        LORICA_TRY_DO(checkIndex(document_, child, count, fmt::format("node {}", i), "child node"));
         FileNode& node = scene_.nodes[child];
         if (node.parent != -1) {
           return bad(fmt::format("node {} '{}': is a child of node {} and of node {}, expected one parent", child,
                                  node.name, node.parent, i));
         }
-        node.parent = static_cast<int>(i);
+        node.parent = i;
       }
     }
     // Each node has at most one parent, so a node below no root is part of a cycle.
     std::vector<int> below;
     inScene_.assign(count, 0);
     for (std::size_t i = 0; i < count; ++i) {
-      if (scene_.nodes[i].parent == -1) below.push_back(static_cast<int>(i));
+      if (scene_.nodes[i].parent == -1) below.push_back(i);
     }
     const std::vector<int> roots = below;
     markBelow(below);
@@ -123,17 +120,13 @@ class GltfSceneReader {
     }
 
     // The nodes that the default scene draws.
-    const int sceneCount = static_cast<int>(document_.model.scenes.size());
+    const int sceneCount = countOf(document_.model.scenes);
     if (sceneCount == 0) return {};
     const int drawn = document_.model.defaultScene == -1 ? 0 : document_.model.defaultScene;
-    if (Result<void> known = checkIndex(document_, drawn, document_.model.scenes.size(), "the file", "scene"); !known) {
-      return known;
-    }
+    LORICA_TRY_DO(checkIndex(document_, drawn, document_.model.scenes.size(), "the file", "scene"));
     const std::vector<int>& listed = document_.model.scenes[drawn].nodes;
     for (const int node : listed) {
-      if (Result<void> known = checkIndex(document_, node, count, fmt::format("scene {}", drawn), "node"); !known) {
-        return known;
-      }
+      LORICA_TRY_DO(checkIndex(document_, node, count, fmt::format("scene {}", drawn), "node"));
     }
     inScene_.assign(count, 0);
     markBelow(listed);
@@ -142,7 +135,7 @@ class GltfSceneReader {
 
   void markBelow(std::vector<int> stack) {
     while (!stack.empty()) {
-      const auto node = static_cast<std::size_t>(stack.back());
+      const std::size_t node = stack.back();
       stack.pop_back();
       if (inScene_[node] != 0) continue;
       inScene_[node] = 1;
@@ -158,22 +151,19 @@ class GltfSceneReader {
       const std::string who = titled("skin", s, from.name);
       if (from.joints.empty()) return bad(who + ": has no joints, expected at least one");
       for (const int joint : from.joints) {
-        if (Result<void> known = checkIndex(document_, joint, scene_.nodes.size(), who, "joint node"); !known) {
-          return known;
-        }
+        LORICA_TRY_DO(checkIndex(document_, joint, scene_.nodes.size(), who, "joint node"));
       }
       FileSkin skin{from.name, from.joints, {}};
       skin.jointFromMesh.assign(from.joints.size(), Affine3::Identity());
       if (from.inverseBindMatrices != -1) {
-        const Result<std::vector<double>> numbers =
-            accessors_.numbers(from.inverseBindMatrices, 16, who + ": inverse bind matrices");
-        if (!numbers) return numbers.error();
-        if (numbers->size() < 16 * from.joints.size()) {
+        LORICA_TRY(const std::vector<double> numbers,
+                   accessors_.numbers(from.inverseBindMatrices, 16, who + ": inverse bind matrices"));
+        if (numbers.size() < 16 * from.joints.size()) {
           return bad(
-              fmt::format("{}: {} inverse bind matrices for {} joints", who, numbers->size() / 16, from.joints.size()));
+              fmt::format("{}: {} inverse bind matrices for {} joints", who, numbers.size() / 16, from.joints.size()));
         }
         for (std::size_t j = 0; j < from.joints.size(); ++j) {
-          Mat4 matrix = Eigen::Map<const Mat4>(numbers->data() + 16 * j);
+          Mat4 matrix = Eigen::Map<const Mat4>(numbers.data() + 16 * j);
           if (!matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0), 1e-3)) ++projective_;
           skin.jointFromMesh[j].matrix().topRows<3>() = matrix.topRows<3>();
         }
@@ -192,55 +182,49 @@ class GltfSceneReader {
     std::uint64_t draws = 0;
     for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
       const int mesh = document_.model.nodes[i].mesh;
-      if (inScene_[i] == 0 || mesh < 0 || static_cast<std::size_t>(mesh) >= document_.model.meshes.size()) continue;
+      if (inScene_[i] == 0 || mesh < 0 || mesh >= countOf(document_.model.meshes)) continue;
       draws += document_.model.meshes[mesh].primitives.size();
     }
     if (draws <= kMaxDraws) return {};
-    return Error{ErrorCode::kUnsupported, fmt::format("{}: its nodes draw {} primitives, expected at most {}",
-                                                      document_.name, grouped(draws), grouped(kMaxDraws))};
+    return unsupported("{}: its nodes draw {} primitives, expected at most {}", document_.name, grouped(draws),
+                       grouped(kMaxDraws));
   }
 
   [[nodiscard]] Result<void> readMeshes() {
     const GltfMeshSources sources{document_, accessors_, lookAccessors_};
     GltfMeshCounts statistics;
     CountedNotes notes;
-    if (Result<void> fits = checkDraws(); !fits) return fits;
+    LORICA_TRY_DO(checkDraws());
     int undrawn = 0;
     for (std::size_t i = 0; i < document_.model.nodes.size(); ++i) {
       const tinygltf::Node& node = document_.model.nodes[i];
       const std::string who = fmt::format("node {}", i);
       if (node.skin != -1) {
-        if (Result<void> known = checkIndex(document_, node.skin, scene_.skins.size(), who, "skin"); !known) {
-          return known;
-        }
+        LORICA_TRY_DO(checkIndex(document_, node.skin, scene_.skins.size(), who, "skin"));
       }
       if (node.mesh == -1) continue;
       if (inScene_[i] == 0) {
         ++undrawn;
         continue;
       }
-      if (Result<void> added = addGltfMesh(sources, node.mesh, static_cast<int>(i), scene_, statistics, notes);
-          !added) {
-        return added;
-      }
+      LORICA_TRY_DO(addGltfMesh(sources, node.mesh, i, scene_, statistics, notes));
     }
-    scene_.meshCount = static_cast<int>(document_.model.meshes.size());
+    scene_.meshCount = countOf(document_.model.meshes);
     for (const tinygltf::Mesh& mesh : document_.model.meshes) {
-      scene_.primitiveCount += static_cast<int>(mesh.primitives.size());
+      scene_.primitiveCount += countOf(mesh.primitives);
       std::size_t targets = 0;
       for (const tinygltf::Primitive& primitive : mesh.primitives) {
         targets = std::max(targets, primitive.targets.size());
       }
-      scene_.morphTargetCount += static_cast<int>(targets);
+      scene_.morphTargetCount += targets;
     }
     const auto note = [&](std::uint64_t count, const char* what) {
       if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
     };
-    note(static_cast<std::uint64_t>(undrawn), "nodes with a mesh are not in the drawn scene: skipped");
-    note(static_cast<std::uint64_t>(statistics.pointsAndLines), "primitives are points or lines: skipped");
-    note(static_cast<std::uint64_t>(statistics.withoutPositions), "primitives have no positions: skipped");
-    note(static_cast<std::uint64_t>(statistics.rigidOnSkin),
-         "primitives of nodes with a skin have no joints: attached to their nodes");
+    note(undrawn, "nodes with a mesh are not in the drawn scene: skipped");
+    note(statistics.pointsAndLines, "primitives are points or lines: skipped");
+    note(statistics.withoutPositions, "primitives have no positions: skipped");
+    note(statistics.rigidOnSkin, "primitives of nodes with a skin have no joints: attached to their nodes");
     note(statistics.degenerate, "triangles use a vertex twice: skipped");
     note(statistics.leftOver, "indices do not form a complete triangle: skipped");
     note(statistics.notFinite,
@@ -290,9 +274,8 @@ class GltfSceneReader {
 }  // namespace
 
 Result<FileScene> readGltfScene(std::span<const std::byte> bytes, const std::string& name, const NamedFiles& files) {
-  const Result<GltfDocument> document = parseGltf(bytes, name, files);
-  if (!document) return document.error();
-  return GltfSceneReader(*document).read();
+  LORICA_TRY(const GltfDocument document, parseGltf(bytes, name, files));
+  return GltfSceneReader(document).read();
 }
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "skinning/import/gltf_materials.h"
 
+#include "geometry/counts.h"
 #include "skinning/import/json_values.h"
 #include "skinning/import/picture_store.h"
 #include "skinning/import/vrm_materials.h"
@@ -33,7 +34,7 @@ constexpr std::size_t kSharedBytes = 2;  // pictures may have this many times th
 }
 
 [[nodiscard]] int uvSetOf(const Json& info, int otherwise) {
-  return static_cast<int>(std::clamp(numberOf(info, "texCoord", static_cast<float>(otherwise)), -1.0f, 9.0f));
+  return std::clamp(numberOf(info, "texCoord", static_cast<float>(otherwise)), -1.0f, 9.0f);
 }
 
 class MaterialReader {
@@ -72,8 +73,8 @@ class MaterialReader {
     for (const tinygltf::Mesh& mesh : document_.model.meshes) {
       for (const tinygltf::Primitive& primitive : mesh.primitives) {
         if (primitive.material == -1) continue;
-        if (primitive.material >= 0 && static_cast<std::size_t>(primitive.material) < used.size()) {
-          used[static_cast<std::size_t>(primitive.material)] = true;
+        if (primitive.material >= 0 && primitive.material < countOf(used)) {
+          used[primitive.material] = true;
         } else {
           notes_.add("meshes have materials that do not exist: they stay plain",
                      fmt::format("mesh '{}': refers to material {}, the file has {}: it stays plain", mesh.name,
@@ -166,17 +167,17 @@ class MaterialReader {
 
   /// A texture: a picture and its sampler.
   [[nodiscard]] TextureUse textureOf(std::int64_t index) {
-    if (index < 0 || index >= static_cast<std::int64_t>(textures_.size())) {
+    if (index < 0 || index >= countOf(textures_)) {
       notes_.add(
           "uses of textures that do not exist: their materials stay plain",
           fmt::format("{}: refers to texture {}, the file has {}: it stays plain", who_, index, textures_.size()));
       return {};
     }
-    const Json& texture = textures_[static_cast<std::size_t>(index)];
+    const Json& texture = textures_[index];
     TextureUse use;
-    use.picture = pictureOf(static_cast<std::size_t>(index), texture);
+    use.picture = pictureOf(index, texture);
     if (const std::optional<int> s = indexOf(texture, "sampler", samplers_.size())) {
-      const Json& sampler = samplers_[static_cast<std::size_t>(*s)];
+      const Json& sampler = samplers_[*s];
       const auto wrapOf = [&](const char* key) {
         const float mode = numberOf(sampler, key, 10497.0f);  // OpenGL's constants
         return mode == 33071.0f ? TextureWrap::kClamp : mode == 33648.0f ? TextureWrap::kMirror : TextureWrap::kRepeat;
@@ -196,7 +197,7 @@ class MaterialReader {
       return pictures_.refuse(titled("texture", textureIndex, nameOf(texture)), whyWithoutPicture(texture));
     }
     const auto [known, isNew] = pictureOfImage_.emplace(*image, -1);
-    if (isNew) known->second = readPicture(static_cast<std::size_t>(*image));
+    if (isNew) known->second = readPicture(*image);
     return known->second;
   }
 
@@ -221,8 +222,8 @@ class MaterialReader {
     const std::vector<tinygltf::BufferView>& views = document_.model.bufferViews;
     const std::optional<int> v = indexOf(json, "bufferView", views.size());
     if (!v) return pictures_.refuse(name, "has neither a bufferView that exists nor a uri");
-    const tinygltf::BufferView& view = views[static_cast<std::size_t>(*v)];
-    const auto buffer = static_cast<std::size_t>(view.buffer);
+    const tinygltf::BufferView& view = views[*v];
+    const std::size_t buffer = view.buffer;
     if (view.buffer < 0 || buffer >= document_.buffers.size()) {
       return pictures_.refuse(name, fmt::format("refers to buffer {}, which does not exist", view.buffer));
     }

@@ -1,5 +1,8 @@
 #include "skinning/import/gltf_mesh.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -54,12 +57,11 @@ class PrimitiveReader {
   [[nodiscard]] bool has(const std::string& attribute) const { return primitive_.attributes.contains(attribute); }
 
   [[nodiscard]] Result<void> read(std::span<const double> morphWeights, bool skinned, GltfMeshCounts& statistics) {
-    Result<std::vector<double>> positions = accessors_.numbers(accessorOf("POSITION"), 3, who_ + ": POSITION");
-    if (!positions) return positions.error();
-    positions_ = std::move(*positions);
+    LORICA_TRY(std::vector<double> positions, accessors_.numbers(accessorOf("POSITION"), 3, who_ + ": POSITION"));
+    positions_ = std::move(positions);
     vertexCount_ = positions_.size() / 3;
-    if (Result<void> moved = applyMorphs(morphWeights); !moved) return moved;
-    if (Result<void> read = readTriangles(statistics); !read) return read;
+    LORICA_TRY_DO(applyMorphs(morphWeights));
+    LORICA_TRY_DO(readTriangles(statistics));
     if (triangles_.empty()) return {};
     if (skinned) return readWeights();
     return {};
@@ -91,12 +93,12 @@ class PrimitiveReader {
     if (!primitive_.targets.empty()) {
       mesh.sourceVertices.reserve(used);
       for (std::size_t v = 0; v < vertexCount_; ++v) {
-        if (newIndex_[v] >= 0) mesh.sourceVertices.push_back(static_cast<VertexIndex>(v));
+        if (newIndex_[v] >= 0) mesh.sourceVertices.push_back(v);
       }
     }
     if (sets_.empty()) return mesh;
-    mesh.weights.reserve(4 * sets_.size() * static_cast<std::size_t>(used));
-    mesh.weightBegin.reserve(static_cast<std::size_t>(used) + 1);
+    mesh.weights.reserve(4 * sets_.size() * used);
+    mesh.weightBegin.reserve(used + 1);
     mesh.weightBegin.push_back(0);
     for (std::size_t v = 0; v < vertexCount_; ++v) {
       if (newIndex_[v] < 0) continue;
@@ -115,8 +117,8 @@ class PrimitiveReader {
       if (!has(attribute)) return;
       Result<std::vector<double>> numbers =
           lookAccessors_.anyNumbers(accessorOf(attribute), components, fmt::format("{}: {}", who_, attribute));
-      if (numbers && numbers->size() != static_cast<std::size_t>(components) * vertexCount_) {
-        numbers = badCount(attribute, numbers->size() / static_cast<std::size_t>(components));
+      if (numbers && numbers->size() != components * vertexCount_) {
+        numbers = badCount(attribute, numbers->size() / components);
       }
       if (!numbers) {
         const std::string problem = numbers.error().message.substr(document_.name.size() + 2);
@@ -130,8 +132,7 @@ class PrimitiveReader {
         auto& to = out.emplace_back();
         to.setOnes();  // the opacity of colours without one
         for (int c = 0; c < components; ++c) {
-          const auto number =
-              static_cast<float>((*numbers)[static_cast<std::size_t>(components) * v + static_cast<std::size_t>(c)]);
+          const auto number = static_cast<float>((*numbers)[components * v + c]);
           const bool finite = std::isfinite(number);
           to[c] = finite ? number : 0.0f;
           if (!finite) ++statistics.notFinite;
@@ -144,7 +145,7 @@ class PrimitiveReader {
       if (needs.uv[set]) readInto(fmt::format("TEXCOORD_{}", set), 2, mesh.uv[set]);
     }
     if (!needs.colors || !has("COLOR_0")) return;
-    const auto accessor = static_cast<std::size_t>(accessorOf("COLOR_0"));
+    const std::size_t accessor = accessorOf("COLOR_0");
     const std::vector<tinygltf::Accessor>& all = document_.model.accessors;
     const bool opaque = accessor < all.size() && all[accessor].type == TINYGLTF_TYPE_VEC3;
     readInto("COLOR_0", opaque ? 3 : 4, mesh.colors);
@@ -154,8 +155,8 @@ class PrimitiveReader {
   [[nodiscard]] int accessorOf(const std::string& attribute) const { return primitive_.attributes.at(attribute); }
 
   [[nodiscard]] Error badCount(const std::string& attribute, std::size_t count) const {
-    return {ErrorCode::kBadFormat, fmt::format("{}: {}: {} has {} elements, expected {}, one for each position",
-                                               document_.name, who_, attribute, grouped(count), grouped(vertexCount_))};
+    return badFormat("{}: {}: {} has {} elements, expected {}, one for each position", document_.name, who_, attribute,
+                     grouped(count), grouped(vertexCount_));
   }
 
   [[nodiscard]] Result<void> applyMorphs(std::span<const double> morphWeights) {
@@ -163,11 +164,10 @@ class PrimitiveReader {
       const auto offsetAccessor = primitive_.targets[t].find("POSITION");
       if (morphWeights[t] == 0.0 || offsetAccessor == primitive_.targets[t].end()) continue;
       const std::string what = fmt::format("POSITION of morph target {}", t);
-      const Result<std::vector<double>> offsets =
-          accessors_.numbers(offsetAccessor->second, 3, fmt::format("{}: {}", who_, what));
-      if (!offsets) return offsets.error();
-      if (offsets->size() != positions_.size()) return badCount(what, offsets->size() / 3);
-      for (std::size_t i = 0; i < positions_.size(); ++i) positions_[i] += morphWeights[t] * (*offsets)[i];
+      LORICA_TRY(const std::vector<double> offsets,
+                 accessors_.numbers(offsetAccessor->second, 3, fmt::format("{}: {}", who_, what)));
+      if (offsets.size() != positions_.size()) return badCount(what, offsets.size() / 3);
+      for (std::size_t i = 0; i < positions_.size(); ++i) positions_[i] += morphWeights[t] * offsets[i];
     }
     return {};
   }
@@ -176,17 +176,15 @@ class PrimitiveReader {
     std::vector<std::uint32_t> indices;
     if (primitive_.indices == -1) {
       indices.resize(vertexCount_);
-      for (std::size_t i = 0; i < vertexCount_; ++i) indices[i] = static_cast<std::uint32_t>(i);
+      for (std::size_t i = 0; i < vertexCount_; ++i) indices[i] = i;
     } else {
-      Result<std::vector<std::uint32_t>> read = accessors_.integers(primitive_.indices, 1, who_ + ": indices");
-      if (!read) return read.error();
-      indices = std::move(*read);
+      LORICA_TRY(std::vector<std::uint32_t> read, accessors_.integers(primitive_.indices, 1, who_ + ": indices"));
+      indices = std::move(read);
     }
     for (std::size_t i = 0; i < indices.size(); ++i) {
       if (indices[i] < vertexCount_) continue;
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: {}: index {} refers to vertex {}, but it has {}", document_.name, who_, grouped(i),
-                               grouped(indices[i]), grouped(vertexCount_))};
+      return badFormat("{}: {}: index {} refers to vertex {}, but it has {}", document_.name, who_, grouped(i),
+                       grouped(indices[i]), grouped(vertexCount_));
     }
     triangles_ = trianglesOf(indices, primitive_.mode, statistics);
     return {};
@@ -197,15 +195,13 @@ class PrimitiveReader {
       const std::string jointsName = fmt::format("JOINTS_{}", set);
       const std::string weightsName = fmt::format("WEIGHTS_{}", set);
       if (!has(jointsName) || !has(weightsName)) return {};
-      Result<std::vector<std::uint32_t>> joints =
-          accessors_.integers(accessorOf(jointsName), 4, who_ + ": " + jointsName);
-      if (!joints) return joints.error();
-      if (joints->size() != 4 * vertexCount_) return badCount(jointsName, joints->size() / 4);
-      Result<std::vector<double>> weights =
-          accessors_.anyNumbers(accessorOf(weightsName), 4, who_ + ": " + weightsName);
-      if (!weights) return weights.error();
-      if (weights->size() != 4 * vertexCount_) return badCount(weightsName, weights->size() / 4);
-      sets_.emplace_back(std::move(*joints), std::move(*weights));
+      LORICA_TRY(std::vector<std::uint32_t> joints,
+                 accessors_.integers(accessorOf(jointsName), 4, who_ + ": " + jointsName));
+      if (joints.size() != 4 * vertexCount_) return badCount(jointsName, joints.size() / 4);
+      LORICA_TRY(std::vector<double> weights,
+                 accessors_.anyNumbers(accessorOf(weightsName), 4, who_ + ": " + weightsName));
+      if (weights.size() != 4 * vertexCount_) return badCount(weightsName, weights.size() / 4);
+      sets_.emplace_back(std::move(joints), std::move(weights));
     }
   }
 
@@ -227,21 +223,16 @@ Result<void> addGltfMesh(const GltfMeshSources& sources, int meshIndex, int node
                          GltfMeshCounts& statistics, CountedNotes& notes) {
   const GltfDocument& document = sources.document;
   const tinygltf::Node& node = document.model.nodes[nodeIndex];
-  if (Result<void> known =
-          checkIndex(document, meshIndex, document.model.meshes.size(), fmt::format("node {}", nodeIndex), "mesh");
-      !known) {
-    return known;
-  }
+  LORICA_TRY_DO(
+      checkIndex(document, meshIndex, document.model.meshes.size(), fmt::format("node {}", nodeIndex), "mesh"));
   const tinygltf::Mesh& mesh = document.model.meshes[meshIndex];
   const std::span<const double> morphWeights = node.weights.empty() ? mesh.weights : node.weights;
 
   for (std::size_t p = 0; p < mesh.primitives.size(); ++p) {
     const tinygltf::Primitive& primitive = mesh.primitives[p];
-    const std::string who =
-        fmt::format("{}, primitive {}", titled("mesh", static_cast<std::size_t>(meshIndex), mesh.name), p);
+    const std::string who = fmt::format("{}, primitive {}", titled("mesh", meshIndex, mesh.name), p);
     if (primitive.mode < TINYGLTF_MODE_POINTS || primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN) {
-      return Error{ErrorCode::kBadFormat,
-                   fmt::format("{}: {}: mode {}, expected 0 to 6", document.name, who, primitive.mode)};
+      return badFormat("{}: {}: mode {}, expected 0 to 6", document.name, who, primitive.mode);
     }
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) {
       ++statistics.pointsAndLines;
@@ -254,19 +245,17 @@ Result<void> addGltfMesh(const GltfMeshSources& sources, int meshIndex, int node
     }
     const bool skinned = node.skin != -1 && reader.has("JOINTS_0") && reader.has("WEIGHTS_0");
     if (node.skin != -1 && !skinned) ++statistics.rigidOnSkin;
-    if (Result<void> read = reader.read(morphWeights, skinned, statistics); !read) return read;
+    LORICA_TRY_DO(reader.read(morphWeights, skinned, statistics));
     FileMesh made = reader.compacted();
     if (made.triangles.empty()) continue;
     made.name = mesh.name;
     made.node = nodeIndex;
     made.skin = skinned ? node.skin : -1;
-    made.primitive = static_cast<int>(p);
-    const bool hasMaterial =
-        primitive.material >= 0 && static_cast<std::size_t>(primitive.material) < scene.materials.size();
+    made.primitive = p;
+    const bool hasMaterial = primitive.material >= 0 && primitive.material < countOf(scene.materials);
     made.material = hasMaterial ? primitive.material : -1;
     if (!scene.materials.empty()) {
-      const LookNeeds needs =
-          hasMaterial ? needsOf(scene.materials[static_cast<std::size_t>(primitive.material)]) : LookNeeds();
+      const LookNeeds needs = hasMaterial ? needsOf(scene.materials[primitive.material]) : LookNeeds();
       reader.readLook(needs, made, statistics, notes);
     }
     scene.meshes.push_back(std::move(made));

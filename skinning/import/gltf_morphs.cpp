@@ -1,5 +1,8 @@
 #include "skinning/import/gltf_morphs.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -70,17 +73,16 @@ class MorphReader {
   void listTargets() {
     for (const FileMesh& mesh : scene_.meshes) {
       if (targetsOfNode_.contains(mesh.node)) continue;
-      const auto m = static_cast<std::size_t>(document_.model.nodes[mesh.node].mesh);
+      const std::size_t m = document_.model.nodes[mesh.node].mesh;
       const tinygltf::Mesh& from = document_.model.meshes[m];
       std::size_t declared = 0;
       for (const tinygltf::Primitive& primitive : from.primitives) {
         declared = std::max(declared, primitive.targets.size());
       }
-      const std::size_t room = static_cast<std::size_t>(kMaxMorphTargets) - scene_.morphTargets.size();
+      const std::size_t room = kMaxMorphTargets - scene_.morphTargets.size();
       const std::size_t listed = std::min(declared, room);
       beyondLimit_ += declared - listed;
-      targetsOfNode_[mesh.node] = {static_cast<int>(scene_.morphTargets.size()), static_cast<int>(listed),
-                                   static_cast<int>(declared)};
+      targetsOfNode_[mesh.node] = {countOf(scene_.morphTargets), static_cast<int>(listed), static_cast<int>(declared)};
       const std::vector<double>& nodeWeights = document_.model.nodes[mesh.node].weights;
       const std::vector<double>& weights = nodeWeights.empty() ? from.weights : nodeWeights;
       const std::vector<std::string>* names = m < document_.targetNames.size() ? &document_.targetNames[m] : nullptr;
@@ -89,9 +91,9 @@ class MorphReader {
         if (names != nullptr && t < names->size()) target.name = (*names)[t];
         if (target.name.empty()) target.name = fmt::format("{} {}", from.name.empty() ? "target" : from.name, t);
         target.node = mesh.node;
-        target.mesh = static_cast<int>(m);
-        target.index = static_cast<int>(t);
-        const auto weight = static_cast<float>(t < weights.size() ? weights[t] : 0.0);
+        target.mesh = m;
+        target.index = t;
+        const float weight = t < weights.size() ? weights[t] : 0.0;
         target.defaultWeight = std::isfinite(weight) ? weight : 0.0F;
         scene_.morphTargets.push_back(std::move(target));
       }
@@ -144,8 +146,7 @@ class MorphReader {
 
   void addOffsets(int target, bool positions, bool normals, const std::string& who, FileMesh& mesh) {
     const auto at = [](const List& list, std::size_t v) {
-      return Vec3f(static_cast<float>(list.numbers[3 * v]), static_cast<float>(list.numbers[3 * v + 1]),
-                   static_cast<float>(list.numbers[3 * v + 2]));
+      return Vec3f(list.numbers[3 * v], list.numbers[3 * v + 1], list.numbers[3 * v + 2]);
     };
     const auto offsetOf = [&](std::size_t v) {
       const std::size_t source = mesh.sourceVertices[v];
@@ -203,10 +204,7 @@ class MorphReader {
   [[nodiscard]] Result<MorphWeightTrack> readTrack(const tinygltf::Animation& animation,
                                                    const tinygltf::AnimationChannel& channel,
                                                    const NodeTargets& targets, const std::string& who) {
-    if (Result<void> known = checkIndex(document_, channel.sampler, animation.samplers.size(), who, "sampler");
-        !known) {
-      return known.error();
-    }
+    LORICA_TRY_DO(checkIndex(document_, channel.sampler, animation.samplers.size(), who, "sampler"));
     const tinygltf::AnimationSampler& sampler = animation.samplers[channel.sampler];
     MorphWeightTrack track;
     track.firstTarget = targets.first;
@@ -219,34 +217,32 @@ class MorphReader {
       return bad(
           fmt::format("{}: interpolation '{}', expected STEP, LINEAR or CUBICSPLINE", who, sampler.interpolation));
     }
-    const Result<std::vector<double>> times = accessors_.numbers(sampler.input, 1, who + ": times");
-    if (!times) return times.error();
-    const Result<std::vector<double>> values = accessors_.numbers(sampler.output, 1, who + ": values");
-    if (!values) return values.error();
+    LORICA_TRY(const std::vector<double> times, accessors_.numbers(sampler.input, 1, who + ": times"));
+    LORICA_TRY(const std::vector<double> values, accessors_.numbers(sampler.output, 1, who + ": values"));
     const std::size_t lists = track.interpolation == KeyInterpolation::kCubicSpline ? 3 : 1;
-    const auto declared = static_cast<std::size_t>(targets.declared);
-    const auto listed = static_cast<std::size_t>(targets.listed);
-    if (values->size() != lists * declared * times->size()) {
-      return bad(fmt::format("{}: {} values for {} keys of {} morph targets, expected {}", who, grouped(values->size()),
-                             grouped(times->size()), grouped(declared), grouped(lists * declared * times->size())));
+    const std::size_t declared = targets.declared;
+    const std::size_t listed = targets.listed;
+    if (values.size() != lists * declared * times.size()) {
+      return bad(fmt::format("{}: {} values for {} keys of {} morph targets, expected {}", who, grouped(values.size()),
+                             grouped(times.size()), grouped(declared), grouped(lists * declared * times.size())));
     }
-    track.times.reserve(times->size());
-    track.values.reserve(lists * listed * times->size());
-    for (std::size_t key = 0; key < times->size(); ++key) {
-      if (!track.times.empty() && (*times)[key] <= track.times.back()) {
+    track.times.reserve(times.size());
+    track.values.reserve(lists * listed * times.size());
+    for (std::size_t key = 0; key < times.size(); ++key) {
+      if (!track.times.empty() && times[key] <= track.times.back()) {
         ++lateKeys_;
         continue;
       }
-      track.times.push_back((*times)[key]);
+      track.times.push_back(times[key]);
       for (std::size_t list = 0; list < lists; ++list) {
-        const double* from = values->data() + (key * lists + list) * declared;
-        for (std::size_t t = 0; t < listed; ++t) track.values.push_back(static_cast<float>(from[t]));
+        const double* from = values.data() + (key * lists + list) * declared;
+        for (std::size_t t = 0; t < listed; ++t) track.values.push_back(from[t]);
       }
     }
     return track;
   }
 
-  [[nodiscard]] Error bad(const std::string& what) const { return {ErrorCode::kBadFormat, what}; }
+  [[nodiscard]] Error bad(const std::string& what) const { return badFormat(what); }
 
   const GltfDocument& document_;
   GltfAccessors& accessors_;

@@ -1,5 +1,6 @@
 #include "skinning/import/gltf_parts.h"
 
+#include "geometry/errors.h"
 #include "skinning/import/file_scene.h"
 
 #include <fmt/format.h>
@@ -25,7 +26,7 @@ using Bytes = std::span<const std::byte>;
   constexpr std::size_t kChunkHeaderBytes = 8;
   constexpr std::uint32_t kJson = 0x4E4F534A;
   constexpr std::uint32_t kBinary = 0x004E4942;
-  const auto bad = [&](std::string what) { return Error{ErrorCode::kBadFormat, name + ": " + std::move(what)}; };
+  const auto bad = [&](std::string what) { return badFormat(name + ": " + std::move(what)); };
 
   if (bytes.size() < kHeaderBytes) {
     return bad(fmt::format("{} bytes, expected at least {} for a GLB header: the file is truncated", bytes.size(),
@@ -33,7 +34,7 @@ using Bytes = std::span<const std::byte>;
   }
   const std::uint32_t version = littleEndian32(bytes, 4);
   if (version != 2) {
-    return Error{ErrorCode::kUnsupported, fmt::format("{}: GLB version {}, expected 2", name, version)};
+    return unsupported("{}: GLB version {}, expected 2", name, version);
   }
   const std::uint32_t length = littleEndian32(bytes, 8);
   if (length > bytes.size()) {
@@ -72,9 +73,8 @@ using Bytes = std::span<const std::byte>;
 Result<GltfParts> splitGltf(Bytes bytes, const std::string& name) {
   GltfParts parts;
   if (bytes.size() >= 4 && asText(bytes.first(4)) == "glTF") {
-    const Result<GltfParts> split = splitGlb(bytes, name);
-    if (!split) return split.error();
-    parts = *split;
+    LORICA_TRY(const GltfParts split, splitGlb(bytes, name));
+    parts = split;
   } else {
     parts.json = asText(bytes);
   }

@@ -1,5 +1,7 @@
 #include "skinning/import/gltf_types.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -143,7 +145,7 @@ constexpr Rule kRules[] = {
 Result<void> checkGltfTypes(const Json& document, const std::string& name) {
   for (const Rule& rule : kRules) {
     std::string fault = faultOf(document, rule.path, rule, {});
-    if (!fault.empty()) return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", name, fault)};
+    if (!fault.empty()) return badFormat("{}: {}", name, fault);
   }
   return {};
 }

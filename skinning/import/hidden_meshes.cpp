@@ -1,5 +1,7 @@
 #include "skinning/import/hidden_meshes.h"
 
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,7 +23,7 @@ constexpr std::size_t kMostNamesInMessages = 40;
 }
 
 [[nodiscard]] const std::string& nodeOf(const FileScene& scene, const FileMesh& mesh) {
-  return scene.nodes[static_cast<std::size_t>(mesh.node)].name;
+  return scene.nodes[mesh.node].name;
 }
 
 /// "1H_Axe (Cube.001), Hat (Cube.002) and 3 more".
@@ -61,17 +63,14 @@ Result<std::vector<FileMesh>> takeHiddenMeshes(FileScene& scene, std::span<const
     if (std::any_of(scene.meshes.begin(), scene.meshes.end(), [&](const FileMesh& m) { return isMeant(m, name); })) {
       continue;
     }
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: no mesh named `{}` to hide, {}", fileName, name,
-                             names.empty() ? "the file has none" : "expected one of " + listed(names))};
+    return invalidArgument("{}: no mesh named `{}` to hide, {}", fileName, name,
+                           names.empty() ? "the file has none" : "expected one of " + listed(names));
   }
   const auto firstHidden = std::stable_partition(scene.meshes.begin(), scene.meshes.end(), [&](const FileMesh& mesh) {
     return std::none_of(hidden.begin(), hidden.end(), [&](const std::string& name) { return isMeant(mesh, name); });
   });
   if (firstHidden == scene.meshes.begin()) {
-    return Error{
-        ErrorCode::kInvalidArgument,
-        fmt::format("{}: every mesh is hidden ({}), expected at least one to be left", fileName, listed(names))};
+    return invalidArgument("{}: every mesh is hidden ({}), expected at least one to be left", fileName, listed(names));
   }
   taken.assign(std::make_move_iterator(firstHidden), std::make_move_iterator(scene.meshes.end()));
   scene.meshes.erase(firstHidden, scene.meshes.end());

@@ -1,6 +1,7 @@
 #include "skinning/import/isolated_scene.h"
 
 #include "geometry/byte_reader.h"
+#include "geometry/errors.h"
 #include "geometry/little_endian.h"
 #include "skinning/import/isolated_protocol.h"
 #include "skinning/import/scene_bytes.h"
@@ -79,7 +80,7 @@ int writeAll(int fd, std::string_view bytes) {
     const ssize_t written = ::write(fd, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return errno;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
+    bytes.remove_prefix(written);
   }
   return 0;
 }
@@ -148,14 +149,14 @@ Heard hear(int fd, const IsolationLimits& limits, const std::function<bool()>& c
     const ssize_t got = ::read(fd, buffer.data(), buffer.size());
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return Heard::kAll;
-    if (heard.size() + static_cast<std::size_t>(got) > limits.memoryBytes) return Heard::kTooMuch;
-    heard.append(buffer.data(), static_cast<std::size_t>(got));
+    if (heard.size() + got > limits.memoryBytes) return Heard::kTooMuch;
+    heard.append(buffer.data(), got);
   }
 }
 
 Error unstartable(const std::string& name, const IsolatedReader& reader, int error) {
-  return {ErrorCode::kUnreadable, fmt::format("{}: cannot be read: its reader {} could not be started: {}", name,
-                                              reader.program.string(), std::generic_category().message(error))};
+  return unreadable("{}: cannot be read: its reader {} could not be started: {}", name, reader.program.string(),
+                    std::generic_category().message(error));
 }
 
 }  // namespace
@@ -193,14 +194,12 @@ Result<FileScene> readIsolatedScene(std::span<const std::byte> bytes, const std:
   const IsolationLimits limits = isolationLimits(bytes.size());
   std::string answer;
   const Heard heard = hear(in.get(), limits, reader.cancelled, answer);
-  if (heard == Heard::kCancelled) return Error{ErrorCode::kCancelled, "cancelled"};
+  if (heard == Heard::kCancelled) return cancelled();
   const int status = heard == Heard::kAll ? child.wait() : child.end();
 
   // 3. Its answer, which is believed only after a check.
   const char* formatName = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
-  const auto broken = [&](const std::string& why) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: broken {}: {}", name, formatName, why)};
-  };
+  const auto broken = [&](const std::string& why) { return badFormat("{}: broken {}: {}", name, formatName, why); };
   if (heard == Heard::kTooMuch) {
     return broken(fmt::format("its content takes more than {} MB", limits.memoryBytes / 1'000'000));
   }

@@ -36,7 +36,7 @@ std::uint64_t addressBytes() {
   if (file == nullptr) return 0;
   if (std::fscanf(file, "%llu", &pages) != 1) pages = 0;
   std::fclose(file);
-  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+  return pages * ::sysconf(_SC_PAGESIZE);
 }
 
 void setLimits(std::uint64_t fileBytes) {
@@ -54,13 +54,13 @@ void setLimits(std::uint64_t fileBytes) {
 bool readAll(std::string& bytes) {
   const off_t size = ::lseek(STDIN_FILENO, 0, SEEK_END);
   if (size < 0 || ::lseek(STDIN_FILENO, 0, SEEK_SET) != 0) return false;
-  bytes.resize(static_cast<std::size_t>(size));
+  bytes.resize(size);
   std::size_t length = 0;
   while (length < bytes.size()) {
     const ssize_t got = ::read(STDIN_FILENO, bytes.data() + length, bytes.size() - length);
     if (got < 0 && errno == EINTR) continue;
     if (got <= 0) return false;
-    length += static_cast<std::size_t>(got);
+    length += got;
   }
   return true;
 }
@@ -70,7 +70,7 @@ bool writeAll(std::string_view bytes) {
     const ssize_t written = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
     if (written < 0) return false;
-    bytes.remove_prefix(static_cast<std::size_t>(written));
+    bytes.remove_prefix(written);
   }
   return true;
 }

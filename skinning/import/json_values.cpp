@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <utility>
 
 namespace lorica {
 
@@ -34,7 +35,7 @@ std::optional<int> indexOf(const Json& object, const char* key, std::size_t coun
   const Json& value = memberOf(object, key);
   if (!value.is_number_integer()) return std::nullopt;
   const auto index = value.get<std::int64_t>();
-  if (index < 0 || index >= static_cast<std::int64_t>(count)) return std::nullopt;
+  if (index < 0 || std::cmp_greater_equal(index, count)) return std::nullopt;
   return static_cast<int>(index);
 }
 
@@ -55,7 +56,7 @@ float MemberReader::number(const Json& object, const char* key, float otherwise)
 void MemberReader::numbers(const Json& object, const char* key, std::span<float> values) {
   const Json& list = memberOf(object, key);
   if (!list.is_array() || list.size() < values.size() ||
-      !std::all_of(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(values.size()), isFinite)) {
+      !std::all_of(list.begin(), list.begin() + values.size(), isFinite)) {
     note(object, key, fmt::format("{} numbers", values.size()));
   }
   numbersOf(object, key, values);

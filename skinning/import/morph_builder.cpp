@@ -1,5 +1,7 @@
 #include "skinning/import/morph_builder.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -42,7 +44,7 @@ Morphs makeMorphs(const FileScene& scene, const BindFrames& frames, const Affine
         morphs.targets[morph.target].offsets.push_back(offset);
       }
     }
-    first += static_cast<VertexIndex>(mesh.positions.size());
+    first += countOf(mesh.positions);
   }
   return morphs;
 }
@@ -50,7 +52,7 @@ Morphs makeMorphs(const FileScene& scene, const BindFrames& frames, const Affine
 LookAt makeLookAt(const FileScene& scene, const Skeleton& skeleton, std::span<const JointIndex> jointOfNode) {
   LookAt lookAt = scene.lookAt;
   if (lookAt.kind == LookAtKind::kNone) return {};
-  const auto jointOf = [&](int node) { return node == -1 ? kNoJoint : jointOfNode[static_cast<std::size_t>(node)]; };
+  const auto jointOf = [&](int node) { return node == -1 ? kNoJoint : jointOfNode[node]; };
   lookAt.head = skeleton.jointOf(HumanBone::kHead);
   lookAt.leftEye = jointOf(scene.leftEye);
   lookAt.rightEye = jointOf(scene.rightEye);

@@ -1,5 +1,6 @@
 #include "skinning/import/picture_store.h"
 
+#include "geometry/counts.h"
 #include "geometry/files.h"
 #include "skinning/import/uri.h"
 
@@ -37,7 +38,7 @@ int PictureStore::addBytes(const std::string& name, std::span<const std::byte> b
   }
   allowance_ -= bytes.size();
   scene_.pictures.push_back({name, {bytes.begin(), bytes.end()}});
-  return static_cast<int>(scene_.pictures.size()) - 1;
+  return countOf(scene_.pictures) - 1;
 }
 
 int PictureStore::addUri(const std::string& name, const std::string& uri) {
@@ -82,7 +83,7 @@ int PictureStore::addFile(const std::string& name, const std::string& relative) 
   if (!content) return refuse(name, content.error().message);
   const std::span<const std::byte> bytes = std::as_bytes(std::span(*content));
   scene_.pictures.push_back({name, {bytes.begin(), bytes.end()}});
-  return known->second = static_cast<int>(scene_.pictures.size()) - 1;
+  return known->second = countOf(scene_.pictures) - 1;
 }
 
 int PictureStore::refuse(const std::string& name, const std::string& why) {

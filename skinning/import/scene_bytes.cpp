@@ -239,7 +239,7 @@ Result<FileScene> decodeScene(std::string_view bytes, const std::string& name) {
   Members(reader).scene(scene);
   if (reader.in.ok() && reader.in.left() > 0) reader.in.fail(reader.in.offset(), "found more, expected the end");
   if (!reader.in.ok()) return reader.in.error();
-  if (Result<void> sound = checkScene(scene, name); !sound) return sound.error();
+  LORICA_TRY_DO(checkScene(scene, name));
   return scene;
 }
 

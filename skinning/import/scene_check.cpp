@@ -1,11 +1,12 @@
 #include "skinning/import/scene_check.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 #include <string_view>
+#include <utility>
 
 namespace lorica {
 
@@ -13,7 +14,7 @@ namespace {
 
 template <typename Index>
 [[nodiscard]] bool within(Index index, std::size_t count) {
-  return index >= 0 && static_cast<std::size_t>(index) < count;
+  return index >= 0 && std::cmp_less(index, count);
 }
 
 [[nodiscard]] bool isTurn(const Quat& q) {
@@ -26,7 +27,7 @@ template <typename Index>
   std::vector<int> path;
   for (std::size_t n = 0; n < scene.nodes.size(); ++n) {
     path.clear();
-    for (int up = static_cast<int>(n); up != -1 && reachesRoot[up] == 0; up = scene.nodes[up].parent) {
+    for (int up = n; up != -1 && reachesRoot[up] == 0; up = scene.nodes[up].parent) {
       path.push_back(up);
       if (path.size() > scene.nodes.size()) return false;
     }
@@ -141,23 +142,22 @@ Result<void> checkScene(const FileScene& scene, const std::string& name) {
   const auto unsound = [&](const auto& list, std::string_view what, const auto& check) -> Result<void> {
     const auto found = std::find_if(list.begin(), list.end(), [&](const auto& one) { return !check(one); });
     if (found == list.end()) return {};
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: {} {} refers to what is not there, or is not finite", name,
-                                                    what, found - list.begin())};
+    return badFormat("{}: {} {} refers to what is not there, or is not finite", name, what, found - list.begin());
   };
   const auto sound = [&](const auto& one) { return isSound(scene, one); };
   const auto soundTarget = [&](const FileMorphTarget& target) {
     return within(target.node, scene.nodes.size()) && std::isfinite(target.defaultWeight);
   };
-  if (Result<void> ok = unsound(scene.nodes, "node", [&](const auto& n) { return areSound(scene, n); }); !ok) return ok;
-  if (!isForest(scene)) return Error{ErrorCode::kBadFormat, name + ": a node is its own ancestor"};
-  if (Result<void> ok = unsound(scene.skins, "skin", sound); !ok) return ok;
-  if (Result<void> ok = unsound(scene.morphTargets, "morph target", soundTarget); !ok) return ok;
-  if (Result<void> ok = unsound(scene.meshes, "mesh", sound); !ok) return ok;
-  if (Result<void> ok = unsound(scene.clips, "clip", sound); !ok) return ok;
-  if (Result<void> ok = unsound(scene.materials, "material", sound); !ok) return ok;
+  LORICA_TRY_DO(unsound(scene.nodes, "node", [&](const auto& n) { return areSound(scene, n); }));
+  if (!isForest(scene)) return badFormat(name + ": a node is its own ancestor");
+  LORICA_TRY_DO(unsound(scene.skins, "skin", sound));
+  LORICA_TRY_DO(unsound(scene.morphTargets, "morph target", soundTarget));
+  LORICA_TRY_DO(unsound(scene.meshes, "mesh", sound));
+  LORICA_TRY_DO(unsound(scene.clips, "clip", sound));
+  LORICA_TRY_DO(unsound(scene.materials, "material", sound));
   const bool unit = !scene.metresPerUnit || (std::isfinite(*scene.metresPerUnit) && *scene.metresPerUnit > 0.0);
   if (!unit || !isTurn(scene.modelFromFileAxes)) {
-    return Error{ErrorCode::kBadFormat, name + ": its unit or axes are not finite"};
+    return badFormat(name + ": its unit or axes are not finite");
   }
   return {};
 }

@@ -1,6 +1,6 @@
 #include "skinning/import/uri.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <cstdint>
 
@@ -33,7 +33,7 @@ bool isDataUri(std::string_view uri) {
 Result<std::string> decodeDataUri(std::string_view uri) {
   const std::size_t comma = uri.find(',');
   if (comma == std::string_view::npos || !uri.substr(0, comma).ends_with(";base64")) {
-    return Error{ErrorCode::kBadFormat, "its data URI is not base64"};
+    return badFormat("its data URI is not base64");
   }
   std::string_view text = uri.substr(comma + 1);
   while (text.ends_with('=')) text.remove_suffix(1);
@@ -44,8 +44,8 @@ Result<std::string> decodeDataUri(std::string_view uri) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const int value = base64Value(text[i]);
     if (value < 0) {
-      return Error{ErrorCode::kBadFormat, fmt::format("its data URI has byte {} at {}, expected base64",
-                                                      static_cast<int>(static_cast<unsigned char>(text[i])), i)};
+      return badFormat("its data URI has byte {} at {}, expected base64",
+                       static_cast<int>(static_cast<unsigned char>(text[i])), i);
     }
     bits = (bits << 6 | static_cast<std::uint32_t>(value)) & 0xFFFFFFu;
     bitCount += 6;

@@ -1,5 +1,6 @@
 #include "skinning/import/vrm.h"
 
+#include "geometry/counts.h"
 #include "skinning/import/json_values.h"
 
 #include <fmt/format.h>
@@ -32,15 +33,15 @@ class BoneList {
   void add(const std::string& name, const Json& node) {
     const std::optional<HumanBone> bone = humanBoneNamed(name);
     if (!bone) return;  // eyes and jaw
-    const bool known = node.is_number_integer() && node.get<std::int64_t>() >= 0 &&
-                       node.get<std::int64_t>() < static_cast<std::int64_t>(scene_.nodes.size());
+    const bool known =
+        node.is_number_integer() && node.get<std::int64_t>() >= 0 && node.get<std::int64_t>() < countOf(scene_.nodes);
     if (!known) {
       scene_.notes.push_back(
           fmt::format("VRM: bone {} refers to node {}, which does not exist: skipped", name, node.dump()));
       return;
     }
     const auto index = node.get<std::size_t>();
-    bool& has = has_[static_cast<std::size_t>(*bone)];
+    bool& has = has_[ordinalOf(*bone)];
     if (has || taken_[index] != 0) {
       scene_.notes.push_back(
           fmt::format("VRM: bone {} or its node {} is listed twice: the first is used", name, index));

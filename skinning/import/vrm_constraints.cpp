@@ -15,7 +15,7 @@ using Json = nlohmann::json;
   if (!name.is_string()) return false;
   const std::string& text = name.get_ref<const std::string&>();
   for (int i = 0; i < 3; ++i) {
-    const char letter = static_cast<char>('X' + i);
+    const char letter = 'X' + i;
     if (text == std::string(1, letter) || text == std::string("Positive") + letter) {
       axis = Vec3::Unit(i);
       return true;
@@ -66,7 +66,7 @@ void readVrmConstraints(const GltfDocument& document, VrmValues& values, std::ve
                       fmt::format("more than {} constraints: the rest is skipped", grouped(kMaxNodeConstraints)));
       return;
     }
-    readConstraint(static_cast<int>(node), memberOf(extension, "constraint"), who, values, constraints);
+    readConstraint(node, memberOf(extension, "constraint"), who, values, constraints);
   }
 }
 

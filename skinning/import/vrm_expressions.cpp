@@ -56,8 +56,8 @@ class ExpressionReader {
   explicit ExpressionReader(FileScene& scene) : scene_(scene) {
     for (std::size_t t = 0; t < scene.morphTargets.size(); ++t) {
       const FileMorphTarget& target = scene.morphTargets[t];
-      targetsOfMesh_[{target.mesh, target.index}].push_back(static_cast<int>(t));
-      targetsOfNode_[{target.node, target.index}].push_back(static_cast<int>(t));
+      targetsOfMesh_[{target.mesh, target.index}].push_back(t);
+      targetsOfNode_[{target.node, target.index}].push_back(t);
       scene.expressions.baseWeights.push_back(target.defaultWeight);
     }
   }
@@ -183,7 +183,7 @@ class ExpressionReader {
   }
 
   [[nodiscard]] bool hasRoom() {
-    if (scene_.expressions.list.size() < static_cast<std::size_t>(kMaxExpressions) && binds_ < kMaxExpressionBinds) {
+    if (scene_.expressions.list.size() < kMaxExpressions && binds_ < kMaxExpressionBinds) {
       return true;
     }
     ++full_;
@@ -246,7 +246,7 @@ class ExpressionReader {
       if ((!color && property != "_MainTex_ST") || !hasRoom()) break;
       found = true;
       ++binds_;
-      const int material = static_cast<int>(m);
+      const int material = m;
       if (color) {
         // Unity's colours are gamma-encoded, but not the emission, which may exceed 1.
         const auto linear = [&](float c) {

@@ -1,5 +1,7 @@
 #include "skinning/import/vrm_materials.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -27,9 +29,9 @@ void gammaColor(const Json& vectors, const char* key, MemberReader& members, Vec
 
 [[nodiscard]] int orderOf(const Vrm0Queues& queues, int queue, bool writesDepth) {
   const std::set<int>& all = writesDepth ? queues.withDepth : queues.withoutDepth;
-  const int rank = static_cast<int>(std::distance(all.begin(), all.lower_bound(queue)));
+  const int rank = std::distance(all.begin(), all.lower_bound(queue));
   if (writesDepth) return std::min(rank, 9);
-  return kWithoutDepth - std::min(static_cast<int>(all.size()) - 1 - rank, 9);
+  return kWithoutDepth - std::min(countOf(all) - 1 - rank, 9);
 }
 
 struct Blend0 {
@@ -46,7 +48,7 @@ struct Blend0 {
                   (shader == "VRM/MToon" && memberOf(memberOf(properties, "keywordMap"), "_ALPHABLEND_ON") == true);
   blend.writesDepth = unlitWithDepth || (shader == "VRM/MToon" &&
                                          numberOf(memberOf(properties, "floatProperties"), "_ZWrite", 0.0f) == 1.0f);
-  blend.queue = static_cast<int>(std::clamp(numberOf(properties, "renderQueue", -1.0f), -1.0f, 1e6f));
+  blend.queue = std::clamp(numberOf(properties, "renderQueue", -1.0f), -1.0f, 1e6f);
   return blend;
 }
 

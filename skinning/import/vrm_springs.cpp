@@ -1,5 +1,6 @@
 #include "skinning/import/vrm_springs.h"
 
+#include "geometry/counts.h"
 #include "skinning/import/vrm_constraints.h"
 #include "skinning/import/vrm_values.h"
 
@@ -73,7 +74,7 @@ class SpringReader {
         collider.joint = *node;
         collider.offset = values_.unityVectorOf(from, "offset", Vec3::Zero(), who);
         collider.radius = values_.number(from, "radius", 0.0, 0.0, kLargestNumber, who);
-        group.push_back(static_cast<int>(out_.colliders.size()));
+        group.push_back(countOf(out_.colliders));
         out_.colliders.push_back(collider);
       }
     }
@@ -95,7 +96,7 @@ class SpringReader {
         values_.addFault("shape", fmt::format("{} has no shape that is known: skipped", who));
         continue;
       }
-      newIndex[c] = static_cast<int>(out_.colliders.size());
+      newIndex[c] = countOf(out_.colliders);
       out_.colliders.push_back(collider);
     }
     for (const Json& from : VrmValues::listOf(springs, "colliderGroups")) {
@@ -241,7 +242,7 @@ class SpringReader {
   }
 
   void addJoint(const SpringJoint& joint, const std::string& who, SpringChain& chain) {
-    const auto node = static_cast<std::size_t>(joint.joint);
+    const std::size_t node = joint.joint;
     if (swings_[node] != 0) {
       values_.addFault("twice", fmt::format("{}: node {} '{}' swings already: the first one counts", who, node,
                                             scene_.nodes[node].name));
@@ -259,7 +260,7 @@ class SpringReader {
 
   void addChain(SpringChain chain, const std::string& who) {
     if (chain.joints.empty()) return;
-    const int number = static_cast<int>(out_.chains.size()) + 1;
+    const int number = countOf(out_.chains) + 1;
     for (const SpringJoint& joint : chain.joints) chainOf_[joint.joint] = number;
     for (int node = chain.center; node != -1; node = scene_.nodes[node].parent) {
       const bool swings = chainOf_[node] == number && node != chain.center;

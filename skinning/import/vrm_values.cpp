@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lorica {
 
@@ -36,7 +37,7 @@ const Json& VrmValues::listOf(const Json& object, const char* key) {
 std::optional<int> VrmValues::indexIn(const Json& index, std::size_t count) {
   if (!index.is_number_integer()) return std::nullopt;
   const auto value = index.get<std::int64_t>();
-  if (value < 0 || value >= static_cast<std::int64_t>(count)) return std::nullopt;
+  if (value < 0 || std::cmp_greater_equal(value, count)) return std::nullopt;
   return static_cast<int>(value);
 }
 std::optional<int> VrmValues::nodeIn(const Json& index, const std::string& who) {
@@ -68,8 +69,8 @@ Vec3 VrmValues::vectorOf(const Json& list, const char* key, const Vec3& otherwis
   Vec3 v = otherwise;
   bool sound = value.is_array() && value.size() == 3;
   for (int i = 0; i < 3 && sound; ++i) {
-    sound = value[static_cast<std::size_t>(i)].is_number();
-    if (sound) v[i] = value[static_cast<std::size_t>(i)].get<double>();
+    sound = value[i].is_number();
+    if (sound) v[i] = value[i].get<double>();
   }
   if (sound && v.cwiseAbs().maxCoeff() <= kLargestNumber) return v;
   addFault("vector", fmt::format("{}: {} is not three numbers of at most {:g}: ignored", who, key, kLargestNumber));

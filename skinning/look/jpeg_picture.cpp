@@ -1,7 +1,6 @@
+#include "geometry/errors.h"
 #include "skinning/look/picture_formats.h"
 #include "skinning/look/picture_shrink.h"
-
-#include <fmt/format.h>
 
 #include <turbojpeg.h>
 
@@ -24,8 +23,8 @@ std::uint32_t pairAt(std::span<const std::byte> bytes, std::size_t at) {
 /// https://www.w3.org/Graphics/JPEG/itu-t81.pdf).
 Result<PictureClaim> jpegClaim(std::span<const std::byte> bytes, const std::string& name) {
   const auto damaged = [&](std::size_t at, const char* expected) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: a JPEG picture that is damaged at byte {} of {}, expected {}",
-                                                    name, at, bytes.size(), expected)};
+    return badFormat("{}: a JPEG picture that is damaged at byte {} of {}, expected {}", name, at, bytes.size(),
+                     expected);
   };
   std::size_t at = 2;
   while (true) {
@@ -44,19 +43,18 @@ Result<PictureClaim> jpegClaim(std::span<const std::byte> bytes, const std::stri
     const std::uint32_t bits = byteAt(bytes, at + 4);
     const std::uint32_t channels = byteAt(bytes, at + 9);
     if (marker > 0xc2 || bits != 8) {
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("{}: a JPEG picture of kind SOF{} with {} bits, expected kind 0, 1 or 2 (baseline, "
-                               "sequential, progressive) with 8 bits",
-                               name, marker - 0xc0, bits)};
+      return unsupported(
+          "{}: a JPEG picture of kind SOF{} with {} bits, expected kind 0, 1 or 2 (baseline, "
+          "sequential, progressive) with 8 bits",
+          name, marker - 0xc0, bits);
     }
     if (channels != 1 && channels != 3) {
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("{}: a JPEG picture of {} channels{}, expected 1 (gray) or 3 (colour)", name, channels,
-                               channels == 4 ? " (CMYK)" : "")};
+      return unsupported("{}: a JPEG picture of {} channels{}, expected 1 (gray) or 3 (colour)", name, channels,
+                         channels == 4 ? " (CMYK)" : "");
     }
     PictureClaim claim{pairAt(bytes, at + 7), pairAt(bytes, at + 5), 0};
     // Each block of 8 x 8 takes one bit or more. Channels may be stored smaller, but not all of them by more than 4.
-    claim.fewestBytes = static_cast<std::uint64_t>(claim.width) * claim.height / (64 * 4 * 8);
+    claim.fewestBytes = std::uint64_t{claim.width} * claim.height / (64 * 4 * 8);
     return claim;
   }
 }
@@ -77,22 +75,21 @@ int shrinkOf(PictureSize size, PictureSize wanted) {
 }  // namespace
 
 Result<Picture> decodeJpeg(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits) {
-  const Result<PictureClaim> claim = jpegClaim(bytes, name);
-  if (!claim) return claim.error();
-  if (const Result<void> checked = checkClaim(*claim, bytes.size(), name); !checked) return checked.error();
+  LORICA_TRY(const PictureClaim claim, jpegClaim(bytes, name));
+  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
 
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
-  if (!decoder) return Error{ErrorCode::kUnreadable, fmt::format("{}: TurboJPEG does not start", name)};
-  const PictureSize size{static_cast<int>(claim->width), static_cast<int>(claim->height)};
+  if (!decoder) return unreadable("{}: TurboJPEG does not start", name);
+  const PictureSize size{static_cast<int>(claim.width), static_cast<int>(claim.height)};
   const int by = shrinkOf(size, limitedSize(size, limits.largestSide));
   Picture picture{size.width / by, size.height / by, {}};
-  picture.rgba.resize(static_cast<std::size_t>(picture.width) * static_cast<std::size_t>(picture.height) * 4);
+  picture.rgba.resize(static_cast<std::size_t>(picture.width) * picture.height * 4);
   // libjpeg only warns of missing and damaged pixels. The limit of scans is against small files that take minutes.
   constexpr int kFlags = TJFLAG_ACCURATEDCT | TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS;
   if (tjDecompress2(decoder.get(), reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
                     picture.rgba.data(), picture.width, 0, picture.height, TJPF_RGBA, kFlags) != 0) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: a JPEG picture of {} bytes that is damaged: {}", name,
-                                                    bytes.size(), tjGetErrorStr2(decoder.get()))};
+    return badFormat("{}: a JPEG picture of {} bytes that is damaged: {}", name, bytes.size(),
+                     tjGetErrorStr2(decoder.get()));
   }
   return shrunk(std::move(picture), limits.largestSide);
 }

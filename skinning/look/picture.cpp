@@ -1,5 +1,7 @@
 #include "skinning/look/picture.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "skinning/look/picture_formats.h"
 
 #include <fmt/format.h>
@@ -61,34 +63,31 @@ std::string_view contentOf(std::span<const std::byte> bytes) {
 }
 
 Error unknown(std::string_view content, const std::string& name) {
-  return {ErrorCode::kUnsupported, fmt::format("{}: {}, expected a PNG or JPEG picture", name, whatIs(content))};
+  return unsupported("{}: {}, expected a PNG or JPEG picture", name, whatIs(content));
 }
 
 }  // namespace
 
 Result<void> checkClaim(const PictureClaim& claim, std::size_t fileBytes, const std::string& name) {
   if (claim.width == 0 || claim.height == 0) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: a picture of {} x {} pixels, expected 1 to {} on each side",
-                                                    name, claim.width, claim.height, kMaxPictureSide)};
+    return badFormat("{}: a picture of {} x {} pixels, expected 1 to {} on each side", name, claim.width, claim.height,
+                     kMaxPictureSide);
   }
   if (std::max(claim.width, claim.height) > kMaxPictureSide ||
-      static_cast<std::int64_t>(claim.width) * claim.height > kMaxPicturePixels) {
-    return Error{ErrorCode::kUnsupported,
-                 fmt::format("{}: a picture of {} x {} pixels, expected 1 to {} on each side and at most {} in all",
-                             name, claim.width, claim.height, kMaxPictureSide, kMaxPicturePixels)};
+      std::int64_t{claim.width} * claim.height > kMaxPicturePixels) {
+    return unsupported("{}: a picture of {} x {} pixels, expected 1 to {} on each side and at most {} in all", name,
+                       claim.width, claim.height, kMaxPictureSide, kMaxPicturePixels);
   }
   if (fileBytes < claim.fewestBytes) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("{}: {} bytes for a picture of {} x {} pixels, expected at least {}", name, fileBytes,
-                             claim.width, claim.height, claim.fewestBytes)};
+    return badFormat("{}: {} bytes for a picture of {} x {} pixels, expected at least {}", name, fileBytes, claim.width,
+                     claim.height, claim.fewestBytes);
   }
   return {};
 }
 
 Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits) {
   if (limits.largestSide < 0) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: largest side of {} pixels, expected 0 or more", name, limits.largestSide)};
+    return invalidArgument("{}: largest side of {} pixels, expected 0 or more", name, limits.largestSide);
   }
   const std::string_view content = contentOf(bytes);
   if (content.starts_with(kPng)) return decodePng(bytes, name, limits);
@@ -99,10 +98,9 @@ Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::strin
 Result<PictureSize> readPictureSize(std::span<const std::byte> bytes, const std::string& name) {
   const std::string_view content = contentOf(bytes);
   if (!content.starts_with(kPng) && !content.starts_with(kJpeg)) return unknown(content, name);
-  const Result<PictureClaim> claim = content.starts_with(kPng) ? pngClaim(bytes, name) : jpegClaim(bytes, name);
-  if (!claim) return claim.error();
-  if (const Result<void> checked = checkClaim(*claim, bytes.size(), name); !checked) return checked.error();
-  return PictureSize{static_cast<int>(claim->width), static_cast<int>(claim->height)};
+  LORICA_TRY(const PictureClaim claim, content.starts_with(kPng) ? pngClaim(bytes, name) : jpegClaim(bytes, name));
+  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
+  return PictureSize{static_cast<int>(claim.width), static_cast<int>(claim.height)};
 }
 
 std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pictures, const DecodeSettings& settings) {
@@ -119,7 +117,7 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
     decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {settings.largestSide});
     const std::scoped_lock lock(progressMutex);
     ++done;
-    if (settings.progress && !settings.progress(done, static_cast<int>(pictures.size()))) cancelled = true;
+    if (settings.progress && !settings.progress(done, countOf(pictures))) cancelled = true;
   };
   tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
   arena.execute([&] { tbb::parallel_for(std::size_t{0}, pictures.size(), decodeOne, tbb::simple_partitioner()); });

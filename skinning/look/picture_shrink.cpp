@@ -22,8 +22,8 @@ PictureSize limitedSize(PictureSize size, int largestSide) {
 PictureShrink::PictureShrink(PictureSize from, PictureSize to) : from_(from) {
   to_.width = to.width;
   to_.height = to.height;
-  const auto width = static_cast<std::size_t>(to.width);
-  to_.rgba.resize(width * static_cast<std::size_t>(to.height) * 4);
+  const std::size_t width = to.width;
+  to_.rgba.resize(width * to.height * 4);
   across_.resize(width * kSums);
   sums_.resize(width * kSums);
 }
@@ -33,8 +33,8 @@ PictureShrink::PictureShrink(PictureSize from, PictureSize to) : from_(from) {
 void PictureShrink::add(std::span<const std::uint8_t> row) {
   // A row's sums are at most 16,384 x 255 x 255, which 32 bits hold.
   std::ranges::fill(across_, 0U);
-  const auto steps = static_cast<std::uint32_t>(to_.width);
-  auto left = static_cast<std::uint32_t>(from_.width);
+  const std::uint32_t steps = to_.width;
+  std::uint32_t left = from_.width;
   std::uint32_t* sums = across_.data();
   const auto addPixel = [&](const std::uint8_t* pixel, std::uint32_t weight) {
     const std::uint32_t alpha = weight * pixel[3];
@@ -50,7 +50,7 @@ void PictureShrink::add(std::span<const std::uint8_t> row) {
     addPixel(pixel, here);
     left -= here;
     if (left > 0) continue;
-    left = static_cast<std::uint32_t>(from_.width);
+    left = from_.width;
     if (x + 1 < static_cast<std::size_t>(from_.width)) sums += kSums;
     if (here < steps) {
       addPixel(pixel, steps - here);
@@ -59,10 +59,10 @@ void PictureShrink::add(std::span<const std::uint8_t> row) {
   }
 
   const auto addRow = [&](std::int64_t weight) {
-    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<std::uint64_t>(weight) * across_[i];
+    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += std::uint64_t{weight} * across_[i];
   };
   const std::int64_t begin = rowsAdded_ * to_.height;
-  const std::int64_t border = (static_cast<std::int64_t>(toRow_) + 1) * from_.height;
+  const std::int64_t border = (std::int64_t{toRow_} + 1) * from_.height;
   const std::int64_t end = begin + to_.height;
   ++rowsAdded_;
   addRow(std::min(end, border) - begin);
@@ -72,11 +72,11 @@ void PictureShrink::add(std::span<const std::uint8_t> row) {
 }
 
 void PictureShrink::finishRow() {
-  const auto area = static_cast<std::uint64_t>(from_.width) * static_cast<std::uint64_t>(from_.height);
+  const auto area = static_cast<std::uint64_t>(from_.width) * from_.height;
   const auto mean = [](std::uint64_t sum, std::uint64_t count) {
     return static_cast<std::uint8_t>((sum + count / 2) / count);
   };
-  const auto width = static_cast<std::size_t>(to_.width);
+  const std::size_t width = to_.width;
   std::uint8_t* pixel = &to_.rgba[static_cast<std::size_t>(toRow_) * width * 4];
   for (std::size_t x = 0; x < width; ++x, pixel += 4) {
     const std::uint64_t* sums = &sums_[x * kSums];

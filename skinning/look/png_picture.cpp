@@ -1,7 +1,6 @@
+#include "geometry/errors.h"
 #include "skinning/look/picture_formats.h"
 #include "skinning/look/picture_shrink.h"
-
-#include <fmt/format.h>
 
 #include <png.h>
 
@@ -95,9 +94,10 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
 Result<PictureClaim> pngClaim(std::span<const std::byte> bytes, const std::string& name) {
   constexpr std::size_t kHeadBytes = 33;  // signature, and IHDR with its length, name and checksum
   if (bytes.size() < kHeadBytes || std::memcmp(&bytes[8], "\0\0\0\x0dIHDR", 8) != 0) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: a PNG picture of {} bytes that does not begin with its size, "
-                                                    "expected a chunk IHDR of 13 bytes",
-                                                    name, bytes.size())};
+    return badFormat(
+        "{}: a PNG picture of {} bytes that does not begin with its size, "
+        "expected a chunk IHDR of 13 bytes",
+        name, bytes.size());
   }
   PictureClaim claim{bigEndian(bytes.subspan(16)), bigEndian(bytes.subspan(20)), 0};
   if (claim.width > kMaxPictureSide || claim.height > kMaxPictureSide) return claim;
@@ -110,21 +110,20 @@ Result<PictureClaim> pngClaim(std::span<const std::byte> bytes, const std::strin
 }
 
 Result<Picture> decodePng(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits) {
-  const Result<PictureClaim> claim = pngClaim(bytes, name);
-  if (!claim) return claim.error();
-  if (const Result<void> checked = checkClaim(*claim, bytes.size(), name); !checked) return checked.error();
+  LORICA_TRY(const PictureClaim claim, pngClaim(bytes, name));
+  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
 
   PngReader reader(bytes);
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, onError, onWarning);
   if (reader.png != nullptr) reader.info = png_create_info_struct(reader.png);
-  if (reader.info == nullptr) return Error{ErrorCode::kUnreadable, fmt::format("{}: libpng does not start", name)};
+  if (reader.info == nullptr) return unreadable("{}: libpng does not start", name);
   const auto damaged = [&] {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: a PNG picture that is damaged at byte {} of {}: {}", name,
-                                                    reader.at, bytes.size(), reader.message)};
+    return badFormat("{}: a PNG picture that is damaged at byte {} of {}: {}", name, reader.at, bytes.size(),
+                     reader.message);
   };
   int passes = 0;
   if (!readHead(reader, passes)) return damaged();
-  const PictureSize size{static_cast<int>(claim->width), static_cast<int>(claim->height)};
+  const PictureSize size{static_cast<int>(claim.width), static_cast<int>(claim.height)};
   const std::size_t rowBytes = static_cast<std::size_t>(size.width) * 4;
   LORICA_CHECK(png_get_rowbytes(reader.png, reader.info) == rowBytes, "libpng gives rows of another length");
 
@@ -137,7 +136,7 @@ Result<Picture> decodePng(std::span<const std::byte> bytes, const std::string& n
     return shrink.take();
   }
   Picture picture{size.width, size.height, {}};
-  picture.rgba.resize(rowBytes * static_cast<std::size_t>(size.height));
+  picture.rgba.resize(rowBytes * size.height);
   if (!readPicture(reader, passes, picture)) return damaged();
   return shrunk(std::move(picture), limits.largestSide);
 }

@@ -1,5 +1,6 @@
 #include "skinning/mannequin/mannequin.h"
 
+#include "geometry/counts.h"
 #include "skinning/mannequin/mannequin_cage.h"
 #include "skinning/mannequin/mannequin_sculpt.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
@@ -25,7 +26,7 @@ struct WholeCage {
 };
 
 [[nodiscard]] WholeCage mirrorAndJoin(const HalfCage& half) {
-  const int halfCount = static_cast<int>(half.points().size());
+  const int halfCount = countOf(half.points());
   std::vector<int> twin(half.points().size());
   int count = halfCount;
   for (std::size_t v = 0; v < twin.size(); ++v) {
@@ -38,9 +39,9 @@ struct WholeCage {
   for (std::size_t v = 0; v < twin.size(); ++v) {
     const Vec3& p = half.points()[v];
     whole.points.row(twin[v]) << -p.x(), p.y(), p.z();
-    whole.points.row(static_cast<int>(v)) = p.transpose();
+    whole.points.row(v) = p.transpose();
     for (const auto& [bone, weight] : half.weights()[v]) {
-      whole.weights(static_cast<int>(v), static_cast<int>(bone)) += weight;
+      whole.weights(v, static_cast<int>(bone)) += weight;
       if (twin[v] != static_cast<int>(v)) whole.weights(twin[v], static_cast<int>(mirrored(bone))) += weight;
     }
   }
@@ -96,11 +97,11 @@ struct HalfSurface {
 };
 
 [[nodiscard]] HalfSurface refinedHalf(const WholeCage& cage) {
-  const int cageCount = static_cast<int>(cage.points.rows());
+  const int cageCount = cage.points.rows();
   const Refinement first = refineCatmullClark(cageCount, cage.faces);
-  const int firstCount = static_cast<int>(first.fineFromCoarse.rows());
+  const int firstCount = first.fineFromCoarse.rows();
   const Refinement second = refineCatmullClark(firstCount, first.faces);
-  const int fineCount = static_cast<int>(second.fineFromCoarse.rows());
+  const int fineCount = second.fineFromCoarse.rows();
 
   const SparseMatrix refinedFromCage = second.fineFromCoarse.topRows(cageCount) * first.fineFromCoarse;
   const DenseMatrix fitted = interpolatingCage(refinedFromCage, cage.points);
@@ -110,17 +111,17 @@ struct HalfSurface {
   // Refined faces keep the order of the cage's faces, so the left half of them comes first. Vertices that both halves
   // share are in the plane of symmetry.
   const std::size_t halfFaces = second.faces.size() / 2;
-  std::vector<int> sides(static_cast<std::size_t>(fineCount), 0);
+  std::vector<int> sides(fineCount, 0);
   for (std::size_t f = 0; f < second.faces.size(); ++f) {
     for (const int v : second.faces[f]) sides[v] |= f < halfFaces ? 1 : 2;
   }
   const std::array<int, kHumanBoneCount> proxy = leftHalfProxies();
   HalfSurface half;
-  std::vector<int> halfIndex(static_cast<std::size_t>(fineCount), -1);
+  std::vector<int> halfIndex(fineCount, -1);
   for (int v = 0; v < fineCount; ++v) {
     const int side = sides[v];
     if (side == 2) continue;
-    halfIndex[v] = static_cast<int>(half.points.size());
+    halfIndex[v] = countOf(half.points);
     Vec3 p = finePoints.row(v).transpose();
     if (side == 3) p.x() = 0.0;
     // Refinement spreads weights across the plane of symmetry: weights of a limb of the other side are moved to the
@@ -149,9 +150,9 @@ void buildMesh(const HalfSurface& half, Character& character) {
   std::vector<VertexIndex> twin(half.points.size());
   for (std::size_t v = 0; v < half.points.size(); ++v) {
     const Vec3& p = half.points[v];
-    twin[v] = static_cast<VertexIndex>(v);
+    twin[v] = v;
     if (p.x() == 0.0) continue;
-    twin[v] = static_cast<VertexIndex>(vertices.size());
+    twin[v] = countOf(vertices);
     vertices.emplace_back(-p.x(), p.y(), p.z());
     weights.push_back(half.weights[v]);
     for (auto& [bone, weight] : weights.back()) bone = mirrored(bone);
@@ -180,7 +181,7 @@ void buildMesh(const HalfSurface& half, Character& character) {
   character.influenceBegin.assign(1, 0);
   for (const BoneWeights& list : weights) {
     for (const auto& [bone, weight] : list) character.influences.push_back({character.skeleton.jointOf(bone), weight});
-    character.influenceBegin.push_back(static_cast<std::uint32_t>(character.influences.size()));
+    character.influenceBegin.push_back(character.influences.size());
   }
 }
 

@@ -1,5 +1,6 @@
 #include "skinning/mannequin/mannequin_cage.h"
 
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 namespace lorica {
@@ -7,7 +8,7 @@ namespace lorica {
 int HalfCage::addPoint(const Vec3& p, BoneWeights weights) {
   points_.push_back(p);
   weights_.push_back(std::move(weights));
-  return static_cast<int>(points_.size()) - 1;
+  return countOf(points_) - 1;
 }
 
 void HalfCage::bridge(const Ring& from, const Ring& to, int skipped) {

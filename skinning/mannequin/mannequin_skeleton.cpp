@@ -1,5 +1,7 @@
 #include "skinning/mannequin/mannequin_skeleton.h"
 
+#include "geometry/counts.h"
+
 namespace lorica {
 
 namespace {
@@ -49,7 +51,7 @@ constexpr Placement kPlacements[] = {
 };
 
 [[nodiscard]] int indexOf(HumanBone bone) {
-  return static_cast<int>(bone);
+  return bone;
 }
 
 [[nodiscard]] bool isBetween(HumanBone bone, HumanBone first, HumanBone last) {
@@ -93,10 +95,10 @@ Skeleton makeMannequinSkeleton() {
     joint.bone = bone;
     joint.rest.translation = mannequinJoint(bone);
     if (bone != parent) {
-      joint.parent = indexOfBone[static_cast<std::size_t>(parent)];
+      joint.parent = indexOfBone[parent];
       joint.rest.translation -= mannequinJoint(parent);
     }
-    indexOfBone[static_cast<std::size_t>(bone)] = static_cast<JointIndex>(joints.size());
+    indexOfBone[ordinalOf(bone)] = countOf(joints);
     joints.push_back(std::move(joint));
   };
   for (const Placement& p : kPlacements) add(p.bone, p.parent);

@@ -1,3 +1,4 @@
+#include "geometry/counts.h"
 #include "skinning/mannequin/mannequin_cage.h"
 
 #include <algorithm>
@@ -137,7 +138,7 @@ TrunkOpenings addTrunkAndHead(HalfCage& cage) {
   const auto stack = [&](const Row& row) {
     if (!rows.empty()) {
       const Row& below = rows.back();
-      const int first = static_cast<int>(rows.size()) - 1;
+      const int first = countOf(rows) - 1;
       for (std::size_t k = 0; k + 1 < kColumns; ++k) {
         const bool inArm = first >= kArmRow && first < kArmRow + 3 && (k == kArmColumn || k == kArmColumn + 1);
         if (!inArm) cage.addFace({below[k], below[k + 1], row[k + 1], row[k]});

@@ -1,5 +1,6 @@
 #include "skinning/mannequin/subdivision.h"
 
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <cstdint>
@@ -12,8 +13,8 @@ namespace {
 using Entry = Eigen::Triplet<double>;
 
 [[nodiscard]] std::uint64_t edgeKey(int a, int b) {
-  const auto lo = static_cast<std::uint64_t>(a < b ? a : b);
-  const auto hi = static_cast<std::uint64_t>(a < b ? b : a);
+  const std::uint64_t lo = a < b ? a : b;
+  const std::uint64_t hi = a < b ? b : a;
   return lo << 32 | hi;
 }
 
@@ -34,12 +35,12 @@ struct Edges {
     for (std::size_t i = 0; i < face.size(); ++i) {
       const int a = face[i];
       const int b = face[(i + 1) % face.size()];
-      const auto [found, fresh] = edges.indexOfKey.try_emplace(edgeKey(a, b), static_cast<int>(edges.all.size()));
+      const auto [found, fresh] = edges.indexOfKey.try_emplace(edgeKey(a, b), countOf(edges.all));
       if (fresh) edges.all.push_back({a, b});
       Edge& edge = edges.all[found->second];
       const int side = fresh ? 0 : 1;
       LORICA_CHECK(edge.faces[side] == -1, "subdivision: an edge has more than two faces");
-      edge.faces[side] = static_cast<int>(f);
+      edge.faces[side] = f;
     }
   }
   for (const Edge& edge : edges.all) LORICA_CHECK(edge.faces[1] != -1, "subdivision: the mesh is not closed");
@@ -56,20 +57,20 @@ struct Edges {
 
 Refinement refineCatmullClark(int vertexCount, const PolygonFaces& faces) {
   const Edges edges = collectEdges(faces);
-  const int edgeCount = static_cast<int>(edges.all.size());
-  const int faceCount = static_cast<int>(faces.size());
+  const int edgeCount = countOf(edges.all);
+  const int faceCount = countOf(faces);
   const int firstEdgePoint = vertexCount;
   const int firstFacePoint = vertexCount + edgeCount;
 
   std::vector<Entry> entries;
   const auto addFacePoint = [&](int row, int f, double weight) {
     const std::vector<int>& face = faces[f];
-    for (const int v : face) entries.emplace_back(row, v, weight / static_cast<double>(face.size()));
+    for (const int v : face) entries.emplace_back(row, v, weight / face.size());
   };
 
   for (int f = 0; f < faceCount; ++f) addFacePoint(firstFacePoint + f, f, 1.0);
 
-  std::vector<int> valence(static_cast<std::size_t>(vertexCount), 0);
+  std::vector<int> valence(vertexCount, 0);
   for (int e = 0; e < edgeCount; ++e) {
     const Edge& edge = edges.all[e];
     entries.emplace_back(firstEdgePoint + e, edge.a, 0.25);

@@ -21,7 +21,7 @@ constexpr double kSlotSeconds = 4.0;
 
 /// 0 <= number < 1.
 [[nodiscard]] double fraction(std::uint64_t bits) {
-  return static_cast<double>(bits >> 11) * 0x1p-53;
+  return (bits >> 11) * 0x1p-53;
 }
 
 }  // namespace
@@ -29,16 +29,16 @@ constexpr double kSlotSeconds = 4.0;
 float blinkWeight(double time, std::uint64_t seed) {
   if (!(std::abs(time) < 1e9)) return 0.0F;
   // A blink that begins at the end of a slot ends in the next one.
-  const auto slot = static_cast<std::int64_t>(std::floor(time / kSlotSeconds));
+  const std::int64_t slot = std::floor(time / kSlotSeconds);
   for (const std::int64_t s : {slot, slot - 1}) {
-    const std::uint64_t bits = mixed(static_cast<std::uint64_t>(s) ^ mixed(seed));
-    const double begin = kSlotSeconds * static_cast<double>(s) + 2.0 + 2.0 * fraction(bits);
+    const std::uint64_t bits = mixed(s ^ mixed(seed));
+    const double begin = kSlotSeconds * s + 2.0 + 2.0 * fraction(bits);
     const double seconds = 0.1 + 0.1 * fraction(mixed(bits));
     const double share = (time - begin) / seconds;
     if (!(share > 0.0 && share < 1.0)) continue;
     // Eyes close faster than they open: closed at two fifths of the time.
     const double closed = share < 0.4 ? share / 0.4 : (1.0 - share) / 0.6;
-    return static_cast<float>(closed * closed * (3.0 - 2.0 * closed));
+    return closed * closed * (3.0 - 2.0 * closed);
   }
   return 0.0F;
 }

@@ -27,11 +27,11 @@ Gaze followed(const Gaze& gaze) {
 GazeWeights gazeWeights(const LookAt& lookAt, const Gaze& gaze) {
   GazeWeights weights;
   if (lookAt.kind != LookAtKind::kExpression) return weights;
-  (gaze.yaw > 0.0 ? weights.left : weights.right) = static_cast<float>(lookAt.outer(gaze.yaw));
+  (gaze.yaw > 0.0 ? weights.left : weights.right) = lookAt.outer(gaze.yaw);
   if (gaze.pitch > 0.0) {
-    weights.down = static_cast<float>(lookAt.down(gaze.pitch));
+    weights.down = lookAt.down(gaze.pitch);
   } else {
-    weights.up = static_cast<float>(lookAt.up(gaze.pitch));
+    weights.up = lookAt.up(gaze.pitch);
   }
   return weights;
 }

@@ -1,5 +1,6 @@
 #include "skinning/morphs/morph_extremes.h"
 
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -42,7 +43,7 @@ constexpr std::size_t kMaxTimes = 512;  // of a clip
   }
   if (!exact) {
     times.clear();
-    const auto steps = static_cast<double>(limit - 1);
+    const double steps = limit - 1;
     for (std::size_t i = 0; i < limit; ++i) times.push_back(first + (last - first) * static_cast<double>(i) / steps);
   }
   std::sort(times.begin(), times.end());
@@ -67,7 +68,7 @@ std::vector<float> usedWeightSets(const Morphs& morphs, const Expressions& expre
   addMorphWeights(expressions, effective, sets);
 
   const auto moves = [](const std::vector<MorphWeightTrack>& tracks) { return !tracks.empty(); };
-  const auto moving = static_cast<std::size_t>(std::count_if(morphs.clips.begin(), morphs.clips.end(), moves));
+  const std::size_t moving = std::count_if(morphs.clips.begin(), morphs.clips.end(), moves);
   if (moving == 0) return sets;
   const std::size_t limit = std::clamp<std::size_t>(kMaxSets / moving, 2, kMaxTimes);
   for (const std::vector<MorphWeightTrack>& tracks : morphs.clips) {
@@ -104,7 +105,7 @@ std::vector<ReachedPosition> reachedPositions(const Morphs& morphs, std::span<co
     for (const MorphOffset& offset : morphs.targets[t].offsets) {
       int& slot = slotOf[offset.vertex];
       if (slot != -1) continue;
-      slot = static_cast<int>(vertices.size());
+      slot = countOf(vertices);
       vertices.push_back(offset.vertex);
     }
   }

@@ -14,8 +14,8 @@ void defaultWeights(const Morphs& morphs, std::span<float> targetWeights) {
 
 void sampleMorphWeights(std::span<const MorphWeightTrack> tracks, double time, std::span<float> targetWeights) {
   for (const MorphWeightTrack& track : tracks) {
-    const auto first = static_cast<std::size_t>(track.firstTarget);
-    const auto count = static_cast<std::size_t>(track.targetCount);
+    const std::size_t first = track.firstTarget;
+    const std::size_t count = track.targetCount;
     LORICA_CHECK(first + count <= targetWeights.size(), "the clip belongs to another character");
     const std::span<float> out = targetWeights.subspan(first, count);
     const BetweenKeys at = locateKeys(track.times, time);
@@ -33,13 +33,13 @@ void sampleMorphWeights(std::span<const MorphWeightTrack> tracks, double time, s
       const double value = here[i];
       const double next = here[i + stride];
       if (!cubic) {
-        out[i] = static_cast<float>(value + t * (next - value));
+        out[i] = value + t * (next - value);
         continue;
       }
       const double leaving = at.seconds * here[i + count];
       const double arriving = at.seconds * here[i + stride - count];
-      out[i] = static_cast<float>((2.0 * t3 - 3.0 * t2 + 1.0) * value + (t3 - 2.0 * t2 + t) * leaving +
-                                  (3.0 * t2 - 2.0 * t3) * next + (t3 - t2) * arriving);
+      out[i] = (2.0 * t3 - 3.0 * t2 + 1.0) * value + (t3 - 2.0 * t2 + t) * leaving + (3.0 * t2 - 2.0 * t3) * next +
+               (t3 - t2) * arriving;
     }
   }
 }

@@ -19,7 +19,7 @@ class ConstraintOrder {
         constraintOf_(skeleton.joints().size(), -1),
         marks_(2 * skeleton.joints().size(), Mark::kNew),
         cyclic_(constraints.size(), 0) {
-    for (std::size_t c = 0; c < constraints.size(); ++c) constraintOf_[constraints[c].joint] = static_cast<int>(c);
+    for (std::size_t c = 0; c < constraints.size(); ++c) constraintOf_[constraints[c].joint] = c;
   }
 
   void search() {
@@ -31,7 +31,7 @@ class ConstraintOrder {
 
  private:
   enum class Mark : char { kNew, kOpen, kDone };
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  static constexpr std::size_t kNone = -1;
   struct Entry {
     std::size_t node;
     int next;  ///< which dependency comes next
@@ -44,7 +44,7 @@ class ConstraintOrder {
 
   /// A node depends on at most two others.
   [[nodiscard]] std::array<std::size_t, 2> dependencies(std::size_t node) const {
-    const auto joint = static_cast<JointIndex>(node / 2);
+    const JointIndex joint = node / 2;
     const JointIndex parent = skeleton_.joint(joint).parent;
     if (node % 2 == 1) return {rotationOf(joint), worldOf(parent)};
     const int c = constraintOf_[joint];
@@ -63,7 +63,7 @@ class ConstraintOrder {
       if (top.next == 2) {
         marks_[top.node] = Mark::kDone;
         const int c = top.node % 2 == 0 ? constraintOf_[top.node / 2] : -1;
-        if (c >= 0 && cyclic_[c] == 0) order_.push_back(static_cast<std::size_t>(c));
+        if (c >= 0 && cyclic_[c] == 0) order_.push_back(c);
         stack_.pop_back();
         continue;
       }

@@ -1,5 +1,8 @@
 #include "skinning/springs/spring_bones.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
+
 #include <fmt/format.h>
 
 #include <cmath>
@@ -10,16 +13,12 @@ namespace {
 
 constexpr int kMaxCenterSteps = 10'000'000;  // from centres up to their roots, in all
 
-[[nodiscard]] Error bad(std::string what) {
-  return {ErrorCode::kInvalidArgument, std::move(what)};
-}
-
 [[nodiscard]] bool exists(const Skeleton& skeleton, JointIndex joint) {
   return joint >= 0 && joint < skeleton.jointCount();
 }
 
 [[nodiscard]] Error noJoint(const std::string& who, JointIndex joint, const Skeleton& skeleton) {
-  return bad(fmt::format("{}: joint {} does not exist, expected 0 to {}", who, joint, skeleton.jointCount() - 1));
+  return invalidArgument("{}: joint {} does not exist, expected 0 to {}", who, joint, skeleton.jointCount() - 1);
 }
 
 [[nodiscard]] bool atLeast0(double number) {
@@ -28,13 +27,14 @@ constexpr int kMaxCenterSteps = 10'000'000;  // from centres up to their roots, 
 
 [[nodiscard]] Result<void> checkJoint(const Skeleton& skeleton, const SpringJoint& spring, const std::string& who) {
   if (!exists(skeleton, spring.joint)) return noJoint(who, spring.joint, skeleton);
-  if (!spring.tail.allFinite() || spring.tail.isZero(0.0)) return bad(who + ": its tail is at 0 or not finite");
+  if (!spring.tail.allFinite() || spring.tail.isZero(0.0))
+    return invalidArgument(who + ": its tail is at 0 or not finite");
   if (!atLeast0(spring.stiffness) || !atLeast0(spring.hitRadius) || !(spring.dragForce >= 0.0) ||
       !(spring.dragForce <= 1.0) || !std::isfinite(spring.gravityPower) || !spring.gravityDir.allFinite()) {
-    return bad(
-        fmt::format("{}: stiffness {}, hit radius {}, drag {}, gravity {}; expected finite numbers, the first "
-                    "two at least 0, the drag from 0 to 1",
-                    who, spring.stiffness, spring.hitRadius, spring.dragForce, spring.gravityPower));
+    return invalidArgument(
+        "{}: stiffness {}, hit radius {}, drag {}, gravity {}; expected finite numbers, the first "
+        "two at least 0, the drag from 0 to 1",
+        who, spring.stiffness, spring.hitRadius, spring.dragForce, spring.gravityPower);
   }
   return {};
 }
@@ -46,15 +46,14 @@ constexpr int kMaxCenterSteps = 10'000'000;  // from centres up to their roots, 
     if (!exists(skeleton, collider.joint)) return noJoint(who, collider.joint, skeleton);
     if (!collider.offset.allFinite() || !collider.tail.allFinite() || !collider.normal.allFinite() ||
         !atLeast0(collider.radius)) {
-      return bad(
-          fmt::format("{}: radius {}, expected finite numbers and a radius of at least 0", who, collider.radius));
+      return invalidArgument("{}: radius {}, expected finite numbers and a radius of at least 0", who, collider.radius);
     }
   }
   for (std::size_t g = 0; g < springs.colliderGroups.size(); ++g) {
     for (const int c : springs.colliderGroups[g]) {
-      if (c >= 0 && c < static_cast<int>(springs.colliders.size())) continue;
-      return bad(fmt::format("collider group {}: collider {} does not exist, expected one of {}", g, c,
-                             springs.colliders.size()));
+      if (c >= 0 && c < countOf(springs.colliders)) continue;
+      return invalidArgument("collider group {}: collider {} does not exist, expected one of {}", g, c,
+                             springs.colliders.size());
     }
   }
   return {};
@@ -62,7 +61,7 @@ constexpr int kMaxCenterSteps = 10'000'000;  // from centres up to their roots, 
 
 [[nodiscard]] Result<void> checkConstraints(const Skeleton& skeleton, const SpringBones& springs) {
   if (springs.constraints.size() > kMaxNodeConstraints) {
-    return bad(fmt::format("{} constraints, expected at most {}", springs.constraints.size(), kMaxNodeConstraints));
+    return invalidArgument("{} constraints, expected at most {}", springs.constraints.size(), kMaxNodeConstraints);
   }
   std::vector<char> follows(skeleton.joints().size(), 0);
   for (std::size_t c = 0; c < springs.constraints.size(); ++c) {
@@ -71,17 +70,17 @@ constexpr int kMaxCenterSteps = 10'000'000;  // from centres up to their roots, 
     for (const JointIndex joint : {constraint.joint, constraint.source}) {
       if (!exists(skeleton, joint)) return noJoint(who, joint, skeleton);
     }
-    if (follows[constraint.joint] != 0) return bad(fmt::format("{}: joint {} has another", who, constraint.joint));
+    if (follows[constraint.joint] != 0) return invalidArgument("{}: joint {} has another", who, constraint.joint);
     follows[constraint.joint] = 1;
     if (!(constraint.weight >= 0.0 && constraint.weight <= 1.0) || !constraint.axis.allFinite() ||
         std::abs(constraint.axis.norm() - 1.0) > 1e-6) {
-      return bad(fmt::format("{}: weight {}, expected 0 to 1 and an axis of length 1", who, constraint.weight));
+      return invalidArgument("{}: weight {}, expected 0 to 1 and an axis of length 1", who, constraint.weight);
     }
   }
   std::vector<NodeConstraint> sorted = springs.constraints;
   const std::vector<JointIndex> cyclic = orderConstraints(skeleton, sorted);
   if (cyclic.empty()) return {};
-  return bad(fmt::format("the constraint of joint {} depends on itself", cyclic.front()));
+  return invalidArgument("the constraint of joint {} depends on itself", cyclic.front());
 }
 
 }  // namespace
@@ -89,43 +88,43 @@ constexpr int kMaxCenterSteps = 10'000'000;  // from centres up to their roots, 
 int SpringBones::springCount() const {
   std::size_t count = 0;
   for (const SpringChain& chain : chains) count += chain.joints.size();
-  return static_cast<int>(count);
+  return count;
 }
 
 Result<void> checkSprings(const Skeleton& skeleton, const SpringBones& springs) {
   if (springs.colliders.size() > kMaxSpringColliders) {
-    return bad(fmt::format("{} colliders, expected at most {}", springs.colliders.size(), kMaxSpringColliders));
+    return invalidArgument("{} colliders, expected at most {}", springs.colliders.size(), kMaxSpringColliders);
   }
-  if (Result<void> sound = checkColliders(skeleton, springs); !sound) return sound;
+  LORICA_TRY_DO(checkColliders(skeleton, springs));
 
   std::vector<int> chainOf(skeleton.joints().size(), -1);
   std::size_t count = 0;
   std::size_t pairs = 0;
   for (std::size_t c = 0; c < springs.chains.size(); ++c) {
     const SpringChain& chain = springs.chains[c];
-    if (chain.joints.empty()) return bad(fmt::format("chain {}: has no joints, expected at least one", c));
+    if (chain.joints.empty()) return invalidArgument("chain {}: has no joints, expected at least one", c);
     count += chain.joints.size();
     for (std::size_t j = 0; j < chain.joints.size(); ++j) {
       const std::string who = fmt::format("chain {}, joint {}", c, j);
-      if (Result<void> sound = checkJoint(skeleton, chain.joints[j], who); !sound) return sound;
+      LORICA_TRY_DO(checkJoint(skeleton, chain.joints[j], who));
       int& owner = chainOf[chain.joints[j].joint];
-      if (owner != -1) return bad(fmt::format("{}: swings in chain {} already", who, owner));
-      owner = static_cast<int>(c);
+      if (owner != -1) return invalidArgument("{}: swings in chain {} already", who, owner);
+      owner = c;
     }
     std::size_t colliders = 0;
     for (const int g : chain.colliderGroups) {
-      if (g < 0 || g >= static_cast<int>(springs.colliderGroups.size())) {
-        return bad(fmt::format("chain {}: collider group {} does not exist, expected one of {}", c, g,
-                               springs.colliderGroups.size()));
+      if (g < 0 || g >= countOf(springs.colliderGroups)) {
+        return invalidArgument("chain {}: collider group {} does not exist, expected one of {}", c, g,
+                               springs.colliderGroups.size());
       }
       colliders += springs.colliderGroups[g].size();
     }
     pairs += colliders * chain.joints.size();
     if (count > kMaxSprings || pairs > kMaxSpringPairs) {
-      return bad(
-          fmt::format("{} joints swing, which makes {} pairs with colliders up to chain {}; expected at most "
-                      "{} and {}",
-                      count, pairs, c, kMaxSprings, kMaxSpringPairs));
+      return invalidArgument(
+          "{} joints swing, which makes {} pairs with colliders up to chain {}; expected at most "
+          "{} and {}",
+          count, pairs, c, kMaxSprings, kMaxSpringPairs);
     }
   }
   int centerSteps = 0;
@@ -134,9 +133,10 @@ Result<void> checkSprings(const Skeleton& skeleton, const SpringBones& springs) 
     if (center == kNoJoint) continue;
     if (!exists(skeleton, center)) return noJoint(fmt::format("chain {}: centre", c), center, skeleton);
     for (JointIndex j = skeleton.joint(center).parent; j != kNoJoint; j = skeleton.joint(j).parent) {
-      if (++centerSteps > kMaxCenterSteps) return bad("the centres of the chains lie too deep in the skeleton");
+      if (++centerSteps > kMaxCenterSteps)
+        return invalidArgument("the centres of the chains lie too deep in the skeleton");
       if (chainOf[j] != static_cast<int>(c)) continue;
-      return bad(fmt::format("chain {}: its centre, joint {}, swings with it", c, center));
+      return invalidArgument("chain {}: its centre, joint {}, swings with it", c, center);
     }
   }
   return checkConstraints(skeleton, springs);

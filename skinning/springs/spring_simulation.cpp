@@ -1,5 +1,6 @@
 #include "skinning/springs/spring_simulation.h"
 
+#include "geometry/counts.h"
 #include "skinning/springs/spring_collider.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ void putAtDistance(const Vec3& head, double length, Vec3& tail) {
 }  // namespace
 
 Result<SpringSimulation> SpringSimulation::create(const Skeleton& skeleton, SpringBones springs) {
-  if (Result<void> sound = checkSprings(skeleton, springs); !sound) return sound.error();
+  LORICA_TRY_DO(checkSprings(skeleton, springs));
   (void)orderConstraints(skeleton, springs.constraints);
   return SpringSimulation(skeleton, std::move(springs));
 }
@@ -40,7 +41,7 @@ SpringSimulation::SpringSimulation(const Skeleton& skeleton, SpringBones springs
     }
     chainRoots_.push_back(joints_.size());
     for (const SpringJoint& joint : chain.joints) {
-      springOf_[joint.joint] = static_cast<int>(joints_.size());
+      springOf_[joint.joint] = countOf(joints_);
       joints_.push_back(joint);
       constants_.push_back({chain.center, begin, colliders_.size(), joint.tail.normalized(),
                             skeleton_.joint(joint.joint).rest.rotation});
@@ -157,7 +158,7 @@ void SpringSimulation::advance(std::span<JointTransform> pose, double seconds, S
     started_ = true;
   } else {
     const double due = owed_ + seconds;
-    const int steps = static_cast<int>(std::floor((due + kTimeTolerance) / kSpringStepSeconds));
+    const int steps = std::floor((due + kTimeTolerance) / kSpringStepSeconds);
     for (int n = 1; n <= steps; ++n) {
       const double left = due - n * kSpringStepSeconds;  // from this step to the frame
       const double share = left > kTimeTolerance && seconds > 0.0 ? 1.0 - left / seconds : 1.0;
@@ -180,7 +181,7 @@ void SpringSimulation::advance(std::span<JointTransform> pose, double seconds, S
 void SpringSimulation::step(double share, SpringObstacles* obstacles) {
   for (const JointIndex joint : order_) {
     place(joint);
-    if (springOf_[joint] >= 0) swing(static_cast<std::size_t>(springOf_[joint]), share, obstacles);
+    if (springOf_[joint] >= 0) swing(springOf_[joint], share, obstacles);
   }
 }
 

@@ -23,7 +23,7 @@ constexpr Limits kMovedAttached = {2300.0F, 15};
 constexpr float kAgainst = 1.15F;  // multiple of that cost from which a view is against a person believed before
 
 int seenOf(const CapsuleSupport& support) {
-  return static_cast<int>(std::ranges::count_if(support.seen, [](float share) { return share > kMinSeen; }));
+  return std::ranges::count_if(support.seen, [](float share) { return share > kMinSeen; });
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ void BodyFitter::addPull(int node, const V3& at, const V3& derivative, float res
   Wrench f;
   f.head<3>() = V3(at - body_.position[kPelvis]).cross(derivative);
   f.tail<3>() = derivative;
-  const auto n = static_cast<std::size_t>(node);
+  const std::size_t n = node;
   Gram& gram = equations_.gram[n];
   for (int i = 0; i < 6; ++i) {
     const float wi = weight * f[i];
@@ -47,14 +47,14 @@ SurfaceMatch BodyFitter::match(const BodyView::Point& point, int first) const {
 
 float BodyFitter::pointTerm(const BodyView& view, const FitStage& stage, bool linearize) {
   const auto points = view.points();
-  const std::size_t n = std::min(points.size(), static_cast<std::size_t>(stage.points));
+  const std::size_t n = std::min<std::size_t>(points.size(), stage.points);
   if (n == 0) return 0.0F;
-  const float each = kPointCount / static_cast<float>(n) / (kPointDeviation * kPointDeviation);
+  const float each = kPointCount / n / (kPointDeviation * kPointDeviation);
   const float widthSq = stage.width * stage.width;
   float cost = 0.0F;
   for (std::size_t i = 0; i < n; ++i) {
     const SurfaceMatch m = match(points[i], lastCapsule_[i]);
-    lastCapsule_[i] = static_cast<std::uint8_t>(m.capsule);
+    lastCapsule_[i] = m.capsule;
     const Robust r = robust(m.costSq, widthSq);
     cost += r.cost;
     if (linearize) {
@@ -104,7 +104,7 @@ float BodyFitter::poseTerm(const BodyPose& pose, bool linearize) {
   constexpr float kNudge = 0.01F;
   const float each = 1.0F / (kLimitDeviation * kLimitDeviation);
   for (const BallLimit& limit : ballLimits()) {
-    const auto n = static_cast<std::size_t>(limit.node);
+    const std::size_t n = limit.node;
     const int dof = nodes[n].firstDof;
     const V3 excess = excessOf(limit, pose.turn[n]);
     cost += each * excess.squaredNorm();
@@ -137,7 +137,7 @@ float BodyFitter::poseTerm(const BodyPose& pose, bool linearize) {
       const float a = pose.angle[n][i] - rest[i];
       cost += w * a * a;
       if (!linearize) continue;
-      const int dof = def.firstDof + static_cast<int>(i);
+      const int dof = def.firstDof + i;
       equations_.matrix(dof, dof) += w;
       equations_.gradient[dof] += w * a;
     }
@@ -176,7 +176,7 @@ void BodyFitter::assemble() {
   const auto& nodes = nodeDefs();
   // Children come after their parents.
   for (std::size_t n = kNodeCount - 1; n > 0; --n) {
-    const auto parent = static_cast<std::size_t>(nodes[n].parent);
+    const std::size_t parent = nodes[n].parent;
     equations_.gram[parent].triangularView<Eigen::Lower>() += equations_.gram[n];
     equations_.force[parent] += equations_.force[n];
   }
@@ -294,20 +294,19 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
     poseBody(pose, other, nudged[k]);
   }
   const auto points = view.points();
-  const std::size_t n = std::min(points.size(), static_cast<std::size_t>(stage.points));
+  const std::size_t n = std::min<std::size_t>(points.size(), stage.points);
   if (n == 0) return;
-  const float each = kPointCount / static_cast<float>(n) / (kPointDeviation * kPointDeviation);
+  const float each = kPointCount / n / (kPointDeviation * kPointDeviation);
   const auto& nodes = nodeDefs();
   for (std::size_t i = 0; i < n; ++i) {
     const SurfaceMatch m = match(points[i], lastCapsule_[i]);
     const Robust r = robust(m.costSq, stage.width * stage.width);
     const float weight = each * r.weight;
-    const auto c = static_cast<std::size_t>(m.capsule);
+    const std::size_t c = m.capsule;
     const float here = distanceTo(body_, body_.capsule[c], points[i].position).distance;
     Eigen::Matrix<float, kProportionCount, 1> row;
     for (std::size_t k = 0; k < kProportionCount; ++k) {
-      row[static_cast<int>(k)] =
-          (distanceTo(nudged[k], nudged[k].capsule[c], points[i].position).distance - here) / kNudge;
+      row[k] = (distanceTo(nudged[k], nudged[k].capsule[c], points[i].position).distance - here) / kNudge;
     }
     matrix.bottomRightCorner<kProportionCount, kProportionCount>() += weight * row * row.transpose();
     gradient.tail<kProportionCount>() += (weight * m.residual) * row;
@@ -322,7 +321,7 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
     }
   }
   for (std::size_t k = 0; k < kProportionCount; ++k) {
-    const auto d = kDofCount + static_cast<int>(k);
+    const int d = kDofCount + k;
     // Bodies differ by about a tenth; girths and single lengths are tied to the overall size.
     const float usual = k == kSize || k == kHeadSize ? 0.15F : (k >= kTrunkGirth ? 0.10F : 0.04F);
     const float toUsual = 1.0F / (usual * usual);
@@ -335,7 +334,7 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   if (!delta.allFinite() || delta.head<kDofCount>().cwiseAbs().maxCoeff() > 0.3F) return;
   Proportions next = proportions;
   for (std::size_t k = 0; k < kProportionCount; ++k) {
-    const float step = std::clamp(delta[kDofCount + static_cast<int>(k)], -0.05F, 0.05F);
+    const float step = std::clamp(delta[kDofCount + k], -0.05F, 0.05F);
     next.factor[k] = std::clamp(next.factor[k] + step, 0.55F, 1.8F);
   }
   const BodyPose tried = stepped(pose, delta.head<kDofCount>());

@@ -157,7 +157,7 @@ BodyPose stepped(const BodyPose& pose, const Step& step) {
       continue;
     }
     for (int i = 0; i < def.dofCount; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+      const std::size_t k = i;
       out.angle[n][k] = std::clamp(out.angle[n][k] + step[first + i], def.min[k], def.max[k]);
     }
   }
@@ -176,7 +176,7 @@ Step stepBetween(const BodyPose& from, const BodyPose& to) {
       continue;
     }
     for (int i = 0; i < def.dofCount; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+      const std::size_t k = i;
       step[first + i] = to.angle[n][k] - from.angle[n][k];
     }
   }
@@ -200,7 +200,7 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& 
     if (isRoot) {
       body.position[n] = pose.root;
     } else {
-      const auto parent = static_cast<std::size_t>(def.parent);
+      const std::size_t parent = def.parent;
       body.position[n] =
           body.position[parent] + above * body.scale[parent].cwiseProduct(def.position - nodes[parent].position);
     }
@@ -218,7 +218,7 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& 
     }
     M3 rotation = above;
     for (int i = 0; i < def.dofCount; ++i) {
-      const auto k = static_cast<std::size_t>(i);
+      const std::size_t k = i;
       turnAbout(rotation * def.axis[k]);
       rotation = rotation * Eigen::AngleAxisf(pose.angle[n][k], def.axis[k]).toRotationMatrix();
     }

@@ -149,7 +149,7 @@ struct AxisHit {
   float along;   ///< 0 at a, 1 at b
 };
 [[nodiscard]] inline AxisHit axisHit(const PosedModel& body, const ShapedCapsule& c, const V3& p) {
-  const auto node = static_cast<std::size_t>(c.node);
+  const std::size_t node = c.node;
   V3 q = body.rotation[node].transpose() * (p - body.position[node]);
   q.x() *= c.flat;
   q -= c.a;

@@ -31,31 +31,31 @@ CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& pr
   for (std::size_t i = 0; i < n; ++i) {
     const SurfaceMatch m = match(points[i], lastCapsule_[i]);
     const float off = std::abs(m.residual);
-    const auto c = static_cast<std::size_t>(m.capsule);
+    const std::size_t c = m.capsule;
     support.meanDistance += std::min(off, 0.1F);
     unexplained += off > 0.08F ? 1 : 0;
     if (off > 0.1F) continue;
     ++support.points[c];
     support.distance[c] += off;
     support.seen[c] += view.areaOf(points[i]);
-    if (owner) (*owner)[i] = static_cast<std::uint8_t>(m.capsule);
+    if (owner) (*owner)[i] = m.capsule;
   }
   if (n > 0) {
-    support.meanDistance /= static_cast<float>(n);
-    support.unexplained = static_cast<float>(unexplained) / static_cast<float>(n);
+    support.meanDistance /= n;
+    support.unexplained = unexplained / static_cast<float>(n);
   }
   for (std::size_t c = 0; c < kCapsuleCount; ++c) {
     if (support.points[c] == 0) continue;
-    support.distance[c] /= static_cast<float>(support.points[c]);
+    support.distance[c] /= support.points[c];
     const Capsule& def = capsuleDefs()[c];
     const float section =
         (def.b - def.a).norm() * (def.radiusA + def.radiusB) * body_.girth[def.node] * body_.girth[def.node];
-    support.seen[c] *= static_cast<float>(points.size()) / static_cast<float>(n) / section;
+    support.seen[c] *= static_cast<float>(points.size()) / n / section;
   }
   std::array<int, kCapsuleCount> samples{};
   std::array<float, 2> edges{};
   for (const Sample& sample : samplesOfBody()) {
-    const auto c = static_cast<std::size_t>(sample.capsule);
+    const std::size_t c = sample.capsule;
     ++samples[c];
     const Ball ball = ballOf(body_, sample);
     if (capsuleDefs()[c].node == kPelvis && sample.aside != 0.0F) {
@@ -73,8 +73,8 @@ CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& pr
   }
   for (const std::size_t side : {0, 1}) support.hiddenSide[side] /= edges[side];
   for (std::size_t c = 0; c < kCapsuleCount; ++c) {
-    support.hidden[c] /= static_cast<float>(samples[c]);
-    support.violation[c] /= static_cast<float>(samples[c]);
+    support.hidden[c] /= samples[c];
+    support.violation[c] /= samples[c];
   }
   return support;
 }

@@ -1,5 +1,6 @@
 #include "capture/tracking/fit/body_terms.h"
 
+#include "geometry/counts.h"
 #include "skinning/humanoid/joint_limits.h"
 
 #include <algorithm>
@@ -48,7 +49,7 @@ std::vector<CollisionPair> makePairs() {
   const auto isOf = [](Node node, std::initializer_list<Node> left) {
     return std::any_of(left.begin(), left.end(), [&](Node n) { return node == n || node == n + 1; });
   };
-  for (int s = 0; s < static_cast<int>(samples.size()); ++s) {
+  for (int s = 0; s < countOf(samples); ++s) {
     const Sample& sample = samples[s];
     const Node mine = capsules[sample.capsule].node;
     for (int c = 0; c < kCapsuleCount; ++c) {
@@ -76,8 +77,8 @@ std::vector<BallLimit> makeLimits() {
     l.firstAxis = r.firstAxis.cast<float>();
     l.secondAxis = r.secondAxis.cast<float>();
     const auto range = [&](std::array<float, 2>& to, const AngleRange& from) {
-      to[0] = static_cast<float>(from.min * times);
-      to[1] = static_cast<float>(from.max * times);
+      to[0] = from.min * times;
+      to[1] = from.max * times;
     };
     range(l.twist, r.twist);
     range(l.first, r.first);
@@ -158,7 +159,7 @@ void matchCapsule(const PosedModel& body, int capsule, const V3& position, const
 
 Ball ballOf(const PosedModel& body, const Sample& sample) {
   const ShapedCapsule& c = body.capsule[sample.capsule];
-  const auto node = static_cast<std::size_t>(c.node);
+  const std::size_t node = c.node;
   V3 q = c.a + sample.along * c.ab;
   const float r = c.radiusA + sample.along * c.radiusAb;
   q.x() = q.x() / c.flat + sample.aside * (r / c.flat - r);

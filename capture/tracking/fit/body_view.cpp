@@ -37,11 +37,11 @@ int bayerRank(int x, int y) {
 BodyView::BodyView(const DepthCamera& camera)
     : camera_(camera),
       block_(camera.width < 400 ? 2 : 4),
-      focalX_(static_cast<float>(camera.focalX())),
-      focalY_(static_cast<float>(camera.focalY())),
+      focalX_(camera.focalX()),
+      focalY_(camera.focalY()),
       columns_(camera.width / block_),
       rows_(camera.height / block_) {
-  const auto count = static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_);
+  const auto count = static_cast<std::size_t>(columns_) * rows_;
   blocks_.resize(count);
   positions_.resize(count);
   outside_.resize(count);
@@ -51,8 +51,7 @@ BodyView::BodyView(const DepthCamera& camera)
 }
 
 V3 BodyView::cameraPositionOf(float column, float row, float depth) const {
-  return {(column - 0.5F * static_cast<float>(camera_.width)) * depth / focalX_,
-          (0.5F * static_cast<float>(camera_.height) - row) * depth / focalY_, -depth};
+  return {(column - 0.5F * camera_.width) * depth / focalX_, (0.5F * camera_.height - row) * depth / focalY_, -depth};
 }
 
 void BodyView::look(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label,
@@ -71,8 +70,8 @@ void BodyView::findGround(bool floorFound) {
     ground_ = 0.0F;
   } else if (!cutBelow_ && !points_.empty()) {
     for (std::size_t k = 0; k < points_.size(); ++k) scratch_[k] = points_[k].position.y();
-    const auto low = scratch_.begin() + static_cast<std::ptrdiff_t>(points_.size() / kLowShare);
-    std::nth_element(scratch_.begin(), low, scratch_.begin() + static_cast<std::ptrdiff_t>(points_.size()));
+    const auto low = scratch_.begin() + points_.size() / kLowShare;
+    std::nth_element(scratch_.begin(), low, scratch_.begin() + points_.size());
     ground_ = *low - kLowMargin;
   }
 }
@@ -88,14 +87,13 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
   const int minPixels = block_ == 4 ? 5 : 2, minLayer = block_ == 4 ? 3 : 1;
   for (int by = 0; by < rows_; ++by) {
     for (int bx = 0; bx < columns_; ++bx) {
-      const auto first = static_cast<std::size_t>(by * block_) * static_cast<std::size_t>(width) +
-                         static_cast<std::size_t>(bx * block_);
+      const auto first = static_cast<std::size_t>(by * block_) * width + bx * block_;
       int mine = 0;
       int missing = 0;
       std::uint16_t nearest = 0xffff;
       std::uint16_t nearestElse = 0xffff;
       for (int y = 0; y < block_; ++y) {
-        const std::size_t at = first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        const std::size_t at = first + static_cast<std::size_t>(y) * width;
         for (std::size_t x = 0; x < static_cast<std::size_t>(block_); ++x) {
           const std::uint16_t mm = depthMm[at + x];
           if (mm == 0) {
@@ -108,35 +106,34 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
           }
         }
       }
-      const auto index =
-          static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx);
+      const auto index = static_cast<std::size_t>(by) * columns_ + bx;
       Block& block = blocks_[index];
       block.kind = kElse;
-      block.depth = nearestElse == 0xffff ? 0.0F : 0.001F * static_cast<float>(nearestElse);
+      block.depth = nearestElse == 0xffff ? 0.0F : 0.001F * nearestElse;
       if (mine < minPixels) {
         if (missing > block_ * block_ / 2) block.kind = kUnknown;
         continue;
       }
       float sum = 0.0F, sumX = 0.0F, sumY = 0.0F;
       int count = 0;
-      const float limit = static_cast<float>(nearest) + 1000.0F * kLayer;
+      const float limit = nearest + 1000.0F * kLayer;
       for (int y = 0; y < block_; ++y) {
-        const std::size_t at = first + static_cast<std::size_t>(y) * static_cast<std::size_t>(width);
+        const std::size_t at = first + static_cast<std::size_t>(y) * width;
         for (std::size_t x = 0; x < static_cast<std::size_t>(block_); ++x) {
-          const auto mm = static_cast<float>(depthMm[at + x]);
+          const float mm = depthMm[at + x];
           if (mm == 0.0F || labels[at + x] != label || mm > limit) continue;
           sum += mm;
-          sumX += static_cast<float>(x);
-          sumY += static_cast<float>(y);
+          sumX += x;
+          sumY += y;
           ++count;
         }
       }
       if (count < minLayer) continue;
-      const float share = 1.0F / static_cast<float>(count);
+      const float share = 1.0F / count;
       block.kind = kPerson;
       block.depth = 0.001F * sum * share;
-      positions_[index] = cameraPositionOf(static_cast<float>(bx * block_) + 0.5F + sumX * share,
-                                           static_cast<float>(by * block_) + 0.5F + sumY * share, block.depth);
+      positions_[index] =
+          cameraPositionOf(bx * block_ + 0.5F + sumX * share, by * block_ + 0.5F + sumY * share, block.depth);
       left_ = std::min(left_, bx);
       right_ = std::max(right_, bx + 1);
       top_ = std::min(top_, by);
@@ -146,20 +143,12 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
   int border = 0;
   for (int by = 0; by < rows_; ++by) {
     for (const int bx : {0, 1, 2, columns_ - 3, columns_ - 2, columns_ - 1}) {
-      border +=
-          blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)]
-                      .kind == kPerson
-              ? 1
-              : 0;
+      border += blocks_[static_cast<std::size_t>(by) * columns_ + bx].kind == kPerson ? 1 : 0;
     }
   }
   for (int bx = 0; bx < columns_; ++bx) {
     for (const int by : {0, 1, rows_ - 2, rows_ - 1}) {
-      border +=
-          blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)]
-                      .kind == kPerson
-              ? 1
-              : 0;
+      border += blocks_[static_cast<std::size_t>(by) * columns_ + bx].kind == kPerson ? 1 : 0;
     }
   }
   cut_ = border >= kCutBlocks;
@@ -212,14 +201,13 @@ void BodyView::markOccluders() {
     away[i] = away[j] + step;
     depth[i] = depth[j];
   });
-  const auto size = static_cast<float>(block_);
+  const float size = block_;
   for (int y = top_; y < bottom_; ++y) {
     for (int x = left_; x < right_; ++x) {
       const std::size_t i = indexOf(x, y);
       Block& block = blocks_[i];
       if (block.kind != kElse || block.depth == 0.0F || block.depth > depth[i] - kOccluderGap) continue;
-      const V3 position =
-          cameraPositionOf((static_cast<float>(x) + 0.5F) * size, (static_cast<float>(y) + 0.5F) * size, block.depth);
+      const V3 position = cameraPositionOf((x + 0.5F) * size, (y + 0.5F) * size, block.depth);
       if ((floorFromCamera_ * position + cameraPosition_).y() > kAboveFloor) block.kind = kNearer;
     }
   }
@@ -278,13 +266,13 @@ void BodyView::makePoints() {
   for (auto& list : byRank_) list.clear();
   for (int y = top_; y < bottom_; ++y) {
     for (int x = left_; x < right_; ++x) {
-      const auto i = static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x);
+      const auto i = static_cast<std::size_t>(y) * columns_ + x;
       if (blocks_[i].kind == kPerson) {
-        byRank_[bayerRank(x & 7, y & 7)].push_back(static_cast<std::uint32_t>(i));
+        byRank_[bayerRank(x & 7, y & 7)].push_back(i);
       }
     }
   }
-  const auto step = static_cast<std::size_t>(columns_);
+  const std::size_t step = columns_;
   for (const auto& list : byRank_) {
     for (const std::uint32_t i : list) {
       if (points_.size() >= kMaxPoints) break;
@@ -305,8 +293,8 @@ void BodyView::makePoints() {
       Point point;
       point.position = floorFromCamera_ * position + cameraPosition_;
       point.ray = floorFromCamera_ * position.normalized();
-      point.column = static_cast<std::uint16_t>(x);
-      point.row = static_cast<std::uint16_t>(y);
+      point.column = x;
+      point.row = y;
       V3 across, down;
       point.normal = V3::Zero();
       if (slope(x > 0, x + 1 < columns_, 1, across) && slope(y > 0, y + 1 < rows_, step, down)) {
@@ -321,8 +309,8 @@ void BodyView::makePoints() {
   const std::size_t n = points_.size();
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) scratch_[k] = points_[k].position[axis];
-    const auto half = scratch_.begin() + static_cast<std::ptrdiff_t>(n / 2);
-    std::nth_element(scratch_.begin(), half, scratch_.begin() + static_cast<std::ptrdiff_t>(n));
+    const auto half = scratch_.begin() + (n / 2);
+    std::nth_element(scratch_.begin(), half, scratch_.begin() + n);
     middle_[axis] = *half;
   }
 }
@@ -333,23 +321,20 @@ BodyView::Sight BodyView::sightOf(const V3& position) const {
   sight.depth = -p.z();
   sight.axis = -floorFromCamera_.col(2);
   if (sight.depth < 0.2F) return sight;
-  const float column =
-      (0.5F * static_cast<float>(camera_.width) + focalX_ * p.x() / sight.depth) / static_cast<float>(block_) - 0.5F;
-  const float row =
-      (0.5F * static_cast<float>(camera_.height) - focalY_ * p.y() / sight.depth) / static_cast<float>(block_) - 0.5F;
-  sight.metresPerBlock = static_cast<float>(block_) * sight.depth / focalX_;
-  sight.inside = column > -0.5F && row > -0.5F && column < static_cast<float>(columns_) - 0.5F &&
-                 row < static_cast<float>(rows_) - 0.5F;
+  const float column = (0.5F * camera_.width + focalX_ * p.x() / sight.depth) / block_ - 0.5F;
+  const float row = (0.5F * camera_.height - focalY_ * p.y() / sight.depth) / block_ - 0.5F;
+  sight.metresPerBlock = block_ * sight.depth / focalX_;
+  sight.inside = column > -0.5F && row > -0.5F && column < columns_ - 0.5F && row < rows_ - 0.5F;
   if (!sight.inside || right_ - left_ < 2 || bottom_ - top_ < 2) return sight;
   // Beyond the margin, the distance to the margin's border is added.
-  const float x = std::clamp(column, static_cast<float>(left_), static_cast<float>(right_) - 1.001F);
-  const float y = std::clamp(row, static_cast<float>(top_), static_cast<float>(bottom_) - 1.001F);
+  const float x = std::clamp<float>(column, left_, right_ - 1.001F);
+  const float y = std::clamp<float>(row, top_, bottom_ - 1.001F);
   const int x0 = std::min(static_cast<int>(x), right_ - 2);
   const int y0 = std::min(static_cast<int>(y), bottom_ - 2);
-  const float fx = x - static_cast<float>(x0);
-  const float fy = y - static_cast<float>(y0);
-  const auto at = static_cast<std::size_t>(y0) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(x0);
-  const auto below = at + static_cast<std::size_t>(columns_);
+  const float fx = x - x0;
+  const float fy = y - y0;
+  const auto at = static_cast<std::size_t>(y0) * columns_ + x0;
+  const auto below = at + columns_;
   const float a = outside_[at], b = outside_[at + 1], c = outside_[below], d = outside_[below + 1];
   sight.outside = (1 - fy) * ((1 - fx) * a + fx * b) + fy * ((1 - fx) * c + fx * d);
   V3 gradient((1 - fy) * (b - a) + fy * (d - c), -((1 - fx) * (c - a) + fx * (d - b)), 0.0F);
@@ -362,8 +347,7 @@ BodyView::Sight BodyView::sightOf(const V3& position) const {
   sight.gradient = floorFromCamera_ * gradient;
   const int bx = std::clamp(static_cast<int>(std::lround(column)), 0, columns_ - 1);
   const int by = std::clamp(static_cast<int>(std::lround(row)), 0, rows_ - 1);
-  const Block& block =
-      blocks_[static_cast<std::size_t>(by) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(bx)];
+  const Block& block = blocks_[static_cast<std::size_t>(by) * columns_ + bx];
   sight.person = block.kind == kPerson;
   sight.seen = block.depth;
   return sight;

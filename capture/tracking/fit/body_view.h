@@ -36,12 +36,10 @@ class BodyView {
   /// Area that one point represents, perpendicular to the view [m^2].
   [[nodiscard]] float areaOf(const Point& point) const {
     const float away = (point.position - cameraPosition_).norm();
-    return static_cast<float>(block_ * block_) * away * away / (focalX_ * focalY_);
+    return block_ * block_ * away * away / (focalX_ * focalY_);
   }
   /// Of the person, about, as seen from the camera [m^2].
-  [[nodiscard]] float seenArea() const {
-    return points_.empty() ? 0.0F : static_cast<float>(points_.size()) * areaOf(points_.front());
-  }
+  [[nodiscard]] float seenArea() const { return points_.empty() ? 0.0F : points_.size() * areaOf(points_.front()); }
   [[nodiscard]] const V3& cameraPosition() const { return cameraPosition_; }
   /// Whether the person clearly touches the image border.
   [[nodiscard]] bool cut() const { return cut_; }
@@ -82,7 +80,7 @@ class BodyView {
   void makePoints();
   void findGround(bool floorFound);
   [[nodiscard]] std::size_t indexOf(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) + static_cast<std::size_t>(column);
+    return static_cast<std::size_t>(row) * columns_ + column;
   }
   [[nodiscard]] V3 cameraPositionOf(float column, float row, float depth) const;
 

@@ -1,5 +1,7 @@
 #include "capture/tracking/fit/joint_confidence.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <initializer_list>
 
@@ -40,12 +42,12 @@ void JointConfidence::update(const CapsuleSupport& support, bool attached) {
   using J = BodyJoint;
   // 0.5 if as much of the capsule was seen as needed, 1 at twice that.
   const auto shown = [&](int capsule, double needed) {
-    const auto c = static_cast<std::size_t>(capsule);
+    const std::size_t c = capsule;
     return std::clamp(static_cast<double>(support.seen[c]) / (kSeenFully * needed), 0.0, 1.0);
   };
   const auto violated = [&](int capsule, float max) { return support.violation[capsule] > max; };
   std::array<double, kBodyJointCount> now{};
-  const auto set = [&](J joint, double value) { now[static_cast<std::size_t>(joint)] = value; };
+  const auto set = [&](J joint, double value) { now[ordinalOf(joint)] = value; };
   set(J::kHead, shown(kHeadCapsule, 0.15));
   set(J::kNeck, std::max(shown(kNeckCapsule, 0.15), shown(kChestCapsule, 0.3)));
   set(J::kTorso, std::max({shown(kChestCapsule, 0.2), shown(kWaistCapsule, 0.2), shown(kPelvisCapsule, 0.2)}));
@@ -72,7 +74,7 @@ void JointConfidence::update(const CapsuleSupport& support, bool attached) {
     const auto unsureBehind = [&](J left, std::initializer_list<int> capsules) {
       const auto isHidden = [&](int capsule) { return support.hidden[capsule + side] >= kHiddenShare; };
       if (!std::ranges::all_of(capsules, isHidden)) return;
-      double& joint = now[static_cast<std::size_t>(of(left))];
+      double& joint = now[ordinalOf(of(left))];
       joint = std::min(joint, kUnsure);
     };
     unsureBehind(J::kLeftElbow, {kUpperArmCapsule});
@@ -84,14 +86,14 @@ void JointConfidence::update(const CapsuleSupport& support, bool attached) {
     // Where the trunk ends behind something else is not seen.
     if (support.hiddenSide[side] >= kHiddenSide) {
       for (const J joint : {J::kLeftHip, J::kLeftKnee}) {
-        double& leg = now[static_cast<std::size_t>(of(joint))];
+        double& leg = now[ordinalOf(of(joint))];
         leg = std::min(leg, kUnsure);
       }
     }
     // A seat beside the legs may be taken for them.
     if (attached) {
       for (const J joint : {J::kLeftHip, J::kLeftKnee, J::kLeftFoot}) {
-        double& leg = now[static_cast<std::size_t>(of(joint))];
+        double& leg = now[ordinalOf(of(joint))];
         leg = std::min(leg, kUnsure);
       }
     }

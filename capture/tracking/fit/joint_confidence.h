@@ -2,6 +2,7 @@
 
 #include "capture/skeleton_frame.h"
 #include "capture/tracking/fit/body_fit.h"
+#include "geometry/counts.h"
 
 #include <array>
 
@@ -18,7 +19,7 @@ class JointConfidence {
   void restart();
   void update(const CapsuleSupport& support, bool attached);
   /// Of a joint, 0.1 to 1.
-  [[nodiscard]] double operator[](BodyJoint joint) const { return confidence_[static_cast<std::size_t>(joint)]; }
+  [[nodiscard]] double operator[](BodyJoint joint) const { return confidence_[ordinalOf(joint)]; }
   /// Whether nothing of a limb was seen, see Limb.
   [[nodiscard]] bool hidden(int limb) const { return hidden_[limb]; }
 

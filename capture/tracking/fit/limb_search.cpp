@@ -21,7 +21,7 @@ std::array<V3, kDirections> makeDirections(bool arm) {
   std::size_t n = 0;
   const auto add = [&](float up, float from, float to, int count) {
     for (int i = 0; i < count && n < kDirections; ++i) {
-      const float share = count == 1 ? 0.5F : static_cast<float>(i) / static_cast<float>(count - 1);
+      const float share = count == 1 ? 0.5F : i / static_cast<float>(count - 1);
       const float a = (from + share * (to - from)) * 0.017453293F;  // 0 outward, 90 forward
       const float across = std::sqrt(1.0F - up * up);
       directions[n++] = {across * std::cos(a), up, across * std::sin(a)};
@@ -205,7 +205,7 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
       const V3 side = (std::abs(line.y()) < 0.9F ? V3::UnitY() : V3::UnitZ()).cross(line).normalized();
       const V3 other = line.cross(side);
       for (int swivel = 0; swivel < 6; ++swivel) {
-        const float a = static_cast<float>(swivel) * 1.0471976F;
+        const float a = swivel * 1.0471976F;
         const LimbLine found =
             reachFor(origin, upperLength, lowerLength, wrist, std::cos(a) * side + std::sin(a) * other);
         attempt(found.upper, found.lower);
@@ -218,7 +218,7 @@ std::span<const LimbSearch::Candidate> LimbSearch::search(const BodyView& view, 
     const V3 side = (std::abs(upper.y()) < 0.9F ? V3::UnitY() : V3::UnitZ()).cross(upper).normalized();
     const V3 other = upper.cross(side);
     for (int swivel = 0; swivel < 4; ++swivel) {
-      const float a = static_cast<float>(swivel) * 1.5707963F + 0.4F;
+      const float a = swivel * 1.5707963F + 0.4F;
       const V3 across = std::cos(a) * side + std::sin(a) * other;
       for (const float bend : {0.9F, 1.8F}) attempt(upper, std::cos(bend) * upper + std::sin(bend) * across);
     }

@@ -192,8 +192,8 @@ float PersonSearch::judged(const BodyView& view, const Figure& figure, float pla
 
 void PersonSearch::pickFinalists(const BodyView& view) {
   if (count_ <= kFinal) return;
-  const auto begin = candidates_.begin(), end = begin + static_cast<std::ptrdiff_t>(count_);
-  const auto finalists = begin + static_cast<std::ptrdiff_t>(kFinal);
+  const auto begin = candidates_.begin(), end = begin + count_;
+  const auto finalists = begin + kFinal;
   const auto cheaper = [](const Candidate& a, const Candidate& b) { return a.cost < b.cost; };
   for (auto position = begin; position != finalists; ++position)
     std::iter_swap(position, std::min_element(position, end, cheaper));

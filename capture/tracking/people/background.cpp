@@ -24,7 +24,7 @@ Background::Background(const DepthGrid& grid)
       seen_(grid.cellCount()),
       nearest_(grid.cellCount(), kNotKnown),
       rowNearest_(grid.cellCount(), kNotKnown),
-      tolerance_([](double depth) { return 0.012F + 3.0F * depthNoise(static_cast<float>(depth)); }) {}
+      tolerance_([](double depth) { return 0.012F + 3.0F * depthNoise(depth); }) {}
 
 void Background::classify(const DepthGrid& grid, std::span<CellKind> kinds) const {
   for (std::size_t i = 0; i < kinds.size(); ++i) {
@@ -40,7 +40,7 @@ void Background::classify(const DepthGrid& grid, std::span<CellKind> kinds) cons
       continue;
     }
     const float tolerance = 1000.0F * tolerance_[depthMm];
-    const auto depth = static_cast<float>(depthMm);
+    const float depth = depthMm;
     if (depth > known + tolerance) {
       kinds[i] = CellKind::kUnknown;
     } else {
@@ -67,11 +67,11 @@ void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, s
     const std::uint16_t depthMm = grid.depthMm[i];
     if (depthMm == 0 || taken[i] != 0) continue;
     const float tolerance = 1000.0F * tolerance_[depthMm];
-    const auto depth = static_cast<float>(depthMm);
+    const float depth = depthMm;
     const float off = depth - depth_[i];
     if (depth_[i] != 0.0F && std::abs(off) <= tolerance) {
       if (trust_[i] < kFullTrust) ++trust_[i];
-      depth_[i] += off / static_cast<float>(trust_[i] + 1);
+      depth_[i] += off / (trust_[i] + 1);
       seen_[i] = 0;
       continue;
     }
@@ -79,7 +79,7 @@ void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, s
       absorb(grid, i);
       continue;
     }
-    if (std::abs(depth - static_cast<float>(candidate_[i])) > tolerance) {
+    if (std::abs(depth - candidate_[i]) > tolerance) {
       candidate_[i] = depthMm;
       seen_[i] = 0;
     } else if (seen_[i] < 255) {
@@ -93,20 +93,20 @@ void Background::learn(const DepthGrid& grid, std::span<const CellKind> kinds, s
 }
 
 void Background::findNearest() {
-  const auto w = static_cast<std::size_t>(width_);
+  const std::size_t w = width_;
   const auto value = [](float depth) { return depth == 0.0F ? kNotKnown : depth; };
   for (int r = 0; r < height_; ++r) {
-    const float* row = depth_.data() + static_cast<std::size_t>(r) * w;
-    float* out = rowNearest_.data() + static_cast<std::size_t>(r) * w;
+    const float* row = depth_.data() + r * w;
+    float* out = rowNearest_.data() + r * w;
     out[0] = std::min(value(row[0]), value(row[1]));
     for (std::size_t c = 1; c + 1 < w; ++c) out[c] = std::min({value(row[c - 1]), value(row[c]), value(row[c + 1])});
     out[w - 1] = std::min(value(row[w - 2]), value(row[w - 1]));
   }
   for (int r = 0; r < height_; ++r) {
-    const float* above = rowNearest_.data() + static_cast<std::size_t>(std::max(r - 1, 0)) * w;
-    const float* row = rowNearest_.data() + static_cast<std::size_t>(r) * w;
-    const float* below = rowNearest_.data() + static_cast<std::size_t>(std::min(r + 1, height_ - 1)) * w;
-    float* out = nearest_.data() + static_cast<std::size_t>(r) * w;
+    const float* above = rowNearest_.data() + std::max(r - 1, 0) * w;
+    const float* row = rowNearest_.data() + r * w;
+    const float* below = rowNearest_.data() + std::min(r + 1, height_ - 1) * w;
+    float* out = nearest_.data() + r * w;
     for (std::size_t c = 0; c < w; ++c) out[c] = std::min({above[c], row[c], below[c]});
   }
 }

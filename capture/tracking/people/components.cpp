@@ -1,5 +1,7 @@
 #include "capture/tracking/people/components.h"
 
+#include "geometry/counts.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -16,7 +18,7 @@ constexpr std::size_t kMaxComponents = 2048;
 }  // namespace
 
 float DepthComponent::thickness() const {
-  const float n = static_cast<float>(cells);
+  const float n = cells;
   const Vec3f mean = sum / n;
   Eigen::Matrix3f covariance;
   covariance << products[0], products[1], products[2],  //
@@ -27,8 +29,7 @@ float DepthComponent::thickness() const {
   return std::sqrt(std::max(0.0F, axes.eigenvalues()[0]));
 }
 
-FloorPositions::FloorPositions(const DepthGrid& grid)
-    : columns_(static_cast<std::size_t>(grid.width)), rows_(static_cast<std::size_t>(grid.height)) {
+FloorPositions::FloorPositions(const DepthGrid& grid) : columns_(grid.width), rows_(grid.height) {
   set(grid, Isometry3::Identity());
 }
 
@@ -40,8 +41,7 @@ void FloorPositions::set(const DepthGrid& grid, const Isometry3& floorFromCamera
 }
 
 ComponentFinder::ComponentFinder(const DepthGrid& grid)
-    : labels_(grid.cellCount()),
-      step_([](double depth) { return 0.025F + 5.0F * depthNoise(static_cast<float>(depth)); }) {
+    : labels_(grid.cellCount()), step_([](double depth) { return 0.025F + 5.0F * depthNoise(depth); }) {
   parents_.reserve(grid.cellCount() / 2 + 1);
   sizes_.reserve(grid.cellCount() / 2 + 1);
   componentOf_.reserve(grid.cellCount() / 2 + 1);
@@ -70,7 +70,7 @@ void ComponentFinder::join(std::int32_t a, std::int32_t b) {
 
 void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& positions, std::span<const CellKind> kinds,
                            const LastCells& last) {
-  const auto w = static_cast<std::size_t>(grid.width);
+  const std::size_t w = grid.width;
   parents_.clear();
   components_.clear();
 
@@ -82,7 +82,7 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
         continue;
       }
       const int depth = grid.depthMm[i];
-      const int step = static_cast<int>(1000.0F * step_[grid.depthMm[i]]);
+      const int step = 1000.0F * step_[grid.depthMm[i]];
       const bool left = c > 0 && labels_[i - 1] >= 0 && std::abs(depth - grid.depthMm[i - 1]) < step;
       const bool above = r > 0 && labels_[i - w] >= 0 && std::abs(depth - grid.depthMm[i - w]) < step;
       if (left) {
@@ -91,7 +91,7 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
       } else if (above) {
         labels_[i] = labels_[i - w];
       } else {
-        labels_[i] = static_cast<std::int32_t>(parents_.size());
+        labels_[i] = countOf(parents_);
         parents_.push_back(labels_[i]);
       }
     }
@@ -103,13 +103,13 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
   }
   sizes_.assign(parents_.size(), 0);
   for (const std::int32_t label : labels_) {
-    if (label >= 0) ++sizes_[parents_[static_cast<std::size_t>(label)]];
+    if (label >= 0) ++sizes_[parents_[label]];
   }
   componentOf_.assign(parents_.size(), -1);
   for (std::size_t k = 0; k < parents_.size(); ++k) {
-    const auto root = static_cast<std::size_t>(parents_[k]);
+    const std::size_t root = parents_[k];
     if (root == k && sizes_[k] >= kMinCells && components_.size() < kMaxComponents) {
-      componentOf_[k] = static_cast<std::int32_t>(components_.size());
+      componentOf_[k] = countOf(components_);
       components_.emplace_back();
     } else if (root != k) {
       componentOf_[k] = componentOf_[root];
@@ -137,12 +137,12 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
         one.left = one.right = c;
         one.top = r;
       }
-      one.newCells += static_cast<int>(kinds[i] == CellKind::kNew);
+      one.newCells += kinds[i] == CellKind::kNew;
       one.left = std::min(one.left, c);
       one.right = std::max(one.right, c);
       one.bottom = r;
-      const float depth = 0.001F * static_cast<float>(depthMm);
-      one.area += static_cast<double>(depth * depth);
+      const float depth = 0.001F * depthMm;
+      one.area += depth * depth;
       one.min = one.min.cwiseMin(position);
       one.max = one.max.cwiseMax(position);
       const Vec3f p = position - one.origin;
@@ -169,8 +169,8 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
       look(c + 1 < grid.width, i + 1);
       look(r > 0, i - w);
       look(r + 1 < grid.height, i + w);
-      one.borderCells += static_cast<int>(border);
-      one.backgroundContacts += static_cast<int>(contact);
+      one.borderCells += border;
+      one.backgroundContacts += contact;
     }
   }
   for (DepthComponent& one : components_) one.area *= grid.cellArea;

@@ -37,7 +37,7 @@ class FloorPositions {
   explicit FloorPositions(const DepthGrid& grid);
   void set(const DepthGrid& grid, const Isometry3& floorFromCamera);
   [[nodiscard]] Vec3f operator()(const DepthGrid& grid, int column, int row) const {
-    const float depth = 0.001F * static_cast<float>(grid.depthMm[grid.index(column, row)]);
+    const float depth = 0.001F * grid.depthMm[grid.index(column, row)];
     return depth * (columns_[column] + rows_[row]) + origin_;
   }
   /// Height over the floor at a depth of 1 m on the ray of a row and column, minus the camera's height.

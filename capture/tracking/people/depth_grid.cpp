@@ -20,14 +20,14 @@ DepthGrid::DepthGrid(const DepthCamera& camera)
       width(camera.width / step),
       height(camera.height / step),
       cellArea(static_cast<double>(step) * step / (camera.focalX() * camera.focalY())),
-      depthMm(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
+      depthMm(static_cast<std::size_t>(width) * height),
       imageWidth_(camera.width),
-      columnCount_(static_cast<std::size_t>(width)) {
+      columnCount_(width) {
   const double half = 0.5 * (step - 1);
   rayX.reserve(width);
   rayY.reserve(height);
-  for (int c = 0; c < width; ++c) rayX.push_back(static_cast<float>(camera.positionOf(c * step + half, 0, 1.0).x()));
-  for (int r = 0; r < height; ++r) rayY.push_back(static_cast<float>(camera.positionOf(0, r * step + half, 1.0).y()));
+  for (int c = 0; c < width; ++c) rayX.push_back(camera.positionOf(c * step + half, 0, 1.0).x());
+  for (int r = 0; r < height; ++r) rayY.push_back(camera.positionOf(0, r * step + half, 1.0).y());
 }
 
 void DepthGrid::fill(std::span<const std::uint16_t> image) {
@@ -35,8 +35,7 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
   firstRow = height;
   lastRow = -1;
   for (int r = 0; r < height; ++r) {
-    const std::uint16_t* upper = image.data() + static_cast<std::size_t>(r) * static_cast<std::size_t>(step) *
-                                                    static_cast<std::size_t>(imageWidth_);
+    const std::uint16_t* upper = image.data() + static_cast<std::size_t>(r) * step * imageWidth_;
     const std::uint16_t* lower = upper + (step == 2 ? imageWidth_ : 0);
     std::uint16_t* cells = depthMm.data() + index(0, r);
     int measured = 0;
@@ -51,8 +50,8 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
         d = upper[c];
       }
       cells[c] = d;
-      const auto one = static_cast<std::uint16_t>(d != 0);
-      columnCount_[c] = static_cast<std::uint16_t>(columnCount_[c] + one);
+      const std::uint16_t one = d != 0;
+      columnCount_[c] = columnCount_[c] + one;
       measured += one;
     }
     if (measured * 20 >= width) {

@@ -21,7 +21,7 @@ class DepthTable {
   template <typename Function>
   explicit DepthTable(const Function& metresOfMetres) {
     for (std::size_t i = 0; i < values_.size(); ++i) {
-      values_[i] = static_cast<float>(metresOfMetres((static_cast<double>(i) + 0.5) * 0.016));
+      values_[i] = metresOfMetres((i + 0.5) * 0.016);
     }
   }
   [[nodiscard]] float operator[](std::uint16_t depthMm) const { return values_[depthMm >> 4U]; }
@@ -41,12 +41,10 @@ struct DepthGrid {
 
   /// @return camera frame [m]
   [[nodiscard]] Vec3f positionOf(int column, int row) const {
-    const float depth = 0.001F * static_cast<float>(depthMm[index(column, row)]);
+    const float depth = 0.001F * depthMm[index(column, row)];
     return {depth * rayX[column], depth * rayY[row], -depth};
   }
-  [[nodiscard]] std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row) * static_cast<std::size_t>(width) + static_cast<std::size_t>(column);
-  }
+  [[nodiscard]] std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * width + column; }
   [[nodiscard]] std::size_t cellCount() const { return depthMm.size(); }
   /// Width of the original image; its last column and row are left out if the size is not a multiple of the block.
   [[nodiscard]] int imageWidth() const { return imageWidth_; }

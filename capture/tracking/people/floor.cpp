@@ -34,7 +34,7 @@ void FloorFinder::takeSamples(const DepthGrid& grid) {
                           std::abs(arms.above.z() - arms.below.z()) < 0.3F * depth;
       sample.level = smooth && normal.y() > 0.7F * normal.norm();
     }
-    if (sample.level) level_.push_back(static_cast<std::uint32_t>(samples_.size()));
+    if (sample.level) level_.push_back(samples_.size());
     samples_.push_back(sample);
   });
 }
@@ -46,16 +46,16 @@ bool FloorFinder::sensible(const Plane& plane) const {
 
 double FloorFinder::score(const Plane& plane) const {
   const Vec3f up = plane.up.cast<float>();
-  const auto height = static_cast<float>(plane.height);
+  const float height = plane.height;
   int on = 0, under = 0;
   for (const Sample& s : samples_) {
     const float above = up.dot(s.position) + height;
     const float tolerance = 0.015F + s.tolerance * height;
-    on += static_cast<int>(s.level && std::abs(above) < tolerance);
-    under += static_cast<int>(above < -0.06F - 2.0F * tolerance);
+    on += s.level && std::abs(above) < tolerance;
+    under += above < -0.06F - 2.0F * tolerance;
   }
   // Mirrors and windows show a few points below any floor.
-  return on - 40.0 * std::max(0.0, under - 0.003 * static_cast<double>(samples_.size()));
+  return on - 40.0 * std::max(0.0, under - 0.003 * samples_.size());
 }
 
 bool FloorFinder::refine(Plane& plane) const {
@@ -76,7 +76,7 @@ bool FloorFinder::refine(Plane& plane) const {
 }
 
 bool FloorFinder::detect(Plane& plane) {
-  if (static_cast<double>(level_.size()) < kMinLevel) return false;
+  if (level_.size() < kMinLevel) return false;
   const auto positionOf = [&](std::size_t i) { return samples_[level_[i]].position; };
   const auto planeThrough = [&](const std::array<Vec3f, 3>& corners) -> std::optional<Plane> {
     const Vec3 first = corners[0].cast<double>();

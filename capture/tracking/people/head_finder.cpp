@@ -42,12 +42,12 @@ std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPo
     for (int column = 0; column < grid.width; column += kStep) {
       const std::uint16_t depth = grid.depthMm[grid.index(column, row)];
       if (depth < kNearest || depth > kFarthest || votes_.size() == kMaxVotes) continue;
-      const float scale = 1000.0F * cellsPerMetre_ / static_cast<float>(depth);
+      const float scale = 1000.0F * cellsPerMetre_ / depth;
       // Depth relative to the head's; far above zero where nothing is measured or the image ends.
       constexpr int kNothing = 100'000;
       const auto behind = [&](const Offset& offset) {
-        const int c = column + static_cast<int>(std::lround(offset.right * scale));
-        const int r = row + static_cast<int>(std::lround(offset.down * scale));
+        const int c = column + std::lround(offset.right * scale);
+        const int r = row + std::lround(offset.down * scale);
         if (c < 0 || r < 0 || c >= grid.width || r >= grid.height) return kNothing;
         const std::uint16_t there = grid.depthMm[grid.index(c, r)];
         return there == 0 ? kNothing : there - depth;
@@ -83,8 +83,8 @@ std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPo
     head.row = rows / head.hits;
     head.position = sum / static_cast<float>(head.hits);
     if (const std::uint16_t there = grid.depthMm[grid.index(head.column, head.row)]; there != 0) head.depthMm = there;
-    const float depth = 0.001F * static_cast<float>(head.depthMm);
-    if (static_cast<float>(head.hits) * depth * depth > kMinArea) heads_.push_back(head);
+    const float depth = 0.001F * head.depthMm;
+    if (head.hits * depth * depth > kMinArea) heads_.push_back(head);
   }
   std::ranges::sort(heads_, [](const FoundHead& a, const FoundHead& b) { return a.hits > b.hits; });
   return heads_;

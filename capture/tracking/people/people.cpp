@@ -11,6 +11,7 @@
 #include "capture/tracking/people/person_owners.h"
 #include "capture/tracking/people/person_slot.h"
 #include "capture/tracking/people/walls.h"
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -91,13 +92,13 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
       finder(grid),
       owners(grid, depthCamera),
       moves(grid),
-      floorNoise([](double depth) { return 2.5 * depthNoise(static_cast<float>(depth)) / depth; }),
+      floorNoise([](double depth) { return 2.5 * depthNoise(depth) / depth; }),
       kinds(grid.cellCount()),
       person(owners.person()),
       lastPerson(grid.cellCount()),
       taken(grid.cellCount()),
       lastDepthMm(grid.cellCount()),
-      labels(static_cast<std::size_t>(depthCamera.width) * static_cast<std::size_t>(depthCamera.height)) {
+      labels(static_cast<std::size_t>(depthCamera.width) * depthCamera.height) {
   people.reserve(kPersonSlots);
   floorFromCamera = floor.floorFromCamera();
 }
@@ -110,7 +111,7 @@ void PeopleFinder::Impl::classify() {
       for (int c = 0; c < grid.width; ++c) {
         const std::size_t i = grid.index(c, r);
         const std::uint16_t depthMm = grid.depthMm[i];
-        const float above = 0.001F * static_cast<float>(depthMm) * positions.slope(c, r) + height;
+        const float above = 0.001F * depthMm * positions.slope(c, r) + height;
         if (depthMm != 0 && above < 0.008F + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
       }
     }
@@ -133,7 +134,7 @@ void PeopleFinder::Impl::measure() {
       PersonSlot& slot = slots[person[i] - 1U];
       const Vec3f position = positions(grid, c, r);
       ++slot.cells;
-      slot.newCells += static_cast<int>(kinds[i] == CellKind::kNew);
+      slot.newCells += kinds[i] == CellKind::kNew;
       slot.sum += position;
       slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
       slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
@@ -148,7 +149,7 @@ void PeopleFinder::Impl::measure() {
       slot.usualCells = std::max(slot.cells, slot.usualCells - slot.usualCells / kUsualFrames);
       int above = 0, bin = kHeightBins;
       while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[--bin];
-      slot.top = 0.02F * static_cast<float>(bin + 1) - 0.5F;
+      slot.top = 0.02F * (bin + 1) - 0.5F;
       const Vec3f middle = slot.sum / static_cast<float>(slot.cells);
       const double since = time - slot.lastSeen;
       if (since > 1e-4 && since < 0.2) {
@@ -177,8 +178,7 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
     PersonSlot& slot = slots[k];
     if (!slot.seen || slot.moved) continue;
     const double age = time - slot.born;
-    const bool low =
-        floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * 25 < static_cast<int>(person.size());
+    const bool low = floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * 25 < countOf(person);
     const auto looksHuman = [&] {
       return slot.confirmed || hasHeadAndShoulders(grid, positions, person, k, slot.top, slot.cutAside);
     };
@@ -213,7 +213,7 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
     top = std::min(top, y - reach);
     bottom = std::max(bottom, y + reach);
   }
-  const auto mine = static_cast<std::uint8_t>(k + 1);
+  const std::uint8_t mine = k + 1;
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
       const std::size_t i = grid.index(c, r);
@@ -260,7 +260,7 @@ void PeopleFinder::Impl::explainPieces(int k, const fit::PosedModel& body) {
         return (position - capsule.middle).norm() - capsule.reach < kFar &&
                std::abs(fit::distanceTo(body, capsule, position).distance) < kFar;
       };
-      far += static_cast<int>(std::ranges::none_of(body.capsule, isNear));
+      far += std::ranges::none_of(body.capsule, isNear);
     });
     if (2 * far > one.cells) each([&](int c, int r) { lastPerson[grid.index(c, r)] = 0; });
   }
@@ -276,7 +276,7 @@ bool PeopleFinder::Impl::looksLikePerson(const PersonSlot& slot) const {
 /// Reports the nearest people, moving ones first; people already reported are kept.
 void PeopleFinder::Impl::report() {
   int reported = 0;
-  for (const PersonSlot& slot : slots) reported += static_cast<int>(slot.used && slot.reported);
+  for (const PersonSlot& slot : slots) reported += slot.used && slot.reported;
   for (;;) {
     PersonSlot* next = nullptr;
     PersonSlot* min = nullptr;
@@ -331,7 +331,7 @@ void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
     segment.moved = next->moved;
     segment.attached = next->attached;
     people.push_back(segment);
-    numbers[next - slots.data()] = static_cast<std::uint8_t>(people.size());
+    numbers[next - slots.data()] = people.size();
   }
   paintPeople(grid, finder, depthMm, numbers, person, people, labels);
 }
@@ -362,8 +362,8 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   // The background is learnt from what certainly belongs to nobody.
   const std::span<const std::int32_t> label = finder.labels();
   for (std::size_t i = 0; i < taken.size(); ++i) {
-    const bool maybe = label[i] >= 0 && owners.mayBeSomeone(static_cast<std::size_t>(label[i]));
-    taken[i] = static_cast<std::uint8_t>(person[i] != 0 || maybe);
+    const bool maybe = label[i] >= 0 && owners.mayBeSomeone(label[i]);
+    taken[i] = person[i] != 0 || maybe;
   }
   background.learn(grid, kinds, taken);
   report();

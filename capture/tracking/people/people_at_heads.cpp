@@ -38,38 +38,38 @@ bool PeopleAtHeads::isRefused(const Vec3f& axis, double time) const {
 bool PeopleAtHeads::growFrom(const PeopleScene& scene, const FoundHead& head, int slot,
                              std::span<std::uint8_t> person) {
   const DepthGrid& grid = scene.grid;
-  const auto w = static_cast<std::size_t>(grid.width);
+  const std::size_t w = grid.width;
   const Vec3f axis = axisOf(scene, head);
   const Vec3f camera = scene.floorFromCamera.translation().cast<float>();
   Vec3f away = head.position - camera;
   away.y() = 0.0F;
   away.normalize();
   const Vec3f aside = away.cross(Vec3f::UnitY());
-  const auto mark = static_cast<std::uint8_t>(slot + 1);
+  const std::uint8_t mark = slot + 1;
   region_.clear();
   float top = -1e9F, bottom = 1e9F, area = 0.0F;
   const auto take = [&](std::size_t i) {
     if (person[i] != 0 || grid.depthMm[i] == 0) return false;
     if (scene.kinds[i] == CellKind::kFloor || scene.kinds[i] == CellKind::kWall) return false;
-    const Vec3f position = scene.positions(grid, static_cast<int>(i % w), static_cast<int>(i / w));
+    const Vec3f position = scene.positions(grid, i % w, i / w);
     const float back = (position - head.position).dot(away);
     if (std::abs((position - axis).dot(aside)) > kGrown || back > kGrownBack || back < -kGrownFront) {
       return false;
     }
     person[i] = mark;
-    region_.push_back(static_cast<std::uint32_t>(i));
+    region_.push_back(i);
     top = std::max(top, position.y());
     bottom = std::min(bottom, position.y());
-    const float depth = 0.001F * static_cast<float>(grid.depthMm[i]);
+    const float depth = 0.001F * grid.depthMm[i];
     area += depth * depth * static_cast<float>(grid.cellArea);
     return true;
   };
   take(grid.index(head.column, head.row));
   for (std::size_t next = 0; next < region_.size(); ++next) {
     const std::size_t i = region_[next], column = i % w, row = i / w;
-    const float step = kGrownStep * static_cast<float>(grid.depthMm[i]);
+    const float step = kGrownStep * grid.depthMm[i];
     const auto visit = [&](bool inside, std::size_t j) {
-      if (inside && static_cast<float>(std::abs(grid.depthMm[i] - grid.depthMm[j])) < step) take(j);
+      if (inside && std::abs(grid.depthMm[i] - grid.depthMm[j]) < step) take(j);
     };
     visit(column > 0, i - 1);
     visit(column + 1 < w, i + 1);

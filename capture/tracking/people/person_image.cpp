@@ -13,7 +13,7 @@ void paintPeople(const DepthGrid& grid, const ComponentFinder& finder, std::span
   if (people.empty()) return;
 
   const int pixelWidth = grid.width * grid.step;
-  const auto stride = static_cast<std::size_t>(grid.imageWidth());
+  const std::size_t stride = grid.imageWidth();
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
       // Most cells are surrounded by cells of the same label.
@@ -28,14 +28,13 @@ void paintPeople(const DepthGrid& grid, const ComponentFinder& finder, std::span
       if (same && own == 0) continue;
       for (int dy = 0; dy < grid.step; ++dy) {
         for (int dx = 0; dx < grid.step; ++dx) {
-          const std::size_t pixel =
-              static_cast<std::size_t>(r * grid.step + dy) * stride + static_cast<std::size_t>(c * grid.step + dx);
+          const std::size_t pixel = static_cast<std::size_t>(r * grid.step + dy) * stride + (c * grid.step + dx);
           const int depth = depthMm[pixel];
           if (depth == 0) continue;
           std::uint8_t slot = own;
-          const float step = 1000.0F * finder.step(static_cast<std::uint16_t>(depth));
+          const float step = 1000.0F * finder.step(depth);
           int nearest = std::abs(depth - grid.depthMm[cell]);
-          if (!same && static_cast<float>(nearest) > 0.5F * step) {
+          if (!same && nearest > 0.5F * step) {
             for (int y = above; y <= below; ++y) {
               for (int x = left; x <= right; ++x) {
                 const std::size_t other = grid.index(x, y);
@@ -47,7 +46,7 @@ void paintPeople(const DepthGrid& grid, const ComponentFinder& finder, std::span
             }
           }
           // Noise within a person still belongs to the person; a hole in the middle does not.
-          if (static_cast<float>(nearest) > (same ? 3.0F : 1.0F) * step) slot = 0;
+          if (nearest > (same ? 3.0F : 1.0F) * step) slot = 0;
           if (slot == 0 || numbers[slot - 1U] == 0) continue;
           labels[pixel] = numbers[slot - 1U];
           PersonSegment& one = people[numbers[slot - 1U] - 1U];

@@ -58,7 +58,7 @@ int hiddenSlot(const PeopleScene& scene, const PersonSlots& slots, const DepthCo
   for (int k = 0; k < kPersonSlots; ++k) {
     const PersonSlot& slot = slots[k];
     if (!isHidden(slot)) continue;
-    const auto away = static_cast<float>(scene.time - slot.lastSeen);
+    const float away = scene.time - slot.lastSeen;
     const Vec3f apart = one.middle() - slot.middle;
     const float distance = std::hypot(apart.x(), apart.z());
     if (distance > std::min(0.6F + 1.5F * away, 1.8F) || (best >= 0 && distance >= bestDistance)) continue;
@@ -119,7 +119,7 @@ void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slo
         const bool mine = before || came || scene.kinds[i] == CellKind::kNew;
         if (std::hypot(apart.x(), apart.z()) > 1.2F || !mine) continue;
       }
-      person_[i] = static_cast<std::uint8_t>(slot + 1);
+      person_[i] = slot + 1;
     }
   }
 }
@@ -133,8 +133,8 @@ SplitShare PersonOwners::shareOf(const PeopleScene& scene, const PersonSlot& slo
   if (before.z() > -0.1 || now.z() > -0.1) return share;
   const double x = (now.x() / -now.z() - before.x() / -before.z()) * camera_.focalX() / scene.grid.step;
   const double y = -(now.y() / -now.z() - before.y() / -before.z()) * camera_.focalY() / scene.grid.step;
-  share.columns = static_cast<int>(std::lround(std::clamp(x, -8.0, 8.0)));
-  share.rows = static_cast<int>(std::lround(std::clamp(y, -8.0, 8.0)));
+  share.columns = std::lround(std::clamp(x, -8.0, 8.0));
+  share.rows = std::lround(std::clamp(y, -8.0, 8.0));
   return share;
 }
 
@@ -142,7 +142,7 @@ void PersonOwners::splitBetween(const PeopleScene& scene, std::size_t component,
                                 const LastCells& last) {
   std::array<SplitShare, kPersonSlots> shares{};
   for (int k = 0; k < kPersonSlots; ++k) {
-    if ((slotMask & (1U << static_cast<unsigned>(k))) == 0) continue;
+    if ((slotMask & (1U << k)) == 0) continue;
     PersonSlot& slot = slots[k];
     slot.seen = true;
     shares[k] = shareOf(scene, slot);
@@ -164,7 +164,7 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
       if (overlap == 0) continue;
       if (best < 0 || overlap > one.overlap[best]) best = k;
       const PersonSlot& slot = slots[k];
-      if (overlap * 12 > one.cells || overlap * 4 > slot.cells) mask |= 1U << static_cast<unsigned>(k);
+      if (overlap * 12 > one.cells || overlap * 4 > slot.cells) mask |= 1U << k;
     }
     // What was a person's and is not their main piece stays theirs beside the room: a leg beside a chair.
     const bool piece = best >= 0 && 2 * one.overlap[best] > one.cells && !isMainPiece(one, slots[best].cells, best);
@@ -201,10 +201,10 @@ void PersonOwners::findNewcomers(const PeopleScene& scene, PersonSlots& slots) {
       const bool whole =
           mayBePerson(all[i], scene.grid, scene.floorFound) || (!isOversize(all[i]) && hasOtherHead(scene, i, anyones));
       if (!whole && (hiddenSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
-      best = static_cast<int>(i);
+      best = i;
     }
     if (best < 0) return;
-    const auto component = static_cast<std::size_t>(best);
+    const std::size_t component = best;
     if (separateHeads(scene, component, -1, slots)) continue;
     const int hidden = hiddenSlot(scene, slots, all[component]);
     if (hidden >= 0) {
@@ -246,7 +246,7 @@ bool PersonOwners::separateHeads(const PeopleScene& scene, std::size_t component
     slots[mine] = newcomer(scene, axes[h]);
     slots[mine].user = user;
     slots[mine].reported = reported;
-    mask |= 1U << static_cast<unsigned>(mine);
+    mask |= 1U << mine;
   }
   if ((mask & (mask - 1)) == 0) return false;
   splitBetween(scene, component, mask, slots, LastCells{nobody_, scene.last.depthMm});
@@ -258,10 +258,10 @@ std::array<float, kPersonSlots> PersonOwners::gapsTo(const PeopleScene& scene, s
   const DepthGrid& grid = scene.grid;
   const DepthComponent& one = scene.surfaces.components()[component];
   const std::span<const std::int32_t> label = scene.surfaces.labels();
-  const auto mine = static_cast<std::int32_t>(component);
-  const auto w = static_cast<std::ptrdiff_t>(grid.width);
-  const auto cell = static_cast<float>(std::sqrt(one.area / one.cells));
-  const int reach = static_cast<int>(max / cell);
+  const std::int32_t mine = component;
+  const std::ptrdiff_t w = grid.width;
+  const float cell = std::sqrt(one.area / one.cells);
+  const int reach = max / cell;
   std::array<float, kPersonSlots> gaps;
   gaps.fill(max);
   for (int r = one.top; r <= one.bottom; ++r) {
@@ -270,11 +270,10 @@ std::array<float, kPersonSlots> PersonOwners::gapsTo(const PeopleScene& scene, s
       if (label[i] != mine) continue;
       const auto look = [&](std::ptrdiff_t stride, int room) {
         for (int s = 1; s <= std::min(room, reach); ++s) {
-          const std::size_t j = i + static_cast<std::size_t>(s * stride);
+          const std::size_t j = i + s * stride;
           if (label[j] == mine) return;
           if (person_[j] == 0) continue;
-          const Vec3f there = scene.positions(grid, static_cast<int>(j % static_cast<std::size_t>(w)),
-                                              static_cast<int>(j / static_cast<std::size_t>(w)));
+          const Vec3f there = scene.positions(grid, j % w, j / w);
           float& gap = gaps[person_[j] - 1U];
           gap = std::min(gap, (there - scene.positions(grid, c, r)).norm());
         }

@@ -12,7 +12,7 @@ constexpr float kAlien = 0.35F;  // nearer to another's axis by this: no longer 
 constexpr int kSameDepth = 120;  // [mm]
 
 bool holds(unsigned slotMask, int slot) {
-  return (slotMask & (1U << static_cast<unsigned>(slot))) != 0;
+  return (slotMask & (1U << slot)) != 0;
 }
 
 }  // namespace
@@ -21,7 +21,7 @@ void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, co
                         std::size_t component, unsigned slotMask, std::span<const SplitShare> shares,
                         const LastCells& last, std::span<std::uint8_t> person) {
   const DepthComponent& one = finder.components()[component];
-  const auto label = static_cast<std::int32_t>(component);
+  const std::int32_t label = component;
   const std::span<const std::int32_t> labels = finder.labels();
   queue_.clear();
   for (int r = one.top; r <= one.bottom; ++r) {
@@ -46,8 +46,8 @@ void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, co
       }
       const float min = away[closest];
       if (min < kCore && min < 0.5F * next) {
-        person[i] = static_cast<std::uint8_t>(closest + 1);
-        queue_.push_back(static_cast<std::uint32_t>(i));
+        person[i] = closest + 1;
+        queue_.push_back(i);
         continue;
       }
       int nearest = kSameDepth;
@@ -60,9 +60,9 @@ void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, co
         const int off = std::abs(grid.depthMm[i] - last.depthMm[before]);
         if (last.person[before] != k + 1 || off >= nearest) continue;
         nearest = off;
-        person[i] = static_cast<std::uint8_t>(k + 1);
+        person[i] = k + 1;
       }
-      if (person[i] != 0) queue_.push_back(static_cast<std::uint32_t>(i));
+      if (person[i] != 0) queue_.push_back(i);
     }
   }
   grow(grid, finder, label, 0.5F, person);
@@ -72,16 +72,16 @@ void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, co
 void PersonSplit::grow(const DepthGrid& grid, const ComponentFinder& finder, std::int32_t label, float steps,
                        std::span<std::uint8_t> person) {
   const std::span<const std::int32_t> labels = finder.labels();
-  const auto w = static_cast<std::size_t>(grid.width);
+  const std::size_t w = grid.width;
   for (std::size_t next = 0; next < queue_.size(); ++next) {
     const std::size_t i = queue_[next];
     const std::size_t column = i % w, row = i / w;
     const float step = 1000.0F * steps * finder.step(grid.depthMm[i]);
     const auto visit = [&](bool inside, std::size_t j) {
       if (!inside || labels[j] != label || person[j] != 0) return;
-      if (static_cast<float>(std::abs(grid.depthMm[i] - grid.depthMm[j])) >= step) return;
+      if (std::abs(grid.depthMm[i] - grid.depthMm[j]) >= step) return;
       person[j] = person[i];
-      queue_.push_back(static_cast<std::uint32_t>(j));
+      queue_.push_back(j);
     };
     visit(column > 0, i - 1);
     visit(column + 1 < w, i + 1);

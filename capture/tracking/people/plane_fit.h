@@ -57,7 +57,7 @@ double bestPlane(std::uint64_t seed, std::size_t count, const PositionOf& positi
   for (int i = 0; i < kPlaneTries; ++i) {
     std::array<Vec3f, 3> corners;
     for (Vec3f& corner : corners) {
-      corner = positionOf(static_cast<std::size_t>(random.unit() * static_cast<double>(count)));
+      corner = positionOf(static_cast<std::size_t>(random.unit() * count));
     }
     const std::optional<Plane> tried = planeThrough(corners);
     if (!tried) continue;

@@ -23,7 +23,7 @@ constexpr double kBehindAllowed = 0.02;  // of the samples: through doors, windo
 }  // namespace
 
 WallFinder::WallFinder(const DepthGrid& grid)
-    : tolerance_([](double depth) { return 0.02F + 2.5F * depthNoise(static_cast<float>(depth)); }) {
+    : tolerance_([](double depth) { return 0.02F + 2.5F * depthNoise(depth); }) {
   samples_.reserve(planeSampleCount(grid));
   smooth_.reserve(planeSampleCount(grid));
   planes_.reserve(kWalls);
@@ -50,10 +50,10 @@ bool WallFinder::isOn(const Plane& plane, const Sample& sample) {
 double WallFinder::score(const Plane& plane) const {
   int on = 0, behind = 0;
   for (const Sample& sample : samples_) {
-    on += static_cast<int>(!sample.taken && isOn(plane, sample));
-    behind += static_cast<int>(plane.distance(sample.position) < -kBehind - 2.0F * sample.tolerance);
+    on += !sample.taken && isOn(plane, sample);
+    behind += plane.distance(sample.position) < -kBehind - 2.0F * sample.tolerance;
   }
-  const auto all = static_cast<double>(samples_.size());
+  const double all = samples_.size();
   return on - kBehindPenalty * std::max(0.0, behind - kBehindAllowed * all);
 }
 
@@ -62,7 +62,7 @@ bool WallFinder::refine(Plane& plane) const {
   for (const std::uint32_t i : smooth_) {
     const Sample& sample = samples_[i];
     if (!isOn(plane, sample)) continue;
-    moments.add(sample.position.cast<double>(), 1.0 / static_cast<double>(sample.tolerance * sample.tolerance));
+    moments.add(sample.position.cast<double>(), 1.0 / (sample.tolerance * sample.tolerance));
   }
   if (moments.count() == 0) return false;
   const PlaneMoments::Fit fit = moments.fit();
@@ -77,10 +77,10 @@ bool WallFinder::detect(const Vec3f& up, Plane& plane) {
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     const Sample& sample = samples_[i];
     const bool upright = sample.normal != Vec3f::Zero() && std::abs(sample.normal.dot(up)) < kMaxSlope;
-    if (!sample.taken && upright) smooth_.push_back(static_cast<std::uint32_t>(i));
+    if (!sample.taken && upright) smooth_.push_back(i);
   }
-  const double least = std::max(kMinCount, kMinShare * static_cast<double>(samples_.size()));
-  if (static_cast<double>(smooth_.size()) < least) return false;
+  const double least = std::max(kMinCount, kMinShare * samples_.size());
+  if (smooth_.size() < least) return false;
   const auto positionOf = [&](std::size_t i) { return samples_[smooth_[i]].position; };
   const auto planeThrough = [&](const std::array<Vec3f, 3>& corners) -> std::optional<Plane> {
     Vec3f normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]);

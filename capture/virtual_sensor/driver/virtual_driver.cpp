@@ -59,7 +59,7 @@ OniVideoMode videoModeOf(const VirtualScript& script) {
 /// Copies a value to OpenNI2, whose buffer must have the value's size.
 template <typename Value>
 OniStatus give(const Value& value, void* data, int* size) {
-  if (data == nullptr || size == nullptr || *size != static_cast<int>(sizeof(Value))) return ONI_STATUS_BAD_PARAMETER;
+  if (data == nullptr || size == nullptr || *size != int{sizeof(Value)}) return ONI_STATUS_BAD_PARAMETER;
   std::memcpy(data, &value, sizeof(Value));
   return ONI_STATUS_OK;
 }
@@ -67,7 +67,7 @@ OniStatus give(const Value& value, void* data, int* size) {
 /// Accepts a value only if it equals the current one.
 template <typename Value>
 OniStatus accept(const Value& only, const void* data, int size) {
-  if (data == nullptr || size != static_cast<int>(sizeof(Value))) return ONI_STATUS_BAD_PARAMETER;
+  if (data == nullptr || size != int{sizeof(Value)}) return ONI_STATUS_BAD_PARAMETER;
   return std::memcmp(data, &only, sizeof(Value)) == 0 ? ONI_STATUS_OK : ONI_STATUS_NOT_SUPPORTED;
 }
 
@@ -94,9 +94,8 @@ class Timeline {
   [[nodiscard]] Result<VirtualSensor> sensor() {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (!sensor_) {
-      Result<VirtualSensor> made = makeVirtualSensor(script_);
-      if (!made) return made;
-      sensor_.emplace(std::move(*made));
+      LORICA_TRY(VirtualSensor made, makeVirtualSensor(script_));
+      sensor_.emplace(std::move(made));
     }
     return *sensor_;
   }
@@ -115,8 +114,8 @@ class Timeline {
     if (stopped || !begin_) return std::nullopt;
     if (script_.settings.live) {
       const double passed = std::chrono::duration<double>(Clock::now() - *begin_).count();
-      next_ = std::max(next_, static_cast<std::uint64_t>(passed * script_.settings.framesPerSecond));
-      const Clock::time_point due = timeOf(static_cast<double>(next_) / script_.settings.framesPerSecond);
+      next_ = std::max<std::uint64_t>(next_, passed * script_.settings.framesPerSecond);
+      const Clock::time_point due = timeOf(next_ / script_.settings.framesPerSecond);
       if (changed_.wait_until(lock, due, [&] { return stopped; })) return std::nullopt;
     }
     return next_++;
@@ -230,7 +229,7 @@ class DepthStream final : public oni::driver::StreamBase {
   }
 
  private:
-  [[nodiscard]] int stride() const { return sensor_.camera().width * static_cast<int>(sizeof(std::uint16_t)); }
+  [[nodiscard]] int stride() const { return sensor_.camera().width * int{sizeof(std::uint16_t)}; }
 
   void end() {
     timeline_.stop(stopped_);
@@ -240,7 +239,7 @@ class DepthStream final : public oni::driver::StreamBase {
   void produce() {
     while (const std::optional<std::uint64_t> number = timeline_.nextFrame(stopped_)) {
       if (!timeline_.script().settings.loop && *number >= sensor_.frameCount()) return;
-      const double time = static_cast<double>(*number) / timeline_.script().settings.framesPerSecond;
+      const double time = *number / timeline_.script().settings.framesPerSecond;
       const std::vector<TimeSpan>& away = timeline_.script().settings.unplugged;
       if (std::any_of(away.begin(), away.end(), [&](const TimeSpan& span) { return span.holds(time); })) continue;
       sensor_.render(*number, image_);
@@ -249,10 +248,10 @@ class DepthStream final : public oni::driver::StreamBase {
       const std::size_t bytes = image_.depthMm.size() * sizeof(std::uint16_t);
       if (frame->dataSize >= static_cast<int>(bytes)) {
         std::memcpy(frame->data, image_.depthMm.data(), bytes);
-        frame->dataSize = static_cast<int>(bytes);
+        frame->dataSize = bytes;
         frame->sensorType = ONI_SENSOR_DEPTH;
-        frame->timestamp = static_cast<std::uint64_t>(std::llround(1e6 * time));
-        frame->frameIndex = static_cast<int>(*number + 1);
+        frame->timestamp = std::llround(1e6 * time);
+        frame->frameIndex = *number + 1;
         frame->width = sensor_.camera().width;
         frame->height = sensor_.camera().height;
         frame->videoMode = videoModeOf(timeline_.script());
