@@ -1,49 +1,20 @@
 #include "apps/movie.h"
 
 #include "apps/report.h"
-
-#include <fmt/format.h>
-
-#include <cmath>
-#include <utility>
+#include "geometry/errors.h"
 
 namespace lorica {
-namespace {
-
-constexpr double kGifRate = 16.0;  // maximum frames per second
-
-}  // namespace
 
 Result<void> Movie::check(const std::string& option, const std::filesystem::path& file) {
-  if (file.extension() != ".mp4" && file.extension() != ".gif") {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{} {}: expected a name that ends in .mp4 or .gif", option, file.string())};
+  if (file.extension() != ".mp4") {
+    return invalidArgument("{} {}: films are MP4 files, expected a name that ends in .mp4", option, file.string());
   }
   return checkOutput(option, file);
 }
 
 Result<Movie> Movie::create(const std::filesystem::path& file, int width, int height, double framesPerSecond) {
-  Movie movie;
-  if (file.extension() == ".gif") {
-    movie.every_ = static_cast<int>(std::ceil(framesPerSecond / kGifRate - 1e-6));
-    Result<GifWriter> gif = GifWriter::create(file, width, height, framesPerSecond / movie.every_);
-    if (!gif) return gif.error();
-    movie.gif_.emplace(std::move(*gif));
-    return movie;
-  }
-  Result<VideoWriter> video = VideoWriter::create(file, width, height, framesPerSecond);
-  if (!video) return video.error();
-  movie.video_.emplace(std::move(*video));
-  return movie;
-}
-
-Result<void> Movie::add(const Image& image) {
-  ++frames_;
-  return gif_ ? gif_->add(image) : video_->add(image);
-}
-
-Result<void> Movie::finish() {
-  return gif_ ? gif_->finish() : video_->finish();
+  LORICA_TRY(VideoWriter video, VideoWriter::create(file, width, height, framesPerSecond));
+  return Movie(std::move(video));
 }
 
 }  // namespace lorica

@@ -137,8 +137,8 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
 void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window) {
   Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder")->typeName("DIR");
   addCount(app, "--every", options.every, 1, "Write a picture every N frames [default: 30]")->needs(snapshots);
-  Option* video = app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second) or .gif (15)")
-                      ->typeName("FILE");
+  Option* video =
+      app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second)")->typeName("FILE");
   for (Option* option : {snapshots, video}) option->excludes(window);
   addCameraOptions(app, options.camera);
 }
@@ -224,7 +224,6 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   scene.inset = inset;
   const Image image = pictures_.draw(scene, show, follow_.camera());
   for (int i = 0; i < film; ++i, ++filmed_) {
-    if (!movie_->takes(filmed_)) continue;
     if (Result<void> added = movie_->add(image); !added) return added;
   }
   if (!snapshotDue(session)) return {};
