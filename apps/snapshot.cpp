@@ -291,7 +291,7 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
                     "  lorica snapshot walk --frame 45 --camera front --show hulls,bones,ground --size 640x480\n"
                     "      the collision hulls and the bones\n"
                     "  lorica snapshot punch_and_kick --scene bowling --video kick.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
-                    "      the whole motion from a fixed camera; kick.gif would make an animation for web pages\n"
+                    "      the whole motion from a fixed camera\n"
                     "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes.");
   addPlaybackInputOptions(*app, options->input);
   app->addOption("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]")
@@ -302,9 +302,8 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
   app->addOption("--frame", options->frames, "Frames, counted from 0, separated by commas")
       ->separatedBy(',')
       ->typeName("N");
-  Option* video = app->addOption("--video", options->video,
-                                 "Write a real-time video, as .mp4 (all frames) or .gif (at most 16 frames per second)")
-                      ->typeName("FILE");
+  Option* video =
+      app->addOption("--video", options->video, "Write a real-time video of all frames, as .mp4")->typeName("FILE");
   addSeconds(*app, "--from", options->from, "Start of the video")->needs(video);
   addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
   app->addOption("--size", options->size, "Width and height in pixels [default: 1280x720]")

@@ -38,7 +38,7 @@ TEST_F(Snapshot, HullsAreTheSameWithPicturesOrWithout) {
   const CommandResult played = runLorica({"play", "wave", "--decomposition", body, "--frames", "13", "--json", "-"});
   EXPECT_EQ(drawn.json()["hash"], played.json()["hash"]);
   EXPECT_EQ(drawn.json()["frames"], 13);
-  const CommandResult filmed = snapshot({"--frame", "12", "--video", out.path() / "a.gif", "--to", "0.2", "-o",
+  const CommandResult filmed = snapshot({"--frame", "12", "--video", out.path() / "a.mp4", "--to", "0.2", "-o",
                                          out.path() / "b.png", "--camera", "top", "--show", "skin", "--json", "-"});
   EXPECT_EQ(filmed.json()["hash"], played.json()["hash"]);
 }
@@ -107,7 +107,7 @@ TEST_F(Snapshot, BadRequestsAreSentences) {
   expectRefused({"--eye", "1,2,3"}, "--target");
   expectRefused({"--eye", "1,2,3", "--target", "1,2,3"}, "apart");
   expectRefused({"--show", "skin,wings"}, "wings");
-  expectRefused({"--video", out.path() / "a.avi"}, ".mp4");
+  for (const char* name : {"a.avi", "a.gif"}) expectRefused({"--video", out.path() / name}, "films are MP4 files");
   expectRefused({"--from", "1"}, "--video");
   EXPECT_EQ(runLorica({"snapshot", "wave", "--size", "99999x10"}).exitCode, 2);
 }

@@ -30,7 +30,7 @@ foreach(project consumer samples)
   if(project STREQUAL "samples")
     set(source ${CMAKE_CURRENT_LIST_DIR}/../../samples)
     # The components that it asks for need none of these packages.
-    foreach(package glfw3 GIF PNG ZLIB assimp TinyGLTF)
+    foreach(package glfw3 PNG ZLIB assimp TinyGLTF)
       list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
     endforeach()
   endif()

@@ -65,8 +65,8 @@ const std::vector<Job>& jobs() {
        {"o.csv", "o.json"}},
       {"snapshot",
        {"snapshot", "wave", "--frame", "1", "-o", "o.png", "--decomposition", "b.lorica", "--json", "o.json"},
-       {"snapshot", "walk", "--video", "o.gif", "--decomposition", "b.lorica", "--json", "o.json"},
-       {"o.png", "o.gif", "o.json"}},
+       {"snapshot", "walk", "--video", "o.mp4", "--decomposition", "b.lorica", "--json", "o.json"},
+       {"o.png", "o.mp4", "o.json"}},
   };
   return all;
 }
@@ -94,7 +94,6 @@ bool isWhole(const fs::path& file) {
   const std::string bytes = readFile(file).value();
   if (extension == ".json") return !nlohmann::json::parse(bytes, nullptr, false).is_discarded();
   if (extension == ".png") return bytes.size() > 20 && bytes.substr(bytes.size() - 8, 4) == "IEND";
-  if (extension == ".gif") return bytes.starts_with("GIF89a") && bytes.back() == ';';
   if (extension == ".mp4") return bytes.find("moov") != std::string::npos;
   return false;
 }
