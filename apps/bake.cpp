@@ -3,13 +3,14 @@
 #include "apps/bake_options.h"
 #include "apps/bake_pictures.h"
 #include "apps/interrupt.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
-#include "apps/progress_bar.h"
 #include "apps/standard_streams.h"
 #include "bake/bake_report.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -169,7 +170,7 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
     return pictures->draw(job.item, store.folderOf(job.name) / (job.stem + ".lorica"), scratch.folder());
   };
   const std::string page = htmlReport(collection, schedules, draw);
-  if (interrupted()) return cancelled();
+  if (host.cancelled()) return cancelled();
   LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection)));
   LORICA_TRY_DO(writeFileAtomically(out / "report.html", page));
   const Result<void> published = publish(common, collectionReport(collection, schedules, jobs.size(), out),
@@ -211,7 +212,7 @@ ordered_json toJson(const BakeOutcome& outcome) {
   return json;
 }
 
-BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& common, ProgressBar& bar) {
+BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& common, Task& bar) {
   BakerSettings settings;
   settings.jobs = options.jobs > 0 ? options.jobs : common.threadCount();
   settings.item = howToRun(options, common, settings.jobs);
@@ -229,7 +230,7 @@ BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& com
   return settings;
 }
 
-Result<void> run(const BakeOptions& options, const CommonOptions& common) {
+Result<void> run(const BakeOptions& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkOutputFolder("--out", options.out));
   LORICA_TRY_DO(checkJsonOutput(common, {fs::path(options.out) / "bake.jsonl"}));
   LORICA_TRY(const std::vector<BakeJob> jobs, readJobs(options));
@@ -240,7 +241,7 @@ Result<void> run(const BakeOptions& options, const CommonOptions& common) {
   LORICA_TRY(Claims claims, Claims::open(files, options.out, options.lostAfter));
   Result<BakeOutcome> outcome = Error{ErrorCode::kCancelled, ""};
   {
-    ProgressBar bar("Baking", "items");
+    Task bar(host, "Baking", "items");
     outcome = bakeAll(jobs, store, claims, bakerSettings(options, common, bar));
   }
   if (!outcome) return outcome.error();
@@ -278,7 +279,7 @@ Command addBake(CommandLine& parent, CommonOptions& common) {
       "its own item: its result is a sentence, and the exit status is 0. Ctrl-C finishes the items in progress, a\n"
       "second one drops them. Slurm and other engines: docs/BAKE.md.");
   addBakeOptions(*app, *options);
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

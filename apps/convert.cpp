@@ -1,5 +1,7 @@
 #include "apps/convert.h"
+#include "geometry/text.h"
 
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
@@ -66,7 +68,7 @@ Result<void> runCameraFrame(const Options& options, const CommonOptions& common)
     return invalidArgument("{}: --camera-frame writes .cam.csv and .lab, expected OUT.csv", options.output);
   }
   const fs::path base = fs::path(options.output).replace_extension();
-  LORICA_TRY(const int frames, writeTrackLog(input, base));
+  LORICA_TRY(const int frames, writeTrackLog(input, base, host));
   Report report(fmt::format("{}: {}, camera frame", input.stem().string(), counted(frames, "frame")));
   report.line("joints", base.string() + ".cam.csv");
   report.line("labels", base.string() + ".lab");
@@ -106,15 +108,16 @@ Result<void> checkFiles(const Options& options, const std::string& extension) {
   return {};
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
+Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.output, options.character.name}));
   const std::string extension = lowerCase(fs::path(options.output).extension().string());
   LORICA_TRY_DO(checkFiles(options, extension));
   if (options.cameraFrame) return runCameraFrame(options, common);
-  LORICA_TRY(const Motion motion, readMotion(options.input, options.motion));
-  LORICA_TRY(const ConvertedClip made, options.character.name.empty()
-                                           ? writeMotion(options.output, motion, options.motion)
-                                           : convertOnto(options.character, motion, options.motion, options.output));
+  LORICA_TRY(const Motion motion, readMotion(options.input, options.motion, host));
+  LORICA_TRY(const ConvertedClip made,
+             options.character.name.empty()
+                 ? writeMotion(options.output, motion, options.motion)
+                 : convertOnto(options.character, motion, options.motion, options.output, host));
 
   Report report(fmt::format("{}: {}, {:.2f} s", motion.name, counted(motion.frameCount(), "frame"), motion.seconds()));
   report.line("input format", motion.format);
@@ -201,7 +204,7 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
   app->addFlag("--camera-frame", options->cameraFrame,
                "Of a depth recording, write the joints of everyone in the camera's frame (OUT.cam.csv) and whose each "
                "pixel is (OUT.lab), to judge the tracker");
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

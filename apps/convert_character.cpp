@@ -1,10 +1,10 @@
 #include "apps/convert_character.h"
+#include "geometry/text.h"
 
 #include "apps/options.h"
 #include "capture/files/bvh_file.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "geometry/errors.h"
-#include "prepare/file_trust.h"
 #include "skinning/clip_files/character_clip.h"
 #include "skinning/clip_files/own_motion.h"
 #include "skinning/import/bone_map.h"
@@ -20,12 +20,12 @@ namespace {
 
 constexpr const char* kMannequin = "mannequin";
 
-Result<CharacterFile> readMapped(const ConvertCharacter& from) {
+Result<CharacterFile> readMapped(const ConvertCharacter& from, const Host& host) {
   if (!isCharacterFile(from.name)) {
     return invalidArgument("--character {}: expected a character file (.glb, .gltf, .vrm, .fbx, .dae) or {}", from.name,
                            kMannequin);
   }
-  Result<CharacterFile> file = readCharacterFile(from.name, characterFileSettings());
+  Result<CharacterFile> file = readCharacterFile(from.name, host.characterFiles());
   if (!file || from.map.empty()) return file;
   LORICA_TRY(const BoneMap map, readBoneMap(from.map));
   LORICA_TRY(file->character.skeleton, applyBoneMap(file->character.skeleton, map, from.map));
@@ -72,7 +72,7 @@ Result<void> writeCharacterBvh(const std::string& out, const SkeletalMotion& mot
 }  // namespace
 
 Result<ConvertedClip> convertOnto(const ConvertCharacter& from, const Motion& motion, const MotionOptions& options,
-                                  const std::string& out) {
+                                  const std::string& out, const Host& host) {
   const bool asBvh = lowerCase(std::filesystem::path(out).extension().string()) == ".bvh";
   ConvertedClip made;
   if (from.name == kMannequin) {
@@ -84,7 +84,7 @@ Result<ConvertedClip> convertOnto(const ConvertCharacter& from, const Motion& mo
     LORICA_TRY_DO(asBvh ? writeCharacterBvh(out, performed.motion, made) : writeClip(out, mannequin, performed.motion));
     return made;
   }
-  LORICA_TRY(const CharacterFile file, readMapped(from));
+  LORICA_TRY(const CharacterFile file, readMapped(from, host));
   LORICA_TRY(const Performed performed, performWhole(file.character, motion, options));
   made.delay = performed.delay;
   made.notes = leftBehind(file.character);
@@ -93,7 +93,7 @@ Result<ConvertedClip> convertOnto(const ConvertCharacter& from, const Motion& mo
     LORICA_TRY_DO(writeCharacterBvh(out, own, made));
     return made;
   }
-  LORICA_TRY(const std::vector<std::string> notes, writeClip(out, {from.name, &file, pathTrust()}, performed.motion));
+  LORICA_TRY(const std::vector<std::string> notes, writeClip(out, {from.name, &file, host.paths}, performed.motion));
   made.joints = file.nodeOfJoint.size() - std::count(file.nodeOfJoint.begin(), file.nodeOfJoint.end(), -1);
   made.notes.insert(made.notes.end(), notes.begin(), notes.end());
   const bool ownUnits = file.format.starts_with("glTF") || file.format.starts_with("VRM");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/result.h"
+#include "prepare/host.h"
 #include "prepare/motion.h"
 #include "prepare/read_motion.h"
 
@@ -28,6 +29,6 @@ struct ConvertedClip {
 /// joints.
 /// @param out  ends in .glb or .bvh
 [[nodiscard]] Result<ConvertedClip> convertOnto(const ConvertCharacter& character, const Motion& motion,
-                                                const MotionOptions& options, const std::string& out);
+                                                const MotionOptions& options, const std::string& out, const Host& host);
 
 }  // namespace lorica

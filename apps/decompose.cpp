@@ -1,9 +1,11 @@
 #include "acd/decompose.h"
+#include "geometry/text.h"
 
 #include "acd/held_vertices.h"
 #include "acd/level_of_detail.h"
 #include "apps/decompose_report.h"
 #include "apps/interrupt.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "export/mesh_export.h"
 #include "geometry/counts.h"
@@ -64,15 +66,15 @@ void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limi
   if (limits.maxDistance > 0.0) given.push_back(fmt::format("--max-distance {:g}", limits.maxDistance));
   if (kept.empty() || given.empty()) return;
   if (limits.maxParts > 0) kept.push_back(fmt::format("--parts {}", limits.maxParts));
-  warn(fmt::format("hulls of few points are larger: where not all limits can hold, {} will, and {} will not",
-                   fmt::join(kept, " and "), fmt::join(given, " and ")));
+  host.warn(fmt::format("hulls of few points are larger: where not all limits can hold, {} will, and {} will not",
+                        fmt::join(kept, " and "), fmt::join(given, " and ")));
 }
 
-Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
+Result<void> run(const DecomposeOptions& options, const CommonOptions& common, Host& host) {
   // Read the input and check the options.
   CharacterOptions reading = options.character;
   reading.body = bodyChoice(options.body);
-  LORICA_TRY(const std::vector<Motion> motions, readMotions(options.motions));
+  LORICA_TRY(const std::vector<Motion> motions, readMotions(options.motions, host));
   reading.suits = [&](const CharacterFile& file) -> Result<void> {
     if (file.isMesh()) return {};
     for (const Motion& motion : motions) {
@@ -80,7 +82,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
     }
     return {};
   };
-  LORICA_TRY(const Subject subject, readSubject(options.input, reading));
+  LORICA_TRY(const Subject subject, readSubject(options.input, reading, host));
   LORICA_TRY_DO(check(options, common, subject));
 
   // The poses to fit: one for a mesh, keyframes of motions for a character. Then the poses for choosing a cover.
@@ -90,7 +92,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   std::optional<CoverPoses> posesToCover;
   std::optional<Training> training;
   if (subject.character) {
-    LORICA_TRY(training, trainingMotions(subject, motions));
+    LORICA_TRY(training, trainingMotions(subject, motions, host));
     const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
     LORICA_TRY(outcome.keyframes, prefixed("--keyframes", trainingKeyframes(*subject.character, *training, count)));
     if (!options.cover.exact() || options.heldOut) {
@@ -114,7 +116,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   sayWhatGives(options, settings);
   const CoverPoses* posesOfCover = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
   LORICA_TRY(Fit found,
-             fitHulls({subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings}));
+             fitHulls({subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings}, host));
   const Fit& fit = outcome.fit = std::move(found);
   const Decomposition& decomposition = fit.made.decomposition;
   if (fit.cover) {
@@ -126,7 +128,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common) {
   if (!subject.character || !options.obj.empty()) {
     LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
   }
-  if (interrupted()) return cancelled();
+  if (host.cancelled()) return cancelled();
 
   // Write the outputs, each completely or not at all.
   if (!options.output.empty()) {
@@ -233,7 +235,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
   app->addOption("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
       ->typeName("FILE.lorica");
   app->addOption("--export-obj", options->obj, "Write the parts' hulls")->typeName("FILE.obj");
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -1,4 +1,5 @@
 #include "apps/decompose_report.h"
+#include "geometry/text.h"
 
 #include "acd/decomposition_file.h"
 #include "geometry/counts.h"

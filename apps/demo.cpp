@@ -1,24 +1,24 @@
 #include "apps/demo_pictures.h"
-#include "apps/interrupt.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/play_opened.h"
-#include "apps/progress_bar.h"
-#include "apps/standard_streams.h"
+#include "apps/report_parts.h"
+#include "apps/show.h"
+#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "player/load_in_window.h"
+#include "geometry/text.h"
+#include "player/load_on_screen.h"
 #include "player/playback.h"
-#include "player/run_session.h"
-#include "player/run_statistics.h"
-#include "prepare/body.h"
 #include "prepare/demo_motion.h"
-#include "prepare/subject.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -33,105 +33,73 @@ struct Options {
   double seconds = 0.0;  // 0 = not given
 };
 
-/// The content of the demo and its results.
+/// The demo that was played.
 struct Show {
-  Character character;
-  Motion performance;
-  CachedDecomposition body;
-  RunStatistics statistics;
-  double seconds = 0.0;  // played
-  std::uint64_t hash = 0;
-  std::optional<DemoFiles> files;
+  std::unique_ptr<Run> run;
+  bool fromCache = false;
+  double decomposing = 0.0;  // [s]
+  std::optional<DemoFiles> files = {};
+
+  [[nodiscard]] const DecompositionFile& body() const { return run->cast.avatars.front().body; }
 };
 
-Result<Show> loadShow(int threads) {
-  LORICA_TRY(Motion performance, makePerformance());
-  LORICA_TRY(Subject mannequin, readCharacter("mannequin"));
-  LORICA_TRY(CachedDecomposition body, defaultDecomposition(mannequin, threads));
-  return Show{std::move(*mannequin.character), std::move(performance), std::move(body), {}, 0.0, 0, std::nullopt};
+Result<Show> start(DemoCast demo, const RunSetting& setting, Host& host) {
+  LORICA_TRY(std::unique_ptr<Run> run, Run::start(std::move(demo.cast), setting, host));
+  return Show{std::move(run), demo.fromCache, demo.seconds};
 }
 
 /// Plays repeatedly until the window is closed or the time limit is reached.
 /// @return what the user opened meanwhile; none if the show is over
-Result<std::optional<LoadedCast>> playForPeople(const Options& options, Window& window, WindowOpener& opener,
-                                                Show& show) {
-  LORICA_TRY(Session session, startDemoSession(show.character, show.body.file, show.performance));
-  prepareWindow("demo", show.character, 1, window);
-  WindowSubject subject{session, show.performance.name};
-  subject.duration = show.performance.seconds();
-  subject.opener = &opener;
-  subject.treatment = treatmentControl(MotionOptions(), true);
-  subject.treatment.sources =
-      [&](const WindowTreatment& treatment) -> Result<std::vector<std::unique_ptr<PoseSource>>> {
-    LORICA_TRY(std::unique_ptr<PoseSource> source,
-               poseSourceOf(show.character, show.performance, treated(MotionOptions(), treatment)));
-    std::vector<std::unique_ptr<PoseSource>> sources;
-    sources.push_back(std::move(source));
-    return sources;
-  };
-  subject.sourcesAgain = [&] { return subject.treatment.sources(subject.treatment.first); };
-  if (options.seconds > 0.0) subject.atEnd = WindowSubject::AtEnd::kRepeat;
-  double before = 0.0, seconds = 0.0;  // of earlier repetitions, and of the current one
-  subject.stepped = [&] {
-    show.statistics.add(session);
-    seconds = session.time() - show.performance.firstTime();
-    show.seconds = before + seconds;
-  };
-  subject.restarted = [&] {
-    show.statistics.restart();
-    before += seconds;
-  };
-  subject.enough = [&] { return options.seconds > 0.0 && show.seconds >= options.seconds; };
-  LORICA_TRY(const WindowEnd end, runInWindow(window, subject, {}));
-  show.hash = session.hash();
-  if (end == WindowEnd::kInterrupted) return cancelled();
-  return std::move(subject.next);
+Result<std::optional<Cast>> playForPeople(Screen& screen, WindowOpener& opener, Show& show, Host& host) {
+  LORICA_TRY(Showing showing, lorica::show(*show.run, {}, &screen, &opener, host));
+  if (showing.end == RunEnd::kInterrupted) return cancelled();
+  return std::move(showing.next);
+}
+
+/// The frames of a motion's first seconds.
+int framesOf(const Motion& motion, double seconds) {
+  const auto within = [&](const SkeletonFrame& frame) { return frame.time - motion.firstTime() < seconds - 1e-6; };
+  return std::count_if(motion.joints.begin(), motion.joints.end(), within);
 }
 
 /// Plays once and draws every frame if a renderer is available.
-Result<void> playForFiles(const Options& options, Show& show) {
-  Result<DemoPictures> pictures = DemoPictures::create(options.out);
+Result<Show> playForFiles(const Options& options, Host& host) {
+  LORICA_TRY(DemoCast demo, prepareDemo(host));
+  Result<DemoPictures> pictures = DemoPictures::create(options.out, host);
   // Without a renderer everything except the pictures still works. The error names the missing package.
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
-  if (!pictures) warn(pictures.error().message + "; running the demo without pictures");
-
-  LORICA_TRY(Session session, startDemoSession(show.character, show.body.file, show.performance));
-  const double wanted = options.seconds > 0.0 ? options.seconds : kVideoSeconds;
-  const double first = show.performance.firstTime();
-  int frames = 0;
-  for (const SkeletonFrame& frame : show.performance.joints) frames += frame.time - first < wanted - 1e-6 ? 1 : 0;
-
-  ProgressBar bar(pictures ? "Drawing the demo" : "Running the demo", "frames");
-  for (int frame = 0; frame < frames; ++frame) {
-    if (interrupted()) return cancelled();
-    LORICA_TRY(const bool more, session.step());
-    if (!more) break;
-    show.statistics.add(session);
-    show.seconds = session.time() - first;
-    if (pictures) {
-      const std::string caption = captionOf(show.performance.name, session, show.seconds);
-      LORICA_TRY_DO(pictures->add(session, caption, show.seconds, frame, frames));
-    }
-    bar.update(frame + 1, frames);
+  if (!pictures) host.warn(pictures.error().message + "; running the demo without pictures");
+  RunSetting setting;
+  setting.doing = pictures ? "Drawing the demo:" : "Running the demo:";
+  setting.frames = framesOf(*demo.cast.avatars.front().motion, options.seconds > 0.0 ? options.seconds : kVideoSeconds);
+  LORICA_TRY(Show show, start(std::move(demo), setting, host));
+  Run& run = *show.run;
+  Shown shown;
+  if (pictures) {
+    shown.picture = [&]() -> Result<bool> {
+      const std::string caption = captionOf(run.name(), run.session, run.seconds());
+      LORICA_TRY_DO(pictures->add(run.session, caption, run.seconds(), run.session.frameCount() - 1, setting.frames));
+      return true;
+    };
   }
-  show.hash = session.hash();
-  if (!pictures) return {};
-  LORICA_TRY(show.files, pictures->finish());
-  return {};
+  LORICA_TRY(const RunEnd end, play(run, shown, host));
+  if (end == RunEnd::kInterrupted) return cancelled();
+  if (pictures) LORICA_TRY(show.files, pictures->finish());
+  return show;
 }
 
 nlohmann::ordered_json toJson(const Show& show) {
   nlohmann::ordered_json json;
-  json["recording"] = show.performance.name;
-  json["character"] = show.character.name;
-  json["seconds"] = show.seconds;
-  json["parts"] = show.body.file.decomposition.parts.size();
-  json["error"] = show.body.file.meanError;
-  json["keyframes"] = show.body.file.errorPerKeyframe.size();
-  json["fromCache"] = show.body.fromCache;
-  json["decompositionSeconds"] = show.body.seconds;
-  show.statistics.addTo(json);
-  json["hash"] = hexDigits(show.hash);
+  json["recording"] = show.run->name();
+  json["character"] = show.run->session.character().name;
+  json["seconds"] = show.run->seconds();
+  json["parts"] = show.body().decomposition.parts.size();
+  json["error"] = show.body().meanError;
+  json["keyframes"] = show.body().errorPerKeyframe.size();
+  json["fromCache"] = show.fromCache;
+  json["decompositionSeconds"] = show.decomposing;
+  addStatisticsTo(json, show.run->statistics);
+  json["hash"] = hexDigits(show.run->session.hash());
   json["renderer"] = show.files ? nlohmann::ordered_json(show.files->renderer) : nlohmann::ordered_json();
   json["video"] =
       show.files && show.files->video ? nlohmann::ordered_json(show.files->video->string()) : nlohmann::ordered_json();
@@ -145,21 +113,21 @@ nlohmann::ordered_json toJson(const Show& show) {
 }
 
 Report toReport(const Show& show) {
-  const DecompositionFile& body = show.body.file;
-  Report report(fmt::format("The {} performed {}: {:.1f} s, {}", show.character.name, show.performance.name,
-                            show.seconds, counted(show.statistics.frames(), "frame")));
+  const DecompositionFile& body = show.body();
+  Report report(fmt::format("The {} performed {}: {:.1f} s, {}", show.run->session.character().name, show.run->name(),
+                            show.run->seconds(), counted(show.run->statistics.frames(), "frame")));
   const std::string origin =
-      show.body.fromCache ? "from the cache" : fmt::format("computed in {:.1f} s and cached", show.body.seconds);
+      show.fromCache ? "from the cache" : fmt::format("computed in {:.1f} s and cached", show.decomposing);
   report.line("body", fmt::format("{} trained on {}, {}", counted(std::ssize(body.decomposition.parts), "convex part"),
                                   counted(std::ssize(body.errorPerKeyframe), "keyframe"), origin));
   report.line("error", fmt::format("the hulls have {} more volume than the body", percent(body.meanError)));
-  show.statistics.addTrainingTo(report);
-  report.line("contacts",
-              fmt::format("{} with {} of {} boxes and balls", counted(show.statistics.touches(), "touch", "touches"),
-                          show.statistics.propsTouched(), show.statistics.propCount()));
+  addTrainingTo(report, show.run->statistics);
+  report.line("contacts", fmt::format("{} with {} of {} boxes and balls",
+                                      counted(show.run->statistics.touches(), "touch", "touches"),
+                                      show.run->statistics.propsTouched(), show.run->statistics.propCount()));
   report.gap();
   report.line("frame time", "  median");
-  show.statistics.addTo(report);
+  addStatisticsTo(report, show.run->statistics);
   if (show.files) {
     report.gap();
     if (show.files->video) report.line("video", show.files->video->string());
@@ -172,42 +140,43 @@ Report toReport(const Show& show) {
 }
 
 /// The window, if it was requested or a display is available; none if the demo is drawn to files.
-Result<std::optional<Window>> chooseWindow(const Options& options) {
+Result<std::optional<Window>> chooseWindow(const Options& options, Host& host) {
   if (options.headless) return std::optional<Window>();
   if (!options.window && !displayAvailable()) {
-    say(fmt::format("No display: drawing a video and pictures to {} instead.\n", options.out));
+    host.tell(fmt::format("No display: drawing a video and pictures to {} instead.", options.out));
     return std::optional<Window>();
   }
   Result<Window> window = openWindow();
   if (window) return std::optional<Window>(std::move(*window));
   if (options.window) return window.error();
-  warn(fmt::format("{}; drawing the demo to {} instead", window.error().message, options.out));
+  host.warn(fmt::format("{}; drawing the demo to {} instead", window.error().message, options.out));
   return std::optional<Window>();
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
+Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   // Fail early.
   LORICA_TRY_DO(checkJsonOutput(common, {}));
   LORICA_TRY_DO(checkWindow(options.window, "`lorica demo --headless` draws a video instead"));
-  if (options.headless || !displayAvailable()) {
-    LORICA_TRY_DO(checkOutputFolder("--out", options.out));
-  }
-  LORICA_TRY(std::optional<Window> window, chooseWindow(options));
-  const auto load = [threads = common.threadCount()] { return loadShow(threads); };
+  if (options.headless || !displayAvailable()) LORICA_TRY_DO(checkOutputFolder("--out", options.out));
+  LORICA_TRY(std::optional<Window> window, chooseWindow(options, host));
   if (!window) {
-    LORICA_TRY(Show show, load());
-    LORICA_TRY_DO(playForFiles(options, show));
+    LORICA_TRY(const Show show, playForFiles(options, host));
     return publish(common, toReport(show), toJson(show));
   }
-  LORICA_TRY(std::optional<Show> loaded, loadInWindow<Show>(*window, load));
-  if (!loaded) return {};
-  Show& show = *loaded;
+  LORICA_TRY(std::optional<DemoCast> demo,
+             loadOnScreen<DemoCast>(*window, host, [](Host& loading) { return prepareDemo(loading); }));
+  if (!demo) return {};
   CastRequest present;
-  present.input.motion = kOwnMotion;
-  present.input.reading.drawn = true;
-  WindowOpener opener(std::move(present), common.threadCount());
-  LORICA_TRY(std::optional<LoadedCast> next, playForPeople(options, *window, opener, show));
-  if (next) return playOpened(common, *window, opener, std::move(*next));
+  present.motion = kOwnMotion;
+  present.reading.drawn = true;
+  WindowOpener opener(std::move(present), host);
+  RunSetting setting;
+  setting.sumUp = true;
+  setting.repeated = options.seconds;
+  if (options.seconds > 0.0) setting.atEnd = AtEnd::kRepeat;
+  LORICA_TRY(Show show, start(std::move(*demo), setting, host));
+  LORICA_TRY(std::optional<Cast> next, playForPeople(*window, opener, show, host));
+  if (next) return playOpened(common, host, *window, opener, std::move(*next));
   return publish(common, toReport(show), toJson(show));
 }
 
@@ -232,7 +201,7 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
   app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
   addSeconds(*app, "--seconds", options->seconds,
              "Stop after S seconds [default: 8 for a video, no limit in a window]");
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

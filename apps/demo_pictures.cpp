@@ -60,7 +60,7 @@ DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, std::optional
       follow_(kCameraDistance),
       moments_(kMoments) {}
 
-Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
+Result<DemoPictures> DemoPictures::create(const fs::path& folder, Host& host) {
   LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
   std::error_code error;
   fs::create_directories(folder, error);
@@ -68,7 +68,7 @@ Result<DemoPictures> DemoPictures::create(const fs::path& folder) {
   Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, kFramesPerSecond);
   if (!video) {
     if (video.error().code != ErrorCode::kUnsupported) return video.error();
-    warn(video.error().message + "; drawing pictures only");  // the video module is optional
+    host.warn(video.error().message + "; drawing pictures only");  // the video module is optional
     return DemoPictures(folder, std::move(camera), std::nullopt);
   }
   return DemoPictures(folder, std::move(camera), std::move(*video));

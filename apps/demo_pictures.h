@@ -1,6 +1,8 @@
 #pragma once
 
+#include "player/follow_camera.h"
 #include "player/snapshots.h"
+#include "prepare/host.h"
 #include "viewer/pictures/video_writer.h"
 #include "viewer/renderer/image.h"
 
@@ -25,7 +27,7 @@ struct DemoFiles {
 class DemoPictures {
  public:
   /// @return kNoDisplay and the missing package if there is no renderer; kUnwritable for the folder or the video
-  static Result<DemoPictures> create(const std::filesystem::path& folder);
+  static Result<DemoPictures> create(const std::filesystem::path& folder, Host& host);
 
   /// Draws the session's last frame.
   /// @param seconds        since the start

@@ -1,15 +1,16 @@
-#include "apps/export_inputs.h"
 #include "apps/export_report.h"
 #include "apps/interrupt.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "export/engines.h"
+#include "export/export_source.h"
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
 #include "export/robot_files.h"
 #include "export/vrm_colliders.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
-#include "prepare/file_trust.h"
+#include "geometry/text.h"
 #include "prepare/mesh_subject.h"
 
 #include <fmt/format.h>
@@ -120,10 +121,10 @@ Result<void> checkSubject(const Options& options, const Subject& subject) {
 }
 
 /// Hulls that are rigid on bones, and how well they do in poses that were not used to make them.
-Result<RigidExport> makeRigid(const Options& options, const ExportSource& source, int threads) {
+Result<RigidExport> makeRigid(const Options& options, const ExportSource& source, Host& host) {
   const Character& character = *source.subject.character;
-  LORICA_TRY(const CoverPoses poses, exportPoses(source.subject));
-  const RigidColliderSettings settings{vertexLimit(options), options.perBone, threads};
+  LORICA_TRY(const CoverPoses poses, exportPoses(source.subject, host));
+  const RigidColliderSettings settings{vertexLimit(options), options.perBone, host.threads};
   LORICA_TRY(std::vector<RigidCollider> made,
              makeRigidColliders(character, source.content.decomposition, poses.sampledView(), settings));
   RigidExport rigid;
@@ -131,16 +132,16 @@ Result<RigidExport> makeRigid(const Options& options, const ExportSource& source
   rigid.trainingPoses = poses.sampledView().poseCount();
   rigid.heldOutPoses = poses.heldOutView().poseCount();
   const BonePoseView measured = rigid.heldOutPoses > 0 ? poses.heldOutView() : poses.sampledView();
-  if (interrupted()) return cancelled();
-  rigid.fits = measureFit(character, rigid.colliders, measured, threads);
+  if (host.cancelled()) return cancelled();
+  rigid.fits = measureFit(character, rigid.colliders, measured, host.threads);
   return rigid;
 }
 
 /// The hulls of a mesh, or of a character in one pose.
-Result<HullExport> hullsInOnePose(const Options& options, const ExportSource& source, int threads) {
+Result<HullExport> hullsInOnePose(const Options& options, const ExportSource& source, Host& host) {
   const int limit = vertexLimit(options);
-  Result<HullExport> hulls = options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit)
-                                        : restHulls(source, limit, threads);
+  Result<HullExport> hulls = options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit, host)
+                                        : restHulls(source, limit, host);
   if (hulls && interrupted()) return cancelled();
   return hulls;
 }
@@ -166,7 +167,7 @@ Result<void> writeCharacter(const Options& options, const ExportSource& source,
                             std::span<const RigidCollider> colliders, ExportReport& report) {
   const Character& character = *source.subject.character;
   const std::optional<CharacterFile>& file = source.subject.file;
-  LORICA_TRY(CharacterDocument document, file ? characterDocument({source.input, &*file, pathTrust()})
+  LORICA_TRY(CharacterDocument document, file ? characterDocument({source.input, &*file, host.paths})
                                               : Result<CharacterDocument>(characterDocument(character)));
   if (formatOf(options.output) == Format::kVrm) {
     LORICA_TRY(const int added,
@@ -179,8 +180,8 @@ Result<void> writeCharacter(const Options& options, const ExportSource& source,
   return writeDocument(options.output, document);
 }
 
-Result<void> exportRigid(const Options& options, const ExportSource& source, int threads, ExportReport& report) {
-  LORICA_TRY(const RigidExport rigid, makeRigid(options, source, threads));
+Result<void> exportRigid(const Options& options, const ExportSource& source, Host& host, ExportReport& report) {
+  LORICA_TRY(const RigidExport rigid, makeRigid(options, source, host));
   const Character& character = *source.subject.character;
   const std::optional<Format> format = formatOf(options.output);
   Result<void> written;
@@ -197,8 +198,8 @@ Result<void> exportRigid(const Options& options, const ExportSource& source, int
   return written;
 }
 
-Result<void> exportOnePose(const Options& options, const ExportSource& source, int threads, ExportReport& report) {
-  LORICA_TRY(HullExport hulls, hullsInOnePose(options, source, threads));
+Result<void> exportOnePose(const Options& options, const ExportSource& source, Host& host, ExportReport& report) {
+  LORICA_TRY(HullExport hulls, hullsInOnePose(options, source, host));
   report.add(hulls);
   if (formatOf(options.output) == Format::kMeshes) return writeMeshes(options.output, hulls.objects);
   if (formatOf(options.output) == Format::kGlb) {
@@ -210,17 +211,15 @@ Result<void> exportOnePose(const Options& options, const ExportSource& source, i
   return writeModel(options, model);
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
+Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(check(options, common));
   ExportSourceOptions reading = options.source;
   reading.reading.body = bodyChoice(options.body);
-  const int threads = common.threadCount();
-  LORICA_TRY(const ExportSource source, readExportSource(reading, threads));
+  LORICA_TRY(const ExportSource source, readExportSource(reading, host));
   LORICA_TRY_DO(checkSubject(options, source.subject));
   const bool rigid = source.subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);
   ExportReport report(source.subject, options.output);
-  LORICA_TRY_DO(rigid ? exportRigid(options, source, threads, report)
-                      : exportOnePose(options, source, threads, report));
+  LORICA_TRY_DO(rigid ? exportRigid(options, source, host, report) : exportOnePose(options, source, host, report));
   return publish(common, report.text, report.json);
 }
 
@@ -286,7 +285,7 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
   addReadingOptions(*app, options->reading);
   addCharacterOptions(*app, options->source.reading);
   addBodyOption(*app, options->body);
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

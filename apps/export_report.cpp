@@ -1,4 +1,5 @@
 #include "apps/export_report.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 

@@ -1,8 +1,9 @@
 #include "apps/file_summary.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/depth_motion.h"
-#include "prepare/file_trust.h"
 #include "prepare/read_motion.h"
 #include "prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
@@ -56,16 +57,16 @@ Result<FileSummary> describe(const Options& options) {
   if (isDepthRecording(shipped)) return describeDepthRecording(shipped);
   const bool shape = options.input == "mannequin" || isMeshFile(file) || isCharacterFile(file);
   if (!shape && (!isBareName(options.input) || !shipped.empty())) {
-    LORICA_TRY(const Motion motion, readMotion(options.input, options.motion));
+    LORICA_TRY(const Motion motion, readMotion(options.input, options.motion, host));
     return describeMotion(motion);
   }
   if (!shape) return nothingNamed(options.input);
   CharacterOptions reading = options.character;
   reading.body = BodyChoice::kNever;  // a mesh is described as it is
-  const Result<Subject> subject = readSubject(options.input, reading);
+  const Result<Subject> subject = readSubject(options.input, reading, host);
   // A character file without a surface may still hold a motion.
   if (!subject && isCharacterFile(file) && subject.error().code == ErrorCode::kBadMesh) {
-    const Result<Motion> motion = readMotion(options.input, options.motion);
+    const Result<Motion> motion = readMotion(options.input, options.motion, host);
     if (motion) return describeMotion(*motion);
   }
   if (!subject) return subject.error();
@@ -78,7 +79,7 @@ Result<std::size_t> writeMap(const Options& options) {
     return invalidArgument("--write-map is for character files, but {} is not one", options.input);
   }
   LORICA_TRY_DO(checkOutput("--write-map", options.writeMap, ".json"));
-  LORICA_TRY(const CharacterFile file, readCharacterFile(options.input, characterFileSettings()));
+  LORICA_TRY(const CharacterFile file, readCharacterFile(options.input, host.characterFiles()));
   const Skeleton& own = file.character.skeleton;
   HumanoidGuess none;
   none.jointOf.fill(kNoJoint);
@@ -97,7 +98,7 @@ Result<std::size_t> writeMap(const Options& options) {
   return unsure.size();
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
+Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.character.map, options.writeMap}));
   std::size_t unsure = 0;
   if (!options.writeMap.empty()) {
@@ -141,7 +142,7 @@ Command addInfo(CommandLine& parent, CommonOptions& common) {
   app->addOption("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone")
       ->typeName("FILE.json");
   addReadingOptions(*app, options->motion);
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

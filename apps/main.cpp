@@ -1,9 +1,9 @@
 #include "apps/interrupt.h"
 #include "apps/options.h"
 #include "apps/standard_streams.h"
+#include "apps/terminal_host.h"
 #include "geometry/printable.h"
-#include "player/abandoned_work.h"
-#include "prepare/file_trust.h"
+#include "prepare/abandoned_work.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
@@ -48,9 +48,9 @@ int run(int argc, char** argv) {
   const auto chosen = std::find_if(commands.begin(), commands.end(),
                                    [](const lorica::Command& command) { return command.app->parsed(); });
 
-  if (common.trustPaths) lorica::trustPaths();
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, common.threadCount());
-  const lorica::Result<void> done = chosen->run(common);
+  lorica::TerminalHost host(common);
+  const lorica::Result<void> done = chosen->run(common, host);
   if (!done) return fail(done.error());
   return chosen->status ? chosen->status() : 0;
 }

@@ -3,6 +3,7 @@
 #include "apps/command_line.h"
 #include "apps/report.h"
 #include "geometry/result.h"
+#include "prepare/host.h"
 
 #include <functional>
 #include <string>
@@ -13,7 +14,7 @@ namespace lorica {
 /// A subcommand: its options, and the function that runs it.
 struct Command {
   CommandLine* app = nullptr;
-  std::function<Result<void>(const CommonOptions&)> run;
+  std::function<Result<void>(const CommonOptions&, Host&)> run;
   std::function<int()> status = {};  ///< exit status of a run without an error; null = 0
 };
 

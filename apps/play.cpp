@@ -1,131 +1,55 @@
+#include "apps/option_groups.h"
 #include "apps/options.h"
+#include "apps/play_opened.h"
+#include "apps/report_parts.h"
+#include "apps/show.h"
 #include "collision/world/prop_overlaps.h"
-#include "geometry/errors.h"
+#include "geometry/counts.h"
 #include "geometry/files.h"
-#include "player/events_output.h"
-#include "player/load_in_window.h"
+#include "geometry/text.h"
+#include "player/load_on_screen.h"
 #include "player/playback.h"
-#include "player/pose_output.h"
-#include "player/run_session.h"
-#include "player/run_statistics.h"
-#include "player/target_hits.h"
-#include "prepare/body.h"
-#include "prepare/cast.h"
-#include "prepare/playback_input.h"
-#include "prepare/scenes.h"
-#include "prepare/session_files.h"
-#include "prepare/subject.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <filesystem>
-#include <memory>
 #include <numeric>
 #include <optional>
-#include <span>
-#include <string>
 #include <utility>
-#include <vector>
 
 namespace lorica {
 namespace {
 
 struct Options {
-  PlaybackInputOptions input;
-  BodyOptions body;
-  std::string scene;
+  CastRequest request;
+  RunSetting run;
   SnapshotOptions pictures;
-  PlaybackOptions playing;
-  std::string record;  // file; empty = none
-  PoseOutputOptions out;
-  std::string events;  // file or -; empty = none
   bool window = false;
-  bool selfContacts = false;
-
-  [[nodiscard]] bool written() const { return !record.empty() || !events.empty() || out.any(); }
 };
 
-using Cast = std::vector<CastMember>;
-
-/// Warns of avatars whose middle is in a static body, which they pass through. Call after the first frame.
-void warnOfWalls(const Session& session) {
-  for (std::size_t a = 0; a < session.avatars().size(); ++a) {
-    const SessionAvatar& avatar = session.avatars()[a];
-    const std::span<const Vec3> points = avatar.points();
+/// Warns of avatars whose middle is in a static body, which they pass through.
+void warnOfWalls(Run& run, Host& host) {
+  const std::span<const SessionAvatar> avatars = run.session.avatars();
+  for (std::size_t a = 0; a < avatars.size(); ++a) {
+    const std::span<const Vec3> points = avatars[a].points();
     const Vec3 middle = std::accumulate(points.begin(), points.end(), Vec3(Vec3::Zero())) / std::ssize(points);
-    const std::optional<std::size_t> around = findStaticAround(session.world().props(), middle);
-    if (!avatar.present() || !around) continue;
-    const Vec3 at = session.world().props()[*around].worldFromProp.translation();
-    warn(fmt::format("avatar {} ({}) starts inside the fixed object at ({:.2f}, {:.2f}, {:.2f}) and passes through it",
-                     a + 1, avatar.character().name, at.x(), at.y(), at.z()));
+    const std::span<const Prop> props = run.session.world().props();
+    const std::optional<std::size_t> around = findStaticAround(props, middle);
+    if (!avatars[a].present() || !around) continue;
+    const Vec3 at = props[*around].worldFromProp.translation();
+    host.warn(
+        fmt::format("avatar {} ({}) starts inside the fixed object at ({:.2f}, {:.2f}, {:.2f}) and passes through it",
+                    a + 1, avatars[a].character().name, at.x(), at.y(), at.z()));
   }
 }
 
-/// What is counted while a session runs.
-struct Counts {
-  RunStatistics statistics;
-  TargetHits hits;
-
-  void add(const Session& session, const Options& options) {
-    statistics.add(session, options.selfContacts);
-    hits.add(session);
-    if (statistics.frames() == 1) warnOfWalls(session);
-  }
-};
-
-/// A window in which casts are played, one after the other.
-struct PlayWindow {
-  Window& window;
-  WindowOpener& opener;
-  std::optional<LoadedCast> next;  ///< the user opened it
-};
-
-Result<void> playWithWindow(const Options& options, const LoadedCast& loaded, Session& session, Counts& counts,
-                            PlayWindow& play) {
-  const Cast& cast = loaded.opened.avatars;
-  std::vector<HitTarget> targets = loaded.opened.targets;
-  prepareWindow(motionsOf(cast), session.character(), cast.size(), play.window);
-  WindowSubject subject{session, motionsOf(cast)};
-  subject.duration = secondsOf(cast);
-  const bool tracked =
-      std::any_of(cast.begin(), cast.end(), [](const CastMember& member) { return !member.motion().joints.empty(); });
-  subject.treatment = treatmentControl(options.input.performing, tracked);
-  subject.treatment.sources = [&](const WindowTreatment& treatment) { return sourcesOf(cast, treatment); };
-  subject.sourcesAgain = [&] { return sourcesOf(cast, subject.treatment.first); };
-  subject.scene = loaded.request.scene;
-  subject.added = loaded.added;
-  subject.opener = &play.opener;
-  if (!options.record.empty() || !options.events.empty()) subject.atEnd = WindowSubject::AtEnd::kHold;
-  if (options.written()) subject.treatment.fix("what is written or sent is as the command says");
-  subject.stepped = [&] { counts.add(session, options); };
-  subject.sceneChosen = [&](const std::string& scene) { targets = targetsOf(scene); };
-  subject.hits = [&] { return counts.hits.scores(); };
-  subject.restarted = [&] { counts = Counts{RunStatistics(), TargetHits(targets)}; };  // the report covers the last run
-  LORICA_TRY(const WindowEnd end, runInWindow(play.window, subject, options.playing));
-  play.next = std::move(subject.next);
-  if (end == WindowEnd::kInterrupted) return cancelled();
-  return {};
-}
-
-Result<DrawnFiles> playHeadless(const Options& options, const Cast& cast, Session& session, Counts& counts) {
-  HeadlessRun all{"Playing", motionsOf(cast)};
-  for (const CastMember& member : cast) {
-    all.frames += member.motion().frameCount();
-    all.expected = std::max(all.expected, member.motion().frameCount());
-  }
-  if (options.playing.frames > 0) all.frames = all.expected = std::min(all.frames, options.playing.frames);
-  all.stepped = [&] { counts.add(session, options); };
-  all.caption = [&] { return counts.hits.caption(); };
-  return runHeadless(all, options.pictures, session);
-}
-
-nlohmann::ordered_json toJson(const Options& options, const Cast& cast, const Session& session, const Counts& counts,
-                              const DrawnFiles& drawn) {
-  const RunStatistics& statistics = counts.statistics;
-  const Motion& motion = cast.front().motion();
-  const DecompositionFile& file = cast.front().body;
+nlohmann::ordered_json toJson(const Options& options, const Run& run, const DrawnFiles& drawn) {
+  const Session& session = run.session;
+  const RunStatistics& statistics = run.statistics;
+  const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
+  const Motion& motion = *avatars.front().motion;
+  const DecompositionFile& file = avatars.front().body;
   nlohmann::ordered_json json;
   json["recording"] = motion.name;
   json["format"] = motion.format;
@@ -135,25 +59,23 @@ nlohmann::ordered_json toJson(const Options& options, const Cast& cast, const Se
   json["error"] = file.errorPerKeyframe.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(file.meanError);
   addCoverTo(json, file.cover);
   json["avatars"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < cast.size(); ++i) {
+  for (std::size_t i = 0; i < avatars.size(); ++i) {
     const SessionAvatar& avatar = session.avatars()[i];
     nlohmann::ordered_json one;
     one["character"] = avatar.character().name;
-    one["recording"] = cast[i].motion().name;
-    one["notes"] = cast[i].motion().notes;
+    one["recording"] = avatars[i].source;
+    one["notes"] = avatars[i].motion->notes;
     one["parts"] = avatar.body().parts().size();
     one["frames"] = avatar.frameCount();
     one["contacts"] = statistics.contactsOf(i);
-    one["selfContacts"] = statistics.selfContactsOf(i);
+    one["selfContacts"] = selfContactsOf(statistics, i);
     one["hash"] = hexDigits(avatar.hash());
     json["avatars"].push_back(std::move(one));
   }
-  statistics.addTo(json);
-  counts.hits.addTo(json);
-  const std::optional<double> delay = session.source().smoothingDelay();
-  json["refusedLegs"] = session.source().refusedLegs();
-  json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
-  drawn.addTo(options.pictures, json);
+  addStatisticsTo(json, statistics);
+  addHitsTo(json, run.hits);
+  addSmoothingTo(json, session);
+  addDrawnTo(json, options.pictures, drawn);
   json["hash"] = hexDigits(session.hash());
   return json;
 }
@@ -162,30 +84,28 @@ std::string partsLine(const DecompositionFile& file) {
   std::string parts = std::to_string(file.decomposition.parts.size());
   if (file.errorPerKeyframe.empty()) return parts;
   return parts + fmt::format("; hulls have {} more volume than the body (mean over {})", percent(file.meanError),
-                             counted(std::ssize(file.errorPerKeyframe), "training keyframe"));
+                             counted(countOf(file.errorPerKeyframe), "training keyframe"));
 }
 
-Report toReport(const Options& options, const Cast& cast, const Session& session, const Counts& counts,
-                const DrawnFiles& drawn) {
-  const RunStatistics& statistics = counts.statistics;
-  const bool one = cast.size() == 1;
-  Report report(fmt::format("{} performed {}: {}", one ? session.character().name : counted(std::ssize(cast), "avatar"),
-                            motionsOf(cast), counted(statistics.frames(), "frame")));
+Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn) {
+  const Session& session = run.session;
+  const RunStatistics& statistics = run.statistics;
+  const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
+  const bool one = avatars.size() == 1;
+  Report report(fmt::format("{} performed {}: {}", whoOf(run), run.name(), counted(statistics.frames(), "frame")));
   if (one) {
-    report.line("parts", partsLine(cast.front().body));
-    addCoverTo(report, cast.front().body.cover);
+    report.line("parts", partsLine(avatars.front().body));
+    addCoverTo(report, avatars.front().body.cover);
   }
-  for (std::size_t i = 0; !one && i < cast.size(); ++i) {
+  for (std::size_t i = 0; !one && i < avatars.size(); ++i) {
     const SessionAvatar& avatar = session.avatars()[i];
     report.line(fmt::format("avatar {}", i + 1),
-                fmt::format("{} performs {}: {}, {}, hash {}", avatar.character().name, cast[i].motion().name,
-                            counted(std::ssize(avatar.body().parts()), "part"),
+                fmt::format("{} performs {}: {}, {}, hash {}", avatar.character().name, avatars[i].source,
+                            counted(countOf(avatar.body().parts()), "part"),
                             counted(statistics.contactsOf(i), "contact point"), hexDigits(avatar.hash())));
   }
-  statistics.addTrainingTo(report);
-  if (const std::optional<double> delay = session.source().smoothingDelay()) {
-    report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * *delay));
-  }
+  addTrainingTo(report, statistics);
+  addSmoothingTo(report, session, "joints lag by");
   report.line("contacts",
               fmt::format("{} with {}; {} over all frames", counted(statistics.touches(), "touch", "touches"),
                           counted(statistics.propsTouched(), "prop"), counted(statistics.contacts(), "contact point")));
@@ -193,93 +113,79 @@ Report toReport(const Options& options, const Cast& cast, const Session& session
     report.line("among avatars",
                 fmt::format("{} of two parts", counted(statistics.avatarTouches(), "touch", "touches")));
   }
-  counts.hits.addTo(report);
-  statistics.addSelfContactsTo(report);
+  addHitsTo(report, run.hits);
+  addSelfContactsTo(report, statistics);
   report.line("hash", hexDigits(session.hash()));
-  drawn.addTo(options.pictures, report);
+  addDrawnTo(report, options.pictures, drawn);
   report.gap();
   report.line("frame time", "median");
-  statistics.addTo(report);
-  for (const CastMember& member : cast) {
-    for (const std::string& note : member.motion().notes) report.note(note);
+  addStatisticsTo(report, statistics);
+  for (const PreparedAvatar& avatar : avatars) {
+    for (const std::string& note : avatar.motion->notes) report.note(note);
   }
   const auto refused = [](const SessionAvatar& avatar) { return avatar.source().refusedLegs(); };
   if (std::any_of(session.avatars().begin(), session.avatars().end(), refused)) report.note(kRefusedLegs);
   return report;
 }
 
-/// Runs a session of the cast. Its report is that of the command, unless the user opened something else meanwhile.
-/// @param window  null = none
-Result<void> playCast(const Options& options, const CommonOptions& common, LoadedCast loaded, PlayWindow* window) {
-  const Cast& cast = loaded.opened.avatars;
-  LORICA_TRY(const std::shared_ptr<SessionRecorder> recorder,
-             startRecorder(options.record, cast, options.body, options.scene, loaded.opened.world));
-  LORICA_TRY(Session session, startSession(cast, recorder, std::move(loaded.opened.world)));
-
-  Counts counts{RunStatistics(), TargetHits(loaded.opened.targets)};
-  LORICA_TRY(std::shared_ptr<StepWatcher> watcher,
-             makePoseOutput(options.out, cast.front().input.subject, options.input.reading.expressions, recorder));
-  LORICA_TRY(const std::shared_ptr<EventsOutput> events, makeEventsOutput(options.events, watcher));
-  session.watch(events ? events : watcher);
-  DrawnFiles drawn;
-  const auto play = [&]() -> Result<void> {
-    if (window != nullptr) return playWithWindow(options, loaded, session, counts, *window);
-    LORICA_TRY(drawn, playHeadless(options, cast, session, counts));
-    return {};
-  };
-  if (Result<void> played = play(); !played) {
-    if (recorder) (void)recorder->finish();  // keep what was recorded despite the error
-    return played;
+/// Runs a session of the cast. Its report is that of the command, unless the user opens something else meanwhile.
+/// @return what the user opened
+Result<std::optional<Cast>> playCast(const Options& options, const CommonOptions& common, Host& host, Cast cast,
+                                     Screen* screen, WindowOpener* opener) {
+  RunSetting setting = options.run;
+  if (!setting.record.empty() || !setting.events.empty()) setting.atEnd = AtEnd::kHold;
+  int frames = 0, expected = 0;
+  for (const PreparedAvatar& avatar : cast.avatars) {
+    frames += avatar.motion->frameCount();
+    expected = std::max(expected, avatar.motion->frameCount());
   }
-  if (window != nullptr && window->next) return {};
-  Report report = toReport(options, cast, session, counts, drawn);
-  nlohmann::ordered_json json = toJson(options, cast, session, counts, drawn);
-  LORICA_TRY_DO(finishEvents(events));
-  LORICA_TRY_DO(finishRecorder(recorder, options.record, report, json));
-  return publish(common, report, json, options.events == "-");
+  if (screen == nullptr && setting.frames == 0) setting.frames = frames;
+  setting.expected = std::min(expected, setting.frames);
+  LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), setting, host));
+  run->first = warnOfWalls;
+  LORICA_TRY(Showing showing, show(*run, options.pictures, screen, opener, host));
+  if (showing.next) return std::move(showing.next);
+  if (showing.end == RunEnd::kInterrupted) return cancelled();
+  Report report = toReport(options, *run, showing.drawn);
+  nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
+  LORICA_TRY_DO(finishAndPublish(*run, common, report, json));
+  return std::optional<Cast>();
 }
 
 /// Until the user opens nothing else.
-Result<void> playInTurn(const Options& options, const CommonOptions& common, PlayWindow play) {
-  while (play.next) {
-    LoadedCast cast = std::move(*std::exchange(play.next, std::nullopt));
-    LORICA_TRY_DO(playCast(options, common, std::move(cast), &play));
-  }
+Result<void> playInTurn(const Options& options, const CommonOptions& common, Host& host, std::optional<Cast> cast,
+                        Screen& screen, WindowOpener& opener) {
+  while (cast) LORICA_TRY(cast, playCast(options, common, host, std::move(*cast), &screen, &opener));
   return {};
 }
 
 /// Opens the window first: it shows how the rest is loaded.
-Result<void> playInWindow(const Options& options, const CommonOptions& common, const CastRequest& request) {
+Result<void> playInWindow(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY(Window window, openWindow());
-  const int threads = common.threadCount();
-  LORICA_TRY(std::optional<LoadedCast> loaded,
-             loadInWindow<LoadedCast>(window, [&] { return loadCast({request}, threads); }));
-  if (!loaded) return {};
-  WindowOpener opener(*loaded, threads,
-                      options.written() ? "what is written or sent is one session: nothing else can be opened" : "");
-  return playInTurn(options, common, {window, opener, std::move(loaded)});
+  LORICA_TRY(std::optional<Cast> cast, loadOnScreen<Cast>(window, host, [request = options.request](Host& loading) {
+               return prepareSettledCast({request}, loading);
+             }));
+  if (!cast) return {};
+  WindowOpener opener(
+      *cast, host, options.run.written() ? "what is written or sent is one session: nothing else can be opened" : "");
+  return playInTurn(options, common, host, std::move(cast), window, opener);
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
-  std::vector<std::filesystem::path> inputs = filesOf(options.input, options.body);
-  LORICA_TRY_DO(checkJsonOutput(common, inputs));
-  LORICA_TRY_DO(checkWindow(options.window, "--snapshots DIR and --video FILE do not need one"));
-  LORICA_TRY_DO(checkSnapshots(options.pictures));
-  LORICA_TRY_DO(checkRecord("--record", options.record));
-  LORICA_TRY_DO(checkPoseOutput(options.out));
-  inputs.emplace_back(options.record);
-  LORICA_TRY_DO(checkEvents(options.events, common, inputs));
-  CastRequest request{options.input, options.body, options.scene, {}};
-  request.input.reading.drawn = options.window || options.pictures.any();
-  if (options.window) return playInWindow(options, common, request);
-  LORICA_TRY(OpenedCast opened, openCast(request.input, request.body, request.scene, common.threadCount()));
-  return playCast(options, common, {std::move(request), std::move(opened), {}}, nullptr);
+Result<void> run(const Options& given, const CommonOptions& common, Host& host) {
+  LORICA_TRY_DO(checkOutputs(given.run, given.pictures, common, given.request.files()));
+  LORICA_TRY_DO(checkWindow(given.window, "--snapshots DIR and --video FILE do not need one"));
+  Options options = given;
+  options.request.reading.drawn = options.window || options.pictures.any();
+  if (options.window) return playInWindow(options, common, host);
+  LORICA_TRY(Cast cast, prepareCast(options.request, host));
+  LORICA_TRY_DO(playCast(options, common, host, std::move(cast), nullptr, nullptr));
+  return {};
 }
 
 }  // namespace
 
-Result<void> playOpened(const CommonOptions& common, Window& window, WindowOpener& opener, LoadedCast opened) {
-  return playInTurn(Options(), common, {window, opener, std::move(opened)});
+Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen, WindowOpener& opener, Cast opened) {
+  return playInTurn(Options(), common, host, std::move(opened), screen, opener);
 }
 
 Command addPlay(CommandLine& parent, CommonOptions& common) {
@@ -320,25 +226,25 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "\nWithout --decomposition: 16 parts from 12 keyframes, computed on the first run and then cached, as are the\n"
       "body of a character whose surface is open, and the hull covers of --cover and --hull-vertices. Keyframes come\n"
       "from the character's own clips and, of a humanoid, from the shipped recordings.");
-  addPlaybackInputOptions(*app, options->input);
-  addBodyOptions(*app, options->body);
-  addSceneOption(*app, options->scene);
-  addFaultOption(*app, options->input.performing);
-  addPoseOutputOptions(*app, options->out);
-  addEventsOption(*app, options->events);
-  addRecordOption(*app, options->record);
-  addCount(*app, "--frames", options->playing.frames, 1, "Stop after N frames");
-  app->addFlag("--as-fast-as-possible", options->playing.hurry,
+  addMotionOptions(*app, options->request);
+  addBodyOptions(*app, options->request.body);
+  addSceneOption(*app, options->request.scene);
+  addFaultOption(*app, options->request.performing);
+  addPoseOutputOptions(*app, options->run.out);
+  addEventsOption(*app, options->run.events);
+  addRecordOption(*app, options->run.record);
+  addCount(*app, "--frames", options->run.frames, 1, "Stop after N frames");
+  app->addFlag("--as-fast-as-possible", options->run.hurry,
                "Do not play in real time in a window; without a window this is always so");
-  app->addFlag("--self-contacts", options->selfContacts,
+  app->addFlag("--self-contacts", options->run.selfContacts,
                "Report overlapping parts of the body that are not neighbours");
   Option* window =
       app->addFlag("--window", options->window, "Open a window and play in real time; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
-  addTextureOption(*app, options->input.reading.textureSize);
-  return {app, [options, app](const CommonOptions& given) {
-            options->input.performing.smoothGiven = smoothingGiven(*app);
-            return run(*options, given);
+  addTextureOption(*app, options->request.reading.textureSize);
+  return {app, [options, app](const CommonOptions& given, Host& host) {
+            options->request.performing.smoothGiven = smoothingGiven(*app);
+            return run(*options, given, host);
           }};
 }
 

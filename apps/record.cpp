@@ -1,19 +1,15 @@
 #include "apps/convert.h"
 #include "apps/interrupt.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/record_packets.h"
 #include "apps/record_session.h"
-#include "apps/standard_streams.h"
 #include "capture/sensor/oni_joints.h"
 #include "capture/sensor/openni.h"
 #include "capture/tracking/tracker.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
-#include "player/playback.h"
-#include "prepare/cameras.h"
-#include "prepare/cast.h"
-#include "prepare/scenes.h"
-#include "prepare/session_files.h"
+#include "geometry/text.h"
 #include "prepare/stream_motion.h"
 
 #include <fmt/format.h>
@@ -49,19 +45,19 @@ fs::path jointsBeside(const std::string& out) {
 
 /// The files that the options name, which no report may overwrite.
 std::vector<fs::path> filesOf(const Options& options) {
-  std::vector<fs::path> files = filesOf(options.input, options.body);
+  std::vector<fs::path> files = options.request.files();
   files.emplace_back(options.out);
   return files;
 }
 
 /// Reads until the limit or Ctrl-C; OpenNI2 records the frames that are read.
 Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tracker, OpenNiRecorder& recorder,
-                         JointCsvWriter& joints) {
+                         JointCsvWriter& joints, Host& host) {
   Recording recording;
   std::optional<double> firstTime;
   DepthFrame frame;
   int read = 0;
-  const PlaybackOptions& limit = options.limit;
+  const SessionRecording& limit = options;
   std::mutex files;  // the program may be ended while the camera waits
   bool finished = false;
   const auto finish = [&]() -> Result<void> {
@@ -80,7 +76,7 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
     return {};
   };
   const AtHardStop finishing([&] { (void)finish(); });
-  while (!interrupted()) {
+  while (!host.cancelled()) {
     const Result<DepthRead> got = depth.next(frame);
     if (!got) {
       (void)finish();  // keep what was recorded despite the error
@@ -119,7 +115,7 @@ Result<void> refuseSessionOptions(const CommandLine& app, const Options& options
   return {};
 }
 
-Result<void> recordDepth(const Options& options, const CommonOptions& common) {
+Result<void> recordDepth(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.out, jointsBeside(options.out)}));
   LORICA_TRY_DO(checkOutput("OUT", options.out, ".oni"));
   // An older recording of both files may be replaced; a joint CSV of another origin may not.
@@ -128,7 +124,7 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
         "{} exists, but {} does not, so it was not written by this command: choose another name for OUT",
         jointsBeside(options.out).string(), options.out);
   }
-  LORICA_TRY(std::unique_ptr<DepthSource> depth, openCamera(options.depth));
+  LORICA_TRY(std::unique_ptr<DepthSource> depth, openCamera(options.live.depth));
   LORICA_TRY(Tracker tracker, Tracker::create(depth->camera()));
   LORICA_TRY(JointCsvWriter joints, JointCsvWriter::create(jointsBeside(options.out)));
   std::optional<AtHardStop> starting(std::in_place, [&] { (void)joints.finish(); });  // removes the empty file
@@ -138,11 +134,11 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
     return recorder.error();
   }
   starting.reset();
-  sayFound((*recorder)->found());
-  sayFound(joints.found());
+  warnOfFound((*recorder)->found(), host);
+  warnOfFound(joints.found(), host);
 
-  say(fmt::format("Recording {}; press Ctrl-C to stop.\n", depth->name()));
-  LORICA_TRY(const Recording made, record(options, *depth, tracker, **recorder, joints));
+  host.tell(fmt::format("Recording {}; press Ctrl-C to stop.", depth->name()));
+  LORICA_TRY(const Recording made, record(options, *depth, tracker, **recorder, joints, host));
 
   Report report(
       fmt::format("Recorded {} of {} ({:.1f} s)", counted(made.frames, "depth frame"), depth->name(), made.seconds));
@@ -165,10 +161,10 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common) {
 
 /// A motion while it happens: the session is recorded, and converted at its end. If the program is killed, the session
 /// is left, which `lorica convert` reads.
-Result<void> recordMotion(const Options& options, const CommonOptions& common) {
+Result<void> recordMotion(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
   LORICA_TRY_DO(checkOutput("OUT", options.out));
-  if (options.input.performing.person == kEveryone) {
+  if (options.request.performing.person == kEveryone) {
     return invalidArgument(
         "{}: found --person all, expected the number of one person: a motion file holds one skeleton, a session ({}) "
         "any number",
@@ -181,10 +177,10 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common) {
   }
   Options session = options;
   session.out = options.out + kSessionEnding;
-  return recordSession(session, common, [&](Report& report) -> Result<void> {
-    LORICA_TRY(const Motion motion, readSessionMotion(session.out, 0));
+  return recordSession(session, common, host, [&](Report& report) -> Result<void> {
+    LORICA_TRY(const Motion motion, readSessionMotion(session.out, 0, host));
     // Poses of bones are mirrored already.
-    LORICA_TRY_DO(writeMotion(options.out, motion, motion.bones ? MotionOptions() : options.input.performing));
+    LORICA_TRY_DO(writeMotion(options.out, motion, motion.bones ? MotionOptions() : options.request.performing));
     std::error_code ignored;
     fs::remove(session.out, ignored);
     report.line("motion", options.out);
@@ -192,17 +188,17 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common) {
   });
 }
 
-Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common) {
+Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common, Host& host) {
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
     LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
     LORICA_TRY_DO(checkRecord("OUT", options.out));
-    return recordSession(options, common);
+    return recordSession(options, common, host);
   }
-  if (ending == ".bvh" || ending == ".csv") return recordMotion(options, common);
+  if (ending == ".bvh" || ending == ".csv") return recordMotion(options, common, host);
   if (ending == ".pcap") {
     LORICA_TRY_DO(refuseSessionOptions(app, options, "packets (.pcap)"));
-    return recordPackets(options.out, options.vmc.listenAt, options.limit, common);
+    return recordPackets(options.out, options.live.vmc.listenAt, options.seconds, common, host);
   }
   if (ending != ".oni") {
     return invalidArgument(
@@ -214,7 +210,7 @@ Result<void> run(const CommandLine& app, const Options& options, const CommonOpt
   if (app.given("--vmc")) {
     return invalidArgument("{}: --vmc sends no depth images", options.out);
   }
-  return recordDepth(options, common);
+  return recordDepth(options, common, host);
 }
 
 }  // namespace
@@ -249,20 +245,20 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
   app->addOption("OUT", options->out, "The recording to write: .oni, .lsession, .bvh, .csv or .pcap")
       ->required()
       ->typeName("");
-  addPlaybackInputOptions(*app, options->input);
-  addFaultOption(*app, options->input.performing);
-  addBodyOptions(*app, options->body);
-  addSceneOption(*app, options->scene);
-  addDepthOptions(*app, options->depth);
-  addCount(*app, "--people", options->people, 1,
+  addMotionOptions(*app, options->request);
+  addFaultOption(*app, options->request.performing);
+  addBodyOptions(*app, options->request.body);
+  addSceneOption(*app, options->request.scene);
+  addDepthOptions(*app, options->live.depth);
+  addCount(*app, "--people", options->live.people, 1,
            "People before the camera to record, each with an avatar, at most 6; a session only [default: 1]");
-  addVmcInputOptions(*app, options->vmc);
-  addCount(*app, "--frames", options->limit.frames, 1, "Stop after N frames");
-  addSeconds(*app, "--seconds", options->limit.seconds, "Stop after S seconds");
-  return {app, [app, options](const CommonOptions& given) {
-            const bool live = options->input.motion.empty();
-            if (live) options->vmc.sender = options->input.performing.sender;
-            return run(*app, *options, given);
+  addVmcInputOptions(*app, options->live.vmc);
+  addCount(*app, "--frames", options->frames, 1, "Stop after N frames");
+  addSeconds(*app, "--seconds", options->seconds, "Stop after S seconds");
+  return {app, [app, options](const CommonOptions& given, Host& host) {
+            const bool live = options->request.motion.empty();
+            if (live) options->live.vmc.sender = options->request.performing.sender;
+            return run(*app, *options, given, host);
           }};
 }
 

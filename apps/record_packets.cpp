@@ -1,4 +1,5 @@
 #include "apps/record_packets.h"
+#include "geometry/text.h"
 
 #include "apps/interrupt.h"
 #include "apps/report.h"
@@ -9,7 +10,6 @@
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
-#include "prepare/session_files.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -109,8 +109,8 @@ std::uint64_t microsecondsNow() {
 
 }  // namespace
 
-Result<void> recordPackets(const std::string& out, const std::string& listenAt, const PlaybackOptions& limit,
-                           const CommonOptions& common) {
+Result<void> recordPackets(const std::string& out, const std::string& listenAt, double limit,
+                           const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {out}));
   LORICA_TRY_DO(checkOutput("OUT", out, ".pcap"));
   if (listenAt.empty()) {
@@ -123,11 +123,11 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
   LORICA_TRY(UdpSocket socket, prefixed("--vmc", address ? UdpSocket::listen(*address) : address.error()));
   LORICA_TRY(const std::unique_ptr<PacketWriter> writer, PacketWriter::create(out));
 
-  say(fmt::format("Recording packets to {}; press Ctrl-C to stop.\n", textOf(*address)));
+  host.tell(fmt::format("Recording packets to {}; press Ctrl-C to stop.", textOf(*address)));
   std::vector<std::byte> memory(kLargestPacket);
   std::optional<std::uint64_t> first;
   double seconds = 0.0;
-  while (!interrupted()) {
+  while (!host.cancelled()) {
     const std::optional<UdpSocket::Packet> packet = socket.receive(memory, kPollSeconds);
     const std::uint64_t now = microsecondsNow();
     if (packet) {
@@ -136,7 +136,7 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
       LORICA_TRY_DO(writer->add(record));
     }
     seconds = first ? 1e-6 * (now - *first) : 0.0;
-    if (limit.seconds > 0.0 && seconds >= limit.seconds) break;
+    if (limit > 0.0 && seconds >= limit) break;
   }
   answerInterrupt();
   LORICA_TRY_DO(writer->finish());

@@ -1,11 +1,7 @@
 #pragma once
 
 #include "apps/report.h"
-#include "player/playback.h"
-#include "prepare/body.h"
-#include "prepare/cameras.h"
-#include "prepare/playback_input.h"
-#include "prepare/vmc_input.h"
+#include "prepare/live_cast.h"
 
 #include <cstddef>
 #include <functional>
@@ -16,13 +12,10 @@ namespace lorica {
 /// The options of `lorica record FILE.lsession`.
 struct SessionRecording {
   std::string out;
-  PlaybackInputOptions input;  ///< no motion = a live camera
-  DepthOptions depth;
-  VmcInputOptions vmc;  ///< a program instead of a camera
-  BodyOptions body;
-  std::string scene;
-  int people = 1;  ///< before the camera
-  PlaybackOptions limit;
+  CastRequest request;  ///< no motion = a live camera
+  LiveRequest live;
+  int frames = 0;        ///< maximum; 0 = no limit
+  double seconds = 0.0;  ///< maximum [s]; 0 = no limit
 };
 
 /// How many avatars the options ask for, as far as is known before anything is read.
@@ -31,7 +24,7 @@ struct SessionRecording {
 /// Plays motions, or follows the people before a camera or programs that send, and records the session without a
 /// window.
 /// @param finished  called when the file is complete; may add to the report
-[[nodiscard]] Result<void> recordSession(const SessionRecording& options, const CommonOptions& common,
+[[nodiscard]] Result<void> recordSession(const SessionRecording& options, const CommonOptions& common, Host& host,
                                          const std::function<Result<void>(Report&)>& finished = {});
 
 }  // namespace lorica

@@ -5,6 +5,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/printable.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -153,48 +154,10 @@ void warn(const std::string& sentence) {
   if (said.insert(sentence).second) say(fmt::format("lorica: warning: {}\n", printable(sentence)));
 }
 
-std::string environment(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? std::string() : std::string(value);
-}
-
 int terminalWidth(std::FILE* stream) {
   winsize size = {};
   if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
   return 80;
-}
-
-std::string lowerCase(std::string text) {
-  for (char& c : text) c = c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c;
-  return text;
-}
-
-std::string grouped(long long number) {
-  std::string text = std::to_string(number);
-  const int firstDigit = number < 0 ? 1 : 0;
-  for (int at = countOf(text) - 3; at > firstDigit; at -= 3) {
-    text.insert(at, 1, ',');
-  }
-  return text;
-}
-
-std::string counted(long long number, const std::string& noun, const std::string& plural) {
-  const std::string& many = plural.empty() ? noun + "s" : plural;
-  return fmt::format("{} {}", grouped(number), number == 1 ? noun : many);
-}
-
-std::string percent(double fraction) {
-  return fmt::format("{:.1f} %", 100.0 * fraction);
-}
-
-std::string millimetres(double metres) {
-  return fmt::format("{:.2f} mm", 1000.0 * metres);
-}
-
-std::string duration(double microseconds) {
-  if (microseconds < 999.5) return fmt::format("{:.0f} us", microseconds);
-  if (microseconds < 999.5e3) return fmt::format("{:.2f} ms", microseconds * 1e-3);
-  return fmt::format("{:.1f} s", microseconds * 1e-6);
 }
 
 }  // namespace lorica

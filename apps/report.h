@@ -73,28 +73,7 @@ class Report {
 /// Prints a warning to standard error, one line: "lorica: warning: ...". The same sentence is said once in a run.
 void warn(const std::string& sentence);
 
-/// The value of an environment variable; empty if it is not set.
-[[nodiscard]] std::string environment(const char* name);
-
 /// Width of a stream's terminal in columns; 80 if it is not a terminal.
 [[nodiscard]] int terminalWidth(std::FILE* stream);
-
-/// Converts A-Z to a-z.
-[[nodiscard]] std::string lowerCase(std::string text);
-
-/// 12345 as "12,345".
-[[nodiscard]] std::string grouped(long long number);
-
-/// A number, or a count with its noun: "1 part", "12 parts".
-[[nodiscard]] std::string counted(long long number, const std::string& noun, const std::string& plural = "");
-
-/// 0.1234 as "12.3 %".
-[[nodiscard]] std::string percent(double fraction);
-
-/// Metres as "1.25 mm".
-[[nodiscard]] std::string millimetres(double metres);
-
-/// Microseconds as "85 us", "1.25 ms" or "2.3 s".
-[[nodiscard]] std::string duration(double microseconds);
 
 }  // namespace lorica

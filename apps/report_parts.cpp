@@ -1,4 +1,5 @@
 #include "apps/report_parts.h"
+#include "geometry/text.h"
 
 #include "player/percentiles.h"
 

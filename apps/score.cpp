@@ -1,6 +1,8 @@
 #include "acd/score.h"
+#include "geometry/text.h"
 
 #include "apps/interrupt.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
@@ -75,9 +77,9 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
       text(partsBox), text(meshBox), percent(score.uncoveredFraction));
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
+Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.mesh, options.parts}));
-  LORICA_TRY(const Subject subject, readSubject(options.mesh, options.reading));
+  LORICA_TRY(const Subject subject, readSubject(options.mesh, options.reading, host));
   const TriMesh& mesh = subject.mesh;
   if (std::filesystem::path(options.parts).extension() == ".lorica") {
     return invalidArgument(
@@ -91,10 +93,10 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   // Either the mesh or the parts may be rejected: a failure names that file.
   const std::string& file = checkClosedTwoManifold(mesh) ? options.parts : options.mesh;
   LORICA_TRY(const Score judged, prefixed(file, score(mesh, parts, ScoreSettings())));
-  if (interrupted()) return cancelled();
+  if (host.cancelled()) return cancelled();
   nlohmann::ordered_json json = toJson(subject, parts.size(), judged);
   if (const std::string doubt = doubtAbout(mesh, parts, judged); !doubt.empty()) {
-    warn(options.parts + ": " + doubt);
+    host.warn(options.parts + ": " + doubt);
     json["warning"] = doubt;
   }
   return publish(common, toReport(options, subject, parts.size(), judged), json);
@@ -118,7 +120,7 @@ Command addScore(CommandLine& parent, CommonOptions& common) {
       ->typeName("");
   app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required()->typeName("");
   addHideOption(*app, options->reading.hidden);
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -1,18 +1,14 @@
-#include "apps/interrupt.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
-#include "apps/progress_bar.h"
+#include "apps/show.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/text.h"
+#include "player/follow_camera.h"
 #include "player/movie.h"
 #include "player/playback.h"
 #include "player/snapshots.h"
-#include "player/target_hits.h"
-#include "prepare/body.h"
-#include "prepare/cast.h"
-#include "prepare/playback_input.h"
-#include "prepare/scenes.h"
-#include "prepare/springs.h"
 #include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
@@ -36,9 +32,7 @@ constexpr int kLargest = 4096;
 constexpr double kSameTime = 1e-6;  // [s]
 
 struct Options {
-  PlaybackInputOptions input;
-  BodyOptions body;
-  std::string scene;
+  CastRequest request;
   CameraOptions camera;
   std::string out;
   std::string video;
@@ -123,6 +117,9 @@ Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion&
 
 /// Results.
 struct Outcome {
+  std::string who, name;          // "hero", "walk and wave"
+  std::string motion, character;  // of the first avatar
+  std::vector<std::string> notes;
   std::vector<fs::path> files;
   std::string renderer;
   int frames = 0;  // played
@@ -131,20 +128,30 @@ struct Outcome {
 };
 
 /// Runs the session as far as needed and draws the requested pictures.
-Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera,
-                      const OpenedCast& opened, Session& session) {
-  const std::span<const CastMember> cast = opened.avatars;
-  TargetHits hits(opened.targets);
-  const Motion& motion = cast.front().motion();  // leads
-  const std::string name = motionsOf(cast);
+Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera, Cast cast,
+                      Host& host) {
+  const Motion& motion = *cast.avatars.front().motion;  // leads
+  const double length = motion.seconds();
+  const std::string motionName = motion.name;
   const Size size = *sizeOf(options.size);
   LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   std::optional<Movie> movie;
   if (!options.video.empty()) {
-    const double rate = motion.seconds() > 0.0 ? (motion.frameCount() - 1) / motion.seconds() : 30.0;
+    const double rate = length > 0.0 ? (motion.frameCount() - 1) / length : 30.0;
     LORICA_TRY(Movie made, Movie::create(options.video, size.width, size.height, rate));
     movie.emplace(std::move(made));
   }
+  const double end = options.to > 0.0 ? options.to : length;
+  const double until = std::accumulate(wanted.begin(), wanted.end(), movie ? end : 0.0,
+                                       [](double sum, const Wanted& one) { return std::max(sum, one.seconds); });
+  const double share = length > 0.0 ? std::min(until / length, 1.0) : 1.0;
+  RunSetting setting;
+  setting.doing = movie ? "Rendering video of" : "Playing";
+  setting.frames = motion.frameCount();
+  setting.expected = 1 + int(std::ceil(share * (motion.frameCount() - 1)));  // estimate
+  for (const Wanted& one : wanted) setting.expected = std::max(setting.expected, one.frame + 1);
+  LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), setting, host));
+  const Session& session = run->session;
 
   SessionScene scene(session);
   SceneOptions show = shownBy(options.show, session.character());
@@ -155,55 +162,47 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   std::vector<std::string> labels;
   images.reserve(wanted.size());
   labels.reserve(wanted.size());
-  const double end = options.to > 0.0 ? options.to : motion.seconds();
-  const double until = std::accumulate(wanted.begin(), wanted.end(), movie ? end : 0.0,
-                                       [](double sum, const Wanted& one) { return std::max(sum, one.seconds); });
-  const double share = motion.seconds() > 0.0 ? std::min(until / motion.seconds(), 1.0) : 1.0;
-  int frames = 1 + std::ceil(share * (motion.frameCount() - 1));  // estimate
-  for (const Wanted& one : wanted) frames = std::max(frames, one.frame + 1);
-  double firstTime = 0.0, previousTime = 0.0;
-  ProgressBar bar((movie ? "Rendering video of " : "Playing ") + name, "frames");
-  Outcome outcome;
-  for (int frame = 0; frame < motion.frameCount(); ++frame) {
-    if (interrupted()) return cancelled();
-    LORICA_TRY(const bool more, session.step());
-    if (!more) break;
-    ++outcome.frames;
+  double previous = 0.0;
+  Shown shown;
+  shown.picture = [&]() -> Result<bool> {
+    const int frame = session.frameCount() - 1;
+    const double seconds = run->seconds();
     scene.follow(session);
-    hits.add(session);
-    if (frame == 0) firstTime = previousTime = session.time();
-    const double seconds = session.time() - firstTime;
-    camera.update(session, session.time() - previousTime);
-    previousTime = session.time();
-    bar.update(frame + 1, std::max(frames, frame + 1));
-
+    camera.update(session, seconds - previous);
+    previous = seconds;
     std::optional<Image> image;
     const auto draw = [&]() -> const Image& {
       if (!image) {
-        if (caption) show.caption = captionOf(name + hits.caption(), session, seconds);
+        if (caption) show.caption = captionOf(run->name() + run->hits.caption(), session, seconds);
         image = pictures.draw(scene.of(session, show, camera.camera().eye), show, camera.camera());
       }
       return *image;
     };
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       const Wanted& one = wanted[i];
-      const bool last = frame + 1 == motion.frameCount();
+      const bool last = frame + 1 == setting.frames;
       if (taken[i] || !(one.frame >= 0 ? frame == one.frame : last || seconds >= one.seconds - kSameTime)) continue;
       taken[i] = true;
       images.push_back(draw());
       labels.push_back(fmt::format("{:.2f} s", seconds));
     }
-    const bool filmed = movie && seconds >= options.from - kSameTime && seconds <= end + kSameTime;
-    if (filmed && movie->takes(frame)) {
-      LORICA_TRY_DO(movie->add(draw()));
-    }
+    if (movie && seconds >= options.from - kSameTime && seconds <= end + kSameTime) LORICA_TRY_DO(movie->add(draw()));
     const bool allTaken = std::find(taken.begin(), taken.end(), false) == taken.end();
-    if (allTaken && (!movie || seconds > end)) break;
-  }
+    return !allTaken || (movie && seconds <= end);
+  };
+  LORICA_TRY(const RunEnd ended, play(*run, shown, host));
+  if (ended == RunEnd::kInterrupted) return cancelled();
 
+  Outcome outcome;
+  outcome.who = whoOf(*run);
+  outcome.name = run->name();
+  outcome.frames = session.frameCount();
   outcome.renderer = pictures.rendererName();
   outcome.hash = session.hash();
-  const fs::path out = options.out.empty() ? fs::path(motion.name + ".png") : fs::path(options.out);
+  outcome.notes = run->cast.avatars.front().motion->notes;
+  outcome.motion = motionName;
+  outcome.character = session.character().name;
+  const fs::path out = options.out.empty() ? fs::path(motionName + ".png") : fs::path(options.out);
   if (options.strip && images.size() > 1) {
     const Image sheet = contactSheet(images, labels, countOf(images));
     images.assign(1, sheet);
@@ -222,14 +221,14 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
 }
 
 Result<void> check(const Options& options, const CommonOptions& common) {
-  std::vector<fs::path> others = filesOf(options.input, options.body);
+  std::vector<fs::path> others = options.request.files();
   others.insert(others.end(), {options.out, options.video});
   LORICA_TRY_DO(checkJsonOutput(common, others));
   if (!options.out.empty()) {
     LORICA_TRY_DO(checkOutput("--out", options.out, ".png"));
   }
   if (!options.video.empty()) {
-    LORICA_TRY_DO(Movie::check("--video", options.video));
+    LORICA_TRY_DO(checkVideo("--video", options.video));
     const Size size = *sizeOf(options.size);
     const bool mp4 = fs::path(options.video).extension() == ".mp4";
     if (mp4 && (size.width % 2 != 0 || size.height % 2 != 0)) {
@@ -242,22 +241,19 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   return {};
 }
 
-Result<void> run(const Options& options, const CommonOptions& common) {
+Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(check(options, common));
-  PlaybackInputOptions asked = options.input;
-  asked.reading.drawn = true;
-  LORICA_TRY(OpenedCast opened, openCast(asked, options.body, options.scene, common.threadCount()));
-  const std::span<const CastMember> cast = opened.avatars;
-  const Motion& motion = cast.front().motion();
-  LORICA_TRY(const std::vector<Wanted> wanted, wantedPictures(options, motion));
+  CastRequest request = options.request;
+  request.reading.drawn = true;
+  LORICA_TRY(Cast cast, prepareCast(request, host));
+  LORICA_TRY(const std::vector<Wanted> wanted, wantedPictures(options, *cast.avatars.front().motion));
   const Size size = *sizeOf(options.size);
   LORICA_TRY(const FollowCamera camera, FollowCamera::create(options.camera, size.width, size.height));
-  LORICA_TRY(Session session, startSession(cast, nullptr, std::move(opened.world)));
-  LORICA_TRY(const Outcome outcome, shoot(options, wanted, camera, opened, session));
+  LORICA_TRY(const Outcome outcome, shoot(options, wanted, camera, std::move(cast), host));
 
   nlohmann::ordered_json json;
-  json["recording"] = motion.name;
-  json["character"] = session.character().name;
+  json["recording"] = outcome.motion;
+  json["character"] = outcome.character;
   json["frames"] = outcome.frames;
   json["pictures"] = nlohmann::ordered_json::array();
   for (const fs::path& picture : outcome.files) json["pictures"].push_back(picture.string());
@@ -265,16 +261,14 @@ Result<void> run(const Options& options, const CommonOptions& common) {
   json["videoFrames"] = outcome.videoFrames;
   json["renderer"] = outcome.renderer;
   json["hash"] = hexDigits(outcome.hash);
-  Report report(fmt::format("{} performed {}: {}",
-                            cast.size() == 1 ? session.character().name : counted(std::ssize(cast), "avatar"),
-                            motionsOf(cast), counted(outcome.frames, "frame")));
+  Report report(fmt::format("{} performed {}: {}", outcome.who, outcome.name, counted(outcome.frames, "frame")));
   for (const fs::path& picture : outcome.files) report.line("picture", picture.string());
   if (!options.video.empty()) {
     report.line("video", fmt::format("{}, {}", options.video, counted(outcome.videoFrames, "frame")));
   }
   report.line("renderer", outcome.renderer);
   report.line("hash", hexDigits(outcome.hash));
-  for (const std::string& note : motion.notes) report.note(note);
+  for (const std::string& note : outcome.notes) report.note(note);
   return publish(common, report, json);
 }
 
@@ -293,7 +287,7 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
                     "  lorica snapshot punch_and_kick --scene bowling --video kick.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
                     "      the whole motion from a fixed camera\n"
                     "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes.");
-  addPlaybackInputOptions(*app, options->input);
+  addMotionOptions(*app, options->request);
   app->addOption("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]")
       ->typeName("FILE");
   app->addOption("--at", options->at, "Times in seconds since the first frame, separated by commas [default: halfway]")
@@ -317,12 +311,12 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
       ->separatedBy(',')
       ->typeName("WHAT")
       ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
-  addTextureOption(*app, options->input.reading.textureSize);
+  addTextureOption(*app, options->request.reading.textureSize);
   app->addFlag("--strip", options->strip, "Combine several pictures side by side in one file");
   addCameraOptions(*app, options->camera);
-  addBodyOptions(*app, options->body);
-  addSceneOption(*app, options->scene);
-  return {app, [options](const CommonOptions& given) { return run(*options, given); }};
+  addBodyOptions(*app, options->request.body);
+  addSceneOption(*app, options->request.scene);
+  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #include "apps/file_summary.h"
 #include "apps/summary_look.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "geometry/text.h"
 #include "prepare/springs.h"
 #include "skinning/linear_blend.h"
 

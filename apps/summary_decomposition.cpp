@@ -2,6 +2,7 @@
 #include "apps/file_summary.h"
 #include "geometry/counts.h"
 #include "geometry/files.h"
+#include "geometry/text.h"
 #include "prepare/cover.h"
 
 #include <fmt/format.h>

@@ -2,6 +2,7 @@
 #include "capture/sensor/oni_file.h"
 #include "capture/sensor/openni.h"
 #include "capture/sensor/openni_usb.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,5 @@
 #include "apps/summary_look.h"
+#include "geometry/text.h"
 
 #include "skinning/look/picture.h"
 

@@ -1,5 +1,6 @@
 #include "apps/file_summary.h"
 #include "geometry/convex_hull.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 

@@ -1,5 +1,6 @@
 #include "apps/file_summary.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 

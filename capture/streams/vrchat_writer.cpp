@@ -66,8 +66,8 @@ std::span<const std::byte> VrchatWriter::write(const BonePose& pose) {
   OscWriter writer(memory_);
   writer.beginBundle();
   for (const Tracker& tracker : kTrackers) {
-    const std::size_t place = tracker.place;
-    const std::size_t turn = tracker.turn;
+    const auto place = static_cast<std::size_t>(tracker.place);
+    const auto turn = static_cast<std::size_t>(tracker.turn);
     if (!pose.rotation[place]) continue;  // the character lacks it
     addVector(writer, tracker.position, scale_ * mirrorX(world.position[place]));
     addVector(writer, tracker.rotation, unityAngles(mirrorX(world.turn[turn])));

@@ -187,7 +187,7 @@ void addBonesByShape(const JointTree& tree, std::span<const JointName> names, Bo
       writeShoulder(tree, chest, onSide(kLeftShoulder, left), arm, names, bones);
     }
     bool hasFingers = false;
-    for (int bone = kLeftThumbMetacarpal; bone <= static_cast<int>(kLeftLittleDistal); ++bone) {
+    for (int bone = static_cast<int>(kLeftThumbMetacarpal); bone <= static_cast<int>(kLeftLittleDistal); ++bone) {
       hasFingers = hasFingers || at(static_cast<HumanBone>(bone)) != kNoJoint;
     }
     if (!hasFingers) addFingersByShape(tree, reach, left, bones);

@@ -79,7 +79,7 @@ class NoOtherFiles : public Assimp::IOSystem {
     const double axis = metadata(scene, rows[row].first).value_or(row == 0 ? 0.0 : row == 1 ? 1.0 : 2.0);
     const double sign = metadata(scene, rows[row].second).value_or(1.0);
     if (axis != 0.0 && axis != 1.0 && axis != 2.0) return Quat::Identity();
-    modelFromFile(row, axis) = sign < 0.0 ? -1.0 : 1.0;
+    modelFromFile(row, static_cast<Eigen::Index>(axis)) = sign < 0.0 ? -1.0 : 1.0;
   }
   // Mirrored or repeated axes are not a rotation; then only the up axis is used.
   if (modelFromFile.determinant() > 0.5) return Quat(modelFromFile).normalized();

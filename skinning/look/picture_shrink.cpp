@@ -59,7 +59,7 @@ void PictureShrink::add(std::span<const std::uint8_t> row) {
   }
 
   const auto addRow = [&](std::int64_t weight) {
-    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += std::uint64_t{weight} * across_[i];
+    for (std::size_t i = 0; i < sums_.size(); ++i) sums_[i] += static_cast<std::uint64_t>(weight) * across_[i];
   };
   const std::int64_t begin = rowsAdded_ * to_.height;
   const std::int64_t border = (std::int64_t{toRow_} + 1) * from_.height;

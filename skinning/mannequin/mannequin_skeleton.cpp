@@ -51,7 +51,7 @@ constexpr Placement kPlacements[] = {
 };
 
 [[nodiscard]] int indexOf(HumanBone bone) {
-  return bone;
+  return static_cast<int>(bone);
 }
 
 [[nodiscard]] bool isBetween(HumanBone bone, HumanBone first, HumanBone last) {
@@ -95,7 +95,7 @@ Skeleton makeMannequinSkeleton() {
     joint.bone = bone;
     joint.rest.translation = mannequinJoint(bone);
     if (bone != parent) {
-      joint.parent = indexOfBone[parent];
+      joint.parent = indexOfBone[ordinalOf(parent)];
       joint.rest.translation -= mannequinJoint(parent);
     }
     indexOfBone[ordinalOf(bone)] = countOf(joints);

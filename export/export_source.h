@@ -20,7 +20,7 @@ struct ExportSource {
 };
 
 struct ExportSourceOptions {
-  std::string input;          ///< mesh, character, `mannequin`, or a .lorica file beside what it was made from
+  std::string input;          ///< mesh, character, `mannequin`, or a .lorica file next to what it was made from
   std::string decomposition;  ///< .lorica file; empty = decompose
   int parts = 0;              ///< of a mesh; 0 = kExportParts
   CharacterOptions reading;
@@ -28,18 +28,18 @@ struct ExportSourceOptions {
 
 inline constexpr int kExportParts = 16;
 
-/// Reads and decomposes. Ctrl-C cancels.
-[[nodiscard]] Result<ExportSource> readExportSource(const ExportSourceOptions& options, int threads);
+/// Reads and decomposes.
+[[nodiscard]] Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& host);
 
 /// Hulls of a mesh, or of a character's bind pose: they contain every vertex, which is checked.
-[[nodiscard]] Result<HullExport> restHulls(const ExportSource& source, int maxVertices, int threads);
+[[nodiscard]] Result<HullExport> restHulls(const ExportSource& source, int maxVertices, Host& host);
 
 /// The live hulls of a character in one frame of a motion.
 /// @param at  seconds after the motion's first frame
 [[nodiscard]] Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion,
-                                         const MotionOptions& reading, double at, int maxVertices);
+                                         const MotionOptions& reading, double at, int maxVertices, Host& host);
 
 /// Poses of the character's default training, and others to measure.
-[[nodiscard]] Result<CoverPoses> exportPoses(const Subject& subject);
+[[nodiscard]] Result<CoverPoses> exportPoses(const Subject& subject, Host& host);
 
 }  // namespace lorica

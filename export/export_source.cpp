@@ -1,13 +1,11 @@
-#include "apps/export_inputs.h"
+#include "export/export_source.h"
 
 #include "acd/held_vertices.h"
 #include "acd/hull_budget.h"
-#include "apps/interrupt.h"
-#include "apps/options.h"
-#include "apps/progress_bar.h"
 #include "collision/live/attached_vertices.h"
 #include "collision/live/live_body.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/body.h"
 #include "prepare/mesh_subject.h"
 #include "prepare/subject_training.h"
@@ -22,19 +20,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What a .lorica file was made from: a built-in character, or a file beside it.
-std::string sourceBeside(const fs::path& lorica, const std::string& source) {
+/// What a .lorica file was made from: a built-in character, or a file next to it.
+std::string sourceNextTo(const fs::path& lorica, const std::string& source) {
   return isBareName(source) ? source : (lorica.parent_path() / fs::path(source).filename()).string();
 }
 
-Result<DecompositionFile> decomposeMesh(const Subject& subject, int parts, int threads) {
-  ProgressBar bar("Decomposing " + subject.name, "parts");
+Result<DecompositionFile> decomposeMesh(const Subject& subject, int parts, Host& host) {
+  Task task(host, "Decomposing " + subject.name, "parts");
   DecomposeSettings settings;
   settings.maxParts = parts > 0 ? parts : kExportParts;
-  settings.threads = threads;
-  settings.progress = progressOf(bar);
-  Result<CachedDecomposition> made = meshDecomposition(subject.name, subject.mesh, settings, userCache());
-  if (interrupted()) return cancelled();
+  settings.threads = host.threads;
+  settings.progress = task.progress();
+  Result<CachedDecomposition> made = meshDecomposition(subject.name, subject.mesh, settings, userCache(host));
+  if (host.cancelled()) return cancelled();
   if (!made) return made.error();
   return std::move(made->file);
 }
@@ -51,7 +49,7 @@ Result<DecompositionFile> readFitting(const std::string& file, const Subject& su
 
 }  // namespace
 
-Result<ExportSource> readExportSource(const ExportSourceOptions& options, int threads) {
+Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& host) {
   std::string input = options.input;
   std::string decomposition = options.decomposition;
   if (lowerCase(fs::path(input).extension().string()) == ".lorica") {
@@ -60,13 +58,13 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, int th
     }
     LORICA_TRY(const DecompositionFile content, readDecomposition(input));
     decomposition = input;
-    input = sourceBeside(input, content.source);
+    input = sourceNextTo(input, content.source);
     if (!isBareName(input) && !fs::exists(input)) {
       return notFound("{}: made from {}, which is not beside it; expected `lorica export {} OUT --decomposition {}`",
                       decomposition, content.source, content.source, decomposition);
     }
   }
-  LORICA_TRY(Subject subject, readSubject(input, options.reading));
+  LORICA_TRY(Subject subject, readSubject(input, options.reading, host));
   if (subject.character && options.parts > 0) {
     return invalidArgument(
         "--parts is for meshes, but {} is a character: expected `lorica decompose {} --parts {} -o FILE.lorica`, then "
@@ -77,30 +75,30 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, int th
   if (!decomposition.empty()) {
     LORICA_TRY(source.content, readFitting(decomposition, source.subject));
   } else if (source.subject.character) {
-    LORICA_TRY(CachedDecomposition made, defaultDecomposition(source.subject, threads));
+    LORICA_TRY(CachedDecomposition made, defaultDecomposition(source.subject, host));
     source.content = std::move(made.file);
   } else {
-    LORICA_TRY(source.content, decomposeMesh(source.subject, options.parts, threads));
+    LORICA_TRY(source.content, decomposeMesh(source.subject, options.parts, host));
   }
   return source;
 }
 
-Result<HullExport> restHulls(const ExportSource& source, int maxVertices, int threads) {
+Result<HullExport> restHulls(const ExportSource& source, int maxVertices, Host& host) {
   const Subject& subject = source.subject;
   const Decomposition& decomposition = source.content.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
       subject.character ? attachedVerticesOf(decomposition, liftPoints(*subject.character, decomposition))
                         : assignHeldVertices(decomposition, subject.mesh.vertices, subject.held);
   HullExport hulls =
-      exportHulls(withHeldVertices(decomposition, attached), subject.mesh.vertices, maxVertices, threads);
+      exportHulls(withHeldVertices(decomposition, attached), subject.mesh.vertices, maxVertices, host.threads);
   LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(hulls, subject.mesh.vertices, verticesToHold(subject))));
   return hulls;
 }
 
 Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion, const MotionOptions& reading,
-                           double at, int maxVertices) {
+                           double at, int maxVertices, Host& host) {
   const Character& character = *source.subject.character;
-  LORICA_TRY(const Motion read, readMotion(motion, reading));
+  LORICA_TRY(const Motion read, readMotion(motion, reading, host));
   if (!(at <= read.seconds())) {
     return invalidArgument("--at {:g}: {} lasts {:g} s, expected 0 to that", at, read.name, read.seconds());
   }
@@ -131,8 +129,8 @@ Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion
   return hulls;
 }
 
-Result<CoverPoses> exportPoses(const Subject& subject) {
-  LORICA_TRY(const Training training, trainingMotions(subject, {}));
+Result<CoverPoses> exportPoses(const Subject& subject, Host& host) {
+  LORICA_TRY(const Training training, trainingMotions(subject, {}, host));
   return coverPoses(*subject.character, training.motions);
 }
 

@@ -1,15 +1,17 @@
-#include "apps/progress_bar.h"
+#include "apps/terminal_host.h"
 
 #include "apps/interrupt.h"
 #include "apps/report.h"
 #include "apps/standard_streams.h"
 #include "geometry/counts.h"
 #include "geometry/printable.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
 #include <unistd.h>
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <utility>
 
@@ -34,28 +36,41 @@ std::string leftText(int done, int total, double seconds) {
 
 }  // namespace
 
-ProgressBar::ProgressBar(const std::string& label, std::string unit)
-    : label_(printable(label, kLongestLabel)),
-      unit_(std::move(unit)),
-      terminal_(isatty(STDERR_FILENO) == 1),
-      start_(Clock::now()),
-      lastShown_(start_),
-      monitor_(WorkMonitor::ofThisThread()) {
-  if (monitor_ != nullptr) monitor_->begin(label_);
-  // A dumb terminal cannot return to the start of a line.
-  if (terminal_ && environment("TERM") == "dumb") terminal_ = false;
-}
+/// Progress of a task on standard error.
+class ProgressBar {
+ public:
+  /// @param label  the task: "Decomposing mannequin"
+  /// @param unit   the counted items: "parts"
+  ProgressBar(const std::string& label, std::string unit)
+      : label_(printable(label, kLongestLabel)),
+        unit_(std::move(unit)),
+        // A dumb terminal cannot return to the start of a line.
+        terminal_(isatty(STDERR_FILENO) == 1 && environment("TERM") != "dumb"),
+        start_(Clock::now()),
+        lastShown_(start_) {}
+  /// Removes the bar from the terminal.
+  ~ProgressBar() {
+    if (terminal_ && shown_) say("\r\x1b[K");
+  }
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
 
-ProgressBar::~ProgressBar() {
-  if (terminal_ && shown_) say("\r\x1b[K");
-}
+  /// @param total  0 or less if unknown
+  void update(int done, int total);
 
-bool ProgressBar::cancelled() const {
-  return interrupted() || (monitor_ != nullptr && monitor_->cancelled());
-}
+ private:
+  using Clock = std::chrono::steady_clock;
+  void draw(int done, int total, double seconds) const;
+
+  std::string label_;
+  std::string unit_;
+  bool terminal_;
+  Clock::time_point start_;
+  Clock::time_point lastShown_;
+  bool shown_ = false;
+};
 
 void ProgressBar::update(int done, int total) {
-  if (monitor_ != nullptr) return monitor_->report(done, total);
   const Clock::time_point now = Clock::now();
   const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
   const double seconds = std::chrono::duration<double>(now - start_).count();
@@ -87,11 +102,37 @@ void ProgressBar::draw(int done, int total, double seconds) const {
   say(fmt::format("\r\x1b[K{}", line));
 }
 
-std::function<bool(int, int)> progressOf(ProgressBar& bar) {
-  return [&bar](int done, int total) {
-    bar.update(done, total);
-    return !bar.cancelled();
-  };
+TerminalHost::TerminalHost(const CommonOptions& common) {
+  threads = common.threadCount();
+  if (common.trustPaths) paths = PathTrust::kAnywhere;
+  // The file of this program may have been replaced or moved since it was started; this name still leads to it.
+  reader = IsolatedReader{"/proc/self/exe", {std::string(kReadForItself)}};
+}
+
+TerminalHost::~TerminalHost() = default;
+
+void TerminalHost::beginTask(const std::string& label, const std::string& unit) {
+  bars_.push_back(std::make_unique<ProgressBar>(label, unit));
+}
+
+void TerminalHost::report(int done, int total) {
+  if (!bars_.empty()) bars_.back()->update(done, total);
+}
+
+void TerminalHost::endTask() {
+  bars_.pop_back();
+}
+
+bool TerminalHost::cancelled() const {
+  return interrupted();
+}
+
+void TerminalHost::tell(const std::string& sentence) {
+  say(sentence + "\n");
+}
+
+void TerminalHost::warn(const std::string& sentence) {
+  lorica::warn(sentence);
 }
 
 }  // namespace lorica
