@@ -1,8 +1,10 @@
 #include "viewer/window/window_panels.h"
 
+#include "geometry/errors.h"
 #include "viewer/window/panel_font.h"
 #include "viewer/window/panel_parts.h"
 
+#include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 #include <imgui_internal.h>
 
@@ -13,16 +15,17 @@
 namespace lorica {
 
 struct WindowPanels::Impl {
-  explicit Impl(const GlFunctions& functions) : drawer(functions) {}
   ~Impl() {
-    if (context != nullptr) ImGui::DestroyContext(context);
+    if (context == nullptr) return;
+    ImGui::SetCurrentContext(context);
+    if (ImGui::GetIO().BackendRendererUserData != nullptr) ImGui_ImplOpenGL3_Shutdown();
+    ImGui::DestroyContext(context);
   }
 
   void takeInput(const PanelInput& input);
   void takeScale(float scale);
   void noteFreeArea(const PanelStatus& status);
 
-  ImguiDraw drawer;
   ImGuiContext* context = nullptr;
   float scale = 0.0f;  // of the current font and style
   PanelLayout layout;
@@ -35,7 +38,7 @@ void WindowPanels::Impl::takeScale(float wanted) {
   scale = rounded;
   layout.unit = scale;
   fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)));
-  drawer.takeFont(*ImGui::GetIO().Fonts);
+  ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them, with the new font
   setPanelStyle(scale);
 }
 
@@ -63,16 +66,18 @@ WindowPanels::~WindowPanels() = default;
 WindowPanels::WindowPanels(WindowPanels&&) noexcept = default;
 WindowPanels& WindowPanels::operator=(WindowPanels&&) noexcept = default;
 
-Result<WindowPanels> WindowPanels::create(const GlFunctions& functions) {
-  auto impl = std::make_unique<Impl>(functions);
-  if (Result<void> made = impl->drawer.create(); !made.ok()) return made.error();
+Result<WindowPanels> WindowPanels::create() {
+  auto impl = std::make_unique<Impl>();
   impl->context = ImGui::CreateContext();
   ImGui::SetCurrentContext(impl->context);
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // do not write a settings file
   io.LogFilename = nullptr;
   io.ConfigWindowsMoveFromTitleBarOnly = true;
-  io.BackendPlatformName = io.BackendRendererName = "lorica";
+  io.BackendPlatformName = "lorica";  // keys and mouse are Window's, which divides them between panels and scene
+  if (!ImGui_ImplOpenGL3_Init("#version 330 core")) {
+    return noDisplay("the panels of the window cannot be drawn: OpenGL 3.3 is needed");
+  }
   return WindowPanels(std::move(impl));
 }
 
@@ -82,6 +87,7 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
   ImGui::SetCurrentContext(i.context);
   i.takeScale(input.scale);
   i.takeInput(input);
+  ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
   i.layout.begin(static_cast<float>(input.width), static_cast<float>(input.height));
   if (state.panels) {
@@ -96,7 +102,7 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
   drawWarnings(i.layout, values, status);
   if (state.help) drawHelp(i.layout);
   ImGui::Render();
-  i.drawer.draw(*ImGui::GetDrawData(), input.width, input.height);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 bool WindowPanels::covers(float x, float y) const {
