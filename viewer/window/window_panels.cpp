@@ -1,6 +1,7 @@
 #include "viewer/window/window_panels.h"
 
 #include "geometry/errors.h"
+#include "viewer/renderer/font.h"
 #include "viewer/window/panel_font.h"
 #include "viewer/window/panel_parts.h"
 
@@ -10,6 +11,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -23,21 +26,43 @@ struct WindowPanels::Impl {
   }
 
   void takeInput(const PanelInput& input);
+  void noteCharacters(const WindowValues& values, const PanelStatus& status);
   void takeScale(float scale);
   void noteFreeArea(const PanelStatus& status);
 
   ImGuiContext* context = nullptr;
-  float scale = 0.0f;  // of the current font and style
+  float scale = 0.0f;      // of the current font and style
+  std::u32string beyond;   // ASCII: characters that were shown
+  bool fontLacks = false;  // some of them
   PanelLayout layout;
 };
+
+/// The font has the characters that were shown until now: names may have any.
+void WindowPanels::Impl::noteCharacters(const WindowValues& values, const PanelStatus& status) {
+  const auto note = [&](std::string_view text) {
+    if (std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; })) return;
+    for (const char32_t c : charactersOf(text)) {
+      if (c < 0x80 || beyond.find(c) != std::u32string::npos) continue;
+      beyond += c;
+      fontLacks = true;
+    }
+  };
+  for (const std::string_view text : {values.name, values.status, values.hint, values.loading, status.notice})
+    note(text);
+  for (const auto& names : {values.scenes, values.expressions, values.warnings, values.avatars, values.motions,
+                            values.clips, values.people, values.recent}) {
+    std::for_each(names.begin(), names.end(), note);
+  }
+  for (const TargetScore& target : values.hits) note(target.name);
+}
 
 void WindowPanels::Impl::takeScale(float wanted) {
   // Font sizes are whole pixels, so tiny changes have no effect.
   const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.5f, 8.0f);
-  if (rounded == scale) return;
+  if (rounded == scale && !std::exchange(fontLacks, false)) return;
   scale = rounded;
   layout.unit = scale;
-  fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)));
+  fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)), beyond);
   ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them, with the new font
   setPanelStyle(scale);
 }
@@ -85,6 +110,7 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
                         const TimeGraph& times, ControlState& state, WindowRequests& requests) {
   Impl& i = *impl_;
   ImGui::SetCurrentContext(i.context);
+  i.noteCharacters(values, status);
   i.takeScale(input.scale);
   i.takeInput(input);
   ImGui_ImplOpenGL3_NewFrame();
