@@ -19,8 +19,6 @@ foreach(package lorica:command liblorica-dev:development liblorica-c0:c python3-
   install(FILES ${LORICA_PACKAGE_DOCS}/copyright ${LORICA_PACKAGE_DOCS}/changelog.Debian.gz
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${package})
 endforeach()
-install(FILES packaging/lintian-overrides DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides RENAME lorica
-        COMPONENT command)
 install(DIRECTORY ${LORICA_PACKAGE_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT command)
 
 set(CPACK_GENERATOR DEB)
@@ -45,9 +43,9 @@ file, poses a skinned character with it, and gives the character a body that
 physics can touch: a small set of convex hulls that follow every frame.
 .
 This package has the command, sample recordings and a virtual depth camera.")
-# Pictures without a display and depth cameras are loaded by name, so that no file says it needs them.
-set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS "${LORICA_PACKAGE_DEPENDS}, libosmesa6 | libegl1, libopenni2-0")
-set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "${LORICA_PACKAGE_RECOMMENDS}")
+# Pictures without a display, depth cameras and letters are loaded by name, so that no file says it needs them.
+set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS "${LORICA_PACKAGE_DEPENDS}, libosmesa6 | libegl1, libopenni2-0, fonts-dejavu-core")
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "${LORICA_PACKAGE_RECOMMENDS}, fonts-noto-cjk")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME liblorica-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

@@ -30,7 +30,7 @@ int main() {
   std::printf("ball rests at %.3f m\n", height);
   if (std::abs(height - 0.1) > 0.02) return fail("expected the ball to rest at its radius, 0.1 m");
 
-  // Text is drawn by a module that the library loads when it is first needed.
+  // Text needs a font that is installed.
   const std::vector<lorica::Image> picture(1, {64, 48, std::vector<std::uint8_t>(64 * 48 * 4, 255)});
   const std::vector<std::string> label = {"hull"};
   const lorica::Image sheet = lorica::contactSheet(picture, label, 1);

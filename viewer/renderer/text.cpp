@@ -1,6 +1,6 @@
 #include "viewer/renderer/text.h"
 
-#include "viewer/renderer/stroke_font.h"
+#include "viewer/renderer/font.h"
 
 #include <fmt/format.h>
 
@@ -8,98 +8,78 @@
 #include <array>
 #include <cmath>
 #include <sstream>
-#include <utility>
 
 namespace lorica {
 namespace {
 
-constexpr int kOversampling = 4;
-constexpr double kCapPerLine = 0.52;       // height of capitals per line height
-constexpr double kStrokePerCap = 0.115;    // thickness of a stroke per height of capitals
+constexpr double kEmPerLine = 0.71;        // size of the font per line height
 constexpr double kTabPerLine = 5.5;        // distance of tab stops per line height
 constexpr double kBaselinePerLine = 0.74;  // from the top of a line
 
-constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kLikeness = {{{"\u2013", "-"},
-                                                                                      {"\u2014", "-"},
-                                                                                      {"\u2212", "-"},
-                                                                                      {"\u00b7", "-"},
-                                                                                      {"\u00d7", "x"},
-                                                                                      {"\u00b5", "u"},
-                                                                                      {"\u03bc", "u"},
-                                                                                      {"\u00b1", "+-"},
-                                                                                      {"\u2018", "'"},
-                                                                                      {"\u2019", "'"},
-                                                                                      {"\u2026", "..."},
-                                                                                      {"\u00b0", " deg"}}};
+int lineOf(int lineHeight) {
+  return std::max(lineHeight, 6);
+}
 
-/// @param line  line height in the oversampled picture [pixels]
-StrokeStyle styleOf(int line) {
-  const double cap = kCapPerLine * line;
-  return {kOversampling, cap / kStrokeCapHeight, std::max(1, static_cast<int>(std::lround(kStrokePerCap * cap))), true};
+/// Beside the text, at both sides [pixels].
+int marginOf(int line) {
+  return std::max(1, line / 12);
+}
+
+/// Characters and where their lines start and end [pixels].
+struct PlacedText {
+  struct Character {
+    char32_t character;
+    double x;
+    int row;
+  };
+  std::vector<Character> characters;
+  double width = 0.0;
+  int rows = 1;
+};
+
+PlacedText placed(std::string_view text, int line) {
+  PlacedText all;
+  double x = 0.0;
+  int column = 0;
+  for (const char32_t c : charactersOf(text)) {
+    if (c == U'\n') {
+      ++all.rows;
+      x = column = 0;
+    } else if (c == U'\t') {
+      x = ++column * kTabPerLine * line;
+    } else {
+      all.characters.push_back({c, x, all.rows - 1});
+      x += advanceOf(c, kEmPerLine * line);
+      all.width = std::max(all.width, x);
+    }
+  }
+  return all;
+}
+
+int maskWidth(const PlacedText& text, int line) {
+  return static_cast<int>(std::ceil(text.width)) + 2 * marginOf(line);
 }
 
 }  // namespace
 
-std::string drawableText(std::string_view utf8) {
-  std::string ascii;
-  for (std::size_t i = 0; i < utf8.size();) {
-    const auto byte = static_cast<unsigned char>(utf8[i]);
-    if (byte < 0x80) {
-      ascii += byte == '\n' || byte == '\t' || (byte >= 0x20 && byte < 0x7f) ? static_cast<char>(byte) : ' ';
-      ++i;
-      continue;
-    }
-    const auto* like = std::find_if(kLikeness.begin(), kLikeness.end(),
-                                    [&](const auto& pair) { return utf8.substr(i).starts_with(pair.first); });
-    if (like != kLikeness.end()) {
-      ascii += like->second;
-      i += like->first.size();
-    } else {
-      ascii += '?';
-      do ++i;
-      while (i < utf8.size() && (static_cast<unsigned char>(utf8[i]) & 0xc0) == 0x80);
-    }
-  }
-  return ascii;
-}
-
 TextMask drawText(std::string_view text, int lineHeight) {
-  const std::string ascii = drawableText(text);
-  std::vector<std::string> lines(1);
-  for (const char c : ascii) {
-    if (c == '\n') {
-      lines.emplace_back();
-    } else {
-      lines.back() += c;
-    }
-  }
-
-  const int line = std::max(lineHeight, 6) * kOversampling;
-  const StrokeStyle style = styleOf(line);
-  int width = 0;
-  std::vector<StrokeLine> pieces;
-  for (std::size_t row = 0; row < lines.size(); ++row) {
-    const int baseline = static_cast<int>(row) * line + static_cast<int>(kBaselinePerLine * line);
-    std::stringstream cells(lines[row]);
-    std::string cell;
-    for (int column = 0; std::getline(cells, cell, '\t'); ++column) {
-      const int x = column * static_cast<int>(kTabPerLine * line);
-      width = std::max(width, x + strokeWidth(cell, style));
-      pieces.push_back({cell, style.thickness + x, baseline});
-    }
-  }
+  const int line = lineOf(lineHeight);
+  const PlacedText all = placed(text, line);
   TextMask mask;
-  mask.width = (width + 2 * style.thickness + kOversampling - 1) / kOversampling;
-  mask.height = static_cast<int>(lines.size()) * line / kOversampling;
+  mask.width = maskWidth(all, line);
+  mask.height = all.rows * line;
   mask.coverage.resize(static_cast<std::size_t>(mask.width) * mask.height);
-  drawStrokes(pieces, style, mask.width, mask.height, mask.coverage);
+  for (const auto& [c, x, row] : all.characters) {
+    drawCharacter(c, kEmPerLine * line, marginOf(line) + x, row * line + std::round(kBaselinePerLine * line),
+                  mask.width, mask.height, mask.coverage);
+  }
   return mask;
 }
 
 std::string fittedText(std::string_view text, int lineHeight, int width) {
-  const StrokeStyle style = styleOf(std::max(lineHeight, 6));
-  const auto fits = [&](const std::string& line) { return strokeWidth(line, style) + 2 * style.thickness <= width; };
-  std::istringstream words(drawableText(text));
+  const int height = lineOf(lineHeight);
+  const auto fits = [&](const std::string& line) { return maskWidth(placed(line, height), height) <= width; };
+  std::istringstream words{std::string(text)};
   std::string all, line, word, blanks;
   const auto endLine = [&] {
     if (!all.empty()) all += '\n';
@@ -110,7 +90,10 @@ std::string fittedText(std::string_view text, int lineHeight, int width) {
     if (!line.empty() && !fits(fmt::format("{}{}{}", line, blanks, word))) endLine();
     if (!line.empty()) line += blanks;
     if (!fits(word)) {
-      while (!word.empty() && !fits(fmt::format("{}..", word))) word.pop_back();
+      while (!word.empty() && !fits(fmt::format("{}..", word))) {
+        while (word.size() > 1 && (static_cast<unsigned char>(word.back()) & 0xc0) == 0x80) word.pop_back();
+        word.pop_back();
+      }
       word += "..";
     }
     line += word;

@@ -16,8 +16,7 @@ struct TextMask {
   std::vector<std::uint8_t> coverage;
 };
 
-/// Draws lines of text (separated by '\n'; '\t' moves to the next tab stop) with OpenCV's Hershey font, which needs no
-/// font file. The font has ASCII only; common typographic characters are replaced by ASCII ones, all others by '?'.
+/// Draws lines of UTF-8 text (separated by '\n'; '\t' moves to the next tab stop) with the fonts of font.h.
 /// @param lineHeight  distance of baselines [pixels], at least 6
 [[nodiscard]] TextMask drawText(std::string_view text, int lineHeight);
 
@@ -29,8 +28,5 @@ struct TextMask {
 /// truncated, with two dots at the end.
 /// @param width  [pixels]
 [[nodiscard]] std::string fittedText(std::string_view text, int lineHeight, int width);
-
-/// Replaces the characters of UTF-8 text that drawText() cannot draw.
-[[nodiscard]] std::string drawableText(std::string_view utf8);
 
 }  // namespace lorica

@@ -1,12 +1,15 @@
 #pragma once
 
+#include <string>
+
 struct ImFontAtlas;
 
 namespace lorica {
 
-/// Fills an atlas with one font: ASCII in the stroke font of drawText(), which is smooth at any size and needs no font
-/// file.
+/// Fills an atlas with one font: ASCII and other characters, by the fonts of viewer/renderer/font.h; without these the
+/// font of Dear ImGui, which has ASCII.
 /// @param lineHeight  distance of baselines [pixels], at least 8
-void fillPanelFont(ImFontAtlas& atlas, int lineHeight);
+/// @param others      beyond ASCII
+void fillPanelFont(ImFontAtlas& atlas, int lineHeight, const std::u32string& others);
 
 }  // namespace lorica

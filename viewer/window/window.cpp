@@ -86,7 +86,7 @@ Result<Window> Window::create(const std::string& title, int width, int height) {
   Result<Renderer> renderer = Renderer::create(glfwProc);
   if (!renderer.ok()) return renderer.error();
   impl->renderer.emplace(std::move(renderer).value());
-  Result<WindowPanels> panels = WindowPanels::create(impl->gl);
+  Result<WindowPanels> panels = WindowPanels::create();
   if (!panels.ok()) return panels.error();
   impl->panels.emplace(std::move(panels).value());
   impl->lastShow = secondsNow();

@@ -1,41 +1,69 @@
 #include "viewer/window/window_panels.h"
 
+#include "geometry/errors.h"
+#include "viewer/renderer/font.h"
 #include "viewer/window/panel_font.h"
 #include "viewer/window/panel_parts.h"
 
+#include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 #include <imgui_internal.h>
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica {
 
 struct WindowPanels::Impl {
-  explicit Impl(const GlFunctions& functions) : drawer(functions) {}
   ~Impl() {
-    if (context != nullptr) ImGui::DestroyContext(context);
+    if (context == nullptr) return;
+    ImGui::SetCurrentContext(context);
+    if (ImGui::GetIO().BackendRendererUserData != nullptr) ImGui_ImplOpenGL3_Shutdown();
+    ImGui::DestroyContext(context);
   }
 
   void takeInput(const PanelInput& input);
+  void noteCharacters(const WindowValues& values, const PanelStatus& status);
   void takeScale(float scale);
   void noteFreeArea(const PanelStatus& status);
 
-  ImguiDraw drawer;
   ImGuiContext* context = nullptr;
-  float scale = 0.0f;  // of the current font and style
+  float scale = 0.0f;      // of the current font and style
+  std::u32string beyond;   // ASCII: characters that were shown
+  bool fontLacks = false;  // some of them
   PanelLayout layout;
 };
+
+/// The font has the characters that were shown until now: names may have any.
+void WindowPanels::Impl::noteCharacters(const WindowValues& values, const PanelStatus& status) {
+  const auto note = [&](std::string_view text) {
+    if (std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; })) return;
+    for (const char32_t c : charactersOf(text)) {
+      if (c < 0x80 || beyond.find(c) != std::u32string::npos) continue;
+      beyond += c;
+      fontLacks = true;
+    }
+  };
+  for (const std::string_view text : {values.name, values.status, values.hint, values.loading, status.notice})
+    note(text);
+  for (const auto& names : {values.scenes, values.expressions, values.warnings, values.avatars, values.motions,
+                            values.clips, values.people, values.recent}) {
+    std::for_each(names.begin(), names.end(), note);
+  }
+  for (const TargetScore& target : values.hits) note(target.name);
+}
 
 void WindowPanels::Impl::takeScale(float wanted) {
   // Font sizes are whole pixels, so tiny changes have no effect.
   const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.5f, 8.0f);
-  if (rounded == scale) return;
+  if (rounded == scale && !std::exchange(fontLacks, false)) return;
   scale = rounded;
   layout.unit = scale;
-  fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)));
-  drawer.takeFont(*ImGui::GetIO().Fonts);
+  fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)), beyond);
+  ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them, with the new font
   setPanelStyle(scale);
 }
 
@@ -63,16 +91,18 @@ WindowPanels::~WindowPanels() = default;
 WindowPanels::WindowPanels(WindowPanels&&) noexcept = default;
 WindowPanels& WindowPanels::operator=(WindowPanels&&) noexcept = default;
 
-Result<WindowPanels> WindowPanels::create(const GlFunctions& functions) {
-  auto impl = std::make_unique<Impl>(functions);
-  if (Result<void> made = impl->drawer.create(); !made.ok()) return made.error();
+Result<WindowPanels> WindowPanels::create() {
+  auto impl = std::make_unique<Impl>();
   impl->context = ImGui::CreateContext();
   ImGui::SetCurrentContext(impl->context);
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // do not write a settings file
   io.LogFilename = nullptr;
   io.ConfigWindowsMoveFromTitleBarOnly = true;
-  io.BackendPlatformName = io.BackendRendererName = "lorica";
+  io.BackendPlatformName = "lorica";  // keys and mouse are Window's, which divides them between panels and scene
+  if (!ImGui_ImplOpenGL3_Init("#version 330 core")) {
+    return noDisplay("the panels of the window cannot be drawn: OpenGL 3.3 is needed");
+  }
   return WindowPanels(std::move(impl));
 }
 
@@ -80,8 +110,10 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
                         const TimeGraph& times, ControlState& state, WindowRequests& requests) {
   Impl& i = *impl_;
   ImGui::SetCurrentContext(i.context);
+  i.noteCharacters(values, status);
   i.takeScale(input.scale);
   i.takeInput(input);
+  ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
   i.layout.begin(static_cast<float>(input.width), static_cast<float>(input.height));
   if (state.panels) {
@@ -96,7 +128,7 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
   drawWarnings(i.layout, values, status);
   if (state.help) drawHelp(i.layout);
   ImGui::Render();
-  i.drawer.draw(*ImGui::GetDrawData(), input.width, input.height);
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 bool WindowPanels::covers(float x, float y) const {

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "geometry/result.h"
 #include "viewer/window/free_area.h"
-#include "viewer/window/imgui_draw.h"
 #include "viewer/window/time_graph.h"
 #include "viewer/renderer/window_values.h"
 
@@ -55,7 +55,8 @@ struct PanelInput {
 /// The panels of a window: playback, view options, time graph, warnings, help. Only one may exist at a time.
 class WindowPanels {
  public:
-  static Result<WindowPanels> create(const GlFunctions& functions);
+  /// In the current OpenGL context, which must also be current in all later calls.
+  static Result<WindowPanels> create();
   ~WindowPanels();
   WindowPanels(WindowPanels&&) noexcept;
   WindowPanels& operator=(WindowPanels&&) noexcept;
