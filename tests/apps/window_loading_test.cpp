@@ -172,7 +172,7 @@ TEST_F(WindowLoading, WithOtherPartsSandSettlesBesideThePictureAndAsItAlwaysDoes
 }
 
 TEST_F(WindowLoading, WhileSandSettlesAroundOtherPartsTheSessionGoesOn) {
-  const std::string body = smallBody(), scene = folder_.write("sand.json", sandScene(20'000, 20.0));
+  const std::string body = smallBody(), scene = folder_.write("sand.json", sandScene(5'000, 20.0));
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
   hands.press("Tab space");
