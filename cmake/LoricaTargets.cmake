@@ -121,7 +121,8 @@ function(lorica_module name)
 endfunction()
 
 # lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder; ctest runs each test by itself.
-#   ALONE Suite.*   tests of what runs in real time, such as a live camera: ctest runs nothing beside them
+#   ALONE Suite.*   tests with windows, cameras or networks: ctest runs one of them at a time, and others in parallel, since
+#                   they wait for what they need to see and never for a time
 #   SANITIZED *     .ci/run also runs these tests, built by clang under sanitizers (target sanitized_tests, label
 #                   sanitized): those of code that reads data from outside, and sessions, which use nearly all the rest
 #   SLOW Suite.*    too slow for that: label slow
@@ -159,7 +160,7 @@ function(lorica_tests name)
     add_test(NAME ${name} COMMAND ${name}_tests "--gtest_filter=${chosen}-${slow}")
     set_tests_properties(${name} PROPERTIES TIMEOUT ${timeout} LABELS ${label})
     if(alone)
-      set_tests_properties(${name} PROPERTIES RUN_SERIAL TRUE)
+      set_tests_properties(${name} PROPERTIES RESOURCE_LOCK devices)
     endif()
     if(NOT chosen STREQUAL "*")
       add_test(NAME ${name}.rest COMMAND ${name}_tests "--gtest_filter=-${chosen}:${slow}")
@@ -176,7 +177,7 @@ function(lorica_tests name)
                        PROPERTIES TIMEOUT ${timeout} LABELS ${label})
   if(alone)
     gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${alone}" TEST_LIST ${name}_tests_alone
-                         PROPERTIES TIMEOUT ${timeout} LABELS ${label} RUN_SERIAL TRUE)
+                         PROPERTIES TIMEOUT ${timeout} LABELS ${label} RESOURCE_LOCK devices)
   endif()
   if(slow)
     gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${slow}" TEST_LIST ${name}_tests_slow

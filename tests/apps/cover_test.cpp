@@ -222,7 +222,7 @@ TEST(Cover, CtrlCCancelsTheChoice) {
   ASSERT_EQ(decomposeBody(file, {}).exitCode, 0);
   CommandSurroundings surroundings;
   surroundings.cache = folder.path() / "cache";
-  surroundings.interruptAfterMs = 1500;
+  surroundings.interruptWhen = [](const RunningCommand& command) { return hasWorked(command, 1.5); };
   const CommandResult result = runLorica({"play", "walk", "--decomposition", file, "--cover", "0.0002"}, surroundings);
   EXPECT_EQ(result.exitCode, 130) << result.err;
   EXPECT_EQ(result.out, "");

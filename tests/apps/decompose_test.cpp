@@ -238,9 +238,12 @@ TEST(Decompose, InterruptLeavesNothingBehind) {
   // About 46,000 triangles without a maximum number of parts: far more work than the pause.
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 240, 96));
   const std::vector<std::string> before = filesIn(folder.path());
-  const CommandResult result = runLorica({"decompose", mesh, "-o", folder.path() / "torus.lorica", "--export-obj",
-                                          folder.path() / "hulls.obj", "--json", folder.path() / "report.json"},
-                                         {.folder = ".", .cache = {}, .interruptAfterMs = 1500});
+  const CommandResult result =
+      runLorica({"decompose", mesh, "-o", folder.path() / "torus.lorica", "--export-obj", folder.path() / "hulls.obj",
+                 "--json", folder.path() / "report.json"},
+                {.folder = ".", .cache = {}, .interruptWhen = [](const RunningCommand& command) {
+                   return hasWorked(command, 1.5);
+                 }});
   EXPECT_EQ(result.exitCode, 130) << result.err;
   EXPECT_NE(result.err.find("lorica: cancelled"), std::string::npos) << result.err;
   EXPECT_EQ(result.out, "");

@@ -24,7 +24,7 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
   const std::filesystem::path cache = folder.path() / "cache";
   const std::filesystem::path pictures = folder.path() / "pictures";
   const std::vector<std::string> arguments = {"demo", "--headless", "--seconds", "1", "--out", pictures, "--json", "-"};
-  const CommandSurroundings surroundings = {.folder = folder.path(), .cache = cache, .interruptAfterMs = 0};
+  const CommandSurroundings surroundings = {.folder = folder.path(), .cache = cache};
 
   const CommandResult first = runLorica(arguments, surroundings);
   ASSERT_EQ(first.exitCode, 0) << first.err;
@@ -86,7 +86,7 @@ TEST(Demo, CacheThatCannotBeWrittenIsAWarning) {
   const TemporaryFolder folder;
   // XDG_CACHE_HOME is a file here.
   const CommandResult result = runLorica({"demo", "--headless", "--seconds", "0.1", "--out", "pictures"},
-                                         {.folder = folder.path(), .cache = {}, .interruptAfterMs = 0});
+                                         {.folder = folder.path(), .cache = {}});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_NE(result.err.find("warning: "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("is not cached"), std::string::npos) << result.err;
@@ -96,9 +96,8 @@ TEST(Demo, CacheThatCannotBeWrittenIsAWarning) {
 TEST(Demo, OutputFolderThatCannotBeMadeIsRefused) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.write("occupied", "a file");
-  const CommandResult result =
-      runLorica({"demo", "--headless", "--seconds", "0.1", "--out", file},
-                {.folder = folder.path(), .cache = folder.path() / "cache", .interruptAfterMs = 0});
+  const CommandResult result = runLorica({"demo", "--headless", "--seconds", "0.1", "--out", file},
+                                         {.folder = folder.path(), .cache = folder.path() / "cache"});
   EXPECT_EQ(result.exitCode, 2);
   EXPECT_EQ(result.out, "");
   EXPECT_NE(result.err.find("occupied"), std::string::npos) << result.err;

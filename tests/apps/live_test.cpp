@@ -55,9 +55,13 @@ TEST(Live, AwayFromTheRecordingsItTrainsOnTheSameMotionsMadeAnew) {
 
 TEST(Live, AnUnpluggedSensorIsSurvivedAndComesBack) {
   const TemporaryFolder folder;
-  const CommandResult result = runLorica(
-      {"live", "--virtual", "--decomposition", makeBody(folder), "--seconds", "7", "--headless", "--json", "-"},
-      before("unplug=1.5:3.5"));
+  CommandSurroundings unplugged = before("unplug=1.5:3.5");
+  unplugged.interruptWhen = [](const RunningCommand& command) {
+    return command.err.find("the sensor is back") != std::string::npos &&
+           command.err.find("a person is tracked") != std::string::npos;
+  };
+  const CommandResult result =
+      runLorica({"live", "--virtual", "--decomposition", makeBody(folder), "--headless", "--json", "-"}, unplugged);
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["unplugged"], 1) << result.err;
@@ -68,7 +72,9 @@ TEST(Live, AnUnpluggedSensorIsSurvivedAndComesBack) {
 TEST(Live, CtrlCEndsItWithASummary) {
   const TemporaryFolder folder;
   CommandSurroundings surroundings;
-  surroundings.interruptAfterMs = 4000;
+  surroundings.interruptWhen = [](const RunningCommand& command) {
+    return command.err.find("a person is tracked") != std::string::npos;
+  };
   const CommandResult result =
       runLorica({"live", "--virtual", "--decomposition", makeBody(folder), "--headless"}, surroundings);
   EXPECT_EQ(result.exitCode, 0) << result.err;

@@ -99,7 +99,8 @@ TEST_F(Replay, AKilledRecordingIsReplayedAsFarAsItWent) {
   ASSERT_GE(child, 0);
   if (child == 0) {
     setenv("LORICA_RECORDINGS", recordingsFolder().c_str(), 1);
-    execl(LORICA_COMMAND, LORICA_COMMAND, "record", session.c_str(), "walk", "--decomposition", body.c_str(), nullptr);
+    execl(built("lorica").c_str(), "lorica", "record", session.c_str(), "walk", "--decomposition", body.c_str(),
+          nullptr);
     _exit(127);
   }
   std::error_code error;

@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <sstream>
 
@@ -46,11 +47,30 @@ std::string contentOf(const std::filesystem::path& file) {
   dup2(errFile, STDERR_FILENO);
   // A shell that runs tests in the background ignores SIGINT, which children inherit.
   std::signal(SIGINT, SIG_DFL);
-  execv(LORICA_COMMAND, arguments);
+  execv(arguments[0], arguments);
   _exit(127);
 }
 
+/// Sends SIGINT when it is time, unless the command ends before.
+void interrupt(pid_t child, const CommandSurroundings& surroundings, const std::filesystem::path& err) {
+  siginfo_t end{};
+  while (waitid(P_PID, static_cast<id_t>(child), &end, WEXITED | WNOHANG | WNOWAIT) == 0 && end.si_pid == 0) {
+    if (surroundings.interruptWhen({child, contentOf(err)})) {
+      kill(child, SIGINT);
+      return;
+    }
+    usleep(2000);
+  }
+}
+
 }  // namespace
+
+bool hasWorked(const RunningCommand& command, double seconds) {
+  clockid_t clock{};
+  timespec used{};
+  if (clock_getcpuclockid(command.process, &clock) != 0 || clock_gettime(clock, &used) != 0) return false;
+  return static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec) >= seconds;
+}
 
 nlohmann::json CommandResult::json() const {
   nlohmann::json parsed = nlohmann::json::parse(out, nullptr, false);
@@ -63,7 +83,7 @@ CommandResult runLorica(const std::vector<std::string>& arguments, const Command
   const TemporaryFolder streams;
   const std::filesystem::path out = streams.path() / "out";
   const std::filesystem::path err = streams.path() / "err";
-  std::vector<std::string> words = {LORICA_COMMAND};
+  std::vector<std::string> words = {built("lorica")};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -71,10 +91,7 @@ CommandResult runLorica(const std::vector<std::string>& arguments, const Command
 
   const pid_t child = fork();
   if (child == 0) becomeLorica(pointers.data(), surroundings, out.c_str(), err.c_str());
-  if (surroundings.interruptAfterMs > 0) {
-    usleep(static_cast<useconds_t>(surroundings.interruptAfterMs) * 1000);
-    kill(child, SIGINT);
-  }
+  if (surroundings.interruptWhen) interrupt(child, surroundings, err);
   int status = 0;
   waitpid(child, &status, 0);
   CommandResult result;

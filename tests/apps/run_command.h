@@ -2,7 +2,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <sys/types.h>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -18,15 +20,24 @@ struct CommandResult {
   [[nodiscard]] nlohmann::json json() const;
 };
 
+/// A command while it runs.
+struct RunningCommand {
+  pid_t process = -1;
+  std::string err;  ///< so far
+};
+
 struct CommandSurroundings {
   std::filesystem::path folder = ".";  ///< working folder
   std::filesystem::path cache{};       ///< XDG_CACHE_HOME; empty = a folder that cannot be written
-  int interruptAfterMs = 0;            ///< when to send SIGINT; 0 = never
+  std::function<bool(const RunningCommand&)> interruptWhen{};  ///< when to send SIGINT; empty = never
   std::string virtualCamera{};         ///< LORICA_VIRTUAL: script of the virtual camera; empty = not set
   std::string display{};               ///< DISPLAY; empty = not set
   std::filesystem::path recordings{};  ///< LORICA_RECORDINGS; empty = those of the source tree
   std::filesystem::path libraries{};   ///< LD_LIBRARY_PATH, searched before the modules of the build; empty = not set
 };
+
+/// For interruptWhen: it has used so much of a processor, however busy the machine is.
+[[nodiscard]] bool hasWorked(const RunningCommand& command, double seconds);
 
 /// Runs `lorica arguments...`, without a display if none is given.
 [[nodiscard]] CommandResult runLorica(const std::vector<std::string>& arguments,

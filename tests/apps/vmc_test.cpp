@@ -10,6 +10,8 @@
 
 #include <atomic>
 #include <cctype>
+#include <chrono>
+#include <fstream>
 #include <optional>
 #include <set>
 #include <span>
@@ -26,6 +28,26 @@ std::string freePort() {
   return socket ? std::to_string(socket->port()) : "";
 }
 
+/// Waits until a program listens there.
+void awaitListener(const std::string& port) {
+  const std::string address = fmt::format("0100007F:{:04X} ", std::stoi(port));
+  for (;;) {
+    std::ifstream table("/proc/net/udp");
+    const std::string text{std::istreambuf_iterator<char>(table), {}};
+    if (text.find(address) != std::string::npos) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+/// Interrupts a receiver when nothing more is sent to it.
+CommandSurroundings untilNobodySends(const std::atomic<bool>& sent) {
+  CommandSurroundings surroundings;
+  surroundings.interruptWhen = [&sent](const RunningCommand& command) {
+    return sent && command.err.find("No program is sending any more.") != std::string::npos;
+  };
+  return surroundings;
+}
+
 /// Two Loricas: one sends a recording, the other one follows it and records a session, which replays exactly.
 TEST(LiveStream, OneLoricaFollowsAnother) {
   const TemporaryFolder folder;
@@ -34,12 +56,15 @@ TEST(LiveStream, OneLoricaFollowsAnother) {
   const std::string session = folder.path() / "take.lsession";
   const std::string port = freePort();
   CommandResult live;
+  std::atomic<bool> over = false;
   std::thread receiver([&] {
-    live = runLorica({"live", "--vmc", port, "--decomposition", body, "--headless", "--seconds", "5", "--record",
-                      session, "--json", "-"});
+    live = runLorica({"live", "--vmc", port, "--decomposition", body, "--headless", "--record", session, "--json", "-"},
+                     untilNobodySends(over));
   });
+  awaitListener(port);
   const CommandResult sent =
       runLorica({"play", "wave", "--decomposition", body, "--frames", "90", "--vmc-out", "127.0.0.1:" + port});
+  over = true;
   receiver.join();
   EXPECT_EQ(sent.exitCode, 0) << sent.err;
   ASSERT_EQ(live.exitCode, 0) << live.err;
@@ -115,10 +140,13 @@ TEST(LiveStream, TwoProgramsAreTwoAvatars) {
   const std::string session = folder.path() / "two.lsession";
   const std::vector<std::string> ports{freePort(), freePort()};
   CommandResult live;
+  std::atomic<bool> over = false;
   std::thread receiver([&] {
-    live = runLorica({"live", "--vmc", ports[0] + "," + ports[1], "--decomposition", body, "--headless", "--seconds",
-                      "4", "--record", session, "--json", "-"});
+    live = runLorica({"live", "--vmc", ports[0] + "," + ports[1], "--decomposition", body, "--headless", "--record",
+                      session, "--json", "-"},
+                     untilNobodySends(over));
   });
+  for (const std::string& port : ports) awaitListener(port);
   std::vector<std::thread> senders;
   for (int i = 0; i < 2; ++i) {
     senders.emplace_back([&, i] {
@@ -127,6 +155,7 @@ TEST(LiveStream, TwoProgramsAreTwoAvatars) {
     });
   }
   for (std::thread& sender : senders) sender.join();
+  over = true;
   receiver.join();
   ASSERT_EQ(live.exitCode, 0) << live.err;
   const nlohmann::json json = live.json();

@@ -8,7 +8,7 @@ namespace {
 
 /// Drops files on the window, as a file manager does.
 std::string drop(const std::vector<std::filesystem::path>& files) {
-  std::string line = LORICA_DROP_FILES " $w";
+  std::string line = built("lorica_drop_files").string() + " $w";
   for (const std::filesystem::path& file : files) line += " " + file.string();
   return line;
 }
@@ -16,7 +16,7 @@ std::string drop(const std::vector<std::filesystem::path>& files) {
 class WindowDrop : public WindowPlay {
  protected:
   void SetUp() override {
-    if (std::string(LORICA_DROP_FILES).empty()) GTEST_SKIP() << "libX11 is not installed (Debian package libx11-dev)";
+    if (!exists(built("lorica_drop_files"))) GTEST_SKIP() << "libX11 is not installed (Debian package libx11-dev)";
     WindowPlay::SetUp();
   }
 };
@@ -38,11 +38,10 @@ TEST_F(WindowDrop, BadFilesAreMessagesAndTheSessionGoesOn) {
   for (const std::vector<std::filesystem::path>& files :
        {std::vector{broken}, {folder_.path() / "folder"}, {huge}, {folder_.path() / "gone.bvh"}, {scene}, meshes}) {
     hands.line(drop(files));
-    hands.sleep("0.4");
+    hands.handled();
   }
-  hands.picture("shift+p");
-  const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  hands.pictureUnlike(1, 1000, "shift+p");
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "walk");
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 1000) << "a message";
@@ -56,13 +55,13 @@ TEST_F(WindowDrop, AMotionThatEndsEarlyIsPlayedAndSaid) {
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
   hands.press("1 2 4 5 6 7 Tab space");  // an empty picture
-  for (const std::filesystem::path& file : {whole, early}) {
-    hands.line(drop({file}));
-    hands.sleep("3");
-    hands.picture("shift+p");
-  }
-  const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  hands.line(drop({whole}));
+  hands.session("whole");
+  hands.picture("shift+p");
+  hands.line(drop({early}));
+  hands.session("early");
+  hands.pictureUnlike(1, 1000, "shift+p");
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "early");
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 1000) << "a message";
@@ -70,35 +69,33 @@ TEST_F(WindowDrop, AMotionThatEndsEarlyIsPlayedAndSaid) {
 
 TEST_F(WindowDrop, TheDemoGoesOnWithWhatIsDroppedOnIt) {
   Hands hands(folder_);
-  hands.sleep("1");
+  hands.handled();
   hands.line(drop({shipped("wave.csv")}));
-  hands.line("xdotool search --sync --name '^Lorica: wave'");
-  const CommandResult result = hands.runWith({"demo", "--window", "--seconds", "120", "--json", "-"}, *display_);
+  hands.session("wave");
+  const CommandResult result = hands.runWith({"demo", "--window", "--seconds", "120", "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "wave");
 }
 
 TEST_F(WindowDrop, WhatIsDroppedWhileTheFirstBodyIsDecomposedIsOpenedAfterIt) {
-  Hands hands(folder_);
+  Hands hands(folder_, "^Lorica");
   hands.line(drop({shipped("wave.csv")}));
-  hands.line("xdotool search --sync --name '^Lorica: wave'");
-  const CommandResult result = hands.runWith({"play", "walk", "--window", "--json", "-"}, *display_);
+  hands.session("wave");
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "wave");
 }
 
 TEST_F(WindowDrop, OfSeveralMotionsTheFirstIsPlayedAndTheOthersAreInTheList) {
   Hands hands(folder_);
-  hands.sleep("1");
   hands.line(drop({shipped("wave.csv"), shipped("turn_around.csv"), shipped("jumping_jacks.csv")}));
-  hands.line("xdotool search --sync --name '^Lorica: wave'");
-  hands.sleep("0.5");
+  hands.session("wave");
+  hands.handled();
   hands.mouse("mousemove --window $w 113 393 click 1");  // the list of files
-  hands.sleep("0.5");
+  hands.handled();
   hands.mouse("mousemove --window $w 113 465 click 1");  // the third
-  hands.line("xdotool search --sync --name '^Lorica: jumping_jacks'");
-  const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  hands.session("jumping_jacks");
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "jumping_jacks");
 }
@@ -109,20 +106,17 @@ TEST_F(WindowDrop, AMotionASceneAndAMeshReplaceWhatIsPlayed) {
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
   hands.line(drop({shipped("wave.csv"), scene}));
-  hands.sleep("1");
+  hands.session("wave");
   hands.press("Tab space 1 2 5 6 Home");
-  hands.sleep("0.5");
-  hands.picture();
+  hands.pictureAtRest();
   hands.line(drop({mesh}));
-  hands.sleep("1");
+  hands.pictureUnlike(1, 500);
   hands.press("Home 1 2");
-  hands.sleep("0.5");
-  hands.picture();
-  const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  hands.pictureAtRest();
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["recording"], "wave");
-  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 500) << "the mesh is a prop";
+  EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(3)), 500) << "the mesh is a prop";
 }
 
 TEST_F(WindowDrop, TheSessionGoesOnWhileTheSandOfADroppedSceneSettles) {
@@ -133,12 +127,10 @@ TEST_F(WindowDrop, TheSessionGoesOnWhileTheSandOfADroppedSceneSettles) {
   hands.mouse("windowsize --sync $w 480 360");
   hands.press("Tab");
   hands.line(drop({scene}));
-  hands.sleep("1");
+  hands.handled();
   hands.picture();
-  hands.sleep("0.3");
-  hands.picture();
-  const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  hands.pictureUnlike(1, 200);
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(2)), 200) << "the avatar walks on";
 }
@@ -149,12 +141,10 @@ TEST_F(WindowDrop, AFileThatVanishesWhileItLoadsDoesNotEndTheSession) {
     const std::filesystem::path copy = folder_.path() / ("copy" + after + ".csv");
     std::filesystem::copy_file(shipped("wave.csv"), copy);
     hands.line(drop({copy}));
-    hands.sleep(after);
-    hands.line("rm " + copy.string());
-    hands.sleep("0.5");
+    hands.line("sleep " + after + "; rm " + copy.string());
+    hands.handled();
   }
-  const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_GT(result.json()["frames"], 0);
 }

@@ -25,31 +25,28 @@ std::string twoPeopleIn(const TemporaryFolder& folder) {
 
 TEST_F(WindowPlay, MirrorGravityAndPersonAreChosenByMouse) {
   Hands hands(folder_);
-  hands.sleep("1.5");
   hands.press("space Home");
-  hands.sleep("0.5");
-  hands.picture();
+  hands.pictureAtRest();
   const auto click = [&](int x, int y) {
     hands.mouse("mousemove --window $w " + std::to_string(x) + " " + std::to_string(y) + " click 1");
-    hands.sleep("0.6");
+    hands.handled();
   };
   click(1041, 391);  // mirror
-  hands.picture();
+  hands.pictureUnlike(1, 500);
   click(1041, 391);
-  hands.picture();
+  hands.pictureWhen([&](const Image& now) { return differing(hands.pictureNumber(1), now) == 0; });
   click(1140, 443);  // the list of gravities
   click(1100, 471);  // none
   hands.press("Right");
-  hands.sleep("0.5");
-  hands.picture();
+  hands.pictureUnlike(1, 500);
   click(1140, 443);
   hands.press("Escape");  // closes the list, not the window
-  hands.sleep("0.4");
+  hands.handled();
   click(1140, 365);  // the list of people
   click(1100, 386);  // everyone
-  hands.sleep("2");
+  hands.pictureUnlike(4, 500);
   const CommandResult result =
-      hands.runWith({"play", twoPeopleIn(folder_), "--window", "--decomposition", body_, "--json", "-"}, *display_);
+      hands.runWith({"play", twoPeopleIn(folder_), "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const Image first = hands.pictureNumber(1);
   EXPECT_GT(differing(first, hands.pictureNumber(2)), 500) << "mirrored";
@@ -65,10 +62,10 @@ TEST_F(WindowPlay, AWarningThatRepeatsIsSaidOnce) {
   Hands hands(folder_);
   for (int i = 0; i < 3; ++i) {
     hands.press("Home");
-    hands.sleep("0.4");
+    hands.handled();
   }
   const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--scene", scene.string()}, *display_);
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--scene", scene.string()});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const std::size_t said = result.err.find("starts inside the fixed object");
   ASSERT_NE(said, std::string::npos) << result.err;

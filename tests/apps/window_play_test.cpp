@@ -13,24 +13,20 @@ constexpr const char* kFloatingBox = R"({
 TEST_F(WindowPlay, PauseStopsMotionAndAStepMovesItAndTheTimelineGoesBack) {
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
-  hands.sleep("1.5");  // the panels fold, and the picture is framed between them
   hands.press("space");
-  hands.picture();
-  hands.sleep("0.2");
-  hands.picture();  // nothing moved
+  hands.pictureAtRest();  // the panels fold, and the picture is framed between them
+  hands.picture();        // nothing moved
   hands.press("n n n n n n");
-  hands.picture();  // six frames later
+  hands.pictureAtRest();  // six frames later
   hands.press("Home");
-  hands.picture();  // the first frame
+  hands.pictureAtRest();  // the first frame
   hands.press("n n n n n n n n n n n n");
-  hands.picture();
+  hands.pictureAtRest();
   hands.press("Home");
-  hands.picture();  // and again
+  hands.pictureAtRest();  // and again
   hands.press("bracketleft bracketleft bracketleft bracketleft");
-  hands.sleep("1");
-  hands.picture();  // one part
-  const CommandResult result =
-      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"}, *display_);
+  hands.pictureUnlike(6, 2000);  // one part
+  const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const Image still = hands.pictureNumber(1);
   EXPECT_EQ(differing(still, hands.pictureNumber(2)), 0);
@@ -47,21 +43,20 @@ TEST_F(WindowPlay, ThingsAreDraggedAndBallsThrown) {
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
   hands.press("Tab f r space 1 2 5 6 n");  // only the box, from where the camera was at first
-  hands.sleep("0.3");
-  hands.picture();
+  hands.pictureAtRest();
   hands.mouse("mousemove --window $w 350 188");
   hands.mouse("mousedown 1");
-  hands.sleep("0.2");
+  hands.handled();
   hands.mouse("mousemove --window $w 260 188");
   for (int i = 0; i < 6; ++i) {
     hands.press("n n n n n n");
-    hands.picture();
+    hands.pictureAtRest();
   }
   hands.mouse("mouseup 1");
   hands.press("n b n");
-  hands.picture();
-  const CommandResult result = hands.runWith(
-      {"play", "walk", "--window", "--decomposition", body_, "--scene", scene.string(), "--json", "-"}, *display_);
+  hands.pictureUnlike(7, 300);
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--scene", scene.string(), "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const Blob before = redIn(hands.pictureNumber(1));
   const Blob after = redIn(hands.pictureNumber(7));
@@ -83,24 +78,21 @@ TEST_F(WindowPlay, ACharacterIsShownAsItsMakerDrewItUntilItsPartsAreAskedFor) {
   ASSERT_EQ(made.exitCode, 0) << made.err;
   Hands hands(folder_);
   hands.mouse("windowsize --sync $w 480 360");
-  hands.sleep("0.5");
   hands.press("space 4 5");
-  hands.picture();
-  hands.press("c");
-  hands.picture();
-  hands.press("c 2");
-  hands.picture();
-  hands.press("2");
-  hands.picture();
-  const CommandResult result = hands.runWith(
-      {"play", "walk", "--window", "--character", character, "--decomposition", body, "--json", "-"}, *display_);
+  for (const char* keys : {"c", "c 2", "2"}) {
+    hands.pictureAtRest();
+    hands.press(keys);
+  }
+  hands.pictureAtRest();
+  const CommandResult result =
+      hands.runWith({"play", "walk", "--window", "--character", character, "--decomposition", body, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const int whole = redIn(hands.pictureNumber(1)).count;
   EXPECT_GT(whole, 1000);
   EXPECT_LT(redIn(hands.pictureNumber(2)).count, whole / 2) << "its body in the colours of its parts";
   EXPECT_GT(differing(hands.pictureNumber(1), hands.pictureNumber(3)), whole / 2) << "hulls over it";
   EXPECT_LT(redIn(hands.pictureNumber(3)).count, whole * 19 / 20);
-  EXPECT_NEAR(redIn(hands.pictureNumber(4)).count, whole, whole / 20) << "the camera may still glide to its place";
+  EXPECT_NEAR(redIn(hands.pictureNumber(4)).count, whole, whole / 20);
 }
 
 }  // namespace

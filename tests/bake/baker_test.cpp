@@ -104,7 +104,7 @@ TEST(Baker, MakesEachItemOnce) {
 
 TEST(Baker, BadItemsGetASentenceAndCostNoOthers) {
   Studio studio;
-  studio.settings.item.timeout = 0.4;
+  studio.settings.item.timeout = 10.0;  // for the others, on a busy machine
   for (const char* kind : {"good", "bad", "crash", "mute", "hungry", "hang", "good too"}) {
     studio.add(std::string(kind) + ".off", kind);
   }
@@ -119,7 +119,7 @@ TEST(Baker, BadItemsGetASentenceAndCostNoOthers) {
             folder + "crash.off: the process that made it was ended by signal 11 (Segmentation fault)");
   EXPECT_EQ(studio.told(3, "failure"), folder + "mute.off: exit status 1 without a word");
   EXPECT_NE(studio.told(4, "failure").find("hungry.off: needs more than the "), std::string::npos);
-  EXPECT_EQ(studio.told(5, "failure"), folder + "hang.off: took longer than the 0.4 s of --timeout");
+  EXPECT_EQ(studio.told(5, "failure"), folder + "hang.off: took longer than the 10 s of --timeout");
   EXPECT_EQ(studio.told(7, "failure"), "missing.off: line 1: found no mesh, expected OFF");
   EXPECT_EQ(studio.told(1, "files"), "[]");
 
@@ -225,7 +225,7 @@ TEST(Baker, WhatAKilledProcessHadIsDoneByTheOthers) {
   Studio studio;
   studio.add("hang.off", "hang");
   const pid_t child = bakeElsewhere(studio);
-  for (int i = 0; i < 2000 && studio.runsOf("hang.off") == 0; ++i) {
+  while (studio.runsOf("hang.off") == 0) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }
   ASSERT_EQ(studio.runsOf("hang.off"), 1);

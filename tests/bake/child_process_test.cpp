@@ -76,11 +76,10 @@ TEST(ChildProcess, EndsWhenThisProcessIsKilled) {
     while (true) ::pause();
   }
   std::string said;
-  for (int i = 0; i < 1000 && !said.ends_with('\n'); ++i) {
+  while (!said.ends_with('\n')) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
     said = readFile(folder.path() / "log").ok() ? *readFile(folder.path() / "log") : "";
   }
-  ASSERT_TRUE(said.ends_with('\n'));
   const pid_t child = std::stoi(said);
   ::kill(owner, SIGKILL);
   ::waitpid(owner, nullptr, 0);
@@ -88,8 +87,7 @@ TEST(ChildProcess, EndsWhenThisProcessIsKilled) {
     const Result<std::string> stat = readFile("/proc/" + std::to_string(child) + "/stat", NamedBy::kFile);
     return !stat || stat->find(") Z ") != std::string::npos;
   };
-  for (int i = 0; i < 1000 && !gone(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  EXPECT_TRUE(gone());
+  while (!gone()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
 }
 
 }  // namespace

@@ -1,9 +1,10 @@
-# cmake -D BUILD=<build folder> -D CXX=<compiler> -D CONFIG=<build type> -P run.cmake
+# cmake -D BUILD=<build folder> -D CXX=<compiler> -D CONFIG=<build type> -D LAUNCHER=<compiler launcher> -P run.cmake
 # Installs Lorica to a fresh prefix, builds the samples and the consumer against it, and runs them and the command from
 # there: `walk` is one of the installed recordings.
 
 set(trial ${BUILD}/tests/consumer/trial)
 file(REMOVE_RECURSE ${trial})
+set(ENV{CMAKE_CXX_COMPILER_LAUNCHER} "${LAUNCHER}")
 
 function(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)

@@ -24,9 +24,9 @@ std::vector<std::vector<BlenderJoints>> openWithBlender(const std::vector<Blende
   const std::filesystem::path in = folder.write("jobs.json", list.dump());
   const std::filesystem::path out = folder.path() / "out.json";
   const std::filesystem::path log = folder.path() / "log";
-  const std::string command = "blender -b --factory-startup --python-exit-code 1 --python '" LORICA_PEERS
-                              "/blender_joints.py' -- '" +
-                              in.string() + "' '" + out.string() + "' >'" + log.string() + "' 2>&1";
+  const std::string command = "blender -b --factory-startup --python-exit-code 1 --python '" +
+                              built("peers/blender_joints.py").string() + "' -- '" + in.string() + "' '" +
+                              out.string() + "' >'" + log.string() + "' 2>&1";
   std::vector<std::vector<BlenderJoints>> all;
   if (std::system(command.c_str()) != 0) {
     ADD_FAILURE() << command << " failed:\n" << readFile(log).value();

@@ -67,7 +67,9 @@ TEST_P(PeerColliderFiles, HaveTheirVolumesInRapierAndJolt) {
 
 json checkedBySchemas(const fs::path& glb, const test::TemporaryFolder& folder) {
   const fs::path out = folder.path() / "schemas.json";
-  if (!test::runPeer("collider_schemas.mjs", {glb.string(), out.string(), LORICA_PEER_SCHEMAS})) return {};
+  if (!test::runPeer("collider_schemas.mjs",
+                     {glb.string(), out.string(), test::sourceFile("tests/peers/schemas").string()}))
+    return {};
   return test::readJson(out);
 }
 

@@ -228,7 +228,7 @@ TEST(GltfValidator, CallsWrongWhatLoricaRefusesOrNotes) {
   std::ifstream stream(out);
   const json report = json::parse(stream);
 
-  const fs::path kept = fs::path(LORICA_PEERS) / "gltf_validator.txt";
+  const fs::path kept = test::built("peers/gltf_validator.txt");
   std::ofstream table(kept);
   std::set<std::string> usual, used;
   int faulty = 0, told = 0;

@@ -29,7 +29,7 @@ TEST_P(PeerLook, IsThatOfThreeVrm) {
   ASSERT_TRUE(avatar.ok()) << avatar.error().message;
   EXPECT_TRUE(avatar.value().notes.empty()) << avatar.value().notes.front();
   const test::Sitter sitter = {std::move(file).value(), avatar.value().avatar};
-  const fs::path folder = fs::path(LORICA_PEERS) / "pictures" / GetParam();
+  const fs::path folder = test::built("peers/pictures") / GetParam();
   fs::create_directories(folder);
   json figures;
   for (const auto& [name, shot] : test::shootWithPeer(path, shots)) {

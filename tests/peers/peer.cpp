@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-const fs::path kPeers = LORICA_PEERS;
+const fs::path kPeers = built("peers");
 
 std::string textOf(const fs::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -73,7 +73,7 @@ json readJson(const fs::path& file) {
 }
 
 json readShots(const std::string& name) {
-  return readJson(fs::path(LORICA_PEER_SHOTS) / (name + ".json"));
+  return readJson(sourceFile("tests/peers/shots") / (name + ".json"));
 }
 
 std::map<std::string, PeerShot> shootWithPeer(const fs::path& character, const json& shots) {

@@ -9,12 +9,14 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/peers/avatar_poses.h"
 #include "tests/peers/peer.h"
+#include "tests/support/background_process.h"
 #include "tests/support/datasets.h"
 #include "tests/support/virtual_display.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <unistd.h>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -102,19 +104,19 @@ TEST(PeerVmc, OscdumpReadsWhatLoricaSends) {
     port = free->port();
   }
   const test::TemporaryFolder folder;
-  const fs::path log = folder.path() / "dump";
-  std::thread dump(
-      [&] { (void)std::system(fmt::format("timeout 3 oscdump -L {} >{} 2>&1", port, log.string()).c_str()); });
+  const fs::path log = folder.write("dump", "");
+  const test::BackgroundProcess dump([&] { execlp("oscdump", "oscdump", "-L", std::to_string(port).c_str(), nullptr); },
+                                     log);
   Result<UdpSocket> socket = UdpSocket::connect({"127.0.0.1", port});
   ASSERT_TRUE(socket);
   VmcWriter writer;
   const BonePose pose = reader->read(poses[1]);
-  for (int i = 0; i < 10; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  std::string text;
+  const std::string end = "/VMC/Ext/T f ";
+  for (; text.find(end) == text.rfind(end); text = textOf(log)) {  // until a whole packet is there
     socket->send(writer.write(pose, {}, 0.5, true));
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
-  dump.join();
-  const std::string text = textOf(log);
   const Quat& arm = *pose.rotation[static_cast<std::size_t>(B::kLeftUpperArm)];
   const Vec3& at = pose.offset[static_cast<std::size_t>(B::kLeftUpperArm)];
   const std::string expected = fmt::format(

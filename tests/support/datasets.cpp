@@ -14,8 +14,17 @@ std::filesystem::path dataset(std::string_view relative) {
   return std::filesystem::exists(file) ? file : std::filesystem::path{};
 }
 
+std::filesystem::path sourceFile(std::string_view relative) {
+  return std::filesystem::path(LORICA_SOURCE_DIR) / relative;
+}
+
+std::filesystem::path built(std::string_view relative) {
+  static const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  return folder / relative;
+}
+
 std::filesystem::path recordingsFolder() {
-  return std::filesystem::path(LORICA_SOURCE_DIR) / "recordings";
+  return sourceFile("recordings");
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -9,6 +9,13 @@ namespace lorica::test {
 /// A file of the third-party data (CMake option LORICA_DATASETS); empty if it is absent.
 [[nodiscard]] std::filesystem::path dataset(std::string_view relative);
 
+/// A file or folder of the source tree.
+[[nodiscard]] std::filesystem::path sourceFile(std::string_view relative);
+
+/// A program, module or folder of the build: "lorica". Paths are asked for here and are no compile definitions, with
+/// which ccache would have nothing for a tree that lies elsewhere.
+[[nodiscard]] std::filesystem::path built(std::string_view relative);
+
 /// Folder of the recordings that ship with Lorica.
 [[nodiscard]] std::filesystem::path recordingsFolder();
 

@@ -19,7 +19,7 @@ constexpr const char* kBox =
 /// A library: a box, a character with a clip, and items that cannot be baked.
 struct Library {
   TemporaryFolder folder;
-  CommandSurroundings surroundings{folder.path(), folder.path() / "cache", 0};
+  CommandSurroundings surroundings{folder.path(), folder.path() / "cache"};
 
   Library() {
     folder.write("box.off", kBox);
@@ -121,7 +121,10 @@ TEST(Bake, InterruptFinishesTheItemAndASecondRunGoesOn) {
   for (int parts = 2; parts < 8; ++parts) list += "mannequin," + std::to_string(parts) + "\n";
   library.folder.write("many.csv", list);
   CommandSurroundings interrupted = library.surroundings;
-  interrupted.interruptAfterMs = 400;
+  interrupted.interruptWhen = [&](const RunningCommand&) {  // the first item is in progress
+    const fs::path work = library.folder.path() / "out" / "work";
+    return fs::exists(work) && !fs::is_empty(work);
+  };
   const CommandResult first = runLorica({"bake", "many.csv", "--out", "out", "--threads", "1"}, interrupted);
   EXPECT_EQ(first.exitCode, 130);
   EXPECT_NE(first.err.find("finishing the items in progress"), std::string::npos) << first.err;

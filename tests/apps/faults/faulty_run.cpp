@@ -67,7 +67,7 @@ int signalOf(Fault fault) {
   if (run.fault == Fault::kOutputClosed) close(STDOUT_FILENO);
   if (run.fault == Fault::kErrorsClosed) close(STDERR_FILENO);
   if (chdir(run.folder.c_str()) != 0) _exit(126);
-  execv(LORICA_COMMAND, arguments);
+  execv(arguments[0], arguments);
   _exit(127);
 }
 
@@ -85,7 +85,11 @@ std::string readAll(int descriptor) {
 Clock::time_point sendSignal(pid_t child, const FaultyRun& run, int number) {
   const Clock::time_point begin = Clock::now();
   const auto due = [&] { return run.ready ? run.ready() : secondsSince(begin) > 0.25; };
-  while (!due() && secondsSince(begin) < 20.0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  const auto ended = [&] {
+    siginfo_t end{};
+    return waitid(P_PID, static_cast<id_t>(child), &end, WEXITED | WNOHANG | WNOWAIT) != 0 || end.si_pid != 0;
+  };
+  while (!due() && !ended()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   const Clock::time_point sent = Clock::now();
   kill(child, number);
   return sent;
@@ -104,7 +108,7 @@ FaultyEnd runWithFault(const FaultyRun& run) {
   const TemporaryFolder elsewhere;  // without permission to write to the working folder
   const std::string temporary = run.fault == Fault::kReadOnly ? elsewhere.path() : run.folder / "tmp";
   if (run.fault != Fault::kReadOnly) fs::create_directories(temporary);
-  std::vector<std::string> words = {LORICA_COMMAND};
+  std::vector<std::string> words = {built("lorica")};
   words.insert(words.end(), run.arguments.begin(), run.arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());

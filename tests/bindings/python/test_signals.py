@@ -66,7 +66,7 @@ class CtrlC(unittest.TestCase):
             sent = time.monotonic()
             self.assertEqual(child.stdout.readline(), "interrupted\n")
             self.assertEqual(child.wait(), 0)
-        self.assertLess(time.monotonic() - sent, 20)
+        self.assertLess(time.monotonic() - sent, 60)
 
 
 if __name__ == "__main__":

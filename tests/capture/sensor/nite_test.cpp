@@ -14,6 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const fs::path kTestDriver = test::built("tests/capture/sensor/libopenni_test_driver.so");
+
 /// The NiTE 2 mock in its own folder, and the test driver's camera for it.
 class NiteTest : public testing::Test {
  protected:
@@ -22,8 +24,8 @@ class NiteTest : public testing::Test {
     (void)plug_.write("a", "small");
     fs::create_directory(folder_.path() / "NiTE2");
     (void)folder_.write("NiTE2/data", "of NiTE 2");
-    fs::copy_file(LORICA_NITE_TEST_LIBRARY, library());
-    Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
+    fs::copy_file(test::built("tests/capture/sensor/libnite_test_library.so"), library());
+    Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{kTestDriver}, {}});
     ASSERT_TRUE(openNi) << openNi.error().message;
     openNi_ = std::move(*openNi);
   }
@@ -137,7 +139,7 @@ TEST_F(NiteTest, LibrariesThatAreNoneAreSentences) {
   };
   EXPECT_NE(problem(folder_.path() / "no.so").find("no such file"), std::string::npos);
   EXPECT_NE(problem(folder_.write("text.so", "a text")).find("cannot be loaded"), std::string::npos);
-  EXPECT_NE(problem(LORICA_TEST_DRIVER).find("not a NiTE 2 library"), std::string::npos);
+  EXPECT_NE(problem(kTestDriver).find("not a NiTE 2 library"), std::string::npos);
   EXPECT_NE(problem(library(), "test/none").find("test/none"), std::string::npos);
   fs::remove(folder_.path() / "NiTE2/data");
   EXPECT_NE(problem(library()).find("folder NiTE2"), std::string::npos) << problem(library());

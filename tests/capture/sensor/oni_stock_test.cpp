@@ -26,7 +26,7 @@ constexpr int kMaxFrames = 12;
 
 /// Frames of the stock player, run in a child process: it is the reference here, but it crashes occasionally.
 Result<std::string> playStock(const std::filesystem::path& file, const std::filesystem::path& out) {
-  const std::string player = LORICA_STOCK_PLAYER;
+  const std::string player = test::built("oni_stock_player");
   std::string arguments[4] = {player, file.string(), out.string(), std::to_string(kMaxFrames)};
   char* argv[5] = {arguments[0].data(), arguments[1].data(), arguments[2].data(), arguments[3].data(), nullptr};
   for (int attempt = 0; attempt < 10; ++attempt) {

@@ -32,6 +32,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+const fs::path kTestDriver = test::built("tests/capture/sensor/libopenni_test_driver.so");
+
 /// OpenNI2 with the test driver, and a folder whose files are cameras.
 class OpenNiTest : public testing::Test {
  protected:
@@ -44,21 +46,19 @@ class OpenNiTest : public testing::Test {
   void unplug(const std::string& name) { fs::remove(plug_.path() / name); }
 
   static std::shared_ptr<OpenNi> start() {
-    Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
+    Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{kTestDriver}, {}});
     EXPECT_TRUE(openNi) << openNi.error().message;
     return openNi ? std::move(*openNi) : nullptr;
   }
 
-  /// Reads until the wanted result. @return whether it arrived within several seconds
+  /// Reads until the wanted result. @return whether no error came instead
   static bool readUntil(DepthSource& source, DepthRead wanted, DepthFrame& frame) {
-    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (std::chrono::steady_clock::now() < end) {
+    for (;;) {
       const Result<DepthRead> read = source.next(frame);
       if (!read) ADD_FAILURE() << read.error().message;
       if (!read) return false;
       if (*read == wanted) return true;
     }
-    return false;
   }
 
   const test::TemporaryFolder plug_;
@@ -88,10 +88,10 @@ TEST_F(OpenNiTest, ListsCamerasAndDrivers) {
   EXPECT_EQ((*cameras)[0].vendor, "Lorica");
   EXPECT_EQ((*cameras)[0].name, "Test camera");
   EXPECT_EQ((*cameras)[0].usbVendor, 0x1209);
-  EXPECT_EQ((*cameras)[0].driver, fs::path(LORICA_TEST_DRIVER).filename());
+  EXPECT_EQ((*cameras)[0].driver, kTestDriver.filename());
   const std::vector<OpenNiDriver>& drivers = openNi->drivers();
   ASSERT_FALSE(drivers.empty());
-  EXPECT_EQ(drivers.back().file, fs::canonical(LORICA_TEST_DRIVER));
+  EXPECT_EQ(drivers.back().file, fs::canonical(kTestDriver));
   EXPECT_FALSE(drivers.back().packaged);
   EXPECT_TRUE(drivers.front().packaged);
   for (const OpenNiDriver& driver : drivers) EXPECT_EQ(driver.problem, "") << driver.file;
@@ -184,7 +184,7 @@ TEST_F(OpenNiTest, CamerasThatAreNotThereAreSentences) {
   ASSERT_FALSE(named);
   EXPECT_NE(named.error().message.find("test/x"), std::string::npos) << named.error().message;
   plugIn("y", "broken");
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  while (openNi->cameras()->empty()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   const Result<std::unique_ptr<DepthSource>> broken = openNi->open("test/y");
   ASSERT_FALSE(broken);
   EXPECT_NE(broken.error().message.find("cannot be opened"), std::string::npos) << broken.error().message;
@@ -213,7 +213,6 @@ TEST_F(OpenNiTest, AnUnpluggedCameraComesBack) {
     ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
     expectFrame(frame, 640, 480);
     EXPECT_GT(frame.time, last + 0.09) << "includes the time without a camera";
-    EXPECT_LT(frame.time, last + 20.0);
     last = frame.time;
   }
 }
@@ -229,10 +228,8 @@ TEST_F(OpenNiTest, ACameraThatReturnsWithOtherImagesIsASentence) {
   unplug("a");
   ASSERT_TRUE(readUntil(**source, DepthRead::kUnplugged, frame));
   plugIn("a", "small");
-  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   Result<DepthRead> read = DepthRead::kUnplugged;
-  while (read && std::chrono::steady_clock::now() < end) read = (*source)->next(frame);
-  ASSERT_FALSE(read) << "it stays unplugged for ever";
+  while (read) read = (*source)->next(frame);
   EXPECT_NE(read.error().message.find("returned with images of 320 x 240, expected 640 x 480"), std::string::npos)
       << read.error().message;
 }
@@ -352,7 +349,7 @@ TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
   const pid_t child = fork();
   if (child == 0) {
     (void)setenv("TMPDIR", beside_.path().c_str(), 1);  // leftover files are removed with the test
-    const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{LORICA_TEST_DRIVER}, {}});
+    const Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{kTestDriver}, {}});
     if (!openNi) _exit(1);
     const Result<std::unique_ptr<DepthSource>> source = (*openNi)->open();
     if (!source) _exit(2);
@@ -361,11 +358,15 @@ TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
     DepthFrame frame;
     for (;;) (void)(*source)->next(frame);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
-  kill(child, SIGKILL);
   int status = 0;
+  for (bool enough = false; !enough;) {
+    ASSERT_EQ(waitpid(child, &status, WNOHANG), 0) << "it ended by itself: " << WEXITSTATUS(status);
+    const Result<OniFile> soFar = OniFile::open(beside_.path() / "body.part.oni");
+    enough = soFar && soFar->info().frameCount > 5;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  kill(child, SIGKILL);
   waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFSIGNALED(status)) << "it was not killed: " << WEXITSTATUS(status);
   Result<OniFile> file = OniFile::open(beside_.path() / "body.part.oni");
   ASSERT_TRUE(file) << file.error().message;
   EXPECT_TRUE(file->info().cutOff);

@@ -81,13 +81,12 @@ TEST(VmcStream, AFloodIsOneFrameForEachStep) {
   BoneFrame frame;
   // Every place of the ring gets its memory; what a busy machine drops is sent again.
   int sent = 0;
-  while (sent < 10000 && stream.counts().frames < 300) {
+  while (stream.counts().frames < 300) {
     sender->send(packet.bytes());
     ++sent;
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  ASSERT_GE(stream.counts().frames, 300);
-  ASSERT_TRUE(stream.wait(1.0, frame));
+  ASSERT_TRUE(stream.wait(100.0, frame));
   const std::int64_t before = test::allocationCount();
   int given = 0, waits = 0;
   for (int i = 0; i < 100000; ++i) {
@@ -103,18 +102,20 @@ TEST(VmcStream, AFloodIsOneFrameForEachStep) {
   EXPECT_LE(given, waits);
   // None; but where this thread is halted for half a second, the other sender is followed, with memory of its own.
   EXPECT_LT(allocations, waits);
-  // All that is left is one frame.
-  VmcStream::Counts counts = stream.counts();
-  for (int i = 0; i < 50; ++i) {
-    const VmcStream::Counts last = counts;
-    (void)stream.wait(0.2, frame);
-    counts = stream.counts();
-    if (counts.packets == last.packets) break;
+  // All that is left is one frame, and then the one that is sent last; once more where a full socket dropped it.
+  const std::vector<NamedWeight> theLast{{"Joy", 0.5f}};
+  Packet end;
+  end.bundle().bone("Hips").weight("Joy", 0.5f).empty("/VMC/Ext/Blend/Apply");
+  frame.expressions.clear();
+  while (frame.expressions != theLast) {
+    sender->send(end.bytes());
+    ++sent;
+    while (frame.expressions != theLast && stream.wait(10.0, frame)) continue;
   }
   EXPECT_FALSE(stream.wait(0.0, frame));
+  const VmcStream::Counts counts = stream.counts();
   EXPECT_LE(counts.packets, sent);
   EXPECT_GT(counts.packets, 100);
-  EXPECT_EQ(frame.expressions, (std::vector<NamedWeight>{{"Joy", 1.0f}}));
 }
 
 TEST(VmcStream, ADelayedFrameIsGivenWhenItIsDue) {
@@ -125,9 +126,7 @@ TEST(VmcStream, ADelayedFrameIsGivenWhenItIsDue) {
   ASSERT_TRUE(sender);
   sender->send(Packet().bundle().bone("Hips").bytes());
   BoneFrame frame;
-  bool got = false;
-  for (int i = 0; i < 100 && !got; ++i) got = stream.wait(0.05, frame);
-  ASSERT_TRUE(got);
+  ASSERT_TRUE(stream.wait(100.0, frame));
   const std::optional<VmcStream::Given> given = stream.lastGiven();
   ASSERT_TRUE(given);
   EXPECT_NEAR(given->time - given->arrival, 0.2, 1e-9);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <memory>
@@ -43,11 +44,13 @@ DepthJoints following(int frames, bool breaks = false, std::shared_ptr<std::atom
 }
 
 TEST(LiveJoints, ASlowCallerGetsTheLatestAndEveryImageIsTracked) {
-  LiveJoints joints(following(60));
+  const auto reads = std::make_shared<std::atomic<int>>(0);
+  LiveJoints joints(following(60, false, reads));
   double last = 0.0;
   int asked = 0;
   while (true) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(40));
+    const int slow = std::min(*reads + 8, 61);  // images later; the last read is the end
+    while (*reads < slow) std::this_thread::yield();
     const Result<std::optional<SkeletonFrame>> frame = joints.next();
     ASSERT_TRUE(frame.ok());
     if (!frame->has_value()) break;
@@ -69,17 +72,17 @@ TEST(LiveJoints, ErrorsReachTheCaller) {
 }
 
 TEST(LiveJoints, MayBeLeftAtAnyTime) {
-  for (int ms : {0, 3, 12}) {
+  for (const int images : {0, 1, 3}) {
     const auto reads = std::make_shared<std::atomic<int>>(0);
     {
-      LiveJoints joints(following(1000, false, reads));
-      std::this_thread::sleep_for(std::chrono::milliseconds(ms));
+      LiveJoints joints(following(1'000'000, false, reads));
+      while (*reads < images) std::this_thread::yield();
     }
     // The thread has ended: no image is read after the destructor.
     const int before = reads->load();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
     EXPECT_EQ(reads->load(), before);
-    EXPECT_LT(before, 1000);
+    EXPECT_LT(before, 1'000'000);
   }
 }
 

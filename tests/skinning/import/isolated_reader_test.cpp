@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include <sys/wait.h>
-#include <chrono>
 #include <random>
 #include <string>
 
@@ -17,9 +16,9 @@ namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
-const IsolatedReader kReader{LORICA_CHARACTER_READER, {}};
+const std::string kProgram = test::built("character_reader");
+const IsolatedReader kReader{kProgram, {}};
 
 std::span<const std::byte> bytesOf(std::string_view text) {
   return std::as_bytes(std::span(text));
@@ -108,14 +107,12 @@ std::vector<Attack> attacks() {
 class IsolatedAttack : public testing::TestWithParam<Attack> {};
 
 TEST_P(IsolatedAttack, IsOneSentence) {
-  const Clock::time_point start = Clock::now();
   CharacterFileSettings settings;
   settings.isolated = kReader;
   const Result<CharacterFile> file = parseCharacterFile(bytesOf(GetParam().text), "attack", settings);
   ASSERT_FALSE(file.ok());
   EXPECT_TRUE(file.error().message.starts_with("attack: broken ")) << file.error().message;
   EXPECT_EQ(file.error().message.find('\n'), std::string::npos);
-  EXPECT_LT(Clock::now() - start, std::chrono::seconds(20)) << "its CPU time alone is limited to about a second";
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a process was left behind";
   std::cout << "    " << file.error().message << '\n';
 }
@@ -155,12 +152,10 @@ TEST(IsolatedReader, ReadsTheSameBitsOfRealFiles) {
 
 TEST(IsolatedReader, EndsAtOnceWhenItIsCancelled) {
   int asked = 0;
-  IsolatedReader reader{LORICA_CHARACTER_READER, {"hang"}, [&] { return ++asked > 3; }};
-  const Clock::time_point start = Clock::now();
+  IsolatedReader reader{kProgram, {"hang"}, [&] { return ++asked > 3; }};
   const auto scene = readIsolatedScene(bytesOf(goodCollada()), "file", AssimpFormat::kCollada, {}, reader);
   ASSERT_FALSE(scene.ok());
   EXPECT_EQ(scene.error().code, ErrorCode::kCancelled);
-  EXPECT_LT(Clock::now() - start, std::chrono::seconds(5));
   EXPECT_EQ(::waitpid(-1, nullptr, WNOHANG), -1) << "a process was left behind";
 }
 
@@ -169,9 +164,8 @@ TEST(IsolatedReader, AProcessThatIsBrokenIsOneSentence) {
     const auto scene = readIsolatedScene(bytesOf(goodCollada()), "file", AssimpFormat::kCollada, {}, reader);
     return scene ? "none" : scene.error().message;
   };
-  EXPECT_NE(sentence({LORICA_CHARACTER_READER, {"lie"}}).find("file: byte"), std::string::npos);
-  EXPECT_NE(sentence({LORICA_CHARACTER_READER, {"silent"}}).find("the answer of its reader: byte 0"),
-            std::string::npos);
+  EXPECT_NE(sentence({kProgram, {"lie"}}).find("file: byte"), std::string::npos);
+  EXPECT_NE(sentence({kProgram, {"silent"}}).find("the answer of its reader: byte 0"), std::string::npos);
   EXPECT_EQ(sentence({"/nowhere/reader", {}}),
             "file: cannot be read: its reader /nowhere/reader could not be started: No such file or directory");
 }

@@ -2,6 +2,8 @@
 
 #include "viewer/pictures/image_files.h"
 
+#include "tests/support/datasets.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +23,7 @@ const std::uint8_t* pixel(const Image& image, int x, int y) {
 }
 
 fs::path goldenFile(const std::string& name) {
-  return fs::path(LORICA_GOLDEN) / (name + ".png");
+  return sourceFile("tests/golden") / (name + ".png");
 }
 
 }  // namespace
@@ -76,7 +78,7 @@ void expectGolden(const std::string& name, const Image& picture) {
   if (golden.rgba.empty()) return;
   const PictureError error = pictureError(picture, golden);
   if (error.wrong <= kMaxWrong) return;
-  const fs::path kept = fs::path(LORICA_GOLDEN_FAILED) / (name + ".png");
+  const fs::path kept = built("golden_failed") / (name + ".png");
   std::error_code ignored;
   fs::create_directories(kept.parent_path(), ignored);
   const std::vector<Image> all = {golden, picture, error.shown};

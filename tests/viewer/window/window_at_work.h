@@ -73,8 +73,9 @@ class WindowAtWork : public ::testing::Test {
     }
   }
   void send(const std::string& what) {
+    // The last request is answered after what was sent before has reached the window.
     const std::string command =
-        "xdotool search --sync --name 'Lorica test' windowfocus --sync " + what + " > /dev/null 2>&1";
+        "xdotool search --sync --name 'Lorica test' windowfocus --sync " + what + " getmouselocation > /dev/null 2>&1";
     ASSERT_EQ(std::system(command.c_str()), 0) << command;
     frames(3);
   }
