@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "prepare/cover.h"
 #include "prepare/subject_training.h"
 
 #include <utility>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
-#include "prepare/cover.h"
+#include "prepare/cover_choice.h"
 #include "prepare/decomposition_cache.h"
 #include "prepare/subject.h"
 

@@ -162,7 +162,7 @@ Result<Motion> readSessionMotion(const fs::path& file, int person, Host& host) {
     CharacterOptions reading{inputs.boneMap, header.bodyResolution};
     reading.hidden = header.hidden;
     LORICA_TRY(Subject subject, readCharacter(inputs.character, reading, host));
-    const Skeleton& skeleton = subject.character->skeleton;
+    const Skeleton& skeleton = subject.character.value().skeleton;
     if (skeleton.jointCount() != header.poseJoints) {
       return invalidArgument("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
                              inputs.character, skeleton.jointCount());
