@@ -1,15 +1,18 @@
 #include "capture/sensor/nite.h"
-#include "capture/sensor/nite_api.h"
+
 #include "capture/sensor/openni_library.h"
 #include "capture/sensor/openni_working_folder.h"
+#include "geometry/errors.h"
 
 #include <dlfcn.h>
-#include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <condition_variable>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -18,6 +21,89 @@
 #include <system_error>
 #include <thread>
 #include <utility>
+
+/// The part of NiTE 2.2's C interface in use, with its binary layout.
+namespace lorica::nite {
+
+struct Vector {
+  float x, y, z;
+};
+
+struct Quaternion {
+  float x, y, z, w;
+};
+
+struct Joint {
+  std::int32_t type;
+  Vector position;  ///< [mm]
+  float positionConfidence;
+  Quaternion orientation;
+  float orientationConfidence;
+};
+static_assert(sizeof(Joint) == 40 && offsetof(Joint, orientation) == 20);
+
+inline constexpr std::int32_t kNotAskedFor = 0;
+inline constexpr std::int32_t kTracked = 2;
+
+struct Skeleton {
+  std::array<Joint, kBodyJointCount> joints;  ///< in BodyJoint's order
+  std::int32_t state;
+};
+static_assert(sizeof(Skeleton) == 604);
+
+struct User {
+  std::int16_t id;
+  std::array<Vector, 2> box;
+  Vector middle;
+  std::int32_t state;
+  Skeleton skeleton;
+  std::array<std::int32_t, 4> poses;
+};
+static_assert(sizeof(User) == 664 && offsetof(User, skeleton) == 44);
+
+struct Frame {
+  std::int32_t userCount;
+  const User* users;
+  void* labels;
+  std::array<std::int32_t, 3> labelSize;
+  const void* depth;
+  std::uint64_t timeUs;
+  std::int32_t number;
+  float floorConfidence;
+  Vector floorPoint;  ///< [mm]
+  Vector floorNormal;
+};
+static_assert(sizeof(Frame) == 88 && offsetof(Frame, timeUs) == 48 && offsetof(Frame, floorPoint) == 64);
+
+/// Functions that accept a camera expect a C++ object of OpenNI2, from which NiTE 2 reads the handle.
+struct Device {
+  void* playback;
+  void* handle;
+  std::array<char, 4096> rest;  ///< larger than the rest of the object
+};
+
+inline constexpr int kOk = 0;
+using Tracker = void*;
+
+/// Called from a thread of NiTE 2.
+struct Callbacks {
+  void (*frameIsReady)(void* cookie);
+};
+
+struct Api {
+  int (*initialize)();
+  void (*shutdown)();
+  int (*createTracker)(Device*, Tracker*);
+  int (*destroyTracker)(Tracker);
+  int (*startSkeleton)(Tracker, std::int16_t user);
+  void (*stopSkeleton)(Tracker, std::int16_t user);
+  int (*addCallbacks)(Tracker, Callbacks*, void* cookie);
+  void (*removeCallbacks)(Tracker, Callbacks*);
+  int (*readFrame)(Tracker, Frame**);  ///< waits forever if no frame is ready
+  int (*releaseFrame)(Tracker, Frame*);
+};
+
+}  // namespace lorica::nite
 
 namespace lorica {
 namespace {
@@ -60,12 +146,11 @@ class NiteSource final : public SkeletonSource {
   Result<void> start(const fs::path& library, const std::string& uri) {
     std::error_code error;
     const fs::path file = fs::canonical(library, error);
-    if (error) return Error{ErrorCode::kNotFound, fmt::format("{}: found no such file, expected libNiTE2.so", name_)};
+    if (error) return notFound("{}: found no such file, expected libNiTE2.so", name_);
     void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (handle == nullptr) {
       const char* why = dlerror();
-      return Error{ErrorCode::kUnreadable,
-                   fmt::format("{}: cannot be loaded: {}", name_, why == nullptr ? "unknown" : why)};
+      return unreadable("{}: cannot be loaded: {}", name_, why == nullptr ? "unknown" : why);
     }
     if (!load(handle, "niteInitialize", api_.initialize) || !load(handle, "niteShutdown", api_.shutdown) ||
         !load(handle, "niteInitializeUserTrackerByDevice", api_.createTracker) ||
@@ -77,27 +162,22 @@ class NiteSource final : public SkeletonSource {
         !load(handle, "niteReadUserTrackerFrame", api_.readFrame) ||
         !load(handle, "niteUserTrackerFrameRelease", api_.releaseFrame)) {
       ::dlclose(handle);
-      return Error{ErrorCode::kUnsupported,
-                   fmt::format("{}: not a NiTE 2 library: some of its functions are missing", name_)};
+      return unsupported("{}: not a NiTE 2 library: some of its functions are missing", name_);
     }
 
-    const Result<std::vector<OpenNiCamera>> cameras = openNi_->cameras();
-    if (!cameras) return cameras.error();
-    const auto camera = std::find_if(cameras->begin(), cameras->end(),
+    LORICA_TRY(const std::vector<OpenNiCamera> cameras, openNi_->cameras());
+    const auto camera = std::find_if(cameras.begin(), cameras.end(),
                                      [&](const OpenNiCamera& c) { return uri.empty() || c.uri == uri; });
-    if (camera == cameras->end()) {
-      return Error{ErrorCode::kNotFound,
-                   fmt::format("{}: found no camera {}, expected a connected camera", name_, uri)};
+    if (camera == cameras.end()) {
+      return notFound("{}: found no camera {}, expected a connected camera", name_, uri);
     }
     camera_ = *camera;
-    if (const Result<void> opened = openDevice(); !opened) return opened.error();
+    LORICA_TRY_DO(openDevice());
 
     const WorkingFolder keep;
     fs::current_path(file.parent_path(), error);  // NiTE 2 looks for its data in the working folder
     if (const int status = api_.initialize(); status != nite::kOk) {
-      return Error{
-          ErrorCode::kUnreadable,
-          fmt::format("{}: cannot be started (status {}): is its data folder NiTE2 beside it?", name_, status)};
+      return unreadable("{}: cannot be started (status {}): is its data folder NiTE2 beside it?", name_, status);
     }
     initialized_ = true;
     return beginTracker();
@@ -117,7 +197,7 @@ class NiteSource final : public SkeletonSource {
     }
     nite::Frame* frame = nullptr;
     if (const int status = api_.readFrame(tracker_, &frame); status != nite::kOk || frame == nullptr) {
-      return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot read a frame (status {})", name_, status)};
+      return unreadable("{}: cannot read a frame (status {})", name_, status);
     }
     SkeletonFrame skeleton = read(*frame);
     (void)api_.releaseFrame(tracker_, frame);
@@ -143,12 +223,11 @@ class NiteSource final : public SkeletonSource {
     const int status = api_.createTracker(&device_, &tracker_);
     if (status != nite::kOk || tracker_ == nullptr) {
       tracker_ = nullptr;
-      return Error{ErrorCode::kUnreadable,
-                   fmt::format("{}: cannot track with {} (status {})", name_, camera_.uri, status)};
+      return unreadable("{}: cannot track with {} (status {})", name_, camera_.uri, status);
     }
     if (api_.addCallbacks(tracker_, &callbacks_, this) != nite::kOk) {
       (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
-      return Error{ErrorCode::kUnreadable, fmt::format("{}: cannot report when a frame is ready", name_)};
+      return unreadable("{}: cannot report when a frame is ready", name_);
     }
     clockIsNew_ = true;
     return {};
@@ -197,8 +276,7 @@ class NiteSource final : public SkeletonSource {
   }
 
   SkeletonFrame read(const nite::Frame& frame) {
-    const std::span<const nite::User> users(
-        frame.users, frame.users == nullptr ? 0U : static_cast<std::size_t>(std::max(0, frame.userCount)));
+    const std::span<const nite::User> users(frame.users, frame.users == nullptr ? 0 : std::max(0, frame.userCount));
     const nite::User* chosen = nullptr;
     std::set<std::int16_t> here;
     for (const nite::User& user : users) {
@@ -305,7 +383,7 @@ Result<std::unique_ptr<SkeletonSource>> makeNiteSource(std::shared_ptr<OpenNi> o
   auto running = std::dynamic_pointer_cast<OpenNiLibrary>(std::move(openNi));
   LORICA_CHECK(running != nullptr, "NiTE 2 needs a running OpenNI2");
   auto source = std::make_unique<NiteSource>(std::move(running), library.string());
-  if (const Result<void> started = source->start(library, uri); !started) return started.error();
+  LORICA_TRY_DO(source->start(library, uri));
   return std::unique_ptr<SkeletonSource>(std::move(source));
 }
 
