@@ -180,7 +180,7 @@ std::optional<Vec3> uprightOf(const Skeleton& skeleton, std::span<const JointTra
   const JointIndex left = firstOf({HumanBone::kLeftFoot, HumanBone::kLeftLowerLeg});
   const JointIndex right = firstOf({HumanBone::kRightFoot, HumanBone::kRightLowerLeg});
   if (head == kNoJoint || left == kNoJoint || right == kNoJoint) return std::nullopt;
-  std::vector<Affine3> world(static_cast<std::size_t>(skeleton.jointCount()));
+  std::vector<Affine3> world(skeleton.jointCount());
   computeWorldFromJoint(skeleton, pose, world);
   const auto at = [&](JointIndex joint) -> Vec3 { return world[joint].translation(); };
   const Vec3 up = at(head) - 0.5 * (at(left) + at(right));
@@ -248,9 +248,7 @@ Result<void> addLimbEnds(const BvhText& text, double metresPerUnit, SkeletalMoti
     poses.insert(poses.end(), pose.begin(), pose.end());
     for (std::size_t j = before; j < joints.size(); ++j) poses.push_back(joints[j].rest);
   }
-  Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
-  if (!skeleton) return skeleton.error();
-  motion.skeleton = std::move(*skeleton);
+  LORICA_TRY(motion.skeleton, Skeleton::create(std::move(joints)));
   motion.poses = std::move(poses);
   return {};
 }
@@ -261,7 +259,7 @@ Result<Skeleton> skeletonOf(const BvhText& text, double metresPerUnit) {
   for (const BvhJoint& from : text.joints) {
     Joint joint;
     joint.name = from.name;
-    joint.parent = from.parent < 0 ? kNoJoint : static_cast<JointIndex>(from.parent);
+    joint.parent = from.parent < 0 ? kNoJoint : from.parent;
     joint.rest.translation = metresPerUnit * from.offset;
     joints.push_back(std::move(joint));
   }
@@ -281,49 +279,43 @@ Result<void> turnMotion(const Quat& turn, SkeletalMotion& motion) {
     turned(joints[j].rest);
     for (std::size_t f = 0; f < motion.times.size(); ++f) turned(motion.poses[f * count + j]);
   }
-  Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
-  if (!skeleton) return skeleton.error();
-  motion.skeleton = std::move(*skeleton);
+  LORICA_TRY(motion.skeleton, Skeleton::create(std::move(joints)));
   return {};
 }
 
 }  // namespace
 
 Result<BvhFile> parseBvh(std::string_view text, std::string_view name) {
-  Result<BvhText> parsed = parseBvhText(text, name);
-  if (!parsed) return parsed.error();
+  LORICA_TRY(BvhText parsed, parseBvhText(text, name));
   BvhFile out;
-  out.notes = std::move(parsed->notes);
-  guessUnit(*parsed, out);
-  const std::vector<bool> adds = positionsThatAdd(*parsed, out);
+  out.notes = std::move(parsed.notes);
+  guessUnit(parsed, out);
+  const std::vector<bool> adds = positionsThatAdd(parsed, out);
 
   SkeletalMotion& motion = out.motion;
   motion.name = std::string(name);
-  Result<Skeleton> skeleton = skeletonOf(*parsed, out.metresPerUnit);
-  if (!skeleton) return skeleton.error();
-  motion.skeleton = std::move(*skeleton);
-  motion.poses = posesOf(*parsed, out.metresPerUnit, adds);
-  motion.times.reserve(parsed->frameCount);
-  for (std::size_t f = 0; f < parsed->frameCount; ++f) {
-    motion.times.push_back(static_cast<double>(f) * parsed->frameSeconds);
+  LORICA_TRY(motion.skeleton, skeletonOf(parsed, out.metresPerUnit));
+  motion.poses = posesOf(parsed, out.metresPerUnit, adds);
+  motion.times.reserve(parsed.frameCount);
+  for (std::size_t f = 0; f < parsed.frameCount; ++f) {
+    motion.times.push_back(static_cast<double>(f) * parsed.frameSeconds);
   }
 
   // Names identify head and feet in any axes. Shape works only once Y is up, so it is evaluated again then.
   const auto findBones = [&] { motion.skeleton = withBones(motion.skeleton, guessHumanoid(motion.skeleton)); };
   findBones();
   if (const Quat turn = turnToYUp(motion, out); turn.w() < 1.0) {
-    if (Result<void> done = turnMotion(turn, motion); !done) return done.error();
+    LORICA_TRY_DO(turnMotion(turn, motion));
     findBones();
   }
-  if (Result<void> done = addLimbEnds(*parsed, out.metresPerUnit, motion); !done) return done.error();
+  LORICA_TRY_DO(addLimbEnds(parsed, out.metresPerUnit, motion));
   return out;
 }
 
 Result<BvhFile> readBvh(const std::filesystem::path& file) {
-  const Result<std::string> text = readFile(file);
-  if (!text) return text.error();
-  Result<BvhFile> out = parseBvh(*text, file.string());
-  if (out) out->motion.name = file.stem().string();
+  LORICA_TRY(const std::string text, readFile(file));
+  LORICA_TRY(BvhFile out, parseBvh(text, file.string()));
+  out.motion.name = file.stem().string();
   return out;
 }
 

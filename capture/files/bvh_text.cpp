@@ -159,9 +159,9 @@ class Parser {
   Parser(std::string_view text, std::string_view name) : bytes_(text.size()), words_(text, name) {}
 
   Result<BvhText> parse() {
-    if (Result<void> done = parseHierarchy(); !done) return done.error();
-    if (Result<void> done = parseMotionHead(); !done) return done.error();
-    if (Result<void> done = parseRows(); !done) return done.error();
+    LORICA_TRY_DO(parseHierarchy());
+    LORICA_TRY_DO(parseMotionHead());
+    LORICA_TRY_DO(parseRows());
     if (commas_ > 0)
       out_.notes.push_back(fmt::format("{} numbers have a decimal comma, read as a decimal point", commas_));
     return std::move(out_);

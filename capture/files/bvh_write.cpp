@@ -1,8 +1,8 @@
 #include "capture/files/bvh_file.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -65,8 +65,8 @@ struct WorldPose {
     position.resize(pose.size());
     rotation.resize(pose.size());
     computeWorldFromJoint(skeleton, pose, scratch);
-    for (std::size_t j = 0; j < pose.size(); ++j) {
-      const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
+    for (int j = 0; j < countOf(pose); ++j) {
+      const JointIndex parent = skeleton.joint(j).parent;
       const Quat above = parent == kNoJoint ? Quat::Identity() : rotation[parent];
       rotation[j] = (above * pose[j].rotation).normalized();
       position[j] = scratch[j].translation();
@@ -85,7 +85,7 @@ class Writer {
   explicit Writer(const SkeletalMotion& motion)
       : motion_(motion),
         skeleton_(motion.skeleton),
-        count_(static_cast<std::size_t>(skeleton_.jointCount())),
+        count_(skeleton_.jointCount()),
         words_(wordsOf(skeleton_.joints())) {}
 
   std::string write() {
@@ -93,15 +93,15 @@ class Writer {
     rest_.compute(skeleton_, atRest, scratch_);
     joints_.resize(count_);
     children_.resize(count_);
-    for (std::size_t j = 0; j < count_; ++j) {
+    for (int j = 0; j < count_; ++j) {
       const JointIndex parent = parentOf(j);
       joints_[j].moves = parent == kNoJoint;
-      joints_[j].offset = parent == kNoJoint ? rest_.position[j] : rest_.position[j] - rest_.position[index(parent)];
-      if (parent != kNoJoint) children_[index(parent)].push_back(j);
+      joints_[j].offset = parent == kNoJoint ? rest_.position[j] : rest_.position[j] - rest_.position[parent];
+      if (parent != kNoJoint) children_[parent].push_back(j);
     }
     for (int f = 0; f < motion_.frameCount(); ++f) {
       world_.compute(skeleton_, motion_.pose(f), scratch_);
-      for (std::size_t j = 0; j < count_; ++j) {
+      for (int j = 0; j < count_; ++j) {
         joints_[j].moves = joints_[j].moves || (positionInParent(j) - joints_[j].offset).norm() > kStill;
       }
     }
@@ -111,18 +111,15 @@ class Writer {
   }
 
  private:
-  static std::size_t index(JointIndex joint) { return static_cast<std::size_t>(joint); }
-  [[nodiscard]] JointIndex parentOf(std::size_t joint) const {
-    return skeleton_.joint(static_cast<JointIndex>(joint)).parent;
-  }
+  [[nodiscard]] JointIndex parentOf(JointIndex joint) const { return skeleton_.joint(joint).parent; }
   /// worldFromFileJoint rotation: identity at rest.
-  [[nodiscard]] Quat turnOf(std::size_t joint) const {
+  [[nodiscard]] Quat turnOf(JointIndex joint) const {
     return world_.rotation[joint] * rest_.rotation[joint].conjugate();
   }
-  [[nodiscard]] Vec3 positionInParent(std::size_t joint) const {
+  [[nodiscard]] Vec3 positionInParent(JointIndex joint) const {
     const JointIndex parent = parentOf(joint);
     if (parent == kNoJoint) return world_.position[joint];
-    return turnOf(index(parent)).conjugate() * (world_.position[joint] - world_.position[index(parent)]);
+    return turnOf(parent).conjugate() * (world_.position[joint] - world_.position[parent]);
   }
   template <typename... Values>
   void print(fmt::format_string<Values...> format, Values&&... values) {
@@ -133,12 +130,12 @@ class Writer {
   /// Depth first, as the braces require. Uses an explicit stack, because skeletons may be deep.
   void writeHierarchy() {
     struct Open {
-      std::size_t joint;
-      std::size_t nextChild;
+      JointIndex joint;
+      int nextChild;
     };
     text_ = "HIERARCHY\n";
     std::vector<Open> open;
-    const auto begin = [&](std::size_t joint) {
+    const auto begin = [&](JointIndex joint) {
       const std::string indent(open.size(), '\t');
       print("{}{} {}\n{}{{\n{}\tOFFSET ", indent, open.empty() ? "ROOT" : "JOINT", words_[joint], indent, indent);
       printVector(kUnitsPerMetre * joints_[joint].offset);
@@ -150,12 +147,12 @@ class Writer {
       order_.push_back(joint);
       open.push_back({joint, 0});
     };
-    for (std::size_t root = 0; root < count_; ++root) {
+    for (int root = 0; root < count_; ++root) {
       if (parentOf(root) != kNoJoint) continue;
       begin(root);
       while (!open.empty()) {
         Open& top = open.back();
-        if (top.nextChild < children_[top.joint].size()) {
+        if (top.nextChild < countOf(children_[top.joint])) {
           begin(children_[top.joint][top.nextChild++]);
         } else {
           open.pop_back();
@@ -167,10 +164,9 @@ class Writer {
 
   /// The pose at a time, interpolated between the two surrounding frames.
   std::span<const JointTransform> poseAt(double time, int& frame) {
-    while (frame + 2 < motion_.frameCount() && motion_.times[static_cast<std::size_t>(frame) + 1] <= time) ++frame;
-    const auto f = static_cast<std::size_t>(frame);
-    const double from = motion_.times[f];
-    const double to = f + 1 < motion_.times.size() ? motion_.times[f + 1] : from;
+    while (frame + 2 < motion_.frameCount() && motion_.times[frame + 1] <= time) ++frame;
+    const double from = motion_.times[frame];
+    const double to = frame + 1 < motion_.frameCount() ? motion_.times[frame + 1] : from;
     const double share = to > from ? std::clamp((time - from) / (to - from), 0.0, 1.0) : 0.0;
     constexpr double kSame = 1e-6;
     if (share < kSame) return motion_.pose(frame);
@@ -178,7 +174,7 @@ class Writer {
     const std::span<const JointTransform> a = motion_.pose(frame);
     const std::span<const JointTransform> b = motion_.pose(frame + 1);
     between_.resize(count_);
-    for (std::size_t j = 0; j < count_; ++j) {
+    for (int j = 0; j < count_; ++j) {
       between_[j].translation = a[j].translation + share * (b[j].translation - a[j].translation);
       between_[j].rotation = a[j].rotation.slerp(share, b[j].rotation);
       between_[j].scale = a[j].scale + share * (b[j].scale - a[j].scale);
@@ -194,14 +190,14 @@ class Writer {
     int at = 0;
     for (int f = 0; f < frames; ++f) {
       world_.compute(skeleton_, poseAt(first + f * step, at), scratch_);
-      for (const std::size_t joint : order_) {
+      for (const JointIndex joint : order_) {
         if (joint != order_.front()) text_ += ' ';
         if (joints_[joint].moves) {
           printVector(kUnitsPerMetre * positionInParent(joint));
           text_ += ' ';
         }
         const JointIndex parent = parentOf(joint);
-        const Quat above = parent == kNoJoint ? Quat::Identity() : turnOf(index(parent));
+        const Quat above = parent == kNoJoint ? Quat::Identity() : turnOf(parent);
         printVector(anglesZxy((above.conjugate() * turnOf(joint)).normalized()));
       }
       text_ += '\n';
@@ -210,11 +206,11 @@ class Writer {
 
   const SkeletalMotion& motion_;
   const Skeleton& skeleton_;
-  std::size_t count_;
+  int count_;
   std::vector<std::string> words_;  ///< the joints' names in the file
   std::vector<FileJoint> joints_;
-  std::vector<std::vector<std::size_t>> children_;
-  std::vector<std::size_t> order_;
+  std::vector<std::vector<JointIndex>> children_;
+  std::vector<JointIndex> order_;
   WorldPose rest_;
   WorldPose world_;
   Pose between_;
@@ -227,16 +223,14 @@ class Writer {
 Result<void> writeBvh(const std::filesystem::path& file, const SkeletalMotion& motion) {
   const auto joints = static_cast<std::size_t>(motion.skeleton.jointCount());
   if (motion.times.empty() || motion.poses.size() != motion.times.size() * joints) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: the motion has {} joint transforms, expected {} frames of {}, and at least one frame",
-                             file.string(), motion.poses.size(), motion.times.size(), joints)};
+    return invalidArgument("{}: the motion has {} joint transforms, expected {} frames of {}, and at least one frame",
+                           file.string(), motion.poses.size(), motion.times.size(), joints);
   }
   for (std::size_t i = 0; i < motion.poses.size(); ++i) {
     const JointTransform& t = motion.poses[i];
     if (t.translation.allFinite() && t.rotation.coeffs().allFinite() && t.scale.allFinite()) continue;
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: frame {}: the pose of joint '{}' is not finite", file.string(), i / joints + 1,
-                             motion.skeleton.joint(static_cast<JointIndex>(i % joints)).name)};
+    return invalidArgument("{}: frame {}: the pose of joint '{}' is not finite", file.string(), i / joints + 1,
+                           motion.skeleton.joint(static_cast<JointIndex>(i % joints)).name);
   }
   return writeFileAtomically(file, Writer(motion).write());
 }

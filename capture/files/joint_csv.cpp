@@ -1,8 +1,8 @@
 #include "capture/files/joint_csv.h"
 
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
@@ -68,19 +68,16 @@ class Reader {
     constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
     if (text.substr(0, kByteOrderMark.size()) == kByteOrderMark) text.remove_prefix(kByteOrderMark.size());
     while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.remove_suffix(1);
-    if (text.empty()) return bad(fmt::format("{}: found an empty file, expected a header line", file_));
+    if (text.empty()) return badFormat("{}: found an empty file, expected a header line", file_);
 
     for (line_ = 1; !text.empty(); ++line_) {
       const std::size_t end = text.find('\n');
       std::string_view row = text.substr(0, end);
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       if (!row.empty() && row.back() == '\r') row.remove_suffix(1);
-      const Result<void> result = line_ == 1 ? readHeader(row) : readRow(row);
-      if (!result) return result.error();
+      LORICA_TRY_DO(line_ == 1 ? readHeader(row) : readRow(row));
     }
-    if (users_.empty()) {
-      return bad(fmt::format("{}: found a header and no rows, expected at least one frame", file_));
-    }
+    if (users_.empty()) return badFormat("{}: found a header and no rows, expected at least one frame", file_);
     std::vector<std::vector<SkeletonFrame>> people;
     people.reserve(users_.size());
     for (User& user : users_) people.push_back(std::move(user.frames));
@@ -93,30 +90,28 @@ class Reader {
     int lastLine = 0;
   };
 
-  [[nodiscard]] static Error bad(std::string message) { return {ErrorCode::kBadFormat, std::move(message)}; }
-
   /// "walk.csv, line 7, column 12 (neck.x): found ..., expected ..."; columns count from 1.
   [[nodiscard]] Error badField(int column, const std::string& found, std::string_view expected) const {
-    return bad(fmt::format("{}, line {}, column {} ({}): found {}, expected {}", file_, line_, column + 1,
-                           columnName(column), found, expected));
+    return badFormat("{}, line {}, column {} ({}): found {}, expected {}", file_, line_, column + 1, columnName(column),
+                     found, expected);
   }
 
   Result<void> readHeader(std::string_view row) {
     split(row);
     for (int column = 0; column < kFieldCount; ++column) {
       const std::string expected = columnName(column);
-      if (column >= static_cast<int>(fields_.size())) {
-        return bad(fmt::format("{}, line 1: found {} columns, expected {}; column {}, \"{}\", is missing", file_,
-                               fields_.size(), kFieldCount, column + 1, expected));
+      if (column >= countOf(fields_)) {
+        return badFormat("{}, line 1: found {} columns, expected {}; column {}, \"{}\", is missing", file_,
+                         fields_.size(), kFieldCount, column + 1, expected);
       }
       if (field(column) != expected) {
-        return bad(fmt::format("{}, line 1, column {}: found {}, expected \"{}\"", file_, column + 1,
-                               quoted(field(column)), expected));
+        return badFormat("{}, line 1, column {}: found {}, expected \"{}\"", file_, column + 1, quoted(field(column)),
+                         expected);
       }
     }
     if (fields_.size() > kFieldCount) {
-      return bad(fmt::format("{}, line 1, column {}: found {}, expected the line to end after {} columns", file_,
-                             kFieldCount + 1, quoted(field(kFieldCount)), kFieldCount));
+      return badFormat("{}, line 1, column {}: found {}, expected the line to end after {} columns", file_,
+                       kFieldCount + 1, quoted(field(kFieldCount)), kFieldCount);
     }
     return {};
   }
@@ -124,8 +119,8 @@ class Reader {
   Result<void> readRow(std::string_view row) {
     split(row);
     if (fields_.size() != kFieldCount) {
-      return bad(fmt::format("{}, line {}: found {}, expected {} fields", file_, line_,
-                             row.empty() ? "an empty line" : fmt::format("{} fields", fields_.size()), kFieldCount));
+      return badFormat("{}, line {}: found {}, expected {} fields", file_, line_,
+                       row.empty() ? "an empty line" : fmt::format("{} fields", fields_.size()), kFieldCount);
     }
     SkeletonFrame frame;
     const std::optional<double> time = parseNumber(field(0));
@@ -139,9 +134,7 @@ class Reader {
       return badField(1, quoted(user), "a whole number");
     }
     for (int j = 0; j < kBodyJointCount; ++j) {
-      Result<TrackedJoint> joint = readJoint(kFieldsBeforeJoints + j * kFieldsPerJoint);
-      if (!joint) return joint.error();
-      frame[static_cast<BodyJoint>(j)] = *joint;
+      LORICA_TRY(frame.joints[j], readJoint(kFieldsBeforeJoints + j * kFieldsPerJoint));
     }
     return append(frame);
   }
@@ -157,9 +150,7 @@ class Reader {
       }
       joint.position[axis] = *value;
     }
-    Result<std::optional<Quat>> orientation = readOrientation(firstColumn + 3);
-    if (!orientation) return orientation.error();
-    joint.orientation = *orientation;
+    LORICA_TRY(joint.orientation, readOrientation(firstColumn + 3));
 
     const int column = firstColumn + kFieldsPerJoint - 1;
     const std::optional<double> confidence = parseNumber(field(column));
@@ -230,18 +221,17 @@ class Reader {
 
 /// Applies the checks of readJointCsv to frames in memory.
 Result<void> checkFrames(std::span<const SkeletonFrame> frames) {
-  const auto refuse = [](std::string message) { return Error{ErrorCode::kInvalidArgument, std::move(message)}; };
-  if (frames.empty()) return refuse("found no frames to write, expected at least one");
+  if (frames.empty()) return invalidArgument("found no frames to write, expected at least one");
   std::map<int, double> lastTimeOfUser;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     const SkeletonFrame& frame = frames[f];
     if (!(std::abs(frame.time) <= kLargestTime)) {
-      return refuse(fmt::format("frame {}, time: found {}, expected seconds within +-1e12", f, frame.time));
+      return invalidArgument("frame {}, time: found {}, expected seconds within +-1e12", f, frame.time);
     }
     const auto [last, isNew] = lastTimeOfUser.try_emplace(frame.user, frame.time);
     if (!isNew && frame.time <= last->second) {
-      return refuse(fmt::format("frame {}, time: found {}, expected more than {}: time must increase for user {}", f,
-                                frame.time, last->second, frame.user));
+      return invalidArgument("frame {}, time: found {}, expected more than {}: time must increase for user {}", f,
+                             frame.time, last->second, frame.user);
     }
     last->second = frame.time;
     for (int j = 0; j < kBodyJointCount; ++j) {
@@ -249,15 +239,15 @@ Result<void> checkFrames(std::span<const SkeletonFrame> frames) {
       const std::string_view name = nameOf(static_cast<BodyJoint>(j));
       for (int axis = 0; axis < 3; ++axis) {
         if (std::abs(joint.position[axis]) <= kLargestCoordinate) continue;
-        return refuse(fmt::format("frame {}, {}.{}: found {}, expected metres within +-{:g}", f, name, "xyz"[axis],
-                                  joint.position[axis], kLargestCoordinate));
+        return invalidArgument("frame {}, {}.{}: found {}, expected metres within +-{:g}", f, name, "xyz"[axis],
+                               joint.position[axis], kLargestCoordinate);
       }
       if (joint.orientation && !(std::abs(joint.orientation->coeffs().stableNorm() - 1.0) <= kQuaternionTolerance)) {
-        return refuse(fmt::format("frame {}, {}: found a quaternion of length {:.4g}, expected length 1 +- {:g}", f,
-                                  name, joint.orientation->coeffs().stableNorm(), kQuaternionTolerance));
+        return invalidArgument("frame {}, {}: found a quaternion of length {:.4g}, expected length 1 +- {:g}", f, name,
+                               joint.orientation->coeffs().stableNorm(), kQuaternionTolerance);
       }
       if (!(joint.confidence >= 0.0 && joint.confidence <= 1.0)) {
-        return refuse(fmt::format("frame {}, {}.confidence: found {}, expected 0 to 1", f, name, joint.confidence));
+        return invalidArgument("frame {}, {}.confidence: found {}, expected 0 to 1", f, name, joint.confidence);
       }
     }
   }
@@ -281,17 +271,15 @@ class RecordedSource final : public SkeletonSource {
 }  // namespace
 
 Result<std::vector<SkeletonFrame>> readJointCsv(const std::filesystem::path& file) {
-  const Result<std::string> text = readFile(file);
-  if (!text) return text.error();
-  return parseJointCsv(*text, file.string());
+  LORICA_TRY(const std::string text, readFile(file));
+  return parseJointCsv(text, file.string());
 }
 
 Result<std::vector<SkeletonFrame>> parseJointCsv(std::string_view text, std::string_view name) {
-  Result<std::vector<std::vector<SkeletonFrame>>> people = parseJointCsvOfAll(text, name);
-  if (!people) return people.error();
+  LORICA_TRY(auto people, parseJointCsvOfAll(text, name));
   // On a tie, the first one.
-  auto max = std::max_element(people->begin(), people->end(),
-                              [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  auto max =
+      std::max_element(people.begin(), people.end(), [](const auto& a, const auto& b) { return a.size() < b.size(); });
   return std::move(*max);
 }
 

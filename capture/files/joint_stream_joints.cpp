@@ -1,115 +1,95 @@
-#include "capture/files/joint_stream_parts.h"
+#include "capture/files/joint_stream_layouts.h"
 #include "capture/files/joint_stream_text.h"
+#include "geometry/counts.h"
 
-#include <algorithm>
 #include <limits>
 #include <utility>
 
-/// Sensor joint names and orders, and the mapping from sensor joints to the 15 body joints.
+/// Sensor joint names, and the mapping from sensor joints to the 15 body joints.
 namespace lorica::joints {
 namespace {
 
-using S = SensorJoint;
+using enum SensorJoint;
 
-struct NamedJoint {
-  std::string_view name;
-  S joint;
-};
-constexpr std::array<NamedJoint, 28> kNames = {{{"SpineBase", S::kSpineBase},
-                                                {"SpineMid", S::kSpineMid},
-                                                {"Neck", S::kNeck},
-                                                {"Head", S::kHead},
-                                                {"ShoulderLeft", S::kShoulderLeft},
-                                                {"ElbowLeft", S::kElbowLeft},
-                                                {"WristLeft", S::kWristLeft},
-                                                {"HandLeft", S::kHandLeft},
-                                                {"ShoulderRight", S::kShoulderRight},
-                                                {"ElbowRight", S::kElbowRight},
-                                                {"WristRight", S::kWristRight},
-                                                {"HandRight", S::kHandRight},
-                                                {"HipLeft", S::kHipLeft},
-                                                {"KneeLeft", S::kKneeLeft},
-                                                {"AnkleLeft", S::kAnkleLeft},
-                                                {"FootLeft", S::kFootLeft},
-                                                {"HipRight", S::kHipRight},
-                                                {"KneeRight", S::kKneeRight},
-                                                {"AnkleRight", S::kAnkleRight},
-                                                {"FootRight", S::kFootRight},
-                                                {"SpineShoulder", S::kSpineShoulder},
-                                                {"HandTipLeft", S::kHandTipLeft},
-                                                {"ThumbLeft", S::kThumbLeft},
-                                                {"HandTipRight", S::kHandTipRight},
-                                                {"ThumbRight", S::kThumbRight},
-                                                {"HipCenter", S::kSpineBase},
-                                                {"Spine", S::kSpineMid},
-                                                {"ShoulderCenter", S::kSpineShoulder}}};
+/// Those of Kinect v2 in its order, then what Kinect v1 calls the first, second and 21st of them.
+constexpr std::array<std::string_view, kSensorJointCount + 3> kNames = {
+    "SpineBase",   "SpineMid",      "Neck",         "Head",       "ShoulderLeft", "ElbowLeft", "WristLeft",
+    "HandLeft",    "ShoulderRight", "ElbowRight",   "WristRight", "HandRight",    "HipLeft",   "KneeLeft",
+    "AnkleLeft",   "FootLeft",      "HipRight",     "KneeRight",  "AnkleRight",   "FootRight", "SpineShoulder",
+    "HandTipLeft", "ThumbLeft",     "HandTipRight", "ThumbRight", "HipCenter",    "Spine",     "ShoulderCenter"};
 
-/// Source candidates of a body joint: the first one that is seen is used.
-struct Source {
-  BodyJoint joint;
-  std::array<S, 2> from;
-};
-constexpr std::array<Source, kBodyJointCount> kSources = {{
-    {BodyJoint::kHead, {S::kHead, S::kHead}},
-    {BodyJoint::kNeck, {S::kNeck, S::kSpineShoulder}},
-    {BodyJoint::kLeftShoulder, {S::kShoulderLeft, S::kShoulderLeft}},
-    {BodyJoint::kRightShoulder, {S::kShoulderRight, S::kShoulderRight}},
-    {BodyJoint::kLeftElbow, {S::kElbowLeft, S::kElbowLeft}},
-    {BodyJoint::kRightElbow, {S::kElbowRight, S::kElbowRight}},
-    {BodyJoint::kLeftHand, {S::kHandLeft, S::kWristLeft}},
-    {BodyJoint::kRightHand, {S::kHandRight, S::kWristRight}},
-    {BodyJoint::kTorso, {S::kSpineMid, S::kSpineMid}},
-    {BodyJoint::kLeftHip, {S::kHipLeft, S::kHipLeft}},
-    {BodyJoint::kRightHip, {S::kHipRight, S::kHipRight}},
-    {BodyJoint::kLeftKnee, {S::kKneeLeft, S::kKneeLeft}},
-    {BodyJoint::kRightKnee, {S::kKneeRight, S::kKneeRight}},
-    {BodyJoint::kLeftFoot, {S::kAnkleLeft, S::kAnkleLeft}},
-    {BodyJoint::kRightFoot, {S::kAnkleRight, S::kAnkleRight}},
-}};
+using NamedJoint = std::pair<std::string_view, SensorJoint>;
+/// What other sensors and programs call joints of the trunk.
+constexpr std::array<NamedJoint, 11> kTrunkNames = {{{"pelvis", kSpineBase},
+                                                     {"hips", kSpineBase},
+                                                     {"midhip", kSpineBase},
+                                                     {"hipscenter", kSpineBase},
+                                                     {"torso", kSpineMid},
+                                                     {"spinenavel", kSpineMid},
+                                                     {"abdomen", kSpineMid},
+                                                     {"chest", kSpineShoulder},
+                                                     {"spinechest", kSpineShoulder},
+                                                     {"shouldercentre", kSpineShoulder},
+                                                     {"hipcentre", kSpineBase}}};
+
+/// Source of each body joint.
+constexpr std::array<SensorJoint, kBodyJointCount> kSources = {
+    kHead,     kNeck,    kShoulderLeft, kShoulderRight, kElbowLeft, kElbowRight, kHandLeft,  kHandRight,
+    kSpineMid, kHipLeft, kHipRight,     kKneeLeft,      kKneeRight, kAnkleLeft,  kAnkleRight};
+
+/// What is used if a source is not seen.
+SensorJoint substituteOf(SensorJoint joint) {
+  if (joint == kNeck) return kSpineShoulder;
+  if (joint == kHandLeft) return kWristLeft;
+  return joint == kHandRight ? kWristRight : joint;
+}
 
 }  // namespace
 
 std::optional<SensorJoint> sensorJointNamed(std::string_view name) {
-  for (const NamedJoint& named : kNames) {
-    if (sameWord(named.name, name)) return named.joint;
+  constexpr std::array<SensorJoint, 3> kOfKinect1 = {kSpineBase, kSpineMid, kSpineShoulder};
+  for (int i = 0; i < countOf(kNames); ++i) {
+    if (!sameWord(kNames[i], name)) continue;
+    return i < kSensorJointCount ? static_cast<SensorJoint>(i) : kOfKinect1[i - kSensorJointCount];
   }
   return std::nullopt;
 }
 
-const std::array<SensorJoint, kKinect1JointCount>& kinect1Order() {
-  static constexpr std::array<S, kKinect1JointCount> kOrder = {
-      S::kSpineBase,  S::kSpineMid,  S::kSpineShoulder, S::kHead,          S::kShoulderLeft,
-      S::kElbowLeft,  S::kWristLeft, S::kHandLeft,      S::kShoulderRight, S::kElbowRight,
-      S::kWristRight, S::kHandRight, S::kHipLeft,       S::kKneeLeft,      S::kAnkleLeft,
-      S::kFootLeft,   S::kHipRight,  S::kKneeRight,     S::kAnkleRight,    S::kFootRight};
-  return kOrder;
+std::optional<SensorJoint> sensorJointCalled(std::string_view name) {
+  if (const std::optional<SensorJoint> joint = sensorJointNamed(name)) return joint;
+  for (const auto& [called, joint] : kTrunkNames) {
+    if (name == called) return joint;
+  }
+  for (const auto& [word, side] : {std::pair("left", "Left"), {"right", "Right"}, {"l", "Left"}, {"r", "Right"}}) {
+    const std::string_view sideWord = word;
+    if (name.starts_with(sideWord)) {
+      if (const auto joint = sensorJointNamed(std::string(name.substr(sideWord.size())) + side)) return joint;
+    }
+    if (name.ends_with(sideWord)) {
+      if (const auto joint = sensorJointNamed(std::string(name.substr(0, name.size() - sideWord.size())) + side))
+        return joint;
+    }
+  }
+  return std::nullopt;
 }
 
-const std::array<SensorJoint, kKinect1JointCount>& msrOrder() {
-  static constexpr std::array<S, kKinect1JointCount> kOrder = {
-      S::kShoulderLeft, S::kShoulderRight, S::kSpineShoulder, S::kSpineMid,   S::kHipLeft,
-      S::kHipRight,     S::kSpineBase,     S::kElbowLeft,     S::kElbowRight, S::kWristLeft,
-      S::kWristRight,   S::kHandLeft,      S::kHandRight,     S::kKneeLeft,   S::kKneeRight,
-      S::kAnkleLeft,    S::kAnkleRight,    S::kFootLeft,      S::kFootRight,  S::kHead};
-  return kOrder;
-}
-
-void SensorSkeleton::set(SensorJoint j, const std::optional<Vec3>& where, double confidenceIfSeen) {
-  position[static_cast<std::size_t>(j)] = where.value_or(Vec3::Zero());
-  confidence[static_cast<std::size_t>(j)] = where ? confidenceIfSeen : 0.0;
+void SensorSkeleton::set(const SensedJoint& seen) {
+  TrackedJoint& joint = (*this)[seen.joint];
+  joint = {};
+  if (!seen.position) return;
+  joint = {*seen.position, seen.orientation, seen.confidence};
 }
 
 Observation observe(const SensorSkeleton& body, double time, int person) {
   Observation row;
   row.frame.time = time;
   row.frame.user = person;
-  for (const Source& source : kSources) {
-    const SensorJoint from = body.has(source.from[0]) ? source.from[0] : source.from[1];
-    if (!body.has(from)) continue;
-    row.frame[source.joint] = {body.at(from), std::nullopt, body.confidence[static_cast<std::size_t>(from)]};
+  for (int j = 0; j < kBodyJointCount; ++j) {
+    const SensorJoint from = body[kSources[j]].confidence > 0.0 ? kSources[j] : substituteOf(kSources[j]);
+    if (body[from].confidence > 0.0) row.frame.joints[j] = body[from];
   }
-  if (body.has(S::kFootLeft)) row.toes[0] = body.at(S::kFootLeft);
-  if (body.has(S::kFootRight)) row.toes[1] = body.at(S::kFootRight);
+  if (body[kFootLeft].confidence > 0.0) row.toes[0] = body[kFootLeft].position;
+  if (body[kFootRight].confidence > 0.0) row.toes[1] = body[kFootRight].position;
   return row;
 }
 

@@ -1,6 +1,6 @@
 #include "capture/files/joint_stream_text.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <array>
@@ -38,11 +38,10 @@ std::string_view bare(std::string_view field) {
 bool isMissing(std::string_view field) {
   if (field.empty()) return true;
   if (field.size() > 1 && (field[0] == '-' || field[0] == '+')) field.remove_prefix(1);
-  constexpr std::array<std::string_view, 13> kMissing = {"nan",      "nan(ind)", "nan(snan)", "inf", "infinity",
-                                                         "null",     "none",     "na",        "n/a", "1.#ind",
-                                                         "1.#ind00", "1.#qnan0", "1.#inf00"};
-  return std::any_of(kMissing.begin(), kMissing.end(), [&](std::string_view m) { return sameWord(field, m); }) ||
-         sameWord(field, "1.#qnan") || sameWord(field, "1.#inf");
+  constexpr std::array<std::string_view, 15> kMissing = {"nan",      "nan(ind)", "nan(snan)", "inf",    "infinity",
+                                                         "null",     "none",     "na",        "n/a",    "1.#ind",
+                                                         "1.#ind00", "1.#qnan",  "1.#qnan0",  "1.#inf", "1.#inf00"};
+  return std::any_of(kMissing.begin(), kMissing.end(), [&](std::string_view m) { return sameWord(field, m); });
 }
 
 bool isUnsignedWhole(std::string_view token) {
@@ -57,6 +56,10 @@ bool isFraction(std::string_view token) {
   const std::size_t e = token.find_first_of("eE");
   if (e == std::string_view::npos) return isUnsignedWhole(token);
   return isUnsignedWhole(token.substr(0, e)) && isWhole(token.substr(e + 1));
+}
+/// Both and the comma between them.
+std::string_view spanning(std::string_view whole, std::string_view fraction) {
+  return {whole.data(), fraction.data() + fraction.size()};
 }
 /// A number that is written without a fraction, or a missing number.
 bool isNumberWithoutFraction(std::string_view token) {
@@ -149,20 +152,16 @@ void RowReader::split(std::string_view line) {
   }
 }
 
-bool RowReader::fit(std::size_t count) {
-  if (fields_.size() == count) return true;
-  const auto withoutLast = [&](std::size_t n) { return fields_.size() == n + 1 && fields_.back().empty(); };
+bool RowReader::fit(int count) {
+  if (countOf(fields_) == count) return true;
+  const auto withoutLast = [&](int n) { return countOf(fields_) == n + 1 && fields_.back().empty(); };
   if (withoutLast(count) || withoutLast(2 * count)) fields_.pop_back();
-  if (fields_.size() == count) return true;
-  if (delimiter_ != Delimiter::kComma || fields_.size() != 2 * count) return false;
-  for (std::size_t i = 0; i < fields_.size(); i += 2) {
+  if (countOf(fields_) == count) return true;
+  if (delimiter_ != Delimiter::kComma || countOf(fields_) != 2 * count) return false;
+  for (int i = 0; i < 2 * count; i += 2) {
     if (!isWhole(fields_[i]) || !isFraction(fields_[i + 1])) return false;
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::string_view whole = fields_[2 * i];
-    const std::string_view fraction = fields_[2 * i + 1];
-    fields_[i] = {whole.data(), static_cast<std::size_t>(fraction.data() + fraction.size() - whole.data())};
-  }
+  for (int i = 0; i < count; ++i) fields_[i] = spanning(fields_[2 * i], fields_[2 * i + 1]);
   fields_.resize(count);
   return true;
 }
@@ -175,17 +174,17 @@ Error RowReader::badCount(std::string_view expected) const {
   return fail(fmt::format("found {} fields, expected {}", fields_.size(), expected));
 }
 
-Error RowReader::badField(std::size_t column, std::string_view name, std::string_view expected) const {
-  const std::string_view found = column < fields_.size() ? fields_[column] : std::string_view{};
-  return {ErrorCode::kBadFormat, fmt::format("{}, line {}, column {} ({}): found {}, expected {}", file_, line(),
-                                             column + 1, name, quotedWord(found), expected)};
+Error RowReader::badField(int column, std::string_view name, std::string_view expected) const {
+  const std::string_view found = column < countOf(fields_) ? fields_[column] : std::string_view{};
+  return badFormat("{}, line {}, column {} ({}): found {}, expected {}", file_, line(), column + 1, name,
+                   quotedWord(found), expected);
 }
 
 Error RowReader::fail(std::string_view foundAndExpected) const {
-  return {ErrorCode::kBadFormat, fmt::format("{}, line {}: {}", file_, line(), foundAndExpected)};
+  return badFormat("{}, line {}: {}", file_, line(), foundAndExpected);
 }
 
-Result<double> RowReader::number(std::size_t column, std::string_view name, double largest) const {
+Result<double> RowReader::number(int column, std::string_view name, double largest) const {
   double value = 0.0;
   if (readNumber(fields_[column], value) != NumberKind::kNumber) return badField(column, name, "a number");
   if (!(std::abs(value) <= largest)) {
@@ -194,30 +193,10 @@ Result<double> RowReader::number(std::size_t column, std::string_view name, doub
   return value;
 }
 
-Result<std::optional<Vec3>> RowReader::position(std::size_t firstColumn, std::string_view name, double unit) const {
-  Vec3 position = Vec3::Zero();
-  bool missing = false;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::size_t column = firstColumn + axis;
-    const auto called = [&] { return fmt::format("{} {}", name, "xyz"[axis]); };
-    double value = 0.0;
-    const NumberKind kind = readNumber(fields_[column], value);
-    if (kind == NumberKind::kBad) return badField(column, called(), "a number");
-    missing = missing || kind == NumberKind::kMissing;
-    if (kind == NumberKind::kNumber && std::abs(value * unit) > kLargestCoordinate) {
-      return badField(column, called(), fmt::format("a position within +-{:g}", kLargestCoordinate / unit));
-    }
-    position[static_cast<Eigen::Index>(axis)] = value * unit;
-  }
-  if (missing || position == Vec3::Zero()) return std::optional<Vec3>{};
-  return std::optional<Vec3>(position);
-}
-
-std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens,
-                                                               std::size_t count) {
-  constexpr std::size_t kMaxNumbers = 16;
-  if (count == 0 || count > kMaxNumbers || tokens.size() < count || tokens.size() > 2 * count) return std::nullopt;
-  const std::size_t joins = tokens.size() - count;
+std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens, int count) {
+  constexpr int kMaxNumbers = 16;
+  const int joins = countOf(tokens) - count;
+  if (count == 0 || count > kMaxNumbers || joins < 0 || joins > count) return std::nullopt;
   std::optional<std::vector<std::string_view>> best;
   double bestCost = 0.0;
   std::vector<std::string_view> numbers(count);
@@ -226,16 +205,16 @@ std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const s
   // Bit n means that number n has a fraction. Counts down from the highest value, so that on a tie the first numbers
   // get the fractions.
   for (std::uint32_t joined = 1u << count; joined-- > 0;) {
-    if (static_cast<std::size_t>(std::popcount(joined)) != joins) continue;
+    if (std::popcount(joined) != joins) continue;
     double cost = 0.0;
     bool fits = true;
-    std::size_t token = 0;
-    for (std::size_t n = 0; n < count && fits; ++n) {
+    int token = 0;
+    for (int n = 0; n < count && fits; ++n) {
       const std::string_view whole = tokens[token++];
       numbers[n] = whole;
       if ((joined >> (count - 1 - n) & 1u) != 0) {
         const std::string_view fraction = tokens[token++];
-        numbers[n] = {whole.data(), static_cast<std::size_t>(fraction.data() + fraction.size() - whole.data())};
+        numbers[n] = spanning(whole, fraction);
         fits = isWhole(whole) && isFraction(fraction);
         if (fraction.find_first_not_of('0') == std::string_view::npos) cost += 0.5;  // "1,0" would be written "1"
       } else {

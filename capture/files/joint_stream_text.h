@@ -1,7 +1,7 @@
 #pragma once
 
+#include "geometry/counts.h"
 #include "geometry/line_scanner.h"
-#include "geometry/math.h"
 #include "geometry/result.h"
 
 #include <cstdint>
@@ -43,29 +43,26 @@ class RowReader {
   /// Advances to the next row. @return false at the end of the text
   bool next();
   [[nodiscard]] std::span<const std::string_view> fields() const { return fields_; }
-  [[nodiscard]] std::string_view field(std::size_t column) const { return fields_[column]; }
-  [[nodiscard]] std::size_t count() const { return fields_.size(); }
+  [[nodiscard]] std::string_view field(int column) const { return fields_[column]; }
+  [[nodiscard]] int count() const { return countOf(fields_); }
   [[nodiscard]] std::size_t line() const { return scanner_.line(); }
   [[nodiscard]] Delimiter delimiter() const { return delimiter_; }
 
   /// Adjusts the row to `count` fields if possible: twice as many comma-separated fields are numbers with decimal
   /// commas, and an empty last field comes from a trailing delimiter.
   /// @return false if the row has another number of fields
-  [[nodiscard]] bool fit(std::size_t count);
+  [[nodiscard]] bool fit(int count);
   /// Whether the row is the last one and its line has no end: the recording was truncated while writing it.
   [[nodiscard]] bool cutOff() const;
 
   /// "walk.csv, line 7: found 12 fields, expected 61 fields (...)".
   [[nodiscard]] Error badCount(std::string_view expected) const;
   /// "walk.csv, line 7, column 12 (neck x): found "abc", expected a number".
-  [[nodiscard]] Error badField(std::size_t column, std::string_view name, std::string_view expected) const;
+  [[nodiscard]] Error badField(int column, std::string_view name, std::string_view expected) const;
   [[nodiscard]] Error fail(std::string_view foundAndExpected) const;
 
   /// Reads a required number of absolute value at most `largest`.
-  [[nodiscard]] Result<double> number(std::size_t column, std::string_view name, double largest) const;
-  /// Reads three fields times `unit` as a position [m]; nullopt if one is missing or all are 0: sensors write both for
-  /// joints that they do not see.
-  [[nodiscard]] Result<std::optional<Vec3>> position(std::size_t firstColumn, std::string_view name, double unit) const;
+  [[nodiscard]] Result<double> number(int column, std::string_view name, double largest) const;
 
   /// Lets the caller rejoin numbers that were split at a decimal comma.
   void replaceFields(std::vector<std::string_view> fields) { fields_ = std::move(fields); }
@@ -85,6 +82,6 @@ class RowReader {
 /// one most similar to positions within 10 m, followed by a unit or zero quaternion if `count` is 7.
 /// @return the numbers as in the text; nullopt if there is no way
 [[nodiscard]] std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens,
-                                                                             std::size_t count);
+                                                                             int count);
 
 }  // namespace lorica::joints

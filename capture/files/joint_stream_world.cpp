@@ -1,6 +1,7 @@
-#include "capture/files/joint_stream_parts.h"
+#include "capture/files/joint_stream_layouts.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
-#include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
@@ -34,7 +35,7 @@ double degreesBetween(const Vec3& a, const Vec3& b) {
 
 /// The value below which a fraction `share` of the values lies. @param values  at least one; reordered
 double percentile(std::vector<double>& values, double share) {
-  const auto nth = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+  const auto nth = values.begin() + static_cast<int>(share * static_cast<double>(values.size() - 1));
   std::nth_element(values.begin(), nth, values.end());
   return *nth;
 }
@@ -55,7 +56,7 @@ std::optional<Vec3> between(const SkeletonFrame& frame, J from, J to) {
 double guessedTick(std::span<const Observation> rows, std::vector<std::string>& notes) {
   std::vector<double> steps;
   steps.reserve(rows.size());
-  for (std::size_t i = 1; i < rows.size(); ++i) {
+  for (int i = 1; i < countOf(rows); ++i) {
     const double step = rows[i].frame.time - rows[i - 1].frame.time;
     if (step > 0.0) steps.push_back(step);
   }
@@ -85,20 +86,18 @@ double guessedTick(std::span<const Observation> rows, std::vector<std::string>& 
 /// time.
 void spreadRepeats(std::vector<Observation>& rows, std::vector<std::string>& notes) {
   const auto samePositions = [](const SkeletonFrame& a, const SkeletonFrame& b) {
-    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      if (a.joints[j].position != b.joints[j].position) return false;
-    }
-    return true;
+    return std::equal(a.joints.begin(), a.joints.end(), b.joints.begin(),
+                      [](const TrackedJoint& x, const TrackedJoint& y) { return x.position == y.position; });
   };
-  std::size_t spread = 0;
-  for (std::size_t begin = 0; begin < rows.size();) {
+  int spread = 0;
+  for (int begin = 0; begin < countOf(rows);) {
     const double time = rows[begin].frame.time;
-    std::size_t end = begin + 1;
-    while (end < rows.size() && rows[end].frame.time == time && !samePositions(rows[end].frame, rows[end - 1].frame))
+    int end = begin + 1;
+    while (end < countOf(rows) && rows[end].frame.time == time && !samePositions(rows[end].frame, rows[end - 1].frame))
       ++end;
-    if (end - begin > 1 && end < rows.size() && rows[end].frame.time > time) {
-      const double step = (rows[end].frame.time - time) / static_cast<double>(end - begin);
-      for (std::size_t i = begin + 1; i < end; ++i) rows[i].frame.time = time + step * static_cast<double>(i - begin);
+    if (end - begin > 1 && end < countOf(rows) && rows[end].frame.time > time) {
+      const double step = (rows[end].frame.time - time) / (end - begin);
+      for (int i = begin + 1; i < end; ++i) rows[i].frame.time = time + step * (i - begin);
       spread += end - begin - 1;
     }
     begin = end;
@@ -114,7 +113,7 @@ void repairTimes(std::vector<Observation>& rows, double secondsPerTick, std::vec
   std::vector<double> steps;
   steps.reserve(rows.size());
   const double start = rows.front().frame.time;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
+  for (int i = 0; i < countOf(rows); ++i) {
     rows[i].frame.time = (rows[i].frame.time - start) * secondsPerTick;
     if (i > 0 && rows[i].frame.time > rows[i - 1].frame.time) {
       steps.push_back(rows[i].frame.time - rows[i - 1].frame.time);
@@ -122,10 +121,10 @@ void repairTimes(std::vector<Observation>& rows, double secondsPerTick, std::vec
   }
   const double usualStep = steps.empty() ? 1.0 / 30.0 : percentile(steps, 0.5);
   double added = 0.0;
-  std::size_t restarts = 0;
-  std::size_t kept = 1;
+  int restarts = 0;
+  int kept = 1;
   double last = 0.0;
-  for (std::size_t i = 1; i < rows.size(); ++i) {
+  for (int i = 1; i < countOf(rows); ++i) {
     double time = rows[i].frame.time + added;
     if (time < last - kClockRestart) {
       added += last + usualStep - time;
@@ -138,8 +137,8 @@ void repairTimes(std::vector<Observation>& rows, double secondsPerTick, std::vec
     if (kept != i) rows[kept] = std::move(rows[i]);
     ++kept;
   }
-  if (kept < rows.size()) {
-    notes.push_back(fmt::format("{} rows repeat a time or go back in time and were omitted.", rows.size() - kept));
+  if (kept < countOf(rows)) {
+    notes.push_back(fmt::format("{} rows repeat a time or go back in time and were omitted.", countOf(rows) - kept));
     rows.resize(kept);
   }
   if (restarts > 0) {
@@ -157,7 +156,7 @@ double frontAgreement(std::span<const Observation> rows) {
     std::optional<Vec3> left = between(row.frame, J::kRightHip, J::kLeftHip);
     if (!left) left = between(row.frame, J::kRightShoulder, J::kLeftShoulder);
     if (!left) continue;
-    for (std::size_t side = 0; side < 2; ++side) {
+    for (int side = 0; side < 2; ++side) {
       const J hip = side == 0 ? J::kLeftHip : J::kRightHip;
       const J knee = side == 0 ? J::kLeftKnee : J::kRightKnee;
       const J foot = side == 0 ? J::kLeftFoot : J::kRightFoot;
@@ -178,37 +177,6 @@ double frontAgreement(std::span<const Observation> rows) {
     }
   }
   return count < kFewest ? 1.0 : sum / count;
-}
-
-/// Sensor axes: x to the sensor's left, z away from it. Half a turn about Y makes a person who looks at it face +Z.
-void turnToWorld(std::vector<Observation>& rows) {
-  const auto turned = [](const Vec3& p) { return Vec3(-p.x(), p.y(), -p.z()); };
-  for (Observation& row : rows) {
-    for (TrackedJoint& joint : row.frame.joints) {
-      joint.position = turned(joint.position);
-      if (joint.orientation) {
-        const Quat& q = *joint.orientation;
-        joint.orientation = Quat(q.w(), -q.x(), q.y(), -q.z());
-      }
-    }
-    for (std::optional<Vec3>& toe : row.toes) {
-      if (toe) toe = turned(*toe);
-    }
-  }
-}
-
-void mirrorPositions(std::vector<Observation>& rows) {
-  for (Observation& row : rows) {
-    for (TrackedJoint& joint : row.frame.joints) {
-      joint.position.x() = -joint.position.x();
-      if (!joint.orientation) continue;
-      const Quat& q = *joint.orientation;
-      joint.orientation = Quat(q.w(), q.x(), -q.y(), -q.z());
-    }
-    for (std::optional<Vec3>& toe : row.toes) {
-      if (toe) toe->x() = -toe->x();
-    }
-  }
 }
 
 /// Removes all orientations if they do not point along the limbs, because they follow another convention.
@@ -300,6 +268,21 @@ void noteLean(std::span<const Observation> rows, std::vector<std::string>& notes
 
 }  // namespace
 
+void flip(std::vector<Observation>& rows, const Vec3& signs) {
+  // A rotation mirrored as its axis and angle are: the vector part flips like that of a half turn.
+  const Vec3 turn = signs.prod() * signs;
+  for (Observation& row : rows) {
+    for (TrackedJoint& joint : row.frame.joints) {
+      joint.position = joint.position.cwiseProduct(signs);
+      if (!joint.orientation) continue;
+      joint.orientation->vec() = joint.orientation->vec().cwiseProduct(turn);
+    }
+    for (std::optional<Vec3>& toe : row.toes) {
+      if (toe) toe = toe->cwiseProduct(signs);
+    }
+  }
+}
+
 void WayMeter::add(const SkeletonFrame& frame) {
   constexpr double kStep = 0.05;
   ++frames_;
@@ -313,21 +296,24 @@ void WayMeter::add(const SkeletonFrame& frame) {
 }
 
 Result<int> choosePerson(const std::map<int, WayMeter>& ways, std::string_view file,
-                         const JointStreamSettings& settings) {
+                         const JointStreamSettings& settings, JointStream& stream) {
+  stream.people.reserve(ways.size());
+  for (const auto& [person, meter] : ways) stream.people.push_back(person);
   if (settings.person) {
     if (ways.contains(*settings.person)) return *settings.person;
-    std::vector<int> people;
-    people.reserve(ways.size());
-    for (const auto& [person, meter] : ways) people.push_back(person);
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: found no person {}, expected {}{}", file, *settings.person,
-                             people.size() > 1 ? "one of " : "", fmt::join(people, ", "))};
+    return invalidArgument("{}: found no person {}, expected {}{}", file, *settings.person,
+                           ways.size() > 1 ? "one of " : "", fmt::join(stream.people, ", "));
   }
   const auto movesLess = [](const auto& a, const auto& b) {
     if (a.second.way() != b.second.way()) return a.second.way() < b.second.way();
     return a.second.frames() < b.second.frames();
   };
-  return std::max_element(ways.begin(), ways.end(), movesLess)->first;
+  const int chosen = std::max_element(ways.begin(), ways.end(), movesLess)->first;
+  if (ways.size() > 1) {
+    stream.notes.push_back(
+        fmt::format("The file has {} people; person {} moves most and was selected.", ways.size(), chosen));
+  }
+  return chosen;
 }
 
 Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view file,
@@ -337,15 +323,7 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   stream.notes = std::move(raw.notes);
   std::map<int, WayMeter> ways;
   for (const Observation& row : raw.rows) ways[row.frame.user].add(row.frame);
-  stream.people.reserve(ways.size());
-  for (const auto& [id, meter] : ways) stream.people.push_back(id);
-  const Result<int> chosen = choosePerson(ways, file, settings);
-  if (!chosen) return chosen.error();
-  const int person = *chosen;
-  if (!settings.person && stream.people.size() > 1) {
-    stream.notes.push_back(
-        fmt::format("The file has {} people; person {} moves most and was selected.", stream.people.size(), person));
-  }
+  LORICA_TRY(const int person, choosePerson(ways, file, settings, stream));
   std::vector<Observation> rows = std::move(raw.rows);
   std::erase_if(rows, [&](const Observation& row) { return row.frame.user != person; });
 
@@ -354,14 +332,15 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   spreadRepeats(rows, stream.notes);
   repairTimes(rows, tick, stream.notes);
   if (rows.back().frame.time > kLongestRecording) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: found times above {:.3g} s, expected at most {:g} s", file,
-                                                    rows.back().frame.time, kLongestRecording)};
+    return badFormat("{}: found times above {:.3g} s, expected at most {:g} s", file, rows.back().frame.time,
+                     kLongestRecording);
   }
 
   constexpr double kMirrored = -0.5;
-  if (raw.axes == Axes::kSensor) turnToWorld(rows);
+  // Half a turn about Y makes a person who looks at the sensor face +Z.
+  if (!raw.worldAxes) flip(rows, {-1.0, 1.0, -1.0});
   if (frontAgreement(rows) < kMirrored) {
-    mirrorPositions(rows);
+    flip(rows, {-1.0, 1.0, 1.0});
     stream.notes.emplace_back(
         "Toes and knees point backwards relative to left and right: the stream is mirrored and was mirrored back.");
   }
@@ -374,8 +353,7 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   const bool anyoneSeen = std::any_of(stream.frames.begin(), stream.frames.end(),
                                       [](const SkeletonFrame& frame) { return positionOf(frame).has_value(); });
   if (!anyoneSeen) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: found no seen joint in {} frames, expected at least one", file,
-                                                    stream.frames.size())};
+    return badFormat("{}: found no seen joint in {} frames, expected at least one", file, stream.frames.size());
   }
   return stream;
 }

@@ -1,6 +1,7 @@
 #include "capture/retarget/skeletal_retarget.h"
 
 #include "capture/retarget/completed_skeleton.h"
+#include "capture/retarget/foot_contacts.h"
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/retarget.h"
 

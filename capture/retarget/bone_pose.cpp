@@ -77,33 +77,28 @@ std::vector<Quat> boneReference(const RetargetRig& rig) {
 }
 
 Result<BonePoseReader> BonePoseReader::create(const Skeleton& skeleton) {
-  Result<RetargetRig> rig = RetargetRig::create(skeleton);
-  if (!rig) return rig.error();
-  return BonePoseReader(std::move(*rig));
+  LORICA_TRY(RetargetRig rig, RetargetRig::create(skeleton));
+  return BonePoseReader(std::move(rig));
 }
 
-BonePoseReader::BonePoseReader(RetargetRig rig)
-    : rig_(std::move(rig)),
-      referenceFromJoint_(boneReference(rig_)),
-      worldRotation_(referenceFromJoint_.size(), Quat::Identity()),
-      worldFromJoint_(referenceFromJoint_.size()) {
+BonePoseReader::BonePoseReader(RetargetRig rig) : body_(std::move(rig)), referenceFromJoint_(boneReference(body_.rig)) {
   for (std::size_t b = 0; b < parent_.size(); ++b) {
     parent_[b] = parentBone(static_cast<HumanBone>(b));
-    while (parent_[b] && rig_.skeleton.jointOf(*parent_[b]) == kNoJoint) parent_[b] = parentBone(*parent_[b]);
+    while (parent_[b] && body_.rig.skeleton.jointOf(*parent_[b]) == kNoJoint) parent_[b] = parentBone(*parent_[b]);
   }
 }
 
 BonePose BonePoseReader::read(std::span<const JointTransform> pose) {
-  const Skeleton& skeleton = rig_.skeleton;
-  evaluatePose(skeleton, pose, worldRotation_, worldFromJoint_);
+  const Skeleton& skeleton = body_.rig.skeleton;
+  body_.evaluate(pose);
   const auto turnOf = [&](JointIndex joint) -> Quat {
-    return worldRotation_[index(joint)] * referenceFromJoint_[index(joint)].conjugate();
+    return body_.worldRotation[index(joint)] * referenceFromJoint_[index(joint)].conjugate();
   };
   BonePose out;
   for (std::size_t b = 0; b < out.rotation.size(); ++b) {
     const JointIndex joint = skeleton.jointOf(static_cast<HumanBone>(b));
     if (joint == kNoJoint) continue;
-    const Vec3 position = worldFromJoint_[index(joint)].translation();
+    const Vec3 position = body_.worldFromJoint[index(joint)].translation();
     if (!parent_[b]) {
       out.rotation[b] = turnOf(joint).normalized();
       out.offset[b] = position;
@@ -112,7 +107,7 @@ BonePose BonePoseReader::read(std::span<const JointTransform> pose) {
     const JointIndex parent = skeleton.jointOf(*parent_[b]);
     const Quat parentFromWorld = turnOf(parent).conjugate();
     out.rotation[b] = (parentFromWorld * turnOf(joint)).normalized();
-    out.offset[b] = parentFromWorld * (position - worldFromJoint_[index(parent)].translation());
+    out.offset[b] = parentFromWorld * (position - body_.worldFromJoint[index(parent)].translation());
   }
   return out;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/retarget/retarget_rig.h"
+#include "capture/retarget/root_and_feet.h"
 #include "skinning/skeleton.h"
 
 #include <array>
@@ -57,10 +57,8 @@ class BonePoseReader {
  private:
   explicit BonePoseReader(RetargetRig rig);
 
-  RetargetRig rig_;
+  PosedBody body_;
   std::vector<Quat> referenceFromJoint_;
-  std::vector<Quat> worldRotation_;
-  std::vector<Affine3> worldFromJoint_;
   std::array<std::optional<HumanBone>, kHumanBoneCount> parent_;  ///< the nearest one that the skeleton has
 };
 

@@ -1,18 +1,11 @@
 #pragma once
 
-#include "geometry/math.h"
+#include "capture/retarget/root_and_feet.h"
 
 #include <span>
 #include <vector>
 
 namespace lorica {
-
-/// Foot state of a motion at one time.
-struct FootPosition {
-  Vec3 ankle = Vec3::Zero();  ///< world [m]
-  Vec3 ball = Vec3::Zero();   ///< of the sole, below the toe joint
-  double lowest = 0.0;        ///< height of the lowest point of the sole [m]
-};
 
 /// Frames first to last, inclusive, in which a foot stands.
 struct FootContact {

@@ -1,7 +1,5 @@
 #include "capture/retarget/human_rig.h"
 
-#include "capture/retarget/leg_reach.h"
-
 #include <algorithm>
 #include <cmath>
 
@@ -10,63 +8,30 @@ namespace {
 
 constexpr double kShortestLimb = 1e-4;
 
-std::size_t index(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
-
 }  // namespace
 
 Result<HumanRig> HumanRig::create(const Skeleton& skeleton) {
-  Result<RetargetRig> rig = RetargetRig::create(skeleton);
-  if (!rig) return rig.error();
-  return HumanRig(std::move(*rig));
+  LORICA_TRY(RetargetRig rig, RetargetRig::create(skeleton));
+  return HumanRig(std::move(rig));
 }
 
-HumanRig::HumanRig(RetargetRig rig)
-    : rig_(std::move(rig)),
-      tposeFromJoint_(rig_.tposeFromJoint),
-      worldRotation_(tposeFromJoint_.size(), Quat::Identity()),
-      worldFromJoint_(tposeFromJoint_.size()) {
+HumanRig::HumanRig(RetargetRig ofSkeleton) : PosedBody(std::move(ofSkeleton)), tposeFromJoint_(rig.tposeFromJoint) {
   using B = HumanBone;
-  const Skeleton& skeleton = rig_.skeleton;
+  const Skeleton& skeleton = rig.skeleton;
   for (const B bone : {B::kHips, B::kSpine, B::kChest, B::kUpperChest}) {
     if (skeleton.jointOf(bone) != kNoJoint) spine_.push_back(bone);
   }
   if (const JointIndex neck = skeleton.jointOf(B::kNeck); neck != kNoJoint) {
-    const Quat upright = swingBetween(rig_.neckAxis, Vec3::UnitY(), Vec3::UnitX());
-    tposeFromJoint_[index(neck)] = upright * tposeFromJoint_[index(neck)];
+    const Quat upright = swingBetween(rig.neckAxis, Vec3::UnitY(), Vec3::UnitX());
+    tposeFromJoint_[neck] = upright * tposeFromJoint_[neck];
   }
   for (std::size_t side = 0; side < 2; ++side) {
     for (const B bone : {side == 0 ? B::kLeftFoot : B::kRightFoot, side == 0 ? B::kLeftToes : B::kRightToes}) {
       const JointIndex joint = skeleton.jointOf(bone);
       if (joint == kNoJoint) continue;
-      tposeFromJoint_[index(joint)] = rig_.toesHeading[side].conjugate() * tposeFromJoint_[index(joint)];
+      tposeFromJoint_[joint] = rig.toesHeading[side].conjugate() * tposeFromJoint_[joint];
     }
   }
-}
-
-void HumanRig::evaluate(std::span<const JointTransform> pose) {
-  evaluatePose(rig_.skeleton, pose, worldRotation_, worldFromJoint_);
-}
-
-Vec3 HumanRig::positionOf(HumanBone bone) const {
-  return worldFromJoint_[index(rig_.skeleton.jointOf(bone))].translation();
-}
-
-Vec3 HumanRig::middleHip() const {
-  return 0.5 * (positionOf(HumanBone::kLeftUpperLeg) + positionOf(HumanBone::kRightUpperLeg));
-}
-
-FootPosition HumanRig::footPosition(std::size_t side) const {
-  const Affine3& foot = worldFromJoint_[index(rig_.skeleton.jointOf(limbs()[kFirstLeg + side].end))];
-  const JointIndex toesJoint = rig_.skeleton.jointOf(side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes);
-  const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint_[index(toesJoint)];
-  const RetargetRig::Sole& sole = rig_.sole[side];
-  FootPosition position;
-  position.ankle = foot.translation();
-  position.ball = foot * sole.ball;
-  position.lowest = std::min({(foot * sole.heel).y(), position.ball.y(), (toes * sole.tip).y()});
-  return position;
 }
 
 HumanPose HumanRig::read(std::span<const JointTransform> pose) {
@@ -76,8 +41,8 @@ HumanPose HumanRig::read(std::span<const JointTransform> pose) {
     return human.turn[static_cast<std::size_t>(bone)];
   };
   for (std::size_t j = 0; j < pose.size(); ++j) {
-    const std::optional<HumanBone> bone = rig_.skeleton.joint(static_cast<JointIndex>(j)).bone;
-    if (bone) turnOf(*bone) = (worldRotation_[j] * tposeFromJoint_[j].conjugate()).normalized();
+    const std::optional<HumanBone> bone = rig.skeleton.joint(static_cast<JointIndex>(j)).bone;
+    if (bone) turnOf(*bone) = (worldRotation[j] * tposeFromJoint_[j].conjugate()).normalized();
   }
   // Joints between a limb's two ends, and joints that translate relative to their parent, bend it too: use its ends for
   // the direction.
@@ -92,7 +57,7 @@ HumanPose HumanRig::read(std::span<const JointTransform> pose) {
     point(limb.lower, limb.end);
   }
   human.middleHip = middleHip();
-  for (std::size_t side = 0; side < 2; ++side) human.foot[side] = footPosition(side);
+  for (int side = 0; side < 2; ++side) human.foot[side] = foot(side);
   return human;
 }
 
@@ -105,7 +70,7 @@ std::vector<Quat> HumanRig::spineTurnsOf(const HumanPose& human) const {
 
 void HumanRig::pose(const HumanPose& human, std::span<const Quat> spineTurns, std::span<JointTransform> pose) {
   using B = HumanBone;
-  const Skeleton& skeleton = rig_.skeleton;
+  const Skeleton& skeleton = rig.skeleton;
   LORICA_CHECK(pose.size() == skeleton.joints().size() && !spineTurns.empty(), "the pose must match the skeleton");
   const auto spineTurn = [&](std::size_t i) {
     const double along = static_cast<double>(i * (spineTurns.size() - 1)) / static_cast<double>(spine_.size() - 1);
@@ -115,7 +80,7 @@ void HumanRig::pose(const HumanPose& human, std::span<const Quat> spineTurns, st
   };
   for (std::size_t j = 0; j < pose.size(); ++j) {
     const Joint& joint = skeleton.joint(static_cast<JointIndex>(j));
-    const Quat above = joint.parent == kNoJoint ? Quat::Identity() : worldRotation_[index(joint.parent)];
+    const Quat above = joint.parent == kNoJoint ? Quat::Identity() : worldRotation[joint.parent];
     pose[j] = joint.rest;
     std::optional<Quat> turn;
     if (joint.bone) {
@@ -129,19 +94,9 @@ void HumanRig::pose(const HumanPose& human, std::span<const Quat> spineTurns, st
       }
     }
     if (turn) pose[j].rotation = (above.conjugate() * *turn * tposeFromJoint_[j]).normalized();
-    worldRotation_[j] = (above * pose[j].rotation).normalized();
+    worldRotation[j] = (above * pose[j].rotation).normalized();
   }
-  computeWorldFromJoint(skeleton, pose, worldFromJoint_);
-}
-
-void HumanRig::reach(std::size_t side, const Vec3& ankle, std::span<JointTransform> pose) {
-  bendLeg(rig_, side, ankle, worldRotation_, worldFromJoint_, pose);
-  evaluate(pose);
-}
-
-void HumanRig::move(const Vec3& by, std::span<JointTransform> pose) {
-  pose[index(rig_.hips)].translation += rig_.hipsParentFromWorld.linear() * by;
-  evaluate(pose);
+  computeWorldFromJoint(skeleton, pose, worldFromJoint);
 }
 
 }  // namespace lorica

@@ -1,7 +1,6 @@
 #pragma once
 
-#include "capture/retarget/foot_contacts.h"
-#include "capture/retarget/retarget_rig.h"
+#include "capture/retarget/root_and_feet.h"
 #include "skinning/clip.h"
 
 #include <array>
@@ -24,15 +23,13 @@ struct HumanPose {
   }
 };
 
-/// Reads and writes poses of a humanoid skeleton. The shape of feet and neck is removed: the heading of a foot is that
-/// of the line from ankle to toes, the direction of a neck that of the line from neck to head, as for limbs. Internal
-/// to motion retargeting.
-class HumanRig {
+/// Reads and writes poses of a humanoid skeleton, and is the body in the last one. The shape of feet and neck is
+/// removed: the heading of a foot is that of the line from ankle to toes, the direction of a neck that of the line from
+/// neck to head, as for limbs. Internal to motion retargeting.
+class HumanRig : public PosedBody {
  public:
   /// @return the rig, or an error with the humanoid bones that the skeleton lacks
   static Result<HumanRig> create(const Skeleton& skeleton);
-
-  [[nodiscard]] const RetargetRig& rig() const { return rig_; }
 
   /// @param pose  jointCount local transforms
   [[nodiscard]] HumanPose read(std::span<const JointTransform> pose);
@@ -46,26 +43,11 @@ class HumanRig {
   /// Rotations from the hips to the topmost spine bone: hips, then each existing spine bone.
   [[nodiscard]] std::vector<Quat> spineTurnsOf(const HumanPose& human) const;
 
-  /// The following refer to the pose of the last pose() or read().
-  [[nodiscard]] Vec3 positionOf(HumanBone bone) const;
-  [[nodiscard]] const Quat& worldRotation(JointIndex joint) const { return worldRotation_[joint]; }
-  [[nodiscard]] Vec3 middleHip() const;
-  [[nodiscard]] FootPosition footPosition(std::size_t side) const;
-
-  /// Moves an ankle to a position by bending the leg; the foot keeps its world rotation.
-  void reach(std::size_t side, const Vec3& ankle, std::span<JointTransform> pose);
-  /// Translates the whole body. @param by  [m]
-  void move(const Vec3& by, std::span<JointTransform> pose);
-
  private:
-  explicit HumanRig(RetargetRig rig);
-  void evaluate(std::span<const JointTransform> pose);
+  explicit HumanRig(RetargetRig ofSkeleton);
 
-  RetargetRig rig_;
-  std::vector<Quat> tposeFromJoint_;  ///< as in rig_, with the shapes of feet and neck removed
+  std::vector<Quat> tposeFromJoint_;  ///< as in the rig, with the shapes of feet and neck removed
   std::vector<HumanBone> spine_;      ///< hips, then the existing ones of spine, chest and upperChest
-  std::vector<Quat> worldRotation_;
-  std::vector<Affine3> worldFromJoint_;
 };
 
 }  // namespace lorica

@@ -34,25 +34,6 @@ void evaluatePose(const Skeleton& skeleton, std::span<const JointTransform> pose
   }
 }
 
-void bendLeg(const RetargetRig& rig, std::size_t side, const Vec3& ankle, std::span<const Quat> worldRotation,
-             std::span<const Affine3> worldFromJoint, std::span<JointTransform> pose) {
-  const LimbBones& leg = limbs()[kFirstLeg + side];
-  const auto index = [&](HumanBone bone) { return static_cast<std::size_t>(rig.skeleton.jointOf(bone)); };
-  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[index(bone)].translation(); };
-  const Quat& thigh = worldRotation[index(leg.upper)];
-  const Vec3 hinge = thigh * (rig.tposeFromJoint[index(leg.upper)].conjugate() * leg.hinge);
-  const LegTurns turns = reachWithLeg(at(leg.upper), at(leg.lower), at(leg.end), hinge, ankle);
-  // Joints between two of these rotate with the upper one.
-  const auto set = [&](HumanBone bone, const Quat& turnAbove, const Quat& turn) {
-    const JointIndex parent = rig.skeleton.joint(rig.skeleton.jointOf(bone)).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[parent];
-    pose[index(bone)].rotation = ((turnAbove * above).conjugate() * turn * worldRotation[index(bone)]).normalized();
-  };
-  set(leg.upper, Quat::Identity(), turns.thigh);
-  set(leg.lower, turns.thigh, turns.shin);
-  set(leg.end, turns.shin, Quat::Identity());
-}
-
 LegTurns reachWithLeg(const Vec3& hip, const Vec3& knee, const Vec3& ankle, const Vec3& hinge, const Vec3& wanted) {
   LegTurns turns;
   turns.ankle = ankle;

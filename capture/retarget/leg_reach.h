@@ -30,10 +30,4 @@ struct LegTurns {
 void evaluatePose(const Skeleton& skeleton, std::span<const JointTransform> pose, std::span<Quat> worldRotation,
                   std::span<Affine3> worldFromJoint);
 
-/// Moves a character's ankle to a position by bending the leg; the foot keeps its world rotation. Several legs may be
-/// bent, with known target positions, before the pose is evaluated again.
-/// @param worldRotation, worldFromJoint  as written by evaluatePose
-void bendLeg(const RetargetRig& rig, std::size_t side, const Vec3& ankle, std::span<const Quat> worldRotation,
-             std::span<const Affine3> worldFromJoint, std::span<JointTransform> pose);
-
 }  // namespace lorica

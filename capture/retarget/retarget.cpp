@@ -59,20 +59,15 @@ std::optional<Vec3> Retargeter::Person::direction(BodyJoint a, BodyJoint b) cons
 }
 
 Result<Retargeter> Retargeter::create(const Skeleton& skeleton, const RetargetSettings& settings) {
-  Result<RetargetRig> rig = RetargetRig::create(skeleton);
-  if (!rig) return rig.error();
-  return Retargeter(std::move(*rig), settings);
+  LORICA_TRY(RetargetRig rig, RetargetRig::create(skeleton));
+  return Retargeter(std::move(rig), settings);
 }
 
 Retargeter::Retargeter(RetargetRig rig, const RetargetSettings& settings)
-    : rig_(std::move(rig)),
-      settings_(settings),
-      hold_(rig_.skeleton, settings.hold),
-      worldRotation_(static_cast<std::size_t>(rig_.skeleton.jointCount()), Quat::Identity()),
-      worldFromJoint_(static_cast<std::size_t>(rig_.skeleton.jointCount())) {}
+    : body_(std::move(rig)), settings_(settings), hold_(body_.rig.skeleton, settings.hold) {}
 
 void Retargeter::apply(const SkeletonFrame& frame, std::span<JointTransform> pose) {
-  const auto joints = rig_.skeleton.joints();
+  const auto joints = body_.rig.skeleton.joints();
   LORICA_CHECK(pose.size() == joints.size(), "the pose must match the skeleton");
   hold_.beginFrame(frame.time);
   const Person person = readPerson(frame);
@@ -83,15 +78,15 @@ void Retargeter::apply(const SkeletonFrame& frame, std::span<JointTransform> pos
   for (std::size_t j = 0; j < joints.size(); ++j) {
     const auto joint = static_cast<JointIndex>(j);
     const JointIndex parent = joints[j].parent;
-    const Quat worldFromParent = parent == kNoJoint ? Quat::Identity() : worldRotation_[parent];
+    const Quat worldFromParent = parent == kNoJoint ? Quat::Identity() : body_.worldRotation[parent];
     pose[j] = joints[j].rest;
     if (joints[j].bone && *joints[j].bone <= HumanBone::kRightHand) {
-      worldRotation_[j] = worldFromParent * joints[j].rest.rotation;  // solve() reads the bone at rest from here
+      body_.worldRotation[j] = worldFromParent * joints[j].rest.rotation;  // solve() reads the bone at rest from here
       const std::optional<Quat> world = solve(*joints[j].bone, joint, person);
       const Quat local = world ? (worldFromParent.conjugate() * *world).normalized() : joints[j].rest.rotation;
       pose[j].rotation = hold_.rotation(joint, world.has_value(), local);
     }
-    worldRotation_[j] = (worldFromParent * pose[j].rotation).normalized();
+    body_.worldRotation[j] = (worldFromParent * pose[j].rotation).normalized();
   }
   placeRoot(person, pose);
   if (settings_.plantFeet) plantFeet(person, pose);
@@ -137,8 +132,7 @@ Retargeter::Person Retargeter::readPerson(const SkeletonFrame& frame) {
 }
 
 Quat Retargeter::shown(JointIndex joint) const {
-  const auto j = static_cast<std::size_t>(joint);
-  return worldRotation_[j] * rig_.tposeFromJoint[j].conjugate();
+  return body_.worldRotation[joint] * body_.rig.tposeFromJoint[joint].conjugate();
 }
 
 /// The world rotation of a bone according to the person; nullopt if its joints are unknown.
@@ -188,21 +182,21 @@ std::optional<Quat> Retargeter::solve(HumanBone bone, JointIndex joint, const Pe
       }
   }
   if (!orientation) return std::nullopt;
-  return *orientation * rig_.tposeFromJoint[joint];
+  return *orientation * body_.rig.tposeFromJoint[joint];
 }
 
 std::optional<Quat> Retargeter::solveSpine(JointIndex joint, const Person& person) const {
   if (!person.chest) return std::nullopt;
-  return shown(rig_.hips).slerp(rig_.spineShare[joint], *person.chest);
+  return shown(body_.rig.hips).slerp(body_.rig.spineShare[joint], *person.chest);
 }
 
 std::optional<Quat> Retargeter::solveNeck(const Person& person) const {
   const std::optional<Vec3> direction = person.direction(BodyJoint::kNeck, BodyJoint::kHead);
   if (!direction) return std::nullopt;
-  const Quat neck = pointed(shown(rig_.chest), rig_.neckAxis, *direction, Vec3::UnitX());
+  const Quat neck = pointed(shown(body_.rig.chest), body_.rig.neckAxis, *direction, Vec3::UnitX());
   const std::optional<Quat>& head = person.turnOf(BodyJoint::kHead);
   if (!head) return neck;
-  const Quat turnedHead = pointed(*head, rig_.neckAxis, *direction, Vec3::UnitX());
+  const Quat turnedHead = pointed(*head, body_.rig.neckAxis, *direction, Vec3::UnitX());
   return about(*direction, 0.5 * twistAbout(turnedHead * neck.conjugate(), *direction)) * neck;
 }
 
@@ -212,16 +206,16 @@ std::optional<Quat> Retargeter::solveHead(const Person& person) const {
   if (!direction) return std::nullopt;
   // Trackers position the head relative to the neck differently than characters do, so only half of the neck's tilt is
   // used.
-  if (rig_.skeleton.jointOf(HumanBone::kNeck) != kNoJoint) {
-    return shown(rig_.chest).slerp(0.5, shown(HumanBone::kNeck));
+  if (body_.rig.skeleton.jointOf(HumanBone::kNeck) != kNoJoint) {
+    return shown(body_.rig.chest).slerp(0.5, shown(HumanBone::kNeck));
   }
-  return pointed(shown(rig_.chest), rig_.neckAxis, *direction, Vec3::UnitX());
+  return pointed(shown(body_.rig.chest), body_.rig.neckAxis, *direction, Vec3::UnitX());
 }
 
 std::optional<Quat> Retargeter::solveClavicle(std::size_t limb, const Person& person) const {
   const std::optional<Vec3> arm = person.direction(limbs()[limb].upperJoint, limbs()[limb].lowerJoint);
   if (!arm) return std::nullopt;
-  const Quat chest = shown(rig_.chest);
+  const Quat chest = shown(body_.rig.chest);
   const double lift = kClavicleLift * smoothStep(0.0, 1.0, (chest.conjugate() * *arm).y());
   return chest * about(Vec3::UnitZ(), limb == 0 ? lift : -lift);
 }
@@ -232,7 +226,7 @@ std::optional<Vec3> Retargeter::lowerDirection(std::size_t limb, const Person& p
   const std::optional<Vec3> lower = person.direction(l.lowerJoint, l.endJoint);
   const std::optional<Vec3> upper = person.direction(l.upperJoint, l.lowerJoint);
   if (limb < kFirstLeg || !lower || !upper) return lower;
-  const Quat swung = pointed(shown(rig_.hips), l.axis, *upper, l.hinge);
+  const Quat swung = pointed(shown(body_.rig.hips), l.axis, *upper, l.hinge);
   const Vec3 hinge = swung * l.hinge;
   Vec3 bend = upper->cross(*lower);
   const double forwards = bend.dot(hinge);
@@ -272,7 +266,7 @@ std::optional<Quat> Retargeter::solveUpper(std::size_t limb, const Person& perso
   const std::optional<Vec3> direction = person.direction(l.upperJoint, l.lowerJoint);
   if (!direction) return std::nullopt;
   const bool leg = limb >= kFirstLeg;
-  const Quat body = shown(leg ? rig_.hips : rig_.chest);
+  const Quat body = shown(leg ? body_.rig.hips : body_.rig.chest);
   Quat min = pointed(body, l.axis, *direction, l.hinge);
   if (!leg) {
     const double raised = smoothStep(0.0, 1.0, (body.conjugate() * *direction).y());
@@ -339,7 +333,7 @@ std::optional<Quat> Retargeter::solveToes(std::size_t side, const Person& person
   if (!person.has(l.endJoint) || !person.has(l.lowerJoint)) return std::nullopt;
   const Quat foot = shown(l.end);
   const double ankle = legRatio_ * (person.at(l.endJoint).y() - standingFoot_.value_or(0.0));
-  const double ball = ankle + rig_.restAnkleHeight[side] + (foot * rig_.ballFromAnkle[side]).y();
+  const double ball = ankle + body_.rig.restAnkleHeight[side] + (foot * body_.rig.ballFromAnkle[side]).y();
   const double pitch = std::asin(std::clamp(-(foot * Vec3::UnitZ()).y(), 0.0, std::sin(kLargestToeBend)));
   return foot * about(Vec3::UnitX(), -pitch * (1.0 - smoothStep(kBallGrounded, kBallInAir, ball)));
 }
@@ -359,12 +353,12 @@ void Retargeter::measureLegs(const Person& person) {
       const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(legLengthCount_ / 2);
       std::nth_element(sorted.begin(), middle, sorted.begin() + static_cast<std::ptrdiff_t>(legLengthCount_));
       medianLegLength_ = *middle;
-      if (legLengthCount_ == 1) legRatio_ = rig_.legLength / medianLegLength_;
+      if (legLengthCount_ == 1) legRatio_ = body_.rig.legLength / medianLegLength_;
     }
   }
   if (legLengthCount_ == 0) return;
   const double share = 1.0 - std::exp(-hold_.step() / kLegRatioSeconds);
-  legRatio_ += share * (rig_.legLength / medianLegLength_ - legRatio_);
+  legRatio_ += share * (body_.rig.legLength / medianLegLength_ - legRatio_);
 }
 
 /// Tracks the height of the lower foot: fast downwards, slowly upwards and only while it could still be standing.
@@ -383,24 +377,16 @@ void Retargeter::measureFloor(const Person& person) {
 }
 
 void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose) {
-  const auto hips = static_cast<std::size_t>(rig_.hips);
-  computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
-  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint_[rig_.skeleton.jointOf(bone)].translation(); };
-  const Vec3 middleHip = 0.5 * (at(HumanBone::kLeftUpperLeg) + at(HumanBone::kRightUpperLeg));
-  const Vec3 hipsFromMiddle = worldFromJoint_[hips].translation() - middleHip;
+  body_.evaluate(pose);
+  const Vec3 middleHip = body_.middleHip();
+  const Vec3 hipsFromMiddle = body_.worldFromJoint[body_.rig.hips].translation() - middleHip;
   // Height of each foot relative to its rest height, with the middle of the hips at y = 0: about minus the leg length.
   std::array<double, 2> footOverRest{};
   double lowest = std::numeric_limits<double>::infinity();
-  for (std::size_t side = 0; side < 2; ++side) {
-    const LimbBones& leg = limbs()[kFirstLeg + side];
-    const Affine3& foot = worldFromJoint_[rig_.skeleton.jointOf(leg.end)];
-    const JointIndex toesJoint = rig_.skeleton.jointOf(side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes);
-    const Affine3& toes = toesJoint == kNoJoint ? foot : worldFromJoint_[toesJoint];
-    const RetargetRig::Sole& sole = rig_.sole[side];
-    footOverRest[side] = foot.translation().y() - middleHip.y() - rig_.restAnkleHeight[side];
-    for (const Vec3& point : {Vec3(foot * sole.heel), Vec3(foot * sole.ball), Vec3(toes * sole.tip)}) {
-      lowest = std::min(lowest, point.y() - middleHip.y() + kSoleSlack);
-    }
+  for (int side = 0; side < 2; ++side) {
+    const FootPosition foot = body_.foot(side);
+    footOverRest[side] = foot.ankle.y() - middleHip.y() - body_.rig.restAnkleHeight[side];
+    lowest = std::min(lowest, foot.lowest - middleHip.y() + kSoleSlack);
   }
 
   Vec3 position = Vec3::Zero();
@@ -430,10 +416,10 @@ void Retargeter::placeRoot(const Person& person, std::span<JointTransform> pose)
     }
     position = root_ + Vec3(0.0, scaledHeight + footLift_.value_or(0.0), 0.0) + hipsFromMiddle;
   }
-  Vec3 shownHips = hold_.rootPosition(person.middleHip.has_value(), position, rig_.restHips);
+  Vec3 shownHips = hold_.rootPosition(person.middleHip.has_value(), position, body_.rig.restHips);
   // No sole goes below the floor, even while joints hold or ease: legs may straighten while the hips stay low.
   shownHips.y() = std::max(shownHips.y(), hipsFromMiddle.y() - lowest);
-  pose[hips].translation = rig_.hipsParentFromWorld * shownHips;
+  pose[body_.rig.hips].translation = body_.rig.hipsParentFromWorld * shownHips;
 }
 
 void Retargeter::plantFeet(const Person& person, std::span<JointTransform> pose) {
@@ -446,8 +432,8 @@ void Retargeter::plantFeet(const Person& person, std::span<JointTransform> pose)
     feet[side].position = person.at(joint);
     feet[side].above = person.at(joint).y() - standingFoot_.value_or(0.0);
   }
-  computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
-  footLock_.apply(rig_, feet, legRatio_, hold_.step(), worldRotation_, worldFromJoint_, pose);
+  body_.evaluate(pose);
+  footLock_.apply(body_, feet, legRatio_, hold_.step(), pose);
 }
 
 }  // namespace lorica

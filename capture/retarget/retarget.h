@@ -1,15 +1,13 @@
 #pragma once
 
 #include "capture/confidence_hold.h"
-#include "capture/retarget/foot_lock.h"
-#include "capture/retarget/retarget_rig.h"
+#include "capture/retarget/root_and_feet.h"
 #include "capture/skeleton_frame.h"
 #include "skinning/skeleton.h"
 
 #include <array>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace lorica {
 
@@ -85,7 +83,7 @@ class Retargeter {
   [[nodiscard]] Quat twisted(const Quat& min, const Vec3& direction, double wanted, TwistSource source, Twist& twist);
   /// Orientation of a bone as defined for TrackedJoint, as shown in this frame.
   [[nodiscard]] Quat shown(JointIndex joint) const;
-  [[nodiscard]] Quat shown(HumanBone bone) const { return shown(rig_.skeleton.jointOf(bone)); }
+  [[nodiscard]] Quat shown(HumanBone bone) const { return shown(body_.rig.skeleton.jointOf(bone)); }
 
   void measureLegs(const Person& person);
   void measureFloor(const Person& person);
@@ -94,12 +92,10 @@ class Retargeter {
 
   static constexpr std::size_t kLegSamples = 63;
 
-  RetargetRig rig_;
+  PosedBody body_;  ///< as shown; the root position follows last
   RetargetSettings settings_;
   ConfidenceHold hold_;
   FootLock footLock_;
-  std::vector<Quat> worldRotation_;      ///< one per joint, as shown
-  std::vector<Affine3> worldFromJoint_;  ///< one per joint, as shown except for the root position
   std::array<Twist, kLimbCount> upperTwist_;
   std::array<Twist, kLimbCount> lowerTwist_;
 

@@ -70,11 +70,11 @@ class SkeletalRetargeter {
 
   SkeletalMotion run() {
     out_.name = source_.name;
-    out_.skeleton = to_.rig().skeleton;
+    out_.skeleton = to_.rig.skeleton;
     out_.times = source_.times;
     jointCount_ = static_cast<std::size_t>(out_.skeleton.jointCount());
     out_.poses.resize(out_.times.size() * jointCount_);
-    ratio_ = to_.rig().legLength / from_.rig().legLength;
+    ratio_ = to_.rig.legLength / from_.rig.legLength;
     takeTurns();
     standOnFloor();
     if (settings_.plantFeet && knowsFeet_) plantFeet();
@@ -103,7 +103,7 @@ class SkeletalRetargeter {
       sourceFeet_.push_back(human.foot);
       to_.pose(human, from_.spineTurnsOf(human), pose(f));
       hipAsPosed_.push_back(to_.middleHip());
-      feetAsPosed_.push_back({to_.footPosition(0), to_.footPosition(1)});
+      feetAsPosed_.push_back({to_.foot(0), to_.foot(1)});
     }
     std::array<std::vector<FootPosition>, 2> positions;
     for (std::size_t side = 0; side < 2; ++side) {
@@ -112,7 +112,7 @@ class SkeletalRetargeter {
     }
     floor_ = floorUnder(positions[0], positions[1]);
     for (std::size_t side = 0; side < 2; ++side) {
-      contacts_[side] = contactsOf(positions[side], source_.times, floor_, from_.rig().legLength);
+      contacts_[side] = contactsOf(positions[side], source_.times, floor_, from_.rig.legLength);
     }
   }
 
@@ -133,8 +133,7 @@ class SkeletalRetargeter {
     const Vec3 start = sourceHip_.front();
     root_.reserve(frameCount());
     for (std::size_t f = 0; f < frameCount(); ++f) {
-      Vec3 position = start + ratio_ * (sourceHip_[f] - start);
-      position.y() = ratio_ * (sourceHip_[f].y() - floor_);
+      const Vec3 position = scaledPath(start, sourceHip_[f], ratio_, floor_);
       root_.push_back(position);
       const auto soleOf = [&](std::size_t side) {
         return position.y() + feetAsPosed_[f][side].lowest - hipAsPosed_[f].y();
@@ -142,7 +141,7 @@ class SkeletalRetargeter {
       // The minimum over both feet is continuous: stepping from foot to foot causes no jump.
       const double wanted = std::min(wantedSole(f, 0), wantedSole(f, 1));
       lift.push_back(wanted - std::min(soleOf(0), soleOf(1)));
-      const double leg = to_.rig().legLength;
+      const double leg = to_.rig.legLength;
       weight.push_back(1.0 - smoothStep(kFeetSayHeight * leg, kFeetSayNothing * leg, wanted));
       sum += weight.back() * lift.back();
       weights += weight.back();
@@ -151,7 +150,7 @@ class SkeletalRetargeter {
     for (std::size_t f = 0; f < frameCount(); ++f) {
       root_[f].y() += weight[f] * lift[f] + (1.0 - weight[f]) * usual;
       const Vec3 by = root_[f] - hipAsPosed_[f];
-      pose(f)[to_.rig().hips].translation += to_.rig().hipsParentFromWorld.linear() * by;
+      to_.moveHips(by, pose(f));
       for (FootPosition& foot : feetAsPosed_[f]) {
         foot.ankle += by;
         foot.ball += by;
@@ -168,7 +167,7 @@ class SkeletalRetargeter {
     const FootPosition& foot = feetAsPosed_[frame][side];
     // Legs that are nearly straight bend by degrees for millimetres, so a height within the tolerance is kept.
     const double wanted = wantedSole(frame, side);
-    const double tolerance = kSoleTolerance * to_.rig().legLength;
+    const double tolerance = kSoleTolerance * to_.rig.legLength;
     const double sole = std::clamp(foot.lowest, std::max(0.0, wanted - tolerance), wanted + tolerance);
     ankle.y() = foot.ankle.y() - foot.lowest + sole;
     return ankle;
@@ -183,7 +182,7 @@ class SkeletalRetargeter {
     const auto level = [](const Vec3& v) { return Vec3(v.x(), 0.0, v.z()); };
     const double ankleSq = level(now.ankle - before.ankle).squaredNorm();
     const double ballSq = level(now.ball - before.ball).squaredNorm();
-    const double still = kRollStill * from_.rig().legLength;
+    const double still = kRollStill * from_.rig.legLength;
     const double share = ankleSq / (ankleSq + ballSq + still * still);
     const auto behindBall = [&](std::size_t f) -> Vec3 {
       const FootPosition& source = sourceFeet_[f][side];
@@ -296,13 +295,13 @@ class SkeletalRetargeter {
   [[nodiscard]] std::vector<double> nudges(const std::array<std::vector<Vec3>, 2>& ankles) {
     std::vector<double> need(frameCount(), 0.0);
     for (std::size_t f = 0; f < frameCount(); ++f) {
-      to_.move(Vec3::Zero(), pose(f));
+      to_.evaluate(pose(f));
       for (std::size_t side = 0; side < 2; ++side) {
         const LimbBones& leg = limbs()[kFirstLeg + side];
         need[f] = std::max(need[f], dropToReach(to_.positionOf(leg.upper), to_.positionOf(leg.lower),
                                                 to_.positionOf(leg.end), ankles[side][f]));
       }
-      need[f] = std::min(need[f], kLargestNudge * to_.rig().legLength);
+      need[f] = std::min(need[f], kLargestNudge * to_.rig.legLength);
     }
     const std::vector<double> largest =
         nearby(need, kNudgeSeconds, [](std::span<const double> v) { return *std::max_element(v.begin(), v.end()); });
@@ -323,11 +322,14 @@ class SkeletalRetargeter {
         ankle.y() = std::max(ankle.y(), foot.ankle.y() - foot.lowest);
       }
     }
-    for (std::size_t f = 0; f < frameCount(); ++f) to_.move(shifts[f], pose(f));
+    for (std::size_t f = 0; f < frameCount(); ++f) to_.moveHips(shifts[f], pose(f));
     const std::vector<double> down = nudges(ankles);
     for (std::size_t f = 0; f < frameCount(); ++f) {
-      to_.move(Vec3(0.0, -down[f], 0.0), pose(f));
-      for (std::size_t side = 0; side < 2; ++side) to_.reach(side, ankles[side][f], pose(f));
+      to_.moveHips(Vec3(0.0, -down[f], 0.0), pose(f));
+      for (int side = 0; side < 2; ++side) {
+        to_.evaluate(pose(f));
+        to_.bendLeg(side, ankles[side][f], pose(f));
+      }
     }
   }
 

@@ -1,6 +1,6 @@
 #include "capture/retarget/stream_retarget.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <algorithm>
@@ -19,32 +19,22 @@ constexpr double kFloorTolerance = 0.05;
 std::size_t index(HumanBone bone) {
   return static_cast<std::size_t>(bone);
 }
-std::size_t index(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
 
 }  // namespace
 
 Result<StreamRetargeter> StreamRetargeter::create(const Skeleton& skeleton, const StreamRetargetSettings& settings) {
-  Result<RetargetRig> rig = RetargetRig::create(skeleton);
-  if (!rig) return rig.error();
-  return StreamRetargeter(std::move(*rig), settings);
+  LORICA_TRY(RetargetRig rig, RetargetRig::create(skeleton));
+  return StreamRetargeter(std::move(rig), settings);
 }
 
 StreamRetargeter::StreamRetargeter(RetargetRig rig, const StreamRetargetSettings& settings)
-    : rig_(std::move(rig)),
+    : body_(std::move(rig)),
       settings_(settings),
-      referenceFromJoint_(boneReference(rig_)),
-      hold_(rig_.skeleton, settings.hold),
-      worldRotation_(referenceFromJoint_.size(), Quat::Identity()),
-      worldFromJoint_(referenceFromJoint_.size()) {}
-
-Vec3 StreamRetargeter::at(HumanBone bone) const {
-  return worldFromJoint_[index(rig_.skeleton.jointOf(bone))].translation();
-}
+      referenceFromJoint_(boneReference(body_.rig)),
+      hold_(body_.rig.skeleton, settings.hold) {}
 
 void StreamRetargeter::apply(const BonePose& sent, double time, bool known, std::span<JointTransform> pose) {
-  LORICA_CHECK(pose.size() == worldFromJoint_.size(), "the pose must match the skeleton");
+  LORICA_CHECK(pose.size() == body_.worldFromJoint.size(), "the pose must match the skeleton");
   hold_.beginFrame(time);
   const Sender sender = readSender(sent);
   if (known) measure(sender, time);
@@ -59,7 +49,7 @@ StreamRetargeter::Sender StreamRetargeter::readSender(const BonePose& sent) cons
       0.5 * (sender.position[index(HumanBone::kLeftUpperLeg)] + sender.position[index(HumanBone::kRightUpperLeg)]);
   double length = 0.0;
   double shortest = std::numeric_limits<double>::infinity();
-  for (std::size_t side = 0; side < 2; ++side) {
+  for (int side = 0; side < 2; ++side) {
     const LimbBones& leg = limbs()[kFirstLeg + side];
     for (const HumanBone bone : {leg.lower, leg.end}) {
       const double bone_length = sent.offset[index(bone)].norm();
@@ -75,13 +65,13 @@ StreamRetargeter::Sender StreamRetargeter::readSender(const BonePose& sent) cons
 void StreamRetargeter::measure(const Sender& sender, double time) {
   if (!hasLegs_ && sender.legLength > 0.0) {
     hasLegs_ = true;
-    legRatio_ = rig_.legLength / sender.legLength;
+    legRatio_ = body_.rig.legLength / sender.legLength;
     firstTime_ = time;
     lowestAnkle_ = std::numeric_limits<double>::infinity();
   }
   if (!hasLegs_ || time - *firstTime_ > kFloorSeconds) return;
-  for (std::size_t side = 0; side < 2; ++side) {
-    const double standing = rig_.restAnkleHeight[side] / legRatio_;
+  for (int side = 0; side < 2; ++side) {
+    const double standing = body_.rig.restAnkleHeight[side] / legRatio_;
     lowestAnkle_ = std::min(lowestAnkle_, sender.position[index(limbs()[kFirstLeg + side].end)].y() - standing);
   }
   floor_ = std::abs(lowestAnkle_) > kFloorTolerance ? lowestAnkle_ : 0.0;
@@ -89,57 +79,56 @@ void StreamRetargeter::measure(const Sender& sender, double time) {
 
 void StreamRetargeter::turnBones(const BonePose& sent, const Sender& sender, bool known,
                                  std::span<JointTransform> pose) {
-  const std::span<const Joint> joints = rig_.skeleton.joints();
-  for (std::size_t j = 0; j < joints.size(); ++j) {
+  const std::span<const Joint> joints = body_.rig.skeleton.joints();
+  for (int j = 0; j < countOf(joints); ++j) {
     const JointIndex parent = joints[j].parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation_[index(parent)];
+    const Quat above = parent == kNoJoint ? Quat::Identity() : body_.worldRotation[parent];
     pose[j] = joints[j].rest;
     if (joints[j].bone) {
       const std::size_t bone = index(*joints[j].bone);
       const Quat world = sender.turn[bone] * referenceFromJoint_[j];
       const bool given = known && sent.rotation[bone].has_value();
-      pose[j].rotation = hold_.rotation(static_cast<JointIndex>(j), given, (above.conjugate() * world).normalized());
+      pose[j].rotation = hold_.rotation(j, given, (above.conjugate() * world).normalized());
     }
-    worldRotation_[j] = (above * pose[j].rotation).normalized();
+    body_.worldRotation[j] = (above * pose[j].rotation).normalized();
   }
-  computeWorldFromJoint(rig_.skeleton, pose, worldFromJoint_);
+  body_.evaluate(pose);
 }
 
 void StreamRetargeter::placeRoot(const Sender& sender, bool known, std::span<JointTransform> pose) {
-  const Vec3 middleHip = 0.5 * (at(HumanBone::kLeftUpperLeg) + at(HumanBone::kRightUpperLeg));
+  const Vec3 middleHip = body_.middleHip();
   Vec3 wanted = middleHip;
   if (known) {
     const Vec3 hip =
-        hasLegs_ ? sender.middleHip : Vec3(sender.position[index(HumanBone::kHips)] + middleHip - at(HumanBone::kHips));
+        hasLegs_ ? sender.middleHip
+                 : Vec3(sender.position[index(HumanBone::kHips)] + middleHip - body_.positionOf(HumanBone::kHips));
     if (!firstHip_) firstHip_ = hip;
-    wanted = *firstHip_ + legRatio_ * (hip - *firstHip_);
-    wanted.y() = legRatio_ * (hip.y() - floor_);
+    wanted = scaledPath(*firstHip_, hip, legRatio_, floor_);
     if (hasLegs_) {
       // The lower ankle is as high as the sender's, scaled: shins and thighs of other proportions lead elsewhere.
       double above = std::numeric_limits<double>::infinity();
       double own = std::numeric_limits<double>::infinity();
-      for (std::size_t side = 0; side < 2; ++side) {
+      for (int side = 0; side < 2; ++side) {
         const HumanBone foot = limbs()[kFirstLeg + side].end;
         above = std::min(above, legRatio_ * (sender.position[index(foot)].y() - floor_));
-        own = std::min(own, at(foot).y() - middleHip.y() + wanted.y());
+        own = std::min(own, body_.positionOf(foot).y() - middleHip.y() + wanted.y());
       }
       wanted.y() += above - own;
     }
   }
   const Vec3 shown = hold_.rootPosition(known, wanted, wanted);
-  const Vec3 by = shown - middleHip;
-  pose[index(rig_.hips)].translation += rig_.hipsParentFromWorld.linear() * by;
-  evaluatePose(rig_.skeleton, pose, worldRotation_, worldFromJoint_);
+  body_.moveHips(shown - middleHip, pose);
+  body_.evaluate(pose);
 }
 
 void StreamRetargeter::plantFeet(const Sender& sender, bool known, std::span<JointTransform> pose) {
   std::array<TrackedFoot, 2> feet;
-  for (std::size_t side = 0; side < 2; ++side) {
+  for (int side = 0; side < 2; ++side) {
     feet[side].seen = known;
     feet[side].position = sender.position[index(limbs()[kFirstLeg + side].end)];
-    feet[side].above = feet[side].position.y() - floor_ - rig_.restAnkleHeight[side] / legRatio_;
+    feet[side].above = feet[side].position.y() - floor_ - body_.rig.restAnkleHeight[side] / legRatio_;
   }
-  footLock_.apply(rig_, feet, legRatio_, hold_.step(), worldRotation_, worldFromJoint_, pose);
+  footLock_.apply(body_, feet, legRatio_, hold_.step(), pose);
 }
 
 }  // namespace lorica

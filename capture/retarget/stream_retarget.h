@@ -2,8 +2,7 @@
 
 #include "capture/confidence_hold.h"
 #include "capture/retarget/bone_pose.h"
-#include "capture/retarget/foot_lock.h"
-#include "capture/retarget/retarget_rig.h"
+#include "capture/retarget/root_and_feet.h"
 
 #include <optional>
 #include <span>
@@ -39,7 +38,7 @@ class StreamRetargeter {
   /// Character's leg length over the sender's.
   [[nodiscard]] double legRatio() const { return legRatio_; }
   /// World transforms of the last pose.
-  [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
+  [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return body_.worldFromJoint; }
 
  private:
   /// The sender's body in one frame.
@@ -54,15 +53,12 @@ class StreamRetargeter {
   void turnBones(const BonePose& sent, const Sender& sender, bool known, std::span<JointTransform> pose);
   void placeRoot(const Sender& sender, bool known, std::span<JointTransform> pose);
   void plantFeet(const Sender& sender, bool known, std::span<JointTransform> pose);
-  [[nodiscard]] Vec3 at(HumanBone bone) const;
 
-  RetargetRig rig_;
+  PosedBody body_;
   StreamRetargetSettings settings_;
   std::vector<Quat> referenceFromJoint_;
   ConfidenceHold hold_;
   FootLock footLock_;
-  std::vector<Quat> worldRotation_;
-  std::vector<Affine3> worldFromJoint_;
   double legRatio_ = 1.0;
   bool hasLegs_ = false;
   std::optional<double> firstTime_;

@@ -1,5 +1,5 @@
 #include "capture/files/joint_stream.h"
-#include "capture/files/joint_stream_parts.h"
+#include "capture/files/joint_stream_layouts.h"
 #include "capture/smoothing.h"
 #include "geometry/files.h"
 #include "geometry/result.h"
@@ -60,7 +60,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   // Two files, divided by a 0.
   const std::size_t middle = text.find('\0');
   if (middle == std::string_view::npos) return 0;
-  Result<joints::RawStream> raw = joints::parseUiPrmd(text.substr(0, middle), "p", text.substr(middle + 1), "a");
+  Result<joints::RawStream> raw = joints::readUiPrmd(text.substr(0, middle), "p", text.substr(middle + 1), "a");
   if (!raw) {
     expectSentence(raw.error());
     return 0;

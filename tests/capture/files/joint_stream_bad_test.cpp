@@ -40,7 +40,7 @@ TEST(JointStreamBad, WhatIsNoneOfThemNamesThemAll) {
       refusal("HIERARCHY\nROOT Hips\n"),
       "walk.txt: found a first row of 1 fields starting with 'HIERARCHY', expected recorded joints in a known "
       "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
-      "kinect1-long, kinect2-plain, ui-prmd, upper-body or nite2");
+      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2 or named-columns");
   EXPECT_NE(refusal("1 2 3 4 5 6 7\n").find("found a first row of 7 fields"), std::string::npos);
   EXPECT_NE(refusal(std::string("\x89PNG\r\n\0\1", 8)).find("'\\x89PNG'"), std::string::npos);
   const TemporaryFolder folder;
@@ -79,7 +79,7 @@ TEST(JointStreamBad, SentencesNameThePosition) {
       refusal(replaced(wide, "Time,", "When,")),
       "walk.txt: found a first row of 232 fields starting with 'EventIndex', expected recorded joints in a known "
       "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
-      "kinect1-long, kinect2-plain, ui-prmd, upper-body or nite2");
+      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2 or named-columns");
   EXPECT_EQ(refusal(replaced(wide, "Time,", "When,"), {.format = JointFormat::kKinect2Wide}),
             "walk.txt, line 1: found a header without a Time column, expected one");
   const std::string plain = test::plainFile(frames);

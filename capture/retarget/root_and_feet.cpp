@@ -1,4 +1,4 @@
-#include "capture/retarget/foot_lock.h"
+#include "capture/retarget/root_and_feet.h"
 
 #include "capture/retarget/leg_reach.h"
 
@@ -35,10 +35,6 @@ constexpr double kRiseSpeed = 0.3;
 /// Smaller corrections are ignored [m].
 constexpr double kNothing = 1e-9;
 
-std::size_t index(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
-
 /// The part of a vector beyond a tolerance.
 Vec3 beyond(const Vec3& v, double forgiven) {
   const double length = v.norm();
@@ -50,6 +46,60 @@ double shareWithin(double step, double seconds) {
 }
 
 }  // namespace
+
+PosedBody::PosedBody(RetargetRig ofCharacter)
+    : rig(std::move(ofCharacter)),
+      worldRotation(rig.tposeFromJoint.size(), Quat::Identity()),
+      worldFromJoint(rig.tposeFromJoint.size()) {}
+
+void PosedBody::evaluate(std::span<const JointTransform> pose) {
+  evaluatePose(rig.skeleton, pose, worldRotation, worldFromJoint);
+}
+
+Vec3 PosedBody::positionOf(HumanBone bone) const {
+  return worldFromJoint[rig.skeleton.jointOf(bone)].translation();
+}
+
+Vec3 PosedBody::middleHip() const {
+  return 0.5 * (positionOf(HumanBone::kLeftUpperLeg) + positionOf(HumanBone::kRightUpperLeg));
+}
+
+FootPosition PosedBody::foot(int side) const {
+  const Affine3& ankle = worldFromJoint[rig.skeleton.jointOf(limbs()[kFirstLeg + side].end)];
+  const JointIndex toesJoint = rig.skeleton.jointOf(side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes);
+  const Affine3& toes = toesJoint == kNoJoint ? ankle : worldFromJoint[toesJoint];
+  const RetargetRig::Sole& sole = rig.sole[side];
+  const Vec3 ball = ankle * sole.ball;
+  return {ankle.translation(), ball, std::min({(ankle * sole.heel).y(), ball.y(), (toes * sole.tip).y()})};
+}
+
+void PosedBody::moveHips(const Vec3& by, std::span<JointTransform> pose) const {
+  pose[rig.hips].translation += rig.hipsParentFromWorld.linear() * by;
+}
+
+void PosedBody::bendLeg(int side, const Vec3& ankle, std::span<JointTransform> pose) const {
+  const LimbBones& leg = limbs()[kFirstLeg + side];
+  const auto turnOf = [&](HumanBone bone) -> const Quat& { return worldRotation[rig.skeleton.jointOf(bone)]; };
+  const Quat& tpose = rig.tposeFromJoint[rig.skeleton.jointOf(leg.upper)];
+  const Vec3 hinge = turnOf(leg.upper) * (tpose.conjugate() * leg.hinge);
+  const LegTurns turns = reachWithLeg(positionOf(leg.upper), positionOf(leg.lower), positionOf(leg.end), hinge, ankle);
+  // Joints between two of these rotate with the upper one.
+  const auto set = [&](HumanBone bone, const Quat& turnAbove, const Quat& turn) {
+    const JointIndex joint = rig.skeleton.jointOf(bone);
+    const JointIndex parent = rig.skeleton.joint(joint).parent;
+    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[parent];
+    pose[joint].rotation = ((turnAbove * above).conjugate() * turn * worldRotation[joint]).normalized();
+  };
+  set(leg.upper, Quat::Identity(), turns.thigh);
+  set(leg.lower, turns.thigh, turns.shin);
+  set(leg.end, turns.shin, Quat::Identity());
+}
+
+Vec3 scaledPath(const Vec3& start, const Vec3& hip, double ratio, double floor) {
+  Vec3 position = start + ratio * (hip - start);
+  position.y() = ratio * (hip.y() - floor);
+  return position;
+}
 
 /// Decides whether a foot is locked, and updates its anchor.
 void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed, double size, double ratio,
@@ -82,16 +132,16 @@ void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed,
   foot.position = tracked.position;
 }
 
-void FootLock::apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
-                     std::span<Quat> worldRotation, std::span<Affine3> worldFromJoint, std::span<JointTransform> pose) {
-  const Skeleton& skeleton = rig.skeleton;
+void FootLock::apply(PosedBody& body, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
+                     std::span<JointTransform> pose) {
+  const RetargetRig& rig = body.rig;
   const double size = rig.legLength / (ratio * kUsualLeg);  // of the person
-  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[index(skeleton.jointOf(bone))].translation(); };
+  const auto at = [&](HumanBone bone) { return body.positionOf(bone); };
   const double tolerance = kTolerance * std::min(1.0, rig.legLength / kUsualLeg);
   std::array<Vec3, 2> posed;
   Vec3 asked = Vec3::Zero();
   double weights = 0.0;
-  for (std::size_t side = 0; side < 2; ++side) {
+  for (int side = 0; side < 2; ++side) {
     Foot& foot = feet_[side];
     posed[side] = at(limbs()[kFirstLeg + side].end);
     follow(foot, feet[side], posed[side], size, ratio, step);
@@ -105,7 +155,7 @@ void FootLock::apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& f
   std::array<Vec3, 2> wanted;
   double need = 0.0;
   bool none = shift_.norm() < kNothing;
-  for (std::size_t side = 0; side < 2; ++side) {
+  for (int side = 0; side < 2; ++side) {
     const LimbBones& leg = limbs()[kFirstLeg + side];
     Foot& foot = feet_[side];
     // Heights are already right for the lower foot; the other one is adjusted to its own.
@@ -136,14 +186,12 @@ void FootLock::apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& f
   nudge_ = std::clamp(std::max(need, nudge_ - kRiseSpeed * step), 0.0, kLongestPull * rig.legLength);
   if (!none || nudge_ > kNothing) {
     const Vec3 by = shift_ - Vec3(0.0, nudge_, 0.0);
-    pose[index(rig.hips)].translation += rig.hipsParentFromWorld.linear() * by;
-    for (Affine3& joint : worldFromJoint) joint.pretranslate(by);
-    for (std::size_t side = 0; side < 2; ++side) {
-      bendLeg(rig, side, wanted[side], worldRotation, worldFromJoint, pose);
-    }
-    evaluatePose(skeleton, pose, worldRotation, worldFromJoint);
+    body.moveHips(by, pose);
+    for (Affine3& joint : body.worldFromJoint) joint.pretranslate(by);
+    for (int side = 0; side < 2; ++side) body.bendLeg(side, wanted[side], pose);
+    body.evaluate(pose);
   }
-  for (std::size_t side = 0; side < 2; ++side) {
+  for (int side = 0; side < 2; ++side) {
     feet_[side].shown = at(limbs()[kFirstLeg + side].end);
     feet_[side].hasShown = true;
   }

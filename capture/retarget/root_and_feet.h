@@ -4,8 +4,42 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 namespace lorica {
+
+/// Foot state of a body at one time.
+struct FootPosition {
+  Vec3 ankle = Vec3::Zero();  ///< world [m]
+  Vec3 ball = Vec3::Zero();   ///< of the sole, below the toe joint
+  double lowest = 0.0;        ///< height of the lowest point of the sole [m]
+};
+
+/// A character in a pose: where its hips and feet are, and how they are moved. All retargeters hold one. Allocates
+/// nothing but itself.
+struct PosedBody {
+  explicit PosedBody(RetargetRig rig);
+
+  RetargetRig rig;
+  std::vector<Quat> worldRotation;      ///< one per joint, without scale
+  std::vector<Affine3> worldFromJoint;  ///< one per joint
+
+  /// Computes the two from a pose.
+  void evaluate(std::span<const JointTransform> pose);
+  [[nodiscard]] Vec3 positionOf(HumanBone bone) const;
+  [[nodiscard]] Vec3 middleHip() const;
+  [[nodiscard]] FootPosition foot(int side) const;
+
+  /// Translates the pose of the hips. @param by  world [m]
+  void moveHips(const Vec3& by, std::span<JointTransform> pose) const;
+  /// Moves an ankle to a position by bending the leg; the foot keeps its world rotation. Several legs may be bent, with
+  /// known target positions, before the pose is evaluated again.
+  void bendLeg(int side, const Vec3& ankle, std::span<JointTransform> pose) const;
+};
+
+/// The middle of the hips on a path that starts where another body's does and is scaled by the ratio of leg lengths,
+/// over a floor at y = 0. @param floor  under the other body [m]
+[[nodiscard]] Vec3 scaledPath(const Vec3& start, const Vec3& hip, double ratio, double floor);
 
 /// A tracked foot in one frame.
 struct TrackedFoot {
@@ -26,13 +60,12 @@ struct TrackedFoot {
 class FootLock {
  public:
   /// Adjusts the legs of a pose, and its root if a leg is too short.
-  /// @param ratio          the character's leg length over the person's
-  /// @param step           time since the previous frame [s]; 0 in the first
-  /// @param worldRotation  of the pose's joints, without scale; updated
-  /// @param worldFromJoint of the pose's joints; updated
-  /// @param pose           jointCount local transforms, updated
-  void apply(const RetargetRig& rig, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
-             std::span<Quat> worldRotation, std::span<Affine3> worldFromJoint, std::span<JointTransform> pose);
+  /// @param ratio the character's leg length over the person's
+  /// @param step  time since the previous frame [s]; 0 in the first
+  /// @param body  of the pose, updated
+  /// @param pose  jointCount local transforms, updated
+  void apply(PosedBody& body, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
+             std::span<JointTransform> pose);
 
  private:
   struct Foot {

@@ -1,4 +1,4 @@
-#include "capture/retarget/foot_lock.h"
+#include "capture/retarget/root_and_feet.h"
 
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/leg_reach.h"

@@ -1,0 +1,371 @@
+#include "capture/files/joint_stream_layouts.h"
+
+#include "capture/files/joint_stream_text.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+/// The table of layouts, what only a whole file of one tells, and the detection of a file's layout.
+namespace lorica::joints {
+namespace {
+
+using enum SensorJoint;
+
+constexpr std::array<SensorJoint, kKinect1JointCount> kKinect1Order = {
+    kSpineBase, kSpineMid,      kSpineShoulder, kHead,       kShoulderLeft, kElbowLeft, kWristLeft,
+    kHandLeft,  kShoulderRight, kElbowRight,    kWristRight, kHandRight,    kHipLeft,   kKneeLeft,
+    kAnkleLeft, kFootLeft,      kHipRight,      kKneeRight,  kAnkleRight,   kFootRight};
+constexpr std::array<SensorJoint, kSensorJointCount> kKinect2Order = {
+    kSpineBase,   kSpineMid,      kNeck,         kHead,       kShoulderLeft, kElbowLeft, kWristLeft,
+    kHandLeft,    kShoulderRight, kElbowRight,   kWristRight, kHandRight,    kHipLeft,   kKneeLeft,
+    kAnkleLeft,   kFootLeft,      kHipRight,     kKneeRight,  kAnkleRight,   kFootRight, kSpineShoulder,
+    kHandTipLeft, kThumbLeft,     kHandTipRight, kThumbRight};
+constexpr std::array<SensorJoint, kKinect1JointCount> kMsrOrder = {
+    kShoulderLeft, kShoulderRight, kSpineShoulder, kSpineMid,   kHipLeft,   kHipRight,  kSpineBase,
+    kElbowLeft,    kElbowRight,    kWristLeft,     kWristRight, kHandLeft,  kHandRight, kKneeLeft,
+    kKneeRight,    kAnkleLeft,     kAnkleRight,    kFootLeft,   kFootRight, kHead};
+constexpr std::array<SensorJoint, kBodyJointCount> kNiteOrder = {
+    kHead,     kNeck,    kShoulderLeft, kShoulderRight, kElbowLeft, kElbowRight, kHandLeft,  kHandRight,
+    kSpineMid, kHipLeft, kHipRight,     kKneeLeft,      kKneeRight, kAnkleLeft,  kAnkleRight};
+constexpr std::array<SensorJoint, 6> kArmsOrder = {kShoulderLeft,  kElbowLeft,  kHandLeft,
+                                                   kShoulderRight, kElbowRight, kHandRight};
+/// Waist, spine, chest, neck, head, head tip; left collar, upper arm, forearm, hand; the same on the right; left upper
+/// leg, lower leg, foot, toes; the same on the right.
+constexpr std::array<SensorJoint, 22> kUiPrmdOrder = {
+    kSpineBase, kSpineMid, kOther,    kNeck,          kHead,       kOther,     kOther,   kShoulderLeft,
+    kElbowLeft, kHandLeft, kOther,    kShoulderRight, kElbowRight, kHandRight, kHipLeft, kKneeLeft,
+    kAnkleLeft, kFootLeft, kHipRight, kKneeRight,     kAnkleRight, kFootRight};
+
+constexpr std::array<NamedColumn, 9> kWideColumns = {{{"joint", 'j', "Joint"},
+                                                      {"status", 's', "Status"},
+                                                      {"positionx", 'x', "Position"},
+                                                      {"positiony", 'y', "Position"},
+                                                      {"positionz", 'z', "Position"},
+                                                      {"rotationw", 'q', ""},
+                                                      {"rotationx", 'q', ""},
+                                                      {"rotationy", 'q', ""},
+                                                      {"rotationz", 'q', ""}}};
+constexpr std::array<NamedColumn, 11> kLongColumns = {{{"jointtype", 'j', "JointType"},
+                                                       {"joint", 'j', "JointType"},
+                                                       {"trackingstate", 's', "TrackingState"},
+                                                       {"status", 's', "TrackingState"},
+                                                       {"state", 's', "TrackingState"},
+                                                       {"x", 'x', "X"},
+                                                       {"y", 'y', "Y"},
+                                                       {"z", 'z', "Z"},
+                                                       {"positionx", 'x', "X"},
+                                                       {"positiony", 'y', "Y"},
+                                                       {"positionz", 'z', "Z"}}};
+
+constexpr std::array<NamedColumn, 10> kJointColumns = {{{"x", 'x', ""},
+                                                        {"y", 'y', ""},
+                                                        {"z", 'z', ""},
+                                                        {"confidence", 'c', ""},
+                                                        {"conf", 'c', ""},
+                                                        {"visibility", 'c', ""},
+                                                        {"tracked", 'c', ""},
+                                                        {"trackingstate", 'c', ""},
+                                                        {"state", 'c', ""},
+                                                        {"status", 'c', ""}}};
+
+/// UTKinect's recorder counted the images of both cameras, 60 per second, and so wrote only even numbers.
+void assumeRate(RawStream& raw) {
+  const bool allEven = std::all_of(raw.rows.begin(), raw.rows.end(),
+                                   [](const Observation& row) { return std::fmod(row.frame.time, 2.0) == 0.0; });
+  const double rate = allEven && raw.rows.size() > 1 ? 60.0 : 30.0;
+  raw.secondsPerTick = 1.0 / rate;
+  raw.notes.push_back(fmt::format("Frame numbers were assumed to count {:g} per second{}.", rate,
+                                  rate == 60.0 ? ", because none is odd" : ""));
+}
+
+/// There is no other cue: for a person facing the sensor, the right arm is on the sensor's left.
+void tellArmsApart(RawStream& raw) {
+  double firstIsRight = 0.0;  // sum over frames of the first shoulder's offset to the sensor's left
+  for (const Observation& row : raw.rows) {
+    const TrackedJoint& first = row.frame[BodyJoint::kLeftShoulder];
+    const TrackedJoint& second = row.frame[BodyJoint::kRightShoulder];
+    if (first.confidence > 0.0 && second.confidence > 0.0) firstIsRight += first.position.x() - second.position.x();
+  }
+  const bool swap = firstIsRight > 0.0;
+  raw.notes.push_back(
+      fmt::format("The {} arm of each row is used as the left one: the person is assumed to face the sensor.",
+                  swap ? "second" : "first"));
+  for (Observation& row : raw.rows) {
+    for (const BodyJoint left : {BodyJoint::kLeftShoulder, BodyJoint::kLeftElbow, BodyJoint::kLeftHand}) {
+      if (swap) std::swap(row.frame[left], row.frame.joints[static_cast<int>(left) + 1]);
+    }
+  }
+}
+
+/// NiTE writes millimetres. In metres a person is never 20 units away; in millimetres never that close.
+void tellMetres(RawStream& raw) {
+  constexpr double kLargestInMetres = 20.0;
+  double largest = 0.0;
+  for (const Observation& row : raw.rows) {
+    for (const TrackedJoint& joint : row.frame.joints) {
+      largest = std::max(largest, joint.position.cwiseAbs().maxCoeff());
+    }
+  }
+  if (!(largest > 0.0 && largest * 1000.0 < kLargestInMetres)) return;
+  raw.notes.emplace_back("Positions are assumed to be in metres, because all are below 20.");
+  for (Observation& row : raw.rows) {
+    for (TrackedJoint& joint : row.frame.joints) joint.position *= 1000.0;
+  }
+}
+
+std::string jointNumber(int joint) {
+  return fmt::format("joint {}", joint + 1);
+}
+std::string jointNumberOfFrame(int joint) {
+  return fmt::format("joint {} of the frame,", joint + 1);
+}
+std::string jointOfArm(int joint) {
+  constexpr std::array<std::string_view, 3> kNames = {"shoulder", "elbow", "hand"};
+  return fmt::format("arm {}, {}", joint / 3 + 1, kNames[joint % 3]);
+}
+std::string jointOfNite(int joint) {
+  return std::string(nameOf(static_cast<BodyJoint>(joint)));
+}
+
+constexpr std::string_view kThirtyPerSecond = "The file has no times: 30 frames per second were assumed.";
+
+constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
+    {.format = JointFormat::kLorica, .name = "lorica"},
+    {.format = JointFormat::kMsrAction3d,
+     .name = "msr-action3d",
+     .fields = "xyzc",
+     .order = kMsrOrder,
+     .rowsPerFrame = kKinect1JointCount,
+     .tick = 1.0 / 15.0,
+     .note = "The file has no times: 15 frames per second were assumed, the rate of MSR Action3D.",
+     .expectedRow = "4: x y z confidence of a joint, 20 rows per frame",
+     .expectedFile = "20 rows of x y z confidence for each frame",
+     .called = jointNumberOfFrame,
+     .read = readFixedRows},
+    {.format = JointFormat::kUtKinect,
+     .name = "utkinect",
+     .before = "n",
+     .fields = "xyz",
+     .order = kKinect1Order,
+     .expectedRow = "61: the frame number and 20 x (x y z)",
+     .expectedFile = "rows of a frame number and 20 x (x y z)",
+     .called = jointNumber,
+     .read = readFixedRows,
+     .repair = assumeRate},
+    {.format = JointFormat::kKinect2Bodies,
+     .name = "kinect2-bodies",
+     .fields = "sxyz",
+     .order = kKinect2Order,
+     .tick = 1e-7,
+     .states = "0, 1 or 2",
+     .called = jointNumber,
+     .read = readBodies},
+    {.format = JointFormat::kKinect2Wide,
+     .name = "kinect2-wide",
+     .header = kWideColumns,
+     .states = "TRACKED, INFERRED or NOTTRACKED",
+     .expectedFile = "found a header and no rows, expected at least one",
+     .read = readUnderHeader},
+    {.format = JointFormat::kKinect1Long,
+     .name = "kinect1-long",
+     .header = kLongColumns,
+     .jointPerRow = true,
+     .states = "Tracked, Inferred or NotTracked",
+     .expectedFile = "found no time with at least 3 joints, expected rows of Time, JointType, X, Y, Z",
+     .read = readUnderHeader},
+    {.format = JointFormat::kKinect2Plain,
+     .name = "kinect2-plain",
+     .fields = "xyz",
+     .order = kKinect2Order,
+     .tick = 1.0 / 30.0,
+     .note = kThirtyPerSecond,
+     .expectedRow = "75: 25 x (x y z)",
+     .expectedFile = "rows of 25 x (x y z)",
+     .called = jointNumber,
+     .read = readFixedRows},
+    {.format = JointFormat::kUiPrmd,
+     .name = "ui-prmd",
+     .fields = "xyz",
+     .order = kUiPrmdOrder,
+     .unit = 0.01,
+     .tick = 1.0 / 30.0,
+     .note = "The file has no times: 30 frames per second were assumed, the rate of UI-PRMD.",
+     .expectedRow = "66: 22 x (x y z)",
+     .expectedFile = "rows of 22 x (x y z)",
+     .called = jointNumber},
+    {.format = JointFormat::kUpperBody,
+     .name = "upper-body",
+     .fields = "xyz",
+     .order = kArmsOrder,
+     .tick = 1.0 / 30.0,
+     .note = kThirtyPerSecond,
+     .expectedRow = "18: (shoulder, elbow, hand) x 2, each x y z",
+     .expectedFile = "rows of (shoulder, elbow, hand) x 2, each x y z",
+     .called = jointOfArm,
+     .read = readFixedRows,
+     .repair = tellArmsApart},
+    {.format = JointFormat::kNite2,
+     .name = "nite2",
+     .before = "tu",
+     .fields = "xyzc",
+     .more = "qqqq",
+     .order = kNiteOrder,
+     .unit = 0.001,
+     .expectedRow = "62: time, user, 15 x (x y z confidence)",
+     .expectedRowWithMore = "62 or 122: time, user, 15 x (x y z confidence [qx qy qz qw])",
+     .expectedFile = "rows of time, user, 15 x (x y z confidence)",
+     .called = jointOfNite,
+     .read = readFixedRows,
+     .repair = tellMetres},
+    {.format = JointFormat::kNamedColumns,
+     .name = "named-columns",
+     .header = kJointColumns,
+     .states = "a confidence from 0 to 1, or a state of 0, 1 or 2",
+     .expectedFile = "found a header and no rows, expected at least one",
+     .read = readNamedColumns},
+}};
+
+/// Rows to inspect: enough for one frame of MSR Action3D.
+constexpr int kRowsLookedAt = kKinect1JointCount;
+
+bool endsWithWord(std::string_view field, std::string_view word) {
+  return field.size() >= word.size() && sameWord(field.substr(field.size() - word.size()), word);
+}
+
+std::optional<JointFormat> formatOfHeader(const RowReader& reader) {
+  const auto fields = reader.fields();
+  const auto has = [&](auto&& test) { return std::any_of(fields.begin(), fields.end(), test); };
+  // Two of the three suffice: the format's own reader reports better what is wrong with the third.
+  if (fields.size() > 5 &&
+      sameWord(fields[0], "time") + sameWord(fields[1], "user") + sameWord(fields[2], "head.x") >= 2) {
+    return sameWord(fields[5], "head.qx") ? JointFormat::kLorica : JointFormat::kNite2;
+  }
+  const bool time = has([](std::string_view f) { return f.size() >= 4 && sameWord(f.substr(0, 4), "time"); });
+  const bool x = has([](std::string_view f) { return endsWithWord(f, "x"); });
+  if (time && x && has([](std::string_view f) { return sameWord(f, "JointType"); })) return JointFormat::kKinect1Long;
+  const auto isPositionX = [](std::string_view f) {
+    return endsWithWord(f, "PositionX") || endsWithWord(f, "Position.X");
+  };
+  const bool relative = has([](std::string_view f) { return endsWithWord(f, "time"); });
+  if ((time || relative) && std::count_if(fields.begin(), fields.end(), isPositionX) > 1)
+    return JointFormat::kKinect2Wide;
+  return std::nullopt;
+}
+
+/// Whether a header names the columns of some joints.
+bool namesJoints(const RowReader& reader) {
+  int joints = 0;
+  for (const std::string_view field : reader.fields()) {
+    const ColumnName name = columnNameOf(field);
+    joints += name.plain.ends_with('x') && sensorJointCalled(name.plain.substr(0, name.plain.size() - 1));
+  }
+  return joints >= kFewestNamedJoints;
+}
+
+/// Whether the row has the form "sec|kb,time,6,25,..."
+bool isBodyRow(const RowReader& reader) {
+  if (reader.delimiter() == Delimiter::kBlanks || reader.count() < 5) return false;
+  const std::string_view tag = reader.field(0);
+  if (tag.find('|') != std::string_view::npos) return true;
+  const std::string_view bodies = reader.field(2);
+  return bodies.size() == 1 && bodies[0] >= '1' && bodies[0] <= '6' && reader.field(3) == "25";
+}
+
+/// Whether the fields of a row may be a layout's: numbers, with whole numbers and confidences where they should be.
+bool fits(const Layout& layout, RowReader& row) {
+  const bool withMore = !row.fit(layout.count());
+  if (withMore && (layout.more.empty() || !row.fit(layout.count(true)))) return false;
+  const std::string joint = std::string(layout.fields) + std::string(withMore ? layout.more : "");
+  for (int c = 0; c < row.count(); ++c) {
+    const int inJoint = c - countOf(layout.before);
+    const char field = inJoint < 0 ? layout.before[c] : joint[inJoint % countOf(joint)];
+    double value = 0.0;
+    const NumberKind kind = readNumber(row.field(c), value);
+    if (kind == NumberKind::kBad) return false;
+    if (field == 'n' && !(kind == NumberKind::kNumber && value == std::floor(value))) return false;
+    if (field == 'c' && !(kind == NumberKind::kNumber && value >= 0.0 && value <= 1.0)) return false;
+  }
+  return true;
+}
+
+enum class Fit : std::uint8_t { kNone, kFirst, kAll };
+
+/// Whether the first rows match a layout. A header is accepted only by NiTE 2's.
+Fit fitOf(const Layout& layout, std::string_view text, std::string_view file) {
+  if (layout.expectedRow.empty()) return Fit::kNone;
+  RowReader reader(text, file);
+  int rows = 0;
+  bool mayBeHeader = layout.format == JointFormat::kNite2;
+  while (rows < kRowsLookedAt && reader.next()) {
+    if (std::exchange(mayBeHeader, false) && isWord(reader.field(0))) continue;
+    if (!fits(layout, reader)) return rows == 0 ? Fit::kNone : reader.cutOff() ? Fit::kAll : Fit::kFirst;
+    ++rows;
+  }
+  return rows > 0 ? Fit::kAll : Fit::kNone;
+}
+
+std::string listed(const std::vector<JointFormat>& formats, std::string_view last) {
+  std::string text;
+  for (int i = 0; i < countOf(formats); ++i) {
+    text += i == 0 ? "" : i + 1 == countOf(formats) ? last : std::string_view(", ");
+    text += nameOf(formats[i]);
+  }
+  return text;
+}
+
+}  // namespace
+
+int Layout::count(bool withMore) const {
+  return countOf(before) + (countOf(fields) + (withMore ? countOf(more) : 0)) * countOf(order) / rowsPerFrame;
+}
+
+const Layout& layoutOf(JointFormat format) {
+  return kLayouts[static_cast<int>(format)];
+}
+
+Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
+  RowReader reader(text, file);
+  if (!reader.next()) return badFormat("{}: found an empty file, expected recorded joints", file);
+  if (const std::optional<JointFormat> format = formatOfHeader(reader)) return *format;
+  if (isBodyRow(reader)) return JointFormat::kKinect2Bodies;
+
+  std::vector<JointFormat> fitting, beginning, all;
+  for (const Layout& layout : kLayouts) {
+    const Fit fit = fitOf(layout, text, file);
+    all.push_back(layout.format);
+    if (fit == Fit::kAll) fitting.push_back(layout.format);
+    if (fit == Fit::kFirst) beginning.push_back(layout.format);
+  }
+  if (fitting.size() == 1) return fitting.front();
+  // The file probably has a bad row: reading it in this format reports which one.
+  if (fitting.empty() && beginning.size() == 1) return beginning.front();
+  if (fitting.empty() && namesJoints(reader)) return JointFormat::kNamedColumns;
+  if (fitting.empty()) {
+    return badFormat(
+        "{}: found a first row of {} fields starting with {}, expected recorded joints in a known layout; if it is "
+        "one, specify it with --format: {}",
+        file, reader.count(), quotedWord(reader.field(0)), listed(all, " or "));
+  }
+  return badFormat("{}: found rows that match {}, expected a single match; specify the layout with --format", file,
+                   listed(fitting, " and "));
+}
+
+}  // namespace lorica::joints
+
+namespace lorica {
+
+std::string_view nameOf(JointFormat format) {
+  return joints::layoutOf(format).name;
+}
+
+std::optional<JointFormat> jointFormatNamed(std::string_view name) {
+  for (const joints::Layout& layout : joints::kLayouts) {
+    if (layout.name == name) return layout.format;
+  }
+  return std::nullopt;
+}
+
+}  // namespace lorica
