@@ -170,7 +170,7 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
     return pictures->draw(job.item, store.folderOf(job.name) / (job.stem + ".lorica"), scratch.folder());
   };
   const std::string page = htmlReport(collection, schedules, draw);
-  if (host.cancelled()) return cancelled();
+  if (interrupted()) return cancelled();
   LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection)));
   LORICA_TRY_DO(writeFileAtomically(out / "report.html", page));
   const Result<void> published = publish(common, collectionReport(collection, schedules, jobs.size(), out),

@@ -53,7 +53,7 @@ Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
 }
 
 /// Everyone in a depth recording, where they are in front of the camera.
-Result<void> runCameraFrame(const Options& options, const CommonOptions& common) {
+Result<void> runCameraFrame(const Options& options, const CommonOptions& common, Host& host) {
   const fs::path shipped = shippedRecording(options.input);
   const fs::path input = shipped.empty() ? fs::path(options.input) : shipped;
   if (!isDepthRecording(input)) {
@@ -112,7 +112,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.output, options.character.name}));
   const std::string extension = lowerCase(fs::path(options.output).extension().string());
   LORICA_TRY_DO(checkFiles(options, extension));
-  if (options.cameraFrame) return runCameraFrame(options, common);
+  if (options.cameraFrame) return runCameraFrame(options, common, host);
   LORICA_TRY(const Motion motion, readMotion(options.input, options.motion, host));
   LORICA_TRY(const ConvertedClip made,
              options.character.name.empty()

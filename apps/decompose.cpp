@@ -59,7 +59,7 @@ Result<void> check(const DecomposeOptions& options, const CommonOptions& common,
 }
 
 /// Says, before any work, which limits give if not all can hold.
-void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limits) {
+void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limits, Host& host) {
   std::vector<std::string> kept, given;
   if (!options.cover.exact()) kept.push_back(asTyped(options.cover));
   if (limits.maxError > 0.0) given.push_back("--max-error " + percent(limits.maxError));
@@ -113,7 +113,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   settings.candidateEdges = options.candidates;
   settings.planesPerEdge = options.orientations;
   settings.threads = outcome.threads;
-  sayWhatGives(options, settings);
+  sayWhatGives(options, settings, host);
   const CoverPoses* posesOfCover = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
   LORICA_TRY(Fit found,
              fitHulls({subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings}, host));

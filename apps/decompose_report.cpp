@@ -2,6 +2,7 @@
 #include "geometry/text.h"
 
 #include "acd/decomposition_file.h"
+#include "apps/report_parts.h"
 #include "geometry/counts.h"
 #include "prepare/mesh_subject.h"
 

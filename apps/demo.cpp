@@ -84,7 +84,9 @@ Result<Show> playForFiles(const Options& options, Host& host) {
   }
   LORICA_TRY(const RunEnd end, play(run, shown, host));
   if (end == RunEnd::kInterrupted) return cancelled();
-  if (pictures) LORICA_TRY(show.files, pictures->finish());
+  if (pictures) {
+    LORICA_TRY(show.files, pictures->finish());
+  }
   return show;
 }
 

@@ -164,7 +164,7 @@ Result<void> writeModel(const Options& options, const RigidModel& model) {
 
 /// The character with hulls below its bones, or a VRM with colliders for its springs.
 Result<void> writeCharacter(const Options& options, const ExportSource& source,
-                            std::span<const RigidCollider> colliders, ExportReport& report) {
+                            std::span<const RigidCollider> colliders, const Host& host, ExportReport& report) {
   const Character& character = *source.subject.character;
   const std::optional<CharacterFile>& file = source.subject.file;
   LORICA_TRY(CharacterDocument document, file ? characterDocument({source.input, &*file, host.paths})
@@ -186,7 +186,7 @@ Result<void> exportRigid(const Options& options, const ExportSource& source, Hos
   const std::optional<Format> format = formatOf(options.output);
   Result<void> written;
   if (format == Format::kGlb || format == Format::kVrm) {
-    written = writeCharacter(options, source, rigid.colliders, report);
+    written = writeCharacter(options, source, rigid.colliders, host, report);
   } else if (format == Format::kMeshes) {
     written = writeMeshes(options.output, namedHulls(character, rigid.colliders));
   } else {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "apps/report.h"
+#include "prepare/motion.h"
 #include "prepare/subject.h"
 
 #include <nlohmann/json.hpp>

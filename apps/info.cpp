@@ -45,7 +45,7 @@ Error nothingNamed(const std::string& name) {
       name, shippedNames(folder, ".csv"), shippedNames(folder, ".oni"));
 }
 
-Result<FileSummary> describe(const Options& options) {
+Result<FileSummary> describe(const Options& options, Host& host) {
   if (options.devices) return describeDevices(options.driver);
   if (options.input.empty()) {
     return invalidArgument("expected a file or --devices");
@@ -74,7 +74,7 @@ Result<FileSummary> describe(const Options& options) {
 }
 
 /// @return how many of its bones may be wrong
-Result<std::size_t> writeMap(const Options& options) {
+Result<std::size_t> writeMap(const Options& options, const Host& host) {
   if (!isCharacterFile(options.input)) {
     return invalidArgument("--write-map is for character files, but {} is not one", options.input);
   }
@@ -102,9 +102,9 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.character.map, options.writeMap}));
   std::size_t unsure = 0;
   if (!options.writeMap.empty()) {
-    LORICA_TRY(unsure, writeMap(options));
+    LORICA_TRY(unsure, writeMap(options, host));
   }
-  LORICA_TRY(FileSummary summary, describe(options));
+  LORICA_TRY(FileSummary summary, describe(options, host));
   if (!options.writeMap.empty()) {
     const std::string check = unsure == 0 ? "" : fmt::format(", {} unsure", counted(unsure, "bone is", "bones are"));
     summary.report.line("bone map", options.writeMap + check + ": edit it and pass it with --map");

@@ -123,7 +123,7 @@ void addFaultOption(CommandLine& app, MotionOptions& options) {
       ->check(check);
 }
 
-void addCastRequest(CommandLine& app, CastRequest& options) {
+void addMotionOptions(CommandLine& app, CastRequest& options) {
   app.addOption("MOTION", options.motion,
                 "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
                 "recording [default: a clip of --character]")

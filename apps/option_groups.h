@@ -39,7 +39,7 @@ void addPlayingOptions(CommandLine& app, MotionOptions& options);
 void addFaultOption(CommandLine& app, MotionOptions& options);
 
 /// MOTION, --character, and the options for reading and processing both.
-void addCastRequest(CommandLine& app, CastRequest& options);
+void addMotionOptions(CommandLine& app, CastRequest& options);
 
 /// --sender FILE.vrm
 void addSenderOption(CommandLine& app, std::string& file);

@@ -155,7 +155,9 @@ Result<std::optional<Cast>> playCast(const Options& options, const CommonOptions
 /// Until the user opens nothing else.
 Result<void> playInTurn(const Options& options, const CommonOptions& common, Host& host, std::optional<Cast> cast,
                         Screen& screen, WindowOpener& opener) {
-  while (cast) LORICA_TRY(cast, playCast(options, common, host, std::move(*cast), &screen, &opener));
+  while (cast) {
+    LORICA_TRY(cast, playCast(options, common, host, std::move(*cast), &screen, &opener));
+  }
   return {};
 }
 

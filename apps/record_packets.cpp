@@ -10,6 +10,7 @@
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
+#include "prepare/cast.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -39,10 +40,10 @@ Error cannotWrite(const fs::path& file, int error) {
 /// A .pcap file that grows. Each packet is handed to the system at once, so that a killed program loses none.
 class PacketWriter {
  public:
-  [[nodiscard]] static Result<std::unique_ptr<PacketWriter>> create(const fs::path& file) {
+  [[nodiscard]] static Result<std::unique_ptr<PacketWriter>> create(const fs::path& file, Host& host) {
     const fs::path part = fs::path(file).replace_extension(".part.pcap");
     LORICA_TRY(const std::optional<fs::path> found, keepFound(part));
-    sayFound(found);
+    warnOfFound(found, host);
     LORICA_TRY(const int descriptor, createPart(part));
     std::unique_ptr<PacketWriter> writer(new PacketWriter(file, part, descriptor));
     LORICA_TRY_DO(writer->write(packetFileHeader()));
@@ -121,7 +122,7 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
   }
   const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
   LORICA_TRY(UdpSocket socket, prefixed("--vmc", address ? UdpSocket::listen(*address) : address.error()));
-  LORICA_TRY(const std::unique_ptr<PacketWriter> writer, PacketWriter::create(out));
+  LORICA_TRY(const std::unique_ptr<PacketWriter> writer, PacketWriter::create(out, host));
 
   host.tell(fmt::format("Recording packets to {}; press Ctrl-C to stop.", textOf(*address)));
   std::vector<std::byte> memory(kLargestPacket);

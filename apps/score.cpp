@@ -4,6 +4,7 @@
 #include "apps/interrupt.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
+#include "apps/report_parts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 #include "prepare/mesh_subject.h"

@@ -54,7 +54,9 @@ Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, 
   LORICA_TRY(showing.end, play(run, shown, host));
   showing.next = std::move(shown.next);
   if (run.live()) answerInterrupt();
-  if (series && (run.live() || showing.end != RunEnd::kInterrupted)) LORICA_TRY(showing.drawn, series->finish());
+  if (series && (run.live() || showing.end != RunEnd::kInterrupted)) {
+    LORICA_TRY(showing.drawn, series->finish());
+  }
   return showing;
 }
 

@@ -1,4 +1,5 @@
 #include "apps/file_summary.h"
+#include "apps/report_parts.h"
 #include "apps/summary_look.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "geometry/text.h"

@@ -1,5 +1,6 @@
 #include "acd/decomposition_file.h"
 #include "apps/file_summary.h"
+#include "apps/report_parts.h"
 #include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/text.h"

@@ -35,7 +35,7 @@ Result<std::unique_ptr<Run>> Run::start(Cast cast, RunSetting setting, Host& hos
   const bool anyTracked = std::any_of(cast.avatars.begin(), cast.avatars.end(), tracked);
   LORICA_TRY(std::unique_ptr<Run> run, make(std::move(cast), std::move(setting), host));
   run->treatment = treatmentControl(run->cast.request.performing, anyTracked);
-  LORICA_TRY_DO(run->watch());
+  LORICA_TRY_DO(run->watch(host));
   return run;
 }
 
@@ -44,7 +44,7 @@ Result<std::unique_ptr<Run>> Run::start(LiveCast live, RunSetting setting, Host&
   LORICA_TRY(std::unique_ptr<Run> run, make(std::move(live.cast), std::move(setting), host));
   run->live_ = std::move(live.sources);
   run->treatment = treatmentControl(run->cast.request.performing, run->live_->vmc.empty());
-  LORICA_TRY_DO(run->watch());
+  LORICA_TRY_DO(run->watch(host));
   return run;
 }
 
@@ -52,12 +52,12 @@ Result<std::unique_ptr<Run>> Run::start(RecordedCast recorded, RunSetting settin
   setting.atEnd = AtEnd::kHold;
   LORICA_TRY(std::unique_ptr<Run> run, make(std::move(recorded.cast), std::move(setting), host));
   run->recorded_ = std::make_unique<RecordedCast>(std::move(recorded));
-  LORICA_TRY_DO(run->watch());
+  LORICA_TRY_DO(run->watch(host));
   return run;
 }
 
 /// What watches the session's steps: recorder or comparison, then what sends poses, then events.
-Result<void> Run::watch() {
+Result<void> Run::watch(Host& host) {
   if (setting.written()) treatment.fix("what is written or sent is as the command says");
   if (recorded_) comparison = std::make_shared<SessionReplay>(recorded_->session);
   std::shared_ptr<StepWatcher> next = recorder;
@@ -65,7 +65,7 @@ Result<void> Run::watch() {
   LORICA_TRY(const std::shared_ptr<StepWatcher> sender,
              makePoseOutput(setting.out, cast.avatars.front().subject, cast.request.reading.expressions, next));
   LORICA_TRY_DO(finishEvents(events_));
-  LORICA_TRY(events_, makeEventsOutput(setting.events, sender));
+  LORICA_TRY(events_, makeEventsOutput(setting.events, sender, host));
   session.watch(events_ ? events_ : sender);
   return {};
 }
@@ -107,7 +107,7 @@ const Image* Run::drawInset() {
   return &inset;
 }
 
-Result<void> Run::restarted(Host& /*host*/) {
+Result<void> Run::restarted(Host& host) {
   before_ += now_;
   now_ = 0.0;
   frames_ = 0;
@@ -117,7 +117,7 @@ Result<void> Run::restarted(Host& /*host*/) {
   } else {
     statistics = RunStatistics();
   }
-  return recorded_ ? watch() : Result<void>();
+  return recorded_ ? watch(host) : Result<void>();
 }
 
 void Run::sceneChosen(const std::string& scene, Host& host) {

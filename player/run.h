@@ -117,7 +117,7 @@ class Run {
  private:
   Run(Cast cast, RunSetting setting, Session session, Host& host);
   [[nodiscard]] static Result<std::unique_ptr<Run>> make(Cast cast, RunSetting setting, Host& host);
-  [[nodiscard]] Result<void> watch();
+  [[nodiscard]] Result<void> watch(Host& host);
 
   std::vector<HitTarget> targets_;
   std::shared_ptr<LiveSources> live_;

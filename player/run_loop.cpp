@@ -31,7 +31,7 @@ RunLoop::RunLoop(Run& run, Shown& shown, Host& host)
   if (screen_ == nullptr) return;
   if (!run.watched()) scenes_ = scenesNextTo(run.cast.request.scene);
   scene_.emplace(session_);
-  levels_->emplace(session_.body().plan(), session_.character());
+  levels_.emplace(session_.body().plan(), session_.character());
   avatarNames_ = avatarNames(session_);
   title_ = titleOf(session_, run.name(), run.live());
   const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
@@ -187,7 +187,7 @@ void RunLoop::goOn() {
       due_ = now();
       break;
     }
-    hands_.beforeStep(window_, session_);
+    hands_.beforeStep(*screen_, session_);
     session_.world().stepAvatars(standing, kAfterSeconds);
     due_ += kAfterSeconds / screen_->speed();
     if (now() - due_ > kLongestPause) due_ = now();
@@ -196,7 +196,7 @@ void RunLoop::goOn() {
 }
 
 Result<void> RunLoop::step() {
-  hands_.beforeStep(window_, session_);
+  hands_.beforeStep(*screen_, session_);
   const double before = seconds();
   const Result<bool> more = stepSession();
   if (closed_) {

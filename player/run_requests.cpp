@@ -37,7 +37,7 @@ Result<void> RunLoop::answer(WindowRequests requests) {
   if (requests.undo) return undo();
   if (requests.cancel && nextWorld_) nextWorld_->cancel();
   if (requests.scene && *requests.scene != scenes_.present) prepareWorld(*requests.scene);
-  hands_.take(requests, window_, screen_->choices().follow ? focus_.position() : std::nullopt, session_);
+  hands_.take(requests, *screen_, screen_->choices().follow ? focus_.position() : std::nullopt, session_);
   if (requests.parts && *requests.parts != levels_->asked().value_or(countOf(session_.body().parts()))) {
     levels_->ask(*requests.parts);
   }

@@ -72,7 +72,7 @@ Result<void> RunLoop::takeWorld() {
   if (!scene) return restartIn(std::move(**world));
   scenes_.present = *scene;
   const std::string& name = scenes_.arguments[*scene];
-  if (run_.cast.request.sceneChosen) run_.cast.request.sceneChosen(name);
+  run_.sceneChosen(name, host_);
   if (shown_.opener != nullptr) shown_.opener->choseScene(name);
   hands_.forget();
   if (run_.restartable()) return restartIn(std::move(**world));

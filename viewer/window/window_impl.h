@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viewer/pictures/video_writer.h"
+#include "viewer/renderer/gl_functions.h"
 #include "viewer/window/orbit_camera.h"
 #include "viewer/window/quality_choice.h"
 #include "viewer/window/time_graph.h"
