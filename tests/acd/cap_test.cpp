@@ -1,5 +1,7 @@
 #include "acd/cap.h"
 
+#include "geometry/counts.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -10,19 +12,19 @@
 namespace lorica {
 namespace {
 
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
 double areaOf(std::span<const Vec2> v, std::span<const Triangle> triangles) {
   double sum = 0.0;
-  for (const Triangle& t : triangles) {
-    const Vec2 a = v[t[1]] - v[t[0]];
-    const Vec2 b = v[t[2]] - v[t[0]];
-    sum += 0.5 * (a.x() * b.y() - a.y() * b.x());
-  }
+  for (const Triangle& t : triangles) sum += 0.5 * cross(v[t[1]] - v[t[0]], v[t[2]] - v[t[0]]);
   return sum;
 }
 
 double areaOf(std::span<const Vec2> v, std::span<const CapEdge> edges) {
   double sum = 0.0;
-  for (const CapEdge& e : edges) sum += 0.5 * (v[e[0]].x() * v[e[1]].y() - v[e[0]].y() * v[e[1]].x());
+  for (const CapEdge& e : edges) sum += 0.5 * cross(v[e[0]], v[e[1]]);
   return sum;
 }
 
@@ -57,13 +59,6 @@ void expectFills(std::span<const Vec2> v, std::span<const CapEdge> edges, bool a
   EXPECT_NEAR(areaOf(v, triangles), areaOf(v, edges), 1e-12 * std::max(1.0, boundsArea(v)));
 }
 
-void addLoop(std::vector<Vec2>& v, std::vector<CapEdge>& edges, const std::vector<Vec2>& loop) {
-  const int first = static_cast<int>(v.size());
-  const int count = static_cast<int>(loop.size());
-  v.insert(v.end(), loop.begin(), loop.end());
-  for (int i = 0; i < count; ++i) edges.push_back({first + i, first + (i + 1) % count});
-}
-
 std::vector<Vec2> circle(Vec2 center, double radius, int count, bool clockwise) {
   std::vector<Vec2> loop;
   for (int i = 0; i < count; ++i) {
@@ -73,39 +68,16 @@ std::vector<Vec2> circle(Vec2 center, double radius, int count, bool clockwise) 
   return loop;
 }
 
-TEST(Cap, ConvexAndStarShapedLoops) {
+/// Checks the cap of several loops.
+void expectFills(const std::vector<std::vector<Vec2>>& loops, bool allPositive = true) {
   std::vector<Vec2> v;
   std::vector<CapEdge> edges;
-  addLoop(v, edges, circle({0, 0}, 1, 17, false));
-  expectFills(v, edges);
-  std::vector<Vec2> star = circle({0, 0}, 1, 24, false);
-  for (std::size_t i = 0; i < star.size(); ++i) star[i] = (i % 2 ? 1.0 : 0.3) * star[i] + Vec2(5, 0);
-  addLoop(v, edges, star);
-  expectFills(v, edges);
-}
-
-TEST(Cap, HolesAndAnIslandInAHole) {
-  std::vector<Vec2> v;
-  std::vector<CapEdge> edges;
-  addLoop(v, edges, circle({0, 0}, 10, 40, false));
-  addLoop(v, edges, circle({-4, 0}, 2, 12, true));
-  addLoop(v, edges, circle({4, 0}, 3, 9, true));
-  addLoop(v, edges, circle({4, 0}, 1, 8, false));
-  addLoop(v, edges, circle({0, 5}, 1, 6, true));
-  addLoop(v, edges, circle({0, -5}, 1, 6, true));
-  expectFills(v, edges);
-}
-
-TEST(Cap, ManyHolesInAGrid) {
-  std::vector<Vec2> v;
-  std::vector<CapEdge> edges;
-  addLoop(v, edges, {{-1, -1}, {21, -1}, {21, 21}, {-1, 21}});
-  for (int x = 0; x < 10; ++x) {
-    for (int y = 0; y < 10; ++y)
-      addLoop(v, edges,
-              {{2.0 * x, 2.0 * y}, {2.0 * x, 2.0 * y + 1}, {2.0 * x + 1, 2.0 * y + 1}, {2.0 * x + 1, 2.0 * y}});
+  for (const std::vector<Vec2>& loop : loops) {
+    const int first = countOf(v), count = countOf(loop);
+    v.insert(v.end(), loop.begin(), loop.end());
+    for (int i = 0; i < count; ++i) edges.push_back({first + i, first + (i + 1) % count});
   }
-  expectFills(v, edges);
+  expectFills(v, edges, allPositive);
 }
 
 TEST(Cap, LoopsThatTouchInAVertexComeApart) {
@@ -116,35 +88,13 @@ TEST(Cap, LoopsThatTouchInAVertexComeApart) {
   EXPECT_EQ(triangulateCap(v, edges).size(), 4u);
 }
 
-TEST(Cap, CollinearVerticesAllKeepTheirEdges) {
-  std::vector<Vec2> v;
-  std::vector<CapEdge> edges;
-  std::vector<Vec2> loop;
-  for (int i = 0; i < 10; ++i) loop.emplace_back(i, 0);
-  for (int i = 0; i < 10; ++i) loop.emplace_back(10, i);
-  for (int i = 0; i < 10; ++i) loop.emplace_back(10 - i, 10);
-  for (int i = 0; i < 10; ++i) loop.emplace_back(0, 10 - i);
-  addLoop(v, edges, loop);
-  expectFills(v, edges);
-}
-
-TEST(Cap, CrossingLoopsStillClose) {
-  std::vector<Vec2> v;
-  std::vector<CapEdge> edges;
-  addLoop(v, edges, circle({0, 0}, 2, 20, false));
-  addLoop(v, edges, circle({1.5, 0}, 2, 20, false));
-  addLoop(v, edges, {{0, 0}, {1, 1}, {1, 0}, {0, 1}});  // a bow-tie
-  addLoop(v, edges, circle({9, 9}, 1, 5, true));        // a hole in nothing
-  expectFills(v, edges, false);
-}
-
 TEST(Cap, RandomCellsOfAGrid) {
   // Unions of squares: collinear runs, holes, islands, corners where four edges meet.
   std::mt19937_64 random(5);
   for (int trial = 0; trial < 200; ++trial) {
     SCOPED_TRACE(trial);
     const int n = 2 + static_cast<int>(random() % 9);
-    std::vector<bool> filled(static_cast<std::size_t>(n * n));
+    std::vector<bool> filled(n * n);
     for (std::size_t i = 0; i < filled.size(); ++i) filled[i] = random() % 8 < 5;
     const auto at = [&](int x, int y) { return x >= 0 && y >= 0 && x < n && y < n && filled[y * n + x]; };
     std::vector<Vec2> v;
@@ -166,28 +116,51 @@ TEST(Cap, RandomCellsOfAGrid) {
   }
 }
 
-TEST(Cap, ALongSpiralAndThousandsOfHoles) {
+TEST(Cap, LoopsWithHolesAndIslandsAreFilled) {
+  EXPECT_TRUE(triangulateCap({}, {}).empty());
+  const std::vector<Vec2> convex = circle({0, 0}, 1, 17, false);
+  std::vector<Vec2> star = circle({0, 0}, 1, 24, false), straight;
+  for (std::size_t i = 0; i < star.size(); ++i) star[i] = (i % 2 ? 1.0 : 0.3) * star[i] + Vec2(5, 0);
+  for (int i = 0; i < 10; ++i) straight.emplace_back(i, 0);
+  for (int i = 0; i < 10; ++i) straight.emplace_back(10, i);
+  for (int i = 0; i < 10; ++i) straight.emplace_back(10 - i, 10);
+  for (int i = 0; i < 10; ++i) straight.emplace_back(0, 10 - i);
+  std::vector<std::vector<Vec2>> grid = {{{-1, -1}, {21, -1}, {21, 21}, {-1, 21}}};
+  for (double x = 0; x < 20; x += 2) {
+    for (double y = 0; y < 20; y += 2) grid.push_back({{x, y}, {x, y + 1}, {x + 1, y + 1}, {x + 1, y}});
+  }
   // Would take minutes if each corner were tested against all others.
-  std::vector<Vec2> v;
-  std::vector<CapEdge> edges;
-  std::vector<Vec2> spiral;
+  std::vector<std::vector<Vec2>> large = {{}, {{999, -1}, {1051, -1}, {1051, 51}, {999, 51}}};
   constexpr int kSteps = 5000;
   for (int i = 0; i < 2 * kSteps; ++i) {
     const int step = i < kSteps ? i : 2 * kSteps - 1 - i;
-    const double angle = 40.0 * std::numbers::pi * step / kSteps;
-    const double r = (i < kSteps ? 5.0 : 3.0) + angle;
-    spiral.emplace_back(r * std::cos(angle), r * std::sin(angle));
+    const double angle = 40.0 * std::numbers::pi * step / kSteps, r = (i < kSteps ? 5.0 : 3.0) + angle;
+    large[0].emplace_back(r * std::cos(angle), r * std::sin(angle));
   }
-  addLoop(v, edges, spiral);
-  addLoop(v, edges, {{999, -1}, {1051, -1}, {1051, 51}, {999, 51}});
   for (int x = 0; x < 50; ++x) {
-    for (int y = 0; y < 50; ++y) addLoop(v, edges, circle({1000.5 + x, 0.5 + y}, 0.3, 6, true));
+    for (int y = 0; y < 50; ++y) large.push_back(circle({1000.5 + x, 0.5 + y}, 0.3, 6, true));
   }
-  expectFills(v, edges);
+  const std::vector<std::vector<Vec2>> island = {circle({0, 0}, 10, 40, false), circle({-4, 0}, 2, 12, true),
+                                                 circle({4, 0}, 3, 9, true),    circle({4, 0}, 1, 8, false),
+                                                 circle({0, 5}, 1, 6, true),    circle({0, -5}, 1, 6, true)};
+  for (const auto& [what, loops] : std::initializer_list<std::pair<const char*, std::vector<std::vector<Vec2>>>>{
+           {"convex", {convex}},
+           {"convex and a star", {convex, star}},
+           {"holes and an island in a hole", island},
+           {"many holes in a grid", grid},
+           {"collinear vertices", {straight}},
+           {"a long spiral and thousands of holes", large}}) {
+    SCOPED_TRACE(what);
+    expectFills(loops);
+  }
 }
 
-TEST(Cap, NoEdgesGiveNoTriangles) {
-  EXPECT_TRUE(triangulateCap({}, {}).empty());
+TEST(Cap, CrossingLoopsStillClose) {
+  expectFills({circle({0, 0}, 2, 20, false),
+               circle({1.5, 0}, 2, 20, false),
+               {{0, 0}, {1, 1}, {1, 0}, {0, 1}},  // a bow-tie
+               circle({9, 9}, 1, 5, true)},       // a hole in nothing
+              false);
 }
 
 }  // namespace

@@ -19,10 +19,8 @@ namespace {
 
 std::vector<ConcaveEdge> concaveEdgesOf(const TriMesh& mesh, const Part& part, std::span<const Vec3> points, int count,
                                         double spacing) {
-  std::vector<Vec3> own;
-  for (const PointIndex p : part.points) own.push_back(points[p]);
   return deepestConcaveEdges(creasesOf(part), mesh.triangles, unitNormals(mesh.triangles, points), points,
-                             convexHull(own), count, spacing);
+                             convexHull(test::chosen(part.points, points)), count, spacing);
 }
 
 std::vector<ConcaveEdge> concaveEdgesOf(const TriMesh& mesh, int count = 1000, double spacing = 0.0) {
@@ -59,8 +57,7 @@ TEST(Creases, AreAllEdgesOfTheMeshButNotTheBordersOfCaps) {
   EXPECT_TRUE(creasesOf({}).empty());
   const TriMesh mesh = test::makeLShape();
   // Cut through the inner edge and all others along z, at a third of their length.
-  const CutResult cut =
-      cutPart(test::wholeOf(mesh), mesh.vertices, {Vec3::UnitZ(), 1.0 / 3.0}, 1e-9, static_cast<PointIndex>(12));
+  const CutResult cut = cutPart(test::wholeOf(mesh), mesh.vertices, {Vec3::UnitZ(), 1.0 / 3.0}, 1e-9, 12);
   for (const Part& part : {test::wholeOf(mesh), cut.below, cut.above}) {
     const std::vector<Crease> creases = creasesOf(part);
     // Slow reference: every pair of triangles with the same edge in opposite directions.
@@ -94,10 +91,9 @@ TEST(ConcaveEdges, AConvexPartHasNone) {
   }
   // The L-shape has one; when it is flat, no angle has a meaning.
   const TriMesh shape = test::makeLShape();
-  std::vector<Vec3> flat = shape.vertices;
-  for (Vec3& v : flat) v.z() = 0.0;
+  const TriMesh flat = test::moved(shape, [](const Vec3& v) { return Vec3(v.x(), v.y(), 0.0); });
   EXPECT_EQ(concaveEdgesOf(shape).size(), 1u);
-  EXPECT_TRUE(concaveEdgesOf(shape, test::wholeOf(shape), flat, 1000, 0.0).empty());
+  EXPECT_TRUE(concaveEdgesOf(shape, test::wholeOf(shape), flat.vertices, 1000, 0.0).empty());
 }
 
 TEST(ConcaveEdges, OfCubesAreThoseWithThreeCubesAround) {
@@ -157,11 +153,8 @@ TEST(ConcaveEdges, KeepTheirDistanceAndOneSectionOfEach) {
                                          [&](const ConcaveEdge& e) { return (e.point - edge.point).norm() < spacing; });
       const bool kept =
           std::any_of(some.begin(), some.end(), [&](const ConcaveEdge& e) { return e.point == edge.point; });
-      if (kept) {
-        EXPECT_EQ(inReach, 1) << "only itself, at spacing " << spacing;
-      } else {
-        EXPECT_GE(inReach, 1) << "left out without a reason, at spacing " << spacing;
-      }
+      EXPECT_GE(inReach, 1) << "left out without a reason, at spacing " << spacing;
+      EXPECT_TRUE(!kept || inReach == 1) << "only itself, at spacing " << spacing;
     }
     EXPECT_EQ(some.size() == 12, spacing < std::sqrt(0.5)) << "neighbours are that far apart";
   }
@@ -184,9 +177,7 @@ TEST(ConcaveEdges, KeepTheirDistanceAndOneSectionOfEach) {
 }
 
 TEST(PlanesThrough, DivideTheAngleBetweenTheFacesEvenly) {
-  const std::uint64_t seed = 41;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(41);
   for (const double angle : {0.05, 0.5, 0.5 * std::numbers::pi, 2.0, 3.1}) {
     // The edge runs along z; seen from above, the empty angle is between the left face, at 0, and the right face.
     const Quat rotation = dice.rotation();
@@ -206,7 +197,7 @@ TEST(PlanesThrough, DivideTheAngleBetweenTheFacesEvenly) {
         // The opposite half-planes, in the solid, go on where the faces end: from pi to pi + angle.
         const double share = count == 1 ? 0.5 : static_cast<double>(i) / (count - 1);
         const Vec3 expected = at(std::numbers::pi + share * angle);
-        const Plane& plane = planes[static_cast<std::size_t>(i)];
+        const Plane& plane = planes[i];
         EXPECT_NEAR(plane.normal.norm(), 1.0, 1e-12);
         EXPECT_NEAR(plane.normal.dot(edge.point), plane.offset, 1e-12);
         EXPECT_NEAR(plane.normal.dot(edge.direction), 0.0, 1e-12);
@@ -223,25 +214,21 @@ TEST(PlanesThrough, DivideTheAngleBetweenTheFacesEvenly) {
 
 TEST(ComponentPlanes, AreHalfwayBetweenHullsThatDoNotTouch) {
   const TriMesh box = test::makeBox({0, 0, 0}, {1, 1, 1});
-  const auto shifted = [](TriMesh mesh, const Vec3& by) {
-    for (Vec3& v : mesh.vertices) v += by;
-    return mesh;
-  };
+  using test::joined, test::shifted;
   const auto planesOf = [](const TriMesh& mesh) { return componentPlanes(test::wholeOf(mesh), mesh.vertices); };
   EXPECT_TRUE(componentPlanes({}, {}).empty());
-  EXPECT_TRUE(planesOf(box).empty());
-  EXPECT_TRUE(planesOf(test::joined(box, box)).empty());
-  EXPECT_TRUE(planesOf(test::joined(box, shifted(box, {1, 0, 0}))).empty()) << "a face in common";
-  EXPECT_TRUE(planesOf(test::joined(box, shifted(box, {1, 1, 1}))).empty()) << "a corner in common";
-  EXPECT_TRUE(planesOf(test::joined(box, test::makeBox({-1, -1, -1}, {2, 2, 2}))).empty()) << "one in the other";
-  // Rings in one another: apart, but their hulls are not.
-  TriMesh ring = test::makeTorus(1.0, 0.2, 20, 8);
-  for (Vec3& v : ring.vertices) v = Vec3(v.x() + 1.0, v.z(), v.y());
-  EXPECT_TRUE(planesOf(test::joined(test::makeTorus(1.0, 0.2, 20, 8), ring)).empty());
+  const TriMesh ring = test::makeTorus(1.0, 0.2, 20, 8);
+  const TriMesh other = test::moved(ring, [](const Vec3& v) { return Vec3(v.x() + 1.0, v.z(), v.y()); });
+  for (const auto& [what, mesh] : {std::pair{"one box", box},
+                                   {"the same box twice", joined(box, box)},
+                                   {"a face in common", joined(box, shifted(box, {1, 0, 0}))},
+                                   {"a corner in common", joined(box, shifted(box, {1, 1, 1}))},
+                                   {"one in the other", joined(box, test::makeBox({-1, -1, -1}, {2, 2, 2}))},
+                                   {"rings in one another: apart, but their hulls are not", joined(ring, other)}}) {
+    EXPECT_TRUE(planesOf(mesh).empty()) << what;
+  }
 
-  const std::uint64_t seed = 42;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(42);
   for (int trial = 0; trial < 50; ++trial) {
     // Balls of radius 1 and 2, a gap apart, and a box farther away: three pairs, so three planes.
     const Quat rotation = dice.rotation();
@@ -249,9 +236,8 @@ TEST(ComponentPlanes, AreHalfwayBetweenHullsThatDoNotTouch) {
     const std::array<TriMesh, 3> solids = {test::makeSphere(1.0, 8, 12),
                                            shifted(test::makeSphere(2.0, 9, 14), {3.0 + gap, 0, 0}),
                                            shifted(box, {0.5, -4.0 - gap, 0.5})};
-    TriMesh mesh = test::joined(test::joined(solids[0], solids[1]), solids[2]);
-    for (Vec3& v : mesh.vertices) v = rotation * v;
-    const std::vector<Plane> planes = planesOf(mesh);
+    const std::vector<Plane> planes = planesOf(
+        test::moved(joined(joined(solids[0], solids[1]), solids[2]), [&](const Vec3& v) { return rotation * v; }));
     ASSERT_EQ(planes.size(), 3u);
     const auto reach = [&](const Plane& plane, std::size_t solid) {
       double low = 1e9, high = -1e9;

@@ -8,7 +8,7 @@
 
 #include <array>
 #include <cmath>
-#include <map>
+#include <set>
 
 namespace lorica {
 namespace {
@@ -18,8 +18,7 @@ constexpr double kTolerance = 1e-9;
 /// A cut with the positions of all points, new ones included.
 struct Cut {
   Cut(const TriMesh& mesh, const Plane& plane)
-      : halves(cutPart(test::wholeOf(mesh), mesh.vertices, plane, kTolerance,
-                       static_cast<PointIndex>(mesh.vertices.size()))),
+      : halves(cutPart(test::wholeOf(mesh), mesh.vertices, plane, kTolerance, countOf(mesh.vertices))),
         points(mesh.vertices) {
     test::append(halves.newPoints, points);
   }
@@ -47,28 +46,6 @@ double clippedVolume(const TriMesh& mesh, const Plane& plane) {
     for (std::size_t i = 2; i < polygon.size(); ++i) sum += polygon[0].dot(polygon[i - 1].cross(polygon[i]));
   }
   return sum / 6.0;
-}
-
-/// Arbitrary planes through a mesh and, like all candidate planes, some through its vertices.
-std::vector<Plane> planesOf(const TriMesh& mesh, test::Dice& dice, int count) {
-  std::vector<Plane> planes;
-  const auto vertex = [&]() -> const Vec3& {
-    return mesh.vertices[static_cast<std::size_t>(dice.whole(0, static_cast<int>(mesh.vertices.size()) - 1))];
-  };
-  while (static_cast<int>(planes.size()) < count) {
-    const Vec3 a = vertex(), b = vertex(), c = vertex();
-    Vec3 normal = planes.size() % 2 == 0 ? Vec3((b - a).cross(c - a)) : dice.inBox(1.0);
-    if (normal.norm() < 1e-3) continue;
-    normal.normalize();
-    planes.push_back({normal, normal.dot(planes.size() % 4 == 3 ? Vec3(0.5 * (a + b)) : a)});
-  }
-  return planes;
-}
-
-TriMesh makeHollowBox() {
-  TriMesh cavity = test::makeBox({1, 1, 1}, {2, 2, 2});
-  for (Triangle& t : cavity.triangles) std::swap(t[1], t[2]);
-  return test::joined(test::makeBox({0, 0, 0}, {3, 3, 3}), cavity);
 }
 
 TEST(Cut, APlaneThatOnlyTouchesThePartCutsNothingOff) {
@@ -123,15 +100,13 @@ TEST(Cut, PointsOfABoxAreWhereThePlaneMeetsItsEdges) {
   // and the diagonals of four sides, each at 3/4 of its even end.
   const TriMesh box = test::makeBox({0, 0, 0}, {1, 1, 1});
   const Cut cut(box, {Vec3::UnitX(), 0.25});
-  std::map<std::pair<PointIndex, PointIndex>, double> lambdas;
+  std::multiset<std::pair<PointIndex, PointIndex>> edges;  // an edge has one cut point, shared by both triangles
   for (const CutPoint& c : cut.halves.newPoints) {
-    lambdas[{c.first, c.second}] = c.lambda;
+    edges.insert({c.first, c.second});
+    EXPECT_EQ(c.lambda, 0.75);
   }
-  const std::map<std::pair<PointIndex, PointIndex>, double> expected = {{{0, 1}, 0.75}, {{2, 3}, 0.75}, {{4, 5}, 0.75},
-                                                                        {{6, 7}, 0.75}, {{0, 3}, 0.75}, {{4, 7}, 0.75},
-                                                                        {{0, 5}, 0.75}, {{2, 7}, 0.75}};
-  EXPECT_EQ(lambdas, expected);
-  EXPECT_EQ(cut.halves.newPoints.size(), expected.size()) << "an edge has one cut point, shared by both triangles";
+  EXPECT_EQ(edges, (std::multiset<std::pair<PointIndex, PointIndex>>{
+                       {0, 1}, {2, 3}, {4, 5}, {6, 7}, {0, 3}, {4, 7}, {0, 5}, {2, 7}}));
   EXPECT_EQ(cut.volumeBelow(), 0.25);
   EXPECT_EQ(cut.volumeAbove(), 0.75);
   EXPECT_EQ(cut.halves.below.points, (std::vector<PointIndex>{0, 2, 4, 6, 8, 9, 10, 11, 12, 13, 14, 15}));
@@ -144,46 +119,36 @@ TEST(Cut, CapsAreThoseOfClosedForms) {
     Plane plane;
     double volumeBelow, volumeAbove, capArea;
   };
-  const double third = 1.0 / 3.0, slanted = std::sqrt(0.5);
+  const TriMesh l = test::makeLShape();
+  const Vec3 xy = Vec3(1, 1, 0).normalized();
+  const Plane slanted{Vec3(1, 1, 1).normalized(), 2.0 / 3.0 / std::sqrt(3.0)};
   const std::vector<Case> cases = {
       // The corner cut off is the tetrahedron reduced to 2/3; its base is a triangle of side 2/3 sqrt(2).
-      {"tetrahedron",
-       test::makeTetrahedron(),
-       {Vec3(1, 1, 1).normalized(), 2.0 * third / std::sqrt(3.0)},
-       8.0 / 162.0,
-       19.0 / 162.0,
-       std::sqrt(3.0) * 2.0 / 9.0},
-      {"L-shape, along the inner face", test::makeLShape(), {Vec3::UnitX(), 1.0}, 2.0, 1.0, 1.0},
-      {"L-shape, across both arms",
-       test::makeLShape(),
-       {Vec3(1, 1, 0).normalized(), 2.5 * slanted},
-       2.75,
-       0.25,
-       std::sqrt(2.0)},
-      {"L-shape, its bisector", test::makeLShape(), {Vec3(1, -1, 0).normalized(), 0.0}, 1.5, 1.5, std::sqrt(2.0)},
-      {"hollow box, through the cavity", makeHollowBox(), {Vec3::UnitY(), 1.5}, 13.0, 13.0, 8.0},
+      {"tetrahedron", test::makeTetrahedron(), slanted, 8.0 / 162.0, 19.0 / 162.0, std::sqrt(3.0) * 2.0 / 9.0},
+      {"L-shape, along the inner face", l, {Vec3::UnitX(), 1.0}, 2.0, 1.0, 1.0},
+      {"L-shape, across both arms", l, {xy, 2.5 * std::sqrt(0.5)}, 2.75, 0.25, std::sqrt(2.0)},
+      {"L-shape, its bisector", l, {Vec3(1, -1, 0).normalized(), 0.0}, 1.5, 1.5, std::sqrt(2.0)},
+      {"hollow box, through the cavity", test::makeHollowBox(), {Vec3::UnitY(), 1.5}, 13.0, 13.0, 8.0},
       // The cavity's side in the plane closes the lower half there, so the cap has a hole.
-      {"hollow box, along the cavity's side", makeHollowBox(), {Vec3::UnitY(), 1.0}, 9.0, 17.0, 8.0}};
+      {"hollow box, along the cavity's side", test::makeHollowBox(), {Vec3::UnitY(), 1.0}, 9.0, 17.0, 8.0}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     const Cut cut(c.mesh, c.plane);
     EXPECT_NEAR(cut.volumeBelow(), c.volumeBelow, 1e-12);
     EXPECT_NEAR(cut.volumeAbove(), c.volumeAbove, 1e-12);
-    EXPECT_TRUE(test::isClosed(cut.halves.above.triangles));
-    EXPECT_TRUE(test::isClosed(cut.halves.below.triangles));
-    EXPECT_NEAR(surfaceArea(cut.points, test::capsOf(cut.halves.above)), c.capArea, 1e-12);
-    EXPECT_NEAR(surfaceArea(cut.points, test::capsOf(cut.halves.below)), c.capArea, 1e-12);
+    for (const Part* half : {&cut.halves.above, &cut.halves.below}) {
+      EXPECT_TRUE(test::isClosed(half->triangles));
+      EXPECT_NEAR(surfaceArea(cut.points, test::capsOf(*half)), c.capArea, 1e-12);
+    }
   }
 }
 
 TEST(Cut, AnyPlaneLeavesTwoClosedHalvesAndEveryTriangleOnce) {
-  const std::uint64_t seed = 11;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
-  for (const TriMesh& mesh : {test::makeLShape(), makeHollowBox(), test::makeTorus(1.0, 0.4, 16, 9),
+  test::Dice dice(11);
+  for (const TriMesh& mesh : {test::makeLShape(), test::makeHollowBox(), test::makeTorus(1.0, 0.4, 16, 9),
                               test::joined(test::makeSphere(1.0, 7, 9), test::makeBox({1, 1, 1}, {2, 3, 2}))}) {
     const double volume = signedVolume(mesh.vertices, mesh.triangles);
-    for (const Plane& plane : planesOf(mesh, dice, 60)) {
+    for (const Plane& plane : test::planesThrough(mesh.vertices, dice, 60)) {
       SCOPED_TRACE(testing::Message() << mesh.triangles.size() << " triangles, normal " << plane.normal.transpose()
                                       << ", offset " << plane.offset);
       const Cut cut(mesh, plane);
@@ -210,8 +175,7 @@ TEST(Cut, AnyPlaneLeavesTwoClosedHalvesAndEveryTriangleOnce) {
       for (std::size_t i = 0; i < left.size(); ++i) EXPECT_NEAR(left[i], 0.0, 1e-12) << "triangle " << i;
 
       // Both halves have the same cap, one of them reversed.
-      std::vector<Triangle> reversed = test::capsOf(cut.halves.below);
-      for (Triangle& t : reversed) std::swap(t[1], t[2]);
+      const std::vector<Triangle> reversed = test::insideOut({{}, test::capsOf(cut.halves.below)}).triangles;
       EXPECT_EQ(test::capsOf(cut.halves.above), reversed);
       // Without it the area vectors add up to the area that it has to fill, unless its triangles overlap.
       Vec3 open = Vec3::Zero();
@@ -225,9 +189,8 @@ TEST(Cut, AnyPlaneLeavesTwoClosedHalvesAndEveryTriangleOnce) {
       // A rigid motion only moves the points.
       const Quat rotation = dice.rotation();
       const Vec3 shift = dice.inBox(5.0), normal = rotation * plane.normal;
-      TriMesh moved = mesh;
-      for (Vec3& v : moved.vertices) v = rotation * v + shift;
-      const Cut again(moved, {normal, plane.offset + normal.dot(shift)});
+      const Cut again(test::moved(mesh, [&](const Vec3& v) -> Vec3 { return rotation * v + shift; }),
+                      {normal, plane.offset + normal.dot(shift)});
       EXPECT_EQ(again.halves.above.sourceTriangle, cut.halves.above.sourceTriangle);
       EXPECT_EQ(again.halves.below.sourceTriangle, cut.halves.below.sourceTriangle);
       ASSERT_EQ(again.points.size(), cut.points.size());
@@ -242,10 +205,8 @@ TEST(Cut, EighthsOfABoxKeepTheirShareInEveryAffinePose) {
   // Cut three times: the points of later cuts lie between those of earlier ones. An affine map keeps ratios, so the
   // shares stay the same although the cut points are computed only from the mapped vertices.
   const TriMesh box = test::makeBox({0, 0, 0}, {1, 1, 1});
-  std::vector<Vec3> points = box.vertices;
-  std::vector<Vec3> mapped;
-  Mat3 map;
-  map << 2, 1, 0, 0, 3, 1, 1, 0, 4;  // determinant 25
+  std::vector<Vec3> points = box.vertices, mapped;
+  const Mat3 map{{2, 1, 0}, {0, 3, 1}, {1, 0, 4}};  // determinant 25
   for (const Vec3& v : box.vertices) mapped.push_back(map * v + Vec3(5, 6, 7));
   struct Share {
     Part part;
@@ -256,8 +217,7 @@ TEST(Cut, EighthsOfABoxKeepTheirShareInEveryAffinePose) {
   for (int axis = 0; axis < 3; ++axis) {
     std::vector<Share> next;
     for (const Share& whole : parts) {
-      CutResult cut = cutPart(whole.part, points, {Vec3::Unit(axis), offsets[axis]}, kTolerance,
-                              static_cast<PointIndex>(points.size()));
+      CutResult cut = cutPart(whole.part, points, {Vec3::Unit(axis), offsets[axis]}, kTolerance, countOf(points));
       test::append(cut.newPoints, points);
       test::append(cut.newPoints, mapped);
       next.push_back({std::move(cut.below), whole.volume * offsets[axis]});

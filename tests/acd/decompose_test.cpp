@@ -1,59 +1,38 @@
 #include "acd/decompose.h"
 
-#include "acd/cut.h"
-#include "acd/transfer.h"
 #include "geometry/mesh_files.h"
+#include "tests/acd/parts.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace lorica {
 namespace {
 
-Decomposition decomposed(const TriMesh& mesh, const DecomposeSettings& settings) {
-  Result<Decomposition> result = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, settings);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return std::move(*result);
-}
-
-std::vector<Vec3> carried(const Decomposition& d, std::span<const Vec3> posed) {
-  std::vector<Vec3> points(static_cast<std::size_t>(d.pointCount()));
-  transfer(d, posed, points);
-  return points;
-}
+using test::decomposed;
 
 /// Checks: every part closed with positive volume, volumes add up to the mesh's, every vertex inside a hull, sources
 /// tracked.
 void expectSound(const TriMesh& mesh, std::span<const Vec3> posed, const Decomposition& d) {
-  const std::vector<Vec3> points = carried(d, posed);
+  const std::vector<Vec3> points = test::transferred(d, posed);
   const double meshVolume = signedVolume(posed, mesh.triangles);
   const double diagonal = boundsOf(posed).diagonal();
   double sum = 0.0;
   std::vector<bool> covered(posed.size(), false);
   for (const Part& part : d.parts) {
-    std::map<std::pair<PointIndex, PointIndex>, int> balance;
-    for (const Triangle& t : part.triangles) {
-      for (int e = 0; e < 3; ++e) {
-        ++balance[{t[e], t[(e + 1) % 3]}];
-        --balance[{t[(e + 1) % 3], t[e]}];
-      }
-    }
-    for (const auto& [edge, count] : balance) ASSERT_EQ(count, 0) << "open edge";
+    ASSERT_TRUE(test::isClosed(part.triangles));
     sum += signedVolume(points, part.triangles);
     ASSERT_EQ(part.sourceTriangle.size(), part.triangles.size());
     ASSERT_EQ(part.points, pointsUsedBy(part.triangles));
-    std::vector<Vec3> own;
-    for (PointIndex p : part.points) {
-      own.push_back(points[p]);
+    for (const PointIndex p : part.points) {
       if (p < d.vertexCount) covered[p] = true;
     }
-    const ConvexHull hull = partHull(part, points);
-    EXPECT_LE(largestViolation(hull, own), 1e-6 * diagonal);
+    EXPECT_LE(largestViolation(partHull(part, points), test::chosen(part.points, points)), 1e-6 * diagonal);
   }
   EXPECT_NEAR(sum, meshVolume, 1e-9 * std::abs(meshVolume));
   for (std::size_t i = 0; i < covered.size(); ++i) EXPECT_TRUE(covered[i]) << "vertex " << i << " is in no part";
@@ -67,22 +46,16 @@ void expectSound(const TriMesh& mesh, std::span<const Vec3> posed, const Decompo
   EXPECT_EQ(d.splitFrom.size() + 1, d.parts.size());
 }
 
-TEST(Decompose, RefusesWhatIsNotClosed) {
-  TriMesh open = test::makeLShape();
-  open.triangles.pop_back();
-  const auto result = decompose(open, {open.vertices, static_cast<int>(open.vertices.size())}, {});
-  ASSERT_FALSE(result.ok());
-  EXPECT_EQ(result.error().code, ErrorCode::kBadMesh);
-}
-
-TEST(Decompose, RefusesSettingsOutOfRange) {
+TEST(Decompose, RefusesWhatIsNotClosedAndSettingsOutOfRange) {
   const TriMesh mesh = test::makeLShape();
-  const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
+  TriMesh open = mesh;
+  open.triangles.pop_back();
+  EXPECT_EQ(decompose(open, test::poseOf(open), {}).error().code, ErrorCode::kBadMesh);
   for (const DecomposeSettings& bad : {DecomposeSettings{.maxParts = -1}, DecomposeSettings{.candidateEdges = -1},
                                        DecomposeSettings{.planesPerEdge = -1}, DecomposeSettings{.threads = -1}}) {
-    EXPECT_EQ(decompose(mesh, pose, bad).error().code, ErrorCode::kInvalidArgument);
+    EXPECT_EQ(decompose(mesh, test::poseOf(mesh), bad).error().code, ErrorCode::kInvalidArgument);
   }
-  const PoseView wrongCount{std::span(mesh.vertices).subspan(1), static_cast<int>(mesh.vertices.size()) - 1};
+  const PoseView wrongCount{std::span(mesh.vertices).subspan(1), countOf(mesh.vertices) - 1};
   EXPECT_EQ(decompose(mesh, wrongCount, {}).error().code, ErrorCode::kInvalidArgument);
 }
 
@@ -93,31 +66,26 @@ TEST(Decompose, AConvexMeshIsNotCut) {
   }
 }
 
-TEST(Decompose, TheLShapeFallsIntoTwoExactBoxes) {
-  const TriMesh mesh = test::makeLShape();
-  const Decomposition d = decomposed(mesh, {.maxParts = 0});
-  expectSound(mesh, mesh.vertices, d);
-  ASSERT_EQ(d.parts.size(), 2u);
-  EXPECT_NEAR(errorInPose(d, mesh, mesh.vertices).relative(), 0.0, 1e-12);
-}
-
-TEST(Decompose, SeparateBoxesAreTakenApartByAPlaneBetweenThem) {
-  const TriMesh mesh = test::joined(test::makeBox({0, 0, 0}, {1, 1, 1}), test::makeBox({2, 0.3, 0.2}, {3, 1, 1}));
-  const Decomposition d = decomposed(mesh, {.maxParts = 2});
-  expectSound(mesh, mesh.vertices, d);
-  ASSERT_EQ(d.parts.size(), 2u);
-  EXPECT_NEAR(errorInPose(d, mesh, mesh.vertices).relative(), 0.0, 1e-12);
-  EXPECT_TRUE(d.cutPoints.empty());
-}
-
-TEST(Decompose, ACavityIsCutOpenNotLeftInsideOut) {
-  TriMesh cavity = test::makeBox({1, 1, 1}, {2, 2, 2});
-  for (Triangle& t : cavity.triangles) std::swap(t[1], t[2]);
-  const TriMesh mesh = test::joined(test::makeBox({0, 0, 0}, {3, 3, 3}), cavity);
-  const Decomposition d = decomposed(mesh, {.maxParts = 0});
-  expectSound(mesh, mesh.vertices, d);
-  EXPECT_NEAR(errorInPose(d, mesh, mesh.vertices).relative(), 0.0, 1e-9);
-  EXPECT_GE(d.parts.size(), 4u);
+TEST(Decompose, BoxesThatFormAMeshAreItsParts) {
+  struct Row {
+    const char* what;
+    TriMesh mesh;
+    int maxParts;
+    std::size_t least, most;  ///< parts
+    double tolerance;
+  };
+  const TriMesh apart = test::joined(test::makeBox({0, 0, 0}, {1, 1, 1}), test::makeBox({2, 0.3, 0.2}, {3, 1, 1}));
+  for (const Row& row :
+       {Row{"an L-shape", test::makeLShape(), 0, 2, 2, 1e-12}, Row{"separate boxes", apart, 2, 2, 2, 1e-12},
+        Row{"a cavity is cut open, not left inside out", test::makeHollowBox(), 0, 4, 99, 1e-9}}) {
+    SCOPED_TRACE(row.what);
+    const Decomposition d = decomposed(row.mesh, {.maxParts = row.maxParts});
+    expectSound(row.mesh, row.mesh.vertices, d);
+    EXPECT_GE(d.parts.size(), row.least);
+    EXPECT_LE(d.parts.size(), row.most);
+    EXPECT_NEAR(errorInPose(d, row.mesh, row.mesh.vertices).relative(), 0.0, row.tolerance);
+  }
+  EXPECT_TRUE(decomposed(apart, {.maxParts = 2}).cutPoints.empty()) << "a plane between them";
 }
 
 TEST(Decompose, ATorusOpensAndStaysClosed) {
@@ -125,7 +93,7 @@ TEST(Decompose, ATorusOpensAndStaysClosed) {
   double last = 1e9;
   for (int parts = 1; parts <= 12; ++parts) {
     const Decomposition d = decomposed(mesh, {.maxParts = parts, .preset = DecomposePreset::kPaper});
-    EXPECT_EQ(static_cast<int>(d.parts.size()), parts);
+    EXPECT_EQ(countOf(d.parts), parts);
     expectSound(mesh, mesh.vertices, d);
     const double error = errorInPose(d, mesh, mesh.vertices).relative();
     // Planes divide the positions that are rounded to a grid.
@@ -152,25 +120,23 @@ TEST(Decompose, PrefixOfTheCutsIsTheSmallerDecomposition) {
 
 TEST(Decompose, CancellingStopsIt) {
   const TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
-  DecomposeSettings settings{.maxParts = 12};
-  settings.progress = [](int done, int) { return done < 5; };
-  const auto result = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, settings);
+  const auto result =
+      decompose(mesh, test::poseOf(mesh), {.maxParts = 12, .progress = [](int done, int) { return done < 5; }});
   ASSERT_FALSE(result.ok());
   EXPECT_EQ(result.error().code, ErrorCode::kCancelled);
 }
 
 TEST(Decompose, ScaleAndRigidMotionKeepTheError) {
   // Without symmetry: between equal candidates rounding would decide.
-  TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
-  for (Vec3& v : mesh.vertices)
-    v += 0.15 * Vec3(std::sin(2 * v.z() + 1), std::sin(1.7 * v.x()), std::cos(1.3 * v.x() + 0.4 * v.z()));
-  const double error =
-      errorInPose(decomposed(mesh, {.maxParts = 6, .preset = DecomposePreset::kPaper}), mesh, mesh.vertices).relative();
+  const TriMesh mesh = test::moved(test::makeTorus(1.0, 0.4, 30, 12), [](const Vec3& v) -> Vec3 {
+    return v + 0.15 * Vec3(std::sin(2 * v.z() + 1), std::sin(1.7 * v.x()), std::cos(1.3 * v.x() + 0.4 * v.z()));
+  });
+  const DecomposeSettings settings{.maxParts = 6, .preset = DecomposePreset::kPaper};
+  const double error = errorInPose(decomposed(mesh, settings), mesh, mesh.vertices).relative();
+  const Quat q = Quat(0.2, 0.5, -0.4, 0.7).normalized();
   for (const double scale : {1e-6, 1.0, 1e6}) {
-    TriMesh moved = mesh;
-    const Quat q = Quat(0.2, 0.5, -0.4, 0.7).normalized();
-    for (Vec3& v : moved.vertices) v = scale * (q * v + Vec3(1, 2, 3));
-    const Decomposition d = decomposed(moved, {.maxParts = 6, .preset = DecomposePreset::kPaper});
+    const TriMesh moved = test::moved(mesh, [&](const Vec3& v) -> Vec3 { return scale * (q * v + Vec3(1, 2, 3)); });
+    const Decomposition d = decomposed(moved, settings);
     expectSound(moved, moved.vertices, d);
     EXPECT_NEAR(errorInPose(d, moved, moved.vertices).relative(), error, 1e-9);
   }
@@ -178,22 +144,17 @@ TEST(Decompose, ScaleAndRigidMotionKeepTheError) {
 
 /// A bar of two halves that bends at the middle by an angle: an elbow with a closed form.
 std::vector<Vec3> bent(const TriMesh& bar, double angle) {
-  std::vector<Vec3> posed;
-  for (const Vec3& v : bar.vertices) {
-    const double t = std::clamp(v.x() + 0.5, 0.0, 1.0) * angle;
-    posed.push_back(Eigen::AngleAxisd(t, Vec3::UnitZ()) * v);
-  }
-  return posed;
+  return test::moved(bar,
+                     [&](const Vec3& v) -> Vec3 {
+                       return Eigen::AngleAxisd(std::clamp(v.x() + 0.5, 0.0, 1.0) * angle, Vec3::UnitZ()) * v;
+                     })
+      .vertices;
 }
 
+/// A capsule along x.
 TriMesh makeBar() {
-  TriMesh bar = test::makeSphere(0.5, 16, 16);
-  for (Vec3& v : bar.vertices) {
-    // A capsule along x.
-    v = Vec3(v.y(), v.z(), v.x());
-    v.x() += v.x() > 0 ? 1.5 : -1.5;
-  }
-  return bar;
+  return test::moved(test::makeSphere(0.5, 16, 16),
+                     [](const Vec3& v) { return Vec3(v.y() + (v.y() > 0 ? 1.5 : -1.5), v.z(), v.x()); });
 }
 
 TEST(DecomposeAnimated, TheBendIsCutAlthoughTheFirstKeyframeIsStraight) {
@@ -203,32 +164,30 @@ TEST(DecomposeAnimated, TheBendIsCutAlthoughTheFirstKeyframeIsStraight) {
     const std::vector<Vec3> pose = bent(bar, angle);
     keyframes.insert(keyframes.end(), pose.begin(), pose.end());
   }
-  const int n = static_cast<int>(bar.vertices.size());
-  const auto all = decompose(bar, {keyframes, n}, {.maxParts = 3});
-  ASSERT_TRUE(all.ok()) << all.error().message;
-  const auto first = decompose(bar, {std::span(keyframes).first(bar.vertices.size()), n}, {.maxParts = 3});
-  ASSERT_TRUE(first.ok());
-  EXPECT_EQ(first->parts.size(), 1u) << "straight, the bar is convex";
-  EXPECT_EQ(all->parts.size(), 3u);
+  const Decomposition all = decomposed(bar, {keyframes, countOf(bar.vertices)}, {.maxParts = 3});
+  const Decomposition first = decomposed(bar, {.maxParts = 3});
+  EXPECT_EQ(first.parts.size(), 1u) << "straight, the bar is convex";
+  EXPECT_EQ(all.parts.size(), 3u);
   double errorOfAll = 0.0, errorOfFirst = 0.0;
   for (const double unseen : {0.3, 1.0, 1.3}) {
     const std::vector<Vec3> pose = bent(bar, unseen);
-    expectSound(bar, pose, *all);
-    errorOfAll += errorInPose(*all, bar, pose).relative();
-    errorOfFirst += errorInPose(*first, bar, pose).relative();
+    expectSound(bar, pose, all);
+    errorOfAll += errorInPose(all, bar, pose).relative();
+    errorOfFirst += errorInPose(first, bar, pose).relative();
   }
   EXPECT_LT(errorOfAll, 0.5 * errorOfFirst);
 }
 
 TEST(Decompose, TellsHowManyPartsThereAreWhenNoneWereAskedFor) {
   std::vector<int> told;
-  const Decomposition d = decomposed(test::makeTorus(1.0, 0.4, 12, 6), {.maxParts = 0, .progress = [&](int done, int) {
-                                                                          told.push_back(done);
-                                                                          return true;
-                                                                        }});
+  const auto progress = [&](int done, int) {
+    told.push_back(done);
+    return true;
+  };
+  const Decomposition d = decomposed(test::makeTorus(1.0, 0.4, 12, 6), {.maxParts = 0, .progress = progress});
   ASSERT_FALSE(told.empty());
   EXPECT_EQ(*std::min_element(told.begin(), told.end()), 1);
-  EXPECT_EQ(told.back(), static_cast<int>(d.parts.size()));
+  EXPECT_EQ(told.back(), countOf(d.parts));
 }
 
 /// Merges parts from `count` on into the parts that they were split from, in level-of-detail order.
@@ -287,11 +246,10 @@ class VhacdBenchmark : public testing::TestWithParam<BenchmarkRow> {};
 
 TEST_P(VhacdBenchmark, ReachesItsScoreAndStaysSound) {
   LORICA_REQUIRE_DATASET(file, std::string("vhacd/") + GetParam().file);
-  const Result<TriMesh> mesh = readMesh(file);
-  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
-  const Decomposition d = decomposed(*mesh, {.maxParts = GetParam().parts, .preset = GetParam().preset});
-  expectSound(*mesh, mesh->vertices, d);
-  EXPECT_GE(1.0 / (1.0 + errorInPose(d, *mesh, mesh->vertices).relative()), GetParam().score);
+  const TriMesh mesh = test::valueOf(readMesh(file));
+  const Decomposition d = decomposed(mesh, {.maxParts = GetParam().parts, .preset = GetParam().preset});
+  expectSound(mesh, mesh.vertices, d);
+  EXPECT_GE(1.0 / (1.0 + errorInPose(d, mesh, mesh.vertices).relative()), GetParam().score);
 }
 
 constexpr DecomposePreset kPaper = DecomposePreset::kPaper;

@@ -1,7 +1,7 @@
 #include "acd/half_volumes.h"
 
-#include "acd/transfer.h"
 #include "geometry/convex_hull.h"
+#include "tests/acd/parts.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -13,19 +13,14 @@ namespace {
 
 /// A torus in two keyframes, with planes through vertices, along faces, and at arbitrary positions.
 struct Halves : ::testing::Test {
-  Halves() : mesh(test::makeTorus(1.0, 0.4, 120, 60)), keyframes(2, mesh.vertices) {
-    whole.triangles = mesh.triangles;
-    whole.sourceTriangle.assign(mesh.triangles.size(), 0);
-    whole.points = pointsUsedBy(whole.triangles);
+  Halves() : mesh(test::makeTorus(1.0, 0.4, 120, 60)), keyframes(2, mesh.vertices), whole(test::wholeOf(mesh)) {
     for (Vec3& v : keyframes[1]) v.y() += 0.3 * std::sin(2.0 * v.x());
   }
   /// Hull volumes of the halves that the cut actually produces.
   std::pair<double, double> truth(const Plane& plane, std::size_t k) const {
-    const CutResult cut = cutPart(whole, mesh.vertices, plane, 1e-9, static_cast<PointIndex>(mesh.vertices.size()));
+    const CutResult cut = cutPart(whole, mesh.vertices, plane, 1e-9, countOf(mesh.vertices));
     std::vector<Vec3> all = keyframes[k];
-    for (const CutPoint& c : cut.newPoints) {
-      all.push_back(c.lambda * all[c.first] + (1.0 - c.lambda) * all[c.second]);
-    }
+    test::append(cut.newPoints, all);
     return {partHull(cut.above, all).volume, partHull(cut.below, all).volume};
   }
 
@@ -58,8 +53,7 @@ TEST_F(Halves, EstimatesAreALittleSmall) {
     PartTree::Sketch sketch;
     ASSERT_TRUE(tree.sketch(plane, 1e-9, sketch));
     const auto [above, below] = estimates.volumes(sketch);
-    const auto first = truth(plane, 0);
-    const auto second = truth(plane, 1);
+    const auto first = truth(plane, 0), second = truth(plane, 1);
     EXPECT_LE(above, (first.first + second.first) * (1.0 + 1e-5));
     EXPECT_LE(below, (first.second + second.second) * (1.0 + 1e-5));
     EXPECT_GT(above, (first.first + second.first) * 0.88);

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <numbers>
 #include <set>
 
@@ -30,32 +29,13 @@ Quat Dice::rotation() {
 namespace {
 
 HardMesh still(TriMesh mesh, bool solid = true) {
-  HardMesh hard;
-  hard.keyframes = mesh.vertices;
-  hard.mesh = std::move(mesh);
-  hard.solid = solid;
-  return hard;
-}
-
-TriMesh moved(TriMesh mesh, const std::function<Vec3(const Vec3&)>& map) {
-  for (Vec3& v : mesh.vertices) v = map(v);
-  return mesh;
-}
-
-TriMesh shifted(TriMesh mesh, const Vec3& by) {
-  for (Vec3& v : mesh.vertices) v += by;
-  return mesh;
-}
-
-TriMesh insideOut(TriMesh mesh) {
-  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-  return mesh;
+  std::vector<Vec3> pose = mesh.vertices;
+  return {std::move(mesh), std::move(pose), solid};
 }
 
 TriMesh rotatedAtRandom(Dice& dice, TriMesh mesh) {
   const Quat q = dice.rotation();
-  for (Vec3& v : mesh.vertices) v = q * v;
-  return mesh;
+  return moved(std::move(mesh), [&](const Vec3& v) { return q * v; });
 }
 
 TriMesh manifold(const TriMesh& mesh) {
@@ -66,21 +46,18 @@ TriMesh manifold(const TriMesh& mesh) {
 
 /// A random walk over the grid, or a block with missing pieces.
 std::set<Voxel> randomVoxels(Dice& dice, int atMost) {
-  std::set<Voxel> voxels;
+  std::set<Voxel> voxels = {{0, 0, 0}};
   if (dice.oneIn(2)) {
     Voxel at = {0, 0, 0};
-    const int steps = dice.whole(3, atMost);
-    for (int i = 0; i < steps; ++i) {
+    for (int steps = dice.whole(3, atMost); steps > 0; --steps) {
       voxels.insert(at);
       at[dice.whole(0, 2)] += dice.oneIn(2) ? 1 : -1;
     }
-  } else {
-    const int side = dice.whole(2, 3);
-    const int percent = dice.whole(30, 90);
-    for (int i = 0; i < side * side * side; ++i) {
-      if (dice.whole(1, 100) <= percent) voxels.insert({i % side, i / side % side, i / side / side});
-    }
-    voxels.insert({0, 0, 0});
+    return voxels;
+  }
+  const int side = dice.whole(2, 3), percent = dice.whole(30, 90);
+  for (int i = 0; i < side * side * side; ++i) {
+    if (dice.whole(1, 100) <= percent) voxels.insert({i % side, i / side % side, i / side / side});
   }
   return voxels;
 }
@@ -126,16 +103,15 @@ TriMesh solid(Dice& dice) {
 }
 
 /// Puts a new vertex on an edge: its two triangles become four. t = 0 or 1: exactly on an end.
-void splitEdge(TriMesh& mesh, std::size_t triangle, std::size_t corner, double t) {
-  const VertexIndex a = mesh.triangles[triangle][corner];
-  const VertexIndex b = mesh.triangles[triangle][(corner + 1) % 3];
-  const auto middle = static_cast<VertexIndex>(mesh.vertices.size());
+void splitEdge(TriMesh& mesh, int triangle, int corner, double t) {
+  const VertexIndex a = mesh.triangles[triangle][corner], b = mesh.triangles[triangle][(corner + 1) % 3];
+  const VertexIndex middle = countOf(mesh.vertices);
   mesh.vertices.push_back(t == 0.0   ? mesh.vertices[a]
                           : t == 1.0 ? mesh.vertices[b]
                                      : Vec3((1 - t) * mesh.vertices[a] + t * mesh.vertices[b]));
-  const std::size_t count = mesh.triangles.size();
-  for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t e = 0; e < 3; ++e) {
+  const int count = countOf(mesh.triangles);
+  for (int i = 0; i < count; ++i) {
+    for (int e = 0; e < 3; ++e) {
       const Triangle old = mesh.triangles[i];
       const VertexIndex from = old[e], to = old[(e + 1) % 3], apex = old[(e + 2) % 3];
       if (std::minmax(from, to) != std::minmax(a, b)) continue;
@@ -147,24 +123,22 @@ void splitEdge(TriMesh& mesh, std::size_t triangle, std::size_t corner, double t
 }
 
 /// Puts a new vertex into a triangle: three take its place.
-void splitTriangle(TriMesh& mesh, std::size_t triangle, const Vec3& at) {
+void splitTriangle(TriMesh& mesh, int triangle, const Vec3& at) {
   const Triangle old = mesh.triangles[triangle];
-  const auto middle = static_cast<VertexIndex>(mesh.vertices.size());
+  const VertexIndex middle = countOf(mesh.vertices);
   mesh.vertices.push_back(at);
   mesh.triangles[triangle] = {old[0], old[1], middle};
-  mesh.triangles.push_back({old[1], old[2], middle});
-  mesh.triangles.push_back({old[2], old[0], middle});
+  mesh.triangles.insert(mesh.triangles.end(), {{old[1], old[2], middle}, {old[2], old[0], middle}});
 }
 
-Vec3 centroid(const TriMesh& mesh, std::size_t triangle) {
+Vec3 centroid(const TriMesh& mesh, int triangle) {
   const Triangle& t = mesh.triangles[triangle];
   return (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
 }
 
 /// A gentle map of space: bends and twists, never folds at the sizes used here.
 std::function<Vec3(const Vec3&)> smoothMap(Dice& dice, double strength) {
-  const Vec3 phase = dice.inBox(3.0);
-  const Vec3 wave = dice.inBox(1.0);
+  const Vec3 phase = dice.inBox(3.0), wave = dice.inBox(1.0);
   const Quat turn = dice.rotation();
   const double twist = strength * dice.between(-0.6, 0.6);
   return [=](const Vec3& p) {
@@ -191,8 +165,7 @@ HardMesh cubesOnAGrid(Dice& dice) {
 
 HardMesh severalComponents(Dice& dice) {
   TriMesh mesh;
-  const int count = dice.whole(2, 5);
-  const int arrangement = dice.whole(0, 2);
+  const int count = dice.whole(2, 5), arrangement = dice.whole(0, 2);
   for (int i = 0; i < count; ++i) {
     if (arrangement == 0) {  // apart
       mesh = joined(mesh, shifted(rotatedAtRandom(dice, solid(dice)), Vec3(i * 30.0, 0, 0)));
@@ -243,10 +216,7 @@ HardMesh manyHandles(Dice& dice) {
     const int axis = dice.whole(0, 2);
     const Voxel at = {dice.whole(0, nx - 1), dice.whole(1, ny - 2), dice.whole(0, nz - 1)};
     std::erase_if(voxels, [&](const Voxel& v) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        if (static_cast<int>(i) != axis && v[i] != at[i]) return false;
-      }
-      return true;
+      return v[(axis + 1) % 3] == at[(axis + 1) % 3] && v[(axis + 2) % 3] == at[(axis + 2) % 3];
     });
   }
   if (voxels.empty()) voxels.insert({0, 0, 0});
@@ -264,13 +234,12 @@ HardMesh slivers(Dice& dice) {
     }
     case 1:  // triangles 1 : 1e6 beside their edges
       for (int i = 0; i < 10; ++i) {
-        const auto t = static_cast<std::size_t>(dice.whole(0, static_cast<int>(mesh.triangles.size()) - 1));
-        const auto corner = static_cast<std::size_t>(dice.whole(0, 2));
+        const int t = dice.whole(0, countOf(mesh.triangles) - 1), corner = dice.whole(0, 2);
         splitEdge(mesh, t, corner, std::pow(10.0, dice.between(-9, -3)));
       }
       break;
     default: {  // one vertex far out
-      const auto v = static_cast<std::size_t>(dice.whole(0, static_cast<int>(mesh.vertices.size()) - 1));
+      const int v = dice.whole(0, countOf(mesh.vertices) - 1);
       mesh = star(dice, 0.2);
       mesh.vertices[v % mesh.vertices.size()] *= std::pow(10.0, dice.between(1, 4));
     }
@@ -281,8 +250,7 @@ HardMesh slivers(Dice& dice) {
 HardMesh duplicateAndCollinearVertices(Dice& dice) {
   TriMesh mesh = dice.oneIn(2) ? manifold(makeVoxelSurface(randomVoxels(dice, 6))) : solid(dice);
   for (int i = dice.whole(3, 25); i > 0; --i) {
-    const auto t = static_cast<std::size_t>(dice.whole(0, static_cast<int>(mesh.triangles.size()) - 1));
-    const auto corner = static_cast<std::size_t>(dice.whole(0, 2));
+    const int t = dice.whole(0, countOf(mesh.triangles) - 1), corner = dice.whole(0, 2);
     switch (dice.whole(0, 4)) {
       case 0:  // on an end: an edge without length
         splitEdge(mesh, t, corner, dice.oneIn(2) ? 0.0 : 1.0);
@@ -301,8 +269,7 @@ HardMesh duplicateAndCollinearVertices(Dice& dice) {
 }
 
 HardMesh spikes(Dice& dice) {
-  TriMesh mesh = star(dice, dice.between(0.5, 2.0));
-  return still(std::move(mesh));
+  return still(star(dice, dice.between(0.5, 2.0)));
 }
 
 HardMesh prisms(Dice& dice) {
@@ -317,8 +284,7 @@ HardMesh prisms(Dice& dice) {
     double r = dice.between(2, 10);
     if (whole) r = dice.oneIn(2) ? 4.0 : 8.0;
     const Vec3 p(r * std::cos(angle), r * std::sin(angle), 0);
-    mesh.vertices.push_back(p);
-    mesh.vertices.push_back(p + Vec3::UnitZ());
+    mesh.vertices.insert(mesh.vertices.end(), {p, p + Vec3::UnitZ()});
   }
   for (int i = 0; i < corners; ++i) {
     const VertexIndex a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % corners);

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "geometry/counts.h"
 
 #include <cstdint>
 #include <random>
-#include <string>
 #include <vector>
 
 namespace lorica::test {
@@ -18,6 +18,8 @@ class Dice {
   int whole(int low, int high) {
     return low + static_cast<int>(engine_() % static_cast<std::uint64_t>(high - low + 1));
   }
+  /// An element of a list.
+  const auto& oneOf(const auto& list) { return list[whole(0, countOf(list) - 1)]; }
   bool oneIn(int n) { return whole(1, n) == 1; }
   Vec3 inBox(double halfSide);
   Quat rotation();

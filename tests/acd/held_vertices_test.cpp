@@ -1,8 +1,7 @@
 #include "acd/held_vertices.h"
 
-#include "acd/decompose.h"
 #include "acd/decomposition_file.h"
-#include "acd/transfer.h"
+#include "tests/acd/parts.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 
@@ -21,10 +20,10 @@ struct Fixture {
 
   explicit Fixture(std::span<const Vec3> loose) {
     for (const Vec3& p : loose) {
-      held.push_back(static_cast<VertexIndex>(mesh.vertices.size()));
+      held.push_back(countOf(mesh.vertices));
       mesh.vertices.push_back(p);
     }
-    parts = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, DecomposeSettings()).value();
+    parts = decomposed(mesh, {});
   }
 };
 
@@ -37,11 +36,7 @@ TEST(HeldVertices, EachGoesToThePartWithTheNearestHull) {
   const Fixture f(std::vector<Vec3>{{3.0, 0.5, 0.5}, {0.5, 2.5, 0.5}, {0.5, 0.5, 0.5}});
   ASSERT_EQ(f.parts.parts.size(), 2u);
   const auto assigned = assignHeldVertices(f.parts, f.mesh.vertices, f.held);
-  const std::vector<ConvexHull> hulls = partHulls(f.parts, [&] {
-    std::vector<Vec3> points(static_cast<std::size_t>(f.parts.pointCount()));
-    transfer(f.parts, f.mesh.vertices, points);
-    return points;
-  }());
+  const std::vector<ConvexHull> hulls = partHulls(f.parts, transferred(f.parts, f.mesh.vertices));
   std::size_t count = 0;
   for (std::size_t i = 0; i < assigned.size(); ++i) {
     for (const PointIndex p : assigned[i]) {
@@ -57,7 +52,7 @@ TEST(HeldVertices, HullsContainThemAndGrowByAPyramid) {
   // A unit above the middle of a side of a cube: a pyramid of volume 1/3.
   TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
   mesh.vertices.emplace_back(0.5, 2.0, 0.5);
-  const Decomposition parts = decompose(mesh, {mesh.vertices, 9}, DecomposeSettings()).value();
+  const Decomposition parts = decomposed(mesh, {});
   const std::vector<VertexIndex> held = {8};
   const Decomposition with = withHeldVertices(parts, assignHeldVertices(parts, mesh.vertices, held));
   EXPECT_NEAR(errorInPose(with, mesh, mesh.vertices).relative(), 1.0 / 3.0, 1e-12);
@@ -82,8 +77,7 @@ TEST(HeldVertices, ACoverBringsThemThroughAFile) {
   ASSERT_TRUE(written) << written.error().message;
   const DecompositionFile read = readDecomposition(file).value();
   ASSERT_TRUE(read.cover);
-  std::vector<Vec3> points(static_cast<std::size_t>(with.pointCount()));
-  transfer(with, f.mesh.vertices, points);
+  const std::vector<Vec3> points = transferred(with, f.mesh.vertices);
   for (std::size_t i = 0; i < with.parts.size(); ++i) {
     std::vector<Vec3> own;
     for (const CoverPoint& p : read.cover->points[i]) own.push_back(points[p.point]);

@@ -1,10 +1,10 @@
 #include "acd/hull_budget.h"
 
-#include "acd/decompose.h"
-#include "acd/transfer.h"
 #include "geometry/mesh_files.h"
+#include "tests/acd/parts.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -53,9 +53,7 @@ TEST(HullBudget, FewEnoughVerticesAreLeftAlone) {
 }
 
 TEST(HullBudget, RandomBodiesOfAllProportionsAreContained) {
-  const unsigned seed = 17;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(17);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   const auto vector = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
@@ -65,10 +63,7 @@ TEST(HullBudget, RandomBodiesOfAllProportionsAreContained) {
   const std::vector<std::pair<const char*, std::function<Vec3()>>> shapes = {
       {"on a sphere", [&] { return vector().normalized(); }},
       {"normal", vector},
-      {"cube",
-       [&] {
-         return Vec3{uniform(random), uniform(random), uniform(random)};
-       }},
+      {"cube", [&] { return Vec3(uniform(random), uniform(random), uniform(random)); }},
       {"grid", [&] { return Vec3((4.0 * vector()).array().round().cwiseMax(-3.0).cwiseMin(3.0)); }}};
   for (const auto& [proportion, size] : proportions) {
     for (const auto& [shape, draw] : shapes) {
@@ -150,16 +145,11 @@ TEST(HullBudget, SameHullSameResult) {
 
 TEST(HullBudget, PartsOfABunny) {
   LORICA_REQUIRE_DATASET(file, "vhacd/Bunny.off");
-  const Result<TriMesh> mesh = readMesh(file);
-  ASSERT_TRUE(mesh.ok());
-  const Result<Decomposition> made =
-      decompose(*mesh, {mesh->vertices, static_cast<int>(mesh->vertices.size())},
-                {.maxParts = 8, .preset = DecomposePreset::kPaper, .candidateEdges = 2, .planesPerEdge = 1});
-  ASSERT_TRUE(made.ok());
-  std::vector<Vec3> points(static_cast<std::size_t>(made->pointCount()));
-  transfer(*made, mesh->vertices, points);
+  const TriMesh mesh = test::valueOf(readMesh(file));
+  const Decomposition made = test::decomposed(
+      mesh, {.maxParts = 8, .preset = DecomposePreset::kPaper, .candidateEdges = 2, .planesPerEdge = 1});
   double before = 0.0, after = 0.0;
-  for (const ConvexHull& hull : partHulls(*made, points)) {
+  for (const ConvexHull& hull : partHulls(made, test::transferred(made, mesh.vertices))) {
     const BudgetedHull around = simplifyHull(hull, 32);
     expectAround(around, hull, 32);
     before += hull.volume;

@@ -1,12 +1,12 @@
 #include "acd/hull_distance.h"
 
 #include "acd/cap.h"
-#include "acd/decompose.h"
-#include "acd/transfer.h"
 #include "geometry/mesh_files.h"
 #include "geometry/triangle_tree.h"
+#include "tests/acd/parts.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -27,18 +27,13 @@ void expectWithin(double found, double truth) {
   EXPECT_LE(found, truth * 1.01 + 1e-12);
 }
 
-TriMesh moved(TriMesh mesh, const Quat& rotation, double scale, const Vec3& shift) {
-  for (Vec3& p : mesh.vertices) p = scale * (rotation * p + shift);
-  return mesh;
-}
-
 /// A prism over a polygon of the xy plane, counter-clockwise, from z = 0 to `depth`.
 TriMesh prism(const std::vector<Vec2>& profile, double depth) {
   TriMesh mesh;
   for (const double z : {0.0, depth}) {
     for (const Vec2& p : profile) mesh.vertices.emplace_back(p.x(), p.y(), z);
   }
-  const int n = static_cast<int>(profile.size());
+  const int n = countOf(profile);
   std::vector<CapEdge> border;
   for (int i = 0; i < n; ++i) {
     const int j = (i + 1) % n;
@@ -57,12 +52,6 @@ TEST(HullDistance, ConvexShapesAreNowhereOff) {
   EXPECT_LE(distanceOf(test::makeBox({0, 0, 0}, {1, 2, 3})), 1e-3 * std::sqrt(14.0));
   EXPECT_LE(distanceOf(test::makeTetrahedron()), 1e-3 * std::sqrt(3.0));
   EXPECT_LE(distanceOf(test::makeSphere(1.0, 30, 60)), 1e-3 * std::sqrt(12.0));
-}
-
-TEST(HullDistance, LShapeInClosedForm) {
-  // The middle line of the hull's slanted face x + y = 3 is farthest away. From (1.5, 1.5, z) the nearest points are on
-  // the two faces that meet at the concave edge, half a unit away.
-  expectWithin(distanceOf(test::makeLShape()), 0.5);
 }
 
 TEST(HullDistance, NotchesShallowAndDeepInClosedForm) {
@@ -89,7 +78,10 @@ TEST(HullDistance, TorusWithAxisCrossingItsHole) {
   EXPECT_LE(found, 1.01 * truth + 2e-3);
 }
 
-TEST(HullDistance, TwoBoxesApart) {
+TEST(HullDistance, LShapeAndTwoBoxesInClosedForm) {
+  // The middle line of the hull's slanted face x + y = 3 is farthest away. From (1.5, 1.5, z) the nearest points are on
+  // the two faces that meet at the concave edge, half a unit away.
+  expectWithin(distanceOf(test::makeLShape()), 0.5);
   // Unit cubes with a gap of 3 between them: halfway the hull is 1.5 from both.
   expectWithin(distanceOf(test::joined(test::makeBox({0, 0, 0}, {1, 1, 1}), test::makeBox({4, 0, 0}, {5, 1, 1}))), 1.5);
 }
@@ -105,38 +97,30 @@ TEST(HullDistance, WhatMayBeIgnoredIsBoundedOnly) {
 }
 
 TEST(HullDistance, FlatPartsHaveNone) {
-  TriMesh flat = test::makeLShape();
-  for (Vec3& p : flat.vertices) p.z() = 0.0;
-  EXPECT_EQ(distanceOf(flat), 0.0);
+  EXPECT_EQ(distanceOf(test::moved(test::makeLShape(), [](const Vec3& p) { return Vec3(p.x(), p.y(), 0.0); })), 0.0);
 }
 
 TEST(HullDistance, RigidMotionAndScaleDoNotMatter) {
-  const unsigned seed = 11;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(11);
   std::normal_distribution<double> normal;
   for (const double scale : {1e-6, 1.0, 1e6}) {
     SCOPED_TRACE(scale);
     const Quat rotation = Quat{normal(random), normal(random), normal(random), normal(random)}.normalized();
     const Vec3 shift{normal(random), normal(random), normal(random)};
-    const double found = distanceOf(moved(test::makeLShape(), rotation, scale, shift)) / scale;
-    EXPECT_NEAR(found, 0.505, 0.0051);
+    const auto map = [&](const Vec3& p) -> Vec3 { return scale * (rotation * p + shift); };
+    EXPECT_NEAR(distanceOf(test::moved(test::makeLShape(), map)) / scale, 0.505, 0.0051);
   }
 }
 
 TEST(HullDistance, AgreesWithDenseSamplesOnPartsOfABunny) {
   LORICA_REQUIRE_DATASET(file, "vhacd/Bunny.off");
-  const Result<TriMesh> mesh = readMesh(file);
-  ASSERT_TRUE(mesh.ok());
-  const Result<Decomposition> made =
-      decompose(*mesh, {mesh->vertices, static_cast<int>(mesh->vertices.size())},
-                {.maxParts = 4, .preset = DecomposePreset::kPaper, .candidateEdges = 2, .planesPerEdge = 1});
-  ASSERT_TRUE(made.ok());
-  std::vector<Vec3> points(static_cast<std::size_t>(made->pointCount()));
-  transfer(*made, mesh->vertices, points);
+  const TriMesh mesh = test::valueOf(readMesh(file));
+  const Decomposition made = test::decomposed(
+      mesh, {.maxParts = 4, .preset = DecomposePreset::kPaper, .candidateEdges = 2, .planesPerEdge = 1});
+  const std::vector<Vec3> points = test::transferred(made, mesh.vertices);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform;
-  for (const Part& part : made->parts) {
+  for (const Part& part : made.parts) {
     const ConvexHull hull = partHull(part, points);
     const double found = hullDistance(hull, points, part.triangles, 0.0);
 
@@ -146,16 +130,12 @@ TEST(HullDistance, AgreesWithDenseSamplesOnPartsOfABunny) {
     double sampled = 0.0;
     for (const Triangle& t : hull.triangles) {
       const Vec3& a = hull.vertices[t[0]];
-      const Vec3 ab = hull.vertices[t[1]] - a;
-      const Vec3 ac = hull.vertices[t[2]] - a;
+      const Vec3 ab = hull.vertices[t[1]] - a, ac = hull.vertices[t[2]] - a;
       const int samples =
           1 + static_cast<int>(40000.0 * ab.cross(ac).norm() / (2.0 * surfaceArea(hull.vertices, hull.triangles)));
       for (int i = 0; i < samples; ++i) {
         double u = uniform(random), v = uniform(random);
-        if (u + v > 1.0) {
-          u = 1.0 - u;
-          v = 1.0 - v;
-        }
+        if (u + v > 1.0) std::tie(u, v) = std::pair(1.0 - u, 1.0 - v);
         sampled = std::max(sampled, nearest.distance(a + u * ab + v * ac));
       }
     }

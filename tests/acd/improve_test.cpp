@@ -1,28 +1,15 @@
 #include "acd/improve.h"
 
-#include "acd/decompose.h"
-#include "acd/transfer.h"
+#include "tests/acd/parts.h"
 #include "tests/support/meshes.h"
-
-#include <gtest/gtest.h>
-
-#include <array>
-#include <map>
 
 namespace lorica {
 namespace {
 
 /// A torus cut badly into four parts: in half, then a small slice off each half.
 struct CutTorus {
-  CutTorus()
-      : mesh(test::makeTorus(1.0, 0.4, 48, 16)),
-        context(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}) {
-    Part whole;
-    whole.triangles = mesh.triangles;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-      whole.sourceTriangle.push_back(static_cast<std::int32_t>(i));
-    whole.points = pointsUsedBy(whole.triangles);
-    std::vector<Part> pieces = {whole};
+  CutTorus() : mesh(test::makeTorus(1.0, 0.4, 48, 16)), context(mesh, test::poseOf(mesh)) {
+    std::vector<Part> pieces = {test::wholeOf(mesh)};
     for (const Plane& plane : {Plane{Vec3::UnitX(), 0.0}, Plane{Vec3::UnitZ(), 0.9}}) {
       std::vector<Part> next;
       for (const Part& piece : pieces) {
@@ -63,14 +50,7 @@ TEST(Improve, SavesHullVolumeAndLosesNothing) {
   for (const Piece& part : torus.parts) {
     volume += part.volume[0];
     EXPECT_NEAR(partHull(part.part, torus.context.points[0]).volume, part.hullVolume[0], 1e-9);
-    std::map<std::array<PointIndex, 2>, int> balance;
-    for (const Triangle& t : part.part.triangles) {
-      for (int e = 0; e < 3; ++e) {
-        ++balance[{t[e], t[(e + 1) % 3]}];
-        --balance[{t[(e + 1) % 3], t[e]}];
-      }
-    }
-    for (const auto& [edge, count] : balance) EXPECT_EQ(count, 0);
+    EXPECT_TRUE(test::isClosed(part.part.triangles));
   }
   EXPECT_NEAR(volume, torus.context.meshVolume[0], 1e-9);
 }

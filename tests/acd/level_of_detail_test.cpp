@@ -1,13 +1,11 @@
 #include "acd/level_of_detail.h"
 
-#include "acd/decompose.h"
-#include "acd/transfer.h"
+#include "tests/acd/parts.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace lorica {
 namespace {
@@ -20,16 +18,11 @@ struct Animated {
   Animated() {
     for (const Vec3& p : mesh.vertices) positions.emplace_back(1.4 * p.x(), p.y() + 0.3 * p.x() * p.x(), 0.8 * p.z());
   }
-  [[nodiscard]] PoseView keyframes() const { return {positions, static_cast<int>(mesh.vertices.size())}; }
+  [[nodiscard]] PoseView keyframes() const { return {positions, countOf(mesh.vertices)}; }
 };
 
 Decomposition decomposed(const Animated& animated, DecomposePreset preset) {
-  DecomposeSettings settings;
-  settings.maxParts = 9;
-  settings.preset = preset;
-  auto result = decompose(animated.mesh, animated.keyframes(), settings);
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return std::move(result).value();
+  return test::decomposed(animated.mesh, animated.keyframes(), {.maxParts = 9, .preset = preset});
 }
 
 class LevelOfDetail : public testing::TestWithParam<DecomposePreset> {};
@@ -39,15 +32,14 @@ INSTANTIATE_TEST_SUITE_P(Presets, LevelOfDetail,
 TEST_P(LevelOfDetail, EveryLevelIsADecompositionOfTheMesh) {
   const Animated animated;
   const Decomposition all = decomposed(animated, GetParam());
-  for (int n = 1; n <= static_cast<int>(all.parts.size()); ++n) {
+  for (int n = 1; n <= countOf(all.parts); ++n) {
     const Decomposition level = levelOfDetail(all, n);
     ASSERT_EQ(level.parts.size(), static_cast<std::size_t>(n));
     ASSERT_EQ(level.splitFrom.size(), level.parts.size() - 1);
     EXPECT_EQ(level.pointCount(), all.pointCount());
-    std::vector<Vec3> points(static_cast<std::size_t>(level.pointCount()));
     std::vector<bool> covered(all.triangleCount, false);
     for (int k = 0; k < 2; ++k) {
-      transfer(level, animated.keyframes().keyframe(k), points);
+      const std::vector<Vec3> points = test::transferred(level, animated.keyframes().keyframe(k));
       const double meshVolume = signedVolume(animated.keyframes().keyframe(k), animated.mesh.triangles);
       double volume = 0.0;
       for (const Part& part : level.parts) {
@@ -69,15 +61,14 @@ TEST_P(LevelOfDetail, DetailLevelsSaysWhatTheJoinedPartsMeasure) {
   const std::vector<DetailLevel> levels =
       detailLevels(all, animated.mesh, animated.keyframes(), hullsOfParts(all, animated.keyframes()));
   ASSERT_EQ(levels.size(), all.parts.size());
-  for (int n = 1; n <= static_cast<int>(all.parts.size()); ++n) {
+  for (int n = 1; n <= countOf(all.parts); ++n) {
     // Slow reference: merge the triangles, then compute the hulls of all their points.
     const Decomposition level = levelOfDetail(all, n);
     double errors[2];
     int hullVertices[2] = {0, 0};
     for (int k = 0; k < 2; ++k) {
       errors[k] = errorInPose(level, animated.mesh, animated.keyframes().keyframe(k)).relative();
-      std::vector<Vec3> points(static_cast<std::size_t>(level.pointCount()));
-      transfer(level, animated.keyframes().keyframe(k), points);
+      const std::vector<Vec3> points = test::transferred(level, animated.keyframes().keyframe(k));
       for (const ConvexHull& hull : partHulls(level, points)) hullVertices[k] += std::ssize(hull.vertices);
     }
     const DetailLevel& judged = levels[static_cast<std::size_t>(n) - 1];
@@ -95,19 +86,12 @@ TEST_P(LevelOfDetail, DetailLevelsSaysWhatTheJoinedPartsMeasure) {
 TEST(LevelOfDetail, OnePartOfAPaperCutIsTheMeshAgain) {
   // After a single cut both halves share the same cap triangles: without them the L-shape is restored.
   const TriMesh mesh = test::makeLShape();
-  DecomposeSettings settings;
-  settings.maxParts = 2;
-  settings.preset = DecomposePreset::kPaper;
-  const auto both = decompose(mesh, {mesh.vertices, static_cast<int>(mesh.vertices.size())}, settings);
-  ASSERT_TRUE(both.ok());
-  const Decomposition one = levelOfDetail(*both, 1);
+  const Decomposition one =
+      levelOfDetail(test::decomposed(mesh, {.maxParts = 2, .preset = DecomposePreset::kPaper}), 1);
   ASSERT_EQ(one.parts.size(), 1u);
   EXPECT_TRUE(one.splitFrom.empty());
   EXPECT_EQ(std::count(one.parts[0].sourceTriangle.begin(), one.parts[0].sourceTriangle.end(), -1), 0);
-  TriMesh whole;
-  whole.vertices.resize(static_cast<std::size_t>(one.pointCount()));
-  transfer(one, mesh.vertices, whole.vertices);
-  whole.triangles = one.parts[0].triangles;
+  const TriMesh whole{test::transferred(one, mesh.vertices), one.parts[0].triangles};
   const auto closed = checkClosedTwoManifold(whole);
   EXPECT_TRUE(closed.ok()) << (closed.ok() ? "" : closed.error().message);
   EXPECT_NEAR(surfaceArea(whole.vertices, whole.triangles), surfaceArea(mesh.vertices, mesh.triangles), 1e-12);
@@ -116,17 +100,14 @@ TEST(LevelOfDetail, OnePartOfAPaperCutIsTheMeshAgain) {
 TEST(LevelOfDetail, AllPartsAreTheDecompositionItself) {
   const Animated animated;
   const Decomposition all = decomposed(animated, DecomposePreset::kFast);
-  EXPECT_EQ(hashOf(levelOfDetail(all, static_cast<int>(all.parts.size()))), hashOf(all));
+  EXPECT_EQ(hashOf(levelOfDetail(all, countOf(all.parts))), hashOf(all));
 }
 
 TEST(DetailLevels, OfTheLShapeHasItsClosedForm) {
   const TriMesh mesh = test::makeLShape();
-  DecomposeSettings settings;
-  settings.maxParts = 2;
-  const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
-  const auto both = decompose(mesh, pose, settings);
-  ASSERT_TRUE(both.ok());
-  const std::vector<DetailLevel> levels = detailLevels(*both, mesh, pose, hullsOfParts(*both, pose));
+  const PoseView pose = test::poseOf(mesh);
+  const Decomposition both = test::decomposed(mesh, {.maxParts = 2});
+  const std::vector<DetailLevel> levels = detailLevels(both, mesh, pose, hullsOfParts(both, pose));
   ASSERT_EQ(levels.size(), 2u);
   // One hull: an extruded pentagon of volume 3.5 for a mesh of 3. Two hulls: boxes.
   EXPECT_NEAR(levels[0].meanError, 0.5 / 3.0, 1e-12);

@@ -27,9 +27,7 @@ struct TorusTree : ::testing::Test {
   /// The mesh vertex of every point of a tree, found by its positions in all keyframes.
   [[nodiscard]] std::vector<PointIndex> verticesOf(const PartTree& tree) const {
     using Position = std::array<double, 6>;
-    const auto key = [](const Vec3& a, const Vec3& b) -> Position {
-      return {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()};
-    };
+    const auto key = [](const Vec3& a, const Vec3& b) { return Position{a.x(), a.y(), a.z(), b.x(), b.y(), b.z()}; };
     std::map<Position, PointIndex> vertexAt;
     for (const PointIndex p : part.points) vertexAt[key(keyframes[0][p], keyframes[1][p])] = p;
     std::vector<PointIndex> vertices;
@@ -39,22 +37,6 @@ struct TorusTree : ::testing::Test {
       vertices.push_back(found == vertexAt.end() ? -1 : found->second);
     }
     return vertices;
-  }
-
-  /// Planes that cross the part in a keyframe: arbitrary ones, and some through vertices.
-  [[nodiscard]] std::vector<Plane> planes(std::size_t keyframe, test::Dice& dice) const {
-    std::vector<Plane> result;
-    const std::vector<Vec3>& points = keyframes[keyframe];
-    const auto vertex = [&] {
-      return points[static_cast<std::size_t>(dice.whole(0, static_cast<int>(points.size()) - 1))];
-    };
-    while (result.size() < 40) {
-      const Vec3 a = vertex(), b = vertex(), c = vertex();
-      const Vec3 normal = result.size() % 2 == 0 ? Vec3((b - a).cross(c - a)) : dice.inBox(1.0);
-      if (normal.norm() < 1e-2) continue;
-      result.push_back({normal.normalized(), normal.normalized().dot(a)});
-    }
-    return result;
   }
 
   TriMesh mesh;
@@ -120,30 +102,29 @@ TEST_F(TorusTree, ChildrenDivideTheTrianglesOfTheirParent) {
     const PartTree tree = treeFor(keyframe);
     const std::span<const PartTree::Node> nodes = tree.nodes();
     EXPECT_EQ(nodes[0].first, 0);
-    EXPECT_EQ(nodes[0].last, static_cast<std::int32_t>(mesh.triangles.size()));
+    EXPECT_EQ(nodes[0].last, countOf(mesh.triangles));
     EXPECT_GT(nodes.size(), 16u);
     std::int32_t fresh = 0;
-    std::set<std::size_t> reached = {0};
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
+    std::set<int> reached = {0};
+    for (int n = 0; n < countOf(nodes); ++n) {
       const PartTree::Node& node = nodes[n];
       Aabb box;
-      for (const std::int32_t p : tree.pointsOf(static_cast<std::int32_t>(n))) box.extend(tree.points(keyframe)[p]);
+      for (const std::int32_t p : tree.pointsOf(n)) box.extend(tree.points(keyframe)[p]);
       EXPECT_EQ(node.box.min, box.min) << "node " << n;
       EXPECT_EQ(node.box.max, box.max) << "node " << n;
       EXPECT_LT(node.first, node.last);
       if (node.second >= 0) {
-        const auto second = static_cast<std::size_t>(node.second);
-        ASSERT_LT(second, nodes.size());
+        ASSERT_LT(node.second, countOf(nodes));
         EXPECT_EQ(nodes[n + 1].first, node.first);
-        EXPECT_EQ(nodes[n + 1].last, nodes[second].first);
-        EXPECT_EQ(nodes[second].last, node.last);
+        EXPECT_EQ(nodes[n + 1].last, nodes[node.second].first);
+        EXPECT_EQ(nodes[node.second].last, node.last);
         EXPECT_TRUE(reached.insert(n + 1).second);
-        EXPECT_TRUE(reached.insert(second).second);
+        EXPECT_TRUE(reached.insert(node.second).second);
         continue;
       }
       // Points are numbered in the order in which leaves first use them.
       std::set<std::int32_t> own;
-      for (const std::int32_t p : tree.pointsOf(static_cast<std::int32_t>(n))) {
+      for (const std::int32_t p : tree.pointsOf(n)) {
         EXPECT_TRUE(own.insert(p).second) << "a leaf lists a point once";
         EXPECT_LE(p, fresh);
         fresh = std::max(fresh, p + 1);
@@ -158,15 +139,13 @@ TEST_F(TorusTree, ChildrenDivideTheTrianglesOfTheirParent) {
 }
 
 TEST_F(TorusTree, ASketchFindsThePointsOfTheActualCut) {
-  const std::uint64_t seed = 21;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(21);
   PartTree::Sketch sketch;  // reused: nothing of an earlier plane may remain
   for (const std::size_t keyframe : {0u, 1u}) {
     const PartTree tree = treeFor(keyframe);
     const std::vector<PointIndex> vertexOf = verticesOf(tree);
-    const auto firstNew = static_cast<PointIndex>(mesh.vertices.size());
-    for (const Plane& plane : planes(keyframe, dice)) {
+    const auto firstNew = countOf(mesh.vertices);
+    for (const Plane& plane : test::planesThrough(keyframes[keyframe], dice, 40)) {
       SCOPED_TRACE(testing::Message() << "normal " << plane.normal.transpose() << ", offset " << plane.offset);
       const CutResult cut = cutPart(part, keyframes[keyframe], plane, kTolerance, firstNew);
       EXPECT_EQ(tree.sketch(plane, kTolerance, sketch), !cut.above.triangles.empty() && !cut.below.triangles.empty());
@@ -184,9 +163,7 @@ TEST_F(TorusTree, ASketchFindsThePointsOfTheActualCut) {
 
       // The same edges are crossed at the same place; a point number in the tree may reverse an edge.
       std::map<std::pair<PointIndex, PointIndex>, double> lambdas;
-      for (const CutPoint& c : cut.newPoints) {
-        lambdas[{c.first, c.second}] = c.lambda;
-      }
+      for (const CutPoint& c : cut.newPoints) lambdas.insert({{c.first, c.second}, c.lambda});
       ASSERT_EQ(sketch.crossings.size(), lambdas.size());
       for (const CutPoint& c : sketch.crossings) {
         const PointIndex a = vertexOf[c.first], b = vertexOf[c.second];
@@ -199,12 +176,10 @@ TEST_F(TorusTree, ASketchFindsThePointsOfTheActualCut) {
 }
 
 TEST_F(TorusTree, EveryEntryOfASketchBelongsToItsLeaf) {
-  const std::uint64_t seed = 22;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(22);
   const PartTree tree = treeFor(1);
   PartTree::Sketch sketch;
-  for (const Plane& plane : planes(1, dice)) {
+  for (const Plane& plane : test::planesThrough(keyframes[1], dice, 40)) {
     ASSERT_TRUE(tree.sketch(plane, kTolerance, sketch) || sketch.crossings.empty());
     std::size_t above = 0, below = 0, crossing = 0;
     std::set<std::int32_t> onceOnly;
@@ -219,8 +194,9 @@ TEST_F(TorusTree, EveryEntryOfASketchBelongsToItsLeaf) {
       for (; above < leaf.endAbove; ++above) EXPECT_TRUE(own.contains(sketch.above.points[above]));
       for (; below < leaf.endBelow; ++below) EXPECT_TRUE(own.contains(sketch.below.points[below]));
       for (; crossing < leaf.endCrossings; ++crossing) {
-        EXPECT_TRUE(own.contains(sketch.crossings[crossing].first));
-        EXPECT_TRUE(own.contains(sketch.crossings[crossing].second));
+        for (const int p : {sketch.crossings[crossing].first, sketch.crossings[crossing].second}) {
+          EXPECT_TRUE(own.contains(p));
+        }
       }
     }
     EXPECT_EQ(above, sketch.above.points.size());

@@ -1,5 +1,5 @@
-#include "acd/decompose.h"
 #include "geometry/files.h"
+#include "tests/acd/parts.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -35,14 +35,9 @@ TEST_P(SameEverywhere, HashOfTheResult) {
   const Subject subject;
   const auto [preset, expected] = GetParam();
   for (const int threads : {1, 2, 3, 8}) {
-    DecomposeSettings settings;
-    settings.maxParts = 7;
-    settings.preset = preset;
-    settings.threads = threads;
-    const Result<Decomposition> result =
-        decompose(subject.mesh, {subject.keyframes, static_cast<int>(subject.mesh.vertices.size())}, settings);
-    ASSERT_TRUE(result.ok());
-    EXPECT_EQ(hexDigits(hashOf(*result)), expected) << threads << " threads";
+    const Decomposition d = test::decomposed(subject.mesh, {subject.keyframes, countOf(subject.mesh.vertices)},
+                                             {.maxParts = 7, .preset = preset, .threads = threads});
+    EXPECT_EQ(hexDigits(hashOf(d)), expected) << threads << " threads";
   }
 }
 

@@ -5,6 +5,7 @@
 #include "geometry/mesh_files.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -90,8 +91,8 @@ TEST(Score, TorusHalfCoveredByASlantedBox) {
   // By symmetry any plane through the torus's centre halves it; this one is parallel to no axis.
   const TriMesh torus = test::makeTorus(2.0, 0.5, 96, 48);
   const Mat3 turn = Quat(0.7, 0.3, -0.5, 0.4).normalized().toRotationMatrix();
-  TriMesh half = test::makeBox({0, -10, -10}, {10, 10, 10});
-  for (Vec3& p : half.vertices) p = turn * p;
+  const TriMesh half =
+      test::moved(test::makeBox({0, -10, -10}, {10, 10, 10}), [&](const Vec3& p) -> Vec3 { return turn * p; });
   const double volume = signedVolume(torus.vertices, torus.triangles);
   const double truth = 0.5 * volume / (0.5 * volume + 4000.0);
   const Score s = scoreOf(torus, {half});
@@ -122,18 +123,14 @@ TEST(Score, StandardErrorIsHonestOverManySeeds) {
 
 TEST(Score, MoreLinesMeanASmallerError) {
   const TriMesh ball = test::makeSphere(1.0, 20, 40);
-  ScoreSettings few;
-  few.volumeSamples = 1600;
-  ScoreSettings many;
-  many.volumeSamples = 160000;
-  EXPECT_LT(5.0 * scoreOf(kUnitCube, {ball}, many).score16StandardError,
-            scoreOf(kUnitCube, {ball}, few).score16StandardError);
+  const auto errorOf = [&](int lines) {
+    return scoreOf(kUnitCube, {ball}, {.volumeSamples = lines}).score16StandardError;
+  };
+  EXPECT_LT(5.0 * errorOf(160000), errorOf(1600));
 }
 
 TEST(Score, RigidMotionAndScaleDoNotMatter) {
-  const unsigned seed = 5;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(5);
   std::normal_distribution<double> normal;
   const TriMesh l = test::makeLShape();
   const std::vector<TriMesh> parts = {test::makeBox({0.1, 0.2, -0.3}, {1.7, 0.9, 0.8}),
@@ -143,9 +140,8 @@ TEST(Score, RigidMotionAndScaleDoNotMatter) {
     const Quat rotation = Quat{normal(random), normal(random), normal(random), normal(random)}.normalized();
     const double scale = std::exp(normal(random));
     const Vec3 shift{normal(random), normal(random), normal(random)};
-    const auto moved = [&](TriMesh mesh) {
-      for (Vec3& p : mesh.vertices) p = scale * (rotation * p + shift);
-      return mesh;
+    const auto moved = [&](const TriMesh& mesh) {
+      return test::moved(mesh, [&](const Vec3& p) -> Vec3 { return scale * (rotation * p + shift); });
     };
     const Score s = scoreOf(moved(l), {moved(parts[0]), moved(parts[1])});
     EXPECT_NEAR(s.score16, still.score16, allowance(s) + allowance(still));
@@ -167,10 +163,7 @@ TEST(Score, SameSeedSameScore) {
 }
 
 TEST(Score, HollowMeshIsEmptyInside) {
-  TriMesh inner = test::makeBox({1, 1, 1}, {2, 2, 2});
-  for (Triangle& t : inner.triangles) std::swap(t[0], t[1]);
-  const TriMesh hollow = test::joined(test::makeBox({0, 0, 0}, {3, 3, 3}), inner);
-  const Score s = scoreOf(hollow, {test::makeBox({1, 1, 1}, {2, 2, 2})});
+  const Score s = scoreOf(test::makeHollowBox(), {test::makeBox({1, 1, 1}, {2, 2, 2})});
   EXPECT_NEAR(s.uncoveredFraction, 1.0, 1e-12);  // the part fills the cavity only
 }
 
@@ -185,38 +178,36 @@ TEST(Score, FlatPartsCountInDistanceOnly) {
 }
 
 TEST(Score, BadInputIsRefused) {
-  TriMesh open = kUnitCube;
-  open.triangles.pop_back();
   const std::vector<TriMesh> parts = {kUnitCube};
+  TriMesh open = kUnitCube, notFinite = kUnitCube, outOfRange = kUnitCube;
+  open.triangles.pop_back();
+  notFinite.vertices[3].x() = std::nan("");
+  outOfRange.triangles[2][0] = 8;
   EXPECT_EQ(score(open, parts, {}).error().code, ErrorCode::kBadMesh);
   EXPECT_NE(score(open, parts, {}).error().message.find("the mesh is open"), std::string::npos);
-
-  EXPECT_EQ(score(kUnitCube, {}, {}).error().message, "none of the 0 parts has a volume");
-  const std::vector<TriMesh> flat = {{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}}, {}};
-  EXPECT_EQ(score(kUnitCube, flat, {}).error().message, "none of the 2 parts has a volume");
-
-  std::vector<TriMesh> bad = {kUnitCube, kUnitCube};
-  bad[1].vertices[3].x() = std::nan("");
-  EXPECT_EQ(score(kUnitCube, bad, {}).error().message, "part 1: vertex 3 is not finite");
-  bad[1] = kUnitCube;
-  bad[1].triangles[2][0] = 8;
-  EXPECT_EQ(score(kUnitCube, bad, {}).error().message,
-            "part 1: triangle 2: vertex index 8 is out of range (8 vertices)");
-
-  ScoreSettings settings;
-  settings.volumeSamples = 15;
-  EXPECT_EQ(score(kUnitCube, parts, settings).error().message, "volumeSamples is 15, expected 16 or more");
-  settings = {};
-  settings.surfaceSamples = 0;
-  EXPECT_EQ(score(kUnitCube, parts, settings).error().message, "surfaceSamples is 0, expected 1 or more");
+  struct Row {
+    TriMesh mesh;
+    std::vector<TriMesh> parts;
+    ScoreSettings settings;
+    std::string message;
+  };
+  const TriMesh flat{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}};
+  for (const Row& row : std::initializer_list<Row>{
+           {kUnitCube, {}, {}, "none of the 0 parts has a volume"},
+           {kUnitCube, {flat, {}}, {}, "none of the 2 parts has a volume"},
+           {kUnitCube, {kUnitCube, notFinite}, {}, "part 1: vertex 3 is not finite"},
+           {kUnitCube, {kUnitCube, outOfRange}, {}, "part 1: triangle 2: vertex index 8 is out of range (8 vertices)"},
+           {kUnitCube, parts, {.volumeSamples = 15}, "volumeSamples is 15, expected 16 or more"},
+           {kUnitCube, parts, {.surfaceSamples = 0}, "surfaceSamples is 0, expected 1 or more"}}) {
+    EXPECT_EQ(score(row.mesh, row.parts, row.settings).error().message, row.message);
+  }
 }
 
 TEST(Score, BunnyByItsHull) {
   LORICA_REQUIRE_DATASET(file, "vhacd/Bunny.off");
-  const auto bunny = readMesh(file);
-  ASSERT_TRUE(bunny.ok()) << bunny.error().message;
-  const Score s = scoreOf(*bunny, {*bunny});
-  EXPECT_NEAR(s.score17, signedVolume(bunny->vertices, bunny->triangles) / convexHullVolume(bunny->vertices), 1e-12);
+  const auto bunny = test::valueOf(readMesh(file));
+  const Score s = scoreOf(bunny, {bunny});
+  EXPECT_NEAR(s.score17, signedVolume(bunny.vertices, bunny.triangles) / convexHullVolume(bunny.vertices), 1e-12);
   EXPECT_NEAR(s.score16, s.score17, 1e-9);
   EXPECT_GT(s.distancePercentDiagonal, 0.1);
 }

@@ -24,10 +24,12 @@ TEST(SeparatingPlane, LiesBetweenBoxesHoweverCloseTheyAre) {
 
 TEST(SeparatingPlane, IsNoneForHullsThatTouchOrOverlap) {
   const TriMesh box = test::makeBox({0, 0, 0}, {1, 1, 1});
-  EXPECT_FALSE(separatingPlane(box.vertices, box.vertices));
-  EXPECT_FALSE(separatingPlane(test::makeBox({1, 0, 0}, {2, 1, 1}).vertices, box.vertices));
-  EXPECT_FALSE(separatingPlane(test::makeBox({1, 1, 1}, {2, 2, 2}).vertices, box.vertices));
-  EXPECT_FALSE(separatingPlane(test::makeBox({0.2, 0.2, 0.2}, {0.4, 0.4, 0.4}).vertices, box.vertices));
+  for (const auto& [low, high] : {std::pair{Vec3(0, 0, 0), Vec3(1, 1, 1)},
+                                  {Vec3(1, 0, 0), Vec3(2, 1, 1)},
+                                  {Vec3(1, 1, 1), Vec3(2, 2, 2)},
+                                  {Vec3(0.2, 0.2, 0.2), Vec3(0.4, 0.4, 0.4)}}) {
+    EXPECT_FALSE(separatingPlane(test::makeBox(low, high).vertices, box.vertices)) << low.transpose();
+  }
 }
 
 TEST(SeparatingPlane, AgreesWithTheSideOfRandomHulls) {

@@ -36,9 +36,7 @@ double byCorners(const Vec3& objective, std::vector<HalfSpace> halfSpaces) {
 }
 
 TEST(SmallLp, AgreesWithAllCornersOneByOne) {
-  const unsigned seed = 21;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(21);
   std::normal_distribution<double> normal;
   const auto vector = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
   int feasible = 0, infeasible = 0;

@@ -3,6 +3,7 @@
 #include "geometry/convex_hull.h"
 #include "tests/acd/hard_meshes.h"
 #include "tests/support/meshes.h"
+#include "tests/support/same.h"
 
 #include <gtest/gtest.h>
 
@@ -56,10 +57,7 @@ std::vector<Vec3f> directions() {
 }
 
 void expectEqual(const Support& a, const Support& b) {
-  EXPECT_EQ(a.high, b.high);
-  EXPECT_EQ(a.low, b.low);
-  EXPECT_EQ(a.highest, b.highest);
-  EXPECT_EQ(a.lowest, b.lowest);
+  test::expectSame(a, b, &Support::high, &Support::low, &Support::highest, &Support::lowest);
 }
 
 TEST(Support, OfNothingAndOfOnePoint) {
@@ -100,9 +98,7 @@ TEST(Support, DirectionsAreSpreadEvenlyOverTheSphere) {
     }
   }
   EXPECT_GT(narrowest, 20.0 * degree);
-  const std::uint64_t seed = 61;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(61);
   for (int trial = 0; trial < 10000; ++trial) {
     const Vec3f d = (dice.rotation() * Vec3::UnitX()).cast<float>();
     float nearest = 0.0f;
@@ -112,9 +108,7 @@ TEST(Support, DirectionsAreSpreadEvenlyOverTheSphere) {
 }
 
 TEST(Support, EqualsOneByOneInEveryDirection) {
-  const std::uint64_t seed = 62;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(62);
   const std::vector<Vec3f> all = directions();
   for (const int count : {1, 2, 3, 15, 16, 17, 200}) {
     const std::vector<Vec3> points = randomPoints(dice, count);
@@ -126,32 +120,21 @@ TEST(Support, EqualsOneByOneInEveryDirection) {
     support.clear();
     include(support, cloud, ids, 1000, nullptr);
     for (std::size_t i = 0; i < Support::kPairs; ++i) {
-      float high = -std::numeric_limits<float>::infinity(), low = -high;
-      std::int32_t highest = -1, lowest = -1;
+      constexpr float kFar = std::numeric_limits<float>::infinity();
+      std::pair<float, std::int32_t> high{-kFar, -1}, low{kFar, -1};
       for (const std::int32_t id : ids) {
-        const auto p = static_cast<std::size_t>(id);
-        const float value = all[i].x() * cloud.x[p] + all[i].y() * cloud.y[p] + all[i].z() * cloud.z[p];
-        if (value > high) {
-          high = value;
-          highest = id + 1000;
-        }
-        if (value < low) {
-          low = value;
-          lowest = id + 1000;
-        }
+        const float value = all[i].x() * cloud.x[id] + all[i].y() * cloud.y[id] + all[i].z() * cloud.z[id];
+        if (value > high.first) high = {value, id + 1000};
+        if (value < low.first) low = {value, id + 1000};
       }
-      EXPECT_EQ(support.high[i], high);
-      EXPECT_EQ(support.low[i], low);
-      EXPECT_EQ(support.highest[i], highest);
-      EXPECT_EQ(support.lowest[i], lowest);
+      EXPECT_EQ(std::pair(support.high[i], support.highest[i]), high);
+      EXPECT_EQ(std::pair(support.low[i], support.lowest[i]), low);
     }
   }
 }
 
 TEST(Support, OfAUnionIsTheUnionOfSupports) {
-  const std::uint64_t seed = 64;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(64);
   const std::vector<Vec3> points = randomPoints(dice, 300);
   const Support whole = supportOf(points), second = supportOf(std::span(points).subspan(200), 200);
   Support joined = supportOf(std::span(points).first(200));
@@ -187,9 +170,7 @@ TEST(EnclosedVolume, OfSimpleSolidsInClosedForm) {
 }
 
 TEST(EnclosedVolume, IsMostOfASphere) {
-  const std::uint64_t seed = 65;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(65);
   std::vector<Vec3> sphere = randomPoints(dice, 100000);
   for (Vec3& p : sphere) p.normalize();
   const double share = enclosed(sphere) / (4.0 / 3.0 * std::numbers::pi);
@@ -198,9 +179,7 @@ TEST(EnclosedVolume, IsMostOfASphere) {
 }
 
 TEST(EnclosedVolume, IsThatOfTheSupportPointsAlone) {
-  const std::uint64_t seed = 63;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  test::Dice dice(seed);
+  test::Dice dice(63);
   for (int trial = 0; trial < 50; ++trial) {
     const std::vector<Vec3> points = randomPoints(dice, 100);
     const double volume = enclosed(points);
@@ -218,7 +197,7 @@ TEST(EnclosedVolume, IsThatOfTheSupportPointsAlone) {
     for (std::int32_t id = 0; id < 100; ++id) {
       const bool is = std::count(all.highest.begin(), all.highest.end(), id) > 0 ||
                       std::count(all.lowest.begin(), all.lowest.end(), id) > 0;
-      if (is) named.push_back(points[static_cast<std::size_t>(id)]);
+      if (is) named.push_back(points[id]);
     }
     EXPECT_LT(named.size(), points.size());
     EXPECT_NEAR(enclosed(named), volume, 1e-12);

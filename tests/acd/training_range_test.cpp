@@ -1,11 +1,11 @@
 #include "acd/training_range.h"
 
-#include "acd/decompose.h"
-#include "acd/transfer.h"
 #include "geometry/random_numbers.h"
 #include "geometry/rigid_distance.h"
+#include "tests/acd/parts.h"
 #include "tests/support/allocations.h"
 #include "tests/support/meshes.h"
+#include "tests/support/same.h"
 
 #include <gtest/gtest.h>
 #include <Eigen/SVD>
@@ -31,7 +31,7 @@ std::vector<Vec3> boxPoints(const Vec3& half) {
 /// A range with these keyframes, which have the same size and are relative to their centroid.
 TrainingRange rangeOf(std::initializer_list<std::vector<Vec3>> keyframes) {
   TrainingRange range;
-  range.keyframeCount = static_cast<int>(keyframes.size());
+  range.keyframeCount = countOf(keyframes);
   for (const std::vector<Vec3>& keyframe : keyframes) {
     range.positions.insert(range.positions.end(), keyframe.begin(), keyframe.end());
   }
@@ -73,6 +73,12 @@ double distanceByKabsch(std::span<const Vec3> a, std::span<const Vec3> b) {
   return std::sqrt(sumSq / static_cast<double>(a.size()));
 }
 
+/// Each half of the points moved outwards along x.
+std::vector<Vec3> stretched(std::vector<Vec3> points, double by) {
+  for (Vec3& p : points) p.x() += p.x() > 0.0 ? by : -by;
+  return points;
+}
+
 TEST(RigidDistance, EqualsWhatTheBestRotationLeaves) {
   RandomNumbers random(1);
   for (int i = 0; i < 500; ++i) {
@@ -81,10 +87,7 @@ TEST(RigidDistance, EqualsWhatTheBestRotationLeaves) {
     std::vector<Vec3> b = randomPoints(random, count);
     if (i % 2 == 0) {
       // Near each other, like poses of one body; and mirrored, where the best orthogonal map is not a rotation.
-      for (std::size_t k = 0; k < count; ++k) b[k] = a[k] + 0.1 * b[k];
-      if (i % 4 == 0) {
-        for (Vec3& p : b) p.x() = -p.x();
-      }
+      for (std::size_t k = 0; k < count; ++k) b[k] = (a[k] + 0.1 * b[k]).cwiseProduct(Vec3(i % 4 == 0 ? -1 : 1, 1, 1));
     }
     EXPECT_NEAR(rigidDistance(a, b), distanceByKabsch(a, b), 1e-6) << i;
     EXPECT_NEAR(rigidDistance(a, b), rigidDistance(b, a), 1.1e-6) << i;
@@ -105,9 +108,7 @@ TEST(TrainingDistance, IsWhatIsKnownInClosedForm) {
   const TrainingRange range = rangeOf({box});
   RandomNumbers random(3);
   // Each half moved outwards by d: no rotation helps, and every probe is d away.
-  std::vector<Vec3> stretched = box;
-  for (Vec3& p : stretched) p.x() += p.x() > 0.0 ? 0.25 : -0.25;
-  EXPECT_NEAR(trainingDistance(range, moved(stretched, randomMotion(random))), 0.25, 1e-6);
+  EXPECT_NEAR(trainingDistance(range, moved(stretched(box, 0.25), randomMotion(random))), 0.25, 1e-6);
   // Enlarged by a tenth: a tenth of the root mean square distance from the centroid, 0.625 * 9 + 4 + 1.
   std::vector<Vec3> larger = box;
   for (Vec3& p : larger) p *= 1.1;
@@ -122,16 +123,10 @@ TEST(TrainingDistance, IsWhatIsKnownInClosedForm) {
 
 TEST(TrainingDistance, IsToTheNearestKeyframe) {
   const std::vector<Vec3> box = boxPoints({3.0, 2.0, 1.0});
-  const auto stretchedBy = [&](double by) {
-    std::vector<Vec3> points = box;
-    for (Vec3& p : points) p.x() += p.x() > 0.0 ? by : -by;
-    return points;
-  };
-  const TrainingRange range = rangeOf({stretchedBy(0.0), stretchedBy(1.0), stretchedBy(0.5)});
-  EXPECT_NEAR(trainingDistance(range, stretchedBy(0.1)), 0.1, 1e-6);
-  EXPECT_NEAR(trainingDistance(range, stretchedBy(0.4)), 0.1, 1e-6);
-  EXPECT_NEAR(trainingDistance(range, stretchedBy(0.8)), 0.2, 1e-6);
-  EXPECT_NEAR(trainingDistance(range, stretchedBy(1.7)), 0.7, 1e-6);
+  const TrainingRange range = rangeOf({box, stretched(box, 1.0), stretched(box, 0.5)});
+  for (const auto& [by, distance] : {std::pair{0.1, 0.1}, {0.4, 0.1}, {0.8, 0.2}, {1.7, 0.7}}) {
+    EXPECT_NEAR(trainingDistance(range, stretched(box, by)), distance, 1e-6) << by;
+  }
 }
 
 TEST(TrainingDistance, OfAPoseThatIsNotFiniteIsInfinite) {
@@ -157,49 +152,35 @@ TEST(TrainingDistance, AllocatesNothing) {
 }
 
 /// A torus bent increasingly about the x axis: an animation of three keyframes and the poses between them.
-class BentTorus : public testing::Test {
- protected:
-  std::vector<Vec3> bentBy(double strength) const {
-    std::vector<Vec3> positions = torus_.vertices;
-    for (Vec3& p : positions) p.z() += strength * p.x() * p.x();
-    return positions;
-  }
+struct BentTorus : testing::Test {
   std::vector<Vec3> frames(std::initializer_list<double> strengths) const {
     std::vector<Vec3> positions;
     for (const double strength : strengths) {
-      const std::vector<Vec3> frame = bentBy(strength);
-      positions.insert(positions.end(), frame.begin(), frame.end());
+      for (const Vec3& p : torus.vertices) positions.push_back(p + Vec3(0, 0, strength * p.x() * p.x()));
     }
     return positions;
   }
-  PoseView view(const std::vector<Vec3>& positions) const {
-    return {positions, static_cast<int>(torus_.vertices.size())};
-  }
-  Decomposition decomposedTo(int parts) const {
-    auto made = decompose(torus_, view(keyframes_), {.maxParts = parts});
-    EXPECT_TRUE(made.ok());
-    return std::move(made).value();
-  }
+  PoseView view(const std::vector<Vec3>& positions) const { return {positions, countOf(torus.vertices)}; }
+  Decomposition decomposedTo(int parts) const { return test::decomposed(torus, view(keyframes), {.maxParts = parts}); }
   double distanceOf(const TrainingRange& range, const Decomposition& decomposition, double strength) const {
-    return farthestFrame(range, decomposition, view(bentBy(strength)));
+    return farthestFrame(range, decomposition, view(frames({strength})));
   }
 
-  TriMesh torus_ = test::makeTorus(2.0, 0.5, 48, 24);
-  std::vector<Vec3> keyframes_ = frames({0.0, 0.2, 0.4});
+  TriMesh torus = test::makeTorus(2.0, 0.5, 48, 24);
+  std::vector<Vec3> keyframes = frames({0.0, 0.2, 0.4});
 };
 
 TEST_F(BentTorus, ProbesAreSpreadOverAllParts) {
   for (const int parts : {1, 3, 12, 16, 40}) {
     const Decomposition decomposition = decomposedTo(parts);
-    const TrainingRange range = trainingRange(decomposition, view(keyframes_));
+    const TrainingRange range = trainingRange(decomposition, view(keyframes));
     const std::set<PointIndex> probes(range.probes.begin(), range.probes.end());
     EXPECT_EQ(probes.size(), range.probes.size()) << "no duplicates";
     EXPECT_EQ(probes.size(), std::clamp<std::size_t>(4 * decomposition.parts.size(), 32, 128));
     EXPECT_EQ(range.keyframeCount, 3);
     EXPECT_EQ(range.positions.size(), 3 * range.probes.size());
 
-    std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
-    transfer(decomposition, view(keyframes_).keyframe(0), points);
+    const std::vector<Vec3> points = test::transferred(decomposition, view(keyframes).keyframe(0));
     for (const Part& part : decomposition.parts) {
       std::vector<PointIndex> own;
       for (const PointIndex p : part.points) {
@@ -212,9 +193,7 @@ TEST_F(BentTorus, ProbesAreSpreadOverAllParts) {
       for (const PointIndex p : part.points) {
         box.extend(points[p]);
         double nearest = std::numeric_limits<double>::infinity();
-        for (const PointIndex q : own) {
-          nearest = std::min(nearest, (points[p] - points[q]).norm());
-        }
+        for (const PointIndex q : own) nearest = std::min(nearest, (points[p] - points[q]).norm());
         worst = std::max(worst, nearest);
       }
       EXPECT_LT(worst, 0.6 * box.diagonal());
@@ -224,11 +203,10 @@ TEST_F(BentTorus, ProbesAreSpreadOverAllParts) {
 
 TEST_F(BentTorus, KeyframesAreKeptAboutTheirCentroidsAndTheGuessIsAShareOfTheirSize) {
   const Decomposition decomposition = decomposedTo(8);
-  const TrainingRange range = trainingRange(decomposition, view(keyframes_));
+  const TrainingRange range = trainingRange(decomposition, view(keyframes));
   double sumSq = 0.0;
   for (int k = 0; k < 3; ++k) {
-    std::vector<Vec3> points(static_cast<std::size_t>(decomposition.pointCount()));
-    transfer(decomposition, view(keyframes_).keyframe(k), points);
+    const std::vector<Vec3> points = test::transferred(decomposition, view(keyframes).keyframe(k));
     Vec3 centroid = Vec3::Zero();
     for (const PointIndex p : range.probes) centroid += points[p];
     centroid /= static_cast<double>(range.probes.size());
@@ -239,15 +217,14 @@ TEST_F(BentTorus, KeyframesAreKeptAboutTheirCentroidsAndTheGuessIsAShareOfTheirS
     }
   }
   EXPECT_NEAR(range.knownDistance, 0.3 * std::sqrt(sumSq / static_cast<double>(range.positions.size())), 1e-12);
-  EXPECT_EQ(farthestFrame(range, decomposition, view(keyframes_)), 0.0);
+  EXPECT_EQ(farthestFrame(range, decomposition, view(keyframes)), 0.0);
 }
 
 TEST_F(BentTorus, FramesOfTheTrainingMotionAreKnownAndFartherPosesAreNot) {
   const Decomposition decomposition = decomposedTo(8);
-  TrainingRange range = trainingRange(decomposition, view(keyframes_));
-  const std::vector<double> between = {0.0, 0.03, 0.1, 0.17, 0.25, 0.3, 0.38, 0.4};
-  const std::vector<Vec3> motion = frames({0.0, 0.03, 0.1, 0.17, 0.25, 0.3, 0.38, 0.4});
-  range.knownDistance = farthestFrame(range, decomposition, view(motion));
+  TrainingRange range = trainingRange(decomposition, view(keyframes));
+  const std::initializer_list<double> between = {0.0, 0.03, 0.1, 0.17, 0.25, 0.3, 0.38, 0.4};
+  range.knownDistance = farthestFrame(range, decomposition, view(frames(between)));
   EXPECT_GT(range.knownDistance, 0.0);
   for (const double strength : between) {
     EXPECT_LE(distanceOf(range, decomposition, strength), range.knownDistance) << strength;
@@ -265,21 +242,16 @@ TEST_F(BentTorus, FramesOfTheTrainingMotionAreKnownAndFartherPosesAreNot) {
 
 TEST_F(BentTorus, TheSameInputGivesTheSameRange) {
   const Decomposition decomposition = decomposedTo(8);
-  const TrainingRange a = trainingRange(decomposition, view(keyframes_));
-  const TrainingRange b = trainingRange(decomposition, view(keyframes_));
-  EXPECT_EQ(a.probes, b.probes);
-  EXPECT_EQ(a.positions, b.positions);
-  EXPECT_EQ(a.knownDistance, b.knownDistance);
+  test::expectSame(trainingRange(decomposition, view(keyframes)), trainingRange(decomposition, view(keyframes)),
+                   &TrainingRange::probes, &TrainingRange::positions, &TrainingRange::knownDistance);
 }
 
 TEST(TrainingRange, AMeshOfFewPointsHasThemAllAsProbes) {
   const TriMesh mesh = test::makeLShape();
-  const PoseView pose{mesh.vertices, static_cast<int>(mesh.vertices.size())};
-  const auto decomposition = decompose(mesh, pose, {.maxParts = 1});
-  ASSERT_TRUE(decomposition.ok());
-  TrainingRange range = trainingRange(*decomposition, pose);
+  const Decomposition decomposition = test::decomposed(mesh, {.maxParts = 1});
+  TrainingRange range = trainingRange(decomposition, test::poseOf(mesh));
   std::sort(range.probes.begin(), range.probes.end());
-  EXPECT_EQ(range.probes, decomposition->parts[0].points);
+  EXPECT_EQ(range.probes, decomposition.parts[0].points);
 }
 
 }  // namespace

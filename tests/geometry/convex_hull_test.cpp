@@ -1,5 +1,6 @@
 #include "geometry/convex_hull.h"
 
+#include "geometry/counts.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +17,7 @@ std::vector<Vec3> randomPoints(int count, unsigned seed, bool onSphere) {
   std::mt19937_64 random(seed);
   std::vector<Vec3> points;
   const auto uniform = [&] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2.0 - 1.0; };
-  while (static_cast<int>(points.size()) < count) {
+  while (countOf(points) < count) {
     const Vec3 p{uniform(), uniform(), uniform()};
     if (p.norm() > 1.0 || p.norm() < 0.1) continue;
     points.push_back(onSphere ? p.normalized() : p);
@@ -35,9 +36,7 @@ void expectValid(const ConvexHull& hull, std::span<const Vec3> points) {
     EXPECT_EQ(count, 1);
     EXPECT_TRUE(edges.contains({edge.second, edge.first})) << "open edge " << edge.first << "-" << edge.second;
   }
-  const auto v = static_cast<long>(hull.vertices.size());
-  const auto f = static_cast<long>(hull.triangles.size());
-  EXPECT_EQ(v - static_cast<long>(edges.size()) / 2 + f, 2);
+  EXPECT_EQ(std::ssize(hull.vertices) - std::ssize(edges) / 2 + std::ssize(hull.triangles), 2);
   EXPECT_NEAR(hull.volume, signedVolume(hull.vertices, hull.triangles), 1e-12 * std::abs(hull.volume));
   EXPECT_LE(largestViolation(hull, points), 1e-9 * boundsOf(points).diagonal());
   for (std::size_t i = 0; i < hull.vertices.size(); ++i) {
@@ -66,29 +65,28 @@ double bruteForceVolume(std::span<const Vec3> points) {
   return volume;
 }
 
-TEST(ConvexHull, FewerThanFourPointsAreDegenerate) {
-  EXPECT_TRUE(convexHull({}).degenerate());
+TEST(ConvexHull, FewEqualCollinearAndCoplanarPointsAreDegenerate) {
   const std::vector<Vec3> three = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_TRUE(convexHull(three).degenerate());
-  EXPECT_EQ(convexHullVolume(three), 0.0);
-}
-
-TEST(ConvexHull, EqualCollinearAndCoplanarPointsAreDegenerate) {
-  EXPECT_TRUE(convexHull(std::vector<Vec3>(10, Vec3(1, 2, 3))).degenerate());
   std::vector<Vec3> line, plane;
   for (int i = 0; i < 20; ++i) {
     line.emplace_back(0.1 * i, 0.2 * i, -0.3 * i);
     plane.emplace_back(std::cos(i), std::sin(i), 0.5 * std::cos(i) - 0.25 * std::sin(i));
   }
-  EXPECT_TRUE(convexHull(line).degenerate());
-  EXPECT_TRUE(convexHull(plane).degenerate());
+  for (const auto& [what, points] : {std::pair{"none", std::vector<Vec3>()},
+                                     {"three", three},
+                                     {"ten equal ones", std::vector<Vec3>(10, Vec3(1, 2, 3))},
+                                     {"a line", line},
+                                     {"a plane", plane}}) {
+    EXPECT_TRUE(convexHull(points).degenerate()) << what;
+  }
+  EXPECT_EQ(convexHullVolume(three), 0.0);
   EXPECT_EQ(convexHull(plane).vertices.size(), plane.size());
 }
 
 TEST(ConvexHull, TetrahedronHasAllFourCornersAndVolumeOneSixth) {
-  const TriMesh t = test::makeTetrahedron();
-  const ConvexHull hull = convexHull(t.vertices);
-  expectValid(hull, t.vertices);
+  const std::vector<Vec3> corners = test::makeTetrahedron().vertices;
+  const ConvexHull hull = convexHull(corners);
+  expectValid(hull, corners);
   EXPECT_EQ(hull.vertices.size(), 4u);
   EXPECT_DOUBLE_EQ(hull.volume, 1.0 / 6.0);
 }

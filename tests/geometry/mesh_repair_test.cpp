@@ -3,6 +3,7 @@
 #include "geometry/mesh_files.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 #include "tests/support/voxels.h"
 
 #include <gtest/gtest.h>
@@ -15,9 +16,7 @@ namespace lorica {
 namespace {
 
 MeshRepair repaired(const TriMesh& mesh) {
-  Result<MeshRepair> repair = repairClosedMesh(mesh);
-  EXPECT_TRUE(repair.ok()) << (repair.ok() ? "" : repair.error().message);
-  return repair.ok() ? std::move(*repair) : MeshRepair();
+  return test::valueOf(repairClosedMesh(mesh));
 }
 
 /// Counts edges shared by more than two triangles, independently of the code under test.
@@ -98,14 +97,16 @@ TEST(MeshRepair, CubesRoundOneEdgeInAFanComeApart) {
   }
   for (int i = 0; i < 6; i += 2) {
     const VertexIndex a = 2 + 2 * i, b = 4 + 2 * i;  // lower ends; the upper end is the next index
-    mesh.triangles.insert(mesh.triangles.end(), {{0, b, a},
-                                                 {1, a + 1, b + 1},
-                                                 {0, a, 1},
-                                                 {a, a + 1, 1},
-                                                 {a, b, a + 1},
-                                                 {b, b + 1, a + 1},
-                                                 {b, 0, b + 1},
-                                                 {0, 1, b + 1}});
+    for (const Triangle& t : std::initializer_list<Triangle>{{0, b, a},
+                                                             {1, a + 1, b + 1},
+                                                             {0, a, 1},
+                                                             {a, a + 1, 1},
+                                                             {a, b, a + 1},
+                                                             {b, b + 1, a + 1},
+                                                             {b, 0, b + 1},
+                                                             {0, 1, b + 1}}) {
+      mesh.triangles.push_back(t);
+    }
   }
   const MeshRepair repair = repaired(mesh);
   expectSound(mesh, repair);
@@ -116,12 +117,9 @@ TEST(MeshRepair, CubesRoundOneEdgeInAFanComeApart) {
 TEST(MeshRepair, AnEdgeJoinedAtBothEndsIsHalved) {
   // Two diagonal cubes of a layer between two full ones: the solid is joined above and below the edge.
   std::set<test::Voxel> voxels;
-  for (int x = 0; x < 2; ++x) {
-    for (int y = 0; y < 2; ++y) {
-      for (int z = 0; z < 3; ++z) {
-        if (z != 1 || x == y) voxels.insert({x, y, z});
-      }
-    }
+  for (int i = 0; i < 12; ++i) {
+    const int x = i % 2, y = i / 2 % 2, z = i / 4;
+    if (z != 1 || x == y) voxels.insert({x, y, z});
   }
   const TriMesh mesh = test::makeVoxelSurface(voxels);
   ASSERT_EQ(nonManifoldEdges(mesh), 1u);
@@ -194,14 +192,10 @@ TEST(MeshRepair, RandomHeapsOfCubes) {
   for (int trial = 0; trial < 300; ++trial) {
     SCOPED_TRACE(trial);
     std::set<test::Voxel> voxels;
-    const std::uint64_t size = 2 + random() % 3;
+    const int size = 2 + static_cast<int>(random() % 3);
     const std::uint64_t share = 2 + random() % 6;
-    for (int x = 0; x < static_cast<int>(size); ++x) {
-      for (int y = 0; y < static_cast<int>(size); ++y) {
-        for (int z = 0; z < static_cast<int>(size); ++z) {
-          if (random() % 8 < share) voxels.insert({x, y, z});
-        }
-      }
+    for (int i = 0; i < size * size * size; ++i) {
+      if (random() % 8 < share) voxels.insert({i / size / size, i / size % size, i % size});
     }
     if (voxels.empty()) continue;
     const TriMesh mesh = test::makeVoxelSurface(voxels);
@@ -220,11 +214,10 @@ TEST(MeshRepair, RandomHeapsOfCubes) {
 
 TEST(MeshRepair, TheDinosaurOfTheBenchmark) {
   LORICA_REQUIRE_DATASET(file, "vhacd/Dinosaur.off");
-  const Result<TriMesh> mesh = readMesh(file);
-  ASSERT_TRUE(mesh.ok()) << mesh.error().message;
-  EXPECT_FALSE(checkClosedTwoManifold(*mesh).ok());
-  const MeshRepair repair = repaired(*mesh);
-  expectSound(*mesh, repair);
+  const TriMesh mesh = test::valueOf(readMesh(file));
+  EXPECT_FALSE(checkClosedTwoManifold(mesh).ok());
+  const MeshRepair repair = repaired(mesh);
+  expectSound(mesh, repair);
   EXPECT_EQ(repair.nonManifoldEdges, 2u);
 }
 

@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -39,9 +40,8 @@ TEST_F(NamedFile, FilesInTheFolderAndBelowAreFound) {
   for (const auto& [name, content] :
        {std::pair("near.txt", "near"), std::pair("./near.txt", "near"), std::pair("below/deep.txt", "deep"),
         std::pair("below\\deep.txt", "deep"), std::pair("link_in.txt", "deep")}) {
-    const Result<fs::path> file = find(name);
-    ASSERT_TRUE(file.ok()) << file.error().message;
-    EXPECT_EQ(readFile(*file, NamedBy::kFile).value(), content);
+    const fs::path file = test::valueOf(find(name));
+    EXPECT_EQ(readFile(file, NamedBy::kFile).value(), content);
   }
   EXPECT_TRUE(find("not there.txt").ok()) << "whether it exists is for the reader to say";
 }
@@ -65,9 +65,8 @@ TEST_F(NamedFile, WhatLeadsOutIsRefusedWithTheOptionThatAllowsIt) {
 TEST_F(NamedFile, TrustedNamesMayLeadAnywhere) {
   for (const std::string& name : {std::string("../secret.txt"), std::string("link_out.txt"),
                                   (folder.path() / "secret.txt").string(), std::string("..\\secret.txt")}) {
-    const Result<fs::path> file = find(name, PathTrust::kAnywhere);
-    ASSERT_TRUE(file.ok()) << file.error().message;
-    EXPECT_EQ(readFile(*file, NamedBy::kFile).value(), "secret");
+    const fs::path file = test::valueOf(find(name, PathTrust::kAnywhere));
+    EXPECT_EQ(readFile(file, NamedBy::kFile).value(), "secret");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -35,13 +36,12 @@ TEST(PartFile, FoundOnesAreKeptUnderFreeNames) {
 TEST(PartFile, OneThatIsWrittenIsLeftAlone) {
   const test::TemporaryFolder folder;
   const fs::path part = folder.path() / "a.part.csv";
-  const Result<int> descriptor = createPart(part);
-  ASSERT_TRUE(descriptor) << descriptor.error().message;
+  const int descriptor = test::valueOf(createPart(part));
   const auto found = keepFound(part);
   ASSERT_FALSE(found);
   EXPECT_NE(found.error().message.find("another program is writing to it"), std::string::npos) << found.error().message;
   EXPECT_FALSE(createPart(part)) << "it exists";
-  close(*descriptor);
+  close(descriptor);
   EXPECT_TRUE(keepFound(part)) << "that program has ended";
 }
 

@@ -1,8 +1,10 @@
 #include "geometry/tri_mesh.h"
 
+#include "geometry/counts.h"
 #include "geometry/mesh_files.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -58,9 +60,7 @@ TEST(SurfaceArea, ClosedForms) {
 }
 
 TEST(SignedVolume, RigidMotionScaleAndDistanceFromTheOriginDoNotMatter) {
-  const unsigned seed = 7;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(7);
   std::normal_distribution<double> normal;
   const TriMesh torus = test::makeTorus(1.0, 0.3, 24, 12);
   for (int i = 0; i < 20; ++i) {
@@ -101,9 +101,7 @@ TEST(CheckClosedTwoManifold, AcceptsClosedMeshes) {
 }
 
 TEST(CheckClosedTwoManifold, AcceptsACavityAndAVertexWhereTwoFansMeet) {
-  TriMesh inner = test::makeBox({1, 1, 1}, {2, 2, 2});
-  for (Triangle& t : inner.triangles) std::swap(t[0], t[1]);
-  const TriMesh hollow = test::joined(test::makeBox({0, 0, 0}, {3, 3, 3}), inner);
+  const TriMesh hollow = test::makeHollowBox();
   EXPECT_EQ(whyRefused(hollow), "");
   EXPECT_DOUBLE_EQ(volumeOf(hollow), 26.0);
 
@@ -114,45 +112,32 @@ TEST(CheckClosedTwoManifold, AcceptsACavityAndAVertexWhereTwoFansMeet) {
 }
 
 TEST(CheckClosedTwoManifold, NamesWhatIsWrong) {
-  const TriMesh good = test::makeTetrahedron();  // {0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}
-  EXPECT_EQ(whyRefused({}), "the mesh has 0 vertices and no triangle");
-
-  TriMesh mesh = good;
-  mesh.triangles[2][1] = 4;
-  mesh.triangles[3][0] = -1;
-  EXPECT_EQ(whyRefused(mesh),
-            "triangle 2: vertex index 4 is out of range, expected 0 to 3 (4 vertices); 2 such indices in all");
-
-  mesh = good;
-  mesh.vertices[3].y() = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(whyRefused(mesh), "vertex 3: position (0, inf, 1) is not finite; 1 such vertices in all");
-
-  mesh = good;
-  mesh.triangles[1] = {0, 3, 3};
-  EXPECT_EQ(whyRefused(mesh), "triangle 1: vertices 0, 3, 3, expected three different ones; 1 such triangles in all");
-
-  mesh = good;
-  mesh.triangles.pop_back();
-  EXPECT_EQ(whyRefused(mesh), "edge 1-2 belongs to one triangle (0), expected two; 3 such edges: the mesh is open");
-
-  mesh = good;
-  std::swap(mesh.triangles[3][0], mesh.triangles[3][1]);
-  EXPECT_EQ(whyRefused(mesh),
-            "edge 1-2: triangles 0 and 3 run along it in the same direction, expected opposite; 3 such edges: the "
-            "triangles are not consistently oriented");
-
-  mesh = good;
-  for (Triangle& t : mesh.triangles) std::swap(t[0], t[1]);
-  EXPECT_EQ(whyRefused(mesh),
-            "the mesh is inside out: its signed volume is -0.166667, expected above 0; reverse all triangles");
-
-  mesh = good;
-  mesh.vertices[3].z() = 0.0;
-  EXPECT_EQ(whyRefused(mesh), "the mesh is flat: its volume is 0 with a diagonal of 1.41421");
-
-  mesh = good;
-  for (Vec3& p : mesh.vertices) p *= 1e150;
-  EXPECT_EQ(whyRefused(mesh), "the mesh's diagonal is 1.73205e+150: too large to measure a volume");
+  const std::vector<std::pair<void (*)(TriMesh&), const char*>> rows = {
+      {[](TriMesh& mesh) { mesh = {}; }, "the mesh has 0 vertices and no triangle"},
+      {[](TriMesh& mesh) { mesh.triangles[2][1] = 4, mesh.triangles[3][0] = -1; },
+       "triangle 2: vertex index 4 is out of range, expected 0 to 3 (4 vertices); 2 such indices in all"},
+      {[](TriMesh& mesh) { mesh.vertices[3].y() = std::numeric_limits<double>::infinity(); },
+       "vertex 3: position (0, inf, 1) is not finite; 1 such vertices in all"},
+      {[](TriMesh& mesh) {
+         mesh.triangles[1] = {0, 3, 3};
+       },
+       "triangle 1: vertices 0, 3, 3, expected three different ones; 1 such triangles in all"},
+      {[](TriMesh& mesh) { mesh.triangles.pop_back(); },
+       "edge 1-2 belongs to one triangle (0), expected two; 3 such edges: the mesh is open"},
+      {[](TriMesh& mesh) { std::swap(mesh.triangles[3][0], mesh.triangles[3][1]); },
+       "edge 1-2: triangles 0 and 3 run along it in the same direction, expected opposite; 3 such edges: the triangles "
+       "are not consistently oriented"},
+      {[](TriMesh& mesh) { mesh = test::insideOut(mesh); },
+       "the mesh is inside out: its signed volume is -0.166667, expected above 0; reverse all triangles"},
+      {[](TriMesh& mesh) { mesh.vertices[3].z() = 0.0; },
+       "the mesh is flat: its volume is 0 with a diagonal of 1.41421"},
+      {[](TriMesh& mesh) { mesh = test::moved(mesh, [](const Vec3& p) -> Vec3 { return 1e150 * p; }); },
+       "the mesh's diagonal is 1.73205e+150: too large to measure a volume"}};
+  for (const auto& [damage, message] : rows) {
+    TriMesh mesh = test::makeTetrahedron();  // {0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}
+    damage(mesh);
+    EXPECT_EQ(whyRefused(mesh), message);
+  }
 }
 
 TEST(CheckClosedTwoManifold, NamesAnEdgeOfFourTriangles) {
@@ -167,7 +152,7 @@ TEST(CheckClosedTwoManifold, NamesAnEdgeOfFourTriangles) {
 TEST(CheckClosedTwoManifold, SaysWhereWeldingWouldHelp) {
   TriMesh split;
   for (const Triangle& t : test::makeTetrahedron().triangles) {
-    const auto first = static_cast<VertexIndex>(split.vertices.size());
+    const auto first = countOf(split.vertices);
     for (const VertexIndex v : t) split.vertices.push_back(test::makeTetrahedron().vertices[v]);
     split.triangles.push_back({first, first + 1, first + 2});
   }
@@ -200,9 +185,7 @@ bool closedBySlowCount(const TriMesh& mesh) {
 }
 
 TEST(CheckClosedTwoManifold, AgreesWithASlowCountOnDamagedMeshes) {
-  const unsigned seed = 11;
-  SCOPED_TRACE(testing::Message() << "seed " << seed);
-  std::mt19937 random(seed);
+  std::mt19937 random(11);
   const TriMesh whole = test::makeTorus(2.0, 0.7, 9, 7);
   int closed = 0;
   for (int i = 0; i < 300; ++i) {
@@ -234,10 +217,9 @@ TEST(CheckClosedTwoManifold, VhacdMeshesAreClosedButTheDinosaur) {
   int meshes = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     if (entry.path().extension() != ".off") continue;
-    const auto mesh = readMesh(entry.path());
-    ASSERT_TRUE(mesh.ok()) << mesh.error().message;
+    const auto mesh = test::valueOf(readMesh(entry.path()));
     ++meshes;
-    const std::string why = whyRefused(*mesh);
+    const std::string why = whyRefused(mesh);
     if (entry.path().stem() != "Dinosaur") {
       EXPECT_EQ(why, "") << entry.path();
     } else {
@@ -245,13 +227,13 @@ TEST(CheckClosedTwoManifold, VhacdMeshesAreClosedButTheDinosaur) {
       EXPECT_NE(why.find("2 such edges: the mesh is not a two-manifold"), std::string::npos) << why;
     }
     if (entry.path().stem() == "Octopus") {
-      EXPECT_EQ(connectedComponents(mesh->vertices.size(), mesh->triangles).count, 4);
+      EXPECT_EQ(connectedComponents(mesh.vertices.size(), mesh.triangles).count, 4);
     }
     if (entry.path().stem() == "Bunny") {
-      EXPECT_EQ(mesh->vertices.size(), 34834u);
-      EXPECT_EQ(mesh->triangles.size(), 69664u);
-      EXPECT_EQ(mesh->vertices[0], Vec3(-0.092314, -0.132364, -0.018222));
-      EXPECT_EQ(mesh->triangles.back(), (Triangle{31716, 32578, 32963}));
+      EXPECT_EQ(mesh.vertices.size(), 34834u);
+      EXPECT_EQ(mesh.triangles.size(), 69664u);
+      EXPECT_EQ(mesh.vertices[0], Vec3(-0.092314, -0.132364, -0.018222));
+      EXPECT_EQ(mesh.triangles.back(), (Triangle{31716, 32578, 32963}));
     }
   }
   EXPECT_EQ(meshes, 16);

@@ -1,12 +1,12 @@
 #include "geometry/triangle_tree.h"
 
+#include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
 namespace lorica {
@@ -27,7 +27,7 @@ TriMesh soup(int count, RandomNumbers& random) {
     Vec3 c = a + somewhere(random, 0.2);
     if (i % 10 == 7) c = 0.5 * (a + b);
     if (i % 10 == 8) c = b;
-    const auto v = static_cast<VertexIndex>(mesh.vertices.size());
+    const auto v = countOf(mesh.vertices);
     mesh.vertices.insert(mesh.vertices.end(), {a, b, i % 10 == 9 ? a : c});
     mesh.triangles.push_back({v, v + 1, v + 2});
   }

@@ -88,6 +88,20 @@ TriMesh makeSphere(double radius, int rings, int segments) {
   return mesh;
 }
 
+TriMesh makeHollowBox() {
+  return joined(makeBox({0, 0, 0}, {3, 3, 3}), insideOut(makeBox({1, 1, 1}, {2, 2, 2})));
+}
+
+TriMesh insideOut(TriMesh mesh) {
+  for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
+  return mesh;
+}
+
+TriMesh shifted(TriMesh mesh, const Vec3& by) {
+  for (Vec3& v : mesh.vertices) v += by;
+  return mesh;
+}
+
 TriMesh joined(const TriMesh& a, const TriMesh& b) {
   TriMesh mesh = a;
   const auto shift = static_cast<VertexIndex>(a.vertices.size());

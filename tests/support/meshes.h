@@ -19,6 +19,19 @@ namespace lorica::test {
 /// Unit-radius UV sphere scaled; closed.
 [[nodiscard]] TriMesh makeSphere(double radius, int rings, int segments);
 
+/// A solid box from 0 to 3 with a cavity from 1 to 2 in all directions: volume 26.
+[[nodiscard]] TriMesh makeHollowBox();
+
+[[nodiscard]] TriMesh insideOut(TriMesh mesh);
+[[nodiscard]] TriMesh shifted(TriMesh mesh, const Vec3& by);
+
+/// The mesh with every vertex mapped.
+template <class Map>
+[[nodiscard]] TriMesh moved(TriMesh mesh, const Map& map) {
+  for (Vec3& v : mesh.vertices) v = map(v);
+  return mesh;
+}
+
 /// Both meshes as one, vertices of b after those of a.
 [[nodiscard]] TriMesh joined(const TriMesh& a, const TriMesh& b);
 

@@ -1,5 +1,6 @@
 #include "tests/skinning/humanoid/humanoid_figure.h"
 
+#include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 
@@ -32,6 +33,12 @@ void Figure::bend(std::string_view name, double degrees, const Vec3& axis) {
   }
 }
 
+void Figure::straightenLegs() {
+  for (const std::string side : {"left", "right"}) {
+    parts[find(side + "LowerLeg")].position = 0.5 * (at(side + "UpperLeg") + at(side + "Foot"));
+  }
+}
+
 void Figure::remove(const std::function<bool(const std::string&)>& which) {
   for (std::size_t i = parts.size(); i-- > 0;) {
     if (!which(parts[i].name)) continue;
@@ -52,7 +59,7 @@ void Figure::insertAbove(std::string_view name, double fraction) {
   const int above = parts[below].parent;
   const Vec3 between = (1.0 - fraction) * parts[above].position + fraction * at(name);
   parts.push_back({"extra above " + std::string(name), above, between});
-  parts[below].parent = static_cast<int>(parts.size()) - 1;
+  parts[below].parent = countOf(parts) - 1;
 }
 
 Figure mannequinFigure() {

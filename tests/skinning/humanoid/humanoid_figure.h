@@ -27,6 +27,7 @@ struct Figure {
 
   /// Rotates a part and everything below about it.
   void bend(std::string_view name, double degrees, const Vec3& axis);
+  void straightenLegs();
   void remove(const std::function<bool(const std::string&)>& which);
   void add(std::string name, std::string_view parent, const Vec3& offset);
   /// Inserts a joint between a part and its parent.

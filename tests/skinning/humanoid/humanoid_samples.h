@@ -7,7 +7,6 @@
 #include <span>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace lorica::test {
 
@@ -25,7 +24,17 @@ struct RigNames {
   std::array<std::string_view, 3> segments;
 };
 
+/// A rig whose lists are written "a,b,c"; sides are "left,right".
+[[nodiscard]] RigNames rigOf(std::string_view rig, std::string_view by, std::string_view sides, std::string_view trunk,
+                             std::string_view leg, std::string_view arm, std::string_view finger = "",
+                             std::string_view fingers = "", std::string_view segments = "1,2,3");
+
 [[nodiscard]] std::span<const RigNames> rigNames();
+
+/// The skeleton without marks of bones.
+[[nodiscard]] Skeleton withoutBones(const Skeleton& skeleton);
+
+[[nodiscard]] bool isDoubted(const HumanoidGuess& guess, HumanBone bone);
 
 /// Bone names of a rig for both sides, without the bones that it lacks.
 [[nodiscard]] std::map<HumanBone, std::string> namesOf(const RigNames& rig);

@@ -1,5 +1,6 @@
 #include "skinning/humanoid/humanoid.h"
 
+#include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 #include "tests/skinning/humanoid/humanoid_figure.h"
@@ -8,11 +9,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <functional>
 #include <map>
-#include <numbers>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -26,14 +23,11 @@ using test::contradictions;
 using test::differences;
 using test::Figure;
 using test::isFinger;
+using test::mannequinFigure;
 using test::namesOf;
 using test::turned;
 using test::without;
 using enum HumanBone;
-
-[[nodiscard]] Figure mannequin() {
-  return test::mannequinFigure();
-}
 
 void expectFound(const Figure& figure, const std::string& what, const Affine3& world = Affine3::Identity()) {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
@@ -55,14 +49,14 @@ void expectNoHuman(const Figure& figure, const std::string& what) {
 }
 
 TEST(HumanoidShape, TheMannequinIsFoundWithoutNames) {
-  expectFound(mannequin(), "T-pose");
-  expectFound(mannequin(), "T-pose in centimetres", turned(0.0, Vec3::UnitX(), 100.0));
-  expectFound(mannequin(), "T-pose, small", turned(0.0, Vec3::UnitX(), 0.01));
+  expectFound(mannequinFigure(), "T-pose");
+  expectFound(mannequinFigure(), "T-pose in centimetres", turned(0.0, Vec3::UnitX(), 100.0));
+  expectFound(mannequinFigure(), "T-pose, small", turned(0.0, Vec3::UnitX(), 0.01));
 }
 
 TEST(HumanoidShape, ArmsMayHangInAnyRestPose) {
   for (const double degrees : {20.0, 45.0, 70.0, 85.0, -30.0}) {
-    expectFound(armsAt(mannequin(), degrees), fmt::format("arms {} degrees down", degrees));
+    expectFound(armsAt(mannequinFigure(), degrees), fmt::format("arms {} degrees down", degrees));
   }
 }
 
@@ -70,7 +64,7 @@ TEST(HumanoidShape, ArmsMayHangInAnyRestPose) {
 TEST(HumanoidShape, RestPosesMayBeTurned) {
   for (const double degrees : {45.0, 90.0, 180.0, 270.0}) {
     for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY()), Vec3(Vec3::UnitZ()), Vec3(1, 1, 1)}) {
-      expectFound(armsAt(mannequin(), 40.0),
+      expectFound(armsAt(mannequinFigure(), 40.0),
                   fmt::format("{} degrees about {} {} {}", degrees, axis.x(), axis.y(), axis.z()),
                   turned(degrees, axis.normalized()));
     }
@@ -78,25 +72,21 @@ TEST(HumanoidShape, RestPosesMayBeTurned) {
 }
 
 TEST(HumanoidShape, KneesTellTheSidesWhereThereAreNoToes) {
-  const Figure figure = without(mannequin(), {"leftToes", "rightToes"});
+  const Figure figure = without(mannequinFigure(), {"leftToes", "rightToes"});
   expectFound(figure, "facing +Z");
   expectFound(figure, "facing -Z", turned(180.0, Vec3::UnitY()));
   expectFound(figure, "facing +X", turned(90.0, Vec3::UnitY()));
 }
 
 TEST(HumanoidShape, StraightLegsWithoutToesFaceAhead) {
-  Figure figure = without(mannequin(), {"leftToes", "rightToes"});
-  for (const char* side : {"left", "right"}) {
-    const Vec3 hip = figure.at(side + std::string("UpperLeg"));
-    const Vec3 foot = figure.at(side + std::string("Foot"));
-    figure.parts[figure.find(side + std::string("LowerLeg"))].position = 0.5 * (hip + foot);
-  }
+  Figure figure = without(mannequinFigure(), {"leftToes", "rightToes"});
+  figure.straightenLegs();
   expectFound(figure, "straight legs");
 }
 
 // Names that contain only sides: they take precedence over the toes.
 TEST(HumanoidShape, SidesInNamesAreBelieved) {
-  Built built = build(mannequin(), turned(180.0, Vec3::UnitY()), 5);
+  Built built = build(mannequinFigure(), turned(180.0, Vec3::UnitY()), 5);
   std::vector<Joint> joints(built.skeleton.joints().begin(), built.skeleton.joints().end());
   std::map<std::string, std::string> sided;
   for (const auto& [bone, name] : built.truth) {
@@ -113,20 +103,22 @@ TEST(HumanoidShape, SidesInNamesAreBelieved) {
 }
 
 TEST(HumanoidShape, FewerJointsAreEnough) {
-  Figure noFingers = mannequin();
+  Figure noFingers = mannequinFigure();
   noFingers.remove(isFinger);
-  expectFound(noFingers, "no fingers");
-  expectFound(without(noFingers, {"leftToes", "rightToes"}), "no fingers, no toes");
-  expectFound(without(noFingers, {"leftShoulder", "rightShoulder"}), "no collar bones");
-  expectFound(without(noFingers, {"upperChest"}), "two joints of the spine");
-  expectFound(without(noFingers, {"upperChest", "chest"}), "one joint of the spine");
-  expectFound(without(noFingers, {"neck"}), "no neck");
-  expectFound(without(mannequin(), {"leftShoulder", "rightShoulder", "neck", "upperChest"}),
-              "fingers but few other joints");
+  for (const auto& [figure, what] :
+       {std::pair{noFingers, "no fingers"},
+        {without(noFingers, {"leftToes", "rightToes"}), "no fingers, no toes"},
+        {without(noFingers, {"leftShoulder", "rightShoulder"}), "no collar bones"},
+        {without(noFingers, {"upperChest"}), "two joints of the spine"},
+        {without(noFingers, {"upperChest", "chest"}), "one joint of the spine"},
+        {without(noFingers, {"neck"}), "no neck"},
+        {without(mannequinFigure(), {"leftShoulder", "rightShoulder", "neck", "upperChest"}), "fingers, few others"}}) {
+    expectFound(figure, what);
+  }
 }
 
 TEST(HumanoidShape, ExtraJointsBetweenAreLeftOut) {
-  Figure figure = mannequin();
+  Figure figure = mannequinFigure();
   for (const char* name : {"leftLowerLeg", "rightLowerLeg", "leftFoot", "rightFoot", "leftLowerArm", "rightLowerArm",
                            "leftHand", "rightHand"}) {
     figure.insertAbove(name, 0.5);
@@ -134,7 +126,7 @@ TEST(HumanoidShape, ExtraJointsBetweenAreLeftOut) {
   expectFound(figure, "a twist joint in the middle of each segment");
   expectFound(armsAt(figure, 50.0), "and arms down");
 
-  Figure ends = mannequin();
+  Figure ends = mannequinFigure();
   for (const char* side : {"left", "right"}) {
     ends.add("end of toes", side + std::string("Toes"), {0.0, 0.0, 0.06});
     for (const char* finger : {"ThumbDistal", "IndexDistal", "MiddleDistal", "RingDistal", "LittleDistal"}) {
@@ -146,7 +138,7 @@ TEST(HumanoidShape, ExtraJointsBetweenAreLeftOut) {
   ends.add("top of the head", "head", {0.0, 0.2, 0.0});
   expectFound(ends, "an end joint on each leaf");
 
-  Figure root = mannequin();
+  Figure root = mannequinFigure();
   root.parts.insert(root.parts.begin(), {"armature", -1, Vec3::Zero()});
   for (std::size_t i = 1; i < root.parts.size(); ++i) ++root.parts[i].parent;
   root.add("camera", "armature", {3.0, 1.0, 2.0});
@@ -156,7 +148,7 @@ TEST(HumanoidShape, ExtraJointsBetweenAreLeftOut) {
 }
 
 TEST(HumanoidShape, OrnamentsAreNoLimbs) {
-  Figure figure = mannequin();
+  Figure figure = mannequinFigure();
   for (const double side : {1.0, -1.0}) {
     const std::string name = side > 0 ? "L" : "R";
     figure.add("braid " + name, "head", {0.06 * side, 0.1, -0.08});
@@ -176,7 +168,7 @@ TEST(HumanoidShape, OrnamentsAreNoLimbs) {
 TEST(HumanoidShape, ProportionsMayDiffer) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     RandomNumbers random(seed);
-    Figure figure = mannequin();
+    Figure figure = mannequinFigure();
     if (seed % 2 == 0) figure.remove(isFinger);
     const double legs = random.between(0.7, 1.2);
     const double arms = random.between(0.75, 1.2);
@@ -203,13 +195,10 @@ TEST(HumanoidShape, ProportionsMayDiffer) {
 
 TEST(HumanoidShape, AnimalsAndMachinesAreNoHumans) {
   // A mannequin on all fours has a dog's skeleton: legs and arms point down from a horizontal trunk.
-  Figure dog = mannequin();
+  Figure dog = mannequinFigure();
   dog.bend("spine", 90.0, Vec3::UnitX());
   dog.bend("head", -70.0, Vec3::UnitX());
-  for (const char* side : {"left", "right"}) {
-    const bool left = side == std::string("left");
-    dog.bend(side + std::string("UpperArm"), left ? -80.0 : 80.0, Vec3::UnitZ());
-  }
+  dog = armsAt(dog, 80.0);
   // Now the arms point down and the trunk ahead.
   ASSERT_LT(dog.at("leftHand").y(), 0.7);
   ASSERT_GT(dog.at("upperChest").z(), 0.2);
@@ -227,10 +216,8 @@ TEST(HumanoidShape, AnimalsAndMachinesAreNoHumans) {
     const double side = leg < 4 ? 1.0 : -1.0;
     const Vec3 out(side * std::cos(angle), 0.0, std::sin(angle));
     spider.parts.push_back({fmt::format("a{}", leg), 0, Vec3(0.0, 0.3, 0.0) + 0.1 * out});
-    spider.parts.push_back(
-        {fmt::format("b{}", leg), static_cast<int>(spider.parts.size()) - 1, Vec3(0.0, 0.5, 0.0) + 0.4 * out});
-    spider.parts.push_back(
-        {fmt::format("c{}", leg), static_cast<int>(spider.parts.size()) - 1, Vec3(0.0, 0.0, 0.0) + 0.8 * out});
+    spider.parts.push_back({fmt::format("b{}", leg), countOf(spider.parts) - 1, Vec3(0.0, 0.5, 0.0) + 0.4 * out});
+    spider.parts.push_back({fmt::format("c{}", leg), countOf(spider.parts) - 1, Vec3(0.0, 0.0, 0.0) + 0.8 * out});
   }
   expectNoHuman(spider, "a spider");
 
@@ -244,10 +231,9 @@ TEST(HumanoidShape, AnimalsAndMachinesAreNoHumans) {
 
 // A dog whose joints have human names is still a dog.
 TEST(HumanoidShape, AnimalsWithHumanNamesAreNoHumans) {
-  Figure dog = mannequin();
+  Figure dog = mannequinFigure();
   dog.bend("spine", 90.0, Vec3::UnitX());
-  dog.bend("leftUpperArm", -80.0, Vec3::UnitZ());
-  dog.bend("rightUpperArm", 80.0, Vec3::UnitZ());
+  dog = armsAt(dog, 80.0);
   std::vector<Joint> joints;
   for (const Figure::Part& part : dog.parts) {
     Joint joint;
@@ -261,7 +247,7 @@ TEST(HumanoidShape, AnimalsWithHumanNamesAreNoHumans) {
 
 // Names for the limbs only: the shape determines the rest.
 TEST(HumanoidShape, ShapeFillsWhatNamesLack) {
-  Figure figure = mannequin();
+  Figure figure = mannequinFigure();
   std::map<HumanBone, std::string> names;
   int number = 0;
   for (const Figure::Part& part : figure.parts) {

@@ -2,6 +2,7 @@
 
 #include "skinning/mannequin/mannequin_skeleton.h"
 #include "tests/skinning/humanoid/humanoid_samples.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -33,9 +34,7 @@ using enum HumanBone;
 [[nodiscard]] Skeleton changed(const Skeleton& skeleton, const std::function<void(std::vector<Joint>&)>& change) {
   std::vector<Joint> joints(skeleton.joints().begin(), skeleton.joints().end());
   change(joints);
-  Result<Skeleton> result = Skeleton::create(std::move(joints));
-  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
-  return std::move(*result);
+  return test::valueOf(Skeleton::create(std::move(joints)));
 }
 
 [[nodiscard]] Joint child(JointIndex parent, std::string name, const Vec3& offset) {
@@ -46,14 +45,20 @@ using enum HumanBone;
   return joint;
 }
 
+/// The bones of the skeleton are found by names.
+HumanoidGuess expectGuess(const std::map<HumanBone, std::string>& truth, const Skeleton& skeleton,
+                          std::string_view what = "") {
+  HumanoidGuess guess = guessHumanoid(skeleton);
+  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "") << what;
+  EXPECT_EQ(contradictions(skeleton, guess), "") << what;
+  return guess;
+}
+
 TEST(Humanoid, EveryRigIsFullyRecovered) {
   for (const RigNames& names : rigNames()) {
     const std::map<HumanBone, std::string> truth = namesOf(names);
-    const Skeleton skeleton = renamedMannequin(truth);
-    const HumanoidGuess guess = guessHumanoid(skeleton);
-    EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "") << names.rig;
+    const HumanoidGuess guess = expectGuess(truth, renamedMannequin(truth), names.rig);
     EXPECT_EQ(guess.by, "names (" + std::string(names.by) + ")") << names.rig;
-    EXPECT_EQ(contradictions(skeleton, guess), "") << names.rig;
   }
 }
 
@@ -67,8 +72,7 @@ TEST(Humanoid, CaseAndSeparatorsDoNotMatter) {
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
       }
     }
-    const Skeleton skeleton = renamedMannequin(truth);
-    EXPECT_EQ(differences(truth, namesOf(skeleton, guessHumanoid(skeleton))), "") << name;
+    expectGuess(truth, renamedMannequin(truth), name);
   }
 }
 
@@ -81,9 +85,7 @@ TEST(Humanoid, RunningNumbersAndCommonEndingsAreNoNames) {
     for (auto& [bone, joint] : numbered) joint += "_0" + std::to_string(number++);
     for (auto& [bone, joint] : suffixed) joint = "Hero:" + joint + "_Armature";
     for (const std::map<HumanBone, std::string>& truth : {numbered, suffixed}) {
-      const Skeleton skeleton = renamedMannequin(truth);
-      const HumanoidGuess guess = guessHumanoid(skeleton);
-      EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "") << names.rig;
+      const HumanoidGuess guess = expectGuess(truth, renamedMannequin(truth), names.rig);
       EXPECT_EQ(guess.by, "names (" + std::string(names.by) + ")") << truth.at(kHips);
     }
   }
@@ -103,7 +105,6 @@ TEST(Humanoid, MetacarpalsAreBonesOfTheThumbAlone) {
     truth[at(kLeftIndexDistal)] = side + "Digit2IntermediatePhalange";
   }
   const Skeleton skeleton = renamedMannequin(truth);
-  const HumanoidGuess guess = guessHumanoid(skeleton);
   for (const bool left : {true, false}) {
     const auto at = [&](HumanBone bone) { return left ? bone : mirrored(bone); };
     const std::string side = left ? "Left" : "Right";
@@ -111,7 +112,7 @@ TEST(Humanoid, MetacarpalsAreBonesOfTheThumbAlone) {
     truth[at(kLeftIndexIntermediate)] = side + "Digit2IntermediatePhalange";
     truth.erase(at(kLeftIndexDistal));
   }
-  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
+  expectGuess(truth, skeleton);
 }
 
 TEST(Humanoid, HelpersAreNoBones) {
@@ -126,8 +127,7 @@ TEST(Humanoid, HelpersAreNoBones) {
       joints.push_back(child(kNoJoint, name + "_IK_target", joints[i].rest.translation));
     }
   });
-  const HumanoidGuess guess = guessHumanoid(skeleton);
-  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
+  expectGuess(truth, skeleton);
 }
 
 // A Rigify file with its whole rig: each bone three times, in three trees below one root.
@@ -146,9 +146,7 @@ TEST(Humanoid, OfDeformAndControlJointsTheDeformingChainIsTaken) {
     }
     joints = all;
   });
-  const HumanoidGuess guess = guessHumanoid(whole);
-  EXPECT_EQ(differences(truth, namesOf(whole, guess)), "");
-  EXPECT_EQ(contradictions(whole, guess), "");
+  expectGuess(truth, whole);
 }
 
 // As in the BVH files of CMU's database: zero-length joints in between, and a mitten for a hand.
@@ -177,9 +175,7 @@ TEST(Humanoid, CmuHasMoreJointsThanBones) {
     }
     joints = all;
   });
-  const HumanoidGuess guess = guessHumanoid(skeleton);
-  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
-  EXPECT_EQ(guess.by, "names (CMU)");
+  EXPECT_EQ(expectGuess(truth, skeleton).by, "names (CMU)");
 }
 
 // Biped's thighs are children of the first spine joint, its collar bones of the neck.
@@ -187,24 +183,16 @@ TEST(Humanoid, OldBipedsHangThighsOnTheSpineAndCollarBonesOnTheNeck) {
   std::map<HumanBone, std::string> truth = namesOf(rig("3ds Max Biped"));
   const Skeleton skeleton = changed(renamedMannequin(truth), [](std::vector<Joint>& joints) {
     const auto find = [&](std::string_view name) {
-      for (std::size_t i = 0; i < joints.size(); ++i) {
-        if (joints[i].name == name) return static_cast<JointIndex>(i);
-      }
-      return kNoJoint;
+      return static_cast<JointIndex>(std::ranges::find(joints, name, &Joint::name) - joints.begin());
     };
-    for (const char* name : {"Bip01 L Thigh", "Bip01 R Thigh"}) {
-      joints[find(name)].parent = find("Bip01 Spine");
-    }
-    for (const char* name : {"Bip01 L Clavicle", "Bip01 R Clavicle"}) {
-      joints[find(name)].parent = find("Bip01 Neck");
-    }
+    for (const char* name : {"Bip01 L Thigh", "Bip01 R Thigh"}) joints[find(name)].parent = find("Bip01 Spine");
+    for (const char* name : {"Bip01 L Clavicle", "Bip01 R Clavicle"}) joints[find(name)].parent = find("Bip01 Neck");
   });
-  const HumanoidGuess guess = guessHumanoid(skeleton);
   // A spine joint that rotates the legs is not used: the next two are the spine.
   truth[kSpine] = "Bip01 Spine1";
   truth[kChest] = "Bip01 Spine2";
   truth.erase(kUpperChest);
-  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
+  expectGuess(truth, skeleton);
 }
 
 TEST(Humanoid, LongSpinesKeepTheirFirstMiddleAndLast) {
@@ -230,10 +218,9 @@ TEST(Humanoid, LongSpinesKeepTheirFirstMiddleAndLast) {
     }
     joints = longer;
   });
-  const HumanoidGuess guess = guessHumanoid(skeleton);
   truth[kChest] = "spine_03";
   truth[kUpperChest] = "spine_05";
-  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
+  expectGuess(truth, skeleton);
 }
 
 TEST(Humanoid, NamesThatTheHierarchyContradictsAreNotTaken) {
@@ -245,20 +232,15 @@ TEST(Humanoid, NamesThatTheHierarchyContradictsAreNotTaken) {
     }
   });
   for (const HumanBone bone : {kLeftFoot, kLeftToes, kRightFoot, kRightToes}) truth.erase(bone);
-  const HumanoidGuess guess = guessHumanoid(skeleton);
-  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "");
-  EXPECT_EQ(contradictions(skeleton, guess), "");
+  expectGuess(truth, skeleton);
 }
 
 TEST(Humanoid, WordsAloneMakeNoHuman) {
-  std::vector<Joint> joints;
-  joints.push_back(child(kNoJoint, "hips", Vec3::Zero()));
+  std::vector<Joint> joints = {child(kNoJoint, "hips", Vec3::Zero())};
   for (const char* name : {"leftUpperLeg", "leftLowerLeg", "rightUpperLeg", "rightLowerLeg", "head", "spine"}) {
     joints.push_back(child(0, name, {0.1, 0.1, 0.0}));
   }
-  const Skeleton flat = std::move(*Skeleton::create(joints));
-  EXPECT_EQ(guessHumanoid(flat).by, "") << "no lower leg is below an upper one";
-
+  EXPECT_EQ(guessHumanoid(*Skeleton::create(joints)).by, "") << "no lower leg is below an upper one";
   std::vector<Joint> oneLeg = {child(kNoJoint, "hips", Vec3::Zero()), child(0, "leftUpperLeg", {0.1, 0.0, 0.0}),
                                child(1, "leftLowerLeg", {0.0, -0.4, 0.0}), child(0, "spine", {0.0, 0.2, 0.0})};
   EXPECT_EQ(guessHumanoid(*Skeleton::create(oneLeg)).by, "");

@@ -7,7 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <string>
 
 namespace lorica {
@@ -18,17 +17,12 @@ using test::Built;
 using test::contradictions;
 using test::differences;
 using test::Figure;
+using test::isDoubted;
 using test::isFinger;
 using test::mannequinFigure;
 using test::namesOf;
 using test::without;
 using enum HumanBone;
-
-[[nodiscard]] bool isDoubted(const HumanoidGuess& guess, HumanBone bone) {
-  return std::any_of(guess.doubts.begin(), guess.doubts.end(), [&](const BoneDoubt& doubt) {
-    return std::find(doubt.bones.begin(), doubt.bones.end(), bone) != doubt.bones.end();
-  });
-}
 
 /// Bones that are wrong or superfluous although no doubt names them.
 [[nodiscard]] std::string surelyWrong(const Built& built, const HumanoidGuess& guess) {
@@ -85,36 +79,26 @@ TEST(IrregularRigs, AToolGoesOnFromOneHand) {
   }
 }
 
-TEST(IrregularRigs, OneHandHasFingersTheOtherNone) {
-  Figure figure = mannequinFigure();
-  figure.remove([](const std::string& name) { return isFinger(name) && name.starts_with("left"); });
-  expectFound(figure, "fingers on the right only");
-}
-
-TEST(IrregularRigs, HandsOfOneSegment) {
-  Figure figure = withoutFingers();
-  figure.add("left fist", "leftHand", {0.08, 0.0, 0.0});
-  figure.add("right fist", "rightHand", {-0.08, 0.0, 0.0});
-  expectFound(figure, "fists");
-}
-
-TEST(IrregularRigs, ExtraJointsInOneArm) {
-  Figure figure = withoutFingers();
-  figure.insertAbove("leftHand", 0.5);
-  figure.insertAbove("leftLowerArm", 0.5);
-  expectFound(figure, "twist joints on the left only");
-}
-
-TEST(IrregularRigs, ExtraChainsHangOnTheTrunk) {
-  Figure figure = withoutFingers();
-  figure.add("tail 1", "hips", {0.0, -0.05, -0.15});
-  figure.add("tail 2", "tail 1", {0.0, -0.1, -0.25});
-  figure.add("tail 3", "tail 2", {0.0, -0.1, -0.25});
-  figure.add("bag", "upperChest", {0.0, 0.0, -0.2});
-  figure.add("cape 1", "upperChest", {0.0, 0.1, -0.1});
-  figure.add("cape 2", "cape 1", {0.0, -0.4, -0.1});
-  figure.add("cape 3", "cape 2", {0.0, -0.4, -0.1});
-  expectFound(figure, "tail, bag, cape");
+TEST(IrregularRigs, WhateverHangsOnTheBodyItsBonesAreFound) {
+  Figure oneHand = mannequinFigure(), fists = withoutFingers(), twists = fists, chains = fists;
+  oneHand.remove([](const std::string& name) { return isFinger(name) && name.starts_with("left"); });
+  fists.add("left fist", "leftHand", {0.08, 0.0, 0.0});
+  fists.add("right fist", "rightHand", {-0.08, 0.0, 0.0});
+  twists.insertAbove("leftHand", 0.5);
+  twists.insertAbove("leftLowerArm", 0.5);
+  chains.add("tail 1", "hips", {0.0, -0.05, -0.15});
+  chains.add("tail 2", "tail 1", {0.0, -0.1, -0.25});
+  chains.add("tail 3", "tail 2", {0.0, -0.1, -0.25});
+  chains.add("bag", "upperChest", {0.0, 0.0, -0.2});
+  chains.add("cape 1", "upperChest", {0.0, 0.1, -0.1});
+  chains.add("cape 2", "cape 1", {0.0, -0.4, -0.1});
+  chains.add("cape 3", "cape 2", {0.0, -0.4, -0.1});
+  for (const auto& [figure, what] : {std::pair{oneHand, "fingers on the right only"},
+                                     {fists, "fists"},
+                                     {twists, "twist joints on the left only"},
+                                     {chains, "tail, bag, cape"}}) {
+    expectFound(figure, what);
+  }
 }
 
 TEST(IrregularRigs, ArmsOnDifferentJointsOfTheTrunk) {
@@ -146,11 +130,7 @@ TEST(IrregularRigs, WingsAreInDoubtBesideArms) {
 
 TEST(IrregularRigs, StraightLegsTellNoSides) {
   Figure figure = without(withoutFingers(), {"leftToes", "rightToes"});
-  for (const char* side : {"left", "right"}) {
-    const Vec3 hip = figure.at(side + std::string("UpperLeg"));
-    const Vec3 foot = figure.at(side + std::string("Foot"));
-    figure.parts[figure.find(side + std::string("LowerLeg"))].position = 0.5 * (hip + foot);
-  }
+  figure.straightenLegs();
   const HumanoidGuess guess = guessHumanoid(build(figure, Affine3::Identity(), 1).skeleton);
   EXPECT_TRUE(isDoubted(guess, kLeftUpperArm));
 }

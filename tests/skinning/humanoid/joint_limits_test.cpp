@@ -3,6 +3,7 @@
 #include "geometry/files.h"
 #include "geometry/little_endian.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -191,18 +192,17 @@ TEST(JointLimits, AnEndOfARangeIsWithinAndADegreeMoreIsNot) {
       pose[skeleton.jointOf(bone)].rotation = rotationOf(range, angles);
       return withinLimits(skeleton, pose);
     };
-    EXPECT_TRUE(isWithin({range.twist.max, 0.0, 0.0})) << nameOf(bone);
-    EXPECT_TRUE(isWithin({range.twist.min, 0.0, 0.0})) << nameOf(bone);
-    EXPECT_TRUE(isWithin({0.0, range.first.max, 0.0})) << nameOf(bone);
-    EXPECT_TRUE(isWithin({0.0, range.first.min, 0.0})) << nameOf(bone);
-    EXPECT_TRUE(isWithin({0.0, 0.0, range.second.max})) << nameOf(bone);
-    EXPECT_TRUE(isWithin({0.0, 0.0, range.second.min})) << nameOf(bone);
-    EXPECT_FALSE(isWithin({range.twist.max + kDegree, 0.0, 0.0})) << nameOf(bone);
-    EXPECT_FALSE(isWithin({range.twist.min - kDegree, 0.0, 0.0})) << nameOf(bone);
-    EXPECT_FALSE(isWithin({0.0, range.first.max + kDegree, 0.0})) << nameOf(bone);
-    EXPECT_FALSE(isWithin({0.0, range.first.min - kDegree, 0.0})) << nameOf(bone);
-    EXPECT_FALSE(isWithin({0.0, 0.0, range.second.max + kDegree})) << nameOf(bone);
-    EXPECT_FALSE(isWithin({0.0, 0.0, range.second.min - kDegree})) << nameOf(bone);
+    for (const auto& [angle, allowed] : {std::pair{&JointAngles::twist, range.twist},
+                                         {&JointAngles::first, range.first},
+                                         {&JointAngles::second, range.second}}) {
+      for (const auto& [end, beyond] : {std::pair{allowed.max, kDegree}, {allowed.min, -kDegree}}) {
+        JointAngles angles{0.0, 0.0, 0.0};
+        angles.*angle = end;
+        EXPECT_TRUE(isWithin(angles)) << nameOf(bone) << ", " << end;
+        angles.*angle += beyond;
+        EXPECT_FALSE(isWithin(angles)) << nameOf(bone) << ", " << end;
+      }
+    }
     // Not both ends at once.
     if (range.first.max * range.second.max > 0.0) {
       EXPECT_FALSE(isWithin({0.0, 0.8 * range.first.max, 0.8 * range.second.max})) << nameOf(bone);
@@ -250,7 +250,7 @@ TEST(RandomPose, StaysWithinLimitsAndReachesTheirEnds) {
 TEST(RandomPose, PutsBonesWhereBodiesCan) {
   const Skeleton skeleton = makeMannequinSkeleton();
   RandomNumbers random(6);
-  std::vector<Affine3> world(static_cast<std::size_t>(skeleton.jointCount()));
+  std::vector<Affine3> world(skeleton.jointCount());
   const auto at = [&](HumanBone bone) -> const Affine3& { return world[skeleton.jointOf(bone)]; };
   for (int i = 0; i < 2000; ++i) {
     const Pose pose = randomPoseWithinLimits(skeleton, random);
@@ -314,7 +314,7 @@ TEST(RandomPose, HasTheSameBitsWithEveryCompiler) {
 TEST(JointLimits, LeftMirrorsRight) {
   const Skeleton skeleton = makeMannequinSkeleton();
   RandomNumbers random(9);
-  std::vector<Affine3> world(static_cast<std::size_t>(skeleton.jointCount())), mirroredWorld = world;
+  std::vector<Affine3> world(skeleton.jointCount()), mirroredWorld = world;
   for (int i = 0; i < 200; ++i) {
     const Pose pose = randomPoseWithinLimits(skeleton, random);
     // The mirror image of a rotation keeps the x of its axis and reverses y and z.
@@ -348,12 +348,11 @@ TEST(RandomPose, LeavesOtherJointsAndMissingBonesAlone) {
   joints[2].rest.scale = Vec3(1, 2, 1);
   joints[3] = {"neck", 1, {}, kNeck};
   joints[3].rest.translation = Vec3(0, 0.5, 0);
-  const Result<Skeleton> skeleton = Skeleton::create(joints);
-  ASSERT_TRUE(skeleton.ok());
+  const Skeleton skeleton = test::valueOf(Skeleton::create(joints));
   RandomNumbers random(10);
-  const Pose pose = randomPoseWithinLimits(*skeleton, random);
+  const Pose pose = randomPoseWithinLimits(skeleton, random);
   ASSERT_EQ(pose.size(), 4u);
-  EXPECT_TRUE(withinLimits(*skeleton, pose));
+  EXPECT_TRUE(withinLimits(skeleton, pose));
   for (std::size_t i = 0; i < 4; ++i) {
     EXPECT_EQ(pose[i].translation, joints[i].rest.translation);
     EXPECT_EQ(pose[i].scale, joints[i].rest.scale);

@@ -1,7 +1,9 @@
 #include "skinning/import/assimp_materials.h"
 
 #include "tests/skinning/import/material_samples.h"
+#include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -28,29 +30,26 @@ struct FbxText {
 
   [[nodiscard]] std::string text() const {
     const bool textured = !picture.empty();
+    const auto layer = [](const std::string& kind, const std::string& mapping, const std::string& reference,
+                          const std::string& content) {
+      return "  LayerElement" + kind + ": 0 {\n   Version: 101\n   Name: \"\"\n   MappingInformationType: \"" +
+             mapping + "\"\n   ReferenceInformationType: \"" + reference + "\"\n   " + content + "\n  }\n";
+    };
+    const auto use = [](const std::string& kind) {
+      return "   LayerElement:  {\n    Type: \"LayerElement" + kind + "\"\n    TypedIndex: 0\n   }\n";
+    };
     std::string t =
         "; FBX 7.3.0 project file\nFBXHeaderExtension:  {\n FBXHeaderVersion: 1003\n FBXVersion: 7300\n}\n"
         "GlobalSettings:  {\n Version: 1000\n Properties70:  {\n }\n}\nObjects:  {\n"
         " Geometry: 100, \"Geometry::\", \"Mesh\" {\n"
         "  Vertices: *9 {\n   a: 0,0,0,100,0,0,0,100,0\n  }\n"
-        "  PolygonVertexIndex: *3 {\n   a: 0,1,-3\n  }\n"
-        "  LayerElementNormal: 0 {\n   Version: 101\n   Name: \"\"\n"
-        "   MappingInformationType: \"ByPolygonVertex\"\n   ReferenceInformationType: \"Direct\"\n"
-        "   Normals: *9 {\n    a: 0,0,1,0,0,1,0,0,1\n   }\n  }\n"
-        "  LayerElementColor: 0 {\n   Version: 101\n   Name: \"c\"\n"
-        "   MappingInformationType: \"ByPolygonVertex\"\n   ReferenceInformationType: \"Direct\"\n"
-        "   Colors: *12 {\n    a: 1,0,0.5,1,1,0,0.5,1,1,0,0.5,1\n   }\n  }\n"
-        "  LayerElementUV: 0 {\n   Version: 101\n   Name: \"map1\"\n"
-        "   MappingInformationType: \"ByPolygonVertex\"\n   ReferenceInformationType: \"Direct\"\n"
-        "   UV: *6 {\n    a: 0.25,0.125,0.5,0.25,0.75,1\n   }\n  }\n"
-        "  LayerElementMaterial: 0 {\n   Version: 101\n   Name: \"\"\n"
-        "   MappingInformationType: \"AllSame\"\n   ReferenceInformationType: \"IndexToDirect\"\n"
-        "   Materials: *1 {\n    a: 0\n   }\n  }\n"
-        "  Layer: 0 {\n   Version: 100\n"
-        "   LayerElement:  {\n    Type: \"LayerElementNormal\"\n    TypedIndex: 0\n   }\n"
-        "   LayerElement:  {\n    Type: \"LayerElementColor\"\n    TypedIndex: 0\n   }\n"
-        "   LayerElement:  {\n    Type: \"LayerElementUV\"\n    TypedIndex: 0\n   }\n"
-        "   LayerElement:  {\n    Type: \"LayerElementMaterial\"\n    TypedIndex: 0\n   }\n  }\n }\n"
+        "  PolygonVertexIndex: *3 {\n   a: 0,1,-3\n  }\n" +
+        layer("Normal", "ByPolygonVertex", "Direct", "Normals: *9 {\n    a: 0,0,1,0,0,1,0,0,1\n   }") +
+        layer("Color", "ByPolygonVertex", "Direct", "Colors: *12 {\n    a: 1,0,0.5,1,1,0,0.5,1,1,0,0.5,1\n   }") +
+        layer("UV", "ByPolygonVertex", "Direct", "UV: *6 {\n    a: 0.25,0.125,0.5,0.25,0.75,1\n   }") +
+        layer("Material", "AllSame", "IndexToDirect", "Materials: *1 {\n    a: 0\n   }") +
+        "  Layer: 0 {\n   Version: 100\n" + use("Normal") + use("Color") + use("UV") + use("Material") +
+        "  }\n }\n"
         " Model: 200, \"Model::Tri\", \"Mesh\" {\n  Version: 232\n }\n"
         " Material: 300, \"Material::skin\", \"\" {\n  Version: 102\n  ShadingModel: \"phong\"\n"
         "  Properties70:  {\n" +
@@ -92,11 +91,10 @@ TEST(FbxMaterials, PhongBecomesMetallicRoughness) {
   fbx.picture.clear();
   fbx.material = color("DiffuseColor", 0.5, 0.25, 0.75) + color("EmissiveColor", 0.1, 0.2, 0.3) +
                  color("SpecularColor", 0.5, 0.25, 0.25) + number("ShininessExponent", 30) + number("Opacity", 0.5);
-  const Result<CharacterFile> file = fbx.read();
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
-  ASSERT_EQ(file->look.materials.size(), 1u);
-  const Material& m = file->look.materials[0];
+  const CharacterFile file = test::valueOf(fbx.read());
+  test::expectSound(file);
+  ASSERT_EQ(file.look.materials.size(), 1u);
+  const Material& m = file.look.materials[0];
   EXPECT_EQ(m.name, "skin");
   EXPECT_NEAR(m.baseColor.x(), linear(0.5), 1e-6);
   EXPECT_NEAR(m.baseColor.y(), linear(0.25), 1e-6);
@@ -118,17 +116,16 @@ TEST(FbxMaterials, PhongBecomesMetallicRoughness) {
 TEST(FbxMaterials, NormalsCoordinatesAndColorsAreReadWithVDown) {
   FbxText fbx;
   fbx.video = test::base64("not decoded here");
-  const Result<CharacterFile> file = fbx.read();
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
-  EXPECT_FALSE(file->look.groups.at(0).flat);
-  ASSERT_EQ(file->look.uv[0].size(), 3u);
-  EXPECT_EQ(file->look.uv[0][0], Eigen::Vector2f(0.25F, 0.875F));
-  EXPECT_EQ(file->look.uv[0][1], Eigen::Vector2f(0.5F, 0.75F));
-  EXPECT_EQ(file->look.uv[0][2], Eigen::Vector2f(0.75F, 0.0F));
+  const CharacterFile file = test::valueOf(fbx.read());
+  test::expectSound(file);
+  EXPECT_FALSE(file.look.groups.at(0).flat);
+  ASSERT_EQ(file.look.uv[0].size(), 3u);
+  EXPECT_EQ(file.look.uv[0][0], Eigen::Vector2f(0.25F, 0.875F));
+  EXPECT_EQ(file.look.uv[0][1], Eigen::Vector2f(0.5F, 0.75F));
+  EXPECT_EQ(file.look.uv[0][2], Eigen::Vector2f(0.75F, 0.0F));
   for (std::size_t v = 0; v < 3; ++v) {
-    EXPECT_NEAR((file->look.normals[v] - Vec3f(0, 0, 1)).norm(), 0.0F, 1e-6F);
-    EXPECT_NEAR((file->look.colors[v] - Eigen::Vector4f(1, 0, linear(0.5), 1)).norm(), 0.0F, 1e-6F);
+    EXPECT_NEAR((file.look.normals[v] - Vec3f(0, 0, 1)).norm(), 0.0F, 1e-6F);
+    EXPECT_NEAR((file.look.colors[v] - Eigen::Vector4f(1, 0, linear(0.5), 1)).norm(), 0.0F, 1e-6F);
   }
 }
 
@@ -136,11 +133,10 @@ TEST(FbxMaterials, PicturesInsideTheFileAreRead) {
   FbxText fbx;
   fbx.material = color("DiffuseColor", 0.5, 0.5, 0.5);
   fbx.video = test::base64("the skin");
-  const Result<CharacterFile> file = fbx.read();
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  const Material& m = file->look.materials.at(0);
-  EXPECT_EQ(pictureOf(*file, m.base), "the skin");
-  EXPECT_EQ(file->look.pictures[0].name, "picture 'skin.png'");
+  const CharacterFile file = test::valueOf(fbx.read());
+  const Material& m = file.look.materials.at(0);
+  EXPECT_EQ(pictureOf(file, m.base), "the skin");
+  EXPECT_EQ(file.look.pictures[0].name, "picture 'skin.png'");
   EXPECT_EQ(m.baseColor, Eigen::Vector4f(1, 1, 1, 1)) << "the texture replaces the colour";
   EXPECT_EQ(m.base.transform, TextureUse().transform);
 }
@@ -177,10 +173,9 @@ TEST(FbxMaterials, TextureTransformsAreThoseOfTheFileWithVUp) {
   FbxText fbx;
   fbx.video = test::base64("x");
   fbx.texture = "  ModelUVTranslation: 0.1,0.2\n  ModelUVScaling: 2,0.5\n";
-  const Result<CharacterFile> file = fbx.read();
-  ASSERT_TRUE(file.ok()) << file.error().message;
+  const CharacterFile file = test::valueOf(fbx.read());
   // The file's point (0.3, 0.6) is (0.3, 0.4) with v down.
-  const Eigen::Vector2f at = file->look.materials.at(0).base.transform * Vec3f(0.3F, 0.4F, 1.0F);
+  const Eigen::Vector2f at = file.look.materials.at(0).base.transform * Vec3f(0.3F, 0.4F, 1.0F);
   EXPECT_NEAR(at.x(), 2.0 * 0.3 + 0.1, 1e-6);
   EXPECT_NEAR(at.y(), 1.0 - (0.5 * 0.6 + 0.2), 1e-6);
 }
@@ -189,25 +184,22 @@ TEST(FbxMaterials, NormalMapsAreReadAndOpacityOnlyFromTheSamePicture) {
   FbxText fbx;
   fbx.video = test::base64("bumps");
   fbx.property = "NormalMap";
-  const Result<CharacterFile> normal = fbx.read();
-  ASSERT_TRUE(normal.ok()) << normal.error().message;
-  EXPECT_EQ(pictureOf(*normal, normal->look.materials.at(0).normal), "bumps");
+  const CharacterFile normal = test::valueOf(fbx.read());
+  EXPECT_EQ(pictureOf(normal, normal.look.materials.at(0).normal), "bumps");
   fbx.property = "TransparentColor";
-  const Result<CharacterFile> opacity = fbx.read();
-  ASSERT_TRUE(opacity.ok()) << opacity.error().message;
-  EXPECT_EQ(opacity->look.materials.at(0).alpha, AlphaMode::kOpaque);
-  EXPECT_EQ(notesWith(*opacity, "its opacity is in another picture than its colour: not read"), 1);
+  const CharacterFile opacity = test::valueOf(fbx.read());
+  EXPECT_EQ(opacity.look.materials.at(0).alpha, AlphaMode::kOpaque);
+  EXPECT_EQ(notesWith(opacity, "its opacity is in another picture than its colour: not read"), 1);
 }
 
 TEST(FbxMaterials, InvisibleMaterialsAreDrawnOpaque) {
   FbxText fbx;
   fbx.picture.clear();
   fbx.material = number("Opacity", 0);
-  const Result<CharacterFile> file = fbx.read();
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_EQ(file->look.materials.at(0).alpha, AlphaMode::kOpaque);
-  EXPECT_EQ(file->look.materials.at(0).baseColor.w(), 1.0F);
-  EXPECT_EQ(notesWith(*file, "its opacity is 0: drawn opaque"), 1);
+  const CharacterFile file = test::valueOf(fbx.read());
+  EXPECT_EQ(file.look.materials.at(0).alpha, AlphaMode::kOpaque);
+  EXPECT_EQ(file.look.materials.at(0).baseColor.w(), 1.0F);
+  EXPECT_EQ(notesWith(file, "its opacity is 0: drawn opaque"), 1);
 }
 
 /// One triangle in COLLADA; `technique` is the effect's, with a sampler "s" of the picture.
@@ -251,15 +243,14 @@ TEST(ColladaMaterials, TexturesWrapAndShadingAreRead) {
 <technique profile="MAYA"><wrapU>1</wrapU><wrapV>0</wrapV><mirrorU>1</mirrorU><repeatU>2</repeatU><offsetV>0.25</offsetV></technique>
 </extra></texture></diffuse><specular><color>0.25 0.5 0.25 1</color></specular><shininess><float>6</float></shininess></phong>
 <extra><technique profile="GOOGLEEARTH"><double_sided>1</double_sided></technique></extra>)";
-  const Result<CharacterFile> file =
-      readCharacterFile(folder.write("t.dae", colladaText(technique, "the%20cloth.png")));
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
-  EXPECT_EQ(notesWith(*file, "picture"), 0);
-  ASSERT_TRUE(file->look.given());
-  const Material& m = file->look.materials.at(static_cast<std::size_t>(file->look.groups.at(0).material));
+  const CharacterFile file =
+      test::valueOf(readCharacterFile(folder.write("t.dae", colladaText(technique, "the%20cloth.png"))));
+  test::expectSound(file);
+  EXPECT_EQ(notesWith(file, "picture"), 0);
+  ASSERT_TRUE(file.look.given());
+  const Material& m = file.look.materials.at(static_cast<std::size_t>(file.look.groups.at(0).material));
   EXPECT_EQ(m.name, "Cloth");
-  EXPECT_EQ(pictureOf(*file, m.base), "cloth");
+  EXPECT_EQ(pictureOf(file, m.base), "cloth");
   EXPECT_EQ(m.baseColor, Eigen::Vector4f(1, 1, 1, 1));
   EXPECT_EQ(m.base.wrapU, TextureWrap::kMirror);
   EXPECT_EQ(m.base.wrapV, TextureWrap::kClamp);
@@ -268,45 +259,42 @@ TEST(ColladaMaterials, TexturesWrapAndShadingAreRead) {
   const Eigen::Vector2f at = m.base.transform * Vec3f(0.3F, 0.4F, 1.0F);
   EXPECT_NEAR(at.x(), 0.6, 1e-6);
   EXPECT_NEAR(at.y(), 1.0 - (0.6 + 0.25), 1e-6);
-  ASSERT_EQ(file->look.uv[0].size(), 3u);
-  EXPECT_EQ(file->look.uv[0][0], Eigen::Vector2f(0.0F, 0.75F));
-  EXPECT_TRUE(file->look.groups[0].flat) << "the file has no normals";
+  ASSERT_EQ(file.look.uv[0].size(), 3u);
+  EXPECT_EQ(file.look.uv[0][0], Eigen::Vector2f(0.0F, 0.75F));
+  EXPECT_TRUE(file.look.groups[0].flat) << "the file has no normals";
 }
 
 TEST(ColladaMaterials, ConstantShadingIsUnlit) {
   const std::string text =
       colladaText("<constant><emission><color>0.5 0.25 1 1</color></emission></constant>", "x.png");
-  const Result<CharacterFile> file = parseCharacterFile(std::as_bytes(std::span(text)), "t.dae");
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  const Material& m = file->look.materials.at(0);
+  const CharacterFile file = test::valueOf(parseCharacterFile(std::as_bytes(std::span(text)), "t.dae"));
+  const Material& m = file.look.materials.at(0);
   EXPECT_EQ(m.shading, Shading::kUnlit);
   EXPECT_NEAR(m.baseColor.x(), linear(0.5), 1e-6);
   EXPECT_EQ(m.emissive, Vec3f(0, 0, 0));
-  EXPECT_TRUE(file->look.pictures.empty()) << "no material uses it";
+  EXPECT_TRUE(file.look.pictures.empty()) << "no material uses it";
 }
 
 TEST(ColladaMaterials, FilesWithoutMaterialsHaveNoLook) {
   std::string text = colladaText("<lambert/>", "x.png", "");
   const std::size_t from = text.find("<library_materials>");
   text.erase(from, text.find("<library_geometries>") - from);
-  const Result<CharacterFile> file = parseCharacterFile(std::as_bytes(std::span(text)), "t.dae");
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_FALSE(file->look.given());
-  EXPECT_TRUE(file->look.materials.empty());
+  const CharacterFile file = test::valueOf(parseCharacterFile(std::as_bytes(std::span(text)), "t.dae"));
+  EXPECT_FALSE(file.look.given());
+  EXPECT_TRUE(file.look.materials.empty());
 }
 
 TEST(FbxMaterials, ArnaudWearsColoredBands) {
   LORICA_REQUIRE_DATASET(path, "characters/arnaud/arnaud.fbx");
-  const Result<CharacterFile> file = readCharacterFile(path);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
-  ASSERT_EQ(file->look.groups.size(), 1u);
-  EXPECT_EQ(file->look.materials.at(0).name, "lambert2");
-  EXPECT_NEAR(file->look.materials[0].baseColor.x(), linear(0.4), 1e-6);
-  EXPECT_FALSE(file->look.groups[0].flat);
+  const CharacterFile file = test::valueOf(readCharacterFile(path));
+  test::expectSound(file);
+  ASSERT_EQ(file.look.groups.size(), 1u);
+  EXPECT_EQ(file.look.materials.at(0).name, "lambert2");
+  EXPECT_NEAR(file.look.materials[0].baseColor.x(), linear(0.4), 1e-6);
+  EXPECT_FALSE(file.look.groups[0].flat);
   // A blue collar, a green and a red wristband.
   const auto some = [&](int channel) {
-    return std::any_of(file->look.colors.begin(), file->look.colors.end(), [&](const Eigen::Vector4f& c) {
+    return std::any_of(file.look.colors.begin(), file.look.colors.end(), [&](const Eigen::Vector4f& c) {
       return c[channel] > 0.9F && c[(channel + 1) % 3] < 0.1F && c[(channel + 2) % 3] < 0.1F;
     });
   };

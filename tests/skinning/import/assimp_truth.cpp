@@ -1,5 +1,7 @@
 #include "tests/skinning/import/assimp_truth.h"
 
+#include "tests/skinning/import/gltf_truth.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -51,14 +53,7 @@ void addNode(const aiScene& scene, const aiNode& node, const Mat4& parent, int a
       const aiNodeAnim& channel = *clip.mChannels[c];
       if (channel.mNodeName != node.mName) continue;
       const Eigen::Vector4d q = rotationAt(channel.mRotationKeys, channel.mNumRotationKeys, tick);
-      const double x = q[0];
-      const double y = q[1];
-      const double z = q[2];
-      const double w = q[3];
-      local = Mat4::Identity();
-      local.topLeftCorner<3, 3>() << 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),  //
-          2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),                             //
-          2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y);
+      local = rotationMatrix(q);
       const Vec3 scale = vectorAt(channel.mScalingKeys, channel.mNumScalingKeys, tick);
       for (int i = 0; i < 3; ++i) local.col(i) *= scale[i];
       local.block<3, 1>(0, 3) = vectorAt(channel.mPositionKeys, channel.mNumPositionKeys, tick);

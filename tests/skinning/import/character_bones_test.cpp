@@ -2,6 +2,7 @@
 #include "skinning/import/character_file.h"
 #include "tests/skinning/humanoid/humanoid_samples.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -17,18 +18,10 @@ using test::namesOf;
 using test::RigNames;
 using enum HumanBone;
 
-[[nodiscard]] Skeleton withoutBones(const Skeleton& skeleton) {
-  HumanoidGuess none;
-  none.jointOf.fill(kNoJoint);
-  return withBones(skeleton, none);
-}
-
 void expectBones(const std::filesystem::path& file, const std::map<HumanBone, std::string>& truth,
                  std::string_view by) {
-  const Result<CharacterFile> read = readCharacterFile(file);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  const Skeleton& skeleton = read->character.skeleton;
-  const HumanoidGuess guess = guessHumanoid(withoutBones(skeleton));
+  const Skeleton skeleton = test::valueOf(readCharacterFile(file)).character.skeleton;
+  const HumanoidGuess guess = guessHumanoid(test::withoutBones(skeleton));
   EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "") << file;
   EXPECT_EQ(contradictions(skeleton, guess), "") << file;
   EXPECT_EQ(guess.by, by) << file;
@@ -42,17 +35,10 @@ TEST(CharacterBones, CesiumMan) {
   LORICA_REQUIRE_DATASET(file, "characters/cesiumman/CesiumMan.glb");
   // Numbered chains with different numbers left and right: no convention, so the shape is used, and the names for
   // sides.
-  const RigNames rig = {"",
-                        "",
-                        "L",
-                        "R",
-                        {"Skeleton_torso_joint_1", "Skeleton_torso_joint_2", "torso_joint_3", "",
-                         "Skeleton_neck_joint_1", "Skeleton_neck_joint_2"},
-                        {"leg_joint_%_1", "leg_joint_%_2", "leg_joint_%_3", "leg_joint_%_5"},
-                        {"", "", "", ""},
-                        "",
-                        {},
-                        {}};
+  const RigNames rig = test::rigOf(
+      "", "", "L,R",
+      "Skeleton_torso_joint_1,Skeleton_torso_joint_2,torso_joint_3,,Skeleton_neck_joint_1,Skeleton_neck_joint_2",
+      "leg_joint_%_1,leg_joint_%_2,leg_joint_%_3,leg_joint_%_5", ",,,");
   std::map<HumanBone, std::string> truth = namesOf(rig);
   truth[kLeftUpperArm] = "Skeleton_arm_joint_L__4_";
   truth[kLeftLowerArm] = "Skeleton_arm_joint_L__3_";
@@ -64,16 +50,10 @@ TEST(CharacterBones, CesiumMan) {
 }
 
 TEST(CharacterBones, ArnaudAndHisClipFiles) {
-  const RigNames rig = {"",
-                        "",
-                        "Left",
-                        "Right",
-                        {"Hips", "Spine1", "Spine2", "Spine3", "Neck", "Head"},  // the thighs are below Spine
-                        {"%UpLeg", "%Leg", "%Foot", "%FootThumb1"},
-                        {"%Shoulder", "%Arm", "%ForeArm", "%Hand"},
-                        "%Hand@#",
-                        {"Thumb", "Index", "Middle", "Ring", "Pinky"},
-                        {"1", "2", "3"}};
+  // the thighs are below Spine
+  const RigNames rig =
+      test::rigOf("", "", "Left,Right", "Hips,Spine1,Spine2,Spine3,Neck,Head", "%UpLeg,%Leg,%Foot,%FootThumb1",
+                  "%Shoulder,%Arm,%ForeArm,%Hand", "%Hand@#", "Thumb,Index,Middle,Ring,Pinky");
   std::map<HumanBone, std::string> truth = namesOf(rig);
   truth[kLeftHand] = "Lefthand";  // as the artist wrote it
   truth[kLeftLittleProximal] = "LeftHandRingPinky1";
@@ -86,16 +66,8 @@ TEST(CharacterBones, ArnaudAndHisClipFiles) {
 }
 
 TEST(CharacterBones, KayKit) {
-  const RigNames rig = {"",
-                        "",
-                        "l",
-                        "r",
-                        {"hips", "spine", "chest", "", "", "head"},
-                        {"upperleg.%", "lowerleg.%", "foot.%", "toes.%"},
-                        {"", "upperarm.%", "lowerarm.%", "wrist.%"},
-                        "",
-                        {},
-                        {}};
+  const RigNames rig = test::rigOf("", "", "l,r", "hips,spine,chest,,,head", "upperleg.%,lowerleg.%,foot.%,toes.%",
+                                   ",upperarm.%,lowerarm.%,wrist.%");
   for (const char* name : {"Barbarian", "Mage"}) {
     LORICA_REQUIRE_DATASET(file, std::string("characters/kaykit/") + name + ".glb");
     expectBones(file, namesOf(rig), "names (KayKit)");
@@ -106,16 +78,8 @@ TEST(CharacterBones, RaylibRobot) {
   LORICA_REQUIRE_DATASET(file, "characters/raylib_robot/robot.glb");
   // Its feet are below the root and its thumbs below the forearms: joints not below the limb are not its bones. Hips is
   // only a joint of the trunk: Body carries trunk and legs.
-  const RigNames rig = {"",
-                        "",
-                        "L",
-                        "R",
-                        {"Body", "Abdomen", "Torso", "", "Neck", "Head"},
-                        {"UpperLeg.%", "LowerLeg.%", "", ""},
-                        {"Shoulder.%", "UpperArm.%", "LowerArm.%", "Palm2.%"},
-                        "",
-                        {},
-                        {}};
+  const RigNames rig = test::rigOf("", "", "L,R", "Body,Abdomen,Torso,,Neck,Head", "UpperLeg.%,LowerLeg.%,,",
+                                   "Shoulder.%,UpperArm.%,LowerArm.%,Palm2.%");
   std::map<HumanBone, std::string> truth = namesOf(rig);
   truth[kLeftMiddleProximal] = "Middle1.L";
   truth[kLeftMiddleIntermediate] = "Middle2.L";
@@ -127,9 +91,7 @@ TEST(CharacterBones, RaylibRobot) {
 TEST(CharacterBones, Greenman) {
   LORICA_REQUIRE_DATASET(file, "characters/greenman/greenman.glb");
   // A puppet: its hip joints lead sideways from the middle to legs of one joint, its hands are its arms.
-  const RigNames rig = {
-      "", "", "L", "R", {"root", "body_low", "", "", "", "body_up"}, {"leg_%", "", "", ""}, {"", "hand_%", "", ""},
-      "", {}, {}};
+  const RigNames rig = test::rigOf("", "", "L,R", "root,body_low,,,,body_up", "leg_%,,,", ",hand_%,,");
   expectBones(file, namesOf(rig), "names (common words)");
 }
 
@@ -141,10 +103,8 @@ TEST(CharacterBones, TheFoxIsNoHuman) {
 // The list in the VRM file was made by its artist: the guess must agree for every bone that it finds.
 TEST(CharacterBones, GodetteAsHerOwnListHasHer) {
   LORICA_REQUIRE_DATASET(file, "characters/godette/Godette_vrm_v4.vrm");
-  const Result<CharacterFile> read = readCharacterFile(file);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  const Skeleton& own = read->character.skeleton;
-  const HumanoidGuess guess = guessHumanoid(withoutBones(own));
+  const Skeleton own = test::valueOf(readCharacterFile(file)).character.skeleton;
+  const HumanoidGuess guess = guessHumanoid(test::withoutBones(own));
   int found = 0;
   int listed = 0;
   for (int i = 0; i < kHumanBoneCount; ++i) {

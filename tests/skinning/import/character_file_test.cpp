@@ -2,6 +2,7 @@
 
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -17,10 +18,9 @@ TEST(CharacterFile, IsKnownByTheEndOfItsName) {
 TEST(CharacterFile, IsReadByWhatIsInIt) {
   const test::TemporaryFolder folder;
   const std::filesystem::path misnamed = folder.write("hero.fbx", test::smallCharacter().glb());
-  const Result<CharacterFile> file = readCharacterFile(misnamed);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_EQ(file->format, "glTF 2.0");
-  EXPECT_EQ(file->character.name, "hero");
+  const CharacterFile file = test::valueOf(readCharacterFile(misnamed));
+  EXPECT_EQ(file.format, "glTF 2.0");
+  EXPECT_EQ(file.character.name, "hero");
 }
 
 TEST(CharacterFile, WhatIsNoneIsRefusedInASentence) {

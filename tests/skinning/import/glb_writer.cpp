@@ -1,5 +1,7 @@
 #include "tests/skinning/import/glb_writer.h"
 
+#include "geometry/counts.h"
+
 namespace lorica::test {
 
 namespace {
@@ -23,7 +25,7 @@ std::size_t GlbWriter::componentsOf(const std::string& type) {
 
 int GlbWriter::add(const std::string& list, nlohmann::json element) {
   document[list].push_back(std::move(element));
-  return static_cast<int>(document[list].size()) - 1;
+  return countOf(document[list]) - 1;
 }
 
 int GlbWriter::positions(std::span<const Vec3> points) {
@@ -62,6 +64,12 @@ std::string GlbWriter::gltf(const std::string& bufferUri) const {
   nlohmann::json whole = document;
   whole["buffers"] = nlohmann::json::array({{{"byteLength", binary.size()}, {"uri", bufferUri}}});
   return whole.dump();
+}
+
+nlohmann::json sparse(std::size_t count, int rowView, int rowType, int valueView) {
+  return {{"count", count},
+          {"indices", {{"bufferView", rowView}, {"componentType", rowType}}},
+          {"values", {{"bufferView", valueView}}}};
 }
 
 std::string glbOf(const std::string& json, const std::string& binary) {

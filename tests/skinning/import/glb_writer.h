@@ -74,6 +74,9 @@ class GlbWriter {
   }
 };
 
+/// The sparse part of an accessor.
+[[nodiscard]] nlohmann::json sparse(std::size_t count, int rowView, int rowType, int valueView);
+
 /// JSON and binary as the two chunks of a GLB.
 [[nodiscard]] std::string glbOf(const std::string& json, const std::string& binary);
 

@@ -14,189 +14,140 @@ using test::GlbWriter;
 using test::parsed;
 using test::smallCharacter;
 
-struct Fault {
-  const char* name;
-  std::function<void(GlbWriter&)> make;
-  const char* sentence;  ///< the whole message
-  ErrorCode code = ErrorCode::kBadFormat;
-};
-
-std::ostream& operator<<(std::ostream& out, const Fault& fault) {
-  return out << fault.name;
-}
-
-class GltfFaults : public testing::TestWithParam<Fault> {};
-
-TEST_P(GltfFaults, AreToldInOneSentence) {
-  GlbWriter writer = smallCharacter();
-  GetParam().make(writer);
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_FALSE(file.ok());
-  EXPECT_EQ(file.error().message, GetParam().sentence);
-  EXPECT_EQ(file.error().code, GetParam().code);
-}
-
-std::vector<Fault> allFaults() {
-  const auto accessor = [](int i, const char* key, json value) {
-    return [=](GlbWriter& w) { w.document["accessors"][i][key] = value; };
-  };
-  const auto view = [](int i, const char* key, json value) {
-    return [=](GlbWriter& w) { w.document["bufferViews"][i][key] = value; };
-  };
-  const auto node = [](int i, const char* key, json value) {
-    return [=](GlbWriter& w) { w.document["nodes"][i][key] = value; };
-  };
-  const auto set = [](const char* pointer, json value) {
+TEST(GltfFaults, AreToldInOneSentence) {
+  const auto set = [](const char* pointer, const json& value) {
     return [=](GlbWriter& w) { w.document[json::json_pointer(pointer)] = value; };
   };
   const auto floatAt = [](std::size_t byte, float value) {
     return [=](GlbWriter& w) { std::memcpy(w.binary.data() + byte, &value, 4); };
   };
-  const float infinity = std::numeric_limits<float>::infinity();
-  return {
-      {"accessor too long", accessor(0, "count", 4000),
-       "hero.glb: accessor 0: 4,000 elements of 12 bytes end at byte 48,000, but buffer view 0 has 96"},
-      {"accessor starts late", accessor(0, "byteOffset", 4),
-       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 100, but buffer view 0 has 96"},
-      {"huge count", accessor(0, "count", 4611686018427387904u),
-       "hero.glb: accessor 0: 4,611,686,018,427,387,904 elements of 12 bytes end at byte 5.53e+19, but buffer view 0 "
-       "has 96"},
-      {"huge offset", accessor(0, "byteOffset", 18446744073709551615u),
-       "hero.glb: accessor 0: 8 elements of 12 bytes end at byte 1.84e+19, but buffer view 0 has 96"},
-      {"no elements", accessor(0, "count", 0),
-       "hero.glb: accessor 0: has no elements, expected at least one for mesh 0 'Body', primitive 0: POSITION"},
-      {"huge count of zeros",
-       [](GlbWriter& w) {
+  constexpr float infinity = std::numeric_limits<float>::infinity();
+  struct Fault {
+    std::function<void(GlbWriter&)> make;
+    std::string message;  ///< after "hero.glb: "
+    ErrorCode code = ErrorCode::kBadFormat;
+  };
+  const std::vector<Fault> faults = {
+      {set("/accessors/0/count", 4000),
+       "accessor 0: 4,000 elements of 12 bytes end at byte 48,000, but buffer view 0 has 96"},
+      {set("/accessors/0/byteOffset", 4),
+       "accessor 0: 8 elements of 12 bytes end at byte 100, but buffer view 0 has 96"},
+      {set("/accessors/0/count", 4611686018427387904u),
+       "accessor 0: 4,611,686,018,427,387,904 elements of 12 bytes end at byte 5.53e+19, but buffer view 0 has "
+       "96"},
+      {set("/accessors/0/byteOffset", 18446744073709551615u),
+       "accessor 0: 8 elements of 12 bytes end at byte 1.84e+19, but buffer view 0 has 96"},
+      {set("/accessors/0/count", 0),
+       "accessor 0: has no elements, expected at least one for mesh 0 'Body', primitive 0: POSITION"},
+      {[](GlbWriter& w) {
          w.document["accessors"][0].erase("bufferView");
          w.document["accessors"][0]["count"] = 1000000000;
        },
-       "hero.glb: accessor 0: 1,000,000,000 elements, too many for a file of 1,808 bytes"},
-      {"wrong shape", accessor(0, "type", "VEC4"),
-       "hero.glb: accessor 0: has 4 numbers per element, expected VEC3 for mesh 0 'Body', primitive 0: POSITION"},
-      {"unknown number", accessor(0, "componentType", 5124),
-       "hero.glb: accessor 0: component type 5124, expected 5120 to 5123, 5125 or 5126 for mesh 0 'Body', primitive 0: "
+       "accessor 0: 1,000,000,000 elements, too many for a file of 1,808 bytes"},
+      {set("/accessors/0/type", "VEC4"),
+       "accessor 0: has 4 numbers per element, expected VEC3 for mesh 0 'Body', primitive 0: POSITION"},
+      {set("/accessors/0/componentType", 5124),
+       "accessor 0: component type 5124, expected 5120 to 5123, 5125 or 5126 for mesh 0 'Body', primitive 0: "
        "POSITION"},
-      {"joints in floats", accessor(2, "componentType", 5126),
-       "hero.glb: accessor 2: component type 5126, expected unsigned integers (5121, 5123 or 5125) for mesh 0 'Body', "
+      {set("/accessors/2/componentType", 5126),
+       "accessor 2: component type 5126, expected unsigned integers (5121, 5123 or 5125) for mesh 0 'Body', "
        "primitive 0: JOINTS_0"},
-      {"view does not exist", accessor(0, "bufferView", 99),
-       "hero.glb: accessor 0: refers to buffer view 99, expected 0 to 6"},
-      {"negative view", accessor(0, "bufferView", -7),
-       "hero.glb: accessor 0: refers to buffer view -7, expected 0 to 6"},
-      {"buffer does not exist", view(0, "buffer", 3), "hero.glb: buffer view 0: refers to buffer 3, expected 0 to 0"},
-      {"view too long", view(0, "byteLength", 1000000),
-       "hero.glb: buffer view 0: 1,000,000 bytes from byte 0, but buffer 0 has 496"},
-      {"view starts late", view(0, "byteOffset", 18446744073709551615u),
-       "hero.glb: buffer view 0: 96 bytes from byte 18,446,744,073,709,551,615, but buffer 0 has 496"},
-      {"steps too small", view(0, "byteStride", 4),
-       "hero.glb: accessor 0: elements of 12 bytes, but the stride of buffer view 0 is 4"},
-      {"accessor does not exist", set("/meshes/0/primitives/0/attributes/POSITION", 77),
-       "hero.glb: mesh 0 'Body', primitive 0: POSITION: refers to accessor 77, expected 0 to 6"},
-      {"index out of range", [](GlbWriter& w) { w.binary[96 + 4] = 8; },
-       "hero.glb: mesh 0 'Body', primitive 0: index 2 refers to vertex 8, but it has 8"},
-      {"mode", set("/meshes/0/primitives/0/mode", 9), "hero.glb: mesh 0 'Body', primitive 0: mode 9, expected 0 to 6"},
-      {"fewer joints than positions", accessor(2, "count", 7),
-       "hero.glb: mesh 0 'Body', primitive 0: JOINTS_0 has 7 elements, expected 8, one for each position"},
-      {"fewer weights than positions", accessor(3, "count", 2),
-       "hero.glb: mesh 0 'Body', primitive 0: WEIGHTS_0 has 2 elements, expected 8, one for each position"},
-      {"position not a number", floatAt(16, std::numeric_limits<float>::quiet_NaN()),
-       "hero.glb: accessor 0: element 1 has nan, expected finite numbers for mesh 0 'Body', primitive 0: POSITION"},
-      {"infinite inverse bind matrix", floatAt(96 + 72 + 32 + 128 + 64, -infinity),
-       "hero.glb: accessor 4: element 1 has -inf, expected finite numbers for skin 0: inverse bind matrices"},
-      {"infinite time", floatAt(496 - 32 - 4, infinity),
-       "hero.glb: accessor 5: element 1 has inf, expected finite numbers for animation 0 'bend', channel 0: times"},
-      {"fewer matrices than joints", accessor(4, "count", 1), "hero.glb: skin 0: 1 inverse bind matrices for 2 joints"},
-      {"skin without joints", set("/skins/0/joints", json::array()),
-       "hero.glb: skin 0: has no joints, expected at least one"},
-      {"joint does not exist", set("/skins/0/joints/1", 5),
-       "hero.glb: skin 0: refers to joint node 5, expected 0 to 2"},
-      {"skin does not exist", node(2, "skin", 1), "hero.glb: node 2: refers to skin 1, expected 0 to 0"},
-      {"mesh does not exist", node(2, "mesh", 1), "hero.glb: node 2: refers to mesh 1, expected 0 to 0"},
-      {"child does not exist", node(0, "children", {1, 44}),
-       "hero.glb: node 0: refers to child node 44, expected 0 to 2"},
-      {"two parents", node(2, "children", {1}),
-       "hero.glb: node 1 'upper': is a child of node 0 and of node 2, expected one parent"},
-      {"own ancestor", node(1, "children", {0}), "hero.glb: node 0 'lower': is its own ancestor"},
-      {"own child", node(2, "children", {2}), "hero.glb: node 2 'box': is its own ancestor"},
-      {"three numbers of rotation", node(1, "rotation", {0, 0, 1}),
-       "hero.glb: node 1: rotation has 3 numbers, expected 4"},
-      {"fifteen numbers of matrix", node(1, "matrix", std::vector<int>(15, 1)),
-       "hero.glb: node 1: matrix has 15 numbers, expected 16"},
-      {"scene does not exist", set("/scene", 2), "hero.glb: the file: refers to scene 2, expected 0 to 0"},
-      {"scene's node does not exist", set("/scenes/0/nodes/0", 9),
-       "hero.glb: scene 0: refers to node 9, expected 0 to 2"},
-      {"animated node does not exist", set("/animations/0/channels/0/target/node", 9),
-       "hero.glb: animation 0 'bend', channel 0: refers to node 9, expected 0 to 2"},
-      {"sampler does not exist", set("/animations/0/channels/0/sampler", 1),
-       "hero.glb: animation 0 'bend', channel 0: refers to sampler 1, expected 0 to 0"},
-      {"interpolation", set("/animations/0/samplers/0/interpolation", "QUINTIC"),
-       "hero.glb: animation 0 'bend', channel 0: interpolation 'QUINTIC', expected STEP, LINEAR or CUBICSPLINE"},
-      {"keys without values", accessor(6, "count", 1),
-       "hero.glb: animation 0 'bend', channel 0: 1 values for 2 keys, expected 2"},
-      {"spline without tangents", set("/animations/0/samplers/0/interpolation", "CUBICSPLINE"),
-       "hero.glb: animation 0 'bend', channel 0: 2 values for 2 keys, expected 6"},
-      {"sparse beyond the end",
-       [](GlbWriter& w) {
+      {set("/accessors/0/bufferView", 99), "accessor 0: refers to buffer view 99, expected 0 to 6"},
+      {set("/accessors/0/bufferView", -7), "accessor 0: refers to buffer view -7, expected 0 to 6"},
+      {set("/bufferViews/0/buffer", 3), "buffer view 0: refers to buffer 3, expected 0 to 0"},
+      {set("/bufferViews/0/byteLength", 1000000), "buffer view 0: 1,000,000 bytes from byte 0, but buffer 0 has 496"},
+      {set("/bufferViews/0/byteOffset", 18446744073709551615u),
+       "buffer view 0: 96 bytes from byte 18,446,744,073,709,551,615, but buffer 0 has 496"},
+      {set("/bufferViews/0/byteStride", 4), "accessor 0: elements of 12 bytes, but the stride of buffer view 0 is 4"},
+      {set("/meshes/0/primitives/0/attributes/POSITION", 77),
+       "mesh 0 'Body', primitive 0: POSITION: refers to accessor 77, expected 0 to 6"},
+      {[](GlbWriter& w) { w.binary[96 + 4] = 8; },
+       "mesh 0 'Body', primitive 0: index 2 refers to vertex 8, but it has 8"},
+      {set("/meshes/0/primitives/0/mode", 9), "mesh 0 'Body', primitive 0: mode 9, expected 0 to 6"},
+      {set("/accessors/2/count", 7),
+       "mesh 0 'Body', primitive 0: JOINTS_0 has 7 elements, expected 8, one for each position"},
+      {set("/accessors/3/count", 2),
+       "mesh 0 'Body', primitive 0: WEIGHTS_0 has 2 elements, expected 8, one for each position"},
+      {floatAt(16, std::numeric_limits<float>::quiet_NaN()),
+       "accessor 0: element 1 has nan, expected finite numbers for mesh 0 'Body', primitive 0: POSITION"},
+      {floatAt(96 + 72 + 32 + 128 + 64, -infinity),
+       "accessor 4: element 1 has -inf, expected finite numbers for skin 0: inverse bind matrices"},
+      {floatAt(496 - 32 - 4, infinity),
+       "accessor 5: element 1 has inf, expected finite numbers for animation 0 'bend', channel 0: times"},
+      {set("/accessors/4/count", 1), "skin 0: 1 inverse bind matrices for 2 joints"},
+      {set("/skins/0/joints", json::array()), "skin 0: has no joints, expected at least one"},
+      {set("/skins/0/joints/1", 5), "skin 0: refers to joint node 5, expected 0 to 2"},
+      {set("/nodes/2/skin", 1), "node 2: refers to skin 1, expected 0 to 0"},
+      {set("/nodes/2/mesh", 1), "node 2: refers to mesh 1, expected 0 to 0"},
+      {set("/nodes/0/children", {1, 44}), "node 0: refers to child node 44, expected 0 to 2"},
+      {set("/nodes/2/children", {1}), "node 1 'upper': is a child of node 0 and of node 2, expected one parent"},
+      {set("/nodes/1/children", {0}), "node 0 'lower': is its own ancestor"},
+      {set("/nodes/2/children", {2}), "node 2 'box': is its own ancestor"},
+      {set("/nodes/1/rotation", {0, 0, 1}), "node 1: rotation has 3 numbers, expected 4"},
+      {set("/nodes/1/matrix", std::vector<int>(15, 1)), "node 1: matrix has 15 numbers, expected 16"},
+      {set("/scene", 2), "the file: refers to scene 2, expected 0 to 0"},
+      {set("/scenes/0/nodes/0", 9), "scene 0: refers to node 9, expected 0 to 2"},
+      {set("/animations/0/channels/0/target/node", 9),
+       "animation 0 'bend', channel 0: refers to node 9, expected 0 to 2"},
+      {set("/animations/0/channels/0/sampler", 1),
+       "animation 0 'bend', channel 0: refers to sampler 1, expected 0 to 0"},
+      {set("/animations/0/samplers/0/interpolation", "QUINTIC"),
+       "animation 0 'bend', channel 0: interpolation 'QUINTIC', expected STEP, LINEAR or CUBICSPLINE"},
+      {set("/accessors/6/count", 1), "animation 0 'bend', channel 0: 1 values for 2 keys, expected 2"},
+      {set("/animations/0/samplers/0/interpolation", "CUBICSPLINE"),
+       "animation 0 'bend', channel 0: 2 values for 2 keys, expected 6"},
+      {[](GlbWriter& w) {
          const int rows = w.view(std::vector<std::uint8_t>{2, 8});
          const int values = w.view(std::vector<float>(6, 0.0F));
-         w.document["accessors"][0]["sparse"] = {{"count", 2},
-                                                 {"indices", {{"bufferView", rows}, {"componentType", 5121}}},
-                                                 {"values", {{"bufferView", values}}}};
+         w.document["accessors"][0]["sparse"] = test::sparse(2, rows, 5121, values);
        },
-       "hero.glb: accessor 0: sparse index 1 is 8, expected 0 to 7"},
-      {"more sparse than all",
-       set("/accessors/0/sparse",
-           {{"count", 9}, {"indices", {{"bufferView", 0}, {"componentType", 5121}}}, {"values", {{"bufferView", 0}}}}),
-       "hero.glb: accessor 0: its sparse part has 9 elements at bytes 0 and 0 with indices of type 5121, expected 1 to "
-       "8 elements, offsets of 0 or more and unsigned indices"},
-      {"sparse values too short",
-       set("/accessors/0/sparse",
-           {{"count", 4}, {"indices", {{"bufferView", 1}, {"componentType", 5121}}}, {"values", {{"bufferView", 2}}}}),
-       "hero.glb: accessor 0, sparse values: 4 elements of 12 bytes end at byte 48, but buffer view 2 has 32"},
-      {"buffer longer than the binary", set("/buffers", json::array({{{"byteLength", 5000}}})),
-       "hero.glb: buffer 0: byteLength is 5,000, but there are 496 bytes"},
-      {"no byteLength", set("/buffers", json::array({{{"uri", "x.bin"}}})),
-       "hero.glb: buffer 0: has no byteLength, expected a whole number"},
-      {"other file", set("/buffers", json::array({{{"byteLength", 5}, {"uri", "x.bin"}}})),
-       "hero.glb: buffer 0: is in another file, 'x.bin', which is not available here"},
-      {"data not in base64",
-       set("/buffers", json::array({{{"byteLength", 5}, {"uri", "data:application/octet-stream;base64,AA!A"}}})),
-       "hero.glb: buffer 0: its data URI has byte 33 at 2, expected base64"},
-      {"buffer nowhere",
-       [](GlbWriter& w) {
+       "accessor 0: sparse index 1 is 8, expected 0 to 7"},
+      {set("/accessors/0/sparse", test::sparse(9, 0, 5121, 0)),
+       "accessor 0: its sparse part has 9 elements at bytes 0 and 0 with indices of type 5121, expected 1 to 8 "
+       "elements, offsets of 0 or more and unsigned indices"},
+      {set("/accessors/0/sparse", test::sparse(4, 1, 5121, 2)),
+       "accessor 0, sparse values: 4 elements of 12 bytes end at byte 48, but buffer view 2 has 32"},
+      {set("/buffers", json::array({{{"byteLength", 5000}}})),
+       "buffer 0: byteLength is 5,000, but there are 496 bytes"},
+      {set("/buffers", json::array({{{"uri", "x.bin"}}})), "buffer 0: has no byteLength, expected a whole number"},
+      {set("/buffers", json::array({{{"byteLength", 5}, {"uri", "x.bin"}}})),
+       "buffer 0: is in another file, 'x.bin', which is not available here"},
+      {set("/buffers", json::array({{{"byteLength", 5}, {"uri", "data:application/octet-stream;base64,AA!A"}}})),
+       "buffer 0: its data URI has byte 33 at 2, expected base64"},
+      {[](GlbWriter& w) {
          w.document["buffers"] = {{{"byteLength", 496}}, {{"byteLength", 96}}};
          w.document["bufferViews"][0]["buffer"] = 1;
        },
-       "hero.glb: buffer view 0: buffer 1 has no data, neither embedded nor in another file"},
-      {"version", set("/asset/version", "1.0"), "hero.glb: glTF version '1.0', expected 2.0", ErrorCode::kUnsupported},
-      {"no asset", [](GlbWriter& w) { w.document.erase("asset"); }, "hero.glb: glTF version '', expected 2.0"},
-      {"draco", set("/extensionsRequired", {"KHR_draco_mesh_compression"}),
-       "hero.glb: its meshes are compressed (KHR_draco_mesh_compression), which is not supported: export it again "
-       "without mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
-       ErrorCode::kUnsupported},
-      {"meshopt", set("/extensionsRequired", {"EXT_meshopt_compression"}),
-       "hero.glb: its meshes are compressed (EXT_meshopt_compression), which is not supported: export it again without "
+       "buffer view 0: buffer 1 has no data, neither embedded nor in another file"},
+      {set("/asset/version", "1.0"), "glTF version '1.0', expected 2.0", ErrorCode::kUnsupported},
+      {[](GlbWriter& w) { w.document.erase("asset"); }, "glTF version '', expected 2.0"},
+      {set("/extensionsRequired", {"KHR_draco_mesh_compression"}),
+       "its meshes are compressed (KHR_draco_mesh_compression), which is not supported: export it again without "
        "mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
        ErrorCode::kUnsupported},
-      {"too many nodes", [](GlbWriter& w) { w.document["nodes"] = std::vector<json>(100001, json::object()); },
-       "hero.glb: 100,001 nodes, expected at most 100,000", ErrorCode::kUnsupported},
-      {"nothing",
-       [](GlbWriter& w) {
-         w.document = {{"asset", {{"version", "2.0"}}}};
-       },
-       "hero.glb: no triangles, no bones and no motion, expected a character"},
-      {"numbers that overflow", node(0, "scale", {1e300, 1e300, 1e300}),
-       "hero.glb: joint 1 'lower': its inverse bind matrix is not finite"},
-      {"a name with control characters",
-       [](GlbWriter& w) {
+      {set("/extensionsRequired", {"EXT_meshopt_compression"}),
+       "its meshes are compressed (EXT_meshopt_compression), which is not supported: export it again without mesh "
+       "compression, or decompress it with 'gltf-transform copy IN OUT'",
+       ErrorCode::kUnsupported},
+      {[](GlbWriter& w) { w.document["nodes"] = std::vector<json>(100001, json::object()); },
+       "100,001 nodes, expected at most 100,000", ErrorCode::kUnsupported},
+      {set("", {{"asset", {{"version", "2.0"}}}}), "no triangles, no bones and no motion, expected a character"},
+      {set("/nodes/0/scale", {1e300, 1e300, 1e300}), "joint 1 'lower': its inverse bind matrix is not finite"},
+      {[](GlbWriter& w) {
          w.document["nodes"][0]["scale"] = {1e300, 1e300, 1e300};
          w.document["nodes"][0]["name"] = "lo\n\x1b[2Jwer";
        },
-       "hero.glb: joint 1 'lo\\x0a\\x1b[2Jwer': its inverse bind matrix is not finite"},
-  };
+       "joint 1 'lo\\x0a\\x1b[2Jwer': its inverse bind matrix is not finite"}};
+  for (const Fault& fault : faults) {
+    SCOPED_TRACE(fault.message);
+    GlbWriter writer = smallCharacter();
+    fault.make(writer);
+    const Result<CharacterFile> file = parsed(writer);
+    ASSERT_FALSE(file.ok());
+    EXPECT_EQ(file.error().message, "hero.glb: " + fault.message);
+    EXPECT_EQ(file.error().code, fault.code);
+  }
 }
-
-INSTANTIATE_TEST_SUITE_P(All, GltfFaults, testing::ValuesIn(allFaults()));
 
 [[nodiscard]] std::string complaint(const std::string& bytes) {
   const Result<CharacterFile> file = parseCharacterFile(std::as_bytes(std::span(bytes)), "hero.glb");
@@ -216,26 +167,24 @@ TEST(GltfFile, LongNamesAreShortenedInMessages) {
 
 TEST(GltfFile, ContainersAreCheckedBeforeTheirContent) {
   const std::string sound = smallCharacter().glb();
-  const auto changed = [&](std::size_t at, char byte) {
-    std::string bytes = sound;
-    bytes[at] = byte;
-    return complaint(bytes);
-  };
-  EXPECT_EQ(complaint(""), "hero.glb: is empty, expected a character");
-  EXPECT_EQ(complaint("glTF"), "hero.glb: 4 bytes, expected at least 12 for a GLB header: the file is truncated");
-  EXPECT_EQ(changed(4, 1), "hero.glb: GLB version 1, expected 2");
-  EXPECT_EQ(changed(0, 'h'), "hero.glb: unknown format, expected glTF, VRM, FBX or COLLADA");
-  EXPECT_EQ(changed(16, 'X'), "hero.glb: chunk 0 has type 0x4e4f5358, expected JSON");
-  EXPECT_EQ(changed(15, 1).substr(0, 25), "hero.glb: chunk 0 of 16,7");
-  EXPECT_EQ(complaint(sound.substr(0, 100)),
-            "hero.glb: its header declares 1,812 bytes, the file has 100: it is truncated");
-  EXPECT_EQ(complaint(test::glbOf("[]", "")), "hero.glb: its JSON is not an object, expected a glTF object");
+  const auto changed = [&](std::size_t at, char byte) { return std::string(sound).replace(at, 1, 1, byte); };
+  for (const auto& [bytes, message] : std::initializer_list<std::pair<std::string, std::string>>{
+           {"", "is empty, expected a character"},
+           {"glTF", "4 bytes, expected at least 12 for a GLB header: the file is truncated"},
+           {changed(4, 1), "GLB version 1, expected 2"},
+           {changed(0, 'h'), "unknown format, expected glTF, VRM, FBX or COLLADA"},
+           {changed(16, 'X'), "chunk 0 has type 0x4e4f5358, expected JSON"},
+           {sound.substr(0, 100), "its header declares 1,812 bytes, the file has 100: it is truncated"},
+           {test::glbOf("[]", ""), "its JSON is not an object, expected a glTF object"}}) {
+    EXPECT_EQ(complaint(bytes), "hero.glb: " + message);
+  }
+  EXPECT_EQ(complaint(changed(15, 1)).substr(0, 25), "hero.glb: chunk 0 of 16,7");
   EXPECT_EQ(complaint(test::glbOf("{\"asset\":", "")).substr(0, 29), "hero.glb: its JSON is broken:");
 }
 
 TEST(GltfFile, DeepJsonIsRefusedNotFollowed) {
   for (const char* key : {"extras", "extensions", "nodes"}) {
-    std::string text = std::string("{\"asset\":{\"version\":\"2.0\"},\"") + key + "\":";
+    std::string text = R"({"asset":{"version":"2.0"},")" + std::string(key) + "\":";
     text += std::string(200000, '[') + std::string(200000, ']') + "}";
     EXPECT_EQ(complaint(test::glbOf(text, "")), "hero.glb: its JSON nests deeper than 64 levels") << key;
   }
@@ -247,9 +196,7 @@ TEST(GltfFile, TheSameBytesUnderManyNamesAreReadOnlySoOften) {
   nlohmann::json primitive = {{"attributes", {{"POSITION", many}}}};
   writer.document["meshes"][0]["primitives"] = std::vector<nlohmann::json>(2000, primitive);
   writer.document["nodes"][2].erase("skin");
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_FALSE(file.ok());
-  EXPECT_NE(file.error().message.find("too many for a file of"), std::string::npos) << file.error().message;
+  EXPECT_NE(complaint(writer.glb()).find("too many for a file of"), std::string::npos) << complaint(writer.glb());
 }
 
 TEST(GltfFile, BuffersBesideTheFileAndInDataUrisAreRead) {
@@ -261,9 +208,9 @@ TEST(GltfFile, BuffersBesideTheFileAndInDataUrisAreRead) {
     return readCharacterFile(folder.write("hero.gltf", writer.gltf(uri)));
   };
   for (const std::string& uri :
-       {std::string("sub/the%20body.bin"), std::string("./sub/the body.bin"), std::string("sub\\the body.bin"),
-        "data:application/octet-stream;base64," + test::base64(writer.binary),
-        "data:;base64," + test::base64(writer.binary)}) {
+       std::initializer_list<std::string>{"sub/the%20body.bin", "./sub/the body.bin", "sub\\the body.bin",
+                                          "data:application/octet-stream;base64," + test::base64(writer.binary),
+                                          "data:;base64," + test::base64(writer.binary)}) {
     const Result<CharacterFile> file = read(uri);
     ASSERT_TRUE(file.ok()) << uri << ": " << file.error().message;
     EXPECT_EQ(file->character.mesh.triangles.size(), 12u);
@@ -278,10 +225,9 @@ TEST(GltfFile, NothingOutsideTheFolderIsRead) {
   const GlbWriter writer = smallCharacter();
   std::filesystem::create_directory(folder.path() / "inside");
   const std::filesystem::path outside = folder.write("secret.bin", writer.binary);
-  for (const std::string& uri :
-       {std::string("../secret.bin"), std::string("%2e%2e/secret.bin"), std::string("..\\secret.bin"),
-        std::string("x/../../secret.bin"), outside.string(), "file://" + outside.string(), std::string("~/secret.bin"),
-        std::string("C:/secret.bin")}) {
+  for (const std::string& uri : std::initializer_list<std::string>{
+           "../secret.bin", "%2e%2e/secret.bin", "..\\secret.bin", "x/../../secret.bin", outside.string(),
+           "file://" + outside.string(), "~/secret.bin", "C:/secret.bin"}) {
     const Result<CharacterFile> file = readCharacterFile(folder.write("inside/hero.gltf", writer.gltf(uri)));
     ASSERT_FALSE(file.ok()) << uri;
     EXPECT_NE(file.error().message.find("is outside the file's folder"), std::string::npos) << file.error().message;

@@ -4,10 +4,10 @@
 
 #include "tests/skinning/import/material_samples.h"
 #include "tests/skinning/import/small_character.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 namespace lorica {
@@ -88,21 +88,21 @@ TEST(GltfLook, DirectionsFollowScaledMirroredTurnedAndShearedNodes) {
   const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1, 2, -0.5).normalized()).toRotationMatrix();
   Mat3 shear = Mat3::Identity();
   shear(0, 1) = 0.75;
+  const auto scale = [](double x, double y, double z) { return Mat3(Vec3(x, y, z).asDiagonal()); };
   const std::vector<Mat3> placements = {Mat3::Identity(),
                                         turn,
-                                        Vec3(0.125, 3, 1).asDiagonal(),
-                                        Vec3(-1, 1, 1).asDiagonal(),
-                                        turn * Mat3(Vec3(2, -0.5, 1).asDiagonal()),
-                                        turn * Mat3(Vec3(-2, -0.5, -1).asDiagonal()) * turn.transpose(),
+                                        scale(0.125, 3, 1),
+                                        scale(-1, 1, 1),
+                                        turn * scale(2, -0.5, 1),
+                                        turn * scale(-2, -0.5, -1) * turn.transpose(),
                                         turn * shear};
   for (std::size_t p = 0; p < placements.size(); ++p) {
     for (const float side : {1.0F, -1.0F}) {
       SCOPED_TRACE(testing::Message() << "placement " << p << ", side " << side);
       TriangleFile file(side);
       file.place(placements[p]);
-      const Result<CharacterFile> read = parsed(file.writer);
-      ASSERT_TRUE(read.ok()) << read.error().message;
-      expectRight(*read, side);
+      const CharacterFile read = test::valueOf(parsed(file.writer));
+      expectRight(read, side);
     }
   }
 }
@@ -110,16 +110,14 @@ TEST(GltfLook, DirectionsFollowScaledMirroredTurnedAndShearedNodes) {
 TEST(GltfLook, DirectionsTurnWithVrm0) {
   TriangleFile file;
   file.writer.document["extensions"]["VRM"] = {{"specVersion", "0.0"}, {"humanoid", {{"humanBones", Json::array()}}}};
-  const Result<CharacterFile> read = parsed(file.writer);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  const Result<CharacterFile> plain = parsed(TriangleFile().writer);
-  ASSERT_TRUE(plain.ok());
-  ASSERT_EQ(read->format, "VRM 0.x");
+  const CharacterFile read = test::valueOf(parsed(file.writer));
+  const CharacterFile plain = test::valueOf(parsed(TriangleFile().writer));
+  ASSERT_EQ(read.format, "VRM 0.x");
   for (std::size_t v = 0; v < 3; ++v) {
-    const Vec3f& n = plain->look.normals[v];
-    EXPECT_NEAR((read->look.normals[v] - Vec3f(-n.x(), n.y(), -n.z())).norm(), 0.0F, 1e-6F);
+    const Vec3f& n = plain.look.normals[v];
+    EXPECT_NEAR((read.look.normals[v] - Vec3f(-n.x(), n.y(), -n.z())).norm(), 0.0F, 1e-6F);
   }
-  expectRight(*read, 1.0);
+  expectRight(read, 1.0);
 }
 
 TEST(GltfLook, SkinnedNormalsAreThoseOfTheBindPose) {
@@ -133,11 +131,10 @@ TEST(GltfLook, SkinnedNormalsAreThoseOfTheBindPose) {
   for (int v = 0; v < 8; ++v) normals.insert(normals.end(), {0.6F, 0.8F, 0.0F});
   writer.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = writer.accessor(normals, "VEC3");
   writer.document["nodes"][2]["scale"] = {7, 1, 1};
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
+  const CharacterFile file = test::valueOf(parsed(writer));
+  test::expectSound(file);
   const Vec3 expected = (placed.linear().inverse().transpose() * Vec3(0.6, 0.8, 0.0)).normalized();
-  for (const Vec3f& normal : file->look.normals) EXPECT_NEAR((normal.cast<double>() - expected).norm(), 0.0, 1e-6);
+  for (const Vec3f& normal : file.look.normals) EXPECT_NEAR((normal.cast<double>() - expected).norm(), 0.0, 1e-6);
 }
 
 TEST(GltfLook, ColorsOfAllKindsAreTheSame) {
@@ -157,12 +154,9 @@ TEST(GltfLook, ColorsOfAllKindsAreTheSame) {
   const Eigen::Vector4f wanted(0.2F, 0.4F, 0.6F, 0.8F);
   Eigen::Vector4f opaque = wanted;
   opaque.w() = 1.0F;
-  const std::vector<float> f4 = {0.2F, 0.4F, 0.6F, 0.8F};
-  const std::vector<float> f3 = {0.2F, 0.4F, 0.6F};
-  const std::vector<std::uint8_t> b4 = {51, 102, 153, 204};
-  const std::vector<std::uint8_t> b3 = {51, 102, 153};
-  const std::vector<std::uint16_t> s4 = {13107, 26214, 39321, 52428};
-  const std::vector<std::uint16_t> s3 = {13107, 26214, 39321};
+  const std::vector<float> f4 = {0.2F, 0.4F, 0.6F, 0.8F}, f3 = {0.2F, 0.4F, 0.6F};
+  const std::vector<std::uint8_t> b4 = {51, 102, 153, 204}, b3 = {51, 102, 153};
+  const std::vector<std::uint16_t> s4 = {13107, 26214, 39321, 52428}, s3 = {13107, 26214, 39321};
   EXPECT_TRUE(colorOf([&](GlbWriter& w) { return w.accessor(repeated(f4), "VEC4"); }).isApprox(wanted));
   EXPECT_TRUE(colorOf([&](GlbWriter& w) { return w.accessor(repeated(f3), "VEC3"); }).isApprox(opaque));
   EXPECT_TRUE(colorOf([&](GlbWriter& w) { return w.accessor(repeated(b4), "VEC4", true); }).isApprox(wanted));
@@ -176,18 +170,16 @@ TEST(GltfLook, NormalisedCoordinatesAreSharesOfTheirWhole) {
   std::vector<std::uint16_t> uvs;
   for (int v = 0; v < 8; ++v) uvs.insert(uvs.end(), {13107, 65535});
   writer.document["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = writer.accessor(uvs, "VEC2", true);
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  for (const Eigen::Vector2f& uv : file->look.uv[0]) EXPECT_TRUE(uv.isApprox(Eigen::Vector2f(0.2F, 1.0F)));
+  const CharacterFile file = test::valueOf(parsed(writer));
+  for (const Eigen::Vector2f& uv : file.look.uv[0]) EXPECT_TRUE(uv.isApprox(Eigen::Vector2f(0.2F, 1.0F)));
 }
 
 TEST(GltfLook, GroupsCountTheTrianglesThatAreLeft) {
   GlbWriter writer = dressedCharacter({{"name", "a"}});
   writer.document["materials"].push_back({{"name", "b"}});
   // Three primitives of 2, 0 and 1 triangles, each with one or two that use a vertex twice; only the last has normals.
-  const std::vector<Triangle> first = {{0, 1, 1}, {0, 1, 2}, {3, 3, 3}, {4, 5, 6}};
-  const std::vector<Triangle> none = {{0, 0, 1}};
-  const std::vector<Triangle> last = {{7, 6, 5}, {2, 2, 1}};
+  const std::vector<Triangle> first = {{0, 1, 1}, {0, 1, 2}, {3, 3, 3}, {4, 5, 6}}, none = {{0, 0, 1}},
+                              last = {{7, 6, 5}, {2, 2, 1}};
   Json& primitives = writer.document["meshes"][0]["primitives"];
   const Json like = primitives[0];
   primitives = Json::array();
@@ -198,21 +190,20 @@ TEST(GltfLook, GroupsCountTheTrianglesThatAreLeft) {
     primitives.push_back(primitive);
   }
   primitives[2]["attributes"]["NORMAL"] = 0;  // the positions, which are not of unit length
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
-  ASSERT_EQ(file->look.groups.size(), 2u);
-  EXPECT_EQ(file->look.groups[0].mesh, "Body");
-  EXPECT_EQ(file->look.groups[0].material, 0);
-  EXPECT_EQ(file->look.groups[0].triangleCount, 2u);
-  EXPECT_TRUE(file->look.groups[0].flat);
-  EXPECT_EQ(file->look.groups[1].material, 1);
-  EXPECT_EQ(file->look.groups[1].firstTriangle, 2u);
-  EXPECT_EQ(file->look.groups[1].triangleCount, 1u);
-  EXPECT_FALSE(file->look.groups[1].flat);
-  EXPECT_EQ(notesWith(*file, "4 triangles use a vertex twice"), 1);
+  const CharacterFile file = test::valueOf(parsed(writer));
+  test::expectSound(file);
+  ASSERT_EQ(file.look.groups.size(), 2u);
+  EXPECT_EQ(file.look.groups[0].mesh, "Body");
+  EXPECT_EQ(file.look.groups[0].material, 0);
+  EXPECT_EQ(file.look.groups[0].triangleCount, 2u);
+  EXPECT_TRUE(file.look.groups[0].flat);
+  EXPECT_EQ(file.look.groups[1].material, 1);
+  EXPECT_EQ(file.look.groups[1].firstTriangle, 2u);
+  EXPECT_EQ(file.look.groups[1].triangleCount, 1u);
+  EXPECT_FALSE(file.look.groups[1].flat);
+  EXPECT_EQ(notesWith(file, "4 triangles use a vertex twice"), 1);
   // Vertices of the flat group have no normal.
-  for (std::size_t v = 0; v < 6; ++v) EXPECT_TRUE(file->look.normals[v].isZero());
+  for (std::size_t v = 0; v < 6; ++v) EXPECT_TRUE(file.look.normals[v].isZero());
 }
 
 TEST(GltfLook, NumbersThatAreNotFiniteAreReplacedAndCounted) {
@@ -223,34 +214,28 @@ TEST(GltfLook, NumbersThatAreNotFiniteAreReplacedAndCounted) {
   attributes["NORMAL"] = file.writer.accessor(std::vector<float>{nan, nan, nan, 0, 0, 0, infinity, 0, 0}, "VEC3");
   attributes["TEXCOORD_0"] = file.writer.accessor(std::vector<float>{0, nan, 1, 0, -infinity, 1e38F}, "VEC2");
   attributes["TANGENT"] = file.writer.accessor(std::vector<float>(12, nan), "VEC4");
-  const Result<CharacterFile> read = parsed(file.writer);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  test::expectSound(*read);
-  EXPECT_EQ(notesWith(*read, "18 numbers of normals"), 1);
-  EXPECT_EQ(read->look.uv[0][0], Eigen::Vector2f(0, 0));
-  EXPECT_EQ(read->look.uv[0][2], Eigen::Vector2f(0, 1e38F));
+  const CharacterFile read = test::valueOf(parsed(file.writer));
+  test::expectSound(read);
+  EXPECT_EQ(notesWith(read, "18 numbers of normals"), 1);
+  EXPECT_EQ(read.look.uv[0][0], Eigen::Vector2f(0, 0));
+  EXPECT_EQ(read.look.uv[0][2], Eigen::Vector2f(0, 1e38F));
   // Normals without a direction become that of the triangles around them.
   const Vec3f normal =
       (file.points[1] - file.points[0]).cross(file.points[2] - file.points[0]).normalized().cast<float>();
-  for (const Vec3f& n : read->look.normals) EXPECT_NEAR((n - normal).norm(), 0.0F, 1e-6F);
-  for (const Eigen::Vector4f& t : read->look.tangents) EXPECT_TRUE(t.isZero());
+  for (const Vec3f& n : read.look.normals) EXPECT_NEAR((n - normal).norm(), 0.0F, 1e-6F);
+  for (const Eigen::Vector4f& t : read.look.tangents) EXPECT_TRUE(t.isZero());
 }
 
 TEST(GltfLook, BrokenListsAreLeftOutAndTheShapeIsKept) {
-  const auto with = [](const char* attribute, const Json& accessor) {
+  for (const auto& [attribute, accessor] :
+       {std::pair("NORMAL", 4711), {"NORMAL", 2}, {"TANGENT", 5}, {"TEXCOORD_0", 0}, {"COLOR_0", 1}}) {
+    SCOPED_TRACE(testing::Message() << attribute << " " << accessor);
     GlbWriter writer = dressedCharacter({{"normalTexture", {{"index", 0}}}});
     writer.document["meshes"][0]["primitives"][0]["attributes"][attribute] = accessor;
-    return parsed(writer);
-  };
-  const std::vector<std::pair<const char*, int>> broken = {
-      {"NORMAL", 4711}, {"NORMAL", 2}, {"TANGENT", 5}, {"TEXCOORD_0", 0}, {"COLOR_0", 1}};
-  for (const auto& [attribute, accessor] : broken) {
-    SCOPED_TRACE(testing::Message() << attribute << " " << accessor);
-    const Result<CharacterFile> file = with(attribute, accessor);
-    ASSERT_TRUE(file.ok()) << file.error().message;
-    test::expectSound(*file);
-    EXPECT_EQ(file->character.mesh.triangles.size(), 12u);
-    EXPECT_EQ(notesWith(*file, std::string(attribute) + " is not used: "), 1);
+    const CharacterFile file = test::valueOf(parsed(writer));
+    test::expectSound(file);
+    EXPECT_EQ(file.character.mesh.triangles.size(), 12u);
+    EXPECT_EQ(notesWith(file, std::string(attribute) + " is not used: "), 1);
   }
 }
 
@@ -265,12 +250,11 @@ TEST(GltfLook, TheSameBytesInManyMeshesAreReadOnlySoOften) {
       {"attributes", {{"POSITION", positions}, {"NORMAL", normals}}}, {"indices", indices}, {"material", 0}};
   writer.document["meshes"][0]["primitives"] = std::vector<Json>(200, primitive);
   writer.document["nodes"][2].erase("skin");
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
-  EXPECT_EQ(notesWith(*file, "lists of normals, tangents, texture coordinates or colours are broken"), 1);
-  EXPECT_EQ(notesWith(*file, "colours of 600 vertices are too many for a file of"), 1);
-  EXPECT_TRUE(file->look.normals.empty());
+  const CharacterFile file = test::valueOf(parsed(writer));
+  test::expectSound(file);
+  EXPECT_EQ(notesWith(file, "lists of normals, tangents, texture coordinates or colours are broken"), 1);
+  EXPECT_EQ(notesWith(file, "colours of 600 vertices are too many for a file of"), 1);
+  EXPECT_TRUE(file.look.normals.empty());
 }
 
 }  // namespace

@@ -3,10 +3,10 @@
 #include "tests/skinning/import/material_samples.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <complex>
 #include <filesystem>
 #include <numbers>
@@ -26,56 +26,46 @@ using Json = nlohmann::json;
 }
 
 TEST(GltfMaterials, EveryFieldIsRead) {
-  const Result<CharacterFile> file = dressed(
-      {{"name", "skin"},
-       {"pbrMetallicRoughness",
-        {{"baseColorFactor", {0.125, 0.25, 0.5, 0.75}},
-         {"baseColorTexture", {{"index", 1}}},
-         {"metallicFactor", 0.25},
-         {"roughnessFactor", 0.375},
-         {"metallicRoughnessTexture", {{"index", 2}, {"texCoord", 1}}}}},
-       {"normalTexture", {{"index", 3}, {"scale", 0.5}}},
-       {"occlusionTexture", {{"index", 4}, {"texCoord", 1}, {"strength", 0.625}}},
-       {"emissiveTexture", {{"index", 5}}},
-       {"emissiveFactor", {0.25, 0.5, 1.0}},
-       {"alphaMode", "MASK"},
-       {"alphaCutoff", 0.875},
-       {"doubleSided", true},
-       {"extensions",
-        {{"KHR_materials_emissive_strength", {{"emissiveStrength", 4.0}}}, {"KHR_materials_unlit", Json::object()}}}});
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_TRUE(file->notes.empty()) << file->notes.front();
-  test::expectSound(*file);
-  ASSERT_EQ(file->look.materials.size(), 1u);
-  const Material& m = file->look.materials[0];
+  const CharacterFile file = test::valueOf(dressed(Json::parse(R"({
+    "name": "skin", "pbrMetallicRoughness": {"baseColorFactor": [0.125, 0.25, 0.5, 0.75],
+      "baseColorTexture": {"index": 1}, "metallicFactor": 0.25, "roughnessFactor": 0.375,
+      "metallicRoughnessTexture": {"index": 2, "texCoord": 1}},
+    "normalTexture": {"index": 3, "scale": 0.5},
+    "occlusionTexture": {"index": 4, "texCoord": 1, "strength": 0.625},
+    "emissiveTexture": {"index": 5}, "emissiveFactor": [0.25, 0.5, 1.0], "alphaMode": "MASK", "alphaCutoff": 0.875,
+    "doubleSided": true, "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 4.0},
+      "KHR_materials_unlit": {}}})")));
+  EXPECT_TRUE(file.notes.empty()) << file.notes.front();
+  test::expectSound(file);
+  ASSERT_EQ(file.look.materials.size(), 1u);
+  const Material& m = file.look.materials[0];
   EXPECT_EQ(m.name, "skin");
   EXPECT_EQ(m.shading, Shading::kUnlit);
   EXPECT_EQ(m.baseColor, Eigen::Vector4f(0.125F, 0.25F, 0.5F, 0.75F));
-  EXPECT_EQ(pictureOf(*file, m.base), "picture 1");
+  EXPECT_EQ(pictureOf(file, m.base), "picture 1");
   EXPECT_EQ(m.metallic, 0.25F);
   EXPECT_EQ(m.roughness, 0.375F);
-  EXPECT_EQ(pictureOf(*file, m.metallicRoughness), "picture 2");
+  EXPECT_EQ(pictureOf(file, m.metallicRoughness), "picture 2");
   EXPECT_EQ(m.metallicRoughness.uvSet, 1);
-  EXPECT_EQ(pictureOf(*file, m.normal), "picture 3");
+  EXPECT_EQ(pictureOf(file, m.normal), "picture 3");
   EXPECT_EQ(m.normalScale, 0.5F);
-  EXPECT_EQ(pictureOf(*file, m.occlusion), "picture 4");
+  EXPECT_EQ(pictureOf(file, m.occlusion), "picture 4");
   EXPECT_EQ(m.occlusion.uvSet, 1);
   EXPECT_EQ(m.occlusionStrength, 0.625F);
-  EXPECT_EQ(pictureOf(*file, m.emissiveTexture), "picture 5");
+  EXPECT_EQ(pictureOf(file, m.emissiveTexture), "picture 5");
   EXPECT_EQ(m.emissive, Vec3f(0.25F, 0.5F, 1.0F));
   EXPECT_EQ(m.emissiveStrength, 4.0F);
   EXPECT_EQ(m.alpha, AlphaMode::kMask);
   EXPECT_EQ(m.alphaCutoff, 0.875F);
   EXPECT_TRUE(m.doubleSided);
   // Of the 16 pictures, those that are used.
-  EXPECT_EQ(file->look.pictures.size(), 5u);
-  EXPECT_EQ(file->look.pictures[0].name, "image 1");
+  EXPECT_EQ(file.look.pictures.size(), 5u);
+  EXPECT_EQ(file.look.pictures[0].name, "image 1");
 }
 
 TEST(GltfMaterials, AnEmptyMaterialHasTheDefaultsOfGltf) {
-  const Result<CharacterFile> file = dressed(Json::object());
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  const Material& m = file->look.materials.at(0);
+  const CharacterFile file = test::valueOf(dressed(Json::object()));
+  const Material& m = file.look.materials.at(0);
   EXPECT_EQ(m.name, "material 0");
   EXPECT_EQ(m.shading, Shading::kPhysical);
   EXPECT_EQ(m.baseColor, Eigen::Vector4f(1, 1, 1, 1));
@@ -97,9 +87,8 @@ TEST(GltfMaterials, SamplersGiveWrapAndFilter) {
                                  {{"wrapS", 10497}, {"wrapT", 33071}, {"magFilter", 9729}}};
   writer.document["textures"][0]["sampler"] = 0;
   writer.document["textures"][1]["sampler"] = 1;
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  const Material& m = file->look.materials.at(0);
+  const CharacterFile file = test::valueOf(parsed(writer));
+  const Material& m = file.look.materials.at(0);
   EXPECT_EQ(m.base.wrapU, TextureWrap::kClamp);
   EXPECT_EQ(m.base.wrapV, TextureWrap::kMirror);
   EXPECT_FALSE(m.base.smooth);
@@ -151,45 +140,40 @@ TEST(GltfMaterials, TextureTransformsScaleThenTurnThenMove) {
 }
 
 TEST(GltfMaterials, OnlyWhatMaterialsUseIsRead) {
-  const Result<CharacterFile> plain = dressed({{"name", "plain"}});
-  ASSERT_TRUE(plain.ok()) << plain.error().message;
-  EXPECT_TRUE(plain->look.uv[0].empty());
-  EXPECT_TRUE(plain->look.uv[1].empty());
-  EXPECT_TRUE(plain->look.pictures.empty());
+  const CharacterFile plain = test::valueOf(dressed({{"name", "plain"}}));
+  EXPECT_TRUE(plain.look.uv[0].empty());
+  EXPECT_TRUE(plain.look.uv[1].empty());
+  EXPECT_TRUE(plain.look.pictures.empty());
 
-  const Result<CharacterFile> second = dressed({{"emissiveTexture", {{"index", 0}, {"texCoord", 1}}}});
-  ASSERT_TRUE(second.ok()) << second.error().message;
-  EXPECT_TRUE(second->look.uv[0].empty());
-  ASSERT_EQ(second->look.uv[1].size(), 8u);
+  const CharacterFile second = test::valueOf(dressed({{"emissiveTexture", {{"index", 0}, {"texCoord", 1}}}}));
+  EXPECT_TRUE(second.look.uv[0].empty());
+  ASSERT_EQ(second.look.uv[1].size(), 8u);
   for (std::size_t v = 0; v < 8; ++v) {
     const auto number = static_cast<float>(v);
-    EXPECT_EQ(second->look.uv[1][v], Eigen::Vector2f(0.125F * number, 0.5F + 0.0625F * number));
+    EXPECT_EQ(second.look.uv[1][v], Eigen::Vector2f(0.125F * number, 0.5F + 0.0625F * number));
   }
 
   // Without materials there is no look.
-  const Result<CharacterFile> bare = parsed(test::smallCharacter());
-  ASSERT_TRUE(bare.ok());
-  EXPECT_FALSE(bare->look.given());
+  const CharacterFile bare = test::valueOf(parsed(test::smallCharacter()));
+  EXPECT_FALSE(bare.look.given());
 
   // Materials that no mesh uses keep their places, since expressions refer to them, but not their pictures.
   GlbWriter writer = dressedCharacter({{"name", "unused"}, {"normalTexture", {{"index", 3}}}});
   writer.document["materials"].push_back({{"name", "used"}});
   writer.document["meshes"][0]["primitives"][0]["material"] = 1;
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  ASSERT_EQ(file->look.materials.size(), 2u);
-  EXPECT_EQ(file->look.materials[0].name, "unused");
-  EXPECT_TRUE(file->look.pictures.empty());
-  EXPECT_EQ(file->look.groups.at(0).material, 1);
+  const CharacterFile file = test::valueOf(parsed(writer));
+  ASSERT_EQ(file.look.materials.size(), 2u);
+  EXPECT_EQ(file.look.materials[0].name, "unused");
+  EXPECT_TRUE(file.look.pictures.empty());
+  EXPECT_EQ(file.look.groups.at(0).material, 1);
 }
 
 TEST(GltfMaterials, TexturesThatShareAPictureShareIt) {
   GlbWriter writer = dressedCharacter({{"normalTexture", {{"index", 1}}}, {"emissiveTexture", {{"index", 2}}}});
   writer.document["textures"][2]["source"] = 1;
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  EXPECT_EQ(file->look.pictures.size(), 1u);
-  EXPECT_EQ(file->look.materials[0].normal.picture, file->look.materials[0].emissiveTexture.picture);
+  const CharacterFile file = test::valueOf(parsed(writer));
+  EXPECT_EQ(file.look.pictures.size(), 1u);
+  EXPECT_EQ(file.look.materials[0].normal.picture, file.look.materials[0].emissiveTexture.picture);
 }
 
 TEST(GltfMaterials, MeshesWithoutOneGetAPlainOneOfTheirOwn) {
@@ -200,15 +184,14 @@ TEST(GltfMaterials, MeshesWithoutOneGetAPlainOneOfTheirOwn) {
   third["material"] = 77;
   writer.document["meshes"][0]["primitives"].push_back(second);
   writer.document["meshes"][0]["primitives"].push_back(third);
-  const Result<CharacterFile> file = parsed(writer);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  test::expectSound(*file);
-  ASSERT_EQ(file->look.groups.size(), 3u);
-  ASSERT_EQ(file->look.materials.size(), 2u);
-  EXPECT_EQ(file->look.materials[1].name, "(none)");
-  EXPECT_EQ(file->look.groups[1].material, 1);
-  EXPECT_EQ(file->look.groups[2].material, 1);
-  EXPECT_EQ(notesWith(*file, "mesh 'Body': refers to material 77, the file has 1"), 1);
+  const CharacterFile file = test::valueOf(parsed(writer));
+  test::expectSound(file);
+  ASSERT_EQ(file.look.groups.size(), 3u);
+  ASSERT_EQ(file.look.materials.size(), 2u);
+  EXPECT_EQ(file.look.materials[1].name, "(none)");
+  EXPECT_EQ(file.look.groups[1].material, 1);
+  EXPECT_EQ(file.look.groups[2].material, 1);
+  EXPECT_EQ(notesWith(file, "mesh 'Body': refers to material 77, the file has 1"), 1);
 }
 
 TEST(GltfMaterials, SharedCharactersHaveSoundLooks) {
@@ -220,11 +203,10 @@ TEST(GltfMaterials, SharedCharactersHaveSoundLooks) {
     if (path.empty()) continue;
     SCOPED_TRACE(name);
     ++seen;
-    const Result<CharacterFile> file = readCharacterFile(path);
-    ASSERT_TRUE(file.ok()) << file.error().message;
-    EXPECT_TRUE(file->look.given());
-    test::expectSound(*file);
-    EXPECT_EQ(notesWith(*file, "plain"), 0);
+    const CharacterFile file = test::valueOf(readCharacterFile(path));
+    EXPECT_TRUE(file.look.given());
+    test::expectSound(file);
+    EXPECT_EQ(notesWith(file, "plain"), 0);
   }
   if (seen == 0) GTEST_SKIP() << "the shared characters are absent: pass -DLORICA_DATASETS=<folder> to CMake";
 }

@@ -1,3 +1,4 @@
+#include "geometry/counts.h"
 #include "tests/skinning/import/agreement.h"
 #include "tests/skinning/import/random_glb.h"
 
@@ -31,7 +32,7 @@ TEST(GltfRandom, EveryMixOfFeaturesAgreesWithTheSpecification) {
       withShear += note.find("sheared") != std::string::npos ? 1 : 0;
     }
     // A clip of nodes that move nothing is skipped; only then do the lists differ.
-    if (static_cast<int>(file->clips.size()) != truth.animationCount()) continue;
+    if (countOf(file->clips) != truth.animationCount()) continue;
     for (int clip = 0; clip < truth.animationCount(); ++clip) {
       ++clipsSeen;
       for (const double time : {-1.0, 0.3, 0.71, 1.4, 2.0, 9.0}) {

@@ -1,5 +1,7 @@
+#include "geometry/counts.h"
 #include "tests/skinning/import/agreement.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -13,25 +15,24 @@ class GltfSpecification : public testing::TestWithParam<const char*> {};
 
 TEST_P(GltfSpecification, SkinnedPositionsAgreeWithAnIndependentEvaluation) {
   LORICA_REQUIRE_DATASET(path, GetParam());
-  const Result<CharacterFile> file = readCharacterFile(path);
-  ASSERT_TRUE(file.ok()) << file.error().message;
+  const CharacterFile file = test::valueOf(readCharacterFile(path));
   const test::GltfTruth truth = test::GltfTruth::ofFile(path);
-  ASSERT_EQ(static_cast<int>(file->clips.size()), truth.animationCount());
-  const double tolerance = 1e-5 * file->character.height;
+  ASSERT_EQ(countOf(file.clips), truth.animationCount());
+  const double tolerance = 1e-5 * file.character.height;
   ASSERT_GT(tolerance, 0.0);
 
-  EXPECT_LE(test::farthestFromTruth(*file, truth, -1, 0.0), tolerance);
+  EXPECT_LE(test::farthestFromTruth(file, truth, -1, 0.0), tolerance);
   double worst = 0.0;
   for (int clip = 0; clip < truth.animationCount(); ++clip) {
     const double seconds = truth.seconds(clip);
-    EXPECT_NEAR(file->clips[clip].seconds, seconds, 1e-12);
+    EXPECT_NEAR(file.clips[clip].seconds, seconds, 1e-12);
     for (const double part : {0.0, 0.3819, 1.0}) {
-      const double far = test::farthestFromTruth(*file, truth, clip, part * seconds);
+      const double far = test::farthestFromTruth(file, truth, clip, part * seconds);
       EXPECT_LE(far, tolerance) << "clip " << clip << " at " << part * seconds << " s";
       worst = std::max(worst, far);
     }
   }
-  RecordProperty("farthestOfHeight", std::to_string(worst / file->character.height));
+  RecordProperty("farthestOfHeight", std::to_string(worst / file.character.height));
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, GltfSpecification,

@@ -1,11 +1,13 @@
 #include "tests/skinning/import/gltf_truth.h"
 
+#include "geometry/files.h"
+#include "tests/skinning/import/glb_writer.h"
+#include "tests/support/value_of.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 namespace lorica::test {
@@ -26,14 +28,15 @@ std::size_t componentBytes(int type) {
   return type == 5120 || type == 5121 ? 1 : type == 5122 || type == 5123 ? 2 : 4;
 }
 
-std::size_t componentCount(const std::string& type) {
-  if (type == "SCALAR") return 1;
-  if (type == "VEC2") return 2;
-  if (type == "VEC3") return 3;
-  return type == "MAT4" ? 16 : 4;
-}
-
 }  // namespace
+
+Mat4 rotationMatrix(const Eigen::Vector4d& q) {
+  const double x = q[0], y = q[1], z = q[2], w = q[3];
+  return Mat4{{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 0},
+              {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 0},
+              {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y), 0},
+              {0, 0, 0, 1}};
+}
 
 GltfTruth::GltfTruth(std::string_view glb) {
   std::size_t offset = 12;
@@ -47,9 +50,7 @@ GltfTruth::GltfTruth(std::string_view glb) {
 }
 
 GltfTruth GltfTruth::ofFile(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  const std::string content{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  return GltfTruth(content);
+  return GltfTruth(valueOf(readFile(file)));
 }
 
 double GltfTruth::stored(const Json& accessor, int view, std::size_t offset, std::size_t element,
@@ -57,27 +58,20 @@ double GltfTruth::stored(const Json& accessor, int view, std::size_t offset, std
   const Json& bufferView = document_["bufferViews"][view];
   const int type = accessor["componentType"];
   const std::size_t size = componentBytes(type);
-  const std::size_t tight = size * componentCount(accessor.value("type", "SCALAR"));
+  const std::size_t tight = size * GlbWriter::componentsOf(accessor.value("type", "SCALAR"));
   const std::size_t byte = bufferView.value("byteOffset", std::size_t{0}) + offset +
                            element * bufferView.value("byteStride", tight) + component * size;
   const bool normalized = accessor.value("normalized", false);
+  const auto scaled = [&](double c, double one) { return normalized ? std::max(c / one, -1.0) : c; };
   switch (type) {
-    case 5120: {
-      const auto c = at<std::int8_t>(binary_, byte);
-      return normalized ? std::max(c / 127.0, -1.0) : c;
-    }
-    case 5121: {
-      const auto c = at<std::uint8_t>(binary_, byte);
-      return normalized ? c / 255.0 : c;
-    }
-    case 5122: {
-      const auto c = at<std::int16_t>(binary_, byte);
-      return normalized ? std::max(c / 32767.0, -1.0) : c;
-    }
-    case 5123: {
-      const auto c = at<std::uint16_t>(binary_, byte);
-      return normalized ? c / 65535.0 : c;
-    }
+    case 5120:
+      return scaled(at<std::int8_t>(binary_, byte), 127.0);
+    case 5121:
+      return scaled(at<std::uint8_t>(binary_, byte), 255.0);
+    case 5122:
+      return scaled(at<std::int16_t>(binary_, byte), 32767.0);
+    case 5123:
+      return scaled(at<std::uint16_t>(binary_, byte), 65535.0);
     case 5125:
       return at<std::uint32_t>(binary_, byte);
     default:
@@ -86,7 +80,7 @@ double GltfTruth::stored(const Json& accessor, int view, std::size_t offset, std
 }
 
 double GltfTruth::number(int index, std::size_t element, std::size_t component) const {
-  const std::size_t components = componentCount(document_["accessors"][index]["type"].get_ref<const std::string&>());
+  const std::size_t components = GlbWriter::componentsOf(document_["accessors"][index]["type"]);
   std::vector<double>& numbers = numbers_[index];
   if (numbers.empty()) {
     const std::size_t elements = count(index);
@@ -164,20 +158,15 @@ std::vector<double> GltfTruth::sampled(const Json& sampler, bool rotation, doubl
   std::vector<double> result(n);
   if (kind == "STEP") return normalised(value(k));
   if (kind == "CUBICSPLINE") {
-    const auto vk = value(3 * k + 1);
-    const auto bk = value(3 * k + 2);
-    const auto a1 = value(3 * k + 3);
-    const auto v1 = value(3 * k + 4);
+    const auto vk = value(3 * k + 1), bk = value(3 * k + 2), a1 = value(3 * k + 3), v1 = value(3 * k + 4);
     for (std::size_t c = 0; c < n; ++c) {
       result[c] = (2 * std::pow(t, 3) - 3 * t * t + 1) * vk[c] + td * (std::pow(t, 3) - 2 * t * t + t) * bk[c] +
                   (-2 * std::pow(t, 3) + 3 * t * t) * v1[c] + td * (std::pow(t, 3) - t * t) * a1[c];
     }
     return normalised(result);
   }
-  const auto from = normalised(value(k));
-  const auto to = normalised(value(k + 1));
-  double scaleFrom = 1.0 - t;
-  double scaleTo = t;
+  const auto from = normalised(value(k)), to = normalised(value(k + 1));
+  double scaleFrom = 1.0 - t, scaleTo = t;
   if (rotation) {
     double dot = 0.0;
     for (std::size_t c = 0; c < n; ++c) dot += from[c] * to[c];
@@ -213,17 +202,7 @@ Mat4 GltfTruth::local(int index, int animation, double time) const {
       if (path == "scale") s = sampled(sampler, false, time);
     }
   }
-  double norm = 0.0;
-  for (const double x : r) norm += x * x;
-  for (double& x : r) x /= std::sqrt(norm);
-  const double x = r[0];
-  const double y = r[1];
-  const double z = r[2];
-  const double w = r[3];
-  Mat4 m = Mat4::Identity();
-  m.topLeftCorner<3, 3>() << 1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y),  //
-      2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x),                         //
-      2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y);
+  Mat4 m = rotationMatrix(Eigen::Vector4d(r.data()).normalized());
   for (int c = 0; c < 3; ++c) {
     m.block<3, 1>(0, c) *= s[c];
     m(c, 3) = t[c];
@@ -244,9 +223,7 @@ std::vector<Mat4> GltfTruth::globals(int animation, double time) const {
   std::vector<Mat4> all;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     Mat4 m = locals[i];
-    for (int p = parent[i]; p != -1; p = parent[p]) {
-      m = (locals[p] * m).eval();
-    }
+    for (int p = parent[i]; p != -1; p = parent[p]) m = (locals[p] * m).eval();
     all.push_back(m);
   }
   return all;
@@ -286,10 +263,10 @@ std::vector<GltfTruth::Corners> GltfTruth::triangles(int animation, double time)
       std::vector<Vec3> placed(vertexCount);
       for (std::size_t v = 0; v < vertexCount; ++v) {
         Eigen::Vector4d p(0.0, 0.0, 0.0, 1.0);
-        for (std::size_t c = 0; c < 3; ++c) {
-          p[static_cast<Eigen::Index>(c)] = number(attributes["POSITION"], v, c);
+        for (int c = 0; c < 3; ++c) {
+          p[c] = number(attributes["POSITION"], v, c);
           for (std::size_t t = 0; t < morphWeights.size(); ++t) {
-            p[static_cast<Eigen::Index>(c)] += morphWeights[t] * number(primitive["targets"][t]["POSITION"], v, c);
+            p[c] += morphWeights[t] * number(primitive["targets"][t]["POSITION"], v, c);
           }
         }
         if (nodes[n].contains("skin") && attributes.contains("JOINTS_0")) {

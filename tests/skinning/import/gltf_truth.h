@@ -13,6 +13,9 @@
 
 namespace lorica::test {
 
+/// The rotation of a unit quaternion (x, y, z, w).
+[[nodiscard]] Mat4 rotationMatrix(const Eigen::Vector4d& q);
+
 /// The glTF 2.0 specification, evaluated directly from a GLB's JSON and bytes with 4x4 matrices, without any code of
 /// import/. For files that conform to the specification.
 class GltfTruth {

@@ -1,5 +1,6 @@
 #include "tests/skinning/import/material_samples.h"
 
+#include "geometry/counts.h"
 #include "tests/skinning/import/small_character.h"
 
 #include <gtest/gtest.h>
@@ -35,11 +36,6 @@ std::string pictureOf(const CharacterFile& file, const TextureUse& use) {
   return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
 }
 
-int notesWith(const CharacterFile& file, const std::string& part) {
-  return static_cast<int>(std::count_if(file.notes.begin(), file.notes.end(),
-                                        [&](const std::string& note) { return note.find(part) != std::string::npos; }));
-}
-
 void expectSound(const CharacterFile& file) {
   const Look& look = file.look;
   const TriMesh& mesh = file.character.mesh;
@@ -70,7 +66,7 @@ void expectSound(const CharacterFile& file) {
   for (const Material& material : look.materials) {
     EXPECT_TRUE(material.baseColor.allFinite()) << material.name;
     for (const TextureUse* use : material.textures()) {
-      EXPECT_LT(use->picture, static_cast<int>(look.pictures.size())) << material.name;
+      EXPECT_LT(use->picture, countOf(look.pictures)) << material.name;
       EXPECT_TRUE(use->uvSet == 0 || use->uvSet == 1) << material.name;
     }
   }

@@ -14,9 +14,6 @@ namespace lorica::test {
 /// The bytes of a texture's picture as text; empty if it has none.
 [[nodiscard]] std::string pictureOf(const CharacterFile& file, const TextureUse& use);
 
-/// How many notes contain a text.
-[[nodiscard]] int notesWith(const CharacterFile& file, const std::string& part);
-
 /// Whether a look fits its mesh: lists as long as the vertices or empty, finite, groups one after another over all
 /// triangles, indices in range, normals and tangents of unit length where given.
 void expectSound(const CharacterFile& file);

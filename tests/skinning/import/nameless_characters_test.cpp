@@ -4,15 +4,16 @@
 #include "skinning/import/character_file.h"
 #include "tests/skinning/humanoid/humanoid_samples.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <string>
 
 namespace lorica {
 namespace {
 
+using test::isDoubted;
 using enum HumanBone;
 
 [[nodiscard]] Skeleton nameless(const Skeleton& skeleton) {
@@ -24,18 +25,11 @@ using enum HumanBone;
   return std::move(*Skeleton::create(std::move(joints)));
 }
 
-[[nodiscard]] bool isDoubted(const HumanoidGuess& guess, HumanBone bone) {
-  return std::any_of(guess.doubts.begin(), guess.doubts.end(), [&](const BoneDoubt& doubt) {
-    return std::find(doubt.bones.begin(), doubt.bones.end(), bone) != doubt.bones.end();
-  });
-}
-
 /// What the shape takes for another joint than the names do.
 void expectShape(const char* path, const std::map<HumanBone, std::string>& taken) {
   LORICA_REQUIRE_DATASET(file, std::string("characters/") + path);
-  const Result<CharacterFile> read = readCharacterFile(file);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  const Skeleton& own = read->character.skeleton;
+  const CharacterFile read = test::valueOf(readCharacterFile(file));
+  const Skeleton& own = read.character.skeleton;
   const Skeleton erased = nameless(own);
   const HumanoidGuess guess = guessHumanoid(erased);
   ASSERT_EQ(guess.by, "the skeleton's shape");
@@ -99,9 +93,8 @@ TEST(NamelessCharacters, Robot) {
 TEST(NamelessCharacters, GreenmanAndTheFoxAreOnlySuggested) {
   for (const char* path : {"greenman/greenman.glb", "fox/Fox.glb"}) {
     LORICA_REQUIRE_DATASET(file, std::string("characters/") + path);
-    const Result<CharacterFile> read = readCharacterFile(file);
-    ASSERT_TRUE(read.ok()) << read.error().message;
-    const Skeleton erased = nameless(read->character.skeleton);
+    const CharacterFile read = test::valueOf(readCharacterFile(file));
+    const Skeleton erased = nameless(read.character.skeleton);
     EXPECT_EQ(guessHumanoid(erased)[kHips], kNoJoint) << path;
     const HumanoidGuess suggested = suggestHumanoid(erased);
     EXPECT_NE(suggested[kHips], kNoJoint) << path;
@@ -115,9 +108,8 @@ TEST(NamelessCharacters, GreenmanAndTheFoxAreOnlySuggested) {
 
 TEST(NamelessCharacters, GreenmansSuggestionIsRight) {
   LORICA_REQUIRE_DATASET(file, "characters/greenman/greenman.glb");
-  const Result<CharacterFile> read = readCharacterFile(file);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  const Skeleton& own = read->character.skeleton;
+  const CharacterFile read = test::valueOf(readCharacterFile(file));
+  const Skeleton& own = read.character.skeleton;
   const HumanoidGuess suggested = suggestHumanoid(nameless(own));
   for (const HumanBone bone : {kHips, kSpine, kHead, kLeftUpperLeg, kRightUpperLeg, kLeftUpperArm, kRightUpperArm}) {
     EXPECT_EQ(suggested[bone], own.jointOf(bone)) << nameOf(bone);

@@ -1,9 +1,9 @@
 #include "tests/skinning/import/random_glb.h"
 
+#include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "tests/skinning/import/glb_writer.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -19,12 +19,9 @@ class Maker {
 
   std::string make() {
     addNodes();
-    const int skins = below(4);
-    for (int s = 0; s < skins; ++s) addSkin();
-    const int meshes = 1 + below(4);
-    for (int m = 0; m < meshes; ++m) addMesh();
-    const int clips = below(3);
-    for (int c = 0; c < clips; ++c) addClip();
+    for (int skins = below(4); skins > 0; --skins) addSkin();
+    for (int meshes = 1 + below(4); meshes > 0; --meshes) addMesh();
+    for (int clips = below(3); clips > 0; --clips) addClip();
     return out_.glb();
   }
 
@@ -89,7 +86,7 @@ class Maker {
       }
       skin["inverseBindMatrices"] = out_.matrices(inverseBinds);
     }
-    skinSizes_.push_back(static_cast<int>(joints.size()));
+    skinSizes_.push_back(countOf(joints));
     out_.add("skins", skin);
   }
 
@@ -104,23 +101,18 @@ class Maker {
         std::vector<std::uint16_t> rows;
         for (int v = 0; v < vertices; v += 2) rows.push_back(static_cast<std::uint16_t>(v));
         const int rowView = out_.view(rows);
-        const int valueView = out_.view(floats(3 * static_cast<int>(rows.size()), 1.0));
+        const int valueView = out_.view(floats(3 * countOf(rows), 1.0));
         return out_.add("accessors", {{"componentType", 5126},
                                       {"count", vertices},
                                       {"type", "VEC3"},
-                                      {"sparse",
-                                       {{"count", rows.size()},
-                                        {"indices", {{"bufferView", rowView}, {"componentType", 5123}}},
-                                        {"values", {{"bufferView", valueView}}}}}});
+                                      {"sparse", sparse(rows.size(), rowView, 5123, valueView)}});
       }
       case 2: {  // floats with a stride, some replaced
         const int base = out_.accessor(floats(3 * vertices, 1.0), "VEC3", false, 20);
         const std::vector<std::uint32_t> rows = {1, static_cast<std::uint32_t>(vertices - 1)};
         const int rowView = out_.view(rows);
         const int valueView = out_.view(floats(6, 1.0));
-        out_.document["accessors"][base]["sparse"] = {{"count", 2},
-                                                      {"indices", {{"bufferView", rowView}, {"componentType", 5125}}},
-                                                      {"values", {{"bufferView", valueView}}}};
+        out_.document["accessors"][base]["sparse"] = sparse(2, rowView, 5125, valueView);
         return base;
       }
       default:
@@ -165,7 +157,7 @@ class Maker {
     const int node = below(nodeCount_);
     Json& drawn = out_.document["nodes"][node];
     if (drawn.contains("mesh")) return;
-    const int skin = skinSizes_.empty() || oneIn(3) ? -1 : below(static_cast<int>(skinSizes_.size()));
+    const int skin = skinSizes_.empty() || oneIn(3) ? -1 : below(countOf(skinSizes_));
     const int targets = oneIn(3) ? 2 : 0;
     Json mesh;
     const int primitives = 1 + below(2);

@@ -2,6 +2,7 @@
 
 #include "tests/support/meshes.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lorica::test {
@@ -45,6 +46,15 @@ GlbWriter smallCharacter() {
 Result<CharacterFile> parsed(const GlbWriter& writer) {
   const std::string glb = writer.glb();
   return parseCharacterFile(std::as_bytes(std::span(glb)), "hero.glb");
+}
+
+int notesWith(const CharacterFile& file, const std::string& part) {
+  return static_cast<int>(std::count_if(file.notes.begin(), file.notes.end(),
+                                        [&](const std::string& note) { return note.find(part) != std::string::npos; }));
+}
+
+bool hasNote(const CharacterFile& file, const std::string& part) {
+  return notesWith(file, part) > 0;
 }
 
 }  // namespace lorica::test

@@ -12,4 +12,8 @@ namespace lorica::test {
 
 [[nodiscard]] Result<CharacterFile> parsed(const GlbWriter& writer);
 
+/// How many notes contain a text.
+[[nodiscard]] int notesWith(const CharacterFile& file, const std::string& part);
+[[nodiscard]] bool hasNote(const CharacterFile& file, const std::string& part);
+
 }  // namespace lorica::test
