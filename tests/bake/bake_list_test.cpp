@@ -38,75 +38,72 @@ std::vector<std::string> read(const Library& library, const std::string& list, c
 
 using Lines = std::vector<std::string>;
 
-TEST(BakeList, AFolderHasItsMeshesByName) {
+TEST(BakeList, IsAFolderAPatternOrAFileOfAnyFormat) {
   const Library library;
-  EXPECT_EQ(read(library, library.path("set")), (Lines{"set/a.OBJ ", "set/b.off ", "set/more/c.glb "}));
-}
-
-TEST(BakeList, APatternHasTheFilesThatFit) {
-  const Library library;
-  EXPECT_EQ(read(library, library.path("set/*.o*")), Lines{"set/b.off "});
-  EXPECT_EQ(read(library, library.path("set/*.dae")), Lines{library.path("set/*.dae") + ": no file fits this pattern"});
-}
-
-TEST(BakeList, ALineIsAPathAFolderOrAPattern) {
-  const Library library;
-  library.folder.write("list.txt", "# comment\n\nset/b.off\r\nset/more\nset/*.OBJ\nmissing.off\nmannequin\n");
-  EXPECT_EQ(read(library, library.path("list.txt"), {{"parts", {"8"}}}),
-            (Lines{"set/b.off parts=8", "set/more/c.glb parts=8", "set/a.OBJ parts=8", "missing.off parts=8",
-                   "mannequin parts=8"}));
-}
-
-TEST(BakeList, ColumnsOfCsvAreSettings) {
-  const Library library;
-  library.folder.write("list.csv",
-                       "input,parts,motion,export,max-error\n"
-                       "set/b.off,4,,,\n"
-                       "\"set/more/c.glb\",,walk;set/x.bvh,glb;urdf,5%\n");
-  EXPECT_EQ(read(library, library.path("list.csv"), {{"parts", {"8"}}}),
-            (Lines{"set/b.off parts=4", "set/more/c.glb export=glb;urdf max-error=5% motion=walk;" +
-                                            library.path("set/x.bvh") + " parts=8"}));
-}
-
-TEST(BakeList, QuotesOfCsvHoldCommasAndQuotes) {
-  const Library library;
-  library.folder.write("list.csv", "input,hide\n\"set/a, b\"\".off\",\"sword, long\"\n");
-  EXPECT_EQ(read(library, library.path("list.csv")), Lines{"set/a, b\".off hide=sword, long"});
-}
-
-TEST(BakeList, ObjectsOfJsonLinesAreItems) {
-  const Library library;
-  library.folder.write("list.jsonl",
-                       "{\"input\": \"set/b.off\", \"parts\": 4, \"max-error\": 0.05}\n\n"
-                       "{\"input\": \"set/more/c.glb\", \"motion\": [\"walk\", \"wave\"], \"export\": \"vrm\"}\n");
-  EXPECT_EQ(read(library, library.path("list.jsonl")),
-            (Lines{"set/b.off max-error=0.05 parts=4", "set/more/c.glb export=vrm motion=walk;wave"}));
+  const BakeSettings eight = {{"parts", {"8"}}};
+  struct Row {
+    const char* name;
+    const char* content;  ///< none if it is no file
+    BakeSettings defaults;
+    Lines expected;
+  };
+  const std::vector<Row> rows = {
+      {"set", nullptr, {}, {"set/a.OBJ ", "set/b.off ", "set/more/c.glb "}},
+      {"set/*.o*", nullptr, {}, {"set/b.off "}},
+      {"set/*.dae", nullptr, {}, {library.path("set/*.dae") + ": no file fits this pattern"}},
+      {"list.txt",
+       "# comment\n\nset/b.off\r\nset/more\nset/*.OBJ\nmissing.off\nmannequin\n",
+       eight,
+       {"set/b.off parts=8", "set/more/c.glb parts=8", "set/a.OBJ parts=8", "missing.off parts=8",
+        "mannequin parts=8"}},
+      {"list.csv",
+       "input,parts,motion,export,max-error\nset/b.off,4,,,\n\"set/more/c.glb\",,walk;set/x.bvh,glb;urdf,5%\n",
+       eight,
+       {"set/b.off parts=4",
+        "set/more/c.glb export=glb;urdf max-error=5% motion=walk;" + library.path("set/x.bvh") + " parts=8"}},
+      {"quotes.csv", "input,hide\n\"set/a, b\"\".off\",\"sword, long\"\n", {}, {"set/a, b\".off hide=sword, long"}},
+      {"list.jsonl",
+       "{\"input\": \"set/b.off\", \"parts\": 4, \"max-error\": 0.05}\n\n"
+       "{\"input\": \"set/more/c.glb\", \"motion\": [\"walk\", \"wave\"], \"export\": \"vrm\"}\n",
+       {},
+       {"set/b.off max-error=0.05 parts=4", "set/more/c.glb export=vrm motion=walk;wave"}},
+  };
+  for (const Row& row : rows) {
+    SCOPED_TRACE(row.name);
+    if (row.content != nullptr) library.folder.write(row.name, row.content);
+    EXPECT_EQ(read(library, library.path(row.name), row.defaults), row.expected);
+  }
 }
 
 TEST(BakeList, WhatIsWrongIsSaidWithItsLine) {
   const Library library;
-  const auto expectError = [&](const char* name, const char* content, const std::string& message) {
+  struct Row {
+    const char* name;
+    const char* content;
+    const char* message;
+  };
+  const Row rows[] = {
+      {"a.csv", "input,parts\nb.off,x\n", "line 2: parts: found `x`, expected a whole number above 0"},
+      {"b.csv", "input,parts\nb.off\n", "line 2: found 1 cells, expected 2"},
+      {"c.csv", "file,parts\n", "line 1: found the columns file,parts, expected `input` among them"},
+      {"d.csv", "input\n\"b.off\n", "line 2: found a quote that is not closed on this line, expected another \""},
+      {"e.csv", "input,export\nb.off,usd\n",
+       "line 2: export: found `usd`, expected obj, stl, ply, xml, urdf, glb, vrm"},
+      {"f.jsonl", "{\"input\": 1\n", "line 1: found no JSON object, expected {\"input\": \"FILE\", ...}"},
+      {"g.jsonl", "{\"parts\": 3}\n", "line 1: found no input, expected the path of a mesh or character"},
+      {"h.csv", "input,hide\nb.off,--json\n",
+       "line 2: hide: found `--json`, expected a name that does not begin with a dash"},
+      {"i.txt", "# nothing\n", "names no input"},
+  };
+  for (const auto& [name, content, message] : rows) {
     library.folder.write(name, content);
     EXPECT_EQ(read(library, library.path(name)), Lines{library.path(name) + ": " + message});
-  };
-  expectError("a.csv", "input,parts\nb.off,x\n", "line 2: parts: found `x`, expected a whole number above 0");
-  expectError("b.csv", "input,parts\nb.off\n", "line 2: found 1 cells, expected 2");
-  expectError("c.csv", "file,parts\n", "line 1: found the columns file,parts, expected `input` among them");
-  expectError("d.csv", "input\n\"b.off\n",
-              "line 2: found a quote that is not closed on this line, expected another \"");
-  expectError("e.csv", "input,export\nb.off,usd\n",
-              "line 2: export: found `usd`, expected obj, stl, ply, xml, urdf, glb, vrm");
-  expectError("f.jsonl", "{\"input\": 1\n", "line 1: found no JSON object, expected {\"input\": \"FILE\", ...}");
-  expectError("g.jsonl", "{\"parts\": 3}\n", "line 1: found no input, expected the path of a mesh or character");
-  expectError("h.csv", "input,hide\nb.off,--json\n",
-              "line 2: hide: found `--json`, expected a name that does not begin with a dash");
-  expectError("i.txt", "# nothing\n", "names no input");
-  const std::vector<std::string> unknown = {"x.csv"};
-  library.folder.write("j.csv", "input,colour\nb.off,red\n");
-  EXPECT_TRUE(read(library, library.path("j.csv"))
-                  .front()
-                  .starts_with(library.path("j.csv") +
-                               ": line 2: found the setting `colour`, expected input or one of parts, max-error"));
+  }
+  const std::string file = library.folder.write("j.csv", "input,colour\nb.off,red\n");
+  EXPECT_TRUE(
+      read(library, file)
+          .front()
+          .starts_with(file + ": line 2: found the setting `colour`, expected input or one of parts, max-error"));
 }
 
 TEST(BakeList, EveryPrefixOfAListIsReadOrRefused) {

@@ -3,6 +3,7 @@
 #include "geometry/files.h"
 #include "tests/bake/faulty_files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -71,43 +72,37 @@ TEST(BakeStore, TakingOverRemovesWhatTheLostProcessLeft) {
   EXPECT_EQ(shop.resultOf("a"), "whole");
 }
 
-TEST(BakeStore, ARenameThatFailsOnceIsTriedAgain) {
-  Shop shop;
-  const fs::path made = shop.make("a", 0, "content");
-  shop.files.failRenames = 1;
-  EXPECT_TRUE(*shop.store.publish("a", made, {{"parts", 3}}));
-  EXPECT_EQ(shop.waits, 1);
-  EXPECT_EQ(shop.resultOf("a"), "content");
-}
-
-TEST(BakeStore, ARenameWhoseAnswerIsLostWasDone) {
-  Shop shop;
-  const fs::path made = shop.make("a", 0, "content");
-  shop.files.loseRenameAnswers = 1;
-  EXPECT_TRUE(*shop.store.publish("a", made, {{"parts", 3}}));
-  EXPECT_EQ(shop.resultOf("a"), "content");
-}
-
-TEST(BakeStore, ARenameThatAlwaysFailsLeavesNothing) {
-  Shop shop;
-  const fs::path made = shop.make("a", 0, "content");
-  shop.files.failRenames = 100;
-  const Result<bool> published = shop.store.publish("a", made, {{"parts", 3}});
-  ASSERT_FALSE(published.ok());
-  EXPECT_NE(published.error().message.find("cannot be written: Input/output error"), std::string::npos);
-  EXPECT_FALSE(shop.store.has("a"));
-  EXPECT_FALSE(fs::exists(made));
-}
-
-TEST(BakeStore, WithoutSpaceNothingIsPublished) {
-  Shop shop;
-  const fs::path made = shop.make("a", 0, "content");
-  shop.files.createError = ENOSPC;
-  const Result<bool> published = shop.store.publish("a", made, {{"parts", 3}});
-  ASSERT_FALSE(published.ok());
-  EXPECT_NE(published.error().message.find("No space left on device"), std::string::npos);
-  EXPECT_FALSE(fs::exists(shop.store.folderOf("a")));
-  EXPECT_FALSE(fs::exists(made));
+TEST(BakeStore, AFaultIsOvercomeOrLeavesNothing) {
+  struct Row {
+    const char* what;
+    int FaultyFiles::*fault;
+    int value;
+    const char* error;
+  };
+  for (const auto& [what, fault, value, error] :
+       {Row{"a rename that fails once is tried again", &FaultyFiles::failRenames, 1, ""},
+        {"a rename whose answer is lost was done", &FaultyFiles::loseRenameAnswers, 1, ""},
+        {"a rename that always fails", &FaultyFiles::failRenames, 100, "cannot be written: Input/output error"},
+        {"without space", &FaultyFiles::createError, ENOSPC, "No space left on device"}}) {
+    SCOPED_TRACE(what);
+    Shop shop;
+    const fs::path made = shop.make("a", 0, "content");
+    shop.files.*fault = value;
+    const Result<bool> published = shop.store.publish("a", made, {{"parts", 3}});
+    if (*error == '\0') {
+      EXPECT_TRUE(published && *published);
+      EXPECT_EQ(shop.resultOf("a"), "content");
+      if (fault == &FaultyFiles::failRenames) {
+        EXPECT_EQ(shop.waits, 1);
+      }
+      continue;
+    }
+    ASSERT_FALSE(published.ok());
+    EXPECT_TRUE(has(published.error().message, error));
+    EXPECT_FALSE(shop.store.has("a"));
+    EXPECT_FALSE(fs::exists(shop.store.folderOf("a")));
+    EXPECT_FALSE(fs::exists(made));
+  }
 }
 
 TEST(BakeStore, AStaleListingMakesAnItemTwiceButKeepsOne) {

@@ -5,6 +5,7 @@
 #include "geometry/files.h"
 #include "tests/bake/faulty_files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -68,6 +69,9 @@ struct Studio {
     const Result<std::string> runs = readFile(folder.path() / "runs" / name);
     return runs ? std::count(runs->begin(), runs->end(), '\n') : 0;
   }
+  void addSlow(int count) {
+    for (int i = 0; i < count; ++i) add("slow" + std::to_string(i) + ".off", "slow" + std::to_string(i));
+  }
   /// A member of an item's description, as text; "none" without a result.
   std::string told(std::size_t item, const char* member) {
     const Result<nlohmann::ordered_json> description = store().describe(bakeJobs(items)[item].name);
@@ -114,11 +118,11 @@ TEST(Baker, BadItemsGetASentenceAndCostNoOthers) {
   EXPECT_EQ(outcome->made, 2);
   EXPECT_EQ(outcome->failed, 6);
   const std::string folder = studio.folder.path().string() + "/";
+  const std::string crashed = "crash.off: the process that made it was ended by signal 11 (Segmentation fault)";
   EXPECT_EQ(studio.told(1, "failure"), folder + "bad.off: line 1: found no mesh, expected OFF");
-  EXPECT_EQ(studio.told(2, "failure"),
-            folder + "crash.off: the process that made it was ended by signal 11 (Segmentation fault)");
+  EXPECT_EQ(studio.told(2, "failure"), folder + crashed);
   EXPECT_EQ(studio.told(3, "failure"), folder + "mute.off: exit status 1 without a word");
-  EXPECT_NE(studio.told(4, "failure").find("hungry.off: needs more than the "), std::string::npos);
+  EXPECT_TRUE(has(studio.told(4, "failure"), "hungry.off: needs more than the "));
   EXPECT_EQ(studio.told(5, "failure"), folder + "hang.off: took longer than the 10 s of --timeout");
   EXPECT_EQ(studio.told(7, "failure"), "missing.off: line 1: found no mesh, expected OFF");
   EXPECT_EQ(studio.told(1, "files"), "[]");
@@ -155,13 +159,13 @@ TEST(Baker, ItemsThatDoNotFitTheMemoryAreLeftOut) {
   ASSERT_TRUE(outcome.ok());
   EXPECT_EQ(outcome->made, 1);
   ASSERT_EQ(outcome->tooLarge.size(), 1u);
-  EXPECT_NE(outcome->tooLarge.front().find("large.obj: 1000 triangles may take"), std::string::npos);
+  EXPECT_TRUE(has(outcome->tooLarge.front(), "large.obj: 1000 triangles may take"));
   EXPECT_EQ(studio.runsOf("large.obj"), 0);
 }
 
 TEST(Baker, ItemsRunSideBySideAsFarAsMemoryGoes) {
   Studio studio;
-  for (int i = 0; i < 4; ++i) studio.add("slow" + std::to_string(i) + ".off", "slow" + std::to_string(i));
+  studio.addSlow(4);
   studio.settings.jobs = 4;
   const auto most = [&studio] {
     // How many folders of unfinished items there are at once.
@@ -183,7 +187,7 @@ TEST(Baker, ItemsRunSideBySideAsFarAsMemoryGoes) {
 
 TEST(Baker, StoppingFinishesWhatHasBegun) {
   Studio studio;
-  for (int i = 0; i < 3; ++i) studio.add("slow" + std::to_string(i) + ".off", "slow" + std::to_string(i));
+  studio.addSlow(3);
   bool stop = false;
   studio.settings.progress = [&](int, int) { stop = true; };
   studio.settings.stopping = [&] { return stop; };

@@ -35,8 +35,7 @@ std::optional<int> claimed(Claims& claims, const std::string& key) {
 
 TEST(Claims, OneOfTwoWorkersGetsAnItem) {
   Shared shared;
-  Claims first = shared.worker();
-  Claims second = shared.worker();
+  Claims first = shared.worker(), second = shared.worker();
   EXPECT_EQ(claimed(first, "a"), 0);
   EXPECT_EQ(claimed(second, "a"), std::nullopt);
   EXPECT_EQ(claimed(second, "b"), 0);
@@ -81,8 +80,7 @@ TEST(Claims, OfManyProcessesAtOnceEachItemGoesToOne) {
 
 TEST(Claims, AWorkerThatLivesKeepsItsItems) {
   Shared shared;
-  Claims first = shared.worker();
-  Claims second = shared.worker();
+  Claims first = shared.worker(), second = shared.worker();
   EXPECT_EQ(claimed(first, "a"), 0);
   for (int i = 0; i < 30; ++i) {
     shared.wait(11.0);
@@ -93,8 +91,7 @@ TEST(Claims, AWorkerThatLivesKeepsItsItems) {
 
 TEST(Claims, AWorkerThatSaysNothingForLongIsLost) {
   Shared shared;
-  Claims first = shared.worker();
-  Claims second = shared.worker();
+  Claims first = shared.worker(), second = shared.worker();
   Claims third = shared.worker();
   EXPECT_EQ(claimed(first, "a"), 0);
   EXPECT_EQ(claimed(second, "a"), std::nullopt);
@@ -125,8 +122,7 @@ TEST(Claims, TimesOfFilesAreNotBelieved) {
 
 TEST(Claims, WhatAnEndedWorkerHadIsFreeAtOnce) {
   Shared shared;
-  Claims first = shared.worker();
-  Claims second = shared.worker();
+  Claims first = shared.worker(), second = shared.worker();
   EXPECT_EQ(claimed(first, "a"), 0);
   first.end();
   EXPECT_EQ(claimed(second, "a"), 1);
@@ -155,8 +151,7 @@ TEST(Claims, AnAnswerThatIsLostDoesNotLoseTheItem) {
 
 TEST(Claims, AClaimThatIsNotSeenYetIsNotTakenTwice) {
   Shared shared;
-  Claims first = shared.worker();
-  Claims second = shared.worker();
+  Claims first = shared.worker(), second = shared.worker();
   EXPECT_EQ(claimed(first, "a"), 0);
   shared.files.notSeen = {shared.folder.path() / "claims" / "a.0", shared.folder.path() / "workers" / first.worker()};
   const Result<std::optional<int>> stale = second.claim("a");

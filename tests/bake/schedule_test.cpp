@@ -5,32 +5,30 @@
 namespace lorica::test {
 namespace {
 
-TEST(Schedule, EqualItemsFillEqualCores) {
-  const std::vector<double> seconds(12, 2.0);
-  const std::vector<std::size_t> order = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
-  const Schedule schedule = simulateSchedule(seconds, order, 4);
-  EXPECT_DOUBLE_EQ(schedule.seconds, 6.0);
-  EXPECT_DOUBLE_EQ(schedule.idleShare, 0.0);
-  EXPECT_DOUBLE_EQ(schedule.tail, 2.0);
-}
+struct ScheduleRow {
+  const char* what;
+  bool shards;  ///< `order` is the shard of each item instead
+  std::vector<double> seconds;
+  std::vector<std::size_t> order;
+  std::size_t workers;
+  double total, tail, idleShare;
+};
 
-TEST(Schedule, AnItemThatStartsLastIsTheTail) {
-  const std::vector<double> seconds = {1.0, 1.0, 1.0, 1.0, 10.0};
-  const Schedule late = simulateSchedule(seconds, std::vector<std::size_t>{0, 1, 2, 3, 4}, 2);
-  EXPECT_DOUBLE_EQ(late.seconds, 12.0);
-  EXPECT_DOUBLE_EQ(late.tail, 10.0);
-  EXPECT_DOUBLE_EQ(late.idleShare, 1.0 - 14.0 / 24.0);
-  const Schedule early = simulateSchedule(seconds, std::vector<std::size_t>{4, 0, 1, 2, 3}, 2);
+TEST(Schedule, ItemsFillTheCoresAndTheLastIsTheTail) {
+  const std::vector<ScheduleRow> rows = {
+      {"equal items", false, std::vector<double>(12, 2.0), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 4, 6.0, 2.0, 0.0},
+      {"a long item last", false, {1, 1, 1, 1, 10}, {0, 1, 2, 3, 4}, 2, 12.0, 10.0, 1.0 - 14.0 / 24.0},
+      {"a shard with more", true, {3, 1, 1}, {0, 0, 1}, 2, 4.0, 3.0, 1.0 - 5.0 / 8.0}};
+  for (const auto& [what, shards, seconds, order, workers, total, tail, idleShare] : rows) {
+    SCOPED_TRACE(what);
+    const Schedule schedule = (shards ? simulateShards : simulateSchedule)(seconds, order, workers);
+    EXPECT_DOUBLE_EQ(schedule.seconds, total);
+    EXPECT_DOUBLE_EQ(schedule.tail, tail);
+    EXPECT_DOUBLE_EQ(schedule.idleShare, idleShare);
+  }
+  const Schedule early = simulateSchedule(rows[1].seconds, std::vector<std::size_t>{4, 0, 1, 2, 3}, 2);
   EXPECT_DOUBLE_EQ(early.seconds, 10.0);
   EXPECT_DOUBLE_EQ(early.longest, 10.0);
-}
-
-TEST(Schedule, AShardThatHasMoreEndsLater) {
-  const std::vector<double> seconds = {3.0, 1.0, 1.0};
-  const Schedule schedule = simulateShards(seconds, std::vector<std::size_t>{0, 0, 1}, 2);
-  EXPECT_DOUBLE_EQ(schedule.seconds, 4.0);
-  EXPECT_DOUBLE_EQ(schedule.tail, 3.0);
-  EXPECT_DOUBLE_EQ(schedule.idleShare, 1.0 - 5.0 / 8.0);
 }
 
 TEST(Schedule, DrawnItemsAreMeasuredOnes) {

@@ -23,12 +23,9 @@ std::vector<Vec3> pointsOn(const Capsule& capsule, int count) {
   return points;
 }
 
-TEST(Capsule, HasTheVolumeOfABallAndACylinder) {
+TEST(Capsule, HasTheVolumeOfABallAndACylinderAndTheDistancesOfItsSegment) {
   EXPECT_NEAR((Capsule{Vec3::Zero(), Vec3::Zero(), 0.5}.volume()), 4.0 / 3.0 * kPi * 0.125, 1e-12);
   EXPECT_NEAR((Capsule{Vec3::Zero(), Vec3(0, 2, 0), 0.5}.volume()), 4.0 / 3.0 * kPi * 0.125 + 2.0 * kPi * 0.25, 1e-12);
-}
-
-TEST(Capsule, DistancesAreThoseOfItsSegment) {
   const Capsule capsule{Vec3(1, 0, 0), Vec3(3, 0, 0), 0.5};
   EXPECT_NEAR(capsule.outside(Vec3(2, 2, 0)), 1.5, 1e-12);
   EXPECT_NEAR(capsule.outside(Vec3(6, 0, 4)), 4.5, 1e-12);

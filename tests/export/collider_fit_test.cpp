@@ -21,29 +21,23 @@ ColliderFits fitOfBox(double grown) {
   return measureFit(figure, std::span(&collider, 1), {poses, 2}, 1);
 }
 
-TEST(ColliderFit, OfTheSkinItselfIsZero) {
-  const ColliderFits fits = fitOfBox(0.0);
-  EXPECT_NEAR(fits.hulls.worstOut, 0.0, 1e-9);
-  EXPECT_NEAR(fits.hulls.worstStandOff, 0.0, 1e-9);
-  EXPECT_NEAR(fits.hulls.shareOut, 0.0, 1e-12);
-  EXPECT_NEAR(fits.hulls.volume, 0.08, 1e-12);
-  EXPECT_GT(fits.capsules.meanStandOff, 0.01);
-}
-
-TEST(ColliderFit, OfALargerBoxStandsOff) {
-  const ColliderFits fits = fitOfBox(0.03);
-  EXPECT_EQ(fits.hulls.worstOut, 0.0);
-  EXPECT_GE(fits.hulls.meanStandOff, 0.0299);
-  EXPECT_LE(fits.hulls.worstStandOff, 0.03 * std::sqrt(3.0) + 1e-9);
-  EXPECT_GE(fits.hulls.worstStandOff, fits.hulls.meanStandOff);
-}
-
-TEST(ColliderFit, OfASmallerBoxSticksOut) {
-  const ColliderFits fits = fitOfBox(-0.02);
-  EXPECT_NEAR(fits.hulls.worstOut, 0.02 * std::sqrt(3.0), 1e-9);  // the corners of the bar
-  EXPECT_NEAR(fits.hulls.meanWorstOut, 0.02 * std::sqrt(3.0), 1e-9);
-  EXPECT_NEAR(fits.hulls.shareOut, 1.0, 1e-12);
-  EXPECT_EQ(fits.hulls.worstStandOff, 0.0);
+TEST(ColliderFit, IsZeroForTheSkinItselfAndMeasuresLargerAndSmallerBoxes) {
+  const ColliderFits own = fitOfBox(0.0);
+  EXPECT_NEAR(own.hulls.worstOut, 0.0, 1e-9);
+  EXPECT_NEAR(own.hulls.worstStandOff, 0.0, 1e-9);
+  EXPECT_NEAR(own.hulls.shareOut, 0.0, 1e-12);
+  EXPECT_NEAR(own.hulls.volume, 0.08, 1e-12);
+  EXPECT_GT(own.capsules.meanStandOff, 0.01);
+  const ColliderFits larger = fitOfBox(0.03);
+  EXPECT_EQ(larger.hulls.worstOut, 0.0);
+  EXPECT_GE(larger.hulls.meanStandOff, 0.0299);
+  EXPECT_LE(larger.hulls.worstStandOff, 0.03 * std::sqrt(3.0) + 1e-9);
+  EXPECT_GE(larger.hulls.worstStandOff, larger.hulls.meanStandOff);
+  const ColliderFits smaller = fitOfBox(-0.02);
+  EXPECT_NEAR(smaller.hulls.worstOut, 0.02 * std::sqrt(3.0), 1e-9);  // the corners of the bar
+  EXPECT_NEAR(smaller.hulls.meanWorstOut, 0.02 * std::sqrt(3.0), 1e-9);
+  EXPECT_NEAR(smaller.hulls.shareOut, 1.0, 1e-12);
+  EXPECT_EQ(smaller.hulls.worstStandOff, 0.0);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "export/glb_colliders.h"
 
 #include "skinning/linear_blend.h"
-#include "skinning/mannequin/mannequin.h"
 #include "tests/export/stick_figure.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
@@ -16,22 +15,16 @@ using Json = nlohmann::ordered_json;
 
 struct Made {
   Character figure = test::stickFigure();
-  std::vector<RigidCollider> colliders;
-  CharacterDocument document;
+  std::vector<RigidCollider> colliders = test::collidersIn(figure, {0.0, 0.6});
+  CharacterDocument document = characterDocument(figure);
+
+  explicit Made(const GlbColliderSettings& settings) {
+    addColliders(document, colliders, std::vector<std::string>{"lower_0", "upper_0"}, settings);
+  }
 };
 
-Made madeWith(const GlbColliderSettings& settings) {
-  Made made;
-  const std::vector<Affine3> poses = test::bentPoses(made.figure, {0.0, 0.6});
-  made.colliders = makeRigidColliders(made.figure, test::onePart(made.figure), {poses, 2}, {}).value();
-  made.document = characterDocument(made.figure);
-  const std::vector<std::string> names = {"lower_0", "upper_0"};
-  addColliders(made.document, made.colliders, names, settings);
-  return made;
-}
-
 TEST(GlbColliders, HangBelowTheirBonesWithBothExtensions) {
-  const Made made = madeWith({"UCX_", "", true});
+  const Made made({"UCX_", "", true});
   const Json& d = made.document.writer.document;
   EXPECT_EQ(d["extensionsUsed"], Json::array({"OMI_physics_body", "OMI_physics_shape", "KHR_physics_rigid_bodies"}));
   const Json& upper = d["nodes"][1];
@@ -48,11 +41,11 @@ TEST(GlbColliders, HangBelowTheirBonesWithBothExtensions) {
 }
 
 TEST(GlbColliders, KhronosDraftIsWrittenOnlyIfAskedFor) {
-  EXPECT_EQ(madeWith({}).document.writer.document.dump().find("KHR_"), std::string::npos);
+  EXPECT_EQ(Made({}).document.writer.document.dump().find("KHR_"), std::string::npos);
 }
 
 TEST(GlbColliders, AreInTheFrameOfTheirBone) {
-  const Made made = madeWith({});
+  const Made made({});
   const Json& d = made.document.writer.document;
   const Json& accessor =
       d["accessors"][d["meshes"].back()["primitives"][0]["attributes"]["POSITION"].get<std::size_t>()];

@@ -1,9 +1,9 @@
 #include "export/robot_files.h"
 
-#include "geometry/files.h"
 #include "skinning/humanoid/joint_limits.h"
 #include "tests/export/stick_figure.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -17,8 +17,7 @@ namespace fs = std::filesystem;
 
 RigidModel stickModel() {
   const Character figure = test::stickFigure();
-  const std::vector<Affine3> poses = test::bentPoses(figure, {0.0, 0.5});
-  return rigidModelOf(figure, makeRigidColliders(figure, test::onePart(figure), {poses, 2}, {}).value());
+  return rigidModelOf(figure, test::collidersIn(figure, {0.0, 0.5}));
 }
 
 std::size_t countOf(const std::string& text, const std::string& word) {
@@ -35,12 +34,12 @@ TEST(RigidModel, OfAMeshHasItsMassAndInertia) {
   EXPECT_EQ(body.name, "a_box");
   EXPECT_NEAR(body.mass, 6000.0, 1e-9);
   EXPECT_NEAR((body.center - Vec3(0.5, 1.0, 1.5)).norm(), 0.0, 1e-12);
-  EXPECT_NEAR(body.inertia(0, 0), 6000.0 / 12.0 * (4.0 + 9.0), 1e-6);
-  EXPECT_NEAR(body.inertia(1, 1), 6000.0 / 12.0 * (1.0 + 9.0), 1e-6);
-  EXPECT_NEAR(body.inertia(2, 2), 6000.0 / 12.0 * (1.0 + 4.0), 1e-6);
+  for (int axis = 0; axis < 3; ++axis) {
+    EXPECT_NEAR(body.inertia(axis, axis), 6000.0 / 12.0 * Vec3(4.0 + 9.0, 1.0 + 9.0, 1.0 + 4.0)[axis], 1e-6);
+  }
 }
 
-TEST(RigidModel, OfACharacterHasTheMassOfItsBodyInWater) {
+TEST(RigidModel, OfACharacterHasItsMassInWaterAndTurnsAsTheHumanBonesDo) {
   const RigidModel model = stickModel();
   ASSERT_EQ(model.bodies.size(), 2U);
   EXPECT_NEAR(model.bodies[0].mass + model.bodies[1].mass, 1000.0 * 0.08, 1e-6);
@@ -48,10 +47,6 @@ TEST(RigidModel, OfACharacterHasTheMassOfItsBodyInWater) {
   EXPECT_EQ(model.bodies[1].parent, 0);
   EXPECT_NEAR((model.bodies[1].origin - Vec3(0.0, 1.0, 0.0)).norm(), 0.0, 1e-12);
   EXPECT_TRUE(model.overlapping.empty());  // a body may overlap its parent
-}
-
-TEST(RigidModel, TurnsAsTheHumanBonesDo) {
-  const RigidModel model = stickModel();
   const JointRange& spine = jointRange(HumanBone::kSpine);
   ASSERT_EQ(model.bodies[1].hinges.size(), 3U);
   EXPECT_EQ(model.bodies[1].hinges[0].axis, spine.firstAxis);
@@ -66,15 +61,13 @@ TEST(RigidModel, UnknownJointsTurnThirtyDegreesAndAreTold) {
   joints[1].bone.reset();
   joints[1].name = "lower";
   figure.skeleton = Skeleton::create(joints).value();
-  const std::vector<Affine3> poses = test::bentPoses(figure, {0.0});
-  const RigidModel model =
-      rigidModelOf(figure, makeRigidColliders(figure, test::onePart(figure), {poses, 2}, {}).value());
+  const RigidModel model = rigidModelOf(figure, test::collidersIn(figure, {0.0}));
   ASSERT_EQ(model.bodies[1].hinges.size(), 3U);
   EXPECT_NEAR(model.bodies[1].hinges[1].max, std::numbers::pi / 6.0, 1e-12);
   EXPECT_EQ(model.bodies[1].name, "lower_2");
   ASSERT_EQ(model.notes.size(), 2U);
-  EXPECT_NE(model.notes[0].find("1 of the bones' names"), std::string::npos);
-  EXPECT_NE(model.notes[1].find("30 degrees"), std::string::npos);
+  EXPECT_TRUE(test::has(model.notes[0], "1 of the bones' names"));
+  EXPECT_TRUE(test::has(model.notes[1], "30 degrees"));
 }
 
 TEST(RobotFiles, HaveZUpAndFaceX) {
@@ -85,23 +78,27 @@ TEST(RobotFiles, HaveZUpAndFaceX) {
   EXPECT_EQ(Vec3(turned.diagonal()), Vec3(3.0, 1.0, 2.0));
 }
 
-TEST(RobotFiles, MjcfHasABodyForEachBone) {
-  const std::string text = formatMjcf(stickModel(), MjcfMotion::kJoints);
-  EXPECT_EQ(countOf(text, "<body "), 2U);
-  EXPECT_EQ(countOf(text, "<freejoint "), 1U);
-  EXPECT_EQ(countOf(text, "<joint "), 3U);
-  EXPECT_EQ(countOf(text, "<mesh "), 2U);
-  EXPECT_NE(text.find("<body name=\"upper\" pos=\"0 0 1\">"), std::string::npos) << text;
+TEST(RobotFiles, HaveWhatTheFormatsNeedForEachBone) {
+  const std::string joints = formatMjcf(stickModel(), MjcfMotion::kJoints);
   const std::string mocap = formatMjcf(stickModel(), MjcfMotion::kMocap);
-  EXPECT_EQ(countOf(mocap, "mocap=\"true\""), 2U);
-  EXPECT_EQ(countOf(mocap, "joint"), 0U);
-}
-
-TEST(RobotFiles, UrdfHasLinksBetweenTheHingesOfAJoint) {
-  const std::string text = formatUrdf(stickModel(), "m");
-  EXPECT_EQ(countOf(text, "<link name="), 4U);
-  EXPECT_EQ(countOf(text, "type=\"revolute\""), 3U);
-  EXPECT_EQ(countOf(text, "filename=\"m/upper_hull_0.stl\""), 2U);
+  const std::string urdf = formatUrdf(stickModel(), "m");  // with links between the hinges of a joint
+  EXPECT_TRUE(test::has(joints, "<body name=\"upper\" pos=\"0 0 1\">"));
+  struct Row {
+    const std::string& text;
+    const char* word;
+    std::size_t count;
+  };
+  for (const auto& [text, word, count] : {Row{joints, "<body ", 2U},
+                                          {joints, "<freejoint ", 1U},
+                                          {joints, "<joint ", 3U},
+                                          {joints, "<mesh ", 2U},
+                                          {mocap, "mocap=\"true\"", 2U},
+                                          {mocap, "joint", 0U},
+                                          {urdf, "<link name=", 4U},
+                                          {urdf, "type=\"revolute\"", 3U},
+                                          {urdf, "filename=\"m/upper_hull_0.stl\"", 2U}}) {
+    EXPECT_EQ(countOf(text, word), count) << word << " in " << text;
+  }
 }
 
 TEST(RobotFiles, UrdfIsWrittenWithItsMeshesOrNotAtAll) {
@@ -111,7 +108,7 @@ TEST(RobotFiles, UrdfIsWrittenWithItsMeshesOrNotAtAll) {
   EXPECT_TRUE(fs::exists(folder.path() / "stick_meshes" / "upper_hull_0.stl"));
   const Result<void> again = writeUrdf(file, stickModel());
   ASSERT_FALSE(again.ok());
-  EXPECT_NE(again.error().message.find("stick_meshes"), std::string::npos);
+  EXPECT_TRUE(test::has(again.error().message, "stick_meshes"));
   // A folder where the file should be: the meshes are taken back.
   fs::create_directory(folder.path() / "taken.urdf");
   EXPECT_FALSE(writeUrdf(folder.path() / "taken.urdf", stickModel()).ok());

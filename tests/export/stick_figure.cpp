@@ -5,9 +5,7 @@
 #include <algorithm>
 
 namespace lorica::test {
-
 namespace {
-
 constexpr int kRings = 21;
 
 double upperWeightAt(double y) {
@@ -63,6 +61,11 @@ Decomposition onePart(const Character& character) {
   for (PointIndex p = 0; p < one.vertexCount; ++p) part.points.push_back(p);
   one.parts.push_back(std::move(part));
   return one;
+}
+
+std::vector<RigidCollider> collidersIn(const Character& character, const std::vector<double>& angles) {
+  const std::vector<Affine3> poses = bentPoses(character, angles);
+  return makeRigidColliders(character, onePart(character), {poses, 2}, {}).value();
 }
 
 std::vector<Affine3> bentPoses(const Character& character, const std::vector<double>& angles) {

@@ -2,7 +2,7 @@
 
 #include "acd/decomposition.h"
 #include "collision/live/choose_cover.h"
-#include "skinning/character.h"
+#include "export/rigid_colliders.h"
 
 #include <vector>
 
@@ -17,5 +17,8 @@ namespace lorica::test {
 
 /// Poses of the stick figure: the upper bone bends about X by each of these angles, and the figure is moved and turned.
 [[nodiscard]] std::vector<Affine3> bentPoses(const Character& character, const std::vector<double>& angles);
+
+/// Its colliders, made from such poses.
+[[nodiscard]] std::vector<RigidCollider> collidersIn(const Character& character, const std::vector<double>& angles);
 
 }  // namespace lorica::test
