@@ -1,9 +1,14 @@
+// clang-format off: it would tear the example
 /* Lorica in C: convex parts of meshes, live hulls of moving characters, joints from depth images.
  *
- *     lorica_mesh mesh = {.size = sizeof mesh, .vertices = xyz, .vertex_count = 8, .triangles = abc, .triangle_count =
- * 12}; lorica_decompose_options options = {.size = sizeof options, .parts = 16}; lorica_parts *parts; if
- * (lorica_decompose(&mesh, &options, &parts) != LORICA_OK) return complain(lorica_last_error()); for (size_t p = 0; p <
- * lorica_parts_count(parts); ++p) { lorica_hull hull = {.size = sizeof hull}; lorica_parts_hull(parts, p, &hull);
+ *     lorica_mesh mesh = {.size = sizeof mesh, .vertices = xyz, .vertex_count = 8,
+ *                         .triangles = abc, .triangle_count = 12};
+ *     lorica_decompose_options options = {.size = sizeof options, .parts = 16};
+ *     lorica_parts *parts;
+ *     if (lorica_decompose(&mesh, &options, &parts) != LORICA_OK) return complain(lorica_last_error());
+ *     for (size_t p = 0; p < lorica_parts_count(parts); ++p) {
+ *       lorica_hull hull = {.size = sizeof hull};
+ *       lorica_parts_hull(parts, p, &hull);
  *       use(hull.vertices, hull.vertex_count);
  *     }
  *     lorica_parts_free(parts);
@@ -26,6 +31,7 @@
  * Threads. Any number of threads may use different handles. lorica_parts, lorica_character, lorica_body and
  * lorica_motion never change: threads may share them. lorica_live and lorica_tracker may be used by one thread at a
  * time. */
+// clang-format on
 #ifndef LORICA_H
 #define LORICA_H
 

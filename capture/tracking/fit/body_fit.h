@@ -39,8 +39,8 @@ struct CapsuleSupport {
   std::array<int, kCapsuleCount> points{};
   std::array<float, kCapsuleCount> seen{};      ///< area of its points divided by the area of its middle section
   std::array<float, kCapsuleCount> distance{};  ///< mean absolute [m]
-  std::array<float, kCapsuleCount>
-      violation{};  ///< mean over its samples of how far they lie where the body cannot be [m]
+  /// Mean over its samples of how far they lie where the body cannot be [m].
+  std::array<float, kCapsuleCount> violation{};
   std::array<float, kCapsuleCount> hidden{};  ///< fraction of its samples hidden behind something else
   std::array<float, 2> hiddenSide{};  ///< fraction of the left and right edge of the pelvis that something else hides
   float meanDistance = 0.0F;          ///< over all points, each clamped to 0.1 m [m]
