@@ -1,5 +1,5 @@
-#include "geometry/files.h"
 #include "session/session_hashes.h"
+#include "geometry/files.h"
 
 #include <span>
 #include <string_view>

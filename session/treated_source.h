@@ -2,8 +2,8 @@
 
 #include "capture/fault_injector.h"
 #include "capture/skeleton_frame.h"
-#include "session/pose_source.h"
 #include "session/byte_writer.h"
+#include "session/pose_source.h"
 
 #include <memory>
 #include <vector>

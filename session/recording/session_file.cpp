@@ -1,5 +1,5 @@
-#include "session/byte_writer.h"
 #include "session/recording/session_file.h"
+#include "session/byte_writer.h"
 
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"

@@ -28,7 +28,7 @@ struct SceneFile {
   std::vector<Prop> props;  ///< including the links of chains
   std::vector<Link> links;
   std::optional<ParticleSettings> particles;
-  std::vector<HitTarget> targets;  ///< in the order of the file
+  std::vector<HitTarget> targets;    ///< in the order of the file
   std::vector<AvatarSetting> stage;  ///< the avatars that perform in it; empty = whichever is played
 };
 

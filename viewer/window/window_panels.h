@@ -1,9 +1,9 @@
 #pragma once
 
 #include "geometry/result.h"
+#include "viewer/renderer/window_values.h"
 #include "viewer/window/free_area.h"
 #include "viewer/window/time_graph.h"
-#include "viewer/renderer/window_values.h"
 
 #include <array>
 #include <memory>
