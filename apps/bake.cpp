@@ -17,10 +17,8 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <memory>
-#include <numeric>
 #include <thread>
 
 namespace lorica {
@@ -28,9 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
-
-constexpr std::size_t kSimulatedItems = 10'000;
-constexpr std::array<int, 4> kSimulatedCores = {1, 10, 100, 1000};
 
 std::string megabytes(std::uint64_t bytes) {
   return grouped((bytes + 999'999) / 1'000'000) + " MB";
@@ -53,31 +48,6 @@ Result<std::vector<BakeJob>> readJobs(const BakeOptions& options) {
   return jobsOf(options.chosenShard(), bakeJobs(items));
 }
 
-/// How the same items, drawn many times, would keep many cores busy.
-std::vector<Schedule> simulated(const BakeCollection& collection) {
-  const std::vector<const ordered_json*> baked = collection.worstFirst();
-  std::vector<double> seconds;
-  std::vector<double> sizes;
-  seconds.reserve(baked.size());
-  sizes.reserve(baked.size());
-  for (const ordered_json* result : baked) {
-    seconds.push_back(result->value("cpuSeconds", 0.0));
-    sizes.push_back(result->value("triangles", 0.0));
-  }
-  if (seconds.empty()) return {};
-  const std::vector<std::size_t> drawn = drawItems(seconds.size(), kSimulatedItems);
-  std::vector<double> drawnSeconds;
-  drawnSeconds.reserve(drawn.size());
-  for (const std::size_t item : drawn) drawnSeconds.push_back(seconds[item]);
-  std::vector<std::size_t> order(drawn.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) { return sizes[drawn[a]] > sizes[drawn[b]]; });
-  std::vector<Schedule> schedules;
-  schedules.reserve(kSimulatedCores.size());
-  for (const int cores : kSimulatedCores) schedules.push_back(simulateSchedule(drawnSeconds, order, cores));
-  return schedules;
-}
-
 Error notWhole(const BakeCollection& collection, std::size_t jobs) {
   if (!collection.damaged.empty()) {
     return badFormat("{}; remove the folder to have it made again", collection.damaged[0]);
@@ -86,8 +56,7 @@ Error notWhole(const BakeCollection& collection, std::size_t jobs) {
                   counted(jobs, "item"));
 }
 
-Report collectionReport(const BakeCollection& collection, std::span<const Schedule> schedules, std::size_t jobs,
-                        const fs::path& out) {
+Report collectionReport(const BakeCollection& collection, std::size_t jobs, const fs::path& out) {
   Report report(fmt::format("{} in {}", counted(jobs, "item"), out.string()));
   report.line("baked", grouped(std::ssize(collection.worstFirst())));
   report.line("failed", grouped(std::ssize(collection.failed())));
@@ -100,18 +69,10 @@ Report collectionReport(const BakeCollection& collection, std::span<const Schedu
     for (const ordered_json* result : failed) table.rows.push_back({result->value("failure", "")});
     report.table(std::move(table));
   }
-  if (!schedules.empty()) {
-    Table table{{"cores", "minutes for 10,000 such items", "idle", "tail [s]"}, {}};
-    for (const Schedule& s : schedules) {
-      table.rows.push_back({grouped(s.cores), fmt::format("{:.1f}", s.seconds / 60.0), percent(s.idleShare),
-                            fmt::format("{:.1f}", s.tail)});
-    }
-    report.table(std::move(table));
-  }
   return report;
 }
 
-ordered_json toJson(const BakeCollection& collection, std::span<const Schedule> schedules, std::size_t jobs) {
+ordered_json toJson(const BakeCollection& collection, std::size_t jobs) {
   ordered_json json;
   json["items"] = jobs;
   json["baked"] = collection.worstFirst().size();
@@ -120,14 +81,6 @@ ordered_json toJson(const BakeCollection& collection, std::span<const Schedule> 
   json["missing"] = collection.missing;
   json["damaged"] = collection.damaged;
   json["hash"] = collection.hash();
-  for (const Schedule& s : schedules) {
-    json["simulated"].push_back({{"cores", s.cores},
-                                 {"items", s.items},
-                                 {"seconds", s.seconds},
-                                 {"idleShare", s.idleShare},
-                                 {"tail", s.tail},
-                                 {"longest", s.longest}});
-  }
   return json;
 }
 
@@ -158,7 +111,6 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
                         BakeStore& store) {
   const fs::path out = options.out;
   const BakeCollection collection = collect(jobs, store, true);
-  const std::vector<Schedule> schedules = simulated(collection);
   std::map<std::string, const BakeJob*> byName;
   for (const BakeJob& job : jobs) byName[job.name] = &job;
   Result<BakePictures> pictures = BakePictures::create(howToRun(options, common, 1));
@@ -169,12 +121,12 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
     const BakeJob& job = *byName.at(result.value("item", ""));
     return pictures->draw(job.item, store.folderOf(job.name) / (job.stem + ".lorica"), scratch.folder());
   };
-  const std::string page = htmlReport(collection, schedules, draw);
+  const std::string page = htmlReport(collection, draw);
   if (interrupted()) return cancelled();
   LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection)));
   LORICA_TRY_DO(writeFileAtomically(out / "report.html", page));
-  const Result<void> published = publish(common, collectionReport(collection, schedules, jobs.size(), out),
-                                         toJson(collection, schedules, jobs.size()));
+  const Result<void> published =
+      publish(common, collectionReport(collection, jobs.size(), out), toJson(collection, jobs.size()));
   if (!published || (collection.missing.empty() && collection.damaged.empty())) return published;
   return notWhole(collection, jobs.size());
 }

@@ -133,23 +133,6 @@ std::string contactSheet(const std::vector<const ordered_json*>& worst, const Ba
   return html + "</div>";
 }
 
-std::string scheduleTable(std::span<const Schedule> schedules) {
-  if (schedules.empty()) return "";
-  std::string html = fmt::format(
-      "<h2>{} such items on more cores</h2><p>Simulated from the times of these items: large ones first, on one shared "
-      "list.</p><table><tr><th class=\"n\">cores</th><th class=\"n\">minutes</th><th class=\"n\">idle</th>"
-      "<th class=\"n\">tail</th><th class=\"n\">longest item</th></tr>",
-      schedules.front().items);
-  for (const Schedule& s : schedules) {
-    html += fmt::format(
-        "<tr><td class=\"n\">{}</td><td class=\"n\">{:.1f}</td><td class=\"n\">{:.1f} %</td><td class=\"n\">{:.1f} "
-        "s</td>"
-        "<td class=\"n\">{:.1f} s</td></tr>",
-        s.cores, s.seconds / 60.0, 100.0 * s.idleShare, s.tail, s.longest);
-  }
-  return html + "</table>";
-}
-
 std::string resultTable(const std::vector<const ordered_json*>& results) {
   std::string html =
       "<h2>All results</h2><table><tr><th>input</th><th>settings</th><th class=\"n\">parts</th><th "
@@ -168,8 +151,7 @@ std::string resultTable(const std::vector<const ordered_json*>& results) {
 
 }  // namespace
 
-std::string htmlReport(const BakeCollection& collection, std::span<const Schedule> schedules,
-                       const BakePicture& picture) {
+std::string htmlReport(const BakeCollection& collection, const BakePicture& picture) {
   const std::vector<const ordered_json*> done = collection.worstFirst();
   const std::string title = fmt::format("{} baked, {} failed, {} not done yet", done.size(), collection.failed().size(),
                                         collection.missing.size());
@@ -177,8 +159,7 @@ std::string htmlReport(const BakeCollection& collection, std::span<const Schedul
              "<!doctype html><html lang=\"en\"><meta charset=\"utf-8\"><title>Lorica: {0}</title><style>{1}</style>"
              "<h1>{0}</h1><p>Hash of all results: <code>{2}</code></p>",
              title, kStyle, collection.hash()) +
-         failures(collection) + histograms(done) + contactSheet(done, picture) + scheduleTable(schedules) +
-         resultTable(done) + "</html>\n";
+         failures(collection) + histograms(done) + contactSheet(done, picture) + resultTable(done) + "</html>\n";
 }
 
 }  // namespace lorica

@@ -2,9 +2,9 @@
 
 #include "bake/bake_job.h"
 #include "bake/bake_store.h"
-#include "bake/schedule.h"
 
 #include <functional>
+#include <span>
 
 namespace lorica {
 
@@ -35,8 +35,7 @@ struct BakeCollection {
 using BakePicture = std::function<std::string(const nlohmann::ordered_json& result)>;
 
 /// The report as one HTML file: figures, histograms of error, time and parts, failures with their sentences, pictures
-/// of the worst twenty, a simulation of the schedule on more cores, and a table of all results.
-[[nodiscard]] std::string htmlReport(const BakeCollection& collection, std::span<const Schedule> schedules,
-                                     const BakePicture& picture);
+/// of the worst twenty, and a table of all results.
+[[nodiscard]] std::string htmlReport(const BakeCollection& collection, const BakePicture& picture);
 
 }  // namespace lorica

@@ -23,7 +23,6 @@ class LiveCharacter {
   void place(std::span<const Affine3> worldFromJoint);
 
   [[nodiscard]] const CharacterBody& body() const { return *body_; }
-  [[nodiscard]] const std::shared_ptr<const CharacterBody>& sharedBody() const { return body_; }
   [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
   [[nodiscard]] std::span<const LivePart> parts() const { return live_.parts(); }
   /// Whether it was ever moved. Before that the hulls are empty.

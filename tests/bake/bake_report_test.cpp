@@ -72,18 +72,16 @@ TEST(BakeReport, FindsFilesThatChanged) {
 TEST(BakeReport, IsOnePageWithSentencesAndPictures) {
   Baked baked;
   BakeCollection collection = collect(baked.jobs, baked.store, true);
-  const std::vector<Schedule> schedules = {{10, 10'000, 120.0, 0.05, 3.0, 4.0}};
   const std::string page =
-      htmlReport(collection, schedules, [](const ordered_json&) { return std::string("\x01\x02\x03\x04", 4); });
+      htmlReport(collection, [](const ordered_json&) { return std::string("\x01\x02\x03\x04", 4); });
   EXPECT_NE(page.find("<h1>1 baked, 1 failed, 1 not done yet</h1>"), std::string::npos);
   EXPECT_NE(page.find("bad.off: line 1: found `&lt;`, expected OFF"), std::string::npos);
   EXPECT_NE(page.find("a&lt;b&gt;.off"), std::string::npos);
   EXPECT_EQ(page.find("a<b>"), std::string::npos);
   EXPECT_NE(page.find("src=\"data:image/png;base64,AQIDBA==\""), std::string::npos);
   EXPECT_NE(page.find("25.0 %"), std::string::npos);
-  EXPECT_NE(page.find("10000 such items"), std::string::npos);
   EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need nothing else";
-  EXPECT_NE(htmlReport({}, {}, [](const ordered_json&) { return std::string(); }).find("0 baked"), std::string::npos);
+  EXPECT_NE(htmlReport({}, [](const ordered_json&) { return std::string(); }).find("0 baked"), std::string::npos);
 }
 
 }  // namespace

@@ -101,7 +101,6 @@ TEST(Bake, CollectChecksEveryFileAndWritesAReport) {
   const CommandResult collected = library.run({"list.csv", "--out", "out", "--collect", "--json", "-"});
   EXPECT_EQ(collected.exitCode, 0) << collected.err;
   EXPECT_EQ(collected.json()["failures"].size(), 2u);
-  EXPECT_EQ(collected.json()["simulated"].size(), 4u);
   const Result<std::string> page = readFile(library.folder.path() / "out" / "report.html");
   ASSERT_TRUE(page.ok());
   EXPECT_NE(page->find("<h1>2 baked, 2 failed, 0 not done yet</h1>"), std::string::npos);
