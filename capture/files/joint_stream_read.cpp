@@ -642,7 +642,7 @@ Result<RawStream> readNamedColumns(const Layout& layout, std::string_view text, 
     again.next();
     LORICA_TRY(raw, readRows(known, header, again, file));
     raw.notes.push_back(
-        fmt::format("Positions are assumed to be in {}, because people measure {:.3g}.", unit->second, size / 0.001));
+        fmt::format("Positions are assumed to be in {}, because people measure {:.4g}.", unit->second, size / 0.001));
   }
   if (!header.time || header.time.called == "frame") {
     raw.secondsPerTick = 1.0 / 30.0;

@@ -89,7 +89,9 @@ TEST(JointStream, NoLayoutIsTakenForAnother) {
       const auto format = static_cast<JointFormat>(i);
       SCOPED_TRACE(fmt::format("{} as {}", nameOf(file.format), nameOf(format)));
       const auto stream = parseJointStream(file.text, "f", {.format = format});
-      EXPECT_EQ(stream.ok(), format == file.format);
+      // Lorica's own header names the joint of every column.
+      const bool named = file.format == JointFormat::kLorica && format == JointFormat::kNamedColumns;
+      EXPECT_EQ(stream.ok(), format == file.format || named);
       if (!stream) {
         EXPECT_NE(stream.error().message.find("found"), std::string::npos) << stream.error().message;
         EXPECT_NE(stream.error().message.find("expected"), std::string::npos) << stream.error().message;
