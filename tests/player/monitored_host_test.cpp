@@ -59,7 +59,7 @@ TEST(MonitoredHost, TheShareNeverGoesBackAndIsWholeAtTheEnd) {
       before = share;
     };
     {
-      const MonitoredHost::Stage all(0.0, 1.0);
+      const Stage all(monitor, 0.0, 1.0);
       work(monitor, random, 3, look);
     }
     EXPECT_NEAR(monitor.progress().share, 1.0, 1e-12) << round;

@@ -1,6 +1,6 @@
 #include "player/window_settings.h"
 
-#include "prepare/treatment.h"
+#include "player/treatment.h"
 
 #include "geometry/files.h"
 #include "tests/support/datasets.h"
