@@ -19,9 +19,10 @@ constexpr int kSteps = 30;
 /// By singular value decomposition, for any covariance.
 Mat3 fitThin(const Mat3& covariance, const Mat3& previous) {
   // A pull towards the previous rotation, a billion times weaker than the points, decides only what they leave
-  // undetermined.
+  // undetermined. After a frame of bones that were not numbers there is none.
+  const Mat3 towards = previous.allFinite() ? previous : Mat3(Mat3::Identity());
   const double pull = std::max(1e-9 * covariance.norm(), std::numeric_limits<double>::min());
-  const Eigen::JacobiSVD<Mat3> svd(covariance + pull * previous, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const Eigen::JacobiSVD<Mat3> svd(covariance + pull * towards, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Mat3 u = svd.matrixU();
   // A mirrored fit is turned into the best proper one by flipping the axis in which the points vary least.
   if (u.determinant() * svd.matrixV().determinant() < 0.0) u.col(2) = -u.col(2);

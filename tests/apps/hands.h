@@ -2,7 +2,7 @@
 
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
-#include "viewer/image.h"
+#include "viewer/pictures/image_files.h"
 
 #include <functional>
 #include <string>

@@ -8,6 +8,7 @@
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 namespace lorica::test {
