@@ -275,7 +275,8 @@ Result<RunEnd> play(Run& run, Shown& shown, Host& host) {
   if (shown.screen != nullptr) loop.recallSettings();
   Result<RunEnd> end = loop.run();
   if (shown.screen != nullptr) loop.keepSettings();
-  if (!end && run.recorder) (void)run.recorder->finish();  // keep what was recorded despite the error
+  // What was recorded is kept despite an error or an early end.
+  if ((!end || *end == RunEnd::kInterrupted) && run.recorder) (void)run.recorder->finish();
   return end;
 }
 

@@ -7,15 +7,22 @@ namespace lorica {
 namespace {
 
 /// @param stopped  called if the settling is stopped
-Particles::SettlingWatch reporting(const World& world, std::function<void()> stopped, Host& host) {
-  const bool sand = world.particles()->settings().kind == ParticleSettings::Kind::kSand;
-  auto task = std::make_shared<Task>(host, sand ? "Settling the sand" : "Settling the water", "frames");
-  return [task, stopped = std::move(stopped)](int frame, int frames) {
-    task->update(frame, frames);
-    if (!task->cancelled()) return true;
+Particles::SettlingWatch reporting(Host& host, std::function<void()> stopped) {
+  return [&host, stopped = std::move(stopped)](int frame, int frames) {
+    host.report(frame, frames);
+    if (!host.cancelled()) return true;
     stopped();
     return false;
   };
+}
+
+bool unwatched(int /*frame*/, int /*frames*/) {
+  return true;
+}
+
+const char* titleOf(const World& world) {
+  const bool sand = world.particles()->settings().kind == ParticleSettings::Kind::kSand;
+  return sand ? "Settling the sand" : "Settling the water";
 }
 
 }  // namespace
@@ -36,17 +43,19 @@ bool mustSettle(const World& world) {
 void settleAround(const PartsOfAvatars& parts, World& world, Host& host) {
   if (!mustSettle(world)) return;
   const std::vector<std::span<const LivePart>> avatars(parts.begin(), parts.end());
-  world.watchSettling(reporting(
-      world, [] {}, host));
+  const Task task(host, titleOf(world), "frames");
+  world.watchSettling(reporting(host, [] {}));
   world.settle(avatars);
+  world.watchSettling(unwatched);  // the world outlives the host
 }
 
 Result<bool> stepAndSettle(Session& session, Host& host) {
-  if (mustSettle(session.world())) {
-    session.world().watchSettling(reporting(
-        session.world(), [&session] { session.watch(nullptr); }, host));
-  }
-  return session.step();
+  if (!mustSettle(session.world())) return session.step();
+  const Task task(host, titleOf(session.world()), "frames");
+  session.world().watchSettling(reporting(host, [&session] { session.watch(nullptr); }));
+  Result<bool> more = session.step();
+  session.world().watchSettling(unwatched);
+  return more;
 }
 
 }  // namespace lorica

@@ -57,7 +57,9 @@ TEST_F(WindowLoading, AReplayOpensItsWindowFirst) {
       runLorica({"play", "walk", "--decomposition", body, "--record", recorded, "--frames", "30", "--json", "-"});
   ASSERT_EQ(made.exitCode, 0) << made.err;
   std::filesystem::remove(body);
-  const CommandResult missing = Hands(folder_, "^Lorica").runWith({"replay", recorded, "--window"});
+  const VirtualDisplay display;
+  const CommandResult missing =
+      runLorica({"replay", recorded, "--window"}, {.folder = folder_.path(), .display = display.name()});
   EXPECT_EQ(missing.exitCode, 2);
   EXPECT_NE(missing.err.find("body.lorica"), std::string::npos) << missing.err;
   const CommandResult whole = runLorica({"play", "walk", "--record", recorded, "--frames", "30"});
