@@ -4,17 +4,17 @@
 
 #include <gtest/gtest.h>
 
-#include <source_location>
 #include <stdexcept>
 #include <utility>
 
 namespace lorica::test {
 
-/// The value of a result; a failure fails the test where it is asked for, and ends it.
+/// The value of a result; a failure fails the test where it is asked for, and ends it. clang 14 has the builtins of
+/// std::source_location's values, but not that class.
 template <typename T>
-[[nodiscard]] T valueOf(Result<T> result, std::source_location where = std::source_location::current()) {
+[[nodiscard]] T valueOf(Result<T> result, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
   if (!result.ok()) {
-    ADD_FAILURE_AT(where.file_name(), static_cast<int>(where.line())) << result.error().message;
+    ADD_FAILURE_AT(file, line) << result.error().message;
     throw std::runtime_error("the test needs this result");
   }
   return std::move(result).value();
