@@ -2,6 +2,8 @@
 
 #include "geometry/little_endian.h"
 
+#include <fmt/format.h>
+
 #include <array>
 
 namespace lorica {
