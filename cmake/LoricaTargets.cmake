@@ -11,13 +11,14 @@ if(NOT CMAKE_BUILD_TYPE AND NOT CMAKE_CONFIGURATION_TYPES)
 endif()
 
 # ccache makes a second build of the same files fast, in another folder too: paths below the root are hashed as relative
-# ones, the compiler by its content. Off with LORICA_NO_CCACHE in the environment. A launcher that was named on the command
-# line wins.
+# ones, the compiler by its content, and all compile in one locale. Off with LORICA_NO_CCACHE in the environment. A launcher
+# that was named on the command line wins.
 find_program(LORICA_CCACHE ccache)
 mark_as_advanced(LORICA_CCACHE)
 if(LORICA_CCACHE AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER AND NOT DEFINED ENV{LORICA_NO_CCACHE})
   set(CMAKE_CXX_COMPILER_LAUNCHER
-      env CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true CCACHE_COMPILERCHECK=content
+      env --unset=LC_ALL --unset=LC_CTYPE --unset=LC_MESSAGES LANG=C.UTF-8
+      CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=true CCACHE_COMPILERCHECK=content
       CCACHE_SLOPPINESS=pch_defines,time_macros,include_file_mtime,include_file_ctime ${LORICA_CCACHE})
   set(LORICA_USES_CCACHE TRUE)
 endif()
