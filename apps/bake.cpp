@@ -123,8 +123,8 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
   };
   const std::string page = htmlReport(collection, draw);
   if (interrupted()) return cancelled();
-  LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection)));
-  LORICA_TRY_DO(writeFileAtomically(out / "report.html", page));
+  LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection), NamedBy::kLorica));
+  LORICA_TRY_DO(writeFileAtomically(out / "report.html", page, NamedBy::kLorica));
   const Result<void> published =
       publish(common, collectionReport(collection, jobs.size(), out), toJson(collection, jobs.size()));
   if (!published || (collection.missing.empty() && collection.damaged.empty())) return published;
@@ -203,7 +203,7 @@ Result<void> run(const BakeOptions& options, const CommonOptions& common, Host& 
   if (options.chosenShard().count == 1) {
     const std::string lines = jsonLines(collect(jobs, store, false));
     const fs::path merged = fs::path(options.out) / "bake.jsonl";
-    LORICA_TRY_DO(writeFileAtomically(merged, lines));
+    LORICA_TRY_DO(writeFileAtomically(merged, lines, NamedBy::kLorica));
   }
   LORICA_TRY_DO(publish(common, toReport(*outcome, options), toJson(*outcome)));
   if (outcome->tooLarge.empty()) return {};

@@ -72,12 +72,12 @@ class CommandLine {
   /// Whether this subcommand was chosen, and whether one of its options was given.
   [[nodiscard]] bool parsed() const;
   [[nodiscard]] bool given(const std::string& option) const;
+  [[nodiscard]] std::vector<std::string> subcommandNames() const;
 
  private:
   explicit CommandLine(CLI::App* app);
   template <typename Value>
   Option* add(const std::string& name, Value& value, const std::string& description);
-  [[nodiscard]] std::vector<std::string> subcommandNames() const;
   [[nodiscard]] std::string unexpected(const std::string& argument) const;
   [[nodiscard]] std::string helpCommand() const;
   [[nodiscard]] int printHelp(const CLI::ParseError& asked) const;

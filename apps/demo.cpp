@@ -27,6 +27,7 @@ constexpr double kVideoSeconds = 8.0;
 constexpr const char* kOwnMotion = "punch_and_kick";  // of a character that is dropped on the window
 
 struct Options {
+  std::string character = "mannequin";
   std::string out = "lorica-demo";
   bool window = false;
   bool headless = false;
@@ -64,7 +65,7 @@ int framesOf(const Motion& motion, double seconds) {
 
 /// Plays once and draws every frame if a renderer is available.
 Result<Show> playForFiles(const Options& options, Host& host) {
-  LORICA_TRY(DemoCast demo, prepareDemo(host));
+  LORICA_TRY(DemoCast demo, prepareDemo(options.character, host));
   Result<DemoPictures> pictures = DemoPictures::create(options.out, host);
   // Without a renderer everything except the pictures still works. The error names the missing package.
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
@@ -165,8 +166,9 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
     LORICA_TRY(const Show show, playForFiles(options, host));
     return publish(common, toReport(show), toJson(show));
   }
-  LORICA_TRY(std::optional<DemoCast> demo,
-             loadOnScreen<DemoCast>(*window, host, [](Host& loading) { return prepareDemo(loading); }));
+  LORICA_TRY(std::optional<DemoCast> demo, loadOnScreen<DemoCast>(*window, host, [&](Host& loading) {
+               return prepareDemo(options.character, loading);
+             }));
   if (!demo) return {};
   CastRequest present;
   present.motion = kOwnMotion;
@@ -187,15 +189,18 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
 Command addDemo(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
   CommandLine* app = addSubcommand(
-      parent, common, "demo", "Show the built-in character kicking and walking among boxes and balls.",
+      parent, common, "demo", "Show a character kicking and walking among boxes and balls.",
       "  lorica demo\n"
       "      a window if there is a display, which opens what is dropped on it; else a video in lorica-demo/\n"
+      "  lorica demo hero.glb\n"
+      "      your own character does the same\n"
       "  lorica demo --headless --out /tmp/pictures\n"
       "      a video (8 s), snapshots and a contact sheet\n"
       "  lorica demo --headless --seconds 2 --json -\n"
       "      a short demo, with its figures as JSON\n"
       "\nThe body has 16 convex parts, trained on 12 keyframes. It is computed on the first run, with progress and\n"
       "Cancel in the window, and cached in $XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
+  app->addOption("CHARACTER", options->character, "A humanoid [default: mannequin]")->typeName("");
   app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
       ->typeName("DIR");
   Option* window = app->addFlag("--window", options->window,

@@ -113,13 +113,13 @@ Result<DemoFiles> DemoPictures::finish() {
       const Moment& moment = moments_[i];
       const Image& image = hullsOnly ? moment.hulls : moment.body;
       files.snapshots.push_back(folder_ / fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", i + 1));
-      LORICA_TRY_DO(writePng(files.snapshots.back(), image));
+      LORICA_TRY_DO(writePng(files.snapshots.back(), image, NamedBy::kLorica));
       thumbnails.push_back(halved(image));
       labels.push_back(moment.label + (hullsOnly ? ", collision hulls" : ""));
     }
   }
   const Image sheet = contactSheet(thumbnails, labels, countOf(moments_));
-  LORICA_TRY_DO(writePng(files.contactSheet, sheet));
+  LORICA_TRY_DO(writePng(files.contactSheet, sheet, NamedBy::kLorica));
   return files;
 }
 

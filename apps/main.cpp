@@ -1,7 +1,10 @@
 #include "apps/interrupt.h"
+#include "apps/open_file.h"
 #include "apps/options.h"
+#include "apps/report.h"
 #include "apps/standard_streams.h"
 #include "apps/terminal_host.h"
+#include "geometry/error_names.h"
 #include "geometry/printable.h"
 #include "prepare/abandoned_work.h"
 
@@ -10,16 +13,19 @@
 
 #include <algorithm>
 #include <exception>
+#include <new>
+#include <string>
 #include <vector>
 
 namespace {
 
-int fail(const lorica::Error& error) {
+int fail(const lorica::CommonOptions& options, const lorica::Error& error) {
   if (error.code == lorica::ErrorCode::kCancelled) {
     lorica::answerInterrupt();
     lorica::sayCancelled();
     return lorica::interruptedStatus();
   }
+  lorica::publishFailure(options, lorica::nameOf(error.code), error.message);
   lorica::say(fmt::format("lorica: {}\n", lorica::printable(error.message)));
   return lorica::kBadInputStatus;
 }
@@ -32,6 +38,7 @@ int run(int argc, char** argv) {
       "  lorica decompose mannequin -o body.lorica\n"
       "  lorica play walk --decomposition body.lorica\n"
       "  lorica live --virtual                    # follow a person before a depth camera, here a virtual one\n"
+      "  lorica hero.glb                          # open any file: a character, a motion, a recording, a scene\n"
       "  lorica info hero.glb                     # describe your own character\n"
       "  lorica play walk --character hero.glb --window\n"
       "\n`lorica help COMMAND` describes each command.\n"
@@ -44,14 +51,23 @@ int run(int argc, char** argv) {
       lorica::addExport(app, common), lorica::addSnapshot(app, common),  lorica::addBake(app, common),
   };
 
-  if (const std::optional<int> status = app.parse(argc, argv)) return *status;
+  std::vector<std::string> words = lorica::withCommand({argv + 1, argv + argc}, app.subcommandNames());
+  std::vector<char*> arguments = {argv[0]};
+  for (std::string& word : words) arguments.push_back(word.data());
+  if (const std::optional<int> status = app.parse(int(arguments.size()), arguments.data())) return *status;
   const auto chosen = std::find_if(commands.begin(), commands.end(),
                                    [](const lorica::Command& command) { return command.app->parsed(); });
 
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, common.threadCount());
   lorica::TerminalHost host(common);
-  const lorica::Result<void> done = chosen->run(common, host);
-  if (!done) return fail(done.error());
+  lorica::Result<void> done;
+  try {
+    done = chosen->run(common, host);
+  } catch (const std::bad_alloc& error) {
+    lorica::publishFailure(common, lorica::kOutOfMemory, error.what());
+    throw;
+  }
+  if (!done) return fail(common, done.error());
   return chosen->status ? chosen->status() : 0;
 }
 

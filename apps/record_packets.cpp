@@ -8,6 +8,7 @@
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_writer.h"
 #include "geometry/errors.h"
+#include "geometry/files.h"
 #include "geometry/hard_stop.h"
 #include "geometry/part_file.h"
 #include "prepare/cast.h"
@@ -55,11 +56,14 @@ class PacketWriter {
   PacketWriter(const PacketWriter&) = delete;
   PacketWriter& operator=(const PacketWriter&) = delete;
 
-  Result<void> add(const std::string& record) {
+  /// @return false if the file is as large as those that are read: nothing was added
+  Result<bool> add(const std::string& record) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    if (descriptor_ < 0) return {};  // the program is being ended
+    if (descriptor_ < 0) return true;  // the program is being ended
+    if (bytes_ + record.size() > kMaxFileBytes) return false;
     ++packets_;
-    return write(record);
+    LORICA_TRY_DO(write(record));
+    return true;
   }
   [[nodiscard]] int packets() const { return packets_; }
 
@@ -92,6 +96,7 @@ class PacketWriter {
       if (written < 0 && errno == EINTR) continue;
       if (written < 0) return cannotWrite(part_, errno);
       rest.remove_prefix(written);
+      bytes_ += written;
     }
     return {};
   }
@@ -100,6 +105,7 @@ class PacketWriter {
   std::mutex mutex_;  ///< of the file
   int descriptor_;
   int packets_ = 0;
+  std::uint64_t bytes_ = 0;
   AtHardStop finishing_{[this] { (void)finish(); }};
 };
 
@@ -128,13 +134,18 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
   std::vector<std::byte> memory(kLargestPacket);
   std::optional<std::uint64_t> first;
   double seconds = 0.0;
+  bool full = false;
   while (!host.cancelled()) {
     const std::optional<UdpSocket::Packet> packet = socket.receive(memory, kPollSeconds);
     const std::uint64_t now = microsecondsNow();
     if (packet) {
       if (!first) first = now;
       const std::string record = packetRecord(std::span(memory).first(packet->size), now, packet->port, address->port);
-      LORICA_TRY_DO(writer->add(record));
+      LORICA_TRY(const bool added, writer->add(record));
+      if (!added) {
+        full = true;
+        break;
+      }
     }
     seconds = first ? 1e-6 * (now - *first) : 0.0;
     if (limit > 0.0 && seconds >= limit) break;
@@ -145,6 +156,9 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
   if (packets == 0) return cancelled();
   Report report(fmt::format("Recorded {} to {} ({:.1f} s)", counted(packets, "packet"), textOf(*address), seconds));
   report.line("packets", out);
+  if (full)
+    report.note(
+        fmt::format("The recording ends where its file reached {} MiB, the most that is read.", kMaxFileBytes >> 20));
   nlohmann::ordered_json json;
   json["recording"] = out;
   json["packets"] = packets;

@@ -87,7 +87,10 @@ Result<void> replay(const Options& options, const CommonOptions& common, Host& h
   LORICA_TRY_DO(run->finish());
   Report report = toReport(options, *run, showing.drawn);
   nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
-  differs = run->comparison->difference().has_value();
+  const SessionFile& recorded = run->recorded();
+  // A session whose motion ends early is no proof of the steps that were not made.
+  const int steps = run->comparison->steps(), all = countOf(recorded.steps);
+  differs = run->comparison->difference().has_value() || (showing.end == RunEnd::kOver && steps < all);
   return finishAndPublish(*run, common, report, json);
 }
 
@@ -123,7 +126,7 @@ Command addReplay(CommandLine& parent, CommonOptions& common) {
       "  lorica replay walk.lsession --window\n"
       "  lorica replay crash.part.lsession --json - | jq .firstDifference\n"
       "      an incomplete recording of a program that was killed\n"
-      "\nExit status: 0 if all steps are identical, 1 if one differs, 2 if the session cannot be run.\n"
+      "\nExit status: 0 if all steps are identical, 1 if one differs or is missing, 2 if the session cannot be run.\n"
       "The session stores the names and hashes of its character and decomposition; the hashes are checked.");
   app->addOption("SESSION", options->request.file, "Session written by `lorica record` or --record: .lsession")
       ->required()

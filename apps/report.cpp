@@ -98,16 +98,33 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
   return {};
 }
 
+void publishFailure(const CommonOptions& options, std::string_view kind, std::string_view message) {
+  std::error_code ignored;
+  if (options.json.empty() || std::filesystem::exists(options.json, ignored)) return;
+  const nlohmann::ordered_json json = {{"failure", {{"kind", kind}, {"message", message}}}};
+  const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+  // Who cannot be told so reads the sentence.
+  (void)(options.json == "-" ? print(text, "the JSON") : writeFileAtomically(options.json, text));
+}
+
+Result<void> checkNotTaken(const std::string& option, const std::filesystem::path& file,
+                           const std::vector<std::filesystem::path>& others) {
+  if (file.empty()) return {};
+  std::error_code ignored;
+  const std::filesystem::path meant = std::filesystem::weakly_canonical(file, ignored);
+  for (const std::filesystem::path& other : others) {
+    if (other.empty() || std::filesystem::weakly_canonical(other, ignored) != meant) continue;
+    return invalidArgument("{}: {} is also an input or another output and would be overwritten", option, file.string());
+  }
+  return {};
+}
+
 Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std::filesystem::path>& others,
                              const std::string& option) {
   if (options.json.empty() || options.json == "-") return {};
   const std::filesystem::path json = options.json;
+  LORICA_TRY_DO(checkNotTaken(option, json, others));
   std::error_code ignored;
-  const std::filesystem::path meant = std::filesystem::weakly_canonical(json, ignored);
-  for (const std::filesystem::path& other : others) {
-    if (other.empty() || std::filesystem::weakly_canonical(other, ignored) != meant) continue;
-    return invalidArgument("{}: {} is also an input or another output and would be overwritten", option, json.string());
-  }
   if (std::filesystem::exists(json, ignored) && !std::filesystem::is_directory(json, ignored) &&
       !std::filesystem::is_regular_file(json, ignored)) {
     return unwritable("{}: {} is not a regular file; `{} -` writes to standard output", option, json.string(), option);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -54,12 +55,20 @@ class Report {
 [[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report,
                                    const nlohmann::ordered_json& json, bool outputTaken = false);
 
+/// Writes why a command failed as the JSON of its report: {"failure": {"kind": "badFormat", "message": ...}}. A file
+/// that is there already is kept: it may be what was refused.
+void publishFailure(const CommonOptions& options, std::string_view kind, std::string_view message);
+
 /// Rejects, before any work, a --json file that cannot be written or that is one of the other files.
 /// @param others  inputs and other outputs of the command; empty ones are ignored
 /// @param option  for the error message, of another output that is checked in the same way
 [[nodiscard]] Result<void> checkJsonOutput(const CommonOptions& options,
                                            const std::vector<std::filesystem::path>& others,
                                            const std::string& option = "--json");
+
+/// Rejects an output that is one of the other files. @param others  empty ones are ignored
+[[nodiscard]] Result<void> checkNotTaken(const std::string& option, const std::filesystem::path& file,
+                                         const std::vector<std::filesystem::path>& others);
 
 /// Rejects an output file before any work: its folder must exist, and it must not be a folder itself.
 /// @param option     for the error message: "--export-obj"

@@ -312,6 +312,10 @@ Result<void> finishRecorder(Run& run, Report& report, nlohmann::ordered_json& js
   if (run.recorder->cutShort()) {
     report.note("The recording ends at the restart of the session, or at the change of its scene or number of parts.");
   }
+  if (run.recorder->full()) {
+    report.note(fmt::format("The recording ends where its file reached {} MiB, the most that is read.",
+                            kMaxSessionBytes >> 20));
+  }
   json["recorded"] = steps;
   return {};
 }

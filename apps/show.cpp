@@ -30,6 +30,7 @@ Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pict
   LORICA_TRY_DO(checkJsonOutput(common, inputs));
   LORICA_TRY_DO(checkSnapshots(pictures));
   LORICA_TRY_DO(checkRecord("--record", setting.record));
+  LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
   LORICA_TRY_DO(checkPoseOutput(setting.out));
   inputs.emplace_back(setting.record);
   return checkEvents(setting.events, common, inputs);

@@ -3,10 +3,10 @@
 #include "acd/decompose.h"
 #include "bake/triangle_count.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 #include "geometry/named_file.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -21,7 +21,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kLongestStem = 60;
 
 struct Content {
-  std::string hash;  ///< empty = cannot be read
+  std::string hash;     ///< empty = cannot be read
+  std::string refused;  ///< why not, if it is there and no regular file
   std::uint64_t triangles = 0;
   std::vector<std::string> buffers;  ///< files with the geometry of a .gltf
 };
@@ -35,9 +36,9 @@ std::string lowerEnding(const fs::path& file) {
 /// The files in which a .gltf has its vertices.
 std::vector<std::string> buffersOf(const std::string& gltf, std::string_view content) {
   std::vector<std::string> files;
-  const nlohmann::json document = nlohmann::json::parse(content, nullptr, false);
-  if (!document.is_object() || !document.contains("buffers")) return files;
-  for (const nlohmann::json& buffer : document["buffers"]) {
+  const Result<nlohmann::json> document = parseJson(content, gltf);
+  if (!document || !document->is_object() || !document->contains("buffers")) return files;
+  for (const nlohmann::json& buffer : (*document)["buffers"]) {
     if (!buffer.is_object() || !buffer.contains("uri") || !buffer["uri"].is_string()) continue;
     const Result<fs::path> file =
         NamedFiles{fs::path(gltf).parent_path(), PathTrust::kBeneath}.find(buffer["uri"].get<std::string>());
@@ -49,6 +50,9 @@ std::vector<std::string> buffersOf(const std::string& gltf, std::string_view con
 Content contentOf(const std::string& file) {
   Content content;
   const Result<std::string> bytes = readFile(file, NamedBy::kFile);
+  std::error_code ignored;
+  if (!bytes && fs::exists(file, ignored) && !fs::is_regular_file(file, ignored))
+    content.refused = bytes.error().message;
   if (!bytes) return content;
   const std::string ending = lowerEnding(file);
   content.hash = hexDigits(contentHash(*bytes));
@@ -110,7 +114,7 @@ std::vector<BakeJob> bakeJobs(std::span<const BakeItem> items) {
   std::vector<BakeJob> jobs;
   std::set<std::uint64_t> keys;
   for (const BakeItem& item : items) {
-    BakeJob job{item, 0, "", safeStem(item.input), {}, 0};
+    BakeJob job{item, 0, "", safeStem(item.input), {}, "", 0};
     std::vector<std::string> files = {item.input};
     const Content& content = contentOnce(item.input);
     files.insert(files.end(), content.buffers.begin(), content.buffers.end());
@@ -118,6 +122,7 @@ std::vector<BakeJob> bakeJobs(std::span<const BakeItem> items) {
     files.insert(files.end(), others.begin(), others.end());
     for (const std::string& file : files) job.inputs.push_back({file, contentOnce(file).hash});
     job.triangles = content.triangles;
+    job.refused = content.refused;
     job.key = keyOf(job);
     job.name = fmt::format("{}-{}", job.stem, hexDigits(job.key));
     if (keys.insert(job.key).second) jobs.push_back(std::move(job));

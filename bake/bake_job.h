@@ -24,6 +24,7 @@ struct BakeJob {
   std::string name;       ///< of its result: the input's stem and the key, "bunny-0123456789abcdef"
   std::string stem;       ///< of the files in it: "bunny"
   std::vector<BakeInput> inputs;
+  std::string refused;          ///< why nothing is tried: the input is a folder, a named pipe or a device; else empty
   std::uint64_t triangles = 0;  ///< of the input, see trianglesIn()
 };
 

@@ -2,10 +2,10 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 
 #include <fmt/format.h>
 #include <glob.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -16,6 +16,8 @@ namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr JsonLimits kLineOfList{4, 1'000};  // an object with lists
 
 constexpr std::array<std::string_view, 9> kModelEndings = {".off",  ".obj", ".ply", ".stl", ".glb",
                                                            ".gltf", ".vrm", ".fbx", ".dae"};
@@ -66,11 +68,18 @@ std::optional<std::vector<std::string>> cellsOf(const std::string& line) {
 
 /// Appends the meshes and characters of a folder, the files of a pattern, or the input itself.
 Result<void> addInputs(const std::string& input, const BakeSettings& settings, std::vector<BakeItem>& items) {
-  std::error_code error;
+  std::error_code error, ignored;
   std::vector<std::string> found;
   if (fs::is_directory(input, error)) {
+    const auto belongsToABake = [&](const fs::path& folder) {
+      return fs::is_directory(folder / "items", ignored) && fs::is_directory(folder / "claims", ignored);
+    };
     for (fs::recursive_directory_iterator entry(input, error), end; entry != end; entry.increment(error)) {
-      if (isModel(entry->path()) && !entry->is_directory()) found.push_back(entry->path().string());
+      if (entry->is_directory(ignored)) {
+        if (belongsToABake(entry->path())) entry.disable_recursion_pending();  // its results are no inputs
+      } else if (isModel(entry->path()) && entry->is_regular_file(ignored)) {
+        found.push_back(entry->path().string());
+      }
     }
     if (error) return unreadable("{}: cannot be read: {}", input, error.message());
     if (found.empty()) {
@@ -164,10 +173,12 @@ Result<void> addJsonLines(const std::string& list, const std::string& text, cons
   const std::vector<std::string> lines = linesOf(text);
   for (std::size_t i = 0; i < lines.size(); ++i) {
     if (lines[i].find_first_not_of(" \t") == std::string::npos) continue;
-    const nlohmann::json json = nlohmann::json::parse(lines[i], nullptr, false);
-    if (!json.is_object()) return inLine(list, i + 1, "found no JSON object, expected {\"input\": \"FILE\", ...}");
+    const Result<nlohmann::json> json = parseJson(lines[i], list, kLineOfList);
+    if (!json || !json->is_object()) {
+      return inLine(list, i + 1, "found no JSON object, expected {\"input\": \"FILE\", ...}");
+    }
     std::vector<std::pair<std::string, std::string>> row;
-    for (const auto& [name, value] : json.items()) row.emplace_back(name, textOf(value));
+    for (const auto& [name, value] : json->items()) row.emplace_back(name, textOf(value));
     if (Result<void> added = addRow(row, fs::path(list).parent_path().string(), defaults, items); !added) {
       return inLine(list, i + 1, added.error().message);
     }

@@ -2,11 +2,13 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <initializer_list>
 #include <utility>
 
 namespace lorica {
@@ -23,6 +25,24 @@ std::string textOf(const ordered_json& json) {
   return json.dump(2, ' ', false, ordered_json::error_handler_t::replace) + "\n";
 }
 
+/// Whether everything that is read of a description is of its type.
+bool isDescription(const ordered_json& json) {
+  const auto isText = [](const ordered_json& value) { return value.is_string(); };
+  const auto isNumber = [](const ordered_json& value) { return value.is_number(); };
+  const auto all = [](const ordered_json& object, std::initializer_list<const char*> names, const auto& is) {
+    return object.is_object() &&
+           std::ranges::all_of(names, [&](const char* name) { return !object.contains(name) || is(object.at(name)); });
+  };
+  const auto areFiles = [&](const ordered_json& files) {
+    return files.is_array() && std::ranges::all_of(files, [&](const ordered_json& file) {
+             return all(file, {"file", "hash"}, isText);
+           });
+  };
+  return all(json, {"item", "input", "settings", "result", "failure"}, isText) &&
+         all(json, {"parts", "score", "error", "heldOutError", "seconds", "cpuSeconds", "peakMemory"}, isNumber) &&
+         all(json, {"files"}, areFiles);
+}
+
 }  // namespace
 
 BakeStore::BakeStore(FileLayer& files, fs::path folder, std::function<void(std::chrono::milliseconds)> wait)
@@ -35,9 +55,9 @@ bool BakeStore::has(const std::string& item) {
 Result<ordered_json> BakeStore::describe(const std::string& item) {
   const fs::path file = folderOf(item) / kDescription;
   LORICA_TRY(const std::string text, files_->read(file));
-  ordered_json json = ordered_json::parse(text, nullptr, false);
-  if (!json.is_object()) {
-    return badFormat("{}: found no JSON object, expected the description of a result", file.string());
+  LORICA_TRY(ordered_json json, parseJson<ordered_json>(text, file.string()));
+  if (!isDescription(json)) {
+    return badFormat("{}: found other JSON than the description of a result", file.string());
   }
   return json;
 }

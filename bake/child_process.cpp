@@ -28,7 +28,7 @@ namespace {
   sigemptyset(&none);
   ::sigprocmask(SIG_SETMASK, &none, nullptr);
   const int in = ::open("/dev/null", O_RDONLY);
-  const int out = ::open(output, O_WRONLY | O_CREAT | O_APPEND, 0666);
+  const int out = ::open(output, O_WRONLY | O_CREAT | O_APPEND | O_NOFOLLOW, 0666);
   const rlimit noCore = {0, 0};
   const bool ready = in >= 0 && out >= 0 && ::dup2(in, STDIN_FILENO) >= 0 && ::dup2(out, STDOUT_FILENO) >= 0 &&
                      ::dup2(out, STDERR_FILENO) >= 0 && ::setpgid(0, 0) == 0 &&

@@ -1,10 +1,13 @@
 #include "bake/item_run.h"
 
 #include "acd/decompose.h"
+#include "geometry/error_names.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -19,7 +22,10 @@ using nlohmann::ordered_json;
 // Beside the result while it is made; removed before it is published.
 constexpr const char* kLog = "log.txt";
 constexpr const char* kReport = "report.json";
+constexpr const char* kExportReport = "export.json";
 constexpr const char* kCache = "cache";
+
+constexpr int kRefused = 2;  // exit status: bad input, or output that cannot be written
 
 void addSetting(const BakeItem& item, const std::string& name, std::vector<std::string>& arguments) {
   const auto found = item.settings.find(name);
@@ -47,6 +53,7 @@ std::vector<std::vector<std::string>> stepsFor(const BakeJob& job, const fs::pat
   if (exports == job.item.settings.end()) return steps;
   for (const std::string& ending : exports->second) {
     steps.push_back(exportArguments(job.item, lorica, folder / (job.stem + "." + ending), settings));
+    steps.back().insert(steps.back().end(), {"--json", folder / kExportReport});
   }
   return steps;
 }
@@ -59,11 +66,11 @@ std::string megabytes(std::uint64_t bytes) {
 void addFigures(const fs::path& report, ordered_json& description) {
   const Result<std::string> text = readFile(report, NamedBy::kFile);
   if (!text) return;
-  const ordered_json json = ordered_json::parse(*text, nullptr, false);
-  if (!json.is_object()) return;
+  const Result<ordered_json> json = parseJson<ordered_json>(*text, report.string());
+  if (!json || !json->is_object()) return;
   for (const char* name :
        {"parts", "score", "error", "heldOutError", "heldOutPoses", "distance", "endedBy", "repaired", "body", "hash"}) {
-    if (json.contains(name)) description[name] = json[name];
+    if (json->contains(name) && !json->at(name).is_null()) description[name] = (*json)[name];
   }
 }
 
@@ -88,11 +95,15 @@ ItemRun::ItemRun(BakeJob job, fs::path folder, ItemRunSettings settings)
 
 Result<ItemRun> ItemRun::start(const BakeJob& job, const fs::path& folder, const ItemRunSettings& settings) {
   ItemRun run(job, folder, settings);
-  LORICA_TRY_DO(run.startStep());
+  if (job.refused.empty()) {
+    LORICA_TRY_DO(run.startStep());
+  }
   return run;
 }
 
 Result<void> ItemRun::startStep() {
+  std::error_code ignored;
+  fs::remove(folder_ / kExportReport, ignored);  // of the step before
   // A cache of its own: `export` finds the body that `decompose` made, and nothing is shared over the network.
   ProcessOrder order{settings_.program,
                      steps_[step_],
@@ -108,6 +119,7 @@ Result<std::optional<ordered_json>> ItemRun::poll() {
     LORICA_TRY(ordered_json description, finish(failure));
     return std::optional(std::move(description));
   };
+  if (!job_.refused.empty()) return done(job_.refused);
   const std::optional<ProcessEnd> end = process_->ended();
   if (!end) {
     if (std::chrono::duration<double>(Clock::now() - begin_).count() < settings_.timeout) {
@@ -127,13 +139,15 @@ Result<std::optional<ordered_json>> ItemRun::poll() {
 
 /// What the command said last: "lorica: x.off: line 3: ..." without its name; or nothing.
 std::string ItemRun::lastSentence() const {
-  const Result<std::string> text = readFile(folder_ / kLog, NamedBy::kFile);
-  if (!text) return "";
-  constexpr std::string_view kName = "lorica: ";
-  const std::size_t at = text->rfind(kName);
-  if (at == std::string::npos) return "";
-  const std::size_t begin = at + kName.size();
-  std::string sentence = text->substr(begin, text->find('\n', begin) - begin);
+  std::string sentence = refusal().message;
+  if (sentence.empty()) {
+    constexpr std::string_view kName = "lorica: ";
+    const Result<std::string> text = readFile(folder_ / kLog, NamedBy::kFile);
+    const std::size_t at = text ? text->rfind(kName) : std::string::npos;
+    if (at == std::string::npos) return "";
+    const std::size_t begin = at + kName.size();
+    sentence = text->substr(begin, text->find('\n', begin) - begin);
+  }
   // The folder is gone when somebody reads this.
   const std::string folder = folder_.string() + "/";
   for (std::size_t found = 0; (found = sentence.find(folder)) != std::string::npos;)
@@ -141,10 +155,24 @@ std::string ItemRun::lastSentence() const {
   return sentence;
 }
 
+ItemRun::Refusal ItemRun::refusal() const {
+  const Result<std::string> text = readFile(folder_ / (step_ == 0 ? kReport : kExportReport), NamedBy::kFile);
+  if (!text) return {};
+  const Result<ordered_json> json = parseJson<ordered_json>(*text, kReport);
+  if (!json || !json->is_object() || !json->contains("failure")) return {};
+  const ordered_json& failure = json->at("failure");
+  return {failure.value("kind", ""), failure.value("message", "")};
+}
+
 Result<void> ItemRun::checkMachine(const ProcessEnd& end) const {
-  const std::string said = lastSentence();
-  if (end.exitStatus != 0 && said.find("cannot be written") != std::string::npos) {
-    return unwritable(said);
+  if (end.signal == 0 && end.exitStatus == kRefused) {
+    const std::string kind = refusal().kind;
+    const bool filesThere = std::ranges::all_of(job_.inputs, [](const BakeInput& input) {
+      return input.hash.empty() || ::access(input.file.c_str(), R_OK) == 0;
+    });
+    // A process that cannot write its output cannot always write why.
+    if (kind.empty() || kind == nameOf(ErrorCode::kUnwritable)) return unwritable(lastSentence());
+    if (!filesThere) return unreadable(lastSentence());  // they were, when the list was read
   }
   // Lorica reports signals as shells do.
   const int signal = end.signal != 0 ? end.signal : end.exitStatus - 128;
@@ -155,11 +183,9 @@ Result<void> ItemRun::checkMachine(const ProcessEnd& end) const {
 
 std::string ItemRun::failureOf(const ProcessEnd& end) const {
   if (end.signal == 0 && end.exitStatus == 0) return "";
-  constexpr int kBadInput = 2;
   const std::string said = lastSentence();
-  if (end.signal == 0 && end.exitStatus == kBadInput && !said.empty()) return said;
-  const bool memory =
-      said.find("bad_alloc") != std::string::npos || end.peakMemory > memoryBound(job_.triangles) / 10 * 9;
+  if (end.signal == 0 && end.exitStatus == kRefused && !said.empty()) return said;
+  const bool memory = refusal().kind == kOutOfMemory || end.peakMemory > memoryBound(job_.triangles) / 10 * 9;
   if (memory) {
     return fmt::format("{}: needs more than the {} that {} triangles may take", job_.item.input,
                        megabytes(memoryBound(job_.triangles)), job_.triangles);
@@ -195,7 +221,7 @@ Result<ordered_json> ItemRun::finish(const std::string& failure) {
   // A failure leaves its sentence alone.
   std::error_code error;
   if (failure.empty()) {
-    for (const char* name : {kLog, kReport, kCache}) fs::remove_all(folder_ / name, error);
+    for (const char* name : {kLog, kReport, kExportReport, kCache}) fs::remove_all(folder_ / name, error);
   } else {
     fs::remove_all(folder_, error);
     fs::create_directory(folder_, error);

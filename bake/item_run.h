@@ -43,8 +43,15 @@ class ItemRun {
   ItemRun(BakeJob job, std::filesystem::path folder, ItemRunSettings settings);
   [[nodiscard]] Result<void> startStep();
   [[nodiscard]] Result<nlohmann::ordered_json> finish(const std::string& failure);
-  /// Whether the end says something about the item: not if the disk is full or somebody killed the process.
+  /// Whether the end says something about the item: not if the disk is full, a file server away, or the process was
+  /// killed.
   [[nodiscard]] Result<void> checkMachine(const ProcessEnd& end) const;
+  /// Why a process refused its work, of its report; empty without one.
+  struct Refusal {
+    std::string kind;  ///< see nameOf(ErrorCode)
+    std::string message;
+  };
+  [[nodiscard]] Refusal refusal() const;
   /// Why there is no result, as a sentence; empty if nothing failed.
   [[nodiscard]] std::string failureOf(const ProcessEnd& end) const;
   [[nodiscard]] std::string lastSentence() const;

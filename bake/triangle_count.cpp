@@ -1,6 +1,6 @@
 #include "bake/triangle_count.h"
 
-#include <nlohmann/json.hpp>
+#include "geometry/json.h"
 
 #include <algorithm>
 #include <charconv>
@@ -107,7 +107,9 @@ std::uint64_t trianglesInGltf(std::string_view content) {
     std::memcpy(&length, content.data() + 12, sizeof(length));
     content = content.substr(kGlbHeader, length);
   }
-  const json document = json::parse(content, nullptr, false);
+  const Result<json> parsed = parseJson(content, "");
+  if (!parsed) return 0;
+  const json& document = *parsed;
   std::uint64_t corners = 0;
   for (const json& mesh : member(document, "meshes")) {
     for (const json& primitive : member(mesh, "primitives")) {

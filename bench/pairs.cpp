@@ -55,7 +55,7 @@ Result<Motion> readMotion(const fs::path& file) {
     Result<CharacterFile> read = readCharacterFile(file);
     if (!read) return read.error();
     if (read->clips.empty()) return Error{ErrorCode::kNotFound, file.string() + ": no clips"};
-    motion.bones = framesOf(read->character.skeleton, read->clips.front());
+    LORICA_TRY(motion.bones, framesOf(read->character.skeleton, read->clips.front()));
     motion.fromCharacterFile = true;
     return motion;
   }

@@ -55,7 +55,7 @@ Result<Motion> readClip(const fs::path& file, const std::string& clip) {
   }
   Motion motion;
   motion.name = file.stem().string() + (found->name.empty() ? "" : ": " + found->name);
-  motion.bones = framesOf(read.character.skeleton, *found);
+  LORICA_TRY(motion.bones, prefixed(file.string(), framesOf(read.character.skeleton, *found)));
   motion.fromCharacterFile = true;
   motion.format = read.format;
   return motion;

@@ -80,14 +80,14 @@ int writeAll(int fd, std::string_view content) {
 
 Result<std::string> readFile(const std::filesystem::path& file, NamedBy by, std::uint64_t maxBytes) {
   // Without O_NONBLOCK, opening a named pipe waits until somebody writes into it.
-  const int flags = O_RDONLY | O_CLOEXEC | (by == NamedBy::kFile ? O_NONBLOCK | O_NOCTTY : 0);
+  const int flags = O_RDONLY | O_CLOEXEC | (by == NamedBy::kUser ? 0 : O_NONBLOCK | O_NOCTTY);
   const Descriptor in(::open(file.c_str(), flags));
   if (!in.valid()) return cannotRead(file, errno);
   struct stat status {};
   if (::fstat(in.get(), &status) != 0) return cannotRead(file, errno);
   if (S_ISDIR(status.st_mode)) return cannotRead(file, EISDIR);
   const bool regular = S_ISREG(status.st_mode);
-  if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode) || (!regular && by == NamedBy::kFile)) {  // some never end
+  if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode) || (!regular && by != NamedBy::kUser)) {  // some never end
     return unreadable("{}: cannot be read: found a {}, expected a file", file.string(),
                       S_ISFIFO(status.st_mode)   ? "named pipe"
                       : S_ISSOCK(status.st_mode) ? "socket"
@@ -114,16 +114,16 @@ Result<std::string> readFile(const std::filesystem::path& file, NamedBy by, std:
   return content;
 }
 
-Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content) {
-  // Keep symbolic links: replace the file that they point to. Never replace a device or folder by a file.
+Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content, NamedBy by) {
+  // Keep symbolic links of the user: replace the file that they point to. Never replace a device or folder by a file.
   std::error_code ignored;
   std::filesystem::path target = file;
-  if (std::filesystem::is_symlink(file, ignored)) {
+  if (by == NamedBy::kUser && std::filesystem::is_symlink(file, ignored)) {
     const std::filesystem::path resolved = std::filesystem::weakly_canonical(file, ignored);
     if (!ignored) target = resolved;
   }
   struct stat status {};
-  const bool exists = ::stat(target.c_str(), &status) == 0;
+  const bool exists = ::lstat(target.c_str(), &status) == 0 && !S_ISLNK(status.st_mode);
   if (exists && S_ISDIR(status.st_mode)) return unwritable(file, EISDIR);
   if (exists && !S_ISREG(status.st_mode)) {
     return unwritable("{}: cannot be written: not a regular file", file.string());
@@ -141,6 +141,21 @@ Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_
   if (error != 0) {
     ::unlink(temporary.c_str());
     return unwritable(file, error);
+  }
+  return {};
+}
+
+Result<void> makeOwnFolder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder.parent_path(), error);
+  if (!error && ::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) error.assign(errno, std::generic_category());
+  struct stat status {};
+  if (!error && ::stat(folder.c_str(), &status) != 0) error.assign(errno, std::generic_category());
+  if (!error && !S_ISDIR(status.st_mode)) error.assign(ENOTDIR, std::generic_category());
+  if (error) return unwritable("{}: {}", folder.string(), error.message());
+  if (status.st_uid != ::geteuid() || (status.st_mode & S_IWOTH) != 0) {
+    return unwritable("{}: {}", folder.string(),
+                      status.st_uid != ::geteuid() ? "belongs to another user" : "everybody may write into it");
   }
   return {};
 }

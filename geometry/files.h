@@ -13,8 +13,9 @@ namespace lorica {
 
 /// Who named a file.
 enum class NamedBy {
-  kUser,  ///< on the command line: pipes are read to their end, too
-  kFile   ///< in another file: it must be a regular file, and opening it never waits
+  kUser,   ///< on the command line: pipes are read to their end, and links are followed when it is written
+  kFile,   ///< in another file: it must be a regular file, and opening it never waits
+  kLorica  ///< Lorica itself, in a folder of its own or one that the user named: as kFile, and a link is replaced
 };
 
 /// Limit of most formats [bytes]. A table of all limits is in docs/SECURITY.md.
@@ -28,7 +29,12 @@ inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{256} << 20;
 
 /// Writes a file completely or not at all: writes a temporary file in the same folder, flushes it and renames it to the
 /// target.
-[[nodiscard]] Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content);
+[[nodiscard]] Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content,
+                                               NamedBy by = NamedBy::kUser);
+
+/// Makes a folder for files that Lorica names itself, open to this user alone, and what it lies in. One that is there
+/// must belong to this user, and others must not be able to replace files in it.
+[[nodiscard]] Result<void> makeOwnFolder(const std::filesystem::path& folder);
 
 /// Returns a 64-bit content hash (XXH3), the same on every machine.
 [[nodiscard]] std::uint64_t contentHash(std::string_view bytes, std::uint64_t seed = 0);

@@ -14,6 +14,10 @@ namespace lorica {
 
 namespace {
 
+// Files of scanners have a dozen; each line of the header is compared with those before.
+constexpr std::size_t kMaxElements = 100;
+constexpr std::size_t kMaxProperties = 1000;
+
 enum class Scalar { kInt8, kUint8, kInt16, kUint16, kInt32, kUint32, kFloat32, kFloat64 };
 
 struct Property {
@@ -112,11 +116,17 @@ Result<Header> readHeader(LineScanner& scanner) {
       for (const Element& other : header.elements) {
         if (other.name == element.name) return scanner.fail(fmt::format("a second element {}", element.name));
       }
+      if (header.elements.size() == kMaxElements)
+        return scanner.fail(fmt::format("more than {} elements", kMaxElements));
       header.elements.push_back(std::move(element));
     } else if (keyword == "property") {
       if (header.elements.empty()) return scanner.fail("a property before the first element");
       LORICA_TRY(Property property, readProperty(scanner));
-      header.elements.back().properties.push_back(std::move(property));
+      std::vector<Property>& properties = header.elements.back().properties;
+      if (properties.size() == kMaxProperties) {
+        return scanner.fail(fmt::format("more than {} properties of one element", kMaxProperties));
+      }
+      properties.push_back(std::move(property));
     } else {
       return scanner.fail(
           fmt::format("found {} in the header, expected element, property or end_header", quotedWord(keyword)));

@@ -188,7 +188,7 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   if (!snapshotDue(session)) return {};
   const std::filesystem::path file =
       std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", session.frameCount() - 1);
-  LORICA_TRY_DO(writePng(file, image));
+  LORICA_TRY_DO(writePng(file, image, NamedBy::kLorica));
   ++drawn_.snapshots;
   return {};
 }

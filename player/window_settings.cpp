@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -115,7 +116,8 @@ Result<WindowSettings> readWindowSettings(const fs::path& file) {
     return badFormat("{}: the window's settings are damaged, expected {}; the usual ones are used", file.string(),
                      expected);
   };
-  const json settings = json::parse(text, nullptr, false);
+  const Result<json> parsed = parseJson(text, "");
+  const json settings = parsed ? *parsed : json();
   if (!settings.is_object() || settings.value("format", json()) != kFormat) {
     return wrong(fmt::format("\"format\": \"{}\"", kFormat));
   }
@@ -134,8 +136,7 @@ Result<WindowSettings> readWindowSettings(const fs::path& file) {
 
 Result<void> writeWindowSettings(const fs::path& file, const WindowSettings& settings) {
   if (file.empty()) return {};
-  std::error_code failed;
-  fs::create_directories(file.parent_path(), failed);
+  LORICA_TRY_DO(makeOwnFolder(file.parent_path()));
   json written;
   written["format"] = kFormat;
   written["loop"] = settings.choices.loop;
@@ -148,7 +149,8 @@ Result<void> writeWindowSettings(const fs::path& file, const WindowSettings& set
   written["shown"] = settings.shown;
   written["recent"] = settings.recent;
   // Names of files need not be text.
-  return writeFileAtomically(file, written.dump(2, ' ', false, json::error_handler_t::replace) + "\n");
+  return writeFileAtomically(file, written.dump(2, ' ', false, json::error_handler_t::replace) + "\n",
+                             NamedBy::kLorica);
 }
 
 void showKept(const WindowSettings& settings, SceneOptions& show) {

@@ -38,7 +38,7 @@ Result<ClosedBody> cachedBody(const Character& character, const BodySettings& se
   if (std::optional<ClosedBody> cached = readBody(cache, file, character, key)) return std::move(*cached);
   Result<ClosedBody> body = makeBody(character, settings);
   if (body && body->made) {
-    keepEntry(cache, file, [&] { return writeFileAtomically(file, encodeBody(*body, key)); });
+    keepEntry(cache, file, [&] { return writeFileAtomically(file, encodeBody(*body, key), NamedBy::kLorica); });
   }
   return body;
 }

@@ -36,13 +36,9 @@ void keepEntry(const DecompositionCache& cache, const fs::path& file, const std:
     warn(cache, "neither XDG_CACHE_HOME nor HOME is an absolute path: what was computed is not cached");
     return;
   }
-  std::error_code error;
-  fs::create_directories(file.parent_path(), error);
-  std::string problem = error ? fmt::format("{}: {}", file.parent_path().string(), error.message()) : "";
-  if (!error) {
-    if (const Result<void> written = write(); !written) problem = written.error().message;
-  }
-  if (!problem.empty()) warn(cache, problem + "; what was computed is not cached");
+  Result<void> kept = makeOwnFolder(file.parent_path());
+  if (kept) kept = write();
+  if (!kept) warn(cache, kept.error().message + "; what was computed is not cached");
 }
 
 }  // namespace lorica

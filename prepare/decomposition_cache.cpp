@@ -90,7 +90,7 @@ void writeCache(const DecompositionCache& cache, std::uint64_t key, const Decomp
   const fs::path file = cacheFile(cache, key, kExtension);
   keepEntry(cache, file, [&]() -> Result<void> {
     LORICA_TRY(const std::string bytes, formatDecomposition(content, file.string()));
-    return writeFileAtomically(file, firstLine(key) + bytes);
+    return writeFileAtomically(file, firstLine(key) + bytes, NamedBy::kLorica);
   });
 }
 

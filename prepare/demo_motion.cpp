@@ -90,13 +90,17 @@ Result<Motion> makeDemoMotion(Host& host) {
   return performance;
 }
 
-Result<DemoCast> prepareDemo(Host& host) {
+Result<DemoCast> prepareDemo(const std::string& character, Host& host) {
   LORICA_TRY(Motion motion, makeDemoMotion(host));
-  LORICA_TRY(Subject mannequin, readCharacter("mannequin", {}, host));
-  LORICA_TRY(CachedDecomposition body, defaultDecomposition(mannequin, host));
+  CharacterOptions reading;
+  reading.drawn = true;
+  reading.suits = followsPerson;
+  LORICA_TRY(Subject subject, readCharacter(character, reading, host));
+  LORICA_TRY(CachedDecomposition body, defaultDecomposition(subject, host));
   PreparedAvatar avatar;
   avatar.source = motion.name;
-  avatar.subject = std::move(mannequin);
+  avatar.springs = chooseSprings(subject, {});
+  avatar.subject = std::move(subject);
   avatar.body = std::move(body.file);
   Cast cast{CastRequest(), makeDemoWorld(kDemoSeed)};
   cast.name = motion.name;

@@ -9,12 +9,12 @@ namespace lorica {
 /// @return joints named "kick and walk", or an error if a shipped recording cannot be read
 [[nodiscard]] Result<Motion> makeDemoMotion(Host& host);
 
-/// The demo: the built-in character, that motion, boxes and balls.
+/// The demo: a humanoid, that motion, boxes and balls.
 struct DemoCast {
   Cast cast;
   bool fromCache = false;  ///< the decomposition
   double seconds = 0.0;    ///< of computing it
 };
-[[nodiscard]] Result<DemoCast> prepareDemo(Host& host);
+[[nodiscard]] Result<DemoCast> prepareDemo(const std::string& character, Host& host);
 
 }  // namespace lorica

@@ -3,6 +3,7 @@
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/skeletal_retarget.h"
 #include "capture/streams/recorded_stream.h"
+#include "geometry/errors.h"
 #include "session/stream_pose_source.h"
 
 #include <fmt/format.h>
@@ -11,8 +12,6 @@
 
 namespace lorica {
 namespace {
-
-constexpr double kClipRate = 60.0;  // [1/s]
 
 Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
   return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
@@ -29,7 +28,12 @@ Result<std::unique_ptr<PoseSource>> streamSourceOf(const Character& character, c
 
 }  // namespace
 
-SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip) {
+Result<SkeletalMotion> framesOf(const Skeleton& skeleton, const Clip& clip) {
+  const double longest = kMaxClipPoses / kClipRate / skeleton.jointCount();
+  if (clip.seconds > longest) {
+    return unsupported("the clip '{}' lasts {:.0f} s, expected at most {:.0f} s with {} joints", clip.name,
+                       clip.seconds, longest, skeleton.jointCount());
+  }
   return sampleWhole(skeleton, clip, kClipRate);
 }
 

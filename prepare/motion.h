@@ -45,8 +45,12 @@ struct Motion {
   [[nodiscard]] double seconds() const { return (bones ? bones->times.back() : joints.back().time) - firstTime(); }
 };
 
-/// A clip as a motion of its skeleton, at 60 frames a second.
-[[nodiscard]] SkeletalMotion framesOf(const Skeleton& skeleton, const Clip& clip);
+inline constexpr double kClipRate = 60.0;  ///< [1/s]
+/// Largest number of frames times joints of a clip as a motion: two of them take 1.3 GB.
+inline constexpr double kMaxClipPoses = 8e6;
+
+/// A clip as a motion of its skeleton, at 60 frames a second; or that it is too long for that.
+[[nodiscard]] Result<SkeletalMotion> framesOf(const Skeleton& skeleton, const Clip& clip);
 
 /// The whole motion on a character's skeleton: joints and other humanoids' bones are retargeted; bones from a character
 /// file move the character's bones of the same names.

@@ -22,6 +22,7 @@ namespace {
 constexpr double kReading = 0.4;  // of the work of preparing avatars; the rest decomposes them
 constexpr double kSpacing = 1.2;  // between avatars that stand next to each other [m]
 constexpr std::size_t kMaxClipsNamed = 6;
+constexpr double kStanding = 2.0;  // of a character without clips [s]
 
 /// What an avatar is to perform.
 struct Role {
@@ -84,15 +85,8 @@ void tellReached(const Subject& subject, Motion& motion) {
   if (subject.body && subject.body->reachedVertices > 0) motion.notes.push_back(subject.body->notes.back());
 }
 
-/// A character for a motion that was read.
-Result<PreparedAvatar> readCharacterFor(const CastRequest& request, const AvatarSetting& setting, Motion motion,
-                                        Host& host) {
-  CharacterOptions reading = request.reading;
-  reading.suits = [&](const CharacterFile& file) {
-    return checkCharacter(motion, file, setting.character, request.performing.joints());
-  };
-  LORICA_TRY(Subject subject,
-             readCharacter(setting.character.empty() ? "mannequin" : setting.character, reading, host));
+/// A character that performs another's motion.
+PreparedAvatar performerOf(const AvatarSetting& setting, Subject subject, Motion motion) {
   if (subject.file) {
     // Notes about the character are told from those about the motion.
     for (const std::string& note : subject.file->notes) motion.notes.push_back(subject.name + ": " + note);
@@ -107,7 +101,28 @@ Result<PreparedAvatar> readCharacterFor(const CastRequest& request, const Avatar
   return avatar;
 }
 
-/// If the motion file is a character, or only a character is given, it performs its own clip.
+/// A character for a motion that was read.
+Result<PreparedAvatar> readCharacterFor(const CastRequest& request, const AvatarSetting& setting, Motion motion,
+                                        Host& host) {
+  CharacterOptions reading = request.reading;
+  reading.suits = [&](const CharacterFile& file) {
+    return checkCharacter(motion, file, setting.character, request.performing.joints());
+  };
+  LORICA_TRY(Subject subject,
+             readCharacter(setting.character.empty() ? "mannequin" : setting.character, reading, host));
+  return performerOf(setting, std::move(subject), std::move(motion));
+}
+
+/// Standing in the bind pose.
+SkeletalMotion standing(const Skeleton& skeleton) {
+  const Pose rest = restPose(skeleton);
+  SkeletalMotion motion{"standing", skeleton, {0.0, kStanding}, rest};
+  motion.poses.insert(motion.poses.end(), rest.begin(), rest.end());
+  return motion;
+}
+
+/// If the motion file is a character, or only a character is given, it performs its own clip; without clips a humanoid
+/// walks and anything else stands.
 Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const AvatarSetting& setting, Host& host) {
   const std::string& own = setting.motion.empty() ? setting.character : setting.motion;
   const std::string& clipName = request.performing.clip;
@@ -119,19 +134,37 @@ Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const 
       (setting.character.empty() || setting.motion.empty() || setting.motion == setting.character)) {
     CharacterOptions reading = request.reading;
     reading.ownClip = clipName;
+    bool walks = false;
     reading.suits = [&](const CharacterFile& file) -> Result<void> {
-      LORICA_TRY_DO(findClip(file.clips, clipName, own));
+      walks = file.clips.empty() && canPerform(file.character);
+      if (!file.clips.empty() || !clipName.empty()) {
+        LORICA_TRY_DO(findClip(file.clips, clipName, own));
+      }
       return {};
     };
     Result<Subject> subject = readSubject(own, reading, host);
+    if (subject && subject->character && walks) {
+      LORICA_TRY(Motion motion, readMotion("walk", request.performing, host));
+      motion.notes.push_back(own + ": has no clips, so it performs `walk`");
+      AvatarSetting walking = setting;
+      walking.character = own;
+      walking.motion = "walk";
+      return performerOf(walking, std::move(*subject), std::move(motion));
+    }
     if (subject && subject->character) {
-      LORICA_TRY(const Clip* clip, findClip(subject->file->clips, clipName, own));
       Motion motion;
-      motion.name = subject->name + (clip->name.empty() ? "" : ": " + clip->name);
-      motion.bones = framesOf(subject->character->skeleton, *clip);
+      motion.name = subject->name;
+      if (subject->file->clips.empty()) {
+        motion.bones = standing(subject->character->skeleton);
+      } else {
+        LORICA_TRY(const Clip* clip, findClip(subject->file->clips, clipName, own));
+        if (!clip->name.empty()) motion.name += ": " + clip->name;
+        LORICA_TRY(motion.bones, prefixed(own, framesOf(subject->character->skeleton, *clip)));
+      }
       motion.fromCharacterFile = true;
       motion.format = subject->file->format;
       motion.notes = subject->file->notes;
+      if (subject->file->clips.empty()) motion.notes.push_back(own + ": has no clips and is no humanoid, so it stands");
       tellReached(*subject, motion);
       PreparedAvatar avatar;
       avatar.setting = setting;

@@ -6,6 +6,7 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "prepare/depth_motion.h"
+#include "prepare/file_kinds.h"
 #include "prepare/shipped_motion.h"
 #include "prepare/stream_motion.h"
 #include "skinning/import/character_file.h"
@@ -66,7 +67,7 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options, con
   LORICA_TRY(CharacterFile read, readCharacterFile(file, host.characterFiles()));
   LORICA_TRY(const Clip* clip, findClip(read.clips, options.clip, file.string()));
   if (!clip->name.empty()) motion.name += ": " + clip->name;
-  motion.bones = framesOf(read.character.skeleton, *clip);
+  LORICA_TRY(motion.bones, prefixed(file.string(), framesOf(read.character.skeleton, *clip)));
   motion.fromCharacterFile = true;
   motion.format = read.format;
   motion.notes = std::move(read.notes);
@@ -168,7 +169,10 @@ namespace {
 
 /// A path as it is, or the file of a shipped recording.
 Result<fs::path> motionFile(const std::string& pathOrName) {
-  if (!isBareName(pathOrName)) return fs::path(pathOrName);
+  if (!isBareName(pathOrName)) {
+    LORICA_TRY_DO(refuseOtherKinds(pathOrName));
+    return fs::path(pathOrName);
+  }
   LORICA_TRY(const fs::path folder, recordingsFolder());
   const fs::path file = shippedRecording(folder, pathOrName);
   if (file.empty()) {

@@ -52,8 +52,12 @@ Result<Training> trainingMotions(const Character& character, std::span<const Mot
   if (!clips.empty()) {
     training.ownClips = true;
     training.motions.reserve(clips.size());
+    // All clips together take no more than one that is played: long ones are looked at less often.
+    double seconds = 0.0;
+    for (const Clip& clip : clips) seconds += clip.seconds;
+    const double rate = std::min(kClipRate, kMaxClipPoses / character.skeleton.jointCount() / std::max(seconds, 1.0));
     for (const Clip& clip : clips) {
-      training.motions.push_back(framesOf(character.skeleton, clip));
+      training.motions.push_back(sampleWhole(character.skeleton, clip, rate));
       training.motions.back().name = clip.name;
     }
   }

@@ -20,8 +20,10 @@ bool VmcFollower::take(std::span<const std::byte> packet, std::uint64_t sender, 
     return receiver_.wait(seconds);
   }
   ++packets_;
-  lastHeard_ = seconds;
-  return receiver_.take(packet, seconds);
+  const std::int64_t refused = receiver_.refusedCount();
+  const bool isNew = receiver_.take(packet, seconds);
+  if (receiver_.refusedCount() == refused) lastHeard_ = seconds;  // noise holds no place
+  return isNew;
 }
 
 }  // namespace lorica

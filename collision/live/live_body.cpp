@@ -40,8 +40,10 @@ double tickFor(double reach) {
 // With as many points, hulls take some 50 us on one core.
 constexpr std::size_t kManyPoints = 4096;
 
-bool isFinite(const Isometry3& motion) {
-  return motion.matrix().allFinite();
+/// Whether physics can use a part there: it computes in single precision.
+bool isWithinReach(const Isometry3& motion) {
+  constexpr double kFarthest = 1e6;  // [m]
+  return motion.matrix().allFinite() && motion.translation().cwiseAbs().maxCoeff() <= kFarthest;
 }
 
 }  // namespace
@@ -49,6 +51,7 @@ bool isFinite(const Isometry3& motion) {
 struct LiveBody::Track {
   std::vector<PointRow> rows;             ///< of the candidates, in the part's own frame, in whole ticks
   double tick = 0.0;                      ///< [m]
+  bool inRange = false;                   ///< whether all rows are numbers that the hull can compute with
   bool moved = false;                     ///< the rows differ from the previous frame's
   std::optional<MovingHull> hull;         ///< if faces are wanted
   LiftedPart::TakenPose taken;            ///< characters only
@@ -180,9 +183,10 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
     for (int round = 0; round < 4; ++round) {
       const bool taken = lifted.take(worldFromModel, parts_[i].worldFromPart, track.tick, track.taken);
       if (round == 0) track.moved = taken;
-      if (!taken || !isFinite(parts_[i].worldFromPart)) break;
+      if (!taken || !isWithinReach(parts_[i].worldFromPart)) break;
       const float largest = lifted.evaluate(track.taken, track.rows);
-      if (largest >= kSmallest && largest <= kLargest) break;
+      track.inRange = largest <= kLargest;  // not if it is no number
+      if (largest >= kSmallest && track.inRange) break;
       const double tick = tickFor(track.tick * largest);
       if (tick == 0.0) break;
       track.tick = tick;
@@ -236,9 +240,11 @@ void LiveBody::update(std::span<const Vec3> posed) {
 void LiveBody::readRows(Track& track, const Isometry3& worldFromPart) {
   const Isometry3 partFromWorld = worldFromPart.inverse();
   double reach = 0.0;
+  track.inRange = true;
   for (Vec3& p : track.points) {
     p = partFromWorld * p;
     reach = std::max(reach, p.cwiseAbs().maxCoeff());
+    track.inRange = track.inRange && p.allFinite();
   }
   const double largest = track.tick > 0.0 ? reach / track.tick : 0.0;
   if (!(largest >= kSmallest && largest <= kLargest)) track.tick = tickFor(reach);
@@ -284,7 +290,7 @@ void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& p
   if (!track.moved) return;
   std::swap(part.previousVertices, part.shape.vertices);
   const MovingHull* hull = nullptr;
-  if (track.hull && track.tick != 0.0 && isFinite(part.worldFromPart)) {
+  if (track.hull && track.inRange && track.tick != 0.0 && isWithinReach(part.worldFromPart)) {
     track.hull->update(std::span(track.rows).first(plan.candidates.size()));
     hull = &*track.hull;
   }

@@ -14,7 +14,6 @@
 namespace lorica {
 namespace {
 
-constexpr std::uint64_t kMaxBytes = std::uint64_t{1} << 30;
 constexpr double kFarthest = 1e6;      ///< maximum of each recorded coordinate [m]
 constexpr double kLongestTime = 1e12;  ///< [s]
 constexpr double kUnitTolerance = 1e-3;
@@ -216,7 +215,7 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
 }
 
 Result<SessionFile> readSession(const std::filesystem::path& file) {
-  LORICA_TRY(const std::string bytes, readFile(file, NamedBy::kUser, kMaxBytes));
+  LORICA_TRY(const std::string bytes, readFile(file, NamedBy::kUser, kMaxSessionBytes));
   return parseSession(bytes, file.string());
 }
 

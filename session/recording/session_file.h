@@ -61,6 +61,8 @@ struct SessionHeader {
   [[nodiscard]] const AvatarRecord& avatar(std::size_t index = 0) const { return avatars[index]; }
 };
 
+/// Size of the largest file that is read, and written [bytes].
+inline constexpr std::uint64_t kMaxSessionBytes = std::uint64_t{1} << 30;
 /// Maximum number of avatars of a recorded session.
 inline constexpr std::size_t kMaxRecordedAvatars = 1000;
 

@@ -15,6 +15,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::uint64_t kRoomForTheEnd = 64;  // of the last block [bytes]
+
 Error cannotWrite(const fs::path& file, int error) {
   return unwritable("{}: {}", file.string(), std::generic_category().message(error));
 }
@@ -49,7 +51,7 @@ void put(const WorldAction& action, ByteWriter& bytes) {
 }  // namespace
 
 Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& file, const SessionHeader& header,
-                                                                std::string_view sceneText) {
+                                                                std::string_view sceneText, std::uint64_t maxBytes) {
   if (sceneText.size() > kLargestBlock) {
     return invalidArgument("{}: a scene of {} bytes, expected at most {}", file.string(), sceneText.size(),
                            kLargestBlock);
@@ -57,7 +59,7 @@ Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& 
   const fs::path part = fs::path(file).replace_extension(".part.lsession");
   LORICA_TRY(std::optional<fs::path> found, keepFound(part));
   LORICA_TRY(const int descriptor, createPart(part));
-  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, descriptor, header));
+  std::shared_ptr<SessionRecorder> recorder(new SessionRecorder(file, part, descriptor, header, maxBytes));
   recorder->found_ = std::move(found);
   recorder->block_ = kSessionMagic;
   appendBlock(BlockKind::kHeader, textOf(header), recorder->chain_, recorder->block_);
@@ -66,8 +68,9 @@ Result<std::shared_ptr<SessionRecorder>> SessionRecorder::start(const fs::path& 
   return recorder;
 }
 
-SessionRecorder::SessionRecorder(fs::path file, fs::path part, int descriptor, const SessionHeader& header)
-    : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor) {
+SessionRecorder::SessionRecorder(fs::path file, fs::path part, int descriptor, const SessionHeader& header,
+                                 std::uint64_t maxBytes)
+    : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor), maxBytes_(maxBytes) {
   tracks_.reserve(header.avatars.size());
   for (const AvatarRecord& avatar : header.avatars) tracks_.push_back({avatar.poseJoints > 0, avatar.poseExpressions});
 }
@@ -82,6 +85,7 @@ Result<void> SessionRecorder::write() {
     const ssize_t written = ::write(descriptor_, left.data(), left.size());
     if (written < 0 && errno != EINTR) return cannotWrite(part_, errno);
     if (written > 0) left.remove_prefix(written);
+    if (written > 0) bytes_ += written;
   }
   block_.clear();
   return {};
@@ -93,7 +97,7 @@ void SessionRecorder::clearLogs() {
 
 Result<void> SessionRecorder::afterStep(const Session& session, std::span<const WorldAction> done) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (over_ || descriptor_ < 0) {
+  if (over_ || full_ || descriptor_ < 0) {
     clearLogs();
     return {};
   }
@@ -107,7 +111,14 @@ Result<void> SessionRecorder::afterStep(const Session& session, std::span<const 
   for (const Track& track : tracks_) putMotion(track);
   for (const WorldAction& action : done) put(action, step_);
   clearLogs();
+  const std::uint64_t chain = chain_;
   appendBlock(BlockKind::kStep, step_.bytes(), chain_, block_);
+  if (bytes_ + block_.size() + kRoomForTheEnd > maxBytes_) {
+    full_ = true;
+    chain_ = chain;
+    block_.clear();
+    return {};
+  }
   ++steps_;
   return write();
 }

@@ -28,7 +28,8 @@ class SessionRecorder final : public StepWatcher {
   /// @return the recorder, or why the file cannot be written
   [[nodiscard]] static Result<std::shared_ptr<SessionRecorder>> start(const std::filesystem::path& file,
                                                                       const SessionHeader& header,
-                                                                      std::string_view sceneText);
+                                                                      std::string_view sceneText,
+                                                                      std::uint64_t maxBytes = kMaxSessionBytes);
   ~SessionRecorder() override;
   SessionRecorder(const SessionRecorder&) = delete;
   SessionRecorder& operator=(const SessionRecorder&) = delete;
@@ -49,9 +50,12 @@ class SessionRecorder final : public StepWatcher {
   [[nodiscard]] Result<int> finish();
   /// Whether the session was changed, so that its end is not recorded.
   [[nodiscard]] bool cutShort() const { return over_; }
+  /// Whether the file is as large as those that are read, so that the rest is not recorded.
+  [[nodiscard]] bool full() const { return full_; }
 
  private:
-  SessionRecorder(std::filesystem::path file, std::filesystem::path part, int descriptor, const SessionHeader& header);
+  SessionRecorder(std::filesystem::path file, std::filesystem::path part, int descriptor, const SessionHeader& header,
+                  std::uint64_t maxBytes);
   /// What is recorded of an avatar.
   struct Track {
     bool poses = false;        ///< poses are recorded; otherwise joints
@@ -71,7 +75,8 @@ class SessionRecorder final : public StepWatcher {
   std::string block_;  ///< bytes to be written
   std::uint64_t chain_ = 0;
   int steps_ = 0;
-  bool over_ = false;
+  std::uint64_t bytes_ = 0, maxBytes_ = 0;
+  bool over_ = false, full_ = false;
   AtHardStop finishing_{[this] { (void)finish(); }};
 };
 

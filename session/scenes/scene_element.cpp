@@ -1,6 +1,7 @@
 #include "session/scenes/scene_element.h"
 
 #include "geometry/errors.h"
+#include "geometry/json.h"
 #include "geometry/line_scanner.h"
 
 #include <fmt/format.h>
@@ -88,6 +89,7 @@ class Watch {
 }  // namespace
 
 Result<SceneJson> parseSceneJson(std::string_view text, std::string_view name) {
+  LORICA_TRY_DO(prefixed(name, checkJson(text, kOrderedJson)));
   Watch watch;
   SceneJson json;
   try {

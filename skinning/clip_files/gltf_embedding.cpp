@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 #include "skinning/clip_files/gltf_animation.h"
 #include "skinning/import/gltf_document.h"
 #include "skinning/import/gltf_parts.h"
@@ -100,7 +101,7 @@ Result<GltfWriter> embedGltf(std::span<const std::byte> bytes, const std::string
   LORICA_TRY(const GltfDocument file, parseGltf(bytes, name, files));
   LORICA_TRY(const GltfParts parts, splitGltf(bytes, name));
   GltfWriter writer;
-  writer.document = Json::parse(parts.json);
+  LORICA_TRY(writer.document, parseJson<Json>(parts.json, name));
   LORICA_TRY_DO(BufferMerger(writer, file).merge());
   embedPictures(writer, files, notes);
   return writer;

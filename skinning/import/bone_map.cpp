@@ -3,6 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 #include "geometry/line_scanner.h"
 #include "geometry/similar_name.h"
 #include "skinning/humanoid/humanoid.h"
@@ -47,6 +48,7 @@ constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundre
 
 /// Parses, and finds duplicate keys: the library would silently use the last one.
 [[nodiscard]] Result<Json> parse(std::string_view text, std::string_view name) {
+  LORICA_TRY_DO(prefixed(name, checkJson(text, kOrderedJson)));
   std::vector<std::set<std::string>> open;
   std::string twice;
   const auto watch = [&](int, Json::parse_event_t event, Json& value) {

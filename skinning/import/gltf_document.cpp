@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_parts.h"
 #include "skinning/import/gltf_types.h"
@@ -23,44 +24,6 @@ using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
 constexpr std::size_t kMaxElements = 100'000;
-constexpr int kMaxLevels = 64;
-
-/// Nesting depth of brackets, determined before parsing.
-[[nodiscard]] int levelsOf(std::string_view text) {
-  int levels = 0;
-  int max = 0;
-  bool inString = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (inString) {
-      if (c == '\\') ++i;
-      if (c == '"') inString = false;
-    } else if (c == '"') {
-      inString = true;
-    } else if (c == '[' || c == '{') {
-      max = std::max(max, ++levels);
-    } else if (c == ']' || c == '}') {
-      --levels;
-    }
-  }
-  return max;
-}
-
-[[nodiscard]] Result<Json> parseJson(std::string_view text, const std::string& name) {
-  if (levelsOf(text) > kMaxLevels) {
-    return badFormat("{}: its JSON nests deeper than {} levels", name, kMaxLevels);
-  }
-  try {
-    Json document = Json::parse(text);
-    if (!document.is_object()) {
-      return badFormat("{}: its JSON is not an object, expected a glTF object", name);
-    }
-    return document;
-  } catch (const std::exception& problem) {
-    return badFormat("{}: its JSON is broken: {}", name, problem.what());
-  }
-}
-
 /// Moves the constraints out of the nodes.
 [[nodiscard]] std::vector<std::pair<std::size_t, Json>> takeNodeConstraints(Json& document) {
   std::vector<std::pair<std::size_t, Json>> taken;
@@ -106,7 +69,7 @@ void dropExtensions(Json& value) {
     value.erase("extras");
   }
   if (!value.is_structured()) return;
-  for (Json& child : value) dropExtensions(child);  // at most kMaxLevels deep
+  for (Json& child : value) dropExtensions(child);
 }
 
 /// Finds the bytes of each buffer.
@@ -210,6 +173,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const Named
   // 1. JSON and binary.
   LORICA_TRY(const GltfParts parts, splitGltf(bytes, name));
   LORICA_TRY(Json json, parseJson(parts.json, name));
+  if (!json.is_object()) return badFormat("{}: its JSON is not an object, expected a glTF object", name);
 
   // 2. Content that is not supported.
   const auto asset = json.find("asset");

@@ -2,6 +2,7 @@
 #include "capture/files/joint_csv.h"
 #include "tests/apps/mannequin_glb.h"
 #include "tests/apps/run_command.h"
+#include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
@@ -194,6 +195,44 @@ TEST(Motions, SmoothingSaysItsDelayAndIsForJointsOnly) {
 TEST(Motions, AMirroredWaveIsAnotherOne) {
   EXPECT_NE(jsonOf({"play", "wave", "--frames", "20"})["hash"],
             jsonOf({"play", "wave", "--frames", "20", "--mirror"})["hash"]);
+}
+
+/// The character without clips; `humanoid` = with bones that have names.
+fs::path withoutClips(bool humanoid) {
+  GlbWriter writer = humanoid ? mannequinWriter(false) : smallCharacter();
+  writer.document.erase("animations");
+  return studio().folder.write(humanoid ? "hero.glb" : "box.glb", writer.glb());
+}
+
+TEST(Characters, AFileAloneIsOpenedAndWithoutClipsItWalksOrStands) {
+  const nlohmann::json walking = jsonOf({withoutClips(true), "--frames", "5"});
+  EXPECT_EQ(walking["recording"], "walk");
+  EXPECT_EQ(walking["character"], "hero");
+  EXPECT_NE(walking["notes"].dump().find("hero.glb: has no clips, so it performs `walk`"), std::string::npos);
+  const nlohmann::json standing = jsonOf({withoutClips(false)});
+  EXPECT_EQ(standing["frames"], 2);
+  EXPECT_NE(standing["notes"].dump().find("has no clips and is no humanoid, so it stands"), std::string::npos);
+  const nlohmann::json demo =
+      jsonOf({"demo", withoutClips(true), "--headless", "--seconds", "0.2", "--out", "pictures"});
+  EXPECT_EQ(demo["character"], "hero");
+  expectRefused({"demo", withoutClips(false), "--headless"}, {"a person on box"});
+}
+
+TEST(OpenFile, EveryKindIsPlayedReplayedOrDescribed) {
+  const fs::path folder = studio().folder.path();
+  EXPECT_EQ(jsonOf({studio().whole, "--frames", "3"})["recording"], "whole: Bow");
+  (void)jsonOf({"record", folder / "s.lsession", "walk", "--frames", "5"});
+  EXPECT_EQ(jsonOf({folder / "s.lsession"})["same"], true);
+  const fs::path scene =
+      studio().folder.write("stage.json", R"({"format": "lorica scene 1", "avatars": [{"motion": "wave"}]})");
+  EXPECT_EQ(jsonOf({scene, "--frames", "3"})["recording"], "wave");
+  const fs::path mesh =
+      studio().folder.write("box.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  EXPECT_EQ(jsonOf({mesh})["kind"], "mesh");
+  const fs::path picture = studio().folder.write("photo.csv", "\x89PNG\r\n\x1a\n");
+  for (const char* command : {"info", "play"})
+    expectRefused({command, picture}, {"found a PNG picture; Lorica opens "});
+  expectRefused({studio().folder.write("notes.md", "# Notes\n")}, {"found a text; Lorica opens "});
 }
 
 /// A shared character performs a shared BVH and recorded joints.

@@ -54,7 +54,7 @@ TEST(EarlyRefusal, NoBodyIsMadeForWhatTheCharacterCannotDo) {
   studio.expectRefused({"snapshot", "wave", "--character", torn, "-o", "x.png"}, "own clips");
   studio.expectRefused({"play", "wave", "--character", still}, "wave on still: ");
   studio.expectRefused({"play", torn, "--clip", "jump"}, "no clip named jump, expected one of bend");
-  studio.expectRefused({"play", still}, "found no animation");
+  studio.expectRefused({"play", still, "--clip", "jump"}, "found no animation");
   studio.expectRefused({"decompose", still, "--motion", "wave"}, "wave on still: ");
   studio.expectRefused({"live", "--virtual", "--headless", "--character", torn}, "a person on torn: ");
   studio.expectRefused({"record", "x.lsession", "--virtual", "--character", still}, "a person on still: ");

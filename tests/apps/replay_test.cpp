@@ -1,4 +1,5 @@
 #include "geometry/files.h"
+#include "session/recording/session_blocks.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
 
@@ -160,6 +161,30 @@ TEST_F(Replay, WrongWordsGetASentence) {
   EXPECT_NE(sentence({"play", "walk", "--inject", "late=2"}).find("expected a fraction of frames from 0 to 1"),
             std::string::npos);
   EXPECT_NE(sentence({"replay"}).find("SESSION"), std::string::npos);
+}
+
+TEST_F(Replay, ASessionWhoseMotionEndsEarlyIsNotTheSame) {
+  ASSERT_EQ(record({"walk", "--frames", "20"}).exitCode, 0);
+  const std::string bytes = *readFile(session);
+  std::string shortened(kSessionMagic);
+  std::uint64_t chain = 0;
+  int steps = 0;
+  const Result<Blocks> blocks = readBlocks(bytes, "s");
+  ASSERT_TRUE(blocks.ok());
+  for (const Block& block : blocks->blocks) {
+    constexpr std::size_t kBeforeFrames = 36;  // time, hashes, number of actions
+    const bool emptied = block.kind == BlockKind::kStep && ++steps > 10;
+    appendBlock(block.kind,
+                emptied ? std::string(block.payload.substr(0, kBeforeFrames)) + std::string(4, '\0')
+                        : std::string(block.payload),
+                chain, shortened);
+  }
+  ASSERT_EQ(steps, 20);
+  const std::string file = folder.write("short.lsession", shortened);
+  const CommandResult replayed = runLorica({"replay", file, "--json", "-"});
+  EXPECT_EQ(replayed.exitCode, 1) << replayed.err;
+  EXPECT_EQ(replayed.json()["replayed"], 10);
+  EXPECT_EQ(replayed.json()["same"], false);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 
@@ -116,6 +117,23 @@ TEST(BakeList, EveryPrefixOfAListIsReadOrRefused) {
     EXPECT_FALSE(read(library, library.path("p.csv")).empty());
     EXPECT_FALSE(read(library, library.path("p.jsonl")).empty());
   }
+}
+
+TEST(BakeList, AFoldersPipesLinksAndResultsAreNoInputs) {
+  const Library library;
+  fs::create_symlink("loop.off", library.path("set/loop.off"));
+  ASSERT_EQ(::mkfifo(library.path("set/pipe.off").c_str(), 0600), 0);
+  for (const char* folder : {"set/baked/items/a-0123", "set/baked/claims"})
+    fs::create_directories(library.path(folder));
+  library.folder.write("set/baked/items/a-0123/a.glb", "");
+  EXPECT_EQ(read(library, library.path("set")), (Lines{"set/a.OBJ ", "set/b.off ", "set/more/c.glb "}));
+}
+
+TEST(BakeList, DeepJsonIsNoLine) {
+  const Library library;
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  const std::string list = library.folder.write("deep.jsonl", "{\"input\": " + deep + "}\n" + deep + "\n");
+  EXPECT_EQ(read(library, list), Lines{list + ": line 1: found no JSON object, expected {\"input\": \"FILE\", ...}"});
 }
 
 }  // namespace

@@ -134,5 +134,20 @@ TEST(BakeStore, FilesAreListedWithTheirHashes) {
   EXPECT_FALSE(bakedFiles(folder.path() / "none").ok());
 }
 
+TEST(BakeStore, ADescriptionHasTheTypesThatAreRead) {
+  Shop shop;
+  fs::create_directories(shop.store.folderOf("a"));
+  const std::string deep = std::string(1'000'000, '[') + std::string(1'000'000, ']');
+  for (const std::string& text : std::vector<std::string>{
+           "[]", "{\"failure\": 1}", "{\"error\": \"1\"}", "{\"seconds\": null}", "{\"files\": {}}", "{\"files\": [1]}",
+           "{\"files\": [{\"hash\": 1}]}", "{\"item\": []}", "{", "{\"item\": " + deep + "}"}) {
+    shop.folder.write("items/a/item.json", text);
+    EXPECT_EQ(shop.store.describe("a").error().code, ErrorCode::kBadFormat) << text.substr(0, 100);
+  }
+  shop.folder.write("items/a/item.json",
+                    "{\"item\": \"a\", \"files\": [{\"file\": \"x\", \"hash\": \"0\"}], \"parts\": 3}");
+  EXPECT_TRUE(shop.store.describe("a").ok());
+}
+
 }  // namespace
 }  // namespace lorica::test

@@ -8,6 +8,7 @@
 #include "tests/support/has.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -25,6 +26,8 @@ constexpr const char* kProgram = R"sh(#!/bin/sh
 runs=$(dirname "$0")/runs
 if [ "$1" = export ]; then cp "$2" "$3"; exit 0; fi
 echo run >>"$runs/$(basename "$2")"
+report=$6
+failed() { printf '{"failure": {"kind": "%s", "message": "%s"}}' "$1" "$2" >"$report"; }
 case $(cat "$2" 2>/dev/null) in
   good*) ;;
   slow*) sleep 0.3 ;;
@@ -32,9 +35,12 @@ case $(cat "$2" 2>/dev/null) in
   killed*) kill -KILL $$ ;;
   hang*) sleep 100 ;;
   mute*) exit 1 ;;
-  hungry*) echo "lorica: stopped: std::bad_alloc" >&2; exit 1 ;;
-  full*) echo "lorica: $4: cannot be written: No space left on device" >&2; exit 2 ;;
-  *) echo "lorica: $2: line 1: found no mesh, expected OFF" >&2; exit 2 ;;
+  hungry*) failed outOfMemory std::bad_alloc; exit 1 ;;
+  full*) failed unwritable "$4: no space"; exit 2 ;;
+  fuller*) echo "lorica: $4: no space" >&2; exit 2 ;;
+  away*) failed notFound "$2: is not there"; rm "$2"; exit 2 ;;
+  forged*) failed badMesh "$2: mesh 'lorica: x: cannot be written: bad_alloc' has no triangles"; exit 2 ;;
+  *) failed badFormat "$2: line 1: found no mesh, expected OFF"; exit 2 ;;
 esac
 cp "$2" "$4"
 echo '{"parts": 2, "score": 0.5, "error": 1.0, "threads": 1}' >"$6"
@@ -134,17 +140,34 @@ TEST(Baker, BadItemsGetASentenceAndCostNoOthers) {
   EXPECT_EQ(studio.runsOf("good.off"), 1);
 }
 
-TEST(Baker, AFullDiskOrAKilledProcessIsNoFaultOfTheItem) {
-  for (const char* kind : {"full", "killed"}) {
+TEST(Baker, AFullDiskAMissingServerOrAKilledProcessIsNoFaultOfTheItem) {
+  for (const char* kind : {"full", "fuller", "away", "killed"}) {
     Studio studio;
     studio.add("a.off", kind);
     const Result<BakeOutcome> outcome = studio.bake();
-    ASSERT_FALSE(outcome.ok());
-    EXPECT_EQ(studio.told(0, "item"), "none");
+    ASSERT_FALSE(outcome.ok()) << kind;
+    studio.folder.write("a.off", kind);
+    EXPECT_EQ(studio.told(0, "item"), "none") << kind;
     EXPECT_TRUE(fs::is_empty(studio.out() / "work"));
     studio.folder.write("a.off", "good");
     EXPECT_EQ(studio.bake()->made, 1);
   }
+}
+
+TEST(Baker, TheTextOfAMessageDecidesNothing) {
+  Studio studio;
+  studio.add("a.off", "forged");
+  ASSERT_TRUE(studio.bake().ok());
+  EXPECT_EQ(studio.told(0, "failure"),
+            studio.items[0].input + ": mesh 'lorica: x: cannot be written: bad_alloc' has no triangles");
+}
+
+TEST(Baker, ANamedPipeIsRefusedAtOnce) {
+  Studio studio;
+  studio.items.push_back({studio.folder.path() / "pipe.off", {}});
+  ASSERT_EQ(::mkfifo(studio.items[0].input.c_str(), 0600), 0);
+  ASSERT_EQ(studio.bake()->failed, 1);
+  EXPECT_EQ(studio.told(0, "failure"), studio.items[0].input + ": cannot be read: found a named pipe, expected a file");
 }
 
 TEST(Baker, ItemsThatDoNotFitTheMemoryAreLeftOut) {

@@ -4,6 +4,7 @@
 #include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <thread>
 
@@ -113,6 +114,38 @@ TEST(ContentHash, IsXxh3) {
   EXPECT_NE(contentHash("a"), contentHash("b"));
   EXPECT_EQ(hexDigits(0), "0000000000000000");
   EXPECT_EQ(hexDigits(0xABCu), "0000000000000abc");
+}
+
+TEST(WriteFileAtomically, FollowsALinkOnlyForTheUser) {
+  const TemporaryFolder folder;
+  const auto target = folder.write("target", "precious");
+  const auto link = folder.path() / "link";
+  std::filesystem::create_symlink(target, link);
+  ASSERT_TRUE(writeFileAtomically(link, "ours", NamedBy::kLorica).ok());
+  EXPECT_EQ(*readFile(target), "precious");
+  EXPECT_EQ(*readFile(link), "ours");
+  EXPECT_FALSE(std::filesystem::is_symlink(link));
+
+  std::filesystem::remove(link);
+  std::filesystem::create_symlink(target, link);
+  ASSERT_TRUE(writeFileAtomically(link, "theirs").ok());
+  EXPECT_EQ(*readFile(target), "theirs");
+  EXPECT_TRUE(std::filesystem::is_symlink(link));
+}
+
+TEST(MakeOwnFolder, IsForThisUserAlone) {
+  const TemporaryFolder folder;
+  const auto own = folder.path() / "a" / "own";
+  ASSERT_TRUE(makeOwnFolder(own).ok());
+  EXPECT_EQ(std::filesystem::status(own).permissions(), std::filesystem::perms::owner_all);
+  EXPECT_TRUE(makeOwnFolder(own).ok()) << "it is there";
+  std::filesystem::permissions(own, std::filesystem::perms::all);
+  EXPECT_EQ(makeOwnFolder(own).error().message, own.string() + ": everybody may write into it");
+  EXPECT_EQ(makeOwnFolder(folder.write("file", "")).error().code, ErrorCode::kUnwritable);
+  if (::geteuid() != 0) return;  // only root can make what belongs to another
+  std::filesystem::permissions(own, std::filesystem::perms::owner_all);
+  ASSERT_EQ(::chown(own.c_str(), 1, 1), 0);
+  EXPECT_EQ(makeOwnFolder(own).error().message, own.string() + ": belongs to another user");
 }
 
 }  // namespace

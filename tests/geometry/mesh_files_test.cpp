@@ -7,6 +7,7 @@
 #include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <clocale>
@@ -284,6 +285,12 @@ TEST(ReadStl, SaysWhatIsWrong) {
             "a.stl: triangle 1 (byte 170): corner 2 is (0, nan, 1), expected finite numbers");
 }
 
+std::string repeated(const std::string& line, int count) {
+  std::string text;
+  for (int i = 0; i < count; ++i) text += fmt::format(fmt::runtime(line), i);
+  return text;
+}
+
 TEST(ReadPly, SaysWhatIsWrong) {
   const std::string vertex = "element vertex 3\nproperty float x\nproperty float y\nproperty float z\n";
   const std::string face = "element face 1\nproperty list uchar int vertex_indices\n";
@@ -301,6 +308,9 @@ TEST(ReadPly, SaysWhatIsWrong) {
            {text + "element vertex 3\nproperty list float int x\n",
             "line 4: found 'float' as the type of a list's count, expected an integer type such as uchar"},
            {text + vertex + "element vertex 3\n", "line 7: a second element vertex"},
+           {text + repeated("element e{} 0\n", 101), "line 103: more than 100 elements"},
+           {text + vertex + repeated("property int p{}\n", 1000),
+            "line 1004: more than 1000 properties of one element"},
            {text + "colour\n", "line 3: found 'colour' in the header, expected element, property or end_header"},
            {text + vertex + "end_header\n",
             "line 7: the header has no element face: triangle strips and point clouds are not supported"},

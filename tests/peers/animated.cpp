@@ -15,7 +15,7 @@ namespace {
 Motion clipOf(const CharacterFile& file) {
   Motion motion;
   motion.name = file.clips.front().name;
-  motion.bones = framesOf(file.character.skeleton, file.clips.front());
+  motion.bones = framesOf(file.character.skeleton, file.clips.front()).value();
   motion.fromCharacterFile = true;
   return motion;
 }

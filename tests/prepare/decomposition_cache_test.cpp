@@ -73,5 +73,24 @@ TEST_F(Cache, EveryCutOffEntryIsReplaced) {
   EXPECT_EQ(warnings.size(), 5u);
 }
 
+TEST_F(Cache, ALinkIsReplacedAndAForeignFolderNotUsed) {
+  (void)get(box(1.0));
+  const fs::path file = entries().front();
+  const fs::path target = folder.write("target", "precious");
+  fs::remove(file);
+  fs::create_symlink(target, file);
+  EXPECT_FALSE(get(box(1.0)).fromCache);
+  EXPECT_EQ(readFile(target).value(), "precious");
+  EXPECT_FALSE(fs::is_symlink(file));
+  EXPECT_TRUE(get(box(1.0)).fromCache);
+
+  warnings.clear();
+  fs::permissions(folder.path() / "c", fs::perms::all);
+  EXPECT_FALSE(get(box(2.0)).fromCache);
+  EXPECT_FALSE(get(box(2.0)).fromCache);
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("everybody may write into it; what was computed is not cached"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace lorica

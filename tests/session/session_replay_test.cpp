@@ -187,6 +187,28 @@ TEST(SessionRecorder, AMissingFolderAndAFullDiskAreReported) {
   EXPECT_NE(full.error().message.find("File too large"), std::string::npos) << full.error().message;
 }
 
+TEST(SessionRecorder, EndsWhereTheFileIsFull) {
+  constexpr std::uint64_t kMaxBytes = 20'000;
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "s.lsession";
+  const auto recorder =
+      SessionRecorder::start(file, test::headerOf(test::demoSession(makeMotionPoseSource({}))), "", kMaxBytes).value();
+  Session session = test::demoSession(
+      makeTreatedSource(makeMannequin(), makeRecordedSource(test::shippedFrames("walk", 60)), {recorder->log(), {}, {}})
+          .value());
+  session.watch(recorder);
+  while (session.step().value()) continue;
+  EXPECT_TRUE(recorder->full());
+  const int steps = recorder->finish().value();
+  EXPECT_GT(steps, 0);
+  EXPECT_LT(steps, 60);
+  EXPECT_LE(fs::file_size(file), kMaxBytes);
+  EXPECT_GT(fs::file_size(file), kMaxBytes * 3 / 4);
+  const SessionFile read = readSession(file).value();
+  EXPECT_TRUE(read.finished);
+  EXPECT_FALSE(replayed(read).has_value());
+}
+
 TEST(SessionRecorder, EndsWhereTheSessionIsChanged) {
   const test::TemporaryFolder folder;
   const auto recorder = SessionRecorder::start(folder.path() / "s.lsession",

@@ -52,7 +52,7 @@ std::string damageOf(std::string_view png) {
 
 }  // namespace
 
-Result<void> writePng(const std::filesystem::path& file, const Image& image) {
+Result<void> writePng(const std::filesystem::path& file, const Image& image, NamedBy by) {
   if (!consistent(image)) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: picture of {} x {} pixels has {} bytes, expected {} and a size above 0",
@@ -71,7 +71,7 @@ Result<void> writePng(const std::filesystem::path& file, const Image& image) {
     return Error{ErrorCode::kUnwritable, fmt::format("{}: PNG encoding failed: {}", file.string(), png.message)};
   }
   bytes.resize(size);
-  return writeFileAtomically(file, bytes);
+  return writeFileAtomically(file, bytes, by);
 }
 
 Result<Image> readPng(const std::filesystem::path& file) {

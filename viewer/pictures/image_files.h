@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/files.h"
 #include "geometry/result.h"
 #include "viewer/renderer/image.h"
 
@@ -9,7 +10,7 @@
 
 namespace lorica {
 
-[[nodiscard]] Result<void> writePng(const std::filesystem::path& file, const Image& image);
+[[nodiscard]] Result<void> writePng(const std::filesystem::path& file, const Image& image, NamedBy by = NamedBy::kUser);
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& file);
 
 /// Images in rows, each with its label underneath.

@@ -62,7 +62,7 @@ Image readWindow(const GlFunctions& gl, int width, int height) {
 
 void Window::Impl::savePicture(const Image& image) {
   const std::string name = freeName(".png");
-  const Result<void> written = writePng(name, image);
+  const Result<void> written = writePng(name, image, NamedBy::kLorica);
   setNotice(written.ok() ? "saved " + name : written.error().message);
 }
 

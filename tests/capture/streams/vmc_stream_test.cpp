@@ -1,5 +1,6 @@
 #include "capture/streams/vmc_stream.h"
 
+#include "capture/streams/vmc_follower.h"
 #include "geometry/random_numbers.h"
 #include "tests/capture/streams/vmc_packet.h"
 #include "tests/support/allocations.h"
@@ -132,6 +133,21 @@ TEST(VmcStream, ADelayedFrameIsGivenWhenItIsDue) {
   EXPECT_NEAR(given->time - given->arrival, 0.2, 1e-9);
   EXPECT_EQ(frame.time, given->time);
   EXPECT_GE(stream.now(), given->time);
+}
+
+TEST(VmcFollower, NoiseKeepsNoSenderOut) {
+  VmcFollower follower;
+  Packet real;
+  real.bundle().bone("Hips");
+  const std::vector<std::byte> junk(1, std::byte{0});
+  for (int i = 0; i < 20; ++i) {
+    const double seconds = 0.1 * i;
+    if (i % 3 == 0) follower.take(junk, 1, seconds);
+    follower.take(real.bytes(), 2, seconds + 0.01);
+  }
+  // The real sender is followed after half a second: five packets too late, and then five of noise are others.
+  EXPECT_EQ(follower.others(), 5 + 5);
+  EXPECT_EQ(follower.packets(), 2 + 15);
 }
 
 }  // namespace

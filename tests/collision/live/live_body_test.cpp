@@ -212,6 +212,25 @@ TEST(LiveBody, BonesThatAreNotNumbersGiveNoHullsUntilTheyAreAgain) {
   }
 }
 
+TEST(LiveBody, BonesFarOutOfRangeGiveNoHullsUntilTheyAreAgain) {
+  test::Dancer dancer;
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
+  for (const double size : {1e20, 1e40, 1e107, 1e155, 1e300}) {
+    for (const int bone : {0, 1, 2}) {
+      std::vector<Affine3> broken = dancer.worldFromModel;
+      broken[bone].translation().setConstant(size);
+      body.update(broken);
+      broken[bone].linear() *= size;
+      body.update(broken);
+    }
+    body.update(dancer.worldFromModel);
+    for (const LivePart& part : body.parts()) {
+      EXPECT_FALSE(part.shape.degenerate()) << size;
+      EXPECT_TRUE(part.worldFromPart.matrix().allFinite()) << size;
+    }
+  }
+}
+
 TEST(LiveBody, SupportIsTheFarthestPointOfTheHullWithFacesOrWithout) {
   test::Dancer dancer;
   LiveBody faces = LiveBody::create(dancer.decomposition, dancer.character).value();
