@@ -99,7 +99,6 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
       LORICA_TRY(posesToCover, coverPoses(*subject.character, training->motions));
     }
   }
-  const PoseView poses{outcome.keyframes.positions, countOf(subject.mesh.vertices)};
 
   // Decompose and measure.
   DecomposeSettings& settings = outcome.limits;
@@ -115,8 +114,8 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   settings.threads = outcome.threads;
   sayWhatGives(options, settings, host);
   const CoverPoses* posesOfCover = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
-  LORICA_TRY(Fit found,
-             fitHulls({subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings}, host));
+  const FitRequest request{subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings};
+  LORICA_TRY(Fit found, fitHulls(request, host));
   const Fit& fit = outcome.fit = std::move(found);
   const Decomposition& decomposition = fit.made.decomposition;
   if (fit.cover) {
@@ -132,14 +131,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
 
   // Write the outputs, each completely or not at all.
   if (!options.output.empty()) {
-    // Of a mesh, a file has all points, whatever the vertex limit of the exported hulls.
-    const UsedHulls hulls = subject.character ? fit.hulls : hullsOfParts(fit.held, poses);
-    DecompositionFile content =
-        fileContent(subject.name, subject.mesh, subject.character ? &*subject.character : nullptr,
-                    training ? &*training : nullptr, poses, decomposition, hulls);
-    content.cover = fit.cover;
-    if (!subject.character && fit.attached > 0) content.cover = coverWithHeldVertices(fit.held);
-    LORICA_TRY_DO(writeDecomposition(options.output, content));
+    LORICA_TRY_DO(writeDecomposition(options.output, fileContent(request, training ? &*training : nullptr, fit)));
   }
   if (!options.obj.empty()) {
     LORICA_TRY_DO(writeMeshes(options.obj, fit.exported.objects));

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "apps/report.h"
-#include "prepare/cover.h"
+#include "prepare/cover_choice.h"
 #include "prepare/held_out.h"
 #include "prepare/hull_fit.h"
 #include "prepare/subject.h"

@@ -268,29 +268,6 @@ void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* wind
   addCameraOptions(app, options.camera);
 }
 
-Result<void> checkEvents(const std::string& to, const CommonOptions& common, const std::vector<fs::path>& others) {
-  if (to.empty()) return {};
-  if (to == "-") {
-    if (common.json != "-") return {};
-    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
-  }
-  std::vector<fs::path> all = others;
-  if (common.json != "-") all.emplace_back(common.json);
-  CommonOptions asFile;
-  asFile.json = to;
-  return checkJsonOutput(asFile, all, "--events");
-}
-
-Result<void> checkSnapshots(const SnapshotOptions& options) {
-  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
-    return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
-  }
-  if (!options.folder.empty()) {
-    LORICA_TRY_DO(checkOutputFolder("--snapshots", options.folder));
-  }
-  return options.video.empty() ? Result<void>() : checkVideo("--video", options.video);
-}
-
 void addCameraOptions(CommandLine& app, CameraOptions& options) {
   Option* camera =
       app.addOption("--camera", options.preset,
@@ -318,6 +295,46 @@ Result<void> checkVideo(const std::string& option, const std::filesystem::path& 
 
 Result<void> checkRecord(const std::string& option, const std::string& file) {
   return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
+}
+
+namespace {
+
+/// Rejects a file that cannot be written or that is one of the others, and two uses of standard output.
+/// @param others  inputs and other outputs of the command; empty ones are ignored
+Result<void> checkEvents(const std::string& to, const CommonOptions& common, const std::vector<fs::path>& others) {
+  if (to.empty()) return {};
+  if (to == "-") {
+    if (common.json != "-") return {};
+    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
+  }
+  std::vector<fs::path> all = others;
+  if (common.json != "-") all.emplace_back(common.json);
+  CommonOptions asFile;
+  asFile.json = to;
+  return checkJsonOutput(asFile, all, "--events");
+}
+
+Result<void> checkSnapshots(const SnapshotOptions& options) {
+  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
+    return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
+  }
+  if (!options.folder.empty()) {
+    LORICA_TRY_DO(checkOutputFolder("--snapshots", options.folder));
+  }
+  return options.video.empty() ? Result<void>() : checkVideo("--video", options.video);
+}
+
+}  // namespace
+
+Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures, const CommonOptions& common,
+                          std::vector<std::filesystem::path> inputs) {
+  LORICA_TRY_DO(checkJsonOutput(common, inputs));
+  LORICA_TRY_DO(checkSnapshots(pictures));
+  LORICA_TRY_DO(checkRecord("--record", setting.record));
+  LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
+  LORICA_TRY_DO(checkPoseOutput(setting.out));
+  inputs.emplace_back(setting.record);
+  return checkEvents(setting.events, common, inputs);
 }
 
 Result<void> checkWindow(bool wanted, const std::string& instead) {

@@ -5,6 +5,7 @@
 #include "player/events_output.h"
 #include "player/follow_camera.h"
 #include "player/pose_output.h"
+#include "player/run.h"
 #include "player/snapshots.h"
 #include "prepare/cameras.h"
 #include "prepare/cast.h"
@@ -83,14 +84,9 @@ void addEventsOption(CommandLine& app, std::string& to);
 /// @param window  the option --window, which these exclude
 void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window);
 
-/// Rejects, before any work, a file that cannot be written or that is one of the others, and two uses of standard
-/// output.
-/// @param others  inputs and other outputs of the command; empty ones are ignored
-[[nodiscard]] Result<void> checkEvents(const std::string& to, const CommonOptions& common,
-                                       const std::vector<std::filesystem::path>& others);
-
-/// Fails early if the folder or the video cannot be written, or if a camera was given without pictures.
-[[nodiscard]] Result<void> checkSnapshots(const SnapshotOptions& options);
+/// Rejects, before any work, what a run cannot write. @param inputs  files that no output may overwrite
+[[nodiscard]] Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures,
+                                        const CommonOptions& common, std::vector<std::filesystem::path> inputs);
 
 void addCameraOptions(CommandLine& app, CameraOptions& options);
 

@@ -25,17 +25,6 @@ Result<Window> openWindow() {
   return Window::create("Lorica", kWindowWidth, kWindowHeight);
 }
 
-Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures, const CommonOptions& common,
-                          std::vector<std::filesystem::path> inputs) {
-  LORICA_TRY_DO(checkJsonOutput(common, inputs));
-  LORICA_TRY_DO(checkSnapshots(pictures));
-  LORICA_TRY_DO(checkRecord("--record", setting.record));
-  LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
-  LORICA_TRY_DO(checkPoseOutput(setting.out));
-  inputs.emplace_back(setting.record);
-  return checkEvents(setting.events, common, inputs);
-}
-
 Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, WindowOpener* opener, Host& host) {
   Shown shown{screen, {}, opener, {}};
   std::optional<SnapshotSeries> series;

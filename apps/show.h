@@ -20,10 +20,6 @@ namespace lorica {
 /// Opens a window before there is a session.
 [[nodiscard]] Result<Window> openWindow();
 
-/// Rejects, before any work, what a run cannot write. @param inputs  files that no output may overwrite
-[[nodiscard]] Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures,
-                                        const CommonOptions& common, std::vector<std::filesystem::path> inputs);
-
 /// How a run was shown.
 struct Showing {
   RunEnd end = RunEnd::kOver;

@@ -6,7 +6,6 @@
 #include "geometry/files.h"
 #include "geometry/text.h"
 #include "player/follow_camera.h"
-#include "player/movie.h"
 #include "player/playback.h"
 #include "player/snapshots.h"
 #include "viewer/pictures/image_files.h"
@@ -135,10 +134,11 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const std::string motionName = motion.name;
   const Size size = *sizeOf(options.size);
   LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
-  std::optional<Movie> movie;
+  Outcome outcome;
+  std::optional<VideoWriter> movie;
   if (!options.video.empty()) {
     const double rate = length > 0.0 ? (motion.frameCount() - 1) / length : 30.0;
-    LORICA_TRY(Movie made, Movie::create(options.video, size.width, size.height, rate));
+    LORICA_TRY(VideoWriter made, VideoWriter::create(options.video, size.width, size.height, rate));
     movie.emplace(std::move(made));
   }
   const double end = options.to > 0.0 ? options.to : length;
@@ -186,14 +186,16 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
       images.push_back(draw());
       labels.push_back(fmt::format("{:.2f} s", seconds));
     }
-    if (movie && seconds >= options.from - kSameTime && seconds <= end + kSameTime) LORICA_TRY_DO(movie->add(draw()));
+    if (movie && seconds >= options.from - kSameTime && seconds <= end + kSameTime) {
+      LORICA_TRY_DO(movie->add(draw()));
+      ++outcome.videoFrames;
+    }
     const bool allTaken = std::find(taken.begin(), taken.end(), false) == taken.end();
     return !allTaken || (movie && seconds <= end);
   };
   LORICA_TRY(const RunEnd ended, play(*run, shown, host));
   if (ended == RunEnd::kInterrupted) return cancelled();
 
-  Outcome outcome;
   outcome.who = whoOf(*run);
   outcome.name = run->name();
   outcome.frames = session.frameCount();
@@ -213,10 +215,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     LORICA_TRY_DO(writePng(file, images[i]));
     outcome.files.push_back(file);
   }
-  if (movie) {
-    outcome.videoFrames = movie->frames();
-    LORICA_TRY_DO(movie->finish());
-  }
+  if (movie) LORICA_TRY_DO(movie->finish());
   return outcome;
 }
 

@@ -3,7 +3,7 @@
 #include "apps/summary_look.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "geometry/text.h"
-#include "prepare/springs.h"
+#include "prepare/cast.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "prepare/cover.h"
+#include "prepare/cover_choice.h"
 
 #include <fmt/format.h>
 

@@ -33,12 +33,12 @@ class BakeStore {
   /// The description of a result; kNotFound if there is none.
   [[nodiscard]] Result<nlohmann::ordered_json> describe(const std::string& item);
 
-  /// A new, empty folder in which an item's files are made: work/NAME.N beside items/. What is left there of a lost
+  /// A new, empty folder in which an item's files are made: work/NAME.N next to items/. What is left there of a lost
   /// process is removed.
   /// @param earlier  N: the number of processes that had the item before, see Claims::claim()
   [[nodiscard]] Result<std::filesystem::path> begin(const std::string& item, int earlier);
   /// Makes a folder of begin() the result of an item.
-  /// @return false if somebody else's result is there already: this one is removed
+  /// @return false if the result of another process is there already: this one is removed
   [[nodiscard]] Result<bool> publish(const std::string& item, const std::filesystem::path& made,
                                      const nlohmann::ordered_json& description);
   /// Removes a folder of begin().

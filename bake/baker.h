@@ -27,7 +27,7 @@ struct BakeOutcome {
   int failed = 0;                     ///< in this process: results without files
   int byOthers = 0;                   ///< done by other processes meanwhile
   std::vector<std::string> tooLarge;  ///< left out: a sentence for each that may take more than all memory
-  bool stopped = false;               ///< some were not begun
+  bool stopped = false;               ///< some were not started
   double seconds = 0.0;
   double cpuSeconds = 0.0;        ///< of the items of this process
   double longest = 0.0;           ///< of them [s]

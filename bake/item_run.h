@@ -31,7 +31,7 @@ class ItemRun {
   [[nodiscard]] static Result<ItemRun> start(const BakeJob& job, const std::filesystem::path& folder,
                                              const ItemRunSettings& settings);
 
-  /// Goes on to the next process if one has ended. @return the description of the result, when all have or one failed;
+  /// Starts the next process if one has ended. @return the description of the result, when all have or one failed;
   /// none while it works; or an error of this machine, not of the item
   [[nodiscard]] Result<std::optional<nlohmann::ordered_json>> poll();
 
@@ -44,7 +44,7 @@ class ItemRun {
   [[nodiscard]] Result<void> startStep();
   [[nodiscard]] Result<nlohmann::ordered_json> finish(const std::string& failure);
   /// Whether the end says something about the item: not if the disk is full, a file server away, or the process was
-  /// killed.
+  /// killed from outside.
   [[nodiscard]] Result<void> checkMachine(const ProcessEnd& end) const;
   /// Why a process refused its work, of its report; empty without one.
   struct Refusal {

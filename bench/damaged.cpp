@@ -1,4 +1,4 @@
-// Damaged meshes through mending and bodies. Input: a folder of closed meshes, and meshes as they are. Output: one CSV
+// Damaged meshes through repair and bodies. Input: a folder of closed meshes, and meshes as they are. Output: one CSV
 // row for each mesh and damage, then counts for each kind of damage on lines that start with #.
 
 #include "acd/decompose.h"
@@ -6,8 +6,8 @@
 #include "acd/transfer.h"
 #include "bench/measure.h"
 #include "geometry/mesh_files.h"
-#include "geometry/mesh_mending.h"
 #include "geometry/mesh_repair.h"
+#include "geometry/small_faults.h"
 #include "skinning/body/mesh_body.h"
 #include "skinning/import/character_file.h"
 #include "tests/support/damaged_meshes.h"
@@ -30,16 +30,16 @@ constexpr int kParts = 16;
 struct Row {
   std::string mesh;
   std::string damage;
-  bool before = false;       ///< accepted without mending: closed, but for non-manifold edges
-  std::string way;           ///< "mended", "body" or "refused"
-  double volumeRatio = 0.0;  ///< to the undamaged mesh; 0 if there is none
-  std::size_t outside = 0;   ///< vertices of the surface that are outside all hulls by more than 1e-6 of the diagonal
-  std::size_t attached = 0;  ///< vertices that no part contains but the hulls do
-  std::size_t vertices = 0;  ///< that triangles of the damaged mesh use
-  double bareError = 0.0;    ///< like error, without attached vertices
-  double error = 0.0;        ///< volume of the hulls / volume of what was decomposed, minus 1
-  double mendSeconds = 0.0;  ///< until the mesh or its body is closed
-  double seconds = 0.0;      ///< of the decomposition
+  bool before = false;         ///< accepted without repair: closed, but for non-manifold edges
+  std::string way;             ///< "repaired", "body" or "refused"
+  double volumeRatio = 0.0;    ///< to the undamaged mesh; 0 if there is none
+  std::size_t outside = 0;     ///< vertices of the surface that are outside all hulls by more than 1e-6 of the diagonal
+  std::size_t attached = 0;    ///< vertices that no part contains but the hulls do
+  std::size_t vertices = 0;    ///< that triangles of the damaged mesh use
+  double bareError = 0.0;      ///< like error, without attached vertices
+  double error = 0.0;          ///< volume of the hulls / volume of what was decomposed, minus 1
+  double repairSeconds = 0.0;  ///< until the mesh or its body is closed
+  double seconds = 0.0;        ///< of the decomposition
 };
 
 double secondsSince(std::chrono::steady_clock::time_point start) {
@@ -84,10 +84,10 @@ Row tried(const std::string& name, const std::string& damage, const TriMesh& dam
   auto start = std::chrono::steady_clock::now();
   TriMesh closed;
   std::vector<VertexIndex> held;
-  if (Result<MeshMending> mending = mendMesh(mesh)) {
-    row.way = "mended";
-    closed = std::move(mending->mesh);
-    held = std::move(mending->leftOut);
+  if (Result<FaultRepair> repair = repairSmallFaults(mesh)) {
+    row.way = "repaired";
+    closed = std::move(repair->mesh);
+    held = std::move(repair->leftOut);
   } else {
     Result<MeshBody> body = makeMeshBody(mesh);
     if (!body) {
@@ -105,7 +105,7 @@ Row tried(const std::string& name, const std::string& damage, const TriMesh& dam
     }
     closed = std::move(body->mesh);
   }
-  row.mendSeconds = secondsSince(start);
+  row.repairSeconds = secondsSince(start);
   const double closedVolume = signedVolume(closed.vertices, closed.triangles);
   if (volume > 0.0) row.volumeRatio = closedVolume / volume;
 
@@ -137,7 +137,7 @@ Row tried(const std::string& name, const std::string& damage, const TriMesh& dam
 void print(const Row& row) {
   fmt::print("{},{},{},{},{},{},{},{:.9f},{:.4f},{:.4f},{:.3f},{:.3f}\n", row.mesh, csvField(row.damage),
              row.before ? 1 : 0, row.way, row.vertices, row.attached, row.outside, row.volumeRatio, row.bareError,
-             row.error, row.mendSeconds, row.seconds);
+             row.error, row.repairSeconds, row.seconds);
   std::fflush(stdout);
 }
 
@@ -148,23 +148,24 @@ void summarize(const std::vector<Row>& rows) {
   }
   kinds.emplace_back();  // all
   for (const std::string& kind : kinds) {
-    int count = 0, before = 0, mended = 0, body = 0;
+    int count = 0, before = 0, repaired = 0, body = 0;
     std::size_t outside = 0;
     double volumeOff = 0.0, slowest = 0.0;
     for (const Row& row : rows) {
       if (!kind.empty() && row.damage != kind) continue;
       ++count;
       before += row.before ? 1 : 0;
-      mended += row.way == "mended" ? 1 : 0;
+      repaired += row.way == "repaired" ? 1 : 0;
       body += row.way == "body" ? 1 : 0;
       outside += row.outside;
       if (row.volumeRatio > 0.0) volumeOff = std::max(volumeOff, std::abs(row.volumeRatio - 1.0));
-      slowest = std::max(slowest, row.mendSeconds);
+      slowest = std::max(slowest, row.repairSeconds);
     }
     fmt::print(
-        "# {}: {} meshes, accepted before {}, mended {}, body {}, refused {}, vertices outside {}, volume off by "
-        "at most {:.2g}, mending at most {:.2f} s\n",
-        kind.empty() ? "all" : kind, count, before, mended, body, count - mended - body, outside, volumeOff, slowest);
+        "# {}: {} meshes, accepted before {}, repaired {}, body {}, refused {}, vertices outside {}, volume off by "
+        "at most {:.2g}, repair at most {:.2f} s\n",
+        kind.empty() ? "all" : kind, count, before, repaired, body, count - repaired - body, outside, volumeOff,
+        slowest);
   }
 }
 
@@ -180,7 +181,7 @@ int run(const std::string& folder, const std::vector<std::string>& only, const s
     return 2;
   }
   std::vector<Row> rows;
-  fmt::print("mesh,damage,before,way,vertices,attached,outside,volume_ratio,bare_error,error,mend_seconds,seconds\n");
+  fmt::print("mesh,damage,before,way,vertices,attached,outside,volume_ratio,bare_error,error,repair_seconds,seconds\n");
   for (const fs::path& file : files) {
     if (!only.empty() && std::find(only.begin(), only.end(), file.stem().string()) == only.end()) continue;
     const Result<TriMesh> read = readMesh(file);

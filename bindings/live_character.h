@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bindings/playable_character.h"
+#include "bindings/character_body.h"
 #include "collision/live/live_body.h"
 #include "collision/world/self_contact.h"
 #include "collision/world/shape_contact.h"

@@ -3,6 +3,7 @@
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
 #include "geometry/convex_hull.h"
+#include "prepare/subject.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -12,17 +13,10 @@
 
 namespace lorica {
 
-/// When a closed body takes the place of a mesh's surface.
-enum class ClosedSurface : std::uint8_t {
-  kIfNeeded,  ///< if the surface is not closed and cannot be repaired
-  kNever,     ///< such a mesh is refused
-  kAlways,    ///< even if it is closed
-};
-
 struct MeshPartsSettings {
-  DecomposeSettings decompose;  ///< its limits hold on the hulls before their vertices are limited
+  DecomposeSettings decompose;  ///< its limits hold on the hulls that are given, as those of `lorica decompose`
   int hullVertices = 0;         ///< a hull with more is enclosed in a larger one of at most as many, 0 = no limit
-  ClosedSurface closed = ClosedSurface::kIfNeeded;
+  BodyChoice closed = BodyChoice::kIfNeeded;
 };
 
 /// A mesh in convex hulls that together contain every vertex of its surface. Lengths are in the mesh's unit.
@@ -41,7 +35,7 @@ struct MeshParts {
 [[nodiscard]] Result<TriMesh> checkedMesh(std::span<const double> positions, std::span<const std::int64_t> corners);
 
 /// Repairs the mesh or builds a closed surface around it, decomposes it, and makes the hulls, as `lorica decompose`
-/// does.
+/// does. Threads and progress are those of the settings.
 [[nodiscard]] Result<MeshParts> partsOfMesh(TriMesh mesh, const MeshPartsSettings& settings);
 
 /// The same parts as those of a file that was written before.

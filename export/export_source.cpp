@@ -37,16 +37,6 @@ Result<DecompositionFile> decomposeMesh(const Subject& subject, int parts, Host&
   return std::move(made->file);
 }
 
-Result<DecompositionFile> readFitting(const std::string& file, const Subject& subject) {
-  LORICA_TRY(DecompositionFile read, readDecomposition(file));
-  if (read.meshHash != topologyHash(subject.mesh)) {
-    return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", file,
-                           read.source, grouped(read.decomposition.vertexCount), subject.name,
-                           grouped(std::ssize(subject.mesh.vertices)));
-  }
-  return read;
-}
-
 }  // namespace
 
 Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& host) {
@@ -73,7 +63,7 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& 
   }
   ExportSource source{input, std::move(subject), {}};
   if (!decomposition.empty()) {
-    LORICA_TRY(source.content, readFitting(decomposition, source.subject));
+    LORICA_TRY(source.content, readDecompositionOf(source.subject, decomposition));
   } else if (source.subject.character) {
     LORICA_TRY(CachedDecomposition made, defaultDecomposition(source.subject, host));
     source.content = std::move(made.file);

@@ -19,14 +19,14 @@ enum class MjcfMotion {
 /// Writes it, completely or not at all.
 [[nodiscard]] Result<void> writeMjcf(const std::filesystem::path& file, const RigidModel& model, MjcfMotion motion);
 
-/// A file beside a URDF.
+/// A file next to a URDF.
 struct UrdfMesh {
   std::string name;  ///< relative to the URDF: "hero_meshes/Hips_hull_0.stl"
   std::string content;
 };
 
 /// A robot for ROS: metres, Z up, facing +X (REP 103). URDF has no joint of several axes: hinges after the first one
-/// have a link of a gram between them. Meshes are files beside it. http://wiki.ros.org/urdf/XML
+/// have a link of a gram between them. Meshes are files next to it. http://wiki.ros.org/urdf/XML
 /// @param folder  of the meshes, relative
 [[nodiscard]] std::string formatUrdf(const RigidModel& model, const std::string& folder);
 [[nodiscard]] std::vector<UrdfMesh> urdfMeshes(const RigidModel& model, const std::string& folder);

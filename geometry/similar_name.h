@@ -6,7 +6,7 @@
 
 namespace lorica {
 
-/// What somebody who misspelt a name probably meant, for the end of a sentence.
+/// What a misspelt name probably meant, for the end of a sentence.
 /// Compared by Levenshtein distance (insertions, deletions and changes of letters) without regard to case; of equally
 /// near names the first one is taken. Names of more than 200 characters and all after the first 2,000 are not compared.
 /// @return `; did you mean "hand.l"?`, or empty if more than half of the name would change

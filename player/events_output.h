@@ -20,7 +20,7 @@ class EventsOutput : public StepWatcher {
   [[nodiscard]] virtual Result<void> finish() = 0;
 };
 
-/// @param to    file, which is written beside it and renamed by finish(); "-" = standard output; empty = nowhere
+/// @param to    file, which is written next to it and renamed by finish(); "-" = standard output; empty = nowhere
 /// @param next  another watcher of the same session; may be null
 /// @return the output, null if `to` is empty, or an error
 [[nodiscard]] Result<std::shared_ptr<EventsOutput>> makeEventsOutput(const std::string& to,

@@ -23,7 +23,8 @@ class Hands {
   void beforeStep(const Screen& screen, Session& session);
   /// Call before the session restarts: releases a held prop. Recorded actions will be repeated.
   void rewind(Session& session);
-  /// The session has ended and the world goes on without it: actions are applied to the world at once and not recorded.
+  /// The session has ended and the world continues without it: actions are applied to the world at once and not
+  /// recorded.
   void goOnWithout() { without_ = true; }
   /// Forgets the last action, if canUndo(). The session has to restart and come back to see it.
   void undo() { tape_.undo(); }

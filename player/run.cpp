@@ -11,7 +11,7 @@
 
 namespace lorica {
 
-Run::Run(Cast given, RunSetting asked, Session started, Host& /*host*/)
+Run::Run(Cast given, RunSetting asked, Session started)
     : cast(std::move(given)),
       setting(std::move(asked)),
       session(std::move(started)),
@@ -25,7 +25,7 @@ Result<std::unique_ptr<Run>> Run::make(Cast cast, RunSetting setting, Host& host
     if (recorder) (void)recorder->finish();  // removes the file
     return session.error();
   }
-  std::unique_ptr<Run> run(new Run(std::move(cast), std::move(setting), std::move(*session), host));
+  std::unique_ptr<Run> run(new Run(std::move(cast), std::move(setting), std::move(*session)));
   run->recorder = std::move(recorder);
   return run;
 }
@@ -130,7 +130,9 @@ void prepareScreen(const Run& run, Screen& screen) {
   const Character& character = run.session.character();
   screen.setTitle(run.name().empty() ? "Lorica" : "Lorica: " + run.name());
   screen.setCamera(windowCamera(character.height, run.session.avatars().size()));
-  screen.setShown(usualView(character));
+  WindowChoices choices = screen.choices();
+  choices.show = usualView(character);
+  screen.setChoices(choices);
 }
 
 }  // namespace lorica

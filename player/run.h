@@ -115,7 +115,7 @@ class Run {
   [[nodiscard]] Result<void> finish() { return finishEvents(events_); }
 
  private:
-  Run(Cast cast, RunSetting setting, Session session, Host& host);
+  Run(Cast cast, RunSetting setting, Session session);
   [[nodiscard]] static Result<std::unique_ptr<Run>> make(Cast cast, RunSetting setting, Host& host);
   [[nodiscard]] Result<void> watch(Host& host);
 

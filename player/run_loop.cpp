@@ -149,7 +149,7 @@ Result<void> RunLoop::advance() {
     if (!run_.ready()) break;
     const bool live = run_.live();
     // Single steps are not timed.
-    if (!live && !run_.setting.hurry && !screen_->paused() && now() < due_) break;
+    if (!live && !run_.setting.hurry && !screen_->choices().paused && now() < due_) break;
     if (!screen_->wantsStep()) {
       due_ = now();
       break;
@@ -162,7 +162,7 @@ Result<void> RunLoop::advance() {
     addStageTimes(session_, run_.trackingSeconds(), *screen_);
     if (live) break;  // only the latest frame counts
     const double length = first ? 0.0 : std::min(session_.time() - before, kLongestPause);
-    due_ += length / screen_->speed();
+    due_ += length / screen_->choices().speed;
     // Catch up with late frames, but not after a long stop such as a pause or a dragged window.
     if (now() - due_ > kLongestPause) due_ = now();
   }
@@ -182,14 +182,14 @@ void RunLoop::goOn() {
     for (LivePart& part : standing_[a]) part.previousWorldFromPart = part.worldFromPart;
     standing.emplace_back(standing_[a]);
   }
-  for (int steps = 0; steps < kMaxStepsAPicture && (screen_->paused() || now() >= due_); ++steps) {
+  for (int steps = 0; steps < kMaxStepsAPicture && (screen_->choices().paused || now() >= due_); ++steps) {
     if (!screen_->wantsStep()) {
       due_ = now();
       break;
     }
     hands_.beforeStep(*screen_, session_);
     session_.world().stepAvatars(standing, kAfterSeconds);
-    due_ += kAfterSeconds / screen_->speed();
+    due_ += kAfterSeconds / screen_->choices().speed;
     if (now() - due_ > kLongestPause) due_ = now();
   }
   describe();
@@ -264,7 +264,7 @@ void RunLoop::show() {
   values.noLoop = whyNoLoop();
   Scene scene;
   if (started_) {
-    scene = scene_->of(session_, screen_->shown(), screen_->camera().eye);
+    scene = scene_->of(session_, screen_->choices().show, screen_->camera().eye);
     scene.inset = inset_;
   }
   screen_->show(scene, values);

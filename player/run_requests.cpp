@@ -171,13 +171,12 @@ void RunLoop::recallSettings() {
       screen_->notice(std::string(opener->hint()), kHintSeconds);
     }
   }
-  WindowChoices choices = settings_.choices;
+  WindowChoices choices = screen_->choices();
+  static_cast<KeptChoices&>(choices) = settings_.choices;
   choices.treatment = allowed(run_.treatment, choices.treatment);
+  showKept(settings_, choices.show);
+  firstShown_ = choices.show;
   screen_->setChoices(choices);
-  SceneOptions show = screen_->shown();
-  showKept(settings_, show);
-  screen_->setShown(show);
-  firstShown_ = show;
 }
 
 void RunLoop::keepSettings() {
@@ -190,7 +189,7 @@ void RunLoop::keepSettings() {
   if (!control.noMirror.empty()) treatment.mirror = kept.mirror;
   if (!control.noSmoothing.empty()) treatment.smoothing = kept.smoothing;
   if (!control.noGravity.empty()) treatment.gravity = kept.gravity;
-  keepShown(firstShown_, screen_->shown(), now);
+  keepShown(firstShown_, screen_->choices().show, now);
   if (shown_.opener != nullptr) {
     for (const std::string& file : shown_.opener->opened()) addRecent(file, now);
   }

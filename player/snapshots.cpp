@@ -144,7 +144,7 @@ Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptio
   }
   SnapshotSeries series(options, std::move(pictures), follow, session);
   if (!options.video.empty()) {
-    LORICA_TRY(Movie movie, Movie::create(options.video, kWidth, kHeight, kFilmRate));
+    LORICA_TRY(VideoWriter movie, VideoWriter::create(options.video, kWidth, kHeight, kFilmRate));
     series.movie_.emplace(std::move(movie));
   }
   return std::optional<SnapshotSeries>(std::move(series));
@@ -194,8 +194,8 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
 }
 
 Result<DrawnFiles> SnapshotSeries::finish() {
-  if (movie_ && movie_->frames() > 0) {
-    drawn_.videoFrames = movie_->frames();
+  if (movie_ && filmed_ > 0) {
+    drawn_.videoFrames = filmed_;
     LORICA_TRY_DO(movie_->finish());
   }
   return drawn_;

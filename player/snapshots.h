@@ -3,9 +3,9 @@
 #include "geometry/text.h"
 #include "player/avatar_fade.h"
 #include "player/follow_camera.h"
-#include "player/movie.h"
 #include "player/session_face.h"
 #include "session/session.h"
+#include "viewer/pictures/video_writer.h"
 #include "viewer/renderer/image.h"
 #include "viewer/renderer/renderer.h"
 #include "viewer/renderer/scene.h"
@@ -116,7 +116,7 @@ class SnapshotSeries {
   SnapshotCamera pictures_;
   SessionScene scene_;
   FollowCamera follow_;
-  std::optional<Movie> movie_;
+  std::optional<VideoWriter> movie_;
   double filmSeconds_ = 0.0;  // duration of the video up to the last added frame [s]
   int filmed_ = 0;            // number of its frames
   std::optional<double> firstTime_, previousTime_;

@@ -12,7 +12,7 @@
 
 namespace lorica {
 
-/// Opens in a window what the user drops on it or picks, while the present session goes on.
+/// Opens in a window what the user drops on it or picks, while the present session continues.
 class WindowOpener {
  public:
   /// @param whyNot  nothing can be opened; empty = it can

@@ -13,7 +13,7 @@ namespace lorica {
 
 /// What the window keeps from one run to the next.
 struct WindowSettings {
-  WindowChoices choices;
+  KeptChoices choices;
   std::map<std::string, bool> shown;  ///< layers of the picture that the user switched on or off, by name
   std::vector<std::string> recent;    ///< files that were opened, the last one first, at most kMaxRecent
 

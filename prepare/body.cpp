@@ -2,7 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/cover.h"
+#include "prepare/cover_choice.h"
 #include "prepare/subject_training.h"
 
 #include <utility>
@@ -10,20 +10,11 @@
 namespace lorica {
 namespace {
 
-/// The requested decomposition, checked against the character, or the default one.
+/// The requested decomposition, or the default one.
 Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const Subject& subject, Host& host) {
-  const Character& character = *subject.character;
-  if (options.decomposition.empty()) {
-    LORICA_TRY(CachedDecomposition made, defaultDecomposition(subject, host));
-    return std::move(made.file);
-  }
-  LORICA_TRY(DecompositionFile read, readDecomposition(options.decomposition));
-  if (read.meshHash != topologyHash(character.mesh)) {
-    return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)",
-                           options.decomposition, read.source, grouped(read.decomposition.vertexCount), character.name,
-                           grouped(std::ssize(character.mesh.vertices)));
-  }
-  return read;
+  if (!options.decomposition.empty()) return readDecompositionOf(subject, options.decomposition);
+  LORICA_TRY(CachedDecomposition made, defaultDecomposition(subject, host));
+  return std::move(made.file);
 }
 
 /// A cover of the body: from the user's cache, or chosen in poses of the character's default training.
@@ -32,7 +23,7 @@ Result<HullCover> coverOf(const Subject& subject, const DecompositionFile& body,
   const Character& character = *subject.character;
   LORICA_TRY(const Training training, trainingMotions(subject, {}, host));
   LORICA_TRY(const CoverPoses poses, coverPoses(character, training.motions));
-  const auto choose = [&] { return chooseCoverWithProgress(character, body.decomposition, poses, request, host); };
+  const auto choose = [&] { return chooseCover(character, body.decomposition, poses, request, host); };
   return cachedCover(character, body, poses, request, choose, userCache(host));
 }
 
@@ -53,6 +44,14 @@ Result<CachedDecomposition> defaultDecomposition(const Subject& subject, Host& h
   // The last cut may have finished before the progress callback was called.
   if (host.cancelled()) return cancelled();
   return made;
+}
+
+Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file) {
+  LORICA_TRY(DecompositionFile read, readDecomposition(file));
+  if (read.meshHash == topologyHash(subject.mesh)) return read;
+  return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", file.string(),
+                         read.source, grouped(read.decomposition.vertexCount), subject.name,
+                         grouped(std::ssize(subject.mesh.vertices)));
 }
 
 Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host) {

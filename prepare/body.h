@@ -5,6 +5,7 @@
 #include "prepare/decomposition_cache.h"
 #include "prepare/subject.h"
 
+#include <filesystem>
 #include <string>
 
 namespace lorica {
@@ -20,6 +21,9 @@ struct BodyOptions {
 
 /// defaultDecomposition() with the character's default training, the user's cache, as a task of the host.
 [[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, Host& host);
+
+/// The decomposition in a .lorica file, or an error if it was made from another mesh or cannot be read.
+[[nodiscard]] Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file);
 
 /// The decomposition with the requested cover; without a request, its own cover, or an exact one if it has none.
 /// @param subject  a character

@@ -35,6 +35,14 @@ std::vector<std::string> namesIn(const std::string& text) {
   }
 }
 
+std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::string& mode) {
+  if (!subject.file || subject.file->springs.empty()) return std::nullopt;
+  const SpringBones& springs = subject.file->springs;
+  SpringChoice choice{springs, springModeNamed(mode).value_or(usualSpringMode(springs))};
+  if (choice.mode == SpringMode::kNone && springs.constraints.empty()) return std::nullopt;
+  return choice;
+}
+
 Result<void> addAvatar(Session& session, const PreparedAvatar& avatar, std::unique_ptr<PoseSource> source) {
   const DecompositionFile& body = avatar.body;
   LORICA_TRY(SessionAvatar made, SessionAvatar::create(avatar.character(), body.decomposition, std::move(source),

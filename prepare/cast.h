@@ -3,7 +3,6 @@
 #include "acd/decomposition_file.h"
 #include "prepare/body.h"
 #include "prepare/read_motion.h"
-#include "prepare/springs.h"
 #include "prepare/subject.h"
 #include "session/recording/session_recorder.h"
 #include "session/scenes/hit_counter.h"
@@ -35,6 +34,16 @@ struct CastRequest {
   /// The files that it names, which no output may overwrite.
   [[nodiscard]] std::vector<std::filesystem::path> files() const;
 };
+
+/// The springs and constraints of a character and what they do.
+struct SpringChoice {
+  SpringBones springs;
+  SpringMode mode = SpringMode::kFile;
+};
+
+/// @param mode  as given; empty = usualSpringMode()
+/// @return none if there is nothing to move: neither springs, or the mode is none, nor constraints
+[[nodiscard]] std::optional<SpringChoice> chooseSprings(const Subject& subject, const std::string& mode);
 
 /// An avatar that was read and decomposed, ready for a session.
 struct PreparedAvatar {

@@ -3,10 +3,11 @@
 #include "acd/decomposition.h"
 #include "acd/hull_cover.h"
 #include "prepare/cover_poses.h"
+#include "prepare/host.h"
 #include "skinning/character.h"
 
-#include <functional>
 #include <optional>
+#include <string>
 
 namespace lorica {
 
@@ -20,16 +21,19 @@ struct CoverRequest {
   [[nodiscard]] bool exact() const { return tolerance.value_or(0.0) == 0.0 && hullVertices == 0; }
 };
 
-/// chooseCover() for a character.
+/// Rejects, before any work, a contradictory request or a tolerance that is out of range.
+[[nodiscard]] Result<void> checkCover(const CoverRequest& request, const Character& character);
+
+/// chooseCover() for a character, as a task of the host. Exact if nothing was requested.
 /// @param decomposition  made from the character's mesh
-/// @param threads        0 = as many as the machine has; the result does not depend on it
-/// @param progress       one call at a time; return false to cancel
 [[nodiscard]] Result<HullCover> chooseCover(const Character& character, const Decomposition& decomposition,
-                                            const CoverPoses& poses, const CoverRequest& request, int threads,
-                                            const std::function<bool(int partsDone, int parts)>& progress = {});
+                                            const CoverPoses& poses, const CoverRequest& request, Host& host);
 
 /// Extra volume of a cover's hulls relative to exact ones (0.05 is 5 %), over all parts and every fourth sampled pose.
 [[nodiscard]] double volumeGrowth(const Character& character, const Decomposition& decomposition,
                                   const CoverPoses& poses, const HullCover& cover);
+
+/// "--cover 0.002 --hull-vertices 64"
+[[nodiscard]] std::string asTyped(const CoverRequest& request);
 
 }  // namespace lorica

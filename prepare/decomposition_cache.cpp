@@ -6,6 +6,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "prepare/cache_entries.h"
+#include "prepare/file_content.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,8 @@
 #include "acd/level_of_detail.h"
 #include "collision/live/attached_vertices.h"
 #include "geometry/counts.h"
-#include "prepare/cover.h"
+#include "prepare/cover_choice.h"
+#include "prepare/file_content.h"
 
 #include <algorithm>
 
@@ -49,7 +50,7 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
     const Character& character = *subject.character;
     HullCover cover = coverExactly(parts, liftPoints(character, parts));
     if (request.coverPoses != nullptr) {
-      LORICA_TRY(HullCover chosen, chooseCoverWithProgress(character, parts, *request.coverPoses, request.cover, host));
+      LORICA_TRY(HullCover chosen, chooseCover(character, parts, *request.coverPoses, request.cover, host));
       cover = std::move(chosen);
       fit.cover = cover;
     }
@@ -133,6 +134,17 @@ Result<Fit> fitHulls(const FitRequest& request, Host& host) {
   }
   best->made.seconds = seconds;
   return best;
+}
+
+DecompositionFile fileContent(const FitRequest& request, const Training* training, const Fit& fit) {
+  const Subject& subject = request.subject;
+  const Character* character = subject.character ? &*subject.character : nullptr;
+  const UsedHulls hulls = character != nullptr ? fit.hulls : hullsOfParts(fit.held, posesOf(request));
+  DecompositionFile content =
+      fileContent(subject.name, subject.mesh, character, training, posesOf(request), fit.made.decomposition, hulls);
+  content.cover = fit.cover;
+  if (character == nullptr && fit.attached > 0) content.cover = coverWithHeldVertices(fit.held);
+  return content;
 }
 
 }  // namespace lorica

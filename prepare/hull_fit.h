@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "acd/decomposition_file.h"
 #include "prepare/cover_choice.h"
 #include "prepare/hull_export.h"
 #include "prepare/quality.h"
@@ -48,5 +49,9 @@ struct Fit {
 /// The numbers of parts and of vertices are always kept. Where the other limits cannot be met, the parts that came
 /// nearest to them are returned.
 [[nodiscard]] Result<Fit> fitHulls(const FitRequest& request, Host& host);
+
+/// The content of a .lorica file. Of a mesh it has all points, whatever the vertex limit of the exported hulls.
+/// @param training  of a character; else null
+[[nodiscard]] DecompositionFile fileContent(const FitRequest& request, const Training* training, const Fit& fit);
 
 }  // namespace lorica

@@ -4,7 +4,7 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "prepare/abandoned_work.h"
-#include "prepare/cover.h"
+#include "prepare/cover_choice.h"
 #include "prepare/scenes.h"
 
 #include <fmt/format.h>

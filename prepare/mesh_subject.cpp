@@ -1,6 +1,6 @@
 #include "prepare/mesh_subject.h"
 
-#include "geometry/mesh_mending.h"
+#include "geometry/small_faults.h"
 #include "skinning/body/mesh_body.h"
 
 #include <fmt/format.h>
@@ -15,12 +15,13 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
   Task task(host, "Making a closed body for " + subject.name, "steps");
   BodySettings settings;
   settings.resolution = options.bodyResolution;
+  settings.threads = host.threads;
   settings.progress = task.progress();
   Result<MeshBody> body = makeMeshBody(subject.mesh, settings);
   if (!body) {
     if (body.error().code == ErrorCode::kCancelled) return body.error();
-    return Error{body.error().code, fmt::format("{}: {}; no closed body can be made: {}", subject.name,
-                                                problem.empty() ? "--body always" : problem, body.error().message)};
+    return Error{body.error().code, fmt::format("{}: {}{}no closed body can be made: {}", subject.name, problem,
+                                                problem.empty() ? "" : "; ", body.error().message)};
   }
   std::vector<bool> used(subject.mesh.vertices.size(), false);
   for (const Triangle& t : subject.mesh.triangles) {
@@ -43,13 +44,13 @@ Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const Charact
     LORICA_TRY_DO(rebuild(subject, options, "", host));
     return subject;
   }
-  Result<MeshMending> mending = mendMesh(subject.mesh);
-  if (mending) {
-    subject.repaired = mending->summary();
-    subject.mesh = std::move(mending->mesh);
-    subject.held = std::move(mending->leftOut);
+  Result<FaultRepair> repair = repairSmallFaults(subject.mesh);
+  if (repair) {
+    subject.repaired = repair->summary();
+    subject.mesh = std::move(repair->mesh);
+    subject.held = std::move(repair->leftOut);
   } else if (options.body == BodyChoice::kIfNeeded) {
-    LORICA_TRY_DO(rebuild(subject, options, mending.error().message, host));
+    LORICA_TRY_DO(rebuild(subject, options, repair.error().message, host));
   }
   return subject;
 }

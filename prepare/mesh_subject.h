@@ -8,8 +8,8 @@
 
 namespace lorica {
 
-/// A subject of a mesh that is no character: repaired, see mendMesh(); if that is not enough and the options allow it,
-/// with a closed body instead of its own surface.
+/// A subject of a mesh that is no character: repaired, see repairSmallFaults(); if that is not enough and the options
+/// allow it, with a closed body instead of its own surface.
 /// @param name     for the subject and for errors
 /// @param mesh     as the file has it
 /// @param options  body and bodyResolution; the latter in the mesh's unit

@@ -5,7 +5,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/cover.h"
+#include "prepare/cover_choice.h"
 #include "prepare/scenes.h"
 #include "prepare/settling.h"
 #include "skinning/look/avatar.h"

@@ -22,8 +22,8 @@ inline constexpr double kBeforeSettling = 0.6;
 /// be given up then.
 void settleAround(const PartsOfAvatars& parts, World& world, Host& host);
 
-/// The same in the first step of a session. If it is stopped, the step that ends it is not watched any more: nobody
-/// records it.
+/// The same in the first step of a session. If it is stopped, the step that ends it is no longer watched, so that it is
+/// not recorded.
 [[nodiscard]] Result<bool> stepAndSettle(Session& session, Host& host);
 
 }  // namespace lorica

@@ -1,7 +1,6 @@
 #include "prepare/training.h"
 
 #include "capture/retarget/proxy_skeleton.h"
-#include "collision/live/part_bones.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "prepare/keyframes.h"
@@ -12,26 +11,6 @@ namespace lorica {
 namespace {
 
 constexpr double kLikeEnough = 0.02;  // in heights of the character: closer poses need no keyframe of their own
-constexpr std::size_t kMaxKnownFrames = 3000;
-
-/// Largest distance of a training frame from its nearest keyframe [m].
-double farthestTrained(const TrainingRange& range, const Decomposition& decomposition, const Character& character,
-                       const Training& training) {
-  std::size_t frameCount = 0;
-  for (const SkeletalMotion& motion : training.motions) frameCount += motion.times.size();
-  const std::size_t stride = (frameCount + kMaxKnownFrames - 1) / kMaxKnownFrames;
-  double farthest = 0.0;
-  for (const SkeletalMotion& motion : training.motions) {
-    SkeletalMotion one{motion.name, motion.skeleton, {0.0}, {}};
-    for (std::size_t f = 0; f < motion.times.size(); f += stride) {
-      const std::span<const JointTransform> pose = motion.pose(f);
-      one.poses.assign(pose.begin(), pose.end());
-      const std::vector<Vec3> posed = poseAllFrames(character, one);
-      farthest = std::max(farthest, farthestFrame(range, decomposition, {posed, countOf(posed)}));
-    }
-  }
-  return farthest;
-}
 
 }  // namespace
 
@@ -97,26 +76,6 @@ Result<Keyframes> trainingKeyframes(const Character& character, const Training& 
   }
   LORICA_TRY(std::vector<Vec3> positions, sampleKeyframes(character, training.motions, *count));
   return Keyframes{std::move(positions), *count, {}, 0.0, sampleBones(character, training.motions, *count)};
-}
-
-DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
-                              const Training* training, PoseView keyframes, Decomposition decomposition,
-                              const UsedHulls& hulls) {
-  const Quality quality = measureQuality(mesh, keyframes, hulls);
-  DecompositionFile content;
-  content.source = name;
-  content.meshHash = topologyHash(mesh);
-  content.meanError = quality.error;
-  content.errorPerKeyframe = quality.errorPerKeyframe;
-  content.detailLevels = detailLevels(decomposition, mesh, keyframes, hulls);
-  if (character != nullptr) content.bonesOfPart = bonesOfParts(decomposition, *character);
-  if (character != nullptr || keyframes.keyframeCount() > 1) content.training = trainingRange(decomposition, keyframes);
-  if (character != nullptr && training != nullptr) {
-    content.training->knownDistance = std::max(
-        content.training->knownDistance, farthestTrained(*content.training, decomposition, *character, *training));
-  }
-  content.decomposition = std::move(decomposition);
-  return content;
 }
 
 }  // namespace lorica

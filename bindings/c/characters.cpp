@@ -5,28 +5,32 @@
 
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace lorica {
 namespace {
 
-Result<CharacterBodySettings> settingsFrom(const lorica_body_options* given) {
-  LORICA_TRY(const lorica_body_options options, taken(given, "options"));
+Result<void> check(const lorica_body_options& options) {
   const bool fits = options.parts >= 0 && options.threads >= 0 && std::isfinite(options.cover) &&
                     options.cover >= 0.0 && (options.hull_vertices == 0 || options.hull_vertices >= 4);
-  if (!fits) {
-    return invalidArgument(
-        "parts {}, threads {}, cover {}, hull_vertices {}: expected none below 0, and at least 4 vertices of a hull, "
-        "or 0",
-        options.parts, options.threads, options.cover, options.hull_vertices);
-  }
-  CharacterBodySettings settings;
-  settings.parts = options.parts;
-  settings.cover.hullVertices = options.hull_vertices;
-  if (options.cover > 0.0) settings.cover.tolerance = options.cover;
-  settings.threads = options.threads;
-  settings.progress = progressFrom(options.progress, options.user);
-  return settings;
+  if (fits) return {};
+  return invalidArgument(
+      "parts {}, threads {}, cover {}, hull_vertices {}: expected none below 0, and at least 4 vertices of a hull, or "
+      "0",
+      options.parts, options.threads, options.cover, options.hull_vertices);
+}
+
+/// Its own clips; empty if there is no character.
+std::span<const Clip> clipsOf(const lorica_character* character) {
+  if (character == nullptr || !character->owner->file) return {};
+  return character->owner->file->clips;
+}
+
+/// Its joints; empty if there is no character.
+std::span<const Joint> jointsOf(const lorica_character* character) {
+  if (character == nullptr) return {};
+  return character->owner->character->skeleton.joints();
 }
 
 }  // namespace
@@ -38,7 +42,8 @@ lorica_status lorica_character_read(const char* name_or_file, lorica_character**
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(name_or_file, "name_or_file"));
     LORICA_TRY_DO(given(out, "out"));
-    LORICA_TRY(auto read, readPlayable(name_or_file));
+    ProgramHost host;
+    LORICA_TRY(CharacterPointer read, openCharacter(name_or_file, host));
     *out = new lorica_character{std::move(read)};
     return {};
   });
@@ -49,33 +54,34 @@ void lorica_character_free(lorica_character* character) {
 }
 
 const char* lorica_character_name(const lorica_character* character) {
-  return character == nullptr ? "" : character->owner->character.name.c_str();
+  return character == nullptr ? "" : character->owner->character->name.c_str();
 }
 
 double lorica_character_height(const lorica_character* character) {
-  return character == nullptr ? 0.0 : character->owner->character.height;
+  return character == nullptr ? 0.0 : character->owner->character->height;
 }
 
 size_t lorica_character_joint_count(const lorica_character* character) {
-  return character == nullptr ? 0 : character->owner->character.skeleton.joints().size();
+  return jointsOf(character).size();
 }
 
 const char* lorica_character_joint_name(const lorica_character* character, size_t joint) {
-  if (joint >= lorica_character_joint_count(character)) return nullptr;
-  return character->owner->character.skeleton.joints()[joint].name.c_str();
+  const std::span<const Joint> joints = jointsOf(character);
+  return joint < joints.size() ? joints[joint].name.c_str() : nullptr;
 }
 
 int32_t lorica_character_joint_parent(const lorica_character* character, size_t joint) {
-  if (joint >= lorica_character_joint_count(character)) return -1;
-  return character->owner->character.skeleton.joints()[joint].parent;
+  const std::span<const Joint> joints = jointsOf(character);
+  return joint < joints.size() ? joints[joint].parent : -1;
 }
 
 size_t lorica_character_clip_count(const lorica_character* character) {
-  return character == nullptr ? 0 : character->owner->clips.size();
+  return clipsOf(character).size();
 }
 
 const char* lorica_character_clip_name(const lorica_character* character, size_t clip) {
-  return clip < lorica_character_clip_count(character) ? character->owner->clips[clip].name.c_str() : nullptr;
+  const std::span<const Clip> clips = clipsOf(character);
+  return clip < clips.size() ? clips[clip].name.c_str() : nullptr;
 }
 
 lorica_status lorica_body_make(const lorica_character* character, const lorica_body_options* options,
@@ -83,8 +89,12 @@ lorica_status lorica_body_make(const lorica_character* character, const lorica_b
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(character, "character"));
     LORICA_TRY_DO(given(out, "out"));
-    LORICA_TRY(const CharacterBodySettings settings, settingsFrom(options));
-    LORICA_TRY(auto made, makeCharacterBody(character->owner, settings));
+    LORICA_TRY(const lorica_body_options wanted, taken(options, "options"));
+    LORICA_TRY_DO(check(wanted));
+    ProgramHost host(progressFrom(wanted.progress, wanted.user), wanted.threads, wanted.parts);
+    CharacterBodySettings settings{wanted.parts, {std::nullopt, wanted.hull_vertices}};
+    if (wanted.cover > 0.0) settings.cover.tolerance = wanted.cover;
+    LORICA_TRY(auto made, makeCharacterBody(character->owner, settings, host));
     *out = new lorica_body{std::move(made)};
     return {};
   });
@@ -124,8 +134,10 @@ lorica_status lorica_motion_read(const lorica_character* character, const char* 
     LORICA_TRY_DO(given(name_or_file, "name_or_file"));
     LORICA_TRY_DO(given(out, "out"));
     LORICA_TRY(const lorica_motion_options wanted, taken(options, "options"));
-    const PerformanceSettings settings{wanted.clip == nullptr ? "" : wanted.clip, wanted.mirror != 0};
-    LORICA_TRY(SkeletalMotion performed, performanceOf(character->owner->character, name_or_file, settings));
+    ProgramHost host;
+    LORICA_TRY(SkeletalMotion performed,
+               performanceOf(*character->owner->character, name_or_file, wanted.clip == nullptr ? "" : wanted.clip,
+                             wanted.mirror != 0, host));
     *out = new lorica_motion{std::move(performed)};
     return {};
   });

@@ -15,7 +15,7 @@ struct lorica_parts {
 };
 
 struct lorica_character {
-  std::shared_ptr<const lorica::PlayableCharacter> owner;
+  lorica::CharacterPointer owner;
 };
 
 struct lorica_body {

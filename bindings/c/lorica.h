@@ -95,9 +95,10 @@ typedef struct lorica_decompose_options {
   size_t size;
   int32_t parts;    /* at most; 0 = 16, or with a limit below as many as it takes; -1 = until no concave edge remains */
   int32_t preset;   /* lorica_preset */
-  double max_error; /* stop when the parts' hulls have this much more volume, relative to the mesh; 0 = no limit */
+  double max_error; /* stop when the hulls have at most this much more volume, relative to the mesh; 0 = no limit */
   double max_distance;      /* fewest parts with no point of a hull farther than this from the surface; 0 = no limit */
-  int32_t hull_vertices;    /* hulls with more are enclosed in larger ones, at least 4; 0 = no limit */
+  int32_t hull_vertices;    /* hulls with more are enclosed in larger ones, at least 4; 0 = no limit. It and parts
+                               always hold; the limits above give where not all can */
   int32_t closed_body;      /* lorica_closed_body */
   int32_t threads;          /* 0 = all of the machine's; the result does not depend on it */
   lorica_progress progress; /* parts done and wanted; may be null */
@@ -189,7 +190,8 @@ typedef struct lorica_motion_options {
 /* A motion as a character performs it. */
 typedef struct lorica_motion lorica_motion;
 
-/* @param name_or_file  recorded joints (.csv, .txt), .bvh, a character file with clips, or a shipped recording: "walk"
+/* @param name_or_file  recorded joints (.csv, .txt), .bvh, depth (.oni), a character file with clips, or a shipped
+ *                      recording: "walk"
  * @param options       null = defaults */
 LORICA_API lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
                                             const lorica_motion_options* options, lorica_motion** out);

@@ -49,7 +49,7 @@ Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
     return invalidArgument("parts: found {}, expected -1 or more", options.parts);
   }
   constexpr DecomposePreset kPresets[] = {DecomposePreset::kFast, DecomposePreset::kPaper, DecomposePreset::kQuality};
-  constexpr ClosedSurface kChoices[] = {ClosedSurface::kIfNeeded, ClosedSurface::kNever, ClosedSurface::kAlways};
+  constexpr BodyChoice kChoices[] = {BodyChoice::kIfNeeded, BodyChoice::kNever, BodyChoice::kAlways};
   const bool limited = options.max_error > 0.0 || options.max_distance > 0.0;
   MeshPartsSettings settings;
   settings.decompose.maxParts = options.parts > 0 ? options.parts : options.parts == 0 && !limited ? kUsualParts : 0;

@@ -18,8 +18,8 @@ namespace fs = std::filesystem;
 using py::literals::operator""_a;
 
 struct CharacterHandle {
-  std::shared_ptr<const PlayableCharacter> owner;
-  [[nodiscard]] const Character& character() const { return owner->character; }
+  CharacterPointer owner;
+  [[nodiscard]] const Character& character() const { return *owner->character; }
 };
 
 struct BodyHandle {
@@ -116,10 +116,20 @@ std::vector<int> jointParents(const Character& character) {
   return parents;
 }
 
-CharacterHandle openCharacter(const py::object& file) {
+CharacterHandle openNamed(const py::object& file) {
   const auto name = py::module_::import("os").attr("fspath")(file).cast<std::string>();
-  using Pointer = std::shared_ptr<const PlayableCharacter>;
-  return {resultAside<Pointer>(py::none(), [&](const DecomposeProgress&) { return readPlayable(name); })};
+  return {resultAside<CharacterPointer>(py::none(), [&](const DecomposeProgress& report) {
+    ProgramHost host(report);
+    return openCharacter(name, host);
+  })};
+}
+
+/// What was repaired, guessed or left out when the file was read.
+std::vector<std::string> notesOf(const Subject& subject) {
+  std::vector<std::string> notes;
+  if (subject.file) notes = subject.file->notes;
+  if (subject.body) notes.insert(notes.end(), subject.body->notes.begin(), subject.body->notes.end());
+  return notes;
 }
 
 BodyHandle makeBodyOf(const CharacterHandle& character, int parts, std::optional<double> cover, int hullVertices,
@@ -134,11 +144,11 @@ BodyHandle makeBodyOf(const CharacterHandle& character, int parts, std::optional
   if (hullVertices > 0 && hullVertices < 4) {
     throw py::value_error(fmt::format("hull_vertices: found {}, expected at least 4, or 0 for no limit", hullVertices));
   }
-  CharacterBodySettings settings{parts, {cover, hullVertices}, threads, {}};
+  if (cover && *cover == 0.0) cover.reset();
   using Pointer = std::shared_ptr<const CharacterBody>;
   return {resultAside<Pointer>(progress, [&](const DecomposeProgress& report) {
-    settings.progress = report;
-    return makeCharacterBody(character.owner, settings);
+    ProgramHost host(report, threads, parts);
+    return makeCharacterBody(character.owner, {parts, {cover, hullVertices}}, host);
   })};
 }
 
@@ -150,8 +160,9 @@ BodyHandle loadBody(const CharacterHandle& character, const fs::path& file) {
 
 std::shared_ptr<Player> play(const py::object& motion, const BodyHandle& body, const std::string& clip, bool mirror) {
   const auto name = py::module_::import("os").attr("fspath")(motion).cast<std::string>();
-  auto performed = resultAside<SkeletalMotion>(py::none(), [&](const DecomposeProgress&) {
-    return performanceOf(body.body->character(), name, {clip, mirror});
+  auto performed = resultAside<SkeletalMotion>(py::none(), [&](const DecomposeProgress& report) {
+    ProgramHost host(report);
+    return performanceOf(body.body->character(), name, clip, mirror, host);
   });
   return std::make_shared<Player>(Player{std::move(performed), std::make_shared<Live>(body)});
 }
@@ -160,7 +171,7 @@ void addCharacter(py::module_& module) {
   py::class_<CharacterHandle>(module, "Character",
                               "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.")
       .def(
-          py::init(&openCharacter), "file"_a = "mannequin",
+          py::init(&openNamed), "file"_a = "mannequin",
           "Read .glb, .gltf, .vrm, .fbx or .dae; or the built-in \"mannequin\".\n\nAn open surface gets a closed body.")
       .def_property_readonly(
           "name", [](const CharacterHandle& self) { return self.character().name; }, "Of the file.")
@@ -176,12 +187,12 @@ void addCharacter(py::module_& module) {
           "clips",
           [](const CharacterHandle& self) {
             std::vector<std::string> names;
-            for (const Clip& clip : self.owner->clips) names.push_back(clip.name);
+            for (const Clip& clip : self.owner->clips()) names.push_back(clip.name);
             return names;
           },
           "Names of its own animations.")
       .def_property_readonly(
-          "notes", [](const CharacterHandle& self) { return self.owner->notes; },
+          "notes", [](const CharacterHandle& self) { return notesOf(*self.owner); },
           "What was repaired, guessed or left out when the file was read: one sentence each.")
       .def_property_readonly(
           "vertices",
@@ -320,7 +331,8 @@ void addCharacters(py::module_& module) {
   module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
              R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
 
-motion  recorded joints (.csv, .txt), .bvh, or a character file with clips; or the name of a shipped recording: "walk"
+motion  recorded joints (.csv, .txt), .bvh, depth (.oni), or a character file with clips; or the name of a shipped
+        recording: "walk"
 clip    of a character file with several; empty = the first
 mirror  swap left and right)");
 }

@@ -33,10 +33,10 @@ DecomposePreset presetNamed(const std::string& name) {
   throw py::value_error(fmt::format("preset: found {}, expected paper, fast or quality", name));
 }
 
-ClosedSurface closedNamed(const std::string& name) {
-  if (name == "auto") return ClosedSurface::kIfNeeded;
-  if (name == "never") return ClosedSurface::kNever;
-  if (name == "always") return ClosedSurface::kAlways;
+BodyChoice closedNamed(const std::string& name) {
+  if (name == "auto") return BodyChoice::kIfNeeded;
+  if (name == "never") return BodyChoice::kNever;
+  if (name == "always") return BodyChoice::kAlways;
   throw py::value_error(fmt::format("closed_body: found {}, expected auto, never or always", name));
 }
 
@@ -167,10 +167,11 @@ there is no seed. A mesh with small faults is repaired; an open one gets a close
 vertices       (n, 3) finite numbers, in any unit
 faces          (m, 3) integers: triangles, counter-clockwise seen from outside
 parts          at most this many; 0 = until no concave edge remains; None = 16, or with a limit below as many as it takes
-max_error      stop when the parts' hulls have at most this much more volume, relative to the mesh; 0 = no limit
+max_error      stop when the hulls have at most this much more volume, relative to the mesh; 0 = no limit
 max_distance   use the fewest parts with no point of a hull farther than this from the surface; 0 = no limit
 preset         "paper", "fast" or "quality"
-hull_vertices  enclose hulls with more vertices in larger ones with at most this many, at least 4; 0 = no limit
+hull_vertices  enclose hulls with more vertices in larger ones with at most this many, at least 4; 0 = no limit. It and
+               parts always hold; max_error and max_distance give where not all can
 closed_body    "auto" builds a closed surface if the mesh cannot be repaired, "never" refuses such a mesh, "always"
 threads        0 = all of the machine's
 progress       called with the numbers of parts done and wanted; return False to cancel

@@ -28,8 +28,8 @@ struct BodyContact {
 
 /// Finds parts of different bodies that overlap. The bodies do not yield: they follow people.
 ///
-/// Broad phase: bodies in the order of their least x, then the parts in the overlap of two bodies' boxes. Narrow phase:
-/// as for contacts of a body with itself (SelfContactQuery), with the same accuracy.
+/// Broad phase: bodies in the order of their smallest x, then the parts in the overlap of two bodies' boxes. Narrow
+/// phase: as for contacts of a body with itself (SelfContactQuery), with the same accuracy.
 class BodyContactQuery {
  public:
   /// Pairs of parts that are examined in one frame at most. A hundred crowded avatars have some 3,000.

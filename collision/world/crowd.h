@@ -28,7 +28,7 @@ struct Island {
   void clear();
 };
 
-/// Sets of numbers that are united step by step; the name of a set is its least number. Internal.
+/// Sets of numbers that are united step by step; the name of a set is its smallest number. Internal.
 class DisjointSets {
  public:
   void reset(int count);

@@ -56,7 +56,7 @@ struct PartCollider {
 
 /// A ball that holds a prop during the frame. Internal.
 struct PropReach {
-  double begin = 0.0;  ///< least x [m]
+  double begin = 0.0;  ///< smallest x [m]
   Vec3 center = Vec3::Zero();
   double radius = 0.0;
   [[nodiscard]] bool operator<(const PropReach& other) const { return begin < other.begin; }
@@ -100,7 +100,7 @@ struct World::Impl {
   btStaticPlaneShape floorShape{btVector3(0, 1, 0), 0};
   std::unique_ptr<btRigidBody> floor;
   std::vector<std::vector<std::unique_ptr<PartCollider>>> avatars;  ///< the parts of each
-  /// Of props that parts can move, by their least x. Empty if all parts count.
+  /// Of props that parts can move, by their smallest x. Empty if all parts count.
   std::vector<PropReach> reaches;
   double widestReach = 0.0;  ///< greatest radius of `reaches`
   Crowd crowd;

@@ -26,7 +26,7 @@ inline constexpr std::size_t kHittingLimbs = 5;
 /// Counts how often the limbs of a session's avatars hit targets.
 ///
 /// A hit is the begin of a contact (see ContactEvents) of a limb with a target, unless another contact of this limb of
-/// this avatar with this target goes on: a fist of two parts hits once. The bone where the contact began says which
+/// this avatar with this target lasts: a fist of two parts hits once. The bone where the contact began says which
 /// limb it is.
 class HitCounter {
  public:
@@ -52,7 +52,7 @@ class HitCounter {
   std::vector<HitTarget> targets_;
   std::vector<Hits> hits_;         // of each target
   std::vector<int> targetOfProp_;  // -1 = none
-  std::vector<Open> open_;         // contacts with targets that go on
+  std::vector<Open> open_;         // contacts with targets that last
 };
 
 }  // namespace lorica

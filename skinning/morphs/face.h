@@ -39,7 +39,6 @@ class Face {
   /// @param expression  index, see findExpression()
   void set(std::size_t expression, float weight);
   void setBlinking(bool blinks) { blinks_ = blinks; }
-  [[nodiscard]] bool blinking() const { return blinks_; }
 
   /// Computes the weights of a frame. Does not allocate memory.
   void update(const FaceInput& input);

@@ -11,37 +11,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The mannequin with a material and two targets, "Belly" forward by 12 cm and "Frown", which moves 1 mm; if asked for,
-/// the clip "Breathe" moves the first.
-std::string facesGlb(bool breathes) {
-  GlbWriter writer = mannequinWriter(false);
-  const Character mannequin = makeMannequin();
-  const JointIndex spine = mannequin.skeleton.jointOf(HumanBone::kSpine);
-  const Vec3 middle = mannequin.jointFromModel[spine].inverse().translation();
-  std::vector<float> belly;
-  std::vector<float> frown;
-  for (const Vec3& p : mannequin.mesh.vertices) {
-    const double away = (p - middle).head<2>().norm();
-    const bool moves = p.z() > middle.z() && away < 0.2;
-    belly.insert(belly.end(), {0.0F, 0.0F, moves ? static_cast<float>(0.12 * (1.0 - away / 0.2)) : 0.0F});
-    frown.insert(frown.end(), {0.0F, 0.001F, 0.0F});
-  }
-  const int bellyOffsets = writer.accessor(belly, "VEC3");
-  const int frownOffsets = writer.accessor(frown, "VEC3");
-  nlohmann::json& mesh = writer.document["meshes"][0];
-  mesh["primitives"][0]["targets"] = {{{"POSITION", bellyOffsets}}, {{"POSITION", frownOffsets}}};
-  mesh["primitives"][0]["material"] = writer.add("materials", {{"name", "skin"}});
-  mesh["extras"] = {{"targetNames", {"Belly", "Frown"}}};
-  if (!breathes) return writer.glb();
-  const int times = writer.accessor(std::vector<float>{0.0F, 0.5F, 1.0F}, "SCALAR");
-  const int weights = writer.accessor(std::vector<float>{0, 0, 1, 0, 0, 0}, "SCALAR");
-  const auto node = writer.document["nodes"].size() - 1;
-  writer.add("animations", {{"name", "Breathe"},
-                            {"samplers", {{{"input", times}, {"output", weights}}}},
-                            {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "weights"}}}}}}});
-  return writer.glb();
-}
-
 /// The cache is shared, so that each body is decomposed once.
 struct Studio {
   TemporaryFolder folder;

@@ -13,11 +13,11 @@ namespace lorica::test {
 /// The number of pixels that differ visibly; -1 for pictures of different sizes.
 [[nodiscard]] int differing(const Image& a, const Image& b);
 
-/// Presses keys in a window of the command while it runs. Never waits for a time, only for what is to be seen. Each run
+/// Presses keys in a window of the command while it runs. Waits for what can be seen, never for a time. Each run
 /// has a display of its own, so that no key stays pressed for the next one.
 class Hands {
  public:
-  /// @param window  of which title: that of a session, or "^Lorica" for one that still loads as well
+  /// @param window  its title: that of a session, or "^Lorica" for one that still loads as well
   explicit Hands(const TemporaryFolder& folder, std::string window = "^Lorica: ");
 
   void line(const std::string& command) {
@@ -27,7 +27,7 @@ class Hands {
   void mouse(const std::string& what) { line("xdotool " + what); }
   /// Waits for the session of a motion.
   void session(const std::string& motion) { line("xdotool search --sync --name '^Lorica: " + motion + "'"); }
-  /// Until all that was done so far has been seen by several pictures, which are thrown away.
+  /// Waits until several pictures show all that was done so far, and drops them.
   void handled();
 
   /// Takes a picture of all that was done so far.

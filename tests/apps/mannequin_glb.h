@@ -13,5 +13,8 @@ namespace lorica::test {
 [[nodiscard]] std::string mannequinGlb(bool torn, bool named = true);
 /// The same before it is written, for tests that add to it. The mesh has the vertices of makeMannequin().
 [[nodiscard]] GlbWriter mannequinWriter(bool torn, bool named = true);
+/// The mannequin with a material and two targets, "Belly" forward by 12 cm and "Frown", which moves 1 mm; if asked for,
+/// the clip "Breathe" moves the first.
+[[nodiscard]] std::string facesGlb(bool breathes);
 
 }  // namespace lorica::test

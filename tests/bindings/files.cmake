@@ -17,6 +17,8 @@ set(commands
   "${LORICA} decompose mannequin --parts 4 -o ${FILES}/body.lorica"
   "${LORICA} convert walk ${FILES}/walk.bvh"
   "${TRUTH} glb ${FILES}/hero.glb"
+  "${TRUTH} faces ${FILES}/breathing.glb"
+  "${LORICA} decompose ${FILES}/breathing.glb --parts 2 --hull-vertices 64 -o ${FILES}/breathing.lorica"
   "${TRUTH} hulls ${FILES}/body.lorica ${RECORDINGS}/walk.csv 40 ${FILES}/walk_csv.hulls"
   "${TRUTH} hulls ${FILES}/body.lorica ${FILES}/walk.bvh 40 ${FILES}/walk_bvh.hulls"
   "${TRUTH} touches ${FILES}/body.lorica ${RECORDINGS}/walk.csv 40 ${FILES}/walk_csv.touches"

@@ -1,6 +1,7 @@
 // What the tests of the C interface and of the Python module compare with, made by the library itself.
 //
 //   truth glb OUT.glb                             the mannequin as a user's file: an open surface, two clips
+//   truth faces OUT.glb                           the same, closed, with a clip that moves a morph target out of it
 //   truth hulls BODY.lorica MOTION FRAMES OUT     the hulls of a session's first frames, in world space: for each part
 //                                                 its counts of vertices and triangles (int32), x y z (float64) and
 //                                                 indices (int32)
@@ -126,6 +127,8 @@ int main(int argc, char** argv) {
   const std::string_view what = argc > 1 ? argv[1] : "";
   if (what == "glb" && argc == 3) {
     std::ofstream(argv[2], std::ios::binary) << lorica::test::mannequinGlb(true);
+  } else if (what == "faces" && argc == 3) {
+    std::ofstream(argv[2], std::ios::binary) << lorica::test::facesGlb(true);
   } else if (what == "hulls" && argc == 6) {
     Session session = sessionOf(argv[2], argv[3]);
     std::ofstream(argv[5], std::ios::binary) << inEachFrame(session, std::atoi(argv[4]), hullsOf);

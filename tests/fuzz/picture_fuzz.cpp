@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-/// Any bytes as a picture, as stored and reduced. PNG's checksums are mended first, since no fuzzer keeps them in step;
-/// those of the packed pixels stay, so damaged pixels are seen too.
+/// Any bytes as a picture, as stored and reduced. PNG's checksums are repaired first, since no fuzzer keeps them in
+/// step; those of the packed pixels stay, so damaged pixels are seen too.
 namespace {
 
 using namespace lorica;
@@ -25,7 +25,7 @@ std::uint32_t checksum(std::string_view bytes) {
   return ~crc;
 }
 
-void mendChecksums(std::string& png) {
+void repairChecksums(std::string& png) {
   for (std::size_t at = kSignature; at + 12 <= png.size();) {
     std::size_t length = 0;
     for (std::size_t i = 0; i < 4; ++i) length = length << 8 | static_cast<std::uint8_t>(png[at + i]);
@@ -54,7 +54,7 @@ void checkPicture(const Result<Picture>& picture, int largestSide) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   std::string file(reinterpret_cast<const char*>(data), size);
-  if (file.starts_with("\x89PNG")) mendChecksums(file);
+  if (file.starts_with("\x89PNG")) repairChecksums(file);
   const auto bytes = std::as_bytes(std::span(file));
   const Result<Picture> stored = decodePicture(bytes, "fuzz");
   checkPicture(stored, 0);

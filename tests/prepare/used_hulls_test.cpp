@@ -29,6 +29,7 @@ Character withRod() {
 
 TEST(UsedHulls, AreTheHullsThatPlay) {
   const Character character = withRod();
+  Host host;
   Motion wave;
   wave.name = "wave";
   wave.joints = synthesizeMotion(SyntheticMotion::kWave);
@@ -43,7 +44,7 @@ TEST(UsedHulls, AreTheHullsThatPlay) {
     ASSERT_TRUE(parts);
     const Result<CoverPoses> coverIn = coverPoses(character, training->motions, 8);
     ASSERT_TRUE(coverIn);
-    const Result<HullCover> few = chooseCover(character, *parts, *coverIn, {std::nullopt, 100}, 0);
+    const Result<HullCover> few = chooseCover(character, *parts, *coverIn, {std::nullopt, 100}, host);
     ASSERT_TRUE(few) << few.error().message;
     const BonePoseView bones{keyframes->worldFromModel, character.skeleton.jointCount()};
     ASSERT_EQ(bones.poseCount(), keyframes->count);

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-/// A character small enough to think about: a body of one box with a strand of hair beside it.
+/// A character small enough to think about: a body of one box with a strand of hair next to it.
 namespace lorica::test {
 
 /// Joint 0 moves the body, a box of 0.4 x 1 x 0.4 m about the height 1 m. Joints 1 to 3 move the hair, a thin box that

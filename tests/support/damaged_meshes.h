@@ -8,7 +8,7 @@
 
 namespace lorica::test {
 
-/// What a damaged mesh can be mended to.
+/// What a damaged mesh can be repaired to.
 enum class Loss {
   kNone,      ///< the surface as it was: the volume is the same up to rounding
   kRounding,  ///< vertices were moved by 1e-7 of the diagonal

@@ -1,5 +1,6 @@
 #include "viewer/pictures/image_files.h"
 
+#include "geometry/counts.h"
 #include "geometry/files.h"
 #include "viewer/renderer/text.h"
 
@@ -16,14 +17,13 @@ namespace lorica {
 namespace {
 
 bool consistent(const Image& image) {
-  return image.width > 0 && image.height > 0 &&
-         image.rgba.size() == static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * 4;
+  return image.width > 0 && image.height > 0 && image.rgba.size() == image.byteCount();
 }
 
 /// Blends a colour into a pixel. Coverage is 0 to 255.
 void blend(std::uint8_t* pixel, const std::array<int, 3>& color, int coverage) {
   for (std::size_t c = 0; c < 3; ++c) {
-    pixel[c] = static_cast<std::uint8_t>((pixel[c] * (255 - coverage) + color[c] * coverage + 127) / 255);
+    pixel[c] = (pixel[c] * (255 - coverage) + color[c] * coverage + 127) / 255;
   }
 }
 
@@ -42,7 +42,7 @@ std::string damageOf(std::string_view png) {
     const std::size_t length = number(at);
     if (length > png.size() - at - 12) break;
     const std::string_view typeAndData = png.substr(at + 4, length + 4);
-    const uLong crc = ::crc32(0, reinterpret_cast<const Bytef*>(typeAndData.data()), static_cast<uInt>(length + 4));
+    const uLong crc = ::crc32(0, reinterpret_cast<const Bytef*>(typeAndData.data()), length + 4);
     if (crc != number(at + 8 + length)) return fmt::format("wrong checksum in the chunk at byte {}", at);
     if (typeAndData.starts_with("IEND")) return {};
     at += 12 + length;
@@ -61,8 +61,8 @@ Result<void> writePng(const std::filesystem::path& file, const Image& image, Nam
   }
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
-  png.width = static_cast<png_uint_32>(image.width);
-  png.height = static_cast<png_uint_32>(image.height);
+  png.width = image.width;
+  png.height = image.height;
   png.format = PNG_FORMAT_RGBA;
   png.flags = PNG_IMAGE_FLAG_FAST;
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
@@ -90,8 +90,8 @@ Result<Image> readPng(const std::filesystem::path& file) {
   png.format = PNG_FORMAT_RGBA;
   png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // for 16-bit images without a colour space
   Image image;
-  image.width = static_cast<int>(png.width);
-  image.height = static_cast<int>(png.height);
+  image.width = png.width;
+  image.height = png.height;
   image.rgba.resize(PNG_IMAGE_SIZE(png));
   if (png_image_finish_read(&png, nullptr, image.rgba.data(), 0, nullptr) == 0) return damaged();
   return image;
@@ -101,8 +101,8 @@ Image contactSheet(std::span<const Image> images, std::span<const std::string> l
   constexpr int kMargin = 8;
   Image sheet;
   if (images.empty()) return sheet;
-  columns = std::clamp(columns, 1, static_cast<int>(images.size()));
-  const int rows = (static_cast<int>(images.size()) + columns - 1) / columns;
+  columns = std::clamp(columns, 1, countOf(images));
+  const int rows = (countOf(images) + columns - 1) / columns;
   int cellWidth = 1;
   int cellHeight = 1;
   for (const Image& image : images) {
@@ -112,31 +112,28 @@ Image contactSheet(std::span<const Image> images, std::span<const std::string> l
   const int labelHeight = labels.empty() ? 0 : std::clamp(cellHeight / 16, 18, 40);
   sheet.width = kMargin + columns * (cellWidth + kMargin);
   sheet.height = kMargin + rows * (cellHeight + labelHeight + kMargin);
-  sheet.rgba.assign(static_cast<std::size_t>(sheet.width) * sheet.height * 4, 255);
-  const auto pixel = [&](int x, int y) {
-    return sheet.rgba.data() + (static_cast<std::size_t>(y) * sheet.width + static_cast<std::size_t>(x)) * 4;
-  };
+  sheet.rgba.assign(sheet.byteCount(), 255);
 
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    const int left = kMargin + static_cast<int>(i) % columns * (cellWidth + kMargin);
-    const int top = kMargin + static_cast<int>(i) / columns * (cellHeight + labelHeight + kMargin);
+  for (int i = 0; i < countOf(images); ++i) {
+    const int left = kMargin + i % columns * (cellWidth + kMargin);
+    const int top = kMargin + i / columns * (cellHeight + labelHeight + kMargin);
     const Image& image = images[i];
     if (consistent(image)) {
       // Images smaller than their cell are centred.
       const int x = left + (cellWidth - image.width) / 2;
       const int y = top + (cellHeight - image.height) / 2;
-      const std::size_t rowBytes = static_cast<std::size_t>(image.width) * 4;
+      const std::size_t rowBytes = std::size_t{4} * image.width;
       for (int row = 0; row < image.height; ++row) {
-        std::copy_n(image.rgba.data() + static_cast<std::size_t>(row) * rowBytes, rowBytes, pixel(x, y + row));
+        std::copy_n(image.rgba.data() + row * rowBytes, rowBytes, sheet.pixel(x, y + row));
       }
     }
-    if (i >= labels.size() || labels[i].empty()) continue;
+    if (i >= countOf(labels) || labels[i].empty()) continue;
     const TextMask text = drawText(labels[i], labelHeight);
     const int textWidth = std::min(text.width, cellWidth);
     const int x = left + (cellWidth - textWidth) / 2;
     for (int row = 0; row < std::min(text.height, labelHeight); ++row) {
       for (int column = 0; column < textWidth; ++column) {
-        blend(pixel(x + column, top + cellHeight + row), {40, 46, 56},
+        blend(sheet.pixel(x + column, top + cellHeight + row), {40, 46, 56},
               text.coverage[static_cast<std::size_t>(row) * text.width + column]);
       }
     }

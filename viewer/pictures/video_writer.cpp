@@ -84,8 +84,7 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
 
 Result<void> VideoWriter::add(const Image& image) {
   LORICA_CHECK(impl_ && impl_->encoder, "VideoWriter::add after finish or move");
-  if (image.width != impl_->width || image.height != impl_->height ||
-      image.rgba.size() != static_cast<std::size_t>(image.width) * image.height * 4) {
+  if (image.width != impl_->width || image.height != impl_->height || image.rgba.size() != image.byteCount()) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("{}: frame {} is {} x {} pixels, expected {} x {}", impl_->file.string(), impl_->frames,
                              image.width, image.height, impl_->width, impl_->height)};

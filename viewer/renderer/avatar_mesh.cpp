@@ -18,8 +18,8 @@ void setInfluences(std::span<const Influence> all, AvatarVertex& vertex) {
   vertex.joints.fill(0);
   vertex.weights.fill(0.0f);
   for (std::size_t i = 0; i < heaviest.size(); ++i) {
-    vertex.joints[i] = static_cast<std::uint16_t>(heaviest[i].joint);
-    vertex.weights[i] = static_cast<float>(heaviest[i].weight / sum);
+    vertex.joints[i] = heaviest[i].joint;
+    vertex.weights[i] = heaviest[i].weight / sum;
   }
 }
 
@@ -48,7 +48,7 @@ AvatarMesh makeAvatarMesh(const Avatar& avatar) {
   }
   mesh.indices.reserve(3 * character.mesh.triangles.size());
   for (const Triangle& triangle : character.mesh.triangles) {
-    for (const VertexIndex v : triangle) mesh.indices.push_back(static_cast<std::uint32_t>(v));
+    for (const VertexIndex v : triangle) mesh.indices.push_back(v);
   }
   return mesh;
 }
@@ -57,7 +57,7 @@ void fillJointRows(std::span<const Affine3> worldFromModel, std::vector<Eigen::V
   rows.resize(3 * worldFromModel.size());
   for (std::size_t j = 0; j < worldFromModel.size(); ++j) {
     for (Eigen::Index row = 0; row < 3; ++row) {
-      rows[3 * j + static_cast<std::size_t>(row)] = worldFromModel[j].matrix().row(row).cast<float>().transpose();
+      rows[3 * j + row] = worldFromModel[j].matrix().row(row).cast<float>().transpose();
     }
   }
 }
@@ -67,10 +67,10 @@ void poseAvatar(std::span<const AvatarShape> shapes, std::span<const AvatarVerte
   using Row = Eigen::Vector4f;
   for (std::size_t v = 0; v < vertices.size(); ++v) {
     const AvatarVertex& vertex = vertices[v];
-    const Row* joint = jointRows.data() + 3 * static_cast<std::size_t>(vertex.joints[0]);
+    const Row* joint = jointRows.data() + 3 * vertex.joints[0];
     Row x = vertex.weights[0] * joint[0], y = vertex.weights[0] * joint[1], z = vertex.weights[0] * joint[2];
     for (std::size_t i = 1; i < kAvatarInfluences && vertex.weights[i] > 0.0f; ++i) {  // heaviest first
-      joint = jointRows.data() + 3 * static_cast<std::size_t>(vertex.joints[i]);
+      joint = jointRows.data() + 3 * vertex.joints[i];
       x += vertex.weights[i] * joint[0];
       y += vertex.weights[i] * joint[1];
       z += vertex.weights[i] * joint[2];

@@ -395,7 +395,7 @@ SurfaceUniforms surfaceUniforms(const Material& material) {
   u.animation << toon.uvScroll, toon.uvRotation, 0.0f;
   const auto uses = slotsOf(material);
   for (std::size_t slot = 0; slot < uses.size(); ++slot) {
-    u.uvRows[2 * slot] << uses[slot]->transform.row(0).transpose(), static_cast<float>(uses[slot]->uvSet);
+    u.uvRows[2 * slot] << uses[slot]->transform.row(0).transpose(), uses[slot]->uvSet;
     u.uvRows[2 * slot + 1] << uses[slot]->transform.row(1).transpose(), 0.0f;
   }
   return u;

@@ -41,7 +41,7 @@ PropMesh makeCreasedMesh(const TriMesh& mesh) {
       for (std::size_t k = begin[v]; k < begin[static_cast<std::size_t>(v) + 1]; ++k) {
         if (unit[around[k]].dot(unit[t]) >= kCreaseCosine) normal += area[around[k]];
       }
-      drawn.indices.push_back(static_cast<std::uint32_t>(drawn.vertices.size()));
+      drawn.indices.push_back(drawn.vertices.size());
       drawn.vertices.push_back({at(mesh, v).cast<float>(), normal.stableNormalized().cast<float>()});
     }
   }

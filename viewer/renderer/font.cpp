@@ -37,7 +37,7 @@ class Fonts {
     for (const char32_t wanted : {character, kUnknown, U'?'}) {
       for (Slot& slot : slots_) {
         if (const Font* font = slot.open()) {
-          glyph = stbtt_FindGlyphIndex(&font->info, static_cast<int>(wanted));
+          glyph = stbtt_FindGlyphIndex(&font->info, wanted);
           if (glyph != 0) return font;
         }
       }
@@ -114,7 +114,7 @@ double advanceOf(char32_t character, double em) {
   const Font* font = fontWith(character, glyph);
   if (font == nullptr) return kBlank * em;
   stbtt_GetGlyphHMetrics(&font->info, glyph, &advance, &bearing);
-  return advance * static_cast<double>(stbtt_ScaleForMappingEmToPixels(&font->info, static_cast<float>(em)));
+  return advance * static_cast<double>(stbtt_ScaleForMappingEmToPixels(&font->info, em));
 }
 
 void drawCharacter(char32_t character, double em, double x, double baseline, int width, int height,
@@ -122,9 +122,9 @@ void drawCharacter(char32_t character, double em, double x, double baseline, int
   int glyph = 0;
   const Font* font = fontWith(character, glyph);
   if (font == nullptr) return;
-  const float scale = stbtt_ScaleForMappingEmToPixels(&font->info, static_cast<float>(em));
+  const float scale = stbtt_ScaleForMappingEmToPixels(&font->info, em);
   const double left = std::floor(x), top = std::floor(baseline);
-  const auto shiftX = static_cast<float>(x - left), shiftY = static_cast<float>(baseline - top);
+  const float shiftX = x - left, shiftY = baseline - top;
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
   stbtt_GetGlyphBitmapBoxSubpixel(&font->info, glyph, scale, scale, shiftX, shiftY, &x0, &y0, &x1, &y1);
   if (x1 <= x0 || y1 <= y0) return;
@@ -132,13 +132,13 @@ void drawCharacter(char32_t character, double em, double x, double baseline, int
   std::vector<std::uint8_t> drawn(static_cast<std::size_t>(wide) * (y1 - y0));
   stbtt_MakeGlyphBitmapSubpixel(&font->info, drawn.data(), wide, y1 - y0, wide, scale, scale, shiftX, shiftY, glyph);
   for (int y = y0; y < y1; ++y) {
-    const int row = y + static_cast<int>(top);
+    const int row = y + top;
     if (row < 0 || row >= height) continue;
     for (int column = x0; column < x1; ++column) {
-      const int at = column + static_cast<int>(left);
+      const int at = column + left;
       if (at < 0 || at >= width) continue;
       std::uint8_t& pixel = coverage[static_cast<std::size_t>(row) * width + at];
-      pixel = static_cast<std::uint8_t>(std::min(255, pixel + drawn[(y - y0) * wide + (column - x0)]));
+      pixel = std::min(255, pixel + drawn[(y - y0) * wide + (column - x0)]);
     }
   }
 }

@@ -21,7 +21,7 @@ void extendToParticles(Aabb& box, const Scene& scene, const SceneOptions& option
   if (!options.particles) return;
   const bool alone = box.empty();
   const Vec3f middle = alone ? Vec3f::Zero() : Vec3f(box.center().cast<float>());
-  const auto reach = static_cast<float>(alone ? 1e3 : 0.5 * box.diagonal() + kGrainReach);
+  const float reach = alone ? 1e3 : 0.5 * box.diagonal() + kGrainReach;
   Vec3f low = Vec3f::Constant(std::numeric_limits<float>::max()), high = -low;
   for (const Vec3f& p : scene.particles) {
     if (!((p - middle).squaredNorm() < reach * reach)) continue;
@@ -82,7 +82,7 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   right = right.norm() > 1e-6 ? Vec3(right.normalized()) : Vec3::UnitX();
   const Vec3 up = right.cross(forward);
   const double cotangent = 1.0 / std::tan(0.5 * std::clamp(camera.verticalFov, 0.01, 3.0));
-  const double aspect = static_cast<double>(width) / height;
+  const double aspect = 1.0 * width / height;
   const double nearPlane = std::clamp(0.02 * distance, 0.01, 0.5);
   const double floorEnd = 3.0 * distance + 7.0;
   const double farPlane = 3.0 * floorEnd + distance;
@@ -101,18 +101,16 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   clipFromView(3, 2) = -1.0;
   u.clipFromWorld = (clipFromView * viewFromWorld).cast<float>();
   u.eye << camera.eye.cast<float>(), 0.0f;
-  u.rayForward << forward.cast<float>(), static_cast<float>(camera.targetAt.x());
-  u.rayRight << (right * (aspect / cotangent)).cast<float>(), static_cast<float>(camera.targetAt.y());
-  u.rayUp << (up / cotangent).cast<float>(), static_cast<float>(cotangent);
-  u.viewport << static_cast<float>(width), static_cast<float>(height), 1.0f / static_cast<float>(width),
-      1.0f / static_cast<float>(height);
+  u.rayForward << forward.cast<float>(), camera.targetAt.x();
+  u.rayRight << (right * (aspect / cotangent)).cast<float>(), camera.targetAt.y();
+  u.rayUp << (up / cotangent).cast<float>(), cotangent;
+  u.viewport << width, height, 1.0f / width, 1.0f / height;
 
   u.keyColor << options.light.key, 0.0f;
-  u.skyColor << options.light.sky, static_cast<float>(std::fmod(scene.time, kTextureSeconds));
+  u.skyColor << options.light.sky, std::fmod(scene.time, kTextureSeconds);
   u.groundColor << options.light.ground, 0.0f;
 
-  setup.grainPixels =
-      static_cast<float>(0.5 * height * cotangent * static_cast<double>(scene.particleRadius) / distance);
+  setup.grainPixels = 0.5 * height * cotangent * static_cast<double>(scene.particleRadius) / distance;
 
   // The key light is fixed in the world, in front and to the left of a figure that faces +Z.
   const Aabb subject = subjectOf(scene, options, camera.target);
@@ -128,11 +126,10 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   shadow.row(1) << lightUp.transpose() / (2.0 * radius), 0.5 - snapped(lightUp) / (2.0 * radius);
   shadow.row(2) << -toLight.transpose() / (4.0 * radius), 0.5 + toLight.dot(center) / (4.0 * radius);
   u.shadowFromWorld = shadow.cast<float>();
-  u.toLight << toLight.cast<float>(), 1.0f / static_cast<float>(shadowSize);
+  u.toLight << toLight.cast<float>(), 1.0f / shadowSize;
 
   // The shaded part of the floor contains the contact area and the shadow of the subject's bounding sphere.
-  u.contactArea << static_cast<float>(center.x()), static_cast<float>(center.z()), static_cast<float>(radius),
-      static_cast<float>(kContactHeight);
+  u.contactArea << center.x(), center.z(), radius, kContactHeight;
   const Eigen::Vector2d middle(center.x(), center.z());
   const Vec3 fallen = center - toLight * (center.y() / toLight.y());
   const Eigen::Vector2d shadowMiddle(fallen.x(), fallen.z());
@@ -140,9 +137,8 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   const Eigen::Vector2d shadowHalf = half / toLight.y();
   setup.shadedMin = (middle - half).cwiseMin(shadowMiddle - shadowHalf).cast<float>();
   setup.shadedMax = (middle + half).cwiseMax(shadowMiddle + shadowHalf).cast<float>();
-  u.floorFade << static_cast<float>(center.x()), static_cast<float>(center.z()),
-      static_cast<float>(0.7 * distance + 1.0), static_cast<float>(floorEnd);
-  setup.floorHalfSide = static_cast<float>(floorEnd + 2.0 * radius);
+  u.floorFade << center.x(), center.z(), 0.7 * distance + 1.0, floorEnd;
+  setup.floorHalfSide = floorEnd + 2.0 * radius;
   return setup;
 }
 

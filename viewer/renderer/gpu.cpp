@@ -8,11 +8,11 @@ namespace lorica {
 
 Gpu::~Gpu() {
   for (const GLuint program : programs_) gl.DeleteProgram(program);
-  gl.DeleteVertexArrays(static_cast<GLsizei>(vertexArrays_.size()), vertexArrays_.data());
-  gl.DeleteFramebuffers(static_cast<GLsizei>(framebuffers_.size()), framebuffers_.data());
-  gl.DeleteRenderbuffers(static_cast<GLsizei>(renderbuffers_.size()), renderbuffers_.data());
-  gl.DeleteTextures(static_cast<GLsizei>(textures_.size()), textures_.data());
-  gl.DeleteBuffers(static_cast<GLsizei>(buffers_.size()), buffers_.data());
+  gl.DeleteVertexArrays(vertexArrays_.size(), vertexArrays_.data());
+  gl.DeleteFramebuffers(framebuffers_.size(), framebuffers_.data());
+  gl.DeleteRenderbuffers(renderbuffers_.size(), renderbuffers_.data());
+  gl.DeleteTextures(textures_.size(), textures_.data());
+  gl.DeleteBuffers(buffers_.size(), buffers_.data());
 }
 
 GLuint Gpu::makeBuffer() {
@@ -67,7 +67,7 @@ Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, con
     gl.ShaderSource(shader, 1, &text, nullptr);
     gl.CompileShader(shader);
     gl.GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-    if (!ok) gl.GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    if (!ok) gl.GetShaderInfoLog(shader, log.size(), nullptr, log.data());
     gl.AttachShader(program, shader);
     gl.DeleteShader(shader);
     if (!ok) {
@@ -79,7 +79,7 @@ Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, con
   gl.LinkProgram(program);
   gl.GetProgramiv(program, GL_LINK_STATUS, &ok);
   if (!ok) {
-    gl.GetProgramInfoLog(program, static_cast<GLsizei>(log.size()), nullptr, log.data());
+    gl.GetProgramInfoLog(program, log.size(), nullptr, log.data());
     return Error{ErrorCode::kNoDisplay,
                  fmt::format("the OpenGL driver cannot link the shader program '{}': {}", name, log.c_str())};
   }
@@ -94,9 +94,9 @@ void Gpu::upload(StreamBuffer& buffer, const void* data, std::size_t bytes) cons
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id);
   if (bytes > buffer.capacity) {
     buffer.capacity = bytes + bytes / 2;
-    gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(buffer.capacity), nullptr, GL_STREAM_DRAW);
+    gl.BufferData(GL_ARRAY_BUFFER, buffer.capacity, nullptr, GL_STREAM_DRAW);
   }
-  if (bytes > 0) gl.BufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(bytes), data);
+  if (bytes > 0) gl.BufferSubData(GL_ARRAY_BUFFER, 0, bytes, data);
 }
 
 }  // namespace lorica

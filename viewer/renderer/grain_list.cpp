@@ -14,7 +14,7 @@ float shadeOf(std::uint32_t index) {
   // PCG's output function: M. O'Neill, "PCG", 2014.
   std::uint32_t h = index * 747796405u + 2891336453u;
   h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
-  return 0.8f + 0.4f / 65535.0f * static_cast<float>(h >> 16u);
+  return 0.8f + 0.4f / 65535.0f * (h >> 16u);
 }
 
 }  // namespace
@@ -27,11 +27,10 @@ const std::vector<GrainVertex>& GrainList::choose(std::span<const Vec3f> centers
   const std::size_t count = centers.size();
   depth_.resize(count);
   cell_.resize(count);
-  nearest_.assign(static_cast<std::size_t>(view.columns) * static_cast<std::size_t>(view.rows),
-                  std::numeric_limits<float>::max());
+  nearest_.assign(static_cast<std::size_t>(view.columns) * view.rows, std::numeric_limits<float>::max());
   const Eigen::Matrix4f& m = view.clipFromWorld;
-  const float perX = 0.5f / kBeside * static_cast<float>(view.columns);
-  const float perY = 0.5f / kBeside * static_cast<float>(view.rows);
+  const float perX = 0.5f / kBeside * view.columns;
+  const float perY = 0.5f / kBeside * view.rows;
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3f& p = centers[i];
     const float w = m(3, 0) * p.x() + m(3, 1) * p.y() + m(3, 2) * p.z() + m(3, 3);
@@ -40,8 +39,8 @@ const std::vector<GrainVertex>& GrainList::choose(std::span<const Vec3f> centers
     cell_[i] = -1;
     const float reach = kBeside * w;
     if (!(std::abs(x) < reach && std::abs(y) < reach)) continue;  // behind, outside or not finite
-    const auto column = std::min(static_cast<int>((x / w + kBeside) * perX), view.columns - 1);
-    const auto row = std::min(static_cast<int>((y / w + kBeside) * perY), view.rows - 1);
+    const auto column = std::min<int>((x / w + kBeside) * perX, view.columns - 1);
+    const auto row = std::min<int>((y / w + kBeside) * perY, view.rows - 1);
     cell_[i] = row * view.columns + column;
     const Eigen::Vector4f& d = view.depthFromWorld;
     depth_[i] = d.x() * p.x() + d.y() * p.y() + d.z() * p.z() + d.w();
@@ -52,7 +51,7 @@ const std::vector<GrainVertex>& GrainList::choose(std::span<const Vec3f> centers
     if (cell_[i] < 0) continue;
     if (hides && depth_[i] > nearest_[cell_[i]] + margin) continue;
     const Vec3f& color = colors[colors.size() == count ? i : 0];
-    chosen_.push_back({centers[i], shadeOf(static_cast<std::uint32_t>(i)) * color});
+    chosen_.push_back({centers[i], shadeOf(i) * color});
   }
   return chosen_;
 }

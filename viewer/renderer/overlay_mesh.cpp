@@ -1,5 +1,6 @@
 #include "viewer/renderer/overlay_mesh.h"
 
+#include "geometry/counts.h"
 #include "viewer/renderer/scene.h"
 
 #include <algorithm>
@@ -15,10 +16,10 @@ constexpr double kCrispAngle = 0.70;
 constexpr double kOutlineStrength = 0.85;
 
 std::int8_t packSigned(double x) {
-  return static_cast<std::int8_t>(std::lround(127.0 * std::clamp(x, -1.0, 1.0)));
+  return std::lround(127.0 * std::clamp(x, -1.0, 1.0));
 }
 std::uint8_t packUnit(double x) {
-  return static_cast<std::uint8_t>(std::lround(255.0 * std::clamp(x, 0.0, 1.0)));
+  return std::lround(255.0 * std::clamp(x, 0.0, 1.0));
 }
 
 std::array<std::uint8_t, 4> packColor(const Vec3f& c, double opacity) {
@@ -69,7 +70,7 @@ const std::vector<OverlayVertex>& OverlayMesh::insides(std::span<const HullFigur
     for (std::size_t i = 0; i < parts.size(); ++i) {
       if (!isFinite(parts[i]) || !reachesIntoAny(parts[i], props)) continue;
       const ConvexHull hull = worldHull(parts[i]);
-      const Vec3f color = partColor(static_cast<PartIndex>(i));
+      const Vec3f color = partColor(i);
       append(insideVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.22, 0.0, 0.75, 0.0}, opacity,
              eye);
     }
@@ -81,11 +82,11 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const HullFigure>
   hullVertices_.clear();
   order_.clear();
   for (std::size_t f = 0; f < figures.size(); ++f) {
-    for (std::size_t i = 0; i < figures[f].parts.size(); ++i) {
+    for (int i = 0; i < countOf(figures[f].parts); ++i) {
       const LivePart& part = figures[f].parts[i];
       if (!isFinite(part)) continue;
       const Vec3 center = part.worldFromPart * boundsOf(part.shape.vertices).center();
-      order_.push_back({-(center - eye).squaredNorm(), f, static_cast<PartIndex>(i)});
+      order_.push_back({-(center - eye).squaredNorm(), f, i});
     }
   }
   std::sort(order_.begin(), order_.end());
@@ -100,12 +101,10 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const HullFigure>
 
 void OverlayMesh::findEdges(std::span<const Triangle> triangles) {
   halfEdges_.clear();
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
+  for (std::uint32_t i = 0; i < triangles.size(); ++i) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto a = static_cast<std::uint32_t>(triangles[i][k]);
-      const auto b = static_cast<std::uint32_t>(triangles[i][(k + 1) % 3]);
-      halfEdges_.push_back(
-          {(static_cast<std::uint64_t>(std::min(a, b)) << 32) | std::max(a, b), static_cast<std::uint32_t>(i)});
+      const std::uint64_t a = triangles[i][k], b = triangles[i][(k + 1) % 3];
+      halfEdges_.push_back({std::min(a, b) << 32 | std::max(a, b), i});
     }
   }
   // After sorting by vertices, the two halves of an edge are adjacent.

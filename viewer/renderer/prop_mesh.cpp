@@ -15,7 +15,7 @@ PropMesh makeBevelledBox() {
   constexpr std::array<float, 4> kCorner = {-1, -1, 1, 1};
   for (int axis = 0; axis < 3; ++axis) {
     for (const float side : {-1.0f, 1.0f}) {
-      const auto base = static_cast<std::uint32_t>(mesh.vertices.size());
+      const std::uint32_t base = mesh.vertices.size();
       const int u = (axis + 1) % 3;
       const int v = (axis + 2) % 3;
       for (std::size_t i = 0; i < 4; ++i) {
@@ -151,8 +151,8 @@ void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector
     instance.color = prop.color;
     Vec3 half = prop.halfExtents;
     if (shape == PropShape::kCylinder) half.z() = half.x();
-    instance.bevel = static_cast<float>(std::min(0.12 * half.minCoeff(), 0.015));
-    if (shape == PropShape::kSphere || shape == PropShape::kCapsule) instance.bevel = static_cast<float>(half.x());
+    instance.bevel = std::min(0.12 * half.minCoeff(), 0.015);
+    if (shape == PropShape::kSphere || shape == PropShape::kCapsule) instance.bevel = half.x();
     if (shape == PropShape::kSphere) half = Vec3::Constant(half.x());
     if (shape == PropShape::kCapsule) half = Vec3(half.x(), half.y(), half.x());
     instance.extents = (half.cast<float>().array() - instance.bevel).max(0.0f);

@@ -165,16 +165,13 @@ Image Renderer::readBack() {
   Image image;
   image.width = t.width;
   image.height = t.height;
-  const std::size_t rowBytes = static_cast<std::size_t>(t.width) * 4;
-  image.rgba.resize(rowBytes * static_cast<std::size_t>(t.height));
+  image.rgba.resize(image.byteCount());
   impl_->gl.BindFramebuffer(GL_FRAMEBUFFER, t.resolved);
   impl_->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   impl_->gl.ReadPixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
   // OpenGL's rows start at the bottom. Panels and hulls have changed alpha; reset it, because the picture is opaque.
   for (int top = 0, bottom = t.height - 1; top < bottom; ++top, --bottom) {
-    std::swap_ranges(image.rgba.data() + static_cast<std::size_t>(top) * rowBytes,
-                     image.rgba.data() + static_cast<std::size_t>(top + 1) * rowBytes,
-                     image.rgba.data() + static_cast<std::size_t>(bottom) * rowBytes);
+    std::swap_ranges(image.pixel(0, top), image.pixel(0, top + 1), image.pixel(0, bottom));
   }
   for (std::size_t k = 3; k < image.rgba.size(); k += 4) image.rgba[k] = 255;
   return image;

@@ -36,7 +36,7 @@ constexpr std::size_t kPosedVertices = 2000;
 /// The joint that moves a vertex most.
 [[nodiscard]] JointIndex mainJoint(const Character& character, VertexIndex v) {
   const auto begin = character.influences.begin() + character.influenceBegin[v];
-  const auto end = character.influences.begin() + character.influenceBegin[static_cast<std::size_t>(v) + 1];
+  const auto end = character.influences.begin() + character.influenceBegin[v + 1];
   return std::max_element(begin, end, [](const Influence& a, const Influence& b) { return a.weight < b.weight; })
       ->joint;
 }
@@ -46,7 +46,7 @@ constexpr std::size_t kPosedVertices = 2000;
   const Material& a = *first.material;
   const Material& b = *next.material;
   return a.alpha == AlphaMode::kOpaque && b.alpha == AlphaMode::kOpaque && a.doubleSided == b.doubleSided &&
-         first.firstIndex + static_cast<std::size_t>(indexCount) == next.firstIndex;
+         first.firstIndex + indexCount == next.firstIndex;
 }
 
 [[nodiscard]] bool isOutlined(const Material& material) {
@@ -132,8 +132,7 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
   made.shadowEachPixel = drawn.character.mesh.triangles.size() < kFineTriangles;
   gl.BindVertexArray(made.vertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, made.shapeBuffer);
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.shapes.size() * sizeof(AvatarShape)), mesh.shapes.data(),
-                GL_DYNAMIC_DRAW);
+  gl.BufferData(GL_ARRAY_BUFFER, mesh.shapes.size() * sizeof(AvatarShape), mesh.shapes.data(), GL_DYNAMIC_DRAW);
   attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(AvatarShape), offsetof(AvatarShape, position));
   attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(AvatarShape), offsetof(AvatarShape, normal));
   if (made.posedOnCpu) {
@@ -143,8 +142,7 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
     attribute(2, 4, GL_FLOAT, GL_FALSE, sizeof(AvatarPosed), offsetof(AvatarPosed, tangent));
   }
   gl.BindBuffer(GL_ARRAY_BUFFER, made.vertexBuffer);
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(AvatarVertex)),
-                mesh.vertices.data(), GL_STATIC_DRAW);
+  gl.BufferData(GL_ARRAY_BUFFER, mesh.vertices.size() * sizeof(AvatarVertex), mesh.vertices.data(), GL_STATIC_DRAW);
   constexpr std::size_t kStride = sizeof(AvatarVertex);
   if (!made.posedOnCpu) attribute(2, 4, GL_FLOAT, GL_FALSE, kStride, offsetof(AvatarVertex, tangent));
   attribute(3, 4, GL_FLOAT, GL_FALSE, kStride, offsetof(AvatarVertex, uv));
@@ -152,13 +150,13 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
   for (std::size_t half = 0; half < 2; ++half) {
     const GLuint joints = half == 0 ? 5 : 7;
     gl.EnableVertexAttribArray(joints);
-    gl.VertexAttribIPointer(joints, 4, GL_UNSIGNED_SHORT, static_cast<GLsizei>(kStride),
+    gl.VertexAttribIPointer(joints, 4, GL_UNSIGNED_SHORT, kStride,
                             reinterpret_cast<const void*>(offsetof(AvatarVertex, joints) + 8 * half));
     attribute(joints + 1, 4, GL_FLOAT, GL_FALSE, kStride, offsetof(AvatarVertex, weights) + 16 * half);
   }
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, made.indexBuffer);
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(std::uint32_t)),
-                mesh.indices.data(), GL_STATIC_DRAW);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, mesh.indices.size() * sizeof(std::uint32_t), mesh.indices.data(),
+                GL_STATIC_DRAW);
   made.bindShapes = made.shapes = std::move(mesh.shapes);
   made.reshaped = false;
   if (made.posedOnCpu) {
@@ -277,7 +275,7 @@ void Renderer::Impl::reshapeAvatar(const SceneFigure& figure) {
   avatar->reshaped = reshaped;
   if (!changed || avatar->posedOnCpu) return;
   gl.BindBuffer(GL_ARRAY_BUFFER, avatar->shapeBuffer);
-  gl.BufferSubData(GL_ARRAY_BUFFER, 0, static_cast<GLsizeiptr>(count * sizeof(AvatarShape)), avatar->shapes.data());
+  gl.BufferSubData(GL_ARRAY_BUFFER, 0, count * sizeof(AvatarShape), avatar->shapes.data());
 }
 
 /// Uploads the materials that an expression changes, or changed in the picture before.
@@ -308,7 +306,7 @@ void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsize
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 1, group.surface);
   for (std::size_t slot = 0; slot < group.textures.size(); ++slot) {
     if ((variant.textures >> slot & 1u) == 0) continue;
-    gl.ActiveTexture(GL_TEXTURE0 + static_cast<GLenum>(shaders::kFirstAvatarUnit) + static_cast<GLenum>(slot));
+    gl.ActiveTexture(GL_TEXTURE0 + shaders::kFirstAvatarUnit + slot);
     gl.BindTexture(GL_TEXTURE_2D, group.textures[slot]);
   }
   if (draw == Draw::kOutline) {
@@ -376,11 +374,10 @@ void Renderer::Impl::drawBlendedGroups(const Vec3& eye) {
   for (std::size_t g = 0; g < avatar->groups.size(); ++g) {
     const AvatarGroup& group = avatar->groups[g];
     if (group.material->alpha != AlphaMode::kBlend) continue;
-    const std::size_t row = 3 * static_cast<std::size_t>(group.joint);
+    const std::size_t row = 3 * group.joint;
     Vec3 center;
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      center[static_cast<Eigen::Index>(axis)] =
-          avatar->jointRows[row + axis].cast<double>().dot(group.center.homogeneous());
+      center[axis] = avatar->jointRows[row + axis].cast<double>().dot(group.center.homogeneous());
     }
     const double distance = (center - eye).squaredNorm();
     distances[g] = std::isfinite(distance) ? distance : 0.0;  // the order must be strict

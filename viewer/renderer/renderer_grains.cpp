@@ -19,7 +19,7 @@ std::span<const Vec3f> colorsOf(const Scene& scene) {
 }
 
 int cellsIn(int pixels, float cell) {
-  return std::max(1, static_cast<int>(static_cast<float>(pixels) / std::max(cell, 1.0f)));
+  return std::max<int>(1, pixels / std::max(cell, 1.0f));
 }
 
 }  // namespace

@@ -38,8 +38,7 @@ void Renderer::Impl::uploadSkin(const SceneFigure& figure, const SceneOptions& o
   if (changed) {
     const std::vector<std::uint32_t>& indices = skin.mesh.indices();
     gpu.upload(skin.colors, skin.mesh.colors());
-    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
-                  indices.data(), GL_STATIC_DRAW);
+    gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, indices.size() * sizeof(std::uint32_t), indices.data(), GL_STATIC_DRAW);
   }
   if (options.colorSkinByPart) {
     gl.EnableVertexAttribArray(2);
@@ -110,8 +109,9 @@ GLsizei Renderer::Impl::uploadMarkers(std::span<const Contact> contacts) {
   markers.clear();
   for (const Contact& contact : contacts) {
     const Vec3f center = contact.point.cast<float>();
-    for (const auto& [x, y] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, -1}, {1, 1}, {-1, 1}}) {
-      markers.push_back({center, {static_cast<float>(x), static_cast<float>(y)}});
+    for (const auto& [x, y] :
+         {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
+      markers.push_back({center, {x, y}});
     }
   }
   if (!markers.empty()) gpu.upload(markerBuffer, markers);
@@ -208,10 +208,10 @@ void Renderer::Impl::drawFloor(const FrameSetup& setup) {
 }
 
 void Renderer::Impl::drawFlat(int left, int bottom, int width, int height) {
-  const float sx = 2.0f / static_cast<float>(targets.width), sy = 2.0f / static_cast<float>(targets.height);
+  const float sx = 2.0f / targets.width, sy = 2.0f / targets.height;
   gl.UseProgram(panelProgram);
-  gl.Uniform4f(panelRectangle, static_cast<float>(left) * sx - 1.0f, static_cast<float>(bottom) * sy - 1.0f,
-               static_cast<float>(left + width) * sx - 1.0f, static_cast<float>(bottom + height) * sy - 1.0f);
+  gl.Uniform4f(panelRectangle, left * sx - 1.0f, bottom * sy - 1.0f, (left + width) * sx - 1.0f,
+               (bottom + height) * sy - 1.0f);
   gl.Disable(GL_DEPTH_TEST);
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);

@@ -91,11 +91,10 @@ void Renderer::Impl::fillPropShape(PropShapeGpu& shape, const PropMesh& mesh) {
   shape.indexCount = glCount(mesh.indices.size());
   gl.BindVertexArray(shape.vertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, shape.vertexBuffer);
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(PropMesh::Vertex)),
-                mesh.vertices.data(), GL_STATIC_DRAW);
+  gl.BufferData(GL_ARRAY_BUFFER, mesh.vertices.size() * sizeof(PropMesh::Vertex), mesh.vertices.data(), GL_STATIC_DRAW);
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, shape.indexBuffer);
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(std::uint32_t)),
-                mesh.indices.data(), GL_STATIC_DRAW);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, mesh.indices.size() * sizeof(std::uint32_t), mesh.indices.data(),
+                GL_STATIC_DRAW);
 }
 
 void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) {
@@ -130,8 +129,7 @@ void Renderer::Impl::createSky() {
   std::vector<std::uint32_t> indices;
   for (std::uint32_t row = 0; row <= kRows; ++row) {
     for (std::uint32_t column = 0; column <= kColumns; ++column) {
-      positions.emplace_back(2.0f * static_cast<float>(column) / kColumns - 1.0f,
-                             2.0f * static_cast<float>(row) / kRows - 1.0f);
+      positions.emplace_back(2.0f * column / kColumns - 1.0f, 2.0f * row / kRows - 1.0f);
       if (row == kRows || column == kColumns) continue;
       const std::uint32_t a = row * (kColumns + 1) + column, b = a + 1, c = b + kColumns + 1, d = c - 1;
       indices.insert(indices.end(), {a, b, c, a, c, d});
@@ -141,12 +139,10 @@ void Renderer::Impl::createSky() {
   skyVertexArray = gpu.makeVertexArray();
   gl.BindVertexArray(skyVertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, gpu.makeBuffer());
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(positions.size() * sizeof(positions[0])), positions.data(),
-                GL_STATIC_DRAW);
+  gl.BufferData(GL_ARRAY_BUFFER, positions.size() * sizeof(positions[0]), positions.data(), GL_STATIC_DRAW);
   attribute(0, 2, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector2f), 0);
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, gpu.makeBuffer());
-  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, static_cast<GLsizeiptr>(indices.size() * sizeof(std::uint32_t)),
-                indices.data(), GL_STATIC_DRAW);
+  gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, indices.size() * sizeof(std::uint32_t), indices.data(), GL_STATIC_DRAW);
 }
 
 void Renderer::Impl::createSkin(SkinGpu& skin) {

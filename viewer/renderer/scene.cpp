@@ -21,19 +21,6 @@ Vec3 linearFromOklch(double lightness, double chroma, double hue) {
 
 }  // namespace
 
-PartedSkin makePartedSkin(const Decomposition& decomposition) {
-  PartedSkin skin;
-  for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
-    const Part& part = decomposition.parts[p];
-    for (std::size_t i = 0; i < part.triangles.size(); ++i) {
-      if (part.sourceTriangle[i] < 0) continue;  // caps are inside the body
-      skin.triangles.push_back(part.triangles[i]);
-      skin.partOfTriangle.push_back(static_cast<PartIndex>(p));
-    }
-  }
-  return skin;
-}
-
 Vec3f partColor(PartIndex part) {
   // Four levels of lightness; in each, the 32 parts are distributed over the hues. The angle was found by search: the
   // nearest two of 32 colours differ by 0.06 in OKLab (0.02 is just noticeable), consecutive ones by 0.24.

@@ -86,14 +86,6 @@ struct Camera {
   Eigen::Vector2d targetAt = Eigen::Vector2d::Zero();
 };
 
-/// The skin, cut along the borders of the parts, with indices into Session::points(). Used as Scene::triangles and
-/// partOfTriangle, it shows borders along the cuts instead of the mesh's edges.
-struct PartedSkin {
-  std::vector<Triangle> triangles;
-  std::vector<PartIndex> partOfTriangle;
-};
-[[nodiscard]] PartedSkin makePartedSkin(const Decomposition& decomposition);
-
 /// Distinct colour of a part, the same in every picture; linear RGB.
 [[nodiscard]] Vec3f partColor(PartIndex part);
 

@@ -20,9 +20,6 @@ class Screen {
   /// Whether the simulation should advance by a frame: it is not paused, or a single step was requested. The call
   /// consumes the request.
   [[nodiscard]] virtual bool wantsStep() = 0;
-  [[nodiscard]] virtual bool paused() const = 0;
-  /// Playback speed, 1 = as recorded.
-  [[nodiscard]] virtual double speed() const = 0;
 
   /// Draws, presents, polls input.
   virtual void show(const Scene& scene, const WindowValues& values) = 0;
@@ -46,9 +43,6 @@ class Screen {
   virtual void problem(std::string sentence) = 0;
   virtual void setTitle(const std::string& title) = 0;
 
-  /// The layers that are drawn, which the user may change.
-  [[nodiscard]] virtual const SceneOptions& shown() const = 0;
-  virtual void setShown(const SceneOptions& show) = 0;
   /// What the user chose, by keys or panels.
   [[nodiscard]] virtual const WindowChoices& choices() const = 0;
   virtual void setChoices(const WindowChoices& choices) = 0;

@@ -1,5 +1,6 @@
 #include "viewer/renderer/skin_mesh.h"
 
+#include "geometry/counts.h"
 #include "viewer/renderer/scene.h"
 
 #include <algorithm>
@@ -69,11 +70,11 @@ bool SkinMesh::update(std::span<const Vec3> positions, std::span<const Triangle>
     const Vec3& a = positions[t[0]];
     const Vec3f n = (positions[t[1]] - a).cross(positions[t[2]] - a).cast<float>();
     for (const VertexIndex v : t) {
-      normals_[normalSlot_[static_cast<std::size_t>(v)]] += n;
+      normals_[normalSlot_[v]] += n;
     }
   }
   for (std::size_t i = 0; i < vertices_.size(); ++i) {
-    const auto from = static_cast<std::size_t>(source_[i]);
+    const auto from = source_[i];
     vertices_[i].position = positions[from].cast<float>();
     vertices_[i].normal = normals_[normalSlot_[from]].stableNormalized();
   }
@@ -95,14 +96,14 @@ void SkinMesh::rebuild(std::span<const Vec3> positions) {
   struct Corner {
     std::int32_t position;
     PartIndex part;
-    std::uint32_t index;
+    std::int32_t index;
   };
   std::vector<Corner> corners;
   corners.reserve(triangles_.size() * 3);
   for (std::size_t i = 0; i < triangles_.size(); ++i) {
     const PartIndex part = partOfTriangle_.empty() ? -1 : partOfTriangle_[i];
     for (const VertexIndex v : triangles_[i]) {
-      corners.push_back({v, part, static_cast<std::uint32_t>(corners.size())});
+      corners.push_back({v, part, countOf(corners)});
     }
   }
   std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
@@ -117,7 +118,7 @@ void SkinMesh::rebuild(std::span<const Vec3> positions) {
       const PartIndex part = corners[i].part;
       colors_.push_back(part < 0 ? clay() : Vec3f(0.22f * clay() + 0.72f * partColor(part)));
     }
-    indices_[corners[i].index] = static_cast<std::uint32_t>(source_.size()) - 1;
+    indices_[corners[i].index] = source_.size() - 1;
   }
   vertices_.resize(source_.size());
 }

@@ -101,12 +101,12 @@ void Targets::resize(const Gpu& gpu, int newWidth, int newHeight) {
   width = newWidth;
   height = newHeight;
   const double scale = settingsOf(quality).scale;
-  drawnWidth = std::max(1, static_cast<int>(std::lround(scale * width)));
-  drawnHeight = std::max(1, static_cast<int>(std::lround(scale * height)));
+  drawnWidth = std::max<int>(1, std::lround(scale * width));
+  drawnHeight = std::max<int>(1, std::lround(scale * height));
   const GlFunctions& gl = gpu.gl;
   for (const auto& [renderbuffer, format] : {std::pair{pictureColor, GL_RGBA8}, {pictureDepth, GL_DEPTH_COMPONENT24}}) {
     gl.BindRenderbuffer(GL_RENDERBUFFER, renderbuffer);
-    gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, static_cast<GLenum>(format), drawnWidth, drawnHeight);
+    gl.RenderbufferStorageMultisample(GL_RENDERBUFFER, samples, format, drawnWidth, drawnHeight);
   }
   gl.BindRenderbuffer(GL_RENDERBUFFER, resolvedColor);
   gl.RenderbufferStorage(GL_RENDERBUFFER, GL_RGBA8, width, height);

@@ -57,7 +57,7 @@ PlacedText placed(std::string_view text, int line) {
 }
 
 int maskWidth(const PlacedText& text, int line) {
-  return static_cast<int>(std::ceil(text.width)) + 2 * marginOf(line);
+  return std::ceil(text.width) + 2 * marginOf(line);
 }
 
 }  // namespace
@@ -98,7 +98,7 @@ std::string fittedText(std::string_view text, int lineHeight, int width) {
     }
     line += word;
     blanks.clear();
-    while (words.peek() == ' ') blanks += static_cast<char>(words.get());
+    while (words.peek() == ' ') blanks += words.get();
   }
   endLine();
   return all;
@@ -112,7 +112,7 @@ Image drawTextPanel(std::string_view text, int lineHeight) {
   Image panel;
   panel.width = mask.width + 2 * margin;
   panel.height = mask.height + margin;
-  panel.rgba.assign(static_cast<std::size_t>(panel.width) * panel.height * 4, 0);
+  panel.rgba.assign(panel.byteCount(), 0);
   const std::array<double, 3> ink = {38, 44, 54};
   for (int y = 0; y < panel.height; ++y) {
     for (int x = 0; x < panel.width; ++x) {
@@ -123,14 +123,12 @@ Image drawTextPanel(std::string_view text, int lineHeight) {
       const int tx = x - margin;
       const int ty = y - margin / 2;
       const bool inside = tx >= 0 && ty >= 0 && tx < mask.width && ty < mask.height;
-      const double cover =
-          inside ? mask.coverage[static_cast<std::size_t>(ty) * mask.width + static_cast<std::size_t>(tx)] / 255.0
-                 : 0.0;
-      std::uint8_t* pixel = panel.rgba.data() + (static_cast<std::size_t>(y) * panel.width + x) * 4;
+      const double cover = inside ? mask.coverage[static_cast<std::size_t>(ty) * mask.width + tx] / 255.0 : 0.0;
+      std::uint8_t* pixel = panel.pixel(x, y);
       for (std::size_t c = 0; c < 3; ++c) {
-        pixel[c] = static_cast<std::uint8_t>(std::lround(ink[c] * cover + 255.0 * plate * (1.0 - cover)));
+        pixel[c] = std::lround(ink[c] * cover + 255.0 * plate * (1.0 - cover));
       }
-      pixel[3] = static_cast<std::uint8_t>(std::lround(255.0 * (cover + plate * (1.0 - cover))));
+      pixel[3] = std::lround(255.0 * (cover + plate * (1.0 - cover)));
     }
   }
   return panel;

@@ -44,17 +44,31 @@ struct WindowTreatment {
   [[nodiscard]] bool operator==(const WindowTreatment&) const = default;
 };
 
-/// What the user chose and keeps from one session to the next.
-struct WindowChoices {
-  bool loop = true;    ///< at the end of a recording it starts again; else the world goes on and the avatar stands
+/// What the user chose and keeps from one run to the next.
+struct KeptChoices {
+  bool loop = true;    ///< at the end of a recording it starts again; else the world continues and the avatar stands
   bool follow = true;  ///< the camera moves with WindowValues::focus
   double scale = 1.0;  ///< of text and panels, times the system's; kSmallestScale to kLargestScale
   WindowTreatment treatment;
 
-  [[nodiscard]] bool operator==(const WindowChoices&) const = default;
+  [[nodiscard]] bool operator==(const KeptChoices&) const = default;
 };
-
 inline constexpr double kSmallestScale = 0.5, kLargestScale = 4.0;
+
+/// What the user can change by keys and panels.
+struct WindowChoices : KeptChoices {
+  SceneOptions show;  ///< the layers that are drawn
+  bool paused = false;
+  int steps = 0;           ///< single steps that were asked for
+  bool scrubbing = false;  ///< the timeline is dragged: playback is suspended
+  double speed = 1.0;      ///< of playback, kSlowest to kFastest; 1 = as recorded
+  bool help = false;
+  bool panels = true;
+  int quality = -1;                                 ///< of the picture; -1 = automatic
+  bool picture = false, pictureWithPanels = false;  ///< to be saved
+  bool video = false;                               ///< to be started or stopped
+};
+inline constexpr double kSlowest = 0.1, kFastest = 4.0;
 
 /// A target and how often it was hit.
 struct TargetScore {
@@ -62,16 +76,21 @@ struct TargetScore {
   int hits = 0;
 };
 
-/// Values for the panels of a window, borrowed while they are drawn. Independent of sessions and files.
-struct WindowValues {
+/// What keys refer to after the picture was drawn.
+struct WindowNumbers {
+  double seconds = 0.0;             ///< since the first frame [s]
+  std::optional<double> seekingTo;  ///< the time that the recording runs to without pictures [s]
+  double duration = 0.0;            ///< of a recording [s]; 0 = live, without timeline and speed
+  int parts = 0;                    ///< of the body
+  int maxParts = 0;                 ///< at the finest level of detail; 0 = no choice
+};
+
+/// What a window shows in its panels; texts and lists are borrowed while they are drawn. Independent of sessions and
+/// files.
+struct WindowValues : WindowNumbers {
   std::string_view name;                     ///< of the played motion
   std::string_view status;                   ///< one line of status
-  double seconds = 0.0;                      ///< since the first frame [s]
-  std::optional<double> seekingTo;           ///< the time that the recording runs to without pictures [s]
-  double duration = 0.0;                     ///< of a recording [s]; 0 = live, without timeline and speed
   bool ended = false;                        ///< there are no more frames
-  int parts = 0;                             ///< of the body
-  int maxParts = 0;                          ///< at the finest level of detail; 0 = no choice
   bool preparingParts = false;               ///< another level of detail is being computed
   std::span<const std::string> scenes;       ///< to choose from; empty = none
   int scene = 0;                             ///< index of the current scene
@@ -81,7 +100,7 @@ struct WindowValues {
   bool outsideTraining = false;              ///< the pose is outside the training range of the hulls
   bool holdsProp = false;                    ///< the mouse moves a prop instead of the camera
   std::optional<Vec3> focus = {};            ///< what a following camera moves with [m]
-  std::optional<Aabb> followed = {};         ///< whom a following camera keeps in view, between the panels [m]
+  std::optional<Aabb> followed = {};         ///< what a following camera keeps in view, between the panels [m]
   std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
   int avatar = -1;                           ///< index of the followed one; -1 = all
   std::span<const std::string> motions;      ///< that can be opened by name; empty = none
@@ -105,6 +124,16 @@ struct WindowValues {
   std::string_view noThrow;
   std::string_view noUndo;
   std::string_view noLoop;
+
+  // Filled by the window itself.
+  double pictureMilliseconds = 0.0;
+  double picturesASecond = 0.0;
+  std::span<const char* const> qualities = {};  ///< names, lowest first
+  int quality = 0;                              ///< index of the present one
+  double videoSeconds = -1.0;                   ///< length of the video that is written [s]; below 0 = none
+  double insetWidth = 0.0, insetHeight = 0.0;   ///< of Scene::inset at the lower right [pixels]; 0 = none
+  std::string_view notice = {};                 ///< temporary message; empty = none
+  bool problem = false;                         ///< it says what failed
 };
 
 /// Requests of the user since the last call, except those that the window handles itself.

@@ -1,5 +1,7 @@
 #include "viewer/window/free_area.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -7,9 +9,9 @@ namespace lorica {
 
 PictureArea freeArea(float width, float height, std::span<const PixelArea> panels) {
   // A rectangle that cannot grow ends at a panel or at the picture's edge at each of its sides.
-  const auto count = static_cast<int>(panels.size());
+  const int count = countOf(panels);
   const auto edge = [&](int panel, float PixelArea::*side, float whole) {
-    return panel < 0 ? whole : std::clamp(panels[static_cast<std::size_t>(panel)].*side, 0.0f, std::max(width, height));
+    return panel < 0 ? whole : std::clamp(panels[panel].*side, 0.0f, std::max(width, height));
   };
   const auto isFree = [&](const PixelArea& area) {
     return std::none_of(panels.begin(), panels.end(), [&](const PixelArea& p) {

@@ -14,7 +14,7 @@ namespace lorica {
 void fillPanelFont(ImFontAtlas& atlas, int lineHeight, const std::u32string& others) {
   atlas.Clear();
   ImFontConfig config;
-  config.SizePixels = static_cast<float>(lineHeight);
+  config.SizePixels = lineHeight;
   config.FontDataOwnedByAtlas = false;
   config.OversampleH = 2;
   // Each file once, with the characters that are drawn with it.
@@ -23,7 +23,7 @@ void fillPanelFont(ImFontAtlas& atlas, int lineHeight, const std::u32string& oth
     const std::string_view file = fontFileFor(first);
     auto found = std::find_if(files.begin(), files.end(), [&](const auto& f) { return f.first.data() == file.data(); });
     if (found == files.end()) found = files.insert(found, {file, {}});
-    for (const char32_t end : {first, last}) found->second.push_back(static_cast<ImWchar>(end));
+    for (const char32_t end : {first, last}) found->second.push_back(end);
   };
   add(U' ', U'~');
   for (const char32_t c : others) {
@@ -36,8 +36,7 @@ void fillPanelFont(ImFontAtlas& atlas, int lineHeight, const std::u32string& oth
   }
   for (auto& [file, ranges] : files) {
     ranges.push_back(0);
-    atlas.AddFontFromMemoryTTF(const_cast<char*>(file.data()), static_cast<int>(file.size()), config.SizePixels,
-                               &config, ranges.Data);
+    atlas.AddFontFromMemoryTTF(const_cast<char*>(file.data()), file.size(), config.SizePixels, &config, ranges.Data);
     config.MergeMode = true;
   }
   atlas.Build();  // while the ranges are there

@@ -71,16 +71,16 @@ void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark
 
 }  // namespace
 
-void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status) {
+void drawWarnings(PanelLayout& layout, const WindowValues& values) {
   // Between the panels, or below their titles if there is no space between them.
   if (layout.small() && !layout.panels.empty()) {
     layout.ceiling = std::max(layout.ceiling + layout.of(kPanelLine + 12.0f), layout.titles + layout.of(4.0f));
   }
   for (const std::string& warning : values.warnings) drawPlate(layout, warning, kAmber, kAmber);
-  if (status.videoSeconds >= 0.0) {
-    drawPlate(layout, fmt::format("video {:.1f} s, V to stop", status.videoSeconds), kInk, kRed);
+  if (values.videoSeconds >= 0.0) {
+    drawPlate(layout, fmt::format("video {:.1f} s, V to stop", values.videoSeconds), kInk, kRed);
   }
-  if (!status.notice.empty()) drawPlate(layout, status.notice, kInk, status.problem ? kRed : 0);
+  if (!values.notice.empty()) drawPlate(layout, values.notice, kInk, values.problem ? kRed : 0);
 }
 
 void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests) {
@@ -91,12 +91,12 @@ void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests
   ImGui::Begin("loading", nullptr, kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
   ImGui::PushTextWrapPos(0.0f);
   // Dots that come and go: it is alive where the share stays for a while.
-  const auto dots = static_cast<std::size_t>(ImGui::GetTime() / kDotSeconds) % 4;
+  const int dots = int(ImGui::GetTime() / kDotSeconds) % 4;
   ImGui::TextUnformatted(fmt::format("{} {}", values.loading, std::string(dots, '.')).c_str());
   ImGui::PopTextWrapPos();
   const float button = layout.of(72.0f);
   const ImVec2 bar(ImGui::GetContentRegionAvail().x - button - ImGui::GetStyle().ItemSpacing.x, 0.0f);
-  ImGui::ProgressBar(static_cast<float>(values.loaded), bar);
+  ImGui::ProgressBar(values.loaded, bar);
   ImGui::SameLine();
   if (ImGui::Button("Cancel", ImVec2(button, 0.0f))) requests.cancel = true;
   notePanel(layout);
@@ -108,7 +108,7 @@ void drawHelp(PanelLayout& layout) {
   // Below the warnings and above the transport. If that is too small, it covers the transport and scrolls if needed.
   constexpr float kTitleAndPads = 46.0f;
   const float line = ImGui::GetTextLineHeightWithSpacing();
-  const float wanted = line * static_cast<float>(kHelp.size()) + layout.of(kTitleAndPads);
+  const float wanted = line * kHelp.size() + layout.of(kTitleAndPads);
   const float top = layout.ceiling;
   const float above = layout.panels.empty() ? layout.height - layout.margin() : layout.floor - layout.of(4.0f);
   const float bottom = wanted <= above - top ? above : layout.height - layout.margin();

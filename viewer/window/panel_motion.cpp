@@ -56,7 +56,8 @@ void chooseTreatment(const WindowValues& values, WindowTreatment& treatment) {
 
 }  // namespace
 
-void drawMotionPanel(PanelLayout& layout, const WindowValues& values, ControlState& state, WindowRequests& requests) {
+void drawMotionPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices,
+                     WindowRequests& requests) {
   bool open = false;
   const bool any = values.treatable || !values.clips.empty() || !values.people.empty();
   const bool left = layout.small();
@@ -67,7 +68,7 @@ void drawMotionPanel(PanelLayout& layout, const WindowValues& values, ControlSta
       const char* everyone = values.everyone ? "everyone" : nullptr;
       chooseFrom("person", "person: ", everyone, values.people, values.person, requests.person);
     }
-    if (values.treatable) chooseTreatment(values, state.choices.treatment);
+    if (values.treatable) chooseTreatment(values, choices.treatment);
   }
   endBelow(layout, left);
 }

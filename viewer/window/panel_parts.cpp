@@ -1,5 +1,7 @@
 #include "viewer/window/panel_widgets.h"
 
+#include "geometry/counts.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -35,9 +37,9 @@ void chooseFile(const char* what, std::span<const std::string> files, int presen
   const auto name = [](const std::string& file) { return file.c_str() + (file.rfind('/') + 1); };
   ImGui::SetNextItemWidth(ImGui::GetContentRegionAvail().x);
   ImGui::PushID(what);
-  if (ImGui::BeginCombo("##list", present < 0 ? what : name(files[static_cast<std::size_t>(present)]))) {
-    for (int n = 0; n < static_cast<int>(files.size()); ++n) {
-      const std::string& file = files[static_cast<std::size_t>(n)];
+  if (ImGui::BeginCombo("##list", present < 0 ? what : name(files[present]))) {
+    for (int n = 0; n < countOf(files); ++n) {
+      const std::string& file = files[n];
       ImGui::PushID(n);
       if (ImGui::Selectable(name(file), n == present)) requests.files = {file};
       ImGui::PopID();
@@ -101,21 +103,20 @@ void setPanelStyle(float scale) {
   ImGui::GetStyle() = style;
 }
 
-void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
-                   WindowRequests& requests) {
+void drawTransport(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests) {
   const float margin = layout.margin();
-  const float inset = status.insetWidth > 0.0 ? static_cast<float>(status.insetWidth) + 2.0f * margin : 0.0f;
+  const float inset = values.insetWidth > 0.0 ? values.insetWidth + 2.0f * margin : 0.0f;
   const float width = layout.width - 2.0f * margin - inset;
   const bool narrow = width < layout.of(540.0f);
   ImGui::SetNextWindowPos(ImVec2(margin, layout.height - margin), ImGuiCond_Always, ImVec2(0.0f, 1.0f));
   ImGui::SetNextWindowSize(ImVec2(width, 0.0f));
   ImGui::Begin("transport", nullptr, kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
   const ImVec2 button(layout.of(64.0f), 0.0f);
-  if (ImGui::Button(state.paused ? "Play###play" : "Pause###play", button)) state.paused = !state.paused;
+  if (ImGui::Button(choices.paused ? "Play###play" : "Pause###play", button)) choices.paused = !choices.paused;
   ImGui::SameLine();
   if (ImGui::Button("Step", ImVec2(layout.of(52.0f), 0.0f))) {
-    state.paused = true;
-    ++state.steps;
+    choices.paused = true;
+    ++choices.steps;
   }
   if (values.duration > 0.0) {
     ImGui::SameLine();
@@ -124,8 +125,8 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
       ImGui::SameLine();
     }
     const float speedWidth = narrow ? 0.0f : layout.of(200.0f);
-    auto seconds = static_cast<float>(values.seconds);
-    const auto duration = static_cast<float>(values.duration);
+    float seconds = values.seconds;
+    const float duration = values.duration;
     const auto text = [&](double at) {
       return narrow ? fmt::format("{:.1f} s", at) : fmt::format("{:.1f} of {:.1f} s", at, values.duration);
     };
@@ -135,20 +136,20 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
                            ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat)) {
       requests.seekTo = seconds;
     }
-    state.scrubbing = ImGui::IsItemActive();
+    choices.scrubbing = ImGui::IsItemActive();
     ImGui::SameLine();
     ImGui::TextUnformatted(text(values.seconds).c_str());
     if (!narrow) {
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - speedWidth + ImGui::GetStyle().ItemSpacing.x);
       ImGui::AlignTextToFramePadding();
-      ImGui::TextColored(kFaint, "speed %.2g", state.speed);
+      ImGui::TextColored(kFaint, "speed %.2g", choices.speed);
       ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - layout.of(110.0f));
       ImGui::SetNextItemWidth(layout.of(110.0f));
-      auto speed = static_cast<float>(state.speed);
-      if (ImGui::SliderFloat("##speed", &speed, static_cast<float>(kSlowest), static_cast<float>(kFastest), "",
+      float speed = choices.speed;
+      if (ImGui::SliderFloat("##speed", &speed, kSlowest, kFastest, "",
                              ImGuiSliderFlags_Logarithmic | ImGuiSliderFlags_NoInput)) {
         // Snap to full speed.
-        state.speed = std::abs(speed - 1.0f) < 0.08f ? 1.0 : std::clamp<double>(speed, kSlowest, kFastest);
+        choices.speed = std::abs(speed - 1.0f) < 0.08f ? 1.0 : std::clamp<double>(speed, kSlowest, kFastest);
       }
     }
   } else {
@@ -172,12 +173,11 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelS
   }
   notePanel(layout);
   layout.floor = ImGui::GetWindowPos().y;
-  layout.rightFloor = std::min(layout.floor, layout.height - static_cast<float>(status.insetHeight) - margin);
+  layout.rightFloor = std::min<float>(layout.floor, layout.height - values.insetHeight - margin);
   ImGui::End();
 }
 
-void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
-                   WindowRequests& requests) {
+void drawViewPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests) {
   const float margin = layout.margin();
   const float width = std::min(layout.of(kViewPanel), 0.5f * (layout.width - 3.0f * margin));
   const float room = layout.floor - 2.0f * margin;
@@ -188,7 +188,7 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
   const bool open = ImGui::Begin("View", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize);
   noteFold(layout.view);
   if (open) {
-    SceneOptions& show = state.show;
+    SceneOptions& show = choices.show;
     toggle("character", "1", show.skin);
     toggle("hulls", "2", show.hulls);
     toggle("bones", "3", show.bones);
@@ -197,8 +197,8 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     toggle("ground", "6", show.ground);
     toggle("grains", "7", show.particles);
     toggle("colour by part", "C", show.colorSkinByPart);
-    toggle("follow", "F", state.choices.follow);
-    if (values.duration > 0.0) toggle("loop", "L", state.choices.loop, values.noLoop);
+    toggle("follow", "F", choices.follow);
+    if (values.duration > 0.0) toggle("loop", "L", choices.loop, values.noLoop);
     ImGui::Separator();
     const float slider = ImGui::GetContentRegionAvail().x;
     if (values.maxParts > 0) {
@@ -223,27 +223,27 @@ void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelS
     chooseFile("files", values.recent, -1, requests);
     if (!values.hint.empty()) {
       ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
-      ImGui::TextWrapped("%.*s", static_cast<int>(values.hint.size()), values.hint.data());
+      ImGui::TextWrapped("%.*s", countOf(values.hint), values.hint.data());
       ImGui::PopStyleColor();
     }
-    if (!status.qualities.empty()) {
+    if (!values.qualities.empty()) {
       ImGui::SetNextItemWidth(slider);
-      const char* now = status.qualities[status.quality];
+      const char* now = values.qualities[values.quality];
       const std::string chosen =
-          state.quality < 0 ? fmt::format("quality: {} (auto)", now) : fmt::format("quality: {}", now);
+          choices.quality < 0 ? fmt::format("quality: {} (auto)", now) : fmt::format("quality: {}", now);
       if (ImGui::BeginCombo("##quality", chosen.c_str())) {
-        if (ImGui::Selectable("automatic", state.quality < 0)) state.quality = -1;
-        for (int q = static_cast<int>(status.qualities.size()) - 1; q >= 0; --q) {
-          if (ImGui::Selectable(status.qualities[q], state.quality == q)) state.quality = q;
+        if (ImGui::Selectable("automatic", choices.quality < 0)) choices.quality = -1;
+        for (int q = countOf(values.qualities) - 1; q >= 0; --q) {
+          if (ImGui::Selectable(values.qualities[q], choices.quality == q)) choices.quality = q;
         }
         ImGui::EndCombo();
       }
     }
     if (keyedButton("throw a ball", "B", values.noThrow)) requests.throwBall = true;
     if (keyedButton("undo", "U", values.noUndo)) requests.undo = true;
-    if (keyedButton("save a picture", "P")) state.picture = true;
-    if (keyedButton(status.videoSeconds < 0.0 ? "start a video###video" : "stop the video###video", "V")) {
-      state.video = true;
+    if (keyedButton("save a picture", "P")) choices.picture = true;
+    if (keyedButton(values.videoSeconds < 0.0 ? "start a video###video" : "stop the video###video", "V")) {
+      choices.video = true;
     }
   }
   notePanel(layout);

@@ -53,7 +53,7 @@ struct PanelLayout {
 /// Call before the Begin() of a collapsible panel: collapses it when the picture becomes small, and restores its state
 /// when the picture becomes large.
 void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold);
-/// Call after Begin(): stores the state.
+/// Call after Begin(): stores the choices.
 void noteFold(PanelLayout::Fold& fold);
 
 /// Call before the End() of a panel: the panel receives the mouse input over its area.
@@ -62,17 +62,15 @@ void notePanel(PanelLayout& layout);
 /// Sets a dark, translucent style for text of height kPanelLine * scale.
 void setPanelStyle(float scale);
 
-void drawTransport(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
-                   WindowRequests& requests);
-void drawViewPanel(PanelLayout& layout, const WindowValues& values, const PanelStatus& status, ControlState& state,
-                   WindowRequests& requests);
-void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining);
+void drawTransport(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+void drawViewPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+void drawTimesPanel(PanelLayout& layout, const WindowValues& values, const TimeGraph& times);
 /// Below the times, in a small picture below the view options: what performs, and how the motion and the world are
 /// treated.
-void drawMotionPanel(PanelLayout& layout, const WindowValues& values, ControlState& state, WindowRequests& requests);
+void drawMotionPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
 /// Below the last panel on the right: the hits of targets.
 void drawHitsPanel(PanelLayout& layout, const WindowValues& values);
-void drawWarnings(PanelLayout& layout, const WindowValues& values, const PanelStatus& status);
+void drawWarnings(PanelLayout& layout, const WindowValues& values);
 void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests);
 void drawHelp(PanelLayout& layout);
 

@@ -35,9 +35,9 @@ void rightText(const char* format, double value) {
 void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, double scale) {
   ImDrawList& list = *ImGui::GetWindowDrawList();
   const float bar = size.x / TimeGraph::kFrames;
-  const float first = corner.x + bar * static_cast<float>(TimeGraph::kFrames - times.frameCount());
+  const float first = corner.x + bar * (TimeGraph::kFrames - times.frameCount());
   for (int f = 0; f < times.frameCount(); ++f) {
-    const float left = first + bar * static_cast<float>(f);
+    const float left = first + bar * f;
     double sum = 0.0;
     float below = corner.y + size.y;
     for (int s = 0; s < times.stageCount(); ++s) {
@@ -51,7 +51,7 @@ void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, 
 
 }  // namespace
 
-void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGraph& times, bool outsideTraining) {
+void drawTimesPanel(PanelLayout& layout, const WindowValues& values, const TimeGraph& times) {
   const float margin = layout.margin();
   const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
   const float room = layout.rightFloor - 2.0f * margin;
@@ -91,10 +91,10 @@ void drawTimesPanel(PanelLayout& layout, const PanelStatus& status, const TimeGr
     ImGui::TextUnformatted("total");
     rightText("%.2f ms", total);
     ImGui::TextUnformatted("drawing");
-    rightText("%.1f ms", status.pictureMilliseconds);
+    rightText("%.1f ms", values.pictureMilliseconds);
     ImGui::TextUnformatted("frames per second");
-    rightText("%.0f", status.picturesASecond);
-    ImGui::TextUnformatted(outsideTraining ? "pose outside training range" : "pose within training range");
+    rightText("%.0f", values.picturesASecond);
+    ImGui::TextUnformatted(values.outsideTraining ? "pose outside training range" : "pose within training range");
   }
   notePanel(layout);
   layout.right = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;

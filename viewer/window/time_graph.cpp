@@ -1,5 +1,6 @@
 #include "viewer/window/time_graph.h"
 
+#include "geometry/counts.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -8,16 +9,16 @@
 namespace lorica {
 
 void TimeGraph::add(std::span<const TimedStage> stages) {
-  LORICA_CHECK(stages.size() <= static_cast<std::size_t>(kMaxStages), "more stages than TimeGraph::kMaxStages");
+  LORICA_CHECK(countOf(stages) <= kMaxStages, "more stages than TimeGraph::kMaxStages");
   const bool same = std::ranges::equal(
-      stages, std::span(names_).first(static_cast<std::size_t>(stageCount_)),
+      stages, std::span(names_).first(stageCount_),
       [](const TimedStage& stage, const char* name) { return std::string_view(stage.name) == name; });
   if (!same) clear();
-  stageCount_ = static_cast<int>(stages.size());
+  stageCount_ = stages.size();
   auto& frame = frames_[count_ % kFrames];
   for (std::size_t s = 0; s < stages.size(); ++s) {
     names_[s] = stages[s].name;
-    frame[s] = static_cast<float>(stages[s].milliseconds);
+    frame[s] = stages[s].milliseconds;
   }
   ++count_;
   if (count_ == 2 * kFrames) count_ = kFrames;  // the same position in the ring

@@ -99,34 +99,22 @@ bool Window::open() const {
 }
 
 bool Window::wantsStep() {
-  ControlState& state = impl_->state;
-  if (state.scrubbing) return false;
-  if (!state.paused) {
-    state.steps = 0;
+  WindowChoices& choices = impl_->choices;
+  if (choices.scrubbing) return false;
+  if (!choices.paused) {
+    choices.steps = 0;
     return true;
   }
-  if (state.steps == 0) return false;
-  --state.steps;
+  if (choices.steps == 0) return false;
+  --choices.steps;
   return true;
 }
 
-bool Window::paused() const {
-  return impl_->state.paused;
-}
-double Window::speed() const {
-  return impl_->state.speed;
-}
-const SceneOptions& Window::shown() const {
-  return impl_->state.show;
-}
-void Window::setShown(const SceneOptions& show) {
-  impl_->state.show = show;
-}
 const WindowChoices& Window::choices() const {
-  return impl_->state.choices;
+  return impl_->choices;
 }
 void Window::setChoices(const WindowChoices& choices) {
-  impl_->state.choices = choices;
+  impl_->choices = choices;
 }
 void Window::setCamera(const Camera& camera) {
   impl_->camera = OrbitCamera(camera);
@@ -166,7 +154,7 @@ bool Window::takeCancel() {
 
 void Window::setQuality(std::optional<RenderQuality> quality) {
   const auto* found = quality ? std::find(kQualities.begin(), kQualities.end(), *quality) : kQualities.end();
-  impl_->state.quality = found == kQualities.end() ? -1 : static_cast<int>(found - kQualities.begin());
+  impl_->choices.quality = found == kQualities.end() ? -1 : found - kQualities.begin();
 }
 
 void Window::Impl::setNotice(std::string sentence, double seconds) {
@@ -176,9 +164,9 @@ void Window::Impl::setNotice(std::string sentence, double seconds) {
 }
 
 void Window::Impl::drawScene(const Scene& scene, int width, int height) {
-  state.show.caption.clear();  // the panels show it
-  state.show.panel.clear();
-  renderer->draw(scene, state.show, view(), width, height);
+  choices.show.caption.clear();  // the panels show it
+  choices.show.panel.clear();
+  renderer->draw(scene, choices.show, view(), width, height);
 }
 
 void Window::Impl::countPicture(double seconds) {
@@ -195,7 +183,7 @@ void Window::Impl::countPicture(double seconds) {
 
 void Window::Impl::chooseQuality(double seconds) {
   // The quality does not change during a video. What the user is being told is more important.
-  if (state.quality < 0 && !video && choice.add(seconds, secondsNow()) && secondsNow() >= noticeUntil) {
+  if (choices.quality < 0 && !video && choice.add(seconds, secondsNow()) && secondsNow() >= noticeUntil) {
     setNotice(fmt::format("drawing a frame takes {:.0f} ms: quality set to {}", 1e3 * seconds,
                           kQualityNames[choice.level()]));
   }
@@ -208,28 +196,22 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   glfwGetFramebufferSize(i.window, &width, &height);
   i.decideDrag(values.holdsProp);
   i.follow(values.focus);
-  if (width > 0 && height > 0) i.frameFollowed(values, static_cast<double>(width) / height);
-  i.lastValues = values;
-  i.lastValues.scenes = i.lastValues.avatars = i.lastValues.clips = i.lastValues.people = i.lastValues.motions =
-      i.lastValues.recent = {};
-  i.lastValues.expressions = {};
-  i.lastValues.warnings = {};
-  i.lastValues.hits = {};
-  i.lastValues.name = i.lastValues.status = i.lastValues.hint = i.lastValues.loading = {};
+  if (width > 0 && height > 0) i.frameFollowed(values, 1.0 * width / height);
+  i.last = values;
 
   const double begin = secondsNow();
-  const auto level = static_cast<std::size_t>(i.state.quality < 0 ? i.choice.level() : i.state.quality);
+  const int level = i.choices.quality < 0 ? i.choice.level() : i.choices.quality;
   // While the first session loads, a picture waits for something to see.
   const bool nothingYet = !values.loading.empty() && scene.vertices.empty();
-  if (width > 0 && height > 0) {           // minimised windows have no pixels
-    if (i.state.picture && !nothingYet) {  // saved at the best quality
+  if (width > 0 && height > 0) {             // minimised windows have no pixels
+    if (i.choices.picture && !nothingYet) {  // saved at the best quality
       i.renderer->setQuality(RenderQuality::kHigh);
       i.drawScene(scene, width, height);
       i.savePicture(i.renderer->readBack());
-      i.state.picture = false;
+      i.choices.picture = false;
     }
-    if (i.state.video) i.toggleVideo(width, height);
-    i.state.video = false;
+    if (i.choices.video) i.toggleVideo(width, height);
+    i.choices.video = false;
     const double drawing = secondsNow();
     i.renderer->setQuality(kQualities[level]);
     i.drawScene(scene, width, height);
@@ -237,22 +219,22 @@ void Window::show(const Scene& scene, const WindowValues& values) {
     i.renderer->present(width, height);
     i.gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
 
-    PanelStatus status;
-    status.pictureMilliseconds = 1e3 * i.pictureSeconds;
-    status.picturesASecond = i.pictureRate;
-    status.qualities = kQualityNames;
-    status.quality = static_cast<int>(level);
-    status.videoSeconds = i.video ? begin - i.video->begin : -1.0;
+    WindowValues shown = values;
+    shown.pictureMilliseconds = 1e3 * i.pictureSeconds;
+    shown.picturesASecond = i.pictureRate;
+    shown.qualities = kQualityNames;
+    shown.quality = level;
+    shown.videoSeconds = i.video ? begin - i.video->begin : -1.0;
     if (scene.inset != nullptr && scene.inset->width > 0) {
-      status.insetWidth = 0.25 * width;
-      status.insetHeight = status.insetWidth * scene.inset->height / scene.inset->width;
+      shown.insetWidth = 0.25 * width;
+      shown.insetHeight = shown.insetWidth * scene.inset->height / scene.inset->width;
     }
-    if (begin < i.noticeUntil) status.notice = i.noticeText;
-    status.problem = i.noticeIsProblem;
-    i.state.scrubbing = false;  // only visible panels can set it
-    i.panels->draw(i.takePanelInput(width, height), values, status, i.times, i.state, i.requests);
-    if (i.state.pictureWithPanels) i.savePicture(readWindow(i.gl, width, height));
-    i.state.pictureWithPanels = false;
+    if (begin < i.noticeUntil) shown.notice = i.noticeText;
+    shown.problem = i.noticeIsProblem;
+    i.choices.scrubbing = false;  // only visible panels can set it
+    i.panels->draw(i.takePanelInput(width, height), shown, i.times, i.choices, i.requests);
+    if (i.choices.pictureWithPanels) i.savePicture(readWindow(i.gl, width, height));
+    i.choices.pictureWithPanels = false;
     // The driver may defer its work, which would then be measured as waiting for the display.
     i.gl.Finish();
     const double seconds = secondsNow() - drawing;

@@ -27,8 +27,6 @@ class Window final : public Screen {
 
   [[nodiscard]] bool open() const override;
   [[nodiscard]] bool wantsStep() override;
-  [[nodiscard]] bool paused() const override;
-  [[nodiscard]] double speed() const override;
   void show(const Scene& scene, const WindowValues& values) override;
   [[nodiscard]] WindowRequests takeRequests() override;
   [[nodiscard]] bool takeCancel() override;
@@ -40,8 +38,6 @@ class Window final : public Screen {
   void notice(std::string sentence, double seconds = 3.0) override;
   void problem(std::string sentence) override;
   void setTitle(const std::string& title) override;
-  [[nodiscard]] const SceneOptions& shown() const override;
-  void setShown(const SceneOptions& show) override;
   [[nodiscard]] const WindowChoices& choices() const override;
   void setChoices(const WindowChoices& choices) override;
   /// Sets a fixed quality; none = chosen automatically by speed, the default.

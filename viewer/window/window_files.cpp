@@ -30,14 +30,13 @@ Image croppedToEven(Image image) {
   const int width = image.width & ~1, height = image.height & ~1;
   if (width != image.width) {
     for (int y = 0; y < height; ++y) {
-      const auto from = image.rgba.begin() + static_cast<std::ptrdiff_t>(y) * image.width * 4;
-      std::copy(from, from + static_cast<std::ptrdiff_t>(width) * 4,
-                image.rgba.begin() + static_cast<std::ptrdiff_t>(y) * width * 4);
+      const std::uint8_t* from = image.pixel(0, y);
+      std::copy(from, from + 4 * width, image.rgba.data() + std::size_t{4} * y * width);
     }
   }
   image.width = width;
   image.height = height;
-  image.rgba.resize(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * 4);
+  image.rgba.resize(image.byteCount());
   return image;
 }
 
@@ -47,14 +46,12 @@ Image readWindow(const GlFunctions& gl, int width, int height) {
   Image image;
   image.width = width;
   image.height = height;
-  const auto row = static_cast<std::ptrdiff_t>(width) * 4;
-  image.rgba.resize(static_cast<std::size_t>(row) * static_cast<std::size_t>(height));
+  image.rgba.resize(image.byteCount());
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
   for (int top = 0, bottom = height - 1; top < bottom; ++top, --bottom) {
-    std::swap_ranges(image.rgba.begin() + top * row, image.rgba.begin() + (top + 1) * row,
-                     image.rgba.begin() + bottom * row);
+    std::swap_ranges(image.pixel(0, top), image.pixel(0, top + 1), image.pixel(0, bottom));
   }
   for (std::size_t k = 3; k < image.rgba.size(); k += 4) image.rgba[k] = 255;
   return image;
@@ -77,7 +74,7 @@ void Window::Impl::toggleVideo(int width, int height) {
 /// Adds as many frames as the elapsed time requires: late pictures are repeated.
 void Window::Impl::addToVideo(int width, int height) {
   if (width != video->width || height != video->height) return endVideo();
-  const int due = static_cast<int>(std::floor((secondsNow() - video->begin) * kVideoRate)) + 1;
+  const int due = std::floor((secondsNow() - video->begin) * kVideoRate) + 1;
   if (video->frames >= due) return;
   const Image image = croppedToEven(renderer->readBack());
   while (video->frames < due) {

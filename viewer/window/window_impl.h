@@ -47,6 +47,8 @@ struct Window::Impl {
   void onButton(int button, bool down);
   void noteClick(double x, double y);
   void onWheel(double y);
+  /// Whether the mouse is over a panel or operates one.
+  [[nodiscard]] bool overPanels() const;
   /// Mouse input for the panels; each press is reported at least once.
   [[nodiscard]] PanelInput takePanelInput(int width, int height);
   [[nodiscard]] Ray rayThrough(double x, double y) const;
@@ -77,9 +79,9 @@ struct Window::Impl {
   double fitted = 0.0;           ///< distance from the target at which the followed avatars are in view [m]
   double fittedAt = 0.0;         ///< WindowValues::seconds of that
   std::optional<Eigen::Vector2d> targetAt;  ///< see Camera; none = in the middle
-  ControlState state;
+  WindowChoices choices;
   WindowRequests requests;
-  WindowValues lastValues;  ///< numbers only, views are cleared
+  WindowNumbers last;  ///< as shown
   TimeGraph times;
 
   QualityChoice choice{3};

@@ -44,15 +44,15 @@ void Window::Impl::listen() {
 }
 
 void Window::Impl::seekBy(double seconds) {
-  if (lastValues.duration <= 0.0) return;
+  if (last.duration <= 0.0) return;
   // Requests add up that were not handled yet, or that a seek has not reached.
-  const double from = requests.seekTo.value_or(lastValues.seekingTo.value_or(lastValues.seconds));
-  requests.seekTo = std::clamp(from + seconds, 0.0, lastValues.duration);
+  const double from = requests.seekTo.value_or(last.seekingTo.value_or(last.seconds));
+  requests.seekTo = std::clamp(from + seconds, 0.0, last.duration);
 }
 
 /// Larger and smaller text.
 void Window::Impl::onControlKey(int key) {
-  double& scale = state.choices.scale;
+  double& scale = choices.scale;
   if (key == GLFW_KEY_EQUAL || key == GLFW_KEY_KP_ADD) scale = std::min(scale * kScaleStep, kLargestScale);
   if (key == GLFW_KEY_MINUS || key == GLFW_KEY_KP_SUBTRACT) scale = std::max(scale / kScaleStep, kSmallestScale);
   if (key == GLFW_KEY_0) scale = 1.0;
@@ -62,34 +62,34 @@ void Window::Impl::onKey(int key, int mods) {
   if ((mods & GLFW_MOD_CONTROL) != 0) return onControlKey(key);
   switch (key) {
     case GLFW_KEY_SPACE:
-      return toggle(state.paused);
+      return toggle(choices.paused);
     case GLFW_KEY_N:
-      state.paused = true;
-      ++state.steps;
+      choices.paused = true;
+      ++choices.steps;
       return;
     case GLFW_KEY_LEFT:
       return seekBy(-kSeekStep);
     case GLFW_KEY_RIGHT:
       return seekBy(kSeekStep);
     case GLFW_KEY_HOME:
-      if (lastValues.duration > 0.0) requests.seekTo = 0.0;
+      if (last.duration > 0.0) requests.seekTo = 0.0;
       return;
     case GLFW_KEY_1:
-      return toggle(state.show.skin);
+      return toggle(choices.show.skin);
     case GLFW_KEY_2:
-      return toggle(state.show.hulls);
+      return toggle(choices.show.hulls);
     case GLFW_KEY_3:
-      return toggle(state.show.bones);
+      return toggle(choices.show.bones);
     case GLFW_KEY_4:
-      return toggle(state.show.props);
+      return toggle(choices.show.props);
     case GLFW_KEY_5:
-      return toggle(state.show.contacts);
+      return toggle(choices.show.contacts);
     case GLFW_KEY_6:
-      return toggle(state.show.ground);
+      return toggle(choices.show.ground);
     case GLFW_KEY_7:
-      return toggle(state.show.particles);
+      return toggle(choices.show.particles);
     case GLFW_KEY_C:
-      return toggle(state.show.colorSkinByPart);
+      return toggle(choices.show.colorSkinByPart);
     case GLFW_KEY_E:
       requests.nextExpression = true;
       return;
@@ -97,17 +97,17 @@ void Window::Impl::onKey(int key, int mods) {
       requests.throwBall = true;
       return;
     case GLFW_KEY_P:
-      ((mods & GLFW_MOD_SHIFT) != 0 ? state.pictureWithPanels : state.picture) = true;
+      ((mods & GLFW_MOD_SHIFT) != 0 ? choices.pictureWithPanels : choices.picture) = true;
       return;
     case GLFW_KEY_V:
-      return toggle(state.video);
+      return toggle(choices.video);
     case GLFW_KEY_U:
       requests.undo = true;
       return;
     case GLFW_KEY_L:
-      return toggle(state.choices.loop);
+      return toggle(choices.loop);
     case GLFW_KEY_F:
-      return toggle(state.choices.follow);
+      return toggle(choices.follow);
     case GLFW_KEY_R:
       ownView = false;
       fitted = 0.0;
@@ -121,13 +121,13 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_F5:
       return camera.lookFrom(0.0, 0.5 * std::numbers::pi);
     case GLFW_KEY_TAB:
-      return toggle(state.panels);
+      return toggle(choices.panels);
     case GLFW_KEY_H:
     case GLFW_KEY_F1:
-      return toggle(state.help);
+      return toggle(choices.help);
     case GLFW_KEY_ESCAPE:
       if (panels->closeList()) return;
-      if (state.help) return toggle(state.help);
+      if (choices.help) return toggle(choices.help);
       glfwSetWindowShouldClose(window, GLFW_TRUE);
       return;
     default:
@@ -138,7 +138,7 @@ void Window::Impl::onKey(int key, int mods) {
 /// The camera moves with the focus over the ground, as long as the user wants it. When that begins again, it looks at
 /// the focus.
 void Window::Impl::follow(const std::optional<Vec3>& focus) {
-  if (!state.choices.follow) {
+  if (!choices.follow) {
     leftFocus = true;
     return;
   }
@@ -167,7 +167,7 @@ void Window::Impl::frameFollowed(const WindowValues& values, double aspect) {
   PictureArea area = panels->freeArea();
   targetAt = area.middle;
   const double seconds = values.seconds - std::exchange(fittedAt, values.seconds);
-  if (!state.choices.follow || ownView) return;
+  if (!choices.follow || ownView) return;
   area.half *= kFilled;
   const double needed = distanceToSee(*values.followed, camera.camera(), area, aspect);
   const bool jumped = seconds < 0.0 || seconds > kLongestFrame;
@@ -193,24 +193,32 @@ Camera Window::Impl::view() const {
 
 /// Punctuation keys are handled as typed characters, because keyboard layouts differ.
 void Window::Impl::onCharacter(unsigned int code) {
-  const int parts = requests.parts.value_or(lastValues.parts);
+  const int parts = requests.parts.value_or(last.parts);
   switch (code) {
     case '-':
-      if (lastValues.duration > 0.0) state.speed = std::max(state.speed / kSpeedStep, kSlowest);
+      if (last.duration > 0.0) choices.speed = std::max(choices.speed / kSpeedStep, kSlowest);
       return;
     case '+':
     case '=':
-      if (lastValues.duration > 0.0) state.speed = std::min(state.speed * kSpeedStep, kFastest);
+      if (last.duration > 0.0) choices.speed = std::min(choices.speed * kSpeedStep, kFastest);
       return;
     case '[':
-      if (lastValues.maxParts > 0) requests.parts = std::max(parts - 1, 1);
+      if (last.maxParts > 0) requests.parts = std::max(parts - 1, 1);
       return;
     case ']':
-      if (lastValues.maxParts > 0) requests.parts = std::min(parts + 1, lastValues.maxParts);
+      if (last.maxParts > 0) requests.parts = std::min(parts + 1, last.maxParts);
       return;
     default:
       return;
   }
+}
+
+bool Window::Impl::overPanels() const {
+  int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
+  glfwGetWindowSize(window, &width, &height);
+  glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
+  return panels->busy() ||
+         panels->covers(cursorX * pixelWidth / std::max(width, 1), cursorY * pixelHeight / std::max(height, 1));
 }
 
 void Window::Impl::onButton(int button, bool pressed) {
@@ -235,12 +243,7 @@ void Window::Impl::onButton(int button, bool pressed) {
   if (drag != Drag::kNone) return;
   heldX = pressedX = cursorX;
   heldY = pressedY = cursorY;
-  int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
-  glfwGetWindowSize(window, &width, &height);
-  glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
-  const auto x = static_cast<float>(cursorX * pixelWidth / std::max(width, 1));
-  const auto y = static_cast<float>(cursorY * pixelHeight / std::max(height, 1));
-  if (panels->covers(x, y) || panels->busy()) {
+  if (overPanels()) {
     drag = Drag::kPanel;
   } else if (left) {
     drag = Drag::kUndecided;
@@ -290,13 +293,8 @@ void Window::Impl::onCursor(double x, double y) {
 }
 
 void Window::Impl::onWheel(double y) {
-  int width = 1, height = 1, pixelWidth = 1, pixelHeight = 1;
-  glfwGetWindowSize(window, &width, &height);
-  glfwGetFramebufferSize(window, &pixelWidth, &pixelHeight);
-  const auto px = static_cast<float>(cursorX * pixelWidth / std::max(width, 1));
-  const auto py = static_cast<float>(cursorY * pixelHeight / std::max(height, 1));
-  if (panels->covers(px, py) || panels->busy()) {
-    wheel += static_cast<float>(y);
+  if (overPanels()) {
+    wheel += y;
   } else {
     takeOver();
     camera.zoom(std::pow(0.9, y));
@@ -311,15 +309,15 @@ PanelInput Window::Impl::takePanelInput(int width, int height) {
   glfwGetWindowContentScale(window, &scaleX, &scaleY);
   input.width = width;
   input.height = height;
-  input.scale = std::max(scaleX, scaleY) * static_cast<float>(state.choices.scale);
-  input.x = static_cast<float>(cursorX * width / std::max(windowWidth, 1));
-  input.y = static_cast<float>(cursorY * height / std::max(windowHeight, 1));
+  input.scale = std::max(scaleX, scaleY) * choices.scale;
+  input.x = cursorX * width / std::max(windowWidth, 1);
+  input.y = cursorY * height / std::max(windowHeight, 1);
   // A button that was pressed over the scene is not down for the panels.
   const bool theirs = drag == Drag::kPanel || drag == Drag::kNone;
   for (std::size_t b = 0; b < down.size(); ++b) input.down[b] = theirs && (down[b] || pressedSince[b]);
   pressedSince = {};
   input.wheel = std::exchange(wheel, 0.0f);
-  input.seconds = static_cast<float>(secondsNow() - std::exchange(lastShow, secondsNow()));
+  input.seconds = secondsNow() - std::exchange(lastShow, secondsNow());
   return input;
 }
 

@@ -26,9 +26,9 @@ struct WindowPanels::Impl {
   }
 
   void takeInput(const PanelInput& input);
-  void noteCharacters(const WindowValues& values, const PanelStatus& status);
+  void noteCharacters(const WindowValues& values);
   void takeScale(float scale);
-  void noteFreeArea(const PanelStatus& status);
+  void noteFreeArea(const WindowValues& values);
 
   ImGuiContext* context = nullptr;
   float scale = 0.0f;      // of the current font and style
@@ -38,7 +38,7 @@ struct WindowPanels::Impl {
 };
 
 /// The font has the characters that were shown until now: names may have any.
-void WindowPanels::Impl::noteCharacters(const WindowValues& values, const PanelStatus& status) {
+void WindowPanels::Impl::noteCharacters(const WindowValues& values) {
   const auto note = [&](std::string_view text) {
     if (std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; })) return;
     for (const char32_t c : charactersOf(text)) {
@@ -47,7 +47,7 @@ void WindowPanels::Impl::noteCharacters(const WindowValues& values, const PanelS
       fontLacks = true;
     }
   };
-  for (const std::string_view text : {values.name, values.status, values.hint, values.loading, status.notice})
+  for (const std::string_view text : {values.name, values.status, values.hint, values.loading, values.notice})
     note(text);
   for (const auto& names : {values.scenes, values.expressions, values.warnings, values.avatars, values.motions,
                             values.clips, values.people, values.recent}) {
@@ -62,14 +62,14 @@ void WindowPanels::Impl::takeScale(float wanted) {
   if (rounded == scale && !std::exchange(fontLacks, false)) return;
   scale = rounded;
   layout.unit = scale;
-  fillPanelFont(*ImGui::GetIO().Fonts, static_cast<int>(std::lround(kPanelLine * scale)), beyond);
+  fillPanelFont(*ImGui::GetIO().Fonts, std::lround(kPanelLine * scale), beyond);
   ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them, with the new font
   setPanelStyle(scale);
 }
 
 void WindowPanels::Impl::takeInput(const PanelInput& input) {
   ImGuiIO& io = ImGui::GetIO();
-  io.DisplaySize = ImVec2(static_cast<float>(input.width), static_cast<float>(input.height));
+  io.DisplaySize = ImVec2(input.width, input.height);
   io.DeltaTime = std::clamp(input.seconds, 1e-4f, 0.25f);
   io.MousePos = ImVec2(input.x, input.y);
   io.MouseDown[0] = input.down[0];
@@ -77,9 +77,9 @@ void WindowPanels::Impl::takeInput(const PanelInput& input) {
   io.MouseWheel = input.wheel;
 }
 
-void WindowPanels::Impl::noteFreeArea(const PanelStatus& status) {
+void WindowPanels::Impl::noteFreeArea(const WindowValues& values) {
   std::vector<PixelArea>& taken = layout.panels;
-  const auto insetWidth = static_cast<float>(status.insetWidth), insetHeight = static_cast<float>(status.insetHeight);
+  const float insetWidth = values.insetWidth, insetHeight = values.insetHeight;
   const bool inset = insetWidth > 0.0f;
   if (inset) taken.push_back({layout.width - insetWidth, layout.height - insetHeight, layout.width, layout.height});
   layout.free = lorica::freeArea(layout.width, layout.height, taken);
@@ -106,27 +106,27 @@ Result<WindowPanels> WindowPanels::create() {
   return WindowPanels(std::move(impl));
 }
 
-void WindowPanels::draw(const PanelInput& input, const WindowValues& values, const PanelStatus& status,
-                        const TimeGraph& times, ControlState& state, WindowRequests& requests) {
+void WindowPanels::draw(const PanelInput& input, const WindowValues& values, const TimeGraph& times,
+                        WindowChoices& choices, WindowRequests& requests) {
   Impl& i = *impl_;
   ImGui::SetCurrentContext(i.context);
-  i.noteCharacters(values, status);
+  i.noteCharacters(values);
   i.takeScale(input.scale);
   i.takeInput(input);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
-  i.layout.begin(static_cast<float>(input.width), static_cast<float>(input.height));
-  if (state.panels) {
-    drawTransport(i.layout, values, status, state, requests);
-    drawViewPanel(i.layout, values, status, state, requests);
-    drawTimesPanel(i.layout, status, times, values.outsideTraining);
-    drawMotionPanel(i.layout, values, state, requests);
+  i.layout.begin(input.width, input.height);
+  if (choices.panels) {
+    drawTransport(i.layout, values, choices, requests);
+    drawViewPanel(i.layout, values, choices, requests);
+    drawTimesPanel(i.layout, values, times);
+    drawMotionPanel(i.layout, values, choices, requests);
     drawHitsPanel(i.layout, values);
   }
-  i.noteFreeArea(status);
+  i.noteFreeArea(values);
   if (!values.loading.empty()) drawLoading(i.layout, values, requests);  // stays where it is: its button is clicked
-  drawWarnings(i.layout, values, status);
-  if (state.help) drawHelp(i.layout);
+  drawWarnings(i.layout, values);
+  if (choices.help) drawHelp(i.layout);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

@@ -13,35 +13,6 @@ struct ImGuiContext;
 
 namespace lorica {
 
-/// Settings that the user changes by keys or panels.
-struct ControlState {
-  SceneOptions show;
-  WindowChoices choices;
-  bool paused = false;
-  int steps = 0;           ///< requested single steps
-  bool scrubbing = false;  ///< the user drags the timeline: playback is suspended
-  double speed = 1.0;      ///< playback speed factor, 0.1 to 4
-  bool help = false;
-  bool panels = true;
-  int quality = -1;                                 ///< rendering quality; -1 = automatic
-  bool picture = false, pictureWithPanels = false;  ///< requests to save a picture
-  bool video = false;                               ///< request to start or stop a video
-};
-inline constexpr double kSlowest = 0.1, kFastest = 4.0;
-
-/// Values for the panels that come from the window itself.
-struct PanelStatus {
-  double pictureMilliseconds = 0.0;
-  double picturesASecond = 0.0;
-  std::span<const char* const> qualities;  ///< names, lowest first
-  int quality = 0;
-  double videoSeconds = -1.0;  ///< length of the video being written [s]; below 0 = none
-  double insetWidth = 0.0;     ///< of Scene::inset at the lower right [pixels]; 0 = none
-  double insetHeight = 0.0;    ///< with it
-  std::string_view notice;     ///< temporary message; empty = none
-  bool problem = false;        ///< it says what failed
-};
-
 /// Mouse input, in pixels from the upper left.
 struct PanelInput {
   int width = 1, height = 1;  ///< of the picture
@@ -62,8 +33,8 @@ class WindowPanels {
   WindowPanels& operator=(WindowPanels&&) noexcept;
 
   /// Draws the panels over the bound framebuffer and handles mouse input.
-  void draw(const PanelInput& input, const WindowValues& values, const PanelStatus& status, const TimeGraph& times,
-            ControlState& state, WindowRequests& requests);
+  void draw(const PanelInput& input, const WindowValues& values, const TimeGraph& times, WindowChoices& choices,
+            WindowRequests& requests);
   /// Whether a position is over a panel as last drawn.
   [[nodiscard]] bool covers(float x, float y) const;
   /// The part of the picture that the panels as last drawn leave free, without what comes and goes: progress and help.

@@ -35,6 +35,15 @@ class Characters(unittest.TestCase):
             self.mannequin.body(4).save(file)
             self.assertEqual(file.read_bytes(), (FILES / "body.lorica").read_bytes())
 
+    def test_hulls_hold_morph_targets_of_clips_as_the_commands(self):
+        breathing = lorica.Character(FILES / "breathing.glb")
+        self.assertTrue(any("morph targets at their largest weights" in note for note in breathing.notes), breathing.notes)
+        self.assertEqual(len(breathing.load_body(FILES / "breathing.lorica")), 2)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "again.lorica"
+            breathing.body(2, hull_vertices=64).save(file)
+            self.assertEqual(file.read_bytes(), (FILES / "breathing.lorica").read_bytes())
+
     def test_frames_stay_when_the_body_moves_on(self):
         player = lorica.play("walk", self.body)
         first = next(player)

@@ -62,6 +62,7 @@ class Decompose(unittest.TestCase):
         mesh = torus(24, 12)
         few = lorica.decompose(*mesh, max_error=0.2)
         self.assertLessEqual(few.error, 0.2)
+        self.assertLessEqual(lorica.decompose(*mesh, max_error=0.3, hull_vertices=12).error, 0.3)
         self.assertGreater(len(lorica.decompose(*mesh, max_distance=0.02)), len(lorica.decompose(*mesh, max_distance=0.2)))
 
     def test_views_outlive_what_they_show(self):
@@ -106,7 +107,7 @@ class Decompose(unittest.TestCase):
             made.save(file)
             for a, b in zip(made, lorica.load_parts(file, *l_shape())):
                 self.assertTrue(np.array_equal(a.vertices, b.vertices))
-            with self.assertRaisesRegex(ValueError, "expected a decomposition of this mesh with 8"):
+            with self.assertRaisesRegex(ValueError, "made from mesh .12 vertices., expected a decomposition of mesh .8"):
                 lorica.load_parts(file, *box())
             with self.assertRaisesRegex(OSError, "nowhere"):
                 made.save(Path(folder) / "nowhere" / "parts.lorica")

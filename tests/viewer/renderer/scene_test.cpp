@@ -41,17 +41,5 @@ TEST(PartColor, AnyIndexGivesAColor) {
   }
 }
 
-TEST(PartedSkin, LeavesOutCapsAndKeepsParts) {
-  Decomposition decomposition;
-  decomposition.parts.resize(2);
-  decomposition.parts[0].triangles = {{0, 1, 2}, {2, 1, 3}};
-  decomposition.parts[0].sourceTriangle = {7, -1};
-  decomposition.parts[1].triangles = {{3, 4, 5}};
-  decomposition.parts[1].sourceTriangle = {7};
-  const PartedSkin skin = makePartedSkin(decomposition);
-  EXPECT_EQ(skin.triangles, (std::vector<Triangle>{{0, 1, 2}, {3, 4, 5}}));
-  EXPECT_EQ(skin.partOfTriangle, (std::vector<PartIndex>{0, 1}));
-}
-
 }  // namespace
 }  // namespace lorica

@@ -53,7 +53,7 @@ TEST_F(WindowAtWork, ControlPlusAndMinusChangeTheSizeOfText) {
   const Image usual = picture("shift+p");
   send("key ctrl+equal ctrl+equal");
   EXPECT_EQ(window->choices().scale, 1.25 * 1.25);
-  EXPECT_EQ(window->speed(), 1.0) << "without control they change the speed";
+  EXPECT_EQ(window->choices().speed, 1.0) << "without control they change the speed";
   EXPECT_GT(differingPixels(usual, picture("shift+p"), 24), 3000);
   send("key ctrl+0");
   EXPECT_EQ(window->choices().scale, 1.0);

@@ -85,13 +85,13 @@ TEST_F(WindowAtWork, AnAvatarIsShownUntilItsPartsAreAskedFor) {
   open(320, 240);
   SceneOptions asDrawn;
   asDrawn.colorSkinByPart = asDrawn.hulls = false;
-  window->setShown(asDrawn);
+  window->setChoices({{}, asDrawn});
   frames(2);
   const Image avatar = picture();
   const auto middle = [](const Image& image) { return test::pixelAt(image, 160, 120); };
   EXPECT_EQ(middle(avatar), (std::array{255, 0, 0}));
   send("key c");
-  EXPECT_TRUE(window->shown().colorSkinByPart);
+  EXPECT_TRUE(window->choices().show.colorSkinByPart);
   const auto part = middle(picture());
   EXPECT_NE(part, middle(avatar)) << "the body by part";
   send("key c");
@@ -231,9 +231,9 @@ TEST_F(WindowAtWork, KeysAskForWhatTheOwnerDoes) {
   EXPECT_EQ(window->takeRequests().seekTo, 6.0);
   send("key Home");
   EXPECT_EQ(window->takeRequests().seekTo, 0.0);
-  EXPECT_EQ(window->speed(), 1.0);
+  EXPECT_EQ(window->choices().speed, 1.0);
   send("key minus minus minus minus minus minus minus minus minus minus minus minus");
-  EXPECT_EQ(window->speed(), 0.1);
+  EXPECT_EQ(window->choices().speed, 0.1);
   values.duration = 0.0;  // live
   frames(1);
   send("key Left Home");
@@ -259,9 +259,9 @@ TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
   EXPECT_EQ(window->camera().eye, eye);
   EXPECT_FALSE(window->takeRequests().pressed.has_value());
   send("mousemove --window %1 40 435 click 1");
-  EXPECT_TRUE(window->paused()) << "the button";
+  EXPECT_TRUE(window->choices().paused) << "the button";
   send("click 1");
-  EXPECT_FALSE(window->paused());
+  EXPECT_FALSE(window->choices().paused);
   send("mousemove --window %1 300 435 click 4");
   EXPECT_EQ(window->camera().eye, eye) << "the wheel over a panel";
   send("key Tab");

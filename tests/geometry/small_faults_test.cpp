@@ -1,4 +1,4 @@
-#include "geometry/mesh_mending.h"
+#include "geometry/small_faults.h"
 
 #include "geometry/mesh_files.h"
 #include "geometry/mesh_repair.h"
@@ -26,38 +26,38 @@ TriMesh cube(double size) {
   return makeBox(Vec3::Constant(-0.5 * size), Vec3::Constant(0.5 * size));
 }
 
-/// Mends, and checks what must hold in every case.
-MeshMending mended(const TriMesh& mesh) {
-  MeshMending mending = valueOf(mendMesh(mesh));
-  EXPECT_TRUE(checkClosedTwoManifold(mending.mesh));
-  EXPECT_EQ(mending.changed(), !mending.summary().empty());
-  EXPECT_TRUE(std::equal(mesh.vertices.begin(), mesh.vertices.end(), mending.mesh.vertices.begin()));
+/// Repairs, and checks what must hold in every case.
+FaultRepair repaired(const TriMesh& mesh) {
+  FaultRepair repair = valueOf(repairSmallFaults(mesh));
+  EXPECT_TRUE(checkClosedTwoManifold(repair.mesh));
+  EXPECT_EQ(repair.changed(), !repair.summary().empty());
+  EXPECT_TRUE(std::equal(mesh.vertices.begin(), mesh.vertices.end(), repair.mesh.vertices.begin()));
   // Every vertex that was used is used, or known to be left out.
   std::vector<int> uses(mesh.vertices.size(), 0);
   for (const Triangle& t : mesh.triangles) {
     for (const VertexIndex v : t) uses[v] = 1;
   }
-  for (const Triangle& t : mending.mesh.triangles) {
+  for (const Triangle& t : repair.mesh.triangles) {
     for (const VertexIndex v : t) {
       if (v < std::ssize(uses)) uses[v] = 0;
     }
   }
-  for (const VertexIndex v : mending.leftOut) --uses[v];
+  for (const VertexIndex v : repair.leftOut) --uses[v];
   EXPECT_EQ(std::count(uses.begin(), uses.end(), 0), std::ssize(uses));
-  return mending;
+  return repair;
 }
 
-TEST(MeshMending, ASoundMeshComesBackAsItWas) {
+TEST(SmallFaults, ASoundMeshComesBackAsItWas) {
   for (const TriMesh& mesh : {makeTetrahedron(), makeTorus(1, 0.3, 8, 6), joined(cube(3), insideOut(cube(1))),
                               joined(makeLShape(), makeBox({5, 5, 5}, {6, 6, 6}))}) {
-    const MeshMending mending = mended(mesh);
-    EXPECT_FALSE(mending.changed()) << mending.summary();
-    EXPECT_EQ(mending.mesh.triangles, mesh.triangles);
-    EXPECT_TRUE(mending.leftOut.empty());
+    const FaultRepair repair = repaired(mesh);
+    EXPECT_FALSE(repair.changed()) << repair.summary();
+    EXPECT_EQ(repair.mesh.triangles, mesh.triangles);
+    EXPECT_TRUE(repair.leftOut.empty());
   }
 }
 
-TEST(MeshMending, DamageOfACubeIsMendedAndNamed) {
+TEST(SmallFaults, DamageOfACubeIsRepairedAndNamed) {
   const TriMesh whole = cube(1);
   TriMesh flipped = whole, repeated = whole, backToBack = whole, bothSides = whole, open = whole;
   std::swap(flipped.triangles[3][0], flipped.triangles[3][2]);
@@ -73,14 +73,14 @@ TEST(MeshMending, DamageOfACubeIsMendedAndNamed) {
                                                  {bothSides, 1.0, ""},
                                                  {open, 1.0, "1 pinhole closed with 1 triangle"}}) {
     SCOPED_TRACE(summary);
-    const MeshMending mending = mended(damaged);
-    EXPECT_NEAR(volumeOf(mending.mesh), volume, 1e-15 * volume);
-    EXPECT_TRUE(*summary == '\0' || mending.summary() == summary) << mending.summary();
+    const FaultRepair repair = repaired(damaged);
+    EXPECT_NEAR(volumeOf(repair.mesh), volume, 1e-15 * volume);
+    EXPECT_TRUE(*summary == '\0' || repair.summary() == summary) << repair.summary();
   }
-  for (const TriMesh& mesh : {repeated, backToBack}) EXPECT_EQ(mended(mesh).mesh.triangles, whole.triangles);
+  for (const TriMesh& mesh : {repeated, backToBack}) EXPECT_EQ(repaired(mesh).mesh.triangles, whole.triangles);
 }
 
-TEST(MeshMending, APinholeInAPlaneIsClosedExactly) {
+TEST(SmallFaults, APinholeInAPlaneIsClosedExactly) {
   // The pole of a sphere with many segments, flattened: a polygon of 24 edges that is 4 % of the diagonal across.
   const int segments = 24;
   TriMesh mesh = makeSphere(1.0, 64, segments);
@@ -90,30 +90,30 @@ TEST(MeshMending, APinholeInAPlaneIsClosedExactly) {
                                                 [](const Vec3& a, const Vec3& b) { return a.y() < b.y(); }) -
                                mesh.vertices.begin());
   std::erase_if(mesh.triangles, [&](const Triangle& t) { return std::find(t.begin(), t.end(), pole) != t.end(); });
-  const MeshMending mending = mended(mesh);
-  EXPECT_EQ(mending.pinholes, 1u);
-  EXPECT_EQ(mending.capTriangles, static_cast<std::size_t>(segments) - 2);
+  const FaultRepair repair = repaired(mesh);
+  EXPECT_EQ(repair.pinholes, 1u);
+  EXPECT_EQ(repair.capTriangles, static_cast<std::size_t>(segments) - 2);
   // What is lost is the pyramid below the pole.
   const double angle = std::numbers::pi / 64;
   const double base = 0.5 * segments * std::sin(2.0 * std::numbers::pi / segments) * std::sin(angle) * std::sin(angle);
-  EXPECT_NEAR(volumeOf(mending.mesh), volume - base * (1.0 - std::cos(angle)) / 3.0, 1e-12);
+  EXPECT_NEAR(volumeOf(repair.mesh), volume - base * (1.0 - std::cos(angle)) / 3.0, 1e-12);
 }
 
-TEST(MeshMending, OpenBoxesCardsAndLoneTrianglesAreTooMuch) {
+TEST(SmallFaults, OpenBoxesCardsAndLoneTrianglesAreTooMuch) {
   TriMesh box = cube(1);
   box.triangles.resize(10);
-  const Result<MeshMending> mending = mendMesh(box);
-  ASSERT_FALSE(mending);
-  EXPECT_NE(mending.error().message.find("belongs to one triangle"), std::string::npos) << mending.error().message;
+  const Result<FaultRepair> repair = repairSmallFaults(box);
+  ASSERT_FALSE(repair);
+  EXPECT_NE(repair.error().message.find("belongs to one triangle"), std::string::npos) << repair.error().message;
   const TriMesh card{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
-  EXPECT_FALSE(mendMesh(card));
-  EXPECT_FALSE(mendMesh({card.vertices, {{0, 1, 2}}}));
+  EXPECT_FALSE(repairSmallFaults(card));
+  EXPECT_FALSE(repairSmallFaults({card.vertices, {{0, 1, 2}}}));
   // A small card beside a large body, too.
   const TriMesh small = moved(card, [](const Vec3& p) -> Vec3 { return 0.1 * p + Vec3(3, 0, 0); });
-  EXPECT_FALSE(mendMesh(joined(makeSphere(2.0, 16, 16), small)));
+  EXPECT_FALSE(repairSmallFaults(joined(makeSphere(2.0, 16, 16), small)));
 }
 
-TEST(MeshMending, AOneSidedSurfaceIsTooMuch) {
+TEST(SmallFaults, AOneSidedSurfaceIsTooMuch) {
   TriMesh strip;
   const int n = 12;
   for (int i = 0; i < n; ++i) {
@@ -129,17 +129,17 @@ TEST(MeshMending, AOneSidedSurfaceIsTooMuch) {
     strip.triangles.push_back({a, b, c});
     strip.triangles.push_back({b, d, c});
   }
-  EXPECT_FALSE(mendMesh(strip));
+  EXPECT_FALSE(repairSmallFaults(strip));
 }
 
-TEST(MeshMending, TinyOpenPiecesAreDroppedAndLeftOut) {
+TEST(SmallFaults, TinyOpenPiecesAreDroppedAndLeftOut) {
   TriMesh speck{{{1, 1, 1}, {1.001, 1, 1}, {1, 1.001, 1}}, {{0, 1, 2}}};
-  const MeshMending mending = mended(joined(cube(1), speck));
-  EXPECT_EQ(mending.specks, 1u);
-  EXPECT_EQ(mending.leftOut, (std::vector<VertexIndex>{8, 9, 10}));
+  const FaultRepair repair = repaired(joined(cube(1), speck));
+  EXPECT_EQ(repair.specks, 1u);
+  EXPECT_EQ(repair.leftOut, (std::vector<VertexIndex>{8, 9, 10}));
 }
 
-TEST(MeshMending, NestedCubes) {
+TEST(SmallFaults, NestedCubes) {
   const TriMesh outer = cube(4), inner = cube(2), core = cube(1);
   const double cavity = 64.0 - 8.0;
   const TriMesh hollow = joined(outer, insideOut(inner));
@@ -156,17 +156,17 @@ TEST(MeshMending, NestedCubes) {
         {"a solid in the cavity", insideOut(joined(hollow, core)), cavity + 1.0},
         {"a triangle of the cavity flipped", flipped, cavity},
         {"and one missing", missing, cavity}}) {
-    EXPECT_NEAR(volumeOf(mended(mesh).mesh), volume, 1e-12) << what;
+    EXPECT_NEAR(volumeOf(repaired(mesh).mesh), volume, 1e-12) << what;
   }
 }
 
-TEST(MeshMending, APieceBesideOthersThatIsInsideOutIsReversed) {
-  const MeshMending mending = mended(joined(cube(2), insideOut(makeBox({5, 0, 0}, {6, 1, 1}))));
-  EXPECT_NEAR(volumeOf(mending.mesh), 9.0, 1e-14);
-  EXPECT_EQ(mending.summary(), "1 inside-out piece reversed");
+TEST(SmallFaults, APieceBesideOthersThatIsInsideOutIsReversed) {
+  const FaultRepair repair = repaired(joined(cube(2), insideOut(makeBox({5, 0, 0}, {6, 1, 1}))));
+  EXPECT_NEAR(volumeOf(repair.mesh), 9.0, 1e-14);
+  EXPECT_EQ(repair.summary(), "1 inside-out piece reversed");
 }
 
-TEST(MeshMending, SolidsThatTouchStayApartWhenSomethingElseIsMended) {
+TEST(SmallFaults, SolidsThatTouchStayApartWhenSomethingElseIsRepaired) {
   // Two boxes with a common face, of whose walls both are there, and a flipped triangle elsewhere.
   TriMesh mesh = joined(makeBox({0, 0, 0}, {1, 1, 1}), makeBox({1, 0, 0}, {2, 1, 1}));
   (void)weldEqualVertices(mesh);
@@ -176,13 +176,13 @@ TEST(MeshMending, SolidsThatTouchStayApartWhenSomethingElseIsMended) {
     if (wall) continue;
     TriMesh damaged = mesh;
     std::swap(damaged.triangles[k][0], damaged.triangles[k][1]);
-    EXPECT_NEAR(volumeOf(mended(damaged).mesh), 2.0, 1e-14) << k;
+    EXPECT_NEAR(volumeOf(repaired(damaged).mesh), 2.0, 1e-14) << k;
   }
 }
 
-TEST(MeshMending, TheOrderOfTrianglesAndVerticesDoesNotMatter) {
+TEST(SmallFaults, TheOrderOfTrianglesAndVerticesDoesNotMatter) {
   for (const DamagedMesh& damaged : damagedMeshes(makeTorus(1.0, 0.4, 24, 16))) {
-    const Result<MeshMending> before = mendMesh(damaged.mesh);
+    const Result<FaultRepair> before = repairSmallFaults(damaged.mesh);
     std::mt19937 random(3);
     TriMesh mixed = damaged.mesh;
     std::vector<VertexIndex> place(mixed.vertices.size());
@@ -194,7 +194,7 @@ TEST(MeshMending, TheOrderOfTrianglesAndVerticesDoesNotMatter) {
       std::rotate(t.begin(), t.begin() + random() % 3, t.end());
     }
     std::shuffle(mixed.triangles.begin(), mixed.triangles.end(), random);
-    const Result<MeshMending> after = mendMesh(mixed);
+    const Result<FaultRepair> after = repairSmallFaults(mixed);
     ASSERT_EQ(before.ok(), after.ok()) << damaged.damage;
     if (!before) continue;
     EXPECT_NEAR(volumeOf(before->mesh), volumeOf(after->mesh), damaged.loss == Loss::kNone ? 1e-12 : 1e-5)
@@ -203,13 +203,13 @@ TEST(MeshMending, TheOrderOfTrianglesAndVerticesDoesNotMatter) {
   }
 }
 
-TEST(MeshMending, MotionAndScaleDoNotMatter) {
+TEST(SmallFaults, MotionAndScaleDoNotMatter) {
   for (const DamagedMesh& damaged : damagedMeshes(makeTorus(1.0, 0.4, 24, 16))) {
-    const Result<MeshMending> before = mendMesh(damaged.mesh);
+    const Result<FaultRepair> before = repairSmallFaults(damaged.mesh);
     for (const double scale : {1e-3, 1.0, 1e3}) {
       const Quat turn = Quat(0.3, 0.5, -0.7, 0.2).normalized();
-      const Result<MeshMending> after =
-          mendMesh(moved(damaged.mesh, [&](const Vec3& p) -> Vec3 { return scale * (turn * p + Vec3(3, -2, 5)); }));
+      const Result<FaultRepair> after = repairSmallFaults(
+          moved(damaged.mesh, [&](const Vec3& p) -> Vec3 { return scale * (turn * p + Vec3(3, -2, 5)); }));
       ASSERT_EQ(before.ok(), after.ok()) << damaged.damage << ", scale " << scale;
       if (!before) continue;
       EXPECT_EQ(before->summary(), after->summary()) << damaged.damage;
@@ -218,9 +218,9 @@ TEST(MeshMending, MotionAndScaleDoNotMatter) {
   }
 }
 
-class MeshMendingOfRealMeshes : public testing::TestWithParam<const char*> {};
+class SmallFaultsOfRealMeshes : public testing::TestWithParam<const char*> {};
 
-TEST_P(MeshMendingOfRealMeshes, NothingIsLostWhereNothingWasMissing) {
+TEST_P(SmallFaultsOfRealMeshes, NothingIsLostWhereNothingWasMissing) {
   LORICA_REQUIRE_DATASET(file, std::string("vhacd/") + GetParam());
   const TriMesh read = test::valueOf(readMesh(file));
   const MeshRepair sound = test::valueOf(repairClosedMesh(read));
@@ -228,15 +228,15 @@ TEST_P(MeshMendingOfRealMeshes, NothingIsLostWhereNothingWasMissing) {
   for (const DamagedMesh& damaged : damagedMeshes(sound.mesh)) {
     SCOPED_TRACE(damaged.damage);
     if (damaged.loss == Loss::kSurface) {
-      const Result<MeshMending> mending = mendMesh(damaged.mesh);
-      EXPECT_TRUE(!mending || volumeOf(mending->mesh) > 0.0);
+      const Result<FaultRepair> repair = repairSmallFaults(damaged.mesh);
+      EXPECT_TRUE(!repair || volumeOf(repair->mesh) > 0.0);
       continue;
     }
-    EXPECT_NEAR(volumeOf(mended(damaged.mesh).mesh), volume, (damaged.loss == Loss::kNone ? 1e-9 : 1e-5) * volume);
+    EXPECT_NEAR(volumeOf(repaired(damaged.mesh).mesh), volume, (damaged.loss == Loss::kNone ? 1e-9 : 1e-5) * volume);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(VHacd, MeshMendingOfRealMeshes,
+INSTANTIATE_TEST_SUITE_P(VHacd, SmallFaultsOfRealMeshes,
                          testing::Values("Block.off", "Cow.off", "Elk_Toy.off", "Genus.off", "Sledge.off", "Sword.off",
                                          "Table.off", "Torus.off"),
                          [](const auto& row) {

@@ -1,4 +1,4 @@
-#include "bindings/file_reading.h"
+#include "bindings/program_host.h"
 
 #include <dlfcn.h>
 
@@ -10,11 +10,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Folders in which the loader looks for modules of the library that this code is in.
+/// An address in the library that this code is in.
+void ownLibrary() {}
+
+/// Folders in which the loader looks for modules of that library.
 std::vector<fs::path> moduleFolders() {
   std::vector<fs::path> folders;
   Dl_info own = {};
-  if (::dladdr(reinterpret_cast<const void*>(&fileReading), &own) == 0 || own.dli_fname == nullptr) return folders;
+  if (::dladdr(reinterpret_cast<const void*>(&ownLibrary), &own) == 0 || own.dli_fname == nullptr) return folders;
   void* library = ::dlopen(own.dli_fname, RTLD_LAZY | RTLD_NOLOAD);
   if (library == nullptr) return folders;
   Dl_serinfo size = {};
@@ -32,17 +35,26 @@ std::vector<fs::path> moduleFolders() {
 
 }  // namespace
 
-CharacterFileSettings fileReading() {
+ProgramHost::ProgramHost(const DecomposeProgress& progress, int threadCount, int parts)
+    : progress_(progress), parts_(parts) {
   constexpr const char* kProgram = "lorica_character_reader";
-  CharacterFileSettings settings;
-  settings.isolated = IsolatedReader{kProgram, {}};
+  threads = threadCount;
+  reader = IsolatedReader{kProgram, {}};
   for (const fs::path& folder : moduleFolders()) {
     std::error_code ignored;
     if (!fs::is_regular_file(folder / kProgram, ignored)) continue;
-    settings.isolated->program = folder / kProgram;
+    reader->program = folder / kProgram;
     break;
   }
-  return settings;
+}
+
+void ProgramHost::beginTask(const std::string& /*label*/, const std::string& unit) {
+  counted_ = unit == "parts";
+}
+
+void ProgramHost::report(int done, int total) {
+  if (!progress_ || cancelled_) return;
+  cancelled_ = counted_ ? !progress_(done, total) : !progress_(0, parts_);
 }
 
 }  // namespace lorica

@@ -1,4 +1,4 @@
-#include "geometry/mesh_mending.h"
+#include "geometry/small_faults.h"
 
 #include "geometry/counts.h"
 #include "geometry/mesh_pieces.h"
@@ -58,65 +58,65 @@ enum class Repeats {
   kEitherWay,  ///< always: a surface whose triangles are all there from both sides
 };
 
-class Mender {
+class Repairer {
  public:
-  explicit Mender(const TriMesh& mesh) : input_(mesh) { mending_.mesh = mesh; }
+  explicit Repairer(const TriMesh& mesh) : input_(mesh) { repair_.mesh = mesh; }
 
   /// Returns nothing if the result is not a closed two-manifold.
-  std::optional<MeshMending> run(Repeats repeats) {
+  std::optional<FaultRepair> run(Repeats repeats) {
     weld();
-    mending_.repeatedCorners = std::erase_if(triangles(), hasRepeatedCorner);
-    mending_.repeatedTriangles =
+    repair_.repeatedCorners = std::erase_if(triangles(), hasRepeatedCorner);
+    repair_.repeatedTriangles =
         repeats == Repeats::kSameWay ? dropRepeated(triangles(), rotated) : dropRepeated(triangles(), sorted);
     if (triangles().empty()) return std::nullopt;
     dropSpecks();
-    MeshPieces pieces = findPieces(mending_.mesh);
+    MeshPieces pieces = findPieces(repair_.mesh);
     if (!pieces.orientable) return std::nullopt;
-    mending_.turnedTriangles = pieces.turned;
+    repair_.turnedTriangles = pieces.turned;
     triangles() = std::move(pieces.triangles);
-    std::optional<Pinholes> pinholes = closePinholes(mending_.mesh);
+    std::optional<Pinholes> pinholes = closePinholes(repair_.mesh);
     if (!pinholes) return std::nullopt;
-    mending_.pinholes = pinholes->count;
-    mending_.capTriangles = pinholes->caps.size();
+    repair_.pinholes = pinholes->count;
+    repair_.capTriangles = pinholes->caps.size();
     triangles().insert(triangles().end(), pinholes->caps.begin(), pinholes->caps.end());
     return finish();
   }
 
-  /// Without mending anything but whole pieces and non-manifold edges.
-  std::optional<MeshMending> finish() {
-    TriMesh& mesh = mending_.mesh;
+  /// Without repairing anything but whole pieces and non-manifold edges.
+  std::optional<FaultRepair> finish() {
+    TriMesh& mesh = repair_.mesh;
     Result<MeshRepair> repair = repairClosedMesh(mesh);
     if (!repair) return std::nullopt;
     const bool insideOut = signedVolume(mesh.vertices, mesh.triangles) < 0.0;
     if (insideOut && repair->changed()) {
       // The repair tells the solid's wedges from the air's, so it must see the solid.
       for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-      mending_.reversed = true;
+      repair_.reversed = true;
       repair = repairClosedMesh(mesh);
       if (!repair) return std::nullopt;
     }
     if (repair->changed()) {
-      mending_.repaired = repair->summary();
+      repair_.repaired = repair->summary();
       mesh = std::move(repair->mesh);
     }
     if (insideOut || connectedComponents(mesh.vertices.size(), mesh.triangles).count > 1) {
       const TurnedPieces turned = turnPiecesOutward(mesh);
       const bool all = turned.reversed == turned.pieces;
-      mending_.reversed = mending_.reversed || all;
-      mending_.reversedPieces = all ? 0 : turned.reversed;
+      repair_.reversed = repair_.reversed || all;
+      repair_.reversedPieces = all ? 0 : turned.reversed;
     }
     if (!checkClosedTwoManifold(mesh)) return std::nullopt;
     findLeftOut();
-    return std::move(mending_);
+    return std::move(repair_);
   }
 
  private:
-  [[nodiscard]] std::vector<Triangle>& triangles() { return mending_.mesh.triangles; }
+  [[nodiscard]] std::vector<Triangle>& triangles() { return repair_.mesh.triangles; }
 
   void weld() {
-    const std::size_t open = openEdgeCount(mending_.mesh);
+    const std::size_t open = openEdgeCount(repair_.mesh);
     if (open == 0) return;
-    const Aabb box = surfaceBounds(mending_.mesh);
+    const Aabb box = surfaceBounds(repair_.mesh);
     NearPositions positions(kSamePosition * box.diagonal(), box.min);
     std::vector<bool> used(input_.vertices.size(), false);
     for (const Triangle& t : input_.triangles) {
@@ -130,19 +130,19 @@ class Mender {
       first[v] = positions.firstAt(own, input_.vertices, [](VertexIndex) { return true; });
       welded += first[v] == own ? 0 : 1;
     }
-    TriMesh mesh = mending_.mesh;
+    TriMesh mesh = repair_.mesh;
     for (Triangle& t : mesh.triangles) {
       for (VertexIndex& v : t) v = first[v];
     }
     std::vector<Triangle> whole = mesh.triangles;
     std::erase_if(whole, hasRepeatedCorner);
     if (openEdgeCount({input_.vertices, whole}) >= open) return;
-    mending_.weldedVertices = welded;
-    mending_.mesh = std::move(mesh);
+    repair_.weldedVertices = welded;
+    repair_.mesh = std::move(mesh);
   }
 
   void dropSpecks() {
-    const MeshPieces pieces = findPieces(mending_.mesh);
+    const MeshPieces pieces = findPieces(repair_.mesh);
     const std::size_t count = pieces.members.size();
     std::vector<Aabb> boxes(count);
     std::vector<double> area(count, 0.0);
@@ -151,7 +151,7 @@ class Mender {
       for (const VertexIndex v : triangles()[k]) boxes[p].extend(input_.vertices[v]);
       area[p] += surfaceArea(input_.vertices, std::span(triangles()).subspan(k, 1));
     }
-    const double largest = kSpeckExtent * surfaceBounds(mending_.mesh).diagonal();
+    const double largest = kSpeckExtent * surfaceBounds(repair_.mesh).diagonal();
     std::vector<bool> speck(count, false);
     std::size_t specks = 0;
     double speckArea = 0.0;
@@ -167,7 +167,7 @@ class Mender {
       if (!speck[pieces.pieceOfTriangle[k]]) triangles()[kept++] = triangles()[k];
     }
     triangles().resize(kept);
-    mending_.specks = specks;
+    repair_.specks = specks;
   }
 
   void findLeftOut() {
@@ -181,12 +181,12 @@ class Mender {
       }
     }
     for (std::size_t v = 0; v < uses.size(); ++v) {
-      if (uses[v] != 0) mending_.leftOut.push_back(v);
+      if (uses[v] != 0) repair_.leftOut.push_back(v);
     }
   }
 
   const TriMesh& input_;
-  MeshMending mending_;
+  FaultRepair repair_;
 };
 
 std::string counted(std::size_t count, const char* one, const char* many) {
@@ -202,13 +202,13 @@ bool isReadable(const TriMesh& mesh) {
 
 }  // namespace
 
-bool MeshMending::changed() const {
+bool FaultRepair::changed() const {
   return weldedVertices + repeatedCorners + repeatedTriangles + specks + turnedTriangles + pinholes + reversedPieces >
              0 ||
          reversed || !repaired.empty();
 }
 
-std::string MeshMending::summary() const {
+std::string FaultRepair::summary() const {
   std::vector<std::string> done;
   if (weldedVertices > 0) done.push_back(counted(weldedVertices, "vertex", "vertices") + " welded to others");
   if (repeatedCorners > 0) {
@@ -232,16 +232,16 @@ std::string MeshMending::summary() const {
   return fmt::format("{}", fmt::join(done, ", "));
 }
 
-Result<MeshMending> mendMesh(const TriMesh& mesh) {
+Result<FaultRepair> repairSmallFaults(const TriMesh& mesh) {
   const Result<void> checked = checkClosedTwoManifold(mesh);
   if (!checked && !isReadable(mesh)) return checked.error();
-  std::optional<MeshMending> mending = Mender(mesh).finish();
+  std::optional<FaultRepair> repair = Repairer(mesh).finish();
   const double diagonal = surfaceBounds(mesh).diagonal();
-  if (!mending && !std::isfinite(diagonal * diagonal * diagonal)) return checked.error();
-  if (!mending) mending = Mender(mesh).run(Repeats::kSameWay);
-  if (!mending) mending = Mender(mesh).run(Repeats::kEitherWay);
-  if (!mending) return checked.error();
-  return std::move(*mending);
+  if (!repair && !std::isfinite(diagonal * diagonal * diagonal)) return checked.error();
+  if (!repair) repair = Repairer(mesh).run(Repeats::kSameWay);
+  if (!repair) repair = Repairer(mesh).run(Repeats::kEitherWay);
+  if (!repair) return checked.error();
+  return std::move(*repair);
 }
 
 }  // namespace lorica

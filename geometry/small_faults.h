@@ -8,8 +8,8 @@
 
 namespace lorica {
 
-/// Result of mendMesh().
-struct MeshMending {
+/// Result of repairSmallFaults().
+struct FaultRepair {
   TriMesh mesh;  ///< vertices of the input in its order, then those that repairClosedMesh() added
   /// Vertices that triangles of the input use but none of `mesh`, ascending: those welded to others, and those of
   /// dropped specks.
@@ -27,7 +27,7 @@ struct MeshMending {
   std::string repaired;               ///< what repairClosedMesh() did, in words; empty = nothing
 
   [[nodiscard]] bool changed() const;
-  /// What was mended, in words: "reversed, for it was inside out, 3 pinholes closed with 7 triangles". Empty if
+  /// What was repaired, in words: "reversed, for it was inside out, 3 pinholes closed with 7 triangles". Empty if
   /// nothing.
   [[nodiscard]] std::string summary() const;
 };
@@ -46,7 +46,7 @@ inline constexpr double kSpeckArea = 0.01;
 ///
 /// A pinhole has three edges (one triangle is missing); or at most 32, and an extent of at most 5 % of the mesh's
 /// diagonal. The holes of a connected piece together have at most half of the piece's area: a card is not a pinhole's
-/// surroundings. A pinhole is closed by the triangles with the least area; a hole that they would fold over is too
+/// surroundings. A pinhole is closed by the triangles with the smallest area; a hole that they would fold over is too
 /// much.
 ///
 /// Outward: a piece that is in no other one encloses volume. If it has to be reversed, the pieces in it alternate with
@@ -54,7 +54,7 @@ inline constexpr double kSpeckArea = 0.01;
 ///
 /// A mesh that is a closed two-manifold already is returned unchanged, except that inside-out pieces which are in no
 /// solid are reversed.
-/// @return the mended mesh, or the error of checkClosedTwoManifold() if the faults are not small
-[[nodiscard]] Result<MeshMending> mendMesh(const TriMesh& mesh);
+/// @return the repaired mesh, or the error of checkClosedTwoManifold() if the faults are not small
+[[nodiscard]] Result<FaultRepair> repairSmallFaults(const TriMesh& mesh);
 
 }  // namespace lorica

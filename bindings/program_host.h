@@ -1,0 +1,31 @@
+#pragma once
+
+#include "acd/decompose.h"
+#include "prepare/host.h"
+
+#include <atomic>
+#include <string>
+
+namespace lorica {
+
+/// The program that calls the library, as a host of work in prepare/: its threads and its progress function. FBX and
+/// COLLADA files are read in a process of their own, by the program lorica_character_reader, which lies where this
+/// library's modules do. If it is missing, reading these formats fails with its name.
+class ProgramHost final : public Host {
+ public:
+  /// @param progress  counts parts; called for other work with 0 parts done, so that this can be cancelled too
+  /// @param parts     wanted, as far as that is known before; 0 = unknown
+  explicit ProgramHost(const DecomposeProgress& progress = {}, int threads = 0, int parts = 0);
+
+  void beginTask(const std::string& label, const std::string& unit) override;
+  void report(int done, int total) override;
+  [[nodiscard]] bool cancelled() const override { return cancelled_; }
+
+ private:
+  DecomposeProgress progress_;
+  int parts_;
+  bool counted_ = false;  // the task counts parts
+  std::atomic<bool> cancelled_ = false;
+};
+
+}  // namespace lorica
