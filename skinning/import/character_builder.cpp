@@ -14,6 +14,7 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <numbers>
 #include <utility>
 
 namespace lorica {
@@ -21,6 +22,7 @@ namespace lorica {
 namespace {
 
 constexpr double kSecondsInADay = 86400.0;
+constexpr std::size_t kMaxKept = 100'000;  // tracks of joints that a clip does not move, of 0.5 kB each
 
 [[nodiscard]] JointIndex asJoint(std::size_t index) {
   return index;
@@ -121,6 +123,13 @@ class CharacterBuilder {
     UnitGuess guess = guessUnit(longest, scene_.metresPerUnit);
     if (!guess.note.empty()) out_.notes.push_back(std::move(guess.note));
     out_.metresPerUnit = guess.metresPerUnit;
+    if (frames_.posedNodes > 0) {
+      out_.notes.push_back(fmt::format(
+          "its nodes are posed: {} of them differ from its skin's bind pose, by up to {:.0f} degrees and {:.0f} cm; "
+          "the bind pose is used",
+          frames_.posedNodes, frames_.posedTurn * 180.0 / std::numbers::pi,
+          100.0 * out_.metresPerUnit * frames_.posedMove));
+    }
     return {};
   }
 
@@ -158,7 +167,7 @@ class CharacterBuilder {
       if (chosen_[i] == 0) continue;
       const FileNode& node = scene_.nodes[i];
       JointIndex parent = node.parent == -1 ? 0 : jointsOfNode_[node.parent].front();
-      JointTransform local = node.local;
+      JointTransform local = frames_.local[i];
       if (node.inner) {
         ++sheared;
         joints_.push_back({node.name + " (sheared)", parent, local, std::nullopt});
@@ -392,9 +401,32 @@ class CharacterBuilder {
     }
   }
 
+  /// What a clip does not move stays as the file has it, also where its skin's bind pose is another one.
+  void keepSaved(Clip& clip) const {
+    std::vector<JointTrack*> trackOf(joints_.size(), nullptr);
+    clip.tracks.reserve(clip.tracks.size() + joints_.size());  // keeps the pointers
+    for (JointTrack& track : clip.tracks) trackOf[track.joint] = &track;
+    for (std::size_t n = 0; n < jointsOfNode_.size(); ++n) {
+      if (jointsOfNode_[n].empty() || scene_.nodes[n].inner) continue;
+      const JointIndex joint = jointsOfNode_[n].front();
+      const JointTransform& saved = scene_.nodes[n].local;
+      const JointTransform& rest = joints_[joint].rest;
+      if (saved.matrix().isApprox(rest.matrix(), 1e-12)) continue;
+      if (trackOf[joint] == nullptr) trackOf[joint] = &clip.tracks.emplace_back(JointTrack{joint, {}, {}, {}});
+      JointTrack& track = *trackOf[joint];
+      const auto keep = [](auto& keys, const auto& value) {
+        if (!keys) keys = {KeyInterpolation::kStep, {0.0}, {value}};
+      };
+      keep(track.translation, saved.translation);
+      keep(track.rotation, saved.rotation);
+      keep(track.scale, saved.scale);
+    }
+  }
+
   // 7. Clips of the existing joints.
   void addClips() {
     int tooLong = 0;
+    std::size_t kept = 0;
     out_.clips.reserve(scene_.clips.size());
     for (const FileClip& from : scene_.clips) {
       Clip clip{from.name, 0.0, {}};
@@ -413,6 +445,10 @@ class CharacterBuilder {
       if (clip.seconds > kSecondsInADay) {
         ++tooLong;
       } else if (!clip.tracks.empty() || !from.weights.empty()) {
+        if (frames_.posed && !clip.tracks.empty() && kept < kMaxKept) {
+          keepSaved(clip);
+          kept += joints_.size();
+        }
         out_.clips.push_back(std::move(clip));
         out_.morphs.clips.push_back(from.weights);
       }
