@@ -5,6 +5,7 @@
 #include "skinning/import/file_scene.h"
 #include "skinning/import/hidden_meshes.h"
 #include "skinning/import/morph_builder.h"
+#include "skinning/import/scene_bones.h"
 #include "skinning/import/spring_joints.h"
 #include "skinning/import/units.h"
 
@@ -531,6 +532,8 @@ class CharacterBuilder {
 Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName,
                                         const CharacterFileSettings& settings) {
   LORICA_TRY(const std::vector<FileMesh> hidden, takeHiddenMeshes(scene, settings.hidden, fileName));
+  hangFlatBones(scene);
+  addRigidSkin(scene);
   return CharacterBuilder(std::move(scene), hidden, fileName).build();
 }
 

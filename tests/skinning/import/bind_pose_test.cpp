@@ -198,6 +198,125 @@ TEST(BindPose, BonesThatMoveNothingAndHaveNoMatrixFollowTheirParents) {
   }
 }
 
+/// The same body without a skin: each box on its node.
+test::GlbWriter rigidBody() {
+  test::GlbWriter writer = posedBody(unturned(), {{0}, {1}, {2}, {3}, {4}, {5}});
+  nlohmann::json& nodes = writer.document["nodes"];
+  for (int b = 0; b < kBones; ++b) {
+    const Vec3& at = kBody[b].at;
+    nodes[kBones + b].erase("skin");
+    nodes[kBones + b]["translation"] = {-at.x(), -at.y(), -at.z()};
+    nodes[b]["children"].push_back(kBones + b);
+  }
+  writer.document.erase("skins");
+  writer.document["scenes"][0]["nodes"] = {0};
+  return writer;
+}
+
+TEST(RigidHumanoid, FollowsTheBonesThatAFileLists) {
+  test::GlbWriter writer = rigidBody();
+  const CharacterFile plain = test::valueOf(test::parsed(writer));
+  EXPECT_TRUE(plain.isMesh());  // its names alone are no whole body
+  const auto bone = [](const char* name, int node) { return nlohmann::json{{name, {{"node", node}}}}; };
+  nlohmann::json bones;
+  bones.update(bone("hips", 0));
+  bones.update(bone("spine", 1));
+  bones.update(bone("head", 2));
+  bones.update(bone("leftUpperLeg", 3));
+  bones.update(bone("leftLowerLeg", 4));
+  bones.update(bone("leftFoot", 5));
+  writer.document["extensions"]["VRMC_vrm"] = {{"specVersion", "1.0"}, {"humanoid", {{"humanBones", bones}}}};
+  const CharacterFile file = test::valueOf(test::parsed(writer));
+  EXPECT_FALSE(file.isMesh());
+  EXPECT_TRUE(test::hasNote(file, "has no skin: its 6 meshes follow 6 humanoid bones, rigidly"))
+      << testing::PrintToString(file.notes);
+  expectStanding(file);
+  const Character& character = file.character;
+  EXPECT_NE(character.skeleton.jointOf(HumanBone::kLeftFoot), kNoJoint);
+  // The foot's box follows the foot: turned up by 90 degrees, it is in front of the knee.
+  Pose pose = restPose(character.skeleton);
+  pose[character.skeleton.jointOf(HumanBone::kLeftLowerLeg)].rotation = turn(-90.0, Vec3::UnitX());
+  EXPECT_NEAR(boundsOf(test::posedVertices(file, pose)).max.z(), 0.5, 1e-5);
+}
+
+TEST(FlatBones, HangOnTheParentsThatTheirNamesMean) {
+  // As tools for Second Life write them: all joints side by side, with the collision volumes among them.
+  struct Listed {
+    const char* name;
+    const char* parent;
+    Vec3 at;
+  };
+  const std::vector<Listed> joints = {{"mPelvis", "root", {0.0, 1.0, 0.0}},
+                                      {"mKneeLeft", "mHipLeft", {0.1, 0.5, 0.0}},
+                                      {"mHipLeft", "mPelvis", {0.1, 0.95, 0.0}},
+                                      {"mAnkleLeft", "mKneeLeft", {0.1, 0.1, 0.0}},
+                                      {"mHipRight", "mPelvis", {-0.1, 0.95, 0.0}},
+                                      {"mKneeRight", "mHipRight", {-0.1, 0.5, 0.0}},
+                                      {"mAnkleRight", "mKneeRight", {-0.1, 0.1, 0.0}},
+                                      {"mChest", "mTorso", {0.0, 1.3, 0.0}},
+                                      {"mTorso", "mPelvis", {0.0, 1.1, 0.0}},
+                                      {"mNeck", "mChest", {0.0, 1.5, 0.0}},
+                                      {"mHead", "mNeck", {0.0, 1.6, 0.0}},
+                                      {"mCollarLeft", "mChest", {0.05, 1.45, 0.0}},
+                                      {"mShoulderLeft", "mCollarLeft", {0.2, 1.45, 0.0}},
+                                      {"mElbowLeft", "mShoulderLeft", {0.45, 1.45, 0.0}},
+                                      {"mWristLeft", "mElbowLeft", {0.7, 1.45, 0.0}},
+                                      {"mHandIndex2Left", "mHandIndex1Left", {0.82, 1.45, 0.0}},
+                                      {"mHandIndex1Left", "mWristLeft", {0.78, 1.45, 0.0}},
+                                      {"mCollarRight", "mChest", {-0.05, 1.45, 0.0}},
+                                      {"mShoulderRight", "mCollarRight", {-0.2, 1.45, 0.0}},
+                                      {"mElbowRight", "mShoulderRight", {-0.45, 1.45, 0.0}},
+                                      {"mWristRight", "mElbowRight", {-0.7, 1.45, 0.0}},
+                                      {"L_HAND", "mWristLeft", {0.72, 1.45, 0.0}}};
+  FileScene scene;
+  scene.format = "COLLADA";
+  scene.nodes.push_back({"root", -1, {}, std::nullopt});
+  FileMesh mesh;
+  mesh.node = 0;
+  mesh.skin = 0;
+  mesh.weightBegin.push_back(0);
+  FileSkin skin;
+  TriMesh all;
+  for (int j = 0; j < countOf(joints); ++j) {
+    const Vec3& at = joints[j].at;
+    JointTransform local;
+    local.translation = at;
+    scene.nodes.push_back({joints[j].name, 0, local, std::nullopt});
+    skin.nodes.push_back(j + 1);
+    skin.jointFromMesh.emplace_back(Eigen::Translation3d(-at));
+    const TriMesh box = test::makeBox(at - Vec3::Constant(0.05), at + Vec3::Constant(0.05));
+    all = test::joined(all, box);
+    for (std::size_t v = 0; v < box.vertices.size(); ++v) {
+      mesh.weights.push_back({j, 1.0});
+      mesh.weightBegin.push_back(mesh.weights.size());
+    }
+  }
+  mesh.positions = all.vertices;
+  mesh.triangles = all.triangles;
+  scene.skins.push_back(skin);
+  scene.meshes.push_back(mesh);
+
+  const CharacterFile file = test::valueOf(makeCharacterFile(scene, "t.dae"));
+  EXPECT_TRUE(test::hasNote(file, "its bones are a list without a hierarchy: the parents of 21 were found"))
+      << testing::PrintToString(file.notes);
+  const Skeleton& skeleton = file.character.skeleton;
+  const std::vector<Affine3> world = restOf(file);
+  int found = 0;
+  for (const Listed& one : joints) {
+    for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
+      if (skeleton.joint(j).name != one.name) continue;
+      ++found;
+      EXPECT_EQ(skeleton.joint(skeleton.joint(j).parent).name, one.parent) << one.name;
+      EXPECT_LE((world[j].translation() - one.at).norm(), 1e-5) << one.name;
+    }
+  }
+  EXPECT_EQ(found, countOf(joints));
+  for (const HumanBone bone : {HumanBone::kHips, HumanBone::kSpine, HumanBone::kHead, HumanBone::kLeftHand,
+                               HumanBone::kRightLowerLeg, HumanBone::kRightUpperArm}) {
+    EXPECT_NE(skeleton.jointOf(bone), kNoJoint) << nameOf(bone);
+  }
+}
+
 TEST(BindPose, OfAPosedFigureIsThatOfTheSameFigureUnposed) {
   LORICA_REQUIRE_DATASET(posedPath, "strangers/figure_posed_nodes.glb");
   LORICA_REQUIRE_DATASET(unposedPath, "strangers/figure_half_body.glb");
