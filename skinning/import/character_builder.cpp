@@ -2,6 +2,7 @@
 #include "geometry/errors.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
+#include "skinning/import/contrary_normals.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/hidden_meshes.h"
 #include "skinning/import/morph_builder.h"
@@ -12,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -336,7 +338,8 @@ class CharacterBuilder {
     const Mat3 modelFromFile = joints_.front().rest.matrix().linear();
     std::size_t vertex = 0;
     std::size_t triangle = 0;
-    int plain = -1;  // the material of meshes without one
+    int plain = -1;               // the material of meshes without one
+    std::array<int, 3> mended{};  // meshes, by ContraryNormals
     for (FileMesh& mesh : scene_.meshes) {
       addDirections(mesh, modelFromFile * fileFromMesh(mesh).linear(), vertex);
       for (std::size_t set = 0; set < 2; ++set)
@@ -351,10 +354,22 @@ class CharacterBuilder {
         material = plain;
       }
       look.groups.push_back({mesh.name, material, triangle, mesh.triangles.size(), mesh.normals.empty()});
-      if (!mesh.normals.empty()) mendNormals(look.groups.back());
+      if (!mesh.normals.empty()) {
+        mendNormals(look.groups.back());
+        ++mended[static_cast<std::size_t>(mendContraryNormals(
+            out_.character.mesh.vertices,
+            std::span(out_.character.mesh.triangles).subspan(triangle, mesh.triangles.size()), look.normals))];
+      }
       vertex += mesh.positions.size();
       triangle += mesh.triangles.size();
     }
+    const auto note = [&](ContraryNormals kind, const char* what) {
+      const int count = mended[static_cast<std::size_t>(kind)];
+      if (count > 0) out_.notes.push_back(fmt::format("in {} of {} meshes {}", count, scene_.meshes.size(), what));
+    };
+    note(ContraryNormals::kNormalsReplaced, "the normals contradict the triangles: recomputed");
+    note(ContraryNormals::kTrianglesTurned,
+         "the triangles contradict each other and the normals: turned as the normals say");
   }
 
   /// The position of a vertex in a list that is empty if no vertex has the property.
