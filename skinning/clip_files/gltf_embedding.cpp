@@ -4,6 +4,7 @@
 #include "geometry/files.h"
 #include "geometry/json.h"
 #include "skinning/clip_files/gltf_animation.h"
+#include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_document.h"
 #include "skinning/import/gltf_parts.h"
 #include "skinning/import/uri.h"
@@ -11,6 +12,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
 
 namespace lorica {
 
@@ -94,6 +98,43 @@ void embedPictures(GltfWriter& writer, const NamedFiles& files, std::vector<std:
   }
 }
 
+/// The same motion of a skeleton that rests as the file's nodes do, which may be in another pose than the character:
+/// that has its skin's bind pose. None if all agree.
+[[nodiscard]] std::optional<SkeletalMotion> restingAsSaved(const SkeletalMotion& motion, const Json& fileNodes,
+                                                           std::span<const int> nodes) {
+  bool differs = false;
+  std::vector<Joint> joints(motion.skeleton.joints().begin(), motion.skeleton.joints().end());
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    if (nodes[j] == -1) continue;
+    const Json& node = fileNodes[nodes[j]];
+    FileNode saved;
+    const auto read = [&](const char* key, auto& numbers) {
+      const auto list = node.find(key);
+      if (list == node.end() || std::ssize(*list) != numbers.size()) return false;
+      for (Eigen::Index i = 0; i < numbers.size(); ++i) numbers.data()[i] = (*list)[i].template get<double>();
+      return true;
+    };
+    Mat4 matrix;
+    if (read("matrix", matrix)) {
+      setMatrix(saved, Affine3(Eigen::Matrix<double, 3, 4>(matrix.topRows<3>())));
+    } else {
+      read("translation", saved.local.translation);
+      read("scale", saved.local.scale);
+      read("rotation", saved.local.rotation.coeffs());
+      const double norm = saved.local.rotation.norm();
+      saved.local.rotation = norm > 1e-12 ? saved.local.rotation.normalized() : Quat::Identity();
+    }
+    JointTransform& rest = joints[j].rest;
+    if (saved.inner || saved.local.matrix().isApprox(rest.matrix(), 1e-9)) continue;
+    rest = saved.local;
+    differs = true;
+  }
+  if (!differs) return std::nullopt;
+  Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
+  LORICA_CHECK(skeleton.ok(), "reading the file has checked its nodes");
+  return SkeletalMotion{motion.name, std::move(*skeleton), motion.times, motion.poses};
+}
+
 }  // namespace
 
 Result<GltfWriter> embedGltf(std::span<const std::byte> bytes, const std::string& name, const NamedFiles& files,
@@ -107,13 +148,15 @@ Result<GltfWriter> embedGltf(std::span<const std::byte> bytes, const std::string
   return writer;
 }
 
-Result<void> addAnimationToFile(GltfWriter& writer, const SkeletalMotion& motion, std::span<const int> nodeOfJoint) {
+Result<void> addAnimationToFile(GltfWriter& writer, const SkeletalMotion& performed, std::span<const int> nodeOfJoint) {
   std::vector<int> nodes(nodeOfJoint.begin(), nodeOfJoint.end());
-  for (JointIndex j = 0; j < motion.skeleton.jointCount(); ++j) {
-    const JointIndex parent = motion.skeleton.joint(j).parent;
+  for (JointIndex j = 0; j < performed.skeleton.jointCount(); ++j) {
+    const JointIndex parent = performed.skeleton.joint(j).parent;
     // The second half of a sheared node, whose matrix is not a transform of this joint alone.
     if (parent != kNoJoint && nodeOfJoint[parent] == -1) nodes[j] = -1;
   }
+  const std::optional<SkeletalMotion> saved = restingAsSaved(performed, writer.document["nodes"], nodes);
+  const SkeletalMotion& motion = saved ? *saved : performed;
   LORICA_TRY_DO(addAnimation(writer, motion, nodes));
   for (const Json& channel : writer.document["animations"][0]["channels"]) {
     const int index = channel["target"]["node"].get<int>();

@@ -17,8 +17,8 @@ namespace lorica {
 [[nodiscard]] Result<GltfWriter> embedGltf(std::span<const std::byte> bytes, const std::string& name,
                                            const NamedFiles& files, std::vector<std::string>& notes);
 
-/// Adds a motion of the file's joints, see addAnimation(). A node that moves gets translation, rotation and scale
-/// instead of its matrix.
+/// Adds a motion of the file's joints, see addAnimation(): what differs from the pose in which the file was saved. A
+/// node that moves gets translation, rotation and scale instead of its matrix.
 /// @param nodeOfJoint  as in CharacterFile
 [[nodiscard]] Result<void> addAnimationToFile(GltfWriter& writer, const SkeletalMotion& motion,
                                               std::span<const int> nodeOfJoint);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <optional>
 
 namespace lorica {
 
@@ -388,6 +389,104 @@ NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> na
     best.convention = namingConventions()[c].name;
   }
   return best;
+}
+
+namespace {
+
+/// Bones by names alone, and the joints of the trunk from the hips up.
+struct FlatBones {
+  BoneJoints jointOf{};
+  std::vector<JointIndex> trunk;
+  int count = 0;
+};
+
+[[nodiscard]] FlatBones flatBones(const JointTree& tree, const ConventionMatch& match,
+                                  std::span<const JointIndex> flat) {
+  FlatBones bones;
+  bones.jointOf.fill(kNoJoint);
+  const auto isFree = [&](JointIndex joint) {
+    return std::find(flat.begin(), flat.end(), joint) != flat.end() && !isUsed(bones.jointOf, joint);
+  };
+  for (int b = 0; b < kHumanBoneCount; ++b) {
+    const auto bone = static_cast<HumanBone>(b);
+    if (bone == kSpine) continue;
+    for (const Candidate& candidate : match.of(bone)) {
+      if (!isFree(candidate.joint)) continue;
+      jointOf(bones.jointOf, bone) = candidate.joint;
+      ++bones.count;
+      break;
+    }
+  }
+  if (!has(bones.jointOf, kHips)) return bones;
+  for (const Candidate& candidate : match.of(kSpine)) {
+    if (isFree(candidate.joint)) bones.trunk.push_back(candidate.joint);
+  }
+  const auto fromHips = [&](JointIndex joint) {
+    return (tree.position(joint) - tree.position(jointOf(bones.jointOf, kHips))).norm();
+  };
+  std::stable_sort(bones.trunk.begin(), bones.trunk.end(),
+                   [&](JointIndex a, JointIndex b) { return fromHips(a) < fromHips(b); });
+  bones.count += countOf(bones.trunk);
+  return bones;
+}
+
+/// The joint that the number at the end of a name continues: of "finger2" that of "finger1", on the same side.
+[[nodiscard]] JointIndex previousInChain(std::span<const JointName> names, std::span<const JointIndex> flat,
+                                         JointIndex joint) {
+  std::string key = withoutLeadingZeros(names[joint].key());
+  if (key.empty() || key.back() < '2' || key.back() > '9') return kNoJoint;
+  --key.back();
+  for (const JointIndex other : flat) {
+    if (names[other].side == names[joint].side && withoutLeadingZeros(names[other].key()) == key) return other;
+  }
+  return kNoJoint;
+}
+
+}  // namespace
+
+std::vector<JointIndex> parentsByNames(const JointTree& tree, std::span<const JointName> names,
+                                       std::span<const JointIndex> flat) {
+  BoneJoints none;
+  none.fill(kNoJoint);
+  FlatBones best;
+  for (const NameRows& rows : rowsOfConventions()) {
+    FlatBones bones = flatBones(tree, ConventionMatch(rows, names, none), flat);
+    if (bones.count > best.count) best = std::move(bones);
+  }
+  constexpr int kFewest = 8;
+  if (best.count < kFewest) return {};
+  for (const HumanBone bone : {kHips, kLeftUpperLeg, kRightUpperLeg, kLeftUpperArm, kRightUpperArm}) {
+    if (!has(best.jointOf, bone)) return {};
+  }
+
+  const JointIndex hips = jointOf(best.jointOf, kHips);
+  const JointIndex top = best.trunk.empty() ? hips : best.trunk.back();
+  std::vector<JointIndex> parents(flat.size(), kNoJoint);
+  for (std::size_t i = 0; i < flat.size(); ++i) {
+    const JointIndex joint = flat[i];
+    if (joint == hips) continue;
+    const auto trunk = std::find(best.trunk.begin(), best.trunk.end(), joint);
+    const auto bone = std::find(best.jointOf.begin(), best.jointOf.end(), joint);
+    if (trunk != best.trunk.end()) {
+      parents[i] = trunk == best.trunk.begin() ? hips : *(trunk - 1);
+    } else if (bone != best.jointOf.end()) {
+      std::optional<HumanBone> above = parentBone(static_cast<HumanBone>(bone - best.jointOf.begin()));
+      while (above && jointOf(best.jointOf, *above) == kNoJoint && *above != kUpperChest) above = parentBone(*above);
+      parents[i] = !above || *above == kUpperChest ? top : jointOf(best.jointOf, *above);
+    } else if (parents[i] = previousInChain(names, flat, joint); parents[i] == kNoJoint) {
+      double nearest = kInfinity;
+      const auto consider = [&](JointIndex other) {
+        if (other == kNoJoint) return;
+        const double distance = (tree.position(other) - tree.position(joint)).norm();
+        if (!(distance < nearest)) return;
+        nearest = distance;
+        parents[i] = other;
+      };
+      std::for_each(best.jointOf.begin(), best.jointOf.end(), consider);
+      std::for_each(best.trunk.begin(), best.trunk.end(), consider);
+    }
+  }
+  return parents;
 }
 
 }  // namespace lorica

@@ -23,6 +23,13 @@ struct NamedBones {
 /// The same for a skeleton that lacks one or both legs: two arms on a trunk.
 [[nodiscard]] NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> names);
 
+/// The parents of joints that a file lists without a hierarchy, by the bones that their names mean: a chain of names
+/// that are numbered, else the nearest bone for what is none.
+/// @param flat  the joints
+/// @return one for each of them, kNoJoint for the hips; empty if the names do not give hips, legs and trunk or arms
+[[nodiscard]] std::vector<JointIndex> parentsByNames(const JointTree& tree, std::span<const JointName> names,
+                                                     std::span<const JointIndex> flat);
+
 /// Adds the fingers below known hands by their names, in any convention.
 void addFingersByNames(const JointTree& tree, std::span<const JointName> names, BoneJoints& bones);
 

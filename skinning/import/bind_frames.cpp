@@ -1,9 +1,14 @@
 #include "skinning/import/bind_frames.h"
 
+#include "geometry/counts.h"
+
 #include <Eigen/SVD>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
+#include <optional>
 
 namespace lorica {
 
@@ -47,54 +52,231 @@ bool isInvertible(const Affine3& transform) {
   return stretch.z() > 1e-8 * stretch.x();
 }
 
-BindFrames findBindFrames(const FileScene& scene) {
-  BindFrames frames;
-  frames.order = parentsFirst(scene.nodes);
-  std::vector<int> rank(scene.nodes.size());
-  for (std::size_t i = 0; i < frames.order.size(); ++i) {
-    rank[frames.order[i]] = i;
-  }
-  const auto position = [&](std::vector<Affine3>& fileFromNode, const std::vector<char>& given) {
-    for (const int node : frames.order) {
-      const std::size_t i = node;
-      if (given[i] != 0) continue;
-      const Affine3 local = invertibleLocal(scene.nodes[i]);
-      const int parent = scene.nodes[i].parent;
-      fileFromNode[i] = parent == -1 ? local : fileFromNode[parent] * local;
-    }
-  };
-  std::vector<char> given(scene.nodes.size(), 0);
-  frames.fileFromNode.assign(scene.nodes.size(), Affine3::Identity());
-  position(frames.fileFromNode, given);
+namespace {
 
-  frames.fileFromSkin.assign(scene.skins.size(), Affine3::Identity());
-  for (std::size_t s = 0; s < scene.skins.size(); ++s) {
-    const FileSkin& skin = scene.skins[s];
-    // Bones that an earlier skin has positioned come first, then the topmost.
+constexpr double kAgrees = 1e-3;     ///< of a skin's size: what moves its vertices less is rounding
+constexpr double kRounding = 1e-6;   ///< below it, a node keeps its numbers
+constexpr double kSameScale = 0.01;  ///< of a mesh's node and its bones, else the node's transform has no meaning
+
+/// What the inverse bind matrices of one skin say.
+struct SkinBind {
+  Aabb box;                ///< of its vertices, in their space
+  int meshNode = -1;       ///< of the first mesh; -1: no mesh is drawn
+  std::vector<char> says;  ///< per bone: its matrix is invertible, and moves vertices or is more than the identity
+};
+
+class BindFinder {
+ public:
+  explicit BindFinder(const FileScene& scene) : scene_(scene) {}
+
+  [[nodiscard]] BindFrames find() {
+    const std::size_t nodeCount = scene_.nodes.size();
+    frames_.order = parentsFirst(scene_.nodes);
+    rank_.resize(nodeCount);
+    for (std::size_t i = 0; i < frames_.order.size(); ++i) rank_[frames_.order[i]] = i;
+    given_.assign(nodeCount, 0);
+    frames_.fileFromNode.assign(nodeCount, Affine3::Identity());
+    frames_.fileFromSkin.assign(scene_.skins.size(), Affine3::Identity());
+    frames_.local.reserve(nodeCount);
+    for (const FileNode& node : scene_.nodes) frames_.local.push_back(node.local);
+    placeOthers();
+
+    readSkins();
+    std::vector<std::size_t> skins(scene_.skins.size());
+    std::iota(skins.begin(), skins.end(), std::size_t{0});
+    frames_.posed = std::any_of(skins.begin(), skins.end(), [&](std::size_t s) { return isPosed(s); });
+    if (frames_.posed) {  // the largest skin stands most likely, and the others follow it
+      std::stable_sort(skins.begin(), skins.end(), [&](std::size_t a, std::size_t b) {
+        return scene_.skins[a].nodes.size() > scene_.skins[b].nodes.size();
+      });
+    }
+    for (const std::size_t s : skins) placeSkin(s);
+    placeOthers();
+    if (frames_.posed) turnNodes();
+    return std::move(frames_);
+  }
+
+ private:
+  /// Nodes that no skin has positioned follow their parents.
+  void placeOthers() {
+    for (const int i : frames_.order) {
+      if (given_[i] != 0) continue;
+      const Affine3 local = invertibleLocal(scene_.nodes[i]);
+      const int parent = scene_.nodes[i].parent;
+      frames_.fileFromNode[i] = parent == -1 ? local : frames_.fileFromNode[parent] * local;
+    }
+  }
+
+  void readSkins() {
+    skins_.resize(scene_.skins.size());
+    for (std::size_t s = 0; s < skins_.size(); ++s) skins_[s].says.assign(scene_.skins[s].nodes.size(), 0);
+    for (const FileMesh& mesh : scene_.meshes) {
+      if (mesh.skin == -1) continue;
+      SkinBind& skin = skins_[mesh.skin];
+      if (skin.meshNode == -1) skin.meshNode = mesh.node;
+      for (const Vec3& p : mesh.positions) skin.box.extend(p);
+      for (const FileWeight& w : mesh.weights) {
+        if (w.bone >= 0 && w.bone < countOf(skin.says) && w.weight > 0.0) skin.says[w.bone] = 1;
+      }
+    }
+    for (std::size_t s = 0; s < skins_.size(); ++s) {
+      const std::vector<Affine3>& matrices = scene_.skins[s].jointFromMesh;
+      for (std::size_t b = 0; b < matrices.size(); ++b) {
+        const bool unset = skins_[s].says[b] == 0 && matrices[b].isApprox(Affine3::Identity(), 1e-9);
+        skins_[s].says[b] = !unset && isInvertible(matrices[b]) ? 1 : 0;
+      }
+    }
+  }
+
+  [[nodiscard]] Affine3 fileFromSkinBy(std::size_t s, std::size_t bone) const {
+    return frames_.fileFromNode[scene_.skins[s].nodes[bone]] * scene_.skins[s].jointFromMesh[bone];
+  }
+
+  /// Whether two transforms of a skin's vertices are the same but for rounding.
+  [[nodiscard]] bool agree(std::size_t s, const Affine3& a, const Affine3& b) const {
+    const Aabb& box = skins_[s].box;
+    const double size = box.empty() ? 1.0 : std::max(box.diagonal(), box.center().norm());
+    const Vec3 center = box.empty() ? Vec3::Zero() : box.center();
+    const double scale = std::cbrt(std::abs(a.linear().determinant()));
+    return (a.linear() - b.linear()).norm() <= kAgrees * scale &&
+           (a * center - b * center).norm() <= kAgrees * scale * size;
+  }
+
+  /// Bones that an earlier skin has positioned come first, then the topmost.
+  [[nodiscard]] std::vector<std::size_t> bonesOf(std::size_t s) const {
+    const FileSkin& skin = scene_.skins[s];
     std::vector<std::size_t> bones(skin.nodes.size());
     std::iota(bones.begin(), bones.end(), std::size_t{0});
     std::stable_sort(bones.begin(), bones.end(), [&](std::size_t a, std::size_t b) {
       const std::size_t nodeA = skin.nodes[a];
       const std::size_t nodeB = skin.nodes[b];
-      return given[nodeA] != given[nodeB] ? given[nodeA] > given[nodeB] : rank[nodeA] < rank[nodeB];
+      return given_[nodeA] != given_[nodeB] ? given_[nodeA] > given_[nodeB] : rank_[nodeA] < rank_[nodeB];
     });
-    for (const std::size_t bone : bones) {
-      const Affine3 fileFromSkin = frames.fileFromNode[skin.nodes[bone]] * skin.jointFromMesh[bone];
+    return bones;
+  }
+
+  /// Whether the nodes contradict the matrices. Matrices that are all the same say nothing about a pose: each bone has
+  /// its vertices in its own space.
+  [[nodiscard]] bool isPosed(std::size_t s) const {
+    const std::vector<Affine3>& matrices = scene_.skins[s].jointFromMesh;
+    if (skins_[s].meshNode == -1) return false;
+    if (std::all_of(matrices.begin(), matrices.end(),
+                    [&](const Affine3& m) { return m.isApprox(matrices[0], 1e-9); })) {
+      return false;
+    }
+    std::optional<Affine3> first;
+    for (const std::size_t bone : bonesOf(s)) {
+      if (skins_[s].says[bone] == 0) continue;
+      const Affine3 fileFromSkin = fileFromSkinBy(s, bone);
       if (!isInvertible(fileFromSkin)) continue;
-      frames.fileFromSkin[s] = fileFromSkin;
+      if (!first) first = fileFromSkin;
+      if (!agree(s, *first, fileFromSkin)) return true;
+    }
+    return false;
+  }
+
+  /// The height of a skin's meshes by their longest side.
+  [[nodiscard]] double uprightness(std::size_t s, const Affine3& fileFromSkin) const {
+    Aabb box;
+    for (const FileMesh& mesh : scene_.meshes) {
+      if (mesh.skin != static_cast<int>(s)) continue;
+      for (const Vec3& p : mesh.positions) box.extend(scene_.modelFromFileAxes * (fileFromSkin * p));
+    }
+    const Vec3 sides = box.max - box.min;
+    return sides.y() / std::max(sides.maxCoeff(), 1e-300);
+  }
+
+  /// The space of a posed skin whose bones no other skin has positioned.
+  /// @param byBone  what its topmost bone says
+  [[nodiscard]] Affine3 spaceOfPosed(std::size_t s, std::size_t topmost, const Affine3& byBone) const {
+    if (skins_[s].meshNode == -1) return byBone;
+    const Affine3& byMesh = frames_.fileFromNode[skins_[s].meshNode];
+    const double ratio = byMesh.linear().determinant() / byBone.linear().determinant();
+    if (!(std::abs(std::cbrt(ratio) - 1.0) < kSameScale)) return byBone;
+    bool supported = false;
+    for (std::size_t b = 0; b < skins_[s].says.size() && !supported; ++b) {
+      supported = b != topmost && skins_[s].says[b] != 0 && agree(s, byBone, fileFromSkinBy(s, b));
+    }
+    const Affine3& likely = supported ? byBone : byMesh;
+    const Affine3& other = supported ? byMesh : byBone;
+    // A body that lies one way and stands the other way was modelled standing.
+    return uprightness(s, likely) < 0.5 && uprightness(s, other) > 0.7 ? other : likely;
+  }
+
+  void placeSkin(std::size_t s) {
+    const FileSkin& skin = scene_.skins[s];
+    const auto isGiven = [&](int node) { return given_[node] != 0; };
+    // Hair and clothes with bones of their own hang on the bones that an earlier skin has moved.
+    if (frames_.posed && std::none_of(skin.nodes.begin(), skin.nodes.end(), isGiven)) placeOthers();
+    const std::vector<std::size_t> bones = bonesOf(s);
+    const auto says = [&](std::size_t bone) { return !frames_.posed || skins_[s].says[bone] != 0; };
+    for (const std::size_t bone : bones) {
+      const Affine3 fileFromSkin = fileFromSkinBy(s, bone);
+      if (!says(bone) || !isInvertible(fileFromSkin)) continue;
+      const bool known = !frames_.posed || isGiven(skin.nodes[bone]);
+      frames_.fileFromSkin[s] = known ? fileFromSkin : spaceOfPosed(s, bone, fileFromSkin);
       break;
     }
     for (const std::size_t bone : bones) {
       const std::size_t node = skin.nodes[bone];
-      if (given[node] != 0 || !isInvertible(skin.jointFromMesh[bone])) continue;
-      const Affine3 fileFromNode = frames.fileFromSkin[s] * skin.jointFromMesh[bone].inverse();
+      if (given_[node] != 0 || !says(bone) || !isInvertible(skin.jointFromMesh[bone])) continue;
+      const Affine3 fileFromNode = frames_.fileFromSkin[s] * skin.jointFromMesh[bone].inverse();
       if (!isInvertible(fileFromNode)) continue;
-      frames.fileFromNode[node] = fileFromNode;
-      given[node] = 1;
+      frames_.fileFromNode[node] = fileFromNode;
+      given_[node] = 1;
     }
   }
-  position(frames.fileFromNode, given);
-  return frames;
+
+  /// Replaces the nodes' transforms by those of the bind pose. What cannot be held without shear keeps its scale; its
+  /// children are where they belong.
+  void turnNodes() {
+    Aabb box;
+    for (std::size_t i = 0; i < given_.size(); ++i) {
+      if (given_[i] != 0) box.extend(frames_.fileFromNode[i].translation());
+    }
+    std::vector<Affine3> fileFromNode(scene_.nodes.size());
+    for (const int i : frames_.order) {
+      const FileNode& node = scene_.nodes[i];
+      const Affine3 fileFromParent = node.parent == -1 ? Affine3::Identity() : fileFromNode[node.parent];
+      const Affine3 wanted = fileFromParent.inverse() * frames_.fileFromNode[i];
+      if (given_[i] != 0 && !node.inner && wanted.matrix().allFinite()) {
+        FileNode bind = node;
+        const Affine3 saved = invertibleLocal(node);
+        const double scale = std::cbrt(std::abs(wanted.linear().determinant()));
+        const bool same = (wanted.linear() - saved.linear()).norm() <= kRounding * scale &&
+                          (fileFromParent.linear() * (wanted.translation() - saved.translation())).norm() <=
+                              kRounding * box.diagonal();
+        if (!same) setMatrix(bind, wanted);
+        if (bind.inner) {
+          bind.local.rotation = (bind.local.rotation * *bind.inner).normalized();
+          bind.local.scale = node.local.scale;
+        }
+        const double turn = bind.local.rotation.angularDistance(node.local.rotation);
+        const double move = (fileFromParent.linear() * (bind.local.translation - node.local.translation)).norm();
+        if (turn > std::numbers::pi / 180.0 || move > 0.01 * box.diagonal()) {
+          ++frames_.posedNodes;
+          frames_.posedTurn = std::max(frames_.posedTurn, turn);
+          frames_.posedMove = std::max(frames_.posedMove, move);
+        }
+        frames_.local[i] = bind.local;
+      }
+      FileNode at = node;
+      at.local = frames_.local[i];
+      fileFromNode[i] = fileFromParent * invertibleLocal(at);
+    }
+  }
+
+  const FileScene& scene_;
+  BindFrames frames_;
+  std::vector<SkinBind> skins_;
+  std::vector<int> rank_;    // of each node in frames_.order
+  std::vector<char> given_;  // per node: a skin has positioned it
+};
+
+}  // namespace
+
+BindFrames findBindFrames(const FileScene& scene) {
+  return BindFinder(scene).find();
 }
 
 }  // namespace lorica

@@ -12,10 +12,20 @@ namespace lorica {
 /// bind matrices by its inverse gives the same points. The space is chosen so that the bind pose stands like the
 /// character: the topmost bone of a skin has its rest transform, and the skins of one skeleton agree on the bones that
 /// they share.
+///
+/// A file that was saved in a pose has nodes that contradict the inverse bind matrices. Then each bone is where its
+/// inverse bind matrix says, and nodes outside the skins follow their parents. No two bones need agree there, so the
+/// space of a skin's vertices is that of the node with its mesh, unless other bones agree with the topmost one.
 struct BindFrames {
   std::vector<int> order;             ///< all nodes, parents before children
   std::vector<Affine3> fileFromNode;  ///< one per node, invertible
   std::vector<Affine3> fileFromSkin;  ///< one per skin, invertible: from the space of its vertices
+  std::vector<JointTransform> local;  ///< parentFromNode without FileNode::inner: the node's own, unless posed
+  bool posed = false;                 ///< the file was saved in another pose than the bind pose
+  // By how much; of the nodes relative to their parents.
+  int posedNodes = 0;      ///< that are turned by at least 1 degree or moved by 1 % of the skin's size
+  double posedTurn = 0.0;  ///< the largest of their rotations [rad]
+  double posedMove = 0.0;  ///< the largest of their translations [units of the file]
 };
 
 [[nodiscard]] BindFrames findBindFrames(const FileScene& scene);

@@ -2,18 +2,22 @@
 #include "geometry/errors.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
+#include "skinning/import/contrary_normals.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/hidden_meshes.h"
 #include "skinning/import/morph_builder.h"
+#include "skinning/import/scene_bones.h"
 #include "skinning/import/spring_joints.h"
 #include "skinning/import/units.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
+#include <numbers>
 #include <utility>
 
 namespace lorica {
@@ -21,6 +25,7 @@ namespace lorica {
 namespace {
 
 constexpr double kSecondsInADay = 86400.0;
+constexpr std::size_t kMaxKept = 100'000;  // tracks of joints that a clip does not move, of 0.5 kB each
 
 [[nodiscard]] JointIndex asJoint(std::size_t index) {
   return index;
@@ -121,6 +126,13 @@ class CharacterBuilder {
     UnitGuess guess = guessUnit(longest, scene_.metresPerUnit);
     if (!guess.note.empty()) out_.notes.push_back(std::move(guess.note));
     out_.metresPerUnit = guess.metresPerUnit;
+    if (frames_.posedNodes > 0) {
+      out_.notes.push_back(fmt::format(
+          "its nodes are posed: {} of them differ from its skin's bind pose, by up to {:.0f} degrees and {:.0f} cm; "
+          "the bind pose is used",
+          frames_.posedNodes, frames_.posedTurn * 180.0 / std::numbers::pi,
+          100.0 * out_.metresPerUnit * frames_.posedMove));
+    }
     return {};
   }
 
@@ -158,7 +170,7 @@ class CharacterBuilder {
       if (chosen_[i] == 0) continue;
       const FileNode& node = scene_.nodes[i];
       JointIndex parent = node.parent == -1 ? 0 : jointsOfNode_[node.parent].front();
-      JointTransform local = node.local;
+      JointTransform local = frames_.local[i];
       if (node.inner) {
         ++sheared;
         joints_.push_back({node.name + " (sheared)", parent, local, std::nullopt});
@@ -326,7 +338,8 @@ class CharacterBuilder {
     const Mat3 modelFromFile = joints_.front().rest.matrix().linear();
     std::size_t vertex = 0;
     std::size_t triangle = 0;
-    int plain = -1;  // the material of meshes without one
+    int plain = -1;               // the material of meshes without one
+    std::array<int, 3> mended{};  // meshes, by ContraryNormals
     for (FileMesh& mesh : scene_.meshes) {
       addDirections(mesh, modelFromFile * fileFromMesh(mesh).linear(), vertex);
       for (std::size_t set = 0; set < 2; ++set)
@@ -341,10 +354,22 @@ class CharacterBuilder {
         material = plain;
       }
       look.groups.push_back({mesh.name, material, triangle, mesh.triangles.size(), mesh.normals.empty()});
-      if (!mesh.normals.empty()) mendNormals(look.groups.back());
+      if (!mesh.normals.empty()) {
+        mendNormals(look.groups.back());
+        ++mended[static_cast<std::size_t>(mendContraryNormals(
+            out_.character.mesh.vertices,
+            std::span(out_.character.mesh.triangles).subspan(triangle, mesh.triangles.size()), look.normals))];
+      }
       vertex += mesh.positions.size();
       triangle += mesh.triangles.size();
     }
+    const auto note = [&](ContraryNormals kind, const char* what) {
+      const int count = mended[static_cast<std::size_t>(kind)];
+      if (count > 0) out_.notes.push_back(fmt::format("in {} of {} meshes {}", count, scene_.meshes.size(), what));
+    };
+    note(ContraryNormals::kNormalsReplaced, "the normals contradict the triangles: recomputed");
+    note(ContraryNormals::kTrianglesTurned,
+         "the triangles contradict each other and the normals: turned as the normals say");
   }
 
   /// The position of a vertex in a list that is empty if no vertex has the property.
@@ -392,9 +417,32 @@ class CharacterBuilder {
     }
   }
 
+  /// What a clip does not move stays as the file has it, also where its skin's bind pose is another one.
+  void keepSaved(Clip& clip) const {
+    std::vector<JointTrack*> trackOf(joints_.size(), nullptr);
+    clip.tracks.reserve(clip.tracks.size() + joints_.size());  // keeps the pointers
+    for (JointTrack& track : clip.tracks) trackOf[track.joint] = &track;
+    for (std::size_t n = 0; n < jointsOfNode_.size(); ++n) {
+      if (jointsOfNode_[n].empty() || scene_.nodes[n].inner) continue;
+      const JointIndex joint = jointsOfNode_[n].front();
+      const JointTransform& saved = scene_.nodes[n].local;
+      const JointTransform& rest = joints_[joint].rest;
+      if (saved.matrix().isApprox(rest.matrix(), 1e-12)) continue;
+      if (trackOf[joint] == nullptr) trackOf[joint] = &clip.tracks.emplace_back(JointTrack{joint, {}, {}, {}});
+      JointTrack& track = *trackOf[joint];
+      const auto keep = [](auto& keys, const auto& value) {
+        if (!keys) keys = {KeyInterpolation::kStep, {0.0}, {value}};
+      };
+      keep(track.translation, saved.translation);
+      keep(track.rotation, saved.rotation);
+      keep(track.scale, saved.scale);
+    }
+  }
+
   // 7. Clips of the existing joints.
   void addClips() {
     int tooLong = 0;
+    std::size_t kept = 0;
     out_.clips.reserve(scene_.clips.size());
     for (const FileClip& from : scene_.clips) {
       Clip clip{from.name, 0.0, {}};
@@ -413,6 +461,10 @@ class CharacterBuilder {
       if (clip.seconds > kSecondsInADay) {
         ++tooLong;
       } else if (!clip.tracks.empty() || !from.weights.empty()) {
+        if (frames_.posed && !clip.tracks.empty() && kept < kMaxKept) {
+          keepSaved(clip);
+          kept += joints_.size();
+        }
         out_.clips.push_back(std::move(clip));
         out_.morphs.clips.push_back(from.weights);
       }
@@ -495,6 +547,8 @@ class CharacterBuilder {
 Result<CharacterFile> makeCharacterFile(FileScene scene, const std::string& fileName,
                                         const CharacterFileSettings& settings) {
   LORICA_TRY(const std::vector<FileMesh> hidden, takeHiddenMeshes(scene, settings.hidden, fileName));
+  hangFlatBones(scene);
+  addRigidSkin(scene);
   return CharacterBuilder(std::move(scene), hidden, fileName).build();
 }
 

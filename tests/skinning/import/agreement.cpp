@@ -1,5 +1,6 @@
 #include "tests/skinning/import/agreement.h"
 
+#include "skinning/import/file_scene.h"
 #include "skinning/linear_blend.h"
 
 #include <gtest/gtest.h>
@@ -12,6 +13,11 @@ std::vector<Vec3> posedVertices(const CharacterFile& file, int clip, double time
   const Character& character = file.character;
   Pose pose = restPose(character.skeleton);
   if (clip >= 0) sampleClip(file.clips[clip], time, pose);
+  return posedVertices(file, pose);
+}
+
+std::vector<Vec3> posedVertices(const CharacterFile& file, const Pose& pose) {
+  const Character& character = file.character;
   std::vector<Affine3> transforms(pose.size());
   computeWorldFromJoint(character.skeleton, pose, transforms);
   computeWorldFromModel(character, transforms, transforms);
@@ -20,9 +26,37 @@ std::vector<Vec3> posedVertices(const CharacterFile& file, int clip, double time
   return posed;
 }
 
+Pose savedPose(const CharacterFile& file, const nlohmann::json& nodes) {
+  Pose pose = restPose(file.character.skeleton);
+  for (std::size_t j = 0; j < pose.size(); ++j) {
+    const int index = file.nodeOfJoint[j];
+    const JointIndex parent = file.character.skeleton.joint(j).parent;
+    const bool sheared = parent > 0 && file.nodeOfJoint[parent] == -1;
+    if (index == -1 || sheared) continue;
+    const nlohmann::json& node = nodes[index];
+    FileNode saved;
+    const auto numbers = [&](const char* key, std::vector<double> otherwise) {
+      return node.contains(key) ? node[key].get<std::vector<double>>() : otherwise;
+    };
+    if (node.contains("matrix")) {
+      const std::vector<double> matrix = numbers("matrix", {});
+      setMatrix(saved, Affine3(Eigen::Matrix<double, 3, 4>(Eigen::Map<const Mat4>(matrix.data()).topRows<3>())));
+    } else {
+      saved.local.translation = Eigen::Map<const Vec3>(numbers("translation", {0.0, 0.0, 0.0}).data());
+      saved.local.scale = Eigen::Map<const Vec3>(numbers("scale", {1.0, 1.0, 1.0}).data());
+      saved.local.rotation.coeffs() =
+          Eigen::Map<const Eigen::Vector4d>(numbers("rotation", {0.0, 0.0, 0.0, 1.0}).data());
+      saved.local.rotation.normalize();
+    }
+    pose[j] = saved.local;
+  }
+  return pose;
+}
+
 double farthestFromTruth(const CharacterFile& file, const GltfTruth& truth, int clip, double time) {
   const std::vector<GltfTruth::Corners> expected = truth.triangles(clip, time);
-  const std::vector<Vec3> posed = posedVertices(file, clip, time);
+  const std::vector<Vec3> posed =
+      clip >= 0 ? posedVertices(file, clip, time) : posedVertices(file, savedPose(file, truth.document()["nodes"]));
   const std::vector<Triangle>& triangles = file.character.mesh.triangles;
   EXPECT_EQ(triangles.size(), expected.size());
   if (triangles.size() != expected.size()) return 1e300;

@@ -4,6 +4,7 @@
 
 #include "tests/skinning/import/material_samples.h"
 #include "tests/skinning/import/small_character.h"
+#include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
@@ -128,13 +129,21 @@ TEST(GltfLook, SkinnedNormalsAreThoseOfTheBindPose) {
   const std::vector<Affine3> inverseBinds = {placed, Eigen::Translation3d(0.0, -1.0, 0.0) * placed};
   writer.document["skins"][0]["inverseBindMatrices"] = writer.matrices(inverseBinds);
   std::vector<float> normals;
-  for (int v = 0; v < 8; ++v) normals.insert(normals.end(), {0.6F, 0.8F, 0.0F});
+  std::vector<Vec3> outwards;
+  for (const Vec3& p : test::makeBox(Vec3(-0.2, 0.0, -0.2), Vec3(0.2, 2.0, 0.2)).vertices) {
+    outwards.emplace_back(p.x() < 0.0 ? -0.6 : 0.6, p.y() < 1.0 ? -0.64 : 0.64, p.z() < 0.0 ? -0.48 : 0.48);
+    for (const double x : outwards.back()) normals.push_back(static_cast<float>(x));
+  }
   writer.document["meshes"][0]["primitives"][0]["attributes"]["NORMAL"] = writer.accessor(normals, "VEC3");
   writer.document["nodes"][2]["scale"] = {7, 1, 1};
   const CharacterFile file = test::valueOf(parsed(writer));
   test::expectSound(file);
-  const Vec3 expected = (placed.linear().inverse().transpose() * Vec3(0.6, 0.8, 0.0)).normalized();
-  for (const Vec3f& normal : file.look.normals) EXPECT_NEAR((normal.cast<double>() - expected).norm(), 0.0, 1e-6);
+  ASSERT_EQ(file.look.normals.size(), outwards.size());
+  for (std::size_t v = 0; v < outwards.size(); ++v) {
+    // Bind poses are placed by the inverse of these matrices, and normals by its inverse transpose.
+    const Vec3 expected = (placed.linear().inverse().transpose() * outwards[v]).normalized();
+    EXPECT_NEAR((file.look.normals[v].cast<double>() - expected).norm(), 0.0, 1e-6);
+  }
 }
 
 TEST(GltfLook, ColorsOfAllKindsAreTheSame) {

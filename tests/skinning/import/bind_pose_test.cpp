@@ -1,0 +1,336 @@
+#include "geometry/counts.h"
+#include "skinning/import/file_scene.h"
+#include "tests/skinning/import/agreement.h"
+#include "tests/skinning/import/small_character.h"
+#include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <numbers>
+
+namespace lorica {
+namespace {
+
+struct Bone {
+  const char* name;
+  int parent;
+  Vec3 at;  ///< in the bind pose
+};
+
+constexpr int kBones = 6;
+const std::array<Bone, kBones> kBody = {{{"Hips", -1, {0.0, 1.0, 0.0}},
+                                         {"Spine", 0, {0.0, 1.2, 0.0}},
+                                         {"Head", 1, {0.0, 1.6, 0.0}},
+                                         {"LeftUpLeg", 0, {0.1, 0.9, 0.0}},
+                                         {"LeftLeg", 3, {0.1, 0.5, 0.0}},
+                                         {"LeftFoot", 4, {0.1, 0.1, 0.0}}}};
+
+/// A box around each bone of a body, in one skin or in a skin for each mesh.
+/// @param turned  the nodes' rotations; their inverse bind matrices are those of the body that stands
+/// @param meshes  the bones of each mesh and of its skin
+test::GlbWriter posedBody(const std::array<Quat, kBones>& turned, const std::vector<std::vector<int>>& meshes) {
+  test::GlbWriter writer;
+  for (int b = 0; b < kBones; ++b) {
+    const Bone& bone = kBody[b];
+    const Vec3 from = bone.parent == -1 ? bone.at : Vec3(bone.at - kBody[bone.parent].at);
+    const Eigen::Vector4d q = turned[b].coeffs();
+    nlohmann::json node = {{"name", bone.name},
+                           {"translation", {from.x(), from.y(), from.z()}},
+                           {"rotation", {q.x(), q.y(), q.z(), q.w()}}};
+    for (int c = 0; c < kBones; ++c) {
+      if (kBody[c].parent == b) node["children"].push_back(c);
+    }
+    writer.add("nodes", node);
+  }
+  nlohmann::json roots = {0};
+  for (const std::vector<int>& bones : meshes) {
+    TriMesh all;
+    std::vector<std::uint8_t> joints;
+    std::vector<float> weights;
+    std::vector<Affine3> matrices;
+    for (int b = 0; b < countOf(bones); ++b) {
+      const Vec3& at = kBody[bones[b]].at;
+      matrices.emplace_back(Eigen::Translation3d(-at));
+      const TriMesh box = test::makeBox(at - Vec3::Constant(0.1), at + Vec3::Constant(0.1));
+      const VertexIndex first = countOf(all.vertices);
+      for (const Vec3& p : box.vertices) {
+        all.vertices.push_back(p);
+        joints.insert(joints.end(), {static_cast<std::uint8_t>(b), 0, 0, 0});
+        weights.insert(weights.end(), {1.0F, 0.0F, 0.0F, 0.0F});
+      }
+      for (Triangle t : box.triangles) all.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+    }
+    const int skin = writer.add("skins", {{"joints", bones}, {"inverseBindMatrices", writer.matrices(matrices)}});
+    nlohmann::json primitive = {{"indices", writer.triangles(all.triangles)}};
+    primitive["attributes"] = {{"POSITION", writer.positions(all.vertices)},
+                               {"JOINTS_0", writer.accessor(joints, "VEC4")},
+                               {"WEIGHTS_0", writer.accessor(weights, "VEC4")}};
+    const int mesh = writer.add("meshes", {{"primitives", {primitive}}});
+    roots.push_back(writer.add("nodes", {{"mesh", mesh}, {"skin", skin}}));
+  }
+  writer.add("scenes", {{"nodes", roots}});
+  return writer;
+}
+
+const std::vector<std::vector<int>> kOneSkin = {{0, 1, 2, 3, 4, 5}};
+
+std::array<Quat, kBones> unturned() {
+  std::array<Quat, kBones> turned;
+  turned.fill(Quat::Identity());
+  return turned;
+}
+
+Quat turn(double degrees, const Vec3& axis) {
+  return Quat(Eigen::AngleAxisd(degrees * std::numbers::pi / 180.0, axis.normalized()));
+}
+
+std::vector<Affine3> restOf(const CharacterFile& file) {
+  const Skeleton& skeleton = file.character.skeleton;
+  std::vector<Affine3> world(skeleton.joints().size());
+  computeWorldFromJoint(skeleton, restPose(skeleton), world);
+  return world;
+}
+
+/// At rest each bone is where the inverse bind matrices say, and so is the mesh.
+void expectStanding(const CharacterFile& file) {
+  const std::vector<Affine3> world = restOf(file);
+  for (JointIndex j = 0; j < file.character.skeleton.jointCount(); ++j) {
+    EXPECT_TRUE((world[j] * file.character.jointFromModel[j]).matrix().isIdentity(1e-5)) << j;
+    for (const Bone& bone : kBody) {
+      if (file.character.skeleton.joint(j).name != bone.name) continue;
+      EXPECT_LE((world[j].translation() - bone.at).norm(), 1e-5) << bone.name;
+    }
+  }
+  EXPECT_NEAR(file.character.height, 1.7, 1e-5);
+}
+
+TEST(BindPose, ComesFromTheSkinWhereTheNodesArePosed) {
+  std::array<Quat, kBones> turned = unturned();
+  turned[4] = turn(70.0, Vec3::UnitX());
+  turned[5] = turn(-40.0, Vec3(1.0, 0.0, 1.0));
+  test::GlbWriter writer = posedBody(turned, kOneSkin);
+  const Quat key = turn(30.0, Vec3::UnitZ());
+  const int times = writer.accessor(std::vector<float>{0.0F, 1.0F}, "SCALAR");
+  const int values = writer.accessor(
+      std::vector<float>{0, 0, 0, 1, 0, 0, static_cast<float>(key.z()), static_cast<float>(key.w())}, "VEC4");
+  writer.add("animations", {{"samplers", {{{"input", times}, {"output", values}}}},
+                            {"channels", {{{"sampler", 0}, {"target", {{"node", 3}, {"path", "rotation"}}}}}}});
+  const CharacterFile file = test::valueOf(test::parsed(writer));
+  expectStanding(file);
+  EXPECT_TRUE(
+      test::hasNote(file, "its nodes are posed: 2 of them differ from its skin's bind pose, by up to 70 degrees"))
+      << testing::PrintToString(file.notes);
+  // What the file itself shows is kept: as it was saved, and in its clip, which turns one joint of the posed leg.
+  const test::GltfTruth truth(writer.glb());
+  EXPECT_LE(test::farthestFromTruth(file, truth, -1, 0.0), 1e-5);
+  EXPECT_LE(test::farthestFromTruth(file, truth, 0, 0.6), 1e-5);
+}
+
+TEST(BindPose, NodesThatAgreeKeepTheirNumbers) {
+  std::array<Quat, kBones> turned = unturned();
+  const CharacterFile file = test::valueOf(test::parsed(posedBody(turned, kOneSkin)));
+  expectStanding(file);
+  EXPECT_FALSE(test::hasNote(file, "posed"));
+}
+
+TEST(BindPose, HipsThatAreTurnedDoNotTiltTheBody) {
+  // As of a character that was saved in the first frame of its clip: no bone is where it was bound.
+  std::array<Quat, kBones> turned = unturned();
+  turned[0] = turn(35.0, Vec3(1.0, 2.0, 0.5));
+  for (int b = 1; b < kBones; ++b) turned[b] = turn(10.0 + 5.0 * b, Vec3(b, 1.0, -2.0));
+  expectStanding(test::valueOf(test::parsed(posedBody(turned, kOneSkin))));
+  // The face, which comes first, has the head only; the body decides.
+  expectStanding(test::valueOf(test::parsed(posedBody(turned, {{2}, {0, 1, 3, 4, 5}, {2, 1}}))));
+}
+
+TEST(BindPose, HairWithBonesOfItsOwnHangsOnTheHead) {
+  std::array<Quat, kBones> turned = unturned();
+  turned[1] = turn(60.0, Vec3::UnitX());
+  turned[3] = turn(30.0, Vec3::UnitZ());
+  // The "hair" of this body is its head, below the posed spine.
+  expectStanding(test::valueOf(test::parsed(posedBody(turned, {{2}, {0, 1, 3, 4, 5}}))));
+}
+
+TEST(BindPose, ABodyThatLiesInItsNodesStandsAsModelled) {
+  std::array<Quat, kBones> turned = unturned();
+  turned[0] = turn(-90.0, Vec3::UnitX());
+  turned[5] = turn(30.0, Vec3::UnitX());
+  expectStanding(test::valueOf(test::parsed(posedBody(turned, kOneSkin))));
+}
+
+TEST(BindPose, NodesOutsideTheSkinFollowTheirParents) {
+  std::array<Quat, kBones> turned = unturned();
+  turned[2] = turn(50.0, Vec3::UnitX());
+  test::GlbWriter writer = posedBody(turned, kOneSkin);
+  const TriMesh hat = test::makeBox(Vec3(-0.1, 0.2, -0.1), Vec3(0.1, 0.3, 0.1));
+  nlohmann::json primitive = {{"indices", writer.triangles(hat.triangles)}};
+  primitive["attributes"] = {{"POSITION", writer.positions(hat.vertices)}};
+  const int mesh = writer.add("meshes", {{"primitives", {primitive}}});
+  const int node = writer.add("nodes", {{"name", "hat"}, {"mesh", mesh}, {"translation", {0.0, 0.5, 0.0}}});
+  writer.document["nodes"][2]["children"] = {node};
+  const CharacterFile file = test::valueOf(test::parsed(writer));
+  const Aabb box = boundsOf(file.character.mesh.vertices);
+  EXPECT_NEAR(box.max.y(), 2.4, 1e-5);  // upright above the head at 1.6 m
+  EXPECT_NEAR(box.max.z(), 0.1, 1e-5);
+  EXPECT_LE(test::farthestFromTruth(file, test::GltfTruth(writer.glb()), -1, 0.0), 1e-5);
+}
+
+TEST(BindPose, BonesThatMoveNothingAndHaveNoMatrixFollowTheirParents) {
+  std::array<Quat, kBones> turned = unturned();
+  turned[4] = turn(70.0, Vec3::UnitX());
+  test::GlbWriter writer = posedBody(turned, kOneSkin);
+  // The tip of the foot is in the skin with a matrix that was never set.
+  const int tip = writer.add("nodes", {{"name", "LeftToeTip"}, {"translation", {0.0, -0.1, 0.2}}});
+  writer.document["nodes"][5]["children"] = {tip};
+  writer.document["skins"][0]["joints"].push_back(tip);
+  std::vector<Affine3> matrices;
+  for (const Bone& bone : kBody) matrices.emplace_back(Eigen::Translation3d(-bone.at));
+  matrices.push_back(Affine3::Identity());
+  writer.document["skins"][0]["inverseBindMatrices"] = writer.matrices(matrices);
+  const CharacterFile file = test::valueOf(test::parsed(writer));
+  const Skeleton& skeleton = file.character.skeleton;
+  for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
+    if (skeleton.joint(j).name != "LeftToeTip") continue;
+    EXPECT_LE((restOf(file)[j].translation() - Vec3(0.1, 0.0, 0.2)).norm(), 1e-5);
+  }
+}
+
+/// The same body without a skin: each box on its node.
+test::GlbWriter rigidBody() {
+  test::GlbWriter writer = posedBody(unturned(), {{0}, {1}, {2}, {3}, {4}, {5}});
+  nlohmann::json& nodes = writer.document["nodes"];
+  for (int b = 0; b < kBones; ++b) {
+    const Vec3& at = kBody[b].at;
+    nodes[kBones + b].erase("skin");
+    nodes[kBones + b]["translation"] = {-at.x(), -at.y(), -at.z()};
+    nodes[b]["children"].push_back(kBones + b);
+  }
+  writer.document.erase("skins");
+  writer.document["scenes"][0]["nodes"] = {0};
+  return writer;
+}
+
+TEST(RigidHumanoid, FollowsTheBonesThatAFileLists) {
+  test::GlbWriter writer = rigidBody();
+  const CharacterFile plain = test::valueOf(test::parsed(writer));
+  EXPECT_TRUE(plain.isMesh());  // its names alone are no whole body
+  const auto bone = [](const char* name, int node) { return nlohmann::json{{name, {{"node", node}}}}; };
+  nlohmann::json bones;
+  bones.update(bone("hips", 0));
+  bones.update(bone("spine", 1));
+  bones.update(bone("head", 2));
+  bones.update(bone("leftUpperLeg", 3));
+  bones.update(bone("leftLowerLeg", 4));
+  bones.update(bone("leftFoot", 5));
+  writer.document["extensions"]["VRMC_vrm"] = {{"specVersion", "1.0"}, {"humanoid", {{"humanBones", bones}}}};
+  const CharacterFile file = test::valueOf(test::parsed(writer));
+  EXPECT_FALSE(file.isMesh());
+  EXPECT_TRUE(test::hasNote(file, "has no skin: its 6 meshes follow 6 humanoid bones, rigidly"))
+      << testing::PrintToString(file.notes);
+  expectStanding(file);
+  const Character& character = file.character;
+  EXPECT_NE(character.skeleton.jointOf(HumanBone::kLeftFoot), kNoJoint);
+  // The foot's box follows the foot: turned up by 90 degrees, it is in front of the knee.
+  Pose pose = restPose(character.skeleton);
+  pose[character.skeleton.jointOf(HumanBone::kLeftLowerLeg)].rotation = turn(-90.0, Vec3::UnitX());
+  EXPECT_NEAR(boundsOf(test::posedVertices(file, pose)).max.z(), 0.5, 1e-5);
+}
+
+TEST(FlatBones, HangOnTheParentsThatTheirNamesMean) {
+  // As tools for Second Life write them: all joints side by side, with the collision volumes among them.
+  struct Listed {
+    const char* name;
+    const char* parent;
+    Vec3 at;
+  };
+  const std::vector<Listed> joints = {{"mPelvis", "root", {0.0, 1.0, 0.0}},
+                                      {"mKneeLeft", "mHipLeft", {0.1, 0.5, 0.0}},
+                                      {"mHipLeft", "mPelvis", {0.1, 0.95, 0.0}},
+                                      {"mAnkleLeft", "mKneeLeft", {0.1, 0.1, 0.0}},
+                                      {"mHipRight", "mPelvis", {-0.1, 0.95, 0.0}},
+                                      {"mKneeRight", "mHipRight", {-0.1, 0.5, 0.0}},
+                                      {"mAnkleRight", "mKneeRight", {-0.1, 0.1, 0.0}},
+                                      {"mChest", "mTorso", {0.0, 1.3, 0.0}},
+                                      {"mTorso", "mPelvis", {0.0, 1.1, 0.0}},
+                                      {"mNeck", "mChest", {0.0, 1.5, 0.0}},
+                                      {"mHead", "mNeck", {0.0, 1.6, 0.0}},
+                                      {"mCollarLeft", "mChest", {0.05, 1.45, 0.0}},
+                                      {"mShoulderLeft", "mCollarLeft", {0.2, 1.45, 0.0}},
+                                      {"mElbowLeft", "mShoulderLeft", {0.45, 1.45, 0.0}},
+                                      {"mWristLeft", "mElbowLeft", {0.7, 1.45, 0.0}},
+                                      {"mHandIndex2Left", "mHandIndex1Left", {0.82, 1.45, 0.0}},
+                                      {"mHandIndex1Left", "mWristLeft", {0.78, 1.45, 0.0}},
+                                      {"mCollarRight", "mChest", {-0.05, 1.45, 0.0}},
+                                      {"mShoulderRight", "mCollarRight", {-0.2, 1.45, 0.0}},
+                                      {"mElbowRight", "mShoulderRight", {-0.45, 1.45, 0.0}},
+                                      {"mWristRight", "mElbowRight", {-0.7, 1.45, 0.0}},
+                                      {"L_HAND", "mWristLeft", {0.72, 1.45, 0.0}}};
+  FileScene scene;
+  scene.format = "COLLADA";
+  scene.nodes.push_back({"root", -1, {}, std::nullopt});
+  FileMesh mesh;
+  mesh.node = 0;
+  mesh.skin = 0;
+  mesh.weightBegin.push_back(0);
+  FileSkin skin;
+  TriMesh all;
+  for (int j = 0; j < countOf(joints); ++j) {
+    const Vec3& at = joints[j].at;
+    JointTransform local;
+    local.translation = at;
+    scene.nodes.push_back({joints[j].name, 0, local, std::nullopt});
+    skin.nodes.push_back(j + 1);
+    skin.jointFromMesh.emplace_back(Eigen::Translation3d(-at));
+    const TriMesh box = test::makeBox(at - Vec3::Constant(0.05), at + Vec3::Constant(0.05));
+    all = test::joined(all, box);
+    for (std::size_t v = 0; v < box.vertices.size(); ++v) {
+      mesh.weights.push_back({j, 1.0});
+      mesh.weightBegin.push_back(mesh.weights.size());
+    }
+  }
+  mesh.positions = all.vertices;
+  mesh.triangles = all.triangles;
+  scene.skins.push_back(skin);
+  scene.meshes.push_back(mesh);
+
+  const CharacterFile file = test::valueOf(makeCharacterFile(scene, "t.dae"));
+  EXPECT_TRUE(test::hasNote(file, "its bones are a list without a hierarchy: the parents of 21 were found"))
+      << testing::PrintToString(file.notes);
+  const Skeleton& skeleton = file.character.skeleton;
+  const std::vector<Affine3> world = restOf(file);
+  int found = 0;
+  for (const Listed& one : joints) {
+    for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
+      if (skeleton.joint(j).name != one.name) continue;
+      ++found;
+      EXPECT_EQ(skeleton.joint(skeleton.joint(j).parent).name, one.parent) << one.name;
+      EXPECT_LE((world[j].translation() - one.at).norm(), 1e-5) << one.name;
+    }
+  }
+  EXPECT_EQ(found, countOf(joints));
+  for (const HumanBone bone : {HumanBone::kHips, HumanBone::kSpine, HumanBone::kHead, HumanBone::kLeftHand,
+                               HumanBone::kRightLowerLeg, HumanBone::kRightUpperArm}) {
+    EXPECT_NE(skeleton.jointOf(bone), kNoJoint) << nameOf(bone);
+  }
+}
+
+TEST(BindPose, OfAPosedFigureIsThatOfTheSameFigureUnposed) {
+  LORICA_REQUIRE_DATASET(posedPath, "strangers/figure_posed_nodes.glb");
+  LORICA_REQUIRE_DATASET(unposedPath, "strangers/figure_half_body.glb");
+  const CharacterFile posed = test::valueOf(readCharacterFile(posedPath));
+  const CharacterFile unposed = test::valueOf(readCharacterFile(unposedPath));
+  EXPECT_TRUE(test::hasNote(posed, "its nodes are posed: 4 of them"));
+  const std::vector<Affine3> a = restOf(posed);
+  const std::vector<Affine3> b = restOf(unposed);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    EXPECT_LE((a[j].translation() - b[j].translation()).norm(), 1e-4) << j;
+    EXPECT_LE(Quat(a[j].rotation()).angularDistance(Quat(b[j].rotation())), 0.002) << j;
+  }
+}
+
+}  // namespace
+}  // namespace lorica
