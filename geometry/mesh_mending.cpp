@@ -5,6 +5,8 @@
 #include "geometry/mesh_repair.h"
 #include "geometry/near_positions.h"
 #include "geometry/pinholes.h"
+#include "geometry/shell_union.h"
+#include "geometry/triangle_tree.h"
 
 #include <fmt/format.h>
 
@@ -58,6 +60,23 @@ enum class Repeats {
   kEitherWay,  ///< always: a surface whose triangles are all there from both sides
 };
 
+std::vector<VertexIndex> leftOutOf(const TriMesh& input, const TriMesh& mended) {
+  std::vector<char> uses(input.vertices.size(), 0);
+  for (const Triangle& t : input.triangles) {
+    for (const VertexIndex v : t) uses[v] = 1;
+  }
+  for (const Triangle& t : mended.triangles) {
+    for (const VertexIndex v : t) {
+      if (static_cast<std::size_t>(v) < uses.size()) uses[v] = 0;
+    }
+  }
+  std::vector<VertexIndex> leftOut;
+  for (std::size_t v = 0; v < uses.size(); ++v) {
+    if (uses[v] != 0) leftOut.push_back(v);
+  }
+  return leftOut;
+}
+
 class Mender {
  public:
   explicit Mender(const TriMesh& mesh) : input_(mesh) { mending_.mesh = mesh; }
@@ -106,7 +125,7 @@ class Mender {
       mending_.reversedPieces = all ? 0 : turned.reversed;
     }
     if (!checkClosedTwoManifold(mesh)) return std::nullopt;
-    findLeftOut();
+    mending_.leftOut = leftOutOf(input_, mesh);
     return std::move(mending_);
   }
 
@@ -170,21 +189,6 @@ class Mender {
     mending_.specks = specks;
   }
 
-  void findLeftOut() {
-    std::vector<char> uses(input_.vertices.size(), 0);
-    for (const Triangle& t : input_.triangles) {
-      for (const VertexIndex v : t) uses[v] = 1;
-    }
-    for (const Triangle& t : triangles()) {
-      for (const VertexIndex v : t) {
-        if (static_cast<std::size_t>(v) < uses.size()) uses[v] = 0;
-      }
-    }
-    for (std::size_t v = 0; v < uses.size(); ++v) {
-      if (uses[v] != 0) mending_.leftOut.push_back(v);
-    }
-  }
-
   const TriMesh& input_;
   MeshMending mending_;
 };
@@ -203,7 +207,8 @@ bool isReadable(const TriMesh& mesh) {
 }  // namespace
 
 bool MeshMending::changed() const {
-  return weldedVertices + repeatedCorners + repeatedTriangles + specks + turnedTriangles + pinholes + reversedPieces >
+  return weldedVertices + repeatedCorners + repeatedTriangles + specks + turnedTriangles + pinholes + reversedPieces +
+                 unitedPieces >
              0 ||
          reversed || !repaired.empty();
 }
@@ -229,6 +234,10 @@ std::string MeshMending::summary() const {
   if (!repaired.empty()) done.push_back(repaired);
   if (reversedPieces > 0)
     done.push_back(counted(reversedPieces, "inside-out piece", "inside-out pieces") + " reversed");
+  if (unitedPieces > 0) {
+    done.push_back(fmt::format("{} united: volume {:.6g}, together {:.6g}",
+                               counted(unitedPieces, "overlapping piece", "overlapping pieces"), volume, sumOfVolumes));
+  }
   return fmt::format("{}", fmt::join(done, ", "));
 }
 
@@ -241,6 +250,17 @@ Result<MeshMending> mendMesh(const TriMesh& mesh) {
   if (!mending) mending = Mender(mesh).run(Repeats::kSameWay);
   if (!mending) mending = Mender(mesh).run(Repeats::kEitherWay);
   if (!mending) return checked.error();
+  LORICA_TRY(std::optional<ShellUnion> united, uniteShells(mending->mesh));
+  if (!united) return std::move(*mending);
+  mending->unitedPieces = united->pieces;
+  mending->sumOfVolumes = signedVolume(mending->mesh.vertices, mending->mesh.triangles);
+  mending->volume = signedVolume(united->mesh.vertices, united->mesh.triangles);
+  mending->mesh = std::move(united->mesh);
+  // Parts cover the union, so vertices in it need no care.
+  mending->leftOut = leftOutOf(mesh, mending->mesh);
+  const TriangleTree tree(mending->mesh.vertices, mending->mesh.triangles);
+  constexpr double kOutside = 0.1;  // winding number: 1/8 at a box's corner
+  std::erase_if(mending->leftOut, [&](VertexIndex v) { return tree.windingNumber(mesh.vertices[v]) > kOutside; });
   return std::move(*mending);
 }
 

@@ -50,6 +50,8 @@ Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const Charact
     subject.held = std::move(mending->leftOut);
   } else if (options.body == BodyChoice::kIfNeeded) {
     LORICA_TRY_DO(rebuild(subject, options, mending.error().message, host));
+  } else if (checkClosedTwoManifold(subject.mesh)) {  // its pieces overlap
+    return Error{mending.error().code, fmt::format("{}: {}", name, mending.error().message)};
   }
   return subject;
 }
