@@ -5,10 +5,12 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/random_numbers.h"
+#include "geometry/shell_union.h"
 #include "geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace lorica {
@@ -76,15 +78,17 @@ Result<void> checkParts(std::span<const TriMesh> parts) {
 
 }  // namespace
 
-Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const ScoreSettings& settings) {
+Result<Score> score(const TriMesh& given, std::span<const TriMesh> parts, const ScoreSettings& settings) {
   if (settings.volumeSamples < 16) {
     return invalidArgument("volumeSamples is {}, expected 16 or more", settings.volumeSamples);
   }
   if (settings.surfaceSamples < 1) {
     return invalidArgument("surfaceSamples is {}, expected 1 or more", settings.surfaceSamples);
   }
-  LORICA_TRY_DO(checkClosedTwoManifold(mesh));
+  LORICA_TRY_DO(checkClosedTwoManifold(given));
   LORICA_TRY_DO(checkParts(parts));
+  LORICA_TRY(const std::optional<ShellUnion> united, uniteShells(given));
+  const TriMesh& mesh = united ? united->mesh : given;
 
   std::vector<ConvexHull> hulls;
   std::vector<std::array<Vec3, 3>> surface;

@@ -34,9 +34,9 @@ struct ScoreSettings {
 ///
 /// Eq. 18 is interpreted as the distance to a hull's *surface*, from inside or outside: the paper uses an absolute
 /// distance and reports more than 0 for hulls that contain the whole mesh. A flat part adds no volume, but its
-/// triangles count as surface. If a mesh overlaps itself, the overlap counts once in the covered fraction, but twice in
-/// the mesh volume.
-/// @return the score, or an error: mesh not closed, part not finite, invalid settings, or no part with volume
+/// triangles count as surface. Where a mesh overlaps itself, volume counts once.
+/// @return the score, or an error: mesh not closed or overlapping in a way that cannot be resolved, part not finite,
+/// invalid settings, or no part with volume
 [[nodiscard]] Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const ScoreSettings& settings);
 
 }  // namespace lorica

@@ -5,6 +5,8 @@
 #include "geometry/mesh_repair.h"
 #include "geometry/near_positions.h"
 #include "geometry/pinholes.h"
+#include "geometry/shell_union.h"
+#include "geometry/triangle_tree.h"
 
 #include <fmt/format.h>
 
@@ -58,6 +60,23 @@ enum class Repeats {
   kEitherWay,  ///< always: a surface whose triangles are all there from both sides
 };
 
+std::vector<VertexIndex> leftOutOf(const TriMesh& input, const TriMesh& repaired) {
+  std::vector<char> uses(input.vertices.size(), 0);
+  for (const Triangle& t : input.triangles) {
+    for (const VertexIndex v : t) uses[v] = 1;
+  }
+  for (const Triangle& t : repaired.triangles) {
+    for (const VertexIndex v : t) {
+      if (static_cast<std::size_t>(v) < uses.size()) uses[v] = 0;
+    }
+  }
+  std::vector<VertexIndex> leftOut;
+  for (std::size_t v = 0; v < uses.size(); ++v) {
+    if (uses[v] != 0) leftOut.push_back(v);
+  }
+  return leftOut;
+}
+
 class Repairer {
  public:
   explicit Repairer(const TriMesh& mesh) : input_(mesh) { repair_.mesh = mesh; }
@@ -106,7 +125,7 @@ class Repairer {
       repair_.reversedPieces = all ? 0 : turned.reversed;
     }
     if (!checkClosedTwoManifold(mesh)) return std::nullopt;
-    findLeftOut();
+    repair_.leftOut = leftOutOf(input_, mesh);
     return std::move(repair_);
   }
 
@@ -170,21 +189,6 @@ class Repairer {
     repair_.specks = specks;
   }
 
-  void findLeftOut() {
-    std::vector<char> uses(input_.vertices.size(), 0);
-    for (const Triangle& t : input_.triangles) {
-      for (const VertexIndex v : t) uses[v] = 1;
-    }
-    for (const Triangle& t : triangles()) {
-      for (const VertexIndex v : t) {
-        if (static_cast<std::size_t>(v) < uses.size()) uses[v] = 0;
-      }
-    }
-    for (std::size_t v = 0; v < uses.size(); ++v) {
-      if (uses[v] != 0) repair_.leftOut.push_back(v);
-    }
-  }
-
   const TriMesh& input_;
   FaultRepair repair_;
 };
@@ -203,7 +207,8 @@ bool isReadable(const TriMesh& mesh) {
 }  // namespace
 
 bool FaultRepair::changed() const {
-  return weldedVertices + repeatedCorners + repeatedTriangles + specks + turnedTriangles + pinholes + reversedPieces >
+  return weldedVertices + repeatedCorners + repeatedTriangles + specks + turnedTriangles + pinholes + reversedPieces +
+                 unitedPieces >
              0 ||
          reversed || !repaired.empty();
 }
@@ -229,6 +234,10 @@ std::string FaultRepair::summary() const {
   if (!repaired.empty()) done.push_back(repaired);
   if (reversedPieces > 0)
     done.push_back(counted(reversedPieces, "inside-out piece", "inside-out pieces") + " reversed");
+  if (unitedPieces > 0) {
+    done.push_back(fmt::format("{} united: volume {:.6g}, together {:.6g}",
+                               counted(unitedPieces, "overlapping piece", "overlapping pieces"), volume, sumOfVolumes));
+  }
   return fmt::format("{}", fmt::join(done, ", "));
 }
 
@@ -241,6 +250,17 @@ Result<FaultRepair> repairSmallFaults(const TriMesh& mesh) {
   if (!repair) repair = Repairer(mesh).run(Repeats::kSameWay);
   if (!repair) repair = Repairer(mesh).run(Repeats::kEitherWay);
   if (!repair) return checked.error();
+  LORICA_TRY(std::optional<ShellUnion> united, uniteShells(repair->mesh));
+  if (!united) return std::move(*repair);
+  repair->unitedPieces = united->pieces;
+  repair->sumOfVolumes = signedVolume(repair->mesh.vertices, repair->mesh.triangles);
+  repair->volume = signedVolume(united->mesh.vertices, united->mesh.triangles);
+  repair->mesh = std::move(united->mesh);
+  // Parts cover the union, so vertices in it need no care.
+  repair->leftOut = leftOutOf(mesh, repair->mesh);
+  const TriangleTree tree(repair->mesh.vertices, repair->mesh.triangles);
+  constexpr double kOutside = 0.1;  // winding number: 1/8 at a box's corner
+  std::erase_if(repair->leftOut, [&](VertexIndex v) { return tree.windingNumber(mesh.vertices[v]) > kOutside; });
   return std::move(*repair);
 }
 

@@ -10,9 +10,9 @@ namespace lorica {
 
 /// Result of repairSmallFaults().
 struct FaultRepair {
-  TriMesh mesh;  ///< vertices of the input in its order, then those that repairClosedMesh() added
+  TriMesh mesh;  ///< vertices of the input in its order, then those that repairs and unions added
   /// Vertices that triangles of the input use but none of `mesh`, ascending: those welded to others, and those of
-  /// dropped specks.
+  /// dropped specks. Those inside a union of pieces are not among them.
   std::vector<VertexIndex> leftOut;
 
   std::size_t weldedVertices = 0;     ///< to others within a millionth of the diagonal
@@ -24,6 +24,9 @@ struct FaultRepair {
   std::size_t capTriangles = 0;       ///< triangles added to close them
   bool reversed = false;              ///< the whole mesh was inside out
   std::size_t reversedPieces = 0;     ///< pieces that were inside out
+  std::size_t unitedPieces = 0;       ///< closed pieces that overlapped others
+  double volume = 0.0;                ///< of their union and all other pieces, ...
+  double sumOfVolumes = 0.0;          ///< and what was their sum, if pieces were united
   std::string repaired;               ///< what repairClosedMesh() did, in words; empty = nothing
 
   [[nodiscard]] bool changed() const;
@@ -52,9 +55,12 @@ inline constexpr double kSpeckArea = 0.01;
 /// Outward: a piece that is in no other one encloses volume. If it has to be reversed, the pieces in it alternate with
 /// their depth: a cavity, a solid in the cavity, ... Else a piece in a solid stays as it is: a cavity stays a cavity.
 ///
+/// Last, pieces that overlap are united: volume counts once.
+///
 /// A mesh that is a closed two-manifold already is returned unchanged, except that inside-out pieces which are in no
-/// solid are reversed.
-/// @return the repaired mesh, or the error of checkClosedTwoManifold() if the faults are not small
+/// solid are reversed and overlapping ones united.
+/// @return the repaired mesh, or an error if the faults are not small: that of checkClosedTwoManifold(), or that pieces
+///         overlap in a way that cannot be resolved
 [[nodiscard]] Result<FaultRepair> repairSmallFaults(const TriMesh& mesh);
 
 }  // namespace lorica

@@ -51,6 +51,8 @@ Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const Charact
     subject.held = std::move(repair->leftOut);
   } else if (options.body == BodyChoice::kIfNeeded) {
     LORICA_TRY_DO(rebuild(subject, options, repair.error().message, host));
+  } else if (checkClosedTwoManifold(subject.mesh)) {  // its pieces overlap
+    return Error{repair.error().code, fmt::format("{}: {}", name, repair.error().message)};
   }
   return subject;
 }

@@ -13,7 +13,7 @@ namespace lorica {
 /// @param name     for the subject and for errors
 /// @param mesh     as the file has it
 /// @param options  body and bodyResolution; the latter in the mesh's unit
-/// @return the subject; its mesh is not closed if no body may be made, which is left to the check
+/// @return the subject; its mesh is not closed if no body may be made, which is left to the check; or an error
 [[nodiscard]] Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options,
                                           Host& host);
 
