@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace lorica {
 
@@ -59,7 +60,29 @@ Result<VertexIndex> parseCorner(std::string_view word, std::size_t vertexCount, 
   return static_cast<VertexIndex>(index > 0 ? index - 1 : count + index);
 }
 
+/// A backslash at the end of a line continues it on the next one. The line ends that it takes away follow the joined
+/// line, so that messages count lines as the file does.
+std::string joinedLines(std::string_view content) {
+  std::string joined;
+  joined.reserve(content.size());
+  std::size_t taken = 0;
+  for (std::size_t i = 0; i < content.size(); ++i) {
+    const std::size_t end = content.substr(i + 1, 1) == "\r" ? 2 : 1;  // \r\n
+    if (content[i] == '\\' && content.substr(i + end, 1) == "\n") {
+      joined += ' ';
+      ++taken;
+      i += end;
+    } else {
+      joined += content[i];
+      if (content[i] == '\n') joined.append(std::exchange(taken, 0), '\n');
+    }
+  }
+  return joined;
+}
+
 Result<ObjFile> parse(std::string_view content, const std::string& fileName) {
+  std::string joined;
+  if (content.find('\\') != std::string_view::npos) content = joined = joinedLines(content);
   LineScanner scanner(content, fileName, '#');
   ObjFile obj;
   obj.sections.push_back({std::filesystem::path(fileName).stem().string(), 0});

@@ -23,7 +23,9 @@ struct CameraOptions {
 /// Unit vector from the body to the camera: on the right, slightly in front and above, so that a kick is visible.
 inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();
 
-/// A fixed camera, or one that follows a moving body: it tracks the centre of the parts smoothly, at constant height.
+/// A fixed camera, or one that follows moving bodies: it tracks the centre of their parts smoothly, at constant height
+/// and distance. These suit a body that stands, of the file's height. A body that is not so, such as half a body, or
+/// that leaves the picture, is framed as it is; the frame then grows, and never shrinks.
 class FollowCamera {
  public:
   /// @param heights    distance from the body, in heights of the character
@@ -44,7 +46,9 @@ class FollowCamera {
   double heights_ = 1.0;
   Vec3 direction_ = kViewDirection;
   std::optional<Camera> fixed_;
-  double height_ = 0.0;  // of the character [m]
+  double height_ = 0.0;      // of what is framed, with the distance between avatars [m]
+  std::optional<Aabb> own_;  // of bodies that are framed as they are: x from 0 to their width, y as far as they reached
+  double framed_ = 0.0;      // height of their frame [m]
   Vec3 target_ = Vec3::Zero();
   bool started_ = false;
 };

@@ -140,6 +140,10 @@ Result<void> followsPerson(const CharacterFile& file) {
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host) {
   if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
+    if (std::error_code ignored; fs::exists(nameOrFile, ignored)) {
+      return invalidArgument("{}: is {}, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)", nameOrFile,
+                             readMesh(nameOrFile).ok() ? "a mesh without bones" : "no character file", kMannequin);
+    }
     return notFound("{}: no character with that name, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)",
                     nameOrFile, kMannequin);
   }

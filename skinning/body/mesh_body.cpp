@@ -2,13 +2,17 @@
 
 #include "geometry/errors.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
 
 constexpr double kRounding = 1e-12;  // of the longest side
+constexpr double kFlat = 1e-9;       // of the longest side
 
 /// The mesh as a character with one joint, which moves all of it.
 Result<Character> rigidCharacter(TriMesh mesh) {
@@ -25,6 +29,21 @@ Result<Character> rigidCharacter(TriMesh mesh) {
   character.height = box.max.y() - box.min.y();
   character.mesh = std::move(mesh);
   return character;
+}
+
+/// The lengths of a mesh along its main axes.
+Vec3 lengthsOf(std::span<const Vec3> vertices, const std::vector<bool>& used) {
+  const Vec3 origin = vertices[std::find(used.begin(), used.end(), true) - used.begin()];
+  Mat3 spread = Mat3::Zero();
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (used[v]) spread += (vertices[v] - origin) * (vertices[v] - origin).transpose();
+  }
+  const Mat3 axes = symmetricAxes(spread).vectors;
+  Aabb box;
+  for (std::size_t v = 0; v < used.size(); ++v) {
+    if (used[v]) box.extend(axes.transpose() * (vertices[v] - origin));
+  }
+  return box.max - box.min;
 }
 
 }  // namespace
@@ -51,11 +70,16 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
     p = (p - center) / size;
     for (int i = 0; i < 3; ++i) p[i] = kRounding * std::round(p[i] / kRounding);
   }
+  const Vec3 lengths = lengthsOf(scaled.vertices, used);
   LORICA_TRY(Character character, rigidCharacter(std::move(scaled)));
   BodySettings unitSettings = settings;
   unitSettings.resolution = settings.resolution / size;
   unitSettings.keepClosed = false;
-  LORICA_TRY(ClosedBody made, makeBody(character, unitSettings));
+  Result<ClosedBody> closed = makeBody(character, unitSettings);
+  if (!closed && lengths.minCoeff() < kFlat * lengths.maxCoeff()) {
+    return badMesh("it is exactly flat and has no volume to cut, give it a thickness");
+  }
+  LORICA_TRY(ClosedBody made, std::move(closed));
 
   MeshBody body;
   body.firstOriginal = made.bodyVertices;

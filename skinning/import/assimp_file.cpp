@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <map>
 #include <utility>
@@ -324,6 +325,26 @@ class AssimpSceneReader {
   std::uint64_t lateKeys_ = 0;
 };
 
+/// The version that an FBX file states, such as 7400 for 7.4; 0 if it states none.
+[[nodiscard]] int fbxVersionOf(std::string_view text) {
+  if (text.starts_with("Kaydara FBX Binary")) {
+    constexpr std::size_t kAt = 23;
+    std::uint32_t version = 0;
+    for (std::size_t i = 0; i < 4 && kAt + 4 <= text.size(); ++i) {
+      version |= static_cast<std::uint32_t>(static_cast<unsigned char>(text[kAt + i])) << (8 * i);
+    }
+    return version < 100'000 ? static_cast<int>(version) : 0;
+  }
+  constexpr std::string_view kKey = "FBXVersion:";
+  const std::string_view start = text.substr(0, 4096);
+  std::size_t at = start.find(kKey);
+  if (at == std::string_view::npos) return 0;
+  at = std::min(start.find_first_not_of(" \t", at + kKey.size()), start.size());
+  int version = 0;
+  std::from_chars(start.data() + at, start.data() + start.size(), version);
+  return version;
+}
+
 }  // namespace
 
 Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name, AssimpFormat format,
@@ -331,6 +352,12 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
   const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (format == AssimpFormat::kCollada) {
     LORICA_TRY_DO(checkCollada(text, name));
+  }
+  constexpr int kOldestFbx = 7100;
+  const int version = format == AssimpFormat::kFbx ? fbxVersionOf(text) : 0;
+  if (version > 0 && version < kOldestFbx) {
+    return unsupported("{}: FBX {}.{} is too old: export it as FBX 7.x (2011 or later)", name, version / 1000,
+                       version / 100 % 10);
   }
   const char* formatName = format == AssimpFormat::kFbx ? "FBX" : "COLLADA";
   try {

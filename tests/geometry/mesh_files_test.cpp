@@ -248,6 +248,16 @@ TEST(ReadObj, SaysWhatIsWrong) {
   }
 }
 
+TEST(ReadObj, ABackslashContinuesALine) {
+  const TriMesh expected = test::makeTetrahedron();
+  std::string text = "v 0 0 0\nv 1 \\\n 0 0\nv 0 1 0\nv 0 0 \\\r\n1\nf 1 3 2\nf 1 \\\n2 \\\n4\nf 1 4 3\nf 2 3 4\n";
+  const TriMesh mesh = test::valueOf(readAs("a.obj", text));
+  EXPECT_EQ(mesh.triangles.size(), 4u);
+  EXPECT_NEAR(signedVolume(mesh.vertices, mesh.triangles), signedVolume(expected.vertices, expected.triangles), 1e-12);
+  // Lines are counted as in the file.
+  EXPECT_EQ(whyNot("a.obj", text + "f 1 2\n"), "a.obj: line 13: a face of 2 corners, expected 3 or more");
+}
+
 TEST(ReadObj, SplitVerticesAreWeldedWhereThatClosesTheSurface) {
   std::string split;
   for (const Triangle& t : test::makeTetrahedron().triangles) {

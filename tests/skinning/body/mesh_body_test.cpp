@@ -95,5 +95,16 @@ TEST(MeshBody, WithoutSizeThereIsNone) {
   EXPECT_FALSE(makeMeshBody({{{0, 0, 0}, {1e300, 0, 0}, {0, 1e308, -1e308}}, {{0, 1, 2}}}));
 }
 
+TEST(MeshBody, AFlatMeshIsRefusedInASentence) {
+  // In any plane.
+  for (const Vec3& normal : {Vec3(0.0, 0.0, 1.0), Vec3(1.0, 2.0, 3.0)}) {
+    TriMesh quad{{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+    for (Vec3& p : quad.vertices) p = rotationBetween(Vec3(Vec3::UnitZ()), normal) * p;
+    const Result<MeshBody> body = makeMeshBody(quad);
+    ASSERT_FALSE(body);
+    EXPECT_EQ(body.error().message, "it is exactly flat and has no volume to cut, give it a thickness");
+  }
+}
+
 }  // namespace
 }  // namespace lorica::test

@@ -230,6 +230,18 @@ TEST(FbxFile, ItsUnitAndAxesAreFollowed) {
   EXPECT_NEAR((boundsOf(plain.character.mesh.vertices).max - Vec3::Ones()).norm(), 0.0, 1e-6);
 }
 
+TEST(FbxFile, ThatIsTooOldSaysSo) {
+  std::string old = fbxText("");
+  old.replace(old.find("7300"), 4, "6100");
+  const Result<CharacterFile> text = parsedText(old, "t.fbx");
+  ASSERT_FALSE(text.ok());
+  EXPECT_EQ(text.error().message, "t.fbx: FBX 6.1 is too old: export it as FBX 7.x (2011 or later)");
+  const Result<CharacterFile> binary =
+      parsedText(std::string("Kaydara FBX Binary  \0\x1a\0\x70\x17\0\0", 27) + std::string(100, '\0'), "b.fbx");
+  ASSERT_FALSE(binary.ok());
+  EXPECT_EQ(binary.error().message, "b.fbx: FBX 6.0 is too old: export it as FBX 7.x (2011 or later)");
+}
+
 /// A tetrahedron whose corner at z follows the bone "tip", the others "root"; "tip" is 60 cm above "root".
 std::string colladaText(const std::string& upAxis) {
   return R"(<?xml version="1.0"?>
