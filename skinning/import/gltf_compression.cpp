@@ -11,6 +11,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
+#include <memory>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -243,11 +245,17 @@ class Decompressor {
     LORICA_TRY_DO(spend(*claimed * 3 * sizeof(std::uint32_t), who));
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(from.data()), from.size());
-    auto decoded = draco::Decoder().DecodeMeshFromBuffer(&buffer);
-    if (!decoded.ok()) {
-      return unreadableWithHint(who, fmt::format("its Draco data is broken: {}", decoded.status().error_msg_string()));
+    std::unique_ptr<draco::Mesh> decoded;
+    std::string problem;
+    try {
+      auto result = draco::Decoder().DecodeMeshFromBuffer(&buffer);
+      problem = result.status().error_msg_string();
+      decoded = std::move(result).value();
+    } catch (const std::exception& exception) {  // as std::bad_alloc for what attributes claim
+      problem = exception.what();
     }
-    const draco::Mesh& mesh = *decoded.value();
+    if (!decoded) return unreadableWithHint(who, fmt::format("its Draco data is broken: {}", problem));
+    const draco::Mesh& mesh = *decoded;
 
     std::string indices(std::size_t{3} * sizeof(std::uint32_t) * mesh.num_faces(), '\0');
     for (draco::FaceIndex face(0); face < mesh.num_faces(); ++face) {

@@ -157,6 +157,7 @@ TEST(BindPose, HairWithBonesOfItsOwnHangsOnTheHead) {
 TEST(BindPose, ABodyThatLiesInItsNodesStandsAsModelled) {
   std::array<Quat, kBones> turned = unturned();
   turned[0] = turn(-90.0, Vec3::UnitX());
+  expectStanding(test::valueOf(test::parsed(posedBody(turned, kOneSkin))));
   turned[5] = turn(30.0, Vec3::UnitX());
   expectStanding(test::valueOf(test::parsed(posedBody(turned, kOneSkin))));
 }
@@ -237,6 +238,15 @@ TEST(RigidHumanoid, FollowsTheBonesThatAFileLists) {
   Pose pose = restPose(character.skeleton);
   pose[character.skeleton.jointOf(HumanBone::kLeftLowerLeg)].rotation = turn(-90.0, Vec3::UnitX());
   EXPECT_NEAR(boundsOf(test::posedVertices(file, pose)).max.z(), 0.5, 1e-5);
+}
+
+TEST(RigidHumanoid, OfAVrmIsACharacter) {
+  LORICA_REQUIRE_DATASET(path, "strangers/rigid_boxes.vrm");
+  const CharacterFile file = test::valueOf(readCharacterFile(path));
+  EXPECT_EQ(file.format, "VRM 1.0");
+  EXPECT_FALSE(file.isMesh());
+  EXPECT_TRUE(test::hasNote(file, "has no skin: its 19 meshes follow 17 humanoid bones, rigidly"));
+  EXPECT_NE(file.character.skeleton.jointOf(HumanBone::kRightHand), kNoJoint);
 }
 
 TEST(FlatBones, HangOnTheParentsThatTheirNamesMean) {
