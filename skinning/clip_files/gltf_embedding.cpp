@@ -22,20 +22,25 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+constexpr std::uint64_t kMaxFallback = std::uint64_t{1} << 28;  ///< bytes
+
 /// Changes the number of a buffer into bytes of the one buffer.
 class BufferMerger {
  public:
   BufferMerger(GltfWriter& writer, const GltfDocument& file) : writer_(writer), file_(file) {}
 
   [[nodiscard]] Result<void> merge() {
-    for (std::size_t b = 0; b < file_.buffers.size(); ++b) {
+    const Json buffers = writer_.document.value("buffers", Json::array());
+    for (std::size_t b = 0; b < buffers.size(); ++b) {  // what the reader has decompressed comes after these
       const std::span<const std::byte> bytes = file_.buffers[b];
-      if (bytes.size() < writer_.document["buffers"][b]["byteLength"].get<std::uint64_t>()) {
-        return unsupported("{}: buffer {} has no content", file_.name, b);
-      }
+      const auto length = buffers[b]["byteLength"].get<std::uint64_t>();
+      // For programs without meshopt, whose views must lie in a buffer although it has no content.
+      const bool fallback = bytes.empty() && buffers[b].contains("extensions") && length <= kMaxFallback;
+      if (bytes.size() < length && !fallback) return unsupported("{}: buffer {} has no content", file_.name, b);
       while (writer_.binary.size() % 4 != 0) writer_.binary.push_back('\0');
       begin_.push_back(writer_.binary.size());
       writer_.binary.append(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+      if (fallback) writer_.binary.append(length, '\0');
     }
     if (begin_.size() <= 1) return {};
     const auto views = writer_.document.find("bufferViews");

@@ -203,7 +203,7 @@ class MaterialReader {
     const aiTexture* embedded = from_.GetEmbeddedTexture(path.c_str());
     if (embedded == nullptr) return known->second = pictures_.addPath(name, path);
     if (embedded->mHeight != 0 || embedded->pcData == nullptr) {  // neither FBX nor COLLADA has such
-      return known->second = pictures_.refuse(name, "is stored as bare texels, expected PNG or JPEG");
+      return known->second = pictures_.refuse(name, "is stored as bare texels, expected PNG, JPEG or WebP");
     }
     const auto* bytes = reinterpret_cast<const std::byte*>(embedded->pcData);  // mWidth is their number
     return known->second = pictures_.addBytes(name, {bytes, static_cast<std::size_t>(embedded->mWidth)});

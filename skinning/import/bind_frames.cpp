@@ -56,11 +56,13 @@ namespace {
 
 constexpr double kAgrees = 1e-3;     ///< of a skin's size: what moves its vertices less is rounding
 constexpr double kRounding = 1e-6;   ///< below it, a node keeps its numbers
+constexpr int kBodyBones = 5;        ///< of a body that a node may lay down
 constexpr double kSameScale = 0.01;  ///< of a mesh's node and its bones, else the node's transform has no meaning
 
 /// What the inverse bind matrices of one skin say.
 struct SkinBind {
-  Aabb box;                ///< of its vertices, in their space
+  Aabb box;  ///< of its vertices, in their space
+  std::vector<const FileMesh*> meshes;
   int meshNode = -1;       ///< of the first mesh; -1: no mesh is drawn
   std::vector<char> says;  ///< per bone: its matrix is invertible, and moves vertices or is more than the identity
 };
@@ -114,6 +116,7 @@ class BindFinder {
       if (mesh.skin == -1) continue;
       SkinBind& skin = skins_[mesh.skin];
       if (skin.meshNode == -1) skin.meshNode = mesh.node;
+      skin.meshes.push_back(&mesh);
       for (const Vec3& p : mesh.positions) skin.box.extend(p);
       for (const FileWeight& w : mesh.weights) {
         if (w.bone >= 0 && w.bone < countOf(skin.says) && w.weight > 0.0) skin.says[w.bone] = 1;
@@ -172,15 +175,31 @@ class BindFinder {
       if (!first) first = fileFromSkin;
       if (!agree(s, *first, fileFromSkin)) return true;
     }
-    return false;
+    return first && standsByMeshAlone(s, *first);
+  }
+
+  /// The space of the node with the skin's mesh; none if it cannot be that of the vertices.
+  [[nodiscard]] std::optional<Affine3> spaceOfMesh(std::size_t s, const Affine3& byBone) const {
+    if (skins_[s].meshNode == -1) return std::nullopt;
+    const Affine3& byMesh = frames_.fileFromNode[skins_[s].meshNode];
+    const double ratio = byMesh.linear().determinant() / byBone.linear().determinant();
+    if (!(std::abs(std::cbrt(ratio) - 1.0) < kSameScale)) return std::nullopt;
+    return byMesh;
+  }
+
+  /// Whether a node lays down the whole body, and not a part such as a sword: what lies by its bones and stands by its
+  /// mesh was modelled standing.
+  [[nodiscard]] bool standsByMeshAlone(std::size_t s, const Affine3& byBone) const {
+    if (std::count(skins_[s].says.begin(), skins_[s].says.end(), 1) < kBodyBones) return false;
+    const std::optional<Affine3> byMesh = spaceOfMesh(s, byBone);
+    return byMesh && !agree(s, byBone, *byMesh) && uprightness(s, byBone) < 0.5 && uprightness(s, *byMesh) > 0.7;
   }
 
   /// The height of a skin's meshes by their longest side.
   [[nodiscard]] double uprightness(std::size_t s, const Affine3& fileFromSkin) const {
     Aabb box;
-    for (const FileMesh& mesh : scene_.meshes) {
-      if (mesh.skin != static_cast<int>(s)) continue;
-      for (const Vec3& p : mesh.positions) box.extend(scene_.modelFromFileAxes * (fileFromSkin * p));
+    for (const FileMesh* mesh : skins_[s].meshes) {
+      for (const Vec3& p : mesh->positions) box.extend(scene_.modelFromFileAxes * (fileFromSkin * p));
     }
     const Vec3 sides = box.max - box.min;
     return sides.y() / std::max(sides.maxCoeff(), 1e-300);
@@ -189,18 +208,16 @@ class BindFinder {
   /// The space of a posed skin whose bones no other skin has positioned.
   /// @param byBone  what its topmost bone says
   [[nodiscard]] Affine3 spaceOfPosed(std::size_t s, std::size_t topmost, const Affine3& byBone) const {
-    if (skins_[s].meshNode == -1) return byBone;
-    const Affine3& byMesh = frames_.fileFromNode[skins_[s].meshNode];
-    const double ratio = byMesh.linear().determinant() / byBone.linear().determinant();
-    if (!(std::abs(std::cbrt(ratio) - 1.0) < kSameScale)) return byBone;
-    bool supported = false;
-    for (std::size_t b = 0; b < skins_[s].says.size() && !supported; ++b) {
-      supported = b != topmost && skins_[s].says[b] != 0 && agree(s, byBone, fileFromSkinBy(s, b));
-    }
-    const Affine3& likely = supported ? byBone : byMesh;
-    const Affine3& other = supported ? byMesh : byBone;
-    // A body that lies one way and stands the other way was modelled standing.
-    return uprightness(s, likely) < 0.5 && uprightness(s, other) > 0.7 ? other : likely;
+    const std::optional<Affine3> byMesh = spaceOfMesh(s, byBone);
+    if (!byMesh) return byBone;
+    const auto supports = [&](std::size_t b) {
+      return b != topmost && skins_[s].says[b] != 0 && agree(s, byBone, fileFromSkinBy(s, b));
+    };
+    std::size_t b = 0;
+    while (b < skins_[s].says.size() && !supports(b)) ++b;
+    const bool supported = b < skins_[s].says.size();
+    const bool lies = uprightness(s, *byMesh) < 0.5 && uprightness(s, byBone) > 0.7;
+    return supported ? (standsByMeshAlone(s, byBone) ? *byMesh : byBone) : (lies ? byBone : *byMesh);
   }
 
   void placeSkin(std::size_t s) {

@@ -127,11 +127,11 @@ class CharacterBuilder {
     if (!guess.note.empty()) out_.notes.push_back(std::move(guess.note));
     out_.metresPerUnit = guess.metresPerUnit;
     if (frames_.posedNodes > 0) {
-      out_.notes.push_back(fmt::format(
-          "its nodes are posed: {} of them differ from its skin's bind pose, by up to {:.0f} degrees and {:.0f} cm; "
-          "the bind pose is used",
-          frames_.posedNodes, frames_.posedTurn * 180.0 / std::numbers::pi,
-          100.0 * out_.metresPerUnit * frames_.posedMove));
+      out_.notes.push_back(
+          fmt::format("its nodes are posed, {} in all, by up to {:.0f} degrees and {:.0f} cm from its skin's bind "
+                      "pose, which is used",
+                      frames_.posedNodes, frames_.posedTurn * 180.0 / std::numbers::pi,
+                      100.0 * out_.metresPerUnit * frames_.posedMove));
     }
     return {};
   }

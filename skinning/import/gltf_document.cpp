@@ -4,6 +4,7 @@
 #include "geometry/files.h"
 #include "geometry/json.h"
 #include "skinning/import/file_scene.h"
+#include "skinning/import/gltf_compression.h"
 #include "skinning/import/gltf_parts.h"
 #include "skinning/import/gltf_types.h"
 #include "skinning/import/uri.h"
@@ -137,25 +138,6 @@ class BufferFinder {
   std::map<std::string, Bytes> known_;  // one copy of data that several buffers refer to
 };
 
-/// Rejects files with compressed meshes, and tells the user what to do about it.
-[[nodiscard]] Result<void> refuseCompression(const Json& document, const std::string& name) {
-  const auto lists = [&](const char* list, std::string_view extension) {
-    const auto found = document.find(list);
-    return found != document.end() && found->is_array() &&
-           std::any_of(found->begin(), found->end(),
-                       [&](const Json& e) { return e.is_string() && e.get_ref<const std::string&>() == extension; });
-  };
-  for (const std::string_view extension :
-       {"KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"}) {
-    if (!lists("extensionsRequired", extension)) continue;
-    return unsupported(
-        "{}: its meshes are compressed ({}), which is not supported: export it again without "
-        "mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
-        name, extension);
-  }
-  return {};
-}
-
 [[nodiscard]] std::string oneLine(std::string text) {
   std::replace(text.begin(), text.end(), '\n', ' ');
   while (!text.empty() && text.back() == ' ') text.pop_back();
@@ -184,7 +166,6 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const Named
     return Error{version.empty() ? ErrorCode::kBadFormat : ErrorCode::kUnsupported,
                  fmt::format("{}: glTF version '{}', expected 2.0", name, version)};
   }
-  LORICA_TRY_DO(refuseCompression(json, name));
   for (const auto& [key, value] : json.items()) {
     if (value.is_array() && value.size() > kMaxElements) {
       return unsupported("{}: {} {}, expected at most {}", name, grouped(value.size()), key, grouped(kMaxElements));
@@ -197,6 +178,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const Named
     LORICA_TRY_DO(finder.find(json["buffers"]));
     json.erase("buffers");
   }
+  LORICA_TRY_DO(decompressMeshes(json, document));
   document.extensions = Json::object();
   if (const auto extensions = json.find("extensions"); extensions != json.end() && extensions->is_object()) {
     document.extensions = std::move(*extensions);

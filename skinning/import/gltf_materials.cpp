@@ -191,7 +191,10 @@ class MaterialReader {
 
   /// The picture of a texture, as an index into scene_.pictures; -1 if it is not available.
   [[nodiscard]] int pictureOf(std::size_t textureIndex, const Json& texture) {
-    const std::optional<int> image = indexOf(texture, "source", images_.size());
+    std::optional<int> image = indexOf(texture, "source", images_.size());
+    if (!image) {
+      image = indexOf(memberOf(memberOf(texture, "extensions"), "EXT_texture_webp"), "source", images_.size());
+    }
     if (!image) {
       if (!refusedTextures_.insert(textureIndex).second) return -1;
       return pictures_.refuse(titled("texture", textureIndex, nameOf(texture)), whyWithoutPicture(texture));
@@ -203,9 +206,9 @@ class MaterialReader {
 
   [[nodiscard]] std::string whyWithoutPicture(const Json& texture) const {
     const Json& extensions = memberOf(texture, "extensions");
-    if (extensions.is_object()) {  // KHR_texture_basisu, EXT_texture_webp, EXT_texture_avif, MSFT_texture_dds
+    if (extensions.is_object()) {  // KHR_texture_basisu, EXT_texture_avif, MSFT_texture_dds
       for (const auto& [name, extension] : extensions.items()) {
-        if (!memberOf(extension, "source").is_null()) return name + " is not supported, expected PNG or JPEG";
+        if (!memberOf(extension, "source").is_null()) return name + " is not supported, expected PNG, JPEG or WebP";
       }
     }
     const Json& source = memberOf(texture, "source");

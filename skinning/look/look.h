@@ -10,7 +10,7 @@
 
 namespace lorica {
 
-/// A picture of a character file, still encoded as PNG or JPEG.
+/// A picture of a character file, still encoded as PNG, JPEG or WebP.
 struct StoredPicture {
   std::string name;              ///< for messages: "image 3 'hair'"
   std::vector<std::byte> bytes;  ///< empty if it was not available

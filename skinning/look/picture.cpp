@@ -25,15 +25,24 @@ struct Signature {
   const char* name;
 };
 
-constexpr std::string_view kPng("\x89PNG\r\n\x1a\n", 8);
-constexpr std::string_view kJpeg("\xff\xd8\xff", 3);
+/// A type that is decoded.
+struct Format {
+  Signature signature;
+  Result<PictureClaim> (*claim)(std::span<const std::byte> bytes, const std::string& name);
+  Result<Picture> (*decode)(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits);
+};
+
+constexpr Format kFormats[] = {
+    {{0, {"\x89PNG\r\n\x1a\n", 8}, "PNG"}, pngClaim, decodePng},
+    {{0, {"\xff\xd8\xff", 3}, "JPEG"}, jpegClaim, decodeJpeg},
+    {{8, "WEBP", "WebP"}, webpClaim, decodeWebp},
+};
 
 // What else is found in place of a picture, most of it in avatars.
 constexpr Signature kRefused[] = {
     {0, {"\xabKTX 20\xbb\r\n\x1a\n", 12}, "a KTX2 picture"},
     {0, {"\xabKTX 11\xbb\r\n\x1a\n", 12}, "a KTX picture"},
     {0, {"sB\x13\0", 4}, "a Basis picture"},  // the last two bytes are its version
-    {8, "WEBP", "a WebP picture"},
     {4, "ftypavif", "an AVIF picture"},
     {4, "ftypavis", "an AVIF picture"},
     {4, "ftyphei", "a HEIF picture"},
@@ -48,22 +57,26 @@ constexpr Signature kRefused[] = {
     {0, "BM", "a BMP picture"},
 };
 
+bool has(std::string_view content, const Signature& signature) {
+  return content.size() > signature.at && content.substr(signature.at).starts_with(signature.bytes);
+}
+
 std::string whatIs(std::string_view content) {
   if (content.empty()) return "no bytes";
   for (const Signature& known : kRefused) {
-    if (content.size() > known.at && content.substr(known.at).starts_with(known.bytes)) return known.name;
+    if (has(content, known)) return known.name;
   }
   std::string text = "unknown content that begins with the bytes";
   for (const char c : content.substr(0, 4)) text += fmt::format(" {:02x}", static_cast<unsigned char>(c));
   return text;
 }
 
-std::string_view contentOf(std::span<const std::byte> bytes) {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-Error unknown(std::string_view content, const std::string& name) {
-  return unsupported("{}: {}, expected a PNG or JPEG picture", name, whatIs(content));
+Result<const Format*> formatOf(std::span<const std::byte> bytes, const std::string& name) {
+  const std::string_view content(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  for (const Format& format : kFormats) {
+    if (has(content, format.signature)) return &format;
+  }
+  return unsupported("{}: {}, expected a PNG, JPEG or WebP picture", name, whatIs(content));
 }
 
 }  // namespace
@@ -89,16 +102,13 @@ Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::strin
   if (limits.largestSide < 0) {
     return invalidArgument("{}: largest side of {} pixels, expected 0 or more", name, limits.largestSide);
   }
-  const std::string_view content = contentOf(bytes);
-  if (content.starts_with(kPng)) return decodePng(bytes, name, limits);
-  if (content.starts_with(kJpeg)) return decodeJpeg(bytes, name, limits);
-  return unknown(content, name);
+  LORICA_TRY(const Format* format, formatOf(bytes, name));
+  return format->decode(bytes, name, limits);
 }
 
 Result<PictureSize> readPictureSize(std::span<const std::byte> bytes, const std::string& name) {
-  const std::string_view content = contentOf(bytes);
-  if (!content.starts_with(kPng) && !content.starts_with(kJpeg)) return unknown(content, name);
-  LORICA_TRY(const PictureClaim claim, content.starts_with(kPng) ? pngClaim(bytes, name) : jpegClaim(bytes, name));
+  LORICA_TRY(const Format* format, formatOf(bytes, name));
+  LORICA_TRY(const PictureClaim claim, format->claim(bytes, name));
   LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
   return PictureSize{static_cast<int>(claim.width), static_cast<int>(claim.height)};
 }

@@ -35,14 +35,14 @@ struct PictureSize {
 /// the nearest. Unchanged if it fits or the limit is 0.
 [[nodiscard]] PictureSize limitedSize(PictureSize size, int largestSide);
 
-/// The size that a PNG or JPEG file claims to have, without decoding it. The rest of the file may be damaged.
+/// The size that a PNG, JPEG or WebP file claims to have, without decoding it. The rest of the file may be damaged.
 /// @return the size, or an error as from decodePicture()
 [[nodiscard]] Result<PictureSize> readPictureSize(std::span<const std::byte> bytes, const std::string& name);
 
-/// Decodes a PNG or JPEG file. What it is is found from its content.
+/// Decodes a PNG, JPEG or WebP file. What it is is found from its content.
 ///
-/// PNG: all colour types, 16 bits rounded to 8. JPEG: baseline and progressive, gray or three channels. Colour
-/// profiles, gamma, chromaticities and orientation are ignored, as glTF asks
+/// PNG: all colour types, 16 bits rounded to 8. JPEG: baseline and progressive, gray or three channels. WebP: still
+/// ones. Profiles, gamma, chromaticities and orientation are ignored, as glTF asks
 /// (https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html#images). A damaged or truncated file is an error even
 /// where viewers would show a part of it.
 ///

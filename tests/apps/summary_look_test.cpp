@@ -58,7 +58,7 @@ TEST(SummaryLook, MaterialsPicturesAndTheirMemoryAreListed) {
   EXPECT_EQ(json["pictures"][0]["name"], "image 0 'cloth'");
   EXPECT_EQ(json["pictures"][0]["width"], 2048);
   EXPECT_EQ(json["pictures"][0]["height"], 1024);
-  EXPECT_EQ(json["pictures"][1]["problem"], "image 1 'broken': a WebP picture, expected a PNG or JPEG picture");
+  EXPECT_EQ(json["pictures"][1]["problem"], "image 1 'broken': a WebP picture of 16 bytes that is damaged or cut off");
   // 4 bytes a pixel, and smaller copies of a quarter, a sixteenth, ... of it.
   const double stored = 4.0 * 2048 * 1024 * 4 / 3;
   EXPECT_NEAR(json["textureBytes"].get<double>(), stored, 16.0);

@@ -168,5 +168,26 @@ TEST(CharacterClip, AMotionThatStandsStillIsAnAnimationToo) {
   EXPECT_EQ(read->clips.front().name, "stand");
 }
 
+TEST(CharacterClip, OfAPosedFileHoldsWhatDiffersFromItsNodes) {
+  const test::TemporaryFolder folder;
+  GlbWriter hero = test::smallCharacter();
+  hero.document["nodes"][1]["rotation"] = {0.6, 0.0, 0.0, 0.8};
+  hero.document.erase("animations");
+  const fs::path from = folder.write("hero.glb", hero.glb());
+  const Result<CharacterFile> file = readCharacterFile(from);
+  ASSERT_TRUE(file.ok());
+  // At rest, as it was bound: the upper bone is not turned.
+  const Skeleton& skeleton = file->character.skeleton;
+  const SkeletalMotion stands{"stand", skeleton, {0.0}, restPose(skeleton)};
+  const fs::path out = folder.path() / "stand.glb";
+  ASSERT_TRUE(writeClip(out, {from, &*file}, stands).ok());
+  const json channels = test::documentOf(out)["animations"][0]["channels"];
+  ASSERT_EQ(channels.size(), 1U);
+  EXPECT_EQ(channels[0]["target"], (json{{"node", 1}, {"path", "rotation"}}));
+  const Result<CharacterFile> read = readCharacterFile(out);
+  ASSERT_TRUE(read.ok());
+  EXPECT_LT(test::farthestFrom(*read, file->character, stands), kTolerance);
+}
+
 }  // namespace
 }  // namespace lorica

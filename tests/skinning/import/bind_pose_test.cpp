@@ -120,8 +120,8 @@ TEST(BindPose, ComesFromTheSkinWhereTheNodesArePosed) {
                             {"channels", {{{"sampler", 0}, {"target", {{"node", 3}, {"path", "rotation"}}}}}}});
   const CharacterFile file = test::valueOf(test::parsed(writer));
   expectStanding(file);
-  EXPECT_TRUE(
-      test::hasNote(file, "its nodes are posed: 2 of them differ from its skin's bind pose, by up to 70 degrees"))
+  EXPECT_TRUE(test::hasNote(
+      file, "its nodes are posed, 2 in all, by up to 70 degrees and 0 cm from its skin's bind pose, which is used"))
       << testing::PrintToString(file.notes);
   // What the file itself shows is kept: as it was saved, and in its clip, which turns one joint of the posed leg.
   const test::GltfTruth truth(writer.glb());
@@ -157,6 +157,7 @@ TEST(BindPose, HairWithBonesOfItsOwnHangsOnTheHead) {
 TEST(BindPose, ABodyThatLiesInItsNodesStandsAsModelled) {
   std::array<Quat, kBones> turned = unturned();
   turned[0] = turn(-90.0, Vec3::UnitX());
+  expectStanding(test::valueOf(test::parsed(posedBody(turned, kOneSkin))));
   turned[5] = turn(30.0, Vec3::UnitX());
   expectStanding(test::valueOf(test::parsed(posedBody(turned, kOneSkin))));
 }
@@ -237,6 +238,15 @@ TEST(RigidHumanoid, FollowsTheBonesThatAFileLists) {
   Pose pose = restPose(character.skeleton);
   pose[character.skeleton.jointOf(HumanBone::kLeftLowerLeg)].rotation = turn(-90.0, Vec3::UnitX());
   EXPECT_NEAR(boundsOf(test::posedVertices(file, pose)).max.z(), 0.5, 1e-5);
+}
+
+TEST(RigidHumanoid, OfAVrmIsACharacter) {
+  LORICA_REQUIRE_DATASET(path, "strangers/rigid_boxes.vrm");
+  const CharacterFile file = test::valueOf(readCharacterFile(path));
+  EXPECT_EQ(file.format, "VRM 1.0");
+  EXPECT_FALSE(file.isMesh());
+  EXPECT_TRUE(test::hasNote(file, "has no skin: its 19 meshes follow 17 humanoid bones, rigidly"));
+  EXPECT_NE(file.character.skeleton.jointOf(HumanBone::kRightHand), kNoJoint);
 }
 
 TEST(FlatBones, HangOnTheParentsThatTheirNamesMean) {
@@ -322,7 +332,7 @@ TEST(BindPose, OfAPosedFigureIsThatOfTheSameFigureUnposed) {
   LORICA_REQUIRE_DATASET(unposedPath, "strangers/figure_half_body.glb");
   const CharacterFile posed = test::valueOf(readCharacterFile(posedPath));
   const CharacterFile unposed = test::valueOf(readCharacterFile(unposedPath));
-  EXPECT_TRUE(test::hasNote(posed, "its nodes are posed: 4 of them"));
+  EXPECT_TRUE(test::hasNote(posed, "its nodes are posed, 4 in all, by up to 70 degrees"));
   const std::vector<Affine3> a = restOf(posed);
   const std::vector<Affine3> b = restOf(unposed);
   ASSERT_EQ(a.size(), b.size());

@@ -121,14 +121,6 @@ TEST(GltfFaults, AreToldInOneSentence) {
        "buffer view 0: buffer 1 has no data, neither embedded nor in another file"},
       {set("/asset/version", "1.0"), "glTF version '1.0', expected 2.0", ErrorCode::kUnsupported},
       {[](GlbWriter& w) { w.document.erase("asset"); }, "glTF version '', expected 2.0"},
-      {set("/extensionsRequired", {"KHR_draco_mesh_compression"}),
-       "its meshes are compressed (KHR_draco_mesh_compression), which is not supported: export it again without "
-       "mesh compression, or decompress it with 'gltf-transform copy IN OUT'",
-       ErrorCode::kUnsupported},
-      {set("/extensionsRequired", {"EXT_meshopt_compression"}),
-       "its meshes are compressed (EXT_meshopt_compression), which is not supported: export it again without mesh "
-       "compression, or decompress it with 'gltf-transform copy IN OUT'",
-       ErrorCode::kUnsupported},
       {[](GlbWriter& w) { w.document["nodes"] = std::vector<json>(100001, json::object()); },
        "100,001 nodes, expected at most 100,000", ErrorCode::kUnsupported},
       {set("", {{"asset", {{"version", "2.0"}}}}), "no triangles, no bones and no motion, expected a character"},
