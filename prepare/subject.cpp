@@ -140,8 +140,11 @@ Result<void> followsPerson(const CharacterFile& file) {
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host) {
   if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
-    return notFound("{}: no character with that name, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)",
-                    nameOrFile, kMannequin);
+    std::error_code ignored;
+    return notFound("{}: {}, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)", nameOrFile,
+                    fs::exists(nameOrFile, ignored) ? "a mesh or another file that holds no character"
+                                                    : "no character with that name",
+                    kMannequin);
   }
   CharacterOptions reading = options;
   reading.suits = [&](const CharacterFile& file) -> Result<void> {

@@ -260,6 +260,14 @@ TEST(MeshInput, WhatEnclosesNothingIsRefusedWithBothReasons) {
   EXPECT_NE(run.err.find("no closed body can be made"), std::string::npos) << run.err;
 }
 
+TEST(MeshInput, AMeshThatIsThereIsNoMissingCharacter) {
+  const TemporaryFolder folder;
+  const CommandResult run =
+      runLorica({"convert", "walk", folder.path() / "o.glb", "--character", writeObj(folder, "l.obj", makeLShape())});
+  EXPECT_EQ(run.exitCode, 2);
+  EXPECT_NE(run.err.find("l.obj: a mesh or another file that holds no character"), std::string::npos) << run.err;
+}
+
 TEST(MeshInput, ATornCharactersExportHoldsItsVertices) {
   const TemporaryFolder folder;
   const fs::path torn = folder.write("torn.glb", mannequinGlb(true));
