@@ -262,8 +262,8 @@ TEST(MeshInput, WhatEnclosesNothingIsRefusedWithBothReasons) {
 
 TEST(MeshInput, AMeshThatIsThereIsNoMissingCharacter) {
   const TemporaryFolder folder;
-  const CommandResult run =
-      runLorica({"convert", "walk", folder.path() / "o.glb", "--character", writeObj(folder, "l.obj", makeLShape())});
+  const fs::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const CommandResult run = runLorica({"record", folder.path() / "o.bvh", "walk", "--character", mesh});
   EXPECT_EQ(run.exitCode, 2);
   EXPECT_NE(run.err.find("l.obj: a mesh or another file that holds no character"), std::string::npos) << run.err;
 }
