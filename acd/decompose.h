@@ -8,6 +8,7 @@
 namespace lorica {
 
 /// Progress callback of decompose(). Return false to cancel.
+/// @param partsWanted  maxParts; without that, as many as are expected from what is done so far, or 0 if too little is
 using DecomposeProgress = std::function<bool(int partsDone, int partsWanted)>;
 
 /// Trade-off between run time and quality of the parts. Details: docs/DECOMPOSITION.md.
@@ -19,10 +20,12 @@ enum class DecomposePreset : std::uint8_t {
 
 /// Increase this when decompose() or chooseCover() gives a different result for the same input, or when .lorica files
 /// hold more data, so that caches written by older versions are not used.
-inline constexpr std::uint64_t kAlgorithmVersion = 9;
+inline constexpr std::uint64_t kAlgorithmVersion = 10;
 
 struct DecomposeSettings {
-  int maxParts = 16;  ///< M; 0 = until no concave edge remains (Algorithm 1)
+  /// M: at most as many, fewer if that leaves the hulls as tight. 0 = until no concave edge remains (Algorithm 1) that
+  /// is deeper than 1e-5 of the diagonal, the noise of files with 6 digits
+  int maxParts = 16;
   DecomposePreset preset = DecomposePreset::kFast;
   int candidateEdges = 0;  ///< C: concave edges tried for each cut, deepest first; 0 = preset's value (paper: 8)
   int planesPerEdge = 0;   ///< R: plane orientations for each edge; 0 = preset's value (paper: 5)

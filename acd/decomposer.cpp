@@ -16,8 +16,6 @@
 namespace lorica {
 namespace {
 
-// A part whose hull volume exceeds its own by less than this fraction of the mesh's volume counts as convex.
-constexpr double kConvex = 1e-9;
 // Stop here if the limits cannot be met with a reasonable number of parts.
 constexpr std::size_t kMaxParts = 4096;
 // A piece that no plane improves is worth this share of its error: a handle gains only by the cut after the next.
@@ -42,6 +40,9 @@ bool Decomposer::divide() {
   for (std::size_t i = 0; i < whole.triangles.size(); ++i) whole.sourceTriangle.push_back(i);
   whole.points = pointsUsedBy(whole.triangles);
   leaves_.push_back(leafOf(std::move(whole)));
+  for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
+    firstError_.push_back(leaves_[0].piece->error(k) / std::abs(context_.meshVolume[k]));
+  }
   std::vector<std::size_t> counts;
   if (settings_.maxParts > 0) counts = pieceCounts(settings_.maxParts, cuts_.overCut);
   std::size_t limit = limited() ? kMaxParts : std::numeric_limits<std::size_t>::max();
@@ -77,6 +78,7 @@ bool Decomposer::betterThan(const Decomposer& other) const {
 }
 
 Decomposition Decomposer::finish() {
+  if (settings_.preset != DecomposePreset::kPaper) dropUselessCuts();
   Decomposition result;
   result.vertexCount = countOf(context_.mesh.vertices);
   result.triangleCount = countOf(context_.mesh.triangles);
@@ -93,11 +95,36 @@ Decomposition Decomposer::finish() {
   return result;
 }
 
-/// Reports progress, scaled to the requested number of parts if more pieces are cut. Returns false to cancel.
+/// Reports progress, scaled to the requested number of parts if more pieces are cut. Without such a number, to the one
+/// that is expected from how much is done. Returns false to cancel.
 bool Decomposer::goOn(std::size_t pieces, std::size_t limit) const {
   if (!settings_.progress) return true;
-  const std::size_t done = settings_.maxParts > 0 ? pieces * settings_.maxParts / limit : pieces;
-  return settings_.progress(done, settings_.maxParts);
+  if (settings_.maxParts > 0) return settings_.progress(pieces * settings_.maxParts / limit, settings_.maxParts);
+  const int parts = std::ceil(pieces / cuts_.overCut);
+  if (pieces == limit) return settings_.progress(parts, parts);
+  const double done = met_ > 0 ? static_cast<double>(pieces) / limit : shareDone() / cuts_.overCut;
+  return settings_.progress(parts, done < 0.01 ? 0 : std::max(parts + 1, static_cast<int>(parts / done)));
+}
+
+/// How much of the cutting is done in the worst keyframe. On the way to maxError that is told by the logarithm of the
+/// error, which falls like a power of the number of pieces; else by the volume of the pieces that need no more cuts.
+double Decomposer::shareDone() const {
+  double least = 1.0;
+  for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
+    double error = 0.0, finished = 0.0;
+    for (const Leaf& leaf : leaves_) {
+      error += leaf.piece->error(k) / std::abs(context_.meshVolume[k]);
+      const bool near = leaf.distance && *leaf.distance <= settings_.maxDistance;
+      if (!near && !leaf.piece->convex[k] && !leaf.exhausted[k]) continue;
+      finished += std::abs(leaf.piece->volume[k] / context_.meshVolume[k]);
+    }
+    const double wanted = settings_.maxError;
+    if (wanted > 0.0 && error > wanted) {
+      least = std::min(least, std::log(firstError_[k] / error) / std::log(firstError_[k] / wanted));
+    }
+    if (settings_.maxDistance > 0.0 || wanted <= 0.0) least = std::min(least, finished);
+  }
+  return std::clamp(least, 0.0, 1.0);
 }
 
 /// Whether the hull volume of all pieces meets maxError in every keyframe.
@@ -162,7 +189,7 @@ std::optional<std::size_t> Decomposer::worstKeyframe(const Leaf& leaf) const {
   double largest = 0.0;
   for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
     const double error = leaf.piece->error(k);
-    if (leaf.exhausted[k] || error <= kConvex * std::abs(context_.meshVolume[k]) || error <= largest) continue;
+    if (leaf.exhausted[k] || leaf.piece->convex[k] || error <= largest) continue;
     largest = error;
     worst = k;
   }
@@ -317,6 +344,16 @@ std::vector<Decomposer::SharedPiece> Decomposer::mergedWithinLimits(std::size_t 
     }
   }
   return best.size() > max ? merged(pieces, max) : best;
+}
+
+/// The number of parts is a limit: cuts that gain nothing in any keyframe are undone, unless a limit would be missed.
+void Decomposer::dropUselessCuts() {
+  std::vector<SharedPiece> fewer = parts_;
+  std::vector<PartIndex> splitFrom = cuts_.overCut <= 1.0 ? splitFrom_ : std::vector<PartIndex>();
+  mergeForFree(fewer, splitFrom, context_);
+  if (met_ > 0 && !limitsMet(fewer)) return;
+  parts_ = std::move(fewer);
+  splitFrom_ = std::move(splitFrom);
 }
 
 bool Decomposer::improveParts(std::span<const ImproveRound> rounds) {

@@ -38,6 +38,7 @@ class Decomposer {
 
   [[nodiscard]] bool limited() const { return settings_.maxError > 0.0 || settings_.maxDistance > 0.0; }
   [[nodiscard]] bool goOn(std::size_t pieces, std::size_t limit) const;
+  [[nodiscard]] double shareDone() const;
   [[nodiscard]] bool errorMet(std::span<const SharedPiece> pieces) const;
   [[nodiscard]] double distanceOf(const Piece& piece) const;
   [[nodiscard]] bool tooFar(Leaf& leaf) const;
@@ -55,11 +56,13 @@ class Decomposer {
   [[nodiscard]] std::vector<SharedPiece> merged(std::span<const SharedPiece> pieces, std::size_t count) const;
   [[nodiscard]] std::vector<SharedPiece> bestMerged(std::size_t count) const;
   [[nodiscard]] std::vector<SharedPiece> mergedWithinLimits(std::size_t max) const;
+  void dropUselessCuts();
 
   const DecomposeSettings& settings_;
   CutPlan cuts_;
   CutContext context_;
   std::vector<Leaf> leaves_;
+  std::vector<double> firstError_;  // of the whole mesh in each keyframe, relative to its volume
   std::vector<PartIndex> splitFrom_;
   std::vector<std::vector<SharedPiece>> stages_;  // the pieces at each of pieceCounts()
   bool errorMet_ = false;                         // by the pieces when limitsMet() was last asked

@@ -5,11 +5,20 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
+#include <set>
+#include <tuple>
+#include <utility>
 
 namespace lorica {
 namespace {
+
+// Merging two parts is free if it adds less than this share of the mesh's volume.
+constexpr double kFree = 1e-9;
 
 /// A group of pieces: hull points and boxes in every keyframe, and the sum of its hull volumes.
 struct Group {
@@ -50,19 +59,112 @@ double joinedVolume(const Group& a, const Group& b, double coarse, double giveUp
   return sum;
 }
 
+bool overlap(const Aabb& a, const Aabb& b, double margin) {
+  return ((a.min.array() - margin) <= b.max.array()).all() && ((b.min.array() - margin) <= a.max.array()).all();
+}
+
 /// Whether the slightly enlarged boxes overlap in some keyframe: only then is a merge likely to be cheap.
 bool near(const Group& a, const Group& b) {
   for (std::size_t k = 0; k < a.box.size(); ++k) {
-    const double margin = 0.02 * std::min(a.box[k].diagonal(), b.box[k].diagonal());
-    if (((a.box[k].min.array() - margin) <= b.box[k].max.array()).all() &&
-        ((b.box[k].min.array() - margin) <= a.box[k].max.array()).all()) {
-      return true;
-    }
+    if (overlap(a.box[k], b.box[k], 0.02 * std::min(a.box[k].diagonal(), b.box[k].diagonal()))) return true;
   }
   return false;
 }
 
+/// Two parts that may be merged for free, and the volume that this adds over all keyframes.
+struct FreePair {
+  std::size_t a = 0, b = 0;
+  double cost = kInfinity;
+  std::shared_ptr<const Piece> common = nullptr;
+
+  bool operator<(const FreePair& o) const { return std::tie(cost, a, b) < std::tie(o.cost, o.a, o.b); }
+};
+
+std::vector<Aabb> boxesOf(const Piece& piece, const CutContext& context) {
+  std::vector<Aabb> boxes(context.keyframeCount());
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    for (const PointIndex p : piece.hullPoints[k]) boxes[k].extend(context.points[k][p]);
+  }
+  return boxes;
+}
+
+/// Computes the common part of a pair if its hull is no larger than those of both in any keyframe, or convex.
+void price(FreePair& pair, const Piece& a, const Piece& b, const CutContext& context) {
+  thread_local std::vector<Vec3> points;
+  double cost = 0.0;
+  bool exact = true;
+  for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
+    points.clear();
+    for (const Piece* piece : {&a, &b}) {
+      for (const PointIndex p : piece->hullPoints[k]) points.push_back(context.points[k][p]);
+    }
+    const double more = convexHullVolume(points) - a.hullVolume[k] - b.hullVolume[k];
+    const double diagonal = boundsOf(points).diagonal();
+    if (more > 2.0 * context.noise[k] * diagonal * diagonal) return;  // more than noise can add
+    exact = exact && more <= kFree * std::abs(context.meshVolume[k]);
+    cost += more;
+  }
+  const std::array<const Part*, 2> both = {&a.part, &b.part};
+  auto common = std::make_shared<const Piece>(measure(unite(both), context));
+  if (!exact && !std::ranges::all_of(common->convex, std::identity())) return;
+  pair.cost = cost;
+  pair.common = std::move(common);
+}
+
 }  // namespace
+
+void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
+                  const CutContext& context) {
+  std::vector<std::vector<Aabb>> boxes(parts.size());
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { boxes[i] = boxesOf(*parts[i], context); });
+  const auto touch = [&](std::size_t a, std::size_t b) {
+    for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
+      if (!overlap(boxes[a][k], boxes[b][k], context.noise[k])) return false;
+    }
+    return true;
+  };
+  std::set<FreePair> free;
+  const auto add = [&](std::vector<FreePair> pairs) {
+    tbb::parallel_for(std::size_t{0}, pairs.size(),
+                      [&](std::size_t i) { price(pairs[i], *parts[pairs[i].a], *parts[pairs[i].b], context); });
+    for (FreePair& pair : pairs) {
+      if (pair.common) free.insert(std::move(pair));
+    }
+  };
+  std::vector<FreePair> pairs;
+  for (std::size_t a = 0; a < parts.size(); ++a) {
+    for (std::size_t b = a + 1; b < parts.size(); ++b) {
+      if (touch(a, b)) pairs.push_back({.a = a, .b = b});
+    }
+  }
+  add(std::move(pairs));
+  std::vector<PartIndex> mergedInto(parts.size(), -1);
+  while (!free.empty()) {
+    const FreePair best = *free.begin();
+    const std::size_t a = best.a, b = best.b;
+    std::erase_if(free, [&](const FreePair& p) { return p.a == a || p.b == a || p.a == b || p.b == b; });
+    parts[a] = best.common;
+    parts[b] = nullptr;
+    mergedInto[b] = a;
+    boxes[a] = boxesOf(*parts[a], context);
+    pairs.clear();
+    for (std::size_t other = 0; other < parts.size(); ++other) {
+      if (other != a && parts[other] && touch(a, other))
+        pairs.push_back({.a = std::min(a, other), .b = std::max(a, other)});
+    }
+    add(std::move(pairs));
+  }
+  // What was split from a part that is gone is now split from the one that has it. A part is merged into an earlier
+  // one, so parts still come after the ones that they were split from.
+  std::vector<PartIndex> numberOf(parts.size());
+  std::vector<PartIndex> order;
+  for (std::size_t i = 0, kept = 0; i < parts.size(); ++i) {
+    numberOf[i] = parts[i] ? kept++ : numberOf[mergedInto[i]];
+    if (parts[i] && i > 0 && !splitFrom.empty()) order.push_back(numberOf[splitFrom[i - 1]]);
+  }
+  splitFrom = std::move(order);
+  std::erase(parts, nullptr);
+}
 
 Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const CutContext& context, int partCount,
                    double coarse) {

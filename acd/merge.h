@@ -23,4 +23,10 @@ struct Merged {
 [[nodiscard]] Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const CutContext& context,
                                  int partCount, double coarse);
 
+/// Merges parts whose common hull is no larger than theirs together, in every keyframe: such a cut is of no use. The
+/// cheapest pair is merged first; of equal pairs the first.
+/// @param splitFrom  of the parts, see Decomposition, and stays such; or empty
+void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
+                  const CutContext& context);
+
 }  // namespace lorica

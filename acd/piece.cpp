@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 
@@ -14,6 +15,10 @@ namespace {
 
 // Points closer to a plane than this are on it, relative to the diagonal of the mesh in that keyframe.
 constexpr double kOnPlane = 1e-9;
+// Files with 6 digits and 32-bit numbers leave positions inexact by up to half of this share of the diagonal.
+constexpr double kNoise = 1e-5;
+// A part whose hull volume exceeds its own by less than this share of the mesh's volume counts as convex.
+constexpr double kConvex = 1e-9;
 // Rounding error of a distance from a plane, relative to the largest coordinate: matters far from the origin.
 constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
 
@@ -21,6 +26,19 @@ constexpr double kRounding = 8.0 * std::numeric_limits<double>::epsilon();
 Triangle canonical(Triangle t) {
   std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
   return t;
+}
+
+/// Whether a part differs from its hull by no more than noise: the volume between them is that of a layer as thin, and
+/// no concave edge is deeper. Volume alone would miss a small deep notch.
+bool convexButForNoise(const Piece& piece, std::size_t k, const CutContext& context) {
+  std::vector<Vec3> corners;
+  for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context.points[k][p]);
+  const Vec3 side = boundsOf(corners).max - boundsOf(corners).min;
+  const double area = 2.0 * (side.x() * side.y() + side.y() * side.z() + side.z() * side.x());
+  if (piece.error(k) > context.noise[k] * area) return false;
+  const std::vector<ConcaveEdge> deepest = deepestConcaveEdges(
+      piece.creases, context.mesh.triangles, context.normals[k], context.points[k], convexHull(corners), 1, 0.0);
+  return deepest.empty() || deepest.front().depth <= context.noise[k];
 }
 
 }  // namespace
@@ -33,6 +51,7 @@ CutContext::CutContext(const TriMesh& closedMesh, PoseView keyframes) : mesh(clo
     const Aabb box = boundsOf(frame);
     const double largest = std::max(box.min.cwiseAbs().maxCoeff(), box.max.cwiseAbs().maxCoeff());
     onPlane.push_back(kOnPlane * box.diagonal() + kRounding * largest);
+    noise.push_back(kNoise * box.diagonal());
     meshVolume.push_back(signedVolume(frame, mesh.triangles));
   }
 }
@@ -76,6 +95,9 @@ Piece measure(Part part, const CutContext& context) {
     for (VertexIndex v : outline.points) w.hullPoints[k].push_back(w.part.points[v]);
     w.volume[k] = signedVolume(context.points[k], w.part.triangles);
   });
+  for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
+    w.convex.push_back(w.error(k) <= kConvex * std::abs(context.meshVolume[k]) || convexButForNoise(w, k, context));
+  }
   return w;
 }
 

@@ -16,6 +16,7 @@ struct CutContext {
   std::vector<CutPoint> cutPoints;
   std::vector<std::vector<Vec3>> normals;  ///< keyframe, mesh triangle: unit; zero for triangles without area
   std::vector<double> onPlane;             ///< for each keyframe, points up to this distance are on a plane [m]
+  std::vector<double> noise;               ///< for each keyframe, how inexact files and arithmetic leave positions [m]
   std::vector<double> meshVolume;          ///< [m^3]
 
   CutContext(const TriMesh& closedMesh, PoseView keyframes);
@@ -32,6 +33,7 @@ struct Piece {
   std::vector<double> volume;  ///< of the part in each keyframe [m^3]
   std::vector<double> hullVolume;
   std::vector<std::vector<PointIndex>> hullPoints;  ///< vertices of its hull in each keyframe, ascending
+  std::vector<bool> convex;  ///< in each keyframe: its hull is no larger, or only as far as positions are inexact
 
   /// The error (Eq. 3) in one keyframe [m^3].
   [[nodiscard]] double error(std::size_t k) const { return hullVolume[k] - volume[k]; }

@@ -45,6 +45,7 @@ Result<BakeSettings> BakeOptions::defaults() const {
       {"parts", parts},
       {"max-error", maxError},
       {"max-distance", maxDistance},
+      {"exact", exact ? "yes" : ""},
       {"preset", preset},
       {"cover", cover},
       {"hull-vertices", hullVertices},
@@ -84,8 +85,10 @@ void addBakeOptions(CommandLine& app, BakeOptions& options) {
     app.addOption(name, value, description)->typeName(type);
   };
   add("--parts", options.parts, "Maximum number of parts of each item, as for `lorica decompose`", "N");
-  add("--max-error", options.maxError, "Stop when the hulls have at most this much extra volume", "E");
+  add("--max-error", options.maxError,
+      "Stop when the hulls have at most this much extra volume [default: 5% for meshes without another limit]", "E");
   add("--max-distance", options.maxDistance, "Stop when no point of the hulls is farther from the surface", "METRES");
+  app.addFlag("--exact", options.exact, "Cut until every part is convex: can take thousands of parts");
   add("--preset", options.preset, "paper, fast or quality [default: fast]", "NAME");
   add("--cover", options.cover, "Hull cover of characters: exact, or a tolerance [default: exact]", "exact|METRES");
   add("--hull-vertices", options.hullVertices, "Hulls of at most N vertices", "N");

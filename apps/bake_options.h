@@ -23,6 +23,7 @@ struct BakeOptions {
   // The usual ones of `lorica decompose`.
   std::string parts, maxError, maxDistance, preset, cover, hullVertices, body, engine;
   std::vector<std::string> motions, exports;
+  bool exact = false;
 
   /// The settings of items whose list does not say otherwise; or an error that names the option.
   [[nodiscard]] Result<BakeSettings> defaults() const;

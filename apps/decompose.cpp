@@ -25,6 +25,7 @@ namespace lorica {
 namespace {
 
 constexpr int kCharacterParts = 16;
+constexpr double kMeshError = 0.05;
 static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is");
 
 /// Rejects, before any work, options that do not fit the input and outputs that cannot be written.
@@ -62,7 +63,7 @@ Result<void> check(const DecomposeOptions& options, const CommonOptions& common,
 void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limits, Host& host) {
   std::vector<std::string> kept, given;
   if (!options.cover.exact()) kept.push_back(asTyped(options.cover));
-  if (limits.maxError > 0.0) given.push_back("--max-error " + percent(limits.maxError));
+  if (options.maxError > 0.0) given.push_back("--max-error " + percent(limits.maxError));
   if (limits.maxDistance > 0.0) given.push_back(fmt::format("--max-distance {:g}", limits.maxDistance));
   if (kept.empty() || given.empty()) return;
   if (limits.maxParts > 0) kept.push_back(fmt::format("--parts {}", limits.maxParts));
@@ -102,9 +103,9 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
 
   // Decompose and measure.
   DecomposeSettings& settings = outcome.limits;
-  const bool limited = options.maxError > 0.0 || options.maxDistance > 0.0;
-  settings.maxParts = options.parts > 0 ? options.parts : subject.character && !limited ? kCharacterParts : 0;
-  settings.maxError = options.maxError;
+  const bool chosen = options.parts > 0 || options.maxError > 0.0 || options.maxDistance > 0.0 || options.exact;
+  settings.maxParts = subject.character && !chosen ? kCharacterParts : options.parts;
+  settings.maxError = subject.character || chosen ? options.maxError : kMeshError;
   settings.maxDistance = options.maxDistance;
   settings.preset = options.preset == "paper"  ? DecomposePreset::kPaper
                     : options.preset == "fast" ? DecomposePreset::kFast
@@ -155,8 +156,8 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "      tighter parts in a few more seconds\n"
       "  lorica decompose bunny.off --max-error 5% --parts 64\n"
       "      stop when the hulls have at most 5 % more volume than the mesh, or at 64 parts\n"
-      "  lorica decompose bracket.stl\n"
-      "      continue until no concave edge remains (Ctrl-C cancels)\n"
+      "  lorica decompose bracket.stl --exact\n"
+      "      continue until no concave edge is left (Ctrl-C cancels)\n"
       "  lorica decompose mannequin -o body.lorica\n"
       "      16 parts that stay tight in 12 poses of the shipped recordings\n"
       "  lorica decompose hero.glb -o hero.lorica\n"
@@ -187,13 +188,21 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       ->typeName("");
   addCount(
       *app, "--parts", options->parts, 1,
-      "Maximum number of parts [default: 16 for a character without --max-error and --max-distance; else no limit, "
-      "until no concave edge is left]");
-  addShare(*app, "--max-error", options->maxError,
-           "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");
-  addLength(*app, "--max-distance", options->maxDistance,
-            "Use the fewest parts with no point of the hulls farther than this from the surface in any keyframe, in "
-            "units of the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
+      "Maximum number of parts; fewer are made if they fit as well [default: 16 for a character without limits; else "
+      "none]");
+  Option* maxError =
+      addShare(*app, "--max-error", options->maxError,
+               "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5% [default: 5% "
+               "for a mesh without --parts, --max-distance and --exact]");
+  Option* maxDistance = addLength(
+      *app, "--max-distance", options->maxDistance,
+      "Use the fewest parts with no point of the hulls farther than this from the surface in any keyframe, in "
+      "units of the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
+  app->addFlag("--exact", options->exact,
+               "Cut until every part is convex, but for concave edges less than 0.001 % of the size deep: can take "
+               "thousands of parts")
+      ->excludes(maxError)
+      ->excludes(maxDistance);
   app->addOption(
          "--preset", options->preset,
          "paper: the published algorithm; fast: better parts in similar time; quality: even better parts, slower "

@@ -76,8 +76,8 @@ nlohmann::ordered_json toJson(const DecomposeOptions& options, const Subject& su
   json["score"] = quality.score;
   json["error"] = quality.error;
   json["endedBy"] = endedBy(outcome);
-  if (options.maxError > 0.0) json["maxError"] = options.maxError;
-  if (options.maxDistance > 0.0) json["maxDistance"] = options.maxDistance;
+  if (limits.maxError > 0.0) json["maxError"] = limits.maxError;
+  if (limits.maxDistance > 0.0) json["maxDistance"] = limits.maxDistance;
   if (distance) json["distance"] = *distance;
   json["seconds"] = made.seconds;
   json["threads"] = threads;
@@ -133,7 +133,7 @@ Report toReport(const DecomposeOptions& options, const Subject& subject, const D
     report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
                                         subject.character ? ", in the worst keyframe" : ""));
   }
-  if (options.maxError > 0.0 || options.maxDistance > 0.0) {
+  if (limits.maxError > 0.0 || limits.maxDistance > 0.0) {
     report.line("stopped because", endingSentence(outcome));
   }
   report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));

@@ -20,6 +20,7 @@ struct DecomposeOptions {
   int parts = 0;             ///< 0 = not given
   double maxError = 0.0;     ///< 0 = not given
   double maxDistance = 0.0;  ///< 0 = not given
+  bool exact = false;        ///< until no concave edge is left
   int keyframes = 0;         ///< 0 = not given, kAuto = to be chosen
   std::vector<std::string> motions;
   CharacterOptions character;

@@ -215,6 +215,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(check(options, common));
   ExportSourceOptions reading = options.source;
   reading.reading.body = bodyChoice(options.body);
+  reading.divided = !options.perBone;
   LORICA_TRY(const ExportSource source, readExportSource(reading, host));
   LORICA_TRY_DO(checkSubject(options, source.subject));
   const bool rigid = source.subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);

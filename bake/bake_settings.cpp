@@ -21,6 +21,7 @@ enum class Kind {
   kLength,
   kShare,
   kCover,
+  kFlag,
   kPreset,
   kBody,
   kFile,
@@ -35,9 +36,10 @@ struct Known {
   Kind kind;
 };
 
-constexpr std::array<Known, 14> kKnown = {{{"parts", Kind::kCount},
+constexpr std::array<Known, 15> kKnown = {{{"parts", Kind::kCount},
                                            {"max-error", Kind::kShare},
                                            {"max-distance", Kind::kLength},
+                                           {"exact", Kind::kFlag},
                                            {"preset", Kind::kPreset},
                                            {"cover", Kind::kCover},
                                            {"hull-vertices", Kind::kCount},
@@ -77,6 +79,8 @@ std::string expectedFor(Kind kind, const std::string& text) {
       return share || above(text, number) ? "" : "a fraction above 0, such as 0.05 or 5%";
     case Kind::kCover:
       return text == "exact" || above(text, number) ? "" : "exact, or a length above 0 in metres";
+    case Kind::kFlag:
+      return isOneOf(text, {"yes", "true"}) ? "" : "yes, or nothing";
     case Kind::kPreset:
       return isOneOf(text, {"paper", "fast", "quality"}) ? "" : "paper, fast, quality";
     case Kind::kBody:
@@ -129,6 +133,7 @@ Result<void> setBakeSetting(BakeSettings& settings, const std::string& name, con
     if (const std::string expected = expectedFor(known->kind, one); !expected.empty()) {
       return invalidArgument("{}: found `{}`, expected {}", name, one, expected);
     }
+    if (known->kind == Kind::kFlag) one = "yes";
     if (known->kind == Kind::kFile || known->kind == Kind::kMotions) one = relativeTo(folder, one);
   }
   settings[name] = std::move(values);

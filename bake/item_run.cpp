@@ -30,6 +30,7 @@ constexpr int kRefused = 2;  // exit status: bad input, or output that cannot be
 void addSetting(const BakeItem& item, const std::string& name, std::vector<std::string>& arguments) {
   const auto found = item.settings.find(name);
   if (found == item.settings.end()) return;
+  if (name == "exact") return arguments.push_back("--exact");
   for (const std::string& value : found->second) arguments.insert(arguments.end(), {"--" + name, value});
 }
 

@@ -1,5 +1,6 @@
 #include "export/collider_fit.h"
 
+#include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "geometry/triangle_tree.h"
 #include "skinning/linear_blend.h"
@@ -17,36 +18,39 @@ namespace lorica {
 namespace {
 
 constexpr int kSamples = 64;       // of each collider's surface
+constexpr double kCore = 0.02;     // tolerance of the hull inside another, see convexHullOutline()
 constexpr double kInside = 1e-9;   // [m]
 constexpr double kVisible = 1e-3;  // [m]
 
 /// A convex solid with its planes.
 class Hull {
  public:
-  explicit Hull(const RigidCollider& collider) : mesh_(&collider.hull) {
-    for (const Triangle& t : mesh_->triangles) {
-      const Vec3& a = mesh_->vertices[t[0]];
-      const Vec3 normal = (mesh_->vertices[t[1]] - a).cross(mesh_->vertices[t[2]] - a);
-      if (normal.norm() > 1e-14) planes_.push_back({normal.normalized(), normal.normalized().dot(a)});
-    }
-    box_ = boundsOf(mesh_->vertices);
+  explicit Hull(const RigidCollider& collider)
+      : mesh_(&collider.hull),
+        planes_(planesOf(*mesh_)),
+        box_(boundsOf(mesh_->vertices)),
+        tree_(mesh_->vertices, mesh_->triangles) {
+    std::vector<Vec3> few;
+    for (const VertexIndex v : convexHullOutline(mesh_->vertices, kCore).points) few.push_back(mesh_->vertices[v]);
+    const ConvexHull core = convexHull(few);
+    core_ = planesOf({core.vertices, core.triangles});
   }
   /// The distance of a point outside, at most 0 inside; or any number from `below` on if it is at least that.
   [[nodiscard]] double outside(const Vec3& p, double below) const {
     if (distanceSqToBox(p, box_) >= below * below) return below;
-    double rough = -kInfinity;
-    for (const auto& [normal, offset] : planes_) {
-      rough = std::max(rough, normal.dot(p) - offset);
-      if (rough >= below) return rough;
+    if (const double deep = beyond(core_, p, 0.0); deep < 0.0 && !core_.empty()) return deep;
+    // Hulls have thousands of planes, and most points are near the surface. From inside, the nearest point of the
+    // surface is straight ahead; from outside, beyond an edge, it may seem so if the edge is very sharp.
+    const TriangleTree::Hit hit = tree_.nearest(p, below, [](std::int32_t) { return true; });
+    if (hit.triangle >= 0) {
+      const auto& [a, b, c] = tree_.corners(hit);
+      const Vec3 away = p - (hit.shares.x() * a + hit.shares.y() * b + hit.shares.z() * c);
+      const double height = (b - a).cross(c - a).normalized().dot(away);
+      if (height >= 0.0) return hit.distance;
+      if (height <= -0.999 * hit.distance) return height;
     }
-    if (rough <= 0.0) return rough;
-    double leastSq = kInfinity;
-    for (const Triangle& t : mesh_->triangles) {
-      const auto [distanceSq, shares] =
-          nearestOnTriangle(p, {mesh_->vertices[t[0]], mesh_->vertices[t[1]], mesh_->vertices[t[2]]});
-      leastSq = std::min(leastSq, distanceSq);
-    }
-    return std::sqrt(leastSq);
+    const double rough = beyond(planes_, p, below);
+    return rough <= 0.0 || rough >= below ? rough : std::min(hit.distance, below);
   }
   /// Points of the surface, spread by area.
   [[nodiscard]] std::vector<Vec3> samples(std::uint64_t seed) const {
@@ -80,9 +84,29 @@ class Hull {
     Vec3 normal;
     double offset = 0.0;
   };
+  static std::vector<Plane> planesOf(const TriMesh& mesh) {
+    std::vector<Plane> planes;
+    for (const Triangle& t : mesh.triangles) {
+      const Vec3& a = mesh.vertices[t[0]];
+      const Vec3 normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+      if (normal.norm() > 1e-14) planes.push_back({normal.normalized(), normal.normalized().dot(a)});
+    }
+    return planes;
+  }
+  /// The largest distance beyond a plane; or any number from `below` on if it is at least that.
+  static double beyond(std::span<const Plane> planes, const Vec3& p, double below) {
+    double most = -kInfinity;
+    for (std::size_t i = 0; i < planes.size() && most < below; ++i) {
+      most = std::max(most, planes[i].normal.dot(p) - planes[i].offset);
+    }
+    return most;
+  }
+
   const TriMesh* mesh_;
   std::vector<Plane> planes_;
+  std::vector<Plane> core_;  ///< of a hull of few vertices inside
   Aabb box_;
+  TriangleTree tree_;
 };
 
 class Round {
@@ -197,9 +221,12 @@ ColliderFits measureFit(const Character& character, std::span<const RigidCollide
   const std::span<const Triangle> triangles =
       character.shown.empty() ? std::span(character.mesh.triangles) : std::span(character.shown);
   const std::size_t count = character.mesh.vertices.size();
+  Decomposition undivided;
+  undivided.vertexCount = countOf(character.mesh.vertices);
+  const std::vector<PointIndex> first = firstAlike(liftPoints(character, undivided));
   const auto isSkin = std::make_unique<bool[]>(count);
   for (const Triangle& t : triangles) {
-    for (const VertexIndex v : t) isSkin[v] = true;
+    for (const VertexIndex v : t) isSkin[first[v]] = true;
   }
   std::vector<Hull> hulls;
   std::vector<Round> rounds;

@@ -4,6 +4,7 @@
 #include "acd/hull_budget.h"
 #include "collision/live/attached_vertices.h"
 #include "collision/live/live_body.h"
+#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "prepare/body.h"
@@ -64,6 +65,9 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& 
   ExportSource source{input, std::move(subject), {}};
   if (!decomposition.empty()) {
     LORICA_TRY(source.content, readDecompositionOf(source.subject, decomposition));
+  } else if (source.subject.character && !options.divided) {
+    source.content.decomposition.vertexCount = countOf(source.subject.mesh.vertices);
+    source.content.decomposition.triangleCount = countOf(source.subject.mesh.triangles);
   } else if (source.subject.character) {
     LORICA_TRY(CachedDecomposition made, defaultDecomposition(source.subject, host));
     source.content = std::move(made.file);

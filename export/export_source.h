@@ -23,6 +23,7 @@ struct ExportSourceOptions {
   std::string input;          ///< mesh, character, `mannequin`, or a .lorica file next to what it was made from
   std::string decomposition;  ///< .lorica file; empty = decompose
   int parts = 0;              ///< of a mesh; 0 = kExportParts
+  bool divided = true;        ///< false: a character without `decomposition` is not decomposed, and has no parts
   CharacterOptions reading;
 };
 

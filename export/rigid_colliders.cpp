@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 namespace lorica {
 
@@ -17,7 +19,8 @@ namespace {
 
 constexpr double kShareOfPart = 0.1;
 constexpr double kShareOfBody = 1e-3;
-constexpr double kThickness = 1e-3;  // of a flat hull, of the character's height
+constexpr std::size_t kPointsAtATime = 20000;  // of a hull
+constexpr double kThickness = 1e-3;            // of a flat hull, of the character's height
 
 /// Points that one bone moves together, as a triangle or alone.
 struct Facet {
@@ -106,9 +109,11 @@ std::vector<Group> groupsOfParts(const Character& character, const Decomposition
 /// The whole skin by bones.
 std::vector<Group> groupsOfBody(const Character& character, std::span<const LiftedPoint> lifted,
                                 std::span<const Vec3> bind) {
+  const std::vector<PointIndex> first = firstAlike(lifted);
   std::vector<Facet> facets;
-  for (const Triangle& t : character.mesh.triangles) facets.push_back(facetOf(t, bind));
-  for (const Triangle& t : character.shown) facets.push_back(facetOf(t, bind));
+  for (const std::span triangles : {std::span(character.mesh.triangles), std::span(character.shown)}) {
+    for (const Triangle& t : triangles) facets.push_back(facetOf({first[t[0]], first[t[1]], first[t[2]]}, bind));
+  }
   return groupByBone(character.skeleton, -1, facets, lifted, kShareOfBody);
 }
 
@@ -117,15 +122,15 @@ std::vector<Vec3> carriedPoints(const Group& group, std::span<const LiftedPoint>
                                 std::span<const Affine3> modelFromWorld, std::span<const Vec3> bind) {
   std::vector<Vec3> points;
   for (const PointIndex p : group.points) points.push_back(bind[p]);
-  const auto reduce = [&] {
-    const ConvexHull hull = convexHull(points);
-    points = hull.vertices;
-  };
-  reduce();
+  std::size_t onHull = 0;
   for (int k = 0; k < poses.poseCount(); ++k) {
     const Affine3& back = modelFromWorld[k * poses.jointCount + group.joint];
     for (const PointIndex p : group.points) points.push_back(back * positionOf(lifted[p], poses.pose(k)));
-    reduce();
+    // A hull costs less than twice as much of twice as many points, but memory is limited.
+    if (points.size() < 2 * onHull + kPointsAtATime && k + 1 < poses.poseCount()) continue;
+    const ConvexHull hull = convexHull(points);
+    points = hull.vertices;
+    onHull = points.size();
   }
   return points;
 }
@@ -146,6 +151,23 @@ ConvexHull solidHull(std::vector<Vec3> points, double thickness) {
 }
 
 }  // namespace
+
+std::vector<PointIndex> firstAlike(std::span<const LiftedPoint> lifted) {
+  const auto key = [](const LiftedTerm& t) {
+    return std::tuple(t.joint, t.weight, t.moment.x(), t.moment.y(), t.moment.z());
+  };
+  const auto less = [&](PointIndex a, PointIndex b) {
+    return std::ranges::lexicographical_compare(lifted[a], lifted[b], {}, key, key);
+  };
+  std::vector<PointIndex> order(lifted.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, less);
+  std::vector<PointIndex> first(lifted.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    first[order[i]] = i > 0 && !less(order[i - 1], order[i]) ? first[order[i - 1]] : order[i];
+  }
+  return first;
+}
 
 Result<std::vector<RigidCollider>> makeRigidColliders(const Character& character, const Decomposition& decomposition,
                                                       BonePoseView poses, const RigidColliderSettings& settings) {

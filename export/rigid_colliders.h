@@ -2,10 +2,12 @@
 
 #include "acd/decomposition.h"
 #include "collision/live/choose_cover.h"
+#include "collision/live/lifted_point.h"
 #include "export/capsule.h"
 #include "geometry/convex_hull.h"
 #include "skinning/character.h"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,10 @@ struct RigidCollider {
   double volume = 0.0;  ///< of the hull [m^3]
   Capsule capsule;      ///< holds the same surface, for comparison
 };
+
+/// For each point the first one that moves as it does in every pose: files split vertices for normals and textures, up
+/// to six times.
+[[nodiscard]] std::vector<PointIndex> firstAlike(std::span<const LiftedPoint> lifted);
 
 struct RigidColliderSettings {
   int maxVertices = 0;   ///< of a hull, at least 4; 0 = no limit

@@ -178,6 +178,8 @@ class Union {
     }
   }
 
+  [[nodiscard]] const TriangleTree& tree() const { return tree_; }
+
   /// Whether boxes of pieces overlap.
   [[nodiscard]] bool possible() const {
     return std::ranges::any_of(reached_, [](const auto& others) { return !others.empty(); });
@@ -284,12 +286,17 @@ class Union {
       around += (facet.corners[(i + 1) % facet.corners.size()] - facet.corners[i]).norm();
     }
     const double thickness = around > 0.0 ? area.norm() / around : 0.0;
-    const Vec3 step = std::clamp(0.01 * thickness, 4.0 * tolerance_, 40.0 * tolerance_) * area.normalized();
+    std::vector<std::int32_t> inPlane;  // their planes may be the tolerance away
+    for (const std::int32_t other : partners_[facet.triangle]) {
+      if (coplanar(facet.triangle, other)) inPlane.push_back(other);
+    }
+    const double least = inPlane.empty() ? 1e-3 * tolerance_ : 4.0 * tolerance_;
+    const Vec3 step = std::clamp(0.01 * thickness, least, 40.0 * tolerance_) * area.normalized();
     if (tree_.windingNumber(center + step) > kInside || tree_.windingNumber(center - step) < kInside) return false;
-    return std::ranges::none_of(partners_[facet.triangle], [&](std::int32_t other) {
+    return std::ranges::none_of(inPlane, [&](std::int32_t other) {
       const Corners corners = cornersOf(other);
       return std::pair(pieceOf_[other], other) < std::pair(pieceOf_[facet.triangle], facet.triangle) &&
-             areaNormal(corners).dot(area) > 0.0 && coplanar(facet.triangle, other) &&
+             areaNormal(corners).dot(area) > 0.0 &&
              std::sqrt(nearestOnTriangle(center, {corners[0], corners[1], corners[2]}).first) <= 2.0 * tolerance_;
     });
   }
@@ -424,8 +431,7 @@ void forEachSample(const TriMesh& mesh, const TriangleTree& tree, const auto& vi
 }
 
 /// The share of a solid that its surface winds around more than once, as far as samples show.
-double shareTwice(const TriMesh& mesh) {
-  const TriangleTree tree(mesh.vertices, mesh.triangles);
+double shareTwice(const TriMesh& mesh, const TriangleTree& tree) {
   int inside = 0, twice = 0;
   forEachSample(mesh, tree, [&](const Vec3& p) {
     const double winding = tree.windingNumber(p);
@@ -436,8 +442,8 @@ double shareTwice(const TriMesh& mesh) {
 }
 
 /// Whether a surface winds once around what another winds around at all, as far as samples show.
-bool holdsOnce(const TriMesh& whole, const TriMesh& pieces) {
-  const TriangleTree before(pieces.vertices, pieces.triangles), after(whole.vertices, whole.triangles);
+bool holdsOnce(const TriMesh& whole, const TriMesh& pieces, const TriangleTree& before) {
+  const TriangleTree after(whole.vertices, whole.triangles);
   bool same = true;
   forEachSample(pieces, before, [&](const Vec3& p) {
     const double winding = after.windingNumber(p);
@@ -451,7 +457,7 @@ bool holdsOnce(const TriMesh& whole, const TriMesh& pieces) {
 Result<std::optional<ShellUnion>> uniteShells(const TriMesh& mesh) {
   const MeshPieces pieces = findPieces(mesh);
   Union shells(mesh, pieces);
-  const double twice = shells.possible() ? 0.0 : shareTwice(mesh);
+  const double twice = shells.possible() ? 0.0 : shareTwice(mesh, shells.tree());
   if (!shells.possible() && twice == 0.0) return std::optional<ShellUnion>();
   const double sum = signedVolume(mesh.vertices, mesh.triangles);
   for (const double tolerance : kTolerances) {
@@ -460,7 +466,8 @@ Result<std::optional<ShellUnion>> uniteShells(const TriMesh& mesh) {
       const TriMesh made = shells.make(tolerance, within);
       if (made.triangles.empty()) continue;
       Result<MeshRepair> repaired = repairClosedMesh(made);
-      if (!repaired || !checkClosedTwoManifold(repaired->mesh) || !holdsOnce(repaired->mesh, mesh)) continue;
+      if (!repaired || !checkClosedTwoManifold(repaired->mesh) || !holdsOnce(repaired->mesh, mesh, shells.tree()))
+        continue;
       const double volume = signedVolume(repaired->mesh.vertices, repaired->mesh.triangles);
       if (std::abs(volume - sum) <= kOverlap * sum) return std::optional<ShellUnion>();
       return std::optional(ShellUnion{std::move(repaired->mesh), shells.overlapping()});

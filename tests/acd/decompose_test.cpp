@@ -1,6 +1,7 @@
 #include "acd/decompose.h"
 
 #include "geometry/mesh_files.h"
+#include "geometry/mesh_mending.h"
 #include "tests/acd/parts.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
@@ -64,6 +65,39 @@ TEST(Decompose, AConvexMeshIsNotCut) {
        {test::makeBox({0, 0, 0}, {1, 2, 3}), test::makeTetrahedron(), test::makeSphere(1, 12, 20)}) {
     EXPECT_EQ(decomposed(mesh, {.maxParts = 8}).parts.size(), 1u);
   }
+}
+
+TEST(Decompose, TheNumberOfPartsIsALimit) {
+  const TriMesh boxes =
+      test::joined(test::makeBox({0, 0, 0}, {3, 1, 1}),
+                   test::joined(test::makeBox({0, 0, 0}, {1, 3, 1}), test::makeBox({2, 0, 0}, {3, 3, 1})));
+  const TriMesh mesh = test::valueOf(mendMesh(boxes)).mesh;
+  for (const DecomposePreset preset : {DecomposePreset::kFast, DecomposePreset::kQuality}) {
+    for (const int most : {3, 4, 8, 16, 0}) {
+      const Decomposition d = decomposed(mesh, {.maxParts = most, .preset = preset});
+      EXPECT_EQ(d.parts.size(), 3u) << most << " parts";
+      double volume = 0.0;
+      for (const Part& part : d.parts) volume += partHull(part, test::transferred(d, mesh.vertices)).volume;
+      EXPECT_NEAR(volume, 7.0, 1e-9);
+      EXPECT_EQ(d.splitFrom.size(), 2u);
+    }
+  }
+}
+
+TEST(Decompose, RoundedCoordinatesAreNoConcavity) {
+  const TriMesh ball = test::makeSphere(1.0, 24, 36);
+  const auto rounded = [&](double digits) {
+    return test::moved(ball, [&](const Vec3& p) -> Vec3 { return (digits * p).array().round() / digits; });
+  };
+  for (const double digits : {1e5, 1e6, 1e7}) {
+    for (const int most : {0, 16}) {
+      EXPECT_EQ(decomposed(rounded(digits), {.maxParts = most}).parts.size(), 1u) << digits << ", " << most;
+    }
+  }
+  // A notch that is as small in volume, but deep.
+  TriMesh notched = ball;
+  notched.vertices[400] *= 0.95;
+  EXPECT_GT(decomposed(notched, {.maxParts = 0}).parts.size(), 1u);
 }
 
 TEST(Decompose, BoxesThatFormAMeshAreItsParts) {

@@ -14,10 +14,15 @@ namespace {
 TEST(Decompose, LShapeFallsIntoTwoBoxes) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  // One concave edge: without a part count Algorithm 1 stops at two parts, both convex.
-  const CommandResult result = runLorica({"decompose", mesh, "--json", "-"});
+  // One concave edge: Algorithm 1 stops at two parts, both convex. Without options, so does an error of 5 %.
+  const CommandResult result = runLorica({"decompose", mesh, "--exact", "--json", "-"});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
+  EXPECT_EQ(json["endedBy"], "convex");
+  const nlohmann::json byDefault = runLorica({"decompose", mesh, "--json", "-"}).json();
+  EXPECT_EQ(byDefault["hash"], json["hash"]);
+  EXPECT_EQ(byDefault["maxError"], 0.05);
+  EXPECT_EQ(byDefault["endedBy"], "error");
   EXPECT_EQ(json["parts"], 2);
   EXPECT_NEAR(json["meshVolume"].get<double>(), 3.0, 1e-9);
   EXPECT_NEAR(json["hullVolume"].get<double>(), 3.0, 1e-9);
@@ -151,6 +156,45 @@ TEST(Decompose, ConvexMeshIsNotCut) {
   EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "9", "--json", "-"}).json()["endedBy"], "convex");
 }
 
+TEST(Decompose, ATorusIsWithinFivePercentByDefault) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
+  const CommandResult result = runLorica({"decompose", mesh});
+  EXPECT_NE(result.out.find("an error of 5.0 % was reached"), std::string::npos) << result.out;
+  const CommandResult refused = runLorica({"decompose", mesh, "--exact", "--max-error", "1%"});
+  EXPECT_EQ(refused.exitCode, 2);
+  EXPECT_NE(refused.err.find("--exact"), std::string::npos) << refused.err;
+}
+
+TEST(Decompose, OverlappingBoxesCountOnce) {
+  const TemporaryFolder folder;
+  // A U of three boxes, and the same again 2 mm higher.
+  const TriMesh u =
+      joined(makeBox({0, 0, 0}, {3, 1, 1}), joined(makeBox({0, 0, 0}, {1, 3, 1}), makeBox({2, 0, 0}, {3, 3, 1})));
+  for (const auto& [mesh, volume] : {std::pair(u, 7.0), std::pair(joined(u, shifted(u, {0, 0.002, 0})), 7.006)}) {
+    const std::filesystem::path hulls = folder.path() / "hulls.obj";
+    const std::filesystem::path file = writeObj(folder, "u.obj", mesh);
+    const nlohmann::json json =
+        runLorica({"decompose", file, "--parts", "8", "--export-obj", hulls, "--json", "-"}).json();
+    EXPECT_NEAR(json["meshVolume"].get<double>(), volume, 1e-9);
+    EXPECT_LE(json["score"].get<double>(), 1.0 + 1e-9);
+    EXPECT_GE(json["error"].get<double>(), -1e-9);
+    EXPECT_NE(json["repaired"].get<std::string>().find("overlapping pieces united"), std::string::npos);
+    const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+    ASSERT_TRUE(objects);
+    if (volume == 7.0) {
+      EXPECT_EQ(objects->size(), 3u);
+    }
+    const Vec3 between(1.5, 2.0, 0.5);
+    for (const NamedMesh& object : *objects) {
+      EXPECT_GT(largestViolation(convexHull(object.mesh.vertices), std::span(&between, 1)), 0.4);
+    }
+    const nlohmann::json score = runLorica({"score", file, hulls, "--json", "-"}).json();
+    EXPECT_NEAR(score["score17"].get<double>(), 1.0, 1e-3);
+    EXPECT_LE(score["score17"].get<double>(), 1.0 + 1e-9);
+  }
+}
+
 TEST(Decompose, ThreadsAndRunsAgree) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 48, 24));
@@ -235,12 +279,12 @@ TEST(Decompose, MotionNamesWhatIsTrainedOn) {
 
 TEST(Decompose, InterruptLeavesNothingBehind) {
   const TemporaryFolder folder;
-  // About 46,000 triangles without a maximum number of parts: far more work than the pause.
+  // About 46,000 triangles until nothing is concave: far more work than the pause.
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 240, 96));
   const std::vector<std::string> before = filesIn(folder.path());
   const CommandResult result =
-      runLorica({"decompose", mesh, "-o", folder.path() / "torus.lorica", "--export-obj", folder.path() / "hulls.obj",
-                 "--json", folder.path() / "report.json"},
+      runLorica({"decompose", mesh, "--exact", "-o", folder.path() / "torus.lorica", "--export-obj",
+                 folder.path() / "hulls.obj", "--json", folder.path() / "report.json"},
                 {.folder = ".", .cache = {}, .interruptWhen = [](const RunningCommand& command) {
                    return hasWorked(command, 1.5);
                  }});

@@ -260,6 +260,14 @@ TEST(MeshInput, WhatEnclosesNothingIsRefusedWithBothReasons) {
   EXPECT_NE(run.err.find("no closed body can be made"), std::string::npos) << run.err;
 }
 
+TEST(MeshInput, AMeshThatIsThereIsNoMissingCharacter) {
+  const TemporaryFolder folder;
+  const fs::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const CommandResult run = runLorica({"record", folder.path() / "o.bvh", "walk", "--character", mesh});
+  EXPECT_EQ(run.exitCode, 2);
+  EXPECT_NE(run.err.find("l.obj: is a mesh without bones"), std::string::npos) << run.err;
+}
+
 TEST(MeshInput, ATornCharactersExportHoldsItsVertices) {
   const TemporaryFolder folder;
   const fs::path torn = folder.write("torn.glb", mannequinGlb(true));

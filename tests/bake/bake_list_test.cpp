@@ -64,10 +64,10 @@ TEST(BakeList, IsAFolderAPatternOrAFileOfAnyFormat) {
         "set/more/c.glb export=glb;urdf max-error=5% motion=walk;" + library.path("set/x.bvh") + " parts=8"}},
       {"quotes.csv", "input,hide\n\"set/a, b\"\".off\",\"sword, long\"\n", {}, {"set/a, b\".off hide=sword, long"}},
       {"list.jsonl",
-       "{\"input\": \"set/b.off\", \"parts\": 4, \"max-error\": 0.05}\n\n"
+       "{\"input\": \"set/b.off\", \"parts\": 4, \"max-error\": 0.05}\n\n{\"input\": \"set/b.off\", \"exact\": true}\n"
        "{\"input\": \"set/more/c.glb\", \"motion\": [\"walk\", \"wave\"], \"export\": \"vrm\"}\n",
        {},
-       {"set/b.off max-error=0.05 parts=4", "set/more/c.glb export=vrm motion=walk;wave"}},
+       {"set/b.off max-error=0.05 parts=4", "set/b.off exact=yes", "set/more/c.glb export=vrm motion=walk;wave"}},
   };
   for (const Row& row : rows) {
     SCOPED_TRACE(row.name);

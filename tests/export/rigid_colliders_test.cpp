@@ -1,12 +1,15 @@
 // Rigid colliders against what they promise: in the poses that they are made from they hold the whole surface.
 #include "export/rigid_colliders.h"
 
+#include "geometry/counts.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/export/stick_figure.h"
 #include "tests/support/has.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace lorica {
 namespace {
@@ -61,6 +64,39 @@ TEST(RigidColliders, HoldTheSurfaceInEveryPoseThatTheyAreMadeFrom) {
         EXPECT_LE(collider.capsule.outside(p), 1e-9);
       }
     }
+  }
+}
+
+TEST(RigidColliders, SplitVerticesCountOnce) {
+  const Character figure = test::stickFigure();
+  // Every triangle with vertices of its own, as files have it for normals and textures.
+  Character split = figure;
+  split.mesh = {};
+  split.influences.clear();
+  split.influenceBegin = {0};
+  for (const Triangle& t : figure.mesh.triangles) {
+    const VertexIndex first = countOf(split.mesh.vertices);
+    split.mesh.triangles.push_back({first, first + 1, first + 2});
+    for (const VertexIndex v : t) {
+      split.mesh.vertices.push_back(figure.mesh.vertices[v]);
+      split.influences.insert(split.influences.end(), figure.influences.begin() + figure.influenceBegin[v],
+                              figure.influences.begin() + figure.influenceBegin[v + 1]);
+      split.influenceBegin.push_back(static_cast<std::uint32_t>(split.influences.size()));
+    }
+  }
+  const std::vector<LiftedPoint> lifted = liftPoints(split, test::onePart(split));
+  std::vector<PointIndex> first = firstAlike(lifted);
+  std::ranges::sort(first);
+  EXPECT_EQ(std::ranges::distance(first.begin(), std::unique(first.begin(), first.end())),
+            countOf(figure.mesh.vertices));
+  const std::vector<Affine3> poses = test::bentPoses(figure, kBends);
+  const std::vector<RigidCollider> one = collidersOf(figure, poses, {0, true, 1}),
+                                   same = collidersOf(split, poses, {0, true, 1});
+  ASSERT_EQ(one.size(), same.size());
+  for (std::size_t i = 0; i < one.size(); ++i) {
+    EXPECT_EQ(one[i].joint, same[i].joint);
+    EXPECT_NEAR(one[i].volume, same[i].volume, 1e-12);
+    EXPECT_EQ(one[i].hull.vertices.size(), same[i].hull.vertices.size());
   }
 }
 

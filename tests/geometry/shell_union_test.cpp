@@ -1,6 +1,8 @@
 #include "geometry/shell_union.h"
 
+#include "geometry/mesh_files.h"
 #include "geometry/triangle_tree.h"
+#include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
 
@@ -143,6 +145,15 @@ TEST(ShellUnion, OfRoundShapesHoldsTheSamePoints) {
       EXPECT_EQ(before.windingNumber(p) > 0.5, after.windingNumber(p) > 0.5) << p.transpose();
     }
   }
+}
+
+TEST(ShellUnion, OfTwoScansIsFound) {
+  // 139,000 triangles: where they cross, some facets are thinner than a billionth of the diagonal.
+  LORICA_REQUIRE_DATASET(file, "vhacd/Bunny.off");
+  const TriMesh bunny = valueOf(readMesh(file));
+  const Aabb box = boundsOf(bunny.vertices);
+  const TriMesh both = joined(bunny, shifted(bunny, (box.max - box.min).cwiseProduct(Vec3(0.3, 0.1, 0.2))));
+  EXPECT_NEAR(volumeOf(united(both).mesh), 0.00123091, 1e-8);
 }
 
 }  // namespace
