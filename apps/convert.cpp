@@ -121,6 +121,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
 
   Report report(fmt::format("{}: {}, {:.2f} s", motion.name, counted(motion.frameCount(), "frame"), motion.seconds()));
   report.line("input format", motion.format);
+  if (!motion.firstGuess.empty()) report.line("first guess", motion.firstGuess);
   if (made.joints > 0) {
     report.line("character",
                 fmt::format("{}, {}, {}", options.character.name, counted(made.joints, "joint"), made.units));
@@ -141,6 +142,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
     json["joints"] = made.joints;
   }
   json["output"] = options.output;
+  json["firstGuess"] = motion.firstGuess;
   json["notes"] = notes;
   return publish(common, report, json);
 }

@@ -83,6 +83,11 @@ void addReadingOptions(CommandLine& app, MotionOptions& options) {
       ->check(oneOf(std::move(formats)));
   addPersonOption(app, options.person);
   app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
+  app.addOption(
+         "--rest", options.rest,
+         "Rest pose of a BVH file: zero (all rotations are zero), frame:N (counted from 0), or a BVH file of the "
+         "same joints, whose first frame it is [default: zero if the body stands, else found]")
+      ->typeName("POSE");
   addSenderOption(app, options.sender);
 }
 

@@ -27,7 +27,7 @@ void addHideOption(CommandLine& app, std::vector<std::string>& hidden);
 /// --texture-size, for commands that draw.
 void addTextureOption(CommandLine& app, int& textureSize);
 
-/// --format, --person, --clip, --sender: how a motion is read.
+/// --format, --person, --clip, --rest, --sender: how a motion is read.
 void addReadingOptions(CommandLine& app, MotionOptions& options);
 
 /// --mirror, --upper-body, --smooth, --min-cutoff, --beta: how it is processed.

@@ -53,6 +53,7 @@ nlohmann::ordered_json toJson(const Options& options, const Run& run, const Draw
   nlohmann::ordered_json json;
   json["recording"] = motion.name;
   json["format"] = motion.format;
+  json["firstGuess"] = motion.firstGuess;
   json["notes"] = motion.notes;
   json["character"] = session.character().name;
   json["parts"] = file.decomposition.parts.size();
@@ -64,6 +65,7 @@ nlohmann::ordered_json toJson(const Options& options, const Run& run, const Draw
     nlohmann::ordered_json one;
     one["character"] = avatar.character().name;
     one["recording"] = avatars[i].source;
+    one["firstGuess"] = avatars[i].motion->firstGuess;
     one["notes"] = avatars[i].motion->notes;
     one["parts"] = avatar.body().parts().size();
     one["frames"] = avatar.frameCount();
@@ -103,6 +105,11 @@ Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn)
                 fmt::format("{} performs {}: {}, {}, hash {}", avatar.character().name, avatars[i].source,
                             counted(countOf(avatar.body().parts()), "part"),
                             counted(statistics.contactsOf(i), "contact point"), hexDigits(avatar.hash())));
+  }
+  for (std::size_t i = 0; i < avatars.size(); ++i) {
+    const std::string& guess = avatars[i].motion->firstGuess;
+    const bool said = i > 0 && guess == avatars[i - 1].motion->firstGuess;
+    if (!guess.empty() && !said) report.line("first guess", guess);
   }
   addTrainingTo(report, statistics);
   addSmoothingTo(report, session, "joints lag by");

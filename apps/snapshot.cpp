@@ -118,6 +118,7 @@ Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion&
 struct Outcome {
   std::string who, name;          // "hero", "walk and wave"
   std::string motion, character;  // of the first avatar
+  std::string firstGuess;
   std::vector<std::string> notes;
   std::vector<fs::path> files;
   std::string renderer;
@@ -202,6 +203,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   outcome.renderer = pictures.rendererName();
   outcome.hash = session.hash();
   outcome.notes = run->cast.avatars.front().motion->notes;
+  outcome.firstGuess = run->cast.avatars.front().motion->firstGuess;
   outcome.motion = motionName;
   outcome.character = session.character().name;
   const fs::path out = options.out.empty() ? fs::path(motionName + ".png") : fs::path(options.out);
@@ -258,6 +260,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   for (const fs::path& picture : outcome.files) json["pictures"].push_back(picture.string());
   json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
   json["videoFrames"] = outcome.videoFrames;
+  json["firstGuess"] = outcome.firstGuess;
   json["renderer"] = outcome.renderer;
   json["hash"] = hexDigits(outcome.hash);
   Report report(fmt::format("{} performed {}: {}", outcome.who, outcome.name, counted(outcome.frames, "frame")));
@@ -265,6 +268,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   if (!options.video.empty()) {
     report.line("video", fmt::format("{}, {}", options.video, counted(outcome.videoFrames, "frame")));
   }
+  if (!outcome.firstGuess.empty()) report.line("first guess", outcome.firstGuess);
   report.line("renderer", outcome.renderer);
   report.line("hash", hexDigits(outcome.hash));
   for (const std::string& note : outcome.notes) report.note(note);

@@ -57,6 +57,7 @@ FileSummary describeMotion(const Motion& motion) {
       Report(fmt::format("{}: {}", motion.name, motion.bones ? "a motion of a skeleton" : "a recording of joints")),
       {}};
   summary.report.line("format", motion.format);
+  if (!motion.firstGuess.empty()) summary.report.line("first guess", motion.firstGuess);
   summary.report.line("length", fmt::format("{:.2f} s", seconds));
   summary.report.line("frames", fmt::format("{} at {:.1f} per second", grouped(motion.frameCount()), rate));
   Json& json = summary.json;
@@ -72,6 +73,7 @@ FileSummary describeMotion(const Motion& motion) {
     addJoints(motion, summary);
   }
   for (const std::string& note : motion.notes) summary.report.note(note);
+  json["firstGuess"] = motion.firstGuess;
   json["notes"] = motion.notes;
   return summary;
 }

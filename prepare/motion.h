@@ -32,7 +32,8 @@ struct Motion {
   std::optional<RecordedPackets> packets = {};  ///< if set, poses come from these; the bones are the sender's
   bool fromCharacterFile = false;       ///< the bones are those of a character; another one may use the same names
   std::string format;                   ///< "BVH", "joints (lorica)", "glTF 2.0"
-  std::vector<std::string> notes;       ///< what was guessed, repaired or left out
+  std::vector<std::string> notes;       ///< what was repaired or left out
+  std::string firstGuess = {};          ///< rest pose, scale, axes, floor and facing, and what they were taken from
   std::vector<std::string> clips = {};  ///< that its file holds; empty if the file is not that of a character
   std::vector<int> people = {};         ///< that its file holds, by number; empty if that is not known
 

@@ -23,6 +23,7 @@ struct MotionOptions {
   std::string format;  ///< of joints; empty = detected from the content
   int person = 0;      ///< of several in a stream of joints; 0 = the one with the most motion; or kEveryone
   std::string clip;    ///< in a file with several; empty = the first
+  std::string rest;    ///< pose of a BVH file, see parseBvhRest(); empty = found
   bool mirror = false;
   bool upperBody = false;
   std::string smooth = "off";  ///< or "one-euro"
@@ -67,6 +68,9 @@ struct MotionOptions {
 /// @param source  of the clips, for the error message
 [[nodiscard]] Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name,
                                            const std::string& source);
+
+/// "+Z", "-X", or "30 degrees from +Z towards +X".
+[[nodiscard]] std::string wayInWords(const Vec3& ahead);
 
 /// poseSourceOf() of session/prepare/motion.h with the options of the command line.
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,

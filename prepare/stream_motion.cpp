@@ -1,7 +1,9 @@
 #include "prepare/stream_motion.h"
 
+#include "capture/streams/osc.h"
 #include "capture/streams/recorded_stream.h"
 #include "geometry/errors.h"
+#include "geometry/line_scanner.h"
 #include "geometry/text.h"
 #include "prepare/session_inputs.h"
 #include "prepare/subject.h"
@@ -73,9 +75,9 @@ class SenderBody {
       const bool root = motion.skeleton.joint(joint).parent == kNoJoint;
       if (pose.rotation[b]) local.rotation = *pose.rotation[b];
       if (root) {
-        const Vec3& sent = pose.offset[b];
-        local.translation =
-            pose.rootPosition + pose.rootRotation * (sent.norm() > kShortest ? sent : local.translation);
+        // What another bone sends is its way from a parent that is not sent.
+        const bool sent = static_cast<HumanBone>(b) == HumanBone::kHips && pose.offset[b].norm() > kShortest;
+        local.translation = pose.rootPosition + pose.rootRotation * (sent ? pose.offset[b] : local.translation);
         local.rotation = (pose.rootRotation * local.rotation).normalized();
       }
       motion.poses.push_back(local);
@@ -87,6 +89,16 @@ class SenderBody {
   std::array<bool, kHumanBoneCount> known_{};
   std::array<JointIndex, kHumanBoneCount> jointOf_{};
 };
+
+/// Why packets hold no bones.
+std::string whatCame(const PacketFile& file) {
+  OscPacket first(file.payload(file.packets().front()));
+  const std::optional<OscMessage> message = first.next();
+  const std::string what =
+      message ? quotedWord(fmt::format("{} ,{}", message->address, message->types)) : "something else than OSC";
+  return fmt::format("found {} without bones, the first of {}, expected \"/VMC/Ext/Bone/Pos ,sfffffff\"",
+                     counted(std::ssize(file.packets()), "packet"), what);
+}
 
 /// Calls `use` for each frame that a recording gives. @return number of steps of a session that follows it
 template <typename Use>
@@ -122,8 +134,9 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
     body.learn(frame.pose);
     ++frames;
   });
-  if (frames == 0 || frames > kMostFrames) {
-    return badFormat("{}: found {} frames of bones, expected 1 to {}", file.string(), frames, kMostFrames);
+  if (frames == 0) return badFormat("{}: {}", file.string(), whatCame(*motion.packets->file));
+  if (frames > kMostFrames) {
+    return badFormat("{}: found {} frames of bones, expected at most {}", file.string(), frames, kMostFrames);
   }
   LORICA_TRY(Skeleton skeleton, prefixed(file.string(), body.skeleton()));
   motion.bones = SkeletalMotion{motion.name, std::move(skeleton), {}, {}};

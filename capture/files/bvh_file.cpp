@@ -1,13 +1,19 @@
 #include "capture/files/bvh_file.h"
 
 #include "capture/files/bvh_text.h"
+#include "capture/files/rest_search.h"
+#include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/line_scanner.h"
+#include "geometry/text.h"
+#include "geometry/utf16.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -31,35 +37,61 @@ constexpr std::array<Unit, 6> kUnits = {{{"centimetres", 0.01},
                                          {"decimetres", 0.1},
                                          {"units of the CMU database (5.644 cm)", 0.0254 / 0.45}}};
 
-/// Longest side of the bounding box of the rest pose, in the file's unit.
-double sizeOf(const BvhText& text) {
+/// Longest side of the bounding box of a pose, end sites included.
+double sizeOf(const BvhText& text, const Skeleton& skeleton, std::span<const JointTransform> pose,
+              double metresPerUnit) {
+  std::vector<Affine3> world(skeleton.jointCount());
+  computeWorldFromJoint(skeleton, pose, world);
   std::vector<Vec3> positions;
-  positions.reserve(text.joints.size() + text.endSites.size());
-  const auto under = [&](int parent, const Vec3& offset) {
-    positions.push_back(parent < 0 ? offset : Vec3(positions[parent] + offset));
-  };
-  for (const BvhJoint& joint : text.joints) under(joint.parent, joint.offset);
-  for (const auto& [parent, offset] : text.endSites) under(parent, offset);
+  positions.reserve(world.size() + text.endSites.size());
+  for (const Affine3& joint : world) positions.emplace_back(joint.translation());
+  for (const auto& [parent, offset] : text.endSites) positions.emplace_back(world[parent] * (metresPerUnit * offset));
   const Aabb box = boundsOf(positions);
   return (box.max - box.min).maxCoeff();
 }
 
-void guessUnit(const BvhText& text, BvhFile& out) {
-  const double size = sizeOf(text);
+/// The unit in which a size is nearest to a person's height.
+const Unit& unitOf(double size) {
+  const auto offBy = [&](const Unit& unit) { return std::abs(std::log(unit.metres * size / kUsualHeight)); };
+  return *std::min_element(kUnits.begin(), kUnits.end(),
+                           [&](const Unit& a, const Unit& b) { return offBy(a) < offBy(b); });
+}
+
+/// Applies a function to the transforms of the rest pose and of all frames, with their joints.
+template <typename Change>
+Result<void> changeMotion(SkeletalMotion& motion, const Change& change) {
+  std::vector<Joint> joints(motion.skeleton.joints().begin(), motion.skeleton.joints().end());
+  for (std::size_t i = 0; i < motion.poses.size(); ++i) change(joints[i % joints.size()], motion.poses[i]);
+  for (Joint& joint : joints) change(joint, joint.rest);
+  LORICA_TRY(motion.skeleton, Skeleton::create(std::move(joints)));
+  return {};
+}
+
+/// Converts the motion to metres by the size of its rest pose.
+Result<void> guessUnit(const BvhText& text, BvhFile& out) {
+  const double before = out.metresPerUnit;
+  const double size = sizeOf(text, out.motion.skeleton, restPose(out.motion.skeleton), before) / before;
+  out.unit = "metres";
+  out.metresPerUnit = 1.0;
+  if (size > 0.0) {
+    const Unit& unit = unitOf(size);
+    out.unit = unit.name;
+    out.metresPerUnit = unit.metres;
+  }
+  const double by = out.metresPerUnit / before;
+  return changeMotion(out.motion, [&](const Joint&, JointTransform& t) { t.translation *= by; });
+}
+
+void sayUnit(const BvhText& text, BvhFile& out) {
+  const double size = sizeOf(text, out.motion.skeleton, restPose(out.motion.skeleton), out.metresPerUnit);
   if (!(size > 0.0)) {
-    out.unit = "metres";
-    out.notes.emplace_back("the skeleton has no extent: metres assumed");
+    out.firstGuess.emplace_back("metres, since the skeleton has no extent");
     return;
   }
-  const auto offBy = [&](const Unit& unit) { return std::abs(std::log(unit.metres * size / kUsualHeight)); };
-  const Unit& unit = *std::min_element(kUnits.begin(), kUnits.end(),
-                                       [&](const Unit& a, const Unit& b) { return offBy(a) < offBy(b); });
-  out.unit = unit.name;
-  out.metresPerUnit = unit.metres;
-  const double height = unit.metres * size;
-  const bool odd = height < kMinHeight || height > kMaxHeight;
-  out.notes.push_back(fmt::format("the rest pose measures {:.4g} units: {} assumed, {:.3g} m{}", size, unit.name,
-                                  height, odd ? "; no unit gives 0.5 to 2.5 m" : ""));
+  out.firstGuess.push_back(fmt::format("{}, since the rest pose measures {:.4g} units ({:.3g} m)", out.unit,
+                                       size / out.metresPerUnit, size));
+  if (size >= kMinHeight && size <= kMaxHeight) return;
+  out.notes.push_back(fmt::format("the rest pose measures {:.3g} m: no unit gives 0.5 to 2.5 m", size));
 }
 
 bool isPosition(BvhChannel channel) {
@@ -107,8 +139,8 @@ std::vector<bool> positionsThatAdd(const BvhText& text, BvhFile& out) {
   return adds;
 }
 
-/// The frames, in metres and in the file's axes.
-std::vector<JointTransform> posesOf(const BvhText& text, double metresPerUnit, const std::vector<bool>& adds) {
+/// The frames, in the file's unit and axes.
+std::vector<JointTransform> posesOf(const BvhText& text, const std::vector<bool>& adds) {
   constexpr double kHalfDegree = 0.5 * std::numbers::pi / 180.0;
   const std::size_t jointCount = text.joints.size();
   std::vector<JointTransform> poses;
@@ -161,7 +193,7 @@ std::vector<JointTransform> posesOf(const BvhText& text, double metresPerUnit, c
           z += w0 * sine;
         }
       }
-      pose.translation = metresPerUnit * position;
+      pose.translation = position;
       pose.rotation = Quat(w, x, y, z);
     }
   }
@@ -190,11 +222,15 @@ std::optional<Vec3> uprightOf(const Skeleton& skeleton, std::span<const JointTra
 }
 
 /// The rotation that maps the file's up axis to +Y.
-Quat turnToYUp(const SkeletalMotion& motion, BvhFile& out) {
+/// @param zeroRest  the rest pose is not one of the frames, and so tells more than they do
+Quat turnToYUp(const SkeletalMotion& motion, bool zeroRest, BvhFile& out) {
   constexpr int kSamples = 64;
   constexpr double kClear = 0.8;
   const std::optional<Vec3> rest = uprightOf(motion.skeleton, restPose(motion.skeleton));
-  if (!rest) return Quat::Identity();
+  if (!rest) {
+    out.firstGuess.emplace_back("Y is up, since head or feet are unknown");
+    return Quat::Identity();
+  }
   Vec3 sum = Vec3::Zero();
   int count = 0;
   const int stride = std::max(1, motion.frameCount() / kSamples);
@@ -208,29 +244,33 @@ Quat turnToYUp(const SkeletalMotion& motion, BvhFile& out) {
   if (mean.cwiseAbs().maxCoeff(&axis) < kClear) {
     rest->cwiseAbs().maxCoeff(&axis);
     up = *rest;
-  } else if (std::abs((*rest)[axis]) > kClear) {
+  } else if (zeroRest && std::abs((*rest)[axis]) > kClear) {
     up = *rest;  // a person walking on their hands
   }
   const bool down = up[axis] < 0.0;
-  if (axis == 1 && !down) return Quat::Identity();
+  const bool asIs = axis == 1 && !down;
+  out.firstGuess.push_back(
+      fmt::format("{}{} is up{}", down ? "-" : "", "XYZ"[axis], asIs ? "" : ", rotated so that Y is up"));
+  if (asIs) return Quat::Identity();
   const Vec3 from = (down ? -1.0 : 1.0) * Vec3::Unit(axis);
-  out.notes.push_back(fmt::format("{}{} is up in the file: rotated so that Y is up", down ? "-" : "", "XYZ"[axis]));
   return axis == 1 ? Quat(0.0, 1.0, 0.0, 0.0) : rotationBetween(from, Vec3::UnitY());
 }
 
 /// Adds a joint to a forearm or shin that ends in an end site instead of a hand or foot. Otherwise its direction would
-/// be undefined.
-Result<void> addLimbEnds(const BvhText& text, double metresPerUnit, SkeletalMotion& motion) {
+/// be undefined. A head gets its end too, if the rest pose is a frame in which it may be bowed.
+Result<void> addLimbEnds(const BvhText& text, double metresPerUnit, bool zeroRest, SkeletalMotion& motion) {
   std::vector<Joint> joints(motion.skeleton.joints().begin(), motion.skeleton.joints().end());
   const std::size_t before = joints.size();
-  constexpr std::array<std::pair<HumanBone, HumanBone>, 4> kLowerAndEnd = {
-      {{HumanBone::kLeftLowerArm, HumanBone::kLeftHand},
+  constexpr std::array<std::pair<HumanBone, HumanBone>, 5> kLowerAndEnd = {
+      {{HumanBone::kHead, HumanBone::kHead},
+       {HumanBone::kLeftLowerArm, HumanBone::kLeftHand},
        {HumanBone::kRightLowerArm, HumanBone::kRightHand},
        {HumanBone::kLeftLowerLeg, HumanBone::kLeftFoot},
        {HumanBone::kRightLowerLeg, HumanBone::kRightFoot}}};
   for (const auto& [lowerBone, endBone] : kLowerAndEnd) {
     const JointIndex lower = motion.skeleton.jointOf(lowerBone);
-    if (lower == kNoJoint || motion.skeleton.jointOf(endBone) != kNoJoint) continue;
+    const bool isHead = lowerBone == endBone;
+    if (lower == kNoJoint || (isHead ? zeroRest : motion.skeleton.jointOf(endBone) != kNoJoint)) continue;
     const auto site = std::find_if(text.endSites.begin(), text.endSites.end(),
                                    [&](const auto& s) { return s.first == lower && s.second.norm() > 0.0; });
     if (site == text.endSites.end()) continue;
@@ -253,68 +293,136 @@ Result<void> addLimbEnds(const BvhText& text, double metresPerUnit, SkeletalMoti
   return {};
 }
 
-Result<Skeleton> skeletonOf(const BvhText& text, double metresPerUnit) {
+/// At rest every rotation is zero.
+Result<Skeleton> skeletonOf(const BvhText& text) {
   std::vector<Joint> joints;
   joints.reserve(text.joints.size());
   for (const BvhJoint& from : text.joints) {
     Joint joint;
     joint.name = from.name;
     joint.parent = from.parent < 0 ? kNoJoint : from.parent;
-    joint.rest.translation = metresPerUnit * from.offset;
+    joint.rest.translation = from.offset;
     joints.push_back(std::move(joint));
   }
   return Skeleton::create(std::move(joints));
 }
 
-/// Rotates the roots of the rest pose and of all frames.
-Result<void> turnMotion(const Quat& turn, SkeletalMotion& motion) {
-  std::vector<Joint> joints(motion.skeleton.joints().begin(), motion.skeleton.joints().end());
-  const std::size_t count = joints.size();
-  const auto turned = [&](JointTransform& t) {
-    t.translation = turn * t.translation;
-    t.rotation = turn * t.rotation;
-  };
-  for (std::size_t j = 0; j < count; ++j) {
-    if (joints[j].parent != kNoJoint) continue;
-    turned(joints[j].rest);
-    for (std::size_t f = 0; f < motion.times.size(); ++f) turned(motion.poses[f * count + j]);
+/// The same joints with another rest pose and no bones yet. Roots stay where they are: where a body stands in a frame
+/// says nothing of its rest pose.
+Result<Skeleton> withRest(const Skeleton& skeleton, std::span<const JointTransform> pose) {
+  std::vector<Joint> joints(skeleton.joints().begin(), skeleton.joints().end());
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    joints[j].bone.reset();
+    if (joints[j].parent != kNoJoint) joints[j].rest.translation = pose[j].translation;
+    joints[j].rest.rotation = pose[j].rotation;
   }
-  LORICA_TRY(motion.skeleton, Skeleton::create(std::move(joints)));
-  return {};
+  return Skeleton::create(std::move(joints));
+}
+
+/// The pose that was asked for, or the one that is found.
+Result<RestPose> restOf(const SkeletalMotion& motion, const BvhRest& rest, std::string_view name) {
+  if (rest.kind == BvhRest::Kind::kFound) return findRestPose(motion);
+  RestPose asked{restPose(motion.skeleton), rest.kind == BvhRest::Kind::kZero, "the zero pose"};
+  if (rest.kind == BvhRest::Kind::kFrame) {
+    if (rest.frame >= motion.frameCount()) {
+      return invalidArgument("{}: found {} frames, expected frame {} for the rest pose, counted from 0", name,
+                             motion.frameCount(), rest.frame);
+    }
+    asked.pose.assign(motion.pose(rest.frame).begin(), motion.pose(rest.frame).end());
+    asked.words = fmt::format("frame {}", rest.frame);
+  } else if (rest.kind == BvhRest::Kind::kFile) {
+    LORICA_TRY(const BvhFile other, readBvh(rest.file, {BvhRest::Kind::kZero, 0, {}}));
+    const std::span<const Joint> theirs = other.motion.skeleton.joints();
+    for (int j = 0; j < motion.skeleton.jointCount(); ++j) {
+      const auto same = std::find_if(theirs.begin(), theirs.end(),
+                                     [&](const Joint& joint) { return joint.name == motion.skeleton.joint(j).name; });
+      if (same == theirs.end()) {
+        return invalidArgument("{}: has no joint {}, expected all joints of {}", rest.file.string(),
+                               motion.skeleton.joint(j).name, name);
+      }
+      asked.pose[j].rotation = other.motion.pose(0)[same - theirs.begin()].rotation;
+    }
+    asked.words = "the first frame of " + rest.file.filename().string();
+  }
+  asked.words += fmt::format(" as asked for, {}", namePose(motion.skeleton, asked.pose));
+  return asked;
 }
 
 }  // namespace
 
-Result<BvhFile> parseBvh(std::string_view text, std::string_view name) {
+Result<BvhRest> parseBvhRest(std::string_view text) {
+  BvhRest rest;
+  constexpr std::string_view kFrame = "frame:";
+  if (text.empty()) return rest;
+  if (text == "zero") {
+    rest.kind = BvhRest::Kind::kZero;
+  } else if (text.starts_with(kFrame)) {
+    const std::string_view number = text.substr(kFrame.size());
+    rest.kind = BvhRest::Kind::kFrame;
+    const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), rest.frame);
+    if (error != std::errc() || end != number.data() + number.size() || rest.frame < 0) {
+      return invalidArgument("found {}, expected frame:N with a number from 0 on", quotedWord(text));
+    }
+  } else {
+    rest = {BvhRest::Kind::kFile, 0, std::filesystem::path(text)};
+    if (lowerCase(rest.file.extension().string()) != ".bvh") {
+      return invalidArgument("found {}, expected zero, frame:N or a .bvh file", quotedWord(text));
+    }
+  }
+  return rest;
+}
+
+Result<BvhFile> parseBvh(std::string_view text, std::string_view name, const BvhRest& asked) {
   LORICA_TRY(BvhText parsed, parseBvhText(text, name));
   BvhFile out;
   out.notes = std::move(parsed.notes);
-  guessUnit(parsed, out);
   const std::vector<bool> adds = positionsThatAdd(parsed, out);
 
   SkeletalMotion& motion = out.motion;
   motion.name = std::string(name);
-  LORICA_TRY(motion.skeleton, skeletonOf(parsed, out.metresPerUnit));
-  motion.poses = posesOf(parsed, out.metresPerUnit, adds);
+  LORICA_TRY(motion.skeleton, skeletonOf(parsed));
+  motion.poses = posesOf(parsed, adds);
   motion.times.reserve(parsed.frameCount);
   for (std::size_t f = 0; f < parsed.frameCount; ++f) {
     motion.times.push_back(static_cast<double>(f) * parsed.frameSeconds);
   }
+  LORICA_TRY_DO(guessUnit(parsed, out));
 
-  // Names identify head and feet in any axes. Shape works only once Y is up, so it is evaluated again then.
+  // Names identify head and feet in any axes. Shape works only in a rest pose with Y up, so it is evaluated again then.
   const auto findBones = [&] { motion.skeleton = withBones(motion.skeleton, guessHumanoid(motion.skeleton)); };
   findBones();
-  if (const Quat turn = turnToYUp(motion, out); turn.w() < 1.0) {
-    LORICA_TRY_DO(turnMotion(turn, motion));
+  const auto isBody = [&] { return motion.skeleton.jointOf(HumanBone::kHips) != kNoJoint; };
+  const Skeleton zero = motion.skeleton;
+  if (!isBody()) {
+    LORICA_TRY(const Skeleton posed, withRest(motion.skeleton, motion.pose(0)));
+    motion.skeleton = withBones(motion.skeleton, guessHumanoid(posed));
+  }
+  LORICA_TRY(const RestPose rest, restOf(motion, asked, name));
+  out.firstGuess.push_back("rest pose: " + rest.words);
+  motion.skeleton = zero;
+  if (!rest.isZero) {
+    LORICA_TRY(motion.skeleton, withRest(motion.skeleton, rest.pose));
+    LORICA_TRY_DO(guessUnit(parsed, out));
     findBones();
   }
-  LORICA_TRY_DO(addLimbEnds(parsed, out.metresPerUnit, motion));
+  sayUnit(parsed, out);
+  const Quat turn = turnToYUp(motion, rest.isZero, out);
+  if (turn.w() < 1.0) {
+    LORICA_TRY_DO(changeMotion(motion, [&](const Joint& joint, JointTransform& t) {
+      if (joint.parent != kNoJoint) return;
+      t.translation = turn * t.translation;
+      t.rotation = turn * t.rotation;
+    }));
+    findBones();
+  }
+  LORICA_TRY_DO(addLimbEnds(parsed, out.metresPerUnit, rest.isZero, motion));
   return out;
 }
 
-Result<BvhFile> readBvh(const std::filesystem::path& file) {
-  LORICA_TRY(const std::string text, readFile(file));
-  LORICA_TRY(BvhFile out, parseBvh(text, file.string()));
+Result<BvhFile> readBvh(const std::filesystem::path& file, const BvhRest& rest) {
+  LORICA_TRY(std::string text, readFile(file));
+  text = asUtf8(std::move(text));
+  LORICA_TRY(BvhFile out, parseBvh(text, file.string(), rest));
   out.motion.name = file.stem().string();
   return out;
 }

@@ -3,6 +3,7 @@
 #include "geometry/result.h"
 #include "skinning/clip.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -15,18 +16,32 @@ struct BvhFile {
   /// Joints keep the file's names and, if recognised, humanoid bones. End sites are not joints, unless a forearm or
   /// shin ends in one and has no hand or foot.
   SkeletalMotion motion;
-  double metresPerUnit = 1.0;      ///< guessed from the skeleton's height
-  std::string unit;                ///< "centimetres", "metres", "inches", ...
-  std::vector<std::string> notes;  ///< what was guessed or repaired: one sentence each
+  double metresPerUnit = 1.0;           ///< guessed from the skeleton's height
+  std::string unit;                     ///< "centimetres", "metres", "inches", ...
+  std::vector<std::string> firstGuess;  ///< the rest pose, the unit and the axes, and what they were taken from
+  std::vector<std::string> notes;       ///< what was repaired, or is odd: one sentence each
 };
+
+/// The pose that the motion's rotations are understood from.
+struct BvhRest {
+  enum class Kind : std::uint8_t { kFound, kZero, kFrame, kFile };
+  Kind kind = Kind::kFound;
+  int frame = 0;               ///< of this file, counted from 0
+  std::filesystem::path file;  ///< a BVH file of the same joints: its first frame
+};
+
+/// Reads "zero", "frame:N" or the name of a BVH file; empty is kFound.
+[[nodiscard]] Result<BvhRest> parseBvhRest(std::string_view text);
 
 /// Reads a BVH file (Biovision hierarchy). Accepts any channel order, mixed orders, position channels on any joint,
 /// several roots, a wrong frame count, a truncated last row, decimal commas and any line endings.
 ///
-/// In the rest pose every rotation is zero. A joint's rotations apply in channel order, each about the axes rotated by
-/// the previous ones: channels Z, X, Y give Rz * Rx * Ry.
+/// A joint's rotations apply in channel order, each about the axes rotated by the previous ones: channels Z, X, Y give
+/// Rz * Rx * Ry.
 ///
-/// BVH specifies neither unit nor axes, so they are guessed:
+/// BVH specifies neither rest pose, unit nor axes, so they are guessed:
+/// - Rest pose: every rotation is zero, if the body then stands. Else the file stores bones along the axes of their
+///   joints, and the rest pose is the straightest of the frames, see findRestPose().
 /// - Unit: the skeleton's size is the longest side of the bounding box of its rest pose, including end sites. This is
 ///   the height of a standing person and the arm span of a person in T-pose. The unit (metres, decimetres, centimetres,
 ///   millimetres, inches, or the unit of the CMU database, 5.644 cm) is the one that makes this size nearest to 1.7 m
@@ -37,11 +52,11 @@ struct BvhFile {
 ///   too, unless they are nearer to zero than to the offset: then they are added to it.
 ///
 /// Memory use is at most proportional to the file size.
-/// @return the motion, or an error with file, line, found and expected
-[[nodiscard]] Result<BvhFile> readBvh(const std::filesystem::path& file);
+/// @return the motion; or an error with file, line, found and expected, or about the rest pose that was asked for
+[[nodiscard]] Result<BvhFile> readBvh(const std::filesystem::path& file, const BvhRest& rest = {});
 
 /// Reads BVH text in memory. @param name  name of the text in error messages
-[[nodiscard]] Result<BvhFile> parseBvh(std::string_view text, std::string_view name);
+[[nodiscard]] Result<BvhFile> parseBvh(std::string_view text, std::string_view name, const BvhRest& rest = {});
 
 /// Writes a BVH file, completely or not at all. Centimetres, Y up; channels Xposition Yposition Zposition Zrotation
 /// Xrotation Yrotation on roots and on joints that translate relative to their parent, rotations only elsewhere. Frames

@@ -275,16 +275,26 @@ class Parser {
     return {};
   }
 
-  /// Parses "Frames: 12" and "Frame Time: 0.03" in either order, with the colons detached or missing.
+  /// Parses "Frames: 12" and "Frame Time: 0.03" in either order, with or without blanks around the colons, or without
+  /// colons.
   Result<void> parseMotionHead() {
     bool hasTime = false;
     while (!promisedFrames_ || !hasTime) {
-      std::string_view word = words_.next();
-      if (!word.empty() && word.back() == ':') word.remove_suffix(1);
+      // A word in front of a colon, and what follows the colon in the same word.
+      const auto split = [&](std::string_view& behind) {
+        const std::string_view word = words_.next();
+        const std::size_t colon = word.find(':');
+        behind = colon == std::string_view::npos ? std::string_view() : word.substr(colon + 1);
+        return word.substr(0, colon);
+      };
+      std::string_view value;
+      const std::string_view word = split(value);
       const bool count = sameWord(word, "frames");
       if (!count && !sameWord(word, "frame")) return words_.found(word, "\"Frames:\" and \"Frame Time:\"");
-      std::string_view value = words_.next();
-      while (sameWord(value, "time") || sameWord(value, "time:") || value == ":") value = words_.next();
+      while (value.empty() && !words_.atEnd()) {
+        const std::string_view next = split(value);
+        if (value.empty() && !next.empty() && !sameWord(next, "time")) value = next;
+      }
       const std::optional<double> number = numberOf(value);
       if (count) {
         if (!number) return words_.found(value, "the number of frames");

@@ -4,6 +4,7 @@
 #include "capture/files/joint_stream_layouts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/utf16.h"
 
 #include <algorithm>
 #include <limits>
@@ -24,6 +25,7 @@ Result<JointStream> parseLorica(std::string_view text, std::string_view name, co
     for (const SkeletonFrame& frame : its) meter.add(frame);
   }
   JointStream stream;
+  stream.firstGuess.emplace_back("metres, Y up, the floor at y = 0, as the format says");
   LORICA_TRY(const int chosen, joints::choosePerson(ways, name, settings, stream));
   for (std::vector<SkeletonFrame>& its : all) {
     if (its.front().user == chosen) stream.frames = std::move(its);
@@ -54,7 +56,8 @@ Result<JointStream> readPair(const std::filesystem::path& file, std::string_view
   std::string otherName = name;
   otherName.replace(at, mine.size(), isAngles ? kPositions : kAngles);
   const std::filesystem::path other = file.parent_path() / otherName;
-  LORICA_TRY(const std::string otherText, readFile(other));
+  LORICA_TRY(std::string otherText, readFile(other));
+  otherText = asUtf8(std::move(otherText));
   LORICA_TRY(joints::RawStream raw, isAngles ? joints::readUiPrmd(otherText, other.string(), text, file.string())
                                              : joints::readUiPrmd(text, file.string(), otherText, other.string()));
   return joints::finish(std::move(raw), JointFormat::kUiPrmd, file.string(), settings);
@@ -86,7 +89,8 @@ void fillAbsences(double begin, double end, std::vector<SkeletonFrame>& frames) 
 }  // namespace
 
 Result<JointStream> readJointStream(const std::filesystem::path& file, const JointStreamSettings& settings) {
-  LORICA_TRY(const std::string text, readFile(file));
+  LORICA_TRY(std::string text, readFile(file));
+  text = asUtf8(std::move(text));
   JointStreamSettings known = settings;
   LORICA_TRY(known.format, formatOf(text, file.string(), settings));
   if (known.format == JointFormat::kUiPrmd) return readPair(file, text, settings);

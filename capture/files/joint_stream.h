@@ -40,10 +40,11 @@ struct JointStreamSettings {
 struct JointStream {
   std::vector<SkeletonFrame> frames;  ///< at least one, times increasing
   JointFormat format = JointFormat::kLorica;
-  std::vector<int> people;         ///< numbers of all people in the file, ascending
-  std::vector<std::string> notes;  ///< what was guessed, repaired or omitted: one sentence each
-  Vec3 origin = Vec3::Zero();      ///< of the frames, in the axes of the file's world [m]
-  double start = 0.0;              ///< time 0 of the frames, in the clock of the file [s]
+  std::vector<int> people;                   ///< numbers of all people in the file, ascending
+  std::vector<std::string> firstGuess = {};  ///< unit, axes and floor, and what they were taken from
+  std::vector<std::string> notes;            ///< what was repaired or omitted, or is odd: one sentence each
+  Vec3 origin = Vec3::Zero();                ///< of the frames, in the axes of the file's world [m]
+  double start = 0.0;                        ///< time 0 of the frames, in the clock of the file [s]
 };
 
 /// Reads recorded joints in any of the known layouts. Handles decimal commas, repeated or out-of-order frames, gaps,

@@ -110,7 +110,7 @@ void tellMetres(RawStream& raw) {
     }
   }
   if (!(largest > 0.0 && largest * 1000.0 < kLargestInMetres)) return;
-  raw.notes.emplace_back("Positions are assumed to be in metres, because all are below 20.");
+  raw.unit = "metres, since all numbers are below 20";
   for (Observation& row : raw.rows) {
     for (TrackedJoint& joint : row.frame.joints) joint.position *= 1000.0;
   }

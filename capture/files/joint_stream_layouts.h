@@ -82,6 +82,8 @@ struct RawStream {
   std::vector<Observation> rows;         ///< of all people, in file order
   std::optional<double> secondsPerTick;  ///< none = guess from the time steps
   bool worldAxes = false;                ///< those of Lorica's world, else x to the sensor's left, z away from it
+  bool yDown = false;                    ///< as it was in the file
+  std::string unit;                      ///< "centimetres, since people measure 172"; empty: as the layout says
   std::vector<std::string> notes;
 };
 

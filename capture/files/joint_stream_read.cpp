@@ -625,6 +625,7 @@ Result<RawStream> readNamedColumns(const Layout& layout, std::string_view text, 
   Layout known = layout;
   known.unit = header.unit.value_or(0.001);
   LORICA_TRY(RawStream raw, readRows(known, header, row, file));
+  if (header.unit) raw.unit = fmt::format("{:g} m per unit, as the header says", *header.unit);
   const double size = sizeOf(raw.rows);
   if (!header.unit && size > 0.0) {
     // People measure 0.3 m, of whom only the arms are seen, to 3 m, with their arms raised.
@@ -641,8 +642,7 @@ Result<RawStream> readNamedColumns(const Layout& layout, std::string_view text, 
     RowReader again(text, file);
     again.next();
     LORICA_TRY(raw, readRows(known, header, again, file));
-    raw.notes.push_back(
-        fmt::format("Positions are assumed to be in {}, because people measure {:.4g}.", unit->second, size / 0.001));
+    raw.unit = fmt::format("{}, since people measure {:.4g}", unit->second, size / 0.001);
   }
   if (!header.time || header.time.called == "frame") {
     raw.secondsPerTick = 1.0 / 30.0;
@@ -664,7 +664,7 @@ Result<RawStream> readNamedColumns(const Layout& layout, std::string_view text, 
   }
   if (upright.y() < 0.0) {
     flip(raw.rows, {-1.0, -1.0, 1.0});  // cameras have y down and x to their right
-    raw.notes.emplace_back("Heads have smaller y than hips: y is assumed to point down.");
+    raw.yDown = true;
   }
   return raw;
 }

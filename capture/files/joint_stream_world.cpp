@@ -209,7 +209,7 @@ void checkOrientations(std::vector<Observation>& rows, std::vector<std::string>&
 }
 
 /// How far the frames must be lowered so that the person stands on y = 0 [m], and from which joints this follows.
-double floorHeight(std::span<const Observation> rows, std::vector<std::string>& notes) {
+double floorHeight(std::span<const Observation> rows, std::vector<std::string>& firstGuess) {
   struct Guess {
     J left, right;
     double height;
@@ -230,16 +230,16 @@ double floorHeight(std::span<const Observation> rows, std::vector<std::string>& 
     }
     if (heights.empty()) continue;
     const bool ankles = guess.left == J::kLeftFoot;
-    notes.push_back(fmt::format("The floor was placed {:g} m below the {} {}.", guess.height,
-                                ankles ? "lowest" : "median height of the", guess.name));
+    firstGuess.push_back(fmt::format("floor {:g} m below the {} {}", guess.height,
+                                     ankles ? "lowest" : "median height of the", guess.name));
     return percentile(heights, ankles ? kFloorShare : 0.5) - guess.height;
   }
   return 0.0;
 }
 
 /// Places the person on the floor, with the centre of the covered ground at the origin. @return where that was [m]
-Vec3 placeOnFloor(std::vector<Observation>& rows, std::vector<std::string>& notes) {
-  const double floor = floorHeight(rows, notes);
+Vec3 placeOnFloor(std::vector<Observation>& rows, std::vector<std::string>& firstGuess) {
+  const double floor = floorHeight(rows, firstGuess);
   Eigen::AlignedBox3d ground;
   for (const Observation& row : rows) {
     if (const std::optional<Vec3> position = positionOf(row.frame)) ground.extend(*position);
@@ -336,6 +336,14 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
                      kLongestRecording);
   }
 
+  const double unit = layoutOf(format).unit;
+  stream.firstGuess.push_back(!raw.unit.empty()
+                                  ? raw.unit
+                                  : fmt::format("{}metres, as the layout says", unit == 1.0    ? ""
+                                                                                : unit == 0.01 ? "centi"
+                                                                                               : "milli"));
+  stream.firstGuess.push_back(fmt::format("Y is {}{}", raw.yDown ? "down, since heads have smaller y than hips" : "up",
+                                          raw.worldAxes ? "" : ", turned from the sensor's axes"));
   constexpr double kMirrored = -0.5;
   // Half a turn about Y makes a person who looks at the sensor face +Z.
   if (!raw.worldAxes) flip(rows, {-1.0, 1.0, -1.0});
@@ -345,7 +353,7 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
         "Toes and knees point backwards relative to left and right: the stream is mirrored and was mirrored back.");
   }
   checkOrientations(rows, stream.notes);
-  stream.origin = placeOnFloor(rows, stream.notes);
+  stream.origin = placeOnFloor(rows, stream.firstGuess);
   noteLean(rows, stream.notes);
 
   stream.frames.reserve(rows.size());

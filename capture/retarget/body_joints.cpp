@@ -3,6 +3,7 @@
 #include "capture/retarget/completed_skeleton.h"
 #include "capture/retarget/foot_contacts.h"
 #include "capture/retarget/human_rig.h"
+#include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/retarget.h"
 
 #include <fmt/format.h>
@@ -160,6 +161,7 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
                  fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
                              motion.name, motion.poses.size(), motion.times.size(), joints)};
   }
+  if (MirroredAxes(motion.skeleton).any()) return bodyJointsOf(straightened(motion));
   const Result<CompletedSkeleton> completed = CompletedSkeleton::create(motion.skeleton);
   if (!completed) {
     return Error{completed.error().code, fmt::format("the motion {}: {}", motion.name, completed.error().message)};

@@ -77,11 +77,14 @@ std::vector<Quat> boneReference(const RetargetRig& rig) {
 }
 
 Result<BonePoseReader> BonePoseReader::create(const Skeleton& skeleton) {
-  LORICA_TRY(RetargetRig rig, RetargetRig::create(skeleton));
-  return BonePoseReader(std::move(rig));
+  MirroredAxes mirrored(skeleton);
+  LORICA_TRY(RetargetRig rig, RetargetRig::create(mirrored.any() ? mirrored.straightened() : skeleton));
+  return BonePoseReader(std::move(rig), std::move(mirrored));
 }
 
-BonePoseReader::BonePoseReader(RetargetRig rig) : body_(std::move(rig)), referenceFromJoint_(boneReference(body_.rig)) {
+BonePoseReader::BonePoseReader(RetargetRig rig, MirroredAxes mirrored)
+    : body_(std::move(rig)), mirrored_(std::move(mirrored)), referenceFromJoint_(boneReference(body_.rig)) {
+  if (mirrored_.any()) straight_ = restPose(body_.rig.skeleton);
   for (std::size_t b = 0; b < parent_.size(); ++b) {
     parent_[b] = parentBone(static_cast<HumanBone>(b));
     while (parent_[b] && body_.rig.skeleton.jointOf(*parent_[b]) == kNoJoint) parent_[b] = parentBone(*parent_[b]);
@@ -90,6 +93,11 @@ BonePoseReader::BonePoseReader(RetargetRig rig) : body_(std::move(rig)), referen
 
 BonePose BonePoseReader::read(std::span<const JointTransform> pose) {
   const Skeleton& skeleton = body_.rig.skeleton;
+  if (mirrored_.any()) {
+    straight_.assign(pose.begin(), pose.end());
+    mirrored_.exchange(straight_);
+    pose = straight_;
+  }
   body_.evaluate(pose);
   const auto turnOf = [&](JointIndex joint) -> Quat {
     return body_.worldRotation[index(joint)] * referenceFromJoint_[index(joint)].conjugate();

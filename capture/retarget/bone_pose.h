@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/root_and_feet.h"
 #include "skinning/skeleton.h"
 
@@ -55,9 +56,11 @@ class BonePoseReader {
   [[nodiscard]] BonePose read(std::span<const JointTransform> pose);
 
  private:
-  explicit BonePoseReader(RetargetRig rig);
+  BonePoseReader(RetargetRig rig, MirroredAxes mirrored);
 
   PosedBody body_;
+  MirroredAxes mirrored_;
+  Pose straight_;  ///< the last pose, if axes are mirrored
   std::vector<Quat> referenceFromJoint_;
   std::array<std::optional<HumanBone>, kHumanBoneCount> parent_;  ///< the nearest one that the skeleton has
 };

@@ -73,6 +73,22 @@ std::vector<ProxySkeleton::Foot> ProxySkeleton::longFeet(const ProxyDraft& draft
 }
 
 Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
+  MirroredAxes mirrored(character.skeleton);
+  if (!mirrored.any()) return createStraight(character);
+  LORICA_TRY(ProxySkeleton made, createStraight(straightened(character)));
+  const auto count = at(character.skeleton.jointCount());
+  if (made.isOwn()) {
+    made.proxyOf_.resize(count);
+    std::iota(made.proxyOf_.begin(), made.proxyOf_.end(), 0);
+    made.sameParent_.assign(count, true);
+    made.hipsParentFromWorld_ = RetargetRig::create(made.skeleton_).value().hipsParentFromWorld;
+    made.makeBuffers();
+  }
+  made.mirrored_ = std::move(mirrored);
+  return made;
+}
+
+Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) {
   ProxySkeleton made;
   made.own_ = character.skeleton;
   const auto ownCount = at(character.skeleton.jointCount());
@@ -154,12 +170,16 @@ Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
     }
   }
   if (made.soles_.empty()) made.feet_ = longFeet(draft, *rig, newIndex);
-  made.shown_ = restPose(made.skeleton_);
-  made.proxyRotation_.resize(order.size());
-  made.worldFromProxy_.resize(order.size());
-  made.ownRotation_.resize(ownCount);
-  made.worldFromOwn_.resize(ownCount);
+  made.makeBuffers();
   return made;
+}
+
+void ProxySkeleton::makeBuffers() {
+  shown_ = restPose(skeleton_);
+  proxyRotation_.resize(shown_.size());
+  worldFromProxy_.resize(shown_.size());
+  ownRotation_.resize(own_.joints().size());
+  worldFromOwn_.resize(own_.joints().size());
 }
 
 /// Fills shown_ and its world transforms.
@@ -259,10 +279,11 @@ void ProxySkeleton::mapBack(std::span<const JointTransform> proxyPose, std::span
     ownRotation_[j] = (above * pose[j].rotation).normalized();
     worldFromOwn_[j] = worldFromParent * pose[j].matrix();
   }
+  if (mirrored_) mirrored_->exchange(pose);
 }
 
 SkeletalMotion ProxySkeleton::mapBack(SkeletalMotion motion) {
-  SkeletalMotion carried{std::move(motion.name), own_, std::move(motion.times), {}};
+  SkeletalMotion carried{std::move(motion.name), mirrored_ ? mirrored_->skeleton() : own_, std::move(motion.times), {}};
   const auto proxyCount = at(skeleton_.jointCount());
   const auto ownCount = at(own_.jointCount());
   carried.poses.resize(carried.times.size() * ownCount);

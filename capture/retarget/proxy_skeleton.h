@@ -1,11 +1,13 @@
 #pragma once
 
+#include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/retarget_rig.h"
 #include "geometry/result.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,6 +31,8 @@ struct ProxyDraft;
 ///
 /// The soles of a rig are estimates. Where the mesh of a foot reaches farther, the foot is levelled until it is not
 /// below the floor; if that is not enough, the hips are raised.
+///
+/// Negative scales that mirror the axes of joints are undone in the proxy.
 ///
 /// If a skeleton can be retargeted as is, the proxy equals that skeleton. Keeps no state between frames but has buffers
 /// for one frame: use one instance per thread.
@@ -89,14 +93,18 @@ class ProxySkeleton {
   };
 
   ProxySkeleton() = default;
+  /// Of a character without mirrored axes.
+  static Result<ProxySkeleton> createStraight(const Character& character);
   /// The feet that need levelling, by the proxy's rig.
   [[nodiscard]] static std::vector<Foot> longFeet(const ProxyDraft& draft, const RetargetRig& rig,
                                                   std::span<const JointIndex> proxyOf);
+  void makeBuffers();
   void levelFeet();
   void raiseHips();
   void stiffen(std::span<const JointTransform> proxyPose);
 
-  Skeleton own_;
+  Skeleton own_;  ///< without mirrored axes
+  std::optional<MirroredAxes> mirrored_;
   Skeleton skeleton_;
   std::vector<Substitute> substitutes_;
   std::vector<Stray> strays_;

@@ -1,11 +1,14 @@
 #include "capture/retarget/retarget_rig.h"
 
+#include "geometry/text.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <string_view>
 
 namespace lorica {
 namespace {
@@ -130,6 +133,37 @@ Quat flatFoot(const Vec3& toesFromAnkle) {
   if (length < kShortestBone || std::abs(toesFromAnkle.y()) < kSteepest * length) return Quat::Identity();
   const Vec3 standing(0.0, -std::sin(kSlope), std::cos(kSlope));
   return swingBetween(toesFromAnkle / length, standing, Vec3::UnitX());
+}
+
+/// The one joint without children below the head whose name says that it is its end; kNoJoint if there is none.
+JointIndex endOfHead(const Skeleton& skeleton) {
+  constexpr std::array<std::string_view, 5> kWords = {"end", "top", "nub", "site", "effector"};
+  const JointIndex head = skeleton.jointOf(HumanBone::kHead);
+  JointIndex found = kNoJoint;
+  for (JointIndex j = head + 1; head != kNoJoint && j < skeleton.jointCount(); ++j) {
+    if (found != kNoJoint && skeleton.joint(j).parent == found) return kNoJoint;
+    const std::string name = lowerCase(skeleton.joint(j).name);
+    const bool named = std::any_of(kWords.begin(), kWords.end(),
+                                   [&](std::string_view word) { return name.find(word) != std::string::npos; });
+    if (skeleton.joint(j).parent == head && named && !skeleton.joint(j).bone) {
+      if (found != kNoJoint) return kNoJoint;
+      found = j;
+    }
+  }
+  return found;
+}
+
+/// How far a head looks down at rest, about +X [rad]: by the line to its end, if that follows an axis of the joint. Of
+/// other heads the end is not straight above the joint when they look ahead.
+/// @param chestFromEnd  the line in the frame of the chest: left, up, ahead
+double bowOfHead(const Vec3& chestFromEnd, const Vec3& jointFromEnd) {
+  constexpr double kAlongAxis = 0.99;
+  constexpr double kLeast = 0.2;  // heads of usual shape are built this askew
+  constexpr double kMost = 1.2;
+  const double length = chestFromEnd.norm();
+  if (length < kShortestBone || jointFromEnd.cwiseAbs().maxCoeff() < kAlongAxis * jointFromEnd.norm()) return 0.0;
+  const double bow = std::atan2(chestFromEnd.z(), chestFromEnd.y());
+  return std::abs(bow) > kLeast && std::abs(bow) < kMost ? bow : 0.0;
 }
 
 /// A finger's bones from the palm outwards.
@@ -287,6 +321,10 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   for (const HumanBone bone :
        {HumanBone::kNeck, HumanBone::kHead, HumanBone::kLeftShoulder, HumanBone::kRightShoulder}) {
     set(bone, tposeFromRest);
+  }
+  if (const JointIndex end = endOfHead(skeleton); end != kNoJoint) {
+    const double bow = bowOfHead(tposeFromRest * (position[end] - at(HumanBone::kHead)), rest[end].translation);
+    if (bow != 0.0) set(HumanBone::kHead, Quat(Eigen::AngleAxisd(-bow, Vec3::UnitX())) * tposeFromRest);
   }
   if (has(HumanBone::kNeck) && has(HumanBone::kHead)) {
     const Vec3 neck = at(HumanBone::kHead) - at(HumanBone::kNeck);

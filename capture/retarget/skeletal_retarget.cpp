@@ -4,6 +4,7 @@
 #include "capture/retarget/foot_contacts.h"
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/leg_reach.h"
+#include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/proxy_skeleton.h"
 
 #include <fmt/format.h>
@@ -361,6 +362,7 @@ Result<SkeletalMotion> retargetMotion(const SkeletalMotion& source, const Skelet
                  fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
                              source.name, source.poses.size(), source.times.size(), joints)};
   }
+  if (MirroredAxes(source.skeleton).any()) return retargetMotion(straightened(source), target, settings);
   const Result<CompletedSkeleton> completed = CompletedSkeleton::create(source.skeleton);
   if (!completed) {
     return Error{completed.error().code, fmt::format("the motion {}: {}", source.name, completed.error().message)};

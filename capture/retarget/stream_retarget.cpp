@@ -12,6 +12,8 @@ namespace {
 
 /// A sender's thigh or shin shorter than this is taken as missing [m].
 constexpr double kShortestBone = 0.02;
+/// Hips nearer to the root than this came without a position [m].
+constexpr double kNowhere = 1e-4;
 /// A sender's floor is measured over this time [s] and corrected if it is off by more than this [m].
 constexpr double kFloorSeconds = 1.0;
 constexpr double kFloorTolerance = 0.05;
@@ -39,7 +41,7 @@ void StreamRetargeter::apply(const BonePose& sent, double time, bool known, std:
   const Sender sender = readSender(sent);
   if (known) measure(sender, time);
   turnBones(sent, sender, known, pose);
-  placeRoot(sender, known, pose);
+  placeRoot(sent, sender, known, pose);
   if (settings_.plantFeet && hasLegs_) plantFeet(sender, known, pose);
 }
 
@@ -95,15 +97,24 @@ void StreamRetargeter::turnBones(const BonePose& sent, const Sender& sender, boo
   body_.evaluate(pose);
 }
 
-void StreamRetargeter::placeRoot(const Sender& sender, bool known, std::span<JointTransform> pose) {
+void StreamRetargeter::placeRoot(const BonePose& sent, const Sender& sender, bool known,
+                                 std::span<JointTransform> pose) {
   const Vec3 middleHip = body_.middleHip();
   Vec3 wanted = middleHip;
   if (known) {
+    const bool hipsCome =
+        sent.rotation[index(HumanBone::kHips)] && sent.offset[index(HumanBone::kHips)].norm() > kNowhere;
     const Vec3 hip =
         hasLegs_ ? sender.middleHip
                  : Vec3(sender.position[index(HumanBone::kHips)] + middleHip - body_.positionOf(HumanBone::kHips));
     if (!firstHip_) firstHip_ = hip;
     wanted = scaledPath(*firstHip_, hip, legRatio_, floor_);
+    if (hipsCome && !firstHipHeight_) firstHipHeight_ = hip.y();
+    // Hips above legs that do not come tell only how they move: the body stood at first.
+    const bool legsCome = sent.rotation[index(HumanBone::kLeftUpperLeg)].has_value();
+    if (!hasLegs_ && !(hipsCome && legsCome)) {
+      wanted.y() = middleHip.y() + (hipsCome ? hip.y() - *firstHipHeight_ : 0.0);
+    }
     if (hasLegs_) {
       // The lower ankle is as high as the sender's, scaled: shins and thighs of other proportions lead elsewhere.
       double above = std::numeric_limits<double>::infinity();

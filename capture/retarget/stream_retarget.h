@@ -20,7 +20,8 @@ struct StreamRetargetSettings {
 /// Each bone takes the sender's rotation; bones that the character lacks pass theirs on to their children. The root
 /// moves as Retargeter's does: from the sender's position on, scaled by the ratio of leg lengths, which come from the
 /// sender's offsets. If these are missing or zero, the sender is taken to be as large as the character. Feet that stand
-/// still keep their place. A sender of the character's own proportions moves it exactly as its own.
+/// still keep their place. A sender of the character's own proportions moves it exactly as its own. Without legs, as
+/// from a webcam, the character stands; its height changes as the sender's hips do, if they come.
 ///
 /// A sender whose feet are more than 5 cm above or below the floor in the first second is moved onto it.
 /// Bones that do not come hold, then ease to rest, and come back without a jump (ConfidenceHold). Allocates nothing per
@@ -51,7 +52,7 @@ class StreamRetargeter {
   [[nodiscard]] Sender readSender(const BonePose& sent) const;
   void measure(const Sender& sender, double time);
   void turnBones(const BonePose& sent, const Sender& sender, bool known, std::span<JointTransform> pose);
-  void placeRoot(const Sender& sender, bool known, std::span<JointTransform> pose);
+  void placeRoot(const BonePose& sent, const Sender& sender, bool known, std::span<JointTransform> pose);
   void plantFeet(const Sender& sender, bool known, std::span<JointTransform> pose);
 
   PosedBody body_;
@@ -65,6 +66,7 @@ class StreamRetargeter {
   double lowestAnkle_ = 0.0;  ///< of the sender in the first second [m]
   double floor_ = 0.0;        ///< the sender's [m]
   std::optional<Vec3> firstHip_;
+  std::optional<double> firstHipHeight_;  ///< of hips that came [m]
 };
 
 }  // namespace lorica

@@ -92,15 +92,20 @@ std::optional<OscMessage> OscPacket::next() {
 
 std::optional<double> OscArguments::number() {
   const char type = types_.empty() ? '\0' : types_.front();
-  if ((type != 'f' && type != 'i') || data_.size() < 4) {
+  const std::size_t size = type == 'f' || type == 'i' ? 4 : type == 'd' || type == 'h' ? 8 : 0;
+  const bool truth = type == 'T' || type == 'F';
+  if ((size == 0 && !truth) || data_.size() < size) {
     types_ = {};
     return std::nullopt;
   }
-  const std::uint32_t word = wordAt(data_);
   types_.remove_prefix(1);
-  data_ = data_.subspan(4);
+  if (truth) return type == 'T' ? 1.0 : 0.0;
+  const std::uint32_t word = wordAt(data_);
+  const std::uint64_t both = size == 8 ? std::uint64_t{word} << 32 | wordAt(data_.subspan(4)) : 0;
+  data_ = data_.subspan(size);
   if (type == 'i') return static_cast<std::int32_t>(word);
-  const auto value = std::bit_cast<float>(word);
+  if (type == 'h') return static_cast<double>(static_cast<std::int64_t>(both));
+  const double value = type == 'd' ? std::bit_cast<double>(both) : std::bit_cast<float>(word);
   if (std::isfinite(value)) return value;
   types_ = {};
   return std::nullopt;

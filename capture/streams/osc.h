@@ -50,7 +50,7 @@ class OscArguments {
 
   /// Number of arguments that were promised and not yet read.
   [[nodiscard]] std::size_t left() const { return types_.size(); }
-  /// A finite float or an integer.
+  /// A finite float or double, an integer of 32 or 64 bits, or a truth value as 1 or 0.
   [[nodiscard]] std::optional<double> number();
   [[nodiscard]] std::optional<std::string_view> text();
 

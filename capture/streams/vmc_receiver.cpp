@@ -14,6 +14,8 @@ namespace {
 constexpr double kFrameSeconds = 1.0 / 90.0;
 /// Bones that were not sent for this time are not waited for [s].
 constexpr double kForgottenSeconds = 0.5;
+/// A state that is not repeated for this time has passed, if bones keep coming [s].
+constexpr double kStateSeconds = 1.0;
 constexpr double kFarthest = 100.0;  ///< [m]
 constexpr std::size_t kMostExpressions = 256;
 constexpr std::size_t kLongestName = 128;
@@ -97,6 +99,7 @@ VmcReceiver::Taken VmcReceiver::takeState(OscArguments arguments) {
   const std::optional<double> loaded = arguments.number();
   if (!loaded) return Taken::kNothing;
   tracking_ = *loaded != 0.0;
+  stateAt_ = now_;
   const std::optional<double> calibration = arguments.number();
   (void)arguments.number();
   const std::optional<double> status = arguments.number();
@@ -160,7 +163,7 @@ bool VmcReceiver::allRefreshed(double seconds) const {
 void VmcReceiver::complete() {
   frame_.time = now_;
   frame_.pose = pending_;
-  frame_.tracking = tracking_;
+  frame_.tracking = tracking_ || now_ - stateAt_ > kStateSeconds;
   frame_.expressions = expressions_;
   fresh_.fill(false);
   freshCount_ = 0;

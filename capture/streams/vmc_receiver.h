@@ -19,7 +19,8 @@ namespace lorica {
 /// A frame is complete when every bone that the sender keeps sending has come again; or when a bone comes again, OK or
 /// T comes, or 1/90 s has passed. Bones that are not sent again keep their last rotation. Axes are converted from
 /// Unity's to Lorica's. Unknown addresses, bones and surplus arguments are ignored, and so are numbers that are not
-/// finite, rotations that are none, and positions beyond 100 m. Time tags and the sender's clock are not used.
+/// finite, rotations that are none, and positions beyond 100 m. A sender that says once that it is not tracking, and
+/// then sends bones for a second and no further state, is tracking. Time tags and the sender's clock are not used.
 /// Allocates nothing but the names of up to 256 expressions.
 class VmcReceiver {
  public:
@@ -53,6 +54,7 @@ class VmcReceiver {
   BoneFrame frame_;
   BonePose pending_;
   bool tracking_ = true;
+  double stateAt_ = 0.0;                            ///< when the sender last said whether it is tracking [s]
   std::array<double, kHumanBoneCount> lastSeen_{};  ///< of bones that were sent [s]
   std::array<bool, kHumanBoneCount> fresh_{};       ///< since the last complete frame
   int freshCount_ = 0;

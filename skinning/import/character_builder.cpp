@@ -508,7 +508,7 @@ class CharacterBuilder {
   /// Springs and constraints with joints instead of nodes, and in metres.
   void addSprings() {
     const auto jointOf = [&](int node) { return jointsOfNode_[node].front(); };
-    out_.springs = withJoints(scene_.springs, jointOf, out_.metresPerUnit);
+    out_.springs = withJoints(scene_.springs, jointOf);
     const Skeleton& skeleton = out_.character.skeleton;
     for (const JointIndex joint : orderConstraints(skeleton, out_.springs.constraints)) {
       out_.notes.push_back(

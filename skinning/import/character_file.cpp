@@ -93,7 +93,7 @@ bool isCharacterFile(const std::filesystem::path& file) {
   std::string extension = file.extension().string();
   std::transform(extension.begin(), extension.end(), extension.begin(),
                  [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
-  constexpr std::array<std::string_view, 5> kExtensions = {".gltf", ".glb", ".vrm", ".fbx", ".dae"};
+  constexpr std::array<std::string_view, 6> kExtensions = {".gltf", ".glb", ".vrm", ".vrma", ".fbx", ".dae"};
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }
 

@@ -55,7 +55,7 @@ struct CharacterFile {
   SpringBones springs;  ///< of VRM; empty if the file has none. Its joints are among the character's
   Look look;            ///< of `character.mesh`, as its maker drew it; not given if the file has no materials
 
-  std::string format;               ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "FBX", "COLLADA"
+  std::string format;               ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "VRM animation 1.0", "FBX", "COLLADA"
   int meshes = 0;                   ///< of the file
   std::vector<MeshName> meshNames;  ///< of those that are not hidden; at most 1,000
   int primitives = 0;
@@ -84,7 +84,7 @@ struct CharacterFile {
 [[nodiscard]] Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const std::string& name,
                                                        const CharacterFileSettings& settings = {});
 
-/// Whether a file has the extension of a character: .gltf, .glb, .vrm, .fbx, .dae; case is ignored.
+/// Whether a file has the extension of a character: .gltf, .glb, .vrm, .vrma, .fbx, .dae; case is ignored.
 [[nodiscard]] bool isCharacterFile(const std::filesystem::path& file);
 
 }  // namespace lorica

@@ -18,20 +18,12 @@ std::vector<int> nodesOfSprings(const SpringBones& springs) {
   return nodes;
 }
 
-SpringBones withJoints(SpringBones springs, const std::function<JointIndex(int)>& jointOfNode, double metresPerUnit) {
+SpringBones withJoints(SpringBones springs, const std::function<JointIndex(int)>& jointOfNode) {
   for (SpringChain& chain : springs.chains) {
-    for (SpringJoint& joint : chain.joints) {
-      joint.joint = jointOfNode(joint.joint);
-      joint.stiffness *= metresPerUnit;
-      joint.gravityPower *= metresPerUnit;
-      joint.hitRadius *= metresPerUnit;
-    }
+    for (SpringJoint& joint : chain.joints) joint.joint = jointOfNode(joint.joint);
     if (chain.center != kNoJoint) chain.center = jointOfNode(chain.center);
   }
-  for (SpringCollider& collider : springs.colliders) {
-    collider.joint = jointOfNode(collider.joint);
-    collider.radius *= metresPerUnit;
-  }
+  for (SpringCollider& collider : springs.colliders) collider.joint = jointOfNode(collider.joint);
   for (NodeConstraint& constraint : springs.constraints) {
     constraint.joint = jointOfNode(constraint.joint);
     constraint.source = jointOfNode(constraint.source);

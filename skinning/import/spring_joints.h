@@ -12,9 +12,7 @@ namespace lorica {
 /// @param springs  with nodes instead of joints, see FileScene
 [[nodiscard]] std::vector<int> nodesOfSprings(const SpringBones& springs);
 
-/// Replaces nodes by their joints, and the file's units by metres. Tails and colliders stay in their joints' frames,
-/// which keep the file's numbers; forces move tails by lengths, so they are scaled too.
-[[nodiscard]] SpringBones withJoints(SpringBones springs, const std::function<JointIndex(int)>& jointOfNode,
-                                     double metresPerUnit);
+/// Replaces nodes by their joints. All lengths stay in their joints' frames, which keep the file's numbers.
+[[nodiscard]] SpringBones withJoints(SpringBones springs, const std::function<JointIndex(int)>& jointOfNode);
 
 }  // namespace lorica

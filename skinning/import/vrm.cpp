@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <utility>
 
 namespace lorica {
 
@@ -62,8 +63,11 @@ class BoneList {
 
 void readVrm(const Json& extensions, FileScene& scene) {
   BoneList bones(scene);
-  if (const Json& vrm = memberOf(extensions, "VRMC_vrm"); vrm.is_object()) {
-    scene.format = "VRM 1.0";
+  for (const auto& [extension, format] :
+       {std::pair("VRMC_vrm", "VRM 1.0"), std::pair("VRMC_vrm_animation", "VRM animation 1.0")}) {
+    const Json& vrm = memberOf(extensions, extension);
+    if (!vrm.is_object()) continue;
+    scene.format = format;
     const Json& list = memberOf(memberOf(vrm, "humanoid"), "humanBones");
     if (!list.is_object()) return;
     for (const auto& [name, bone] : list.items()) bones.add(name, memberOf(bone, "node"));

@@ -11,17 +11,17 @@
 namespace lorica {
 
 /// A joint that swings: a spring turns it back to its rest rotation while its tail keeps its momentum.
-/// Terms and units of VRMC_springBone 1.0
+/// Terms of VRMC_springBone 1.0; its units are those of the joint's frame: scales at rest make metres of them
 /// (https://github.com/vrm-c/vrm-specification/blob/master/specification/VRMC_springBone-1.0/README.md).
 struct SpringJoint {
   JointIndex joint = 0;
   /// The end that swings, in the joint's frame: the next joint of the chain at rest, or a virtual one. Not 0.
   Vec3 tail{0.0, 0.1, 0.0};
-  double stiffness = 1.0;           ///< pull back to the rest direction [m/s], at least 0; see SpringSimulation
+  double stiffness = 1.0;           ///< pull back to the rest direction [units/s], at least 0; see SpringSimulation
   double gravityPower = 0.0;        ///< pull along gravityDir, the same unit
   Vec3 gravityDir{0.0, -1.0, 0.0};  ///< world, of any length
   double dragForce = 0.4;           ///< share of the speed that is lost in each step, 0 to 1
-  double hitRadius = 0.0;           ///< of the ball around the tail that collides [m], at least 0
+  double hitRadius = 0.0;           ///< of the ball around the tail that collides [units], at least 0
 };
 
 /// Joints that swing together, each below the one before it or beside it, such as a strand of hair.
@@ -47,7 +47,7 @@ struct SpringCollider {
   Vec3 offset = Vec3::Zero();   ///< centre, first end of a capsule, or a point of a plane, in the joint's frame
   Vec3 tail = Vec3::Zero();     ///< second end of a capsule, in the joint's frame
   Vec3 normal = Vec3::UnitZ();  ///< of a plane, in the joint's frame
-  double radius = 0.0;          ///< [m], at least 0; scales of joints do not change it
+  double radius = 0.0;          ///< in the unit of the joint's frame, at least 0
 };
 
 /// What moves by itself in a character: springs, what they collide with, and joints that follow others.

@@ -16,6 +16,17 @@ constexpr double kFastestBody = 25.0;     // [m/s]; World takes faster parts for
 constexpr double kTimeTolerance = 1e-6;   // of frames that should be a whole number of steps apart [s]
 constexpr double kShortestSpring = 1e-9;  // [m]
 
+/// World lengths for a length in each joint's frame at rest: the mean over the axes of the scales above and of its own.
+std::vector<double> scalesOf(const Skeleton& skeleton) {
+  std::vector<double> scales;
+  scales.reserve(skeleton.joints().size());
+  for (const Joint& joint : skeleton.joints()) {
+    const double above = joint.parent == kNoJoint ? 1.0 : scales[joint.parent];
+    scales.push_back(above * std::cbrt(std::abs(joint.rest.scale.prod())));
+  }
+  return scales;
+}
+
 /// Moves a point to a distance from another one; unchanged where there is no direction.
 void putAtDistance(const Vec3& head, double length, Vec3& tail) {
   const Vec3 along = tail - head;
@@ -33,14 +44,17 @@ Result<SpringSimulation> SpringSimulation::create(const Skeleton& skeleton, Spri
 
 SpringSimulation::SpringSimulation(const Skeleton& skeleton, SpringBones springs)
     : skeleton_(skeleton), springs_(std::move(springs)), springOf_(skeleton.joints().size(), -1) {
-  for (const SpringChain& chain : springs_.chains) {
+  const std::vector<double> scales = scalesOf(skeleton);
+  for (SpringCollider& collider : springs_.colliders) collider.radius *= scales[collider.joint];
+  for (SpringChain& chain : springs_.chains) {
     const std::size_t begin = colliders_.size();
     for (const int g : chain.colliderGroups) {
       const std::vector<int>& group = springs_.colliderGroups[g];
       colliders_.insert(colliders_.end(), group.begin(), group.end());
     }
     chainRoots_.push_back(joints_.size());
-    for (const SpringJoint& joint : chain.joints) {
+    for (SpringJoint& joint : chain.joints) {
+      for (double* length : {&joint.stiffness, &joint.gravityPower, &joint.hitRadius}) *length *= scales[joint.joint];
       springOf_[joint.joint] = countOf(joints_);
       joints_.push_back(joint);
       constants_.push_back({chain.center, begin, colliders_.size(), joint.tail.normalized(),

@@ -83,7 +83,10 @@ TEST(Bvh, PlainFile) {
   EXPECT_EQ(file->motion.skeleton.jointCount(), 2);
   EXPECT_EQ(file->motion.skeleton.joint(1).name, "Spine");
   EXPECT_EQ(file->motion.skeleton.joint(1).parent, 0);
-  EXPECT_EQ(file->notes.size(), 1U) << "only the unit is guessed";
+  EXPECT_TRUE(file->notes.empty());
+  EXPECT_EQ(file->firstGuess, (std::vector<std::string>{"rest pose: the zero pose",
+                                                        "metres, since the rest pose measures 1.5 units (1.5 m)",
+                                                        "Y is up, since head or feet are unknown"}));
 }
 
 TEST(Bvh, WritersHaveTheirOwnWays) {
@@ -104,6 +107,7 @@ TEST(Bvh, WritersHaveTheirOwnWays) {
   expectTheMotion(replaced(plain, "Zrotation", "ZROTATION"));
   expectTheMotion(replaced(plain, "Frames:", "Frames :"));
   expectTheMotion(replaced(plain, "Frame Time:", "frame time"));
+  expectTheMotion(replaced(replaced(plain, "Frames: ", "Frames:"), "Time: ", "Time:"));
   expectTheMotion(replaced(plain, "Frames: 2\nFrame Time: 0.04", "Frame Time: 4e-2\nFrames: 2"));
   expectTheMotion(replaced(plain, "1.5 2 3 90", "+1.5 2.0e0 .3E+1 90."));
   expectTheMotion(replaced(plain, "1.5 2 3", "1,5 2,0 3"));
@@ -273,7 +277,7 @@ TEST(Bvh, TheUnitIsTheOneThatMakesAPerson) {
     const Result<BvhFile> file = parseBvh(replaced(with(kMotion), "OFFSET 0 0.75 0", half), "x");
     EXPECT_TRUE(file);
     EXPECT_EQ(file->motion.pose(0)[0].translation, Vec3(file->metresPerUnit * Vec3(1, 2, 3)));
-    EXPECT_TRUE(anyNote(*file, file->unit));
+    EXPECT_TRUE(file->firstGuess.at(1).starts_with(file->unit));
     return file->unit;
   };
   EXPECT_EQ(unitOf(1.6), "metres");
@@ -442,7 +446,7 @@ TEST_P(SharedBvh, PositionsEqualAProductOfMatrices) {
   EXPECT_EQ(motion.skeleton.jointCount(), expected.joints);
   EXPECT_EQ(motion.frameCount(), expected.frames);
   EXPECT_EQ(file->unit, expected.unit);
-  EXPECT_EQ(anyNote(*file, "rotated so that Y is up"), expected.zUp);
+  EXPECT_EQ(file->firstGuess.at(2), expected.zUp ? "Z is up, rotated so that Y is up" : "Y is up");
   const SlowBvh slow(path);
   ASSERT_EQ(slow.rows.size(), motion.times.size());
   for (std::size_t f = 0; f < slow.rows.size(); f += 7) {

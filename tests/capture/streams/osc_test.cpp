@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -160,6 +162,18 @@ TEST(Osc, PromisesThatThePacketDoesNotHoldAreNotBelieved) {
   EXPECT_EQ(readAll(bytesOf("/abc,def")), 0);
   EXPECT_EQ(readAll(bytesOf("nothing of the kind.")), 0);
   EXPECT_EQ(readAll(bytesOf(std::string("#bundle\0\0\0\0\0\0\0\0\x01\xff\xff\xff\xff", 20))), 0);
+}
+
+TEST(Osc, NumbersOfAllSizesAreRead) {
+  // "/n" with a double of 0.1, an integer of 64 bits of -2, true and false, and a double whose end is missing.
+  const std::string packet("/n\0\0,dhTFd\0\0\x3f\xb9\x99\x99\x99\x99\x99\x9a\xff\xff\xff\xff\xff\xff\xff\xfe\0\0\0\0",
+                           32);
+  OscPacket messages(std::as_bytes(std::span(packet)));
+  const std::optional<OscMessage> message = messages.next();
+  ASSERT_TRUE(message);
+  OscArguments arguments(*message);
+  for (const double expected : {0.1, -2.0, 1.0, 0.0}) EXPECT_EQ(arguments.number(), expected);
+  EXPECT_FALSE(arguments.number());
 }
 
 TEST(Osc, NumbersThatAreNotFiniteAreNotRead) {

@@ -154,6 +154,22 @@ TEST(VmcReceiver, StateTellsWhetherTheSenderTracks) {
   EXPECT_FALSE(tracks({1, 3, 0, 0}));
 }
 
+/// Some senders say once, before the calibration, that they do not track yet.
+TEST(VmcReceiver, AStateThatIsNotRepeatedPasses) {
+  VmcReceiver once;
+  VmcReceiver always;
+  for (int i = 0; i < 60; ++i) {
+    const double time = i / 30.0;
+    Packet packet;
+    packet.bundle();
+    if (i == 0) packet.numbers("/VMC/Ext/OK", {0});
+    take(once, packet.bone("Hips"), time);
+    EXPECT_EQ(once.frame().tracking, time > 1.0) << time;
+    take(always, Packet().bundle().numbers("/VMC/Ext/OK", {0}).bone("Hips"), time);
+    EXPECT_FALSE(always.frame().tracking) << time;
+  }
+}
+
 TEST(VmcReceiver, ExpressionsAreAppliedTogether) {
   VmcReceiver receiver;
   take(receiver, Packet().bundle().weight("Joy", 0.5f).weight("Blink", 2.0f), 0.0);

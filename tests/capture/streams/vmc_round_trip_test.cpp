@@ -188,6 +188,35 @@ TEST(StreamRetarget, ZeroOffsetsDoNotCollapseTheCharacter) {
   }
 }
 
+/// Trackers with a webcam send head and arms, some of them hips at the origin or at the height of a chair.
+TEST(StreamRetarget, WithoutLegsTheCharacterStands) {
+  test::FigureSettings tall;
+  tall.scale = 1.4;
+  for (const Skeleton& skeleton : {makeMannequin().skeleton, test::makeFigure(tall).skeleton}) {
+    const std::vector<Affine3> rest = test::worldOf(skeleton, restPose(skeleton));
+    for (const double hipHeight : {-1.0, 0.0, 0.45, 0.95}) {
+      Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
+      ASSERT_TRUE(retargeter);
+      Pose pose = restPose(skeleton);
+      BonePose sent;
+      for (const B bone : {B::kSpine, B::kNeck, B::kHead, B::kLeftUpperArm, B::kLeftLowerArm}) {
+        sent.rotation[static_cast<std::size_t>(bone)] = Quat::Identity();
+        sent.offset[static_cast<std::size_t>(bone)] = Vec3(0.0, 0.1, 0.0);
+      }
+      for (int f = 0; f < 90; ++f) {
+        // The first frame of a live stream may lack bones.
+        if (hipHeight >= 0.0 && f > 0) sent.rotation[0] = Quat::Identity();
+        sent.offset[0] = Vec3(0.0, std::max(0.0, hipHeight), 0.0);
+        retargeter->apply(sent, f / 30.0, true, pose);
+      }
+      for (const B bone : {B::kHips, B::kLeftFoot, B::kRightFoot}) {
+        const JointIndex joint = skeleton.jointOf(bone);
+        EXPECT_NEAR(retargeter->worldFromJoint()[joint].translation().y(), rest[joint].translation().y(), 1e-6);
+      }
+    }
+  }
+}
+
 /// A sender whose avatar hangs half a metre above the floor.
 TEST(StreamRetarget, NoAvatarFloats) {
   const Skeleton skeleton = makeMannequin().skeleton;

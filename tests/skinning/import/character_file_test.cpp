@@ -10,7 +10,7 @@ namespace lorica {
 namespace {
 
 TEST(CharacterFile, IsKnownByTheEndOfItsName) {
-  for (const char* name : {"a.gltf", "a.glb", "b.VRM", "x/y.Fbx", "z.tar.dae"})
+  for (const char* name : {"a.gltf", "a.glb", "b.VRM", "w.vrma", "x/y.Fbx", "z.tar.dae"})
     EXPECT_TRUE(isCharacterFile(name)) << name;
   for (const char* name : {"a.bvh", "glb", ".glb.txt", "a.obj", "", "a."}) EXPECT_FALSE(isCharacterFile(name)) << name;
 }
@@ -21,6 +21,22 @@ TEST(CharacterFile, IsReadByWhatIsInIt) {
   const CharacterFile file = test::valueOf(readCharacterFile(misnamed));
   EXPECT_EQ(file.format, "glTF 2.0");
   EXPECT_EQ(file.character.name, "hero");
+}
+
+/// Its nodes may have any names: the extension says which are bones.
+TEST(CharacterFile, AVrmAnimationNamesItsBones) {
+  test::GlbWriter writer = test::smallCharacter();
+  for (const char* key : {"meshes", "skins", "materials"}) writer.document.erase(key);
+  writer.document["nodes"].erase(2);
+  writer.document["scenes"][0]["nodes"] = {0};
+  writer.document["extensions"]["VRMC_vrm_animation"] = nlohmann::json::parse(
+      R"({"specVersion": "1.0", "humanoid": {"humanBones": {"hips": {"node": 0}, "spine": {"node": 1}}}})");
+  const test::TemporaryFolder folder;
+  const CharacterFile file = test::valueOf(readCharacterFile(folder.write("wave.vrma", writer.glb())));
+  EXPECT_EQ(file.format, "VRM animation 1.0");
+  ASSERT_EQ(file.clips.size(), 1U);
+  const Skeleton& skeleton = file.character.skeleton;
+  EXPECT_EQ(skeleton.joint(skeleton.jointOf(HumanBone::kSpine)).name, "upper");
 }
 
 TEST(CharacterFile, WhatIsNoneIsRefusedInASentence) {

@@ -253,6 +253,31 @@ TEST(SpringSimulation, ObstaclesSeeEveryStepAndTheirAnswerIsKept) {
   EXPECT_NEAR(springs.tails()[0].y(), -0.05, 1e-12);
 }
 
+TEST(SpringSimulation, AScaledRootScalesTheMotion) {
+  constexpr double kScale = 10.0;
+  Skeleton skeleton = strandSkeleton(3);
+  std::vector<Joint> joints(skeleton.joints().begin(), skeleton.joints().end());
+  joints[0].rest.scale.setConstant(kScale);
+  const Skeleton large = Skeleton::create(joints).value();
+  SpringBones bones = strandSprings(3, {.stiffness = 0.3, .gravityPower = 0.2, .hitRadius = 0.02});
+  bones.colliders.push_back({.joint = 0, .offset = Vec3(0.15, -0.05, 0.0), .radius = 0.05});
+  bones.colliderGroups.push_back({0});
+  bones.chains[0].colliderGroups = {0};
+  SpringSimulation springs = simulationOf(skeleton, bones);
+  SpringSimulation largeSprings = simulationOf(large, bones);
+  for (int frame = 0; frame < 60; ++frame) {
+    Pose pose = walkerAt(skeleton, frame * kStep);
+    Pose largePose = pose;
+    largePose[0].translation *= kScale;
+    largePose[0].scale.setConstant(kScale);
+    springs.advance(pose, kStep);
+    largeSprings.advance(largePose, kStep);
+    for (int j = 0; j < 3; ++j) {
+      ASSERT_LT((largeSprings.tails()[j] - kScale * springs.tails()[j]).norm(), 1e-9) << "frame " << frame;
+    }
+  }
+}
+
 TEST(SpringSimulation, AJointOfScaleZeroKeepsStill) {
   std::vector<Joint> joints(2);
   joints[0].rest.scale = Vec3::Zero();
