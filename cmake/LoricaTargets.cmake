@@ -125,7 +125,8 @@ endfunction()
 #   ALONE Suite.*   tests with windows, cameras or networks: ctest runs one of them at a time, and others in parallel, since
 #                   they wait for what they need to see and never for a time
 #   SANITIZED *     .ci/run also runs these tests, built by clang under sanitizers (target sanitized_tests, label
-#                   sanitized): those of code that reads data from outside, and sessions, which use nearly all the rest
+#                   sanitized): those of code that reads data from outside. Sessions use nearly all the rest, which takes as
+#                   long again to build: scripts/check --thorough has them
 #   SLOW Suite.*    too slow for that: label slow
 #   LABEL peers     tests that need more than the libraries, to be run by themselves too; else the label is release
 function(lorica_tests name)

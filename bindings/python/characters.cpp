@@ -1,6 +1,7 @@
 #include "bindings/live_character.h"
 #include "bindings/python/arrays.h"
 #include "bindings/python/hull.h"
+#include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
 
 #include <fmt/format.h>
@@ -169,7 +170,8 @@ std::shared_ptr<Player> play(const py::object& motion, const BodyHandle& body, c
 
 void addCharacter(py::module_& module) {
   py::class_<CharacterHandle>(module, "Character",
-                              "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.")
+                              "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.",
+                              py::metaclass(metaclassOfConstructed().ptr()))
       .def(
           py::init(&openNamed), "file"_a = "mannequin",
           "Read .glb, .gltf, .vrm, .fbx or .dae; or the built-in \"mannequin\".\n\nAn open surface gets a closed body.")

@@ -1,6 +1,7 @@
 #include "bindings/mesh_parts.h"
 #include "bindings/python/arrays.h"
 #include "bindings/python/hull.h"
+#include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
 #include "geometry/mesh_files.h"
 
@@ -181,4 +182,5 @@ Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a 
              "The parts in a .lorica file that was made from this mesh.");
   module.def("read_mesh", &readMeshFile, "file"_a,
              "Read .off, .obj, .ply or .stl: (n, 3) float64 vertices and (m, 3) int32 faces, read-only, no copy.");
+  refuseUnmadeObjects(module);
 }

@@ -1,7 +1,7 @@
 #include "acd/decompose.h"
 
 #include "geometry/mesh_files.h"
-#include "geometry/mesh_mending.h"
+#include "geometry/small_faults.h"
 #include "tests/acd/parts.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
@@ -71,7 +71,7 @@ TEST(Decompose, TheNumberOfPartsIsALimit) {
   const TriMesh boxes =
       test::joined(test::makeBox({0, 0, 0}, {3, 1, 1}),
                    test::joined(test::makeBox({0, 0, 0}, {1, 3, 1}), test::makeBox({2, 0, 0}, {3, 3, 1})));
-  const TriMesh mesh = test::valueOf(mendMesh(boxes)).mesh;
+  const TriMesh mesh = test::valueOf(repairSmallFaults(boxes)).mesh;
   for (const DecomposePreset preset : {DecomposePreset::kFast, DecomposePreset::kQuality}) {
     for (const int most : {3, 4, 8, 16, 0}) {
       const Decomposition d = decomposed(mesh, {.maxParts = most, .preset = preset});

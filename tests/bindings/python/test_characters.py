@@ -1,3 +1,5 @@
+import copy
+import pickle
 import resource
 import tempfile
 import unittest
@@ -22,6 +24,24 @@ class Characters(unittest.TestCase):
     def setUpClass(cls):
         cls.mannequin = lorica.Character()
         cls.body = cls.mannequin.load_body(FILES / "body.lorica")
+
+    def test_objects_without_their_constructor_are_refused(self):
+        frame = next(iter(lorica.play("walk", self.body)))
+        parts = lorica.decompose(*box())
+        for made in (self.mannequin, self.body, frame, frame.hulls[0], self.body.live(), parts, lorica.play("walk", self.body)):
+            kind = type(made)
+            for attempt in (
+                lambda: kind.__new__(kind),
+                lambda: object.__new__(kind),
+                lambda: copy.copy(made),
+                lambda: copy.deepcopy(made),
+                lambda: pickle.dumps(made),
+            ):
+                with self.assertRaises(TypeError):
+                    attempt()
+        with self.assertRaises(TypeError):
+            lorica.Body()
+        self.assertEqual(lorica.Character("mannequin").body is None, False)
 
     def test_hulls_are_those_of_a_session_bit_for_bit(self):
         for motion, truth in (("walk", "walk_csv.hulls"), (FILES / "walk.bvh", "walk_bvh.hulls")):

@@ -145,7 +145,7 @@ TEST(BoneMap, EveryBeginningOfAFileEndsInASentence) {
     EXPECT_FALSE(parseBoneMap(body.substr(0, size), "map.json").ok()) << size;
   }
   EXPECT_EQ(readMessage(body), "read");
-  EXPECT_EQ(readMessage(std::string(100000, '[')).substr(0, 10), ": not JSON");
+  EXPECT_EQ(readMessage(std::string(100000, '[')).substr(0, 10), ": its JSON");
 }
 
 TEST(BoneMap, JointsThatDoNotFitAreRefusedInSentences) {
