@@ -1,11 +1,25 @@
 """Small meshes, and the files that tests/bindings/files.cmake made."""
 
+import ctypes
 import os
 from pathlib import Path
 
 import numpy as np
 
 FILES = Path(os.environ["LORICA_TEST_FILES"])
+
+
+class _MallocState(ctypes.Structure):
+    names = "arena ordblks smblks hblks hblkhd usmblks fsmblks uordblks fordblks keepcost"
+    _fields_ = [(name, ctypes.c_size_t) for name in names.split()]
+
+
+def kilobytes_in_use():
+    """What malloc has given out, in all threads; the process's size depends on which threads ran."""
+    libc = ctypes.CDLL(None)
+    libc.mallinfo2.restype = _MallocState
+    state = libc.mallinfo2()
+    return (state.uordblks + state.hblkhd) // 1024
 
 
 def box(low=(0, 0, 0), high=(1, 1, 1)):

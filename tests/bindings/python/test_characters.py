@@ -1,13 +1,12 @@
 import copy
 import pickle
-import resource
 import tempfile
 import unittest
 from pathlib import Path
 
 import lorica
 import numpy as np
-from shapes import FILES, box, farthest_outside
+from shapes import FILES, box, farthest_outside, kilobytes_in_use
 
 
 def bytes_of(frame):
@@ -88,7 +87,7 @@ class Characters(unittest.TestCase):
             for call in range(count):
                 frame = live.pose(poses[call % 40])
                 frame.hulls[call % 4].vertices, frame.world_from_joint
-            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+            return kilobytes_in_use()
 
         first = often(500)
         self.assertLess(often(10000) - first, 500)  # [kB], or 50 bytes a call

@@ -1,12 +1,11 @@
 import gc
-import resource
 import tempfile
 import unittest
 from pathlib import Path
 
 import lorica
 import numpy as np
-from shapes import box, farthest_outside, l_shape, torus, volume
+from shapes import box, farthest_outside, kilobytes_in_use, l_shape, torus, volume
 
 
 class Decompose(unittest.TestCase):
@@ -121,7 +120,7 @@ class Decompose(unittest.TestCase):
                 hull.vertices, hull.faces
                 with self.assertRaises(ValueError):
                     lorica.decompose(mesh[0], mesh[1] + 1)
-            return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+            return kilobytes_in_use()
 
         first = often(1000)
         self.assertLess(often(10000) - first, 500)  # [kB], or 50 bytes a call: less than one hull or sentence
