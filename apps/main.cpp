@@ -19,13 +19,13 @@
 
 namespace {
 
-int fail(const lorica::CommonOptions& options, const lorica::Error& error) {
+int fail(const lorica::Error& error) {
   if (error.code == lorica::ErrorCode::kCancelled) {
     lorica::answerInterrupt();
     lorica::sayCancelled();
     return lorica::interruptedStatus();
   }
-  lorica::publishFailure(options, lorica::nameOf(error.code), error.message);
+  lorica::publishFailure(lorica::nameOf(error.code), error.message);
   lorica::say(fmt::format("lorica: {}\n", lorica::printable(error.message)));
   return lorica::kBadInputStatus;
 }
@@ -64,10 +64,10 @@ int run(int argc, char** argv) {
   try {
     done = chosen->run(common, host);
   } catch (const std::bad_alloc& error) {
-    lorica::publishFailure(common, lorica::kOutOfMemory, error.what());
+    lorica::publishFailure(lorica::kOutOfMemory, error.what());
     throw;
   }
-  if (!done) return fail(common, done.error());
+  if (!done) return fail(done.error());
   return chosen->status ? chosen->status() : 0;
 }
 

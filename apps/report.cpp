@@ -98,13 +98,12 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
   return {};
 }
 
-void publishFailure(const CommonOptions& options, std::string_view kind, std::string_view message) {
-  std::error_code ignored;
-  if (options.json.empty() || std::filesystem::exists(options.json, ignored)) return;
+void publishFailure(std::string_view kind, std::string_view message) {
+  const std::string file = environment("LORICA_FAILURE_FILE");
+  if (file.empty()) return;
   const nlohmann::ordered_json json = {{"failure", {{"kind", kind}, {"message", message}}}};
-  const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
   // Who cannot be told so reads the sentence.
-  (void)(options.json == "-" ? print(text, "the JSON") : writeFileAtomically(options.json, text));
+  (void)writeFileAtomically(file, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
 }
 
 Result<void> checkNotTaken(const std::string& option, const std::filesystem::path& file,

@@ -55,9 +55,9 @@ class Report {
 [[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report,
                                    const nlohmann::ordered_json& json, bool outputTaken = false);
 
-/// Writes why a command failed as the JSON of its report: {"failure": {"kind": "badFormat", "message": ...}}. A file
-/// that is there already is kept: it may be what was refused.
-void publishFailure(const CommonOptions& options, std::string_view kind, std::string_view message);
+/// Tells a program that runs this one, such as `lorica bake`, why a command failed: writes {"failure": {"kind":
+/// "badFormat", "message": ...}} to the file that LORICA_FAILURE_FILE in the environment names.
+void publishFailure(std::string_view kind, std::string_view message);
 
 /// Rejects, before any work, a --json file that cannot be written or that is one of the other files.
 /// @param others  inputs and other outputs of the command; empty ones are ignored

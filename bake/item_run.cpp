@@ -22,7 +22,7 @@ using nlohmann::ordered_json;
 // Beside the result while it is made; removed before it is published.
 constexpr const char* kLog = "log.txt";
 constexpr const char* kReport = "report.json";
-constexpr const char* kExportReport = "export.json";
+constexpr const char* kFailure = "failure.json";
 constexpr const char* kCache = "cache";
 
 constexpr int kRefused = 2;  // exit status: bad input, or output that cannot be written
@@ -54,7 +54,6 @@ std::vector<std::vector<std::string>> stepsFor(const BakeJob& job, const fs::pat
   if (exports == job.item.settings.end()) return steps;
   for (const std::string& ending : exports->second) {
     steps.push_back(exportArguments(job.item, lorica, folder / (job.stem + "." + ending), settings));
-    steps.back().insert(steps.back().end(), {"--json", folder / kExportReport});
   }
   return steps;
 }
@@ -103,14 +102,13 @@ Result<ItemRun> ItemRun::start(const BakeJob& job, const fs::path& folder, const
 }
 
 Result<void> ItemRun::startStep() {
-  std::error_code ignored;
-  fs::remove(folder_ / kExportReport, ignored);  // of the step before
   // A cache of its own: `export` finds the body that `decompose` made, and nothing is shared over the network.
-  ProcessOrder order{settings_.program,
-                     steps_[step_],
-                     {{"XDG_CACHE_HOME", fs::absolute(folder_ / kCache)}},
-                     folder_ / kLog,
-                     memoryBound(job_.triangles)};
+  ProcessOrder order{
+      settings_.program,
+      steps_[step_],
+      {{"XDG_CACHE_HOME", fs::absolute(folder_ / kCache)}, {"LORICA_FAILURE_FILE", fs::absolute(folder_ / kFailure)}},
+      folder_ / kLog,
+      memoryBound(job_.triangles)};
   LORICA_TRY(process_, ChildProcess::start(order));
   return {};
 }
@@ -157,9 +155,9 @@ std::string ItemRun::lastSentence() const {
 }
 
 ItemRun::Refusal ItemRun::refusal() const {
-  const Result<std::string> text = readFile(folder_ / (step_ == 0 ? kReport : kExportReport), NamedBy::kFile);
+  const Result<std::string> text = readFile(folder_ / kFailure, NamedBy::kFile);
   if (!text) return {};
-  const Result<ordered_json> json = parseJson<ordered_json>(*text, kReport);
+  const Result<ordered_json> json = parseJson<ordered_json>(*text, kFailure);
   if (!json || !json->is_object() || !json->contains("failure")) return {};
   const ordered_json& failure = json->at("failure");
   return {failure.value("kind", ""), failure.value("message", "")};
@@ -222,7 +220,7 @@ Result<ordered_json> ItemRun::finish(const std::string& failure) {
   // A failure leaves its sentence alone.
   std::error_code error;
   if (failure.empty()) {
-    for (const char* name : {kLog, kReport, kExportReport, kCache}) fs::remove_all(folder_ / name, error);
+    for (const char* name : {kLog, kReport, kFailure, kCache}) fs::remove_all(folder_ / name, error);
   } else {
     fs::remove_all(folder_, error);
     fs::create_directory(folder_, error);

@@ -75,6 +75,7 @@ void hangFlatBones(FileScene& scene) {
   const std::optional<NodeSkeleton> nodes = skeletonOf(scene, frames);
   if (!nodes) return;
   std::vector<JointIndex> flat;
+  flat.reserve(bones.size());
   for (const int node : bones) flat.push_back(nodes->jointOfNode[node]);
   const std::vector<JointIndex> parents =
       parentsByNames(JointTree(nodes->skeleton), readJointNames(nodes->skeleton), flat);

@@ -26,8 +26,7 @@ constexpr const char* kProgram = R"sh(#!/bin/sh
 runs=$(dirname "$0")/runs
 if [ "$1" = export ]; then cp "$2" "$3"; exit 0; fi
 echo run >>"$runs/$(basename "$2")"
-report=$6
-failed() { printf '{"failure": {"kind": "%s", "message": "%s"}}' "$1" "$2" >"$report"; }
+failed() { printf '{"failure": {"kind": "%s", "message": "%s"}}' "$1" "$2" >"$LORICA_FAILURE_FILE"; }
 case $(cat "$2" 2>/dev/null) in
   good*) ;;
   slow*) sleep 0.3 ;;

@@ -203,9 +203,11 @@ TEST(SceneFile, KeysThatStandTwiceAndDeepNestsAreRefused) {
             "s.json: props[1].radius: found twice in one object, expected once");
   EXPECT_EQ(errorOf(sceneWith(R"("gravity": [0, -1, 0], "props": [{"at": [0, 0, 0], "at": [1, 1, 1]}])")),
             "s.json: props[0].at: found twice in one object, expected once");
-  const std::string deep(100000, '[');
-  const std::string nested = sceneWith("\"props\": " + deep + std::string(deep.size(), ']'));
-  EXPECT_NE(errorOf(nested).find("nested more than 16 levels deep"), std::string::npos);
+  const auto nested = [](int levels) {
+    return sceneWith("\"props\": " + std::string(levels, '[') + std::string(levels, ']'));
+  };
+  EXPECT_NE(errorOf(nested(20)).find("nested more than 16 levels deep"), std::string::npos);
+  EXPECT_EQ(errorOf(nested(100000)), "s.json: its JSON nests deeper than 64 levels");
 }
 
 TEST(SceneFile, EveryTruncatedPrefixFailsInASentence) {

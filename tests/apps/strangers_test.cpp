@@ -1,0 +1,65 @@
+// What other people's files once gave without a word. The right values are those of the README beside the files.
+
+#include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+namespace lorica::test {
+namespace {
+
+/// A command on one of the files; `said` is in what it prints.
+struct Row {
+  const char* file;
+  std::vector<std::string> before;
+  std::vector<std::string> after;
+  int exitCode;
+  std::vector<const char*> said;
+};
+
+TEST(Strangers, GetTheRightValueOrASentence) {
+  LORICA_REQUIRE_DATASET(readme, "strangers/README.md");
+  const std::filesystem::path folder = readme.parent_path();
+  const std::vector<Row> rows = {
+      {"kinect2_named_columns.csv", {"info"}, {}, 0, {"named-columns", "metres", "Y is up", "faces +Z"}},
+      {"kinect1_named_columns.txt", {"info"}, {}, 0, {"named-columns", "metres", "Y is up", "faces +Z"}},
+      {"azure_named_columns.csv", {"info"}, {}, 0, {"named-columns", "millimetres", "Y is down", "faces +Z"}},
+      {"bones_along_x.bvh", {"info"}, {}, 0, {"rest pose: ", "Y is up", "faces +Z"}},
+      {"bones_along_y.bvh", {"info"}, {}, 0, {"rest pose: ", "Y is up", "faces +Z"}},
+      {"utf16.bvh", {"info"}, {}, 0, {"rest pose: the zero pose, a T-pose", "90 at 30.0"}},
+      {"frames_nospace.bvh", {"info"}, {}, 0, {"rest pose: the zero pose, a T-pose", "90 at 30.0"}},
+      {"wave.vrma", {"info"}, {}, 0, {"VRM animation 1.0", "any humanoid can perform it"}},
+      {"vmc_doubles.pcap", {"info"}, {}, 0, {"159 at", "any humanoid can perform it"}},
+      {"vmc_ok_zero_once.pcap", {"info"}, {}, 0, {"159 at"}},
+      {"vmc_no_hips.pcap", {"info"}, {}, 0, {"missing bones stay at rest: leftUpperLeg"}},
+      {"rigid_boxes.vrm", {"info"}, {}, 0, {"a character", "1.850 m"}},
+      {"figure_posed_nodes.glb", {"info"}, {}, 0, {"1.450 m", "its nodes are posed"}},
+      {"line_continuation.obj", {"info"}, {}, 0, {"volume        1\n", "yes, it can be decomposed"}},
+      {"ufbx_max_skin_6100_ascii.fbx", {"info"}, {}, 2, {"FBX 6.1 is too old: export it as FBX 7.x"}},
+      {"flat_quad.obj", {"decompose"}, {}, 2, {"flat"}},
+      {"trimesh_cubevc.glb", {"decompose"}, {"--parts", "16"}, 0, {": 1 convex part\n"}},
+      {"convex_capsule.obj", {"decompose"}, {}, 0, {": 1 convex part\n"}},
+      {"U_boxes.obj",
+       {"decompose"},
+       {"--parts", "8"},
+       0,
+       {": 3 convex parts", "volume 7, together 9", "0.0 %", "1.0000"}},
+      {"chair_boxes.obj", {"decompose"}, {"--parts", "8"}, 0, {"volume 0.0449, together", "0.0 %", "1.0000"}},
+      {"U_twice.obj", {"decompose"}, {"--parts", "8"}, 0, {"volume 7.02996, together", "0.0 %", "1.0000"}},
+      {"U_once.obj", {"decompose"}, {"--parts", "8"}, 0, {"7", "1.0000"}},
+  };
+  for (const Row& row : rows) {
+    std::vector<std::string> words = row.before;
+    words.push_back(folder / row.file);
+    words.insert(words.end(), row.after.begin(), row.after.end());
+    const CommandResult result = runLorica(words);
+    EXPECT_EQ(result.exitCode, row.exitCode) << row.file << ": " << result.err;
+    const std::string all = result.out + result.err;
+    for (const char* text : row.said) {
+      EXPECT_NE(all.find(text), std::string::npos) << row.file << ": no `" << text << "` in:\n" << all;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lorica::test
