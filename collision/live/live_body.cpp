@@ -40,10 +40,10 @@ double tickFor(double reach) {
 // With as many points, hulls take some 50 us on one core.
 constexpr std::size_t kManyPoints = 4096;
 
-/// Whether physics can use a part there: it computes in single precision.
-bool isWithinReach(const Isometry3& motion) {
-  constexpr double kFarthest = 1e6;  // [m]
-  return motion.matrix().allFinite() && motion.translation().cwiseAbs().maxCoeff() <= kFarthest;
+constexpr double kFarthest = 1e6;  // of a part that physics can use: it computes in single precision [m]
+
+bool isFinite(const Isometry3& motion) {
+  return motion.matrix().allFinite();
 }
 
 }  // namespace
@@ -52,6 +52,7 @@ struct LiveBody::Track {
   std::vector<PointRow> rows;             ///< of the candidates, in the part's own frame, in whole ticks
   double tick = 0.0;                      ///< [m]
   bool inRange = false;                   ///< whether all rows are numbers that the hull can compute with
+  bool usable = false;                    ///< the hull is that of the rows; else there is none
   bool moved = false;                     ///< the rows differ from the previous frame's
   std::optional<MovingHull> hull;         ///< if faces are wanted
   LiftedPart::TakenPose taken;            ///< characters only
@@ -183,12 +184,14 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
     for (int round = 0; round < 4; ++round) {
       const bool taken = lifted.take(worldFromModel, parts_[i].worldFromPart, track.tick, track.taken);
       if (round == 0) track.moved = taken;
-      if (!taken || !isWithinReach(parts_[i].worldFromPart)) break;
+      if (!taken || !isFinite(parts_[i].worldFromPart)) break;
       const float largest = lifted.evaluate(track.taken, track.rows);
       track.inRange = largest <= kLargest;  // not if it is no number
       if (largest >= kSmallest && track.inRange) break;
-      const double tick = tickFor(track.tick * largest);
-      if (tick == 0.0) break;
+      // After a pose out of all proportion, ticks say nothing about the size: those of the bind pose are tried.
+      double tick = tickFor(track.tick * largest);
+      if (tick == 0.0) tick = tickFor(lifted.radius());
+      if (tick == track.tick || tick == 0.0) break;
       track.tick = tick;
     }
   }
@@ -286,11 +289,15 @@ void LiveBody::reshapeAll() {
 
 /// Updates the hull from the rows.
 void LiveBody::reshape(const BodyPlan::PartPlan& plan, Track& track, LivePart& part) {
-  part.reshaped = track.moved;
-  if (!track.moved) return;
+  // A part may come back from afar in the shape in which it left.
+  const bool usable = track.inRange && track.tick != 0.0 && isFinite(part.worldFromPart) &&
+                      part.worldFromPart.translation().cwiseAbs().maxCoeff() <= kFarthest;
+  part.reshaped = track.moved || usable != track.usable;
+  track.usable = usable;
+  if (!part.reshaped) return;
   std::swap(part.previousVertices, part.shape.vertices);
   const MovingHull* hull = nullptr;
-  if (track.hull && track.inRange && track.tick != 0.0 && isWithinReach(part.worldFromPart)) {
+  if (track.hull && usable) {
     track.hull->update(std::span(track.rows).first(plan.candidates.size()));
     hull = &*track.hull;
   }

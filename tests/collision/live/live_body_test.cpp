@@ -222,6 +222,8 @@ TEST(LiveBody, BonesFarOutOfRangeGiveNoHullsUntilTheyAreAgain) {
       body.update(broken);
       broken[bone].linear() *= size;
       body.update(broken);
+      broken[bone].translation() = dancer.worldFromModel[bone].translation();
+      body.update(broken);
     }
     body.update(dancer.worldFromModel);
     for (const LivePart& part : body.parts()) {
@@ -229,6 +231,22 @@ TEST(LiveBody, BonesFarOutOfRangeGiveNoHullsUntilTheyAreAgain) {
       EXPECT_TRUE(part.worldFromPart.matrix().allFinite()) << size;
     }
   }
+}
+
+TEST(LiveBody, HullsComeBackFromAfarInTheShapeInWhichTheyLeft) {
+  test::Dancer dancer;
+  LiveBody body = LiveBody::create(dancer.decomposition, dancer.character).value();
+  body.update(dancer.worldFromModel);
+  std::mt19937_64 random(17);
+  dancer.dance(random, 0.5);
+  std::vector<Affine3> away = dancer.worldFromModel;
+  for (Affine3& m : away) m.translation().x() += 0x1p21;
+  for (int frame = 0; frame < 3; ++frame) {
+    body.update(away);
+    for (const LivePart& part : body.parts()) EXPECT_TRUE(part.shape.degenerate());
+  }
+  body.update(dancer.worldFromModel);
+  for (const LivePart& part : body.parts()) EXPECT_FALSE(part.shape.degenerate());
 }
 
 TEST(LiveBody, SupportIsTheFarthestPointOfTheHullWithFacesOrWithout) {
