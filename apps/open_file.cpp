@@ -15,8 +15,8 @@ namespace fs = std::filesystem;
 
 /// What opens a file.
 std::vector<std::string> wordsFor(const fs::path& file) {
-  constexpr std::array kPlayed = {".glb", ".gltf", ".vrm",  ".vrma", ".fbx", ".dae",
-                                  ".bvh", ".csv",  ".json", ".txt",  ".oni", ".pcap"};
+  constexpr std::array kPlayed = {".glb", ".gltf", ".vrm", ".vrma", ".fbx", ".dae",
+                                  ".bvh", ".csv",  ".txt", ".oni",  ".pcap"};
   const std::string extension = lowerCase(file.extension().string());
   if (extension == ".lsession") return {"replay"};
   if (extension == ".json") return {"play", "--scene"};

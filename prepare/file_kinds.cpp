@@ -19,27 +19,15 @@ struct Kind {
   std::string_view name;
 };
 constexpr std::array kKinds = {
-    Kind{0, "\x89PNG"sv, "a PNG picture"},
-    Kind{0, "\xff\xd8\xff"sv, "a JPEG picture"},
-    Kind{0, "GIF8"sv, "a GIF picture"},
-    Kind{8, "WEBP"sv, "a WebP picture"},
-    Kind{8, "AVI "sv, "an AVI film"},
-    Kind{8, "WAVE"sv, "a WAV sound"},
-    Kind{4, "ftyp"sv, "a film (MP4)"},
-    Kind{0, "\x1a\x45\xdf\xa3"sv, "a film (Matroska)"},
-    Kind{0, "OggS"sv, "a sound or film (Ogg)"},
-    Kind{0, "ID3"sv, "a sound (MP3)"},
-    Kind{0, "%PDF"sv, "a PDF document"},
-    Kind{0, "PK\x03\x04"sv, "a ZIP archive"},
-    Kind{0, "\x1f\x8b"sv, "a gzip archive"},
-    Kind{0, "Rar!"sv, "a RAR archive"},
-    Kind{0, "7z\xbc\xaf"sv, "a 7z archive"},
-    Kind{0, "BLENDER"sv, "a Blender project: export it as .glb"},
-    Kind{0,
-         "\x7f"
-         "ELF"sv,
-         "a program"},
-    Kind{0, "MZ\x90"sv, "a program"},
+    Kind{0, "\x89PNG"sv, "a PNG picture"},      Kind{0, "\xff\xd8\xff"sv, "a JPEG picture"},
+    Kind{0, "GIF8"sv, "a GIF picture"},         Kind{8, "WEBP"sv, "a WebP picture"},
+    Kind{8, "AVI "sv, "an AVI film"},           Kind{8, "WAVE"sv, "a WAV sound"},
+    Kind{4, "ftyp"sv, "a film (MP4)"},          Kind{0, "\x1a\x45\xdf\xa3"sv, "a film (Matroska)"},
+    Kind{0, "OggS"sv, "a sound or film (Ogg)"}, Kind{0, "ID3"sv, "a sound (MP3)"},
+    Kind{0, "%PDF"sv, "a PDF document"},        Kind{0, "PK\x03\x04"sv, "a ZIP archive"},
+    Kind{0, "\x1f\x8b"sv, "a gzip archive"},    Kind{0, "Rar!"sv, "a RAR archive"},
+    Kind{0, "7z\xbc\xaf"sv, "a 7z archive"},    Kind{0, "BLENDER"sv, "a Blender project: export it as .glb"},
+    Kind{0, "\177ELF"sv, "a program"},          Kind{0, "MZ\x90"sv, "a program"},
 };
 
 /// Text that is for people, whatever it holds.
@@ -64,10 +52,8 @@ Result<void> refuseOtherKinds(const std::filesystem::path& file) {
   }
   if (found.empty()) return {};
   return unsupported(
-      "{}: found {}; Lorica opens characters (.glb, .gltf, .vrm, .vrma, .fbx, .dae), motions (.bvh, joints as .csv, "
-      ".txt "
-      "or .json), depth recordings (.oni), meshes (.obj, .ply, .stl, .off), scenes (.json), sessions (.lsession), "
-      "packets "
+      "{}: found {}; Lorica opens characters (.glb, .gltf, .vrm, .vrma, .fbx, .dae), motions (.bvh, joints as .csv or "
+      ".txt), depth recordings (.oni), meshes (.obj, .ply, .stl, .off), scenes (.json), sessions (.lsession), packets "
       "(.pcap) and decompositions (.lorica)",
       file.string(), found);
 }
