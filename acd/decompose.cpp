@@ -108,9 +108,9 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
     return invalidArgument("parts {}, candidate edges {}, planes per edge {}, threads {}: expected 0 or more of each",
                            settings.maxParts, settings.candidateEdges, settings.planesPerEdge, settings.threads);
   }
-  if (!(settings.maxError >= 0.0 && settings.maxDistance >= 0.0)) {
-    return invalidArgument("max error {}, max distance {}: expected 0 or more of each", settings.maxError,
-                           settings.maxDistance);
+  if (!(settings.maxError >= 0.0 && settings.maxDistance >= 0.0 && settings.maxConcavity >= 0.0)) {
+    return invalidArgument("max error {}, max distance {}, max concavity {}: expected 0 or more of each",
+                           settings.maxError, settings.maxDistance, settings.maxConcavity);
   }
   if (keyframes.vertexCount != countOf(mesh.vertices) || keyframes.keyframeCount() < 1 ||
       keyframes.positions.size() % mesh.vertices.size() != 0) {

@@ -32,9 +32,10 @@ struct DecomposeSettings {
   /// With limits, the number of parts is the smallest that meets all of them in every keyframe, but at most maxParts
   /// unless that is 0. A limit of 0 is no limit. They are about the parts' hulls, see partHull(), and not about larger
   /// ones with fewer vertices.
-  double maxError = 0.0;     ///< (hull volume - mesh volume) / mesh volume
-  double maxDistance = 0.0;  ///< of any point of a part's hull from the part, see hullDistance() [m]
-  int threads = 0;           ///< 0 = all of the machine's; the result does not depend on it
+  double maxError = 0.0;      ///< (hull volume - mesh volume) / mesh volume
+  double maxDistance = 0.0;   ///< of any point of a part's hull from the part, see hullDistance() [m]
+  double maxConcavity = 0.0;  ///< of any part, see partConcavity() [m]
+  int threads = 0;            ///< 0 = all of the machine's; the result does not depend on it
   DecomposeProgress progress = {};
 };
 

@@ -57,7 +57,8 @@ Plan planFor(const DecomposeSettings& settings) {
   if (settings.planesPerEdge > 0) plan.cuts.effort.planesPerEdge = settings.planesPerEdge;
   // Without part count and limits, cutting goes on until all parts are convex: nothing to merge or improve. One part
   // needs no cut.
-  const bool toTheEnd = settings.maxParts == 0 && settings.maxError <= 0.0 && settings.maxDistance <= 0.0;
+  const bool toTheEnd =
+      settings.maxParts == 0 && settings.maxError <= 0.0 && settings.maxDistance <= 0.0 && settings.maxConcavity <= 0.0;
   if (toTheEnd || settings.maxParts == 1) {
     plan.cuts.overCut = 1.0;
     plan.rounds.clear();

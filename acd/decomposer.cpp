@@ -2,6 +2,7 @@
 
 #include "acd/hull_distance.h"
 #include "acd/merge.h"
+#include "acd/part_concavity.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
 
@@ -12,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace lorica {
 namespace {
@@ -20,6 +22,9 @@ namespace {
 constexpr std::size_t kMaxParts = 4096;
 // A piece that no plane improves is worth this share of its error: a handle gains only by the cut after the next.
 constexpr double kStalled = 0.2;
+
+// A component with less than this share of the mesh's volume is a sliver and no cavity, whatever the sign.
+constexpr double kNothing = 1e-9;
 
 /// Hull volume of all pieces over all keyframes.
 double hullVolumeOf(const auto& pieces) {
@@ -58,10 +63,11 @@ bool Decomposer::divide() {
     }
     if (std::ranges::find(counts, leaves_.size()) != counts.end()) stages_.push_back(piecesNow());
     const std::optional<std::size_t> next = cuts_.byGain ? mostGaining() : mostConcave();
+    if (!next && partsLimited() && met_ == 0 && separateComponents()) continue;
     if (!next) break;
     carryOut(*next);
   }
-  if (settings_.maxParts == 0 && !limited()) separateComponents();
+  if (settings_.maxParts == 0 && !limited()) (void)separateComponents();
   stages_.push_back(piecesNow());
   if (cuts_.overCut <= 1.0) {
     parts_ = stages_.back();
@@ -114,7 +120,7 @@ double Decomposer::shareDone() const {
     double error = 0.0, finished = 0.0;
     for (const Leaf& leaf : leaves_) {
       error += leaf.piece->error(k) / std::abs(context_.meshVolume[k]);
-      const bool near = leaf.distance && *leaf.distance <= settings_.maxDistance;
+      const bool near = leaf.excess && *leaf.excess <= 1.0;
       if (!near && !leaf.piece->convex[k] && !leaf.exhausted[k]) continue;
       finished += std::abs(leaf.piece->volume[k] / context_.meshVolume[k]);
     }
@@ -122,7 +128,7 @@ double Decomposer::shareDone() const {
     if (wanted > 0.0 && error > wanted) {
       least = std::min(least, std::log(firstError_[k] / error) / std::log(firstError_[k] / wanted));
     }
-    if (settings_.maxDistance > 0.0 || wanted <= 0.0) least = std::min(least, finished);
+    if (partsLimited() || wanted <= 0.0) least = std::min(least, finished);
   }
   return std::clamp(least, 0.0, 1.0);
 }
@@ -138,42 +144,49 @@ bool Decomposer::errorMet(std::span<const SharedPiece> pieces) const {
   return true;
 }
 
-/// Largest distance from the hull of a piece to its surface in any keyframe. Distances below maxDistance may be
-/// reported as up to maxDistance.
-double Decomposer::distanceOf(const Piece& piece) const {
-  std::vector<double> distances(context_.keyframeCount());
-  tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t k) {
+/// The largest distance from the hull of a piece to its surface, or its concavity, in any keyframe, as a multiple of
+/// the limit; whichever is larger. What is below a limit may be reported as up to 1.
+double Decomposer::excessOf(const Piece& piece) const {
+  std::vector<double> excess(context_.keyframeCount(), 0.0);
+  tbb::parallel_for(std::size_t{0}, excess.size(), [&](std::size_t k) {
     std::vector<Vec3> corners;
     corners.reserve(piece.hullPoints[k].size());
     for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);
-    distances[k] = hullDistance(convexHull(corners), context_.points[k], piece.part.triangles, settings_.maxDistance);
+    const ConvexHull hull = convexHull(corners);
+    if (const double limit = settings_.maxDistance; limit > 0.0) {
+      excess[k] = hullDistance(hull, context_.points[k], piece.part.triangles, limit, limit) / limit;
+    }
+    if (const double limit = settings_.maxConcavity; limit > 0.0) {
+      excess[k] =
+          std::max(excess[k], partConcavity(hull, context_.points[k], piece.part.triangles, limit, limit) / limit);
+    }
   });
-  return *std::max_element(distances.begin(), distances.end());
+  return *std::max_element(excess.begin(), excess.end());
 }
 
-bool Decomposer::tooFar(Leaf& leaf) const {
-  if (!leaf.distance) leaf.distance = distanceOf(*leaf.piece);
-  return *leaf.distance > settings_.maxDistance;
+bool Decomposer::exceeds(Leaf& leaf) const {
+  if (!leaf.excess) leaf.excess = excessOf(*leaf.piece);
+  return *leaf.excess > 1.0;
 }
 
 /// Whether all limits are met.
 bool Decomposer::limitsMet() {
   if (!limited()) return false;
   errorMet_ = errorMet(piecesNow());
-  return errorMet_ && (settings_.maxDistance <= 0.0 ||
-                       std::none_of(leaves_.begin(), leaves_.end(), [&](Leaf& l) { return tooFar(l); }));
+  return errorMet_ &&
+         (!partsLimited() || std::none_of(leaves_.begin(), leaves_.end(), [&](Leaf& l) { return exceeds(l); }));
 }
 
 bool Decomposer::limitsMet(std::span<const SharedPiece> pieces) const {
-  return errorMet(pieces) &&
-         (settings_.maxDistance <= 0.0 || std::all_of(pieces.begin(), pieces.end(), [&](const SharedPiece& p) {
-            return distanceOf(*p) <= settings_.maxDistance;
-          }));
+  return errorMet(pieces) && (!partsLimited() || std::all_of(pieces.begin(), pieces.end(), [&](const SharedPiece& p) {
+           return excessOf(*p) <= 1.0;
+         }));
 }
 
-/// Whether cutting a leaf helps to meet the limits: if only the distance is missed, leaves that meet it are not cut.
+/// Whether cutting a leaf helps to meet the limits: if only those of single parts are missed, leaves that meet them are
+/// not cut.
 bool Decomposer::worthCutting(Leaf& leaf) const {
-  return settings_.maxDistance <= 0.0 || met_ > 0 || !errorMet_ || tooFar(leaf);
+  return !partsLimited() || met_ > 0 || !errorMet_ || exceeds(leaf);
 }
 
 Decomposer::Leaf Decomposer::leafOf(Part part) const {
@@ -266,10 +279,13 @@ void Decomposer::carryOut(std::size_t index) {
                        [&] { leaves_.back() = leafOf(std::move(cut.below)); });
 }
 
-/// Algorithm 1, last line: components that no plane could separate become separate parts. Inside-out shells (the wall
+/// Algorithm 1, last line: components that no plane could separate become separate parts; with limits, only where those
+/// of single parts are exceeded. Returns whether there were any. Inside-out shells (the wall
 /// of a cavity) stay in the part that contains the cavity.
-void Decomposer::separateComponents() {
+bool Decomposer::separateComponents() {
+  bool changed = false;
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
+    if (limited() && !exceeds(leaves_[i])) continue;
     const Part& part = leaves_[i].piece->part;
     const Components components = connectedComponents(context_.pointCount(), part.triangles);
     if (components.count < 2) continue;
@@ -279,8 +295,9 @@ void Decomposer::separateComponents() {
       side.triangles.push_back(part.triangles[t]);
       side.sourceTriangle.push_back(part.sourceTriangle[t]);
     }
-    if (signedVolume(context_.points[0], first.triangles) <= 0.0 ||
-        signedVolume(context_.points[0], rest.triangles) <= 0.0) {
+    const double cavity = limited() ? -kNothing * std::abs(context_.meshVolume[0]) : 0.0;
+    if (signedVolume(context_.points[0], first.triangles) <= cavity ||
+        signedVolume(context_.points[0], rest.triangles) <= cavity) {
       continue;
     }
     first.points = pointsUsedBy(first.triangles);
@@ -288,7 +305,9 @@ void Decomposer::separateComponents() {
     splitFrom_.push_back(i);
     leaves_[i] = leafOf(std::move(first));
     leaves_.push_back(leafOf(std::move(rest)));
+    changed = true;
   }
+  return changed;
 }
 
 std::vector<Decomposer::SharedPiece> Decomposer::piecesNow() const {
@@ -326,9 +345,26 @@ std::vector<Decomposer::SharedPiece> Decomposer::bestMerged(std::size_t count) c
   return best;
 }
 
+/// Merges pairs that meet the limits of single parts, from the pieces that first met them and from all, and returns
+/// fewer parts or those with less hull volume; never more than `max`.
+std::vector<Decomposer::SharedPiece> Decomposer::mergedByPairs(std::size_t max) const {
+  const double radius = settings_.maxConcavity / kConcavityVolumeWeight;
+  const double maxEmpty = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
+  std::array<std::vector<SharedPiece>, 2> tried = {atLimit_, stages_.back()};
+  for (std::vector<SharedPiece>& parts : tried) {
+    std::vector<PartIndex> none;
+    mergeWithin(parts, none, context_, maxEmpty, [&](const Piece& common) { return excessOf(common) <= 1.0; });
+  }
+  const bool first = tried[0].size() != tried[1].size() ? tried[0].size() < tried[1].size()
+                                                        : hullVolumeOf(tried[0]) <= hullVolumeOf(tried[1]);
+  std::vector<SharedPiece>& best = first ? tried[0] : tried[1];
+  return best.size() > max ? merged(stages_.back(), max) : std::move(best);
+}
+
 /// Binary search for the fewest parts that meet the limits, assuming that fewer parts are worse; never more than `max`.
 std::vector<Decomposer::SharedPiece> Decomposer::mergedWithinLimits(std::size_t max) const {
   const std::vector<SharedPiece>& pieces = stages_.back();
+  if (settings_.maxConcavity > 0.0 && settings_.maxError <= 0.0) return mergedByPairs(max);
   std::size_t kept = atLimit_.size(), broken = 0;
   std::vector<SharedPiece> best = atLimit_;
   while (broken + 1 < kept) {

@@ -33,15 +33,17 @@ class Decomposer {
     bool searched = false;
     std::optional<Split> split;
     double gain = 0.0;
-    std::optional<double> distance;  // see distanceOf()
+    std::optional<double> excess;  // see excessOf()
   };
 
-  [[nodiscard]] bool limited() const { return settings_.maxError > 0.0 || settings_.maxDistance > 0.0; }
+  /// Whether there are limits that each part must meet.
+  [[nodiscard]] bool partsLimited() const { return settings_.maxDistance > 0.0 || settings_.maxConcavity > 0.0; }
+  [[nodiscard]] bool limited() const { return settings_.maxError > 0.0 || partsLimited(); }
   [[nodiscard]] bool goOn(std::size_t pieces, std::size_t limit) const;
   [[nodiscard]] double shareDone() const;
   [[nodiscard]] bool errorMet(std::span<const SharedPiece> pieces) const;
-  [[nodiscard]] double distanceOf(const Piece& piece) const;
-  [[nodiscard]] bool tooFar(Leaf& leaf) const;
+  [[nodiscard]] double excessOf(const Piece& piece) const;
+  [[nodiscard]] bool exceeds(Leaf& leaf) const;
   [[nodiscard]] bool limitsMet();
   [[nodiscard]] bool limitsMet(std::span<const SharedPiece> pieces) const;
   [[nodiscard]] bool worthCutting(Leaf& leaf) const;
@@ -51,10 +53,11 @@ class Decomposer {
   std::optional<std::size_t> mostConcave();
   std::optional<std::size_t> mostGaining();
   void carryOut(std::size_t index);
-  void separateComponents();
+  bool separateComponents();
   [[nodiscard]] std::vector<SharedPiece> piecesNow() const;
   [[nodiscard]] std::vector<SharedPiece> merged(std::span<const SharedPiece> pieces, std::size_t count) const;
   [[nodiscard]] std::vector<SharedPiece> bestMerged(std::size_t count) const;
+  [[nodiscard]] std::vector<SharedPiece> mergedByPairs(std::size_t max) const;
   [[nodiscard]] std::vector<SharedPiece> mergedWithinLimits(std::size_t max) const;
   void dropUselessCuts();
 

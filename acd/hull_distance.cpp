@@ -64,8 +64,8 @@ class Search {
     std::push_heap(pieces_.begin(), pieces_.end(), comesLater);
   }
 
-  double run(double ignoreBelow) {
-    while (!pieces_.empty()) {
+  double run(double ignoreBelow, double enough) {
+    while (!pieces_.empty() && reached_ <= enough) {
       const Piece worst = pieces_.front();
       if (worst.bound <= std::max((1.0 + kRelativeTolerance) * reached_, ignoreBelow)) {
         return std::max(worst.bound, reached_);
@@ -87,7 +87,7 @@ class Search {
 }  // namespace
 
 double hullDistance(const ConvexHull& hull, std::span<const Vec3> points, std::span<const Triangle> triangles,
-                    double ignoreBelow) {
+                    double ignoreBelow, double enough) {
   if (hull.degenerate()) return 0.0;
   std::vector<std::array<Vec3, 3>> surface;
   surface.reserve(triangles.size());
@@ -98,7 +98,7 @@ double hullDistance(const ConvexHull& hull, std::span<const Vec3> points, std::s
   Search search(std::move(surface));
   const double all = boundsOf(hull.vertices).diagonal();
   for (const Triangle& t : hull.triangles) search.add(cornersOf(hull.vertices, t), all);
-  return search.run(std::max(ignoreBelow, kFinest * all));
+  return search.run(std::max(ignoreBelow, kFinest * all), enough);
 }
 
 }  // namespace lorica

@@ -17,8 +17,10 @@ namespace lorica {
 /// @param points       positions that the triangles index
 /// @param triangles    of the closed part, at least one; the hull contains them
 /// @param ignoreBelow  distances up to this need not be distinguished [m]; raised to 0.1 % of the hull's diagonal
-/// @return a value between the true distance and max(1.01 * true distance, ignoreBelow); 0 for a degenerate hull
+/// @param enough       nor distances above this [m]
+/// @return a value between the true distance and max(1.01 * true distance, ignoreBelow), or one above
+///         `enough` that is at most the true distance; 0 for a degenerate hull
 [[nodiscard]] double hullDistance(const ConvexHull& hull, std::span<const Vec3> points,
-                                  std::span<const Triangle> triangles, double ignoreBelow);
+                                  std::span<const Triangle> triangles, double ignoreBelow, double enough = kInfinity);
 
 }  // namespace lorica

@@ -88,6 +88,11 @@ std::vector<Aabb> boxesOf(const Piece& piece, const CutContext& context) {
   return boxes;
 }
 
+std::shared_ptr<const Piece> commonPart(const Piece& a, const Piece& b, const CutContext& context) {
+  const std::array<const Part*, 2> both = {&a.part, &b.part};
+  return std::make_shared<const Piece>(measure(unite(both), context));
+}
+
 /// Computes the common part of a pair if its hull is no larger than those of both in any keyframe, or convex.
 void price(FreePair& pair, const Piece& a, const Piece& b, const CutContext& context) {
   thread_local std::vector<Vec3> points;
@@ -104,17 +109,17 @@ void price(FreePair& pair, const Piece& a, const Piece& b, const CutContext& con
     exact = exact && more <= kFree * std::abs(context.meshVolume[k]);
     cost += more;
   }
-  const std::array<const Part*, 2> both = {&a.part, &b.part};
-  auto common = std::make_shared<const Piece>(measure(unite(both), context));
+  std::shared_ptr<const Piece> common = commonPart(a, b, context);
   if (!exact && !std::ranges::all_of(common->convex, std::identity())) return;
   pair.cost = cost;
   pair.common = std::move(common);
 }
 
-}  // namespace
-
-void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
-                  const CutContext& context) {
+/// Merges pairs of touching parts, the cheapest first; of equal pairs the first.
+/// @param price   sets the cost of a pair; infinite = never
+/// @param accept  whether a pair may be merged; sets its common part if that is not known yet
+void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
+                const CutContext& context, const auto& price, const auto& accept) {
   std::vector<std::vector<Aabb>> boxes(parts.size());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { boxes[i] = boxesOf(*parts[i], context); });
   const auto touch = [&](std::size_t a, std::size_t b) {
@@ -123,12 +128,12 @@ void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<
     }
     return true;
   };
-  std::set<FreePair> free;
+  std::set<FreePair> candidates;
   const auto add = [&](std::vector<FreePair> pairs) {
     tbb::parallel_for(std::size_t{0}, pairs.size(),
-                      [&](std::size_t i) { price(pairs[i], *parts[pairs[i].a], *parts[pairs[i].b], context); });
+                      [&](std::size_t i) { price(pairs[i], *parts[pairs[i].a], *parts[pairs[i].b]); });
     for (FreePair& pair : pairs) {
-      if (pair.common) free.insert(std::move(pair));
+      if (pair.cost < kInfinity) candidates.insert(std::move(pair));
     }
   };
   std::vector<FreePair> pairs;
@@ -139,10 +144,12 @@ void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<
   }
   add(std::move(pairs));
   std::vector<PartIndex> mergedInto(parts.size(), -1);
-  while (!free.empty()) {
-    const FreePair best = *free.begin();
+  while (!candidates.empty()) {
+    FreePair best = *candidates.begin();
+    candidates.erase(candidates.begin());
     const std::size_t a = best.a, b = best.b;
-    std::erase_if(free, [&](const FreePair& p) { return p.a == a || p.b == a || p.a == b || p.b == b; });
+    if (!accept(best, *parts[a], *parts[b])) continue;
+    std::erase_if(candidates, [&](const FreePair& p) { return p.a == a || p.b == a || p.a == b || p.b == b; });
     parts[a] = best.common;
     parts[b] = nullptr;
     mergedInto[b] = a;
@@ -164,6 +171,39 @@ void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<
   }
   splitFrom = std::move(order);
   std::erase(parts, nullptr);
+}
+
+}  // namespace
+
+void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
+                  const CutContext& context) {
+  mergePairs(
+      parts, splitFrom, context, [&](FreePair& pair, const Piece& a, const Piece& b) { price(pair, a, b, context); },
+      [](const FreePair&, const Piece&, const Piece&) { return true; });
+}
+
+void mergeWithin(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
+                 const CutContext& context, double maxEmpty, const std::function<bool(const Piece& common)>& allowed) {
+  mergePairs(
+      parts, splitFrom, context,
+      [&](FreePair& pair, const Piece& a, const Piece& b) {
+        thread_local std::vector<Vec3> points;
+        double cost = 0.0;
+        for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
+          points.clear();
+          for (const Piece* piece : {&a, &b}) {
+            for (const PointIndex p : piece->hullPoints[k]) points.push_back(context.points[k][p]);
+          }
+          const double volume = convexHullVolume(points);
+          if (volume - a.volume[k] - b.volume[k] > maxEmpty) return;
+          cost += volume - a.hullVolume[k] - b.hullVolume[k];
+        }
+        pair.cost = cost;
+      },
+      [&](FreePair& pair, const Piece& a, const Piece& b) {
+        pair.common = commonPart(a, b, context);
+        return allowed(*pair.common);
+      });
 }
 
 Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const CutContext& context, int partCount,

@@ -2,6 +2,7 @@
 
 #include "acd/piece.h"
 
+#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,5 +29,10 @@ struct Merged {
 /// @param splitFrom  of the parts, see Decomposition, and stays such; or empty
 void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
                   const CutContext& context);
+
+/// Merges touching parts as long as what they become is allowed, those whose hull grows least first.
+/// @param maxEmpty  a common part whose hull has more empty volume than this in any keyframe is not allowed [m^3]
+void mergeWithin(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
+                 const CutContext& context, double maxEmpty, const std::function<bool(const Piece& common)>& allowed);
 
 }  // namespace lorica

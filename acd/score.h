@@ -8,6 +8,13 @@
 
 namespace lorica {
 
+/// Of evenly spread points [mesh units].
+struct Distances {
+  double mean = 0.0;
+  double most = 0.0;  ///< 95 % of the points are at most this far
+  double largest = 0.0;
+};
+
 /// How well convex parts approximate a mesh: Thul et al. 2018, Eq. 16 to 18.
 ///
 /// The volumes of the mesh (signed volume) and of the hulls are exact. Only the fraction of the mesh that is covered by
@@ -19,6 +26,12 @@ struct Score {
   double distance = 0.0;  ///< mean distance from the mesh's surface to the nearest hull's surface [mesh units]
   double distancePercentDiagonal = 0.0;  ///< the same in percent of the diagonal of the mesh's bounds
   double uncoveredFraction = 0.0;        ///< fraction of the mesh's volume that is in no hull
+
+  Distances toHulls;    ///< from the surface to the nearest hull's surface; its mean is `distance`
+  Distances toSurface;  ///< from the hulls to the surface, where they are in neither the mesh nor another hull
+  /// CoACD's concavity of what each hull holds of the mesh, see hullConcavity(), in concavityUnit().
+  double concavity = 0.0;      ///< largest of all hulls
+  double meanConcavity = 0.0;  ///< over the hulls
 };
 
 struct ScoreSettings {
@@ -27,7 +40,8 @@ struct ScoreSettings {
   int volumeSamples = 200000;
   /// Points on the mesh's surface, one in each of equally many strips of equal area; at least 1.
   int surfaceSamples = 20000;
-  std::uint64_t seed = 1;  ///< the same seed gives the same score on every machine
+  int concavitySamples = 2000;  ///< on each hull and on its part of the surface; at least 1
+  std::uint64_t seed = 1;       ///< the same seed gives the same score on every machine
 };
 
 /// Scores parts from any source, using the convex hull of each part's vertices.
@@ -35,8 +49,10 @@ struct ScoreSettings {
 /// Eq. 18 is interpreted as the distance to a hull's *surface*, from inside or outside: the paper uses an absolute
 /// distance and reports more than 0 for hulls that contain the whole mesh. A flat part adds no volume, but its
 /// triangles count as surface. Where a mesh overlaps itself, volume counts once.
+/// @param surface  to which distances are measured, where that is not the mesh's own: of a file that was repaired
 /// @return the score, or an error: mesh not closed or overlapping in a way that cannot be resolved, part not finite,
 /// invalid settings, or no part with volume
-[[nodiscard]] Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const ScoreSettings& settings);
+[[nodiscard]] Result<Score> score(const TriMesh& mesh, std::span<const TriMesh> parts, const ScoreSettings& settings,
+                                  const TriMesh* surface = nullptr);
 
 }  // namespace lorica

@@ -158,4 +158,16 @@ Coverage estimateCoverage(const TriMesh& mesh, std::span<const ConvexHull> hulls
   return coverage;
 }
 
+double commonVolume(const TriMesh& mesh, const ConvexHull& hull, int lines, std::uint64_t seed) {
+  const Aabb box = boundsOf(hull.vertices);
+  const int cellsPerSide = std::max(1, static_cast<int>(std::sqrt(lines)));
+  const LineGrid grid(box, cellsPerSide, seed);
+  std::vector<Crossing> crossings;
+  grid.cross(mesh.vertices, mesh.triangles, 1, 0, crossings);
+  grid.cross(hull.vertices, hull.triangles, 0, 1, crossings);
+  const Vec3 size = box.max - box.min;
+  const double whole = size.x() * size.y();
+  return sumLengths(crossings).covered * whole / (cellsPerSide * cellsPerSide);
+}
+
 }  // namespace lorica

@@ -20,4 +20,7 @@ struct Coverage {
 [[nodiscard]] Coverage estimateCoverage(const TriMesh& mesh, std::span<const ConvexHull> hulls, int lines,
                                         std::uint64_t seed);
 
+/// Volume that a closed mesh and a hull have in common, estimated by lines in the same way [m^3].
+[[nodiscard]] double commonVolume(const TriMesh& mesh, const ConvexHull& hull, int lines, std::uint64_t seed);
+
 }  // namespace lorica

@@ -45,11 +45,14 @@ Result<BakeSettings> BakeOptions::defaults() const {
       {"parts", parts},
       {"max-error", maxError},
       {"max-distance", maxDistance},
+      {"max-concavity", maxConcavity},
       {"exact", exact ? "yes" : ""},
       {"preset", preset},
       {"cover", cover},
       {"hull-vertices", hullVertices},
       {"body", body},
+      {"walls", walls},
+      {"thickness", thickness},
       {"engine", engine},
       {"motion", fmt::format("{}", fmt::join(motions, ";"))},
       {"export", fmt::format("{}", fmt::join(exports, ";"))},
@@ -85,13 +88,18 @@ void addBakeOptions(CommandLine& app, BakeOptions& options) {
     app.addOption(name, value, description)->typeName(type);
   };
   add("--parts", options.parts, "Maximum number of parts of each item, as for `lorica decompose`", "N");
-  add("--max-error", options.maxError,
-      "Stop when the hulls have at most this much extra volume [default: 5% for meshes without another limit]", "E");
+  add("--max-error", options.maxError, "Stop when the hulls have at most this much extra volume", "E");
+  add("--max-concavity", options.maxConcavity,
+      "Stop when no part is more concave than this, as CoACD measures it [default: 0.05 for meshes without another "
+      "limit]",
+      "C");
   add("--max-distance", options.maxDistance, "Stop when no point of the hulls is farther from the surface", "METRES");
   app.addFlag("--exact", options.exact, "Cut until every part is convex: can take thousands of parts");
   add("--preset", options.preset, "paper, fast or quality [default: fast]", "NAME");
   add("--cover", options.cover, "Hull cover of characters: exact, or a tolerance [default: exact]", "exact|METRES");
   add("--hull-vertices", options.hullVertices, "Hulls of at most N vertices", "N");
+  add("--walls", options.walls, "Open surfaces: auto, solid or shell [default: auto]", "WHAT");
+  add("--thickness", options.thickness, "Thickness of thin walls, in the mesh's unit", "LENGTH");
   add("--body", options.body, "Closed bodies: auto, never or always [default: auto]", "WHEN");
   app.addOption("--motion", options.motions, "Train characters on this motion; may be repeated")
       ->typeName("FILE")

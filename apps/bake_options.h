@@ -21,7 +21,7 @@ struct BakeOptions {
   bool collect = false;
 
   // The usual ones of `lorica decompose`.
-  std::string parts, maxError, maxDistance, preset, cover, hullVertices, body, engine;
+  std::string parts, maxError, maxDistance, maxConcavity, preset, cover, hullVertices, body, walls, thickness, engine;
   std::vector<std::string> motions, exports;
   bool exact = false;
 

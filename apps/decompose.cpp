@@ -25,7 +25,7 @@ namespace lorica {
 namespace {
 
 constexpr int kCharacterParts = 16;
-constexpr double kMeshError = 0.05;
+constexpr double kMeshConcavity = 0.05;
 static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is");
 
 /// Rejects, before any work, options that do not fit the input and outputs that cannot be written.
@@ -65,6 +65,7 @@ void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limi
   if (!options.cover.exact()) kept.push_back(asTyped(options.cover));
   if (options.maxError > 0.0) given.push_back("--max-error " + percent(limits.maxError));
   if (limits.maxDistance > 0.0) given.push_back(fmt::format("--max-distance {:g}", limits.maxDistance));
+  if (options.maxConcavity > 0.0) given.push_back(fmt::format("--max-concavity {:g}", options.maxConcavity));
   if (kept.empty() || given.empty()) return;
   if (limits.maxParts > 0) kept.push_back(fmt::format("--parts {}", limits.maxParts));
   host.warn(fmt::format("hulls of few points are larger: where not all limits can hold, {} will, and {} will not",
@@ -75,6 +76,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   // Read the input and check the options.
   CharacterOptions reading = options.character;
   reading.body = bodyChoice(options.body);
+  reading.walls = wallChoice(options.walls);
   LORICA_TRY(const std::vector<Motion> motions, readMotions(options.motions, host));
   reading.suits = [&](const CharacterFile& file) -> Result<void> {
     if (file.isMesh()) return {};
@@ -103,10 +105,13 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
 
   // Decompose and measure.
   DecomposeSettings& settings = outcome.limits;
-  const bool chosen = options.parts > 0 || options.maxError > 0.0 || options.maxDistance > 0.0 || options.exact;
+  outcome.concavityUnit = concavityUnitOf(subject);
+  const bool chosen = options.parts > 0 || options.maxError > 0.0 || options.maxDistance > 0.0 ||
+                      options.maxConcavity > 0.0 || options.exact;
   settings.maxParts = subject.character && !chosen ? kCharacterParts : options.parts;
-  settings.maxError = subject.character || chosen ? options.maxError : kMeshError;
+  settings.maxError = options.maxError;
   settings.maxDistance = options.maxDistance;
+  settings.maxConcavity = (subject.character || chosen ? options.maxConcavity : kMeshConcavity) * outcome.concavityUnit;
   settings.preset = options.preset == "paper"  ? DecomposePreset::kPaper
                     : options.preset == "fast" ? DecomposePreset::kFast
                                                : DecomposePreset::kQuality;
@@ -192,17 +197,21 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "none]");
   Option* maxError =
       addShare(*app, "--max-error", options->maxError,
-               "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5% [default: 5% "
-               "for a mesh without --parts, --max-distance and --exact]");
+               "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");
   Option* maxDistance = addLength(
       *app, "--max-distance", options->maxDistance,
       "Use the fewest parts with no point of the hulls farther than this from the surface in any keyframe, in "
       "units of the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
+  Option* maxConcavity = addShare(
+      *app, "--max-concavity", options->maxConcavity,
+      "Use the fewest parts whose concavity, as CoACD measures it, is at most C: how far hull and part are from each "
+      "other, as a share of half of the mesh's longest side [default: 0.05 for a mesh without another limit]");
   app->addFlag("--exact", options->exact,
                "Cut until every part is convex, but for concave edges less than 0.001 % of the size deep: can take "
                "thousands of parts")
       ->excludes(maxError)
-      ->excludes(maxDistance);
+      ->excludes(maxDistance)
+      ->excludes(maxConcavity);
   app->addOption(
          "--preset", options->preset,
          "paper: the published algorithm; fast: better parts in similar time; quality: even better parts, slower "
@@ -220,6 +229,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       ->repeatable();
   addCharacterOptions(*app, options->character);
   addBodyOption(*app, options->body);
+  addWallOptions(*app, options->walls, options->character.thickness);
   addCount(*app, "--candidates", options->candidates, 1,
            "Concave edges to try for each cut [default: from the preset, 8]");
   addCount(*app, "--orientations", options->orientations, 1,

@@ -17,10 +17,13 @@ namespace {
 /// What the decomposition stopped at: "error", "distance", "limits" if both were given, "parts", "convex", or
 /// "vertices": hulls of so few vertices do not get better with more parts.
 std::string endedBy(const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
-  const bool both = limits.maxError > 0.0 && limits.maxDistance > 0.0;
-  if ((limits.maxError > 0.0 || limits.maxDistance > 0.0) && fit.errorMet(limits) && fit.distanceMet(limits)) {
-    return both ? "limits" : limits.maxError > 0.0 ? "error" : "distance";
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
+  const int given = (limits.maxError > 0.0) + (limits.maxDistance > 0.0) + (limits.maxConcavity > 0.0);
+  if (given > 0 && fit.met(limits)) {
+    return given > 1                   ? "limits"
+           : limits.maxError > 0.0     ? "error"
+           : limits.maxConcavity > 0.0 ? "concavity"
+                                       : "distance";
   }
   if (fit.stalled) return "vertices";
   return countOf(fit.made.decomposition.parts) == limits.maxParts ? "parts" : "convex";
@@ -28,15 +31,18 @@ std::string endedBy(const DecomposeOutcome& outcome) {
 
 /// "the limit of 8 parts was reached; an error of 5.0 % was not"
 std::string endingSentence(const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
   const std::string by = endedBy(outcome);
-  const bool reached = by == "error" || by == "distance" || by == "limits";
+  const bool reached = by == "error" || by == "distance" || by == "concavity" || by == "limits";
   std::vector<std::string> named;
   if (limits.maxError > 0.0 && fit.errorMet(limits) == reached) {
     named.push_back("an error of " + percent(limits.maxError));
   }
   if (limits.maxDistance > 0.0 && fit.distanceMet(limits) == reached) {
     named.push_back(fmt::format("a distance of {:g}", limits.maxDistance));
+  }
+  if (limits.maxConcavity > 0.0 && fit.concavityMet(limits) == reached) {
+    named.push_back(fmt::format("a concavity of {:.3g}", limits.maxConcavity / unit));
   }
   const std::string these = fmt::format("{} {}", fmt::join(named, " and "), named.size() == 1 ? "was" : "were");
   if (reached) return these + " reached";
@@ -66,8 +72,8 @@ bool boundsHulls(const DecomposeOptions& options, const Subject& subject) {
 
 nlohmann::ordered_json toJson(const DecomposeOptions& options, const Subject& subject,
                               const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
-  const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
+  const auto& [made, attached, held, hulls, cover, used, quality, distance, concavity, stalled] = fit;
   nlohmann::ordered_json json;
   json["input"] = subject.name;
   json["parts"] = made.decomposition.parts.size();
@@ -78,6 +84,11 @@ nlohmann::ordered_json toJson(const DecomposeOptions& options, const Subject& su
   json["endedBy"] = endedBy(outcome);
   if (limits.maxError > 0.0) json["maxError"] = limits.maxError;
   if (limits.maxDistance > 0.0) json["maxDistance"] = limits.maxDistance;
+  if (concavity) {
+    json["maxConcavity"] = limits.maxConcavity / unit;
+    json["concavity"] = concavity->largest / unit;
+    json["meanConcavity"] = concavity->mean / unit;
+  }
   if (distance) json["distance"] = *distance;
   json["seconds"] = made.seconds;
   json["threads"] = threads;
@@ -107,8 +118,8 @@ nlohmann::ordered_json toJson(const DecomposeOptions& options, const Subject& su
 }
 
 Report toReport(const DecomposeOptions& options, const Subject& subject, const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, coverVolume, threads, heldOut] = outcome;
-  const auto& [made, attached, held, hulls, cover, used, quality, distance, stalled] = fit;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
+  const auto& [made, attached, held, hulls, cover, used, quality, distance, concavity, stalled] = fit;
   Report report(fmt::format("{}: {}", subject.name, counted(made.decomposition.parts.size(), "convex part")));
   report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
                                   grouped(std::ssize(subject.mesh.triangles))));
@@ -119,7 +130,10 @@ Report toReport(const DecomposeOptions& options, const Subject& subject, const D
   }
   const std::string mean = subject.character ? ", mean over the keyframes" : "";
   report.line("volume", fmt::format("{:.6g}, hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
-  report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(quality.error), mean));
+  const bool walls = subject.rebuilt && subject.rebuilt->shells > 0;
+  if (!walls) {
+    report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(quality.error), mean));
+  }
   if (subject.character) {
     const auto [best, worst] = std::minmax_element(quality.errorPerKeyframe.begin(), quality.errorPerKeyframe.end());
     report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
@@ -133,10 +147,15 @@ Report toReport(const DecomposeOptions& options, const Subject& subject, const D
     report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
                                         subject.character ? ", in the worst keyframe" : ""));
   }
-  if (limits.maxError > 0.0 || limits.maxDistance > 0.0) {
+  if (concavity) {
+    report.line("concavity", fmt::format("at most {:.4f}, mean of the parts {:.4f}, in halves of the longest side",
+                                         concavity->largest / unit, concavity->mean / unit));
+  }
+  if (limits.maxError > 0.0 || limits.maxDistance > 0.0 || limits.maxConcavity > 0.0) {
     report.line("stopped because", endingSentence(outcome));
   }
-  report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
+  if (!walls)
+    report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
   report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
   report.line("hash", hexDigits(hashOf(made.decomposition)));
   if (subject.character) addCoverTo(report, cover);

@@ -17,14 +17,16 @@ namespace lorica {
 /// What the user asked `lorica decompose` for.
 struct DecomposeOptions {
   std::string input;
-  int parts = 0;             ///< 0 = not given
-  double maxError = 0.0;     ///< 0 = not given
-  double maxDistance = 0.0;  ///< 0 = not given
-  bool exact = false;        ///< until no concave edge is left
-  int keyframes = 0;         ///< 0 = not given, kAuto = to be chosen
+  int parts = 0;              ///< 0 = not given
+  double maxError = 0.0;      ///< 0 = not given
+  double maxDistance = 0.0;   ///< 0 = not given
+  double maxConcavity = 0.0;  ///< 0 = not given
+  bool exact = false;         ///< until no concave edge is left
+  int keyframes = 0;          ///< 0 = not given, kAuto = to be chosen
   std::vector<std::string> motions;
   CharacterOptions character;
   std::string body = "auto";
+  std::string walls = "auto";
   std::string preset = "fast";
   int candidates = 0;    ///< 0 = the preset's
   int orientations = 0;  ///< 0 = the preset's
@@ -39,7 +41,8 @@ struct DecomposeOutcome {
   Fit fit;
   Keyframes keyframes;
   DecomposeSettings limits;
-  double coverVolume = 0.0;  ///< of a character's cover, relative to exact hulls: volumeGrowth()
+  double concavityUnit = 0.0;  ///< see concavityUnitOf()
+  double coverVolume = 0.0;    ///< of a character's cover, relative to exact hulls: volumeGrowth()
   int threads = 0;
   std::optional<HeldOutError> heldOut = std::nullopt;  ///< if it was asked for
 };

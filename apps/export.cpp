@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 struct Options {
   ExportSourceOptions source;
   std::string body = "auto";
+  std::string walls = "auto";
   std::string output;
   std::string motion;
   MotionOptions reading;
@@ -215,6 +216,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(check(options, common));
   ExportSourceOptions reading = options.source;
   reading.reading.body = bodyChoice(options.body);
+  reading.reading.walls = wallChoice(options.walls);
   reading.divided = !options.perBone;
   LORICA_TRY(const ExportSource source, readExportSource(reading, host));
   LORICA_TRY_DO(checkSubject(options, source.subject));
@@ -286,6 +288,7 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
   addReadingOptions(*app, options->reading);
   addCharacterOptions(*app, options->source.reading);
   addBodyOption(*app, options->body);
+  addWallOptions(*app, options->walls, options->source.reading.thickness);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 

@@ -183,6 +183,22 @@ void addBodyOption(CommandLine& app, std::string& body) {
       ->check(oneOf({"auto", "never", "always"}));
 }
 
+void addWallOptions(CommandLine& app, std::string& walls, double& thickness) {
+  app.addOption(
+         "--walls", walls,
+         "What an open surface of a mesh is: `auto` = a thin wall, unless nothing outside can reach what is behind it; "
+         "`solid`, whatever its openings; `shell` = a thin wall, also where it is closed [default: auto]")
+      ->typeName("WHAT")
+      ->check(oneOf({"auto", "solid", "shell"}));
+  addLength(app, "--thickness", thickness,
+            "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, at most half of the "
+            "narrowest gap]");
+}
+
+WallChoice wallChoice(const std::string& name) {
+  return name == "solid" ? WallChoice::kSolid : name == "shell" ? WallChoice::kShell : WallChoice::kByReach;
+}
+
 BodyChoice bodyChoice(const std::string& name) {
   return name == "never" ? BodyChoice::kNever : name == "always" ? BodyChoice::kAlways : BodyChoice::kIfNeeded;
 }

@@ -53,6 +53,9 @@ Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::
 
 /// --body: auto, never or always.
 void addBodyOption(CommandLine& app, std::string& body);
+/// --walls and --thickness
+void addWallOptions(CommandLine& app, std::string& walls, double& thickness);
+[[nodiscard]] WallChoice wallChoice(const std::string& name);
 
 /// @param name  one of these
 [[nodiscard]] BodyChoice bodyChoice(const std::string& name);

@@ -1,5 +1,7 @@
 #include "apps/report_parts.h"
+
 #include "geometry/text.h"
+#include "prepare/mesh_walls.h"
 
 #include "player/percentiles.h"
 
@@ -111,24 +113,33 @@ void describeSprings(const SpringBones& springs, Report& report, nlohmann::order
 void addMeshTo(Report& report, const Subject& subject) {
   if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
   if (!subject.rebuilt) return;
-  const auto& [problem, resolution, far, firstOriginal] = *subject.rebuilt;
-  report.line("closed body",
-              fmt::format("built with voxels of {:.4g}, {}; from its surface to the original {:.4g} on average, {:.4g} "
-                          "at most; the original's vertices are up to {:.4g} outside, and in the hulls",
-                          resolution, problem.empty() ? "for --body always was given" : "because " + problem,
-                          far.meanToOriginal, far.farthestToOriginal, far.farthestOutside));
+  const RebuiltMesh& body = *subject.rebuilt;
+  if (body.shells > 0) {
+    report.line("walls", wallsInWords(body));
+  }
+  if (body.resolution <= 0.0) return;
+  report.line(
+      "closed body",
+      fmt::format("built with voxels of {:.4g}, {}; from its surface to the original {:.4g} on average, {:.4g} "
+                  "at most; the original's vertices are up to {:.4g} outside, and in the hulls",
+                  body.resolution, body.problem.empty() ? "for --body always was given" : "because " + body.problem,
+                  body.distances.meanToOriginal, body.distances.farthestToOriginal, body.distances.farthestOutside));
 }
 
 void addMeshTo(nlohmann::ordered_json& json, const Subject& subject) {
   if (!subject.repaired.empty()) json["repaired"] = subject.repaired;
   if (!subject.rebuilt) return;
-  const auto& [problem, resolution, far, firstOriginal] = *subject.rebuilt;
-  json["body"] = {{"problem", problem.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(problem)},
-                  {"voxel", resolution},
-                  {"vertices", firstOriginal},
-                  {"meanDistance", far.meanToOriginal},
-                  {"farthestDistance", far.farthestToOriginal},
-                  {"farthestOutside", far.farthestOutside}};
+  const RebuiltMesh& body = *subject.rebuilt;
+  json["body"] = {{"problem", body.problem.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(body.problem)},
+                  {"voxel", body.resolution},
+                  {"vertices", body.firstOriginal},
+                  {"meanDistance", body.distances.meanToOriginal},
+                  {"farthestDistance", body.distances.farthestToOriginal},
+                  {"farthestOutside", body.distances.farthestOutside},
+                  {"shells", body.shells},
+                  {"solids", body.solids},
+                  {"shellShare", body.shellShare},
+                  {"thickness", body.thickness}};
 }
 
 nlohmann::ordered_json selfContactsOf(const RunStatistics& statistics, std::size_t avatar) {

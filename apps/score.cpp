@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 namespace lorica {
 namespace {
@@ -29,29 +30,59 @@ struct Options {
   std::string mesh;
   std::string parts;
   CharacterOptions reading;  // which meshes are hidden
+  std::string walls = "auto";
 };
+
+bool hasWalls(const Subject& subject) {
+  return subject.rebuilt && subject.rebuilt->shells > 0;
+}
+
+nlohmann::ordered_json toJson(const Distances& distances) {
+  return {{"mean", distances.mean}, {"most", distances.most}, {"largest", distances.largest}};
+}
+
+std::string inWords(const Distances& distances) {
+  return fmt::format("mean {:.4g}, 95 % at most {:.4g}, largest {:.4g}", distances.mean, distances.most,
+                     distances.largest);
+}
 
 nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, const Score& score) {
   nlohmann::ordered_json json;
   addMeshTo(json, subject);
   json["parts"] = partCount;
-  json["score16"] = score.score16;
-  json["score16StandardError"] = score.score16StandardError;
-  json["score17"] = score.score17;
+  const bool solid = !hasWalls(subject);
+  json["score16"] = solid ? nlohmann::ordered_json(score.score16) : nullptr;
+  json["score16StandardError"] = solid ? nlohmann::ordered_json(score.score16StandardError) : nullptr;
+  json["score17"] = solid ? nlohmann::ordered_json(score.score17) : nullptr;
   json["distance"] = score.distance;
   json["distancePercentDiagonal"] = score.distancePercentDiagonal;
   json["uncoveredFraction"] = score.uncoveredFraction;
+  json["surfaceToHulls"] = toJson(score.toHulls);
+  json["hullsToSurface"] = toJson(score.toSurface);
+  json["concavity"] = score.concavity;
+  json["meanConcavity"] = score.meanConcavity;
   return json;
 }
 
 Report toReport(const Options& options, const Subject& subject, std::size_t partCount, const Score& score) {
   Report report(fmt::format("{} in {}", options.mesh, counted(partCount, "part")));
   addMeshTo(report, subject);
-  report.line("score, Eq. 16", fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted repeatedly)",
-                                           score.score16, score.score16StandardError));
-  report.line("score, Eq. 17", fmt::format("{:.4f} (mesh volume / sum of hull volumes)", score.score17));
+  if (hasWalls(subject)) {
+    report.line("score", "Eq. 16 and 17 are for solids; the distances tell how well thin walls are held");
+  } else {
+    const char* of = subject.rebuilt ? "; of the closed body that was made" : "";
+    report.line("score, Eq. 16",
+                fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted repeatedly{})", score.score16,
+                            score.score16StandardError, of));
+    report.line("score, Eq. 17", fmt::format("{:.4f} (mesh volume / sum of hull volumes{})", score.score17, of));
+  }
   report.line("distance, Eq. 18", fmt::format("{:.6g}, {:.3f} % of the diagonal (surface to the nearest hull)",
                                               score.distance, score.distancePercentDiagonal));
+  report.line("surface to hulls", inWords(score.toHulls));
+  report.line("hulls to surface", inWords(score.toSurface));
+  report.line("concavity", fmt::format("at most {:.4f}, mean of the parts {:.4f} (CoACD's, in halves of the longest "
+                                       "side)",
+                                       score.concavity, score.meanConcavity));
   report.line("uncovered",
               fmt::format("{:.2f} % of the mesh's volume is outside all hulls", 100 * score.uncoveredFraction));
   return report;
@@ -80,7 +111,9 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
 
 Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.mesh, options.parts}));
-  LORICA_TRY(const Subject subject, readSubject(options.mesh, options.reading, host));
+  CharacterOptions reading = options.reading;
+  reading.walls = wallChoice(options.walls);
+  LORICA_TRY(const Subject subject, readSubject(options.mesh, reading, host));
   const TriMesh& mesh = subject.mesh;
   if (std::filesystem::path(options.parts).extension() == ".lorica") {
     return invalidArgument(
@@ -93,7 +126,12 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
 
   // Either the mesh or the parts may be rejected: a failure names that file.
   const std::string& file = checkClosedTwoManifold(mesh) ? options.parts : options.mesh;
-  LORICA_TRY(const Score judged, prefixed(file, score(mesh, parts, ScoreSettings())));
+  std::optional<TriMesh> surface;  // of the file
+  if (subject.rebuilt) {
+    surface = TriMesh{{mesh.vertices.begin() + subject.rebuilt->firstOriginal, mesh.vertices.end()},
+                      subject.rebuilt->original};
+  }
+  LORICA_TRY(const Score judged, prefixed(file, score(mesh, parts, ScoreSettings(), surface ? &*surface : nullptr)));
   if (host.cancelled()) return cancelled();
   nlohmann::ordered_json json = toJson(subject, parts.size(), judged);
   if (const std::string doubt = doubtAbout(mesh, parts, judged); !doubt.empty()) {
@@ -115,11 +153,14 @@ Command addScore(CommandLine& parent, CommonOptions& common) {
       "  lorica score bunny.off coacd.obj --json coacd.json\n"
       "      score another program's parts: one `o` or `g` per part\n"
       "\nThe convex hull of each part's vertices is scored by Eq. 16 (sampled, with its standard error), Eq. 17\n"
-      "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect.");
+      "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect. Distances are measured to the\n"
+      "file's own surface. Concavity is CoACD's (Wei et al. 2022): of what a hull holds of the mesh, the larger of\n"
+      "the Hausdorff distance to the hull and 0.3 times the radius of a ball as large as the volume between them.");
   app->addOption("MESH", options->mesh, "Mesh (.off, .obj, .ply, .stl, .glb), or `mannequin` in its bind pose")
       ->required()
       ->typeName("");
   app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required()->typeName("");
+  addWallOptions(*app, options->walls, options->reading.thickness);
   addHideOption(*app, options->reading.hidden);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }

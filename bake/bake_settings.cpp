@@ -24,6 +24,7 @@ enum class Kind {
   kFlag,
   kPreset,
   kBody,
+  kWalls,
   kFile,
   kWord,
   kMotions,
@@ -36,9 +37,10 @@ struct Known {
   Kind kind;
 };
 
-constexpr std::array<Known, 15> kKnown = {{{"parts", Kind::kCount},
+constexpr std::array<Known, 18> kKnown = {{{"parts", Kind::kCount},
                                            {"max-error", Kind::kShare},
                                            {"max-distance", Kind::kLength},
+                                           {"max-concavity", Kind::kShare},
                                            {"exact", Kind::kFlag},
                                            {"preset", Kind::kPreset},
                                            {"cover", Kind::kCover},
@@ -47,6 +49,8 @@ constexpr std::array<Known, 15> kKnown = {{{"parts", Kind::kCount},
                                            {"motion", Kind::kMotions},
                                            {"body", Kind::kBody},
                                            {"body-resolution", Kind::kLength},
+                                           {"walls", Kind::kWalls},
+                                           {"thickness", Kind::kLength},
                                            {"map", Kind::kFile},
                                            {"hide", Kind::kWords},
                                            {"engine", Kind::kWord},
@@ -85,6 +89,8 @@ std::string expectedFor(Kind kind, const std::string& text) {
       return isOneOf(text, {"paper", "fast", "quality"}) ? "" : "paper, fast, quality";
     case Kind::kBody:
       return isOneOf(text, {"auto", "never", "always"}) ? "" : "auto, never, always";
+    case Kind::kWalls:
+      return isOneOf(text, {"auto", "solid", "shell"}) ? "" : "auto, solid, shell";
     case Kind::kExports:
       return isOneOf(text, {"obj", "stl", "ply", "xml", "urdf", "glb", "vrm"}) ? ""
                                                                                : "obj, stl, ply, xml, urdf, glb, vrm";

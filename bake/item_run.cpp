@@ -68,8 +68,8 @@ void addFigures(const fs::path& report, ordered_json& description) {
   if (!text) return;
   const Result<ordered_json> json = parseJson<ordered_json>(*text, report.string());
   if (!json || !json->is_object()) return;
-  for (const char* name :
-       {"parts", "score", "error", "heldOutError", "heldOutPoses", "distance", "endedBy", "repaired", "body", "hash"}) {
+  for (const char* name : {"parts", "score", "error", "heldOutError", "heldOutPoses", "distance", "concavity",
+                           "meanConcavity", "endedBy", "repaired", "body", "hash"}) {
     if (json->contains(name) && !json->at(name).is_null()) description[name] = (*json)[name];
   }
 }
@@ -80,7 +80,7 @@ std::vector<std::string> exportArguments(const BakeItem& item, const fs::path& l
                                          const ItemRunSettings& settings) {
   std::vector<std::string> arguments = {"export", item.input, out, "--decomposition", lorica};
   addCommon(settings, arguments);
-  for (const char* name : {"body", "body-resolution", "map", "hide", "hull-vertices", "engine"}) {
+  for (const char* name : {"body", "body-resolution", "walls", "thickness", "map", "hide", "hull-vertices", "engine"}) {
     addSetting(item, name, arguments);
   }
   return arguments;

@@ -6,6 +6,7 @@
 #include "prepare/body.h"
 #include "prepare/hull_fit.h"
 #include "prepare/mesh_subject.h"
+#include "prepare/mesh_walls.h"
 
 #include <fmt/format.h>
 
@@ -22,14 +23,16 @@ Result<Subject> subjectOf(TriMesh mesh, const MeshPartsSettings& settings, Host&
   }
   CharacterOptions reading;
   reading.body = settings.closed;
+  reading.walls = settings.walls;
+  reading.thickness = settings.thickness;
   return meshSubject("mesh", std::move(mesh), reading, host);
 }
 
 std::string repairsOf(const Subject& subject) {
   if (!subject.rebuilt) return subject.repaired;
-  const std::string& problem = subject.rebuilt->problem;
-  return fmt::format("closed body built with voxels of {:.4g}{}", subject.rebuilt->resolution,
-                     problem.empty() ? "" : ", because " + problem);
+  const std::string because = subject.rebuilt->problem.empty() ? "" : ", because " + subject.rebuilt->problem;
+  if (subject.rebuilt->shells > 0) return wallsInWords(*subject.rebuilt) + because;
+  return fmt::format("closed body built with voxels of {:.4g}{}", subject.rebuilt->resolution, because);
 }
 
 MeshParts partsOf(const Subject& subject, HullExport made, DecompositionFile content) {
@@ -76,8 +79,8 @@ Result<MeshParts> partsOfMesh(TriMesh mesh, const MeshPartsSettings& settings) {
   ProgramHost host(settings.decompose.progress, settings.decompose.threads, settings.decompose.maxParts);
   LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
   const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
-  const FitRequest request{subject, keyframes,         nullptr, {std::nullopt, settings.hullVertices},
-                           true,    settings.decompose};
+  FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices}, true, settings.decompose};
+  request.settings.maxConcavity = settings.maxConcavity * concavityUnitOf(subject);
   LORICA_TRY(Fit fit, fitHulls(request, host));
   LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
   return partsOf(subject, std::move(fit.exported), fileContent(request, nullptr, fit));

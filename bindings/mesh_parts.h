@@ -17,6 +17,9 @@ struct MeshPartsSettings {
   DecomposeSettings decompose;  ///< its limits hold on the hulls that are given, as those of `lorica decompose`
   int hullVertices = 0;         ///< a hull with more is enclosed in a larger one of at most as many, 0 = no limit
   BodyChoice closed = BodyChoice::kIfNeeded;
+  WallChoice walls = WallChoice::kByReach;
+  double thickness = 0.0;     ///< of thin walls, 0 = automatic
+  double maxConcavity = 0.0;  ///< limit of partConcavity() as a share of concavityUnit(), 0 = no limit
 };
 
 /// A mesh in convex hulls that together contain every vertex of its surface. Lengths are in the mesh's unit.

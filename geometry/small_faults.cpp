@@ -101,6 +101,13 @@ class Repairer {
     return finish();
   }
 
+  TriMesh withoutRepeats() {
+    weld();
+    std::erase_if(triangles(), hasRepeatedCorner);
+    dropRepeated(triangles(), sorted);
+    return std::move(repair_.mesh);
+  }
+
   /// Without repairing anything but whole pieces and non-manifold edges.
   std::optional<FaultRepair> finish() {
     TriMesh& mesh = repair_.mesh;
@@ -239,6 +246,10 @@ std::string FaultRepair::summary() const {
                                counted(unitedPieces, "overlapping piece", "overlapping pieces"), volume, sumOfVolumes));
   }
   return fmt::format("{}", fmt::join(done, ", "));
+}
+
+TriMesh withoutRepeats(const TriMesh& mesh) {
+  return Repairer(mesh).withoutRepeats();
 }
 
 Result<FaultRepair> repairSmallFaults(const TriMesh& mesh) {

@@ -35,6 +35,11 @@ struct FaultRepair {
   [[nodiscard]] std::string summary() const;
 };
 
+/// The mesh with vertices at the same position welded, see repairSmallFaults(), without triangles that have a repeated
+/// corner or repeat another one, whichever way they face.
+/// @param mesh  finite, with indices in range
+[[nodiscard]] TriMesh withoutRepeats(const TriMesh& mesh);
+
 /// Open pieces whose longest extent is at most this share of the mesh's diagonal are specks, ...
 inline constexpr double kSpeckExtent = 0.01;
 /// ... if all of them together have at most this share of its area.

@@ -30,12 +30,19 @@ double distanceIn(const FitRequest& request, const Fit& fit) {
   return distance <= limit ? distance : std::min(distance, measureDistance(parts, posesOf(request), fit.hulls, limit));
 }
 
+/// Vertices that hulls must hold enlarge them, mostly by very little, and distances are measured to a hundredth: the
+/// parts leave room for that.
+DecomposeSettings withMargin(DecomposeSettings settings) {
+  settings.maxConcavity *= 0.99;
+  return settings;
+}
+
 /// Decomposes once, and finds the hulls that are used.
 Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings, Host& host) {
   const Subject& subject = request.subject;
   Fit fit;
   LORICA_TRY(TimedDecomposition made,
-             decomposeWithProgress(subject.name, subject.mesh, posesOf(request), settings, host));
+             decomposeWithProgress(subject.name, subject.mesh, posesOf(request), withMargin(settings), host));
   fit.made = std::move(made);
   const Decomposition& parts = fit.made.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
@@ -64,6 +71,9 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
   }
   fit.quality = measureQuality(subject.mesh, posesOf(request), fit.hulls);
   if (request.settings.maxDistance > 0.0) fit.distance = distanceIn(request, fit);
+  if (const double limit = request.settings.maxConcavity; limit > 0.0) {
+    fit.concavity = measureConcavity(parts, posesOf(request), fit.hulls, 0.1 * limit);
+  }
   return fit;
 }
 
@@ -78,22 +88,27 @@ bool Fit::distanceMet(const DecomposeSettings& settings) const {
   return settings.maxDistance <= 0.0 || *distance <= (1.0 + kRounding) * settings.maxDistance;
 }
 
+bool Fit::concavityMet(const DecomposeSettings& settings) const {
+  return settings.maxConcavity <= 0.0 || concavity->largest <= (1.0 + kRounding) * settings.maxConcavity;
+}
+
 double Fit::excess(const DecomposeSettings& settings) const {
   double most = 0.0;
   if (settings.maxError > 0.0) most = *std::ranges::max_element(quality.errorPerKeyframe) / settings.maxError;
   if (settings.maxDistance > 0.0) most = std::max(most, *distance / settings.maxDistance);
+  if (settings.maxConcavity > 0.0) most = std::max(most, concavity->largest / settings.maxConcavity);
   return most;
 }
 
 Result<Fit> fitHulls(const FitRequest& request, Host& host) {
   const DecomposeSettings& asked = request.settings;
-  const auto met = [&](const Fit& fit) { return fit.errorMet(asked) && fit.distanceMet(asked); };
+  const auto met = [&](const Fit& fit) { return fit.met(asked); };
   const auto partsOf = [](const Fit& fit) { return countOf(fit.made.decomposition.parts); };
   // With as many parts as their own hulls need. Hulls that are used need at least as many.
   Result<Fit> best = fitOnce(request, asked, host);
   if (!best || !request.limited() || met(*best)) return best;
   DecomposeSettings settings = asked;
-  settings.maxError = settings.maxDistance = 0.0;
+  settings.maxError = settings.maxDistance = settings.maxConcavity = 0.0;
   const int max = asked.maxParts > 0 ? asked.maxParts : std::max(kMostParts, partsOf(*best));
   int missed = partsOf(*best);
   double seconds = best->made.seconds;

@@ -23,7 +23,9 @@ struct FitRequest {
   /// keyframes for a character.
   DecomposeSettings settings;
 
-  [[nodiscard]] bool limited() const { return settings.maxError > 0.0 || settings.maxDistance > 0.0; }
+  [[nodiscard]] bool limited() const {
+    return settings.maxError > 0.0 || settings.maxDistance > 0.0 || settings.maxConcavity > 0.0;
+  }
 };
 
 /// Parts and the hulls that are used for them. All figures are those of these hulls.
@@ -35,12 +37,17 @@ struct Fit {
   std::optional<HullCover> cover;  ///< of a character, unless it is exact
   UsedHulls hulls;                 ///< in each keyframe
   Quality quality;
-  std::optional<double> distance;  ///< see measureDistance(), if it is limited
-  bool stalled = false;            ///< a limit is missed, and more parts do not help
+  std::optional<double> distance;      ///< see measureDistance(), if it is limited
+  std::optional<Concavity> concavity;  ///< see measureConcavity(), if it is limited
+  bool stalled = false;                ///< a limit is missed, and more parts do not help
 
   [[nodiscard]] bool errorMet(const DecomposeSettings& settings) const;
   [[nodiscard]] bool distanceMet(const DecomposeSettings& settings) const;
-  /// The larger of error and distance, as multiples of their limits.
+  [[nodiscard]] bool concavityMet(const DecomposeSettings& settings) const;
+  [[nodiscard]] bool met(const DecomposeSettings& settings) const {
+    return errorMet(settings) && distanceMet(settings) && concavityMet(settings);
+  }
+  /// The largest of error, distance and concavity, as multiples of their limits.
   [[nodiscard]] double excess(const DecomposeSettings& settings) const;
 };
 

@@ -1,14 +1,29 @@
 #include "prepare/mesh_subject.h"
 
+#include "acd/part_concavity.h"
+#include "geometry/errors.h"
 #include "geometry/small_faults.h"
+#include "prepare/mesh_walls.h"
 #include "skinning/body/mesh_body.h"
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 namespace lorica {
 namespace {
+
+/// A closed body for a mesh, with or without the file's vertices.
+Result<WallBody> makeClosedBody(const TriMesh& mesh, const CharacterOptions& options, const BodySettings& settings) {
+  if (options.walls != WallChoice::kSolid) {
+    LORICA_TRY(std::optional<WallBody> walls, makeWalls(mesh, options, settings));
+    if (walls) return std::move(*walls);
+  }
+  LORICA_TRY(MeshBody body, makeMeshBody(mesh, settings));
+  body.mesh.vertices.resize(body.firstOriginal);
+  return WallBody{std::move(body.mesh), {{}, body.resolution, body.distances, body.firstOriginal}};
+}
 
 /// Replaces the subject's mesh by a closed body.
 Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::string problem, Host& host) {
@@ -17,7 +32,7 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
   settings.resolution = options.bodyResolution;
   settings.threads = host.threads;
   settings.progress = task.progress();
-  Result<MeshBody> body = makeMeshBody(subject.mesh, settings);
+  Result<WallBody> body = makeClosedBody(subject.mesh, options, settings);
   if (!body) {
     if (body.error().code == ErrorCode::kCancelled) return body.error();
     return Error{body.error().code, fmt::format("{}: {}{}no closed body can be made: {}", subject.name, problem,
@@ -29,18 +44,28 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
   }
   subject.held.clear();
   for (std::size_t v = 0; v < used.size(); ++v) {
-    if (used[v]) subject.held.push_back(body->firstOriginal + v);
+    if (used[v]) subject.held.push_back(body->figures.firstOriginal + v);
   }
+  std::vector<Triangle> original = std::move(subject.mesh.triangles);
+  body->mesh.vertices.insert(body->mesh.vertices.end(), subject.mesh.vertices.begin(), subject.mesh.vertices.end());
   subject.mesh = std::move(body->mesh);
-  subject.rebuilt = RebuiltMesh{std::move(problem), body->resolution, body->distances, body->firstOriginal};
+  body->figures.problem = std::move(problem);
+  body->figures.original = std::move(original);
+  subject.rebuilt = std::move(body->figures);
   return {};
 }
 
 }  // namespace
 
 Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options, Host& host) {
+  constexpr double kThickest = 0.125;  // of the longest side
+  const double size = 2.0 * concavityUnit(mesh.vertices);
+  if (!(options.thickness >= 0.0) || (options.thickness > kThickest * size && std::isfinite(size))) {
+    return invalidArgument("{}: thickness of walls: found {:g}, expected 0 to {:.4g}, an eighth of the longest side",
+                           name, options.thickness, kThickest * size);
+  }
   Subject subject{name, std::move(mesh), std::nullopt, "", std::nullopt, std::nullopt};
-  if (options.body == BodyChoice::kAlways) {
+  if (options.body == BodyChoice::kAlways || options.walls == WallChoice::kShell) {
     LORICA_TRY_DO(rebuild(subject, options, "", host));
     return subject;
   }
@@ -55,6 +80,16 @@ Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const Charact
     return Error{repair.error().code, fmt::format("{}: {}", name, repair.error().message)};
   }
   return subject;
+}
+
+double concavityUnitOf(const Subject& subject) {
+  std::vector<Vec3> surface;
+  if (subject.rebuilt) {
+    for (const VertexIndex v : subject.held) surface.push_back(subject.mesh.vertices[v]);
+  } else {
+    for (const VertexIndex v : verticesToHold(subject)) surface.push_back(subject.mesh.vertices[v]);
+  }
+  return concavityUnit(surface);
 }
 
 std::vector<VertexIndex> verticesToHold(const Subject& subject) {

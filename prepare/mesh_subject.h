@@ -17,6 +17,9 @@ namespace lorica {
 [[nodiscard]] Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options,
                                           Host& host);
 
+/// The length in which concavities of a subject are given, see concavityUnit(): of the file's surface.
+[[nodiscard]] double concavityUnitOf(const Subject& subject);
+
 /// The vertices that the hulls of a subject must hold: those of a mesh's surface and those that it stands for; all
 /// vertices of a character.
 [[nodiscard]] std::vector<VertexIndex> verticesToHold(const Subject& subject);

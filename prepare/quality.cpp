@@ -1,11 +1,15 @@
 #include "prepare/quality.h"
 
 #include "acd/hull_distance.h"
+#include "acd/part_concavity.h"
 #include "acd/transfer.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <numeric>
+#include <span>
+#include <utility>
 
 namespace lorica {
 
@@ -25,18 +29,48 @@ Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls&
   return quality;
 }
 
-double measureDistance(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
-                       double ignoreBelow) {
-  double worst = 0.0;
+namespace {
+
+/// Measures each part with its hull: visit(values of the parts) for each keyframe.
+void measureParts(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls, const auto& measure,
+                  const auto& visit) {
   std::vector<Vec3> points(decomposition.pointCount());
   std::vector<double> ofPart(decomposition.parts.size());
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     transfer(decomposition, keyframes.keyframe(k), points);
     tbb::parallel_for(std::size_t{0}, ofPart.size(), [&](std::size_t i) {
-      ofPart[i] = hullDistance(hulls[k][i], points, decomposition.parts[i].triangles, ignoreBelow);
+      ofPart[i] = measure(hulls[k][i], points, decomposition.parts[i].triangles);
     });
-    worst = std::max(worst, *std::max_element(ofPart.begin(), ofPart.end()));
+    visit(std::as_const(ofPart));
   }
+}
+
+}  // namespace
+
+double measureDistance(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
+                       double ignoreBelow) {
+  double worst = 0.0;
+  measureParts(
+      decomposition, keyframes, hulls,
+      [&](const ConvexHull& hull, std::span<const Vec3> points, std::span<const Triangle> triangles) {
+        return hullDistance(hull, points, triangles, ignoreBelow);
+      },
+      [&](const std::vector<double>& ofPart) { worst = std::max(worst, *std::ranges::max_element(ofPart)); });
+  return worst;
+}
+
+Concavity measureConcavity(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
+                           double ignoreBelow) {
+  Concavity worst;
+  measureParts(
+      decomposition, keyframes, hulls,
+      [&](const ConvexHull& hull, std::span<const Vec3> points, std::span<const Triangle> triangles) {
+        return partConcavity(hull, points, triangles, ignoreBelow);
+      },
+      [&](const std::vector<double>& ofPart) {
+        worst.largest = std::max(worst.largest, *std::ranges::max_element(ofPart));
+        worst.mean = std::max(worst.mean, std::accumulate(ofPart.begin(), ofPart.end(), 0.0) / ofPart.size());
+      });
   return worst;
 }
 

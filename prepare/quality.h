@@ -26,4 +26,12 @@ struct Quality {
 [[nodiscard]] double measureDistance(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
                                      double ignoreBelow);
 
+/// Largest and mean concavity of the parts, see partConcavity(), with their hulls that are used [mesh units].
+struct Concavity {
+  double largest = 0.0;
+  double mean = 0.0;  ///< over the parts, in the keyframe where it is largest
+};
+[[nodiscard]] Concavity measureConcavity(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
+                                         double ignoreBelow);
+
 }  // namespace lorica

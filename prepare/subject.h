@@ -22,11 +22,20 @@ enum class BodyChoice : std::uint8_t {
   kAlways  ///< even if it is closed
 };
 
+/// What the surface of a mesh that is no character stands for, where it is not closed.
+enum class WallChoice : std::uint8_t {
+  kByReach,  ///< the border of space that cannot be reached from outside, else a thin wall
+  kSolid,    ///< the border of a solid, whatever its openings
+  kShell     ///< a thin wall, also where it is closed
+};
+
 /// Options for reading a character or a mesh.
 struct CharacterOptions {
   std::string map;              ///< file that assigns humanoid bones to joints; empty = automatic
   double bodyResolution = 0.0;  ///< of the voxels if a closed surface has to be made [m; a mesh's unit]; 0 = automatic
   BodyChoice body = BodyChoice::kIfNeeded;
+  WallChoice walls = WallChoice::kByReach;
+  double thickness = 0.0;                     ///< of thin walls [a mesh's unit]; 0 = automatic
   bool drawn = false;                         ///< the character is drawn: decode the pictures of its materials
   int textureSize = 0;                        ///< largest side of those pictures [pixels]; 0 = as stored
   std::vector<std::string> expressions = {};  ///< see chosenExpressions()
@@ -39,10 +48,15 @@ struct CharacterOptions {
 
 /// A closed body that was made for a mesh. Lengths are in the mesh's unit.
 struct RebuiltMesh {
-  std::string problem;            ///< what was wrong with the mesh; empty if a body was asked for
-  double resolution = 0.0;        ///< voxel edge
-  BodyDistances distances;        ///< between body and mesh
-  VertexIndex firstOriginal = 0;  ///< vertex v of the file is vertex firstOriginal + v of Subject::mesh
+  std::string problem;                  ///< what was wrong with the mesh; empty if a body was asked for
+  double resolution = 0.0;              ///< voxel edge; 0 if there are only walls and closed pieces
+  BodyDistances distances;              ///< between body and mesh
+  VertexIndex firstOriginal = 0;        ///< vertex v of the file is vertex firstOriginal + v of Subject::mesh
+  std::size_t shells = 0;               ///< pieces that became thin walls
+  std::size_t solids = 0;               ///< pieces that are closed
+  double shellShare = 0.0;              ///< of the surface, which became walls
+  double thickness = 0.0;               ///< of the walls
+  std::vector<Triangle> original = {};  ///< of the file, over its vertices
 };
 
 /// Something that can be decomposed: a mesh, or a character whose bind pose is `mesh`. A mesh has the file's units and

@@ -91,6 +91,13 @@ typedef enum lorica_closed_body {
   LORICA_CLOSED_ALWAYS = 2
 } lorica_closed_body;
 
+/* What an open surface is. */
+typedef enum lorica_walls {
+  LORICA_WALLS_AUTO = 0, /* a thin wall, unless nothing outside can reach what is behind it */
+  LORICA_WALLS_SOLID = 1,
+  LORICA_WALLS_SHELL = 2 /* a thin wall, also where it is closed */
+} lorica_walls;
+
 typedef struct lorica_decompose_options {
   size_t size;
   int32_t parts;    /* at most; 0 = 16, or with a limit below as many as it takes; -1 = until no concave edge remains */
@@ -103,6 +110,9 @@ typedef struct lorica_decompose_options {
   int32_t threads;          /* 0 = all of the machine's; the result does not depend on it */
   lorica_progress progress; /* parts done and wanted; may be null */
   void* user;
+  double max_concavity; /* fewest parts whose concavity, as CoACD measures it, is at most this; 0 = no limit */
+  double thickness;     /* of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap */
+  int32_t walls;        /* lorica_walls */
 } lorica_decompose_options;
 
 /* A convex polyhedron. Filled by the library; see Ownership. */

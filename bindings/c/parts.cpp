@@ -45,12 +45,14 @@ Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
   LORICA_TRY(const lorica_decompose_options options, taken(given, "options"));
   LORICA_TRY_DO(checkChoice(options.preset, LORICA_QUALITY, "preset"));
   LORICA_TRY_DO(checkChoice(options.closed_body, LORICA_CLOSED_ALWAYS, "closed_body"));
+  LORICA_TRY_DO(checkChoice(options.walls, LORICA_WALLS_SHELL, "walls"));
   if (options.parts < -1) {
     return invalidArgument("parts: found {}, expected -1 or more", options.parts);
   }
   constexpr DecomposePreset kPresets[] = {DecomposePreset::kFast, DecomposePreset::kPaper, DecomposePreset::kQuality};
   constexpr BodyChoice kChoices[] = {BodyChoice::kIfNeeded, BodyChoice::kNever, BodyChoice::kAlways};
-  const bool limited = options.max_error > 0.0 || options.max_distance > 0.0;
+  constexpr WallChoice kWalls[] = {WallChoice::kByReach, WallChoice::kSolid, WallChoice::kShell};
+  const bool limited = options.max_error > 0.0 || options.max_distance > 0.0 || options.max_concavity > 0.0;
   MeshPartsSettings settings;
   settings.decompose.maxParts = options.parts > 0 ? options.parts : options.parts == 0 && !limited ? kUsualParts : 0;
   settings.decompose.preset = kPresets[options.preset];
@@ -60,6 +62,9 @@ Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
   settings.decompose.progress = progressFrom(options.progress, options.user);
   settings.hullVertices = options.hull_vertices;
   settings.closed = kChoices[options.closed_body];
+  settings.maxConcavity = options.max_concavity;
+  settings.thickness = options.thickness;
+  settings.walls = kWalls[options.walls];
   return settings;
 }
 

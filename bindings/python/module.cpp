@@ -41,10 +41,18 @@ BodyChoice closedNamed(const std::string& name) {
   throw py::value_error(fmt::format("closed_body: found {}, expected auto, never or always", name));
 }
 
+WallChoice wallsNamed(const std::string& name) {
+  if (name == "auto") return WallChoice::kByReach;
+  if (name == "solid") return WallChoice::kSolid;
+  if (name == "shell") return WallChoice::kShell;
+  throw py::value_error(fmt::format("walls: found {}, expected auto, solid or shell", name));
+}
+
 PartList decomposeMesh(const py::object& vertices, const py::object& faces, std::optional<int> parts, double maxError,
-                       double maxDistance, const std::string& preset, int hullVertices, const std::string& closedBody,
-                       int threads, const py::object& progress) {
-  const bool limited = maxError > 0.0 || maxDistance > 0.0;
+                       double maxDistance, double maxConcavity, const std::string& preset, int hullVertices,
+                       const std::string& closedBody, const std::string& walls, double thickness, int threads,
+                       const py::object& progress) {
+  const bool limited = maxError > 0.0 || maxDistance > 0.0 || maxConcavity > 0.0;
   MeshPartsSettings settings;
   settings.decompose.maxParts = parts.value_or(limited ? 0 : kUsualParts);
   settings.decompose.maxError = maxError;
@@ -53,6 +61,9 @@ PartList decomposeMesh(const py::object& vertices, const py::object& faces, std:
   settings.decompose.threads = threads;
   settings.hullVertices = hullVertices;
   settings.closed = closedNamed(closedBody);
+  settings.walls = wallsNamed(walls);
+  settings.thickness = thickness;
+  settings.maxConcavity = maxConcavity;
   TriMesh mesh = meshFrom(vertices, faces);
   MeshParts made = resultAside<MeshParts>(progress, [&](const DecomposeProgress& report) {
     settings.decompose.progress = report;
@@ -158,8 +169,9 @@ PYBIND11_MODULE(_lorica, module) {
   addParts(module);
   addCharacters(module);
   module.def("decompose", &decomposeMesh, "vertices"_a, "faces"_a, "parts"_a = py::none(), py::kw_only(),
-             "max_error"_a = 0.0, "max_distance"_a = 0.0, "preset"_a = "fast", "hull_vertices"_a = 0,
-             "closed_body"_a = "auto", "threads"_a = 0, "progress"_a = py::none(),
+             "max_error"_a = 0.0, "max_distance"_a = 0.0, "max_concavity"_a = 0.0, "preset"_a = "fast",
+             "hull_vertices"_a = 0, "closed_body"_a = "auto", "walls"_a = "auto", "thickness"_a = 0.0, "threads"_a = 0,
+             "progress"_a = py::none(),
              R"(Decompose a mesh into nearly convex parts, and return their hulls.
 
 The hulls together contain every vertex of the surface. The same arguments give the same hulls on any number of threads:
@@ -170,10 +182,14 @@ faces          (m, 3) integers: triangles, counter-clockwise seen from outside
 parts          at most this many; 0 = until no concave edge remains; None = 16, or with a limit below as many as it takes
 max_error      stop when the hulls have at most this much more volume, relative to the mesh; 0 = no limit
 max_distance   use the fewest parts with no point of a hull farther than this from the surface; 0 = no limit
+max_concavity  use the fewest parts whose concavity, as CoACD measures it, is at most this; 0 = no limit
 preset         "paper", "fast" or "quality"
 hull_vertices  enclose hulls with more vertices in larger ones with at most this many, at least 4; 0 = no limit. It and
-               parts always hold; max_error and max_distance give where not all can
+               parts always hold; the limits give where not all can
 closed_body    "auto" builds a closed surface if the mesh cannot be repaired, "never" refuses such a mesh, "always"
+walls          what an open surface is: "auto" = a thin wall, unless nothing outside can reach what is behind it; "solid";
+               "shell" = a thin wall, also where it is closed
+thickness      of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap
 threads        0 = all of the machine's
 progress       called with the numbers of parts done and wanted; return False to cancel
 

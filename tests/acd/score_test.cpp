@@ -177,6 +177,33 @@ TEST(Score, FlatPartsCountInDistanceOnly) {
   EXPECT_NEAR(s.distance, (2 * 0.5 + 4 * 0.25) / 6.0, 1e-3);
 }
 
+TEST(Score, DistancesBothWaysAndConcavityOfAnLShape) {
+  // One hull of an L of three unit squares: the middle of its slanted face is 1/2 from the L, the middle of the inner
+  // edge 1/2 below the end faces. The mesh's longest side is 2, so the unit of concavity is 1.
+  const TriMesh shape = test::makeLShape();
+  const Score s = scoreOf(shape, {shape});
+  EXPECT_NEAR(s.concavity, 0.5, 0.01);
+  EXPECT_DOUBLE_EQ(s.meanConcavity, s.concavity);
+  EXPECT_NEAR(s.toHulls.largest, 0.5, 0.02);
+  EXPECT_NEAR(s.toSurface.largest, 0.5, 0.02);
+  EXPECT_DOUBLE_EQ(s.toHulls.mean, s.distance);
+  EXPECT_LE(s.toHulls.most, s.toHulls.largest);
+  // Two boxes fit exactly, and the face between them is in the mesh.
+  const Score exact = scoreOf(shape, {test::makeBox({0, 0, 0}, {2, 1, 1}), test::makeBox({0, 1, 0}, {1, 2, 1})});
+  EXPECT_NEAR(exact.score17, 1.0, 1e-12);
+  EXPECT_NEAR(exact.toSurface.largest, 0.0, 1e-6);
+  EXPECT_NEAR(exact.concavity, 0.0, 0.02);
+}
+
+TEST(Score, OfASurfaceThatABodyWasMadeFor) {
+  // The body is a box, the file's surface only its floor.
+  const TriMesh box = test::makeBox({0, 0, 0}, {1, 1, 1});
+  const TriMesh lid{{{0, 2, 0}, {1, 2, 0}, {1, 2, 1}}, {{0, 2, 1}}};
+  const Score s = test::valueOf(score(box, std::vector<TriMesh>{box}, {}, &lid));
+  EXPECT_NEAR(s.toHulls.largest, 1.0, 1e-9);
+  EXPECT_NEAR(s.score17, 1.0, 1e-12);
+}
+
 TEST(Score, BadInputIsRefused) {
   const std::vector<TriMesh> parts = {kUnitCube};
   TriMesh open = kUnitCube, notFinite = kUnitCube, outOfRange = kUnitCube;
@@ -198,7 +225,10 @@ TEST(Score, BadInputIsRefused) {
            {kUnitCube, {kUnitCube, notFinite}, {}, "part 1: vertex 3 is not finite"},
            {kUnitCube, {kUnitCube, outOfRange}, {}, "part 1: triangle 2: vertex index 8 is out of range (8 vertices)"},
            {kUnitCube, parts, {.volumeSamples = 15}, "volumeSamples is 15, expected 16 or more"},
-           {kUnitCube, parts, {.surfaceSamples = 0}, "surfaceSamples is 0, expected 1 or more"}}) {
+           {kUnitCube,
+            parts,
+            {.surfaceSamples = 0},
+            "surfaceSamples is 0, concavitySamples 2000: expected 1 or more of each"}}) {
     EXPECT_EQ(score(row.mesh, row.parts, row.settings).error().message, row.message);
   }
 }

@@ -125,9 +125,12 @@ def decompose(
     *,
     max_error: float = 0.0,
     max_distance: float = 0.0,
+    max_concavity: float = 0.0,
     preset: str = "fast",
     hull_vertices: int = 0,
     closed_body: str = "auto",
+    walls: str = "auto",
+    thickness: float = 0.0,
     threads: int = 0,
     progress: Optional[Progress] = None,
 ) -> Parts: ...

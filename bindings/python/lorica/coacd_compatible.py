@@ -3,8 +3,8 @@
     import lorica.coacd_compatible as coacd
     parts = coacd.run_coacd(coacd.Mesh(vertices, faces), threshold=0.05)
 
-`threshold` is the largest distance of a hull from the surface, as a share of half of the longest side of the mesh's
-bounds, as CoACD scales meshes. CoACD also weighs volumes; so equal thresholds give similar parts, not the same.
+`threshold` is the largest concavity of a part, as CoACD measures it, in halves of the longest side of the mesh's bounds:
+numbers of hulls can be compared. Open surfaces become thin walls, unless nothing outside can reach what is behind them.
 """
 
 from __future__ import annotations
@@ -62,14 +62,14 @@ def run_coacd(
     if not threshold > 0:
         raise ValueError(f"threshold: found {threshold}, expected more than 0")
     vertices = np.asarray(mesh.vertices)
-    distance = float(threshold)
-    if not real_metric and vertices.ndim == 2 and len(vertices) > 0:
-        distance *= 0.5 * float(np.ptp(vertices, axis=0).max())
+    concavity = float(threshold)
+    if real_metric and vertices.ndim == 2 and len(vertices) > 0:
+        concavity /= 0.5 * float(np.ptp(vertices, axis=0).max()) or 1.0
     parts = _lorica.decompose(
         vertices,
         mesh.indices,
         max(max_convex_hull, 0),
-        max_distance=distance,
+        max_concavity=concavity,
         hull_vertices=max_ch_vertex if decimate else 0,
         closed_body=closed[preprocess_mode],
     )

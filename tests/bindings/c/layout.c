@@ -26,6 +26,9 @@ int main(void) {
   FIELD(lorica_decompose_options, threads);
   FIELD(lorica_decompose_options, progress);
   FIELD(lorica_decompose_options, user);
+  FIELD(lorica_decompose_options, max_concavity);
+  FIELD(lorica_decompose_options, thickness);
+  FIELD(lorica_decompose_options, walls);
   STRUCT(lorica_hull);
   FIELD(lorica_hull, size);
   FIELD(lorica_hull, vertices);

@@ -17,7 +17,7 @@ class CoacdCompatible(unittest.TestCase):
 
     def test_the_threshold_is_a_share_of_half_of_the_longest_side(self):
         vertices, faces = torus(24, 12)
-        whole = lorica.decompose(vertices, faces, max_distance=0.1 * 1.3)
+        whole = lorica.decompose(vertices, faces, max_concavity=0.1)
         for scale in (1, 1000):
             self.assertEqual(len(coacd.run_coacd(coacd.Mesh(vertices * scale, faces), threshold=0.1)), len(whole))
         self.assertEqual(len(coacd.run_coacd(coacd.Mesh(vertices, faces), 0.13, real_metric=True)), len(whole))

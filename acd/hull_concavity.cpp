@@ -1,0 +1,111 @@
+#include "acd/hull_concavity.h"
+
+#include "acd/part_concavity.h"
+#include "acd/volume_coverage.h"
+#include "geometry/counts.h"
+#include "geometry/random_numbers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kOnFace = 1e-7;  // of the hull's diagonal: nearer to a plane is in the hull
+constexpr int kLines = 4096;      // for the volume of a part
+constexpr double kInside = 0.5;   // winding number
+
+bool overlap(const Aabb& a, const Aabb& b) {
+  return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
+}
+
+/// What is left of a polygon below a plane.
+void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset, std::vector<Vec3>& kept) {
+  kept.clear();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3& a = polygon[i];
+    const Vec3& b = polygon[(i + 1) % polygon.size()];
+    const double aboveA = normal.dot(a) - offset, aboveB = normal.dot(b) - offset;
+    if (aboveA <= 0.0) kept.push_back(a);
+    if ((aboveA < 0.0 && aboveB > 0.0) || (aboveA > 0.0 && aboveB < 0.0)) {
+      kept.push_back(a + aboveA / (aboveA - aboveB) * (b - a));
+    }
+  }
+  std::swap(polygon, kept);
+}
+
+}  // namespace
+
+std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles, int count,
+                               std::uint64_t seed) {
+  std::vector<double> areaUpTo;
+  areaUpTo.reserve(triangles.size());
+  double area = 0.0;
+  for (const Triangle& t : triangles) {
+    const Vec3& a = vertices[t[0]];
+    area += 0.5 * (vertices[t[1]] - a).cross(vertices[t[2]] - a).norm();
+    areaUpTo.push_back(area);
+  }
+  if (!(area > 0.0)) return {};
+  // Within a triangle an additive recurrence (with powers of the plastic number) distributes consecutive points evenly.
+  const double offsetR = randomUnit(seed, 0);
+  const double offsetU = randomUnit(seed, 1);
+  const auto fraction = [](double x) { return x - std::floor(x); };
+  std::vector<Vec3> points;
+  points.reserve(count);
+  std::size_t k = 0;
+  for (int i = 0; i < count; ++i) {
+    const double at = (i + randomUnit(seed, 2 + i)) * area / count;
+    while (k + 1 < areaUpTo.size() && areaUpTo[k] <= at) ++k;
+    const Triangle& t = triangles[k];
+    // The square root makes points uniform by area: it maps a uniform number to the distance from a corner.
+    const double r = std::sqrt(fraction(offsetR + i * 0.7548776662466927));
+    const double u = r * fraction(offsetU + i * 0.5698402909980532);
+    points.emplace_back((1.0 - r) * vertices[t[0]] + (r - u) * vertices[t[1]] + u * vertices[t[2]]);
+  }
+  return points;
+}
+
+TriMesh clippedToHull(const TriMesh& solid, const ConvexHull& hull) {
+  const Aabb box = boundsOf(hull.vertices);
+  const double margin = kOnFace * box.diagonal();
+  const HullPlanes planes(hull);
+  TriMesh part;
+  std::vector<Vec3> polygon, kept;
+  for (const Triangle& t : solid.triangles) {
+    polygon.assign({solid.vertices[t[0]], solid.vertices[t[1]], solid.vertices[t[2]]});
+    if (!overlap(boundsOf(polygon), box)) continue;
+    for (std::size_t i = 0; i < planes.count() && polygon.size() >= 3; ++i) {
+      clip(polygon, planes.normal(i), planes.offset(i) + margin, kept);
+    }
+    if (polygon.size() < 3) continue;
+    const VertexIndex first = countOf(part.vertices);
+    part.vertices.insert(part.vertices.end(), polygon.begin(), polygon.end());
+    for (VertexIndex i = 1; i + 1 < countOf(polygon); ++i) part.triangles.push_back({first, first + i, first + i + 1});
+  }
+  return part;
+}
+
+double hullConcavity(const TriMesh& solid, const TriangleTree& tree, const ConvexHull& hull, int samples,
+                     std::uint64_t seed) {
+  if (hull.degenerate()) return 0.0;
+  const double empty = hull.volume - commonVolume(solid, hull, kLines, seed);
+  double concavity = emptyConcavity(std::max(empty, 0.0));
+  const TriMesh part = clippedToHull(solid, hull);
+  if (part.triangles.empty()) return concavity;
+  HullPlanes planes(hull);
+  for (const Vec3& p : part.vertices) concavity = std::max(concavity, planes.depth(p, concavity));
+  for (const Vec3& p : spreadPoints(part.vertices, part.triangles, samples, seed)) {
+    concavity = std::max(concavity, planes.depth(p, concavity));
+  }
+  const TriangleTree surface(part.vertices, part.triangles);
+  for (const Vec3& p : spreadPoints(hull.vertices, hull.triangles, samples, seed + 1)) {
+    const double distance = surface.distance(p);
+    if (distance > concavity && tree.windingNumber(p) < kInside) concavity = distance;
+  }
+  return concavity;
+}
+
+}  // namespace lorica

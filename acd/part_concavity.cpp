@@ -1,0 +1,80 @@
+#include "acd/part_concavity.h"
+
+#include "acd/hull_distance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+// Rounding turns the normals of faces thinner than this share of the hull's diagonal; their neighbours stand for them.
+constexpr double kThin = 1e-5;
+
+}  // namespace
+
+HullPlanes::HullPlanes(const ConvexHull& hull) {
+  const double thin = kThin * boundsOf(hull.vertices).diagonal();
+  for (const Triangle& t : hull.triangles) {
+    const Vec3& a = hull.vertices[t[0]];
+    const Vec3 ab = hull.vertices[t[1]] - a, ac = hull.vertices[t[2]] - a;
+    const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
+    const Vec3 doubled = ab.cross(ac);
+    if (!(doubled.norm() > thin * longest)) continue;
+    normals_.push_back(doubled.normalized());
+    offsets_.push_back(normals_.back().dot(a));
+  }
+}
+
+double HullPlanes::depth(const Vec3& p, double enough) {
+  double depth = kInfinity;
+  std::size_t nearest = last_;
+  // The face that was nearest last time first: it often tells that a point is not deep.
+  for (std::size_t i = 0; i < normals_.size(); ++i) {
+    const std::size_t at = i == 0 ? last_ : i == last_ ? 0 : i;
+    const double below = offsets_[at] - normals_[at].dot(p);
+    if (below >= depth) continue;
+    depth = below;
+    nearest = at;
+    if (depth <= enough) break;
+  }
+  last_ = nearest;
+  return depth <= enough || depth == kInfinity ? 0.0 : depth;
+}
+
+double emptyConcavity(double empty) {
+  return kConcavityVolumeWeight * std::cbrt(3.0 * empty / (4.0 * std::numbers::pi));
+}
+
+double concavityUnit(std::span<const Vec3> points) {
+  const Aabb box = boundsOf(points);
+  return box.empty() ? 0.0 : 0.5 * (box.max - box.min).maxCoeff();
+}
+
+double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::span<const Triangle> triangles,
+                     double ignoreBelow, double enough) {
+  if (hull.degenerate()) return 0.0;
+  double concavity = emptyConcavity(std::abs(hull.volume - signedVolume(points, triangles)));
+  if (concavity > enough) return concavity;
+  HullPlanes planes(hull);
+  const double spacing = 0.25 * std::max(ignoreBelow, 1e-3 * boundsOf(hull.vertices).diagonal());
+  for (const Triangle& t : triangles) {
+    const Vec3& a = points[t[0]];
+    const Vec3 ab = points[t[1]] - a, ac = points[t[2]] - a;
+    const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
+    const int rows = std::clamp(static_cast<int>(std::ceil(longest / spacing)), 1, 64);
+    for (int i = 0; i <= rows; ++i) {
+      for (int j = 0; i + j <= rows; ++j) {
+        const Vec3 p = a + i * (1.0 / rows) * ab + j * (1.0 / rows) * ac;
+        concavity = std::max(concavity, planes.depth(p, concavity));
+      }
+    }
+    if (concavity > enough) return concavity;
+  }
+  return std::max(concavity, hullDistance(hull, points, triangles, std::max(ignoreBelow, concavity), enough));
+}
+
+}  // namespace lorica

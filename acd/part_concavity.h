@@ -1,0 +1,51 @@
+#pragma once
+
+#include "geometry/convex_hull.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// The weight of volume in partConcavity().
+inline constexpr double kConcavityVolumeWeight = 0.3;
+
+/// The length in which concavities are measured: half of the longest side of a mesh's bounds, as CoACD scales meshes
+/// [m].
+[[nodiscard]] double concavityUnit(std::span<const Vec3> points);
+
+/// The planes of a hull's faces, without faces too thin to have a direction.
+class HullPlanes {
+ public:
+  explicit HullPlanes(const ConvexHull& hull);
+  [[nodiscard]] std::size_t count() const { return normals_.size(); }
+  [[nodiscard]] const Vec3& normal(std::size_t i) const { return normals_[i]; }
+  [[nodiscard]] double offset(std::size_t i) const { return offsets_[i]; }
+  /// How deep a point of the hull lies below its surface [m]; 0 if that is at most `enough`.
+  [[nodiscard]] double depth(const Vec3& p, double enough);
+
+ private:
+  std::vector<Vec3> normals_;
+  std::vector<double> offsets_;
+  std::size_t last_ = 0;
+};
+
+/// The share of partConcavity() that the volume between hull and part has [m]. @param empty  that volume [m^3]
+[[nodiscard]] double emptyConcavity(double empty);
+
+/// How far a part is from convex, as CoACD measures it (Wei et al. 2022, Eq. 2 to 4, as its program computes them): the
+/// larger of the Hausdorff distance between the surfaces of part and hull, and 0.3 times the radius of a ball as large
+/// as the volume between them [m].
+///
+/// From hull to part, the distance is exact to a hundredth, see hullDistance(). From part to hull it is the largest at
+/// points that are at most `ignoreBelow` / 4 apart.
+/// @param hull         of the part
+/// @param points       positions that the triangles index
+/// @param triangles    of the closed part
+/// @param ignoreBelow  concavities up to this need not be told apart [m]
+/// @param enough       nor those above this [m]
+[[nodiscard]] double partConcavity(const ConvexHull& hull, std::span<const Vec3> points,
+                                   std::span<const Triangle> triangles, double ignoreBelow, double enough = kInfinity);
+
+}  // namespace lorica

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "prepare/subject.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace lorica {
+
+/// A thin wall has this thickness, as a share of the longest side of the mesh's bounds, but at most half of the
+/// narrowest gap.
+inline constexpr double kWallShare = 0.01;
+
+/// A closed body for a mesh with thin walls.
+struct WallBody {
+  TriMesh mesh;  ///< closed two-manifold without the file's vertices
+  RebuiltMesh figures;
+};
+
+/// "3 thin walls of 0.0124, 82 % of the surface; 1 piece is solid"
+[[nodiscard]] std::string wallsInWords(const RebuiltMesh& body);
+
+/// Makes thin walls of the pieces of a mesh that are sheets. Pieces that are closed, or nearly so, stay solid. Those
+/// around space that cannot be reached from outside get a body, see makeMeshBody(). Copies of triangles are dropped.
+/// @param options  walls, thickness, bodyResolution
+/// @return nothing if no piece is a sheet
+[[nodiscard]] Result<std::optional<WallBody>> makeWalls(const TriMesh& mesh, const CharacterOptions& options,
+                                                        const BodySettings& settings);
+
+}  // namespace lorica

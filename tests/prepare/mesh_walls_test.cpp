@@ -1,0 +1,278 @@
+#include "prepare/mesh_walls.h"
+
+#include "acd/decompose.h"
+#include "acd/transfer.h"
+#include "geometry/convex_hull.h"
+#include "geometry/counts.h"
+#include "geometry/random_numbers.h"
+#include "prepare/mesh_subject.h"
+#include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace lorica::test {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// A sheet of revolution about Y. A point of the profile on the axis closes the sheet there.
+TriMesh revolved(const std::vector<std::pair<double, double>>& profile, int segments) {
+  TriMesh mesh;
+  std::vector<std::vector<VertexIndex>> rings;
+  for (const auto& [radius, y] : profile) {
+    std::vector<VertexIndex>& ring = rings.emplace_back();
+    for (int s = 0; s < segments; ++s) {
+      if (s == 0 || radius > 0.0) {
+        const double angle = 2.0 * kPi * s / segments;
+        mesh.vertices.emplace_back(radius * std::cos(angle), y, radius * std::sin(angle));
+      }
+      ring.push_back(countOf(mesh.vertices) - 1);
+    }
+  }
+  for (std::size_t r = 0; r + 1 < rings.size(); ++r) {
+    for (int s = 0; s < segments; ++s) {
+      const int next = (s + 1) % segments;
+      const VertexIndex a = rings[r][s], b = rings[r][next], c = rings[r + 1][next], d = rings[r + 1][s];
+      if (a != b) mesh.triangles.push_back({a, b, c});
+      if (c != d) mesh.triangles.push_back({a, c, d});
+    }
+  }
+  return mesh;
+}
+
+/// A box without a lid, as a sheet of ten triangles.
+TriMesh openBox(double size) {
+  TriMesh box = makeBox(Vec3::Constant(-size), Vec3::Constant(size));
+  std::erase_if(box.triangles, [&](const Triangle& t) {
+    return box.vertices[t[0]].y() > 0.0 && box.vertices[t[1]].y() > 0.0 && box.vertices[t[2]].y() > 0.0;
+  });
+  return box;
+}
+
+TriMesh bothSides(const TriMesh& mesh) {
+  TriMesh back = insideOut(mesh);
+  return joined(mesh, back);
+}
+
+struct Vessel {
+  std::string name;
+  TriMesh mesh;                               ///< without thickness
+  double area = 0.0;                          ///< of the sheet
+  std::function<bool(const Vec3& p)> cavity;  ///< of the sheet, less 2.5 % of the longest side
+  double filled = 0.0;                        ///< expected at most, share of the cavity at 32 parts
+};
+
+std::vector<Vessel> vessels() {
+  std::vector<std::pair<double, double>> arc;
+  for (int i = 0; i <= 15; ++i) arc.emplace_back(std::sin(kPi * i / 18), -std::cos(kPi * i / 18));  // up to 150 degrees
+  std::vector<Vessel> all;
+  // A bowl of 24 flat sides: frustum.
+  all.push_back({"bowl", revolved({{0, 0}, {0.6, 0}, {1.0, 0.7}}, 24), 0.0,
+                 [](const Vec3& p) {
+                   return p.y() > 0.05 && p.y() < 0.7 && std::hypot(p.x(), p.z()) < 0.6 + 0.4 * p.y() / 0.7 - 0.07;
+                 },
+                 0.02});
+  all.push_back({"tube", revolved({{0.5, -1}, {0.5, 1}}, 24), 0.0,
+                 [](const Vec3& p) { return std::abs(p.y()) < 1.0 && std::hypot(p.x(), p.z()) < 0.44; }, 0.02});
+  // Round patches of a sphere are never flat: 7 to 8 %.
+  all.push_back({"sphere with a hole", revolved(arc, 24), 0.0,
+                 [](const Vec3& p) { return p.norm() < 0.94 && p.y() < 0.8; }, 0.09});
+  all.push_back({"open box", openBox(1.0), 20.0, [](const Vec3& p) { return p.cwiseAbs().maxCoeff() < 0.95; }, 1e-9});
+  for (Vessel& vessel : all) vessel.area = surfaceArea(vessel.mesh.vertices, vessel.mesh.triangles);
+  return all;
+}
+
+Mat3 turn(int i) {
+  if (i == 0) return Mat3::Identity();
+  Eigen::Vector4d q;
+  for (int k = 0; k < 4; ++k) q[k] = randomUnit(7, 4 * i + k) - 0.5;
+  return Quat(q.normalized()).toRotationMatrix();
+}
+
+WallBody wallsOf(const TriMesh& mesh, const CharacterOptions& options = {}) {
+  std::optional<WallBody> body = valueOf(makeWalls(mesh, options, {}));
+  if (!body) throw std::runtime_error("the test needs walls");
+  return std::move(*body);
+}
+
+std::vector<ConvexHull> hullsOf(const TriMesh& mesh, int parts) {
+  DecomposeSettings settings;
+  settings.maxParts = parts;
+  const Decomposition made = valueOf(decompose(mesh, {mesh.vertices, countOf(mesh.vertices)}, settings));
+  std::vector<ConvexHull> hulls;
+  std::vector<Vec3> points(made.pointCount());
+  transfer(made, mesh.vertices, points);
+  for (const Part& part : made.parts) {
+    std::vector<Vec3> own;
+    for (const PointIndex p : part.points) own.push_back(points[p]);
+    hulls.push_back(convexHull(own));
+  }
+  return hulls;
+}
+
+bool inside(const ConvexHull& hull, const Vec3& p) {
+  const std::array<Vec3, 1> points{p};
+  return largestViolation(hull, points) <= 0.0;
+}
+
+/// The share of a cavity that hulls fill.
+double filledShare(const Vessel& vessel, const Mat3& rotation, const std::vector<ConvexHull>& hulls) {
+  int in = 0, filled = 0;
+  for (int i = 0; in < 3000; ++i) {
+    const Vec3 p(2.0 * randomUnit(3, 3 * i) - 1.0, 2.0 * randomUnit(3, 3 * i + 1) - 1.0,
+                 2.0 * randomUnit(3, 3 * i + 2) - 1.0);
+    if (!vessel.cavity(p)) continue;
+    ++in;
+    const Vec3 at = rotation * p;
+    filled += std::ranges::any_of(hulls, [&](const ConvexHull& hull) { return inside(hull, at); }) ? 1 : 0;
+  }
+  return static_cast<double>(filled) / in;
+}
+
+TEST(MeshWalls, KeepThicknessAndHoldTheFilesVertices) {
+  for (const Vessel& vessel : vessels()) {
+    for (const bool doubled : {false, true}) {
+      SCOPED_TRACE(vessel.name);
+      CharacterOptions options;
+      options.thickness = 0.02;
+      const TriMesh mesh = doubled ? bothSides(vessel.mesh) : vessel.mesh;
+      const WallBody body = wallsOf(mesh, options);
+      EXPECT_TRUE(checkClosedTwoManifold(body.mesh));
+      EXPECT_EQ(body.figures.shells, 1u);
+      EXPECT_EQ(body.figures.solids, 0u);
+      EXPECT_DOUBLE_EQ(body.figures.shellShare, 1.0);
+      const double volume = signedVolume(body.mesh.vertices, body.mesh.triangles);
+      EXPECT_NEAR(volume, 0.02 * vessel.area, 0.02 * 0.02 * vessel.area);
+    }
+  }
+}
+
+TEST(MeshWalls, OfTheDefaultThicknessAreAHundredthOfTheSize) {
+  EXPECT_NEAR(wallsOf(openBox(1.0)).figures.thickness, 0.02, 1e-9);
+  EXPECT_NEAR(wallsOf(openBox(50.0)).figures.thickness, 1.0, 1e-9);
+}
+
+TEST(MeshWalls, AreAtMostHalfOfTheNarrowestGap) {
+  const TriMesh nested = joined(openBox(1.0), openBox(0.99));
+  const WallBody body = wallsOf(nested);
+  EXPECT_EQ(body.figures.shells, 2u);
+  EXPECT_NEAR(body.figures.thickness, 0.005, 1e-4);
+}
+
+TEST(MeshWalls, LeaveVesselsEmpty) {
+  for (const Vessel& vessel : vessels()) {
+    for (int i = 0; i < 8; ++i) {
+      const Mat3 rotation = turn(i);
+      const TriMesh mesh = moved(vessel.mesh, [&](const Vec3& p) { return Vec3(rotation * p); });
+      CharacterOptions options;
+      options.thickness = 0.02;
+      const std::vector<ConvexHull> hulls = hullsOf(wallsOf(mesh, options).mesh, 32);
+      EXPECT_LE(filledShare(vessel, rotation, hulls), vessel.filled) << vessel.name << ", rotation " << i;
+      // No vertex of the file is outside all hulls.
+      for (const Vec3& p : mesh.vertices) {
+        double out = kInfinity;
+        for (const ConvexHull& hull : hulls) out = std::min(out, largestViolation(hull, std::array{p}));
+        EXPECT_LT(out, 1e-6);
+      }
+    }
+  }
+}
+
+TEST(MeshWalls, LeaveClosedThingsSolid) {
+  // A cup with a handle that is closed by itself, and touches it.
+  const TriMesh cup = revolved({{0, 0}, {0.5, 0}, {0.5, 1}}, 24);
+  const TriMesh handle = makeBox({0.49, 0.4, -0.1}, {0.9, 0.6, 0.1});
+  const WallBody body = wallsOf(joined(cup, handle));
+  EXPECT_EQ(body.figures.shells, 1u);
+  EXPECT_EQ(body.figures.solids, 1u);
+  EXPECT_LT(body.figures.shellShare, 0.95);
+  // A mug of solid walls, and a box with a cavity: nothing is a sheet.
+  const TriMesh mug = revolved({{0, 0}, {0.5, 0}, {0.5, 1}, {0.45, 1}, {0.45, 0.05}, {0, 0.05}}, 24);
+  EXPECT_FALSE(valueOf(makeWalls(mug, {}, {})));
+  EXPECT_FALSE(valueOf(makeWalls(makeHollowBox(), {}, {})));
+}
+
+TEST(MeshWalls, AreNotMadeAroundSpaceThatNothingReaches) {
+  // Six squares whose edges do not meet: cracks of 0.2 % of the size.
+  TriMesh squares;
+  for (int side = 0; side < 6; ++side) {
+    const int axis = side / 2;
+    const double at = side % 2 == 0 ? -1.0 : 1.0;
+    const VertexIndex first = countOf(squares.vertices);
+    for (const auto& [u, v] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
+      Vec3 p;
+      p[axis] = at;
+      p[(axis + 1) % 3] = 0.998 * u * at;
+      p[(axis + 2) % 3] = 0.998 * v;
+      squares.vertices.push_back(p);
+    }
+    squares.triangles.push_back({first, first + 1, first + 2});
+    squares.triangles.push_back({first, first + 2, first + 3});
+  }
+  EXPECT_FALSE(valueOf(makeWalls(squares, {}, {})));
+  squares.triangles.resize(10);  // and without one of them, it is a vessel
+  EXPECT_EQ(wallsOf(squares).figures.shells, 5u);
+  CharacterOptions shell;
+  shell.walls = WallChoice::kShell;
+  EXPECT_EQ(wallsOf(makeBox({0, 0, 0}, {1, 1, 1}), shell).figures.shells, 1u);
+}
+
+TEST(MeshWalls, MakeFlatThingsSolid) {
+  const TriMesh disc = revolved({{0, 0}, {1, 0}}, 32);
+  for (const TriMesh& mesh : {disc, bothSides(disc)}) {
+    const WallBody body = wallsOf(mesh);
+    EXPECT_EQ(body.figures.shells, 1u);
+    const double area = surfaceArea(disc.vertices, disc.triangles);
+    EXPECT_NEAR(signedVolume(body.mesh.vertices, body.mesh.triangles), 0.02 * area, 1e-9);
+    EXPECT_EQ(hullsOf(body.mesh, 8).size(), 1u);
+  }
+  // A sheet folded by 120 degrees: two parts.
+  const TriMesh folded{{{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}, {-0.5, 0.9, 0}, {-0.5, 0.9, 1}},
+                       {{0, 1, 2}, {0, 2, 3}, {0, 3, 5}, {0, 5, 4}}};
+  const WallBody body = wallsOf(folded);
+  EXPECT_EQ(body.figures.shells, 1u);
+  EXPECT_EQ(hullsOf(body.mesh, 8).size(), 2u);
+}
+
+TEST(MeshWalls, CanBeOneSided) {
+  TriMesh strip;  // Moebius
+  constexpr int kCount = 40;
+  for (int i = 0; i < kCount; ++i) {
+    const double angle = 2.0 * kPi * i / kCount;
+    for (const double side : {-0.2, 0.2}) {
+      const double r = 1.0 + side * std::cos(0.5 * angle);
+      strip.vertices.emplace_back(r * std::cos(angle), side * std::sin(0.5 * angle), r * std::sin(angle));
+    }
+  }
+  for (int i = 0; i < kCount; ++i) {
+    const bool last = i + 1 == kCount;
+    const VertexIndex a = 2 * i, b = 2 * i + 1, c = last ? 1 : 2 * i + 2, d = last ? 0 : 2 * i + 3;
+    strip.triangles.push_back({a, b, c});
+    strip.triangles.push_back({b, d, c});
+  }
+  const WallBody body = wallsOf(strip);
+  EXPECT_TRUE(checkClosedTwoManifold(body.mesh));
+  EXPECT_EQ(body.figures.shells, 1u);
+}
+
+TEST(MeshSubject, OfAnOpenBoxIsAVesselUnlessItIsCalledSolid) {
+  Host host;
+  CharacterOptions options;
+  const Subject vessel = valueOf(meshSubject("box", openBox(1.0), options, host));
+  EXPECT_LT(signedVolume(vessel.mesh.vertices, vessel.mesh.triangles), 0.5);
+  EXPECT_NEAR(concavityUnitOf(vessel), 1.0, 1e-12);
+  options.walls = WallChoice::kSolid;
+  const Subject solid = valueOf(meshSubject("box", openBox(1.0), options, host));
+  EXPECT_GT(signedVolume(solid.mesh.vertices, solid.mesh.triangles), 6.0);
+}
+
+}  // namespace
+}  // namespace lorica::test
