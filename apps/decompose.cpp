@@ -25,6 +25,7 @@ namespace lorica {
 namespace {
 
 constexpr int kCharacterParts = 16;
+constexpr int kMeshParts = 256;
 constexpr double kMeshConcavity = 0.05;
 static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is");
 
@@ -108,7 +109,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   outcome.concavityUnit = concavityUnitOf(subject);
   const bool chosen = options.parts > 0 || options.maxError > 0.0 || options.maxDistance > 0.0 ||
                       options.maxConcavity > 0.0 || options.exact;
-  settings.maxParts = subject.character && !chosen ? kCharacterParts : options.parts;
+  settings.maxParts = chosen ? options.parts : subject.character ? kCharacterParts : kMeshParts;
   settings.maxError = options.maxError;
   settings.maxDistance = options.maxDistance;
   settings.maxConcavity = (subject.character || chosen ? options.maxConcavity : kMeshConcavity) * outcome.concavityUnit;
@@ -159,6 +160,8 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "      hulls limited to your engine's vertex count: at most 32 vertices each, slightly larger\n"
       "  lorica decompose bunny.off --parts 16 --preset quality\n"
       "      tighter parts in a few more seconds\n"
+      "  lorica decompose bottle.obj\n"
+      "      as many parts as it takes to keep it hollow: of at most a concavity of 0.05, CoACD's measure\n"
       "  lorica decompose bunny.off --max-error 5% --parts 64\n"
       "      stop when the hulls have at most 5 % more volume than the mesh, or at 64 parts\n"
       "  lorica decompose bracket.stl --exact\n"
@@ -193,8 +196,8 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       ->typeName("");
   addCount(
       *app, "--parts", options->parts, 1,
-      "Maximum number of parts; fewer are made if they fit as well [default: 16 for a character without limits; else "
-      "none]");
+      "Maximum number of parts; fewer are made if they fit as well [default without limits: 16 for a character, 256 for "
+      "a mesh; else none]");
   Option* maxError =
       addShare(*app, "--max-error", options->maxError,
                "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");

@@ -30,7 +30,7 @@ FileSummary describeMesh(const Subject& subject) {
   const TriMesh& mesh = subject.mesh;
   const Aabb box = boundsOf(mesh.vertices);
   const double volume = signedVolume(mesh.vertices, mesh.triangles);
-  const double hullVolume = convexHullVolume(mesh.vertices);
+  const double hullVolume = convexHullVolume(mesh.vertices, 1e-7);
   const int components = connectedComponents(mesh.vertices.size(), mesh.triangles).count;
   const Result<void> closed = checkClosedTwoManifold(mesh);
 

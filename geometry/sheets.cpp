@@ -5,6 +5,7 @@
 #include "geometry/triangle_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 #include <numeric>
@@ -335,11 +336,15 @@ class CellGrid {
   enum State : std::uint8_t { kUnknown, kBlocked, kReached };
 
   explicit CellGrid(const TriMesh& mesh) : state_(std::size_t{kCells} * kCells * kCells, kUnknown) {
+    for (int size = 1; size <= kCells; size *= 2) {
+      const std::size_t across = kCells / size;
+      full_.emplace_back(across * across * across, false);
+    }
     const Aabb box = surfaceBounds(mesh);
     edge_ = (box.max - box.min).maxCoeff() / (kCells - 4);
     origin_ = box.center() - 0.5 * kCells * edge_ * Vec3::Ones();
     for (const Triangle& t : mesh.triangles) {
-      block({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, {0, 0, 0}, kCells);
+      (void)block({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}, {0, 0, 0}, kCells);
     }
     flood();
   }
@@ -358,17 +363,26 @@ class CellGrid {
     return (static_cast<std::size_t>(c.x()) * kCells + c.y()) * kCells + c.z();
   }
 
-  /// Blocks the cells whose circumscribed balls a triangle touches.
-  void block(const std::array<Vec3, 3>& t, const Cell& from, int size) {
+  /// Blocks the cells whose circumscribed balls a triangle touches. @return whether all of these cells are blocked
+  bool block(const std::array<Vec3, 3>& t, const Cell& from, int size) {
+    if (size == 1 && state_[index(from)] == kBlocked) return true;
+    std::vector<bool>& full = full_[std::countr_zero(static_cast<unsigned>(size))];
+    const int across = kCells / size;
+    const std::size_t node =
+        (static_cast<std::size_t>(from.x() / size) * across + from.y() / size) * across + from.z() / size;
+    if (full[node]) return true;
     const Vec3 center = origin_ + edge_ * (from.cast<double>() + Vec3::Constant(0.5 * size));
     const double radius = 0.5 * std::numbers::sqrt3 * size * edge_;
-    if (nearestOnTriangle(center, t).first > radius * radius) return;
+    if (nearestOnTriangle(center, t).first > radius * radius) return false;
     if (size == 1) {
       state_[index(from)] = kBlocked;
-      return;
+      return full[node] = true;
     }
     const int half = size / 2;
-    for (int i = 0; i < 8; ++i) block(t, from + half * Cell(i & 1, (i >> 1) & 1, i >> 2), half);
+    bool all = true;
+    for (int i = 0; i < 8; ++i) all = block(t, from + half * Cell(i & 1, (i >> 1) & 1, i >> 2), half) && all;
+    full[node] = all;
+    return all;
   }
 
   void flood() {
@@ -390,6 +404,7 @@ class CellGrid {
   }
 
   std::vector<std::uint8_t> state_;
+  std::vector<std::vector<bool>> full_;  // for cubes of 1, 2, 4 ... cells: all are blocked
   double edge_ = 0.0;
   Vec3 origin_ = Vec3::Zero();
 };

@@ -25,7 +25,9 @@ constexpr std::array<double, 3> kTolerances = {1e-9, 1e-6, 1e-5};
 constexpr double kOverlap = 1e-6;  // share of the volume: pieces that overlap by less only touch
 constexpr double kInside = 0.5;    // winding number
 constexpr double kMuch = 0.01;     // share of a piece that overlaps itself: less is left as it is if need be
-constexpr int kSamples = 500;
+constexpr std::size_t kSamples = 500;
+constexpr std::size_t kMinSamples = 64;
+constexpr std::size_t kSampledTriangles = 20'000'000;  // for all samples: of slivers, each sees every triangle
 
 using Corners = std::vector<Vec3>;
 
@@ -421,7 +423,8 @@ class Union {
 void forEachSample(const TriMesh& mesh, const TriangleTree& tree, const auto& visit) {
   const Aabb box = surfaceBounds(mesh);
   const double near = 1e-4 * box.diagonal();
-  for (int i = 1; i <= kSamples; ++i) {
+  const std::size_t count = std::clamp(kSampledTriangles / mesh.triangles.size(), kMinSamples, kSamples);
+  for (std::size_t i = 1; i <= count; ++i) {
     // An additive recurrence with powers of a root of x^4 = x + 1.
     const Vec3 at(std::fmod(i * 0.8191725133961645, 1.0), std::fmod(i * 0.6710436067037893, 1.0),
                   std::fmod(i * 0.5497004779019703, 1.0));

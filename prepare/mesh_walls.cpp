@@ -18,6 +18,8 @@
 namespace lorica {
 namespace {
 
+constexpr std::ptrdiff_t kMaxSheets = 512;  // with a wall each
+
 enum class Role : std::uint8_t { kShell, kSolid, kSealed, kDropped };
 
 /// Some triangles as a mesh of its own.
@@ -51,6 +53,7 @@ class WallMaker {
     chooseRoles();
     if (std::ranges::find(roles_, Role::kShell) == roles_.end()) return std::optional<WallBody>();
     WallBody body;
+    if (manySheets()) return oneShell();
     for (const TriMesh& solid : solids_) append(body.mesh, solid);
     body.figures.solids = solids_.size();
     if (const std::vector<Triangle> sealed = trianglesOf(Role::kSealed); !sealed.empty()) {
@@ -70,6 +73,21 @@ class WallMaker {
   }
 
  private:
+  /// Of very many sheets (leaves, a soup of triangles): one shell around everything.
+  Result<std::optional<WallBody>> oneShell() const {
+    const Aabb box = surfaceBounds(mesh_);
+    const double usual = kWallShare * (box.max - box.min).maxCoeff();
+    LORICA_TRY(MeshBody made, makeShellBody(mesh_, options_.thickness > 0.0 ? options_.thickness : usual));
+    WallBody body{std::move(made.mesh), {}};
+    body.figures.firstOriginal = made.firstOriginal;
+    body.figures.shells = 1;
+    body.figures.shellShare = 1.0;
+    body.figures.thickness = std::max(options_.thickness, 2.0 * made.resolution);
+    return std::optional(std::move(body));
+  }
+
+  [[nodiscard]] bool manySheets() const { return std::ranges::count(roles_, Role::kShell) > kMaxSheets; }
+
   void measure() {
     const std::size_t count = sheets_.closed.size();
     area_.assign(count, 0.0);
@@ -97,7 +115,7 @@ class WallMaker {
       roles_[s] = Role::kSolid;
       solids_.push_back(std::move(repair->mesh));
     }
-    if (allSolid) return;
+    if (allSolid || manySheets()) return;
     const std::vector<bool> sealed = aroundSealedSpace(mesh_);
     std::vector<double> sealedArea(count, 0.0);
     for (std::size_t k = 0; k < sealed.size(); ++k) {
@@ -118,7 +136,10 @@ class WallMaker {
     for (std::size_t s = 0; s < members_.size(); ++s) {
       whole += area_[s];
       if (roles_[s] != Role::kShell) continue;
-      const Aabb box = surfaceBounds({mesh_.vertices, members_[s]});
+      Aabb box;
+      for (const Triangle& t : members_[s]) {
+        for (const VertexIndex v : t) box.extend(mesh_.vertices[v]);
+      }
       if ((box.max - box.min).maxCoeff() > largest) continue;
       specks.push_back(s);
       small += area_[s];

@@ -21,7 +21,8 @@ struct WallBody {
 /// "3 thin walls of 0.0124, 82 % of the surface; 1 piece is solid"
 [[nodiscard]] std::string wallsInWords(const RebuiltMesh& body);
 
-/// Makes thin walls of the pieces of a mesh that are sheets. Pieces that are closed, or nearly so, stay solid. Those
+/// Makes thin walls of the pieces of a mesh that are sheets; of more than 512 one common shell, see makeShellBody().
+/// Pieces that are closed, or nearly so, stay solid. Those
 /// around space that cannot be reached from outside get a body, see makeMeshBody(). Copies of triangles are dropped.
 /// @param options  walls, thickness, bodyResolution
 /// @return nothing if no piece is a sheet

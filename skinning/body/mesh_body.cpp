@@ -1,6 +1,9 @@
 #include "skinning/body/mesh_body.h"
 
+#include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/mesh_repair.h"
+#include "skinning/body/level_set.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,6 +94,58 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
   body.resolution = size * made.resolution;
   body.distances = {size * made.distances.farthestOutside, size * made.distances.meanOutside,
                     size * made.distances.meanToOriginal, size * made.distances.farthestToOriginal};
+  return body;
+}
+
+Result<MeshBody> makeShellBody(const TriMesh& mesh, double thickness) {
+  constexpr double kFinest = 1.0 / 96.0;  // voxel edge, of the longest side
+  constexpr double kMaxCells = 4e6;       // squares of a voxel that all triangles together cover
+  constexpr double kCrumb = 1e-3;         // of the volume of the largest piece: smaller pieces are dropped
+  const Aabb box = surfaceBounds(mesh);
+  const double crowded = std::sqrt(surfaceArea(mesh.vertices, mesh.triangles) / kMaxCells);
+  const double voxel = std::max({0.5 * thickness, kFinest * (box.max - box.min).maxCoeff(), crowded});
+  thickness = std::max(thickness, 2.0 * voxel);
+  const int band = static_cast<int>(std::ceil(0.5 * thickness / voxel)) + 2;
+  VoxelGrid grid;
+  for (std::size_t i = 0; i < 3; ++i) {
+    grid.size[i] = static_cast<int>(std::ceil((box.max - box.min)[i] / voxel)) + 2 * (band + 1) + 1;
+  }
+  grid.origin = box.min - Vec3::Constant((band + 1) * voxel);
+  grid.values.assign(static_cast<std::size_t>(grid.size[0]) * grid.size[1] * grid.size[2], 0.0f);
+  LORICA_TRY_DO(unsignedDistances(grid, mesh, voxel, band));
+  for (float& value : grid.values) value -= static_cast<float>(0.5 * thickness / voxel);
+  LORICA_TRY(TriMesh surface, zeroSurface(grid, voxel));
+  LORICA_TRY(MeshRepair repaired, repairClosedMesh(surface));
+  surface = std::move(repaired.mesh);
+  const bool turned = signedVolume(surface.vertices, surface.triangles) < 0.0;
+  // Walls of enclosed space go, and so do crumbs.
+  const Components pieces = connectedComponents(surface.vertices.size(), surface.triangles);
+  std::vector<double> volumes(pieces.count, 0.0);
+  for (std::size_t k = 0; k < surface.triangles.size(); ++k) {
+    if (turned) std::swap(surface.triangles[k][1], surface.triangles[k][2]);
+    const Triangle& t = surface.triangles[k];
+    const auto from = [&](std::size_t i) -> Vec3 { return surface.vertices[t[i]] - grid.origin; };
+    volumes[pieces.componentOfTriangle[k]] += from(0).dot(from(1).cross(from(2)));
+  }
+  const double most = volumes.empty() ? 0.0 : *std::max_element(volumes.begin(), volumes.end());
+  MeshBody body;
+  body.resolution = voxel;
+  std::vector<VertexIndex> numberOf(surface.vertices.size(), -1);
+  for (std::size_t k = 0; k < surface.triangles.size(); ++k) {
+    if (!(volumes[pieces.componentOfTriangle[k]] > kCrumb * most)) continue;
+    Triangle t = surface.triangles[k];
+    for (VertexIndex& v : t) {
+      VertexIndex& number = numberOf[v];
+      if (number < 0) {
+        number = countOf(body.mesh.vertices);
+        body.mesh.vertices.push_back(surface.vertices[v]);
+      }
+      v = number;
+    }
+    body.mesh.triangles.push_back(t);
+  }
+  body.firstOriginal = countOf(body.mesh.vertices);
+  LORICA_TRY_DO(checkClosedTwoManifold(body.mesh));
   return body;
 }
 

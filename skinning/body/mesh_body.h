@@ -22,4 +22,11 @@ struct MeshBody {
 /// @return the body, or an error if the triangles enclose nothing or the mesh has no size
 [[nodiscard]] Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings = {});
 
+/// A closed surface at half of a thickness from a mesh, whatever it consists of. Space that cannot be reached from
+/// outside is filled.
+/// @param thickness  more than 0 [the mesh's unit]; at least twice a 96th of the longest side is used, and more where
+///                   very many triangles lie on each other
+/// @return the body, with `resolution` set and without the original's vertices; or an error
+[[nodiscard]] Result<MeshBody> makeShellBody(const TriMesh& mesh, double thickness);
+
 }  // namespace lorica
