@@ -149,6 +149,7 @@ bool Decomposer::errorMet(std::span<const SharedPiece> pieces) const {
 double Decomposer::excessOf(const Piece& piece) const {
   std::vector<double> excess(context_.keyframeCount(), 0.0);
   tbb::parallel_for(std::size_t{0}, excess.size(), [&](std::size_t k) {
+    if (piece.convex[k]) return;
     std::vector<Vec3> corners;
     corners.reserve(piece.hullPoints[k].size());
     for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);

@@ -1,6 +1,7 @@
 #include "acd/part_concavity.h"
 
-#include "acd/hull_distance.h"
+#include "acd/hull_concavity.h"
+#include "geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +14,9 @@ namespace {
 
 // Rounding turns the normals of faces thinner than this share of the hull's diagonal; their neighbours stand for them.
 constexpr double kThin = 1e-5;
+// A part is convex if its hull has at most this much more volume, as a share.
+constexpr double kConvex = 1e-9;
+constexpr int kSamples = 2000;  // on a hull, as many as CoACD takes
 
 }  // namespace
 
@@ -57,7 +61,9 @@ double concavityUnit(std::span<const Vec3> points) {
 double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::span<const Triangle> triangles,
                      double ignoreBelow, double enough) {
   if (hull.degenerate()) return 0.0;
-  double concavity = emptyConcavity(std::abs(hull.volume - signedVolume(points, triangles)));
+  const double empty = std::abs(hull.volume - signedVolume(points, triangles));
+  if (empty <= kConvex * hull.volume) return 0.0;
+  double concavity = emptyConcavity(empty);
   if (concavity > enough) return concavity;
   HullPlanes planes(hull);
   const double spacing = 0.25 * std::max(ignoreBelow, 1e-3 * boundsOf(hull.vertices).diagonal());
@@ -74,7 +80,12 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
     }
     if (concavity > enough) return concavity;
   }
-  return std::max(concavity, hullDistance(hull, points, triangles, std::max(ignoreBelow, concavity), enough));
+  const TriangleTree surface(points, triangles);
+  for (const Vec3& p : spreadPoints(hull.vertices, hull.triangles, kSamples, 0)) {
+    concavity = std::max(concavity, surface.distance(p));
+    if (concavity > enough) break;
+  }
+  return concavity;
 }
 
 }  // namespace lorica

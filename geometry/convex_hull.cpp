@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 
 namespace lorica {
@@ -19,11 +20,14 @@ namespace {
 //   - a point is added if it lies more than tolerance * diagonal above a face;
 //   - a face is removed if the new point lies above it or exactly on its plane. This weak visibility removes coplanar
 //     faces together, so zero-area faces cannot occur and the horizon is one simple loop.
+// On a plane with very many points, such as the end of a fine cylinder, that would take quadratic time. There the faces
+// that are exactly level stay, if the new point only adds a triangle to theirs: the hull is the same.
 
 constexpr double kFinest = 1e-10;  // fraction of the diagonal
 constexpr int kGridBits = 40;
 constexpr double kUnitRoundoff = 1.1102230246251565e-16;
 constexpr int kNone = -1;
+constexpr int kManyLevel = 64;  // faces on one plane with a new point
 
 using Int128 = __int128;
 
@@ -36,7 +40,7 @@ struct Face {
   int outside = kNone;             // head of the list of points above this face
   int farthest = kNone;
   double farthestValue = 0.0;
-  int visitedBy = kNone;  // last apex tested for visibility of this face
+  int visitedBy = kNone;  // last search that tested the visibility of this face
   bool visible = false;
   bool alive = true;
 };
@@ -49,6 +53,7 @@ class HullBuilder {
     tolerance_ = tolerance;
     verify_ = verify;
     faces_.clear();
+    searches_ = 0;
     free_.clear();
     pending_.clear();
     near_.clear();
@@ -225,11 +230,67 @@ class HullBuilder {
     return (u[1] * v[2] - u[2] * v[1]) * w[0] + (u[2] * v[0] - u[0] * v[2]) * w[1] + (u[0] * v[1] - u[1] * v[0]) * w[2];
   }
 
-  [[nodiscard]] bool sees(int p, const Face& f) const {
+  /// 1 if a point is above a face, 0 if exactly on its plane, -1 below.
+  [[nodiscard]] int sideOf(int p, const Face& f) const {
     const double value = determinant(f, p);
-    if (value > f.filter) return true;
-    if (value < -f.filter) return false;
-    return exactDeterminant(f, p) >= 0;
+    if (value > f.filter) return 1;
+    if (value < -f.filter) return -1;
+    const Int128 exact = exactDeterminant(f, p);
+    return exact > 0 ? 1 : exact < 0 ? -1 : 0;
+  }
+
+  [[nodiscard]] bool collinear(int a, int b, int p) const {
+    const Vec3 u = grid(b) - grid(a), v = grid(p) - grid(a);  // integers below 2^41: exact
+    const auto product = [](double x, double y) -> Int128 {
+      return static_cast<Int128>(static_cast<std::int64_t>(x)) * static_cast<std::int64_t>(y);
+    };
+    return product(u.y(), v.z()) == product(u.z(), v.y()) && product(u.z(), v.x()) == product(u.x(), v.z()) &&
+           product(u.x(), v.y()) == product(u.y(), v.x());
+  }
+
+  [[nodiscard]] bool coplanar(const Face& a, const Face& b) const {
+    return std::all_of(b.vertex.begin(), b.vertex.end(), [&](int p) { return exactDeterminant(a, p) == 0; });
+  }
+
+  /// Finds the faces that are visible from an apex, from a seed on, and the horizon around them. @param level  whether
+  /// faces that the apex is level with are visible @return false if they are and there are more than `maxLevel`
+  bool findVisible(int seed, int apex, bool level, int maxLevel) {
+    const int search = ++searches_;
+    visible_.assign(1, seed);
+    horizon_.clear();
+    faces_[seed].visitedBy = search;
+    faces_[seed].visible = true;
+    int levelFaces = 0;
+    for (std::size_t i = 0; i < visible_.size(); ++i) {
+      const Face& f = faces_[visible_[i]];
+      for (int e = 0; e < 3; ++e) {
+        Face& other = faces_[f.neighbour[e]];
+        if (other.visitedBy != search) {
+          other.visitedBy = search;
+          const int side = sideOf(apex, other);
+          other.visible = side > 0 || (level && side == 0);
+          if (level && side == 0 && ++levelFaces > maxLevel) return false;
+          if (other.visible) visible_.push_back(f.neighbour[e]);
+        }
+        if (!other.visible) horizon_.push_back({f.vertex[e], f.vertex[(e + 1) % 3], f.neighbour[e]});
+      }
+    }
+    return true;
+  }
+
+  /// Whether level faces can stay: the apex makes no flat triangle, and adds at most one to each plane.
+  [[nodiscard]] bool levelFacesCanStay(int apex) const {
+    std::vector<const Face*> level;
+    for (const HorizonEdge& h : horizon_) {
+      const Face& beyond = faces_[h.beyond];
+      if (sideOf(apex, beyond) != 0) continue;
+      if (collinear(h.from, h.to, apex)) return false;
+      for (const Face* other : level) {
+        if (coplanar(*other, beyond)) return false;
+      }
+      level.push_back(&beyond);
+    }
+    return true;
   }
 
   // Copies the data of the new faces that assign() reads into contiguous memory.
@@ -281,22 +342,9 @@ class HullBuilder {
   }
 
   void addPoint(int seed, int apex) {
-    // Flood fill from the seed face over all faces visible from the apex; collect the horizon around them.
-    visible_.assign(1, seed);
-    horizon_.clear();
-    faces_[seed].visitedBy = apex;
-    faces_[seed].visible = true;
-    for (std::size_t i = 0; i < visible_.size(); ++i) {
-      const Face& f = faces_[visible_[i]];
-      for (int e = 0; e < 3; ++e) {
-        Face& other = faces_[f.neighbour[e]];
-        if (other.visitedBy != apex) {
-          other.visitedBy = apex;
-          other.visible = sees(apex, other);
-          if (other.visible) visible_.push_back(f.neighbour[e]);
-        }
-        if (!other.visible) horizon_.push_back({f.vertex[e], f.vertex[(e + 1) % 3], f.neighbour[e]});
-      }
+    if (!findVisible(seed, apex, true, kManyLevel)) {
+      (void)findVisible(seed, apex, false, 0);
+      if (!levelFacesCanStay(apex)) (void)findVisible(seed, apex, true, std::numeric_limits<int>::max());
     }
 
     // Connect the apex to each horizon edge with a new face; consecutive faces share a horizon vertex.
@@ -372,6 +420,7 @@ class HullBuilder {
   double diagonal_ = 0.0;
   double tolerance_ = kFinest;
   bool verify_ = false;
+  int searches_ = 0;
 };
 
 // One builder per thread, to reuse its memory between calls.

@@ -30,10 +30,10 @@ double distanceIn(const FitRequest& request, const Fit& fit) {
   return distance <= limit ? distance : std::min(distance, measureDistance(parts, posesOf(request), fit.hulls, limit));
 }
 
-/// Vertices that hulls must hold enlarge them, mostly by very little, and distances are measured to a hundredth: the
-/// parts leave room for that.
+/// Vertices that hulls must hold enlarge them, mostly by very little, and concavity is sampled: the parts leave room for
+/// that.
 DecomposeSettings withMargin(DecomposeSettings settings) {
-  settings.maxConcavity *= 0.99;
+  settings.maxConcavity *= 0.96;
   return settings;
 }
 
