@@ -1,9 +1,10 @@
 #include "capture/files/joint_stream_layouts.h"
 #include "capture/files/joint_stream_text.h"
-#include "geometry/counts.h"
 
+#include <algorithm>
+#include <initializer_list>
 #include <limits>
-#include <utility>
+#include <string>
 
 /// Sensor joint names, and the mapping from sensor joints to the 15 body joints.
 namespace lorica::joints {
@@ -11,26 +12,73 @@ namespace {
 
 using enum SensorJoint;
 
-/// Those of Kinect v2 in its order, then what Kinect v1 calls the first, second and 21st of them.
-constexpr std::array<std::string_view, kSensorJointCount + 3> kNames = {
-    "SpineBase",   "SpineMid",      "Neck",         "Head",       "ShoulderLeft", "ElbowLeft", "WristLeft",
-    "HandLeft",    "ShoulderRight", "ElbowRight",   "WristRight", "HandRight",    "HipLeft",   "KneeLeft",
-    "AnkleLeft",   "FootLeft",      "HipRight",     "KneeRight",  "AnkleRight",   "FootRight", "SpineShoulder",
-    "HandTipLeft", "ThumbLeft",     "HandTipRight", "ThumbRight", "HipCenter",    "Spine",     "ShoulderCenter"};
+struct TrunkName {
+  std::string_view name;
+  SensorJoint joint;
+};
+constexpr std::array<TrunkName, 26> kTrunkNames = {{{"spinebase", kSpineBase},
+                                                    {"hipcenter", kSpineBase},
+                                                    {"hipcentre", kSpineBase},
+                                                    {"hipscenter", kSpineBase},
+                                                    {"midhip", kSpineBase},
+                                                    {"pelvis", kSpineBase},
+                                                    {"hips", kSpineBase},
+                                                    {"hip", kSpineBase},
+                                                    {"root", kSpineBase},
+                                                    {"spinemid", kSpineMid},
+                                                    {"spine", kSpineMid},
+                                                    {"spinenavel", kSpineMid},
+                                                    {"torso", kSpineMid},
+                                                    {"abdomen", kSpineMid},
+                                                    {"spineshoulder", kSpineShoulder},
+                                                    {"shouldercenter", kSpineShoulder},
+                                                    {"shouldercentre", kSpineShoulder},
+                                                    {"midshoulder", kSpineShoulder},
+                                                    {"spinechest", kSpineShoulder},
+                                                    {"chest", kSpineShoulder},
+                                                    {"thorax", kSpineShoulder},
+                                                    {"neck", kNeck},
+                                                    {"head", kHead},
+                                                    {"nose", kNose},
+                                                    {"headtop", kOther},
+                                                    {"jaw", kOther}}};
 
-using NamedJoint = std::pair<std::string_view, SensorJoint>;
-/// What other sensors and programs call joints of the trunk.
-constexpr std::array<NamedJoint, 11> kTrunkNames = {{{"pelvis", kSpineBase},
-                                                     {"hips", kSpineBase},
-                                                     {"midhip", kSpineBase},
-                                                     {"hipscenter", kSpineBase},
-                                                     {"torso", kSpineMid},
-                                                     {"spinenavel", kSpineMid},
-                                                     {"abdomen", kSpineMid},
-                                                     {"chest", kSpineShoulder},
-                                                     {"spinechest", kSpineShoulder},
-                                                     {"shouldercentre", kSpineShoulder},
-                                                     {"hipcentre", kSpineBase}}};
+struct SideName {
+  std::string_view name;
+  SensorJoint left, right;
+};
+constexpr std::array<SideName, 32> kSideNames = {{{"shoulder", kShoulderLeft, kShoulderRight},
+                                                  {"upperarm", kShoulderLeft, kShoulderRight},
+                                                  {"elbow", kElbowLeft, kElbowRight},
+                                                  {"forearm", kElbowLeft, kElbowRight},
+                                                  {"lowerarm", kElbowLeft, kElbowRight},
+                                                  {"wrist", kWristLeft, kWristRight},
+                                                  {"hand", kHandLeft, kHandRight},
+                                                  {"handtip", kHandTipLeft, kHandTipRight},
+                                                  {"thumb", kThumbLeft, kThumbRight},
+                                                  {"index", kIndexLeft, kIndexRight},
+                                                  {"pinky", kPinkyLeft, kPinkyRight},
+                                                  {"hip", kHipLeft, kHipRight},
+                                                  {"thigh", kHipLeft, kHipRight},
+                                                  {"upperleg", kHipLeft, kHipRight},
+                                                  {"upleg", kHipLeft, kHipRight},
+                                                  {"knee", kKneeLeft, kKneeRight},
+                                                  {"lowerleg", kKneeLeft, kKneeRight},
+                                                  {"calf", kKneeLeft, kKneeRight},
+                                                  {"shin", kKneeLeft, kKneeRight},
+                                                  {"ankle", kAnkleLeft, kAnkleRight},
+                                                  {"foot", kFootLeft, kFootRight},
+                                                  {"footindex", kFootLeft, kFootRight},
+                                                  {"toe", kFootLeft, kFootRight},
+                                                  {"toes", kFootLeft, kFootRight},
+                                                  {"bigtoe", kFootLeft, kFootRight},
+                                                  {"ear", kEarLeft, kEarRight},
+                                                  {"eye", kOther, kOther},
+                                                  {"eyeinner", kOther, kOther},
+                                                  {"eyeouter", kOther, kOther},
+                                                  {"mouth", kOther, kOther},
+                                                  {"heel", kOther, kOther},
+                                                  {"clavicle", kOther, kOther}}};
 
 /// Source of each body joint.
 constexpr std::array<SensorJoint, kBodyJointCount> kSources = {
@@ -46,28 +94,21 @@ SensorJoint substituteOf(SensorJoint joint) {
 
 }  // namespace
 
-std::optional<SensorJoint> sensorJointNamed(std::string_view name) {
-  constexpr std::array<SensorJoint, 3> kOfKinect1 = {kSpineBase, kSpineMid, kSpineShoulder};
-  for (int i = 0; i < countOf(kNames); ++i) {
-    if (!sameWord(kNames[i], name)) continue;
-    return i < kSensorJointCount ? static_cast<SensorJoint>(i) : kOfKinect1[i - kSensorJointCount];
-  }
-  return std::nullopt;
-}
-
 std::optional<SensorJoint> sensorJointCalled(std::string_view name) {
-  if (const std::optional<SensorJoint> joint = sensorJointNamed(name)) return joint;
-  for (const auto& [called, joint] : kTrunkNames) {
-    if (name == called) return joint;
+  const std::string plain = plainName(name);
+  for (const TrunkName& known : kTrunkNames) {
+    if (plain == known.name) return known.joint;
   }
-  for (const auto& [word, side] : {std::pair("left", "Left"), {"right", "Right"}, {"l", "Left"}, {"r", "Right"}}) {
-    const std::string_view sideWord = word;
-    if (name.starts_with(sideWord)) {
-      if (const auto joint = sensorJointNamed(std::string(name.substr(sideWord.size())) + side)) return joint;
-    }
-    if (name.ends_with(sideWord)) {
-      if (const auto joint = sensorJointNamed(std::string(name.substr(0, name.size() - sideWord.size())) + side))
-        return joint;
+  struct Side {
+    std::string_view word;
+    bool left;
+  };
+  for (const Side& side : {Side{"left", true}, {"right", false}, {"l", true}, {"r", false}}) {
+    for (const SideName& known : kSideNames) {
+      if (plain.size() != side.word.size() + known.name.size()) continue;
+      const bool first = plain.starts_with(side.word) && plain.ends_with(known.name);
+      const bool last = plain.ends_with(side.word) && plain.starts_with(known.name);
+      if (first || last) return side.left ? known.left : known.right;
     }
   }
   return std::nullopt;
@@ -78,6 +119,35 @@ void SensorSkeleton::set(const SensedJoint& seen) {
   joint = {};
   if (!seen.position) return;
   joint = {*seen.position, seen.orientation, seen.confidence};
+}
+
+void SensorSkeleton::complete() {
+  // The middle of all of the joints, or of those that are seen.
+  const auto derive = [&](SensorJoint to, std::initializer_list<SensorJoint> from, bool all) {
+    if ((*this)[to].confidence > 0.0) return;
+    TrackedJoint sum;
+    double count = 0.0;
+    for (const SensorJoint j : from) {
+      const TrackedJoint& joint = (*this)[j];
+      if (!(joint.confidence > 0.0)) {
+        if (all) return;
+        continue;
+      }
+      sum.confidence = count == 0.0 ? joint.confidence : std::min(sum.confidence, joint.confidence);
+      sum.position += joint.position;
+      count += 1.0;
+    }
+    if (count == 0.0) return;
+    sum.position /= count;
+    (*this)[to] = sum;
+  };
+  derive(kHead, {kEarLeft, kEarRight}, true);
+  derive(kHead, {kNose}, true);
+  if (!((*this)[kSpineShoulder].confidence > 0.0)) derive(kNeck, {kShoulderLeft, kShoulderRight}, true);
+  derive(kSpineBase, {kHipLeft, kHipRight}, true);
+  derive(kSpineMid, {(*this)[kNeck].confidence > 0.0 ? kNeck : kSpineShoulder, kSpineBase}, true);
+  derive(kHandLeft, {kWristLeft, kIndexLeft, kPinkyLeft}, false);
+  derive(kHandRight, {kWristRight, kIndexRight, kPinkyRight}, false);
 }
 
 Observation observe(const SensorSkeleton& body, double time, int person) {

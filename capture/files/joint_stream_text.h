@@ -31,6 +31,13 @@ enum class NumberKind : std::uint8_t {
 [[nodiscard]] bool isWord(std::string_view field);
 [[nodiscard]] bool sameWord(std::string_view a, std::string_view b);  ///< case-insensitive
 
+/// Letters and digits of a name, in lower case: "shoulderleftx" of "Shoulder_Left.X".
+[[nodiscard]] std::string plainName(std::string_view name);
+
+/// Reads a time of day, with or without a date before it: "2024-05-01T12:30:15.25Z", "00:00:03,4", "1:02:03 PM".
+/// @return seconds since 1970, or since midnight if there is no date with the year first
+[[nodiscard]] std::optional<double> readClock(std::string_view field);
+
 /// Max distance of a joint from the sensor [m]; beyond it the unit must be different. Low enough that positions stay
 /// within the limits of recordings/FORMAT.md after placement on the floor.
 inline constexpr double kLargestCoordinate = 40.0;

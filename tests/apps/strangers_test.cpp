@@ -24,6 +24,8 @@ TEST(Strangers, GetTheRightValueOrASentence) {
       {"kinect2_named_columns.csv", {"info"}, {}, 0, {"named-columns", "metres", "Y is up", "faces +Z"}},
       {"kinect1_named_columns.txt", {"info"}, {}, 0, {"named-columns", "metres", "Y is up", "faces +Z"}},
       {"azure_named_columns.csv", {"info"}, {}, 0, {"named-columns", "millimetres", "Y is down", "faces +Z"}},
+      {"mediapipe_world.csv", {"info"}, {}, 0, {"MediaPipe's order", "metres", "Y is down", "faces +Z"}},
+      {"azure_offline_processor.json", {"info"}, {}, 0, {"azure-json", "millimetres", "Y is down", "faces +Z"}},
       {"bones_along_x.bvh", {"info"}, {}, 0, {"rest pose: ", "Y is up", "faces +Z"}},
       {"bones_along_y.bvh", {"info"}, {}, 0, {"rest pose: ", "Y is up", "faces +Z"}},
       {"utf16.bvh", {"info"}, {}, 0, {"rest pose: the zero pose, a T-pose", "90 at 30.0"}},
