@@ -317,7 +317,7 @@ Header headerOf(const RowReader& row) {
   }
   std::erase_if(header.unnamed, [](const JointColumns& j) { return !hasPosition(j) && !j.name; });
   const int named = countOf(header.named) + countOf(header.world);
-  const bool naming = !header.unnamed.empty() && header.unnamed[0].name;
+  const bool naming = !header.unnamed.empty() && header.unnamed[0].name && hasPosition(header.unnamed[0]);
   columns.kind = named >= kFewestNamedJoints || !naming ? JointFormat::kNamedColumns
                  : header.unnamed.size() > 1            ? JointFormat::kKinect2Wide
                                                         : JointFormat::kKinect1Long;
