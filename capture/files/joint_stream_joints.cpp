@@ -2,6 +2,7 @@
 #include "capture/files/joint_stream_text.h"
 
 #include <algorithm>
+#include <array>
 #include <initializer_list>
 #include <limits>
 #include <string>
@@ -122,32 +123,37 @@ void SensorSkeleton::set(const SensedJoint& seen) {
 }
 
 void SensorSkeleton::complete() {
-  // The middle of all of the joints, or of those that are seen.
-  const auto derive = [&](SensorJoint to, std::initializer_list<SensorJoint> from, bool all) {
+  // The middle of joints that are all seen.
+  const auto derive = [&](SensorJoint to, std::initializer_list<SensorJoint> from) {
     if ((*this)[to].confidence > 0.0) return;
     TrackedJoint sum;
     double count = 0.0;
     for (const SensorJoint j : from) {
       const TrackedJoint& joint = (*this)[j];
-      if (!(joint.confidence > 0.0)) {
-        if (all) return;
-        continue;
-      }
+      if (!(joint.confidence > 0.0)) return;
       sum.confidence = count == 0.0 ? joint.confidence : std::min(sum.confidence, joint.confidence);
       sum.position += joint.position;
       count += 1.0;
     }
-    if (count == 0.0) return;
     sum.position /= count;
     (*this)[to] = sum;
   };
-  derive(kHead, {kEarLeft, kEarRight}, true);
-  derive(kHead, {kNose}, true);
-  if (!((*this)[kSpineShoulder].confidence > 0.0)) derive(kNeck, {kShoulderLeft, kShoulderRight}, true);
-  derive(kSpineBase, {kHipLeft, kHipRight}, true);
-  derive(kSpineMid, {(*this)[kNeck].confidence > 0.0 ? kNeck : kSpineShoulder, kSpineBase}, true);
-  derive(kHandLeft, {kWristLeft, kIndexLeft, kPinkyLeft}, false);
-  derive(kHandRight, {kWristRight, kIndexRight, kPinkyRight}, false);
+  derive(kHead, {kEarLeft, kEarRight});
+  derive(kHead, {kNose});
+  if (!((*this)[kSpineShoulder].confidence > 0.0)) derive(kNeck, {kShoulderLeft, kShoulderRight});
+  derive(kSpineBase, {kHipLeft, kHipRight});
+  derive(kSpineMid, {(*this)[kNeck].confidence > 0.0 ? kNeck : kSpineShoulder, kSpineBase});
+  // Fingers that are not at the wrist were filled in by a program.
+  constexpr double kFingersByForearm = 0.7;
+  for (const auto& [elbow, wrist, hand, index, pinky] :
+       {std::array{kElbowLeft, kWristLeft, kHandLeft, kIndexLeft, kPinkyLeft},
+        std::array{kElbowRight, kWristRight, kHandRight, kIndexRight, kPinkyRight}}) {
+    const auto length = [&, from = wrist](SensorJoint to) {
+      return ((*this)[to].position - (*this)[from].position).norm();
+    };
+    const bool attached = std::max(length(index), length(pinky)) < kFingersByForearm * length(elbow);
+    if (attached) derive(hand, {wrist, index, pinky});
+  }
 }
 
 Observation observe(const SensorSkeleton& body, double time, int person) {

@@ -308,6 +308,25 @@ TEST(JointColumns, MayBeALandmarkPerRow) {
   }
 }
 
+TEST(JointColumns, FingersThatAProgramFilledInMoveNoHand) {
+  const std::vector<SkeletonFrame> truth = walk();
+  std::string text = "frame";
+  for (int i = 0; i < countOf(kLandmarks); ++i) text += fmt::format(",x{0},y{0},z{0}", i);
+  for (int f = 0; f < countOf(truth); ++f) {
+    text += fmt::format("\n{}", f);
+    for (int i = 0; i < countOf(kLandmarks); ++i) {
+      const Vec3 p = landmarkOf(truth[f], i >= 17 && i <= 22 ? 0 : i);  // at the nose
+      text += fmt::format(",{},{},{}", p.x(), p.y(), p.z());
+    }
+  }
+  const Result<JointStream> stream = parseJointStream(text + "\n", "walk.csv");
+  ASSERT_TRUE(stream) << stream.error().message;
+  const auto arm = [](const SkeletonFrame& frame) {
+    return Vec3(frame[J::kLeftHand].position - frame[J::kLeftShoulder].position);
+  };
+  EXPECT_LT((arm(stream->frames[10]) - arm(truth[10])).norm(), 1e-5);
+}
+
 TEST(JointColumns, UpMayBeAnyAxis) {
   const std::vector<SkeletonFrame> truth = walk();
   const std::tuple<Vec3 (*)(const Vec3&), std::string_view> worlds[] = {
