@@ -242,7 +242,8 @@ Result<void> judgeAxes(std::string_view file, RawStream& raw) {
   return {};
 }
 
-/// States are 0, 1 and 2, confidences at most 1. Those with other values than states are probabilities.
+/// States are 0, 1 and 2, Azure Kinect's levels up to 3, confidences at most 1. Those with other values than states are
+/// probabilities.
 void judgeConfidences(std::vector<Observation>& rows) {
   double largest = 0.0;
   bool probable = false;
@@ -254,7 +255,7 @@ void judgeConfidences(std::vector<Observation>& rows) {
   }
   for (Observation& row : rows) {
     for (TrackedJoint& joint : row.frame.joints) {
-      if (largest > 1.0) joint.confidence *= 0.5;
+      if (largest > 1.0) joint.confidence = std::min(1.0, 0.5 * joint.confidence);
       if (probable) joint.confidence = joint.confidence < 0.1 ? 0.0 : joint.confidence < 0.5 ? 0.5 : 1.0;
       if (!(joint.confidence > 0.0)) joint = {};
     }

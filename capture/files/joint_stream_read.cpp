@@ -20,12 +20,12 @@ Error badField(const RowReader& row, const Column& column, std::string_view expe
   return row.badField(from + column.at, fmt::format("{}{}", owner, column.called), expected);
 }
 
-/// Parses "Tracked", "INFERRED", "NotTracked", or their numbers 2, 1, 0.
+/// Parses "Tracked", "INFERRED", "NotTracked", Azure Kinect's levels, or the numbers 2, 1, 0.
 std::optional<double> confidenceOf(std::string_view state) {
   const auto is = [&](auto... words) { return (sameWord(state, words) || ...); };
-  if (is("2", "tracked")) return 1.0;
-  if (is("1", "inferred")) return 0.5;
-  if (is("0", "nottracked", "not_tracked", "not tracked")) return 0.0;
+  if (is("2", "tracked", "medium", "high")) return 1.0;
+  if (is("1", "inferred", "low")) return 0.5;
+  if (is("0", "nottracked", "not_tracked", "not tracked", "none")) return 0.0;
   return std::nullopt;
 }
 
@@ -80,7 +80,7 @@ Result<SensedJoint> readJoint(const Layout& layout, const RowReader& row, const 
     const bool number = readNumber(field, read.confidence) == NumberKind::kNumber;
     if (const auto state = number || !mayBeState ? std::nullopt : confidenceOf(field)) {
       read.confidence = *state;
-    } else if (!number || read.confidence < 0.0 || read.confidence > (mayBeState ? 2.0 : 1.0)) {
+    } else if (!number || read.confidence < 0.0 || read.confidence > (mayBeState ? 3.0 : 1.0)) {
       return badField(row, columns.confidence, mayBeState ? layout.states : "a confidence from 0 to 1");
     }
     // Joints that MSR Action3D's sensor derives from others, such as the neck, have 0 although their position is right.

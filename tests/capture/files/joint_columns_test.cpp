@@ -119,6 +119,17 @@ TEST(JointColumns, MayBeFewAndWithoutAnkles) {
   EXPECT_NEAR(stream->frames[0][J::kHead].position.y(), 1.58, 1e-12);
 }
 
+TEST(JointColumns, MayStandBelowRemarks) {
+  const std::string rows = rowOf("1", "0,1.6,2", "0,1.4,2", kLegs) + rowOf("2", "0,1.6,2", "0,1.4,2", kLegs);
+  for (const std::string_view before : {"# ", "Recorded by a program\n\nsubject,7\n", "%rate 30\r\n#"}) {
+    const Result<JointStream> stream = parseJointStream(fmt::format("{}{}\n{}", before, kSix, rows), "x");
+    ASSERT_TRUE(stream) << stream.error().message;
+    EXPECT_EQ(stream->frames.size(), 2u);
+  }
+  EXPECT_EQ(parseJointStream(fmt::format("a remark\n#{}\n{}", kSix, "1,2\n" + rows), "x").error().message,
+            "x, line 3: found 2 fields, expected 19 as in the header");
+}
+
 TEST(JointColumns, WhatIsNotSureIsRefused) {
   const auto header = [](std::string_view from, std::string_view to) {
     std::string text(kSix);
