@@ -1,4 +1,5 @@
 #include "capture/files/joint_stream_layouts.h"
+#include "capture/files/joint_stream_text.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 
@@ -176,6 +177,18 @@ void scalePicture(RawStream& raw) {
                          name.empty() ? "pixels" : fmt::format("fractions of a {} picture", name), kUsualHeight);
 }
 
+/// A picture in which nothing has the size of a person gives any numbers.
+Result<void> checkReach(std::string_view file, std::span<const Observation> rows) {
+  for (const Observation& row : rows) {
+    for (const TrackedJoint& joint : row.frame.joints) {
+      if (joint.position.cwiseAbs().maxCoeff() <= kLargestCoordinate) continue;
+      return badFormat("{}: found a joint {:.3g} m from the middle, if people are 1.7 m tall, expected at most {:g} m",
+                       file, joint.position.cwiseAbs().maxCoeff(), kLargestCoordinate);
+    }
+  }
+  return {};
+}
+
 Result<double> unitOf(std::string_view file, const Height& height, std::string& words) {
   struct Unit {
     double metres;
@@ -272,6 +285,7 @@ Result<RawStream> judged(std::string_view file, std::optional<double> unit,
     raw.unit = fmt::format("{:g} m per unit, as the header says", *unit);
   } else if (height.value > 0.0 && isPicture(raw.rows, height.value)) {
     scalePicture(raw);
+    LORICA_TRY_DO(checkReach(file, raw.rows));
   } else if (height.value > 0.0) {
     std::string words;
     LORICA_TRY(const double found, unitOf(file, {height.value / kUnknown, height.whole}, words));

@@ -246,7 +246,6 @@ Result<void> checkWide(const RowReader& row, const Columns& columns) {
 /// Which columns may be torn at decimal commas: in wide rows all but the joints' names and states; in long rows the
 /// numbers before the name and the position, if they are all there is.
 void findTorn(std::string_view fields, Columns& columns) {
-  columns.torn.resize(columns.count);
   if (columns.kind == JointFormat::kKinect2Wide) {
     for (int c = 0; c < columns.count; ++c)
       columns.torn[c] = std::string_view("xyzq").find(fields[c]) != std::string_view::npos;
@@ -372,6 +371,7 @@ Result<Columns> columnsOf(const RowReader& row, JointFormat kind) {
   if (header.problem) return *header.problem;
   Columns columns = std::move(header.columns);
   columns.kind = kind;
+  columns.torn.resize(columns.count);
   if (kind == JointFormat::kNamedColumns) {
     // Of two positions of each joint, those in the world are measured and those in the image are not.
     const bool world = countOf(header.world) >= kFewestNamedJoints;

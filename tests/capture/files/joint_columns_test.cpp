@@ -1,7 +1,9 @@
+#include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "geometry/counts.h"
 #include "tests/capture/files/joint_files.h"
+#include "tests/support/datasets.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -9,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <random>
 #include <string>
 #include <tuple>
 
@@ -418,6 +421,59 @@ TEST(AzureJson, GivesThePerformance) {
   }
   for (std::size_t length = 0; length < text.size(); length += length < 400 ? 1 : 97) {
     EXPECT_FALSE(parseJointStream(std::string_view(text).substr(0, length), "x", {.format = JointFormat::kAzureJson}));
+  }
+}
+
+TEST(JointColumns, DamagedFilesGiveASentenceOrSoundJoints) {
+  const test::TemporaryFolder folder;
+  std::vector<SkeletonFrame> truth = walk();
+  truth.resize(4);
+  std::string world = "timestamp,id", picture = "frame", rows = "time,landmark,x,y,z,visibility";
+  for (int i = 0; i < countOf(kLandmarks); ++i) {
+    world += fmt::format(",{0}_x,{0}_y,{0}_z,{0}_visibility", landmarkName(i));
+    picture += fmt::format(",x{0},y{0},z{0}", i);
+  }
+  std::string json = R"({"frames": [)";
+  for (int f = 0; f < countOf(truth); ++f) {
+    world += fmt::format("\n2024-02-29T23:59:59.{}Z,{}", f, f % 2);
+    picture += fmt::format("\n{}", f);
+    json += fmt::format(R"({}{{"timestamp_usec": {}, "bodies": [{{"body_id": 1, "joint_positions": [)",
+                        f == 0 ? "" : ",", f);
+    for (int i = 0; i < countOf(kLandmarks); ++i) {
+      const Vec3 p = landmarkOf(truth[f], i);
+      world += fmt::format(",{:.3f},{:.3f},{:.3f},0.9", p.x(), p.y(), p.z());
+      picture += fmt::format(",{:.3f},{:.3f},{:.3f}", 0.5 + 0.2 * p.x(), 0.5 + 0.3 * p.y(), 0.2 * p.z());
+      rows += fmt::format("\n0:00:0{},{},{:.3f},{:.3f},{:.3f},0.9", f, i, p.x(), p.y(), p.z());
+      json += fmt::format("{}[{:.0f},{:.0f},{:.0f}]", i == 0 ? "" : ",", 1e3 * p.x(), 1e3 * p.y(), 3e3 + 1e3 * p.z());
+    }
+    json += "]}]}";
+  }
+  json += "]}";
+  std::mt19937 random(40);
+  constexpr std::string_view kSigns = "0123456789.,;:- \t\n\re+xyzNav{}[]\"#";
+  for (const std::string& text : {world + "\n", picture + "\n", rows + "\n", json}) {
+    const Result<JointStream> whole = parseJointStream(text, "x");
+    ASSERT_TRUE(whole) << whole.error().message;
+    for (int round = 0; round < 250; ++round) {
+      std::string damaged = text;
+      for (unsigned hits = 1 + random() % 3; hits > 0; --hits) {
+        const std::size_t at = random() % damaged.size();
+        if (random() % 3 == 0) {
+          damaged.erase(at, 1 + random() % 40);
+        } else if (random() % 2 == 0) {
+          damaged[at] = kSigns[random() % kSigns.size()];
+        } else {
+          damaged.insert(at, damaged.substr(random() % damaged.size(), random() % 40));
+        }
+      }
+      const Result<JointStream> stream = parseJointStream(damaged, "x");
+      if (!stream) {
+        EXPECT_TRUE(stream.error().message.starts_with("x")) << stream.error().message;
+        continue;
+      }
+      const Result<void> written = writeJointCsv(folder.path() / "out.csv", stream->frames);
+      EXPECT_TRUE(written) << written.error().message;
+    }
   }
 }
 
