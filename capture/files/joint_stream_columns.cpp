@@ -18,67 +18,42 @@ namespace {
 constexpr int kMaxJoints = 64;
 
 struct Unit {
-  std::string_view word;
+  std::string_view words;
   double value;  ///< [m], [s]
 };
 constexpr std::array<Unit, 3> kLengths = {{{"mm", 0.001}, {"cm", 0.01}, {"m", 1.0}}};
-constexpr std::array<Unit, 16> kTimes = {{{"s", 1.0},
-                                          {"sec", 1.0},
-                                          {"secs", 1.0},
-                                          {"seconds", 1.0},
-                                          {"ms", 1e-3},
-                                          {"msec", 1e-3},
-                                          {"millis", 1e-3},
-                                          {"milliseconds", 1e-3},
-                                          {"us", 1e-6},
-                                          {"usec", 1e-6},
-                                          {"micros", 1e-6},
-                                          {"microseconds", 1e-6},
-                                          {"ns", 1e-9},
-                                          {"nsec", 1e-9},
-                                          {"nanoseconds", 1e-9},
-                                          {"100ns", 1e-7}}};
+constexpr std::array<Unit, 5> kTimes = {{{"s sec secs seconds", 1.0},
+                                         {"ms msec millis milliseconds", 1e-3},
+                                         {"us usec micros microseconds", 1e-6},
+                                         {"ns nsec nanoseconds", 1e-9},
+                                         {"100ns", 1e-7}}};
 
-struct Word {
-  std::string_view word;
+struct Words {
   char field;  ///< as in Layout
+  std::string_view words;
 };
 /// What follows a joint's name, or stands before it.
-constexpr std::array<Word, 17> kFields = {{{"trackingstate", 's'},
-                                           {"state", 's'},
-                                           {"status", 's'},
-                                           {"confidencelevel", 'c'},
-                                           {"confidence", 'c'},
-                                           {"conf", 'c'},
-                                           {"visibility", 'c'},
-                                           {"vis", 'c'},
-                                           {"likelihood", 'c'},
-                                           {"probability", 'c'},
-                                           {"prob", 'c'},
-                                           {"score", 'c'},
-                                           {"tracked", 'c'},
-                                           {"x", 'x'},
-                                           {"y", 'y'},
-                                           {"z", 'z'},
-                                           {"v", 'c'}}};
+constexpr std::array<Words, 6> kFields = {{
+    {'s', "trackingstate state status"},
+    {'c', "confidencelevel confidence conf visibility vis likelihood probability prob score tracked"},
+    {'x', "x"},
+    {'y', "y"},
+    {'z', "z"},
+    {'c', "v"},
+}};
 /// Columns without a joint in their names.
-constexpr std::array<Word, 41> kAlone = {
-    {{"joint", 'j'},     {"jointtype", 'j'},     {"jointname", 'j'},  {"jointid", 'j'},
-     {"landmark", 'j'},  {"landmarkname", 'j'},  {"landmarkid", 'j'}, {"keypoint", 'j'},
-     {"bodypart", 'j'},  {"rotationw", 'q'},     {"rotationx", 'q'},  {"rotationy", 'q'},
-     {"rotationz", 'q'}, {"frame", 'n'},         {"frameid", 'n'},    {"framenumber", 'n'},
-     {"frameno", 'n'},   {"framenum", 'n'},      {"frameindex", 'n'}, {"frameidx", 'n'},
-     {"bodyid", 'u'},    {"skeletonid", 'u'},    {"trackingid", 'u'}, {"trackid", 'u'},
-     {"userid", 'u'},    {"user", 'u'},          {"personid", 'u'},   {"personindex", 'u'},
-     {"person", 'u'},    {"playerid", 'u'},      {"player", 'u'},     {"subjectid", 'u'},
-     {"subject", 'u'},   {"poseid", 'u'},        {"bodyindex", 'u'},  {"body", 'u'},
-     {"skeleton", 'u'},  {"skeletonindex", 'u'}, {"userindex", 'u'},  {"actor", 'u'},
-     {"id", 'u'}}};
+constexpr std::array<Words, 4> kAlone = {{
+    {'j', "joint jointtype jointname jointid landmark landmarkname landmarkid keypoint bodypart"},
+    {'q', "rotationw rotationx rotationy rotationz"},
+    {'n', "frame frameid framenumber frameno framenum frameindex frameidx"},
+    {'u',
+     "bodyid skeletonid trackingid trackid userid user personid personindex person playerid player subjectid subject "
+     "poseid bodyindex body skeleton skeletonindex userindex actor id"},
+}};
 /// What programs put around a joint's name.
-constexpr std::array<std::string_view, 24> kAround = {
-    "world",    "pose",     "landmarks",   "landmark",   "jointtype", "joints", "joint",  "keypoints",
-    "keypoint", "kpt",      "kp",          "lm",         "skeleton",  "body",   "marker", "position",
-    "pos",      "location", "translation", "coordinate", "coord",     "camera", "sensor", "3d"};
+constexpr std::string_view kAround =
+    "world pose landmarks landmark jointtype joints joint keypoints keypoint kpt kp lm skeleton body marker position "
+    "pos location translation coordinate coord camera sensor 3d";
 
 /// What a header calls a column.
 struct Name {
@@ -98,13 +73,12 @@ bool findJoint(std::string_view rest, Name& name) {
     }
     name.joint = sensorJointCalled(rest);
     if (name.joint) return true;
-    const auto around = std::find_if(kAround.begin(), kAround.end(), [&](std::string_view word) {
-      return rest.starts_with(word) || rest.ends_with(word);
-    });
-    if (around == kAround.end()) return false;
-    name.world = name.world || *around == "world";
-    name.landmark = name.landmark || around->starts_with("landmark") || *around == "pose" || *around == "lm";
-    rest = rest.starts_with(*around) ? rest.substr(around->size()) : rest.substr(0, rest.size() - around->size());
+    const std::string_view around =
+        firstWord(kAround, [&](std::string_view word) { return rest.starts_with(word) || rest.ends_with(word); });
+    if (around.empty()) return false;
+    name.world = name.world || around == "world";
+    name.landmark = name.landmark || around.starts_with("landmark") || around == "pose" || around == "lm";
+    rest = rest.starts_with(around) ? rest.substr(around.size()) : rest.substr(0, rest.size() - around.size());
   }
   return true;
 }
@@ -113,8 +87,10 @@ bool findJoint(std::string_view rest, Name& name) {
 std::optional<double> unitOfTime(std::string_view plain) {
   const auto unitOf = [](std::string_view word) -> std::optional<double> {
     if (word.empty()) return 0.0;
-    const auto unit = std::find_if(kTimes.begin(), kTimes.end(), [&](const Unit& u) { return u.word == word; });
-    return unit == kTimes.end() ? std::nullopt : std::optional(unit->value);
+    for (const Unit& unit : kTimes) {
+      if (!firstWord(unit.words, [&](std::string_view known) { return known == word; }).empty()) return unit.value;
+    }
+    return std::nullopt;
   };
   for (const std::string_view word : {"timestamp", "timespan", "datetime", "time", "elapsed", "clock"}) {
     const std::size_t at = plain.rfind(word);
@@ -129,30 +105,32 @@ std::optional<double> unitOfTime(std::string_view plain) {
 Name nameOf(std::string_view column) {
   std::string whole = plainName(column);
   Name name;
-  for (const Word& alone : kAlone) {
-    if (whole == alone.word) return {alone.field};
+  for (const Words& alone : kAlone) {
+    if (!firstWord(alone.words, [&](std::string_view word) { return whole == word; }).empty()) return {alone.field};
   }
   if (const std::optional<double> unit = unitOfTime(whole)) {
     return {.field = 't', .unit = *unit > 0.0 ? unit : std::nullopt};
   }
   std::string_view plain = whole;
   for (const Unit& length : kLengths) {
-    if (!plain.ends_with(length.word) || plain.size() == length.word.size()) continue;
-    const char axis = plain[plain.size() - length.word.size() - 1];
-    if ((axis < 'x' || axis > 'z') && length.word == "m") continue;
-    plain.remove_suffix(length.word.size());
+    if (!plain.ends_with(length.words) || plain.size() == length.words.size()) continue;
+    const char axis = plain[plain.size() - length.words.size() - 1];
+    if ((axis < 'x' || axis > 'z') && length.words == "m") continue;
+    plain.remove_suffix(length.words.size());
     name.unit = length.value;
     break;
   }
-  for (const Word& field : kFields) {
-    if (!plain.ends_with(field.word)) continue;
-    Name found{.field = field.field, .unit = name.unit};
-    if (findJoint(plain.substr(0, plain.size() - field.word.size()), found)) return found;
-  }
-  for (const Word& field : kFields) {
-    if (!plain.starts_with(field.word)) continue;
-    Name found{.field = field.field, .unit = name.unit};
-    if (findJoint(plain.substr(field.word.size()), found) && (found.joint || found.number >= 0)) return found;
+  for (const bool behind : {true, false}) {
+    for (const Words& field : kFields) {
+      Name found;
+      const auto fits = [&](std::string_view word) {
+        if (behind ? !plain.ends_with(word) : !plain.starts_with(word)) return false;
+        found = {.field = field.field, .unit = name.unit};
+        const std::string_view rest = behind ? plain.substr(0, plain.size() - word.size()) : plain.substr(word.size());
+        return findJoint(rest, found) && (behind || found.joint || found.number >= 0);
+      };
+      if (!firstWord(field.words, fits).empty()) return found;
+    }
   }
   return {};
 }

@@ -1,5 +1,6 @@
 #include "capture/files/joint_stream_layouts.h"
 #include "capture/files/joint_stream_text.h"
+#include "geometry/counts.h"
 
 #include <algorithm>
 #include <array>
@@ -13,73 +14,35 @@ namespace {
 
 using enum SensorJoint;
 
-struct TrunkName {
-  std::string_view name;
-  SensorJoint joint;
+struct Names {
+  std::string_view words;
+  SensorJoint left, right;  ///< of the trunk the same
 };
-constexpr std::array<TrunkName, 26> kTrunkNames = {{{"spinebase", kSpineBase},
-                                                    {"hipcenter", kSpineBase},
-                                                    {"hipcentre", kSpineBase},
-                                                    {"hipscenter", kSpineBase},
-                                                    {"midhip", kSpineBase},
-                                                    {"pelvis", kSpineBase},
-                                                    {"hips", kSpineBase},
-                                                    {"hip", kSpineBase},
-                                                    {"root", kSpineBase},
-                                                    {"spinemid", kSpineMid},
-                                                    {"spine", kSpineMid},
-                                                    {"spinenavel", kSpineMid},
-                                                    {"torso", kSpineMid},
-                                                    {"abdomen", kSpineMid},
-                                                    {"spineshoulder", kSpineShoulder},
-                                                    {"shouldercenter", kSpineShoulder},
-                                                    {"shouldercentre", kSpineShoulder},
-                                                    {"midshoulder", kSpineShoulder},
-                                                    {"spinechest", kSpineShoulder},
-                                                    {"chest", kSpineShoulder},
-                                                    {"thorax", kSpineShoulder},
-                                                    {"neck", kNeck},
-                                                    {"head", kHead},
-                                                    {"nose", kNose},
-                                                    {"headtop", kOther},
-                                                    {"jaw", kOther}}};
-
-struct SideName {
-  std::string_view name;
-  SensorJoint left, right;
-};
-constexpr std::array<SideName, 32> kSideNames = {{{"shoulder", kShoulderLeft, kShoulderRight},
-                                                  {"upperarm", kShoulderLeft, kShoulderRight},
-                                                  {"elbow", kElbowLeft, kElbowRight},
-                                                  {"forearm", kElbowLeft, kElbowRight},
-                                                  {"lowerarm", kElbowLeft, kElbowRight},
-                                                  {"wrist", kWristLeft, kWristRight},
-                                                  {"hand", kHandLeft, kHandRight},
-                                                  {"handtip", kHandTipLeft, kHandTipRight},
-                                                  {"thumb", kThumbLeft, kThumbRight},
-                                                  {"index", kIndexLeft, kIndexRight},
-                                                  {"pinky", kPinkyLeft, kPinkyRight},
-                                                  {"hip", kHipLeft, kHipRight},
-                                                  {"thigh", kHipLeft, kHipRight},
-                                                  {"upperleg", kHipLeft, kHipRight},
-                                                  {"upleg", kHipLeft, kHipRight},
-                                                  {"knee", kKneeLeft, kKneeRight},
-                                                  {"lowerleg", kKneeLeft, kKneeRight},
-                                                  {"calf", kKneeLeft, kKneeRight},
-                                                  {"shin", kKneeLeft, kKneeRight},
-                                                  {"ankle", kAnkleLeft, kAnkleRight},
-                                                  {"foot", kFootLeft, kFootRight},
-                                                  {"footindex", kFootLeft, kFootRight},
-                                                  {"toe", kFootLeft, kFootRight},
-                                                  {"toes", kFootLeft, kFootRight},
-                                                  {"bigtoe", kFootLeft, kFootRight},
-                                                  {"ear", kEarLeft, kEarRight},
-                                                  {"eye", kOther, kOther},
-                                                  {"eyeinner", kOther, kOther},
-                                                  {"eyeouter", kOther, kOther},
-                                                  {"mouth", kOther, kOther},
-                                                  {"heel", kOther, kOther},
-                                                  {"clavicle", kOther, kOther}}};
+constexpr std::array<Names, 22> kNames = {{
+    {"spinebase hipcenter hipcentre hipscenter midhip pelvis hips hip root", kSpineBase, kSpineBase},
+    {"spinemid spine spinenavel torso abdomen", kSpineMid, kSpineMid},
+    {"spineshoulder shouldercenter shouldercentre midshoulder spinechest chest thorax", kSpineShoulder, kSpineShoulder},
+    {"neck", kNeck, kNeck},
+    {"head", kHead, kHead},
+    {"nose", kNose, kNose},
+    {"headtop jaw", kOther, kOther},
+    {"shoulder upperarm", kShoulderLeft, kShoulderRight},
+    {"elbow forearm lowerarm", kElbowLeft, kElbowRight},
+    {"wrist", kWristLeft, kWristRight},
+    {"hand", kHandLeft, kHandRight},
+    {"handtip", kHandTipLeft, kHandTipRight},
+    {"thumb", kThumbLeft, kThumbRight},
+    {"index", kIndexLeft, kIndexRight},
+    {"pinky", kPinkyLeft, kPinkyRight},
+    {"hip thigh upperleg upleg", kHipLeft, kHipRight},
+    {"knee lowerleg calf shin", kKneeLeft, kKneeRight},
+    {"ankle", kAnkleLeft, kAnkleRight},
+    {"foot footindex toe toes bigtoe", kFootLeft, kFootRight},
+    {"ear", kEarLeft, kEarRight},
+    {"eye eyeinner eyeouter mouth", kOther, kOther},
+    {"heel clavicle", kOther, kOther},
+}};
+constexpr int kTrunkNames = 7;  ///< of them, the first
 
 /// Source of each body joint.
 constexpr std::array<SensorJoint, kBodyJointCount> kSources = {
@@ -97,19 +60,18 @@ SensorJoint substituteOf(SensorJoint joint) {
 
 std::optional<SensorJoint> sensorJointCalled(std::string_view name) {
   const std::string plain = plainName(name);
-  for (const TrunkName& known : kTrunkNames) {
-    if (plain == known.name) return known.joint;
+  for (int n = 0; n < kTrunkNames; ++n) {
+    if (!firstWord(kNames[n].words, [&](std::string_view word) { return plain == word; }).empty())
+      return kNames[n].left;
   }
-  struct Side {
-    std::string_view word;
-    bool left;
-  };
-  for (const Side& side : {Side{"left", true}, {"right", false}, {"l", true}, {"r", false}}) {
-    for (const SideName& known : kSideNames) {
-      if (plain.size() != side.word.size() + known.name.size()) continue;
-      const bool first = plain.starts_with(side.word) && plain.ends_with(known.name);
-      const bool last = plain.ends_with(side.word) && plain.starts_with(known.name);
-      if (first || last) return side.left ? known.left : known.right;
+  for (const std::string_view side : {"left", "right", "l", "r"}) {
+    // The side comes first or last.
+    for (int n = kTrunkNames; n < countOf(kNames); ++n) {
+      const auto fits = [&](std::string_view word) {
+        return plain.size() == side.size() + word.size() && ((plain.starts_with(side) && plain.ends_with(word)) ||
+                                                             (plain.ends_with(side) && plain.starts_with(word)));
+      };
+      if (!firstWord(kNames[n].words, fits).empty()) return side[0] == 'l' ? kNames[n].left : kNames[n].right;
     }
   }
   return std::nullopt;
