@@ -1,6 +1,7 @@
 #include "apps/open_file.h"
 
 #include "geometry/text.h"
+#include "prepare/file_kinds.h"
 #include "viewer/window/window.h"
 
 #include <algorithm>
@@ -19,6 +20,7 @@ std::vector<std::string> wordsFor(const fs::path& file) {
                                   ".bvh", ".csv",  ".txt", ".oni",  ".pcap"};
   const std::string extension = lowerCase(file.extension().string());
   if (extension == ".lsession") return {"replay"};
+  if (isJointJson(file)) return {"play"};
   if (extension == ".json") return {"play", "--scene"};
   if (std::ranges::find(kPlayed, extension) != kPlayed.end()) return {"play"};
   return {"info"};

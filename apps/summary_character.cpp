@@ -4,7 +4,7 @@
 #include "capture/retarget/proxy_skeleton.h"
 #include "geometry/text.h"
 #include "prepare/cast.h"
-#include "prepare/read_motion.h"
+#include "prepare/first_guess.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
@@ -218,24 +218,6 @@ void addBody(const Subject& subject, FileSummary& summary) {
   json["notes"] = body.notes;
 }
 
-/// The pose, size and place that a character was taken to have.
-void addFirstGuess(const CharacterFile& file, FileSummary& summary) {
-  const Skeleton& skeleton = file.character.skeleton;
-  std::string guess = fmt::format("rest pose: the bind pose; {:g} m per unit; Y is up", file.metresPerUnit);
-  const JointIndex left = skeleton.jointOf(HumanBone::kLeftUpperLeg);
-  const JointIndex right = skeleton.jointOf(HumanBone::kRightUpperLeg);
-  if (left != kNoJoint && right != kNoJoint) {
-    std::vector<Affine3> world(skeleton.jointCount());
-    computeWorldFromJoint(skeleton, restPose(skeleton), world);
-    const Vec3 across = world[left].translation() - world[right].translation();
-    guess += fmt::format("; by its legs it faces {}", wayInWords(across.cross(Vec3::UnitY())));
-  }
-  const std::vector<Vec3>& vertices = file.character.mesh.vertices;
-  if (!vertices.empty()) guess += fmt::format("; its lowest point is at y = {:.2f} m", boundsOf(vertices).min.y());
-  summary.report.line("first guess", guess);
-  summary.json["firstGuess"] = guess;
-}
-
 }  // namespace
 
 FileSummary describeCharacter(const Subject& subject, int textureSize) {
@@ -266,7 +248,8 @@ FileSummary describeCharacter(const Subject& subject, int textureSize) {
   summary.report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(mesh.vertices)),
                                           grouped(std::ssize(mesh.triangles))));
   summary.report.line("height", fmt::format("{:.3f} m", character.height));
-  addFirstGuess(file, summary);
+  json["firstGuess"] = firstGuessOf(file);
+  summary.report.line("first guess", json["firstGuess"].get<std::string>());
   addSkeleton(character, summary);
   addBody(subject, summary);
   describeSprings(file.springs, summary.report, json);

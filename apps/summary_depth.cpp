@@ -3,6 +3,7 @@
 #include "capture/sensor/openni.h"
 #include "capture/sensor/openni_usb.h"
 #include "geometry/text.h"
+#include "prepare/depth_motion.h"
 
 #include <fmt/format.h>
 
@@ -38,6 +39,8 @@ Result<FileSummary> describeDepthRecording(const std::filesystem::path& file) {
   report.line("image", fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees{}", info.camera.width, info.camera.height,
                                    kDegrees * info.camera.horizontalFov, kDegrees * info.camera.verticalFov,
                                    info.mirrored ? "; stored mirrored, unmirrored when read" : ""));
+  const Result<std::string> guess = firstGuessOfDepth(file);
+  if (guess) report.line("first guess", *guess);
   if (info.colorFrameCount > 0) report.line("colour", counted(info.colorFrameCount, "frame") + ", ignored");
   if (info.infraredFrameCount > 0) report.line("infrared", counted(info.infraredFrameCount, "frame") + ", ignored");
   Json& json = summary.json;
@@ -52,6 +55,7 @@ Result<FileSummary> describeDepthRecording(const std::filesystem::path& file) {
   json["height"] = info.camera.height;
   json["mirrored"] = info.mirrored;
   json["cutOff"] = info.cutOff;
+  json["firstGuess"] = guess ? Json(*guess) : Json();
   return summary;
 }
 

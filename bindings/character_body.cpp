@@ -74,8 +74,8 @@ Result<std::shared_ptr<const CharacterBody>> readCharacterBody(CharacterPointer 
   return bodyOf(std::move(owner), std::move(content));
 }
 
-Result<SkeletalMotion> performanceOf(const Character& character, const std::string& nameOrFile, const std::string& clip,
-                                     bool mirror, Host& host) {
+Result<Performance> performanceOf(const Character& character, const std::string& nameOrFile, const std::string& clip,
+                                  bool mirror, Host& host) {
   if (!clip.empty() && !isCharacterFile(nameOrFile)) {
     return invalidArgument("{}: clip {} was asked for, but only character files have clips", nameOrFile, clip);
   }
@@ -84,7 +84,8 @@ Result<SkeletalMotion> performanceOf(const Character& character, const std::stri
   options.mirror = mirror;
   LORICA_TRY(const Motion motion,
              isBareName(nameOrFile) ? motionNamed(nameOrFile) : readMotion(nameOrFile, options, host));
-  return performedBy(character, motion, options.joints());
+  LORICA_TRY(SkeletalMotion performed, performedBy(character, motion, options.joints()));
+  return Performance{std::move(performed), motion.firstGuess};
 }
 
 }  // namespace lorica

@@ -43,10 +43,15 @@ struct CharacterBodySettings {
 [[nodiscard]] Result<std::shared_ptr<const CharacterBody>> readCharacterBody(CharacterPointer owner,
                                                                              const std::filesystem::path& file);
 
+struct Performance {
+  SkeletalMotion motion;
+  std::string firstGuess;  ///< what its file was taken to be; empty for one that has nothing to guess
+};
+
 /// A motion as the character performs it: of any file that `lorica play` knows, or a shipped recording by its name,
 /// such as "walk", which is made again.
 /// @param clip  of a character file with several; empty = the first
-[[nodiscard]] Result<SkeletalMotion> performanceOf(const Character& character, const std::string& nameOrFile,
-                                                   const std::string& clip, bool mirror, Host& host);
+[[nodiscard]] Result<Performance> performanceOf(const Character& character, const std::string& nameOrFile,
+                                                const std::string& clip, bool mirror, Host& host);
 
 }  // namespace lorica

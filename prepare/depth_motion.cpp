@@ -6,14 +6,19 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "prepare/first_guess.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
+#include <numbers>
+#include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -22,6 +27,22 @@ std::string whoWasSeen(int followed, int frames, int maxPeople) {
   if (followed == 0) return fmt::format("no person found in {}", counted(frames, "depth frame"));
   const std::string others = maxPeople > 1 ? fmt::format("; up to {} people at once, see --person", maxPeople) : "";
   return fmt::format("a person is tracked in {} of {}{}", grouped(followed), counted(frames, "depth frame"), others);
+}
+
+/// Unit and floor of joints from a depth camera.
+std::vector<std::string> guessOf(const DepthSight& sight) {
+  const Isometry3 worldFromCamera = sight.cameraFromWorld.inverse();
+  const double height = worldFromCamera.translation().y();
+  if (!sight.floorFound) {
+    return {"millimetres, as OpenNI has them",
+            fmt::format("Y is up as the camera has it; no floor was found, y = 0 is {:.2f} m below it", height)};
+  }
+  const double down =
+      -std::asin(std::clamp(-worldFromCamera.linear().col(2).y(), -1.0, 1.0)) * 180.0 / std::numbers::pi;
+  return {
+      "millimetres, as OpenNI has them",
+      fmt::format("Y is up from the floor, which was found {:.2f} m below the camera; it looks {} by {:.0f} degrees",
+                  height, down < 0.0 ? "up" : "down", std::abs(down))};
 }
 
 }  // namespace
@@ -62,7 +83,25 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
     return invalidArgument("{}: person {} not found: {}", file.string(), options.person,
                            maxPeople == 1 ? "1 person appears" : fmt::format("{} people appear", maxPeople));
   }
+  motion.firstGuess = firstGuessOf(guessOf(people.sight()), motion);
   return motion;
+}
+
+Result<std::string> firstGuessOfDepth(const std::filesystem::path& file) {
+  constexpr int kMaxFrames = 90;
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
+  DepthJoints people(std::move(depth), std::move(tracker));
+  Motion motion;
+  std::vector<std::string> guess;
+  while (countOf(motion.joints) < kMaxFrames) {
+    LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
+    if (!joints) break;
+    motion.joints.push_back(*joints);
+    guess = guessOf(people.sight());
+    if (people.sight().floorFound && people.sight().followed) break;
+  }
+  return firstGuessOf(std::move(guess), motion);
 }
 
 Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host) {
@@ -72,12 +111,14 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera(), {.maxPeople = kPlaces})));
   DepthJoints people(std::move(depth), std::move(tracker), PeoplePlaces(kPlaces));
   std::vector<Motion> motions(kPlaces);
+  std::vector<std::string> guess;
   Task task(host, "Tracking " + file.stem().string(), "frames");
   while (true) {
     if (task.cancelled()) return cancelled();
     LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
     if (!joints.has_value()) break;
     for (std::size_t p = 0; p < motions.size(); ++p) motions[p].joints.push_back(people.sight().places[p]);
+    guess = guessOf(people.sight());
     task.update(countOf(motions.front().joints), frames);
   }
   std::erase_if(motions, [](const Motion& motion) {
@@ -90,6 +131,7 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   for (std::size_t p = 0; p < motions.size(); ++p) {
     motions[p].name = fmt::format("{}: person {}", file.stem().string(), p + 1);
     motions[p].format = "OpenNI depth recording";
+    motions[p].firstGuess = firstGuessOf(guess, motions[p]);
   }
   return motions;
 }

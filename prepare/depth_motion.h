@@ -3,6 +3,7 @@
 #include "prepare/read_motion.h"
 
 #include <filesystem>
+#include <string>
 
 namespace lorica {
 
@@ -15,7 +16,10 @@ namespace lorica {
 [[nodiscard]] Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options,
                                              Host& host);
 
-/// The same of everyone, see PeoplePlaces: a motion for each place that was taken.
+/// Where its floor is and where the first person looks, in a line for reports: by its first three seconds at most.
+[[nodiscard]] Result<std::string> firstGuessOfDepth(const std::filesystem::path& file);
+
+/// readDepthMotion() of everyone, see PeoplePlaces: a motion for each place that was taken.
 [[nodiscard]] Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host);
 
 /// Tracks everyone in a depth recording (.oni) and writes where they are in front of the camera, see TrackLog: the

@@ -52,10 +52,22 @@ Result<void> refuseOtherKinds(const std::filesystem::path& file) {
   }
   if (found.empty()) return {};
   return unsupported(
-      "{}: found {}; Lorica opens characters (.glb, .gltf, .vrm, .vrma, .fbx, .dae), motions (.bvh, joints as .csv or "
-      ".txt), depth recordings (.oni), meshes (.obj, .ply, .stl, .off), scenes (.json), sessions (.lsession), packets "
+      "{}: found {}; Lorica opens characters (.glb, .gltf, .vrm, .vrma, .fbx, .dae), motions (.bvh, joints as .csv, "
+      ".txt or .json), depth recordings (.oni), meshes (.obj, .ply, .stl, .off), scenes (.json), sessions (.lsession), "
+      "packets "
       "(.pcap) and decompositions (.lorica)",
       file.string(), found);
+}
+
+bool isJointJson(const std::filesystem::path& file) {
+  constexpr std::streamsize kBegin = 4096;
+  if (lowerCase(file.extension().string()) != ".json") return false;
+  std::string begin(kBegin, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(begin.data(), kBegin);
+  begin.resize(in.gcount());
+  const auto has = [&](std::string_view name) { return begin.find(name) != std::string::npos; };
+  return !has("lorica scene") && (has("\"joint_positions\"") || has("\"joint_names\"") || has("\"frames\""));
 }
 
 }  // namespace lorica

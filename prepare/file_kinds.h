@@ -10,4 +10,7 @@ namespace lorica {
 /// The message says what it is and what Lorica opens.
 [[nodiscard]] Result<void> refuseOtherKinds(const std::filesystem::path& file);
 
+/// Whether a file begins as a JSON file of recorded joints; other .json files are scenes.
+[[nodiscard]] bool isJointJson(const std::filesystem::path& file);
+
 }  // namespace lorica

@@ -8,6 +8,7 @@
 #include "geometry/text.h"
 #include "prepare/depth_motion.h"
 #include "prepare/file_kinds.h"
+#include "prepare/first_guess.h"
 #include "prepare/shipped_motion.h"
 #include "prepare/stream_motion.h"
 #include "skinning/import/character_file.h"
@@ -38,45 +39,6 @@ Result<void> refuse(bool given, const std::string& option, const std::string& fi
   return invalidArgument("{}: {} is for {}, which this file does not contain", file, option, what);
 }
 
-/// Completes what a reader took for granted by where the body looks first and, of bones, by where its floor is.
-void sayFirstGuess(std::vector<std::string> guess, Motion& motion) {
-  constexpr int kSamples = 256;
-  std::vector<SkeletonFrame> ofBones;
-  if (motion.bones) {
-    const SkeletalMotion& bones = *motion.bones;
-    SkeletalMotion sampled{bones.name, bones.skeleton, {}, {}};
-    const int stride = std::max(1, bones.frameCount() / kSamples);
-    for (int f = 0; f < bones.frameCount(); f += stride) {
-      sampled.times.push_back(bones.times[f]);
-      sampled.poses.insert(sampled.poses.end(), bones.pose(f).begin(), bones.pose(f).end());
-    }
-    if (Result<std::vector<SkeletonFrame>> joints = bodyJointsOf(sampled)) ofBones = std::move(*joints);
-    const JointIndex foot = bones.skeleton.jointOf(HumanBone::kLeftFoot);
-    if (foot != kNoJoint && !ofBones.empty() && ofBones.front()[BodyJoint::kLeftFoot].confidence == 1.0) {
-      std::vector<Affine3> world(bones.skeleton.jointCount());
-      computeWorldFromJoint(bones.skeleton, bones.pose(0), world);
-      const double floor = world[foot].translation().y() - ofBones.front()[BodyJoint::kLeftFoot].position.y();
-      guess.push_back(std::abs(floor) < 0.005
-                          ? "the floor is y = 0, since soles come down to it"
-                          : fmt::format("the floor is y = {:.2f} m, where soles come down to", floor));
-    }
-  }
-  const std::vector<SkeletonFrame>& frames = motion.bones ? ofBones : motion.joints;
-  for (std::size_t f = 0; f < frames.size(); ++f) {
-    const auto across = [&](BodyJoint left, BodyJoint right) {
-      const bool seen = frames[f][left].confidence > 0.0 && frames[f][right].confidence > 0.0;
-      return seen ? Vec3(frames[f][left].position - frames[f][right].position) : Vec3(Vec3::Zero());
-    };
-    Vec3 left = across(BodyJoint::kLeftHip, BodyJoint::kRightHip);
-    if (left.isZero(0.0)) left = across(BodyJoint::kLeftShoulder, BodyJoint::kRightShoulder);
-    const Vec3 ahead = left.cross(Vec3::UnitY());
-    if (ahead.isZero(1e-6)) continue;
-    guess.push_back(fmt::format("the body faces {} at first", wayInWords(ahead)));
-    break;
-  }
-  motion.firstGuess = fmt::format("{}", fmt::join(guess, "; "));
-}
-
 Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
   LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"));
   JointStreamSettings settings;
@@ -89,7 +51,7 @@ Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
   motion.format = fmt::format("joints ({})", nameOf(stream.format));
   motion.notes = std::move(stream.notes);
   motion.people = std::move(stream.people);
-  sayFirstGuess(std::move(stream.firstGuess), motion);
+  motion.firstGuess = firstGuessOf(std::move(stream.firstGuess), motion);
   return motion;
 }
 
@@ -107,7 +69,7 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options, con
     motion.bones = std::move(read.motion);
     motion.format = "BVH";
     motion.notes = std::move(read.notes);
-    sayFirstGuess(std::move(read.firstGuess), motion);
+    motion.firstGuess = firstGuessOf(std::move(read.firstGuess), motion);
     return motion;
   }
   LORICA_TRY(CharacterFile read, readCharacterFile(file, host.characterFiles()));
@@ -118,7 +80,8 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options, con
   motion.format = read.format;
   motion.notes = std::move(read.notes);
   for (const Clip& found : read.clips) motion.clips.push_back(found.name);
-  sayFirstGuess({"rest pose: the file's", fmt::format("{:g} m per unit", read.metresPerUnit), "Y is up"}, motion);
+  motion.firstGuess =
+      firstGuessOf({"rest pose: the file's", fmt::format("{:g} m per unit", read.metresPerUnit), "Y is up"}, motion);
   return motion;
 }
 
@@ -138,9 +101,10 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
     LORICA_TRY_DO(refuseReadingOptions(file, options));
     if (!packets) return readSessionMotion(file, options.person, host);
     LORICA_TRY(Motion motion, readPacketMotion(file, options, host));
-    sayFirstGuess({options.sender.empty() ? "rest pose: a T-pose, as the protocol says" : "rest pose: that of --sender",
-                   "metres", "Y is up"},
-                  motion);
+    motion.firstGuess = firstGuessOf(
+        {options.sender.empty() ? "rest pose: a T-pose, as the protocol says" : "rest pose: that of --sender", "metres",
+         "Y is up"},
+        motion);
     return motion;
   }
   if (isDepthRecording(file)) {
@@ -175,15 +139,6 @@ FaultSettings MotionOptions::faults() const {
   const Result<FaultSettings> faults = inject.empty() ? FaultSettings() : parseFaults(inject);
   LORICA_CHECK(faults.ok(), "the option was checked when it was read");
   return *faults;
-}
-
-std::string wayInWords(const Vec3& ahead) {
-  constexpr double kNear = 15.0;
-  const double angle = std::atan2(ahead.x(), ahead.z()) * 180.0 / std::numbers::pi;
-  const int quarter = static_cast<int>(std::lround(angle / 90.0));
-  constexpr std::array<std::string_view, 5> kAxes = {"-Z", "-X", "+Z", "+X", "-Z"};
-  if (std::abs(angle - 90.0 * quarter) <= kNear) return std::string(kAxes[quarter + 2]);
-  return fmt::format("{:.0f} degrees from +Z towards {}", std::abs(angle), angle > 0.0 ? "+X" : "-X");
 }
 
 bool isBareName(const std::string& text) {
@@ -276,7 +231,7 @@ Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const Mo
     motion.format = fmt::format("joints ({})", nameOf(stream.format));
     motion.notes = std::move(stream.notes);
     motion.people = stream.people;
-    sayFirstGuess(std::move(stream.firstGuess), motion);
+    motion.firstGuess = firstGuessOf(std::move(stream.firstGuess), motion);
   }
   return motions;
 }

@@ -69,9 +69,6 @@ struct MotionOptions {
 [[nodiscard]] Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name,
                                            const std::string& source);
 
-/// "+Z", "-X", or "30 degrees from +Z towards +X".
-[[nodiscard]] std::string wayInWords(const Vec3& ahead);
-
 /// poseSourceOf() of session/prepare/motion.h with the options of the command line.
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                                const MotionOptions& options,

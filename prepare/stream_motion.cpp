@@ -5,6 +5,7 @@
 #include "geometry/errors.h"
 #include "geometry/line_scanner.h"
 #include "geometry/text.h"
+#include "prepare/first_guess.h"
 #include "prepare/session_inputs.h"
 #include "prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
@@ -185,6 +186,9 @@ Result<Motion> readSessionMotion(const fs::path& file, int person, Host& host) {
   if (motion.bones ? motion.bones->times.empty() : motion.joints.empty()) {
     return badFormat("{}: found no motion, expected at least one frame", file.string());
   }
+  motion.firstGuess = firstGuessOf(
+      {motion.bones ? "rest pose: that of its character" : "joints as they were recorded", "metres", "Y is up"},
+      motion);
   return motion;
 }
 

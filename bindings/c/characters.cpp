@@ -2,10 +2,12 @@
 #include "bindings/c/handles.h"
 #include "bindings/c/hull.h"
 #include "geometry/errors.h"
+#include "prepare/first_guess.h"
 
 #include <cmath>
 #include <optional>
 #include <span>
+#include <string>
 #include <utility>
 
 namespace lorica {
@@ -44,7 +46,8 @@ lorica_status lorica_character_read(const char* name_or_file, lorica_character**
     LORICA_TRY_DO(given(out, "out"));
     ProgramHost host;
     LORICA_TRY(CharacterPointer read, openCharacter(name_or_file, host));
-    *out = new lorica_character{std::move(read)};
+    std::string guess = read->file ? firstGuessOf(*read->file) : std::string();
+    *out = new lorica_character{std::move(read), std::move(guess)};
     return {};
   });
 }
@@ -59,6 +62,10 @@ const char* lorica_character_name(const lorica_character* character) {
 
 double lorica_character_height(const lorica_character* character) {
   return character == nullptr ? 0.0 : character->owner->character->height;
+}
+
+const char* lorica_character_first_guess(const lorica_character* character) {
+  return character == nullptr ? "" : character->firstGuess.c_str();
 }
 
 size_t lorica_character_joint_count(const lorica_character* character) {
@@ -135,16 +142,20 @@ lorica_status lorica_motion_read(const lorica_character* character, const char* 
     LORICA_TRY_DO(given(out, "out"));
     LORICA_TRY(const lorica_motion_options wanted, taken(options, "options"));
     ProgramHost host;
-    LORICA_TRY(SkeletalMotion performed,
+    LORICA_TRY(Performance performed,
                performanceOf(*character->owner->character, name_or_file, wanted.clip == nullptr ? "" : wanted.clip,
                              wanted.mirror != 0, host));
-    *out = new lorica_motion{std::move(performed)};
+    *out = new lorica_motion{std::move(performed.motion), std::move(performed.firstGuess)};
     return {};
   });
 }
 
 void lorica_motion_free(lorica_motion* motion) {
   delete motion;
+}
+
+const char* lorica_motion_first_guess(const lorica_motion* motion) {
+  return motion == nullptr ? "" : motion->firstGuess.c_str();
 }
 
 size_t lorica_motion_frame_count(const lorica_motion* motion) {

@@ -6,6 +6,7 @@
 #include "capture/tracking/tracker.h"
 
 #include <memory>
+#include <string>
 #include <vector>
 
 // What the opaque types of lorica.h are.
@@ -16,6 +17,7 @@ struct lorica_parts {
 
 struct lorica_character {
   lorica::CharacterPointer owner;
+  std::string firstGuess;
 };
 
 struct lorica_body {
@@ -24,6 +26,7 @@ struct lorica_body {
 
 struct lorica_motion {
   lorica::SkeletalMotion motion;
+  std::string firstGuess;
 };
 
 struct lorica_live {

@@ -156,6 +156,8 @@ typedef struct lorica_character lorica_character;
 LORICA_API lorica_status lorica_character_read(const char* name_or_file, lorica_character** out);
 LORICA_API void lorica_character_free(lorica_character* character);
 LORICA_API const char* lorica_character_name(const lorica_character* character);
+/* What the file was taken to be, in words: rest pose, unit, axes, facing and floor; "" for the mannequin. */
+LORICA_API const char* lorica_character_first_guess(const lorica_character* character);
 /* In the bind pose [m]. */
 LORICA_API double lorica_character_height(const lorica_character* character);
 /* Parents come before children. */
@@ -200,12 +202,14 @@ typedef struct lorica_motion_options {
 /* A motion as a character performs it. */
 typedef struct lorica_motion lorica_motion;
 
-/* @param name_or_file  recorded joints (.csv, .txt), .bvh, depth (.oni), a character file with clips, or a shipped
+/* @param name_or_file  recorded joints (.csv, .txt, .json), .bvh, depth (.oni), a character file with clips, or a shipped
  *                      recording: "walk"
  * @param options       null = defaults */
 LORICA_API lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
                                             const lorica_motion_options* options, lorica_motion** out);
 LORICA_API void lorica_motion_free(lorica_motion* motion);
+/* What the file was taken to be, in words: rest pose, unit, axes, facing and floor; "" for a shipped recording. */
+LORICA_API const char* lorica_motion_first_guess(const lorica_motion* motion);
 LORICA_API size_t lorica_motion_frame_count(const lorica_motion* motion);
 /* [s]; of the last frame if there is no such frame */
 LORICA_API double lorica_motion_time(const lorica_motion* motion, size_t frame);

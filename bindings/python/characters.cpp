@@ -3,6 +3,7 @@
 #include "bindings/python/hull.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
+#include "prepare/first_guess.h"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -10,6 +11,8 @@
 
 #include <cmath>
 #include <mutex>
+#include <string>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -85,6 +88,7 @@ class Live {
 /// A motion on a live body.
 struct Player {
   SkeletalMotion motion;
+  std::string firstGuess;
   std::shared_ptr<Live> live;
   int next = 0;
 
@@ -161,11 +165,12 @@ BodyHandle loadBody(const CharacterHandle& character, const fs::path& file) {
 
 std::shared_ptr<Player> play(const py::object& motion, const BodyHandle& body, const std::string& clip, bool mirror) {
   const auto name = py::module_::import("os").attr("fspath")(motion).cast<std::string>();
-  auto performed = resultAside<SkeletalMotion>(py::none(), [&](const DecomposeProgress& report) {
+  auto performed = resultAside<Performance>(py::none(), [&](const DecomposeProgress& report) {
     ProgramHost host(report);
     return performanceOf(body.body->character(), name, clip, mirror, host);
   });
-  return std::make_shared<Player>(Player{std::move(performed), std::make_shared<Live>(body)});
+  return std::make_shared<Player>(
+      Player{std::move(performed.motion), std::move(performed.firstGuess), std::make_shared<Live>(body)});
 }
 
 void addCharacter(py::module_& module) {
@@ -193,6 +198,12 @@ void addCharacter(py::module_& module) {
             return names;
           },
           "Names of its own animations.")
+      .def_property_readonly(
+          "first_guess",
+          [](const CharacterHandle& self) {
+            return self.owner->file ? firstGuessOf(*self.owner->file) : std::string();
+          },
+          "What the file was taken to be: rest pose, unit, axes, facing and floor, in words.")
       .def_property_readonly(
           "notes", [](const CharacterHandle& self) { return notesOf(*self.owner); },
           "What was repaired, guessed or left out when the file was read: one sentence each.")
@@ -321,6 +332,9 @@ void addCharacters(py::module_& module) {
            "The Frame at any time [s], between two frames interpolated. Iteration goes on where it was.")
       .def_property_readonly(
           "times", [](const Player& self) { return self.motion.times; }, "Of the frames [s].")
+      .def_property_readonly(
+          "first_guess", [](const Player& self) { return self.firstGuess; },
+          "What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words.")
       .def(
           "contacts", [](const Player& self) { return self.live->contacts(); },
           "Overlaps of the body's own parts in the last frame: a list of Contact.")
@@ -333,7 +347,7 @@ void addCharacters(py::module_& module) {
   module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
              R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
 
-motion  recorded joints (.csv, .txt), .bvh, depth (.oni), or a character file with clips; or the name of a shipped
+motion  recorded joints (.csv, .txt, .json), .bvh, depth (.oni), or a character file with clips; or the name of a shipped
         recording: "walk"
 clip    of a character file with several; empty = the first
 mirror  swap left and right)");

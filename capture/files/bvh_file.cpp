@@ -24,12 +24,17 @@ namespace {
 constexpr double kUsualHeight = 1.7;
 constexpr double kMinHeight = 0.5;
 constexpr double kMaxHeight = 2.5;
+/// By the rarer units only bodies of the usual sizes are measured.
+constexpr double kMinRareHeight = 1.3;
+constexpr double kMaxRareHeight = 2.2;
+constexpr std::string_view kOwnUnit = "a unit of its own";
 
 struct Unit {
   std::string_view name;
   double metres;
 };
-/// The last unit is left over from the conversion of the CMU database: inches over 0.45.
+/// From the fourth on they are rare. The last is left over from the conversion of the CMU database: inches over 0.45.
+constexpr int kFirstRareUnit = 3;
 constexpr std::array<Unit, 6> kUnits = {{{"centimetres", 0.01},
                                          {"metres", 1.0},
                                          {"millimetres", 0.001},
@@ -50,11 +55,19 @@ double sizeOf(const BvhText& text, const Skeleton& skeleton, std::span<const Joi
   return (box.max - box.min).maxCoeff();
 }
 
-/// The unit in which a size is nearest to a person's height.
-const Unit& unitOf(double size) {
+/// Finds the unit in which a size is nearest to a person's height. A body that no unit explains has one of its own.
+void setUnit(double size, BvhFile& out) {
   const auto offBy = [&](const Unit& unit) { return std::abs(std::log(unit.metres * size / kUsualHeight)); };
-  return *std::min_element(kUnits.begin(), kUnits.end(),
-                           [&](const Unit& a, const Unit& b) { return offBy(a) < offBy(b); });
+  const auto best = std::min_element(kUnits.begin(), kUnits.end(),
+                                     [&](const Unit& a, const Unit& b) { return offBy(a) < offBy(b); });
+  const double height = best->metres * size;
+  const bool rare = best - kUnits.begin() >= kFirstRareUnit;
+  out.unit = best->name;
+  out.metresPerUnit = best->metres;
+  if (!rare || height < kMinHeight || height > kMaxHeight) return;
+  if (height >= kMinRareHeight && height <= kMaxRareHeight) return;
+  out.metresPerUnit = kUsualHeight / size;
+  out.unit = fmt::format("{} ({:.4g} cm)", kOwnUnit, 100.0 * out.metresPerUnit);
 }
 
 /// Applies a function to the transforms of the rest pose and of all frames, with their joints.
@@ -73,11 +86,7 @@ Result<void> guessUnit(const BvhText& text, BvhFile& out) {
   const double size = sizeOf(text, out.motion.skeleton, restPose(out.motion.skeleton), before) / before;
   out.unit = "metres";
   out.metresPerUnit = 1.0;
-  if (size > 0.0) {
-    const Unit& unit = unitOf(size);
-    out.unit = unit.name;
-    out.metresPerUnit = unit.metres;
-  }
+  if (size > 0.0) setUnit(size, out);
   const double by = out.metresPerUnit / before;
   return changeMotion(out.motion, [&](const Joint&, JointTransform& t) { t.translation *= by; });
 }
@@ -88,8 +97,10 @@ void sayUnit(const BvhText& text, BvhFile& out) {
     out.firstGuess.emplace_back("metres, since the skeleton has no extent");
     return;
   }
-  out.firstGuess.push_back(fmt::format("{}, since the rest pose measures {:.4g} units ({:.3g} m)", out.unit,
-                                       size / out.metresPerUnit, size));
+  const bool own = out.unit.starts_with(kOwnUnit);
+  out.firstGuess.push_back(fmt::format("{}, since the rest pose measures {:.4g} units ({:.3g} m{})", out.unit,
+                                       size / out.metresPerUnit, size,
+                                       own ? ", as no usual unit makes a body of that" : ""));
   if (size >= kMinHeight && size <= kMaxHeight) return;
   out.notes.push_back(fmt::format("the rest pose measures {:.3g} m: no unit gives 0.5 to 2.5 m", size));
 }

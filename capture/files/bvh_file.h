@@ -45,7 +45,8 @@ struct BvhRest {
 /// - Unit: the skeleton's size is the longest side of the bounding box of its rest pose, including end sites. This is
 ///   the height of a standing person and the arm span of a person in T-pose. The unit (metres, decimetres, centimetres,
 ///   millimetres, inches, or the unit of the CMU database, 5.644 cm) is the one that makes this size nearest to 1.7 m
-///   by ratio. A note reports if no unit gives 0.5 to 2.5 m.
+///   by ratio. If a rare unit (not metres, centimetres or millimetres) makes it less than 1.3 m or more than 2.2 m, the
+///   file has a unit of its own, and 1.7 m are assumed. A note reports if no unit gives 0.5 to 2.5 m.
 /// - Up: the file axis along which the head is above the feet in the mean over all frames; if that is unclear, in the
 ///   rest pose; Y if there is no head or foot. Files with another up axis are rotated so that Y is up.
 /// - Positions of a root replace its offset, unless all of them are zero. Positions of other joints replace the offset

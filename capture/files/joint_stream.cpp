@@ -2,6 +2,7 @@
 
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream_layouts.h"
+#include "capture/files/joint_stream_text.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/utf16.h"
@@ -31,6 +32,28 @@ Result<JointStream> parseLorica(std::string_view text, std::string_view name, co
     if (its.front().user == chosen) stream.frames = std::move(its);
   }
   return stream;
+}
+
+/// The text without what stands before a header that names joints: lines about the recording, and the # of a comment.
+/// Lines keep their numbers. nullopt: nothing stands there.
+std::optional<std::string> withoutPreamble(std::string_view text, std::string_view name) {
+  constexpr int kMaxLines = 20;
+  std::size_t begin = 0;
+  bool anything = false;
+  for (int line = 0; line < kMaxLines && begin < text.size(); ++line) {
+    const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
+    std::string_view header = text.substr(begin, end - begin);
+    const std::size_t length = header.size();
+    while (!header.empty() && (header[0] == '#' || header[0] == '%' || header[0] == ' ')) header.remove_prefix(1);
+    joints::RowReader row(header, name);
+    if (row.next() && joints::kindOfHeader(row)) {
+      if (!anything && header.size() == length) return std::nullopt;
+      return std::string(line, '\n') + std::string(text.substr(end - header.size()));
+    }
+    anything = anything || !header.empty();
+    begin = text.substr(end).starts_with("\r\n") ? end + 2 : end + 1;
+  }
+  return std::nullopt;
 }
 
 Result<JointFormat> formatOf(std::string_view text, std::string_view name, const JointStreamSettings& settings) {
@@ -91,6 +114,7 @@ void fillAbsences(double begin, double end, std::vector<SkeletonFrame>& frames) 
 Result<JointStream> readJointStream(const std::filesystem::path& file, const JointStreamSettings& settings) {
   LORICA_TRY(std::string text, readFile(file));
   text = asUtf8(std::move(text));
+  if (std::optional<std::string> rest = withoutPreamble(text, file.string())) text = std::move(*rest);
   JointStreamSettings known = settings;
   LORICA_TRY(known.format, formatOf(text, file.string(), settings));
   if (known.format == JointFormat::kUiPrmd) return readPair(file, text, settings);
@@ -99,6 +123,9 @@ Result<JointStream> readJointStream(const std::filesystem::path& file, const Joi
 
 Result<JointStream> parseJointStream(std::string_view text, std::string_view name,
                                      const JointStreamSettings& settings) {
+  if (const std::optional<std::string> rest = withoutPreamble(text, name)) {
+    return parseJointStream(*rest, name, settings);
+  }
   LORICA_TRY(const JointFormat format, formatOf(text, name, settings));
   if (format == JointFormat::kLorica) return parseLorica(text, name, settings);
   const joints::Layout& layout = joints::layoutOf(format);

@@ -24,8 +24,9 @@ enum class JointFormat : std::uint8_t {
   kUpperBody,      ///< 18 values per row: shoulder, elbow, hand of both arms
   kNite2,          ///< time, user, then 15 x (x y z confidence [qx qy qz qw])
   kNamedColumns,   ///< a header that names the joints: time, head_x, head_y, head_z, ...
+  kAzureJson,      ///< frames of bodies as Azure Kinect's offline_processor writes them
 };
-inline constexpr int kJointFormatCount = static_cast<int>(JointFormat::kNamedColumns) + 1;
+inline constexpr int kJointFormatCount = static_cast<int>(JointFormat::kAzureJson) + 1;
 
 /// Option value for `--format`: "lorica", "msr-action3d", "utkinect", "kinect2-bodies", ...
 [[nodiscard]] std::string_view nameOf(JointFormat format);

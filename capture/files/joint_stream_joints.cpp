@@ -2,8 +2,11 @@
 #include "capture/files/joint_stream_text.h"
 #include "geometry/counts.h"
 
+#include <algorithm>
+#include <array>
+#include <initializer_list>
 #include <limits>
-#include <utility>
+#include <string>
 
 /// Sensor joint names, and the mapping from sensor joints to the 15 body joints.
 namespace lorica::joints {
@@ -11,26 +14,35 @@ namespace {
 
 using enum SensorJoint;
 
-/// Those of Kinect v2 in its order, then what Kinect v1 calls the first, second and 21st of them.
-constexpr std::array<std::string_view, kSensorJointCount + 3> kNames = {
-    "SpineBase",   "SpineMid",      "Neck",         "Head",       "ShoulderLeft", "ElbowLeft", "WristLeft",
-    "HandLeft",    "ShoulderRight", "ElbowRight",   "WristRight", "HandRight",    "HipLeft",   "KneeLeft",
-    "AnkleLeft",   "FootLeft",      "HipRight",     "KneeRight",  "AnkleRight",   "FootRight", "SpineShoulder",
-    "HandTipLeft", "ThumbLeft",     "HandTipRight", "ThumbRight", "HipCenter",    "Spine",     "ShoulderCenter"};
-
-using NamedJoint = std::pair<std::string_view, SensorJoint>;
-/// What other sensors and programs call joints of the trunk.
-constexpr std::array<NamedJoint, 11> kTrunkNames = {{{"pelvis", kSpineBase},
-                                                     {"hips", kSpineBase},
-                                                     {"midhip", kSpineBase},
-                                                     {"hipscenter", kSpineBase},
-                                                     {"torso", kSpineMid},
-                                                     {"spinenavel", kSpineMid},
-                                                     {"abdomen", kSpineMid},
-                                                     {"chest", kSpineShoulder},
-                                                     {"spinechest", kSpineShoulder},
-                                                     {"shouldercentre", kSpineShoulder},
-                                                     {"hipcentre", kSpineBase}}};
+struct Names {
+  std::string_view words;
+  SensorJoint left, right;  ///< of the trunk the same
+};
+constexpr std::array<Names, 22> kNames = {{
+    {"spinebase hipcenter hipcentre hipscenter midhip pelvis hips hip root", kSpineBase, kSpineBase},
+    {"spinemid spine spinenavel torso abdomen", kSpineMid, kSpineMid},
+    {"spineshoulder shouldercenter shouldercentre midshoulder spinechest chest thorax", kSpineShoulder, kSpineShoulder},
+    {"neck", kNeck, kNeck},
+    {"head", kHead, kHead},
+    {"nose", kNose, kNose},
+    {"headtop jaw", kOther, kOther},
+    {"shoulder upperarm", kShoulderLeft, kShoulderRight},
+    {"elbow forearm lowerarm", kElbowLeft, kElbowRight},
+    {"wrist", kWristLeft, kWristRight},
+    {"hand", kHandLeft, kHandRight},
+    {"handtip", kHandTipLeft, kHandTipRight},
+    {"thumb", kThumbLeft, kThumbRight},
+    {"index", kIndexLeft, kIndexRight},
+    {"pinky", kPinkyLeft, kPinkyRight},
+    {"hip thigh upperleg upleg", kHipLeft, kHipRight},
+    {"knee lowerleg calf shin", kKneeLeft, kKneeRight},
+    {"ankle", kAnkleLeft, kAnkleRight},
+    {"foot footindex toe toes bigtoe", kFootLeft, kFootRight},
+    {"ear", kEarLeft, kEarRight},
+    {"eye eyeinner eyeouter mouth", kOther, kOther},
+    {"heel clavicle", kOther, kOther},
+}};
+constexpr int kTrunkNames = 7;  ///< of them, the first
 
 /// Source of each body joint.
 constexpr std::array<SensorJoint, kBodyJointCount> kSources = {
@@ -46,28 +58,20 @@ SensorJoint substituteOf(SensorJoint joint) {
 
 }  // namespace
 
-std::optional<SensorJoint> sensorJointNamed(std::string_view name) {
-  constexpr std::array<SensorJoint, 3> kOfKinect1 = {kSpineBase, kSpineMid, kSpineShoulder};
-  for (int i = 0; i < countOf(kNames); ++i) {
-    if (!sameWord(kNames[i], name)) continue;
-    return i < kSensorJointCount ? static_cast<SensorJoint>(i) : kOfKinect1[i - kSensorJointCount];
-  }
-  return std::nullopt;
-}
-
 std::optional<SensorJoint> sensorJointCalled(std::string_view name) {
-  if (const std::optional<SensorJoint> joint = sensorJointNamed(name)) return joint;
-  for (const auto& [called, joint] : kTrunkNames) {
-    if (name == called) return joint;
+  const std::string plain = plainName(name);
+  for (int n = 0; n < kTrunkNames; ++n) {
+    if (!firstWord(kNames[n].words, [&](std::string_view word) { return plain == word; }).empty())
+      return kNames[n].left;
   }
-  for (const auto& [word, side] : {std::pair("left", "Left"), {"right", "Right"}, {"l", "Left"}, {"r", "Right"}}) {
-    const std::string_view sideWord = word;
-    if (name.starts_with(sideWord)) {
-      if (const auto joint = sensorJointNamed(std::string(name.substr(sideWord.size())) + side)) return joint;
-    }
-    if (name.ends_with(sideWord)) {
-      if (const auto joint = sensorJointNamed(std::string(name.substr(0, name.size() - sideWord.size())) + side))
-        return joint;
+  for (const std::string_view side : {"left", "right", "l", "r"}) {
+    // The side comes first or last.
+    for (int n = kTrunkNames; n < countOf(kNames); ++n) {
+      const auto fits = [&](std::string_view word) {
+        return plain.size() == side.size() + word.size() && ((plain.starts_with(side) && plain.ends_with(word)) ||
+                                                             (plain.ends_with(side) && plain.starts_with(word)));
+      };
+      if (!firstWord(kNames[n].words, fits).empty()) return side[0] == 'l' ? kNames[n].left : kNames[n].right;
     }
   }
   return std::nullopt;
@@ -78,6 +82,40 @@ void SensorSkeleton::set(const SensedJoint& seen) {
   joint = {};
   if (!seen.position) return;
   joint = {*seen.position, seen.orientation, seen.confidence};
+}
+
+void SensorSkeleton::complete() {
+  // The middle of joints that are all seen.
+  const auto derive = [&](SensorJoint to, std::initializer_list<SensorJoint> from) {
+    if ((*this)[to].confidence > 0.0) return;
+    TrackedJoint sum;
+    double count = 0.0;
+    for (const SensorJoint j : from) {
+      const TrackedJoint& joint = (*this)[j];
+      if (!(joint.confidence > 0.0)) return;
+      sum.confidence = count == 0.0 ? joint.confidence : std::min(sum.confidence, joint.confidence);
+      sum.position += joint.position;
+      count += 1.0;
+    }
+    sum.position /= count;
+    (*this)[to] = sum;
+  };
+  derive(kHead, {kEarLeft, kEarRight});
+  derive(kHead, {kNose});
+  if (!((*this)[kSpineShoulder].confidence > 0.0)) derive(kNeck, {kShoulderLeft, kShoulderRight});
+  derive(kSpineBase, {kHipLeft, kHipRight});
+  derive(kSpineMid, {(*this)[kNeck].confidence > 0.0 ? kNeck : kSpineShoulder, kSpineBase});
+  // Fingers that are not at the wrist were filled in by a program.
+  constexpr double kFingersByForearm = 0.7;
+  for (const auto& [elbow, wrist, hand, index, pinky] :
+       {std::array{kElbowLeft, kWristLeft, kHandLeft, kIndexLeft, kPinkyLeft},
+        std::array{kElbowRight, kWristRight, kHandRight, kIndexRight, kPinkyRight}}) {
+    const auto length = [&, from = wrist](SensorJoint to) {
+      return ((*this)[to].position - (*this)[from].position).norm();
+    };
+    const bool attached = std::max(length(index), length(pinky)) < kFingersByForearm * length(elbow);
+    if (attached) derive(hand, {wrist, index, pinky});
+  }
 }
 
 Observation observe(const SensorSkeleton& body, double time, int person) {

@@ -18,7 +18,7 @@ constexpr std::array<SensorJoint, kKinect1JointCount> kKinect1Order = {
     kSpineBase, kSpineMid,      kSpineShoulder, kHead,       kShoulderLeft, kElbowLeft, kWristLeft,
     kHandLeft,  kShoulderRight, kElbowRight,    kWristRight, kHandRight,    kHipLeft,   kKneeLeft,
     kAnkleLeft, kFootLeft,      kHipRight,      kKneeRight,  kAnkleRight,   kFootRight};
-constexpr std::array<SensorJoint, kSensorJointCount> kKinect2Order = {
+constexpr std::array<SensorJoint, kKinect2JointCount> kKinect2Order = {
     kSpineBase,   kSpineMid,      kNeck,         kHead,       kShoulderLeft, kElbowLeft, kWristLeft,
     kHandLeft,    kShoulderRight, kElbowRight,   kWristRight, kHandRight,    kHipLeft,   kKneeLeft,
     kAnkleLeft,   kFootLeft,      kHipRight,     kKneeRight,  kAnkleRight,   kFootRight, kSpineShoulder,
@@ -39,37 +39,17 @@ constexpr std::array<SensorJoint, 22> kUiPrmdOrder = {
     kElbowLeft, kHandLeft, kOther,    kShoulderRight, kElbowRight, kHandRight, kHipLeft, kKneeLeft,
     kAnkleLeft, kFootLeft, kHipRight, kKneeRight,     kAnkleRight, kFootRight};
 
-constexpr std::array<NamedColumn, 9> kWideColumns = {{{"joint", 'j', "Joint"},
-                                                      {"status", 's', "Status"},
-                                                      {"positionx", 'x', "Position"},
-                                                      {"positiony", 'y', "Position"},
-                                                      {"positionz", 'z', "Position"},
-                                                      {"rotationw", 'q', ""},
-                                                      {"rotationx", 'q', ""},
-                                                      {"rotationy", 'q', ""},
-                                                      {"rotationz", 'q', ""}}};
-constexpr std::array<NamedColumn, 11> kLongColumns = {{{"jointtype", 'j', "JointType"},
-                                                       {"joint", 'j', "JointType"},
-                                                       {"trackingstate", 's', "TrackingState"},
-                                                       {"status", 's', "TrackingState"},
-                                                       {"state", 's', "TrackingState"},
-                                                       {"x", 'x', "X"},
-                                                       {"y", 'y', "Y"},
-                                                       {"z", 'z', "Z"},
-                                                       {"positionx", 'x', "X"},
-                                                       {"positiony", 'y', "Y"},
-                                                       {"positionz", 'z', "Z"}}};
-
-constexpr std::array<NamedColumn, 10> kJointColumns = {{{"x", 'x', ""},
-                                                        {"y", 'y', ""},
-                                                        {"z", 'z', ""},
-                                                        {"confidence", 'c', ""},
-                                                        {"conf", 'c', ""},
-                                                        {"visibility", 'c', ""},
-                                                        {"tracked", 'c', ""},
-                                                        {"trackingstate", 'c', ""},
-                                                        {"state", 'c', ""},
-                                                        {"status", 'c', ""}}};
+constexpr std::array<SensorJoint, 32> kAzureOrder = {
+    kSpineBase,    kSpineMid,    kSpineShoulder, kNeck,     kOther,         kShoulderLeft, kElbowLeft,  kWristLeft,
+    kHandLeft,     kHandTipLeft, kThumbLeft,     kOther,    kShoulderRight, kElbowRight,   kWristRight, kHandRight,
+    kHandTipRight, kThumbRight,  kHipLeft,       kKneeLeft, kAnkleLeft,     kFootLeft,     kHipRight,   kKneeRight,
+    kAnkleRight,   kFootRight,   kHead,          kNose,     kOther,         kEarLeft,      kOther,      kEarRight};
+constexpr std::array<SensorJoint, 33> kMediaPipeOrder = {
+    kNose,       kOther,      kOther,      kOther,     kOther,        kOther,         kOther,
+    kEarLeft,    kEarRight,   kOther,      kOther,     kShoulderLeft, kShoulderRight, kElbowLeft,
+    kElbowRight, kWristLeft,  kWristRight, kPinkyLeft, kPinkyRight,   kIndexLeft,     kIndexRight,
+    kThumbLeft,  kThumbRight, kHipLeft,    kHipRight,  kKneeLeft,     kKneeRight,     kAnkleLeft,
+    kAnkleRight, kOther,      kOther,      kFootLeft,  kFootRight};
 
 /// UTKinect's recorder counted the images of both cameras, 60 per second, and so wrote only even numbers.
 void assumeRate(RawStream& raw) {
@@ -144,7 +124,7 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .expectedRow = "4: x y z confidence of a joint, 20 rows per frame",
      .expectedFile = "20 rows of x y z confidence for each frame",
      .called = jointNumberOfFrame,
-     .read = readFixedRows},
+     .read = readRows},
     {.format = JointFormat::kUtKinect,
      .name = "utkinect",
      .before = "n",
@@ -153,7 +133,7 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .expectedRow = "61: the frame number and 20 x (x y z)",
      .expectedFile = "rows of a frame number and 20 x (x y z)",
      .called = jointNumber,
-     .read = readFixedRows,
+     .read = readRows,
      .repair = assumeRate},
     {.format = JointFormat::kKinect2Bodies,
      .name = "kinect2-bodies",
@@ -165,17 +145,14 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .read = readBodies},
     {.format = JointFormat::kKinect2Wide,
      .name = "kinect2-wide",
-     .header = kWideColumns,
      .states = "TRACKED, INFERRED or NOTTRACKED",
-     .expectedFile = "found a header and no rows, expected at least one",
-     .read = readUnderHeader},
+     .expectedFile = "at least one",
+     .read = readRows},
     {.format = JointFormat::kKinect1Long,
      .name = "kinect1-long",
-     .header = kLongColumns,
-     .jointPerRow = true,
      .states = "Tracked, Inferred or NotTracked",
-     .expectedFile = "found no time with at least 3 joints, expected rows of Time, JointType, X, Y, Z",
-     .read = readUnderHeader},
+     .expectedFile = "rows of Time, JointType, X, Y, Z",
+     .read = readNamed},
     {.format = JointFormat::kKinect2Plain,
      .name = "kinect2-plain",
      .fields = "xyz",
@@ -185,7 +162,7 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .expectedRow = "75: 25 x (x y z)",
      .expectedFile = "rows of 25 x (x y z)",
      .called = jointNumber,
-     .read = readFixedRows},
+     .read = readRows},
     {.format = JointFormat::kUiPrmd,
      .name = "ui-prmd",
      .fields = "xyz",
@@ -205,7 +182,7 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .expectedRow = "18: (shoulder, elbow, hand) x 2, each x y z",
      .expectedFile = "rows of (shoulder, elbow, hand) x 2, each x y z",
      .called = jointOfArm,
-     .read = readFixedRows,
+     .read = readRows,
      .repair = tellArmsApart},
     {.format = JointFormat::kNite2,
      .name = "nite2",
@@ -218,51 +195,28 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .expectedRowWithMore = "62 or 122: time, user, 15 x (x y z confidence [qx qy qz qw])",
      .expectedFile = "rows of time, user, 15 x (x y z confidence)",
      .called = jointOfNite,
-     .read = readFixedRows,
+     .read = readRows,
      .repair = tellMetres},
     {.format = JointFormat::kNamedColumns,
      .name = "named-columns",
-     .header = kJointColumns,
      .states = "a confidence from 0 to 1, or a state of 0, 1 or 2",
-     .expectedFile = "found a header and no rows, expected at least one",
-     .read = readNamedColumns},
+     .expectedFile = "at least one",
+     .read = readNamed},
+    {.format = JointFormat::kAzureJson, .name = "azure-json", .read = readAzureJson},
 }};
 
 /// Rows to inspect: enough for one frame of MSR Action3D.
 constexpr int kRowsLookedAt = kKinect1JointCount;
 
-bool endsWithWord(std::string_view field, std::string_view word) {
-  return field.size() >= word.size() && sameWord(field.substr(field.size() - word.size()), word);
-}
-
+/// Kinds of headers.
 std::optional<JointFormat> formatOfHeader(const RowReader& reader) {
   const auto fields = reader.fields();
-  const auto has = [&](auto&& test) { return std::any_of(fields.begin(), fields.end(), test); };
   // Two of the three suffice: the format's own reader reports better what is wrong with the third.
   if (fields.size() > 5 &&
       sameWord(fields[0], "time") + sameWord(fields[1], "user") + sameWord(fields[2], "head.x") >= 2) {
     return sameWord(fields[5], "head.qx") ? JointFormat::kLorica : JointFormat::kNite2;
   }
-  const bool time = has([](std::string_view f) { return f.size() >= 4 && sameWord(f.substr(0, 4), "time"); });
-  const bool x = has([](std::string_view f) { return endsWithWord(f, "x"); });
-  if (time && x && has([](std::string_view f) { return sameWord(f, "JointType"); })) return JointFormat::kKinect1Long;
-  const auto isPositionX = [](std::string_view f) {
-    return endsWithWord(f, "PositionX") || endsWithWord(f, "Position.X");
-  };
-  const bool relative = has([](std::string_view f) { return endsWithWord(f, "time"); });
-  if ((time || relative) && std::count_if(fields.begin(), fields.end(), isPositionX) > 1)
-    return JointFormat::kKinect2Wide;
-  return std::nullopt;
-}
-
-/// Whether a header names the columns of some joints.
-bool namesJoints(const RowReader& reader) {
-  int joints = 0;
-  for (const std::string_view field : reader.fields()) {
-    const ColumnName name = columnNameOf(field);
-    joints += name.plain.ends_with('x') && sensorJointCalled(name.plain.substr(0, name.plain.size() - 1));
-  }
-  return joints >= kFewestNamedJoints;
+  return kindOfHeader(reader);
 }
 
 /// Whether the row has the form "sec|kb,time,6,25,..."
@@ -322,6 +276,14 @@ int Layout::count(bool withMore) const {
   return countOf(before) + (countOf(fields) + (withMore ? countOf(more) : 0)) * countOf(order) / rowsPerFrame;
 }
 
+JointOrder orderOf(int count) {
+  if (count == countOf(kKinect1Order)) return {kKinect1Order, "Kinect v1"};
+  if (count == countOf(kKinect2Order)) return {kKinect2Order, "Kinect v2"};
+  if (count == countOf(kAzureOrder)) return {kAzureOrder, "Azure Kinect"};
+  if (count == countOf(kMediaPipeOrder)) return {kMediaPipeOrder, "MediaPipe"};
+  return {};
+}
+
 const Layout& layoutOf(JointFormat format) {
   return kLayouts[static_cast<int>(format)];
 }
@@ -329,6 +291,8 @@ const Layout& layoutOf(JointFormat format) {
 Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
   RowReader reader(text, file);
   if (!reader.next()) return badFormat("{}: found an empty file, expected recorded joints", file);
+  if (reader.field(0).starts_with('{') && text.find("\"joint_positions\"") != std::string_view::npos)
+    return JointFormat::kAzureJson;
   if (const std::optional<JointFormat> format = formatOfHeader(reader)) return *format;
   if (isBodyRow(reader)) return JointFormat::kKinect2Bodies;
 
@@ -342,7 +306,6 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
   if (fitting.size() == 1) return fitting.front();
   // The file probably has a bad row: reading it in this format reports which one.
   if (fitting.empty() && beginning.size() == 1) return beginning.front();
-  if (fitting.empty() && namesJoints(reader)) return JointFormat::kNamedColumns;
   if (fitting.empty()) {
     return badFormat(
         "{}: found a first row of {} fields starting with {}, expected recorded joints in a known layout; if it is "

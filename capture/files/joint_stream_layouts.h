@@ -3,6 +3,7 @@
 #include "capture/files/joint_stream.h"
 
 #include <array>
+#include <functional>
 #include <map>
 #include <optional>
 #include <span>
@@ -14,7 +15,10 @@
 /// conversion to a JointStream.
 namespace lorica::joints {
 
-/// The 25 joints of Kinect v2 in its order. The joints of v1 are a subset under other names.
+class RowReader;
+
+/// The 25 joints of Kinect v2 in its order, of which v1 has a subset under other names, and what cameras with landmarks
+/// see.
 enum class SensorJoint : std::uint8_t {
   kSpineBase,
   kSpineMid,
@@ -41,15 +45,29 @@ enum class SensorJoint : std::uint8_t {
   kThumbLeft,
   kHandTipRight,
   kThumbRight,
-  kOther,  ///< of other skeletons; not used
+  kNose,
+  kEarLeft,
+  kEarRight,
+  kIndexLeft,
+  kIndexRight,
+  kPinkyLeft,
+  kPinkyRight,
+  kOther,  ///< known, but not used
 };
-inline constexpr int kSensorJointCount = 25;
+inline constexpr int kSensorJointCount = static_cast<int>(SensorJoint::kOther) + 1;
 inline constexpr int kKinect1JointCount = 20;
+inline constexpr int kKinect2JointCount = 25;
 
-/// Looks up a joint by its Kinect v1 or v2 name, case-insensitive: "SpineBase", "HipCenter".
-[[nodiscard]] std::optional<SensorJoint> sensorJointNamed(std::string_view name);
-/// Looks up a joint by any usual name, in lower case without separators: "leftshoulder", "lshoulder", "pelvis".
+/// Looks up a joint by any usual name: "SpineBase", "HipCenter", "LEFT_SHOULDER", "l. shoulder", "pelvis".
 [[nodiscard]] std::optional<SensorJoint> sensorJointCalled(std::string_view name);
+
+/// The joints that a sensor numbers, by their count: 20 of Kinect v1, 25 of v2, 32 of Azure Kinect, 33 of MediaPipe.
+/// Empty for other counts.
+struct JointOrder {
+  std::span<const SensorJoint> joints = {};
+  std::string_view sensor = {};
+};
+[[nodiscard]] JointOrder orderOf(int count);
 
 /// One joint as the file holds it.
 struct SensedJoint {
@@ -61,11 +79,13 @@ struct SensedJoint {
 
 /// One body as the sensor reported it; a joint with confidence 0 is unknown.
 struct SensorSkeleton {
-  std::array<TrackedJoint, kSensorJointCount + 1> joints;
+  std::array<TrackedJoint, kSensorJointCount> joints;
 
   [[nodiscard]] TrackedJoint& operator[](SensorJoint j) { return joints[static_cast<int>(j)]; }
   [[nodiscard]] const TrackedJoint& operator[](SensorJoint j) const { return joints[static_cast<int>(j)]; }
   void set(const SensedJoint& seen);
+  /// Derives head, neck, torso and hands that are not seen from what stands around them.
+  void complete();
 };
 
 /// One person at one time, in the sensor's axes, with the toes as a cue for the facing direction.
@@ -82,36 +102,29 @@ struct RawStream {
   std::vector<Observation> rows;         ///< of all people, in file order
   std::optional<double> secondsPerTick;  ///< none = guess from the time steps
   bool worldAxes = false;                ///< those of Lorica's world, else x to the sensor's left, z away from it
-  bool yDown = false;                    ///< as it was in the file
-  std::string unit;                      ///< "centimetres, since people measure 172"; empty: as the layout says
+  bool towardsFront = false;             ///< people are turned by quarter turns to where most face +Z
+  bool centred = false;                  ///< the hips are at the origin in every frame
+  std::string unit;                      ///< "centimetres, since ..."; empty: as the layout says
+  std::string axes;                      ///< "Y is down, since ..."; empty: Y is up
   std::vector<std::string> notes;
-};
-
-/// A column that a header names.
-struct NamedColumn {
-  std::string_view ending;  ///< of the name in lower case without separators; what stands in front names the joint
-  char field;               ///< as in Layout
-  std::string_view called;  ///< in errors
 };
 
 /// What the file of a layout holds, and how to read it: a row of the table. Fields are letters: x, y, z of a position;
 /// s its state (0, 1, 2 or words); c its confidence; q each of a quaternion's x y z w; j the joint's name; before the
-/// joints t the time, n the number of the frame, u the person.
+/// joints t the time, n the number of the frame, u the person. Without fields, a header names the columns.
 struct Layout {
   JointFormat format;
-  std::string_view name;                     ///< of --format
-  std::string_view before = {};              ///< fields before the joints
-  std::string_view fields = {};              ///< of each joint
-  std::string_view more = {};                ///< of each joint, in all rows or in none
-  std::span<const SensorJoint> order = {};   ///< of the joints
-  std::span<const NamedColumn> header = {};  ///< names columns instead
-  int rowsPerFrame = 1;                      ///< the joints are divided among
-  bool jointPerRow = false;                  ///< of those with a header: rows of one time are a frame
-  double unit = 1.0;                         ///< of positions [m]
-  std::optional<double> tick = {};           ///< of times, or of rows without times [s]; none: guessed from the steps
-  std::string_view note = {};                ///< to the user
-  std::string_view states = {};              ///< in errors: what s may be
-  std::string_view expectedRow = {};         ///< in errors: the number of fields and what they are
+  std::string_view name;                    ///< of --format
+  std::string_view before = {};             ///< fields before the joints
+  std::string_view fields = {};             ///< of each joint
+  std::string_view more = {};               ///< of each joint, in all rows or in none
+  std::span<const SensorJoint> order = {};  ///< of the joints
+  int rowsPerFrame = 1;                     ///< the joints are divided among
+  double unit = 1.0;                        ///< of positions [m]
+  std::optional<double> tick = {};          ///< of times, or of rows without times [s]; none: guessed from the steps
+  std::string_view note = {};               ///< to the user
+  std::string_view states = {};             ///< in errors: what s may be
+  std::string_view expectedRow = {};        ///< in errors: the number of fields and what they are
   std::string_view expectedRowWithMore = {};
   std::string_view expectedFile = {};          ///< in errors: what the rows are
   std::string (*called)(int joint) = nullptr;  ///< in errors
@@ -123,27 +136,77 @@ struct Layout {
 };
 [[nodiscard]] const Layout& layoutOf(JointFormat format);
 
-/// A column's name in a header.
-struct ColumnName {
-  std::string plain;           ///< in lower case, without separators and without its unit
-  std::optional<double> unit;  ///< [m], [s], if the name holds one: "head_x[mm]", "time_us"
-};
-[[nodiscard]] ColumnName columnNameOf(std::string_view name);
+/// A column of a row, and what errors call it.
+struct Column {
+  int at = -1;
+  std::string called = {};
 
-/// Named columns of fewer joints are taken for something else; it also bounds the frames that a small file holds.
+  explicit operator bool() const { return at >= 0; }
+};
+
+/// The columns of one joint.
+struct JointColumns {
+  std::optional<SensorJoint> joint = {};  ///< none: the row names it
+  Column name = {}, state = {}, confidence = {}, turn = {};
+  std::array<Column, 3> position = {};
+
+  /// The first axis without a column, or -1.
+  [[nodiscard]] int lacks() const;
+};
+
+/// Where the fields of a row are: from the table, or from the file's header.
+struct Columns {
+  JointFormat kind = JointFormat::kNamedColumns;  ///< of a header: named, long (a row for each joint), or wide
+  int count = 0;
+  Column time, frame, person;
+  std::optional<double> tick;  ///< of times [s], if a name says so
+  std::optional<double> unit;  ///< of positions [m], if their names say so
+  std::vector<JointColumns> joints;
+  std::vector<bool> torn;  ///< of each column: whether it may be torn at a decimal comma
+  std::vector<std::string> notes;
+};
+
+/// Those of a layout with fixed columns. Rows that are parts of a frame start from column 0 each.
+[[nodiscard]] Columns columnsOf(const Layout& layout, bool withMore = false);
+
+/// Those that a header names, in any order. A name is a joint with an axis or another word before or behind it; names
+/// without a joint ("PositionX") belong to the joint that the row names, the n-th of them to the n-th joint.
+/// @param kind  what the header must be: named, long or wide
+[[nodiscard]] Result<Columns> columnsOf(const RowReader& header, JointFormat kind);
+/// What a header is; nullopt: none that is known.
+[[nodiscard]] std::optional<JointFormat> kindOfHeader(const RowReader& row);
+
+/// A header that names fewer joints is taken for something else; it also bounds the frames that a small file holds.
 inline constexpr int kFewestNamedJoints = 6;
+/// Smaller frames carry no information; they would also let a small file expand into many frames.
+inline constexpr int kFewestSeenJoints = 3;
+
+/// Kinect v2 gives every tracked body a new 17-digit number: people are renumbered from 1 in order of appearance.
+class PersonNumbers {
+ public:
+  int of(std::string_view id);
+
+ private:
+  std::map<std::string, int> numbers_;
+};
 
 /// Detects the layout from the content; if ambiguous, an error lists the candidates and refers to --format.
 [[nodiscard]] Result<JointFormat> detectFormat(std::string_view text, std::string_view file);
 
 // The readers in the table. Errors name file, line, column, found and expected.
-[[nodiscard]] Result<RawStream> readFixedRows(const Layout& layout, std::string_view text, std::string_view file);
+[[nodiscard]] Result<RawStream> readRows(const Layout& layout, std::string_view text, std::string_view file);
 [[nodiscard]] Result<RawStream> readBodies(const Layout& layout, std::string_view text, std::string_view file);
-[[nodiscard]] Result<RawStream> readUnderHeader(const Layout& layout, std::string_view text, std::string_view file);
-[[nodiscard]] Result<RawStream> readNamedColumns(const Layout& layout, std::string_view text, std::string_view file);
+[[nodiscard]] Result<RawStream> readNamed(const Layout& layout, std::string_view text, std::string_view file);
+[[nodiscard]] Result<RawStream> readAzureJson(const Layout& layout, std::string_view text, std::string_view file);
 /// @param angles  text of the angles file, without which the positions do not define a pose
 [[nodiscard]] Result<RawStream> readUiPrmd(std::string_view positions, std::string_view file, std::string_view angles,
                                            std::string_view anglesFile);
+
+/// Judges unit and axes by the body: people are 1 to 2.3 m tall and stand upright. Turns them to the sensor's axes.
+/// @param unit  of positions if the file says so [m]
+/// @param read  reads the file with a unit
+[[nodiscard]] Result<RawStream> judged(std::string_view file, std::optional<double> unit,
+                                       const std::function<Result<RawStream>(double unit)>& read);
 
 /// Position of a person: the torso, else the neck, else the mean of the seen joints; nullopt if none is seen.
 [[nodiscard]] std::optional<Vec3> positionOf(const SkeletonFrame& frame);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <utility>
 
@@ -72,7 +73,9 @@ bool isNumberWithoutFraction(std::string_view token) {
 Delimiter delimiterOf(std::string_view line) {
   if (line.find(';') != std::string_view::npos) return Delimiter::kSemicolon;
   if (line.find('\t') != std::string_view::npos) {
-    // Tabs mixed with blanks count as blanks; a tab alone separates fields, which may be empty.
+    // Tabs mixed with blanks count as blanks; a tab alone separates fields, which may be empty, and so do tabs between
+    // names that hold blanks.
+    if (isWord(line.substr(0, line.find('\t')))) return Delimiter::kTab;
     std::size_t begin = 0;
     while (begin <= line.size()) {
       const std::size_t end = std::min(line.find('\t', begin), line.size());
@@ -114,6 +117,58 @@ bool sameWord(std::string_view a, std::string_view b) {
   b = bare(b);
   return a.size() == b.size() &&
          std::equal(a.begin(), a.end(), b.begin(), [](char x, char y) { return lower(x) == lower(y); });
+}
+
+std::string plainName(std::string_view name) {
+  std::string plain;
+  for (const char c : name) {
+    if (isLetter(c) || isDigit(c) || static_cast<unsigned char>(c) > 0x7f) plain += lower(c);
+  }
+  return plain;
+}
+
+std::optional<double> readClock(std::string_view field) {
+  field = bare(field);
+  if (field.size() > kLongestNumber || field.find(':') == std::string_view::npos) return std::nullopt;
+  std::string text(field);
+  bool afternoon = false, halves = false;
+  for (const std::string_view half : {"am", "pm"}) {
+    if (text.size() < 2 || !sameWord(std::string_view(text).substr(text.size() - 2), half)) continue;
+    halves = true;
+    afternoon = half == "pm";
+    text.resize(text.size() - 2);
+  }
+  // The zone is the same in all rows: it does not matter.
+  if (const std::size_t zone = text.find_first_of("zZ+"); zone != std::string::npos) text.resize(zone);
+  const std::size_t colon = text.find(':');
+  if (colon == std::string::npos) return std::nullopt;  // it was in the zone
+  const std::size_t blank = text.substr(0, colon).find_last_of("tT ");
+  const std::size_t hours = blank == std::string::npos ? 0 : blank + 1;
+  if (const std::size_t zone = text.find('-', colon); zone != std::string::npos) text.resize(zone);
+  std::array<double, 3> clock{};  // hours, minutes, seconds
+  int parts = 0;
+  for (std::size_t begin = hours; parts < 3;) {
+    const std::size_t end = parts == 2 ? text.size() : std::min(text.find(':', begin), text.size());
+    if (readNumber(std::string_view(text).substr(begin, end - begin), clock[parts++]) != NumberKind::kNumber)
+      return std::nullopt;
+    if (end == text.size()) break;
+    begin = end + 1;
+  }
+  if (halves) clock[0] = std::fmod(clock[0], 12.0) + (afternoon ? 12.0 : 0.0);
+  // "12:34.5" are minutes and seconds.
+  double seconds = parts == 3 ? 3600.0 * clock[0] + 60.0 * clock[1] + clock[2] : 60.0 * clock[0] + clock[1];
+  double year = 0.0, month = 0.0, day = 0.0;
+  const auto number = [&](int begin, int length, double& value) {
+    return readNumber(std::string_view(text).substr(begin, length), value) == NumberKind::kNumber;
+  };
+  if (hours >= 10 && number(0, 4, year) && number(5, 2, month) && number(8, 2, day)) {
+    const std::chrono::year_month_day date(std::chrono::year(static_cast<int>(year)),
+                                           std::chrono::month(static_cast<unsigned>(month)),
+                                           std::chrono::day(static_cast<unsigned>(day)));
+    if (!date.ok() || year < 1970.0) return std::nullopt;
+    seconds += 86400.0 * static_cast<double>(std::chrono::sys_days(date).time_since_epoch().count());
+  }
+  return seconds;
 }
 
 RowReader::RowReader(std::string_view text, std::string_view file)

@@ -4,6 +4,7 @@
 #include "geometry/line_scanner.h"
 #include "geometry/result.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -30,6 +31,24 @@ enum class NumberKind : std::uint8_t {
 /// Whether a field starts with a letter and does not denote a missing number.
 [[nodiscard]] bool isWord(std::string_view field);
 [[nodiscard]] bool sameWord(std::string_view a, std::string_view b);  ///< case-insensitive
+
+/// Letters and digits of a name, in lower case: "shoulderleftx" of "Shoulder_Left.X".
+[[nodiscard]] std::string plainName(std::string_view name);
+
+/// The first of some words, separated by blanks, for which a test holds; empty if there is none.
+template <typename Test>
+[[nodiscard]] std::string_view firstWord(std::string_view words, const Test& test) {
+  while (!words.empty()) {
+    const std::size_t end = std::min(words.find(' '), words.size());
+    if (test(words.substr(0, end))) return words.substr(0, end);
+    words.remove_prefix(std::min(end + 1, words.size()));
+  }
+  return {};
+}
+
+/// Reads a time of day, with or without a date before it: "2024-05-01T12:30:15.25Z", "00:00:03,4", "1:02:03 PM".
+/// @return seconds since 1970, or since midnight if there is no date with the year first
+[[nodiscard]] std::optional<double> readClock(std::string_view field);
 
 /// Max distance of a joint from the sensor [m]; beyond it the unit must be different. Low enough that positions stay
 /// within the limits of recordings/FORMAT.md after placement on the floor.

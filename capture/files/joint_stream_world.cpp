@@ -26,6 +26,8 @@ constexpr double kFloorShare = 0.1;
 constexpr double kLeanDegrees = 15.0;
 /// A clock that goes back by more was restarted; by less, rows are out of order [s].
 constexpr double kClockRestart = 1.0;
+/// Agreement of toes and knees with the front below which a stream is mirrored.
+constexpr double kMirrored = -0.5;
 /// No recording is longer: about thirty years [s].
 constexpr double kLongestRecording = 1e9;
 
@@ -179,6 +181,45 @@ double frontAgreement(std::span<const Observation> rows) {
   return count < kFewest ? 1.0 : sum / count;
 }
 
+/// Turns everybody by the quarter turns after which most look to +Z.
+void turnToFront(std::vector<Observation>& rows) {
+  Vec3 front = Vec3::Zero();
+  for (const Observation& row : rows) {
+    for (const auto& [right, left] : {std::pair(J::kRightHip, J::kLeftHip), {J::kRightShoulder, J::kLeftShoulder}}) {
+      if (const std::optional<Vec3> across = between(row.frame, right, left)) front += across->cross(Vec3::UnitY());
+    }
+  }
+  if (frontAgreement(rows) < kMirrored) front = -front;
+  const long quarters = std::lround(std::atan2(front.x(), front.z()) / (0.5 * std::numbers::pi));
+  for (long i = 0; i < (4 - quarters) % 4; ++i) {
+    for (Observation& row : rows) {
+      const auto turn = [](Vec3& p) { p = Vec3(p.z(), p.y(), -p.x()); };
+      for (TrackedJoint& joint : row.frame.joints) turn(joint.position);
+      for (std::optional<Vec3>& toe : row.toes) {
+        if (toe) turn(*toe);
+      }
+    }
+  }
+}
+
+/// Hips that never move: the body stands on its lower foot in every frame instead.
+void stand(std::vector<Observation>& rows, std::vector<std::string>& notes) {
+  double low = 0.0;
+  bool stands = false;
+  for (Observation& row : rows) {
+    std::optional<double> lower;
+    for (const J foot : {J::kLeftFoot, J::kRightFoot}) {
+      if (const std::optional<Vec3> at = seen(row.frame, foot)) lower = std::min(lower.value_or(at->y()), at->y());
+    }
+    stands = stands || lower;
+    low = lower.value_or(low);
+    for (TrackedJoint& joint : row.frame.joints) joint.position.y() -= low;
+  }
+  if (stands) {
+    notes.emplace_back("The hips are at 0 in every frame: the body stands on its lower foot, its way is unknown.");
+  }
+}
+
 /// Removes all orientations if they do not point along the limbs, because they follow another convention.
 void checkOrientations(std::vector<Observation>& rows, std::vector<std::string>& notes) {
   constexpr double kMaxDegrees = 25.0;
@@ -324,6 +365,7 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   std::map<int, WayMeter> ways;
   for (const Observation& row : raw.rows) ways[row.frame.user].add(row.frame);
   LORICA_TRY(const int person, choosePerson(ways, file, settings, stream));
+  if (raw.towardsFront) turnToFront(raw.rows);
   std::vector<Observation> rows = std::move(raw.rows);
   std::erase_if(rows, [&](const Observation& row) { return row.frame.user != person; });
 
@@ -342,9 +384,10 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
                                   : fmt::format("{}metres, as the layout says", unit == 1.0    ? ""
                                                                                 : unit == 0.01 ? "centi"
                                                                                                : "milli"));
-  stream.firstGuess.push_back(fmt::format("Y is {}{}", raw.yDown ? "down, since heads have smaller y than hips" : "up",
-                                          raw.worldAxes ? "" : ", turned from the sensor's axes"));
-  constexpr double kMirrored = -0.5;
+  stream.firstGuess.push_back((raw.axes.empty() ? "Y is up" : raw.axes) +
+                              (raw.towardsFront ? ", turned so that people face +Z"
+                               : raw.worldAxes  ? ""
+                                                : ", turned from the sensor's axes"));
   // Half a turn about Y makes a person who looks at the sensor face +Z.
   if (!raw.worldAxes) flip(rows, {-1.0, 1.0, -1.0});
   if (frontAgreement(rows) < kMirrored) {
@@ -353,6 +396,7 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
         "Toes and knees point backwards relative to left and right: the stream is mirrored and was mirrored back.");
   }
   checkOrientations(rows, stream.notes);
+  if (raw.centred) stand(rows, stream.notes);
   stream.origin = placeOnFloor(rows, stream.firstGuess);
   noteLean(rows, stream.notes);
 

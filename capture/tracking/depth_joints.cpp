@@ -63,6 +63,7 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   sight_.trackSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sight_.arrived).count();
   sight_.people = countOf(people);
   sight_.roomUncertain = tracker_.roomUncertain();
+  sight_.floorFound = tracker_.floorFound();
   time_ = riseTo(sight_.image.time);
   follow(people);
   sight_.cameraFromWorld = tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));

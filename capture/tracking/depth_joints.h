@@ -19,6 +19,7 @@ struct DepthSight {
   int people = 0;                                 ///< tracked in the frame
   bool followed = false;                          ///< whether the joints are a person's; otherwise all are unknown
   bool roomUncertain = false;                     ///< see Tracker::roomUncertain()
+  bool floorFound = false;                        ///< see Tracker::floorFound()
   double trackSeconds = 0.0;                      ///< time spent in the tracker [s]
   std::chrono::steady_clock::time_point arrived;  ///< when the frame was received, before tracking
   DepthFrame image;                               ///< the last one received; empty before the first

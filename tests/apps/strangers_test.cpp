@@ -5,6 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace lorica::test {
 namespace {
 
@@ -24,6 +29,8 @@ TEST(Strangers, GetTheRightValueOrASentence) {
       {"kinect2_named_columns.csv", {"info"}, {}, 0, {"named-columns", "metres", "Y is up", "faces +Z"}},
       {"kinect1_named_columns.txt", {"info"}, {}, 0, {"named-columns", "metres", "Y is up", "faces +Z"}},
       {"azure_named_columns.csv", {"info"}, {}, 0, {"named-columns", "millimetres", "Y is down", "faces +Z"}},
+      {"mediapipe_world.csv", {"info"}, {}, 0, {"MediaPipe's order", "metres", "Y is down", "faces +Z"}},
+      {"azure_offline_processor.json", {"info"}, {}, 0, {"azure-json", "millimetres", "Y is down", "faces +Z"}},
       {"bones_along_x.bvh", {"info"}, {}, 0, {"rest pose: ", "Y is up", "faces +Z"}},
       {"bones_along_y.bvh", {"info"}, {}, 0, {"rest pose: ", "Y is up", "faces +Z"}},
       {"utf16.bvh", {"info"}, {}, 0, {"rest pose: the zero pose, a T-pose", "90 at 30.0"}},
@@ -33,6 +40,8 @@ TEST(Strangers, GetTheRightValueOrASentence) {
       {"vmc_ok_zero_once.pcap", {"info"}, {}, 0, {"159 at"}},
       {"vmc_no_hips.pcap", {"info"}, {}, 0, {"missing bones stay at rest: leftUpperLeg"}},
       {"rigid_boxes.vrm", {"info"}, {}, 0, {"a character", "1.850 m"}},
+      {"figure_mirrored.glb", {"info"}, {}, 0, {"1.450 m", "it faces +Z"}},
+      {"figure_lying.glb", {"info"}, {}, 0, {"it lies, its head towards"}},
       {"figure_posed_nodes.glb", {"info"}, {}, 0, {"1.450 m", "its nodes are posed"}},
       {"line_continuation.obj", {"info"}, {}, 0, {"volume        1\n", "yes, it can be decomposed"}},
       {"ufbx_max_skin_6100_ascii.fbx", {"info"}, {}, 2, {"FBX 6.1 is too old: export it as FBX 7.x"}},
@@ -57,6 +66,34 @@ TEST(Strangers, GetTheRightValueOrASentence) {
     const std::string all = result.out + result.err;
     for (const char* text : row.said) {
       EXPECT_NE(all.find(text), std::string::npos) << row.file << ": no `" << text << "` in:\n" << all;
+    }
+  }
+}
+
+/// What other files are taken to be: heights by themselves known, facing and unit looked at once.
+TEST(FirstGuess, IsRightForTheSharedFiles) {
+  LORICA_REQUIRE_DATASET(readme, "README.md");
+  const std::vector<std::pair<const char*, std::vector<const char*>>> rows = {
+      {"characters/cesiumman/CesiumMan.glb", {"1.507 m", "it faces +Z"}},
+      {"characters/godette/Godette_vrm_v4.vrm", {"1.495 m", "it faces +Z"}},
+      {"characters/arnaud/arnaud.fbx", {"1.831 m", "0.01 m per unit", "it faces +Z"}},
+      {"characters/greenman/greenman.glb", {"2.032 m", "it faces +Z"}},
+      {"characters/kaykit/Mage.glb", {"2.716 m", "it faces +Z"}},
+      {"characters/arnaud/walk.fbx", {"0.01 m per unit", "faces +Z at first"}},
+      {"bvh/animated_drawings/jumping_jacks.bvh", {"(1.46 m)", "CMU", "faces +Z at first"}},
+      {"bvh/animated_drawings/zombie.bvh", {"a unit of its own", "(1.7 m", "Z is up", "faces -Z at first"}},
+      {"bvh/makehuman/walk1.bvh", {"decimetres", "(1.64 m)", "Z is up", "faces +Z at first"}},
+      {"bvh/makehuman/tpose.bvh", {"decimetres", "(1.66 m)", "an A-pose", "faces +Z at first"}},
+      {"joints/ui_prmd/m01_s01_e01_positions.txt", {"centimetres", "faces +Z at first"}},
+      {"depth_real/cut_a1_s5.joints.csv", {"(1.80 m)", "faces +Z at first"}},
+      {"depth_real/A_armchair3_a9s1.oni", {"the floor, which was found 1.36 m below the camera", "faces +Z at first"}},
+      {"attack/05_short_replay.lsession", {"joints as they were recorded", "faces +Z at first"}},
+  };
+  for (const auto& [file, said] : rows) {
+    const CommandResult result = runLorica({"info", readme.parent_path() / file});
+    EXPECT_EQ(result.exitCode, 0) << file << ": " << result.err;
+    for (const char* text : said) {
+      EXPECT_NE(result.out.find(text), std::string::npos) << file << ": no `" << text << "` in:\n" << result.out;
     }
   }
 }

@@ -116,6 +116,8 @@ static void test_characters(void) {
   lorica_character *hero = NULL;
   CHECK(lorica_character_read(path("hero.glb"), &hero) == LORICA_OK);
   CHECK(lorica_character_clip_count(hero) == 2 && strcmp(lorica_character_clip_name(hero, 1), "Nod") == 0);
+  CHECK(strstr(lorica_character_first_guess(hero), "it faces +Z") != NULL);
+  CHECK(strcmp(lorica_character_first_guess(mannequin), "") == 0);
   FAILS(LORICA_NOT_FOUND, "nobody", lorica_character_read("nobody", &hero));
   FAILS(LORICA_BAD_FORMAT, "its reader", lorica_character_read(path("cycle.dae"), &hero));
   FAILS(LORICA_INVALID_ARGUMENT, "a mesh without skin", lorica_character_read(path("triangle.dae"), &hero));
@@ -134,6 +136,7 @@ static void test_characters(void) {
   const lorica_motion_options clip = {.size = sizeof clip, .clip = "Run"};
   FAILS(LORICA_NOT_FOUND, "expected one of Bow, Nod", lorica_motion_read(hero, path("hero.glb"), &clip, &motion));
   CHECK(lorica_motion_read(hero, path("hero.glb"), NULL, &motion) == LORICA_OK);
+  CHECK(strstr(lorica_motion_first_guess(motion), "the body faces +Z at first") != NULL);
   lorica_live *live = NULL;
   CHECK(lorica_live_make(body, &live) == LORICA_OK);
   FAILS(LORICA_INVALID_ARGUMENT, "another character", lorica_live_play(live, motion, 0));

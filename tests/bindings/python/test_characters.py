@@ -63,6 +63,11 @@ class Characters(unittest.TestCase):
             breathing.body(2, hull_vertices=64).save(file)
             self.assertEqual(file.read_bytes(), (FILES / "breathing.lorica").read_bytes())
 
+    def test_first_guesses_are_those_of_the_command(self):
+        self.assertIn("it faces +Z", lorica.Character(FILES / "hero.glb").first_guess)
+        self.assertEqual(self.mannequin.first_guess, "")
+        self.assertIn("centimetres, since the rest pose measures", lorica.play(FILES / "walk.bvh", self.body).first_guess)
+
     def test_frames_stay_when_the_body_moves_on(self):
         player = lorica.play("walk", self.body)
         first = next(player)

@@ -287,6 +287,8 @@ TEST(Bvh, TheUnitIsTheOneThatMakesAPerson) {
   EXPECT_EQ(unitOf(1750.0), "millimetres");
   EXPECT_EQ(unitOf(68.0), "inches");
   EXPECT_EQ(unitOf(17.0), "decimetres");
+  EXPECT_EQ(unitOf(60.0), "inches");
+  EXPECT_EQ(unitOf(45.0), "a unit of its own (3.778 cm)");  // as inches 1.14 m, as centimetres 0.45 m
   EXPECT_EQ(unitOf(31.0), "units of the CMU database (5.644 cm)");
   EXPECT_EQ(unitOf(0.0), "metres");
   const Result<BvhFile> giant = parseBvh(replaced(with(kMotion), "OFFSET 0 0.75 0", "OFFSET 0 50000 0"), "x");
@@ -466,7 +468,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, SharedBvh,
     ::testing::Values(SharedFile{"bvh/animated_drawings/jumping_jacks.bvh", 31, 125,
                                  "units of the CMU database (5.644 cm)", false, false, false},
-                      SharedFile{"bvh/animated_drawings/zombie.bvh", 27, 779, "inches", true, false, false},
+                      SharedFile{"bvh/animated_drawings/zombie.bvh", 27, 779, "a unit of its own (3.748 cm)", true, false, false},
                       SharedFile{"bvh/makehuman/walk1.bvh", 75, 14, "decimetres", true, false, true},
                       SharedFile{"bvh/makehuman/zombieWalk1.bvh", 75, 31, "decimetres", true, false, false},
                       SharedFile{"bvh/makehuman/tpose.bvh", 173, 1, "decimetres", true, true, false}),

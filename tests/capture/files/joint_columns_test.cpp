@@ -1,10 +1,18 @@
+#include "capture/files/joint_csv.h"
+#include "capture/files/joint_stream.h"
 #include "capture/synthetic/synthetic_motion.h"
+#include "geometry/counts.h"
 #include "tests/capture/files/joint_files.h"
+#include "tests/support/datasets.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
+#include <random>
+#include <string>
 #include <tuple>
 
 /// Files in which the header names the joint of every column.
@@ -114,6 +122,17 @@ TEST(JointColumns, MayBeFewAndWithoutAnkles) {
   EXPECT_NEAR(stream->frames[0][J::kHead].position.y(), 1.58, 1e-12);
 }
 
+TEST(JointColumns, MayStandBelowRemarks) {
+  const std::string rows = rowOf("1", "0,1.6,2", "0,1.4,2", kLegs) + rowOf("2", "0,1.6,2", "0,1.4,2", kLegs);
+  for (const std::string_view before : {"# ", "Recorded by a program\n\nsubject,7\n", "%rate 30\r\n#"}) {
+    const Result<JointStream> stream = parseJointStream(fmt::format("{}{}\n{}", before, kSix, rows), "x");
+    ASSERT_TRUE(stream) << stream.error().message;
+    EXPECT_EQ(stream->frames.size(), 2u);
+  }
+  EXPECT_EQ(parseJointStream(fmt::format("a remark\n#{}\n{}", kSix, "1,2\n" + rows), "x").error().message,
+            "x, line 3: found 2 fields, expected 19 as in the header");
+}
+
 TEST(JointColumns, WhatIsNotSureIsRefused) {
   const auto header = [](std::string_view from, std::string_view to) {
     std::string text(kSix);
@@ -126,9 +145,9 @@ TEST(JointColumns, WhatIsNotSureIsRefused) {
       {header("neck_x", "neck_x_mm"), good,
        ", line 1, column 5 (neck_x_mm): found 'neck_x_mm', expected one unit of length"},
       {std::string(kSix), rowOf("0", "0,7,2", "0,6,2", kLegs),
-       ": found people who measure 6.9, expected joints in metres, centimetres or millimetres"},
-      {std::string(kSix), rowOf("0", "0,0,1.6", "0,0,1.4", "0.1,0,0.9,-0.1,0,0.9,0.1,0,0.1,-0.1,0,0.1"),
-       ": found no heads above or below hips along y, expected y to point up or down"},
+       ": found people who measure 7.8, expected 1 to 2.3 metres in any unit"},
+      {std::string(kSix), rowOf("0", "1,1,1", "0.9,0.9,0.9", "0.6,0.5,0.5,0.5,0.6,0.5,0.1,0,0.1,0,0.1,0.1"),
+       ": found no heads above or below hips along x, y or z, expected one of them to point up or down"},
       {std::string(kSix), rowOf("0", "0,1.6,up", "0,1.4,2", kLegs),
        ", line 2, column 4 (head_z): found 'up', expected a number"},
       {std::string(kSix), rowOf("noon", "0,1.6,2", "0,1.4,2", kLegs),
@@ -144,6 +163,318 @@ TEST(JointColumns, WhatIsNotSureIsRefused) {
             "x, line 1: found a header that names 2 joints, expected at least 6");
   // Numbers instead of names say too little.
   EXPECT_FALSE(parseJointStream("frame,x0,y0,z0,x1,y1,z1,x2,y2,z2\n0,0,1,0,0,1,0,0,0,0\n", "x"));
+}
+
+/// MediaPipe's landmarks in its order. Those that stand for no joint of a recording are where others are.
+constexpr std::array<std::string_view, 33> kLandmarks = {
+    "nose",        "left_eye_inner",  "left_eye",        "left_eye_outer", "right_eye_inner",
+    "right_eye",   "right_eye_outer", "left_ear",        "right_ear",      "mouth_left",
+    "mouth_right", "left_shoulder",   "right_shoulder",  "left_elbow",     "right_elbow",
+    "left_wrist",  "right_wrist",     "left_pinky",      "right_pinky",    "left_index",
+    "right_index", "left_thumb",      "right_thumb",     "left_hip",       "right_hip",
+    "left_knee",   "right_knee",      "left_ankle",      "right_ankle",    "left_heel",
+    "right_heel",  "left_foot_index", "right_foot_index"};
+
+/// From the middle of the hips, in a camera's axes: x to its right, y down, z away from it [m].
+Vec3 landmarkOf(const SkeletonFrame& frame, int landmark) {
+  const std::string_view name = kLandmarks[landmark];
+  const bool left = name.find("left") != std::string_view::npos;
+  const auto has = [&](auto... words) { return ((name.find(words) != std::string_view::npos) || ...); };
+  const J joint = has("shoulder")                                            ? J::kLeftShoulder
+                  : has("elbow")                                             ? J::kLeftElbow
+                  : has("wrist", "pinky", "_index", "thumb") && !has("foot") ? J::kLeftHand
+                  : has("hip")                                               ? J::kLeftHip
+                  : has("knee")                                              ? J::kLeftKnee
+                  : has("ankle", "heel", "foot")                             ? J::kLeftFoot
+                                                                             : J::kHead;
+  const int right = joint == J::kHead || left ? 0 : 1;
+  Vec3 at = frame.joints[static_cast<int>(joint) + right].position;
+  if (has("ear")) at.x() += left ? 0.07 : -0.07;
+  if (has("nose", "eye", "mouth")) at.z() += 0.1;
+  if (has("foot")) at += Vec3(0, -0.06, 0.15);
+  const Vec3 from = at - 0.5 * (frame[J::kLeftHip].position + frame[J::kRightHip].position);
+  return {from.x(), -from.y(), -from.z()};
+}
+
+constexpr std::string_view kMetres = "metres, since the body measures 1.74 (1.74 m)";
+
+struct Exporter {
+  std::string_view time, written;  ///< its column, and how it is written; empty: numbers of frames
+  std::string (*column)(int landmark, char axis);
+  std::string_view visibility = {};
+  Vec3 (*point)(const Vec3& world) = nullptr;  ///< in another unit
+  std::string_view guess = kMetres;
+  double tolerance = 1e-5;
+  char separator = ',';
+};
+
+std::string landmarkName(int landmark) {
+  return std::string(kLandmarks[landmark]);
+}
+
+std::string timeOf(std::string_view form, double time) {
+  if (form == "iso") return fmt::format("2024-02-29T23:59:59.{:03.0f}Z", 1e3 * time);
+  if (form == "clock") return fmt::format("00:00:{:09.6f}", time);
+  return fmt::format(fmt::runtime(form), form.find("ms") != std::string_view::npos ? 1e3 * time : time);
+}
+
+TEST(JointColumns, OfLandmarksAreReadByNameOrNumber) {
+  std::vector<SkeletonFrame> truth = walk();
+  truth.resize(29);  // less than a second
+  const std::vector<Exporter> exporters = {
+      {"frame", "", [](int i, char axis) { return fmt::format("{}{}", axis, i); }, "v"},
+      {"frame", "", [](int i, char axis) { return fmt::format("{}{}", axis, i + 1); }},
+      {"t", "{:.4f}", [](int i, char axis) { return fmt::format("landmark_{}_{}", i, axis); }},
+      {"time [s]", "{:.4f}", [](int i, char axis) { return fmt::format("pose_landmarks[{}].{}", i, axis); }},
+      {"timestamp", "iso", [](int i, char axis) { return fmt::format("{}_{}", landmarkName(i), axis); }, "visibility"},
+      {"Time",
+       "clock",
+       [](int i, char axis) { return fmt::format("{} {}", axis, landmarkName(i)); },
+       "vis",
+       {},
+       kMetres,
+       1e-5,
+       '\t'},
+      {"datetime",
+       "iso",
+       [](int i, char axis) { return fmt::format("\"{}.{}\"", landmarkName(i), axis); },
+       {},
+       {},
+       kMetres,
+       1e-5,
+       ';'},
+      {"frame", "", [](int i, char axis) { return fmt::format("{}_{}", landmarkName(i), axis); }, "visibility",
+       [](const Vec3& world) {
+         return Vec3(0.5 + 0.2 * world.x(), 0.5 + 0.2 * 16.0 / 9.0 * world.y(), 0.2 * world.z());
+       },
+       "fractions of a 16:9 picture, since z is 0 at the hips: scaled to a body of 1.7 m", 0.03},
+      {"frame",
+       "",
+       [](int i, char axis) { return fmt::format("{}{}", axis, i); },
+       {},
+       [](const Vec3& world) { return Vec3(320 + 140 * world.x(), 240 + 140 * world.y(), 140 * world.z()); },
+       "pixels, since z is 0 at the hips: scaled to a body of 1.7 m",
+       0.03}};
+  for (const Exporter& exporter : exporters) {
+    std::string text(exporter.time);
+    for (int i = 0; i < countOf(kLandmarks); ++i) {
+      for (const char axis : {'x', 'y', 'z'}) text += exporter.separator + exporter.column(i, axis);
+      if (exporter.visibility == "v")
+        text += fmt::format("{}v{}", exporter.separator, i);
+      else if (!exporter.visibility.empty())
+        text += fmt::format("{}{} {}", exporter.separator, landmarkName(i), exporter.visibility);
+    }
+    for (int f = 0; f < countOf(truth); ++f) {
+      text += "\n" + (exporter.written.empty() ? fmt::format("{}", f) : timeOf(exporter.written, truth[f].time));
+      for (int i = 0; i < countOf(kLandmarks); ++i) {
+        const Vec3 p = exporter.point ? exporter.point(landmarkOf(truth[f], i)) : landmarkOf(truth[f], i);
+        text += fmt::format("{0}{1:.7f}{0}{2:.7f}{0}{3:.7f}", exporter.separator, p.x(), p.y(), p.z());
+        if (!exporter.visibility.empty()) text += fmt::format("{}0.98", exporter.separator);
+      }
+    }
+    SCOPED_TRACE(text.substr(0, 60));
+    const Result<JointStream> stream = parseJointStream(text + "\n", "walk.csv");
+    ASSERT_TRUE(stream) << stream.error().message;
+    EXPECT_EQ(stream->firstGuess.at(0), exporter.guess);
+    ASSERT_EQ(stream->frames.size(), truth.size());
+    for (std::size_t f = 0; f < truth.size(); ++f) {
+      const SkeletonFrame& read = stream->frames[f];
+      EXPECT_NEAR(read.time, truth[f].time, 1e-3);
+      const Vec3 moved = read[J::kRightHip].position - truth[f][J::kRightHip].position;
+      for (int j = 0; j < kBodyJointCount; ++j) {
+        const auto joint = static_cast<J>(j);
+        EXPECT_EQ(read[joint].confidence, 1.0);
+        if (joint == J::kNeck || joint == J::kTorso) continue;  // between shoulders and hips, which is not their place
+        EXPECT_LT((read[joint].position - truth[f][joint].position - moved).norm(), exporter.tolerance)
+            << f << " " << j;
+      }
+      // It stands on its lower foot.
+      const auto foot = [&](J side) { return read[side].position.y(); };
+      if (exporter.point == nullptr) {
+        EXPECT_NEAR(std::min(foot(J::kLeftFoot), foot(J::kRightFoot)), 0.08, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(JointColumns, MayBeALandmarkPerRow) {
+  const std::vector<SkeletonFrame> truth = walk();
+  for (const bool named : {true, false}) {
+    std::string text = "frame,person_id,landmark,x,y,z,visibility\n";
+    for (int f = 0; f < countOf(truth); ++f) {
+      for (const int person : {7, 9}) {
+        for (int i = 0; i < countOf(kLandmarks); ++i) {
+          const Vec3 p = landmarkOf(truth[person == 7 ? f : 0], i) + Vec3(person - 8, 0, 3);
+          text += fmt::format("{},{},{},{},{},{},0.9\n", f, person, named ? landmarkName(i) : std::to_string(i), p.x(),
+                              p.y(), p.z());
+        }
+      }
+    }
+    const Result<JointStream> stream = parseJointStream(text, "walk.csv");
+    ASSERT_TRUE(stream) << stream.error().message;
+    EXPECT_EQ(stream->people, (std::vector<int>{1, 2}));
+    ASSERT_EQ(stream->frames.size(), truth.size());
+    const auto arm = [](const SkeletonFrame& frame) {
+      return Vec3(frame[J::kLeftElbow].position - frame[J::kLeftShoulder].position);
+    };
+    const JointStream moving = *parseJointStream(text, "walk.csv", {.person = 1});
+    EXPECT_LT((arm(moving.frames[20]) - arm(truth[20])).norm(), 1e-5);
+  }
+}
+
+TEST(JointColumns, FingersThatAProgramFilledInMoveNoHand) {
+  const std::vector<SkeletonFrame> truth = walk();
+  std::string text = "frame";
+  for (int i = 0; i < countOf(kLandmarks); ++i) text += fmt::format(",x{0},y{0},z{0}", i);
+  for (int f = 0; f < countOf(truth); ++f) {
+    text += fmt::format("\n{}", f);
+    for (int i = 0; i < countOf(kLandmarks); ++i) {
+      const Vec3 p = landmarkOf(truth[f], i >= 17 && i <= 22 ? 0 : i);  // at the nose
+      text += fmt::format(",{},{},{}", p.x(), p.y(), p.z());
+    }
+  }
+  const Result<JointStream> stream = parseJointStream(text + "\n", "walk.csv");
+  ASSERT_TRUE(stream) << stream.error().message;
+  const auto arm = [](const SkeletonFrame& frame) {
+    return Vec3(frame[J::kLeftHand].position - frame[J::kLeftShoulder].position);
+  };
+  EXPECT_LT((arm(stream->frames[10]) - arm(truth[10])).norm(), 1e-5);
+}
+
+TEST(JointColumns, UpMayBeAnyAxis) {
+  const std::vector<SkeletonFrame> truth = walk();
+  const std::tuple<Vec3 (*)(const Vec3&), std::string_view> worlds[] = {
+      {[](const Vec3& p) { return Vec3(p.z(), p.x(), p.y()); }, "Z is up, rotated so that Y is up"},
+      {[](const Vec3& p) { return Vec3(-p.y(), p.z(), -p.x()); }, "X is down, since heads have smaller x than hips"},
+      {[](const Vec3& p) { return Vec3(p / 0.0254); }, "Y is up"},
+      {[](const Vec3& p) { return Vec3(p - Vec3(0, 1, 8)); }, "Y is up"}};
+  for (const auto& [place, guess] : worlds) {
+    std::string text = "t";
+    for (int j = 0; j < kBodyJointCount; ++j) {
+      for (const char axis : {'x', 'y', 'z'}) text += fmt::format(",{}_{}", nameOf(static_cast<J>(j)), axis);
+    }
+    for (const SkeletonFrame& frame : truth) {
+      text += fmt::format("\n{}", frame.time);
+      for (const TrackedJoint& joint : frame.joints) {
+        const Vec3 p = place(joint.position);
+        text += fmt::format(",{},{},{}", p.x(), p.y(), p.z());
+      }
+    }
+    const Result<JointStream> stream = parseJointStream(text + "\n", "walk.csv");
+    ASSERT_TRUE(stream) << stream.error().message;
+    EXPECT_TRUE(stream->firstGuess.at(1).starts_with(guess)) << stream->firstGuess.at(1);
+    const SkeletonFrame& read = stream->frames[25];
+    const Vec3 moved = read[J::kTorso].position - truth[25][J::kTorso].position;
+    for (int j = 0; j < kBodyJointCount; ++j) {
+      EXPECT_LT((read.joints[j].position - truth[25].joints[j].position - moved).norm(), 1e-5) << guess << " " << j;
+    }
+  }
+}
+
+TEST(AzureJson, GivesThePerformance) {
+  const std::vector<SkeletonFrame> truth = walk();
+  const auto fileOf = [&](std::string_view names, std::string_view unit) {
+    std::string text = fmt::format("{{{}\"frames\": [", names);
+    for (const SkeletonFrame& frame : truth) {
+      text += fmt::format("{}{{\"timestamp_usec\": {:.0f}, \"bodies\": [{{\"body_id\": 4, \"joint_positions\": [",
+                          text.back() == '[' ? "" : ", ", 1e6 * (5.0 + frame.time));
+      for (const J j : {J::kHead, J::kNeck, J::kTorso, J::kLeftShoulder, J::kRightShoulder, J::kLeftElbow,
+                        J::kRightElbow, J::kLeftHand, J::kRightHand, J::kLeftHip, J::kRightHip, J::kLeftKnee,
+                        J::kRightKnee, J::kLeftFoot, J::kRightFoot}) {
+        const Vec3& p = frame[j].position;
+        text += fmt::format("{}[{:.3f}, {:.3f}, {:.3f}]", text.back() == '[' ? "" : ", ", 1000 * p.x(),
+                            1000 * (1 - p.y()), 1000 * (3 - p.z()));
+      }
+      text += fmt::format("], \"unit\": \"{}\"}}]}}", unit);
+    }
+    return text + "]}";
+  };
+  const std::string names =
+      R"("joint_names": ["HEAD", "NECK", "SPINE_NAVEL", "SHOULDER_LEFT", "SHOULDER_RIGHT", "ELBOW_LEFT", "ELBOW_RIGHT",
+      "HAND_LEFT", "HAND_RIGHT", "HIP_LEFT", "HIP_RIGHT", "KNEE_LEFT", "KNEE_RIGHT", "ANKLE_LEFT", "ANKLE_RIGHT"], )";
+  const std::string text = fileOf(names, "mm");
+  const Result<JointStream> stream = parseJointStream(text, "walk.json");
+  ASSERT_TRUE(stream) << stream.error().message;
+  EXPECT_EQ(stream->format, JointFormat::kAzureJson);
+  EXPECT_EQ(stream->firstGuess.at(0), "millimetres, since the body measures 1740 (1.74 m)");
+  ASSERT_EQ(stream->frames.size(), truth.size());
+  for (std::size_t f = 0; f < truth.size(); ++f) {
+    EXPECT_NEAR(stream->frames[f].time, truth[f].time, 2e-6);
+    const Vec3 moved = stream->frames[0][J::kHead].position - truth[0][J::kHead].position;
+    for (int j = 0; j < kBodyJointCount; ++j) {
+      EXPECT_LT((stream->frames[f].joints[j].position - truth[f].joints[j].position - moved).norm(), 1e-5);
+    }
+  }
+  const std::tuple<std::string, std::string_view> cases[] = {
+      {fileOf("", "mm"), ": found no joint_names and 15 joints, expected 32"},
+      {R"({"a": {"joint_positions": 1}})", ": found no list of frames, expected frames, each with bodies"},
+      {R"({"frames": [{"bodies": []}], "joint_positions": 1})", ": found no body in 1 frames, expected at least one"},
+      {R"({"frames": [{"bodies": [{"joint_positions": 1}]}]})",
+       ", frame 0: found a body without joint_positions, expected a list of them"},
+      {R"({"joint_names": ["HEAD"], "frames": [{"bodies": [{"joint_positions": [[1, 2]]}]}]})",
+       ", frame 0, joint 1: found '[1,2]', expected a position of 3 numbers within +-40000"},
+      {R"({"joint_names": ["HEAD"], "frames": [{"bodies": [{"joint_positions": [[1, 2, 3], [1, 2, 3]]}]}]})",
+       ", frame 0: found 2 joint_positions, expected at most 1, as there are joint_names"}};
+  for (const auto& [bad, sentence] : cases) {
+    const Result<JointStream> refused = parseJointStream(bad, "x");
+    EXPECT_EQ(refused ? "accepted" : refused.error().message, fmt::format("x{}", sentence));
+  }
+  for (std::size_t length = 0; length < text.size(); length += length < 400 ? 1 : 97) {
+    EXPECT_FALSE(parseJointStream(std::string_view(text).substr(0, length), "x", {.format = JointFormat::kAzureJson}));
+  }
+}
+
+TEST(JointColumns, DamagedFilesGiveASentenceOrSoundJoints) {
+  const test::TemporaryFolder folder;
+  std::vector<SkeletonFrame> truth = walk();
+  truth.resize(4);
+  std::string world = "timestamp,id", picture = "frame", rows = "time,landmark,x,y,z,visibility";
+  for (int i = 0; i < countOf(kLandmarks); ++i) {
+    world += fmt::format(",{0}_x,{0}_y,{0}_z,{0}_visibility", landmarkName(i));
+    picture += fmt::format(",x{0},y{0},z{0}", i);
+  }
+  std::string json = R"({"frames": [)";
+  for (int f = 0; f < countOf(truth); ++f) {
+    world += fmt::format("\n2024-02-29T23:59:59.{}Z,{}", f, f % 2);
+    picture += fmt::format("\n{}", f);
+    json += fmt::format(R"({}{{"timestamp_usec": {}, "bodies": [{{"body_id": 1, "joint_positions": [)",
+                        f == 0 ? "" : ",", f);
+    for (int i = 0; i < countOf(kLandmarks); ++i) {
+      const Vec3 p = landmarkOf(truth[f], i);
+      world += fmt::format(",{:.3f},{:.3f},{:.3f},0.9", p.x(), p.y(), p.z());
+      picture += fmt::format(",{:.3f},{:.3f},{:.3f}", 0.5 + 0.2 * p.x(), 0.5 + 0.3 * p.y(), 0.2 * p.z());
+      rows += fmt::format("\n0:00:0{},{},{:.3f},{:.3f},{:.3f},0.9", f, i, p.x(), p.y(), p.z());
+      json += fmt::format("{}[{:.0f},{:.0f},{:.0f}]", i == 0 ? "" : ",", 1e3 * p.x(), 1e3 * p.y(), 3e3 + 1e3 * p.z());
+    }
+    json += "]}]}";
+  }
+  json += "]}";
+  std::mt19937 random(40);
+  constexpr std::string_view kSigns = "0123456789.,;:- \t\n\re+xyzNav{}[]\"#";
+  for (const std::string& text : {world + "\n", picture + "\n", rows + "\n", json}) {
+    const Result<JointStream> whole = parseJointStream(text, "x");
+    ASSERT_TRUE(whole) << whole.error().message;
+    for (int round = 0; round < 250; ++round) {
+      std::string damaged = text;
+      for (unsigned hits = 1 + random() % 3; hits > 0; --hits) {
+        const std::size_t at = random() % damaged.size();
+        if (random() % 3 == 0) {
+          damaged.erase(at, 1 + random() % 40);
+        } else if (random() % 2 == 0) {
+          damaged[at] = kSigns[random() % kSigns.size()];
+        } else {
+          damaged.insert(at, damaged.substr(random() % damaged.size(), random() % 40));
+        }
+      }
+      const Result<JointStream> stream = parseJointStream(damaged, "x");
+      if (!stream) {
+        EXPECT_TRUE(stream.error().message.starts_with("x")) << stream.error().message;
+        continue;
+      }
+      const Result<void> written = writeJointCsv(folder.path() / "out.csv", stream->frames);
+      EXPECT_TRUE(written) << written.error().message;
+    }
+  }
 }
 
 }  // namespace

@@ -40,7 +40,7 @@ TEST(JointStreamBad, WhatIsNoneOfThemNamesThemAll) {
       refusal("HIERARCHY\nROOT Hips\n"),
       "walk.txt: found a first row of 1 fields starting with 'HIERARCHY', expected recorded joints in a known "
       "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
-      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2 or named-columns");
+      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2, named-columns or azure-json");
   EXPECT_NE(refusal("1 2 3 4 5 6 7\n").find("found a first row of 7 fields"), std::string::npos);
   EXPECT_NE(refusal(std::string("\x89PNG\r\n\0\1", 8)).find("'\\x89PNG'"), std::string::npos);
   const TemporaryFolder folder;
@@ -79,7 +79,7 @@ TEST(JointStreamBad, SentencesNameThePosition) {
       refusal(replaced(wide, "Time,", "When,")),
       "walk.txt: found a first row of 232 fields starting with 'EventIndex', expected recorded joints in a known "
       "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
-      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2 or named-columns");
+      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2, named-columns or azure-json");
   EXPECT_EQ(refusal(replaced(wide, "Time,", "When,"), {.format = JointFormat::kKinect2Wide}),
             "walk.txt, line 1: found a header without a Time column, expected one");
   const std::string plain = test::plainFile(frames);
@@ -89,8 +89,8 @@ TEST(JointStreamBad, SentencesNameThePosition) {
   EXPECT_EQ(refusal(replaced(plain, first, "1432.5")),
             "walk.txt, line 1, column 1 (joint 1 x): found '1432.5', expected a position within +-40");
   EXPECT_EQ(refusal(plain + "1;2;3\n"), "walk.txt, line 5: found 3 fields, expected 75: 25 x (x y z)");
-  EXPECT_EQ(refusal(test::longFile(frames) + "99,Nose,0,0,1\n"),
-            "walk.txt, line 82, column 2 (JointType): found 'Nose', expected the name of a Kinect joint");
+  EXPECT_EQ(refusal(test::longFile(frames) + "99,Snout,0,0,1\n"),
+            "walk.txt, line 82, column 2 (JointType): found 'Snout', expected the name of a Kinect joint");
   EXPECT_EQ(refusal("1|kb,5,6,25,0,0,0,2,0,0\n"),
             "walk.txt, line 1, column 8 (body 4): found '2', expected 0 (absent) or 1");
   EXPECT_EQ(refusal("1|kb,5,6,25,0,0,0,0,0,0\n"), "walk.txt: found no body, expected at least one");
