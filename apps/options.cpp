@@ -1,5 +1,7 @@
 #include "apps/options.h"
 
+#include "geometry/work_budgets.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,9 +10,6 @@
 
 namespace lorica {
 namespace {
-
-constexpr int kMaxThreads = 1024;
-constexpr int kMaxOfAnything = 1000000;
 
 /// Parses the whole text as a number. @return false if it is not one
 template <typename Number>

@@ -162,10 +162,13 @@ class Refused(unittest.TestCase):
         mesh = box()
         for settings in (
             {"parts": -1},
+            {"parts": 2**31 - 1},
             {"threads": -1},
+            {"threads": 2**31 - 1},
             {"max_error": float("nan")},
             {"max_distance": -1.0},
             {"hull_vertices": 3},
+            {"hull_vertices": 2**31 - 1},
             {"preset": "best"},
             {"closed_body": "maybe"},
             {"progress": 3},
