@@ -1,5 +1,6 @@
 #include "apps/options.h"
 
+#include "apps/memory_limit.h"
 #include "geometry/work_budgets.h"
 
 #include <fmt/format.h>
@@ -48,6 +49,13 @@ CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std
       ->check(countBetween(1, kMaxThreads));
   app->addFlag("--trust-paths", common.trustPaths,
                "Characters, scenes and sessions may name files outside their own folders");
+  if (name != "bake") {  // whose option of that name is for all its processes
+    app->addOption("--memory", common.memory,
+                   "Memory that the command may take [default: 2G, or 200 bytes for each byte of its files; no limit "
+                   "with --window]")
+        ->typeName("SIZE")
+        ->check(memorySize());
+  }
   return app;
 }
 

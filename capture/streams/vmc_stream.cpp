@@ -1,6 +1,7 @@
 #include "capture/streams/vmc_stream.h"
 
 #include "capture/streams/vmc_writer.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <utility>
@@ -10,12 +11,11 @@ namespace {
 
 /// How long the thread waits for a packet before it looks whether to stop, or whether a frame is complete [s].
 constexpr double kPollSeconds = 0.02;
-constexpr std::size_t kMostWaiting = 256;
 
 }  // namespace
 
 VmcStream::VmcStream(UdpSocket socket, double delay)
-    : socket_(std::move(socket)), pace_(delay), waiting_(kMostWaiting), thread_([this] { run(); }) {}
+    : socket_(std::move(socket)), pace_(delay), waiting_(kMaxWaitingFrames), thread_([this] { run(); }) {}
 
 VmcStream::~VmcStream() {
   {
@@ -48,11 +48,11 @@ void VmcStream::run() {
 /// Puts the frame at the end of the ring; the oldest gives way.
 void VmcStream::publish() {
   const VmcReceiver& receiver = follower_.receiver();
-  if (count_ == kMostWaiting) {
-    first_ = (first_ + 1) % kMostWaiting;
+  if (count_ == kMaxWaitingFrames) {
+    first_ = (first_ + 1) % kMaxWaitingFrames;
     --count_;
   }
-  Waiting& place = waiting_[(first_ + count_++) % kMostWaiting];
+  Waiting& place = waiting_[(first_ + count_++) % kMaxWaitingFrames];
   place.frame = receiver.frame();
   place.due = pace_.due(receiver.frame().time);
   if (title_ != receiver.title()) title_ = receiver.title();
@@ -78,7 +78,7 @@ bool VmcStream::wait(double seconds, BoneFrame& frame) {
   std::size_t latest = first_;
   while (isDue(now())) {
     latest = first_;
-    first_ = (first_ + 1) % kMostWaiting;
+    first_ = (first_ + 1) % kMaxWaitingFrames;
     --count_;
   }
   frame = waiting_[latest].frame;

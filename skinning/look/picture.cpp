@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 #include "skinning/look/picture_formats.h"
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <string_view>
 
@@ -119,12 +121,28 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
   for (const EncodedPicture& picture : pictures) {
     decoded.emplace_back(Error{ErrorCode::kCancelled, fmt::format("{}: cancelled", picture.name)});
   }
+  std::vector<char> beyond(pictures.size(), 0);
+  std::uint64_t stored = 0, kept = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Result<PictureSize> size = readPictureSize(pictures[i].bytes, pictures[i].name);
+    if (!size) continue;  // decoding it says why
+    const PictureSize reduced = limitedSize(*size, settings.largestSide);
+    stored += std::uint64_t(size->width) * size->height;
+    kept += std::uint64_t(reduced.width) * reduced.height;
+    if (stored <= kMaxStoredTexels && kept <= kMaxKeptTexels) continue;
+    beyond[i] = 1;
+    decoded[i] =
+        unsupported("{}: with it, the pictures have {} pixels, {} after --texture-size, expected at most {} and {}",
+                    pictures[i].name, stored, kept, kMaxStoredTexels, kMaxKeptTexels);
+    stored -= std::uint64_t(size->width) * size->height;
+    kept -= std::uint64_t(reduced.width) * reduced.height;
+  }
   std::mutex progressMutex;
   int done = 0;
   std::atomic<bool> cancelled = false;
   const auto decodeOne = [&](std::size_t i) {
     if (cancelled) return;
-    decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {settings.largestSide});
+    if (beyond[i] == 0) decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {settings.largestSide});
     const std::scoped_lock lock(progressMutex);
     ++done;
     if (settings.progress && !settings.progress(done, countOf(pictures))) cancelled = true;
