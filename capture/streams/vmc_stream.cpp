@@ -11,6 +11,8 @@ namespace {
 
 /// How long the thread waits for a packet before it looks whether to stop, or whether a frame is complete [s].
 constexpr double kPollSeconds = 0.02;
+/// A session takes steps of at least this time: more frames would make its world run faster than the clock [s].
+constexpr double kShortestFrame = 1.0 / 240.0;
 
 }  // namespace
 
@@ -45,16 +47,22 @@ void VmcStream::run() {
   }
 }
 
-/// Puts the frame at the end of the ring; the oldest gives way.
-void VmcStream::publish() {
-  const VmcReceiver& receiver = follower_.receiver();
+/// A place at the end of the ring; the oldest gives way. That of the frame before, if this one follows too soon.
+VmcStream::Waiting& VmcStream::placeFor(double time) {
+  if (count_ > 0 && time < begun_ + kShortestFrame) return waiting_[(first_ + count_ - 1) % kMaxWaitingFrames];
   if (count_ == kMaxWaitingFrames) {
     first_ = (first_ + 1) % kMaxWaitingFrames;
     --count_;
   }
   Waiting& place = waiting_[(first_ + count_++) % kMaxWaitingFrames];
-  place.frame = receiver.frame();
-  place.due = pace_.due(receiver.frame().time);
+  begun_ = time;
+  place.due = lastDue_ = std::max(pace_.due(time), lastDue_ + kShortestFrame);
+  return place;
+}
+
+void VmcStream::publish() {
+  const VmcReceiver& receiver = follower_.receiver();
+  placeFor(receiver.frame().time).frame = receiver.frame();
   if (title_ != receiver.title()) title_ = receiver.title();
   ++counts_.frames;
   counts_.jitter = pace_.jitter();

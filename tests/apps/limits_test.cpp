@@ -153,7 +153,7 @@ TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
       {"clips of a character", kMaxClips},
       {"frames times joints of a clip that is played, at 60 a second", kMaxClipPoses},
       {"texels of all pictures together, left out", kMaxStoredTexels},
-      {"the same after `--texture-size`, left out", kMaxKeptTexels},
+      {"texels of all pictures as they are drawn, reduced to fit", kMaxKeptTexels},
       {"width or height of a picture", kMaxPictureSide},
       {"morph targets of a character, left out", kMaxMorphTargets},
       {"expressions of a character, left out", kMaxExpressions},

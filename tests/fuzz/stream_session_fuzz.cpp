@@ -69,7 +69,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const Result<bool> more = session.step();
     LORICA_CHECK(more.ok(), "a stream has no errors");
     if (!*more) break;
-    for (const Affine3& joint : session.body().worldFromJoint()) {
+    for (const Affine3& joint : session.worldFromJoint()) {
       LORICA_CHECK(joint.matrix().allFinite(), "a joint nowhere");
     }
   }

@@ -113,6 +113,11 @@ Clock::time_point sendSignal(pid_t child, const FaultyRun& run, int number) {
   while (!due() && !ended()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   const Clock::time_point sent = Clock::now();
   kill(child, number);
+  // `bake` waits for its items after the first.
+  while (run.fault == Fault::kServerHangs && !ended() && secondsSince(sent) < 2.0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  if (run.fault == Fault::kServerHangs && !ended()) kill(child, number);
   return sent;
 }
 
