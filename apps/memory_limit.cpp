@@ -30,7 +30,7 @@ constexpr std::uint64_t kUsual = std::uint64_t{2} << 30;
 constexpr std::uint64_t kPerByte = 200;                       // of files
 constexpr std::uint64_t kPerThread = std::uint64_t{9} << 20;  // its stack, and what malloc keeps for it
 
-std::atomic<std::uint64_t> gLimit = 0;
+std::atomic<std::uint64_t> gAllowed = 0;
 std::atomic<bool> gEnding = false;
 std::unique_ptr<std::vector<char>> gReserve;  // for the sentence
 
@@ -79,9 +79,12 @@ std::optional<std::uint64_t> bytesIn(const std::string& text) {
   return number << (10 * (unit + 1));
 }
 
-TextCheck memorySize() {
-  return [](std::string& text) -> std::string {
-    return bytesIn(text) ? "" : fmt::format("found `{}`, expected a size such as 500M or 8G", text);
+TextCheck memorySize(std::uint64_t leastMegabytes) {
+  return [leastMegabytes](std::string& text) -> std::string {
+    const std::optional<std::uint64_t> bytes = bytesIn(text);
+    if (bytes && *bytes >> 20 >= leastMegabytes) return "";
+    const std::string least = leastMegabytes > 0 ? fmt::format(", at least {}M", leastMegabytes) : "";
+    return fmt::format("found `{}`, expected a size such as 500M or 8G{}", text, least);
   };
 }
 
@@ -95,10 +98,10 @@ void limitMemory(std::uint64_t bytes, int threads) {
   struct rlimit known {};
   if (kReservesAddresses || ::getrlimit(RLIMIT_DATA, &known) != 0) return;
   const std::uint64_t wanted = bytes + kPerThread * static_cast<std::uint64_t>(threads);
-  gLimit = std::min<std::uint64_t>(wanted, known.rlim_cur);
+  gAllowed = std::min<std::uint64_t>(bytes, known.rlim_cur);
   gReserve = std::make_unique<std::vector<char>>(std::size_t{1} << 20);
   // Processes that this one starts may set their own.
-  const struct rlimit limit = {static_cast<rlim_t>(gLimit.load()), known.rlim_max};
+  const struct rlimit limit = {std::min<rlim_t>(wanted, known.rlim_cur), known.rlim_max};
   if (::setrlimit(RLIMIT_DATA, &limit) != 0) return;
   std::set_new_handler([] { endWithoutMemory(); });
   std::set_terminate(onTerminate);
@@ -112,8 +115,8 @@ void endWithoutMemory() noexcept {
   gReserve.reset();
   try {
     const std::string sentence = fmt::format(
-        "needs more than the {:.3g} GB of memory that it may take; --memory SIZE, such as --memory 8G, allows more",
-        static_cast<double>(gLimit.load()) / (1 << 30));
+        "needs more than the {} MB of memory that it may take; --memory SIZE, such as --memory 8G, allows more",
+        gAllowed.load() >> 20);
     publishFailure(kOutOfMemory, sentence);
     say("lorica: " + sentence + "\n");
     runHardStop();

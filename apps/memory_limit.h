@@ -12,8 +12,8 @@ namespace lorica {
 /// "8G" as bytes, with the units of Slurm: K, M, G, T are powers of 1024.
 [[nodiscard]] std::optional<std::uint64_t> bytesIn(const std::string& text);
 
-/// Accepts what bytesIn() knows.
-[[nodiscard]] TextCheck memorySize();
+/// Accepts what bytesIn() knows, from a number of megabytes on.
+[[nodiscard]] TextCheck memorySize(std::uint64_t leastMegabytes = 0);
 
 /// What a command may take that has no --memory: 2 GB, or 200 bytes for each byte of the files that it names, if that
 /// is more. Files beside a .gltf count with it.

@@ -54,7 +54,7 @@ CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std
                    "Memory that the command may take [default: 2G, or 200 bytes for each byte of its files; no limit "
                    "with --window]")
         ->typeName("SIZE")
-        ->check(memorySize());
+        ->check(memorySize(64));  // less does not hold the libraries
   }
   return app;
 }

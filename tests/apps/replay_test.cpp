@@ -191,7 +191,8 @@ TEST_F(Replay, ASessionWhoseMotionEndsEarlyIsNotTheSame) {
 std::string withHeader(const std::string& bytes, const std::string& found, const std::string& instead) {
   std::string changed(kSessionMagic);
   std::uint64_t chain = 0;
-  for (const Block& block : readBlocks(bytes, "s").value().blocks) {
+  const Result<Blocks> read = readBlocks(bytes, "s");
+  for (const Block& block : read->blocks) {
     std::string payload(block.payload);
     if (block.kind == BlockKind::kHeader) payload.replace(payload.find(found), found.size(), instead);
     appendBlock(block.kind, payload, chain, changed);

@@ -138,7 +138,7 @@ TEST(Pictures, AnyNumberOfThreadsGivesTheSameInOrder) {
 
 TEST(Pictures, ThoseBeyondTheBudgetOfPixelsAreNotDecoded) {
   // Claims of 8192 x 8192 pixels, which are damaged: what is decoded says so.
-  const PngSample one = {1, 1, 0, 8, false, {0}, ""};
+  const PngSample one = {1, 1, 0, 8, false, {0}, pngChunk("tEXt", std::string(70'000, 'x'))};
   std::string large = pngOf(one);
   large.replace(16, 8, std::string("\0\0\x20\0\0\0\x20\0", 8));
   std::vector<EncodedPicture> encoded;
