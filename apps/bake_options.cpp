@@ -1,5 +1,6 @@
 #include "apps/bake_options.h"
 
+#include "apps/memory_limit.h"
 #include "apps/options.h"
 
 #include <fmt/format.h>
@@ -22,19 +23,6 @@ std::optional<Shard> shardIn(const std::string& text) {
   const bool whole = countError == std::errc() && stopped == end;
   if (!whole || shard.count < 1 || shard.index < 1 || shard.index > shard.count) return std::nullopt;
   return shard;
-}
-
-/// "8G" as bytes, with the units of Slurm: K, M, G, T are powers of 1024.
-std::optional<std::uint64_t> bytesIn(const std::string& text) {
-  std::uint64_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || number == 0 || end - stopped != 1) return std::nullopt;
-  constexpr std::string_view kUnits = "KMGT";
-  const std::size_t unit = kUnits.find(*stopped);
-  constexpr std::uint64_t kMost = std::uint64_t{1} << 20;
-  if (unit == std::string_view::npos || number > kMost) return std::nullopt;
-  return number << (10 * (unit + 1));
 }
 
 }  // namespace
@@ -118,9 +106,7 @@ void addBakeOptions(CommandLine& app, BakeOptions& options) {
   addCount(app, "--jobs", options.jobs, 1, "Items at a time, which share the threads [default: one for each thread]");
   app.addOption("--memory", options.memory, "Memory for all items at a time [default: what the machine has]")
       ->typeName("SIZE")
-      ->check([](std::string& text) -> std::string {
-        return bytesIn(text) ? "" : fmt::format("found `{}`, expected a size such as 500M or 8G", text);
-      });
+      ->check(memorySize());
   addSeconds(app, "--timeout", options.timeout, "Give an item up after this time [default: 3600]");
   addSeconds(app, "--lost-after", options.lostAfter,
              "Take over the items of a process on another machine that says nothing for so long [default: 120]");

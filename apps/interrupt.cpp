@@ -9,6 +9,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <csignal>
 #include <thread>
 
@@ -16,6 +17,7 @@ namespace lorica {
 namespace {
 
 constexpr int kGraceMs = 700;
+constexpr std::chrono::seconds kFinishing{5};  // for recordings that are finished; a file server may hang
 
 volatile std::sig_atomic_t gSignal = 0;
 volatile std::sig_atomic_t gSignals = 0;
@@ -49,6 +51,10 @@ void watch() {
     while (!waitForSignal(-1)) {
     }
   }
+  std::thread([] {
+    std::this_thread::sleep_for(kFinishing);
+    _exit(interruptedStatus());
+  }).detach();
   runHardStop();
   sayCancelled();
   _exit(interruptedStatus());

@@ -1,4 +1,5 @@
 #include "apps/interrupt.h"
+#include "apps/memory_limit.h"
 #include "apps/open_file.h"
 #include "apps/options.h"
 #include "apps/report.h"
@@ -61,11 +62,17 @@ int run(int argc, char** argv) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, common.threadCount());
   lorica::TerminalHost host(common);
   lorica::Result<void> done;
+  const bool window = std::find(words.begin(), words.end(), "--window") != words.end();
+  const bool bake = std::find(words.begin(), words.end(), "bake") == words.begin();
+  if (const std::optional<std::uint64_t> given = lorica::bytesIn(common.memory)) {
+    lorica::limitMemory(*given, common.threadCount());
+  } else if (!window && !bake) {
+    lorica::limitMemory(lorica::usualMemory(words), common.threadCount());
+  }
   try {
     done = chosen->run(common, host);
-  } catch (const std::bad_alloc& error) {
-    lorica::publishFailure(lorica::kOutOfMemory, error.what());
-    throw;
+  } catch (const std::bad_alloc&) {
+    lorica::endWithoutMemory();
   }
   if (!done) return fail(done.error());
   return chosen->status ? chosen->status() : 0;

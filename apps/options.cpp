@@ -1,5 +1,8 @@
 #include "apps/options.h"
 
+#include "apps/memory_limit.h"
+#include "geometry/work_budgets.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,9 +11,6 @@
 
 namespace lorica {
 namespace {
-
-constexpr int kMaxThreads = 1024;
-constexpr int kMaxOfAnything = 1000000;
 
 /// Parses the whole text as a number. @return false if it is not one
 template <typename Number>
@@ -49,6 +49,13 @@ CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std
       ->check(countBetween(1, kMaxThreads));
   app->addFlag("--trust-paths", common.trustPaths,
                "Characters, scenes and sessions may name files outside their own folders");
+  if (name != "bake") {  // whose option of that name is for all its processes
+    app->addOption("--memory", common.memory,
+                   "Memory that the command may take [default: 2G, or 200 bytes for each byte of its files; no limit "
+                   "with --window]")
+        ->typeName("SIZE")
+        ->check(memorySize(64));  // less does not hold the libraries
+  }
   return app;
 }
 

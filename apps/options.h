@@ -18,7 +18,7 @@ struct Command {
   std::function<int()> status = {};  ///< exit status of a run without an error; null = 0
 };
 
-/// Adds a subcommand with the common options --json, --threads, --trust-paths and --help.
+/// Adds a subcommand with the common options --json, --threads, --trust-paths, --memory and --help.
 /// @param examples  lines "command  # what it does", shown under the options
 [[nodiscard]] CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std::string& name,
                                          const std::string& description, const std::string& examples);

@@ -18,6 +18,7 @@ struct CommonOptions {
   std::string json;         ///< file for the report as JSON; "-" = standard output instead of the text; empty = none
   int threads = 0;          ///< 0 = all that the machine has
   bool trustPaths = false;  ///< files may name files anywhere, see NamedFiles
+  std::string memory;       ///< that the command may take: "8G"; empty = see usualMemory(); not of `bake`
 
   /// The number of threads to use on this machine.
   [[nodiscard]] int threadCount() const;

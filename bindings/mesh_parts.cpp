@@ -17,10 +17,7 @@ namespace lorica {
 namespace {
 
 Result<Subject> subjectOf(TriMesh mesh, const MeshPartsSettings& settings, Host& host) {
-  const int vertices = settings.hullVertices;
-  if (vertices != 0 && vertices < 4) {
-    return invalidArgument("vertices of a hull: found {}, expected at least 4, or 0 for no limit", vertices);
-  }
+  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.hullVertices, settings.decompose.threads));
   CharacterOptions reading;
   reading.body = settings.closed;
   reading.walls = settings.walls;

@@ -1,5 +1,8 @@
 #include "bindings/program_host.h"
 
+#include "geometry/errors.h"
+#include "geometry/work_budgets.h"
+
 #include <dlfcn.h>
 
 #include <cstddef>
@@ -34,6 +37,21 @@ std::vector<fs::path> moduleFolders() {
 }
 
 }  // namespace
+
+Result<void> checkCounts(int parts, int hullVertices, int threads) {
+  const auto fits = [](int count, int min, int max) { return count == 0 || (count >= min && count <= max); };
+  if (!fits(threads, 1, kMaxThreads)) {
+    return invalidArgument("threads: found {}, expected 1 to {}, or 0 for all of the machine's", threads, kMaxThreads);
+  }
+  if (!fits(hullVertices, 4, kMaxOfAnything)) {
+    return invalidArgument("vertices of a hull: found {}, expected at least 4 and at most {}, or 0 for no limit",
+                           hullVertices, kMaxOfAnything);
+  }
+  if (!fits(parts, 1, kMaxOfAnything)) {
+    return invalidArgument("parts: found {}, expected 0 to {}", parts, kMaxOfAnything);
+  }
+  return {};
+}
 
 ProgramHost::ProgramHost(const DecomposeProgress& progress, int threadCount, int parts)
     : progress_(progress), parts_(parts) {

@@ -1,12 +1,17 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "geometry/result.h"
 #include "prepare/host.h"
 
 #include <atomic>
 #include <string>
 
 namespace lorica {
+
+/// Refuses numbers that a program asks for and no machine can give. 0 is the default of each.
+/// @param hullVertices  of a hull: at least 4, or 0 for no limit
+[[nodiscard]] Result<void> checkCounts(int parts, int hullVertices, int threads);
 
 /// The program that calls the library, as a host of work in prepare/: its threads and its progress function. FBX and
 /// COLLADA files are read in a process of their own, by the program lorica_character_reader, which lies where this

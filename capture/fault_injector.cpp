@@ -131,11 +131,16 @@ class FaultInjector final : public SkeletonSource {
   void overtake(SkeletonFrame& frame) {
     const double lateness = frames_.lateness();
     if (lateness == 0.0) return;
+    double last = frame.time;
     frame.time += lateness;
     for (int i = 0; i < kMaxOvertaken; ++i) {
       ahead_ = take();
-      if (!*ahead_ || !(*ahead_)->has_value() || (**ahead_)->time > frame.time) return;
+      if (!*ahead_ || !(*ahead_)->has_value()) return;
+      const double time = (**ahead_)->time;
+      if (time > frame.time) return;
       ahead_.reset();
+      if (time <= last) return;  // the same frame again: a second person's source has no newer one in this step
+      last = time;
     }
   }
 

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr int kMostBalls = 12;  // of a capsule
+constexpr int kMaxBalls = 12;  // of a capsule
 
 /// A capsule in the frame of a node.
 struct NodeCapsule {
@@ -76,7 +76,7 @@ int addToVrm0(Json& animation, std::span<const NodeCapsule> capsules) {
   const std::size_t first = animation["colliderGroups"].size();
   for (const auto& [node, capsule] : capsules) {
     const double length = (capsule.to - capsule.from).norm();
-    const int balls = std::clamp(1 + static_cast<int>(std::ceil(length / capsule.radius)), 1, kMostBalls);
+    const int balls = std::clamp(1 + static_cast<int>(std::ceil(length / capsule.radius)), 1, kMaxBalls);
     Json group;
     group["node"] = node;
     for (int b = 0; b < balls; ++b) {

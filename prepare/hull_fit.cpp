@@ -12,7 +12,7 @@
 namespace lorica {
 namespace {
 
-constexpr int kMostParts = 512;     // unless more are asked for or needed by the parts' own hulls
+constexpr int kMaxParts = 512;      // unless more are asked for or needed by the parts' own hulls
 constexpr double kHelp = 0.97;      // 1.4 times as many parts help if they reduce the excess to this share
 constexpr int kPatience = 2;        // steps that do not help, before more parts are given up
 constexpr int kNearly = 20;         // the search ends within this fraction of the fewest parts
@@ -109,7 +109,7 @@ Result<Fit> fitHulls(const FitRequest& request, Host& host) {
   if (!best || !request.limited() || met(*best)) return best;
   DecomposeSettings settings = asked;
   settings.maxError = settings.maxDistance = settings.maxConcavity = 0.0;
-  const int max = asked.maxParts > 0 ? asked.maxParts : std::max(kMostParts, partsOf(*best));
+  const int max = asked.maxParts > 0 ? asked.maxParts : std::max(kMaxParts, partsOf(*best));
   int missed = partsOf(*best);
   double seconds = best->made.seconds;
   const auto tryWith = [&](int parts) {

@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "prepare/cover_choice.h"
 #include "prepare/session_inputs.h"
 #include "session/recording/session_replay.h"
 #include "skinning/look/avatar.h"
@@ -58,6 +59,7 @@ Result<DecompositionFile> findBody(const RecordedRequest& request, const AvatarR
   body.decomposition = inputs.decomposition;
   body.cover.tolerance = record.coverTolerance;
   body.cover.hullVertices = record.hullVertices;
+  LORICA_TRY_DO(prefixed(request.file, checkCover(body.cover, *subject.character)));
   Result<DecompositionFile> file = chooseBody(body, subject, host);
   if (!file && request.decomposition.empty() && !record.decomposition.empty()) {
     return Error{file.error().code,

@@ -5,6 +5,7 @@
 #include "geometry/errors.h"
 #include "geometry/line_scanner.h"
 #include "geometry/text.h"
+#include "geometry/work_budgets.h"
 #include "prepare/first_guess.h"
 #include "prepare/session_inputs.h"
 #include "prepare/subject.h"
@@ -26,7 +27,6 @@ namespace fs = std::filesystem;
 
 constexpr double kStep = 1.0 / 30.0;
 /// An hour at 60 frames a second: their poses take 1 GB of memory.
-constexpr std::size_t kMostFrames = 216000;
 /// A sender's bone shorter than this was sent without its length [m].
 constexpr double kShortest = 1e-4;
 
@@ -136,8 +136,8 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
     ++frames;
   });
   if (frames == 0) return badFormat("{}: {}", file.string(), whatCame(*motion.packets->file));
-  if (frames > kMostFrames) {
-    return badFormat("{}: found {} frames of bones, expected at most {}", file.string(), frames, kMostFrames);
+  if (frames > kMaxStreamFrames) {
+    return badFormat("{}: found {} frames of bones, expected at most {}", file.string(), frames, kMaxStreamFrames);
   }
   LORICA_TRY(Skeleton skeleton, prefixed(file.string(), body.skeleton()));
   motion.bones = SkeletalMotion{motion.name, std::move(skeleton), {}, {}};

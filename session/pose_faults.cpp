@@ -54,11 +54,16 @@ class FaultyPoses final : public PoseSource {
   void overtake(double& time) {
     const double lateness = frames_.lateness();
     if (lateness == 0.0) return;
+    double last = time;
     time += lateness;
     for (int i = 0; i < kMaxOvertaken; ++i) {
       ahead_ = take();
-      if (!*ahead_ || !(*ahead_)->has_value() || ***ahead_ > time) return;
+      if (!*ahead_ || !(*ahead_)->has_value()) return;
+      const double next = ***ahead_;
+      if (next > time) return;
       ahead_.reset();
+      if (next <= last) return;  // the same frame again: a stream has no newer one in this step
+      last = next;
     }
   }
 

@@ -14,13 +14,8 @@ namespace lorica {
 namespace {
 
 Result<void> check(const lorica_body_options& options) {
-  const bool fits = options.parts >= 0 && options.threads >= 0 && std::isfinite(options.cover) &&
-                    options.cover >= 0.0 && (options.hull_vertices == 0 || options.hull_vertices >= 4);
-  if (fits) return {};
-  return invalidArgument(
-      "parts {}, threads {}, cover {}, hull_vertices {}: expected none below 0, and at least 4 vertices of a hull, or "
-      "0",
-      options.parts, options.threads, options.cover, options.hull_vertices);
+  if (std::isfinite(options.cover) && options.cover >= 0.0) return {};
+  return invalidArgument("cover: found {}, expected 0 or more", options.cover);
 }
 
 /// Its own clips; empty if there is no character.

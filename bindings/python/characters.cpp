@@ -139,15 +139,8 @@ std::vector<std::string> notesOf(const Subject& subject) {
 
 BodyHandle makeBodyOf(const CharacterHandle& character, int parts, std::optional<double> cover, int hullVertices,
                       int threads, const py::object& progress) {
-  if (parts < 0 || hullVertices < 0 || threads < 0) {
-    throw py::value_error(
-        fmt::format("parts {}, hull_vertices {}, threads {}: expected none below 0", parts, hullVertices, threads));
-  }
   if (cover && !(std::isfinite(*cover) && *cover >= 0.0)) {
     throw py::value_error(fmt::format("cover: found {}, expected 0 or more", *cover));
-  }
-  if (hullVertices > 0 && hullVertices < 4) {
-    throw py::value_error(fmt::format("hull_vertices: found {}, expected at least 4, or 0 for no limit", hullVertices));
   }
   if (cover && *cover == 0.0) cover.reset();
   using Pointer = std::shared_ptr<const CharacterBody>;

@@ -3,6 +3,7 @@
 #include "capture/streams/vmc_axes.h"
 #include "capture/streams/vmc_names.h"
 #include "geometry/counts.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +18,6 @@ constexpr double kForgottenSeconds = 0.5;
 /// A state that is not repeated for this time has passed, if bones keep coming [s].
 constexpr double kStateSeconds = 1.0;
 constexpr double kFarthest = 100.0;  ///< [m]
-constexpr std::size_t kMostExpressions = 256;
 constexpr std::size_t kLongestName = 128;
 
 std::optional<Vec3> position(OscArguments& arguments) {
@@ -81,7 +81,7 @@ VmcReceiver::Taken VmcReceiver::takeExpression(OscArguments arguments) {
                                   [&](const NamedWeight& expression) { return expression.name == *name; });
   const std::size_t index = known - expressions_.begin();
   if (known == expressions_.end()) {
-    if (expressions_.size() == kMostExpressions || name->size() > kLongestName) return Taken::kState;
+    if (expressions_.size() == kMaxSentExpressions || name->size() > kLongestName) return Taken::kState;
     expressions_.push_back({std::string(*name), 0.0f});
     wanted_.push_back(0.0f);
   }

@@ -1,6 +1,7 @@
 #include "capture/streams/vmc_stream.h"
 
 #include "capture/streams/vmc_writer.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <utility>
@@ -10,12 +11,13 @@ namespace {
 
 /// How long the thread waits for a packet before it looks whether to stop, or whether a frame is complete [s].
 constexpr double kPollSeconds = 0.02;
-constexpr std::size_t kMostWaiting = 256;
+/// A session takes steps of at least this time: more frames would make its world run faster than the clock [s].
+constexpr double kShortestFrame = 1.0 / 240.0;
 
 }  // namespace
 
 VmcStream::VmcStream(UdpSocket socket, double delay)
-    : socket_(std::move(socket)), pace_(delay), waiting_(kMostWaiting), thread_([this] { run(); }) {}
+    : socket_(std::move(socket)), pace_(delay), waiting_(kMaxWaitingFrames), thread_([this] { run(); }) {}
 
 VmcStream::~VmcStream() {
   {
@@ -45,16 +47,22 @@ void VmcStream::run() {
   }
 }
 
-/// Puts the frame at the end of the ring; the oldest gives way.
-void VmcStream::publish() {
-  const VmcReceiver& receiver = follower_.receiver();
-  if (count_ == kMostWaiting) {
-    first_ = (first_ + 1) % kMostWaiting;
+/// A place at the end of the ring; the oldest gives way. That of the frame before, if this one follows too soon.
+VmcStream::Waiting& VmcStream::placeFor(double time) {
+  if (count_ > 0 && time < begun_ + kShortestFrame) return waiting_[(first_ + count_ - 1) % kMaxWaitingFrames];
+  if (count_ == kMaxWaitingFrames) {
+    first_ = (first_ + 1) % kMaxWaitingFrames;
     --count_;
   }
-  Waiting& place = waiting_[(first_ + count_++) % kMostWaiting];
-  place.frame = receiver.frame();
-  place.due = pace_.due(receiver.frame().time);
+  Waiting& place = waiting_[(first_ + count_++) % kMaxWaitingFrames];
+  begun_ = time;
+  place.due = lastDue_ = std::max(pace_.due(time), lastDue_ + kShortestFrame);
+  return place;
+}
+
+void VmcStream::publish() {
+  const VmcReceiver& receiver = follower_.receiver();
+  placeFor(receiver.frame().time).frame = receiver.frame();
   if (title_ != receiver.title()) title_ = receiver.title();
   ++counts_.frames;
   counts_.jitter = pace_.jitter();
@@ -78,7 +86,7 @@ bool VmcStream::wait(double seconds, BoneFrame& frame) {
   std::size_t latest = first_;
   while (isDue(now())) {
     latest = first_;
-    first_ = (first_ + 1) % kMostWaiting;
+    first_ = (first_ + 1) % kMaxWaitingFrames;
     --count_;
   }
   frame = waiting_[latest].frame;

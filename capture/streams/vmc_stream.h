@@ -17,7 +17,8 @@
 
 namespace lorica {
 
-/// Listens for VMC packets on its own thread, see VmcFollower. At most 256 frames wait to be taken, whatever is sent.
+/// Listens for VMC packets on its own thread, see VmcFollower. At most 256 frames wait to be taken, and 240 are given a
+/// second, whatever is sent: frames that follow each other faster replace the one before.
 ///
 /// With a delay frames are given at an even pace, see FramePace.
 class VmcStream final : public BoneStream {
@@ -60,6 +61,7 @@ class VmcStream final : public BoneStream {
 
   void run();
   void publish();
+  [[nodiscard]] Waiting& placeFor(double time);
   [[nodiscard]] bool isDue(double seconds) const;
 
   UdpSocket socket_;      ///< used by the thread only
@@ -72,6 +74,8 @@ class VmcStream final : public BoneStream {
   std::vector<Waiting> waiting_;  ///< a ring
   std::size_t first_ = 0;         ///< of the ring
   std::size_t count_ = 0;         ///< in the ring
+  double begun_ = -1.0;           ///< when the frame arrived that the last place was for [s]
+  double lastDue_ = -1.0;         ///< of the last place
   std::string title_;
   Counts counts_;
   std::optional<Given> given_;

@@ -3,6 +3,7 @@
 #include "collision/world/prop_overlaps.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/work_budgets.h"
 #include "session/scenes/scene_chains.h"
 #include "session/scenes/scene_element.h"
 #include "session/scenes/scene_particles.h"
@@ -19,10 +20,6 @@ namespace {
 
 constexpr std::string_view kFormat = "lorica scene 1";
 constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
-constexpr std::size_t kMaxProps = 2000;
-constexpr std::size_t kMaxMeshes = 64;   // different ones
-constexpr std::size_t kMaxHulls = 4000;  // of all mesh props together
-constexpr std::size_t kMaxNearPairs = 20'000;
 constexpr double kFarthest = 50.0;  // maximum of each coordinate [m]
 constexpr std::size_t kLongestName = 40;
 
@@ -79,7 +76,8 @@ class MeshShelf {
     for (const auto& [known, shape] : shelf_) {
       if (known == request) return fill(shape, prop);
     }
-    if (shelf_.size() >= kMaxMeshes) return element.fail("file", "more meshes", fmt::format("at most {}", kMaxMeshes));
+    if (shelf_.size() >= kMaxSceneMeshes)
+      return element.fail("file", "more meshes", fmt::format("at most {}", kMaxSceneMeshes));
     Result<std::shared_ptr<const PropMeshShape>> shape =
         readPropMesh(request, reading_.decomposer ? reading_.decomposer : decomposePropMesh);
     if (!shape) {
@@ -174,7 +172,7 @@ Row readRow(SceneElement& element) {
   repeat.allow({"count", "step", "turn"});
   repeat.need("count", "the number of copies");
   repeat.need("step", "three numbers, the offset from one to the next in metres");
-  repeat.integer("count", 1, static_cast<int>(kMaxProps), row.count);
+  repeat.integer("count", 1, static_cast<int>(kMaxSceneProps), row.count);
   repeat.vector("step", -kFarthest, kFarthest, row.step);
   repeat.number("turn", -360.0, 360.0, row.turn);
   return row;
@@ -197,7 +195,7 @@ void readProp(SceneElement& element, MeshShelf& meshes, SceneFile& scene) {
   const Row row = readRow(element);
   const std::size_t first = scene.props.size();
   Vec3 bent = Vec3::Zero();  // from the first copy
-  for (int i = 0; i < row.count && scene.props.size() <= kMaxProps; ++i) {
+  for (int i = 0; i < row.count && scene.props.size() <= kMaxSceneProps; ++i) {
     const Quat heading = turned(Vec3(0.0, i * row.turn, 0.0));
     if (i > 0) bent += heading * row.step;
     scene.props.push_back(prop);
@@ -214,7 +212,7 @@ void readChain(SceneElement& element, SceneFile& scene) {
   Prop link;
   readSubstance(element, link);
   const std::size_t first = scene.props.size();
-  addChain(element, link, kMaxProps, scene);
+  addChain(element, link, kMaxSceneProps, scene);
   readTarget(element, first, scene);
 }
 
@@ -240,8 +238,8 @@ void refuseOverlaps(const SceneFile& scene, const PropNames& names, SceneElement
     return root.fail("", fmt::format("{} inside {}", names[overlap->inner], names[overlap->outer]),
                      "objects beside each other");
   }
-  if (countNearPairs(scene.props) > kMaxNearPairs) {
-    root.fail("", "more pairs of objects whose bounding boxes overlap", fmt::format("at most {}", kMaxNearPairs));
+  if (countNearPairs(scene.props) > kMaxSceneNearPairs) {
+    root.fail("", "more pairs of objects whose bounding boxes overlap", fmt::format("at most {}", kMaxSceneNearPairs));
   }
 }
 
@@ -282,8 +280,9 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   particles.gravity = scene.world.gravity;
   particles.floor = scene.world.floor;
   scene.particles = readParticles(root, particles);
-  if (scene.props.size() > kMaxProps) root.fail("", "more props", fmt::format("at most {}", kMaxProps));
-  if (hullsOf(scene) > kMaxHulls) root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMaxHulls));
+  if (scene.props.size() > kMaxSceneProps) root.fail("", "more props", fmt::format("at most {}", kMaxSceneProps));
+  if (hullsOf(scene) > kMaxSceneHulls)
+    root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMaxSceneHulls));
   if (!error) refuseOverlaps(scene, names, root);
   if (error) return Error{meshes.code(), fmt::format("{}: {}", name, *error)};
   return scene;

@@ -1,5 +1,7 @@
 #include "session/scenes/scene_particles.h"
 
+#include "geometry/work_budgets.h"
+
 #include <fmt/format.h>
 
 namespace lorica {
@@ -74,9 +76,8 @@ std::optional<ParticleSettings> readParticles(SceneElement& root, const Particle
   element.each("fill", [&](SceneElement& fill) { readFill(fill, read); });
   element.each("pour", [&](SceneElement& pour) { readPour(pour, read); });
   if (read.fills.empty() && read.pours.empty()) element.need("fill", "a list of boxes, or a list \"pour\"");
-  constexpr std::size_t kMaxSources = 100;
-  if (read.fills.size() + read.pours.size() > kMaxSources) {
-    element.fail("", "more sources", fmt::format("at most {}", kMaxSources));
+  if (read.fills.size() + read.pours.size() > kMaxParticleSources) {
+    element.fail("", "more sources", fmt::format("at most {}", kMaxParticleSources));
   }
   return read;
 }

@@ -22,7 +22,7 @@ constexpr std::string_view kMagic = "LORBODY\n";
 constexpr std::size_t kHeaderBytes = 8 + 4 + 8;
 constexpr std::size_t kVertexBytes = 3 * 8 + 1;
 constexpr std::size_t kTriangleBytes = 3 * 4;
-constexpr int kMostInfluences = 8;
+constexpr int kMaxInfluences = 8;
 constexpr std::int64_t kLargest = std::numeric_limits<std::int32_t>::max();
 
 template <typename T>
@@ -85,9 +85,8 @@ std::vector<std::vector<Influence>> takeWeights(ByteReader& reader, std::size_t 
   std::vector<std::vector<Influence>> weights(vertexCount);
   for (std::vector<Influence>& list : weights) {
     const int count = reader.take<std::uint8_t>("the number of a vertex's weights");
-    if (count < 1 || count > kMostInfluences) {
-      reader.fail(reader.offset() - 1,
-                  fmt::format("a vertex has {} weights, expected 1 to {}", count, kMostInfluences));
+    if (count < 1 || count > kMaxInfluences) {
+      reader.fail(reader.offset() - 1, fmt::format("a vertex has {} weights, expected 1 to {}", count, kMaxInfluences));
     }
     for (int i = 0; i < count && reader.ok(); ++i) {
       const JointIndex joint = reader.takeIndex("a joint", 0, jointCount);

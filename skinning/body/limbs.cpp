@@ -10,6 +10,8 @@ namespace {
 constexpr double kDownBoth = 0.15;  // from where two limbs branch: thighs half way to the knees, not the crotch
 constexpr double kDownOne = 0.2;    // from the bone that carries a limb: the elbow at the chest, not the armpit
 
+constexpr float kApart = -1.0f;  // of joints that do not meet
+
 }  // namespace
 
 Limbs::Limbs(const Character& character) {
@@ -35,25 +37,38 @@ Limbs::Limbs(const Character& character) {
     direction_[j].stableNormalize();
   }
 
-  way_.assign(count * count, 0.0f);
-  meeting_.assign(count * count, kNoJoint);
+  down_.assign(count * count, kApart);
   onOneBranch_.assign(count * count, 0);
+  const auto bone = [&](JointIndex joint, JointIndex parent) {
+    return static_cast<float>((positionOf(joint) - positionOf(parent)).norm());
+  };
+  std::vector<float> below(count);  // of the joints below one, how far down they are
   for (std::size_t j = 0; j < count; ++j) {
     const JointIndex own = j;
     const JointIndex parent = character.skeleton.joint(own).parent;
     onOneBranch_[pair(own, own)] = 1;
+    down_[pair(own, own)] = 0.0f;
     if (parent == kNoJoint) continue;
+    below[parent] = 0.0f;
     for (std::size_t k = 0; k < j; ++k) {
       // Parents precede children: the parent's entries are complete.
       const JointIndex other = k;
       const bool above = onOneBranch_[pair(parent, other)] != 0 && other <= parent;
       onOneBranch_[pair(own, other)] = onOneBranch_[pair(other, own)] = above ? 1 : 0;
-      way_[pair(own, other)] = way_[pair(other, own)] =
-          way_[pair(parent, other)] + static_cast<float>((positionOf(own) - positionOf(parent)).norm());
-      JointIndex meeting = own;
-      if (other != parent)
-        meeting = other > parent && onOneBranch(parent, other) ? parent : meeting_[pair(parent, other)];
-      meeting_[pair(own, other)] = meeting_[pair(other, own)] = meeting;
+      float& toOwn = down_[pair(other, own)];
+      float& toOther = down_[pair(own, other)];
+      if (other == parent) {
+        toOwn = 0.0f;
+        toOther = bone(own, parent);
+      } else if (other > parent && onOneBranch(parent, other)) {
+        const JointIndex up = character.skeleton.joint(other).parent;
+        below[other] = below[up] + bone(other, up);
+        toOwn = bone(own, parent);
+        toOther = below[other];
+      } else if (const float toParent = down_[pair(other, parent)]; toParent != kApart) {
+        toOwn = toParent + bone(own, parent);
+        toOther = down_[pair(parent, other)];
+      }
     }
   }
 }
@@ -68,13 +83,11 @@ double Limbs::along(JointIndex joint, const Vec3& at) const {
 
 bool Limbs::apart(JointIndex a, JointIndex b, const Vec3& at) const {
   if (a == b) return false;
-  const JointIndex meeting = meeting_[pair(a, b)];
-  const auto down = [&](JointIndex joint) {
-    const double way = meeting == kNoJoint ? 0.0 : way_[pair(meeting, joint)];
-    return way + along(joint, at);
+  const auto down = [&](JointIndex from, JointIndex joint) {
+    return std::max(0.0, double{down_[pair(from, joint)]}) + along(joint, at);
   };
-  if (onOneBranch(a, b)) return down(std::max(a, b)) > kDownOne * size_;
-  return std::min(down(a), down(b)) > kDownBoth * size_;
+  if (onOneBranch(a, b)) return down(std::min(a, b), std::max(a, b)) > kDownOne * size_;
+  return std::min(down(b, a), down(a, b)) > kDownBoth * size_;
 }
 
 JointIndex strongest(std::span<const Influence> influences) {

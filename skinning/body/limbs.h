@@ -28,10 +28,10 @@ class Limbs {
 
   std::vector<Vec3> at_;         ///< joints in the bind pose, model space
   std::vector<Vec3> direction_;  ///< of each joint's bone: towards its child joints
-  std::vector<float> way_;       ///< path length along the skeleton, jointCount x jointCount [m]
-  /// If one joint is an ancestor of the other, the first joint on the path down; else the lowest common ancestor, or
-  /// kNoJoint.
-  std::vector<JointIndex> meeting_;
+  /// For a pair of joints, how far the second is from where they meet, along the skeleton; jointCount x jointCount [m].
+  /// They meet at their lowest common ancestor, or if one is an ancestor of the other at the first joint on the path
+  /// down; -1 if they do not.
+  std::vector<float> down_;
   std::vector<std::uint8_t> onOneBranch_;
   double size_ = 0.0;
 };

@@ -82,8 +82,8 @@ std::array<Vec3, 3> SolidSource::corners(std::size_t triangle) const {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
-SolidSource::SolidSource(const Character& character, Limbs known, Welded welded)
-    : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(std::move(known)) {
+SolidSource::SolidSource(const Character& character, const Limbs& known, Welded welded)
+    : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(known) {
   const Patches patches = orientPatches(mesh);
   openEdges = patches.openEdges;
   nonManifoldEdges = patches.nonManifoldEdges;

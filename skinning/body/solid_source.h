@@ -29,11 +29,12 @@ struct Thickness {
 class SolidSource {
  public:
   /// @param welded  without duplicate triangles, at least one triangle
-  SolidSource(const Character& character, Limbs known, Welded welded);
+  /// @param known   must outlive it: it is large
+  SolidSource(const Character& character, const Limbs& known, Welded welded);
 
   TriMesh mesh;
   std::vector<std::vector<Influence>> influences;  ///< one list per vertex
-  Limbs limbs;
+  const Limbs& limbs;
   std::vector<JointIndex> jointOfTriangle;  ///< the joint that moves each triangle most
   std::vector<TriangleRole> roles;
   std::vector<std::int32_t> patchOfTriangle;

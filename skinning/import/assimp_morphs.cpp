@@ -1,6 +1,7 @@
 #include "skinning/import/assimp_morphs.h"
 
 #include "geometry/counts.h"
+#include "geometry/work_budgets.h"
 #include "skinning/import/gltf_morphs.h"
 
 #include <assimp/anim.h>

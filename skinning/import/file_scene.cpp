@@ -1,6 +1,8 @@
 #include "skinning/import/file_scene.h"
 
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
+#include "skinning/import/spring_joints.h"
 
 #include <Eigen/SVD>
 
@@ -13,7 +15,7 @@ namespace lorica {
 
 namespace {
 
-constexpr std::size_t kMostSentences = 4;
+constexpr std::size_t kMaxSentences = 4;
 
 /// Nodes that move something, and their ancestors; every node of a scene with only motion.
 [[nodiscard]] std::uint64_t countMovers(const FileScene& scene) {
@@ -30,6 +32,9 @@ constexpr std::size_t kMostSentences = 4;
   for (const FileMesh& mesh : scene.meshes) {
     if (mesh.skin == -1) mark(mesh.node);
   }
+  for (const auto& [bone, node] : scene.bones) mark(node);
+  const std::vector<int> swinging = nodesOfSprings(scene.springs);
+  std::for_each(swinging.begin(), swinging.end(), mark);
   return count;
 }
 
@@ -78,7 +83,8 @@ Result<void> checkWork(const FileScene& scene, const std::string& fileName) {
   std::uint64_t triangles = 0;
   for (const FileMesh& mesh : scene.meshes) triangles += mesh.triangles.size();
   if (triangles > kMaxTriangles) return beyond(triangles, "triangles", kMaxTriangles);
-  if (scene.skins.empty() && scene.clips.empty()) return {};
+  if (scene.clips.size() > kMaxClips) return beyond(scene.clips.size(), "clips", kMaxClips);
+  if (scene.skins.empty() && scene.clips.empty() && scene.springs.empty()) return {};
   const std::uint64_t joints = countMovers(scene);
   return joints > kMaxJoints ? Result<void>(beyond(joints, "joints", kMaxJoints)) : Result<void>();
 }
@@ -98,12 +104,12 @@ void CountedNotes::add(const std::string& kind, std::string sentence) {
   const auto known = std::find_if(kinds_.begin(), kinds_.end(), [&](const Kind& k) { return k.name == kind; });
   Kind& same = known == kinds_.end() ? kinds_.emplace_back(Kind{kind, 0, {}}) : *known;
   ++same.count;
-  if (same.sentences.size() < kMostSentences) same.sentences.push_back(std::move(sentence));
+  if (same.sentences.size() < kMaxSentences) same.sentences.push_back(std::move(sentence));
 }
 
 void CountedNotes::appendTo(std::vector<std::string>& notes) const {
   for (const Kind& kind : kinds_) {
-    if (kind.count <= kMostSentences) {
+    if (kind.count <= kMaxSentences) {
       notes.insert(notes.end(), kind.sentences.begin(), kind.sentences.end());
     } else {
       notes.push_back(fmt::format("{} {}; the first: {}", grouped(kind.count), kind.name, kind.sentences.front()));

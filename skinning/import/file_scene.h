@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/tri_mesh.h"
+#include "geometry/work_budgets.h"
 #include "skinning/import/character_file.h"
 #include "skinning/look/look.h"
 #include "skinning/skeleton.h"
@@ -13,11 +14,6 @@
 #include <vector>
 
 namespace lorica {
-
-/// Limits of the work that a file causes, however small it is.
-inline constexpr std::size_t kMaxDraws = 200'000;  ///< primitives, each once for every node that draws it
-inline constexpr std::size_t kMaxTriangles = 10'000'000;
-inline constexpr std::size_t kMaxJoints = 4'096;  ///< of a file with skins or clips: some steps take their square
 
 /// A node of a file, in the file's units.
 struct FileNode {

@@ -3,6 +3,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"
+#include "geometry/work_budgets.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_compression.h"
 #include "skinning/import/gltf_parts.h"
@@ -24,7 +25,6 @@ namespace {
 using Json = nlohmann::json;
 using Bytes = std::span<const std::byte>;
 
-constexpr std::size_t kMaxElements = 100'000;
 /// Moves the constraints out of the nodes.
 [[nodiscard]] std::vector<std::pair<std::size_t, Json>> takeNodeConstraints(Json& document) {
   std::vector<std::pair<std::size_t, Json>> taken;
@@ -167,8 +167,8 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const Named
                  fmt::format("{}: glTF version '{}', expected 2.0", name, version)};
   }
   for (const auto& [key, value] : json.items()) {
-    if (value.is_array() && value.size() > kMaxElements) {
-      return unsupported("{}: {} {}, expected at most {}", name, grouped(value.size()), key, grouped(kMaxElements));
+    if (value.is_array() && value.size() > kMaxGltfElements) {
+      return unsupported("{}: {} {}, expected at most {}", name, grouped(value.size()), key, grouped(kMaxGltfElements));
     }
   }
 

@@ -5,9 +5,6 @@
 
 namespace lorica {
 
-/// Targets of one character beyond this number are not read, with a note.
-inline constexpr int kMaxMorphTargets = 4096;
-
 /// Adds the morph targets of the scene's meshes, and the animation channels that move their weights.
 ///
 /// A face is worth less than the body that carries it: a target or channel that is broken is skipped, with a note. All

@@ -14,8 +14,8 @@ namespace lorica {
 
 namespace {
 
-constexpr std::size_t kMostNames = 1000;
-constexpr std::size_t kMostNamesInMessages = 40;
+constexpr std::size_t kMaxNames = 1000;
+constexpr std::size_t kMaxNamesInMessages = 40;
 
 [[nodiscard]] bool sameName(const std::string& a, const std::string& b) {
   const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
@@ -28,7 +28,7 @@ constexpr std::size_t kMostNamesInMessages = 40;
 
 /// "1H_Axe (Cube.001), Hat (Cube.002) and 3 more".
 [[nodiscard]] std::string listed(std::vector<MeshName> names) {
-  const std::size_t more = names.size() - std::min(names.size(), kMostNamesInMessages);
+  const std::size_t more = names.size() - std::min(names.size(), kMaxNamesInMessages);
   names.resize(names.size() - more);
   std::string text;
   for (const MeshName& name : names) text += (text.empty() ? "" : ", ") + name.text();
@@ -46,7 +46,7 @@ std::vector<MeshName> meshNamesOf(const FileScene& scene) {
   std::set<std::pair<std::string_view, std::string_view>> known;
   for (const FileMesh& mesh : scene.meshes) {
     const std::string& node = nodeOf(scene, mesh);
-    if (names.size() < kMostNames && known.emplace(node, mesh.name).second) names.push_back({node, mesh.name});
+    if (names.size() < kMaxNames && known.emplace(node, mesh.name).second) names.push_back({node, mesh.name});
   }
   return names;
 }

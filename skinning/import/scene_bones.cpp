@@ -1,6 +1,7 @@
 #include "skinning/import/scene_bones.h"
 
 #include "geometry/counts.h"
+#include "geometry/work_budgets.h"
 #include "skinning/humanoid/humanoid_names.h"
 #include "skinning/import/bind_frames.h"
 

@@ -1,5 +1,6 @@
 #include "skinning/import/vrm_expressions.h"
 
+#include "geometry/work_budgets.h"
 #include "skinning/import/json_values.h"
 
 #include <fmt/format.h>

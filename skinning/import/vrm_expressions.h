@@ -6,10 +6,6 @@
 
 namespace lorica {
 
-/// Expressions and binds of one character beyond these numbers are not read, with a note.
-inline constexpr int kMaxExpressions = 1024;
-inline constexpr int kMaxExpressionBinds = 100'000;
-
 /// Reads expressions and gaze of VRM 0.x (blendShapeMaster, firstPerson) or 1.0 (expressions, lookAt). In a file
 /// without VRM data every morph target becomes an expression by its own name; targets of the same name become one.
 /// https://github.com/vrm-c/vrm-specification: 0.0/README.md, VRMC_vrm-1.0/expressions.md and lookAt.md

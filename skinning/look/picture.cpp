@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 #include "skinning/look/picture_formats.h"
 
 #include <fmt/format.h>
@@ -12,6 +13,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <mutex>
 #include <string_view>
 
@@ -79,6 +81,22 @@ Result<const Format*> formatOf(std::span<const std::byte> bytes, const std::stri
   return unsupported("{}: {}, expected a PNG, JPEG or WebP picture", name, whatIs(content));
 }
 
+std::uint64_t pixelsOf(const PictureSize& size) {
+  return std::uint64_t(size.width) * std::uint64_t(size.height);
+}
+
+/// The largest side at which all pictures together have few enough pixels.
+int sideThatFits(std::span<const EncodedPicture> pictures, int largestSide) {
+  for (int side = largestSide;; side = side == 0 ? kMaxPictureSide / 2 : side / 2) {
+    std::uint64_t kept = 0;
+    for (const EncodedPicture& picture : pictures) {
+      const Result<PictureSize> size = readPictureSize(picture.bytes, picture.name);
+      if (size) kept += pixelsOf(limitedSize(*size, side));
+    }
+    if (kept <= kMaxKeptTexels || side == 1) return side;
+  }
+}
+
 }  // namespace
 
 Result<void> checkClaim(const PictureClaim& claim, std::size_t fileBytes, const std::string& name) {
@@ -119,12 +137,27 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
   for (const EncodedPicture& picture : pictures) {
     decoded.emplace_back(Error{ErrorCode::kCancelled, fmt::format("{}: cancelled", picture.name)});
   }
+  std::vector<char> beyond(pictures.size(), 0);
+  const int largestSide = sideThatFits(pictures, settings.largestSide);
+  std::uint64_t stored = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Result<PictureSize> size = readPictureSize(pictures[i].bytes, pictures[i].name);
+    if (!size) continue;  // decoding it says why
+    const std::uint64_t pixels = pixelsOf(*size);
+    beyond[i] = stored + pixels > kMaxStoredTexels ? 1 : 0;
+    if (beyond[i] == 0) {
+      stored += pixels;
+    } else {
+      decoded[i] = unsupported("{}: with it, the pictures have {} pixels, expected at most {}", pictures[i].name,
+                               stored + pixels, kMaxStoredTexels);
+    }
+  }
   std::mutex progressMutex;
   int done = 0;
   std::atomic<bool> cancelled = false;
   const auto decodeOne = [&](std::size_t i) {
     if (cancelled) return;
-    decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {settings.largestSide});
+    if (beyond[i] == 0) decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {largestSide});
     const std::scoped_lock lock(progressMutex);
     ++done;
     if (settings.progress && !settings.progress(done, countOf(pictures))) cancelled = true;

@@ -16,7 +16,7 @@ namespace lorica::test {
 namespace {
 
 /// Of one run, before it is given up: under sanitizers a body takes more than a minute to make. ctest's limit is above.
-constexpr unsigned kMostSeconds = 200;
+constexpr unsigned kMaxSeconds = 200;
 
 /// So many equal pictures in a row take longer than a frame of a session.
 constexpr int kAtRest = 5;
@@ -101,7 +101,7 @@ void Hands::pictureAtRest(const std::string& key) {
 
 void Hands::work() const {
   std::signal(SIGALRM, [](int) { closeWindow(); });
-  alarm(kMostSeconds);
+  alarm(kMaxSeconds);
   run("xdotool search --sync --onlyvisible --name '" + window_ + "' > window");
   setenv("w", std::to_string(std::atol(readFile("window").value().c_str())).c_str(), 1);
   run("xdotool windowfocus --sync $w");

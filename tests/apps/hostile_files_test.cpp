@@ -134,6 +134,29 @@ TEST(HostileFiles, LargeFilesAreNotRead) {
   }
 }
 
+TEST(HostileFiles, MemoryThatIsNotAllowedIsASentence) {
+  if (kReservesAddresses) GTEST_SKIP() << "no limit of memory holds under this sanitizer";
+  const TemporaryFolder folder;
+  const std::string out = folder.path() / "o.lorica";
+  const std::vector<std::vector<std::string>> commands = {
+      {"decompose", "mannequin", "--parts", "4", "-o", out},
+      {"play", "walk", "--frames", "2", "--record", folder.path() / "o.lsession"},
+      {"snapshot", "walk", "--frame", "1", "-o", folder.path() / "o.png"},
+      {"export", "mannequin", folder.path() / "o.glb"}};
+  for (std::vector<std::string> command : commands) {
+    command.insert(command.end(), {"--memory", "64M", "--threads", "1"});
+    EXPECT_TRUE(contains(expectRefused(command), "needs more than the 64 MB of memory that it may take; --memory SIZE"))
+        << command[0];
+    EXPECT_EQ(filesIn(folder.path()), std::vector<std::string>()) << command[0];
+  }
+  for (const char* size : {"much", "0G", "1M"}) {
+    const CommandResult refused = runLorica({"info", "mannequin", "--memory", size});
+    EXPECT_EQ(refused.exitCode, 2);
+    EXPECT_TRUE(contains(refused.err, "expected a size such as 500M or 8G, at least 64M")) << refused.err;
+  }
+  EXPECT_EQ(runLorica({"info", "mannequin", "--memory", "1G"}).exitCode, 0);
+}
+
 TEST(HostileFiles, AScenesMeshesAreInItsFolderUnlessItIsTrusted) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "own");

@@ -1,14 +1,30 @@
 // Limits hold, and figures are true, on the hulls that are exported.
 
+#include "collision/particles/particles.h"
+#include "collision/world/prop_meshes.h"
 #include "geometry/convex_hull.h"
+#include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "geometry/triangle_tree.h"
+#include "geometry/work_budgets.h"
+#include "prepare/cast.h"
+#include "prepare/live_cast.h"
+#include "prepare/motion.h"
+#include "session/recording/session_file.h"
+#include "skinning/look/picture.h"
+#include "skinning/springs/node_constraints.h"
+#include "skinning/springs/spring_bones.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
+#include "tests/support/datasets.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -117,6 +133,76 @@ TEST_F(Limits, OfVerticesHoldsWhereTheErrorCannot) {
   EXPECT_EQ(json_["endedBy"], "convex");
   EXPECT_GT(json_["error"].get<double>(), 0.05);
   EXPECT_LE(measured_.vertices, 8u);
+}
+
+TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
+  const std::string page = readFile(sourceFile("docs/SECURITY.md")).value();
+  struct Budget {
+    const char* what;
+    double most;
+  };
+  const std::vector<Budget> budgets = {
+      {"threads", kMaxThreads},
+      {"parts, vertices of a hull, frames and pictures that are asked for", kMaxOfAnything},
+      {"avatars of a command or scene", kMaxCast},
+      {"people who are followed live", kMaxPeople},
+      {"elements of a kind in a glTF file", kMaxGltfElements},
+      {"primitives that all nodes draw together", kMaxDraws},
+      {"triangles of a character or mesh", kMaxTriangles},
+      {"joints of a character with skins, clips or springs", kMaxJoints},
+      {"clips of a character", kMaxClips},
+      {"frames times joints of a clip that is played, at 60 a second", kMaxClipPoses},
+      {"texels of all pictures together, left out", kMaxStoredTexels},
+      {"texels of all pictures as they are drawn, reduced to fit", kMaxKeptTexels},
+      {"width or height of a picture", kMaxPictureSide},
+      {"morph targets of a character, left out", kMaxMorphTargets},
+      {"expressions of a character, left out", kMaxExpressions},
+      {"morph targets and materials that expressions change, left out", kMaxExpressionBinds},
+      {"joints that swing", kMaxSprings},
+      {"colliders of springs", kMaxSpringColliders},
+      {"pairs of a swinging joint and a collider", kMaxSpringPairs},
+      {"constraints of nodes", kMaxNodeConstraints},
+      {"props of a scene", kMaxSceneProps},
+      {"different meshes of a scene", kMaxSceneMeshes},
+      {"convex parts of a scene's meshes", kMaxSceneHulls},
+      {"pairs of props of a scene whose boxes overlap", kMaxSceneNearPairs},
+      {"vertices of a scene's mesh", kMaxPropVertices},
+      {"particles", ParticleSettings::kMaxParticles},
+      {"sources of water or sand", kMaxParticleSources},
+      {"avatars of a recorded session", kMaxRecordedAvatars},
+      {"frames of the network that wait, the oldest left out", kMaxWaitingFrames},
+      {"frames of a recording of packets", kMaxStreamFrames},
+      {"expressions that a sender names, left out", kMaxSentExpressions}};
+  for (const Budget& budget : budgets) {
+    std::string number = fmt::format("{:.0f}", budget.most);
+    for (auto at = static_cast<std::ptrdiff_t>(number.size()) - 3; at > 0; at -= 3) number.insert(at, ",");
+    const std::string row = fmt::format("\n| {} | {} |\n", budget.what, number);
+    EXPECT_NE(page.find(row), std::string::npos) << row;
+  }
+  const std::size_t begin = page.find("| what | most |");
+  const std::string table = page.substr(begin, page.find("\n\n", begin) - begin);
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), static_cast<std::ptrdiff_t>(budgets.size()) + 1);
+}
+
+/// What is asked for at a limit is taken, and one more is a sentence.
+TEST(WorkBudgets, OptionsAreTakenAtTheirLimitsAndRefusedAboveThem) {
+  struct Case {
+    std::vector<std::string> arguments;
+    std::string option;
+    int most;
+  };
+  for (const Case& c : {Case{{"info", "mannequin"}, "--threads", kMaxThreads},
+                        {{"decompose", "none.off"}, "--parts", kMaxOfAnything},
+                        {{"decompose", "none.off"}, "--hull-vertices", kMaxOfAnything},
+                        {{"play", "none.bvh"}, "--frames", kMaxOfAnything}}) {
+    const auto sentence = [&](int number) {
+      std::vector<std::string> arguments = c.arguments;
+      arguments.insert(arguments.end(), {c.option, std::to_string(number)});
+      return runLorica(arguments).err;
+    };
+    EXPECT_EQ(sentence(c.most).find(c.option), std::string::npos) << c.option;
+    EXPECT_NE(sentence(c.most + 1).find("to " + std::to_string(c.most)), std::string::npos) << c.option;
+  }
 }
 
 }  // namespace

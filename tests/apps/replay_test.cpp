@@ -187,5 +187,35 @@ TEST_F(Replay, ASessionWhoseMotionEndsEarlyIsNotTheSame) {
   EXPECT_EQ(replayed.json()["same"], false);
 }
 
+/// A recorded session with another text in its header, and the right checksums.
+std::string withHeader(const std::string& bytes, const std::string& found, const std::string& instead) {
+  std::string changed(kSessionMagic);
+  std::uint64_t chain = 0;
+  const Result<Blocks> read = readBlocks(bytes, "s");
+  for (const Block& block : read->blocks) {
+    std::string payload(block.payload);
+    if (block.kind == BlockKind::kHeader) payload.replace(payload.find(found), found.size(), instead);
+    appendBlock(block.kind, payload, chain, changed);
+  }
+  return changed;
+}
+
+TEST_F(Replay, ACoverThatWouldTakeMinutesIsRefused) {
+  ASSERT_EQ(record({"walk", "--frames", "2", "--cover", "0.01"}).exitCode, 0);
+  const std::string bytes = *readFile(session);
+  struct Case {
+    const char* cover;
+    const char* sentence;
+  };
+  for (const Case& c :
+       {Case{"1e-300", "1e-300 m, expected exact, or at least"}, {"999.0", "999 m, expected at most"}}) {
+    const std::string file =
+        folder.write("cover.lsession", withHeader(bytes, "\"cover\": 0.01", "\"cover\": " + std::string(c.cover)));
+    const CommandResult replayed = runLorica({"replay", file, "--decomposition", body.string()});
+    EXPECT_EQ(replayed.exitCode, 2);
+    EXPECT_NE(replayed.err.find(c.sentence), std::string::npos) << replayed.err;
+  }
+}
+
 }  // namespace
 }  // namespace lorica::test

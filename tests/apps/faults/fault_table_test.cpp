@@ -9,9 +9,13 @@
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cctype>
+#include <cstdint>
+#include <cstring>
 #include <set>
 
 namespace lorica::test {
@@ -27,6 +31,11 @@ struct Job {
   std::set<std::string> files;  ///< that it writes
   bool endsWell = false;        ///< a signal is the usual way to end it: exit status 0
 };
+
+/// An address of this process alone.
+std::string listenAt() {
+  return "127.0.0.1:" + std::to_string(20'000 + getpid() % 20'000);
+}
 
 const std::vector<Job>& jobs() {
   static const std::vector<Job> all = {
@@ -63,6 +72,17 @@ const std::vector<Job>& jobs() {
        {"convert", "wave", "o.csv", "--json", "o.json"},
        {"convert", "walk", "o.csv", "--json", "o.json"},
        {"o.csv", "o.json"}},
+      {"export",
+       {"export", "box.off", "o.glb", "--json", "o.json"},
+       {"export", "mannequin", "o.glb", "--per-bone", "--json", "o.json"},
+       {"o.glb", "o.json"}},
+      {"stream",
+       {"live", "--vmc", listenAt(), "--headless", "--frames", "2", "--decomposition", "b.lorica", "--record",
+        "o.lsession", "--json", "o.json"},
+       {"live", "--vmc", listenAt(), "--headless", "--decomposition", "b.lorica", "--record", "o.lsession", "--json",
+        "o.json"},
+       {"o.lsession", "o.json"},
+       true},
       {"snapshot",
        {"snapshot", "wave", "--frame", "1", "-o", "o.png", "--decomposition", "b.lorica", "--json", "o.json"},
        {"snapshot", "walk", "--video", "o.mp4", "--decomposition", "b.lorica", "--json", "o.json"},
@@ -94,6 +114,11 @@ bool isWhole(const fs::path& file) {
   const std::string bytes = readFile(file).value();
   if (extension == ".json") return !nlohmann::json::parse(bytes, nullptr, false).is_discarded();
   if (extension == ".png") return bytes.size() > 20 && bytes.substr(bytes.size() - 8, 4) == "IEND";
+  if (extension == ".glb") {
+    std::uint32_t size = 0;
+    if (bytes.size() > 12) std::memcpy(&size, bytes.data() + 8, sizeof size);
+    return bytes.starts_with("glTF") && size == bytes.size();
+  }
   if (extension == ".mp4") return bytes.find("moov") != std::string::npos;
   return false;
 }
@@ -118,8 +143,12 @@ class FaultTable : public testing::Test {
   /// Runs a cell. @return what it left behind, without what was there before
   static std::set<std::string> left(const Job& job, Fault fault, bool works, FaultyEnd& end) {
     const TemporaryFolder folder;
+    return leftIn(folder, job, fault, works, end);
+  }
+  static std::set<std::string> leftIn(const TemporaryFolder& folder, const Job& job, Fault fault, bool works,
+                                      FaultyEnd& end) {
     for (const char* name : {"box.off", "box.obj", "b.lorica", "s.lsession"}) {
-      fs::copy_file(inputs->path() / name, folder.path() / name);
+      fs::copy_file(inputs->path() / name, folder.path() / name, fs::copy_options::overwrite_existing);
     }
     end = runWithFault({works ? job.works : job.writes, folder.path(), inputs->path() / "cache", fault});
     std::set<std::string> names;
@@ -226,6 +255,190 @@ TEST_F(FaultTable, AReadOnlyFolderIsASentenceAtOnce) {
     EXPECT_EQ(text(names), "");
   }
 }
+
+TEST_F(FaultTable, AFileServerThatIsAwayIsASentenceAndTheNextRunHealsIt) {
+  if (!hasShim()) GTEST_SKIP();
+  for (const Job& job : jobs()) {
+    SCOPED_TRACE(job.name);
+    const TemporaryFolder folder;
+    FaultyEnd end;
+    const std::set<std::string> names = leftIn(folder, job, Fault::kServerAway, false, end);
+    EXPECT_EQ(end.exitCode, 2) << end.err;
+    EXPECT_NE(end.err.find("lorica: "), std::string::npos) << end.err;
+    for (const std::string& name : names) EXPECT_NE(name.find(".part."), std::string::npos) << name;
+    const std::set<std::string> healed = leftIn(folder, job, Fault::kNone, false, end);
+    EXPECT_EQ(end.exitCode, 0) << end.err;
+    EXPECT_GE(healed.size(), job.files.size() - (job.files.size() > 2 ? 1 : 0)) << text(healed);
+  }
+}
+
+TEST_F(FaultTable, AFileServerThatHangsIsLeftOnSigterm) {
+  if (!hasShim()) GTEST_SKIP();
+  for (const Job& job : jobs()) {
+    SCOPED_TRACE(job.name);
+    FaultyEnd end;
+    // It may write nothing of its own before it is asked to end, or be at its first byte.
+    const std::set<std::string> names = left(job, Fault::kServerHangs, true, end);
+    EXPECT_TRUE(end.exitCode == 143 || end.exitCode == 0) << end.exitCode << end.err;
+    EXPECT_LT(end.secondsAfterSignal, 60.0) << "a second, unless the machine is busy";
+    for (const std::string& name : names) EXPECT_NE(name.find(".part."), std::string::npos) << name;
+  }
+}
+
+TEST_F(FaultTable, AWrongClockChangesNothing) {
+  if (!hasShim()) GTEST_SKIP();
+  for (const Job& job : jobs()) {
+    if (job.name == "live" || job.name == "record") continue;  // OpenNI2 waits by the kernel's clock, which stays right
+    SCOPED_TRACE(job.name);
+    FaultyEnd end;
+    const std::set<std::string> names = left(job, Fault::kClockWrong, false, end);
+    EXPECT_EQ(end.exitCode, 0) << end.err;
+    EXPECT_TRUE(onlyFinal(job, names)) << text(names);
+  }
+}
+
+TEST_F(FaultTable, TheNextRunHealsWhatAKilledOneLeft) {
+  for (const Job& job : jobs()) {
+    SCOPED_TRACE(job.name);
+    const TemporaryFolder folder;
+    FaultyEnd end;
+    (void)leftIn(folder, job, Fault::kKill, true, end);
+    (void)leftIn(folder, job, Fault::kNone, false, end);  // checks that what has a final name is whole
+    EXPECT_EQ(end.exitCode, 0) << end.err;
+  }
+}
+
+// ---- bake, whose folder several processes share
+
+/// Bakes a box and a character with a fault, and again without: the folder must be that of a bake without faults.
+class FaultyBake : public testing::TestWithParam<Fault> {
+ protected:
+  static FaultyEnd run(const TemporaryFolder& folder, std::vector<std::string> more, Fault fault) {
+    folder.write("box.off", kBox);
+    std::vector<std::string> arguments = {"bake", "box.off", "mannequin", "--parts", "3", "--out", "o"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return runWithFault({std::move(arguments), folder.path(), folder.path() / "cache", fault});
+  }
+  static std::string hashOf(const TemporaryFolder& folder) {
+    const FaultyEnd end = run(folder, {"--collect", "--json", "-"}, Fault::kNone);
+    EXPECT_EQ(end.exitCode, 0) << end.err;
+    const auto json = nlohmann::json::parse(end.out, nullptr, false);
+    return json.is_object() ? json.value("hash", "") + std::to_string(json.value("baked", 0)) : "";
+  }
+};
+
+TEST_P(FaultyBake, IsHealedByTheNextRun) {
+  const Fault fault = GetParam();
+  const bool shimmed = fault == Fault::kServerAway || fault == Fault::kServerHangs || fault == Fault::kClockWrong;
+  if (shimmed && !hasShim()) GTEST_SKIP();
+  static const std::string expected = [] {
+    const TemporaryFolder clean;
+    EXPECT_EQ(run(clean, {}, Fault::kNone).exitCode, 0);
+    return hashOf(clean);
+  }();
+  const TemporaryFolder folder;
+  const FaultyEnd end = run(folder, {}, fault);
+  const bool mayBeDone = fault == Fault::kClockWrong || fault == Fault::kOutputClosed || fault == Fault::kInterrupt ||
+                         fault == Fault::kTerminate;
+  EXPECT_TRUE(mayBeDone || end.exitCode != 0) << end.err;
+  EXPECT_TRUE(fault != Fault::kClockWrong || end.exitCode == 0) << end.err;
+  // What has its final name is whole, whatever happened: the results of the second run are those of a clean one.
+  const FaultyEnd again = run(folder, {"--lost-after", "1"}, Fault::kNone);
+  EXPECT_EQ(again.exitCode, 0) << again.err;
+  EXPECT_EQ(hashOf(folder), expected);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FaultyBake,
+                         testing::Values(Fault::kInterrupt, Fault::kTerminate, Fault::kKill, Fault::kDiskFull,
+                                         Fault::kOutputClosed, Fault::kReadOnly, Fault::kServerAway,
+                                         Fault::kServerHangs, Fault::kClockWrong),
+                         [](const testing::TestParamInfo<Fault>& one) {
+                           std::string name = nameOf(one.param);
+                           std::erase_if(name, [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; });
+                           return name;
+                         });
+
+// ---- C and Python: programs that save parts
+
+constexpr const char* kPythonProgram = R"(import os, sys, lorica
+vertices, faces = lorica.read_mesh("box.obj")
+parts = lorica.decompose(vertices, faces, 4)
+while True:
+    try:
+        parts.save("o.lorica")
+    except Exception as error:
+        print(error, file=sys.stderr)
+        sys.exit(2)
+    if "once" in sys.argv: break
+)";
+
+constexpr const char* kCProgram = R"(import ctypes, sys
+class Mesh(ctypes.Structure):
+    _fields_ = [("size", ctypes.c_size_t), ("vertices", ctypes.c_void_p), ("vertex_count", ctypes.c_size_t),
+                ("triangles", ctypes.c_void_p), ("triangle_count", ctypes.c_size_t)]
+c = ctypes.CDLL(sys.argv[1])
+c.lorica_last_error.restype = ctypes.c_char_p
+xyz = (ctypes.c_double * 12)(0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
+abc = (ctypes.c_int32 * 12)(0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
+mesh = Mesh(ctypes.sizeof(Mesh), ctypes.addressof(xyz), 4, ctypes.addressof(abc), 4)
+parts = ctypes.c_void_p()
+assert c.lorica_decompose(ctypes.byref(mesh), None, ctypes.byref(parts)) == 0
+while True:
+    if c.lorica_parts_save(parts, b"o.lorica") != 0:
+        print(c.lorica_last_error().decode(), file=sys.stderr)
+        sys.exit(2)
+    if "once" in sys.argv: break
+)";
+
+class FaultyProgram : public testing::TestWithParam<const char*> {
+ protected:
+  /// @param once  it saves its parts one time; else for ever
+  static FaultyEnd run(const TemporaryFolder& folder, Fault fault, bool once) {
+    const bool python = std::string(GetParam()) == "Python";
+    folder.write("box.obj", kBoxParts);
+    std::vector<std::string> arguments = {"-I", "-c", python ? kPythonProgram : kCProgram};
+    if (python) arguments = {"-c", kPythonProgram};
+    if (!python) arguments.push_back(built("lib/liblorica_c.so"));
+    if (once) arguments.emplace_back("once");
+    FaultyRun faulty{arguments, folder.path(), folder.path() / "cache", fault};
+    faulty.program = "/usr/bin/python3";
+    faulty.environment = {{"PYTHONPATH", built("python").string()}, {"PYTHONDONTWRITEBYTECODE", "1"}};
+    if (!once) faulty.ready = [&] { return fs::exists(folder.path() / "o.lorica"); };
+    return runWithFault(faulty);
+  }
+  static bool isThere() {
+    return hasShim() && fs::exists(built("lib/liblorica_c.so")) && fs::exists(built("python/lorica"));
+  }
+};
+
+TEST_P(FaultyProgram, SavesAWholeFileOrNone) {
+  if (!isThere()) GTEST_SKIP() << "built without C and Python";
+  for (const Fault fault : {Fault::kInterrupt, Fault::kTerminate, Fault::kKill, Fault::kDiskFull, Fault::kReadOnly,
+                            Fault::kServerAway, Fault::kClockWrong}) {
+    SCOPED_TRACE(nameOf(fault));
+    const TemporaryFolder folder;
+    const bool signal = fault == Fault::kInterrupt || fault == Fault::kTerminate || fault == Fault::kKill;
+    if (fault == Fault::kReadOnly) folder.write("box.obj", kBoxParts);
+    const FaultyEnd end = run(folder, fault, !signal);
+    if (!signal) {
+      EXPECT_EQ(end.exitCode, fault == Fault::kClockWrong ? 0 : 2) << end.err;
+    }
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder.path())) {
+      const std::string name = entry.path().filename();
+      if (name == "o.lorica") {
+        EXPECT_TRUE(isWhole(entry.path()));
+      } else if (entry.is_regular_file() && name != "box.obj") {
+        EXPECT_TRUE(signal && name.find(".tmp-") != std::string::npos) << name;
+      }
+    }
+    const FaultyEnd again = run(folder, Fault::kNone, true);
+    EXPECT_EQ(again.exitCode, 0) << again.err;
+    EXPECT_TRUE(isWhole(folder.path() / "o.lorica"));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, FaultyProgram, testing::Values("C", "Python"),
+                         [](const testing::TestParamInfo<const char*>& one) { return std::string(one.param); });
 
 }  // namespace
 }  // namespace lorica::test

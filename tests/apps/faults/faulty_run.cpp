@@ -1,5 +1,6 @@
 #include "tests/apps/faults/faulty_run.h"
 
+#include "geometry/sanitizer.h"
 #include "tests/support/datasets.h"
 
 #include <fcntl.h>
@@ -33,6 +34,7 @@ int signalOf(Fault fault) {
     case Fault::kInterrupt:
       return SIGINT;
     case Fault::kTerminate:
+    case Fault::kServerHangs:
       return SIGTERM;
     case Fault::kHangUp:
       return SIGHUP;
@@ -43,15 +45,34 @@ int signalOf(Fault fault) {
   }
 }
 
+const char* shimOf(Fault fault) {
+  switch (fault) {
+    case Fault::kServerAway:
+      return "away";
+    case Fault::kServerHangs:
+      return "hangs";
+    case Fault::kClockWrong:
+      return "clock";
+    default:
+      return "";
+  }
+}
+
 /// Runs between fork and exec: only async-signal-safe calls, and setenv, because the parent has one thread.
 [[noreturn]] void become(char* const* arguments, const FaultyRun& run, const std::string& temporary,
-                         const std::array<int, 2>& out, const std::array<int, 2>& err) {
+                         const std::string& library, const std::array<int, 2>& out, const std::array<int, 2>& err) {
   setenv("LORICA_RECORDINGS", recordingsFolder().c_str(), 1);
   setenv("XDG_CACHE_HOME", run.cache.c_str(), 1);
   setenv("TMPDIR", temporary.c_str(), 1);
   unsetenv("DISPLAY");
   unsetenv("WAYLAND_DISPLAY");
   unsetenv("LORICA_VIRTUAL");
+  for (const auto& [name, value] : run.environment) setenv(name.c_str(), value.c_str(), 1);
+  if (const char* shim = shimOf(run.fault); *shim != '\0') {
+    setenv("LORICA_SHIM", shim, 1);
+    setenv("LORICA_SHIM_FOLDER", run.folder.c_str(), 1);
+    setenv("LD_PRELOAD", library.c_str(), 1);
+  }
   dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(out[1], STDOUT_FILENO);
   dup2(err[1], STDERR_FILENO);
@@ -92,23 +113,33 @@ Clock::time_point sendSignal(pid_t child, const FaultyRun& run, int number) {
   while (!due() && !ended()) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   const Clock::time_point sent = Clock::now();
   kill(child, number);
+  // `bake` waits for its items after the first.
+  while (run.fault == Fault::kServerHangs && !ended() && secondsSince(sent) < 2.0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  if (run.fault == Fault::kServerHangs && !ended()) kill(child, number);
   return sent;
 }
 
 }  // namespace
 
 const char* nameOf(Fault fault) {
-  constexpr std::array<const char*, 9> kNames = {"nothing",       "SIGINT",        "SIGTERM",
-                                                 "SIGHUP",        "kill -9",       "disk full",
-                                                 "output closed", "errors closed", "folder read-only"};
+  constexpr std::array<const char*, 12> kNames = {"nothing",          "SIGINT",      "SIGTERM",       "SIGHUP",
+                                                  "kill -9",          "disk full",   "output closed", "errors closed",
+                                                  "folder read-only", "server away", "server hangs",  "clock wrong"};
   return kNames[static_cast<std::size_t>(fault)];
+}
+
+bool hasShim() {
+  return !kReservesAddresses && fs::exists(built("lib/liblorica_fault_shim.so"));
 }
 
 FaultyEnd runWithFault(const FaultyRun& run) {
   const TemporaryFolder elsewhere;  // without permission to write to the working folder
   const std::string temporary = run.fault == Fault::kReadOnly ? elsewhere.path() : run.folder / "tmp";
   if (run.fault != Fault::kReadOnly) fs::create_directories(temporary);
-  std::vector<std::string> words = {built("lorica")};
+  std::vector<std::string> words = {run.program.empty() ? built("lorica").string() : run.program};
+  const std::string library = built("lib/liblorica_fault_shim.so");
   words.insert(words.end(), run.arguments.begin(), run.arguments.end());
   std::vector<char*> pointers;
   for (std::string& word : words) pointers.push_back(word.data());
@@ -117,7 +148,7 @@ FaultyEnd runWithFault(const FaultyRun& run) {
   if (pipe2(out.data(), O_CLOEXEC) != 0 || pipe2(err.data(), O_CLOEXEC) != 0) ADD_FAILURE() << "no pipes";
   if (run.fault == Fault::kReadOnly) fs::permissions(run.folder, fs::perms::owner_read | fs::perms::owner_exec);
   const pid_t child = fork();
-  if (child == 0) become(pointers.data(), run, temporary, out, err);
+  if (child == 0) become(pointers.data(), run, temporary, library, out, err);
   close(out[1]);
   close(err[1]);
   Clock::time_point sent = Clock::now();

@@ -3,12 +3,26 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica::test {
 
 /// What happens to a running command.
-enum class Fault { kNone, kInterrupt, kTerminate, kHangUp, kKill, kDiskFull, kOutputClosed, kErrorsClosed, kReadOnly };
+enum class Fault {
+  kNone,
+  kInterrupt,
+  kTerminate,
+  kHangUp,
+  kKill,
+  kDiskFull,
+  kOutputClosed,
+  kErrorsClosed,
+  kReadOnly,
+  kServerAway,   ///< what is written to the working folder fails: not under sanitizers, see hasShim()
+  kServerHangs,  ///< it waits for ever, and SIGTERM comes
+  kClockWrong    ///< the machine's clock says 1970 and runs backwards
+};
 
 [[nodiscard]] const char* nameOf(Fault fault);
 
@@ -19,6 +33,8 @@ struct FaultyRun {
   Fault fault = Fault::kNone;
   /// Signals are sent as soon as this holds; empty = 0.25 s after the start.
   std::function<bool()> ready = {};
+  std::string program = {};                                           ///< another one than `lorica`
+  std::vector<std::pair<std::string, std::string>> environment = {};  ///< set besides
 };
 
 struct FaultyEnd {
@@ -27,6 +43,9 @@ struct FaultyEnd {
   double secondsAfterSignal = 0.0;
   std::string out, err;
 };
+
+/// Whether faults of servers and clocks can be made: a library that is loaded first, which sanitizers do not like.
+[[nodiscard]] bool hasShim();
 
 /// Runs the command with a fault. Its temporary folder is `folder`/tmp.
 [[nodiscard]] FaultyEnd runWithFault(const FaultyRun& run);

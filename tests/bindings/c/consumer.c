@@ -127,7 +127,7 @@ static void test_characters(void) {
   lorica_body *other = NULL;
   FAILS(LORICA_INVALID_ARGUMENT, "made from mannequin", lorica_body_load(hero, path("body.lorica"), &other));
   lorica_body_options options = {.size = sizeof options, .parts = 2, .hull_vertices = 3};
-  FAILS(LORICA_INVALID_ARGUMENT, "hull_vertices 3", lorica_body_make(hero, &options, &other));
+  FAILS(LORICA_INVALID_ARGUMENT, "found 3, expected at least 4", lorica_body_make(hero, &options, &other));
   int calls = 0;
   options = (lorica_body_options){.size = sizeof options, .parts = 3, .progress = cancel, .user = &calls};
   FAILS(LORICA_CANCELLED, "cancel", lorica_body_make(hero, &options, &other));

@@ -162,13 +162,16 @@ class Refused(unittest.TestCase):
         mesh = box()
         for settings in (
             {"parts": -1},
+            {"parts": 2**31 - 1},
             {"threads": -1},
+            {"threads": 2**31 - 1},
             {"max_error": float("nan")},
             {"max_distance": -1.0},
             {"max_concavity": -1.0},
             {"thickness": -1.0},
             {"walls": "thick"},
             {"hull_vertices": 3},
+            {"hull_vertices": 2**31 - 1},
             {"preset": "best"},
             {"closed_body": "maybe"},
             {"progress": 3},

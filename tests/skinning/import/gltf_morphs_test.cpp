@@ -1,6 +1,7 @@
 #include "skinning/import/gltf_morphs.h"
 
 #include "geometry/counts.h"
+#include "geometry/work_budgets.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/value_of.h"
 

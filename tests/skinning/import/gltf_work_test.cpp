@@ -1,3 +1,4 @@
+#include "geometry/work_budgets.h"
 #include "skinning/import/character_file.h"
 #include "skinning/import/uri.h"
 #include "tests/skinning/import/glb_writer.h"
@@ -72,9 +73,45 @@ GlbWriter skinned(int joints, bool chain) {
 
 TEST(GltfWork, JointsAreBounded) {
   for (const bool chain : {false, true}) {
-    EXPECT_EQ(errorOf(skinned(5'000, chain)).substr(0, 22), "hero.glb: 5,000 joints") << chain;
-    EXPECT_EQ(errorOf(skinned(300, chain)), "none");
+    EXPECT_EQ(errorOf(skinned(kMaxJoints + 1, chain)), "hero.glb: 2,049 joints, expected at most 2,048") << chain;
+    EXPECT_EQ(errorOf(skinned(kMaxJoints, chain)), "none");
   }
+}
+
+/// A triangle on a node, and a strand of joints that swing below it.
+GlbWriter stranded(std::size_t joints) {
+  GlbWriter writer = repeated(1, 1, 4);
+  Json strand = Json::array();
+  for (std::size_t j = 1; j <= joints; ++j) {
+    writer.document["nodes"][j - 1]["children"] = Json::array({j});
+    writer.add("nodes", {{"translation", {0.0, -0.01, 0.0}}});
+    strand.push_back({{"node", j}});
+  }
+  writer.document["extensions"]["VRMC_vrm"] = {{"specVersion", "1.0"}};
+  writer.document["extensions"]["VRMC_springBone"] = {{"specVersion", "1.0"},
+                                                      {"springs", Json::array({{{"joints", strand}}})}};
+  return writer;
+}
+
+TEST(GltfWork, JointsThatSwingAreBoundedWithoutASkin) {
+  // The end of a strand is no joint; the node above it is one.
+  EXPECT_EQ(errorOf(stranded(kMaxJoints + 1)), "hero.glb: 2,049 joints, expected at most 2,048");
+  EXPECT_EQ(errorOf(stranded(kMaxJoints)), "none");
+}
+
+TEST(GltfWork, ClipsAreBounded) {
+  const auto withClips = [](std::size_t clips) {
+    GlbWriter writer = repeated(1, 1, 4);
+    const int times = writer.accessor(std::vector<float>{0, 1}, "SCALAR");
+    const int moves = writer.accessor(std::vector<float>{0, 0, 0, 1, 0, 0}, "VEC3");
+    const Json clip = {
+        {"samplers", Json::array({{{"input", times}, {"output", moves}}})},
+        {"channels", Json::array({{{"sampler", 0}, {"target", {{"node", 0}, {"path", "translation"}}}}})}};
+    for (std::size_t c = 0; c < clips; ++c) writer.add("animations", clip);
+    return writer;
+  };
+  EXPECT_EQ(errorOf(withClips(kMaxClips + 1)), "hero.glb: 10,001 clips, expected at most 10,000");
+  EXPECT_EQ(errorOf(withClips(kMaxClips)), "none");
 }
 
 TEST(GltfWork, BuffersInNamedPipesAreRefused) {

@@ -1,4 +1,5 @@
 #include "skinning/import/vrm_expressions.h"
+#include "geometry/work_budgets.h"
 
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"

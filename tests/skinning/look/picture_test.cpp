@@ -1,6 +1,7 @@
 #include "skinning/look/picture.h"
 
 #include "geometry/files.h"
+#include "geometry/work_budgets.h"
 #include "tests/skinning/look/picture_samples.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
@@ -133,6 +134,35 @@ TEST(Pictures, AnyNumberOfThreadsGivesTheSameInOrder) {
     }
   }
   EXPECT_TRUE(decodePictures({}, {}).empty());
+}
+
+TEST(Pictures, ThoseBeyondTheBudgetOfPixelsAreNotDecoded) {
+  // Claims of 8192 x 8192 pixels, which are damaged: what is decoded says so.
+  const PngSample one = {1, 1, 0, 8, false, {0}, pngChunk("tEXt", std::string(70'000, 'x'))};
+  std::string large = pngOf(one);
+  large.replace(16, 8, std::string("\0\0\x20\0\0\0\x20\0", 8));
+  std::vector<EncodedPicture> encoded;
+  const std::size_t fitting = kMaxStoredTexels / (std::uint64_t{8192} * 8192);
+  for (std::size_t i = 0; i <= fitting; ++i) encoded.push_back({std::as_bytes(std::span(large)), "picture"});
+  const std::string beyond = "picture: with it, the pictures have 603979776 pixels";
+  const auto pictures = decodePictures(encoded, {64, 1});
+  for (std::size_t i = 0; i <= fitting; ++i) {
+    ASSERT_FALSE(pictures[i].ok());
+    EXPECT_EQ(pictures[i].error().message.starts_with(beyond), i == fitting) << pictures[i].error().message;
+  }
+}
+
+TEST(Pictures, ThoseThatAreTooLargeTogetherAreReducedToFit) {
+  const std::string file = pngOf(Picture{8192, 4096, std::vector<std::uint8_t>(std::size_t{8192} * 4096 * 4, 255)});
+  std::vector<EncodedPicture> encoded;
+  for (std::uint64_t texels = 0; texels <= kMaxKeptTexels; texels += std::uint64_t{8192} * 4096) {
+    encoded.push_back({std::as_bytes(std::span(file)), "picture"});
+  }
+  for (const Result<Picture>& picture : decodePictures(encoded, {0, 1})) {
+    ASSERT_TRUE(picture.ok()) << picture.error().message;
+    EXPECT_EQ(picture->width, 4096);
+    EXPECT_EQ(picture->height, 2048);
+  }
 }
 
 TEST(Pictures, CancelLeavesTheRest) {
