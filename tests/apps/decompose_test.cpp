@@ -14,15 +14,15 @@ namespace {
 TEST(Decompose, LShapeFallsIntoTwoBoxes) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  // One concave edge: Algorithm 1 stops at two parts, both convex. Without options, so does an error of 5 %.
+  // One concave edge: Algorithm 1 stops at two parts, both convex. Without options, so does a concavity of 0.05.
   const CommandResult result = runLorica({"decompose", mesh, "--exact", "--json", "-"});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["endedBy"], "convex");
   const nlohmann::json byDefault = runLorica({"decompose", mesh, "--json", "-"}).json();
   EXPECT_EQ(byDefault["hash"], json["hash"]);
-  EXPECT_EQ(byDefault["maxError"], 0.05);
-  EXPECT_EQ(byDefault["endedBy"], "error");
+  EXPECT_NEAR(byDefault["maxConcavity"].get<double>(), 0.05, 1e-12);
+  EXPECT_EQ(byDefault["endedBy"], "concavity");
   EXPECT_EQ(json["parts"], 2);
   EXPECT_NEAR(json["meshVolume"].get<double>(), 3.0, 1e-9);
   EXPECT_NEAR(json["hullVolume"].get<double>(), 3.0, 1e-9);
@@ -156,14 +156,16 @@ TEST(Decompose, ConvexMeshIsNotCut) {
   EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "9", "--json", "-"}).json()["endedBy"], "convex");
 }
 
-TEST(Decompose, ATorusIsWithinFivePercentByDefault) {
+TEST(Decompose, ATorusIsHardlyConcaveByDefault) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const CommandResult result = runLorica({"decompose", mesh});
-  EXPECT_NE(result.out.find("an error of 5.0 % was reached"), std::string::npos) << result.out;
-  const CommandResult refused = runLorica({"decompose", mesh, "--exact", "--max-error", "1%"});
-  EXPECT_EQ(refused.exitCode, 2);
-  EXPECT_NE(refused.err.find("--exact"), std::string::npos) << refused.err;
+  EXPECT_NE(result.out.find("a concavity of 0.05 was reached"), std::string::npos) << result.out;
+  for (const char* limit : {"--max-error", "--max-concavity"}) {
+    const CommandResult refused = runLorica({"decompose", mesh, "--exact", limit, "1%"});
+    EXPECT_EQ(refused.exitCode, 2);
+    EXPECT_NE(refused.err.find("--exact"), std::string::npos) << refused.err;
+  }
 }
 
 TEST(Decompose, OverlappingBoxesCountOnce) {

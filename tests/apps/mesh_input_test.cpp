@@ -110,8 +110,8 @@ TEST(MeshInput, AnOpenMeshGetsABodyThatHoldsItsVertices) {
   const fs::path file = writeObj(folder, "open.obj", mesh);
   const fs::path hulls = folder.path() / "hulls.obj";
   const fs::path parts = folder.path() / "open.lorica";
-  const CommandResult run =
-      runLorica({"decompose", file, "--parts", "8", "--export-obj", hulls, "-o", parts, "--json", "-"});
+  const CommandResult run = runLorica(
+      {"decompose", file, "--parts", "8", "--walls", "solid", "--export-obj", hulls, "-o", parts, "--json", "-"});
   ASSERT_EQ(run.exitCode, 0) << run.err;
   const nlohmann::json json = run.json();
   const nlohmann::json& body = json["body"];
@@ -130,9 +130,37 @@ TEST(MeshInput, AnOpenMeshGetsABodyThatHoldsItsVertices) {
   EXPECT_NEAR(info["detailLevels"].back()["error"].get<double>(), json["error"].get<double>(), 1e-7);
   EXPECT_EQ(info["hash"], json["hash"]);
 
-  const CommandResult text = runLorica({"decompose", file, "--parts", "8"});
+  const CommandResult text = runLorica({"decompose", file, "--parts", "8", "--walls", "solid"});
   EXPECT_NE(text.out.find("closed body"), std::string::npos) << text.out;
   EXPECT_NE(text.out.find("from its surface to the original"), std::string::npos) << text.out;
+}
+
+TEST(MeshInput, AnOpenMeshIsAThinWall) {
+  const TemporaryFolder folder;
+  const TriMesh mesh = openTorus();
+  const fs::path file = writeObj(folder, "open.obj", mesh);
+  const fs::path hulls = folder.path() / "hulls.obj";
+  const CommandResult run = runLorica({"decompose", file, "--export-obj", hulls, "--thickness", "0.02", "--json", "-"});
+  ASSERT_EQ(run.exitCode, 0) << run.err;
+  const nlohmann::json json = run.json();
+  EXPECT_EQ(json["body"]["shells"], 1);
+  EXPECT_EQ(json["body"]["thickness"], 0.02);
+  EXPECT_EQ(json["endedBy"], "concavity");
+  EXPECT_LE(json["concavity"].get<double>(), 0.05);
+  EXPECT_LT(json["meanConcavity"].get<double>(), json["concavity"].get<double>());
+  const double area = surfaceArea(mesh.vertices, mesh.triangles);
+  EXPECT_NEAR(json["meshVolume"].get<double>(), 0.02 * area, 0.001 * area);
+  EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
+  // The score is of the file's own surface, and its concavity much the same.
+  const CommandResult text = runLorica({"score", file, hulls, "--thickness", "0.02"});
+  EXPECT_NE(text.out.find("1 thin wall of 0.02, 100 % of the surface"), std::string::npos) << text.out;
+  const nlohmann::json score = runLorica({"score", file, hulls, "--thickness", "0.02", "--json", "-"}).json();
+  EXPECT_TRUE(score["score17"].is_null());
+  EXPECT_NEAR(score["concavity"].get<double>(), json["concavity"].get<double>(), 0.01);
+  EXPECT_LT(score["surfaceToHulls"]["largest"].get<double>(), 0.1);
+  EXPECT_LT(score["hullsToSurface"]["largest"].get<double>(), 0.1);
+  EXPECT_EQ(runLorica({"decompose", file, "--thickness", "0.5"}).exitCode, 2);
+  EXPECT_EQ(runLorica({"decompose", file, "--walls", "thick"}).exitCode, 2);
 }
 
 TEST(MeshInput, LimitedHullsHoldEveryVertexToo) {
@@ -165,7 +193,7 @@ TEST(MeshInput, TheUnitDoesNotMatter) {
   std::vector<nlohmann::json> results;
   for (const double scale : {1.0, 1e-3, 1e3}) {
     const fs::path file = writeObj(folder, "open.obj", openTorus(scale));
-    nlohmann::json json = runLorica({"decompose", file, "--parts", "8", "--json", "-"}).json();
+    nlohmann::json json = runLorica({"decompose", file, "--parts", "8", "--walls", "solid", "--json", "-"}).json();
     for (const char* key : {"voxel", "meanDistance", "farthestDistance"}) {
       json["body"][key] = json["body"][key].get<double>() / scale;
     }
@@ -251,10 +279,13 @@ TEST(MeshInput, AllFormatsGiveTheSameParts) {
   EXPECT_EQ(first["error"], second["error"]);
 }
 
-TEST(MeshInput, WhatEnclosesNothingIsRefusedWithBothReasons) {
+TEST(MeshInput, WhatEnclosesNothingIsAWallOrRefusedWithBothReasons) {
   const TemporaryFolder folder;
   const fs::path file = folder.write("flat.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n");
-  const CommandResult run = runLorica({"decompose", file});
+  const CommandResult wall = runLorica({"decompose", file});
+  EXPECT_EQ(wall.exitCode, 0) << wall.err;
+  EXPECT_NE(wall.out.find("1 thin wall of 0.01"), std::string::npos) << wall.out;
+  const CommandResult run = runLorica({"decompose", file, "--walls", "solid"});
   EXPECT_EQ(run.exitCode, 2);
   EXPECT_NE(run.err.find("volume"), std::string::npos) << run.err;
   EXPECT_NE(run.err.find("no closed body can be made"), std::string::npos) << run.err;

@@ -45,7 +45,7 @@ TEST(Strangers, GetTheRightValueOrASentence) {
       {"figure_posed_nodes.glb", {"info"}, {}, 0, {"1.450 m", "its nodes are posed"}},
       {"line_continuation.obj", {"info"}, {}, 0, {"volume        1\n", "yes, it can be decomposed"}},
       {"ufbx_max_skin_6100_ascii.fbx", {"info"}, {}, 2, {"FBX 6.1 is too old: export it as FBX 7.x"}},
-      {"flat_quad.obj", {"decompose"}, {}, 2, {"flat"}},
+      {"flat_quad.obj", {"decompose"}, {}, 0, {": 1 convex part\n", "1 thin wall of"}},
       {"trimesh_cubevc.glb", {"decompose"}, {"--parts", "16"}, 0, {": 1 convex part\n"}},
       {"convex_capsule.obj", {"decompose"}, {}, 0, {": 1 convex part\n"}},
       {"U_boxes.obj",
