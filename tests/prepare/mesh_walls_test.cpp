@@ -2,8 +2,10 @@
 
 #include "acd/decompose.h"
 #include "acd/transfer.h"
+#include "collision/world/world.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
+#include "geometry/mass_properties.h"
 #include "geometry/random_numbers.h"
 #include "prepare/mesh_subject.h"
 #include "tests/support/meshes.h"
@@ -14,6 +16,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -184,6 +187,45 @@ TEST(MeshWalls, LeaveVesselsEmpty) {
       }
     }
   }
+}
+
+/// Where a ball comes to rest that is dropped onto a vessel of these hulls.
+Vec3 restOfABall(std::vector<ConvexHull> hulls, const TriMesh& shown) {
+  auto shape = std::make_shared<PropMeshShape>();
+  shape->solid = massProperties(shown.vertices, shown.triangles);
+  Aabb box;
+  for (const ConvexHull& hull : hulls) {
+    for (const Vec3& p : hull.vertices) box.extend(p);
+  }
+  for (ConvexHull& hull : hulls) {
+    for (Vec3& p : hull.vertices) p -= box.center();
+  }
+  shape->hulls = std::move(hulls);
+  shape->shown = moved(shown, [&](const Vec3& p) { return Vec3(p - box.center()); });
+  Prop vessel = meshProp(shape);
+  vessel.mass = 0.0;
+  vessel.worldFromProp = Isometry3(Eigen::Translation3d(box.center()));
+  Prop ball;
+  ball.shape = PropShape::kSphere;
+  ball.halfExtents = Vec3::Constant(0.15);
+  ball.worldFromProp = Isometry3(Eigen::Translation3d(0.2, 1.5, 0.1));
+  World world;
+  world.addProp(vessel);
+  world.addProp(ball);
+  for (int frame = 0; frame < 300; ++frame) world.step({}, 1.0 / 60.0);
+  return world.props()[1].worldFromProp.translation();
+}
+
+TEST(MeshWalls, HoldABallThatIsDroppedIntoABowl) {
+  const TriMesh bowl = revolved({{0, 0}, {0.6, 0}, {1.0, 0.7}}, 24);
+  const TriMesh walls = wallsOf(bowl).mesh;
+  const Vec3 held = restOfABall(hullsOf(walls, 32), walls);
+  EXPECT_LT(std::hypot(held.x(), held.z()), 0.6);
+  EXPECT_GT(held.y(), 0.14);
+  EXPECT_LT(held.y(), 0.3);
+  // On the hull of all, it is not in the bowl.
+  const Vec3 outside = restOfABall(hullsOf(walls, 1), walls);
+  EXPECT_TRUE(outside.y() > 0.7 || std::hypot(outside.x(), outside.z()) > 1.0) << outside.transpose();
 }
 
 TEST(MeshWalls, LeaveClosedThingsSolid) {
