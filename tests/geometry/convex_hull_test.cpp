@@ -1,14 +1,18 @@
 #include "geometry/convex_hull.h"
 
 #include "geometry/counts.h"
+#include "geometry/random_numbers.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 #include <random>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -179,6 +183,49 @@ TEST(ConvexHull, SameCallTwiceIsBitEqual) {
   EXPECT_EQ(a.pointOfVertex, b.pointOfVertex);
   EXPECT_EQ(a.triangles, b.triangles);
   EXPECT_EQ(a.volume, b.volume);
+}
+
+/// The ends of a prism have so many faces on one plane that those that are level with a new point stay.
+TEST(ConvexHull, PrismsOfVeryManySides) {
+  struct Row {
+    int sides;
+    bool middles;  // and the middle of each edge, which is no vertex
+  };
+  for (const Row& row : {Row{63, false}, Row{200, false}, Row{200, true}, Row{1000, true}}) {
+    // A convex polygon of even numbers: two parabolas, so that middles are exact.
+    std::vector<Vec3> outline;
+    const int half = row.sides / 2;
+    for (int i = 0; i < half; ++i) outline.emplace_back(2.0 * i, 0.0, 2.0 * i * (half - i));
+    for (int i = half; i > 0; --i) outline.emplace_back(2.0 * i, 0.0, -2.0 * i * (half - i) - 2.0);
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+      std::vector<std::pair<std::uint64_t, Vec3>> shuffled;
+      for (std::size_t i = 0; i < outline.size(); ++i) {
+        const Vec3 middle = 0.5 * (outline[i] + outline[(i + 1) % outline.size()]);
+        for (const double y : {0.0, 64.0}) {
+          shuffled.emplace_back(randomBits(seed, shuffled.size()), Vec3(outline[i] + Vec3(0, y, 0)));
+          if (row.middles) shuffled.emplace_back(randomBits(seed, shuffled.size()), Vec3(middle + Vec3(0, y, 0)));
+        }
+      }
+      std::sort(shuffled.begin(), shuffled.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+      std::vector<Vec3> points;
+      for (const auto& [order, p] : shuffled) points.push_back(p);
+      const ConvexHull hull = convexHull(points);
+      EXPECT_EQ(hull.vertices.size(), 2 * outline.size());
+      EXPECT_EQ(hull.triangles.size(), 2 * hull.vertices.size() - 4);
+      EXPECT_TRUE(checkClosedTwoManifold({hull.vertices, hull.triangles}));
+      EXPECT_EQ(largestViolation(hull, points), 0.0);
+      EXPECT_NEAR(hull.volume, signedVolume(hull.vertices, hull.triangles), 1e-9 * hull.volume);
+      double bottom = 0.0;  // what its faces on the plane y = 0 cover
+      for (const Triangle& t : hull.triangles) {
+        const Vec3 cross = (hull.vertices[t[1]] - hull.vertices[t[0]]).cross(hull.vertices[t[2]] - hull.vertices[t[0]]);
+        if (std::ranges::all_of(t, [&](VertexIndex v) { return hull.vertices[v].y() == 0.0; })) {
+          EXPECT_GT(cross.norm(), 0.0);
+          bottom += 0.5 * cross.norm();
+        }
+      }
+      EXPECT_NEAR(bottom * 64.0, hull.volume, 1e-9 * hull.volume);
+    }
+  }
 }
 
 }  // namespace
