@@ -278,17 +278,19 @@ class HullBuilder {
     return true;
   }
 
-  /// Whether level faces can stay: the apex makes no flat triangle, and adds at most one to each plane.
+  /// Whether level faces can stay: the apex makes no flat triangle, adds at most one to each plane, and leaves every
+  /// vertex a corner. A vertex whose faces are all level lies on an edge to the apex.
   [[nodiscard]] bool levelFacesCanStay(int apex) const {
-    std::vector<const Face*> level;
+    std::vector<const HorizonEdge*> level;
     for (const HorizonEdge& h : horizon_) {
-      const Face& beyond = faces_[h.beyond];
-      if (sideOf(apex, beyond) != 0) continue;
+      if (sideOf(apex, faces_[h.beyond]) != 0) continue;
       if (collinear(h.from, h.to, apex)) return false;
-      for (const Face* other : level) {
-        if (coplanar(*other, beyond)) return false;
+      for (const HorizonEdge* other : level) {
+        if (other->to == h.from || other->from == h.to || coplanar(faces_[other->beyond], faces_[h.beyond])) {
+          return false;
+        }
       }
-      level.push_back(&beyond);
+      level.push_back(&h);
     }
     return true;
   }
