@@ -18,8 +18,9 @@ Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls&
   const double share = 1.0 / keyframes.keyframeCount();
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     PoseError pose;
-    pose.meshVolume = signedVolume(keyframes.keyframe(k), mesh.triangles);
     for (const ConvexHull& hull : hulls[k]) pose.hullVolume += hull.volume;
+    // A surface that overlaps itself counts some volume twice; but it is no larger than the hulls, which hold it.
+    pose.meshVolume = std::min(signedVolume(keyframes.keyframe(k), mesh.triangles), pose.hullVolume);
     quality.errorPerKeyframe.push_back(pose.relative());
     quality.meshVolume += share * pose.meshVolume;
     quality.hullVolume += share * pose.hullVolume;

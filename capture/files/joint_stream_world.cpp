@@ -150,7 +150,10 @@ void repairTimes(std::vector<Observation>& rows, double secondsPerTick, std::vec
 
 /// How well toes and knees agree with the front that left, right and up define: 1 all agree, -1 all point backwards.
 double frontAgreement(std::span<const Observation> rows) {
-  constexpr double kBentKnee = 0.05;  // min offset of a knee from its leg's line for a usable direction [m]
+  // Min offset of a knee from its leg's line, and length of a foot, for a usable direction [m]. Sensors place the knees
+  // of people who stand up to 7 cm behind that line.
+  constexpr double kBentKnee = 0.08;
+  constexpr double kFoot = 0.05;
   constexpr double kFewest = 5.0;
   double sum = 0.0;
   double count = 0.0;
@@ -173,7 +176,7 @@ double frontAgreement(std::span<const Observation> rows) {
       }
       if (!row.toes[side]) continue;
       const Vec3 toes = *row.toes[side] - row.frame[foot].position;
-      if (toes.norm() < kBentKnee) continue;
+      if (toes.norm() < kFoot) continue;
       sum += front.dot(toes.normalized());
       count += 1.0;
     }

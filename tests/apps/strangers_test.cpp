@@ -5,7 +5,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -67,6 +71,64 @@ TEST(Strangers, GetTheRightValueOrASentence) {
     for (const char* text : row.said) {
       EXPECT_NE(all.find(text), std::string::npos) << row.file << ": no `" << text << "` in:\n" << all;
     }
+  }
+}
+
+/// The numbers of a text, separated by commas or blanks.
+std::vector<double> numbersIn(const std::string& text) {
+  std::vector<double> numbers;
+  std::istringstream words(text);
+  for (std::string word; std::getline(words, word, text.find(',') == std::string::npos ? ' ' : ',');) {
+    numbers.push_back(std::strtod(word.c_str(), nullptr));
+  }
+  return numbers;
+}
+
+std::vector<std::string> linesOf(const std::filesystem::path& file) {
+  std::ifstream in(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+TEST(Strangers, BonesAlongAnyAxisPerformTheFilesOwnPositions) {
+  LORICA_REQUIRE_DATASET(readme, "strangers/README.md");
+  const TemporaryFolder folder;
+  for (const char* name : {"bones_along_x.bvh", "bones_along_y.bvh"}) {
+    const std::filesystem::path csv = folder.path() / "joints.csv";
+    ASSERT_EQ(runLorica({"convert", readme.parent_path() / name, csv}).exitCode, 0);
+    const std::vector<std::string> lines = linesOf(csv);
+    ASSERT_GT(lines.size(), 31u);
+    std::vector<std::string> columns;
+    std::istringstream header(lines[0]);
+    for (std::string column; std::getline(header, column, ',');) columns.push_back(column);
+    const std::vector<double> row = numbersIn(lines[31]);  // frame 30
+    const std::vector<std::pair<const char*, double>> expected = {
+        {"head.y", 1.627},      {"left_shoulder.x", 0.16}, {"left_shoulder.y", 1.467},
+        {"left_hand.x", 0.388}, {"left_hand.y", 0.988},    {"left_hand.z", 0.700},
+        {"left_foot.x", 0.09},  {"left_foot.y", 0.208},    {"left_foot.z", 0.209}};
+    for (const auto& [column, value] : expected) {
+      const std::size_t at = std::ranges::find(columns, column) - columns.begin();
+      ASSERT_LT(at, row.size()) << column;
+      EXPECT_NEAR(row[at], value, 0.001) << name << " " << column;
+    }
+    std::filesystem::remove(csv);
+  }
+}
+
+TEST(Strangers, AStreamWithoutHipsStands) {
+  LORICA_REQUIRE_DATASET(readme, "strangers/README.md");
+  const TemporaryFolder folder;
+  for (const char* name : {"vmc_no_hips", "vmc_head_only"}) {
+    const std::filesystem::path out = folder.path() / (std::string(name) + ".bvh");
+    const std::filesystem::path packets = readme.parent_path() / (std::string(name) + ".pcap");
+    ASSERT_EQ(runLorica({"record", out, packets, "--character", "mannequin"}).exitCode, 0) << name;
+    const std::vector<std::string> lines = linesOf(out);
+    const auto motion = std::ranges::find(lines, "MOTION");
+    ASSERT_GT(lines.end() - motion, 60);
+    const std::vector<double> frame = numbersIn(motion[60]);
+    ASSERT_GT(frame.size(), 3u);
+    EXPECT_NEAR(frame[1], 95.0, 0.5) << name;  // the hips' height [cm]
   }
 }
 
