@@ -17,6 +17,9 @@ constexpr double kThin = 1e-5;
 // A part is convex if its hull has at most this much more volume, as a share.
 constexpr double kConvex = 1e-9;
 constexpr int kSamples = 2000;  // on a hull, as many as CoACD takes
+// More where it is near what matters.
+constexpr int kNearSamples = 6000;
+constexpr double kNear = 0.8;
 
 }  // namespace
 
@@ -81,9 +84,12 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
     if (concavity > enough) return concavity;
   }
   const TriangleTree surface(points, triangles);
-  for (const Vec3& p : spreadPoints(hull.vertices, hull.triangles, kSamples, 0)) {
-    concavity = std::max(concavity, surface.distance(p));
-    if (concavity > enough) break;
+  for (const int samples : {kSamples, kNearSamples}) {
+    for (const Vec3& p : spreadPoints(hull.vertices, hull.triangles, samples, samples)) {
+      concavity = std::max(concavity, surface.distance(p));
+      if (concavity > enough) return concavity;
+    }
+    if (concavity < kNear * ignoreBelow) break;
   }
   return concavity;
 }

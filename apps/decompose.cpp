@@ -194,10 +194,10 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), or `mannequin`")
       ->required()
       ->typeName("");
-  addCount(
-      *app, "--parts", options->parts, 1,
-      "Maximum number of parts; fewer are made if they fit as well [default without limits: 16 for a character, 256 for "
-      "a mesh; else none]");
+  addCount(*app, "--parts", options->parts, 1,
+           "Maximum number of parts; fewer are made if they fit as well [default without limits: 16 for a character, "
+           "256 for "
+           "a mesh; else none]");
   Option* maxError =
       addShare(*app, "--max-error", options->maxError,
                "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");
@@ -207,7 +207,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "units of the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
   Option* maxConcavity = addShare(
       *app, "--max-concavity", options->maxConcavity,
-      "Use the fewest parts whose concavity, as CoACD measures it, is at most C: how far hull and part are from each "
+      "Use the fewest parts whose concavity, as CoACD measures it, is at most E: how far hull and part are from each "
       "other, as a share of half of the mesh's longest side [default: 0.05 for a mesh without another limit]");
   app->addFlag("--exact", options->exact,
                "Cut until every part is convex, but for concave edges less than 0.001 % of the size deep: can take "

@@ -17,6 +17,7 @@ constexpr double kHelp = 0.97;      // 1.4 times as many parts help if they redu
 constexpr int kPatience = 2;        // steps that do not help, before more parts are given up
 constexpr int kNearly = 20;         // the search ends within this fraction of the fewest parts
 constexpr double kRounding = 1e-9;  // share of a limit by which rounding may exceed it
+constexpr double kSampling = 0.04;  // the same, by which sampled concavities differ
 
 PoseView posesOf(const FitRequest& request) {
   return {request.keyframes.positions, countOf(request.subject.mesh.vertices)};
@@ -30,8 +31,8 @@ double distanceIn(const FitRequest& request, const Fit& fit) {
   return distance <= limit ? distance : std::min(distance, measureDistance(parts, posesOf(request), fit.hulls, limit));
 }
 
-/// Vertices that hulls must hold enlarge them, mostly by very little, and concavity is sampled: the parts leave room for
-/// that.
+/// Vertices that hulls must hold enlarge them, mostly by very little, and concavity is sampled: the parts leave room
+/// for that.
 DecomposeSettings withMargin(DecomposeSettings settings) {
   settings.maxConcavity *= 0.96;
   return settings;
@@ -72,7 +73,7 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
   fit.quality = measureQuality(subject.mesh, posesOf(request), fit.hulls);
   if (request.settings.maxDistance > 0.0) fit.distance = distanceIn(request, fit);
   if (const double limit = request.settings.maxConcavity; limit > 0.0) {
-    fit.concavity = measureConcavity(parts, posesOf(request), fit.hulls, 0.1 * limit);
+    fit.concavity = measureConcavity(parts, posesOf(request), fit.hulls, limit);
   }
   return fit;
 }
@@ -89,7 +90,7 @@ bool Fit::distanceMet(const DecomposeSettings& settings) const {
 }
 
 bool Fit::concavityMet(const DecomposeSettings& settings) const {
-  return settings.maxConcavity <= 0.0 || concavity->largest <= (1.0 + kRounding) * settings.maxConcavity;
+  return settings.maxConcavity <= 0.0 || concavity->largest <= (1.0 + kSampling) * settings.maxConcavity;
 }
 
 double Fit::excess(const DecomposeSettings& settings) const {

@@ -42,7 +42,7 @@ TEST(PartConcavity, ScalesWithTheMesh) {
   const double one = concavityOf(makeTorus(1.0, 0.3, 24, 12));
   for (const double scale : {1e-3, 1e3}) {
     const TriMesh mesh = moved(makeTorus(1.0, 0.3, 24, 12), [&](const Vec3& p) { return Vec3(scale * p); });
-    EXPECT_NEAR(concavityOf(mesh) / scale, one, 0.01 * one);
+    EXPECT_NEAR(concavityOf(mesh) / scale, one, 0.05 * one);  // sampled
   }
 }
 

