@@ -122,6 +122,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   }
   LORICA_TRY(std::vector<NamedMesh> objects, readObjObjects(options.parts));
   std::vector<TriMesh> parts;
+  parts.reserve(objects.size());
   for (NamedMesh& object : objects) parts.push_back(std::move(object.mesh));
 
   // Either the mesh or the parts may be rejected: a failure names that file.

@@ -202,8 +202,8 @@ typedef struct lorica_motion_options {
 /* A motion as a character performs it. */
 typedef struct lorica_motion lorica_motion;
 
-/* @param name_or_file  recorded joints (.csv, .txt, .json), .bvh, depth (.oni), a character file with clips, or a shipped
- *                      recording: "walk"
+/* @param name_or_file  recorded joints (.csv, .txt, .json), .bvh, depth (.oni), a character file with clips, or a
+ *                      shipped recording: "walk"
  * @param options       null = defaults */
 LORICA_API lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
                                             const lorica_motion_options* options, lorica_motion** out);

@@ -58,8 +58,8 @@ double sizeOf(const BvhText& text, const Skeleton& skeleton, std::span<const Joi
 /// Finds the unit in which a size is nearest to a person's height. A body that no unit explains has one of its own.
 void setUnit(double size, BvhFile& out) {
   const auto offBy = [&](const Unit& unit) { return std::abs(std::log(unit.metres * size / kUsualHeight)); };
-  const auto best = std::min_element(kUnits.begin(), kUnits.end(),
-                                     [&](const Unit& a, const Unit& b) { return offBy(a) < offBy(b); });
+  const auto best =
+      std::min_element(kUnits.begin(), kUnits.end(), [&](const Unit& a, const Unit& b) { return offBy(a) < offBy(b); });
   const double height = best->metres * size;
   const bool rare = best - kUnits.begin() >= kFirstRareUnit;
   out.unit = best->name;
