@@ -153,9 +153,8 @@ Sheets findSheets(const TriMesh& mesh) {
   sheets.sheetOfTriangle.assign(count, -1);
   for (std::size_t start = 0; start < count; ++start) {
     if (sheets.sheetOfTriangle[start] >= 0) continue;
-    const std::int32_t number = countOf(sheets.closed);
+    const std::int32_t number = static_cast<std::int32_t>(sheets.count++);
     sheets.sheetOfTriangle[start] = number;
-    bool closed = true;
     double facing = 0.0;  // area that faces as in the input, less what does not
     std::vector<std::int32_t> walk{static_cast<std::int32_t>(start)};
     for (std::size_t next = 0; next < walk.size(); ++next) {
@@ -182,17 +181,15 @@ Sheets findSheets(const TriMesh& mesh) {
       }
     }
     for (const std::int32_t k : walk) {
-      closed = closed && std::ranges::all_of(sheets.across[k], [](std::int32_t t) { return t >= 0; });
       if (facing >= 0.0) continue;
       std::swap(sheets.triangles[k][1], sheets.triangles[k][2]);
       std::swap(sheets.across[k][0], sheets.across[k][2]);
     }
-    sheets.closed.push_back(closed);
   }
   return sheets;
 }
 
-SheetWalls wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vector<bool>& which, double thickness) {
+TriMesh wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vector<bool>& which, double thickness) {
   const std::size_t count = sheets.triangles.size();
   // The corners of a sheet around a vertex are one corner of the wall.
   UnionFind corners(3 * count);
@@ -209,7 +206,7 @@ SheetWalls wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vec
   std::vector<VertexIndex> numberOf(3 * count, -1);
   std::vector<Mat3> squares;
   std::vector<Vec3> sums;
-  SheetWalls walls;
+  TriMesh walls;
   std::vector<VertexIndex> origin;
   const auto cornerOf = [&](std::size_t k, std::size_t i) -> VertexIndex& { return numberOf[corners.find(3 * k + i)]; };
   for (std::size_t k = 0; k < count; ++k) {
@@ -231,25 +228,23 @@ SheetWalls wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vec
       sums[corner] += angle * normal;
     }
   }
-  const VertexIndex corner_count = countOf(origin);
-  walls.mesh.vertices.resize(2 * origin.size());
-  walls.origin.resize(2 * origin.size());
+  const VertexIndex cornerCount = countOf(origin);
+  walls.vertices.resize(2 * origin.size());
   for (std::size_t c = 0; c < origin.size(); ++c) {
     const Vec3 offset = 0.5 * thickness * miter(squares[c], sums[c]);
-    walls.mesh.vertices[c] = mesh.vertices[origin[c]] + offset;
-    walls.mesh.vertices[c + origin.size()] = mesh.vertices[origin[c]] - offset;
-    walls.origin[c] = walls.origin[c + origin.size()] = origin[c];
+    walls.vertices[c] = mesh.vertices[origin[c]] + offset;
+    walls.vertices[c + origin.size()] = mesh.vertices[origin[c]] - offset;
   }
   for (std::size_t k = 0; k < count; ++k) {
     if (!which[k]) continue;
     const Triangle front{cornerOf(k, 0), cornerOf(k, 1), cornerOf(k, 2)};
-    walls.mesh.triangles.push_back(front);
-    walls.mesh.triangles.push_back({front[0] + corner_count, front[2] + corner_count, front[1] + corner_count});
+    walls.triangles.push_back(front);
+    walls.triangles.push_back({front[0] + cornerCount, front[2] + cornerCount, front[1] + cornerCount});
     for (std::size_t i = 0; i < 3; ++i) {
       if (sheets.across[k][i] >= 0) continue;
       const VertexIndex a = front[i], b = front[(i + 1) % 3];
-      walls.mesh.triangles.push_back({b, a, a + corner_count});
-      walls.mesh.triangles.push_back({b, a + corner_count, b + corner_count});
+      walls.triangles.push_back({b, a, a + cornerCount});
+      walls.triangles.push_back({b, a + cornerCount, b + cornerCount});
     }
   }
   return walls;

@@ -19,7 +19,7 @@ struct Sheets {
   /// For each side of a triangle, from its corner i to the next one: the triangle across, or -1 at a border.
   std::vector<std::array<std::int32_t, 3>> across;
   std::vector<std::int32_t> sheetOfTriangle;
-  std::vector<bool> closed;  ///< for each sheet: it has no border
+  std::size_t count = 0;
 };
 
 /// Divides a surface into sheets. Where more than two triangles meet at an edge, those that continue each other best
@@ -30,15 +30,11 @@ struct Sheets {
 
 /// Closed walls around sheets, half of the thickness on each side. At an edge both faces are offset by that much,
 /// unless it is sharper than 60 degrees.
-struct SheetWalls {
-  TriMesh mesh;                     ///< closed two-manifold: two vertices for each corner of a sheet
-  std::vector<VertexIndex> origin;  ///< for each of its vertices, the input's
-};
-
 /// @param which      for each triangle, whether it gets a wall
 /// @param thickness  more than 0 [m]
-[[nodiscard]] SheetWalls wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vector<bool>& which,
-                                     double thickness);
+/// @return two vertices for each corner of a sheet
+[[nodiscard]] TriMesh wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vector<bool>& which,
+                                  double thickness);
 
 /// The narrowest gap between sides of a surface that face each other, where that is less than `upTo`; else `upTo`.
 /// Two sides that meet at an edge form a corner and no gap; so a hundredth of the area is left out.

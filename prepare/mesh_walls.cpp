@@ -89,7 +89,7 @@ class WallMaker {
   [[nodiscard]] bool manySheets() const { return std::ranges::count(roles_, Role::kShell) > kMaxSheets; }
 
   void measure() {
-    const std::size_t count = sheets_.closed.size();
+    const std::size_t count = sheets_.count;
     area_.assign(count, 0.0);
     members_.resize(count);
     for (std::size_t k = 0; k < mesh_.triangles.size(); ++k) {
@@ -174,7 +174,7 @@ class WallMaker {
     body.figures.thickness =
         options_.thickness > 0.0 ? options_.thickness : 0.5 * narrowestGap(mesh_, which, 2.0 * most);
     body.figures.shellShare = shell / whole;
-    append(body.mesh, wallsAround(mesh_, sheets_, which, body.figures.thickness).mesh);
+    append(body.mesh, wallsAround(mesh_, sheets_, which, body.figures.thickness));
   }
 
   TriMesh mesh_;

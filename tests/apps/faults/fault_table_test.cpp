@@ -257,7 +257,7 @@ TEST_F(FaultTable, AReadOnlyFolderIsASentenceAtOnce) {
 }
 
 TEST_F(FaultTable, AFileServerThatIsAwayIsASentenceAndTheNextRunHealsIt) {
-  if (!hasShim()) GTEST_SKIP();
+  if (!hasShim()) GTEST_SKIP() << "built without the shim that makes faults";
   for (const Job& job : jobs()) {
     SCOPED_TRACE(job.name);
     const TemporaryFolder folder;
@@ -273,7 +273,7 @@ TEST_F(FaultTable, AFileServerThatIsAwayIsASentenceAndTheNextRunHealsIt) {
 }
 
 TEST_F(FaultTable, AFileServerThatHangsIsLeftOnSigterm) {
-  if (!hasShim()) GTEST_SKIP();
+  if (!hasShim()) GTEST_SKIP() << "built without the shim that makes faults";
   for (const Job& job : jobs()) {
     SCOPED_TRACE(job.name);
     FaultyEnd end;
@@ -286,7 +286,7 @@ TEST_F(FaultTable, AFileServerThatHangsIsLeftOnSigterm) {
 }
 
 TEST_F(FaultTable, AWrongClockChangesNothing) {
-  if (!hasShim()) GTEST_SKIP();
+  if (!hasShim()) GTEST_SKIP() << "built without the shim that makes faults";
   for (const Job& job : jobs()) {
     if (job.name == "live" || job.name == "record") continue;  // OpenNI2 waits by the kernel's clock, which stays right
     SCOPED_TRACE(job.name);
@@ -330,7 +330,7 @@ class FaultyBake : public testing::TestWithParam<Fault> {
 TEST_P(FaultyBake, IsHealedByTheNextRun) {
   const Fault fault = GetParam();
   const bool shimmed = fault == Fault::kServerAway || fault == Fault::kServerHangs || fault == Fault::kClockWrong;
-  if (shimmed && !hasShim()) GTEST_SKIP();
+  if (shimmed && !hasShim()) GTEST_SKIP() << "built without the shim that makes faults";
   static const std::string expected = [] {
     const TemporaryFolder clean;
     EXPECT_EQ(run(clean, {}, Fault::kNone).exitCode, 0);
