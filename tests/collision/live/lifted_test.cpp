@@ -3,8 +3,8 @@
 #include "collision/live/lifted_point.h"
 #include "collision/live/rigid_fit.h"
 #include "tests/collision/dancer.h"
-#include "tests/collision/instruction_sets.h"
 #include "tests/collision/parts.h"
+#include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 

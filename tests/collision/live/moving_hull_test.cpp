@@ -1,8 +1,8 @@
 #include "collision/live/moving_hull.h"
 
-#include "tests/collision/instruction_sets.h"
 #include "tests/collision/live/moving_hull_truth.h"
 #include "tests/collision/parts.h"
+#include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 

@@ -1,7 +1,7 @@
 #include "collision/live/support_kernel.h"
 
-#include "tests/collision/instruction_sets.h"
 #include "tests/collision/parts.h"
+#include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 

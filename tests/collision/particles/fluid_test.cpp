@@ -1,8 +1,8 @@
 #include "collision/particles/fluid.h"
 
-#include "tests/collision/instruction_sets.h"
 #include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
+#include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

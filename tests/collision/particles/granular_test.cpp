@@ -1,9 +1,9 @@
 #include "collision/particles/granular.h"
 
 #include "geometry/random_numbers.h"
-#include "tests/collision/instruction_sets.h"
 #include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
+#include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

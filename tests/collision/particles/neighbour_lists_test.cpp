@@ -1,7 +1,7 @@
 #include "collision/particles/neighbour_lists.h"
 
 #include "geometry/random_numbers.h"
-#include "tests/collision/instruction_sets.h"
+#include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 

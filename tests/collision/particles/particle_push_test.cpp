@@ -2,10 +2,10 @@
 
 #include "collision/live/live_body.h"
 #include "tests/collision/dancer.h"
-#include "tests/collision/instruction_sets.h"
 #include "tests/collision/particles/particle_push_truth.h"
 #include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
+#include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 
