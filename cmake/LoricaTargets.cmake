@@ -102,6 +102,17 @@ function(lorica_library name)
   install(TARGETS lorica_${name} EXPORT loricaTargets)
 endfunction()
 
+# lorica_embed(segmentation person_network.bin personNetworkFile): a file of a library's folder becomes part of the library,
+# as std::span<const std::uint8_t> lorica::personNetworkFile().
+function(lorica_embed library file function)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${file}.cpp)
+  add_custom_command(OUTPUT ${source}
+    COMMAND ${CMAKE_COMMAND} -D FILE=${CMAKE_CURRENT_SOURCE_DIR}/${file} -D FUNCTION=${function} -D SOURCE=${source}
+            -P ${PROJECT_SOURCE_DIR}/cmake/EmbedFile.cmake
+    DEPENDS ${file} ${PROJECT_SOURCE_DIR}/cmake/EmbedFile.cmake VERBATIM)
+  target_sources(lorica_${library} PRIVATE ${source})
+endfunction()
+
 # lorica_module(level_set FOR body SOURCES level_set_module.cpp LINKS ...): a shared library that a folder's library loads
 # when it is first needed (geometry/module.h). It lies in lib/lorica, and the run path of whatever links the folder's
 # library leads there: of a program of this build by CMAKE_BUILD_RPATH, of one outside by the exported target.
