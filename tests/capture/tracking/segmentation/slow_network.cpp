@@ -14,40 +14,47 @@ namespace {
 struct Planes {
   Planes(int w, int h, int c) : width(w), height(h), channels(c), numbers(std::size_t{1} * w * h * c) {}
   [[nodiscard]] std::int64_t& at(int c, int y, int x) { return numbers[(c * height + y) * width + x]; }
-  [[nodiscard]] std::int64_t at(int c, int y, int x) const {
-    if (x < 0 || x >= width || y < 0 || y >= height) return 0;
-    return numbers[(c * height + y) * width + x];
-  }
+  [[nodiscard]] const std::int64_t& at(int c, int y, int x) const { return numbers[(c * height + y) * width + x]; }
 
   int width, height, channels;
   std::vector<std::int64_t> numbers;
 };
 
+/// Adds a channel, moved and scaled, to another one. What would come from outside is 0.
+void addMoved(const Planes& from, int channel, int dy, int dx, std::int64_t weight, Planes& to, int toChannel) {
+  for (int y = std::max(0, -dy); y < std::min(to.height, to.height - dy); ++y) {
+    const int first = std::max(0, -dx), end = std::min(to.width, to.width - dx);
+    const std::int64_t* source = &from.at(channel, y + dy, first + dx);
+    std::int64_t* sum = &to.at(toChannel, y, first);
+    for (int x = first; x < end; ++x) *sum++ += weight * *source++;
+  }
+}
+
 /// @param residual  null for none
 Planes convolved(const SlowConvolution& k, const Planes& in, bool linear, const Planes* residual) {
   Planes out(in.width, in.height, k.out);
   for (int o = 0; o < k.out; ++o) {
-    for (int y = 0; y < in.height; ++y) {
-      for (int x = 0; x < in.width; ++x) {
-        std::int64_t sum = k.bias[o];
-        if (k.kind == '1') {
-          for (int i = 0; i < k.in; ++i) sum += k.weights[i * k.out + o] * in.at(i, y, x);
-        } else {
-          for (int ky = 0; ky < 3; ++ky) {
-            for (int kx = 0; kx < 3; ++kx) {
-              const int tap = ky * 3 + kx;
-              if (k.kind == 'd') {
-                sum += k.weights[tap * k.out + o] * in.at(o, y + ky - 1, x + kx - 1);
-              } else {
-                for (int i = 0; i < k.in; ++i) {
-                  sum += k.weights[(tap * k.in + i) * k.out + o] * in.at(i, y + ky - 1, x + kx - 1);
-                }
-              }
+    if (k.kind == '1') {
+      for (int i = 0; i < k.in; ++i) addMoved(in, i, 0, 0, k.weights[i * k.out + o], out, o);
+    } else {
+      for (int ky = 0; ky < 3; ++ky) {
+        for (int kx = 0; kx < 3; ++kx) {
+          const int tap = ky * 3 + kx;
+          if (k.kind == 'd') {
+            addMoved(in, o, ky - 1, kx - 1, k.weights[tap * k.out + o], out, o);
+          } else {
+            for (int i = 0; i < k.in; ++i) {
+              addMoved(in, i, ky - 1, kx - 1, k.weights[(tap * k.in + i) * k.out + o], out, o);
             }
           }
         }
-        const int shift = k.shift[o];
-        if (residual != nullptr) sum += residual->at(o, y, x) * (std::int64_t{1} << shift);
+      }
+    }
+    const int shift = k.shift[o];
+    if (residual != nullptr) addMoved(*residual, o, 0, 0, std::int64_t{1} << shift, out, o);
+    for (int y = 0; y < in.height; ++y) {
+      for (int x = 0; x < in.width; ++x) {
+        std::int64_t sum = out.at(o, y, x) + k.bias[o];
         if (shift > 0) sum += std::int64_t{1} << (shift - 1);
         sum >>= shift;
         out.at(o, y, x) =
