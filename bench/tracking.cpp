@@ -364,6 +364,9 @@ int main(int argc, char** argv) {
   app.add_option("--start", options.realOptions.variant.start, "with --real: frames left out at the beginning")
       ->check(CLI::Range(0, 10'000));
   app.add_flag("--mirror", options.realOptions.variant.mirror, "with --real: left and right exchanged");
+  app.add_option("--composed", options.realOptions.composed,
+                 "with --real: so many rooms composed of its people, its empty rooms and rendered furniture instead")
+      ->check(CLI::Range(1, 10'000));
   app.add_flag("--twins", options.realOptions.twins,
                "with --real: rendered copies of the recordings instead, with --noise and --clothes");
   app.add_option("--results", options.realOptions.results, "with --real: folder for the joints and labels");

@@ -1,5 +1,6 @@
 #include "bench/tracking_real.h"
 
+#include "bench/composed_rooms.h"
 #include "bench/depth_overlay.h"
 #include "bench/measure.h"
 #include "bench/real_recordings.h"
@@ -18,6 +19,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <limits>
 #include <map>
 #include <optional>
@@ -31,6 +33,9 @@ namespace fs = std::filesystem;
 
 constexpr double kOff = 0.15;       ///< a joint with a larger error counts as off [m]
 constexpr double kSamePlace = 0.6;  ///< a tracked person farther than this from every true one is a false person [m]
+constexpr double kOutside = 0.1;    ///< a confident joint seen farther from every true pixel is outside [m]
+constexpr double kJump = 0.15;      ///< a joint that moves more from one frame to the next has jumped [m]
+constexpr double kStill = 0.08;     ///< unless the recorded one moves more than this [m]
 constexpr double kSettled = 1.0;    ///< time after which a person should be followed and false people be gone [s]
 
 /// A tracked person in one frame, camera frame.
@@ -45,6 +50,7 @@ struct Match {
   bool back = false;                            ///< left and right shoulder are exchanged
   std::array<double, kBodyJointCount> error{};  ///< less the offsets of the joints' definitions [m]
   std::array<bool, kBodyJointCount> sure{};
+  std::array<bool, kBodyJointCount> hidden{};  ///< not seen, where masks of all frames tell
 };
 
 /// What was measured in one recording, or in several.
@@ -56,6 +62,8 @@ struct Measured {
   int falseFrames = 0, lateFalseFrames = 0;
   int exchanges = 0;  ///< times at which a person got another person's number
   std::vector<double> overlaps, ms;
+  int sureSeen = 0, sureOutside = 0;   ///< confident joints in frames with a mask; those outside of it
+  int steps = 0, pops = 0;             ///< pairs of frames of a person; jumps of a joint that hardly moves
   std::vector<Match> againstRepeated;  ///< rendered people, errors from the recorded joints that they repeat
   std::vector<double> twinApart;       ///< see RenderedTwin
   int twinFrames = 0, twinLimbFrames = 0;
@@ -116,21 +124,53 @@ std::vector<int> matchPeople(const RealRecording& recording, int frame, std::spa
   }
 }
 
-/// Intersection over union of the labels of all people and the mask; NaN if there is no mask or either is empty.
-double overlapOf(const fs::path& mask, std::span<const std::uint8_t> labels, int width) {
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  if (!fs::exists(mask)) return none;
-  const Result<Image> image = readPng(mask);
-  if (!image || image->width != width) return none;
+/// True pixels of a frame, as labels; empty if they are not known.
+using MaskOf = std::function<std::span<const std::uint8_t>(int frame)>;
+
+/// Intersection over union of the labels of all people and the mask; NaN if either is empty.
+double overlapOf(std::span<const std::uint8_t> mask, std::span<const std::uint8_t> labels) {
   int both = 0, either = 0, truths = 0, mine = 0;
   for (std::size_t i = 0; i < labels.size(); ++i) {
-    const bool truth = image->rgba[4 * i] > 0, label = labels[i] > 0 && labels[i] < 255;
+    const bool truth = mask[i] > 0, label = labels[i] > 0 && labels[i] < 255;
     both += static_cast<int>(truth && label);
     either += static_cast<int>(truth || label);
     truths += static_cast<int>(truth);
     mine += static_cast<int>(label);
   }
-  return truths == 0 || mine == 0 ? none : static_cast<double>(both) / either;
+  return truths == 0 || mine == 0 ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(both) / either;
+}
+
+/// Whether a joint is seen farther than kOutside from every true pixel.
+bool isOutside(const DepthCamera& camera, std::span<const std::uint8_t> mask, const Vec3& joint) {
+  const Eigen::Vector2d at = camera.imagePointOf(joint);
+  const double reach = kOutside * camera.focalX() / std::max(0.3, -joint.z());
+  const int left = std::max(0, static_cast<int>(at.x() - reach)), top = std::max(0, static_cast<int>(at.y() - reach));
+  const int right = std::min(camera.width - 1, static_cast<int>(at.x() + reach));
+  const int bottom = std::min(camera.height - 1, static_cast<int>(at.y() + reach));
+  for (int y = top; y <= bottom; ++y) {
+    for (int x = left; x <= right; ++x) {
+      if (mask[static_cast<std::size_t>(y) * camera.width + x] == 0) continue;
+      if (std::hypot(x + 0.5 - at.x(), y + 0.5 - at.y()) <= reach) return false;
+    }
+  }
+  return true;
+}
+
+/// The masks that lie beside a recording, of every tenth frame.
+MaskOf masksBeside(const RealRecording& recording, const RealVariant& variant) {
+  return [&recording, variant, pixels = std::vector<std::uint8_t>()](int frame) mutable {
+    const fs::path file =
+        recording.file.parent_path() / "masks" / fmt::format("{}_{:04}.png", recording.name, frame + variant.start);
+    pixels.clear();
+    if (!fs::exists(file)) return std::span<const std::uint8_t>(pixels);
+    const Result<Image> image = readPng(file);
+    if (!image) return std::span<const std::uint8_t>(pixels);
+    for (std::size_t i = 0; i < image->rgba.size(); i += 4) pixels.push_back(image->rgba[i]);
+    if (variant.mirror) {
+      for (auto row = pixels.begin(); row != pixels.end(); row += image->width) std::reverse(row, row + image->width);
+    }
+    return std::span<const std::uint8_t>(pixels);
+  };
 }
 
 /// Tracked joints in red, recorded ones in green.
@@ -154,7 +194,8 @@ Image pictureOf(const DepthCamera& camera, const DepthFrame& depth, std::span<co
 
 /// @param repeated  see RenderedTwin; empty for real people
 Result<Measured> track(DepthSource& source, const RealRecording& recording, const Joints& offsets,
-                       const RealOptions& options, std::span<const std::map<int, Joints>> repeated) {
+                       const RealOptions& options, std::span<const std::map<int, Joints>> repeated,
+                       const MaskOf& maskOf) {
   Result<Tracker> tracker = Tracker::create(source.camera());
   if (!tracker) return tracker.error();
   Measured measured;
@@ -165,6 +206,7 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
     log.emplace(std::move(*created));
   }
   std::vector<int> user(recording.people.size());
+  std::vector<std::optional<Seen>> before(recording.people.size());
   std::vector<int> first(recording.people.size(), -1);
   std::vector<Image> pictures;
   std::vector<std::string> captions;
@@ -173,9 +215,9 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
     const Result<DepthRead> read = source.next(depth);
     if (!read) return read.error();
     if (*read != DepthRead::kFrame) break;
-    const double before = threadSeconds();
+    const double begin = threadSeconds();
     const std::span<const TrackedPerson> people = tracker->track(depth);
-    measured.ms.push_back(1e3 * (threadSeconds() - before));
+    measured.ms.push_back(1e3 * (threadSeconds() - begin));
     std::vector<Seen> seen;
     for (const TrackedPerson& person : people) {
       seen.push_back({person.skeleton.user, moved(person.skeleton, tracker->floorFromCamera().inverse())});
@@ -188,17 +230,24 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
 
     const bool settled = (frame - recording.firstFrame) * recording.frameSeconds >= kSettled;
     const std::vector<int> found = matchPeople(recording, frame, seen);
+    const std::span<const std::uint8_t> mask = maskOf ? maskOf(frame) : std::span<const std::uint8_t>();
     int extra = static_cast<int>(seen.size());
     for (std::size_t b = 0; b < found.size(); ++b) {
       const auto truth = recording.people[b].find(frame);
       if (truth == recording.people[b].end()) continue;
       ++measured.frames;
       measured.settledFrames += static_cast<int>(settled);
-      if (found[b] < 0) continue;
+      if (found[b] < 0) {
+        before[b].reset();
+        continue;
+      }
       --extra;
       const Seen& one = seen[static_cast<std::size_t>(found[b])];
       Match match = compare(truth->second, one.joints, offsets, recording.floorFromCamera);
       match.settled = settled;
+      for (std::size_t j = 0; j < kBodyJointCount && recording.kind == "composed"; ++j) {
+        match.hidden[j] = isOutside(source.camera(), mask, truth->second[j]);
+      }
       measured.matches.push_back(match);
       if (!repeated.empty()) {
         Match other = compare(repeated[b].at(frame), one.joints, offsets, recording.floorFromCamera);
@@ -210,6 +259,21 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
         measured.exchanges += static_cast<int>(std::ranges::count(user, one.user) > 0);
       }
       user[b] = one.user;
+      const auto truthBefore = recording.people[b].find(frame - 1);
+      if (before[b] && before[b]->user == one.user && truthBefore != recording.people[b].end()) {
+        ++measured.steps;
+        for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+          const double moved = (one.joints.joints[j].position - before[b]->joints.joints[j].position).norm();
+          measured.pops +=
+              static_cast<int>(moved > kJump && (truth->second[j] - truthBefore->second[j]).norm() < kStill);
+        }
+      }
+      before[b] = one;
+      for (const TrackedJoint& joint : one.joints.joints) {
+        if (mask.empty() || joint.confidence < 0.5) continue;
+        ++measured.sureSeen;
+        measured.sureOutside += static_cast<int>(isOutside(source.camera(), mask, joint.position));
+      }
     }
     if (recording.people.empty()) {
       // Only the number of people is known.
@@ -224,10 +288,7 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
     }
     measured.falseFrames += static_cast<int>(extra > 0);
     measured.lateFalseFrames += static_cast<int>(extra > 0 && settled);
-    const fs::path mask = recording.file.parent_path() / "masks" /
-                          fmt::format("{}_{:04}.png", recording.name, frame + options.variant.start);
-    const double overlap =
-        options.variant.mirror ? std::nan("") : overlapOf(mask, tracker->labels(), source.camera().width);
+    const double overlap = mask.empty() ? std::nan("") : overlapOf(mask, tracker->labels());
     if (!std::isnan(overlap)) measured.overlaps.push_back(overlap);
   }
   if (!first.empty()) measured.first = std::ranges::max(first);
@@ -245,7 +306,21 @@ Result<Measured> trackReal(const RealRecording& recording, const Joints& offsets
   Result<std::unique_ptr<OniSource>> source = openOni(recording.file);
   if (!source) return source.error();
   const std::unique_ptr<DepthSource> shown = altered(std::move(*source), options.variant);
-  return track(*shown, altered(recording, options.variant), altered(offsets, options.variant), options, {});
+  return track(*shown, altered(recording, options.variant), altered(offsets, options.variant), options, {},
+               masksBeside(recording, options.variant));
+}
+
+/// Real people in composed rooms.
+Result<Measured> trackComposed(ComposedRoom& room, const Joints& offsets, const RealOptions& options) {
+  if (options.variant.mirror) {
+    for (std::vector<std::uint8_t>& mask : room.masks) {
+      for (auto row = mask.begin(); row != mask.end(); row += room.camera.width)
+        std::reverse(row, row + room.camera.width);
+    }
+  }
+  const std::unique_ptr<DepthSource> shown = altered(sourceOf(room), options.variant);
+  return track(*shown, altered(room.truth, options.variant), altered(offsets, options.variant), options, {},
+               [&](int frame) { return std::span<const std::uint8_t>(room.masks[frame + options.variant.start]); });
 }
 
 /// The same people rendered.
@@ -257,7 +332,7 @@ Result<Measured> trackTwin(const RealRecording& recording, const Joints& offsets
   if (!twin) return twin.error();
   Joints none;
   none.fill(Vec3::Zero());
-  Result<Measured> measured = track(twin->sensor, twin->truth, none, options, twin->repeated);
+  Result<Measured> measured = track(twin->sensor, twin->truth, none, options, twin->repeated, {});
   if (!measured) return measured;
   measured->twinApart = std::move(twin->apart);
   measured->twinFrames = twin->frames;
@@ -268,7 +343,8 @@ Result<Measured> trackTwin(const RealRecording& recording, const Joints& offsets
 constexpr const char* kColumns =
     "recording,frames,followed_percent,first_frame,median_mm,p95_mm,limb_off_percent,sure_percent,sure_off_percent,"
     "back_percent,false_frames,after_1s_followed_percent,after_1s_median_mm,after_1s_p95_mm,after_1s_limb_off_percent,"
-    "after_1s_sure_off_percent,after_1s_back_percent,after_1s_false_frames,exchanges,overlap,cpu_ms_mean,cpu_ms_p99";
+    "after_1s_sure_off_percent,after_1s_back_percent,after_1s_false_frames,exchanges,overlap,sure_outside_percent,pops_"
+    "in_1000,cpu_ms_mean,cpu_ms_p99";
 
 void print(const std::string& name, const Measured& m, bool joints) {
   std::string row = fmt::format("{}", name);
@@ -282,6 +358,7 @@ void print(const std::string& name, const Measured& m, bool joints) {
       bool off = false;
       for (std::size_t j = 0; j < kBodyJointCount; ++j) {
         const auto joint = static_cast<BodyJoint>(j);
+        if (match.hidden[j]) continue;
         errors.push_back(1e3 * match.error[j]);
         const bool wrong = match.error[j] > kOff;
         const bool limb = joint != BodyJoint::kHead && joint != BodyJoint::kNeck && joint != BodyJoint::kTorso;
@@ -308,9 +385,10 @@ void print(const std::string& name, const Measured& m, bool joints) {
   };
   part(false);
   part(true);
-  row += fmt::format(",{},{},{:.1f},{:.1f}", m.exchanges,
-                     m.overlaps.empty() ? std::string() : fmt::format("{:.2f}", meanOf(m.overlaps)), meanOf(m.ms),
-                     atRank(m.ms, 0.99));
+  row += fmt::format(",{},{},{},{:.0f},{:.1f},{:.1f}", m.exchanges,
+                     m.overlaps.empty() ? std::string() : fmt::format("{:.2f}", meanOf(m.overlaps)),
+                     m.sureSeen == 0 ? std::string() : fmt::format("{:.2f}", 100.0 * m.sureOutside / m.sureSeen),
+                     1e3 * m.pops / std::max(1, m.steps), meanOf(m.ms), atRank(m.ms, 0.99));
   fmt::print("{}\n", row);
   std::fflush(stdout);
 }
@@ -323,6 +401,10 @@ void add(const Measured& one, Measured& sum) {
   sum.falseFrames += one.falseFrames;
   sum.lateFalseFrames += one.lateFalseFrames;
   sum.exchanges += one.exchanges;
+  sum.sureSeen += one.sureSeen;
+  sum.sureOutside += one.sureOutside;
+  sum.steps += one.steps;
+  sum.pops += one.pops;
   sum.overlaps.insert(sum.overlaps.end(), one.overlaps.begin(), one.overlaps.end());
   sum.ms.insert(sum.ms.end(), one.ms.begin(), one.ms.end());
   sum.againstRepeated.insert(sum.againstRepeated.end(), one.againstRepeated.begin(), one.againstRepeated.end());
@@ -334,17 +416,28 @@ void add(const Measured& one, Measured& sum) {
 }  // namespace
 
 Result<void> measureRealPeople(const fs::path& folder, const RealOptions& options) {
-  const Result<std::vector<RealRecording>> read = readRealRecordings(folder, options.names);
+  Result<std::vector<RealRecording>> read =
+      readRealRecordings(folder, options.composed > 0 ? std::vector<std::string>() : options.names);
   if (!read) return read.error();
-  const std::vector<RealRecording>& recordings = *read;
+  std::vector<RealRecording>& recordings = *read;
   const Result<Joints> offsets = readOffsets(folder / "offsets.json");
   if (!offsets) return offsets.error();
-  const auto hasJoints = [&](std::size_t i) { return !recordings[i].people.empty(); };
-  std::vector<std::optional<Result<Measured>>> measured(recordings.size());
-  tbb::parallel_for(std::size_t{0}, recordings.size(), [&](std::size_t i) {
-    if (!options.twins) measured[i] = trackReal(recordings[i], *offsets, options);
-    if (options.twins && hasJoints(i)) measured[i] = trackTwin(recordings[i], *offsets, options);
+  const std::size_t count = options.composed > 0 ? static_cast<std::size_t>(options.composed) : recordings.size();
+  std::vector<RealRecording> composed(count);
+  std::vector<std::optional<Result<Measured>>> measured(count);
+  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    if (options.composed > 0) {
+      Result<ComposedRoom> room = composeRoom(recordings, i);
+      measured[i] = room ? trackComposed(*room, *offsets, options) : room.error();
+      if (room) composed[i] = std::move(room->truth);
+    } else if (!options.twins) {
+      measured[i] = trackReal(recordings[i], *offsets, options);
+    } else if (!recordings[i].people.empty()) {
+      measured[i] = trackTwin(recordings[i], *offsets, options);
+    }
   });
+  if (options.composed > 0) recordings = std::move(composed);
+  const auto hasJoints = [&](std::size_t i) { return !recordings[i].people.empty(); };
 
   fmt::print("{}\n", kColumns);
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -368,9 +461,13 @@ Result<void> measureRealPeople(const fs::path& folder, const RealOptions& option
         name, 1e3 * atRank(sum.twinApart, 0.5), 1e3 * atRank(sum.twinApart, 0.95),
         100.0 * sum.twinLimbFrames / sum.twinFrames);
   };
-  for (const char* kind : {"cutout", "A", "B", "C"}) {
-    total(kind, [&](std::size_t i) { return recordings[i].kind == kind; });
+  // Those whose first word ends in 2 have nothing missing around the people.
+  const auto isComplete = [&](std::size_t i) { return recordings[i].name.find("2_") == 1; };
+  for (const char* kind : {"cutout", "A", "B", "C", "composed"}) {
+    total(kind, [&](std::size_t i) { return recordings[i].kind == kind && !isComplete(i); });
   }
+  total("without a ring", isComplete);
+  if (options.composed > 0) return {};
   total("all rooms", [&](std::size_t i) { return hasJoints(i) && recordings[i].kind != "cutout"; });
   total("all", hasJoints);
   return {};

@@ -17,6 +17,7 @@ struct RealOptions {
   std::filesystem::path pictures;  ///< folder for a sheet of each recording: joints over depth; empty = none
   int pictureStep = 10;            ///< every which frame is drawn
   RealVariant variant;             ///< which run of each recording
+  int composed = 0;                ///< so many composed rooms instead, see composeRoom()
   bool twins = false;              ///< rendered copies of the recordings instead, see renderedTwin()
   DepthNoiseSettings twinNoise;
   std::vector<Clothes> twinClothes;

@@ -69,7 +69,7 @@ void ComponentFinder::join(std::int32_t a, std::int32_t b) {
 }
 
 void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& positions, std::span<const CellKind> kinds,
-                           const LastCells& last) {
+                           const LastCells& last, std::span<const std::int16_t> evidence) {
   const std::size_t w = grid.width;
   parents_.clear();
   components_.clear();
@@ -138,6 +138,7 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
         one.top = r;
       }
       one.newCells += kinds[i] == CellKind::kNew;
+      one.affirmed += evidence[i] > 0;
       one.left = std::min(one.left, c);
       one.right = std::max(one.right, c);
       one.bottom = r;

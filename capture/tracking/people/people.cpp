@@ -5,6 +5,7 @@
 #include "capture/tracking/people/depth_grid.h"
 #include "capture/tracking/people/floor.h"
 #include "capture/tracking/people/head_finder.h"
+#include "capture/tracking/people/person_evidence.h"
 #include "capture/tracking/people/person_gates.h"
 #include "capture/tracking/people/person_image.h"
 #include "capture/tracking/people/person_moves.h"
@@ -23,17 +24,21 @@ namespace lorica {
 
 namespace {
 
-constexpr double kRemembered = 2.0;      // how long a person out of sight keeps their number [s]
-constexpr double kDoubtful = 0.2;        // the same for what may be furniture [s]
-constexpr float kNear = 0.05F;           // what is this near to the fitted body is the person's [m]
-constexpr float kFar = 0.12F;            // and what is farther is not [m]
-constexpr int kHeadPause = 3;            // frames between searches for heads
-constexpr int kMinCells = 20;            // of a person who is seen
-constexpr float kMinHeight = 1.1F;       // of a person who does not move, over the floor [m]
-constexpr int kUsualFrames = 64;         // in which a person's usual size fades if they appear smaller
-constexpr int kMovingFrames = 3;         // consecutive moving frames until a person counts as moved
-constexpr double kStillSeconds = 3.0;    // how long furniture may be taken for a person
-constexpr double kPersonSeconds = 20.0;  // how long someone with head and shoulders may stand motionless
+constexpr double kRemembered = 2.0;        // how long a person out of sight keeps their number [s]
+constexpr double kDoubtful = 0.2;          // the same for what may be furniture [s]
+constexpr float kNear = 0.05F;             // what is this near to the fitted body is the person's [m]
+constexpr float kFar = 0.12F;              // and what is farther is not [m]
+constexpr int kHeadPause = 3;              // frames between searches for heads
+constexpr int kMinCells = 20;              // of a person who is seen
+constexpr float kMinHeight = 1.1F;         // of a person who does not move, over the floor [m]
+constexpr int kUsualFrames = 64;           // in which a person's usual size fades if they appear smaller
+constexpr int kMovingFrames = 3;           // consecutive moving frames until a person counts as moved
+constexpr double kStillSeconds = 3.0;      // how long furniture may be taken for a person
+constexpr float kWholeShare = 0.85F;       // a surface of which the network affirms this share is left whole
+constexpr float kKnownShare = 0.5F;        // the share that it affirms of a person in a pose that it knows
+constexpr int kUnlearns = 512;             // logit above which a cell of the background shows somebody
+constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
+constexpr double kPersonSeconds = 20.0;    // how long someone with head and shoulders may stand motionless
 
 }  // namespace
 
@@ -41,6 +46,7 @@ struct PeopleFinder::Impl {
   Impl(const DepthCamera& depthCamera, int max);
 
   void classify();
+  bool takeFurnitureOff();
   void measure();
   void giveUpFurniture(bool floorIsNew);
   void makeBackground(int slot);
@@ -59,11 +65,17 @@ struct PeopleFinder::Impl {
   WallFinder walls;
   FloorPositions positions;
   Background background;
+  PersonEvidence evidence;
   HeadFinder headFinder;
   ComponentFinder finder;
   PersonOwners owners;
   PersonMoves moves;
   DepthTable floorNoise;  ///< of heights over the floor, for a camera 1 m up [m]
+
+  struct Known {
+    int cells = 0, affirmed = 0;
+  };
+  std::vector<Known> known;  ///< of each surface
 
   std::vector<CellKind> kinds;
   std::span<std::uint8_t> person;  ///< of the owners: slot + 1
@@ -88,11 +100,13 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
       walls(grid),
       positions(grid),
       background(grid),
+      evidence(grid),
       headFinder(grid),
       finder(grid),
       owners(grid, depthCamera),
       moves(grid),
       floorNoise([](double depth) { return 2.5 * depthNoise(depth) / depth; }),
+      known(2048),
       kinds(grid.cellCount()),
       person(owners.person()),
       lastPerson(grid.cellCount()),
@@ -118,6 +132,36 @@ void PeopleFinder::Impl::classify() {
   }
   walls.mark(grid, kinds);
   background.classify(grid, kinds);
+}
+
+/// Surfaces in front of unknown background that are part person and part room, as the network sees them, are divided.
+/// @return whether there are any
+bool PeopleFinder::Impl::takeFurnitureOff() {
+  const std::span<const std::int16_t> logits = evidence.logits();
+  const std::span<const std::int32_t> label = finder.labels();
+  const std::span<const DepthComponent> all = finder.components();
+  // Of the cells that were a confirmed person's: a pose that the network does not know is left alone.
+  std::ranges::fill(known, Known{});
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    if (label[i] < 0 || lastPerson[i] == 0) continue;
+    const PersonSlot& slot = slots[lastPerson[i] - 1U];
+    if (!slot.confirmed && !slot.attached) continue;
+    Known& one = known[label[i]];
+    ++one.cells;
+    one.affirmed += logits[i] > 0;
+  }
+  bool any = false;
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    if (label[i] < 0 || kinds[i] != CellKind::kUnknown) continue;
+    const DepthComponent& one = all[label[i]];
+    const Known& mine = known[label[i]];
+    const bool whole = one.affirmed > kWholeShare * one.cells || (3 * one.affirmed < one.cells && !isOversize(one));
+    const bool strange = 3 * mine.cells > one.cells && mine.affirmed < kKnownShare * mine.cells;
+    if (whole || strange || logits[i] >= (lastPerson[i] != 0 ? kLeaves : kJoins)) continue;
+    kinds[i] = CellKind::kFurniture;
+    any = true;
+  }
+  return any;
 }
 
 void PeopleFinder::Impl::measure() {
@@ -221,7 +265,7 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
       const double x = c * grid.step, y = r * grid.step;
       const bool within = x > left && x < right && y > top && y < bottom;
       if (kinds[i] == CellKind::kNone || (!was && (!within || person[i] != 0)) || kinds[i] == CellKind::kNew) continue;
-      if (kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall) continue;
+      if (kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall || kinds[i] == CellKind::kFurniture) continue;
       const Vec3f position = positions(grid, c, r);
       float nearest = kFar;
       for (const fit::ShapedCapsule& capsule : body.capsule) {
@@ -348,12 +392,18 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   floorFromCamera = floor.floorFromCamera();
   positions.set(grid, floorFromCamera);
   classify();
-  finder.find(grid, positions, kinds, LastCells{lastPerson, lastDepthMm});
+  evidence.update(grid, positions, floor.found());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i] != CellKind::kBackground || background.isSettled(i)) continue;
+    if (evidence.logits()[i] > kUnlearns) kinds[i] = CellKind::kUnknown;
+  }
+  const LastCells last{lastPerson, lastDepthMm};
+  finder.find(grid, positions, kinds, last, evidence.logits());
+  if (takeFurnitureOff()) finder.find(grid, positions, kinds, last, evidence.logits());
   const bool looking = frameCount++ % kHeadPause == 0;
   const std::span<const FoundHead> heads =
       looking ? headFinder.find(grid, positions, floor.found()) : std::span<const FoundHead>();
-  owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, heads, looking, floorFromCamera,
-                floor.found(), time, elapsed},
+  owners.share({grid, positions, finder, kinds, last, heads, looking, floorFromCamera, floor.found(), time, elapsed},
                slots);
   for (const std::uint32_t cell : owners.uncovered()) background.forget(cell);
   measure();
@@ -363,7 +413,7 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   const std::span<const std::int32_t> label = finder.labels();
   for (std::size_t i = 0; i < taken.size(); ++i) {
     const bool maybe = label[i] >= 0 && owners.mayBeSomeone(label[i]);
-    taken[i] = person[i] != 0 || maybe;
+    taken[i] = person[i] != 0 || maybe || (evidence.logits()[i] > 0 && kinds[i] >= CellKind::kBackground);
   }
   background.learn(grid, kinds, taken);
   report();
