@@ -12,6 +12,8 @@
 
 namespace lorica {
 
+inline constexpr std::size_t kMaxSurfaces = 2048;
+
 /// A connected surface that is neither floor nor known background. Positions are in the floor frame [m].
 struct DepthComponent {
   int cells = 0;

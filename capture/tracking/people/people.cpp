@@ -24,19 +24,21 @@ namespace lorica {
 
 namespace {
 
-constexpr double kRemembered = 2.0;        // how long a person out of sight keeps their number [s]
-constexpr double kDoubtful = 0.2;          // the same for what may be furniture [s]
-constexpr float kNear = 0.05F;             // what is this near to the fitted body is the person's [m]
-constexpr float kFar = 0.12F;              // and what is farther is not [m]
-constexpr int kHeadPause = 3;              // frames between searches for heads
-constexpr int kMinCells = 20;              // of a person who is seen
-constexpr float kMinHeight = 1.1F;         // of a person who does not move, over the floor [m]
-constexpr int kUsualFrames = 64;           // in which a person's usual size fades if they appear smaller
-constexpr int kMovingFrames = 3;           // consecutive moving frames until a person counts as moved
-constexpr double kStillSeconds = 3.0;      // how long furniture may be taken for a person
-constexpr float kWholeShare = 0.85F;       // a surface of which the network affirms this share is left whole
-constexpr float kKnownShare = 0.5F;        // the share that it affirms of a person in a pose that it knows
-constexpr int kUnlearns = 512;             // logit above which a cell of the background shows somebody
+constexpr double kRemembered = 2.0;                // how long a person out of sight keeps their number [s]
+constexpr double kDoubtful = 0.2;                  // the same for what may be furniture [s]
+constexpr float kNear = 0.05F;                     // what is this near to the fitted body is the person's [m]
+constexpr float kFar = 0.12F;                      // and what is farther is not [m]
+constexpr int kHeadPause = 3;                      // frames between searches for heads
+constexpr int kMinCells = 20;                      // of a person who is seen
+constexpr float kMinHeight = 1.1F;                 // of a person who does not move, over the floor [m]
+constexpr int kUsualFrames = 64;                   // in which a person's usual size fades if they appear smaller
+constexpr int kMovingFrames = 3;                   // consecutive moving frames until a person counts as moved
+constexpr double kStillSeconds = 3.0;              // how long furniture may be taken for a person
+constexpr float kWholeShare = 0.85F;               // a surface of which the network affirms this share is left whole
+constexpr float kStrange = 0.75F, kKnown = 0.95F;  // share affirmed of a person below and above which the network does
+                                                   // not, or does, know what they look like
+constexpr float kBehind = 0.5F;  // whoever is this near to the line of sight through another is half behind them [m]
+constexpr int kUnlearns = 512;   // logit above which a cell of the background shows somebody
 constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
 constexpr double kPersonSeconds = 20.0;    // how long someone with head and shoulders may stand motionless
 
@@ -48,6 +50,7 @@ struct PeopleFinder::Impl {
   void classify();
   bool takeFurnitureOff();
   void measure();
+  void doubtHidden();
   void giveUpFurniture(bool floorIsNew);
   void makeBackground(int slot);
   void explain(int slot, const fit::PosedModel& body);
@@ -72,10 +75,7 @@ struct PeopleFinder::Impl {
   PersonMoves moves;
   DepthTable floorNoise;  ///< of heights over the floor, for a camera 1 m up [m]
 
-  struct Known {
-    int cells = 0, affirmed = 0;
-  };
-  std::vector<Known> known;  ///< of each surface
+  std::vector<int> strange;  ///< cells of each surface that were of people whom the network does not know
 
   std::vector<CellKind> kinds;
   std::span<std::uint8_t> person;  ///< of the owners: slot + 1
@@ -106,7 +106,7 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
       owners(grid, depthCamera),
       moves(grid),
       floorNoise([](double depth) { return 2.5 * depthNoise(depth) / depth; }),
-      known(2048),
+      strange(kMaxSurfaces),
       kinds(grid.cellCount()),
       person(owners.person()),
       lastPerson(grid.cellCount()),
@@ -140,24 +140,17 @@ bool PeopleFinder::Impl::takeFurnitureOff() {
   const std::span<const std::int16_t> logits = evidence.logits();
   const std::span<const std::int32_t> label = finder.labels();
   const std::span<const DepthComponent> all = finder.components();
-  // Of the cells that were a confirmed person's: a pose that the network does not know is left alone.
-  std::ranges::fill(known, Known{});
+  // Whoever the network does not know well is left alone, most of all people half behind others.
+  std::ranges::fill(strange, 0);
   for (std::size_t i = 0; i < label.size(); ++i) {
-    if (label[i] < 0 || lastPerson[i] == 0) continue;
-    const PersonSlot& slot = slots[lastPerson[i] - 1U];
-    if (!slot.confirmed && !slot.attached) continue;
-    Known& one = known[label[i]];
-    ++one.cells;
-    one.affirmed += logits[i] > 0;
+    if (label[i] >= 0 && lastPerson[i] != 0) strange[label[i]] += slots[lastPerson[i] - 1U].strange;
   }
   bool any = false;
   for (std::size_t i = 0; i < label.size(); ++i) {
     if (label[i] < 0 || kinds[i] != CellKind::kUnknown) continue;
     const DepthComponent& one = all[label[i]];
-    const Known& mine = known[label[i]];
     const bool whole = one.affirmed > kWholeShare * one.cells || (3 * one.affirmed < one.cells && !isOversize(one));
-    const bool strange = 3 * mine.cells > one.cells && mine.affirmed < kKnownShare * mine.cells;
-    if (whole || strange || logits[i] >= (lastPerson[i] != 0 ? kLeaves : kJoins)) continue;
+    if (whole || 3 * strange[label[i]] > one.cells || logits[i] >= (lastPerson[i] != 0 ? kLeaves : kJoins)) continue;
     kinds[i] = CellKind::kFurniture;
     any = true;
   }
@@ -166,7 +159,7 @@ bool PeopleFinder::Impl::takeFurnitureOff() {
 
 void PeopleFinder::Impl::measure() {
   for (PersonSlot& slot : slots) {
-    slot.cells = slot.newCells = 0;
+    slot.cells = slot.newCells = slot.affirmed = 0;
     slot.sum.setZero();
     slot.heights.fill(0);
     slot.cutAbove = slot.cutAside = false;
@@ -179,6 +172,7 @@ void PeopleFinder::Impl::measure() {
       const Vec3f position = positions(grid, c, r);
       ++slot.cells;
       slot.newCells += kinds[i] == CellKind::kNew;
+      slot.affirmed += evidence.logits()[i] > 0;
       slot.sum += position;
       slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
       slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
@@ -190,6 +184,7 @@ void PeopleFinder::Impl::measure() {
     if (!slot.used) continue;
     slot.seen = slot.cells >= kMinCells;
     if (slot.seen) {
+      slot.strange = slot.affirmed < (slot.strange ? kKnown : kStrange) * slot.cells;
       slot.usualCells = std::max(slot.cells, slot.usualCells - slot.usualCells / kUsualFrames);
       int above = 0, bin = kHeightBins;
       while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[--bin];
@@ -212,6 +207,23 @@ void PeopleFinder::Impl::measure() {
       slot.moved = slot.movingFrames >= kMovingFrames;
     } else if (time - slot.lastSeen > (slot.moved || slot.confirmed ? kRemembered : kDoubtful)) {
       slot = PersonSlot{};
+    }
+  }
+}
+
+/// The network was shown few people behind others: of those it is not asked.
+void PeopleFinder::Impl::doubtHidden() {
+  const Vec3f origin = floorFromCamera.translation().cast<float>();
+  for (PersonSlot& slot : slots) {
+    if (!slot.seen) continue;
+    Vec3f away = slot.middle - origin;
+    away.y() = 0.0F;
+    for (const PersonSlot& other : slots) {
+      if (!other.seen || &other == &slot) continue;
+      Vec3f nearer = other.middle - origin;
+      nearer.y() = 0.0F;
+      if (nearer.norm() > away.norm() || nearer.cross(away).norm() > kBehind * away.norm()) continue;
+      slot.strange = slot.attached = true;
     }
   }
 }
@@ -407,6 +419,7 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
                slots);
   for (const std::uint32_t cell : owners.uncovered()) background.forget(cell);
   measure();
+  doubtHidden();
   giveUpFurniture(floorIsNew);
 
   // The background is learnt from what certainly belongs to nobody.
