@@ -37,6 +37,7 @@ constexpr double kStillSeconds = 3.0;              // how long furniture may be 
 constexpr float kWholeShare = 0.85F;               // a surface of which the network affirms this share is left whole
 constexpr float kStrange = 0.75F, kKnown = 0.95F;  // share affirmed of a person below and above which the network does
                                                    // not, or does, know what they look like
+constexpr int kNever = -512;     // logit below which a cell near the fitted body does not become the person's
 constexpr float kBehind = 0.5F;  // whoever is this near to the line of sight through another is half behind them [m]
 constexpr int kUnlearns = 512;   // logit above which a cell of the background shows somebody
 constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
@@ -285,7 +286,7 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
         nearest = std::min(nearest, std::abs(fit::distanceTo(body, capsule, position).distance));
       }
       if (was && nearest >= kFar) lastPerson[i] = 0;
-      if (!was && nearest < kNear) {
+      if (!was && nearest < kNear && evidence.logits()[i] > kNever) {
         lastPerson[i] = mine;
         if (kinds[i] == CellKind::kBackground) background.forget(i);
       }
