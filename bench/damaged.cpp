@@ -78,8 +78,8 @@ Row tried(const std::string& name, const std::string& damage, const TriMesh& dam
   TriMesh mesh = damagedMesh;
   (void)weldEqualVertices(mesh);
   if (openEdgeCount(mesh) >= openEdgeCount(damagedMesh)) mesh = damagedMesh;
-  const Result<MeshRepair> repair = repairClosedMesh(mesh);
-  row.before = repair && checkClosedTwoManifold(repair->mesh);
+  const Result<MeshRepair> repaired = repairClosedMesh(mesh);
+  row.before = repaired && checkClosedTwoManifold(repaired->mesh);
   row.vertices = mesh.vertices.size();
   auto start = std::chrono::steady_clock::now();
   TriMesh closed;

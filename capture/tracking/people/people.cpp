@@ -37,7 +37,7 @@ constexpr double kStillSeconds = 3.0;              // how long furniture may be 
 constexpr float kWholeShare = 0.85F;               // a surface of which the network affirms this share is left whole
 constexpr float kStrange = 0.75F, kKnown = 0.95F;  // share affirmed of a person below and above which the network does
                                                    // not, or does, know what they look like
-constexpr int kNever = -512;     // logit below which a cell near the fitted body does not become the person's
+constexpr int kNever = -1024;    // logit below which a cell near the fitted body does not become the person's
 constexpr float kBehind = 0.5F;  // whoever is this near to the line of sight through another is half behind them [m]
 constexpr int kUnlearns = 512;   // logit above which a cell of the background shows somebody
 constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
@@ -150,7 +150,8 @@ bool PeopleFinder::Impl::takeFurnitureOff() {
   for (std::size_t i = 0; i < label.size(); ++i) {
     if (label[i] < 0 || kinds[i] != CellKind::kUnknown) continue;
     const DepthComponent& one = all[label[i]];
-    const bool whole = one.affirmed > kWholeShare * one.cells || (3 * one.affirmed < one.cells && !isOversize(one));
+    const bool whole = isTooNear(one, grid) || one.affirmed > kWholeShare * one.cells ||
+                       (3 * one.affirmed < one.cells && !isOversize(one));
     if (whole || 3 * strange[label[i]] > one.cells || logits[i] >= (lastPerson[i] != 0 ? kLeaves : kJoins)) continue;
     kinds[i] = CellKind::kFurniture;
     any = true;
@@ -224,7 +225,8 @@ void PeopleFinder::Impl::doubtHidden() {
       Vec3f nearer = other.middle - origin;
       nearer.y() = 0.0F;
       if (nearer.norm() > away.norm() || nearer.cross(away).norm() > kBehind * away.norm()) continue;
-      slot.strange = slot.attached = true;
+      slot.strange = true;
+      slot.attached = slot.attached || slot.confirmed;
     }
   }
 }

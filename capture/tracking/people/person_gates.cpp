@@ -16,6 +16,11 @@ bool goesOnIntoBackground(const DepthComponent& one) {
          one.backgroundContacts > std::max(6, one.borderCells * 3 / 20);
 }
 
+bool isTooNear(const DepthComponent& one, const DepthGrid& grid) {
+  constexpr double kNearest = 1.2;  // [m]
+  return one.area < kNearest * kNearest * grid.cellArea * one.cells;
+}
+
 bool isAffirmed(const DepthComponent& one) {
   return 2 * one.affirmed > one.cells;
 }

@@ -14,6 +14,9 @@ namespace lorica {
 /// Its border continues smoothly into known background: a part of the room that was hidden until now.
 [[nodiscard]] bool goesOnIntoBackground(const DepthComponent& one);
 
+/// So near that the network cannot judge it: it was shown nobody nearer than this.
+[[nodiscard]] bool isTooNear(const DepthComponent& one, const DepthGrid& grid);
+
 /// Whether the network takes most of it for a person's.
 [[nodiscard]] bool isAffirmed(const DepthComponent& one);
 

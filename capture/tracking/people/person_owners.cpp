@@ -88,9 +88,10 @@ PersonOwners::PersonOwners(const DepthGrid& grid, const DepthCamera& camera)
 }
 
 /// Whether the network knows a person, but says that a surface in front of unknown background is not theirs.
-bool PersonOwners::isDenied(const DepthComponent& one, int slot, const PersonSlots& slots) const {
-  return !slots[slot].strange && 2 * one.newCells < one.cells && 4 * one.affirmed < one.cells &&
-         known_[slot] > kKnownCells;
+bool PersonOwners::isDenied(const PeopleScene& scene, const DepthComponent& one, int slot,
+                            const PersonSlots& slots) const {
+  return !slots[slot].strange && !isTooNear(one, scene.grid) && 2 * one.newCells < one.cells &&
+         4 * one.affirmed < one.cells && known_[slot] > kKnownCells;
 }
 
 bool PersonOwners::mayBeSomeone(std::size_t component) const {
@@ -185,7 +186,7 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
       continue;
     }
     if (best < 0 || one.overlap[best] < std::max(6, one.cells / 50)) continue;
-    if (isDenied(one, best, slots)) continue;
+    if (isDenied(scene, one, best, slots)) continue;
     const auto mine = [&](const Vec3f& axis) { return mayBeHeadOf(scene, slots[best], axis); };
     if (!isMainPiece(one, slots[best].cells, best) &&
         (hasOtherHead(scene, i, mine) || standsApart(scene, i, best, slots[best].cells))) {
@@ -322,7 +323,7 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
       nearest = away;
       best = k;
     }
-    if (best < 0 || isDenied(one, best, slots)) continue;
+    if (best < 0 || isDenied(scene, one, best, slots)) continue;
     // A person who has gone behind another one may show beside them.
     const int hidden = isNew ? hiddenSlot(scene, slots, one) : -1;
     if (hidden >= 0 && awayFrom(scene, one, slots[hidden]) < nearest) best = hidden;

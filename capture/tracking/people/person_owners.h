@@ -43,7 +43,8 @@ class PersonOwners {
   void give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
   void splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask, PersonSlots& slots,
                     const LastCells& last);
-  [[nodiscard]] bool isDenied(const DepthComponent& one, int slot, const PersonSlots& slots) const;
+  [[nodiscard]] bool isDenied(const PeopleScene& scene, const DepthComponent& one, int slot,
+                              const PersonSlots& slots) const;
   [[nodiscard]] SplitShare shareOf(const PeopleScene& scene, const PersonSlot& slot) const;
 
   DepthCamera camera_;
