@@ -29,8 +29,9 @@ void PersonEvidence::update(const DepthGrid& grid, const FloorPositions& positio
     for (int u = 0; u < kWidth; ++u) {
       const std::size_t pixel = static_cast<std::size_t>(v) * kWidth + u;
       for (int k = 0; k < 4 && depthMm_[pixel] == 0; ++k) {
-        const int column = static_cast<int>((u + 0.5F * (k % 2)) * scale_);
-        const int row = static_cast<int>((v - top_ + 0.5F * (k / 2)) * scale_);
+        const int right = k % 2, below = k / 2;
+        const int column = static_cast<int>((u + 0.5F * right) * scale_);
+        const int row = static_cast<int>((v - top_ + 0.5F * below) * scale_);
         if (column >= grid.width || row >= grid.height) continue;
         depthMm_[pixel] = grid.depthMm[grid.index(column, row)];
         if (depthMm_[pixel] == 0) continue;

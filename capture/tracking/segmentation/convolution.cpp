@@ -53,9 +53,10 @@ Convolution::Convolution(const ConvolutionShape& of, std::span<const std::int32_
       std::int16_t& to = weights.data()[((o / kBlock * pairs + pair) * kBlock + o % kBlock) * 2 + second];
       if (shape.kind == ConvolutionKind::kDepthwise) {
         const int pixel = kDepthwisePairs[pair][second];
-        if (pixel >= 0) to = inFile[pixel * shape.out + o];
+        if (pixel >= 0) to = inFile[pixel * shape.out + o];  // NOLINT(bugprone-signed-char-misuse): a number
       } else {
         const int pixel = tap / in, channel = tap % in;
+        // NOLINTNEXTLINE(bugprone-signed-char-misuse): a number
         if (channel < shape.in) to = inFile[(pixel * shape.in + channel) * shape.out + o];
       }
     }
