@@ -14,6 +14,7 @@ enum class CellKind : std::uint8_t {
   kFloor,       ///< floor, or below it
   kWall,        ///< a wall of the room
   kBackground,  ///< as far as what was seen there before, without people
+  kFurniture,   ///< not known, and connected to a person, but the network says that it is the room's
   kUnknown,     ///< the background there is not known
   kNew,         ///< nearer than the background
 };
@@ -34,6 +35,9 @@ class Background {
   /// @param taken  for each cell, nonzero if a person is or may be there
   void learn(const DepthGrid& grid, std::span<const CellKind> kinds, std::span<const std::uint8_t> taken);
 
+  /// Whether the depth of a cell has been seen for half a second: what was learned before somebody came stays room.
+  [[nodiscard]] bool isSettled(std::size_t cell) const { return trust_[cell] >= kSettledTrust; }
+
   /// What is behind the present content of the cell is not known.
   void forget(std::size_t cell);
 
@@ -41,6 +45,8 @@ class Background {
   void absorb(const DepthGrid& grid, std::size_t cell);
 
  private:
+  static constexpr std::uint8_t kSettledTrust = 15;
+
   void findNearest();
 
   int width_, height_;

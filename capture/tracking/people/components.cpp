@@ -13,7 +13,6 @@ namespace lorica {
 namespace {
 
 constexpr int kMinCells = 12;
-constexpr std::size_t kMaxComponents = 2048;
 
 }  // namespace
 
@@ -45,7 +44,7 @@ ComponentFinder::ComponentFinder(const DepthGrid& grid)
   parents_.reserve(grid.cellCount() / 2 + 1);
   sizes_.reserve(grid.cellCount() / 2 + 1);
   componentOf_.reserve(grid.cellCount() / 2 + 1);
-  components_.reserve(kMaxComponents);
+  components_.reserve(kMaxSurfaces);
 }
 
 std::int32_t ComponentFinder::rootOf(std::int32_t label) {
@@ -69,7 +68,7 @@ void ComponentFinder::join(std::int32_t a, std::int32_t b) {
 }
 
 void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& positions, std::span<const CellKind> kinds,
-                           const LastCells& last) {
+                           const LastCells& last, std::span<const std::int16_t> evidence) {
   const std::size_t w = grid.width;
   parents_.clear();
   components_.clear();
@@ -108,7 +107,7 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
   componentOf_.assign(parents_.size(), -1);
   for (std::size_t k = 0; k < parents_.size(); ++k) {
     const std::size_t root = parents_[k];
-    if (root == k && sizes_[k] >= kMinCells && components_.size() < kMaxComponents) {
+    if (root == k && sizes_[k] >= kMinCells && components_.size() < kMaxSurfaces) {
       componentOf_[k] = countOf(components_);
       components_.emplace_back();
     } else if (root != k) {
@@ -138,6 +137,7 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
         one.top = r;
       }
       one.newCells += kinds[i] == CellKind::kNew;
+      one.affirmed += evidence[i] > 0;
       one.left = std::min(one.left, c);
       one.right = std::max(one.right, c);
       one.bottom = r;

@@ -12,10 +12,13 @@
 
 namespace lorica {
 
+inline constexpr std::size_t kMaxSurfaces = 2048;
+
 /// A connected surface that is neither floor nor known background. Positions are in the floor frame [m].
 struct DepthComponent {
   int cells = 0;
   int newCells = 0;                              ///< nearer than a known background
+  int affirmed = 0;                              ///< taken for a person's by the network
   int borderCells = 0;                           ///< next to something else
   int backgroundContacts = 0;                    ///< border cells that continue smoothly into known background
   int left = 0, top = 0, right = 0, bottom = 0;  ///< inclusive [cells]
@@ -60,8 +63,9 @@ class ComponentFinder {
  public:
   explicit ComponentFinder(const DepthGrid& grid);
 
+  /// @param evidence  of each cell, positive for people
   void find(const DepthGrid& grid, const FloorPositions& positions, std::span<const CellKind> kinds,
-            const LastCells& last);
+            const LastCells& last, std::span<const std::int16_t> evidence);
 
   [[nodiscard]] std::span<const DepthComponent> components() const { return components_; }
   /// For each cell: index of the component, or -1. Surfaces of only a few cells belong to none.

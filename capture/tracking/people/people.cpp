@@ -5,6 +5,7 @@
 #include "capture/tracking/people/depth_grid.h"
 #include "capture/tracking/people/floor.h"
 #include "capture/tracking/people/head_finder.h"
+#include "capture/tracking/people/person_evidence.h"
 #include "capture/tracking/people/person_gates.h"
 #include "capture/tracking/people/person_image.h"
 #include "capture/tracking/people/person_moves.h"
@@ -23,17 +24,24 @@ namespace lorica {
 
 namespace {
 
-constexpr double kRemembered = 2.0;      // how long a person out of sight keeps their number [s]
-constexpr double kDoubtful = 0.2;        // the same for what may be furniture [s]
-constexpr float kNear = 0.05F;           // what is this near to the fitted body is the person's [m]
-constexpr float kFar = 0.12F;            // and what is farther is not [m]
-constexpr int kHeadPause = 3;            // frames between searches for heads
-constexpr int kMinCells = 20;            // of a person who is seen
-constexpr float kMinHeight = 1.1F;       // of a person who does not move, over the floor [m]
-constexpr int kUsualFrames = 64;         // in which a person's usual size fades if they appear smaller
-constexpr int kMovingFrames = 3;         // consecutive moving frames until a person counts as moved
-constexpr double kStillSeconds = 3.0;    // how long furniture may be taken for a person
-constexpr double kPersonSeconds = 20.0;  // how long someone with head and shoulders may stand motionless
+constexpr double kRemembered = 2.0;                // how long a person out of sight keeps their number [s]
+constexpr double kDoubtful = 0.2;                  // the same for what may be furniture [s]
+constexpr float kNear = 0.05F;                     // what is this near to the fitted body is the person's [m]
+constexpr float kFar = 0.12F;                      // and what is farther is not [m]
+constexpr int kHeadPause = 3;                      // frames between searches for heads
+constexpr int kMinCells = 20;                      // of a person who is seen
+constexpr float kMinHeight = 1.1F;                 // of a person who does not move, over the floor [m]
+constexpr int kUsualFrames = 64;                   // in which a person's usual size fades if they appear smaller
+constexpr int kMovingFrames = 3;                   // consecutive moving frames until a person counts as moved
+constexpr double kStillSeconds = 3.0;              // how long furniture may be taken for a person
+constexpr float kWholeShare = 0.85F;               // a surface of which the network affirms this share is left whole
+constexpr float kStrange = 0.75F, kKnown = 0.95F;  // share affirmed of a person below and above which the network does
+                                                   // not, or does, know what they look like
+constexpr int kNever = -1024;    // logit below which a cell near the fitted body does not become the person's
+constexpr float kBehind = 0.5F;  // whoever is this near to the line of sight through another is half behind them [m]
+constexpr int kUnlearns = 512;   // logit above which a cell of the background shows somebody
+constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
+constexpr double kPersonSeconds = 20.0;    // how long someone with head and shoulders may stand motionless
 
 }  // namespace
 
@@ -41,7 +49,9 @@ struct PeopleFinder::Impl {
   Impl(const DepthCamera& depthCamera, int max);
 
   void classify();
+  bool takeFurnitureOff();
   void measure();
+  void doubtHidden();
   void giveUpFurniture(bool floorIsNew);
   void makeBackground(int slot);
   void explain(int slot, const fit::PosedModel& body);
@@ -59,11 +69,14 @@ struct PeopleFinder::Impl {
   WallFinder walls;
   FloorPositions positions;
   Background background;
+  PersonEvidence evidence;
   HeadFinder headFinder;
   ComponentFinder finder;
   PersonOwners owners;
   PersonMoves moves;
   DepthTable floorNoise;  ///< of heights over the floor, for a camera 1 m up [m]
+
+  std::vector<int> strange;  ///< cells of each surface that were of people whom the network does not know
 
   std::vector<CellKind> kinds;
   std::span<std::uint8_t> person;  ///< of the owners: slot + 1
@@ -88,11 +101,13 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
       walls(grid),
       positions(grid),
       background(grid),
+      evidence(grid),
       headFinder(grid),
       finder(grid),
       owners(grid, depthCamera),
       moves(grid),
       floorNoise([](double depth) { return 2.5 * depthNoise(depth) / depth; }),
+      strange(kMaxSurfaces),
       kinds(grid.cellCount()),
       person(owners.person()),
       lastPerson(grid.cellCount()),
@@ -120,9 +135,33 @@ void PeopleFinder::Impl::classify() {
   background.classify(grid, kinds);
 }
 
+/// Surfaces in front of unknown background that are part person and part room, as the network sees them, are divided.
+/// @return whether there are any
+bool PeopleFinder::Impl::takeFurnitureOff() {
+  const std::span<const std::int16_t> logits = evidence.logits();
+  const std::span<const std::int32_t> label = finder.labels();
+  const std::span<const DepthComponent> all = finder.components();
+  // Whoever the network does not know well is left alone, most of all people half behind others.
+  std::ranges::fill(strange, 0);
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    if (label[i] >= 0 && lastPerson[i] != 0) strange[label[i]] += slots[lastPerson[i] - 1U].strange;
+  }
+  bool any = false;
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    if (label[i] < 0 || kinds[i] != CellKind::kUnknown) continue;
+    const DepthComponent& one = all[label[i]];
+    const bool whole = isTooNear(one, grid) || one.affirmed > kWholeShare * one.cells ||
+                       (3 * one.affirmed < one.cells && !isOversize(one));
+    if (whole || 3 * strange[label[i]] > one.cells || logits[i] >= (lastPerson[i] != 0 ? kLeaves : kJoins)) continue;
+    kinds[i] = CellKind::kFurniture;
+    any = true;
+  }
+  return any;
+}
+
 void PeopleFinder::Impl::measure() {
   for (PersonSlot& slot : slots) {
-    slot.cells = slot.newCells = 0;
+    slot.cells = slot.newCells = slot.affirmed = 0;
     slot.sum.setZero();
     slot.heights.fill(0);
     slot.cutAbove = slot.cutAside = false;
@@ -135,6 +174,7 @@ void PeopleFinder::Impl::measure() {
       const Vec3f position = positions(grid, c, r);
       ++slot.cells;
       slot.newCells += kinds[i] == CellKind::kNew;
+      slot.affirmed += evidence.logits()[i] > 0;
       slot.sum += position;
       slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
       slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
@@ -146,6 +186,7 @@ void PeopleFinder::Impl::measure() {
     if (!slot.used) continue;
     slot.seen = slot.cells >= kMinCells;
     if (slot.seen) {
+      slot.strange = slot.affirmed < (slot.strange ? kKnown : kStrange) * slot.cells;
       slot.usualCells = std::max(slot.cells, slot.usualCells - slot.usualCells / kUsualFrames);
       int above = 0, bin = kHeightBins;
       while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[--bin];
@@ -168,6 +209,24 @@ void PeopleFinder::Impl::measure() {
       slot.moved = slot.movingFrames >= kMovingFrames;
     } else if (time - slot.lastSeen > (slot.moved || slot.confirmed ? kRemembered : kDoubtful)) {
       slot = PersonSlot{};
+    }
+  }
+}
+
+/// The network was shown few people behind others: of those it is not asked.
+void PeopleFinder::Impl::doubtHidden() {
+  const Vec3f origin = floorFromCamera.translation().cast<float>();
+  for (PersonSlot& slot : slots) {
+    if (!slot.seen) continue;
+    Vec3f away = slot.middle - origin;
+    away.y() = 0.0F;
+    for (const PersonSlot& other : slots) {
+      if (!other.seen || &other == &slot) continue;
+      Vec3f nearer = other.middle - origin;
+      nearer.y() = 0.0F;
+      if (nearer.norm() > away.norm() || nearer.cross(away).norm() > kBehind * away.norm()) continue;
+      slot.strange = true;
+      slot.attached = slot.attached || slot.confirmed;
     }
   }
 }
@@ -221,7 +280,7 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
       const double x = c * grid.step, y = r * grid.step;
       const bool within = x > left && x < right && y > top && y < bottom;
       if (kinds[i] == CellKind::kNone || (!was && (!within || person[i] != 0)) || kinds[i] == CellKind::kNew) continue;
-      if (kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall) continue;
+      if (kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall || kinds[i] == CellKind::kFurniture) continue;
       const Vec3f position = positions(grid, c, r);
       float nearest = kFar;
       for (const fit::ShapedCapsule& capsule : body.capsule) {
@@ -229,7 +288,7 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
         nearest = std::min(nearest, std::abs(fit::distanceTo(body, capsule, position).distance));
       }
       if (was && nearest >= kFar) lastPerson[i] = 0;
-      if (!was && nearest < kNear) {
+      if (!was && nearest < kNear && evidence.logits()[i] > kNever) {
         lastPerson[i] = mine;
         if (kinds[i] == CellKind::kBackground) background.forget(i);
       }
@@ -348,22 +407,29 @@ void PeopleFinder::Impl::find(const DepthFrame& frame) {
   floorFromCamera = floor.floorFromCamera();
   positions.set(grid, floorFromCamera);
   classify();
-  finder.find(grid, positions, kinds, LastCells{lastPerson, lastDepthMm});
+  evidence.update(grid, positions, floor.found());
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    if (kinds[i] != CellKind::kBackground || background.isSettled(i)) continue;
+    if (evidence.logits()[i] > kUnlearns) kinds[i] = CellKind::kUnknown;
+  }
+  const LastCells last{lastPerson, lastDepthMm};
+  finder.find(grid, positions, kinds, last, evidence.logits());
+  if (takeFurnitureOff()) finder.find(grid, positions, kinds, last, evidence.logits());
   const bool looking = frameCount++ % kHeadPause == 0;
   const std::span<const FoundHead> heads =
       looking ? headFinder.find(grid, positions, floor.found()) : std::span<const FoundHead>();
-  owners.share({grid, positions, finder, kinds, LastCells{lastPerson, lastDepthMm}, heads, looking, floorFromCamera,
-                floor.found(), time, elapsed},
+  owners.share({grid, positions, finder, kinds, last, heads, looking, floorFromCamera, floor.found(), time, elapsed},
                slots);
   for (const std::uint32_t cell : owners.uncovered()) background.forget(cell);
   measure();
+  doubtHidden();
   giveUpFurniture(floorIsNew);
 
   // The background is learnt from what certainly belongs to nobody.
   const std::span<const std::int32_t> label = finder.labels();
   for (std::size_t i = 0; i < taken.size(); ++i) {
     const bool maybe = label[i] >= 0 && owners.mayBeSomeone(label[i]);
-    taken[i] = person[i] != 0 || maybe;
+    taken[i] = person[i] != 0 || maybe || (evidence.logits()[i] > 0 && kinds[i] >= CellKind::kBackground);
   }
   background.learn(grid, kinds, taken);
   report();

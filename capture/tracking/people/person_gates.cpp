@@ -12,7 +12,17 @@ bool isOversize(const DepthComponent& one) {
 }
 
 bool goesOnIntoBackground(const DepthComponent& one) {
-  return 2 * one.newCells < one.cells && one.backgroundContacts > std::max(6, one.borderCells * 3 / 20);
+  return 2 * one.newCells < one.cells && !isAffirmed(one) &&
+         one.backgroundContacts > std::max(6, one.borderCells * 3 / 20);
+}
+
+bool isTooNear(const DepthComponent& one, const DepthGrid& grid) {
+  constexpr double kNearest = 1.2;  // [m]
+  return one.area < kNearest * kNearest * grid.cellArea * one.cells;
+}
+
+bool isAffirmed(const DepthComponent& one) {
+  return 2 * one.affirmed > one.cells;
 }
 
 bool isMainPiece(const DepthComponent& one, int cells, int slot) {
@@ -29,7 +39,7 @@ bool mayBePerson(const DepthComponent& one, const DepthGrid& grid, bool floorFou
   const bool closeUp = cut && one.cells * 25 >= static_cast<int>(grid.cellCount());
   if (one.area < (cut ? 0.1 : 0.15) && !closeUp) return false;
   if (floorFound && !closeUp) {
-    if (one.max.y() < (moving ? 0.8F : 1.1F) && !cutAbove) return false;
+    if (one.max.y() < (moving || isAffirmed(one) ? 0.8F : 1.1F) && !cutAbove) return false;
     if (one.min.y() > 0.5F && !cutBelow && !moving) return false;
   }
   if (!floorFound && size.norm() < 0.45F) return false;

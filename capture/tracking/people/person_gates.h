@@ -14,6 +14,12 @@ namespace lorica {
 /// Its border continues smoothly into known background: a part of the room that was hidden until now.
 [[nodiscard]] bool goesOnIntoBackground(const DepthComponent& one);
 
+/// So near that the network cannot judge it: it was shown nobody nearer than this.
+[[nodiscard]] bool isTooNear(const DepthComponent& one, const DepthGrid& grid);
+
+/// Whether the network takes most of it for a person's.
+[[nodiscard]] bool isAffirmed(const DepthComponent& one);
+
 /// Whether most of a person's cells of the last frame lie on it.
 /// @param cells  of that person in the last frame
 [[nodiscard]] bool isMainPiece(const DepthComponent& one, int cells, int slot);

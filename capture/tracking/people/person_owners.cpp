@@ -10,6 +10,7 @@ namespace lorica {
 
 namespace {
 
+constexpr int kKnownCells = 200;      // of a person's, affirmed by the network: it knows the person
 constexpr float kReach = 0.9F;        // max distance from the middle of a person to that of any piece, horizontally [m]
 constexpr float kGapNew = 0.35F;      // between pieces of a person in front of known background [m]
 constexpr float kGapUnknown = 0.25F;  // and in front of unknown background [m]
@@ -86,6 +87,13 @@ PersonOwners::PersonOwners(const DepthGrid& grid, const DepthCamera& camera)
   nobody_.resize(grid.cellCount());
 }
 
+/// Whether the network knows a person, but says that a surface in front of unknown background is not theirs.
+bool PersonOwners::isDenied(const PeopleScene& scene, const DepthComponent& one, int slot,
+                            const PersonSlots& slots) const {
+  return !slots[slot].strange && !isTooNear(one, scene.grid) && 2 * one.newCells < one.cells &&
+         4 * one.affirmed < one.cells && known_[slot] > kKnownCells;
+}
+
 bool PersonOwners::mayBeSomeone(std::size_t component) const {
   return owner_[component] == kMaybe;
 }
@@ -102,6 +110,7 @@ void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slo
   const DepthComponent& one = scene.surfaces.components()[component];
   owner_[component] = slot;
   slots[slot].seen = true;
+  if (isAffirmed(one)) known_[slot] += one.cells;
   const std::span<const std::int32_t> label = scene.surfaces.labels();
   const bool whole = !isOversize(one) && !slots[slot].attached;
   const Vec3f middle = expectedMiddle(scene, slots[slot]);
@@ -155,6 +164,10 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
   const std::span<const DepthComponent> all = scene.surfaces.components();
   owner_.assign(all.size(), kNobody);
   std::ranges::fill(person_, std::uint8_t{0});
+  known_.fill(0);
+  for (const DepthComponent& one : all) {
+    for (int k = 0; k < kPersonSlots && isAffirmed(one); ++k) known_[k] += one.overlap[k];
+  }
   for (std::size_t i = 0; i < all.size(); ++i) {
     const DepthComponent& one = all[i];
     int best = -1;
@@ -173,6 +186,7 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
       continue;
     }
     if (best < 0 || one.overlap[best] < std::max(6, one.cells / 50)) continue;
+    if (isDenied(scene, one, best, slots)) continue;
     const auto mine = [&](const Vec3f& axis) { return mayBeHeadOf(scene, slots[best], axis); };
     if (!isMainPiece(one, slots[best].cells, best) &&
         (hasOtherHead(scene, i, mine) || standsApart(scene, i, best, slots[best].cells))) {
@@ -198,8 +212,10 @@ void PersonOwners::findNewcomers(const PeopleScene& scene, PersonSlots& slots) {
     for (std::size_t i = 0; i < all.size(); ++i) {
       if (owner_[i] != kNobody) continue;
       if (best >= 0 && all[i].area <= all[best].area) continue;
-      const bool whole =
-          mayBePerson(all[i], scene.grid, scene.floorFound) || (!isOversize(all[i]) && hasOtherHead(scene, i, anyones));
+      // What does not move and the network does not take for a person needs a head.
+      const bool likely = isAffirmed(all[i]) || 2 * all[i].newCells > all[i].cells;
+      const bool whole = (likely && mayBePerson(all[i], scene.grid, scene.floorFound)) ||
+                         (!isOversize(all[i]) && hasOtherHead(scene, i, anyones));
       if (!whole && (hiddenSlot(scene, slots, all[i]) < 0 || !mayBePartOfPerson(all[i]))) continue;
       best = i;
     }
@@ -307,7 +323,7 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
       nearest = away;
       best = k;
     }
-    if (best < 0) continue;
+    if (best < 0 || isDenied(scene, one, best, slots)) continue;
     // A person who has gone behind another one may show beside them.
     const int hidden = isNew ? hiddenSlot(scene, slots, one) : -1;
     if (hidden >= 0 && awayFrom(scene, one, slots[hidden]) < nearest) best = hidden;

@@ -43,14 +43,17 @@ class PersonOwners {
   void give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
   void splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask, PersonSlots& slots,
                     const LastCells& last);
+  [[nodiscard]] bool isDenied(const PeopleScene& scene, const DepthComponent& one, int slot,
+                              const PersonSlots& slots) const;
   [[nodiscard]] SplitShare shareOf(const PeopleScene& scene, const PersonSlot& slot) const;
 
   DepthCamera camera_;
   PersonSplit split_;
   PeopleAtHeads atHeads_;
   std::vector<std::uint8_t> person_;
-  std::vector<std::uint8_t> nobody_;  ///< zeros
-  std::vector<int> owner_;            ///< of components: slot, or a special value of person_owners.cpp
+  std::vector<std::uint8_t> nobody_;       ///< zeros
+  std::array<int, kPersonSlots> known_{};  ///< cells of people that the network affirms
+  std::vector<int> owner_;                 ///< of components: slot, or a special value of person_owners.cpp
 };
 
 }  // namespace lorica
