@@ -91,6 +91,7 @@ void PersonFit::forget() {
   views_ = 0;
   leastSeen_ = 0.0F;
   search_.stop();
+  calm_.restart();
   urgent_ = false;
   rival_.reset();
   proportions_ = Proportions();
@@ -264,16 +265,18 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   const float fastest = velocity_.tail<kDofCount - 3>().cwiseAbs().maxCoeff();
   if (fastest > 0.5F) velocity_ *= 0.5F / fastest;
   if (sincePair_ > 0) challenge(view);
+  calm_.update(pose_, proportions_, confidence_, seconds);
   return true;
 }
 
 void PersonFit::report(SkeletonFrame& frame) const {
   PosedModel body;
-  poseBody(pose_, proportions_, body);
+  poseBody(calm_.pose(), proportions_, body);
   readJoints(body, frame);
   for (std::size_t j = 0; j < frame.joints.size(); ++j) {
     frame.joints[j].confidence = confidence_[static_cast<BodyJoint>(j)];
   }
+  calm_.doubt(frame);
 }
 
 }  // namespace lorica::fit

@@ -2,6 +2,7 @@
 
 #include "capture/skeleton_frame.h"
 #include "capture/tracking/fit/body_fit.h"
+#include "capture/tracking/fit/calm_limbs.h"
 #include "capture/tracking/fit/joint_confidence.h"
 #include "capture/tracking/fit/limb_search.h"
 #include "capture/tracking/fit/person_search.h"
@@ -57,6 +58,7 @@ class PersonFit {
   Proportions proportions_;
   CapsuleSupport support_;
   JointConfidence confidence_;
+  CalmLimbs calm_;  ///< the pose that is reported
   FitCost cost_;
   float usualCost_ = 0.0F;  ///< of the image, recent average
   int turn_ = 0;            ///< limb to be searched for next

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "capture/skeleton_frame.h"
+#include "capture/tracking/fit/body_model.h"
+#include "capture/tracking/fit/joint_confidence.h"
+#include "capture/tracking/fit/limb_pose.h"
+
+#include <array>
+
+namespace lorica::fit {
+
+/// The fitted pose as it is shown: a limb that is not seen well may be fitted elsewhere in each view, and is shown to
+/// move no faster than people move theirs. What is seen well is shown where it is, without delay.
+class CalmLimbs {
+ public:
+  /// The next pose is shown as it is.
+  void restart() { started_ = false; }
+  /// @param seconds  since the last pose
+  void update(const BodyPose& pose, const Proportions& proportions, const JointConfidence& confidence, float seconds);
+
+  [[nodiscard]] const BodyPose& pose() const { return shown_; }
+  /// Makes joints unsure that are shown elsewhere than they were fitted.
+  void doubt(SkeletonFrame& frame) const;
+
+ private:
+  bool started_ = false;
+  BodyPose shown_;
+  PosedModel fitted_, last_, next_;
+  std::array<float, kFitLimbCount> moved_{};  ///< with the last pose [m]
+  std::array<bool, kFitLimbCount> sure_{}, behind_{};
+};
+
+}  // namespace lorica::fit
