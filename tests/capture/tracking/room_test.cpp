@@ -1,4 +1,5 @@
 #include "capture/synthetic/synthetic_motion.h"
+#include "capture/tracking/segmentation/person_network.h"
 #include "capture/tracking/tracker.h"
 #include "capture/virtual_sensor/virtual_body.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
@@ -9,8 +10,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <numeric>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -146,6 +151,56 @@ TEST(TrackerInRooms, FollowsWhoeverStandsBehindADesk) {
       EXPECT_GE(seen.overlap, 0.9);
       EXPECT_LE(seen.error, 0.1);
       EXPECT_EQ(seen.extra, 0);
+    }
+  }
+}
+
+/// What the shipped network says of an image, and what is true: intersection over union of the person's pixels.
+double overlapOfNetwork(const VirtualRoom& room, SyntheticMotion motion, std::uint64_t number) {
+  std::vector<VirtualPerson> people;
+  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(motion)).value()});
+  VirtualSensorSettings settings;
+  settings.room = room;
+  settings.noise = kinect();
+  VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
+  DepthFrame frame;
+  sensor.render(number, frame);
+  // A quarter of the image along each side, in the middle of the network's.
+  constexpr int kWidth = PersonNetwork::kWidth, kHeight = PersonNetwork::kHeight;
+  const DepthCamera& camera = sensor.camera();
+  const int step = camera.width / kWidth, top = (kHeight - camera.height / step) / 2;
+  std::vector<std::uint16_t> depthMm(std::size_t{kWidth} * kHeight);
+  std::vector<std::int16_t> heightMm(depthMm.size());
+  std::vector<std::uint8_t> isPerson(depthMm.size());
+  for (int v = top; v < kHeight - top; ++v) {
+    for (int u = 0; u < kWidth; ++u) {
+      const int column = step * u, row = step * (v - top);
+      const std::size_t from = static_cast<std::size_t>(row) * camera.width + column;
+      const std::size_t to = static_cast<std::size_t>(v) * kWidth + u;
+      const double depth = 1e-3 * frame.depthMm[from];
+      const Vec3 ray((column + 0.5 - 0.5 * camera.width) / camera.focalX(),
+                     -(row + 0.5 - 0.5 * camera.height) / camera.focalY(), -1.0);
+      depthMm[to] = frame.depthMm[from];
+      heightMm[to] = static_cast<std::int16_t>(1e3 * (sensor.floorFromCamera() * (depth * ray)).y());
+      isPerson[to] = sensor.labels()[from];
+    }
+  }
+  PersonNetwork network = PersonNetwork::shipped();
+  const std::span<const std::int16_t> logits = network.run(depthMm, heightMm, true);
+  int both = 0, either = 0;
+  for (std::size_t i = 0; i < logits.size(); ++i) {
+    if (depthMm[i] == 0) continue;
+    both += static_cast<int>(isPerson[i] != 0 && logits[i] > 0);
+    either += static_cast<int>(isPerson[i] != 0 || logits[i] > 0);
+  }
+  return static_cast<double>(both) / std::max(1, either);
+}
+
+TEST(TrackerInRooms, TheShippedNetworkTellsThePersonFromTheRoom) {
+  for (const auto& [name, room] : {std::pair{"wall", wallBehind(0.05)}, std::pair{"sofa", sofaBehind(0.05)},
+                                   std::pair{"shelf", shelfBehind(0.05)}, std::pair{"desk", deskBefore(0.0)}}) {
+    for (const std::uint64_t number : {0U, 40U}) {
+      EXPECT_GE(overlapOfNetwork(room, SyntheticMotion::kPunchAndKick, number), 0.93) << name << ", " << number;
     }
   }
 }
