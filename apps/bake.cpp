@@ -125,6 +125,7 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
   if (interrupted()) return cancelled();
   LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection), NamedBy::kLorica));
   LORICA_TRY_DO(writeFileAtomically(out / "report.html", page, NamedBy::kLorica));
+  linkResults(collection, jobs, store);
   const Result<void> published =
       publish(common, collectionReport(collection, jobs.size(), out), toJson(collection, jobs.size()));
   if (!published || (collection.missing.empty() && collection.damaged.empty())) return published;
@@ -201,9 +202,10 @@ Result<void> run(const BakeOptions& options, const CommonOptions& common, Host& 
 
   // One process of several that share the work cannot merge it.
   if (options.chosenShard().count == 1) {
-    const std::string lines = jsonLines(collect(jobs, store, false));
+    const BakeCollection collection = collect(jobs, store, false);
     const fs::path merged = fs::path(options.out) / "bake.jsonl";
-    LORICA_TRY_DO(writeFileAtomically(merged, lines, NamedBy::kLorica));
+    LORICA_TRY_DO(writeFileAtomically(merged, jsonLines(collection), NamedBy::kLorica));
+    linkResults(collection, jobs, store);
   }
   LORICA_TRY_DO(publish(common, toReport(*outcome, options), toJson(*outcome)));
   if (outcome->tooLarge.empty()) return {};
@@ -226,8 +228,9 @@ Command addBake(CommandLine& parent, CommonOptions& common) {
       "      a fiftieth of the list, for engines that run one command for each number\n"
       "  lorica bake list.csv --out baked --collect\n"
       "      check every file and write baked/bake.jsonl and baked/report.html\n"
-      "\nEach result is a folder baked/items/NAME-KEY/ that appears whole or not at all; KEY is a hash of the input's\n"
-      "content, the settings and the algorithm. An input that cannot be baked, crashes or takes too much costs only\n"
+      "\nThe results are baked/hero.lorica, baked/hero.glb and so on: links into baked/items/NAME-KEY/, folders that\n"
+      "appear whole or not at all; KEY is a hash of the input's content, the settings and the algorithm. An input that "
+      "cannot be baked, crashes or takes too much costs only\n"
       "its own item: its result is a sentence, and the exit status is 0. Ctrl-C finishes the items in progress, a\n"
       "second one drops them. Slurm and other engines: docs/BAKE.md.");
   addBakeOptions(*app, *options);

@@ -6,6 +6,7 @@
 #include "geometry/counts.h"
 #include "geometry/printable.h"
 #include "geometry/text.h"
+#include "geometry/time_left.h"
 
 #include <fmt/format.h>
 
@@ -13,6 +14,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <optional>
+#include <string>
 #include <utility>
 
 namespace lorica {
@@ -26,12 +29,6 @@ constexpr std::size_t kLongestLabel = 100;  // [bytes]
 /// "12 of 240 frames", or "12 parts" if the total is unknown.
 std::string countText(int done, int total, const std::string& unit) {
   return total > 0 ? fmt::format("{} of {} {}", done, total, unit) : fmt::format("{} {}", done, unit);
-}
-
-/// ", 12 s left", as far as that can be told.
-std::string leftText(int done, int total, double seconds) {
-  if (total <= 0 || done <= 0 || done >= total || seconds <= 2.0) return "";
-  return fmt::format(", {:.0f} s left", seconds * (total - done) / done);
 }
 
 }  // namespace
@@ -60,13 +57,14 @@ class ProgressBar {
 
  private:
   using Clock = std::chrono::steady_clock;
-  void draw(int done, int total, double seconds) const;
+  void draw(int done, int total, const std::string& time) const;
 
   std::string label_;
   std::string unit_;
   bool terminal_;
   Clock::time_point start_;
   Clock::time_point lastShown_;
+  TimeLeft timeLeft_;
   bool shown_ = false;
 };
 
@@ -74,21 +72,21 @@ void ProgressBar::update(int done, int total) {
   const Clock::time_point now = Clock::now();
   const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
   const double seconds = std::chrono::duration<double>(now - start_).count();
+  const std::optional<double> left = timeLeft_.update(done, total, seconds);
+  const std::string leftText = left ? fmt::format(", {:.0f} s left", *left) : "";
   if (terminal_) {
     if (shown_ && sinceShown < kRedrawSeconds) return;
-    draw(done, total, seconds);
+    draw(done, total, fmt::format("{:.0f} s{}", seconds, leftText));
   } else {
     if (sinceShown < kLineSeconds) return;
-    say(fmt::format("{}: {} after {:.0f} s{}\n", label_, countText(done, total, unit_), seconds,
-                    leftText(done, total, seconds)));
+    say(fmt::format("{}: {} after {:.0f} s{}\n", label_, countText(done, total, unit_), seconds, leftText));
   }
   lastShown_ = now;
   shown_ = true;
 }
 
-void ProgressBar::draw(int done, int total, double seconds) const {
-  const std::string tail =
-      fmt::format("  {}  {:.0f} s{}", countText(done, total, unit_), seconds, leftText(done, total, seconds));
+void ProgressBar::draw(int done, int total, const std::string& time) const {
+  const std::string tail = fmt::format("  {}  {}", countText(done, total, unit_), time);
   std::string line = label_ + "  ";
   const int room = terminalWidth(stderr) - 1 - countOf(line) - countOf(tail);
   const int width = std::min(kWidestBar, room - 2);

@@ -72,12 +72,16 @@ Result<void> addInputs(const std::string& input, const BakeSettings& settings, s
   std::vector<std::string> found;
   if (fs::is_directory(input, error)) {
     const auto belongsToABake = [&](const fs::path& folder) {
-      return fs::is_directory(folder / "items", ignored) && fs::is_directory(folder / "claims", ignored);
+      return fs::is_directory(folder / "items", ignored) &&
+             (fs::is_directory(folder / "claims", ignored) || fs::exists(folder / "bake.jsonl", ignored));
+    };
+    const auto isResult = [&](const fs::path& file) {  // a link of a bake whose folder is this one
+      return fs::read_symlink(file, ignored).generic_string().starts_with("items/");
     };
     for (fs::recursive_directory_iterator entry(input, error), end; entry != end; entry.increment(error)) {
       if (entry->is_directory(ignored)) {
         if (belongsToABake(entry->path())) entry.disable_recursion_pending();  // its results are no inputs
-      } else if (isModel(entry->path()) && entry->is_regular_file(ignored)) {
+      } else if (isModel(entry->path()) && entry->is_regular_file(ignored) && !isResult(entry->path())) {
         found.push_back(entry->path().string());
       }
     }

@@ -5,6 +5,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <set>
+#include <string>
 #include <utility>
 
 namespace lorica {
@@ -79,6 +82,30 @@ BakeCollection collect(std::span<const BakeJob> jobs, BakeStore& store, bool che
     collection.results.push_back(std::move(*result));
   }
   return collection;
+}
+
+void linkResults(const BakeCollection& collection, std::span<const BakeJob> jobs, BakeStore& store) {
+  std::map<std::string, const BakeJob*> byName;
+  std::map<std::string, int> stems;
+  for (const BakeJob& job : jobs) {
+    byName[job.name] = &job;
+    ++stems[job.stem];
+  }
+  for (const ordered_json& result : collection.results) {
+    const auto found = byName.find(result.value("item", ""));
+    if (found == byName.end()) continue;
+    const auto& [item, job] = *found;
+    std::set<std::string> names;
+    for (const ordered_json& file : result.value("files", ordered_json::array())) {
+      // The first folder of "hero/part.obj"; the name itself if it is in none.
+      const std::string name = file.value("file", "");
+      names.insert(name.substr(0, name.find('/')));
+    }
+    for (const std::string& name : names) {
+      if (!name.starts_with(job->stem)) continue;
+      store.link(item, name, stems[job->stem] > 1 ? item + name.substr(job->stem.size()) : name);
+    }
+  }
 }
 
 std::string jsonLines(const BakeCollection& collection) {

@@ -25,6 +25,10 @@ struct BakeCollection {
 /// @param checkFiles  also read every file and compare it with its hash
 [[nodiscard]] BakeCollection collect(std::span<const BakeJob> jobs, BakeStore& store, bool checkFiles);
 
+/// Makes links to the files of all results, DIR/hero.glb to DIR/items/hero-0123456789abcdef/hero.glb. Of several inputs
+/// of one stem each has the key in the links' names too.
+void linkResults(const BakeCollection& collection, std::span<const BakeJob> jobs, BakeStore& store);
+
 /// A line of JSON for each result.
 [[nodiscard]] std::string jsonLines(const BakeCollection& collection);
 

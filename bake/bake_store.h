@@ -43,6 +43,10 @@ class BakeStore {
                                      const nlohmann::ordered_json& description);
   /// Removes a folder of begin().
   void drop(const std::filesystem::path& made);
+  /// Removes work/ if nobody makes anything in it.
+  void tidy() { files_->removeEmpty(folder_ / "work"); }
+  /// Makes DIR/NAME a link to a file or folder of a result. What is not a link there stays.
+  void link(const std::string& item, const std::string& file, const std::string& name);
   /// Takes a result away, to make it again.
   [[nodiscard]] Result<void> discard(const std::string& item);
 

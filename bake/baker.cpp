@@ -106,7 +106,10 @@ Result<bool> Baker::tryStart(const BakeJob& job) {
     atOthers_.push_back(&job);
     return false;
   }
-  if (done()) return false;  // between the look and the claim
+  if (done()) {  // between the look and the claim
+    claims_.release(job.name);
+    return false;
+  }
   LORICA_TRY(const std::filesystem::path folder, store_.begin(job.name, *claimed));
   Result<ItemRun> run = ItemRun::start(job, folder, settings_.item);
   if (!run) {
@@ -139,6 +142,7 @@ Result<void> Baker::collectEnded() {
 
 Result<void> Baker::finish(const ItemRun& run, const ordered_json& description) {
   LORICA_TRY(const bool published, store_.publish(run.job().name, run.folder(), description));
+  claims_.release(run.job().name);
   outcome_.cpuSeconds += description["cpuSeconds"].get<double>();
   outcome_.longest = std::max(outcome_.longest, description["seconds"].get<double>());
   outcome_.peakMemory = std::max(outcome_.peakMemory, description["peakMemory"].get<std::uint64_t>());
@@ -166,6 +170,7 @@ void Baker::dropAll() {
     store_.drop(folder);
   }
   running_.clear();
+  store_.tidy();
   claims_.end();
 }
 

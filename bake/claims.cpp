@@ -10,6 +10,7 @@
 #include <csignal>
 #include <random>
 #include <sstream>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
@@ -19,6 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kEnded = "ended";
 constexpr double kBeatsUntilLost = 6.0;
+constexpr int kTries = 4;
 
 std::string hostName() {
   std::array<char, 256> name{};
@@ -72,12 +74,21 @@ Claims::Claims(FileLayer& files, fs::path folder, double lostAfter, std::functio
 Result<Claims> Claims::open(FileLayer& files, const fs::path& folder, double lostAfter,
                             std::function<Clock::time_point()> now) {
   Claims claims(files, folder, lostAfter, std::move(now));
-  for (const char* name : {"claims", "workers"}) {
-    if (const int error = files.createFolders(folder / name); error != 0) return cannotWrite(folder / name, error);
-  }
+  if (const int error = files.createFolders(folder / "claims"); error != 0)
+    return cannotWrite(folder / "claims", error);
   const fs::path own = claims.fileOf(claims.worker_);
-  if (const int error = files.create(own, claims.lifeSign()); error != 0) return cannotWrite(own, error);
+  if (const int error = claims.createIn("workers", own, claims.lifeSign()); error != 0) return cannotWrite(own, error);
   return claims;
+}
+
+/// Creates a file in a folder, which another process may remove as long as it is empty.
+int Claims::createIn(const char* name, const fs::path& file, std::string_view content) {
+  int error = ENOENT;
+  for (int attempt = 0; attempt < kTries && error == ENOENT; ++attempt) {
+    error = files_->createFolders(folder_ / name);
+    if (error == 0) error = files_->create(file, content);
+  }
+  return error;
 }
 
 fs::path Claims::fileOf(const std::string& worker) const {
@@ -93,14 +104,17 @@ Result<std::optional<int>> Claims::claim(const std::string& key) {
     const fs::path file = folder_ / "claims" / fmt::format("{}.{}", key, earlier);
     Result<std::string> owner = files_->read(file);
     if (!owner && owner.error().code == ErrorCode::kNotFound) {
-      const int error = files_->create(file, worker_);
-      if (error == 0) return std::optional(earlier);
-      if (error != EEXIST) return cannotWrite(file, error);
-      owner = files_->read(file);  // somebody was faster, or the server answered twice
+      const int error = createIn("claims", file, worker_);
+      if (error == 0) owner = worker_;
+      if (error != 0 && error != EEXIST) return cannotWrite(file, error);
+      if (error != 0) owner = files_->read(file);  // somebody was faster, or the server answered twice
     }
     // What is there and cannot be read yet is watched like a claim without a name.
     if (!owner) owner = std::string();
-    if (*owner == worker_) return std::optional(earlier);
+    if (*owner == worker_) {
+      held_[key] = earlier;
+      return std::optional(earlier);
+    }
     if (!lost(*owner, file)) return std::optional<int>();
     ++earlier;
   }
@@ -132,8 +146,23 @@ void Claims::beat() {
   (void)files_->overwrite(fileOf(worker_), lifeSign());  // the next one may succeed
 }
 
+void Claims::release(const std::string& key) {
+  const auto held = held_.find(key);
+  if (held == held_.end()) return;
+  // The highest first: as long as one is there, it counts.
+  for (int number = held->second; number >= 0; --number) {
+    files_->remove(folder_ / "claims" / fmt::format("{}.{}", key, number));
+  }
+  held_.erase(held);
+}
+
 void Claims::end() {
-  (void)files_->overwrite(fileOf(worker_), kEnded);
+  if (held_.empty()) {
+    files_->remove(fileOf(worker_));
+  } else {
+    (void)files_->overwrite(fileOf(worker_), kEnded);
+  }
+  for (const char* name : {"claims", "workers"}) files_->removeEmpty(folder_ / name);
 }
 
 }  // namespace lorica

@@ -63,6 +63,21 @@ int FileLayer::createFolders(const std::filesystem::path& folder) {
   return error.value();
 }
 
+int FileLayer::link(const std::filesystem::path& target, const std::filesystem::path& link) {
+  std::error_code error;
+  const std::filesystem::file_status there = std::filesystem::symlink_status(link, error);
+  if (std::filesystem::exists(there) && !std::filesystem::is_symlink(there)) return EEXIST;
+  std::filesystem::path made = link;
+  made += ".new";
+  ::unlink(made.c_str());
+  if (::symlink(target.c_str(), made.c_str()) != 0) return errno;
+  return rename(made, link);
+}
+
+void FileLayer::removeEmpty(const std::filesystem::path& folder) {
+  ::rmdir(folder.c_str());
+}
+
 int FileLayer::remove(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::remove_all(path, error);

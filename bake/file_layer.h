@@ -26,6 +26,10 @@ class FileLayer {
   [[nodiscard]] virtual int overwrite(const std::filesystem::path& file, std::string_view content);
   [[nodiscard]] virtual int rename(const std::filesystem::path& from, const std::filesystem::path& to);
   [[nodiscard]] virtual int createFolders(const std::filesystem::path& folder);
+  /// Makes a symbolic link, or replaces one; anything else at its place stays, and is EEXIST.
+  [[nodiscard]] virtual int link(const std::filesystem::path& target, const std::filesystem::path& link);
+  /// Removes a folder with nothing in it; others stay.
+  virtual void removeEmpty(const std::filesystem::path& folder);
   /// Removes a file, or a folder with all that is in it. What is not there is removed already.
   virtual int remove(const std::filesystem::path& path);
 };

@@ -123,9 +123,13 @@ TEST(BakeList, AFoldersPipesLinksAndResultsAreNoInputs) {
   const Library library;
   fs::create_symlink("loop.off", library.path("set/loop.off"));
   ASSERT_EQ(::mkfifo(library.path("set/pipe.off").c_str(), 0600), 0);
-  for (const char* folder : {"set/baked/items/a-0123", "set/baked/claims"})
+  for (const char* folder : {"set/baked/items/a-0123", "set/baked/claims", "set/done/items/a-0123", "set/items/a-0123"})
     fs::create_directories(library.path(folder));
   library.folder.write("set/baked/items/a-0123/a.glb", "");
+  library.folder.write("set/done/items/a-0123/a.glb", "");
+  library.folder.write("set/done/bake.jsonl", "");
+  library.folder.write("set/items/a-0123/a.dat", "");
+  fs::create_symlink("items/a-0123/a.dat", library.path("set/a.glb"));
   EXPECT_EQ(read(library, library.path("set")), (Lines{"set/a.OBJ ", "set/b.off ", "set/more/c.glb "}));
 }
 

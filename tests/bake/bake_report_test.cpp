@@ -69,6 +69,52 @@ TEST(BakeReport, FindsFilesThatChanged) {
   EXPECT_EQ(changed.hash(), hash) << "the hash is that of what was made";
 }
 
+TEST(BakeReport, LinksResultsByTheirNames) {
+  TemporaryFolder folder;
+  FileLayer files;
+  const fs::path out = folder.path() / "out";
+  BakeStore store(files, out, [](std::chrono::milliseconds) {});
+  const auto link = [&](const std::vector<BakeItem>& items) {
+    const std::vector<BakeJob> jobs = bakeJobs(items);
+    for (const BakeJob& job : jobs) {
+      if (store.has(job.name)) continue;
+      const fs::path made = *store.begin(job.name, 0);
+      fs::create_directories(made / (job.stem + "_parts"));
+      ordered_json described = {{"item", job.name}, {"files", {{{"file", "../../escape"}, {"hash", ""}}}}};
+      for (const std::string& name : {job.stem + ".lorica", job.stem + ".glb", job.stem + "_parts/1.obj"}) {
+        EXPECT_TRUE(writeFileAtomically(made / name, job.item.input + job.name).ok());
+        described["files"].push_back({{"file", name}, {"hash", ""}});
+      }
+      EXPECT_TRUE(*store.publish(job.name, made, described));
+    }
+    linkResults(collect(jobs, store, false), jobs, store);
+    return jobs;
+  };
+  const auto at = [](const fs::path& file) {
+    const Result<std::string> text = readFile(file);
+    return text ? *text : "none";
+  };
+  fs::create_directories(out);
+  ASSERT_TRUE(writeFileAtomically(out / "b.glb", "the user's").ok());
+  std::vector<BakeItem> items = {{folder.write("x/a.off", "1"), {}}, {folder.write("b.off", "2"), {}}};
+  std::vector<BakeJob> jobs = link(items);
+  EXPECT_EQ(at(out / "a.lorica"), items[0].input + jobs[0].name);
+  EXPECT_EQ(at(out / "a_parts/1.obj"), items[0].input + jobs[0].name);
+  EXPECT_EQ(at(out / "b.lorica"), items[1].input + jobs[1].name);
+  EXPECT_EQ(at(out / "b.glb"), "the user's");
+  EXPECT_FALSE(fs::exists(out / ".." / "escape"));
+  folder.write("x/a.off", "changed");
+  jobs = link(items);
+  EXPECT_EQ(at(out / "a.glb"), items[0].input + jobs[0].name) << "the latest";
+  fs::rename(out, folder.path() / "moved");
+  EXPECT_EQ(at(folder.path() / "moved" / "a.glb"), items[0].input + jobs[0].name);
+  fs::rename(folder.path() / "moved", out);
+  items.push_back({folder.write("y/a.off", "3"), {}});
+  jobs = link(items);
+  EXPECT_EQ(at(out / (jobs[2].name + ".glb")), items[2].input + jobs[2].name);
+  EXPECT_EQ(at(out / (jobs[0].name + ".glb")), items[0].input + jobs[0].name);
+}
+
 TEST(BakeReport, IsOnePageWithSentencesAndPictures) {
   Baked baked;
   BakeCollection collection = collect(baked.jobs, baked.store, true);

@@ -128,6 +128,27 @@ TEST(Claims, WhatAnEndedWorkerHadIsFreeAtOnce) {
   EXPECT_EQ(claimed(second, "a"), 1);
 }
 
+TEST(Claims, NothingIsLeftOfWhatIsDone) {
+  Shared shared;
+  Claims first = shared.worker(), second = shared.worker(), third = shared.worker();
+  EXPECT_EQ(claimed(first, "a"), 0);
+  first.end();
+  EXPECT_EQ(claimed(second, "a"), 1);
+  second.release("a");
+  second.release("b");  // claimed by nobody
+  EXPECT_EQ(claimed(third, "a"), 0) << "whoever claims what is done must look whether it is";
+  EXPECT_TRUE(fs::exists(shared.folder.path() / "workers" / first.worker())) << "its claim was not released";
+  fs::remove(shared.folder.path() / "workers" / first.worker());
+  second.end();
+  third.release("a");
+  EXPECT_TRUE(fs::exists(shared.folder.path() / "workers"));
+  third.end();
+  for (const char* folder : {"claims", "workers"}) EXPECT_FALSE(fs::exists(shared.folder.path() / folder)) << folder;
+  Claims later = shared.worker();
+  fs::remove(shared.folder.path() / "claims");
+  EXPECT_EQ(claimed(later, "a"), 0) << "a folder that was removed meanwhile";
+}
+
 TEST(Claims, WhatAKilledProcessOfThisMachineHadIsFreeAtOnce) {
   Shared shared;
   const pid_t child = fork();
