@@ -50,11 +50,12 @@ void CalmLimbs::update(const BodyPose& pose, const Proportions& proportions, con
     const auto limb = static_cast<Limb>(i);
     const bool wasSure = sure_[i];
     sure_[i] = confidence[kJointsOf[i].first] >= kTrusted && confidence[kJointsOf[i].second] >= kTrusted;
-    float reach = (sure_[i] ? kSeen : kGuessed) * seconds;
-    if (sure_[i] && wasSure && !behind_[i]) reach = std::max(reach, moved_[i] + kFaster * seconds * seconds);
+    // Nothing stops at once because it is not seen any more.
+    const float faster = sure_[i] && wasSure && !behind_[i] ? kFaster * seconds : 0.0F;
+    const float reach = std::max(sure_[i] ? kSeen : kGuessed, speed_[i] + faster) * seconds;
     behind_[i] = false;
-    moved_[i] = 0.0F;
-    if (!started_ || seconds > kLongPause) continue;
+    speed_[i] = 0.0F;
+    if (!started_ || seconds <= 0.0F || seconds > kLongPause) continue;
     float way = 1.0F;
     next_ = fitted_;
     const Node upper = upperNodeOf(limb);
@@ -68,7 +69,7 @@ void CalmLimbs::update(const BodyPose& pose, const Proportions& proportions, con
       blend(limb, still, pose, way, shown_);
       poseBody(shown_, proportions, next_);
     }
-    moved_[i] = apart(limb, last_, next_);
+    speed_[i] = apart(limb, last_, next_) / seconds;
     behind_[i] = apart(limb, next_, fitted_) > kArrived;
   }
   started_ = true;

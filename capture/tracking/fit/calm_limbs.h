@@ -26,7 +26,7 @@ class CalmLimbs {
   bool started_ = false;
   BodyPose shown_;
   PosedModel fitted_, last_, next_;
-  std::array<float, kFitLimbCount> moved_{};  ///< with the last pose [m]
+  std::array<float, kFitLimbCount> speed_{};  ///< to the last pose, against the trunk [m/s]
   std::array<bool, kFitLimbCount> sure_{}, behind_{};
 };
 
