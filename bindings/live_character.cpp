@@ -37,6 +37,7 @@ void LiveCharacter::move() {
   live_.update(worldFromModel_);
   for (std::size_t p = 0; p < hulls_.size(); ++p) worldHull(live_.parts()[p], hulls_[p]);
   posed_ = true;
+  raysKnowPose_ = false;
 }
 
 std::span<const SelfContact> LiveCharacter::selfContacts() {
@@ -49,6 +50,20 @@ std::span<const ShapeContact> LiveCharacter::touches(const RoundedShape& shape) 
   if (!posed_) return {};
   if (!touches_) touches_.emplace(live_);
   return touches_->find(live_.parts(), shape);
+}
+
+const RayQuery& LiveCharacter::rays() {
+  if (posed_ && !raysKnowPose_) {
+    const std::span<const LivePart> parts = live_.parts();
+    rays_.update({&parts, 1});
+    raysKnowPose_ = true;
+  }
+  return rays_;
+}
+
+Result<void> checkReach(double reach) {
+  if (reach >= 0.0) return {};
+  return invalidArgument("reach: found {}, expected 0 m or more", reach);
 }
 
 Result<void> checkShape(const RoundedShape& shape) {

@@ -2,6 +2,7 @@
 
 #include "bindings/character_body.h"
 #include "collision/live/live_body.h"
+#include "collision/live/ray_query.h"
 #include "collision/world/self_contact.h"
 #include "collision/world/shape_contact.h"
 
@@ -35,6 +36,8 @@ class LiveCharacter {
   [[nodiscard]] std::span<const SelfContact> selfContacts();
   /// See ShapeContactQuery. The first call prepares the query. @param shape  that checkShape() accepts
   [[nodiscard]] std::span<const ShapeContact> touches(const RoundedShape& shape);
+  /// Answers rays against the present pose; before the first one they hit nothing.
+  [[nodiscard]] const RayQuery& rays();
 
  private:
   void move();
@@ -45,8 +48,13 @@ class LiveCharacter {
   std::vector<ConvexHull> hulls_;
   std::optional<SelfContactQuery> contacts_;
   std::optional<ShapeContactQuery> touches_;
+  RayQuery rays_;
+  bool raysKnowPose_ = false;
   bool posed_ = false;
 };
+
+/// An error if a length is below 0 or not a number. @param reach  of rays [m]
+[[nodiscard]] Result<void> checkReach(double reach);
 
 /// An error if a shape has no points, or a number that is not finite, below 0, or beyond 1,000 km.
 [[nodiscard]] Result<void> checkShape(const RoundedShape& shape);

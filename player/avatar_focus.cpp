@@ -1,13 +1,14 @@
 #include "player/avatar_focus.h"
 
+#include "collision/live/ray_query.h"
+#include "geometry/counts.h"
+
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
+#include <span>
 #include <utility>
-
-#include "geometry/counts.h"
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -27,25 +28,6 @@ std::optional<Vec3> middleOf(const Session& session, int avatar) {
   }
   if (count == 0) return std::nullopt;
   return Vec3(sum / count);
-}
-
-/// Where a ray enters a hull, in lengths of its direction. @param ray  in the hull's frame
-std::optional<double> entryOf(const Ray& ray, const ConvexHull& hull) {
-  if (hull.triangles.empty()) return std::nullopt;
-  double in = 0.0, out = std::numeric_limits<double>::max();
-  for (const Triangle& t : hull.triangles) {
-    const Vec3& a = hull.vertices[t[0]];
-    const Vec3 normal = (hull.vertices[t[1]] - a).cross(hull.vertices[t[2]] - a);
-    const double towards = normal.dot(ray.direction), outside = normal.dot(ray.origin - a);
-    if (towards == 0.0) {
-      if (outside > 0.0) return std::nullopt;
-      continue;
-    }
-    if (towards < 0.0) in = std::max(in, -outside / towards);
-    if (towards > 0.0) out = std::min(out, -outside / towards);
-  }
-  if (in > out) return std::nullopt;
-  return in;
 }
 
 }  // namespace
@@ -71,19 +53,11 @@ std::optional<Aabb> AvatarFocus::bounds(const Session& session) const {
 }
 
 int avatarAt(const Session& session, const Ray& ray) {
-  int nearest = -1;
-  double distance = std::numeric_limits<double>::max();
-  for (int a = 0; a < countOf(session.avatars()); ++a) {
-    for (const LivePart& part : session.avatars()[a].partsInWorld()) {
-      const Isometry3 partFromWorld = part.worldFromPart.inverse();
-      const Ray inPart{partFromWorld * ray.origin, partFromWorld.linear() * ray.direction};
-      const std::optional<double> entry = entryOf(inPart, part.shape);
-      if (!entry || *entry >= distance) continue;
-      distance = *entry;
-      nearest = a;
-    }
-  }
-  return nearest;
+  std::vector<std::span<const LivePart>> bodies;
+  for (const SessionAvatar& avatar : session.avatars()) bodies.push_back(avatar.partsInWorld());
+  RayQuery query;
+  query.update(bodies);
+  return query.nearest({ray.origin, ray.direction}).body;
 }
 
 std::vector<std::string> avatarNames(const Session& session) {

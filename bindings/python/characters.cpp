@@ -9,7 +9,10 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -39,6 +42,8 @@ struct Frame {
 struct FrameHandle {
   std::shared_ptr<const Frame> frame;
 };
+
+const Vec3 kNowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
 /// A live body that threads may share: one frame at a time.
 class Live {
@@ -72,6 +77,32 @@ class Live {
     const std::lock_guard lock(mutex_);
     const std::span<const ShapeContact> found = live_.touches(shape);
     return {found.begin(), found.end()};
+  }
+
+  py::tuple cast(const py::object& origins, const py::object& directions, double reach) {
+    const std::vector<Vec3> from = pointsFrom(origins), along = pointsFrom(directions);
+    if (from.size() != along.size() && from.size() != 1) {
+      throw py::value_error(
+          fmt::format("origins: found {}, expected 1, or one for each of {} directions", from.size(), along.size()));
+    }
+    if (const Result<void> fine = checkReach(reach); !fine) raise(fine.error());
+    const auto count = static_cast<py::ssize_t>(along.size());
+    py::array_t<std::int32_t> parts(count);
+    py::array_t<double> distances(count), positions({count, py::ssize_t{3}}), normals({count, py::ssize_t{3}});
+    std::int32_t* part = parts.mutable_data();
+    double *distance = distances.mutable_data(), *position = positions.mutable_data(), *normal = normals.mutable_data();
+    const py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    const RayQuery& query = live_.rays();
+    for (std::size_t i = 0; i < along.size(); ++i) {
+      const HullHit hit = query.nearest({from[from.size() == 1 ? 0 : i], along[i], reach});
+      *part++ = hit.part;
+      *distance++ = hit ? hit.distance : kInfinity;
+      position = std::copy_n((hit ? hit.position : kNowhere).data(), 3, position);
+      normal = std::copy_n((hit ? hit.normal : kNowhere).data(), 3, normal);
+    }
+    const py::gil_scoped_acquire again;
+    return py::make_tuple(parts, distances, positions, normals);
   }
 
   FrameHandle pose(const py::object& matrices) {
@@ -304,6 +335,16 @@ corners a box.
 points  (n, 3) or (3,) numbers, world [m]
 radius  0 or more [m])";
 
+constexpr const char* kCast = R"(Where rays enter the hulls in the last pose, each the nearest hull on its way.
+
+Returns (parts, distances, positions, normals) of n rays: int32 (n,), -1 where nothing is hit; float64 (n,) [m], 0 where
+a ray begins inside, inf where nothing is hit; float64 (n, 3), world [m], nan where nothing is hit; float64 (n, 3), unit,
+outward, against rays that begin inside. Before the first pose nothing is hit.
+
+origins     (n, 3) numbers, or one point for all rays, world [m]
+directions  (n, 3) numbers, of any length above 0
+reach       where the rays end [m])";
+
 }  // namespace
 
 void addCharacters(py::module_& module) {
@@ -315,7 +356,8 @@ void addCharacters(py::module_& module) {
       .def("pose", &Live::pose, "world_from_joint"_a,
            "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.")
       .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.")
-      .def("touches", &Live::touches, "points"_a, "radius"_a = 0.0, kTouches);
+      .def("touches", &Live::touches, "points"_a, "radius"_a = 0.0, kTouches)
+      .def("cast", &Live::cast, "origins"_a, "directions"_a, "reach"_a = kInfinity, kCast);
   py::class_<Player, std::shared_ptr<Player>>(module, "Player", "A motion on a body: an iterator of Frame.")
       .def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
       .def("__next__", &Player::step)
@@ -336,7 +378,13 @@ void addCharacters(py::module_& module) {
           [](const Player& self, const py::object& points, double radius) {
             return self.live->touches(points, radius);
           },
-          "points"_a, "radius"_a = 0.0, kTouches);
+          "points"_a, "radius"_a = 0.0, kTouches)
+      .def(
+          "cast",
+          [](const Player& self, const py::object& origins, const py::object& directions, double reach) {
+            return self.live->cast(origins, directions, reach);
+          },
+          "origins"_a, "directions"_a, "reach"_a = kInfinity, kCast);
   module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
              R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
 

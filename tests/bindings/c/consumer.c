@@ -173,6 +173,51 @@ static void compare(const char *motion_name, const char *truth) {
   lorica_motion_free(motion);
 }
 
+/* A ray at the middle of each hull enters where the hull's own faces are. */
+static void test_rays(void) {
+  lorica_motion *motion = NULL;
+  lorica_live *live = NULL;
+  CHECK(lorica_motion_read(mannequin, "walk", NULL, &motion) == LORICA_OK);
+  CHECK(lorica_live_make(body, &live) == LORICA_OK);
+  double rays[12] = {0, 1, 3, 0, 0, -1, 0, 1, 3, NAN, 0, 1}, distances[2], positions[6], normals[6];
+  int32_t parts[2] = {7, 7};
+  CHECK(lorica_live_cast_rays(live, rays, 1, INFINITY, parts, distances, NULL, NULL) == LORICA_OK);
+  CHECK(parts[0] == -1 && isinf(distances[0])); /* no pose yet */
+  size_t hits = 0;
+  for (size_t frame = 0; frame < 40; ++frame) {
+    CHECK(lorica_live_play(live, motion, frame) == LORICA_OK);
+    const long before = allocations;
+    for (size_t p = 0; p < lorica_body_part_count(body); ++p) {
+      lorica_hull hull = {.size = sizeof hull};
+      CHECK(lorica_live_hull(live, p, &hull) == LORICA_OK);
+      for (int axis = 0; axis < 3; ++axis) {
+        double sum = 0;
+        for (size_t v = 0; v < hull.vertex_count; ++v) sum += hull.vertices[3 * v + axis];
+        rays[3 + axis] = sum / hull.vertex_count - rays[axis];
+      }
+      CHECK(lorica_live_cast_rays(live, rays, 2, INFINITY, parts, distances, positions, normals) == LORICA_OK);
+      CHECK(parts[0] >= 0 && parts[1] == -1);
+      CHECK(lorica_live_hull(live, (size_t)parts[0], &hull) == LORICA_OK);
+      /* No vertex is beyond the plane through the hit. */
+      for (size_t v = 0; v < hull.vertex_count; ++v) {
+        double beyond = 0;
+        for (int axis = 0; axis < 3; ++axis) beyond += normals[axis] * (hull.vertices[3 * v + axis] - positions[axis]);
+        CHECK(beyond < 1e-9);
+      }
+      ++hits;
+    }
+    if (frame > 0) CHECK(allocations == before);
+  }
+  CHECK(hits == 40 * lorica_body_part_count(body));
+  CHECK(lorica_live_cast_rays(live, NULL, 0, 1, NULL, NULL, NULL, NULL) == LORICA_OK);
+  FAILS(LORICA_INVALID_ARGUMENT, "rays", lorica_live_cast_rays(live, NULL, 1, 1, parts, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "parts", lorica_live_cast_rays(live, rays, 1, 1, NULL, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "reach: found -1", lorica_live_cast_rays(live, rays, 1, -1, parts, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "reach: found nan", lorica_live_cast_rays(live, rays, 1, NAN, parts, NULL, NULL, NULL));
+  lorica_live_free(live);
+  lorica_motion_free(motion);
+}
+
 /* What a capsule touches in 40 frames, as tests/bindings/truth.cpp writes it of a session. */
 static void test_touches(void) {
   lorica_motion *motion = NULL;
@@ -372,6 +417,7 @@ int main(int argc, char **argv) {
   test_characters();
   compare("walk", "walk_csv.hulls");
   compare(path("walk.bvh"), "walk_bvh.hulls");
+  test_rays();
   test_touches();
   test_live();
   test_tracker();

@@ -152,6 +152,25 @@ class Characters(unittest.TestCase):
                 found += np.int32(touch.part).tobytes() + numbers.tobytes()
         self.assertEqual(found, (FILES / "walk_csv.touches").read_bytes())
 
+    def test_rays_enter_the_hulls(self):
+        live = self.body.live()
+        self.assertEqual(live.cast([0, 1, 3], [0, 0, -1])[0].tolist(), [-1])  # no pose yet
+        frame = live.pose(next(lorica.play("walk", self.body)).world_from_joint)
+        middles = np.array([hull.vertices.mean(axis=0) for hull in frame.hulls])
+        eye = np.array([0.0, 1.0, 3.0])
+        parts, distances, positions, normals = live.cast(eye, middles - eye)
+        self.assertEqual((parts.dtype, positions.shape), (np.int32, (len(middles), 3)))
+        self.assertTrue((parts >= 0).all())
+        np.testing.assert_allclose(np.linalg.norm(positions - eye, axis=1), distances, atol=1e-12)
+        for part, position, normal in zip(parts, positions, normals):
+            hull = frame.hulls[part].vertices
+            self.assertAlmostEqual(((hull - position) @ normal).max(), 0, 9)  # on the hull's own plane
+        self.assertEqual(live.cast(middles, middles - eye)[1].max(), 0)  # from within
+        parts, distances, positions, _ = live.cast([eye, eye], [[0, 0, 1], [np.nan, 0, -1]])
+        self.assertEqual((parts.tolist(), distances.tolist()), ([-1, -1], [np.inf, np.inf]))
+        self.assertTrue(np.isnan(positions).all())
+        self.assertEqual(live.cast(eye, middles - eye, reach=0.5)[0].max(), -1)
+
     def test_a_box_that_moves_out_of_a_touch_only_touches(self):
         live = self.body.live()
         self.assertEqual(live.touches([0, 1, 0], 0.1), [])  # no pose yet
@@ -199,6 +218,8 @@ class Characters(unittest.TestCase):
             (ValueError, r"points: found shape \(2,\), expected \(n, 3\)", lambda: self.body.live().touches([0, 1])),
             (ValueError, "points: found none", lambda: self.body.live().touches(np.zeros((0, 3)))),
             (ValueError, "point 0: found nan", lambda: self.body.live().touches([np.nan, 1, 0])),
+            (ValueError, "origins: found 2, expected 1", lambda: self.body.live().cast(np.eye(3)[:2], np.eye(3))),
+            (ValueError, "reach: found -1", lambda: self.body.live().cast([0, 1, 0], [0, 0, 1], -1)),
             (ValueError, "radius: found -1", lambda: self.body.live().touches([0, 1, 0], -1)),
         ):
             with self.subTest(sentence), self.assertRaisesRegex(error, sentence):

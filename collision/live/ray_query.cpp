@@ -1,0 +1,156 @@
+#include "collision/live/ray_query.h"
+
+#include "collision/live/clip_kernel.h"
+#include "geometry/convex_hull.h"
+#include "geometry/counts.h"
+#include "geometry/errors.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+namespace lorica {
+namespace {
+
+constexpr double kBallMargin = 1e-9;  ///< [m] for rounding: a face that touches its ball is not lost
+constexpr double kFarAway = 1e12;     ///< where balls of the padding are [m]
+
+std::size_t padded(std::size_t count) {
+  return (count + kClipPadding - 1) / kClipPadding * kClipPadding;
+}
+
+/// The planes of a hull's faces, one array a coordinate; the padding holds everything.
+void writePlanes(const ConvexHull& hull, std::span<double> planes) {
+  const std::size_t count = planes.size() / 4;
+  std::fill(planes.begin(), planes.end() - static_cast<std::ptrdiff_t>(count), 0.0);
+  std::fill(planes.end() - static_cast<std::ptrdiff_t>(count), planes.end(), 1.0);
+  for (std::size_t f = 0; f < hull.triangles.size(); ++f) {
+    const auto& [a, b, c] = hull.triangles[f];
+    const Vec3 corner = hull.vertices[a];
+    const Vec3 normal = (hull.vertices[b] - corner).cross(hull.vertices[c] - corner);
+    for (std::size_t axis = 0; axis < 3; ++axis) planes[axis * count + f] = normal[axis];
+    planes[3 * count + f] = normal.dot(corner);
+  }
+}
+
+}  // namespace
+
+void RayQuery::BallList::resize(std::size_t count) {
+  for (std::vector<double>* coordinate : {&x, &y, &z}) coordinate->assign(padded(count), kFarAway);
+  radius.assign(padded(count), 0.0);
+}
+
+void RayQuery::BallList::set(std::size_t i, const Vec3& middle, double r) {
+  x[i] = middle.x();
+  y[i] = middle.y();
+  z[i] = middle.z();
+  radius[i] = r;
+}
+
+void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
+  parts_.clear();
+  firstPart_.clear();
+  std::size_t planes = 0;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    firstPart_.push_back(parts_.size());
+    const std::span<const LivePart> parts = bodies[b];
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (parts[p].shape.degenerate()) continue;
+      const std::size_t count = padded(parts[p].shape.triangles.size());
+      parts_.push_back(
+          {parts[p].worldFromPart.inverse(), planes, count, static_cast<int>(b), static_cast<PartIndex>(p)});
+      planes += 4 * count;
+    }
+    parts_.resize(padded(parts_.size()));
+  }
+  firstPart_.push_back(parts_.size());
+  planes_.resize(planes);
+  partBalls_.resize(parts_.size());
+  bodyBalls_.resize(bodies.size());
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    Aabb box;
+    for (std::size_t i = firstPart_[b]; i < firstPart_[b + 1]; ++i) {
+      const Part& part = parts_[i];
+      if (part.planeCount == 0) continue;
+      const LivePart& live = bodies[b][part.index];
+      writePlanes(live.shape, std::span(planes_).subspan(part.firstPlane, 4 * part.planeCount));
+      const Vec3 middle = live.worldFromPart.translation();
+      partBalls_.set(i, middle, live.radius + kBallMargin);
+      box.extend(middle);
+    }
+    if (box.empty()) continue;
+    const Vec3 middle = 0.5 * (box.min + box.max);
+    double radius = 0.0;
+    for (std::size_t i = firstPart_[b]; i < firstPart_[b + 1]; ++i) {
+      if (parts_[i].planeCount == 0) continue;
+      radius = std::max(radius, (partBalls_.middle(i) - middle).norm() + partBalls_.radius[i]);
+    }
+    bodyBalls_.set(b, middle, radius + kBallMargin);
+  }
+}
+
+/// Calls `each` with hits in any order; it returns the distance beyond which nothing counts any more.
+template <typename Visit>
+void RayQuery::visit(const HullRay& ray, const Visit& each) const {
+  const double length = ray.direction.norm();
+  if (!(length > 0.0) || !std::isfinite(length) || !ray.origin.allFinite() || !(ray.reach >= 0.0)) return;
+  const Vec3 direction = ray.direction / length;
+  double reach = ray.reach;
+  const auto visitPart = [&](const Part& part) {
+    const Vec3 origin = part.partFromWorld * ray.origin, along = part.partFromWorld.linear() * direction;
+    const std::span<const double> planes = std::span(planes_).subspan(part.firstPlane, 4 * part.planeCount);
+    const Entry entry = entryOf(planes, origin, along, reach);
+    if (entry.at == kInfinity) return;
+    HullHit hit{part.body, part.index, entry.at, ray.origin + entry.at * direction, -direction};
+    if (entry.plane >= 0) {
+      const std::size_t f = entry.plane;
+      const Vec3 normal(planes[f], planes[part.planeCount + f], planes[2 * part.planeCount + f]);
+      hit.normal = part.partFromWorld.linear().transpose() * normal.normalized();
+    }
+    reach = std::min(reach, each(hit));
+  };
+  const auto visitNear = [&](const BallList& list, std::size_t from, std::size_t to, const auto& act) {
+    const Balls balls{list.x, list.y, list.z, list.radius};
+    for (std::size_t first = from; first < to; first += kClipPadding) {
+      for (unsigned near = ballsOnRay(balls, first, ray.origin, direction, reach); near != 0; near &= near - 1) {
+        act(first + static_cast<std::size_t>(std::countr_zero(near)));
+      }
+    }
+  };
+  visitNear(bodyBalls_, 0, bodyBalls_.x.size(), [&](std::size_t body) {
+    visitNear(partBalls_, firstPart_[body], firstPart_[body + 1], [&](std::size_t i) { visitPart(parts_[i]); });
+  });
+}
+
+HullHit RayQuery::nearest(const HullRay& ray) const {
+  HullHit best;
+  visit(ray, [&](const HullHit& hit) {
+    // Of several at the same distance the first part, in whatever order they are asked.
+    if (!best || hit.distance < best.distance) best = hit;
+    return best.distance;
+  });
+  return best;
+}
+
+void RayQuery::nearest(std::span<const HullRay> rays, std::span<HullHit> hits) const {
+  LORICA_CHECK(rays.size() == hits.size(), "there must be as many hits as rays");
+  for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = nearest(rays[i]);
+}
+
+std::size_t RayQuery::all(const HullRay& ray, std::span<HullHit> hits) const {
+  std::size_t found = 0, kept = 0;
+  visit(ray, [&](const HullHit& hit) {
+    ++found;
+    std::size_t at = kept;
+    while (at > 0 && hits[at - 1].distance > hit.distance) --at;
+    if (at == hits.size()) return kInfinity;
+    kept = std::min(kept + 1, hits.size());
+    std::shift_right(hits.begin() + static_cast<std::ptrdiff_t>(at), hits.begin() + static_cast<std::ptrdiff_t>(kept),
+                     1);
+    hits[at] = hit;
+    return kInfinity;
+  });
+  return found;
+}
+
+}  // namespace lorica

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "acd/decomposition.h"
+#include "collision/live/live_part.h"
+#include "geometry/math.h"
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace lorica {
+
+/// A ray, or a segment if it ends.
+struct HullRay {
+  Vec3 origin = Vec3::Zero();      ///< world [m]
+  Vec3 direction = Vec3::UnitZ();  ///< of any length above 0
+  double reach = kInfinity;        ///< where it ends [m]
+};
+
+/// Where a ray enters the hull of a part.
+struct HullHit {
+  int body = -1;  ///< index in RayQuery::update(); -1 = nothing was hit
+  PartIndex part = -1;
+  double distance = 0.0;         ///< from the origin [m]; 0 if that is inside
+  Vec3 position = Vec3::Zero();  ///< world [m]
+  Vec3 normal = Vec3::Zero();    ///< of the face that was entered, outward, unit; against the ray if it begins inside
+
+  explicit operator bool() const { return body >= 0; }
+};
+
+/// Answers rays against bodies in their present pose, without skinning a mesh. The hulls count, not the skin: see
+/// LiveBody::coverage(). Parts without volume are not hit.
+///
+/// Each hull is the intersection of its faces' half-spaces, so a ray is clipped by all of them with vector instructions
+/// (Cyrus and Beck 1978). The same answers on every instruction set, for one ray or many.
+class RayQuery {
+ public:
+  /// Takes the present hulls of bodies, which have LiveDetail::kFaces; to be called after LiveBody::update(). Allocates
+  /// only if there are more bodies, parts or faces than ever before.
+  /// @param bodies  the parts of each; not needed any more after the call
+  void update(std::span<const std::span<const LivePart>> bodies);
+
+  /// The nearest hit. A ray that is not finite, or has no direction, hits nothing.
+  [[nodiscard]] HullHit nearest(const HullRay& ray) const;
+  /// The same for many rays. @param hits  as many as rays
+  void nearest(std::span<const HullRay> rays, std::span<HullHit> hits) const;
+  /// One hit for each part on the ray's way, nearest first.
+  /// @param hits  receives as many of the nearest as it has room for
+  /// @return how many there are, which may be more
+  std::size_t all(const HullRay& ray, std::span<HullHit> hits) const;
+
+ private:
+  /// Bounding balls, one array a coordinate, padded with balls that nothing hits.
+  struct BallList {
+    std::vector<double> x, y, z, radius;
+    void resize(std::size_t count);
+    void set(std::size_t i, const Vec3& middle, double r);
+    [[nodiscard]] Vec3 middle(std::size_t i) const { return {x[i], y[i], z[i]}; }
+  };
+  struct Part {
+    Isometry3 partFromWorld = Isometry3::Identity();
+    std::size_t firstPlane = 0;  ///< in planes_
+    std::size_t planeCount = 0;  ///< with padding; 0 = no part
+    int body = 0;
+    PartIndex index = 0;
+  };
+  template <typename Visit>
+  void visit(const HullRay& ray, const Visit& each) const;
+
+  std::vector<std::size_t> firstPart_;  ///< of each body, and behind the last: multiples of the padding
+  BallList bodyBalls_, partBalls_;      ///< as parts_
+  std::vector<Part> parts_;             ///< those with volume
+  // Of each part planeCount times x, then y, z of its faces' normals, then their offsets: of any length, in the part's
+  // frame. Padded with planes behind which is everything.
+  std::vector<double> planes_;
+};
+
+}  // namespace lorica

@@ -1,0 +1,254 @@
+#include "collision/live/ray_query.h"
+
+#include "collision/live/live_body.h"
+#include "geometry/convex_hull.h"
+#include "tests/collision/dancer.h"
+#include "tests/collision/parts.h"
+#include "tests/support/allocations.h"
+#include "tests/support/instruction_sets.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <random>
+#include <span>
+#include <vector>
+
+namespace lorica::test {
+namespace {
+
+/// Where a ray meets a triangle from its front (Moeller and Trumbore 1997), in units of the direction.
+std::optional<double> enters(const HullRay& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 ab = b - a, ac = c - a;
+  const Vec3 across = ray.direction.cross(ac);
+  const double det = ab.dot(across);
+  if (det <= 0.0) return std::nullopt;
+  const Vec3 from = ray.origin - a;
+  const double u = from.dot(across);
+  const Vec3 q = from.cross(ab);
+  const double v = ray.direction.dot(q), t = ac.dot(q);
+  if (u < 0.0 || v < 0.0 || u + v > det || t < 0.0) return std::nullopt;
+  return t / det;
+}
+
+/// The nearest hit by asking every triangle; directions are unit vectors.
+HullHit slowNearest(std::span<const std::vector<ConvexHull>> bodies, const HullRay& ray) {
+  HullHit best;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    for (std::size_t p = 0; p < bodies[b].size(); ++p) {
+      const ConvexHull& hull = bodies[b][p];
+      bool inside = !hull.degenerate();
+      double distance = kInfinity;
+      Vec3 normal = Vec3::Zero();
+      for (const Triangle& triangle : hull.triangles) {
+        const Vec3 &u = hull.vertices[triangle[0]], &v = hull.vertices[triangle[1]], &w = hull.vertices[triangle[2]];
+        const Vec3 out = (v - u).cross(w - u);
+        inside = inside && (ray.origin - u).dot(out) <= 0.0;
+        const std::optional<double> at = enters(ray, u, v, w);
+        if (!at || *at >= distance) continue;
+        distance = *at;
+        normal = out.normalized();
+      }
+      if (inside) {
+        distance = 0.0;
+        normal = -ray.direction;
+      }
+      if (distance > ray.reach || (best && distance >= best.distance)) continue;
+      if (std::isfinite(distance)) {
+        best = {static_cast<int>(b), static_cast<PartIndex>(p), distance, ray.origin + distance * ray.direction,
+                normal};
+      }
+    }
+  }
+  return best;
+}
+
+/// Two dancers, the second beside the first.
+struct Pair {
+  Dancer dancer;
+  std::array<LiveBody, 2> body;
+  std::array<std::span<const LivePart>, 2> bodies;
+
+  explicit Pair(std::mt19937_64& random) : body{bodyOf(dancer), bodyOf(dancer)} {
+    move(random, 0, Vec3(0.0, 0.95, 0.0));
+    move(random, 1, Vec3(0.5, 0.95, 0.3));
+    bodies = {body[0].parts(), body[1].parts()};
+  }
+  Pair(const Pair&) = delete;
+  Pair& operator=(const Pair&) = delete;
+
+  static LiveBody bodyOf(const Dancer& dancer) {
+    return LiveBody::create(dancer.decomposition, dancer.character).value();
+  }
+  /// Another pose, with the hips at a point.
+  void move(std::mt19937_64& random, std::size_t which, const Vec3& hips) {
+    dancer.dance(random, 0.6);
+    const Vec3 by = hips - dancer.worldFromModel[0] * Vec3(0.0, 0.95, 0.0);
+    for (Affine3& bone : dancer.worldFromModel) bone.pretranslate(by);
+    body[which].update(dancer.worldFromModel);
+  }
+};
+
+/// From around the dancers, or from within, at a point of them.
+HullRay randomRay(std::mt19937_64& random) {
+  HullRay ray;
+  const bool within = uniform(random, 0.0, 1.0) < 0.2;
+  ray.origin = uniformVec3(random, -1.0, 1.0).cwiseProduct(within ? Vec3(0.5, 0.9, 0.2) : Vec3(4.0, 3.0, 4.0)) +
+               Vec3(0.2, 0.9, 0.1);
+  const Vec3 target = uniformVec3(random, -1.0, 1.0).cwiseProduct(Vec3(0.8, 0.9, 0.5)) + Vec3(0.2, 0.9, 0.1);
+  ray.direction = (target - ray.origin).normalized();
+  if (uniform(random, 0.0, 1.0) < 0.3) ray.reach = uniform(random, 0.0, 5.0);
+  return ray;
+}
+
+TEST(RayQuery, AnswersLikeEveryTriangleAsked) {
+  std::mt19937_64 random(48);
+  int hits = 0, insides = 0, grazing = 0, nextTo = 0;
+  constexpr int kPoses = 5, kRays = 1000;
+  for (int pose = 0; pose < kPoses; ++pose) {
+    const Pair pair(random);
+    RayQuery query;
+    query.update(pair.bodies);
+    std::array<std::vector<ConvexHull>, 2> hulls;
+    for (std::size_t b = 0; b < hulls.size(); ++b) {
+      for (const LivePart& part : pair.body[b].parts()) hulls[b].push_back(worldHull(part));
+    }
+    for (int i = 0; i < kRays; ++i) {
+      const HullRay ray = randomRay(random);
+      const HullHit fast = query.nearest(ray), slow = slowNearest(hulls, ray);
+      hits += slow ? 1 : 0;
+      insides += slow && slow.distance == 0.0 ? 1 : 0;
+      if (static_cast<bool>(fast) != static_cast<bool>(slow) || std::abs(fast.distance - slow.distance) > 1e-9) {
+        ++grazing;  // past an edge, within the errors of both
+        continue;
+      }
+      if (!slow) continue;
+      // On an edge of two faces, or where two parts touch, either is right.
+      if (fast.part != slow.part || fast.body != slow.body || (fast.normal - slow.normal).norm() > 1e-6) ++nextTo;
+      EXPECT_LT((fast.position - slow.position).norm(), 1e-9);
+      EXPECT_NEAR(fast.normal.norm(), 1.0, 1e-12);
+    }
+  }
+  EXPECT_GT(hits, kPoses * kRays / 5);
+  EXPECT_GT(insides, 25);
+  EXPECT_LE(grazing, 2);
+  EXPECT_LE(nextTo, kPoses * kRays / 200);
+}
+
+TEST(RayQuery, GivesTheSameBitsOnEveryInstructionSetForOneOrMany) {
+  std::mt19937_64 random(5);
+  const Pair pair(random);
+  RayQuery query;
+  query.update(pair.bodies);
+  std::vector<HullRay> rays(500);
+  for (HullRay& ray : rays) ray = randomRay(random);
+  std::vector<HullHit> expected;
+  for (const HullRay& ray : rays) expected.push_back(query.nearest(ray));
+  onEveryInstructionSet([&] {
+    std::vector<HullHit> hits(rays.size());
+    query.nearest(rays, hits);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      EXPECT_EQ(hits[i].body, expected[i].body);
+      EXPECT_EQ(hits[i].part, expected[i].part);
+      EXPECT_EQ(hits[i].distance, expected[i].distance);
+      EXPECT_EQ(hits[i].normal, expected[i].normal);
+    }
+  });
+}
+
+TEST(RayQuery, AllHitsAreOneForEachPartNearestFirst) {
+  std::mt19937_64 random(6);
+  const Pair pair(random);
+  RayQuery query;
+  query.update(pair.bodies);
+  std::size_t most = 0;
+  for (int i = 0; i < 500; ++i) {
+    const HullRay ray = randomRay(random);
+    std::vector<HullHit> hits(64);
+    hits.resize(query.all(ray, hits));
+    most = std::max(most, hits.size());
+    EXPECT_EQ(hits.empty(), !query.nearest(ray));
+    if (!hits.empty()) {
+      EXPECT_EQ(hits[0].distance, query.nearest(ray).distance);
+    }
+    EXPECT_TRUE(std::ranges::is_sorted(hits, {}, &HullHit::distance));
+    for (std::size_t k = 0; k < hits.size(); ++k) {
+      for (std::size_t other = 0; other < k; ++other) {
+        EXPECT_FALSE(hits[k].body == hits[other].body && hits[k].part == hits[other].part);
+      }
+    }
+    // With less room the nearest ones remain.
+    std::array<HullHit, 2> two;
+    EXPECT_EQ(query.all(ray, two), hits.size());
+    for (std::size_t k = 0; k < std::min<std::size_t>(2, hits.size()); ++k) {
+      EXPECT_EQ(two[k].distance, hits[k].distance);
+    }
+    EXPECT_EQ(query.all(ray, {}), hits.size());
+  }
+  EXPECT_GE(most, 4u);
+}
+
+TEST(RayQuery, LengthsAndEndsOfRays) {
+  std::mt19937_64 random(7);
+  const Pair pair(random);
+  RayQuery query;
+  query.update({pair.bodies.data(), 1});
+  HullRay ray{pair.body[0].parts()[0].worldFromPart * Vec3(0.0, 0.0, 3.0)};
+  ray.direction = (pair.body[0].parts()[0].worldFromPart.translation() - ray.origin).normalized();
+  const HullHit hit = query.nearest(ray);
+  ASSERT_TRUE(hit);
+  EXPECT_NEAR((hit.position - ray.origin).norm(), hit.distance, 1e-12);
+  ray.direction *= 1e-3;
+  EXPECT_NEAR(query.nearest(ray).distance, hit.distance, 1e-12) << "distances are metres, not lengths of the direction";
+  ray.reach = hit.distance + 1e-9;
+  EXPECT_TRUE(query.nearest(ray));
+  ray.reach = hit.distance - 1e-9;
+  EXPECT_FALSE(query.nearest(ray));
+  ray.reach = kInfinity;
+  ray.direction = -ray.direction;
+  EXPECT_FALSE(query.nearest(ray)) << "behind";
+}
+
+TEST(RayQuery, WhatIsNoRayHitsNothing) {
+  std::mt19937_64 random(8);
+  const Pair pair(random);
+  RayQuery query;
+  EXPECT_FALSE(query.nearest({Vec3::Zero(), Vec3::UnitX()})) << "before any body";
+  query.update(pair.bodies);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const Vec3 from(0.0, 1.0, 3.0), towards = (pair.body[0].parts()[0].worldFromPart.translation() - from).normalized();
+  ASSERT_TRUE(query.nearest({from, towards}));
+  for (const HullRay& ray :
+       {HullRay{from, Vec3::Zero()}, HullRay{from, Vec3(kNan, 0.0, 0.0)}, HullRay{Vec3(0.0, kNan, 0.0), towards},
+        HullRay{from, Vec3(kInfinity, 0.0, 0.0)}, HullRay{Vec3(kInfinity, 0.0, 0.0), towards},
+        HullRay{from, towards, -1.0}, HullRay{from, towards, kNan}, HullRay{Vec3::Constant(1e300), towards}}) {
+    EXPECT_FALSE(query.nearest(ray));
+    EXPECT_EQ(query.all(ray, {}), 0u);
+  }
+  query.update({});
+  EXPECT_FALSE(query.nearest({from, towards}));
+}
+
+TEST(RayQuery, FramesAndRaysAllocateNothing) {
+  std::mt19937_64 random(9);
+  Pair pair(random);
+  RayQuery query;
+  for (int frame = 0; frame < 20; ++frame) {
+    pair.move(random, 0, Vec3(0.0, 0.95, 0.0));
+    const long before = allocationCount();
+    query.update(pair.bodies);
+    std::array<HullHit, 8> hits;
+    for (int i = 0; i < 50; ++i) (void)query.all(randomRay(random), hits);
+    // Poses with more faces than ever before may come for a while.
+    if (frame < 10) continue;
+    EXPECT_EQ(allocationCount() - before, 0) << frame;
+  }
+}
+
+}  // namespace
+}  // namespace lorica::test
