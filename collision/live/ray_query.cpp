@@ -50,7 +50,14 @@ void RayQuery::BallList::set(std::size_t i, const Vec3& middle, double r) {
 void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
   parts_.clear();
   firstPart_.clear();
-  std::size_t planes = 0;
+  // Hulls have room for the most faces that they can get.
+  std::size_t mostParts = 0, mostPlanes = 0, planes = 0;
+  for (const std::span<const LivePart> parts : bodies) {
+    mostParts += padded(parts.size());
+    for (const LivePart& part : parts) mostPlanes += 4 * padded(part.shape.triangles.capacity());
+  }
+  parts_.reserve(mostParts);
+  planes_.reserve(mostPlanes);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     firstPart_.push_back(parts_.size());
     const std::span<const LivePart> parts = bodies[b];
@@ -65,7 +72,7 @@ void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
   }
   firstPart_.push_back(parts_.size());
   planes_.resize(planes);
-  partBalls_.resize(parts_.size());
+  partBalls_.resize(mostParts);
   bodyBalls_.resize(bodies.size());
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     Aabb box;

@@ -36,7 +36,7 @@ struct HullHit {
 class RayQuery {
  public:
   /// Takes the present hulls of bodies, which have LiveDetail::kFaces; to be called after LiveBody::update(). Allocates
-  /// only if there are more bodies, parts or faces than ever before.
+  /// only if there are more bodies or parts than ever before.
   /// @param bodies  the parts of each; not needed any more after the call
   void update(std::span<const std::span<const LivePart>> bodies);
 
