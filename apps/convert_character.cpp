@@ -1,4 +1,4 @@
-#include "apps/convert_character.h"
+#include "apps/convert.h"
 #include "geometry/text.h"
 
 #include "apps/options.h"

@@ -18,9 +18,7 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr const char* kVideoName = "demo.mp4";
-constexpr double kFramesPerSecond = 30.0;
-constexpr int kMoments = 3;               // columns of the sheet
-constexpr double kCameraDistance = 2.29;  // in heights of the character
+constexpr int kMoments = 3;  // columns of the sheet
 
 /// Half as wide and high, each pixel the mean of four.
 Image halved(const Image& image) {
@@ -57,15 +55,15 @@ DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, std::optional
     : folder_(std::move(folder)),
       camera_(std::move(camera)),
       video_(std::move(video)),
-      follow_(kCameraDistance),
+      follow_("three-quarter", 1.0 * kWidth / kHeight),
       moments_(kMoments) {}
 
-Result<DemoPictures> DemoPictures::create(const fs::path& folder, Host& host) {
+Result<DemoPictures> DemoPictures::create(const fs::path& folder, double framesPerSecond, Host& host) {
   LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return unwritable("--out: {}: {}", folder.string(), error.message());
-  Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, kFramesPerSecond);
+  Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, framesPerSecond);
   if (!video) {
     if (video.error().code != ErrorCode::kUnsupported) return video.error();
     host.warn(video.error().message + "; drawing pictures only");  // the video module is optional

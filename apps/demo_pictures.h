@@ -27,7 +27,7 @@ struct DemoFiles {
 class DemoPictures {
  public:
   /// @return kNoDisplay and the missing package if there is no renderer; kUnwritable for the folder or the video
-  static Result<DemoPictures> create(const std::filesystem::path& folder, Host& host);
+  static Result<DemoPictures> create(const std::filesystem::path& folder, double framesPerSecond, Host& host);
 
   /// Draws the session's last frame.
   /// @param seconds        since the start

@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "player/depth_picture.h"
+#include "player/picture_options.h"
 #include "player/playback.h"
 #include "player/snapshots.h"
 #include "prepare/scenes.h"
@@ -126,12 +127,13 @@ void Run::sceneChosen(const std::string& scene, Host& host) {
   if (live()) hits = TargetHits(targets_);
 }
 
-void prepareScreen(const Run& run, Screen& screen) {
+void prepareScreen(const Run& run, Screen& screen, const std::string& background) {
   const Character& character = run.session.character();
   screen.setTitle(run.name().empty() ? "Lorica" : "Lorica: " + run.name());
-  screen.setCamera(windowCamera(character.height, run.session.avatars().size()));
   WindowChoices choices = screen.choices();
   choices.show = usualView(character);
+  if (run.setting.allLayers) choices.show.hulls = true;
+  (void)setBackground(background, choices.show);
   screen.setChoices(choices);
 }
 

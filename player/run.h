@@ -47,6 +47,7 @@ struct RunSetting {
   bool hurry = false;            ///< on a screen: as fast as possible instead of in real time
   bool sumUp = false;            ///< statistics are of all repetitions; else of the last one
   bool selfContacts = false;     ///< count them, see RunStatistics
+  bool allLayers = false;        ///< on a screen: it begins with all layers, whatever the user switched off elsewhere
   AtEnd atEnd = AtEnd::kChoice;  ///< on a screen
   // Of the task that is reported without a screen.
   std::string doing = "Playing";
@@ -151,7 +152,7 @@ struct Shown {
 /// @return why it ended, or an error about the sources or pictures; what was recorded is kept then
 [[nodiscard]] Result<RunEnd> play(Run& run, Shown& shown, Host& host);
 
-/// Prepares a screen for a run: its title, its camera and what is drawn.
-void prepareScreen(const Run& run, Screen& screen);
+/// Prepares a screen for a run: its title and what is drawn. @param background  see setBackground()
+void prepareScreen(const Run& run, Screen& screen, const std::string& background = {});
 
 }  // namespace lorica

@@ -11,12 +11,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -45,19 +42,20 @@ std::vector<std::string> guessOf(const DepthSight& sight) {
                   height, down < 0.0 ? "up" : "down", std::abs(down))};
 }
 
-}  // namespace
-
-bool isDepthRecording(const std::filesystem::path& file) {
-  if (lowerCase(file.extension().string()) == ".oni") return true;
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // reading from a pipe would consume its data
-  std::ifstream stream(file, std::ios::binary);
-  std::array<char, 4> begin{};
-  return stream.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == "NI10";
+/// The whole frames of a recording. Says if it was truncated.
+Result<std::unique_ptr<OniSource>> openWhole(const std::filesystem::path& file, Host& host) {
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  if (depth->info().cutOff) {
+    host.warn(fmt::format("{}: the recording is truncated; found {} that {} whole", file.string(),
+                          counted(depth->info().frameCount, "frame"), depth->info().frameCount == 1 ? "is" : "are"));
+  }
+  return depth;
 }
 
+}  // namespace
+
 Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options, Host& host) {
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
 
@@ -106,7 +104,7 @@ Result<std::string> firstGuessOfDepth(const std::filesystem::path& file) {
 
 Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host) {
   constexpr int kPlaces = 6;  // as many as a tracker follows
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera(), {.maxPeople = kPlaces})));
   DepthJoints people(std::move(depth), std::move(tracker), PeoplePlaces(kPlaces));
@@ -137,7 +135,7 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
 }
 
 Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base, Host& host) {
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
   Task task(host, "Tracking " + file.stem().string(), "frames");

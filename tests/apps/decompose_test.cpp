@@ -76,7 +76,7 @@ TEST(Decompose, WhatIsWrittenIsNamed) {
   const nlohmann::json json = runLorica({"decompose", mesh, "-o", file, "--export-obj", hulls, "--json", "-"}).json();
   EXPECT_EQ(json["output"], file);
   EXPECT_EQ(json["exportObj"], hulls);
-  const CommandResult text = runLorica({"decompose", mesh, "-o", file, "--export-obj", hulls});
+  const CommandResult text = runLorica({"decompose", "--force", mesh, "-o", file, "--export-obj", hulls});
   EXPECT_NE(text.out.find(file), std::string::npos) << text.out;
   EXPECT_NE(text.out.find(hulls), std::string::npos) << text.out;
   const nlohmann::json neither = runLorica({"decompose", mesh, "--json", "-"}).json();
@@ -313,7 +313,7 @@ TEST_P(DecomposeBenchmark, ReachesItsScoreAndCoversTheMesh) {
   const TemporaryFolder folder;
   const std::filesystem::path hulls = folder.path() / "hulls.obj";
   const CommandResult result =
-      runLorica({"decompose", file, "--parts", GetParam().parts, "--export-obj", hulls, "--json", "-"});
+      runLorica({"decompose", "--force", file, "--parts", GetParam().parts, "--export-obj", hulls, "--json", "-"});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["parts"], std::atoi(GetParam().parts));
