@@ -1,12 +1,8 @@
-#include "apps/convert.h"
-#include "geometry/text.h"
-
 #include "apps/option_groups.h"
 #include "apps/options.h"
-#include "capture/files/bvh_file.h"
-#include "capture/files/joint_csv.h"
-#include "capture/retarget/skeletal_retarget.h"
+#include "export/motion_export.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/depth_motion.h"
 #include "prepare/file_kinds.h"
 #include "prepare/read_motion.h"
@@ -31,29 +27,6 @@ struct Options {
   ConvertCharacter character;
   bool cameraFrame = false;
 };
-
-struct Joints {
-  std::vector<SkeletonFrame> frames;
-  std::optional<double> delay;  ///< of smoothing [s]
-};
-
-/// The motion as joints, smoothed and mirrored if requested.
-Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
-  std::vector<SkeletonFrame> frames = motion.joints;
-  if (motion.bones) {
-    LORICA_TRY(frames, prefixed(motion.name, bodyJointsOf(*motion.bones)));
-  }
-  const JointSettings settings = options.joints();
-  std::optional<OneEuroFilter> filter;
-  if (settings.smoothing) filter.emplace(*settings.smoothing);
-  for (SkeletonFrame& frame : frames) {
-    if (settings.mirror) mirror(frame);
-    if (filter) filter->apply(frame);
-  }
-  Joints joints{std::move(frames), std::nullopt};
-  if (filter) joints.delay = filter->delay();
-  return joints;
-}
 
 /// room.cam.csv of room.csv.
 std::string besideOf(const Options& options, const char* ending) {
@@ -160,24 +133,6 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
 }
 
 }  // namespace
-
-Result<ConvertedClip> writeMotion(const std::string& output, const Motion& motion, const MotionOptions& options) {
-  const bool asBvh = lowerCase(fs::path(output).extension().string()) == ".bvh";
-  if (asBvh && motion.bones && !options.mirror) {
-    LORICA_TRY_DO(writeBvh(output, *motion.bones));
-    return ConvertedClip{};
-  }
-  LORICA_TRY(const Joints joints, asJoints(motion, options));
-  if (asBvh) {
-    LORICA_TRY(const SkeletalMotion bones, skeletalMotionOf(joints.frames));
-    LORICA_TRY_DO(writeBvh(output, bones));
-  } else {
-    LORICA_TRY_DO(writeJointCsv(output, joints.frames));
-  }
-  ConvertedClip made;
-  made.delay = joints.delay;
-  return made;
-}
 
 Command addConvert(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();

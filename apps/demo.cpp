@@ -165,7 +165,9 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   // Fail early.
   LORICA_TRY_DO(checkJsonOutput(common, {}));
   LORICA_TRY_DO(checkWindow(options.window, "`lorica demo --headless` draws a video instead"));
-  if (options.headless || !displayAvailable()) LORICA_TRY_DO(checkOutputFolder(common.force, "--out", options.out));
+  if (options.headless || !displayAvailable()) {
+    LORICA_TRY_DO(checkOutputFolder(common, "--out", options.out, isOfDemo));
+  }
   LORICA_TRY(std::optional<Window> window, chooseWindow(options, host));
   if (!window) {
     LORICA_TRY(const Show show, playForFiles(options, host));

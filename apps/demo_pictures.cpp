@@ -18,7 +18,13 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr const char* kVideoName = "demo.mp4";
+constexpr const char* kSheetName = "contact_sheet.png";
 constexpr int kMoments = 3;  // columns of the sheet
+
+/// @param moment  from 0
+std::string pictureName(bool hullsOnly, int moment) {
+  return fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", moment + 1);
+}
 
 /// Half as wide and high, each pixel the mean of four.
 Image halved(const Image& image) {
@@ -50,6 +56,13 @@ double eventsIn(const Session& session) {
 }
 
 }  // namespace
+
+bool isOfDemo(const std::string& name) {
+  for (int i = 0; i < kMoments; ++i) {
+    if (name == pictureName(false, i) || name == pictureName(true, i)) return true;
+  }
+  return name == kVideoName || name == kSheetName;
+}
 
 DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, std::optional<VideoWriter> video)
     : folder_(std::move(folder)),
@@ -96,7 +109,7 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
 }
 
 Result<DemoFiles> DemoPictures::finish() {
-  DemoFiles files{camera_.rendererName(), std::nullopt, {}, folder_ / "contact_sheet.png"};
+  DemoFiles files{camera_.rendererName(), std::nullopt, {}, folder_ / kSheetName};
   if (video_) {
     LORICA_TRY_DO(video_->finish());
     files.video = folder_ / kVideoName;
@@ -110,7 +123,7 @@ Result<DemoFiles> DemoPictures::finish() {
     for (std::size_t i = 0; i < moments_.size(); ++i) {
       const Moment& moment = moments_[i];
       const Image& image = hullsOnly ? moment.hulls : moment.body;
-      files.snapshots.push_back(folder_ / fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", i + 1));
+      files.snapshots.push_back(folder_ / pictureName(hullsOnly, int(i)));
       LORICA_TRY_DO(writePng(files.snapshots.back(), image, NamedBy::kLorica));
       thumbnails.push_back(halved(image));
       labels.push_back(moment.label + (hullsOnly ? ", collision hulls" : ""));

@@ -22,6 +22,9 @@ struct DemoFiles {
   std::filesystem::path contactSheet;
 };
 
+/// Whether the demo writes a file of this name.
+[[nodiscard]] bool isOfDemo(const std::string& name);
+
 /// Draws the demo to files: a video of all frames, snapshots of the most eventful moments, each with the body and with
 /// only the hulls, and a contact sheet of them.
 class DemoPictures {

@@ -100,10 +100,9 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   LORICA_TRY_DO(
       checkNotTaken("OUT", options.output, {options.source.input, options.source.decomposition, options.motion}));
   LORICA_TRY_DO(checkOutput(common, "OUT", options.output));
-  std::error_code ignored;
-  if (format == Format::kUrdf && fs::exists(urdfFolder(options.output), ignored)) {
-    return refused(fmt::format("{}: exists already, expected a new folder for the meshes of {}",
-                               urdfFolder(options.output).string(), options.output));
+  if (format == Format::kUrdf) {
+    LORICA_TRY_DO(checkOutputFolder(common, "OUT", urdfFolder(options.output),
+                                    [](const std::string& name) { return name.ends_with(".stl"); }));
   }
   return checkJsonOutput(common, {options.source.input, options.source.decomposition, options.motion, options.output});
 }

@@ -398,7 +398,8 @@ Result<void> checkSnapshots(const SnapshotOptions& options, const CommonOptions&
     return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
   }
   if (!options.folder.empty()) {
-    LORICA_TRY_DO(checkOutputFolder(common.force, "--snapshots", options.folder));
+    LORICA_TRY_DO(checkOutputFolder(common, "--snapshots", options.folder,
+                                    [&](const std::string& name) { return options.draws(name); }));
   }
   return options.video.empty() ? Result<void>()
                                : checkVideo(common, "--video", options.video, options.size, options.background);

@@ -1,11 +1,11 @@
 #include "apps/record.h"
-#include "apps/convert.h"
 #include "apps/interrupt.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "capture/sensor/oni_joints.h"
 #include "capture/sensor/openni.h"
 #include "capture/tracking/tracker.h"
+#include "export/motion_export.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/text.h"
@@ -117,12 +117,7 @@ Result<void> refuseSessionOptions(const CommandLine& app, const Options& options
 Result<void> recordDepth(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.out, jointsBeside(options.out)}));
   LORICA_TRY_DO(checkOutput(common, "OUT", options.out, ".oni"));
-  // An older recording of both files may be replaced; a joint CSV of another origin may not.
-  if (std::error_code ignored; !fs::exists(options.out, ignored) && fs::exists(jointsBeside(options.out), ignored)) {
-    return invalidArgument(
-        "{} exists, but {} does not, so it was not written by this command: choose another name for OUT",
-        jointsBeside(options.out).string(), options.out);
-  }
+  LORICA_TRY_DO(checkOutput(common, "OUT", jointsBeside(options.out)));
   LORICA_TRY(std::unique_ptr<DepthSource> depth, openCamera(options.live.depth));
   LORICA_TRY(Tracker tracker, Tracker::create(depth->camera()));
   LORICA_TRY(JointCsvWriter joints, JointCsvWriter::create(jointsBeside(options.out)));
@@ -180,6 +175,7 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common, H
   Options first = options;
   first.out = options.out + (sent ? kPacketEnding : kSessionEnding);
   first.into = options.out;
+  LORICA_TRY_DO(checkOutput(common, "OUT", first.out));  // is removed in the end
   const auto finished = [&]() -> Result<void> {
     MotionOptions reading;
     reading.sender = options.live.vmc.sender;

@@ -151,7 +151,9 @@ Result<void> checkOutput(const CommonOptions& options, const std::string& option
   return unwritable("{}: {} exists and would be overwritten, which --force allows", option, file.string());
 }
 
-Result<void> checkOutputFolder(bool force, const std::string& option, const std::filesystem::path& folder) {
+Result<void> checkOutputFolder(const CommonOptions& options, const std::string& option,
+                               const std::filesystem::path& folder,
+                               const std::function<bool(const std::string& name)>& written) {
   // Check the nearest existing ancestor.
   std::error_code ignored;
   std::filesystem::path nearest = std::filesystem::absolute(folder, ignored).lexically_normal();
@@ -162,8 +164,11 @@ Result<void> checkOutputFolder(bool force, const std::string& option, const std:
   if (access(nearest.c_str(), W_OK) != 0) {
     return unwritable("{}: {}: the folder {} is not writable", option, folder.string(), nearest.string());
   }
-  if (force || !std::filesystem::is_directory(folder, ignored) || std::filesystem::is_empty(folder, ignored)) return {};
-  return unwritable("{}: the folder {} holds files already, which --force may overwrite", option, folder.string());
+  if (written == nullptr) return {};
+  for (const std::filesystem::directory_entry& there : std::filesystem::directory_iterator(folder, ignored)) {
+    if (written(there.path().filename().string())) LORICA_TRY_DO(checkOutput(options, option, there.path()));
+  }
+  return {};
 }
 
 void warn(const std::string& sentence) {

@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -78,10 +79,11 @@ void publishFailure(std::string_view kind, std::string_view message);
 [[nodiscard]] Result<void> checkOutput(const CommonOptions& options, const std::string& option,
                                        const std::filesystem::path& file, const std::string& extension = "");
 
-/// The same for a folder, which is created later if it does not exist.
-/// @param force  it may hold files already
-[[nodiscard]] Result<void> checkOutputFolder(bool force, const std::string& option,
-                                             const std::filesystem::path& folder);
+/// The same for a folder, which is created later if it does not exist. It may hold other files.
+/// @param written  whether the command writes a file of this name in it; null = none that is not its own
+[[nodiscard]] Result<void> checkOutputFolder(const CommonOptions& options, const std::string& option,
+                                             const std::filesystem::path& folder,
+                                             const std::function<bool(const std::string& name)>& written = nullptr);
 
 /// Prints a warning to standard error, one line: "lorica: warning: ...". The same sentence is said once in a run.
 void warn(const std::string& sentence);

@@ -204,20 +204,15 @@ Result<void> writeUrdf(const fs::path& file, const RigidModel& model) {
   const fs::path path = urdfFolder(file);
   const std::string folder = path.filename().string();
   std::error_code failed;
-  if (fs::exists(path, failed)) {
-    return unwritable("{}: exists already, expected a new folder for the meshes of {}", path.string(),
-                      file.filename().string());
-  }
-  if (!fs::create_directory(path, failed)) {
-    return unwritable("{}: cannot make this folder: {}", path.string(), failed.message());
-  }
+  const bool made = fs::create_directory(path, failed);
+  if (failed) return unwritable("{}: cannot make this folder: {}", path.string(), failed.message());
   Result<void> written;
   for (const UrdfMesh& mesh : urdfMeshes(model, folder)) {
     written = writeFileAtomically(file.parent_path() / mesh.name, mesh.content);
     if (!written) break;
   }
   if (written) written = writeFileAtomically(file, formatUrdf(model, folder));
-  if (!written) fs::remove_all(path, failed);
+  if (!written && made) fs::remove_all(path, failed);
   return written;
 }
 

@@ -12,8 +12,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
@@ -22,6 +24,11 @@ namespace {
 constexpr double kFilmRate = 30.0;      // [1/s]
 constexpr double kFilmEarly = 0.5;      // tolerance in frames: frame times of recordings jitter
 constexpr double kLongestStill = 10.0;  // longer gaps in a recording are shortened [s]
+constexpr std::string_view kPictureName = "frame_";
+
+std::string pictureName(int frame) {
+  return fmt::format("{}{:04}.png", kPictureName, frame);
+}
 
 }  // namespace
 
@@ -133,6 +140,13 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
   return renderer_.readBack();
 }
 
+bool SnapshotOptions::draws(const std::string& name) const {
+  int frame = -1;
+  if (name.starts_with(kPictureName))
+    std::from_chars(name.data() + kPictureName.size(), name.data() + name.size(), frame);
+  return frame >= 0 && frame % every == 0 && name == pictureName(frame);
+}
+
 Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
   if (!options.any()) return std::optional<SnapshotSeries>();
   const CanvasSize size = pictureSizeOf(options.size).value_or(CanvasSize());
@@ -196,8 +210,7 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   }
   if (!snapshotDue(session)) return {};
   const Image image = draw(follow_.still(session));
-  const std::filesystem::path file =
-      std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", session.frameCount() - 1);
+  const std::filesystem::path file = std::filesystem::path(options_.folder) / pictureName(session.frameCount() - 1);
   LORICA_TRY_DO(writePng(file, image, NamedBy::kLorica));
   ++drawn_.snapshots;
   return {};

@@ -86,6 +86,8 @@ struct SnapshotOptions {
   bool headless = false;          ///< no window, even if there is a display
 
   [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
+  /// Whether a long enough run draws a picture of this name in the folder.
+  [[nodiscard]] bool draws(const std::string& name) const;
 };
 
 /// Number of snapshots and video frames drawn.

@@ -197,21 +197,25 @@ TEST(Motions, EveryoneIsWrittenWithANumber) {
 }
 
 TEST(Outputs, WhatExistsIsKeptUnlessForced) {
-  const std::vector<std::vector<std::string>> commands = {
-      {"convert", "walk", "kept.csv"},
-      {"decompose", "box.off", "--parts", "1", "--export-obj", "kept.obj"},
-      {"export", "box.off", "kept.stl", "--parts", "1"},
-      {"info", "walk", "--json", "kept.json"},
-      {"info", "mannequin", "--json", "kept.json"},
-      {"record", "kept.lsession", "walk", "--frames", "2"},
-      {"play", "walk", "--frames", "2", "--events", "kept.events"},
-      {"snapshot", "walk", "--frame", "0", "-o", "kept.png", "--size", "64x64"},
+  // What a command writes, and the command.
+  const std::vector<std::pair<std::string, std::vector<std::string>>> commands = {
+      {"kept.csv", {"convert", "walk", "kept.csv"}},
+      {"kept.obj", {"decompose", "box.off", "--parts", "1", "--export-obj", "kept.obj"}},
+      {"kept.stl", {"export", "box.off", "kept.stl", "--parts", "1"}},
+      {"robot_meshes/box_hull_0.stl", {"export", "box.off", "robot.urdf", "--parts", "1"}},
+      {"kept.json", {"info", "walk", "--json", "kept.json"}},
+      {"kept.json", {"info", "mannequin", "--json", "kept.json"}},
+      {"kept.lsession", {"record", "kept.lsession", "walk", "--frames", "2"}},
+      {"kept.events", {"play", "walk", "--frames", "2", "--events", "kept.events"}},
+      {"kept.png", {"snapshot", "walk", "--frame", "0", "-o", "kept.png", "--size", "64x64"}},
+      {"pictures/frame_0002.png",
+       {"play", "walk", "--frames", "4", "--every", "2", "--snapshots", "pictures", "--size", "64x64"}},
+      {"shown/contact_sheet.png", {"demo", "--headless", "--seconds", "0.1", "--out", "shown"}},
   };
   (void)studio().folder.write("box.off",
                               "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
-  for (std::vector<std::string> command : commands) {
-    const std::string name = *std::find_if(command.begin(), command.end(),
-                                           [](const std::string& word) { return word.starts_with("kept."); });
+  for (auto [name, command] : commands) {
+    fs::create_directories((studio().folder.path() / name).parent_path());
     const fs::path file = studio().folder.write(name, "mine");
     expectRefused(command, {name + " exists", "--force"});
     EXPECT_EQ(readFile(file).value(), "mine") << name;
@@ -221,6 +225,25 @@ TEST(Outputs, WhatExistsIsKeptUnlessForced) {
     EXPECT_EQ(forced.exitCode, 0) << forced.err;
     EXPECT_NE(readFile(file).value(), "mine") << name;
   }
+}
+
+TEST(Outputs, AFolderMayHoldOtherFiles) {
+  const fs::path folder = studio().folder.path() / "others";
+  fs::create_directories(folder);
+  for (const char* name : {"notes.txt", "frame_0001.png", "frame_2.png"})
+    ASSERT_TRUE(writeFileAtomically(folder / name, "mine"));
+  for (const std::string& out : {folder.string(), std::string(".")}) {
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"play", "walk", "--frames", "4", "--every", "2", "--size", "64x64", "--snapshots"},
+          {"demo", "--headless", "--seconds", "0.1", "--out"}}) {
+      std::vector<std::string> words = command;
+      words.push_back(out);
+      const CommandResult run = studio().run(words);
+      EXPECT_EQ(run.exitCode, 0) << run.err;
+    }
+  }
+  for (const char* name : {"notes.txt", "frame_0001.png", "frame_2.png"})
+    EXPECT_EQ(readFile(folder / name).value(), "mine");
 }
 
 TEST(Motions, SmoothingSaysItsDelayAndIsForJointsOnly) {

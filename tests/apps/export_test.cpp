@@ -143,8 +143,8 @@ TEST(Export, WhatCannotBeIsRefusedInASentence) {
   expectRefused(folder, {"export", "l.obj", "h.xml", "--engine", "quake"}, {"quake", "unity", "godot"});
   expectRefused(folder, {"export", "l.obj", "no/h.xml"}, {"no"});
   expectRefused(folder, {"export", "mannequin", "h.glb", "--parts", "4"}, {"--parts", "mannequin", "--decomposition"});
-  fs::create_directory(folder.path() / "r_meshes");
-  expectRefused(folder, {"export", "l.obj", "r.urdf"}, {"r_meshes", "exists already", "r.urdf"});
+  folder.write("r_meshes", "a file");
+  expectRefused(folder, {"export", "l.obj", "r.urdf"}, {"r_meshes is a file, expected a folder"});
   expectRefused(folder, {"export", "gone.lorica", "h.glb"}, {"gone.lorica"});
 }
 
