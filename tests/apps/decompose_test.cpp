@@ -177,7 +177,7 @@ TEST(Decompose, OverlappingBoxesCountOnce) {
     const std::filesystem::path hulls = folder.path() / "hulls.obj";
     const std::filesystem::path file = writeObj(folder, "u.obj", mesh);
     const nlohmann::json json =
-        runLorica({"decompose", file, "--parts", "8", "--export-obj", hulls, "--json", "-"}).json();
+        runLorica({"decompose", "--force", file, "--parts", "8", "--export-obj", hulls, "--json", "-"}).json();
     EXPECT_NEAR(json["meshVolume"].get<double>(), volume, 1e-9);
     EXPECT_LE(json["score"].get<double>(), 1.0 + 1e-9);
     EXPECT_GE(json["error"].get<double>(), -1e-9);
