@@ -1,5 +1,7 @@
 #pragma once
 
+#include "capture/sensor/oni_source.h"
+#include "capture/tracking/depth_joints.h"
 #include "geometry/result.h"
 #include "player/events_output.h"
 #include "player/live_log.h"
@@ -74,7 +76,7 @@ class Run {
   TargetHits hits;
   TreatmentControl treatment;
   LiveLog log;                                  ///< of a camera
-  Image inset;                                  ///< the camera's depth image, while it is live
+  Image inset;                                  ///< the camera's depth image, live or recorded
   std::shared_ptr<SessionReplay> comparison;    ///< of a recorded session; else null
   std::shared_ptr<SessionRecorder> recorder;    ///< null = none
   std::function<void(Run&, Host&)> first = {};  ///< called after the first frame, each time that it starts
@@ -119,10 +121,13 @@ class Run {
   Run(Cast cast, RunSetting setting, Session session);
   [[nodiscard]] static Result<std::unique_ptr<Run>> make(Cast cast, RunSetting setting, Host& host);
   [[nodiscard]] Result<void> watch(Host& host);
+  /// What the camera saw in a depth recording at the session's time; none if it cannot be read.
+  [[nodiscard]] std::optional<DepthSight> recordedSight();
 
   std::vector<HitTarget> targets_;
   std::shared_ptr<LiveSources> live_;
   std::unique_ptr<RecordedCast> recorded_;
+  std::unique_ptr<OniSource> depth_;  // of a recording, once it was shown
   std::shared_ptr<EventsOutput> events_;
   double firstTime_ = 0.0, before_ = 0.0, now_ = 0.0;  // [s]
   int frames_ = 0;                                     // since the start or restart

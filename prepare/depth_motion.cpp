@@ -63,6 +63,7 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   Motion motion;
   motion.name = file.stem().string();
   motion.format = "OpenNI depth recording";
+  motion.depth = RecordedDepth{file};
   motion.joints.reserve(frames);
   Task task(host, "Tracking " + motion.name, "frames");
   int followed = 0;
@@ -72,6 +73,7 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
     LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
     if (!joints.has_value()) break;
     motion.joints.push_back(*joints);
+    motion.depth->cameraFromWorld.push_back(people.sight().cameraFromWorld);
     followed += people.sight().followed ? 1 : 0;
     maxPeople = std::max(maxPeople, people.sight().people);
     task.update(countOf(motion.joints), frames);
@@ -110,6 +112,7 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   DepthJoints people(std::move(depth), std::move(tracker), PeoplePlaces(kPlaces));
   std::vector<Motion> motions(kPlaces);
   std::vector<std::string> guess;
+  RecordedDepth seen{file};
   Task task(host, "Tracking " + file.stem().string(), "frames");
   while (true) {
     if (task.cancelled()) return cancelled();
@@ -117,6 +120,7 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
     if (!joints.has_value()) break;
     for (std::size_t p = 0; p < motions.size(); ++p) motions[p].joints.push_back(people.sight().places[p]);
     guess = guessOf(people.sight());
+    seen.cameraFromWorld.push_back(people.sight().cameraFromWorld);
     task.update(countOf(motions.front().joints), frames);
   }
   std::erase_if(motions, [](const Motion& motion) {
@@ -129,6 +133,7 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   for (std::size_t p = 0; p < motions.size(); ++p) {
     motions[p].name = fmt::format("{}: person {}", file.stem().string(), p + 1);
     motions[p].format = "OpenNI depth recording";
+    motions[p].depth = seen;
     motions[p].firstGuess = firstGuessOf(guess, motions[p]);
   }
   return motions;
