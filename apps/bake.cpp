@@ -184,7 +184,7 @@ BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& com
 }
 
 Result<void> run(const BakeOptions& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY_DO(checkOutputFolder("--out", options.out));
+  LORICA_TRY_DO(checkOutputFolder(common, "--out", options.out));
   LORICA_TRY_DO(checkJsonOutput(common, {fs::path(options.out) / "bake.jsonl"}));
   LORICA_TRY(const std::vector<BakeJob> jobs, readJobs(options));
   FileLayer files;

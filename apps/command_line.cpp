@@ -90,6 +90,30 @@ class HelpFormatter : public CLI::Formatter {
   std::size_t width_ = helpWidth();
 };
 
+/// The heading of an option in the help of every command, whichever has it.
+std::string groupOf(const std::string& option) {
+  static constexpr std::array<std::array<std::string_view, 2>, 6> kGroups = {{
+      {"Motion",
+       " --motion --format --person --clip --rest --sender --mirror --upper-body --smooth --min-cutoff --beta "
+       "--inject --keyframes "},
+      {"Character", " --character --map --body --body-resolution --expression --hide --springs "},
+      {"Hulls",
+       " --decomposition --cover --hull-vertices --walls --thickness --parts --exact --max-error --max-distance "
+       "--max-concavity --preset --candidates --orientations --held-out --engine --per-bone --self-contacts "},
+      {"Cameras and networks",
+       " --device --devices --driver --virtual --people --nite --vmc --delay --vmc-out "
+       "--vmc-bones --vrchat "},
+      {"Pictures",
+       " --window --headless --snapshots --every --video --from --to --camera --eye --target --texture-size "
+       "--size --background --show --strip "},
+      {"Every command", " --json --threads --force --trust-paths --memory "},
+  }};
+  for (const auto& [group, names] : kGroups) {
+    if (names.find(" " + option + " ") != std::string_view::npos) return std::string(group);
+  }
+  return "Options";
+}
+
 CLI::Validator validatorOf(TextCheck check) {
   CLI::Validator validator("");
   validator.operation(std::move(check));
@@ -151,6 +175,7 @@ CommandLine* CommandLine::addSubcommand(const std::string& name, const std::stri
   CLI::App* app = app_->add_subcommand(name, description);
   app->set_help_flag("-h,--help", "Show this help");
   app->footer(footer);
+  if (!group_.empty()) app->group(group_);
   subcommands_.emplace_back(new CommandLine(app));
   return subcommands_.back().get();
 }
@@ -160,35 +185,23 @@ void CommandLine::footer(const std::string& text) {
 }
 
 template <typename Value>
-Option* CommandLine::add(const std::string& name, Value& value, const std::string& description) {
-  return &options_.emplace_back(app_->add_option(name, value, description));
+Option* CommandLine::addOption(const std::string& name, Value& value, const std::string& description) {
+  return &options_.emplace_back(app_->add_option(name, value, description)->group(groupOf(name)));
 }
+template Option* CommandLine::addOption(const std::string&, std::string&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, int&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, double&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::optional<double>&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::vector<std::string>&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::vector<double>&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::vector<int>&, const std::string&);
 
-Option* CommandLine::addOption(const std::string& name, std::string& value, const std::string& description) {
-  return add(name, value, description);
-}
-Option* CommandLine::addOption(const std::string& name, int& value, const std::string& description) {
-  return add(name, value, description);
-}
-Option* CommandLine::addOption(const std::string& name, double& value, const std::string& description) {
-  return add(name, value, description);
-}
-Option* CommandLine::addOption(const std::string& name, std::optional<double>& value, const std::string& description) {
-  return add(name, value, description);
-}
-Option* CommandLine::addOption(const std::string& name, std::vector<std::string>& values,
-                               const std::string& description) {
-  return add(name, values, description);
-}
-Option* CommandLine::addOption(const std::string& name, std::vector<double>& values, const std::string& description) {
-  return add(name, values, description);
-}
-Option* CommandLine::addOption(const std::string& name, std::vector<int>& values, const std::string& description) {
-  return add(name, values, description);
+void CommandLine::group(const std::string& name) {
+  group_ = name;
 }
 
 Option* CommandLine::addFlag(const std::string& name, bool& value, const std::string& description) {
-  return &options_.emplace_back(app_->add_flag(name, value, description));
+  return &options_.emplace_back(app_->add_flag(name, value, description)->group(groupOf(name)));
 }
 
 std::vector<std::string> CommandLine::subcommandNames() const {

@@ -54,15 +54,13 @@ class CommandLine {
   /// @param footer  shown under the options
   CommandLine* addSubcommand(const std::string& name, const std::string& description, const std::string& footer);
   void footer(const std::string& text);
+  /// The heading in the help of the subcommands that are added from now on.
+  void group(const std::string& name);
 
   /// @param name  "--long", "-s,--long", or a word without dashes for a positional argument
-  Option* addOption(const std::string& name, std::string& value, const std::string& description);
-  Option* addOption(const std::string& name, int& value, const std::string& description);
-  Option* addOption(const std::string& name, double& value, const std::string& description);
-  Option* addOption(const std::string& name, std::optional<double>& value, const std::string& description);
-  Option* addOption(const std::string& name, std::vector<std::string>& values, const std::string& description);
-  Option* addOption(const std::string& name, std::vector<double>& values, const std::string& description);
-  Option* addOption(const std::string& name, std::vector<int>& values, const std::string& description);
+  /// @param value  text, a number, an optional number, or a list of one of these
+  template <typename Value>
+  Option* addOption(const std::string& name, Value& value, const std::string& description);
   Option* addFlag(const std::string& name, bool& value, const std::string& description);
 
   /// Parses the arguments; for the whole command only.
@@ -76,14 +74,13 @@ class CommandLine {
 
  private:
   explicit CommandLine(CLI::App* app);
-  template <typename Value>
-  Option* add(const std::string& name, Value& value, const std::string& description);
   [[nodiscard]] std::string unexpected(const std::string& argument) const;
   [[nodiscard]] std::string helpCommand() const;
   [[nodiscard]] int printHelp(const CLI::ParseError& asked) const;
 
   std::unique_ptr<CLI::App> root_;  ///< null for a subcommand
   CLI::App* app_;
+  std::string group_;
   std::deque<Option> options_;
   std::deque<std::unique_ptr<CommandLine>> subcommands_;
 };

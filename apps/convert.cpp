@@ -1,20 +1,19 @@
-#include "apps/convert.h"
-#include "geometry/text.h"
-
 #include "apps/option_groups.h"
 #include "apps/options.h"
-#include "capture/files/bvh_file.h"
-#include "capture/files/joint_csv.h"
-#include "capture/retarget/skeletal_retarget.h"
+#include "export/motion_export.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "prepare/depth_motion.h"
+#include "prepare/file_kinds.h"
 #include "prepare/read_motion.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -29,62 +28,51 @@ struct Options {
   bool cameraFrame = false;
 };
 
-struct Joints {
-  std::vector<SkeletonFrame> frames;
-  std::optional<double> delay;  ///< of smoothing [s]
-};
-
-/// The motion as joints, smoothed and mirrored if requested.
-Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
-  std::vector<SkeletonFrame> frames = motion.joints;
-  if (motion.bones) {
-    LORICA_TRY(frames, prefixed(motion.name, bodyJointsOf(*motion.bones)));
-  }
-  const JointSettings settings = options.joints();
-  std::optional<OneEuroFilter> filter;
-  if (settings.smoothing) filter.emplace(*settings.smoothing);
-  for (SkeletonFrame& frame : frames) {
-    if (settings.mirror) mirror(frame);
-    if (filter) filter->apply(frame);
-  }
-  Joints joints{std::move(frames), std::nullopt};
-  if (filter) joints.delay = filter->delay();
-  return joints;
+/// room.cam.csv of room.csv.
+std::string besideOf(const Options& options, const char* ending) {
+  return fs::path(options.output).replace_extension().string() + ending;
 }
 
-/// Everyone in a depth recording, where they are in front of the camera.
-Result<void> runCameraFrame(const Options& options, const CommonOptions& common, Host& host) {
+/// The file of the input.
+fs::path inputOf(const Options& options) {
   const fs::path shipped = shippedRecording(options.input);
-  const fs::path input = shipped.empty() ? fs::path(options.input) : shipped;
-  if (!isDepthRecording(input)) {
-    return invalidArgument("{}: --camera-frame is for depth recordings (.oni)", options.input);
+  return shipped.empty() ? fs::path(options.input) : shipped;
+}
+
+/// Everyone in a depth recording, where they are in front of the camera, beside the output.
+Result<void> writeCameraFrame(const Options& options, Report& report, nlohmann::ordered_json& json, Host& host) {
+  LORICA_TRY_DO(writeTrackLog(inputOf(options), besideOf(options, ""), host));
+  json["cameraFrame"] = {{"joints", besideOf(options, ".cam.csv")}, {"labels", besideOf(options, ".lab")}};
+  report.line("camera frame", besideOf(options, ".cam.csv") + ", " + besideOf(options, ".lab"));
+  return {};
+}
+
+/// The joints of everyone as one, by time; each has a number.
+Result<Motion> readAll(const Options& options, Host& host) {
+  if (options.motion.person != kEveryone) return readMotion(options.input, options.motion, host);
+  LORICA_TRY(std::vector<Motion> motions, readEveryone(options.input, options.motion, host));
+  Motion all = motions.front();
+  all.joints.clear();
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    for (SkeletonFrame frame : motions[i].joints) {
+      if (std::exchange(frame.user, int(i) + 1) != kNobody) all.joints.push_back(frame);
+    }
   }
-  const MotionOptions& motion = options.motion;
-  if (motion.person > 0 || motion.mirror || motion.smooth != "off" || !motion.format.empty() || !motion.clip.empty()) {
-    return invalidArgument(
-        "--camera-frame writes everyone as tracked: leave out --person, --mirror, --smooth, --format and --clip");
-  }
-  if (lowerCase(fs::path(options.output).extension().string()) != ".csv") {
-    return invalidArgument("{}: --camera-frame writes .cam.csv and .lab, expected OUT.csv", options.output);
-  }
-  const fs::path base = fs::path(options.output).replace_extension();
-  LORICA_TRY(const int frames, writeTrackLog(input, base, host));
-  Report report(fmt::format("{}: {}, camera frame", input.stem().string(), counted(frames, "frame")));
-  report.line("joints", base.string() + ".cam.csv");
-  report.line("labels", base.string() + ".lab");
-  nlohmann::ordered_json json;
-  json["input"] = options.input;
-  json["frames"] = frames;
-  json["joints"] = base.string() + ".cam.csv";
-  json["labels"] = base.string() + ".lab";
-  return publish(common, report, json);
+  const auto earlier = [](const SkeletonFrame& a, const SkeletonFrame& b) { return a.time < b.time; };
+  std::stable_sort(all.joints.begin(), all.joints.end(), earlier);
+  all.name = fs::path(options.input).stem().string();
+  if (all.joints.empty()) return invalidArgument("{}: found no person", options.input);
+  return all;
 }
 
 /// Rejects outputs that nothing can be written to, and those that are an input.
-Result<void> checkFiles(const Options& options, const std::string& extension) {
+Result<void> checkFiles(const Options& options, const CommonOptions& common, const std::string& extension) {
   const bool onCharacter = !options.character.name.empty();
-  if (options.cameraFrame && onCharacter) {
-    return invalidArgument("--camera-frame writes everyone as tracked: leave out --character");
+  if (options.motion.person == kEveryone && (onCharacter || extension == ".bvh")) {
+    return invalidArgument("{}: --person all writes the joints of everyone, expected OUT.csv", options.output);
+  }
+  if (options.cameraFrame && kindOf(inputOf(options)) != FileKind::kDepth) {
+    return invalidArgument("{}: --camera-frame is for depth recordings (.oni)", options.input);
   }
   const bool known = extension == ".bvh" || extension == (onCharacter ? ".glb" : ".csv");
   if (!known && extension == ".glb") {
@@ -98,28 +86,26 @@ Result<void> checkFiles(const Options& options, const std::string& extension) {
   if (!options.character.map.empty() && !onCharacter) {
     return invalidArgument("--map is for the bones of a character, expected --character FILE");
   }
-  LORICA_TRY_DO(checkOutput("OUT", options.output));
-  std::error_code ignored;
-  for (const std::string& input : {options.input, options.character.name, options.character.map}) {
-    if (fs::equivalent(input, options.output, ignored)) {
-      return invalidArgument("{} is an input and would be overwritten", options.output);
-    }
+  LORICA_TRY_DO(checkNotTaken("OUT", options.output, {options.input, options.character.name, options.character.map}));
+  for (const char* ending : {".cam.csv", ".lab"}) {
+    if (options.cameraFrame) LORICA_TRY_DO(checkOutput(common, "OUT", besideOf(options, ending)));
   }
-  return {};
+  return checkOutput(common, "OUT", options.output);
 }
 
 Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.output, options.character.name}));
   const std::string extension = lowerCase(fs::path(options.output).extension().string());
-  LORICA_TRY_DO(checkFiles(options, extension));
-  if (options.cameraFrame) return runCameraFrame(options, common, host);
-  LORICA_TRY(const Motion motion, readMotion(options.input, options.motion, host));
+  LORICA_TRY_DO(checkFiles(options, common, extension));
+  LORICA_TRY(const Motion motion, readAll(options, host));
   LORICA_TRY(const ConvertedClip made,
              options.character.name.empty()
                  ? writeMotion(options.output, motion, options.motion)
                  : convertOnto(options.character, motion, options.motion, options.output, host));
 
   Report report(fmt::format("{}: {}, {:.2f} s", motion.name, counted(motion.frameCount(), "frame"), motion.seconds()));
+  nlohmann::ordered_json json;
+  if (options.cameraFrame) LORICA_TRY_DO(writeCameraFrame(options, report, json, host));
   report.line("input format", motion.format);
   if (!motion.firstGuess.empty()) report.line("first guess", motion.firstGuess);
   if (made.joints > 0) {
@@ -131,7 +117,6 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   std::vector<std::string> notes = motion.notes;
   notes.insert(notes.end(), made.notes.begin(), made.notes.end());
   for (const std::string& note : notes) report.note(note);
-  nlohmann::ordered_json json;
   json["input"] = options.input;
   json["format"] = motion.format;
   json["frames"] = motion.frameCount();
@@ -148,24 +133,6 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
 }
 
 }  // namespace
-
-Result<ConvertedClip> writeMotion(const std::string& output, const Motion& motion, const MotionOptions& options) {
-  const bool asBvh = lowerCase(fs::path(output).extension().string()) == ".bvh";
-  if (asBvh && motion.bones && !options.mirror) {
-    LORICA_TRY_DO(writeBvh(output, *motion.bones));
-    return ConvertedClip{};
-  }
-  LORICA_TRY(const Joints joints, asJoints(motion, options));
-  if (asBvh) {
-    LORICA_TRY(const SkeletalMotion bones, skeletalMotionOf(joints.frames));
-    LORICA_TRY_DO(writeBvh(output, bones));
-  } else {
-    LORICA_TRY_DO(writeJointCsv(output, joints.frames));
-  }
-  ConvertedClip made;
-  made.delay = joints.delay;
-  return made;
-}
 
 Command addConvert(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
@@ -185,7 +152,9 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
                     "  lorica convert take.pcap take.bvh\n"
                     "      what a program sent, on its own skeleton; of take.lsession what the character did\n"
                     "  lorica convert room.oni room.csv --camera-frame\n"
-                    "      everyone in a depth recording: room.cam.csv and room.lab");
+                    "      and everyone as the camera saw them: room.cam.csv and room.lab\n"
+                    "  lorica convert room.oni room.csv --person all\n"
+                    "      everyone, each with a number");
   app->addOption(
          "IN", options->input,
          "Recorded joints, .bvh, a character file with clips, VMC packets (.pcap), a session (.lsession), or the "
@@ -204,8 +173,8 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
   app->addOption("--map", options->character.map, "Bone map of the character; `lorica info --write-map` creates one")
       ->typeName("FILE.json");
   app->addFlag("--camera-frame", options->cameraFrame,
-               "Of a depth recording, write the joints of everyone in the camera's frame (OUT.cam.csv) and whose each "
-               "pixel is (OUT.lab), to judge the tracker");
+               "Of a depth recording, also write the joints of everyone in the camera's frame (OUT.cam.csv) and whose "
+               "each pixel is (OUT.lab), to judge the tracker");
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 

@@ -46,14 +46,11 @@ Result<void> check(const DecomposeOptions& options, const CommonOptions& common,
                    counted(subject.body->shells, "shell"), counted(subject.body->openEdges, "open edge"));
   }
   if (!options.output.empty()) {
-    LORICA_TRY_DO(checkOutput("--output", options.output, ".lorica"));
+    LORICA_TRY_DO(checkOutput(common, "--output", options.output, ".lorica"));
   }
   if (!options.obj.empty()) {
-    LORICA_TRY_DO(checkOutput("--export-obj", options.obj, ".obj"));
-    std::error_code ignored;
-    if (std::filesystem::equivalent(options.obj, options.input, ignored)) {
-      return invalidArgument("--export-obj: {} is the input and would be overwritten", options.obj);
-    }
+    LORICA_TRY_DO(checkNotTaken("--export-obj", options.obj, {options.input}));
+    LORICA_TRY_DO(checkOutput(common, "--export-obj", options.obj, ".obj"));
   }
   std::vector<std::filesystem::path> others(options.motions.begin(), options.motions.end());
   others.insert(others.end(), {options.input, options.output, options.obj});
@@ -113,9 +110,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   settings.maxError = options.maxError;
   settings.maxDistance = options.maxDistance;
   settings.maxConcavity = (subject.character || chosen ? options.maxConcavity : kMeshConcavity) * outcome.concavityUnit;
-  settings.preset = options.preset == "paper"  ? DecomposePreset::kPaper
-                    : options.preset == "fast" ? DecomposePreset::kFast
-                                               : DecomposePreset::kQuality;
+  settings.preset = presetNamed(options.preset);
   settings.candidateEdges = options.candidates;
   settings.planesPerEdge = options.orientations;
   settings.threads = outcome.threads;
@@ -215,12 +210,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       ->excludes(maxError)
       ->excludes(maxDistance)
       ->excludes(maxConcavity);
-  app->addOption(
-         "--preset", options->preset,
-         "paper: the published algorithm; fast: better parts in similar time; quality: even better parts, slower "
-         "[default: fast]")
-      ->typeName("NAME")
-      ->check(oneOf({"paper", "fast", "quality"}));
+  addPresetOption(*app, options->preset);
   addCountOrAuto(*app, "--keyframes", options->keyframes, 1,
                  "Number of poses that a character is trained on, evenly over the motions; `auto` chooses and lists up "
                  "to 12 very different ones [default: 12, or auto for the character's own clips]");

@@ -1,7 +1,6 @@
 #include "apps/demo_pictures.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
-#include "apps/play_opened.h"
 #include "apps/report_parts.h"
 #include "apps/show.h"
 #include "geometry/counts.h"
@@ -16,6 +15,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -31,7 +31,8 @@ struct Options {
   std::string out = "lorica-demo";
   bool window = false;
   bool headless = false;
-  double seconds = 0.0;  // 0 = not given
+  double seconds = 0.0;           // 0 = not given
+  SnapshotOptions pictures = {};  // of the window
 };
 
 /// The demo that was played.
@@ -51,28 +52,31 @@ Result<Show> start(DemoCast demo, const RunSetting& setting, Host& host) {
 
 /// Plays repeatedly until the window is closed or the time limit is reached.
 /// @return what the user opened meanwhile; none if the show is over
-Result<std::optional<Cast>> playForPeople(Screen& screen, WindowOpener& opener, Show& show, Host& host) {
-  LORICA_TRY(Showing showing, lorica::show(*show.run, {}, &screen, &opener, host));
+Result<std::optional<Cast>> playForPeople(const Options& options, Screen& screen, WindowOpener& opener, Show& show,
+                                          Host& host) {
+  LORICA_TRY(Showing showing, lorica::show(*show.run, options.pictures, &screen, &opener, host));
   if (showing.end == RunEnd::kInterrupted) return cancelled();
   return std::move(showing.next);
 }
 
-/// The frames of a motion's first seconds.
+/// The frames of a motion's first seconds, which are at even intervals.
 int framesOf(const Motion& motion, double seconds) {
-  const auto within = [&](const SkeletonFrame& frame) { return frame.time - motion.firstTime() < seconds - 1e-6; };
-  return std::count_if(motion.joints.begin(), motion.joints.end(), within);
+  const double share = std::min(1.0, seconds / std::max(motion.seconds(), 1e-6));
+  return std::max(1, int(std::ceil(share * (motion.frameCount() - 1) - 1e-4)));
 }
 
 /// Plays once and draws every frame if a renderer is available.
 Result<Show> playForFiles(const Options& options, Host& host) {
   LORICA_TRY(DemoCast demo, prepareDemo(options.character, host));
-  Result<DemoPictures> pictures = DemoPictures::create(options.out, host);
+  const Motion& motion = *demo.cast.avatars.front().motion;
+  const double rate = (motion.frameCount() - 1) / std::max(motion.seconds(), 1e-6);
+  Result<DemoPictures> pictures = DemoPictures::create(options.out, rate, host);
   // Without a renderer everything except the pictures still works. The error names the missing package.
   if (!pictures && pictures.error().code != ErrorCode::kNoDisplay) return pictures.error();
   if (!pictures) host.warn(pictures.error().message + "; running the demo without pictures");
   RunSetting setting;
   setting.doing = pictures ? "Drawing the demo:" : "Running the demo:";
-  setting.frames = framesOf(*demo.cast.avatars.front().motion, options.seconds > 0.0 ? options.seconds : kVideoSeconds);
+  setting.frames = framesOf(motion, options.seconds > 0.0 ? options.seconds : kVideoSeconds);
   LORICA_TRY(Show show, start(std::move(demo), setting, host));
   Run& run = *show.run;
   Shown shown;
@@ -139,6 +143,7 @@ Report toReport(const Show& show) {
                                         (folder / "snapshot_1.png").string(), show.files->snapshots.size()));
     report.line("contact sheet", show.files->contactSheet.string());
   }
+  for (const std::string& note : show.run->cast.avatars.front().motion->notes) report.note(note);
   return report;
 }
 
@@ -149,7 +154,7 @@ Result<std::optional<Window>> chooseWindow(const Options& options, Host& host) {
     host.tell(fmt::format("No display: drawing a video and pictures to {} instead.", options.out));
     return std::optional<Window>();
   }
-  Result<Window> window = openWindow();
+  Result<Window> window = openWindow(options.pictures);
   if (window) return std::optional<Window>(std::move(*window));
   if (options.window) return window.error();
   host.warn(fmt::format("{}; drawing the demo to {} instead", window.error().message, options.out));
@@ -160,7 +165,9 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   // Fail early.
   LORICA_TRY_DO(checkJsonOutput(common, {}));
   LORICA_TRY_DO(checkWindow(options.window, "`lorica demo --headless` draws a video instead"));
-  if (options.headless || !displayAvailable()) LORICA_TRY_DO(checkOutputFolder("--out", options.out));
+  if (options.headless || !displayAvailable()) {
+    LORICA_TRY_DO(checkOutputFolder(common, "--out", options.out, isOfDemo));
+  }
   LORICA_TRY(std::optional<Window> window, chooseWindow(options, host));
   if (!window) {
     LORICA_TRY(const Show show, playForFiles(options, host));
@@ -176,10 +183,11 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   WindowOpener opener(std::move(present), host);
   RunSetting setting;
   setting.sumUp = true;
+  setting.allLayers = true;
   setting.repeated = options.seconds;
   if (options.seconds > 0.0) setting.atEnd = AtEnd::kRepeat;
   LORICA_TRY(Show show, start(std::move(*demo), setting, host));
-  LORICA_TRY(std::optional<Cast> next, playForPeople(*window, opener, show, host));
+  LORICA_TRY(std::optional<Cast> next, playForPeople(options, *window, opener, show, host));
   if (next) return playOpened(common, host, *window, opener, std::move(*next));
   return publish(common, toReport(show), toJson(show));
 }
@@ -200,12 +208,16 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
       "      a short demo, with its figures as JSON\n"
       "\nThe body has 16 convex parts, trained on 12 keyframes. It is computed on the first run, with progress and\n"
       "Cancel in the window, and cached in $XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
-  app->addOption("CHARACTER", options->character, "A humanoid [default: mannequin]")->typeName("");
+  app->addOption(
+         "CHARACTER", options->character,
+         "A character: a humanoid does all of it, another performs a clip of its own or stands [default: mannequin]")
+      ->typeName("");
   app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
       ->typeName("DIR");
   Option* window = app->addFlag("--window", options->window,
                                 "Open a window and repeat until it is closed; fail if there is no display");
   app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
+  addLookOptions(*app, options->pictures);
   addSeconds(*app, "--seconds", options->seconds,
              "Stop after S seconds [default: 8 for a video, no limit in a window]");
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};

@@ -18,9 +18,13 @@ namespace fs = std::filesystem;
 constexpr int kWidth = 1280;
 constexpr int kHeight = 720;
 constexpr const char* kVideoName = "demo.mp4";
-constexpr double kFramesPerSecond = 30.0;
-constexpr int kMoments = 3;               // columns of the sheet
-constexpr double kCameraDistance = 2.29;  // in heights of the character
+constexpr const char* kSheetName = "contact_sheet.png";
+constexpr int kMoments = 3;  // columns of the sheet
+
+/// @param moment  from 0
+std::string pictureName(bool hullsOnly, int moment) {
+  return fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", moment + 1);
+}
 
 /// Half as wide and high, each pixel the mean of four.
 Image halved(const Image& image) {
@@ -53,19 +57,26 @@ double eventsIn(const Session& session) {
 
 }  // namespace
 
+bool isOfDemo(const std::string& name) {
+  for (int i = 0; i < kMoments; ++i) {
+    if (name == pictureName(false, i) || name == pictureName(true, i)) return true;
+  }
+  return name == kVideoName || name == kSheetName;
+}
+
 DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, std::optional<VideoWriter> video)
     : folder_(std::move(folder)),
       camera_(std::move(camera)),
       video_(std::move(video)),
-      follow_(kCameraDistance),
+      follow_("three-quarter", 1.0 * kWidth / kHeight),
       moments_(kMoments) {}
 
-Result<DemoPictures> DemoPictures::create(const fs::path& folder, Host& host) {
+Result<DemoPictures> DemoPictures::create(const fs::path& folder, double framesPerSecond, Host& host) {
   LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) return unwritable("--out: {}: {}", folder.string(), error.message());
-  Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, kFramesPerSecond);
+  Result<VideoWriter> video = VideoWriter::create(folder / kVideoName, kWidth, kHeight, framesPerSecond);
   if (!video) {
     if (video.error().code != ErrorCode::kUnsupported) return video.error();
     host.warn(video.error().message + "; drawing pictures only");  // the video module is optional
@@ -98,7 +109,7 @@ Result<void> DemoPictures::add(const Session& session, const std::string& captio
 }
 
 Result<DemoFiles> DemoPictures::finish() {
-  DemoFiles files{camera_.rendererName(), std::nullopt, {}, folder_ / "contact_sheet.png"};
+  DemoFiles files{camera_.rendererName(), std::nullopt, {}, folder_ / kSheetName};
   if (video_) {
     LORICA_TRY_DO(video_->finish());
     files.video = folder_ / kVideoName;
@@ -112,7 +123,7 @@ Result<DemoFiles> DemoPictures::finish() {
     for (std::size_t i = 0; i < moments_.size(); ++i) {
       const Moment& moment = moments_[i];
       const Image& image = hullsOnly ? moment.hulls : moment.body;
-      files.snapshots.push_back(folder_ / fmt::format("{}_{}.png", hullsOnly ? "hulls" : "snapshot", i + 1));
+      files.snapshots.push_back(folder_ / pictureName(hullsOnly, int(i)));
       LORICA_TRY_DO(writePng(files.snapshots.back(), image, NamedBy::kLorica));
       thumbnails.push_back(halved(image));
       labels.push_back(moment.label + (hullsOnly ? ", collision hulls" : ""));

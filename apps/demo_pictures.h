@@ -22,12 +22,15 @@ struct DemoFiles {
   std::filesystem::path contactSheet;
 };
 
+/// Whether the demo writes a file of this name.
+[[nodiscard]] bool isOfDemo(const std::string& name);
+
 /// Draws the demo to files: a video of all frames, snapshots of the most eventful moments, each with the body and with
 /// only the hulls, and a contact sheet of them.
 class DemoPictures {
  public:
   /// @return kNoDisplay and the missing package if there is no renderer; kUnwritable for the folder or the video
-  static Result<DemoPictures> create(const std::filesystem::path& folder, Host& host);
+  static Result<DemoPictures> create(const std::filesystem::path& folder, double framesPerSecond, Host& host);
 
   /// Draws the session's last frame.
   /// @param seconds        since the start

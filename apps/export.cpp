@@ -1,5 +1,4 @@
 #include "apps/export_report.h"
-#include "apps/interrupt.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "export/engines.h"
@@ -27,6 +26,7 @@ namespace fs = std::filesystem;
 
 struct Options {
   ExportSourceOptions source;
+  std::string preset;
   std::string body = "auto";
   std::string walls = "auto";
   std::string output;
@@ -34,10 +34,11 @@ struct Options {
   MotionOptions reading;
   std::optional<double> at;  // [s]
   std::string engine;
-  int hullVertices = 0;  // 0 = the engine's
+  int hullVertices = -1;  // -1 = the engine's
   bool perBone = false;
   bool mocap = false;
   bool khr = false;
+  bool showColliders = false;
 };
 
 constexpr const char* kFormats =
@@ -60,11 +61,11 @@ Error refused(std::string sentence) {
   return invalidArgument(std::move(sentence));
 }
 
-/// The vertex limit: what was asked for, else the engine's. 0 = none.
+/// The vertex limit: what was asked for, else the engine's, else what every engine is fine with. 0 = none.
 int vertexLimit(const Options& options) {
-  if (options.hullVertices > 0) return options.hullVertices;
+  if (options.hullVertices >= 0) return options.hullVertices;
   const std::optional<Engine> engine = engineNamed(options.engine);
-  return engine ? engine->maxVertices : 0;
+  return engine && engine->maxVertices > 0 ? engine->maxVertices : kUsualVertices;
 }
 
 /// Rejects, before any work, outputs that cannot be written and options that contradict each other.
@@ -89,19 +90,19 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   if (options.at && options.perBone) {
     return refused("--per-bone makes hulls for all poses, but --at exports one: expected one of the two");
   }
-  if (options.khr && format != Format::kGlb) {
-    return refused(fmt::format("{}: --khr is an extension of glTF, expected OUT.glb", options.output));
+  if (options.hullVertices > 0 && options.hullVertices < 4) {
+    return refused(fmt::format("--hull-vertices {}: expected 4 or more, or 0 for no limit", options.hullVertices));
   }
-  LORICA_TRY_DO(checkOutput("OUT", options.output));
-  std::error_code ignored;
-  if (format == Format::kUrdf && fs::exists(urdfFolder(options.output), ignored)) {
-    return refused(fmt::format("{}: exists already, expected a new folder for the meshes of {}",
-                               urdfFolder(options.output).string(), options.output));
+  if ((options.khr || options.showColliders) && format != Format::kGlb) {
+    return refused(fmt::format("{}: {}, expected OUT.glb", options.output,
+                               options.khr ? "--khr is an extension of glTF" : "--show-colliders is for glTF"));
   }
-  for (const std::string& input : {options.source.input, options.source.decomposition, options.motion}) {
-    if (fs::equivalent(input, options.output, ignored)) {
-      return refused(fmt::format("{} is an input and would be overwritten", options.output));
-    }
+  LORICA_TRY_DO(
+      checkNotTaken("OUT", options.output, {options.source.input, options.source.decomposition, options.motion}));
+  LORICA_TRY_DO(checkOutput(common, "OUT", options.output));
+  if (format == Format::kUrdf) {
+    LORICA_TRY_DO(checkOutputFolder(common, "OUT", urdfFolder(options.output),
+                                    [](const std::string& name) { return name.ends_with(".stl"); }));
   }
   return checkJsonOutput(common, {options.source.input, options.source.decomposition, options.motion, options.output});
 }
@@ -125,26 +126,26 @@ Result<void> checkSubject(const Options& options, const Subject& subject) {
 Result<RigidExport> makeRigid(const Options& options, const ExportSource& source, Host& host) {
   const Character& character = *source.subject.character;
   LORICA_TRY(const CoverPoses poses, exportPoses(source.subject, host));
-  const RigidColliderSettings settings{vertexLimit(options), options.perBone, host.threads};
-  LORICA_TRY(std::vector<RigidCollider> made,
-             makeRigidColliders(character, source.content.decomposition, poses.sampledView(), settings));
   RigidExport rigid;
-  rigid.colliders = std::move(made);
+  {
+    Task task(host, "Making hulls", "hulls");
+    LORICA_TRY(rigid.colliders,
+               makeRigidColliders(character, source.content.decomposition, poses.sampledView(),
+                                  {vertexLimit(options), options.perBone, host.threads, task.progress()}));
+  }
   rigid.trainingPoses = poses.sampledView().poseCount();
   rigid.heldOutPoses = poses.heldOutView().poseCount();
   const BonePoseView measured = rigid.heldOutPoses > 0 ? poses.heldOutView() : poses.sampledView();
-  if (host.cancelled()) return cancelled();
-  rigid.fits = measureFit(character, rigid.colliders, measured, host.threads);
+  Task task(host, "Measuring", "poses");
+  LORICA_TRY(rigid.fits, measureFit(character, rigid.colliders, measured, host.threads, task.progress()));
   return rigid;
 }
 
 /// The hulls of a mesh, or of a character in one pose.
 Result<HullExport> hullsInOnePose(const Options& options, const ExportSource& source, Host& host) {
   const int limit = vertexLimit(options);
-  Result<HullExport> hulls = options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit, host)
-                                        : restHulls(source, limit, host);
-  if (hulls && interrupted()) return cancelled();
-  return hulls;
+  return options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit, host)
+                    : restHulls(source, limit, host);
 }
 
 GlbColliderSettings glbSettings(const Options& options) {
@@ -154,6 +155,7 @@ GlbColliderSettings glbSettings(const Options& options) {
     settings.postfix = engine->postfix;
   }
   settings.khr = options.khr;
+  settings.shown = options.showColliders;
   return settings;
 }
 
@@ -218,6 +220,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   reading.reading.body = bodyChoice(options.body);
   reading.reading.walls = wallChoice(options.walls);
   reading.divided = !options.perBone;
+  if (!options.preset.empty()) reading.preset = presetNamed(options.preset);
   LORICA_TRY(const ExportSource source, readExportSource(reading, host));
   LORICA_TRY_DO(checkSubject(options, source.subject));
   const bool rigid = source.subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);
@@ -267,19 +270,22 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
       ->typeName("FILE.lorica");
   addCount(*app, "--parts", options->source.parts, 1,
            "Number of parts that a mesh is divided into; a character's are those of its decomposition [default: 16]");
+  addPresetOption(*app, options->preset);
   app->addOption("--engine", options->engine,
                  "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "
-                 "60, jolt 256; mujoco and godot have no limit")
+                 "60, jolt 256; mujoco and godot take any, and get 64")
       ->typeName("NAME")
       ->check(oneOf(engineNames()));
-  addCount(*app, "--hull-vertices", options->hullVertices, 4,
-           "Limit each hull to N vertices; it is enlarged to contain the same [default: the engine's]");
+  addCount(*app, "--hull-vertices", options->hullVertices, 0,
+           "Limit each hull to N vertices, at least 4; it is enlarged to contain the same; 0 = no limit [default: the "
+           "engine's, else 64]");
   app->addFlag("--per-bone", options->perBone,
                "One rigid hull for each bone of a character: the skin is cut along weights");
   app->addFlag("--mocap", options->mocap, "In .xml: bodies without joints, for poses from outside (mocap_pos)");
   app->addFlag(
       "--khr", options->khr,
       std::string("In .glb: also KHR_physics_rigid_bodies, as drafted on ") + kKhrDraft + ", not yet ratified");
+  app->addFlag("--show-colliders", options->showColliders, "In .glb: draw the hulls, translucent, over the character");
   app->addOption("--motion", options->motion,
                  "With --at: recorded joints, .bvh, a character file with clips, or a "
                  "shipped recording")

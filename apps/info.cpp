@@ -3,8 +3,9 @@
 #include "apps/options.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/depth_motion.h"
+#include "prepare/file_kinds.h"
 #include "prepare/read_motion.h"
+#include "prepare/scenes.h"
 #include "prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bone_map.h"
@@ -12,7 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <memory>
 #include <set>
 
@@ -30,12 +30,6 @@ struct Options {
   std::string driver;
 };
 
-bool isMeshFile(const fs::path& file) {
-  constexpr std::array kExtensions = {".off", ".obj", ".ply", ".stl"};
-  const std::string extension = lowerCase(file.extension().string());
-  return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
-}
-
 Error nothingNamed(const std::string& name) {
   LORICA_TRY(const fs::path folder, recordingsFolder());
   return notFound(
@@ -45,27 +39,45 @@ Error nothingNamed(const std::string& name) {
       name, shippedNames(folder, ".csv"), shippedNames(folder, ".oni"));
 }
 
+Result<FileSummary> describeScene(const fs::path& file, Host& host) {
+  LORICA_TRY(const OpenedScene scene, openStage(file.string(), host));
+  FileSummary summary{Report(file.filename().string() + ": a scene"), {}};
+  nlohmann::ordered_json& json = summary.json;
+  json["kind"] = "scene";
+  json["props"] = scene.world.props().size();
+  json["targets"] = scene.targets.size();
+  json["avatars"] = nlohmann::ordered_json::array();
+  summary.report.line("props", fmt::format("{}, {} of them targets", scene.world.props().size(), scene.targets.size()));
+  for (const AvatarSetting& avatar : scene.stage) {
+    json["avatars"].push_back({{"character", avatar.character}, {"motion", avatar.motion}});
+    summary.report.line("avatar", fmt::format("{} performs {}", avatar.character,
+                                              avatar.motion.empty() ? "a clip of its own" : avatar.motion));
+  }
+  return summary;
+}
+
 Result<FileSummary> describe(const Options& options, Host& host) {
   if (options.devices) return describeDevices(options.driver);
   if (options.input.empty()) {
     return invalidArgument("expected a file or --devices");
   }
-  const fs::path file(options.input);
-  if (file.extension() == ".lorica") return describeDecomposition(file);
   const fs::path shipped = isBareName(options.input) ? shippedRecording(options.input) : fs::path();
-  if (isDepthRecording(file)) return describeDepthRecording(file);
-  if (isDepthRecording(shipped)) return describeDepthRecording(shipped);
-  const bool shape = options.input == "mannequin" || isMeshFile(file) || isCharacterFile(file);
-  if (!shape && (!isBareName(options.input) || !shipped.empty())) {
+  const fs::path file = shipped.empty() ? fs::path(options.input) : shipped;
+  const FileKind kind = kindOf(file);
+  if (kind == FileKind::kDecomposition) return describeDecomposition(file);
+  if (kind == FileKind::kDepth) return describeDepthRecording(file);
+  if (kind == FileKind::kScene) return describeScene(file, host);
+  const bool shape = options.input == "mannequin" || kind == FileKind::kMesh || kind == FileKind::kCharacter;
+  if (!shape && isBareName(options.input) && shipped.empty()) return nothingNamed(options.input);
+  if (!shape) {
     LORICA_TRY(const Motion motion, readMotion(options.input, options.motion, host));
     return describeMotion(motion);
   }
-  if (!shape) return nothingNamed(options.input);
   CharacterOptions reading = options.character;
   reading.body = BodyChoice::kNever;  // a mesh is described as it is
   const Result<Subject> subject = readSubject(options.input, reading, host);
   // A character file without a surface may still hold a motion.
-  if (!subject && isCharacterFile(file) && subject.error().code == ErrorCode::kBadMesh) {
+  if (!subject && kind == FileKind::kCharacter && subject.error().code == ErrorCode::kBadMesh) {
     const Result<Motion> motion = readMotion(options.input, options.motion, host);
     if (motion) return describeMotion(*motion);
   }
@@ -74,11 +86,11 @@ Result<FileSummary> describe(const Options& options, Host& host) {
 }
 
 /// @return how many of its bones may be wrong
-Result<std::size_t> writeMap(const Options& options, const Host& host) {
+Result<std::size_t> writeMap(const Options& options, const CommonOptions& common, const Host& host) {
   if (!isCharacterFile(options.input)) {
     return invalidArgument("--write-map is for character files, but {} is not one", options.input);
   }
-  LORICA_TRY_DO(checkOutput("--write-map", options.writeMap, ".json"));
+  LORICA_TRY_DO(checkOutput(common, "--write-map", options.writeMap, ".json"));
   LORICA_TRY(const CharacterFile file, readCharacterFile(options.input, host.characterFiles()));
   const Skeleton& own = file.character.skeleton;
   HumanoidGuess none;
@@ -102,7 +114,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.character.map, options.writeMap}));
   std::size_t unsure = 0;
   if (!options.writeMap.empty()) {
-    LORICA_TRY(unsure, writeMap(options, host));
+    LORICA_TRY(unsure, writeMap(options, common, host));
   }
   LORICA_TRY(FileSummary summary, describe(options, host));
   if (!options.writeMap.empty()) {

@@ -15,6 +15,7 @@
 #include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -25,7 +26,6 @@ struct Options {
   RunSetting run;
   SnapshotOptions pictures;
   bool window = false;
-  bool headless = false;
 };
 
 nlohmann::ordered_json toJson(const Options& options, const Run& run, const DrawnFiles& drawn) {
@@ -85,22 +85,46 @@ Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn)
 
 /// Whether to open a window: if requested, or if a display is available and no other output was requested.
 Result<bool> chooseWindow(const Options& options) {
-  if (options.headless || options.pictures.any()) return false;
+  if (options.pictures.headless || options.pictures.any()) return false;
   LORICA_TRY_DO(checkWindow(options.window, "--headless, --snapshots DIR and --video FILE do not need one"));
   return displayAvailable();
 }
 
 /// @param screen  null = none
-Result<void> follow(const Options& options, const CommonOptions& common, Host& host, LiveCast cast, Screen* screen) {
+/// @param opener  with a screen @param next  gets what the user opened; then there is no report
+Result<void> follow(const Options& options, const CommonOptions& common, Host& host, LiveCast cast, Screen* screen,
+                    WindowOpener* opener, std::optional<Cast>& next) {
   LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), options.run, host));
   if (screen == nullptr) {
     host.tell(fmt::format("{} {}; press Ctrl-C to stop.", run->streams().empty() ? "Tracking with" : "Listening for",
                           run->name()));
   }
-  LORICA_TRY(const Showing showing, show(*run, options.pictures, screen, nullptr, host));
+  LORICA_TRY(Showing showing, show(*run, options.pictures, screen, opener, host));
+  next = std::move(showing.next);
+  if (next) return {};
   Report report = toReport(options, *run, showing.drawn);
   nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
   return finishAndPublish(*run, common, report, json);
+}
+
+/// The camera or the programs that send stay when the user opens another character.
+Result<void> followInTurn(const Options& options, const CommonOptions& common, Host& host, LiveCast cast,
+                          Screen& screen) {
+  const auto load = [live = options.live, sources = cast.sources](const std::vector<CastRequest>& attempts,
+                                                                  Host& loading) -> Result<Cast> {
+    if (!attempts.front().motion.empty()) return prepareSettledCast(attempts, loading);
+    LORICA_TRY(LiveCast again, prepareLiveCast(attempts.front(), live, loading, sources));
+    return std::move(again.cast);
+  };
+  WindowOpener opener(options.request, host, options.run.written() ? kWrittenOnce : "", load);
+  std::shared_ptr<LiveSources> sources = cast.sources;
+  for (;;) {
+    std::optional<Cast> next;
+    LORICA_TRY_DO(follow(options, common, host, std::move(cast), &screen, &opener, next));
+    if (!next) return {};
+    if (next->sources != sources) return playOpened(common, host, screen, opener, std::move(*next));
+    cast = LiveCast{std::move(*next), sources};
+  }
 }
 
 Result<void> run(const Options& given, const CommonOptions& common, Host& host) {
@@ -111,15 +135,16 @@ Result<void> run(const Options& given, const CommonOptions& common, Host& host) 
   options.request.reading.drawn = inWindow || options.pictures.any();
   if (!inWindow) {
     LORICA_TRY(LiveCast cast, prepareLiveCast(options.request, options.live, host));
-    return follow(options, common, host, std::move(cast), nullptr);
+    std::optional<Cast> none;
+    return follow(options, common, host, std::move(cast), nullptr, nullptr, none);
   }
   // The window comes first: it shows how the rest is loaded.
-  LORICA_TRY(Window window, openWindow());
+  LORICA_TRY(Window window, openWindow(options.pictures));
   LORICA_TRY(std::optional<LiveCast> cast,
              loadOnScreen<LiveCast>(window, host, [request = options.request, live = options.live](Host& loading) {
                return prepareLiveCast(request, live, loading);
              }));
-  return cast ? follow(options, common, host, std::move(*cast), &window) : Result<void>();
+  return cast ? followInTurn(options, common, host, std::move(*cast), window) : Result<void>();
 }
 
 }  // namespace
@@ -177,7 +202,6 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   Option* window = app->addFlag("--window", options->window, "Open a window; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->request.reading.textureSize);
-  app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
   return {app, [options, app](const CommonOptions& given, Host& host) {
             options->request.performing.smoothGiven = smoothingGiven(*app);
             return run(*options, given, host);

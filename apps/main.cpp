@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <initializer_list>
 #include <new>
 #include <string>
 #include <vector>
@@ -45,12 +46,14 @@ int run(int argc, char** argv) {
       "\n`lorica help COMMAND` describes each command.\n"
       "Exit status: 0 = done, 1 = a failure of Lorica, 2 = bad input or output that cannot be written, 130 = Ctrl-C.");
   lorica::CommonOptions common;
-  const std::vector<lorica::Command> commands = {
-      lorica::addDemo(app, common),   lorica::addDecompose(app, common), lorica::addScore(app, common),
-      lorica::addPlay(app, common),   lorica::addLive(app, common),      lorica::addRecord(app, common),
-      lorica::addReplay(app, common), lorica::addInfo(app, common),      lorica::addConvert(app, common),
-      lorica::addExport(app, common), lorica::addSnapshot(app, common),  lorica::addBake(app, common),
+  std::vector<lorica::Command> commands;
+  const auto add = [&](const char* group, std::initializer_list<decltype(&lorica::addDemo)> adding) {
+    app.group(group);
+    for (const auto one : adding) commands.push_back(one(app, common));
   };
+  add("See it move", {lorica::addDemo, lorica::addPlay, lorica::addLive, lorica::addReplay, lorica::addSnapshot});
+  add("Make files", {lorica::addDecompose, lorica::addExport, lorica::addConvert, lorica::addRecord, lorica::addBake});
+  add("Learn what is there", {lorica::addInfo, lorica::addScore});
 
   std::vector<std::string> words = lorica::withCommand({argv + 1, argv + argc}, app.subcommandNames());
   std::vector<char*> arguments = {argv[0]};

@@ -4,6 +4,7 @@
 #include "capture/fault_injector.h"
 #include "capture/files/joint_stream.h"
 #include "geometry/errors.h"
+#include "player/picture_options.h"
 #include "viewer/window/window.h"
 
 #include <fmt/format.h>
@@ -183,6 +184,20 @@ void addBodyOption(CommandLine& app, std::string& body) {
       ->check(oneOf({"auto", "never", "always"}));
 }
 
+void addPresetOption(CommandLine& app, std::string& preset) {
+  app.addOption(
+         "--preset", preset,
+         "paper: the published algorithm; fast: better parts in similar time; quality: even better parts, slower "
+         "[default: fast]")
+      ->typeName("NAME")
+      ->check(oneOf({"paper", "fast", "quality"}));
+}
+
+DecomposePreset presetNamed(const std::string& name) {
+  if (name == "paper") return DecomposePreset::kPaper;
+  return name == "quality" ? DecomposePreset::kQuality : DecomposePreset::kFast;
+}
+
 void addWallOptions(CommandLine& app, std::string& walls, double& thickness) {
   app.addOption(
          "--walls", walls,
@@ -285,17 +300,50 @@ void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* wind
   addCount(app, "--every", options.every, 1, "Write a picture every N frames [default: 30]")->needs(snapshots);
   Option* video =
       app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second)")->typeName("FILE");
-  for (Option* option : {snapshots, video}) option->excludes(window);
+  Option* headless = app.addFlag("--headless", options.headless, "Do not open a window, even if there is a display");
+  for (Option* option : {snapshots, video, headless}) option->excludes(window);
   addCameraOptions(app, options.camera);
+  addLookOptions(app, options);
+}
+
+void addLookOptions(CommandLine& app, SnapshotOptions& options) {
+  addSizeOption(app, options.size);
+  addBackgroundOption(app, options.background);
+}
+
+void addSizeOption(CommandLine& app, std::string& size) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    if (pictureSizeOf(text)) return "";
+    return fmt::format(
+        "found `{}`, expected width and height of {} to {} pixels, such as 640x360, or portrait or square", text,
+        kSmallestSide, kLargestSide);
+  };
+  app.addOption("--size", size,
+                "Width and height in pixels, or portrait (1080x1920), or square (1080x1080) [default: 1280x720]")
+      ->typeName("WxH")
+      ->check(check);
+}
+
+void addBackgroundOption(CommandLine& app, std::string& background) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    SceneOptions show;
+    if (setBackground(text, show)) return "";
+    return fmt::format("found `{}`, expected transparent, or a colour such as #00ff00", text);
+  };
+  app.addOption("--background", background,
+                "Instead of the sky and the ground: a colour such as #00ff00, or transparent [default: the sky]")
+      ->typeName("COLOR")
+      ->check(check);
 }
 
 void addCameraOptions(CommandLine& app, CameraOptions& options) {
   Option* camera =
-      app.addOption("--camera", options.preset,
-                    "View from the front, the side, the top or three-quarter; the camera follows the body [default: "
-                    "three-quarter]")
+      app.addOption(
+             "--camera", options.preset,
+             "View of the body, which the camera follows: front, side, back, top, three-quarter (35 degrees from "
+             "where it faces), or face for a portrait [default: three-quarter]")
           ->typeName("VIEW")
-          ->check(oneOf({"front", "side", "top", "three-quarter"}));
+          ->check(oneOf({"front", "side", "back", "top", "face", "three-quarter"}));
   Option* eye = app.addOption("--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3")
                     ->typeName("X,Y,Z")
                     ->check(isPosition())
@@ -307,15 +355,24 @@ void addCameraOptions(CommandLine& app, CameraOptions& options) {
   eye->needs(target);
 }
 
-Result<void> checkVideo(const std::string& option, const std::filesystem::path& file) {
+Result<void> checkVideo(const CommonOptions& common, const std::string& option, const std::filesystem::path& file,
+                        const std::string& size, const std::string& background) {
   if (file.extension() != ".mp4") {
     return invalidArgument("{} {}: films are MP4 files, expected a name that ends in .mp4", option, file.string());
   }
-  return checkOutput(option, file);
+  const CanvasSize pixels = pictureSizeOf(size).value_or(CanvasSize());
+  if (pixels.width % 2 != 0 || pixels.height % 2 != 0) {
+    return invalidArgument("--size {}: width and height of an .mp4 video must be even", size);
+  }
+  if (background == "transparent") {
+    return invalidArgument("{}: films are not transparent, expected --background with a colour such as #00ff00",
+                           option);
+  }
+  return checkOutput(common, option, file);
 }
 
-Result<void> checkRecord(const std::string& option, const std::string& file) {
-  return file.empty() ? Result<void>() : checkOutput(option, file, ".lsession");
+Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file) {
+  return file.empty() ? Result<void>() : checkOutput(common, option, file, ".lsession");
 }
 
 namespace {
@@ -332,17 +389,20 @@ Result<void> checkEvents(const std::string& to, const CommonOptions& common, con
   if (common.json != "-") all.emplace_back(common.json);
   CommonOptions asFile;
   asFile.json = to;
+  asFile.force = common.force;
   return checkJsonOutput(asFile, all, "--events");
 }
 
-Result<void> checkSnapshots(const SnapshotOptions& options) {
+Result<void> checkSnapshots(const SnapshotOptions& options, const CommonOptions& common) {
   if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
     return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
   }
   if (!options.folder.empty()) {
-    LORICA_TRY_DO(checkOutputFolder("--snapshots", options.folder));
+    LORICA_TRY_DO(checkOutputFolder(common, "--snapshots", options.folder,
+                                    [&](const std::string& name) { return options.draws(name); }));
   }
-  return options.video.empty() ? Result<void>() : checkVideo("--video", options.video);
+  return options.video.empty() ? Result<void>()
+                               : checkVideo(common, "--video", options.video, options.size, options.background);
 }
 
 }  // namespace
@@ -350,8 +410,8 @@ Result<void> checkSnapshots(const SnapshotOptions& options) {
 Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures, const CommonOptions& common,
                           std::vector<std::filesystem::path> inputs) {
   LORICA_TRY_DO(checkJsonOutput(common, inputs));
-  LORICA_TRY_DO(checkSnapshots(pictures));
-  LORICA_TRY_DO(checkRecord("--record", setting.record));
+  LORICA_TRY_DO(checkSnapshots(pictures, common));
+  LORICA_TRY_DO(checkRecord(common, "--record", setting.record));
   LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
   LORICA_TRY_DO(checkPoseOutput(setting.out));
   inputs.emplace_back(setting.record);

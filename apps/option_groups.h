@@ -1,5 +1,6 @@
 #pragma once
 
+#include "acd/decompose.h"
 #include "apps/command_line.h"
 #include "apps/report.h"
 #include "player/events_output.h"
@@ -54,6 +55,10 @@ Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::
 /// --body: auto, never or always.
 void addBodyOption(CommandLine& app, std::string& body);
 /// --walls and --thickness
+void addPresetOption(CommandLine& app, std::string& preset);
+/// @param name  as checked by the option
+[[nodiscard]] DecomposePreset presetNamed(const std::string& name);
+
 void addWallOptions(CommandLine& app, std::string& walls, double& thickness);
 [[nodiscard]] WallChoice wallChoice(const std::string& name);
 
@@ -93,11 +98,18 @@ void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* wind
 
 void addCameraOptions(CommandLine& app, CameraOptions& options);
 
-/// Rejects, before any work, a video that cannot be written.
-[[nodiscard]] Result<void> checkVideo(const std::string& option, const std::filesystem::path& file);
+/// --size and --background.
+void addLookOptions(CommandLine& app, SnapshotOptions& options);
+void addSizeOption(CommandLine& app, std::string& size);
+void addBackgroundOption(CommandLine& app, std::string& background);
+
+/// Rejects, before any work, a video that cannot be written. @param size,background  of its pictures
+[[nodiscard]] Result<void> checkVideo(const CommonOptions& common, const std::string& option,
+                                      const std::filesystem::path& file, const std::string& size,
+                                      const std::string& background);
 
 /// Rejects an unusable name of a recorded session before any work.
-[[nodiscard]] Result<void> checkRecord(const std::string& option, const std::string& file);
+[[nodiscard]] Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file);
 
 /// Rejects --window if there is no display.
 /// @param instead  alternatives, for the error message

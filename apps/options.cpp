@@ -47,6 +47,7 @@ CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std
                  "Number of threads; the result does not depend on it [default: all cores]")
       ->typeName("N")
       ->check(countBetween(1, kMaxThreads));
+  app->addFlag("--force", common.force, "Overwrite files that exist");
   app->addFlag("--trust-paths", common.trustPaths,
                "Characters, scenes and sessions may name files outside their own folders");
   if (name != "bake") {  // whose option of that name is for all its processes

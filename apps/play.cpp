@@ -1,6 +1,5 @@
 #include "apps/option_groups.h"
 #include "apps/options.h"
-#include "apps/play_opened.h"
 #include "apps/report_parts.h"
 #include "apps/show.h"
 #include "collision/world/prop_overlaps.h"
@@ -63,7 +62,7 @@ nlohmann::ordered_json toJson(const Options& options, const Run& run, const Draw
   for (std::size_t i = 0; i < avatars.size(); ++i) {
     const SessionAvatar& avatar = session.avatars()[i];
     nlohmann::ordered_json one;
-    one["character"] = avatar.character().name;
+    one["character"] = nameOf(run, i);
     one["recording"] = avatars[i].source;
     one["firstGuess"] = avatars[i].motion->firstGuess;
     one["notes"] = avatars[i].motion->notes;
@@ -102,7 +101,7 @@ Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn)
   for (std::size_t i = 0; !one && i < avatars.size(); ++i) {
     const SessionAvatar& avatar = session.avatars()[i];
     report.line(fmt::format("avatar {}", i + 1),
-                fmt::format("{} performs {}: {}, {}, hash {}", avatar.character().name, avatars[i].source,
+                fmt::format("{} performs {}: {}, {}, hash {}", nameOf(run, i), avatars[i].source,
                             counted(countOf(avatar.body().parts()), "part"),
                             counted(statistics.contactsOf(i), "contact point"), hexDigits(avatar.hash())));
   }
@@ -170,13 +169,12 @@ Result<void> playInTurn(const Options& options, const CommonOptions& common, Hos
 
 /// Opens the window first: it shows how the rest is loaded.
 Result<void> playInWindow(const Options& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY(Window window, openWindow());
+  LORICA_TRY(Window window, openWindow(options.pictures));
   LORICA_TRY(std::optional<Cast> cast, loadOnScreen<Cast>(window, host, [request = options.request](Host& loading) {
                return prepareSettledCast({request}, loading);
              }));
   if (!cast) return {};
-  WindowOpener opener(
-      *cast, host, options.run.written() ? "what is written or sent is one session: nothing else can be opened" : "");
+  WindowOpener opener(*cast, host, options.run.written() ? kWrittenOnce : "");
   return playInTurn(options, common, host, std::move(cast), window, opener);
 }
 

@@ -1,12 +1,11 @@
-#include "apps/convert.h"
+#include "apps/record.h"
 #include "apps/interrupt.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
-#include "apps/record_packets.h"
-#include "apps/record_session.h"
 #include "capture/sensor/oni_joints.h"
 #include "capture/sensor/openni.h"
 #include "capture/tracking/tracker.h"
+#include "export/motion_export.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/text.h"
@@ -29,7 +28,7 @@ namespace fs = std::filesystem;
 
 using Options = SessionRecording;  // a depth recording uses only the file, the camera and the limit
 
-constexpr const char* kSessionEnding = ".lsession";
+constexpr const char *kSessionEnding = ".lsession", *kPacketEnding = ".pcap";
 
 struct Recording {
   int frames = 0;  // depth frames in the file
@@ -117,13 +116,8 @@ Result<void> refuseSessionOptions(const CommandLine& app, const Options& options
 
 Result<void> recordDepth(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.out, jointsBeside(options.out)}));
-  LORICA_TRY_DO(checkOutput("OUT", options.out, ".oni"));
-  // An older recording of both files may be replaced; a joint CSV of another origin may not.
-  if (std::error_code ignored; !fs::exists(options.out, ignored) && fs::exists(jointsBeside(options.out), ignored)) {
-    return invalidArgument(
-        "{} exists, but {} does not, so it was not written by this command: choose another name for OUT",
-        jointsBeside(options.out).string(), options.out);
-  }
+  LORICA_TRY_DO(checkOutput(common, "OUT", options.out, ".oni"));
+  LORICA_TRY_DO(checkOutput(common, "OUT", jointsBeside(options.out)));
   LORICA_TRY(std::unique_ptr<DepthSource> depth, openCamera(options.live.depth));
   LORICA_TRY(Tracker tracker, Tracker::create(depth->camera()));
   LORICA_TRY(JointCsvWriter joints, JointCsvWriter::create(jointsBeside(options.out)));
@@ -163,7 +157,7 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common, Ho
 /// is left, which `lorica convert` reads.
 Result<void> recordMotion(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
-  LORICA_TRY_DO(checkOutput("OUT", options.out));
+  LORICA_TRY_DO(checkOutput(common, "OUT", options.out));
   if (options.request.performing.person == kEveryone) {
     return invalidArgument(
         "{}: found --person all, expected the number of one person: a motion file holds one skeleton, a session ({}) "
@@ -175,30 +169,39 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common, H
         "{}: found {} avatars, expected one: a motion file holds one skeleton, a session ({}) any number", options.out,
         avatars, kSessionEnding);
   }
-  Options session = options;
-  session.out = options.out + kSessionEnding;
-  return recordSession(session, common, host, [&](Report& report) -> Result<void> {
-    LORICA_TRY(const Motion motion, readSessionMotion(session.out, 0, host));
-    // Poses of bones are mirrored already.
-    LORICA_TRY_DO(writeMotion(options.out, motion, motion.bones ? MotionOptions() : options.request.performing));
+  // What a program sends needs no character: its packets are kept until then.
+  const bool sent = !options.live.vmc.listenAt.empty() && options.request.motion.empty() &&
+                    options.request.character.empty() && options.frames == 0;
+  Options first = options;
+  first.out = options.out + (sent ? kPacketEnding : kSessionEnding);
+  first.into = options.out;
+  LORICA_TRY_DO(checkOutput(common, "OUT", first.out));  // is removed in the end
+  const auto finished = [&]() -> Result<void> {
+    MotionOptions reading;
+    reading.sender = options.live.vmc.sender;
+    LORICA_TRY(const Motion motion,
+               sent ? readMotion(first.out, reading, host) : readSessionMotion(first.out, 0, host));
+    // Poses of bones are mirrored already in a session.
+    LORICA_TRY_DO(
+        writeMotion(options.out, motion, motion.bones && !sent ? MotionOptions() : options.request.performing));
     std::error_code ignored;
-    fs::remove(session.out, ignored);
-    report.line("motion", options.out);
+    fs::remove(first.out, ignored);
     return {};
-  });
+  };
+  return sent ? recordPackets(first, common, host, finished) : recordSession(first, common, host, finished);
 }
 
 Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common, Host& host) {
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
     LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
-    LORICA_TRY_DO(checkRecord("OUT", options.out));
+    LORICA_TRY_DO(checkRecord(common, "OUT", options.out));
     return recordSession(options, common, host);
   }
   if (ending == ".bvh" || ending == ".csv") return recordMotion(options, common, host);
   if (ending == ".pcap") {
     LORICA_TRY_DO(refuseSessionOptions(app, options, "packets (.pcap)"));
-    return recordPackets(options.out, options.live.vmc.listenAt, options.seconds, common, host);
+    return recordPackets(options, common, host);
   }
   if (ending != ".oni") {
     return invalidArgument(

@@ -1,4 +1,4 @@
-#include "apps/record_packets.h"
+#include "apps/record.h"
 #include "geometry/text.h"
 
 #include "apps/interrupt.h"
@@ -116,10 +116,11 @@ std::uint64_t microsecondsNow() {
 
 }  // namespace
 
-Result<void> recordPackets(const std::string& out, const std::string& listenAt, double limit,
-                           const CommonOptions& common, Host& host) {
+Result<void> recordPackets(const SessionRecording& options, const CommonOptions& common, Host& host,
+                           const std::function<Result<void>()>& finished) {
+  const std::string &out = options.out, &listenAt = options.live.vmc.listenAt;
   LORICA_TRY_DO(checkJsonOutput(common, {out}));
-  LORICA_TRY_DO(checkOutput("OUT", out, ".pcap"));
+  LORICA_TRY_DO(checkOutput(common, "OUT", out, ".pcap"));
   if (listenAt.empty()) {
     return invalidArgument("{}: packets come from a program, expected --vmc PORT", out);
   }
@@ -130,7 +131,7 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
   LORICA_TRY(UdpSocket socket, prefixed("--vmc", address ? UdpSocket::listen(*address) : address.error()));
   LORICA_TRY(const std::unique_ptr<PacketWriter> writer, PacketWriter::create(out, host));
 
-  host.tell(fmt::format("Recording packets to {}; press Ctrl-C to stop.", textOf(*address)));
+  host.tell(fmt::format("Recording what is sent to {}; press Ctrl-C to stop.", textOf(*address)));
   std::vector<std::byte> memory(kLargestPacket);
   std::optional<std::uint64_t> first;
   double seconds = 0.0;
@@ -148,19 +149,20 @@ Result<void> recordPackets(const std::string& out, const std::string& listenAt, 
       }
     }
     seconds = first ? 1e-6 * (now - *first) : 0.0;
-    if (limit > 0.0 && seconds >= limit) break;
+    if (options.seconds > 0.0 && seconds >= options.seconds) break;
   }
   answerInterrupt();
   LORICA_TRY_DO(writer->finish());
   const int packets = writer->packets();
   if (packets == 0) return cancelled();
   Report report(fmt::format("Recorded {} to {} ({:.1f} s)", counted(packets, "packet"), textOf(*address), seconds));
-  report.line("packets", out);
+  if (finished) LORICA_TRY_DO(finished());
+  report.line(finished ? "motion" : "packets", options.into.empty() ? out : options.into);
   if (full)
     report.note(
         fmt::format("The recording ends where its file reached {} MiB, the most that is read.", kMaxFileBytes >> 20));
   nlohmann::ordered_json json;
-  json["recording"] = out;
+  json["recording"] = options.into.empty() ? out : options.into;
   json["packets"] = packets;
   json["seconds"] = seconds;
   return publish(common, report, json);

@@ -1,4 +1,4 @@
-#include "apps/record_session.h"
+#include "apps/record.h"
 
 #include "apps/interrupt.h"
 #include "apps/report_parts.h"
@@ -68,7 +68,7 @@ std::size_t avatarsOf(const SessionRecording& options) {
 }
 
 Result<void> recordSession(const SessionRecording& options, const CommonOptions& common, Host& host,
-                           const std::function<Result<void>(Report&)>& finished) {
+                           const std::function<Result<void>()>& finished) {
   LORICA_TRY_DO(checkSource(options, host));
   LORICA_TRY(const std::unique_ptr<Run> run, start(options, host));
   const Session& session = run->session;
@@ -90,13 +90,13 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   json["seconds"] = run->seconds();
   addAvatarsTo(json, session);
   json["hash"] = hexDigits(session.hash());
-  LORICA_TRY_DO(finishRecorder(*run, report, json));
+  LORICA_TRY_DO(finishRecorder(*run, options.into.empty() ? options.out : options.into, report, json));
   if (!end) return end.error();
   for (const VmcInput& stream : run->streams()) {
     addStreamTo(report, stream);
     if (&stream == &run->streams().front()) addStreamTo(json, stream);
   }
-  if (finished) LORICA_TRY_DO(finished(report));
+  if (finished) LORICA_TRY_DO(finished());
   report.line("hash", hexDigits(session.hash()));
   return publish(common, report, json);
 }

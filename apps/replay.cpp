@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -71,6 +72,18 @@ Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn)
   return report;
 }
 
+/// What is dropped on a recorded session is played: a character performs its motion if that ships, else a walk.
+CastRequest presentOf(const SessionFile& session) {
+  CastRequest present;
+  present.motion = "walk";
+  const Result<std::filesystem::path> folder = recordingsFolder();
+  const std::string& source = session.header.avatar().source;
+  std::error_code ignored;
+  if (folder && std::filesystem::exists(*folder / (source + ".csv"), ignored)) present.motion = source;
+  present.reading.drawn = true;
+  return present;
+}
+
 /// @param screen   null = none
 /// @param differs  set to whether a step differs
 Result<void> replay(const Options& options, const CommonOptions& common, Host& host, RecordedCast cast, Screen* screen,
@@ -82,8 +95,10 @@ Result<void> replay(const Options& options, const CommonOptions& common, Host& h
   const SessionHeader& header = cast.session->header;
   LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), setting, host));
   LORICA_TRY_DO(checkReplay(header, options.request.file, run->session));
-  LORICA_TRY(const Showing showing, show(*run, options.pictures, screen, nullptr, host));
+  WindowOpener opener(presentOf(run->recorded()), host, options.run.written() ? kWrittenOnce : "");
+  LORICA_TRY(Showing showing, show(*run, options.pictures, screen, &opener, host));
   if (showing.end == RunEnd::kInterrupted) return cancelled();
+  if (showing.next) return playOpened(common, host, *screen, opener, std::move(*showing.next));
   LORICA_TRY_DO(run->finish());
   Report report = toReport(options, *run, showing.drawn);
   nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
@@ -106,7 +121,7 @@ Result<void> run(const Options& given, const CommonOptions& common, Host& host, 
     return replay(options, common, host, std::move(cast), nullptr, differs);
   }
   // The window comes first: it shows how the rest is loaded.
-  LORICA_TRY(Window window, openWindow());
+  LORICA_TRY(Window window, openWindow(options.pictures));
   LORICA_TRY(std::optional<RecordedCast> cast, loadOnScreen<RecordedCast>(window, host, [request](Host& loading) {
                return prepareRecordedCast(request, loading);
              }));

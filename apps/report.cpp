@@ -128,10 +128,11 @@ Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std
       !std::filesystem::is_regular_file(json, ignored)) {
     return unwritable("{}: {} is not a regular file; `{} -` writes to standard output", option, json.string(), option);
   }
-  return checkOutput(option, json);
+  return checkOutput(options, option, json);
 }
 
-Result<void> checkOutput(const std::string& option, const std::filesystem::path& file, const std::string& extension) {
+Result<void> checkOutput(const CommonOptions& options, const std::string& option, const std::filesystem::path& file,
+                         const std::string& extension) {
   std::error_code ignored;
   if (!extension.empty() && file.extension() != extension) {
     return invalidArgument("{}: {}: expected a name that ends in {}", option, file.string(), extension);
@@ -146,10 +147,13 @@ Result<void> checkOutput(const std::string& option, const std::filesystem::path&
   if (access(folder.c_str(), W_OK) != 0) {
     return unwritable("{}: {}: the folder {} is not writable", option, file.string(), folder.string());
   }
-  return {};
+  if (options.force || !std::filesystem::is_regular_file(file, ignored)) return {};
+  return unwritable("{}: {} exists and would be overwritten, which --force allows", option, file.string());
 }
 
-Result<void> checkOutputFolder(const std::string& option, const std::filesystem::path& folder) {
+Result<void> checkOutputFolder(const CommonOptions& options, const std::string& option,
+                               const std::filesystem::path& folder,
+                               const std::function<bool(const std::string& name)>& written) {
   // Check the nearest existing ancestor.
   std::error_code ignored;
   std::filesystem::path nearest = std::filesystem::absolute(folder, ignored).lexically_normal();
@@ -159,6 +163,10 @@ Result<void> checkOutputFolder(const std::string& option, const std::filesystem:
   }
   if (access(nearest.c_str(), W_OK) != 0) {
     return unwritable("{}: {}: the folder {} is not writable", option, folder.string(), nearest.string());
+  }
+  if (written == nullptr) return {};
+  for (const std::filesystem::directory_entry& there : std::filesystem::directory_iterator(folder, ignored)) {
+    if (written(there.path().filename().string())) LORICA_TRY_DO(checkOutput(options, option, there.path()));
   }
   return {};
 }

@@ -6,6 +6,7 @@
 
 #include <cstdio>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,6 +19,7 @@ struct CommonOptions {
   std::string json;         ///< file for the report as JSON; "-" = standard output instead of the text; empty = none
   int threads = 0;          ///< 0 = all that the machine has
   bool trustPaths = false;  ///< files may name files anywhere, see NamedFiles
+  bool force = false;       ///< what exists may be overwritten
   std::string memory;       ///< that the command may take: "8G"; empty = see usualMemory(); not of `bake`
 
   /// The number of threads to use on this machine.
@@ -71,14 +73,17 @@ void publishFailure(std::string_view kind, std::string_view message);
 [[nodiscard]] Result<void> checkNotTaken(const std::string& option, const std::filesystem::path& file,
                                          const std::vector<std::filesystem::path>& others);
 
-/// Rejects an output file before any work: its folder must exist, and it must not be a folder itself.
+/// Rejects an output file before any work: its folder must exist, and it must not be there already.
 /// @param option     for the error message: "--export-obj"
 /// @param extension  required extension; empty = any
-[[nodiscard]] Result<void> checkOutput(const std::string& option, const std::filesystem::path& file,
-                                       const std::string& extension = "");
+[[nodiscard]] Result<void> checkOutput(const CommonOptions& options, const std::string& option,
+                                       const std::filesystem::path& file, const std::string& extension = "");
 
-/// The same for a folder, which is created later if it does not exist.
-[[nodiscard]] Result<void> checkOutputFolder(const std::string& option, const std::filesystem::path& folder);
+/// The same for a folder, which is created later if it does not exist. It may hold other files.
+/// @param written  whether the command writes a file of this name in it; null = none that is not its own
+[[nodiscard]] Result<void> checkOutputFolder(const CommonOptions& options, const std::string& option,
+                                             const std::filesystem::path& folder,
+                                             const std::function<bool(const std::string& name)>& written = nullptr);
 
 /// Prints a warning to standard error, one line: "lorica: warning: ...". The same sentence is said once in a run.
 void warn(const std::string& sentence);

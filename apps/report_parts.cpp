@@ -315,11 +315,10 @@ void addDrawnTo(Report& report, const SnapshotOptions& options, const DrawnFiles
   }
 }
 
-Result<void> finishRecorder(Run& run, Report& report, nlohmann::ordered_json& json) {
+Result<void> finishRecorder(Run& run, const std::string& file, Report& report, nlohmann::ordered_json& json) {
   if (!run.recorder) return {};
   LORICA_TRY(const int steps, run.recorder->finish());
-  report.line("recorded",
-              steps == 0 ? "no steps" : fmt::format("{} in {}", counted(steps, "step"), run.setting.record));
+  report.line("recorded", steps == 0 ? "no steps" : fmt::format("{} in {}", counted(steps, "step"), file));
   if (run.recorder->cutShort()) {
     report.note("The recording ends at the restart of the session, or at the change of its scene or number of parts.");
   }

@@ -53,6 +53,7 @@ void addDrawnTo(nlohmann::ordered_json& json, const SnapshotOptions& options, co
 void addDrawnTo(Report& report, const SnapshotOptions& options, const DrawnFiles& drawn);
 
 /// Finishes the recording of a run and adds the number of steps. Does nothing without a recorder.
-[[nodiscard]] Result<void> finishRecorder(Run& run, Report& report, nlohmann::ordered_json& json);
+[[nodiscard]] Result<void> finishRecorder(Run& run, const std::string& file, Report& report,
+                                          nlohmann::ordered_json& json);
 
 }  // namespace lorica

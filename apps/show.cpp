@@ -7,29 +7,26 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
+#include "player/picture_options.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <utility>
 
 namespace lorica {
-namespace {
 
-constexpr int kWindowWidth = 1280;
-constexpr int kWindowHeight = 720;
-
-}  // namespace
-
-Result<Window> openWindow() {
-  return Window::create("Lorica", kWindowWidth, kWindowHeight);
+Result<Window> openWindow(const SnapshotOptions& pictures) {
+  const CanvasSize size = pictureSizeOf(pictures.size).value_or(CanvasSize());
+  return Window::create("Lorica", size.width, size.height, pictures.background == "transparent");
 }
 
 Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, WindowOpener* opener, Host& host) {
   Shown shown{screen, {}, opener, {}};
   std::optional<SnapshotSeries> series;
   if (screen != nullptr) {
-    prepareScreen(run, *screen);
+    prepareScreen(run, *screen, pictures.background);
   } else {
     LORICA_TRY(series, SnapshotSeries::create(pictures, run.session));
   }
@@ -48,6 +45,16 @@ Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, 
     LORICA_TRY(showing.drawn, series->finish());
   }
   return showing;
+}
+
+std::string nameOf(const Run& run, std::size_t avatar) {
+  const PreparedAvatar& own = run.cast.avatars[avatar];
+  const auto alike = [&](const PreparedAvatar& other) {
+    return other.character().name == own.character().name && other.setting.character != own.setting.character;
+  };
+  const std::filesystem::path folder = std::filesystem::path(own.setting.character).parent_path().filename();
+  if (folder.empty() || std::ranges::none_of(run.cast.avatars, alike)) return own.character().name;
+  return folder.string() + "/" + own.character().name;
 }
 
 std::string whoOf(const Run& run) {
@@ -77,7 +84,7 @@ void addSmoothingTo(Report& report, const Session& session, const std::string& l
 
 Result<void> finishAndPublish(Run& run, const CommonOptions& common, Report& report, nlohmann::ordered_json& json) {
   LORICA_TRY_DO(run.finish());
-  LORICA_TRY_DO(finishRecorder(run, report, json));
+  LORICA_TRY_DO(finishRecorder(run, run.setting.record, report, json));
   return publish(common, report, json, run.setting.events == "-");
 }
 

@@ -17,8 +17,8 @@ namespace lorica {
 
 /// What play, live and replay share: a run on a screen or with pictures, and the end of its report.
 
-/// Opens a window before there is a session.
-[[nodiscard]] Result<Window> openWindow();
+/// Opens a window before there is a session. @param pictures  its size and background
+[[nodiscard]] Result<Window> openWindow(const SnapshotOptions& pictures);
 
 /// How a run was shown.
 struct Showing {
@@ -31,6 +31,17 @@ struct Showing {
 /// @param screen  null = none @param opener  null = nothing else can be opened
 [[nodiscard]] Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, WindowOpener* opener,
                                    Host& host);
+
+/// Why nothing else can be opened.
+inline constexpr const char* kWrittenOnce = "what is written or sent is one session: nothing else can be opened";
+
+/// Continues on a screen with what the user opened there, as `lorica play --window` does, until it is closed. Its
+/// report is that of what was played last.
+[[nodiscard]] Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen, WindowOpener& opener,
+                                      Cast opened);
+
+/// The name of an avatar's character, with its folder if another file has the same name: "armed/hero".
+[[nodiscard]] std::string nameOf(const Run& run, std::size_t avatar);
 
 /// "hero", or "3 avatars".
 [[nodiscard]] std::string whoOf(const Run& run);

@@ -6,6 +6,7 @@
 #include "geometry/files.h"
 #include "geometry/text.h"
 #include "player/follow_camera.h"
+#include "player/picture_options.h"
 #include "player/playback.h"
 #include "player/snapshots.h"
 #include "viewer/pictures/image_files.h"
@@ -14,7 +15,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -26,8 +26,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSmallest = 16;  // side of a picture [pixels]
-constexpr int kLargest = 4096;
 constexpr double kSameTime = 1e-6;  // [s]
 
 struct Options {
@@ -40,37 +38,14 @@ struct Options {
   double from = 0.0;        // of the video [s]
   double to = 0.0;          // 0 = the end
   std::string size = "1280x720";
+  std::string background;
   std::vector<std::string> show;
   bool strip = false;
 };
 
-struct Size {
-  int width = 0, height = 0;
-};
-
-std::optional<Size> sizeOf(std::string_view text) {
-  Size size;
-  const char* end = text.data() + text.size();
-  const auto [cross, first] = std::from_chars(text.data(), end, size.width);
-  if (first != std::errc() || cross == end || *cross != 'x') return std::nullopt;
-  const auto [stopped, second] = std::from_chars(cross + 1, end, size.height);
-  if (second != std::errc() || stopped != end) return std::nullopt;
-  for (const int side : {size.width, size.height}) {
-    if (side < kSmallest || side > kLargest) return std::nullopt;
-  }
-  return size;
-}
-
-TextCheck isSize() {
-  return [](std::string& text) -> std::string {
-    if (sizeOf(text)) return "";
-    return fmt::format("found `{}`, expected width and height of {} to {} pixels, such as 640x360", text, kSmallest,
-                       kLargest);
-  };
-}
-
-SceneOptions shownBy(const std::vector<std::string>& words, const Character& character) {
+SceneOptions shownBy(const std::vector<std::string>& words, const std::string& background, const Character& character) {
   SceneOptions show = usualView(character);
+  (void)setBackground(background, show);
   if (words.empty()) return show;
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   show.colorSkinByPart = has("parts");
@@ -127,13 +102,23 @@ struct Outcome {
   std::uint64_t hash = 0;
 };
 
+/// Names of so many pictures.
+std::vector<fs::path> filesOf(const Options& options, const std::string& motion, std::size_t count) {
+  const fs::path out = options.out.empty() ? fs::path(motion + ".png") : fs::path(options.out);
+  if (options.strip || count < 2) return std::vector<fs::path>(std::min<std::size_t>(count, 1), out);
+  std::vector<fs::path> files(count, out);
+  for (std::size_t i = 0; i < count; ++i)
+    files[i].replace_filename(fmt::format("{}_{}.png", out.stem().string(), i + 1));
+  return files;
+}
+
 /// Runs the session as far as needed and draws the requested pictures.
 Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera, Cast cast,
                       Host& host) {
   const Motion& motion = *cast.avatars.front().motion;  // leads
   const double length = motion.seconds();
   const std::string motionName = motion.name;
-  const Size size = *sizeOf(options.size);
+  const CanvasSize size = *pictureSizeOf(options.size);
   LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   Outcome outcome;
   std::optional<VideoWriter> movie;
@@ -155,9 +140,9 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const Session& session = run->session;
 
   SessionScene scene(session);
-  SceneOptions show = shownBy(options.show, session.character());
-  const bool caption =
-      options.show.empty() || std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
+  SceneOptions show = shownBy(options.show, options.background, session.character());
+  const bool caption = (options.show.empty() && options.background.empty()) ||
+                       std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
   std::vector<bool> taken(wanted.size(), false);
   std::vector<Image> images;
   std::vector<std::string> labels;
@@ -169,26 +154,22 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     const int frame = session.frameCount() - 1;
     const double seconds = run->seconds();
     scene.follow(session);
-    camera.update(session, seconds - previous);
+    if (movie) camera.update(session, seconds - previous);
     previous = seconds;
-    std::optional<Image> image;
-    const auto draw = [&]() -> const Image& {
-      if (!image) {
-        if (caption) show.caption = captionOf(run->name() + run->hits.caption(), session, seconds);
-        image = pictures.draw(scene.of(session, show, camera.camera().eye), show, camera.camera());
-      }
-      return *image;
+    const auto draw = [&](const Camera& from) {
+      if (caption) show.caption = captionOf(run->name() + run->hits.caption(), session, seconds);
+      return pictures.draw(scene.of(session, show, from.eye), show, from);
     };
     for (std::size_t i = 0; i < wanted.size(); ++i) {
       const Wanted& one = wanted[i];
       const bool last = frame + 1 == setting.frames;
       if (taken[i] || !(one.frame >= 0 ? frame == one.frame : last || seconds >= one.seconds - kSameTime)) continue;
       taken[i] = true;
-      images.push_back(draw());
+      images.push_back(draw(camera.still(session)));
       labels.push_back(fmt::format("{:.2f} s", seconds));
     }
     if (movie && seconds >= options.from - kSameTime && seconds <= end + kSameTime) {
-      LORICA_TRY_DO(movie->add(draw()));
+      LORICA_TRY_DO(movie->add(draw(camera.camera())));
       ++outcome.videoFrames;
     }
     const bool allTaken = std::find(taken.begin(), taken.end(), false) == taken.end();
@@ -206,17 +187,12 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   outcome.firstGuess = run->cast.avatars.front().motion->firstGuess;
   outcome.motion = motionName;
   outcome.character = session.character().name;
-  const fs::path out = options.out.empty() ? fs::path(motionName + ".png") : fs::path(options.out);
   if (options.strip && images.size() > 1) {
     const Image sheet = contactSheet(images, labels, countOf(images));
     images.assign(1, sheet);
   }
-  for (std::size_t i = 0; i < images.size(); ++i) {
-    fs::path file = out;
-    if (images.size() > 1) file.replace_filename(fmt::format("{}_{}.png", out.stem().string(), i + 1));
-    LORICA_TRY_DO(writePng(file, images[i]));
-    outcome.files.push_back(file);
-  }
+  outcome.files = filesOf(options, motionName, images.size());
+  for (std::size_t i = 0; i < images.size(); ++i) LORICA_TRY_DO(writePng(outcome.files[i], images[i]));
   if (movie) LORICA_TRY_DO(movie->finish());
   return outcome;
 }
@@ -226,15 +202,12 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   others.insert(others.end(), {options.out, options.video});
   LORICA_TRY_DO(checkJsonOutput(common, others));
   if (!options.out.empty()) {
-    LORICA_TRY_DO(checkOutput("--out", options.out, ".png"));
+    CommonOptions name = common;  // several pictures get a number
+    name.force = true;
+    LORICA_TRY_DO(checkOutput(name, "--out", options.out, ".png"));
   }
   if (!options.video.empty()) {
-    LORICA_TRY_DO(checkVideo("--video", options.video));
-    const Size size = *sizeOf(options.size);
-    const bool mp4 = fs::path(options.video).extension() == ".mp4";
-    if (mp4 && (size.width % 2 != 0 || size.height % 2 != 0)) {
-      return invalidArgument("--size {}: width and height of an .mp4 video must be even", options.size);
-    }
+    LORICA_TRY_DO(checkVideo(common, "--video", options.video, options.size, options.background));
   }
   if (options.to > 0.0 && options.to < options.from) {
     return invalidArgument("--to {} is before --from {}", options.to, options.from);
@@ -248,7 +221,10 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   request.reading.drawn = true;
   LORICA_TRY(Cast cast, prepareCast(request, host));
   LORICA_TRY(const std::vector<Wanted> wanted, wantedPictures(options, *cast.avatars.front().motion));
-  const Size size = *sizeOf(options.size);
+  for (const fs::path& file : filesOf(options, cast.avatars.front().motion->name, wanted.size())) {
+    LORICA_TRY_DO(checkOutput(common, "--out", file));
+  }
+  const CanvasSize size = *pictureSizeOf(options.size);
   LORICA_TRY(const FollowCamera camera, FollowCamera::create(options.camera, size.width, size.height));
   LORICA_TRY(const Outcome outcome, shoot(options, wanted, camera, std::move(cast), host));
 
@@ -303,9 +279,8 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
       app->addOption("--video", options->video, "Write a real-time video of all frames, as .mp4")->typeName("FILE");
   addSeconds(*app, "--from", options->from, "Start of the video")->needs(video);
   addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
-  app->addOption("--size", options->size, "Width and height in pixels [default: 1280x720]")
-      ->typeName("WxH")
-      ->check(isSize());
+  addSizeOption(*app, options->size);
+  addBackgroundOption(*app, options->background);
   app->addOption(
          "--show", options->show,
          "Draw only these: skin (as the character's maker drew it), parts (its body coloured by part), hulls, bones, "

@@ -1,6 +1,5 @@
 #include "apps/file_summary.h"
 #include "apps/report_parts.h"
-#include "apps/summary_look.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "geometry/text.h"
 #include "prepare/cast.h"
@@ -218,6 +217,20 @@ void addBody(const Subject& subject, FileSummary& summary) {
   json["notes"] = body.notes;
 }
 
+/// What the character does, in one line.
+std::string verdictOf(const Subject& subject) {
+  const CharacterFile& file = *subject.file;
+  const std::size_t clips = file.clips.size();
+  std::vector<std::string> does;
+  does.push_back(canPerform(*subject.character) ? "walks to all motions"
+                 : clips == 0                   ? "stands, since it is no humanoid and has no clips"
+                                                : "performs its own " + counted(std::ssize(file.clips), "clip"));
+  if (!file.expressions.list.empty()) does.push_back(counted(std::ssize(file.expressions.list), "expression"));
+  if (!file.springs.chains.empty()) does.emplace_back("hair or clothes swing");
+  if (subject.body->made) does.emplace_back("its hulls are those of a body that was made, since its surface is open");
+  return fmt::format("works: {}", fmt::join(does, ", "));
+}
+
 }  // namespace
 
 FileSummary describeCharacter(const Subject& subject, int textureSize) {
@@ -244,6 +257,8 @@ FileSummary describeCharacter(const Subject& subject, int textureSize) {
   json["vertices"] = mesh.vertices.size();
   json["triangles"] = mesh.triangles.size();
   json["height"] = character.height;
+  json["verdict"] = verdictOf(subject);
+  summary.report.line("verdict", json["verdict"].get<std::string>());
   addFile(file, summary);
   summary.report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(mesh.vertices)),
                                           grouped(std::ssize(mesh.triangles))));

@@ -1,4 +1,4 @@
-#include "apps/summary_look.h"
+#include "apps/file_summary.h"
 #include "geometry/text.h"
 
 #include "skinning/look/picture.h"

@@ -36,6 +36,7 @@ void addSetting(const BakeItem& item, const std::string& name, std::vector<std::
 
 void addCommon(const ItemRunSettings& settings, std::vector<std::string>& arguments) {
   arguments.insert(arguments.end(), {"--threads", std::to_string(settings.threads)});
+  arguments.emplace_back("--force");  // of what an earlier try left behind
   if (settings.trustPaths) arguments.emplace_back("--trust-paths");
 }
 

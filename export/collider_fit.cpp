@@ -1,12 +1,11 @@
 #include "export/collider_fit.h"
 
 #include "geometry/counts.h"
+#include "geometry/errors.h"
+#include "geometry/parallel_progress.h"
 #include "geometry/random_numbers.h"
 #include "geometry/triangle_tree.h"
 #include "skinning/linear_blend.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -216,8 +215,9 @@ void prepare(std::span<const RigidCollider> colliders, std::vector<Shape>& shape
 
 }  // namespace
 
-ColliderFits measureFit(const Character& character, std::span<const RigidCollider> colliders, BonePoseView poses,
-                        int threads) {
+Result<ColliderFits> measureFit(const Character& character, std::span<const RigidCollider> colliders,
+                                BonePoseView poses, int threads,
+                                const std::function<bool(int done, int poses)>& progress) {
   const std::span<const Triangle> triangles =
       character.shown.empty() ? std::span(character.mesh.triangles) : std::span(character.shown);
   const std::size_t count = character.mesh.vertices.size();
@@ -236,18 +236,17 @@ ColliderFits measureFit(const Character& character, std::span<const RigidCollide
 
   const std::size_t poseCount = poses.poseCount();
   std::vector<OnePose> hullPoses(poseCount), roundPoses(poseCount);
-  tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic).execute([&] {
-    tbb::parallel_for(std::size_t{0}, poseCount, [&](std::size_t k) {
-      const std::span<const Affine3> worldFromModel = poses.pose(k);
-      PosedSkin skin{std::vector<Vec3>(count), triangles, {}};
-      skinLinearBlend(character, worldFromModel, skin.vertices);
-      for (const Affine3& transform : worldFromModel) skin.modelFromWorld.push_back(transform.inverse());
-      const TriangleTree tree(skin.vertices, triangles);
-      const std::span<const bool> isShown(isSkin.get(), count);
-      hullPoses[k] = measurePose(colliders, hulls, ofHulls, isShown, skin, tree, worldFromModel);
-      roundPoses[k] = measurePose(colliders, rounds, ofRounds, isShown, skin, tree, worldFromModel);
-    });
+  const bool finished = inParallel(poseCount, threads, progress, [&](std::size_t k) {
+    const std::span<const Affine3> worldFromModel = poses.pose(k);
+    PosedSkin skin{std::vector<Vec3>(count), triangles, {}};
+    skinLinearBlend(character, worldFromModel, skin.vertices);
+    for (const Affine3& transform : worldFromModel) skin.modelFromWorld.push_back(transform.inverse());
+    const TriangleTree tree(skin.vertices, triangles);
+    const std::span<const bool> isShown(isSkin.get(), count);
+    hullPoses[k] = measurePose(colliders, hulls, ofHulls, isShown, skin, tree, worldFromModel);
+    roundPoses[k] = measurePose(colliders, rounds, ofRounds, isShown, skin, tree, worldFromModel);
   });
+  if (!finished) return cancelled();
   const std::size_t shown = std::count(isSkin.get(), isSkin.get() + count, true);
   ColliderFits fits{sumOf(hullPoses, shown), sumOf(roundPoses, shown)};
   for (const RigidCollider& collider : colliders) {

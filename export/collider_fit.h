@@ -4,6 +4,7 @@
 #include "export/rigid_colliders.h"
 #include "skinning/character.h"
 
+#include <functional>
 #include <span>
 
 namespace lorica {
@@ -24,8 +25,11 @@ struct ColliderFits {
 
 /// Measures hulls and the capsules around the same surface. Distances to the skin are exact at the skin's vertices and
 /// at 64 points of each collider, spread evenly by area. Bones should keep their size.
-/// @param poses  worldFromModel, at least one
-[[nodiscard]] ColliderFits measureFit(const Character& character, std::span<const RigidCollider> colliders,
-                                      BonePoseView poses, int threads);
+/// @param poses     worldFromModel, at least one
+/// @param progress  false = stop
+/// @return the figures, or that it was stopped
+[[nodiscard]] Result<ColliderFits> measureFit(const Character& character, std::span<const RigidCollider> colliders,
+                                              BonePoseView poses, int threads,
+                                              const std::function<bool(int done, int poses)>& progress = {});
 
 }  // namespace lorica

@@ -15,6 +15,9 @@ struct Engine {
   std::string_view postfix = "";  ///< the same, at the end
 };
 
+/// Of the hulls for an engine that is not named or takes any.
+inline constexpr int kUsualVertices = 64;
+
 /// All engines, in the order of the documentation.
 [[nodiscard]] std::span<const Engine> engines();
 /// None if no engine has this name.

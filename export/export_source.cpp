@@ -1,7 +1,6 @@
 #include "export/export_source.h"
 
 #include "acd/held_vertices.h"
-#include "acd/hull_budget.h"
 #include "collision/live/attached_vertices.h"
 #include "collision/live/live_body.h"
 #include "geometry/counts.h"
@@ -26,16 +25,25 @@ std::string sourceNextTo(const fs::path& lorica, const std::string& source) {
   return isBareName(source) ? source : (lorica.parent_path() / fs::path(source).filename()).string();
 }
 
-Result<DecompositionFile> decomposeMesh(const Subject& subject, int parts, Host& host) {
+Result<DecompositionFile> decomposeMesh(const Subject& subject, const ExportSourceOptions& options, Host& host) {
   Task task(host, "Decomposing " + subject.name, "parts");
   DecomposeSettings settings;
-  settings.maxParts = parts > 0 ? parts : kExportParts;
+  settings.maxParts = options.parts > 0 ? options.parts : kExportParts;
+  if (options.preset) settings.preset = *options.preset;
   settings.threads = host.threads;
   settings.progress = task.progress();
   Result<CachedDecomposition> made = meshDecomposition(subject.name, subject.mesh, settings, userCache(host));
   if (host.cancelled()) return cancelled();
   if (!made) return made.error();
   return std::move(made->file);
+}
+
+/// Hulls of at most so many vertices.
+Result<HullExport> limited(std::span<const ConvexHull> hulls, int maxVertices, Host& host) {
+  Task task(host, "Making hulls", "hulls");
+  HullExport made = exportHulls(hulls, maxVertices, host.threads, task.progress());
+  if (host.cancelled()) return cancelled();
+  return made;
 }
 
 }  // namespace
@@ -56,11 +64,12 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& 
     }
   }
   LORICA_TRY(Subject subject, readSubject(input, options.reading, host));
-  if (subject.character && options.parts > 0) {
+  if (subject.character && (options.parts > 0 || options.preset)) {
+    const char* given = options.parts > 0 ? "--parts" : "--preset";
     return invalidArgument(
-        "--parts is for meshes, but {} is a character: expected `lorica decompose {} --parts {} -o FILE.lorica`, then "
+        "{} is for meshes, but {} is a character: expected `lorica decompose {} {} ... -o FILE.lorica`, then "
         "--decomposition FILE.lorica",
-        subject.name, input, options.parts);
+        given, subject.name, input, given);
   }
   ExportSource source{input, std::move(subject), {}};
   if (!decomposition.empty()) {
@@ -72,7 +81,7 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& 
     LORICA_TRY(CachedDecomposition made, defaultDecomposition(source.subject, host));
     source.content = std::move(made.file);
   } else {
-    LORICA_TRY(source.content, decomposeMesh(source.subject, options.parts, host));
+    LORICA_TRY(source.content, decomposeMesh(source.subject, options, host));
   }
   return source;
 }
@@ -83,8 +92,8 @@ Result<HullExport> restHulls(const ExportSource& source, int maxVertices, Host& 
   const std::vector<std::vector<PointIndex>> attached =
       subject.character ? attachedVerticesOf(decomposition, liftPoints(*subject.character, decomposition))
                         : assignHeldVertices(decomposition, subject.mesh.vertices, subject.held);
-  HullExport hulls =
-      exportHulls(withHeldVertices(decomposition, attached), subject.mesh.vertices, maxVertices, host.threads);
+  LORICA_TRY(HullExport hulls,
+             limited(hullsIn(withHeldVertices(decomposition, attached), subject.mesh.vertices), maxVertices, host));
   LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(hulls, subject.mesh.vertices, verticesToHold(subject))));
   return hulls;
 }
@@ -105,22 +114,9 @@ Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion
   LORICA_TRY(LiveBody body, LiveBody::create(source.content.decomposition, character, source.content.cover));
   body.update(bones);
 
-  HullExport hulls;
-  double before = 0.0;
-  double after = 0.0;
-  for (const LivePart& part : body.parts()) {
-    const ConvexHull hull = worldHull(part);
-    BudgetedHull exported{{hull.vertices, hull.triangles}, hull.volume, 1.0};
-    if (maxVertices > 0) exported = simplifyHull(hull, maxVertices);
-    before += hull.volume;
-    after += exported.volume;
-    hulls.growth.push_back(exported.growth);
-    hulls.maxVerticesBefore = std::max(hulls.maxVerticesBefore, hull.vertices.size());
-    hulls.maxVertices = std::max(hulls.maxVertices, exported.mesh.vertices.size());
-    hulls.objects.push_back({fmt::format("part_{}", hulls.objects.size()), std::move(exported.mesh)});
-  }
-  if (before > 0.0) hulls.totalGrowth = after / before;
-  return hulls;
+  std::vector<ConvexHull> hulls;
+  for (const LivePart& part : body.parts()) hulls.push_back(worldHull(part));
+  return limited(hulls, maxVertices, host);
 }
 
 Result<CoverPoses> exportPoses(const Subject& subject, Host& host) {

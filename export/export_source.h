@@ -1,5 +1,6 @@
 #pragma once
 
+#include "acd/decompose.h"
 #include "acd/decomposition_file.h"
 #include "export/rigid_colliders.h"
 #include "prepare/cover_poses.h"
@@ -23,7 +24,8 @@ struct ExportSourceOptions {
   std::string input;          ///< mesh, character, `mannequin`, or a .lorica file next to what it was made from
   std::string decomposition;  ///< .lorica file; empty = decompose
   int parts = 0;              ///< of a mesh; 0 = kExportParts
-  bool divided = true;        ///< false: a character without `decomposition` is not decomposed, and has no parts
+  std::optional<DecomposePreset> preset = {};  ///< of a mesh; none = the usual one
+  bool divided = true;  ///< false: a character without `decomposition` is not decomposed, and has no parts
   CharacterOptions reading;
 };
 

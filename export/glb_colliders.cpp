@@ -40,12 +40,14 @@ int addHullMesh(GltfWriter& writer, const TriMesh& hull, const std::string& name
   return writer.add("meshes", std::move(mesh));
 }
 
-int addGlass(GltfWriter& writer) {
+/// What is not drawn has a material whose every point is cut out, since programs import nodes that are switched off
+/// without what makes them colliders.
+int addGlass(GltfWriter& writer, bool shown) {
   Json material;
-  material["name"] = "collider";
-  material["pbrMetallicRoughness"]["baseColorFactor"] = Json::array({0.2, 0.6, 1.0, 0.3});
+  material["name"] = "lorica_collider";
+  material["pbrMetallicRoughness"]["baseColorFactor"] = Json::array({0.2, 0.6, 1.0, shown ? 0.3 : 0.0});
   material["pbrMetallicRoughness"]["metallicFactor"] = 0.0;
-  material["alphaMode"] = "BLEND";
+  material["alphaMode"] = shown ? "BLEND" : "MASK";
   return writer.add("materials", std::move(material));
 }
 
@@ -95,7 +97,7 @@ void hang(Json& document, int node, int parent) {
 void addColliders(CharacterDocument& document, std::span<const RigidCollider> colliders,
                   std::span<const std::string> names, const GlbColliderSettings& settings) {
   GltfWriter& writer = document.writer;
-  const int material = addGlass(writer);
+  const int material = addGlass(writer, settings.shown);
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const JointIndex joint = colliders[i].joint;
     TriMesh hull = colliders[i].hull;
@@ -116,7 +118,7 @@ Result<void> writeGlbHulls(const std::filesystem::path& file, const std::vector<
   writer.document["asset"]["version"] = "2.0";
   writer.document["asset"]["generator"] = "Lorica";
   writer.document["scene"] = 0;
-  const int material = addGlass(writer);
+  const int material = addGlass(writer, true);
   for (const NamedMesh& hull : hulls) {
     hang(writer.document, addHullNode(writer, hull.mesh, hull.name, material, "static", settings), -1);
   }

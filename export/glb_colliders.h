@@ -14,13 +14,14 @@ namespace lorica {
 struct GlbColliderSettings {
   std::string prefix, postfix;  ///< of the nodes' names, see Engine
   bool khr = false;             ///< also KHR_physics_rigid_bodies, as drafted on kKhrDraft
+  bool shown = true;            ///< the hulls are drawn translucent; false: nothing of them is drawn
 };
 
 /// The draft of KHR_physics_rigid_bodies that is written: colliders refer to meshes directly.
 inline constexpr const char* kKhrDraft = "2026-06-12";
 
 /// Adds each hull as a mesh on a node of its own below its bone: OMI_physics_body (kinematic, as bones are moved) with
-/// a convex OMI_physics_shape. The hulls are translucent. Nothing else of the document changes.
+/// a convex OMI_physics_shape. Nothing else of the document changes.
 /// @param names  of the hulls, as many
 void addColliders(CharacterDocument& document, std::span<const RigidCollider> colliders,
                   std::span<const std::string> names, const GlbColliderSettings& settings);

@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "geometry/little_endian.h"
+#include "geometry/mesh_formats.h"
 
 #include <fmt/format.h>
 
@@ -12,6 +13,7 @@ namespace lorica {
 namespace {
 
 std::string stlOf(const std::vector<NamedMesh>& meshes) {
+  const int digits = digitsFor(meshes);
   std::string text;
   for (const NamedMesh& each : meshes) {
     text += fmt::format("solid {}\n", each.name);
@@ -20,8 +22,8 @@ std::string stlOf(const std::vector<NamedMesh>& meshes) {
       const Vec3& b = each.mesh.vertices[t[1]];
       const Vec3& c = each.mesh.vertices[t[2]];
       const Vec3 normal = (b - a).cross(c - a).normalized();
-      text += fmt::format("facet normal {} {} {}\nouter loop\n", normal.x(), normal.y(), normal.z());
-      for (const Vec3& p : {a, b, c}) text += fmt::format("vertex {} {} {}\n", p.x(), p.y(), p.z());
+      text += "facet normal " + written(normal, digits) + "\nouter loop\n";
+      for (const Vec3& p : {a, b, c}) text += "vertex " + written(p, digits) + "\n";
       text += "endloop\nendfacet\n";
     }
     text += fmt::format("endsolid {}\n", each.name);
@@ -30,6 +32,7 @@ std::string stlOf(const std::vector<NamedMesh>& meshes) {
 }
 
 std::string plyOf(const std::vector<NamedMesh>& meshes) {
+  const int digits = digitsFor(meshes);
   std::size_t vertices = 0;
   std::size_t faces = 0;
   std::string text = "ply\nformat ascii 1.0\ncomment Lorica\n";
@@ -43,7 +46,7 @@ std::string plyOf(const std::vector<NamedMesh>& meshes) {
       "element face {}\nproperty list uchar int vertex_indices\nproperty int part\nend_header\n",
       vertices, faces);
   for (const NamedMesh& each : meshes) {
-    for (const Vec3& p : each.mesh.vertices) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+    for (const Vec3& p : each.mesh.vertices) text += written(p, digits) + "\n";
   }
   std::size_t first = 0;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
@@ -71,7 +74,7 @@ std::string formatMeshes(const std::vector<NamedMesh>& meshes, const std::string
 Result<void> writeMeshes(const std::filesystem::path& file, const std::vector<NamedMesh>& meshes) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c;
-  if (extension == ".obj") return writeObjObjects(file, meshes);
+  if (extension == ".obj") return writeObjObjects(file, meshes, digitsFor(meshes));
   return writeFileAtomically(file, formatMeshes(meshes, extension));
 }
 

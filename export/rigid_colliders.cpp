@@ -4,9 +4,7 @@
 #include "collision/live/attached_vertices.h"
 #include "collision/live/lifted_point.h"
 #include "geometry/errors.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include "geometry/parallel_progress.h"
 
 #include <algorithm>
 #include <cmath>
@@ -189,20 +187,19 @@ Result<std::vector<RigidCollider>> makeRigidColliders(const Character& character
       settings.perBone ? groupsOfBody(character, lifted, bind) : groupsOfParts(character, decomposition, lifted, bind);
 
   std::vector<RigidCollider> colliders(groups.size());
-  tbb::task_arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic).execute([&] {
-    tbb::parallel_for(std::size_t{0}, groups.size(), [&](std::size_t i) {
-      std::vector<Vec3> points = carriedPoints(groups[i], lifted, poses, modelFromWorld, bind);
-      const ConvexHull hull = solidHull(points, 0.5 * kThickness * character.height);
-      RigidCollider& collider = colliders[i];
-      collider.joint = groups[i].joint;
-      collider.part = groups[i].part;
-      collider.capsule = capsuleAround(hull.vertices);
-      BudgetedHull budgeted{{hull.vertices, hull.triangles}, hull.volume, 1.0};
-      if (settings.maxVertices > 0) budgeted = simplifyHull(hull, settings.maxVertices);
-      collider.hull = std::move(budgeted.mesh);
-      collider.volume = budgeted.volume;
-    });
+  const bool finished = inParallel(groups.size(), settings.threads, settings.progress, [&](std::size_t i) {
+    std::vector<Vec3> points = carriedPoints(groups[i], lifted, poses, modelFromWorld, bind);
+    const ConvexHull hull = solidHull(points, 0.5 * kThickness * character.height);
+    RigidCollider& collider = colliders[i];
+    collider.joint = groups[i].joint;
+    collider.part = groups[i].part;
+    collider.capsule = capsuleAround(hull.vertices);
+    BudgetedHull budgeted{{hull.vertices, hull.triangles}, hull.volume, 1.0};
+    if (settings.maxVertices > 0) budgeted = simplifyHull(hull, settings.maxVertices);
+    collider.hull = std::move(budgeted.mesh);
+    collider.volume = budgeted.volume;
   });
+  if (!finished) return cancelled();
   return colliders;
 }
 

@@ -7,6 +7,7 @@
 #include "geometry/convex_hull.h"
 #include "skinning/character.h"
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,6 +32,7 @@ struct RigidColliderSettings {
   int maxVertices = 0;   ///< of a hull, at least 4; 0 = no limit
   bool perBone = false;  ///< one hull for each bone: the skin is cut along weights, and the parts are not used
   int threads = 0;       ///< 0 = all of the machine's; the result does not depend on it
+  std::function<bool(int done, int hulls)> progress = {};  ///< false = stop
 };
 
 /// Colliders for engines whose colliders are rigid on one bone, where a live hull bends.
@@ -42,7 +44,9 @@ struct RigidColliderSettings {
 /// nearest bone above them that has one, else to the part's strongest bone.
 /// @param decomposition  made from the character's mesh
 /// @param poses          at least one, see coverPoses()
-/// @return by part, then by joint; or an error if a pose cannot be undone because a bone is scaled to nothing
+/// @return by part, then by joint; or an error if a pose cannot be undone because a bone is scaled to nothing, or that
+/// it
+///         was stopped
 [[nodiscard]] Result<std::vector<RigidCollider>> makeRigidColliders(const Character& character,
                                                                     const Decomposition& decomposition,
                                                                     BonePoseView poses,

@@ -3,6 +3,7 @@
 #include "export/mesh_export.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/mesh_formats.h"
 
 #include <fmt/format.h>
 
@@ -20,7 +21,7 @@ constexpr double kLeastDamping = 0.1;   // [N m s / rad]
 constexpr double kArmature = 0.01;      // [kg m^2]
 
 std::string three(const Vec3& v) {
-  return fmt::format("{} {} {}", v.x(), v.y(), v.z());
+  return written(v, 9);
 }
 
 /// The body's inertia along the axes of robotics.
@@ -89,13 +90,14 @@ class Mjcf {
       const double damping = kLeastDamping + kDampingPerKg * massBelow(model_, index);
       for (const RigidHinge& hinge : body.hinges) {
         text_ += fmt::format(
-            "{}  <joint name=\"{}\" axis=\"{}\" range=\"{} {}\" damping=\"{:.6g}\" armature=\"{}\"/>\n", indent,
+            "{}  <joint name=\"{}\" axis=\"{}\" range=\"{:.9g} {:.9g}\" damping=\"{:.6g}\" armature=\"{}\"/>\n", indent,
             hinge.name, three(zUp(hinge.axis)), degrees(hinge.min), degrees(hinge.max), damping, kArmature);
       }
       const Mat3 inertia = inertiaOf(body);
-      text_ += fmt::format("{}  <inertial pos=\"{}\" mass=\"{}\" fullinertia=\"{} {} {} {} {} {}\"/>\n", indent,
-                           three(zUp(body.center)), body.mass, inertia(0, 0), inertia(1, 1), inertia(2, 2),
-                           inertia(0, 1), inertia(0, 2), inertia(1, 2));
+      text_ += fmt::format(
+          "{}  <inertial pos=\"{}\" mass=\"{:.9g}\" fullinertia=\"{:.9g} {:.9g} {:.9g} {:.9g} {:.9g} {:.9g}\"/>\n",
+          indent, three(zUp(body.center)), body.mass, inertia(0, 0), inertia(1, 1), inertia(2, 2), inertia(0, 1),
+          inertia(0, 2), inertia(1, 2));
     }
     for (const NamedMesh& hull : body.hulls) {
       text_ += fmt::format("{}  <geom name=\"{}\" type=\"mesh\" mesh=\"{}\"/>\n", indent, hull.name, hull.name);
@@ -119,8 +121,9 @@ constexpr const char* kLinkBetween =
 void addUrdfLink(std::string& text, const RigidBody& body, const std::string& folder) {
   const Mat3 inertia = inertiaOf(body);
   text += fmt::format(
-      "  <link name=\"{}\">\n    <inertial>\n      <origin xyz=\"{}\"/>\n      <mass value=\"{}\"/>\n"
-      "      <inertia ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"/>\n    </inertial>\n",
+      "  <link name=\"{}\">\n    <inertial>\n      <origin xyz=\"{}\"/>\n      <mass value=\"{:.9g}\"/>\n"
+      "      <inertia ixx=\"{:.9g}\" ixy=\"{:.9g}\" ixz=\"{:.9g}\" iyy=\"{:.9g}\" iyz=\"{:.9g}\" izz=\"{:.9g}\"/>\n    "
+      "</inertial>\n",
       body.name, three(zUp(body.center)), body.mass, inertia(0, 0), inertia(0, 1), inertia(0, 2), inertia(1, 1),
       inertia(1, 2), inertia(2, 2));
   for (const char* use : {"visual", "collision"}) {
@@ -155,7 +158,7 @@ void addUrdfJoints(std::string& text, const RigidModel& model, std::size_t index
     text += fmt::format(
         "  <joint name=\"{}\" type=\"revolute\">\n    <parent link=\"{}\"/>\n    <child link=\"{}\"/>\n"
         "    <origin xyz=\"{}\"/>\n    <axis xyz=\"{}\"/>\n"
-        "    <limit lower=\"{}\" upper=\"{}\" effort=\"1000\" velocity=\"100\"/>\n"
+        "    <limit lower=\"{:.9g}\" upper=\"{:.9g}\" effort=\"1000\" velocity=\"100\"/>\n"
         "    <dynamics damping=\"{:.6g}\"/>\n  </joint>\n",
         hinge.name, from, to, three(h == 0 ? offset : Vec3(Vec3::Zero())), three(zUp(hinge.axis)), hinge.min, hinge.max,
         damping);
@@ -201,20 +204,15 @@ Result<void> writeUrdf(const fs::path& file, const RigidModel& model) {
   const fs::path path = urdfFolder(file);
   const std::string folder = path.filename().string();
   std::error_code failed;
-  if (fs::exists(path, failed)) {
-    return unwritable("{}: exists already, expected a new folder for the meshes of {}", path.string(),
-                      file.filename().string());
-  }
-  if (!fs::create_directory(path, failed)) {
-    return unwritable("{}: cannot make this folder: {}", path.string(), failed.message());
-  }
+  const bool made = fs::create_directory(path, failed);
+  if (failed) return unwritable("{}: cannot make this folder: {}", path.string(), failed.message());
   Result<void> written;
   for (const UrdfMesh& mesh : urdfMeshes(model, folder)) {
     written = writeFileAtomically(file.parent_path() / mesh.name, mesh.content);
     if (!written) break;
   }
   if (written) written = writeFileAtomically(file, formatUrdf(model, folder));
-  if (!written) fs::remove_all(path, failed);
+  if (!written && made) fs::remove_all(path, failed);
   return written;
 }
 

@@ -34,8 +34,8 @@ struct UrdfMesh {
 /// The folder of the meshes of FILE.urdf: FILE_meshes, in plain letters.
 [[nodiscard]] std::filesystem::path urdfFolder(const std::filesystem::path& file);
 
-/// Writes FILE.urdf, and its meshes in FILE_meshes/. If anything cannot be written, what this call made is removed.
-/// @return or that the folder of meshes exists already
+/// Writes FILE.urdf, and its meshes in FILE_meshes/. If anything cannot be written, a folder that this call made is
+/// removed.
 [[nodiscard]] Result<void> writeUrdf(const std::filesystem::path& file, const RigidModel& model);
 
 }  // namespace lorica

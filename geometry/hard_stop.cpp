@@ -1,5 +1,6 @@
 #include "geometry/hard_stop.h"
 
+#include <unistd.h>
 #include <algorithm>
 #include <mutex>
 #include <utility>
@@ -12,6 +13,7 @@ struct Tasks {
   std::mutex mutex;
   std::vector<std::pair<std::uint64_t, std::function<void()>>> list;
   std::uint64_t next = 0;
+  bool ending = false;  // the list stays as it is from here on
 };
 
 /// Never destroyed: a task may be added or removed while the program ends.
@@ -20,24 +22,42 @@ Tasks& tasks() {
   return *all;
 }
 
+[[noreturn]] void waitForTheEnd() {
+  for (;;) pause();
+}
+
 }  // namespace
 
 AtHardStop::AtHardStop(std::function<void()> task) {
   Tasks& all = tasks();
-  const std::lock_guard<std::mutex> lock(all.mutex);
-  number_ = all.next++;
-  all.list.emplace_back(number_, std::move(task));
+  {
+    const std::lock_guard<std::mutex> lock(all.mutex);
+    if (!all.ending) {
+      number_ = all.next++;
+      all.list.emplace_back(number_, std::move(task));
+      return;
+    }
+  }
+  task();  // of what began after the others were undone
+  waitForTheEnd();
 }
 
 AtHardStop::~AtHardStop() {
   Tasks& all = tasks();
-  const std::lock_guard<std::mutex> lock(all.mutex);
-  std::erase_if(all.list, [this](const auto& task) { return task.first == number_; });
+  {
+    const std::lock_guard<std::mutex> lock(all.mutex);
+    std::erase_if(all.list, [&](const auto& task) { return !all.ending && task.first == number_; });
+    if (!all.ending) return;
+  }
+  waitForTheEnd();
 }
 
 void runHardStop() {
   Tasks& all = tasks();
-  all.mutex.lock();  // for ever: nobody removes its own task or adds one from here on
+  {
+    const std::lock_guard<std::mutex> lock(all.mutex);
+    all.ending = true;
+  }
   for (auto task = all.list.rbegin(); task != all.list.rend(); ++task) task->second();
 }
 

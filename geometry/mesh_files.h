@@ -30,6 +30,8 @@ struct NamedMesh {
 [[nodiscard]] Result<std::vector<NamedMesh>> readObjObjects(const std::filesystem::path& file);
 
 /// Writes objects to an OBJ file, completely or not at all: see writeFileAtomically().
-[[nodiscard]] Result<void> writeObjObjects(const std::filesystem::path& file, const std::vector<NamedMesh>& objects);
+/// @param digits  see digitsFor(); 0 = as few as read back as the same numbers
+[[nodiscard]] Result<void> writeObjObjects(const std::filesystem::path& file, const std::vector<NamedMesh>& objects,
+                                           int digits = 0);
 
 }  // namespace lorica

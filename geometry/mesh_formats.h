@@ -1,9 +1,11 @@
 #pragma once
 
-/// The parsers used by readMesh(), one for each format, and shared helpers. Internal: not installed.
+/// The parsers used by readMesh(), one for each format, and what writers of files share. Internal: not installed.
 
 #include "geometry/mesh_files.h"
 
+#include <span>
+#include <string>
 #include <string_view>
 
 namespace lorica {
@@ -18,5 +20,10 @@ namespace lorica {
 inline void appendPolygon(std::span<const VertexIndex> corners, std::vector<Triangle>& triangles) {
   for (std::size_t i = 2; i < corners.size(); ++i) triangles.push_back({corners[0], corners[i - 1], corners[i]});
 }
+
+/// The digits with which positions are written for other programs: 9, and more if the objects are far from the origin.
+[[nodiscard]] int digitsFor(std::span<const NamedMesh> objects);
+/// "1 0.333333333 2". @param digits  0 = as few as read back as the same numbers
+[[nodiscard]] std::string written(const Vec3& p, int digits);
 
 }  // namespace lorica

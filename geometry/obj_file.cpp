@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 namespace lorica {
@@ -156,7 +157,26 @@ Result<std::vector<NamedMesh>> readObjObjects(const std::filesystem::path& file)
   return objects;
 }
 
-Result<void> writeObjObjects(const std::filesystem::path& file, const std::vector<NamedMesh>& objects) {
+int digitsFor(std::span<const NamedMesh> objects) {
+  constexpr int kDigits = 9, kMost = 17;  // 17 read back as the same double
+  double far = 0.0;
+  Aabb box;
+  for (const NamedMesh& object : objects) {
+    for (const Vec3& p : object.mesh.vertices) {
+      box.extend(p);
+      far = std::max(far, p.cwiseAbs().maxCoeff());
+    }
+  }
+  const double away = far / (box.max - box.min).maxCoeff();
+  return away > 1.0 ? std::min(kMost, kDigits + int(std::ceil(std::log10(std::min(away, 1e9))))) : kDigits;
+}
+
+std::string written(const Vec3& p, int digits) {
+  if (digits == 0) return fmt::format("{} {} {}", p.x(), p.y(), p.z());
+  return fmt::format("{:.{}g} {:.{}g} {:.{}g}", p.x(), digits, p.y(), digits, p.z(), digits);
+}
+
+Result<void> writeObjObjects(const std::filesystem::path& file, const std::vector<NamedMesh>& objects, int digits) {
   std::string text;
   std::size_t firstVertex = 1;
   for (const NamedMesh& object : objects) {
@@ -164,8 +184,7 @@ Result<void> writeObjObjects(const std::filesystem::path& file, const std::vecto
     std::replace_if(
         name.begin(), name.end(), [](unsigned char c) { return c < 0x20; }, ' ');
     text += fmt::format("o {}\n", name);
-    // fmt writes the fewest digits that read back as the same double.
-    for (const Vec3& p : object.mesh.vertices) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+    for (const Vec3& p : object.mesh.vertices) text += "v " + written(p, digits) + "\n";
     for (const Triangle& t : object.mesh.triangles) {
       text += fmt::format("f {} {} {}\n", t[0] + firstVertex, t[1] + firstVertex, t[2] + firstVertex);
     }

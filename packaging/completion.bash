@@ -10,7 +10,7 @@ _lorica() {
     fi
   done
   if [[ -z $command && $word != -* ]]; then
-    mapfile -t COMPREPLY < <(compgen -W "$(lorica --help 2>/dev/null | sed -n '/^Subcommands:/,/^$/s/^  \([a-z][a-z]*\) .*/\1/p')" -- "$word")
+    mapfile -t COMPREPLY < <(compgen -W "$(lorica --help 2>/dev/null | sed -n '/^See it move:/,/^Examples:/s/^  \([a-z][a-z]*\) .*/\1/p')" -- "$word")
   elif [[ $word == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$(lorica ${command:+"$command"} --help 2>/dev/null | sed -n 's/^  \(-[a-z],\)\{0,1\}\(--[a-z-]*\).*/\2/p')" -- "$word")
   else

@@ -14,6 +14,8 @@ namespace lorica {
 namespace {
 
 constexpr double kFollowSeconds = 0.3;  // in which the focus makes up for most of a step [s]
+constexpr double kRiseSeconds = 1.5;    // the same of its height: arms that go up and down do not move it [s]
+constexpr double kUpright = 0.5;        // horizontal share of a direction that faces somewhere
 
 /// The middle of the avatars' parts.
 std::optional<Vec3> middleOf(const Session& session, int avatar) {
@@ -33,23 +35,38 @@ std::optional<Vec3> middleOf(const Session& session, int avatar) {
 }  // namespace
 
 void AvatarFocus::update(const Session& session) {
-  const std::optional<Vec3> middle = middleOf(session, avatar_);
+  std::optional<Vec3> middle = middleOf(session, avatar_);
   const double seconds = session.time() - std::exchange(time_, session.time());
   if (!middle) return;
   const double share = position_ && seconds > 0.0 ? 1.0 - std::exp(-seconds / kFollowSeconds) : 1.0;
-  position_ = position_ ? Vec3(*position_ + share * (*middle - *position_)) : *middle;
+  const double rise = position_ && seconds > 0.0 ? 1.0 - std::exp(-seconds / kRiseSeconds) : 1.0;
+  if (const std::optional<Aabb> box = bounds(session)) middle->y() = box->center().y();
+  if (!position_) position_ = middle;
+  *position_ += Vec3(share, rise, share).cwiseProduct(*middle - *position_);
 }
 
-std::optional<Aabb> AvatarFocus::bounds(const Session& session) const {
+std::optional<Aabb> boundsOf(const Session& session, int avatar) {
   Aabb box;
   for (int a = 0; a < countOf(session.avatars()); ++a) {
-    if (avatar_ >= 0 && avatar_ != a) continue;
+    if (avatar >= 0 && avatar != a) continue;
     for (const LivePart& part : session.avatars()[a].partsInWorld()) {
       for (const Vec3& vertex : part.shape.vertices) box.extend(part.worldFromPart * vertex);
     }
   }
   if (box.empty()) return std::nullopt;
   return box;
+}
+
+double facingOf(const SessionAvatar& avatar, std::span<const HumanBone> bones) {
+  const Character& character = avatar.character();
+  for (const HumanBone bone : bones) {
+    const JointIndex joint = character.skeleton.jointOf(bone);
+    if (joint == kNoJoint) continue;
+    const Affine3 worldFromModel = avatar.worldFromJoint()[joint] * character.jointFromModel[joint];
+    const Vec3 to = worldFromModel.linear().col(2);  // a character in its bind pose faces +Z
+    if (std::hypot(to.x(), to.z()) > kUpright * to.norm()) return std::atan2(to.x(), to.z());
+  }
+  return 0.0;
 }
 
 int avatarAt(const Session& session, const Ray& ray) {

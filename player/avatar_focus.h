@@ -2,11 +2,22 @@
 
 #include "session/session.h"
 
+#include <algorithm>
+#include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 namespace lorica {
+
+/// Around the parts of an avatar as they are now, or of all: -1 [m]; none if none is there.
+[[nodiscard]] std::optional<Aabb> boundsOf(const Session& session, int avatar = -1);
+
+/// The azimuth to which an avatar faces, see directionAt() [rad]; 0 if that is up or down, or not known.
+/// @param bones  the first that faces somewhere tells
+inline constexpr std::array<HumanBone, 2> kFacingBones = {HumanBone::kHips, HumanBone::kChest};
+[[nodiscard]] double facingOf(const SessionAvatar& avatar, std::span<const HumanBone> bones = kFacingBones);
 
 /// The point that a following camera moves with: the middle of one avatar or of all, without its quick movements.
 class AvatarFocus {
@@ -22,7 +33,9 @@ class AvatarFocus {
   /// World [m]; none before the first frame with an avatar.
   [[nodiscard]] const std::optional<Vec3>& position() const { return position_; }
   /// Around the parts of the followed avatars, as they are now [m]; none if none is there.
-  [[nodiscard]] std::optional<Aabb> bounds(const Session& session) const;
+  [[nodiscard]] std::optional<Aabb> bounds(const Session& session) const { return boundsOf(session, avatar_); }
+  /// Where the followed avatar looks, or the first of all, see facingOf() [rad].
+  [[nodiscard]] double facing(const Session& session) const { return facingOf(session.avatar(std::max(avatar_, 0))); }
 
  private:
   int avatar_ = -1;

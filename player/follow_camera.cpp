@@ -1,6 +1,9 @@
 #include "player/follow_camera.h"
 
 #include "geometry/errors.h"
+#include "player/avatar_focus.h"
+#include "player/framing.h"
+#include "viewer/renderer/picture_area.h"
 
 #include <fmt/format.h>
 
@@ -8,43 +11,48 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
+#include <numbers>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
 
 constexpr double kFollowSeconds = 0.6;  // time constant of the camera
-constexpr double kDistance = 2.29;      // in heights of the character
-constexpr double kTargetHeight = 0.54;  // of the character's height: the middle of a standing body
-constexpr double kSpread = 0.5;         // how much farther the camera goes for avatars apart
-constexpr double kBelow = 0.12;         // of the height: what is as far below the floor is still in the picture
-constexpr double kAbove = 1.22;         // of the height: what is as high is still in the picture
-constexpr double kLow = 0.45;           // of the height: a body that is less high at first does not stand
-constexpr double kWide = 2.2;           // of the height: a wider body is not in the picture
-constexpr double kWidthShown = 0.9;     // height of a frame for a body of width 1
-constexpr double kWideEnough = 1.0;     // width / height of a picture below which the camera steps back
+constexpr double kFilled = 0.74;        // of the picture, by the body in the first one
+constexpr double kMostFilled = 0.95;    // of the picture, by a body that moves
+constexpr double kClose = 0.9;          // of the picture, by a portrait and by a body from above
+constexpr double kChin = 0.3;           // of the height of a head, which may have a hat: the lowest part
+constexpr double kFaceHeight = 1.9;     // of the width of the chin
+constexpr double kShoulders = 0.5;      // of the height of the face: what a portrait shows below it
+constexpr double kLongLens = 0.3;       // angle of view where near things would look too large [rad]
+constexpr double kEyeLevel = 0.1;       // of a camera at the side [rad]
 constexpr double kFarthest = 1e4;       // maximum distance of a position from the origin [m]
 
-Vec3 directionOf(const std::string& preset) {
-  // A character faces +Z; its right hand is at -X.
-  if (preset == "front") return Vec3(0.0, 0.10, 1.0).normalized();
-  if (preset == "side") return Vec3(-1.0, 0.10, 0.0).normalized();
-  if (preset == "top") return Vec3::UnitY();
-  return kViewDirection;
-}
+constexpr std::array<HumanBone, 2> kLookingBones = {HumanBone::kHead, HumanBone::kHips};
 
-Vec3 centerOf(std::span<const LivePart> parts) {
-  Vec3 center = Vec3::Zero();
-  for (const LivePart& part : parts) center += part.worldFromPart.translation();
-  return center / parts.size();
-}
-
-Aabb boundsOf(std::span<const LivePart> parts) {
-  Aabb box;
-  for (const LivePart& part : parts) {
-    for (const Vec3& p : part.shape.vertices) box.extend(part.worldFromPart * p);
+/// The face in the bind pose: what moves with the head, without a hat. Its width is that of the lowest part.
+Aabb faceOf(const Character& character, JointIndex head) {
+  std::vector<bool> above(character.skeleton.jointCount(), false);
+  for (JointIndex j = head; j < character.skeleton.jointCount(); ++j) {
+    const JointIndex parent = character.skeleton.joint(j).parent;
+    above[j] = j == head || (parent != kNoJoint && above[parent]);
   }
-  return box;
+  std::vector<Vec3> points;
+  for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
+    double weight = 0.0;
+    for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
+      if (above[character.influences[i].joint]) weight += character.influences[i].weight;
+    }
+    if (weight > 0.5) points.push_back(character.mesh.vertices[v]);
+  }
+  const Aabb all = boundsOf(points);
+  std::erase_if(points, [&](const Vec3& p) { return p.y() > all.min.y() + kChin * (all.max.y() - all.min.y()); });
+  Aabb face = boundsOf(points);
+  face.max.y() = std::min(all.max.y(), face.min.y() + kFaceHeight * (face.max.x() - face.min.x()));
+  return face;
 }
 
 }  // namespace
@@ -64,10 +72,7 @@ std::optional<Vec3> positionOf(std::string_view text) {
 }
 
 Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int width, int height) {
-  if (options.eye.empty()) {
-    const double aspect = static_cast<double>(width) / height;
-    return FollowCamera(kDistance * std::max(1.0, kWideEnough / aspect), directionOf(options.preset));
-  }
+  if (options.eye.empty()) return FollowCamera(options.preset, static_cast<double>(width) / height);
   const std::optional<Vec3> eye = positionOf(options.eye);
   const std::optional<Vec3> target = positionOf(options.target);
   if (!eye || !target || (*eye - *target).norm() < 1e-3) {
@@ -80,54 +85,84 @@ Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int widt
   return FollowCamera(camera);
 }
 
+/// Points of what is framed: of all bodies, or the head and shoulders of the first.
+void FollowCamera::findPoints(const Session& session) {
+  points_.clear();
+  const Character& character = session.character();
+  const JointIndex head = character.skeleton.jointOf(HumanBone::kHead);
+  if (preset_ == "face" && head != kNoJoint && session.avatar().present()) {
+    if (!face_) face_ = faceOf(character, head);
+    const Affine3 worldFromModel = session.worldFromJoint()[head] * character.jointFromModel[head];
+    const double shoulders = kShoulders * (face_->max.y() - face_->min.y());
+    if (!face_->empty()) {
+      for (const Vec3& corner : cornersOf(*face_)) points_.push_back(worldFromModel * corner);
+      points_.push_back(boundsOf(points_).center());
+      points_.back().y() = boundsOf(points_).min.y() - shoulders;
+      return;
+    }
+  }
+  for (const SessionAvatar& avatar : session.avatars()) {
+    for (const LivePart& part : avatar.partsInWorld()) {
+      for (const Vec3& vertex : part.shape.vertices) points_.push_back(part.worldFromPart * vertex);
+    }
+  }
+}
+
+void FollowCamera::aim(const Session& session) {
+  const SessionAvatar& first = session.avatar();
+  const double facing = facingOf(first), quarter = 0.5 * std::numbers::pi;
+  if (preset_ == "face" || preset_ == "top") fov_ = kLongLens;
+  direction_ = preset_ == "front"  ? directionAt(facing, kEyeLevel)
+               : preset_ == "side" ? directionAt(facing - quarter, kEyeLevel)
+               : preset_ == "back" ? directionAt(facing + 2.0 * quarter, kEyeLevel)
+               : preset_ == "face" ? directionAt(facingOf(first, kLookingBones), kEyeLevel)
+               : preset_ == "top"  ? Vec3(Vec3::UnitY())
+                                   : usualDirection(facing);
+}
+
 void FollowCamera::update(const Session& session, double seconds) {
   if (fixed_) return;
-  Aabb box;     // of the centres of those who are there
-  Aabb bodies;  // of all their points
-  double height = 0.0;
-  double width = 0.0;
-  for (const SessionAvatar& avatar : session.avatars()) {
-    if (!avatar.present()) continue;
-    box.extend(centerOf(avatar.body().parts()));
-    const Aabb body = boundsOf(avatar.body().parts());
-    bodies.extend(body.min);
-    bodies.extend(body.max);
-    width = std::max({width, body.max.x() - body.min.x(), body.max.z() - body.min.z()});
-    height = std::max(height, avatar.character().height);
-  }
-  if (box.empty()) return;
-  const double step = started_ ? 1.0 - std::exp(-seconds / kFollowSeconds) : 1.0;
-  double low = 0.0;
-  const bool shown = bodies.min.y() >= -kBelow * height && bodies.max.y() <= kAbove * height && width <= kWide * height;
-  const bool stands = started_ || bodies.max.y() - bodies.min.y() >= kLow * height;
-  if (own_ || !shown || !stands) {
-    if (!own_) {
-      own_.emplace();
-      framed_ = height;
-      if (started_) {  // it stood until now
-        own_->extend(Vec3::Zero());
-        own_->extend(Vec3(0.0, height, 0.0));
-      }
+  findPoints(session);
+  if (points_.empty()) return;
+  if (!direction_) aim(session);
+  const ViewAxes axes = axesOf(Camera{*direction_, Vec3::Zero()});
+  Aabb seen;  // to the right, up and away
+  for (const Vec3& p : points_) seen.extend(Vec3(p.dot(axes.right), p.dot(axes.up), p.dot(axes.forward)));
+  const Vec3 middle = seen.center();
+  const bool first = distance_ == 0.0;
+  const double step = first ? 1.0 : 1.0 - std::exp(-seconds / kFollowSeconds);
+  target_ += step * (middle.x() * axes.right + middle.y() * axes.up + middle.z() * axes.forward - target_);
+  PictureArea area;
+  area.half *= !first ? kMostFilled : fov_ == kLongLens ? kClose : kFilled;
+  const auto needed = [&] {
+    return distanceToSee(points_, Camera{target_ + *direction_, target_, fov_}, area, aspect_);
+  };
+  distance_ = std::max(distance_, distance_ + step * (needed() - distance_));
+  // What is near looks larger, so the middle of the points is not that of their picture.
+  for (int pass = 0; first && pass < 3; ++pass) {
+    Aabb picture;
+    for (const Vec3& p : points_) {
+      const Vec3 from = p - camera().eye;
+      picture.extend(Vec3(from.dot(axes.right), from.dot(axes.up), 0.0) / from.dot(axes.forward));
     }
-    own_->extend(Vec3(0.0, bodies.min.y(), 0.0));
-    own_->extend(Vec3(width, bodies.max.y(), 0.0));
-    framed_ += step * (std::max(own_->max.y() - own_->min.y(), kWidthShown * own_->max.x()) - framed_);
-    low = own_->center().y() - 0.5 * framed_;
-    height = framed_;
+    target_ += distance_ * (picture.center().x() * axes.right + picture.center().y() * axes.up);
+    distance_ = needed();
   }
-  Vec3 wanted = box.center();
-  wanted.y() = low + kTargetHeight * height;
-  height_ = height + kSpread * Vec3(box.max.x() - box.min.x(), 0.0, box.max.z() - box.min.z()).norm();
-  target_ += step * (wanted - target_);
-  started_ = true;
+}
+
+Camera FollowCamera::still(const Session& session) {
+  const double distance = std::exchange(distance_, 0.0);
+  const Vec3 target = target_;
+  update(session, 0.0);
+  const Camera now = camera();
+  distance_ = distance;
+  target_ = target;
+  return now;
 }
 
 Camera FollowCamera::camera() const {
-  if (fixed_) return *fixed_;
-  Camera camera;
-  camera.target = target_;
-  camera.eye = target_ + heights_ * height_ * direction_;
-  return camera;
+  if (fixed_ || !direction_) return fixed_.value_or(Camera());
+  return Camera{target_ + distance_ * *direction_, target_, fov_};
 }
 
 }  // namespace lorica

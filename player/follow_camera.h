@@ -7,12 +7,14 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 
 /// --camera, --eye and --target: the camera of pictures.
 struct CameraOptions {
-  std::string preset;  ///< front, side, top or three-quarter; follows the body; empty = three-quarter
+  std::string preset;  ///< front, side, back, top, face or three-quarter; follows the body; empty = three-quarter
   std::string eye;     ///< "x,y,z" in the world [m]; used with `target`, instead of a preset
   std::string target;
 };
@@ -20,37 +22,38 @@ struct CameraOptions {
 /// Parses a position such as "1.5,1,-3"; none for any other text.
 [[nodiscard]] std::optional<Vec3> positionOf(std::string_view text);
 
-/// Unit vector from the body to the camera: on the right, slightly in front and above, so that a kick is visible.
-inline const Vec3 kViewDirection = Vec3(-0.80, 0.17, 0.575).normalized();
-
-/// A fixed camera, or one that follows moving bodies: it tracks the centre of their parts smoothly, at constant height
-/// and distance. These suit a body that stands, of the file's height. A body that is not so, such as half a body, or
-/// that leaves the picture, is framed as it is; the frame then grows, and never shrinks.
+/// A fixed camera, or one that follows moving bodies: it looks at their middle smoothly, from one side of them, which
+/// the first picture decides. Its distance is that at which the first picture is filled; it grows with what the bodies
+/// need, and never shrinks.
 class FollowCamera {
  public:
-  /// @param heights    distance from the body, in heights of the character
-  /// @param direction  from the body to the camera, unit
-  explicit FollowCamera(double heights, const Vec3& direction = kViewDirection)
-      : heights_(heights), direction_(direction) {}
+  /// @param preset  see CameraOptions @param aspect  width per height of the picture
+  explicit FollowCamera(std::string preset, double aspect) : preset_(std::move(preset)), aspect_(aspect) {}
   explicit FollowCamera(const Camera& fixed) : fixed_(fixed) {}
 
-  /// The requested camera, at a distance that suits the aspect ratio of the picture.
+  /// The requested camera for a picture of this size.
   /// @return the camera, or an error about the options
   static Result<FollowCamera> create(const CameraOptions& options, int width, int height);
 
   /// @param seconds  since the previous frame [s]
   void update(const Session& session, double seconds);
   [[nodiscard]] Camera camera() const;
+  /// The camera of a picture of this frame alone: the bodies are in its middle and fill it.
+  [[nodiscard]] Camera still(const Session& session);
 
  private:
-  double heights_ = 1.0;
-  Vec3 direction_ = kViewDirection;
+  void aim(const Session& session);
+  void findPoints(const Session& session);
+
+  std::string preset_;
+  double aspect_ = 1.0;
   std::optional<Camera> fixed_;
-  double height_ = 0.0;      // of what is framed, with the distance between avatars [m]
-  std::optional<Aabb> own_;  // of bodies that are framed as they are: x from 0 to their width, y as far as they reached
-  double framed_ = 0.0;      // height of their frame [m]
+  std::optional<Vec3> direction_;  // from the bodies to the camera, unit; none = not yet
+  std::optional<Aabb> face_;       // of the first avatar in the bind pose, for a portrait
+  std::vector<Vec3> points_;       // that are framed, in this frame
   Vec3 target_ = Vec3::Zero();
-  bool started_ = false;
+  double distance_ = 0.0;  // [m]; 0 = nothing was seen yet
+  double fov_ = Camera().verticalFov;
 };
 
 }  // namespace lorica

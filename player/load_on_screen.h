@@ -3,10 +3,8 @@
 #include "player/background_work.h"
 #include "viewer/renderer/screen.h"
 
-#include <chrono>
 #include <functional>
 #include <optional>
-#include <thread>
 #include <utility>
 
 namespace lorica {
@@ -30,7 +28,7 @@ template <class T>
     values.loading = progress.title();
     values.loaded = progress.share;
     screen.show(Scene(), values);
-    std::this_thread::sleep_for(std::chrono::milliseconds(30));
+    screen.rest(0.03);
   }
   return std::optional<T>();
 }

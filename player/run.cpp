@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "player/depth_picture.h"
+#include "player/picture_options.h"
 #include "player/playback.h"
 #include "player/snapshots.h"
 #include "prepare/scenes.h"
@@ -10,6 +11,11 @@
 #include <utility>
 
 namespace lorica {
+namespace {
+
+constexpr double kSameTime = 1e-6;  // [s]
+
+}  // namespace
 
 Run::Run(Cast given, RunSetting asked, Session started)
     : cast(std::move(given)),
@@ -102,9 +108,34 @@ void Run::stepped(Host& host) {
 }
 
 const Image* Run::drawInset() {
-  if (!tracked()) return nullptr;
-  drawDepthPicture(live_->tracked->source().camera(), live_->tracked->sight(), inset);
+  if (tracked()) {
+    drawDepthPicture(live_->tracked->source().camera(), live_->tracked->sight(), inset);
+    return &inset;
+  }
+  const std::optional<DepthSight> sight = recordedSight();
+  if (!sight) return nullptr;
+  drawDepthPicture(depth_->camera(), *sight, inset);
   return &inset;
+}
+
+std::optional<DepthSight> Run::recordedSight() {
+  if (cast.avatars.empty() || !cast.avatars.front().motion || !cast.avatars.front().motion->depth) return std::nullopt;
+  const Motion& motion = *cast.avatars.front().motion;
+  if (depth_ == nullptr) {
+    Result<std::unique_ptr<OniSource>> opened = openOni(motion.depth->file);
+    if (!opened) return std::nullopt;  // it is gone meanwhile
+    depth_ = std::move(*opened);
+  }
+  const auto later =
+      std::ranges::upper_bound(motion.joints, motion.firstTime() + now_ + kSameTime, {}, &SkeletonFrame::time);
+  const std::size_t frame = std::max<std::ptrdiff_t>(later - motion.joints.begin(), 1) - 1;
+  depth_->seek(int(frame));
+  DepthSight sight;
+  sight.joints = motion.joints[frame];
+  sight.cameraFromWorld = motion.depth->cameraFromWorld[frame];
+  const Result<DepthRead> read = depth_->next(sight.image);
+  if (!read || *read != DepthRead::kFrame) return std::nullopt;
+  return sight;
 }
 
 Result<void> Run::restarted(Host& host) {
@@ -126,12 +157,13 @@ void Run::sceneChosen(const std::string& scene, Host& host) {
   if (live()) hits = TargetHits(targets_);
 }
 
-void prepareScreen(const Run& run, Screen& screen) {
+void prepareScreen(const Run& run, Screen& screen, const std::string& background) {
   const Character& character = run.session.character();
   screen.setTitle(run.name().empty() ? "Lorica" : "Lorica: " + run.name());
-  screen.setCamera(windowCamera(character.height, run.session.avatars().size()));
   WindowChoices choices = screen.choices();
   choices.show = usualView(character);
+  if (run.setting.allLayers) choices.show.hulls = true;
+  (void)setBackground(background, choices.show);
   screen.setChoices(choices);
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "capture/sensor/oni_source.h"
+#include "capture/tracking/depth_joints.h"
 #include "geometry/result.h"
 #include "player/events_output.h"
 #include "player/live_log.h"
@@ -47,6 +49,7 @@ struct RunSetting {
   bool hurry = false;            ///< on a screen: as fast as possible instead of in real time
   bool sumUp = false;            ///< statistics are of all repetitions; else of the last one
   bool selfContacts = false;     ///< count them, see RunStatistics
+  bool allLayers = false;        ///< on a screen: it begins with all layers, whatever the user switched off elsewhere
   AtEnd atEnd = AtEnd::kChoice;  ///< on a screen
   // Of the task that is reported without a screen.
   std::string doing = "Playing";
@@ -73,7 +76,7 @@ class Run {
   TargetHits hits;
   TreatmentControl treatment;
   LiveLog log;                                  ///< of a camera
-  Image inset;                                  ///< the camera's depth image, while it is live
+  Image inset;                                  ///< the camera's depth image, live or recorded
   std::shared_ptr<SessionReplay> comparison;    ///< of a recorded session; else null
   std::shared_ptr<SessionRecorder> recorder;    ///< null = none
   std::function<void(Run&, Host&)> first = {};  ///< called after the first frame, each time that it starts
@@ -118,10 +121,13 @@ class Run {
   Run(Cast cast, RunSetting setting, Session session);
   [[nodiscard]] static Result<std::unique_ptr<Run>> make(Cast cast, RunSetting setting, Host& host);
   [[nodiscard]] Result<void> watch(Host& host);
+  /// What the camera saw in a depth recording at the session's time; none if it cannot be read.
+  [[nodiscard]] std::optional<DepthSight> recordedSight();
 
   std::vector<HitTarget> targets_;
   std::shared_ptr<LiveSources> live_;
   std::unique_ptr<RecordedCast> recorded_;
+  std::unique_ptr<OniSource> depth_;  // of a recording, once it was shown
   std::shared_ptr<EventsOutput> events_;
   double firstTime_ = 0.0, before_ = 0.0, now_ = 0.0;  // [s]
   int frames_ = 0;                                     // since the start or restart
@@ -151,7 +157,7 @@ struct Shown {
 /// @return why it ended, or an error about the sources or pictures; what was recorded is kept then
 [[nodiscard]] Result<RunEnd> play(Run& run, Shown& shown, Host& host);
 
-/// Prepares a screen for a run: its title, its camera and what is drawn.
-void prepareScreen(const Run& run, Screen& screen);
+/// Prepares a screen for a run: its title and what is drawn. @param background  see setBackground()
+void prepareScreen(const Run& run, Screen& screen, const std::string& background = {});
 
 }  // namespace lorica

@@ -1,13 +1,11 @@
 
 #include "player/run_loop.h"
 #include "geometry/counts.h"
-#include "geometry/text.h"
 #include "player/framing.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <thread>
 
 namespace lorica {
 namespace {
@@ -15,7 +13,9 @@ namespace {
 constexpr int kMaxStepsAPicture = 6;
 constexpr double kLongestPause = 0.25;  // longer gaps in a recording, or while the window is dragged, are skipped [s]
 constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures [s]
-constexpr double kSoon = 0.25;          // longer seeks are reported [s]
+constexpr double kLongestRest = 0.1;    // warnings come and go [s]
+constexpr double kWorking = 0.03;       // between looks at work in the background [s]
+constexpr double kPolled = 0.004;       // between looks at a live source [s]
 constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on after the end [s]
 
 }  // namespace
@@ -37,11 +37,13 @@ RunLoop::RunLoop(Run& run, Shown& shown, Host& host)
   const std::shared_ptr<const Avatar>& avatar = session_.character().avatar;
   if (avatar == nullptr) return;
   for (const Expression& expression : avatar->face.expressions.list) expressions_.push_back(expression.name);
+  const std::vector<float>& given = avatar->face.chosen;
+  const bool any = std::any_of(given.begin(), given.end(), [](float weight) { return weight != 0.0f; });
+  if (any || run.streams().size() > 0) expression_ = kExpressionsAsGiven;
 }
 
 Result<RunEnd> RunLoop::run() {
   if (screen_ == nullptr) return runUnseen();
-  screen_->setCamera(framing(screen_->camera(), session_.world()));
   while (screen_->open() && !closed_) {
     if (host_.cancelled()) return RunEnd::kInterrupted;
     LORICA_TRY_DO(answer(screen_->takeRequests()));
@@ -58,10 +60,18 @@ Result<RunEnd> RunLoop::run() {
       }
     }
     show();
-    // Limits the frame rate without vertical synchronisation.
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    screen_->rest(restSeconds());
   }
   return RunEnd::kClosed;
+}
+
+/// How long nothing is to be done unless the user asks for it [s].
+double RunLoop::restSeconds() const {
+  if (seek_ || screen_->choices().scrubbing) return 0.0;
+  const bool background = nextWorld_ || levels_->asked() || (shown_.opener != nullptr && shown_.opener->loading());
+  if (screen_->choices().paused || (ended_ && !goesOn())) return background ? kWorking : kLongestRest;
+  if (run_.live()) return kPolled;
+  return std::clamp(due_ - now(), 0.0, background ? kWorking : kLongestRest);
 }
 
 /// Without a screen: steps and pictures, as fast as they come.
@@ -95,6 +105,7 @@ Result<void> RunLoop::restartIn(World world) {
   LORICA_TRY(std::vector<std::unique_ptr<PoseSource>> sources, this->sources());
   hands_.rewind(session_);
   session_.restart(std::move(sources), std::move(world));
+  ++changes_;
   LORICA_TRY_DO(run_.restarted(host_));
   warnings_.clear();
   focus_.reset();
@@ -109,10 +120,9 @@ Result<void> RunLoop::beginSeek(double to) {
   if (seek_ && seek_->to == to) return {};
   if (started_ && to <= seconds() && (to > frameBegin_ || session_.frameCount() == 1)) return {};
   if (ended_ && to > seconds()) return {};
-  if (!seek_) seek_ = Seek{to, now(), 0, false};
+  if (!seek_) seek_.emplace();
   seek_->to = to;
   if (!started_ || to > seconds() || startsAgain()) return {};
-  seek_->again = true;
   return restart();
 }
 
@@ -120,18 +130,12 @@ Result<void> RunLoop::runSeek() {
   const double until = now() + kSeekSlice;
   while (now() < until && !ended_ && (!started_ || seconds() < seek_->to)) {
     LORICA_TRY_DO(step());
-    ++seek_->frames;
   }
   if (!ended_ && seconds() < seek_->to) {
-    status_ =
-        fmt::format("seeking {}to {:.1f} s: {:.1f} s", seek_->again ? "from the start " : "", seek_->to, seconds());
+    status_ = fmt::format("going to {:.1f} s: {:.1f} s", seek_->to, seconds());
     return {};
   }
-  const double took = now() - seek_->since;
-  if (took > kSoon) {
-    screen_->notice(fmt::format("ran {}{} to {:.1f} s in {:.1f} s", counted(seek_->frames, "frame"),
-                                seek_->again ? " from the start" : "", seconds(), took));
-  }
+  if (!seek_->done.empty()) screen_->notice(std::string(seek_->done));
   seek_.reset();
   due_ = now();
   describe();
@@ -189,6 +193,7 @@ void RunLoop::goOn() {
     }
     hands_.beforeStep(*screen_, session_);
     session_.world().stepAvatars(standing, kAfterSeconds);
+    ++changes_;
     due_ += kAfterSeconds / screen_->choices().speed;
     if (now() - due_ > kLongestPause) due_ = now();
   }
@@ -211,10 +216,15 @@ Result<void> RunLoop::step() {
   }
   if (!started_) firstTime_ = session_.time();
   started_ = true;
+  ++changes_;
   if (session_.frameCount() == 1) firstParts_ = partsOf(session_);
   frameBegin_ = before;
   if (scene_) scene_->follow(session_);
   focus_.update(session_);
+  if (const std::optional<Aabb> avatars = aimed_ ? std::nullopt : focus_.bounds(session_); avatars && screen_) {
+    screen_->setCamera(windowCamera(*avatars, focus_.facing(session_), session_.world()));
+    aimed_ = true;
+  }
   run_.stepped(host_);
   if (screen_ != nullptr) inset_ = run_.drawInset();
   const bool over = (run_.setting.frames > 0 && session_.frameCount() >= run_.setting.frames) ||
@@ -248,11 +258,12 @@ void RunLoop::show() {
   values.holdsProp = hands_.holds();
   values.focus = focus_.position();
   if (started_) values.followed = focus_.bounds(session_);
+  if (started_ && !session_.avatars().empty()) values.facing = focus_.facing(session_);
   values.avatars = avatarNames_;
   values.avatar = focus_.avatar();
   if (shown_.opener != nullptr) shown_.opener->describe(values);
   describeNextWorld(values);
-  if (!values.motions.empty()) values.recent = settings_.recent;
+  values.changes = changes_;
   values.hits = run_.hits.scores();
   values.treatable = run_.treatable();
   values.smoothingDelay = started_ ? session_.source().smoothingDelay().value_or(-1.0) : -1.0;

@@ -15,6 +15,7 @@
 #include "prepare/settling.h"
 
 #include <chrono>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -43,10 +44,8 @@ class RunLoop {
  private:
   /// A seek: the recording runs to a time without pictures.
   struct Seek {
-    double to = 0.0;     // [s]
-    double since = 0.0;  // [s]
-    int frames = 0;
-    bool again = false;  // from the start
+    double to = 0.0;        // [s]
+    std::string_view done;  // to be said then; empty = nothing
   };
 
   [[nodiscard]] bool onlyWatched() const { return run_.watched(); }
@@ -71,7 +70,8 @@ class RunLoop {
   void goOn();
   void answerAboutAvatars(const WindowRequests& requests);
   Result<void> undo();
-  Result<void> runAgain();
+  Result<void> runAgain(std::string_view done = {});
+  [[nodiscard]] double restSeconds() const;
   [[nodiscard]] bool mayLoop() const { return run_.setting.atEnd != AtEnd::kHold && run_.restartable(); }
   [[nodiscard]] bool loops() const;
   [[nodiscard]] bool goesOn() const { return ended_ && run_.setting.atEnd == AtEnd::kChoice; }
@@ -111,6 +111,8 @@ class RunLoop {
   double firstTime_ = 0.0;
   double frameBegin_ = 0.0;  // time of the previous frame, since the first [s]
   bool started_ = false, ended_ = false;
+  std::uint64_t changes_ = 0;     // of the scene, see WindowValues
+  bool aimed_ = false;            // the camera was set for the first frame with an avatar
   bool closed_ = false;           // while the session settled
   int shownFrame_ = 0;            // without a screen
   const Image* inset_ = nullptr;  // null = none

@@ -1,5 +1,4 @@
 #include "geometry/counts.h"
-#include "geometry/text.h"
 #include "player/run_loop.h"
 #include "prepare/scenes.h"
 
@@ -11,12 +10,11 @@
 namespace lorica {
 namespace {
 
-constexpr double kHintSeconds = 10.0;
-
 /// What the user should know of the motions that were read, such as that a file ends early.
 std::string notesOf(const Cast& loaded) {
   std::string notes;
   for (const PreparedAvatar& avatar : loaded.avatars) {
+    if (!avatar.motion) continue;  // it follows a camera
     for (const std::string& note : avatar.motion->notes) {
       notes += fmt::format("{}{}: {}", notes.empty() ? "" : "; ", avatar.motion->name, note);
     }
@@ -43,13 +41,15 @@ Result<void> RunLoop::answer(WindowRequests requests) {
   }
   if (const std::shared_ptr<const BodyPlan> plan = levels_->take(); plan != nullptr && plan != session_.body().plan()) {
     session_.setBody(plan);
+    ++changes_;
     firstParts_.clear();
     scene_.emplace(session_);
-    scene_->chooseExpression(expression_);
+    if (expression_ != kExpressionsAsGiven) scene_->chooseExpression(expression_);
     describe();
   }
-  if (requests.nextExpression) requests.expression = expression_ + 1;
+  if (requests.nextExpression) requests.expression = std::max(expression_, -1) + 1;
   if (requests.expression && !expressions_.empty()) {
+    ++changes_;
     expression_ = *requests.expression < countOf(expressions_) ? *requests.expression : -1;
     scene_->chooseExpression(expression_);
   }
@@ -82,6 +82,7 @@ bool RunLoop::loops() const {
 /// Opens dropped files. The session goes on until they are loaded, and after an error.
 void RunLoop::open(const WindowRequests& requests) {
   WindowOpener* opener = shown_.opener;
+  if (opener != nullptr && requests.choose) screen_->chooseFiles();
   if (opener == nullptr) {
     if (!requests.files.empty()) screen_->problem("files can be opened in the window of lorica play");
     return;
@@ -94,6 +95,7 @@ void RunLoop::open(const WindowRequests& requests) {
       screen_->notice(remark_, Screen::kNoticeSeconds);  // or nothing any more of other files
       std::for_each(begun->files.rbegin(), begun->files.rend(),
                     [&](const std::string& other) { addRecent(other, settings_); });
+      opener->list(settings_.recent);
     }
   }
   for (const Result<void>& begun : {requests.clip ? opener->openClip(*requests.clip) : Result<void>(),
@@ -140,9 +142,9 @@ Result<void> RunLoop::treat() {
   return runAgain();
 }
 
-/// Runs again to the present time.
-Result<void> RunLoop::runAgain() {
-  if (started_ && run_.restartable() && !seek_) seek_ = Seek{seconds(), now(), 0, true};
+/// Runs again to the present time. @param done  said then
+Result<void> RunLoop::runAgain(std::string_view done) {
+  if (started_ && run_.restartable() && !seek_) seek_ = Seek{seconds(), done};
   return restart();
 }
 
@@ -153,7 +155,7 @@ Result<void> RunLoop::undo() {
     return {};
   }
   hands_.undo();
-  return runAgain();
+  return runAgain("undone");
 }
 
 void RunLoop::recallSettings() {
@@ -167,14 +169,12 @@ void RunLoop::recallSettings() {
   }
   if (const WindowOpener* opener = shown_.opener; opener != nullptr) {
     for (const std::string& file : opener->opened()) addRecent(file, settings_);
-    if (read && settings_.recent.empty() && !opener->hint().empty()) {
-      screen_->notice(std::string(opener->hint()), kHintSeconds);
-    }
   }
+  if (shown_.opener != nullptr) shown_.opener->list(settings_.recent);
   WindowChoices choices = screen_->choices();
   static_cast<KeptChoices&>(choices) = settings_.choices;
   choices.treatment = allowed(run_.treatment, choices.treatment);
-  showKept(settings_, choices.show);
+  if (!run_.setting.allLayers) showKept(settings_, choices.show);
   firstShown_ = choices.show;
   screen_->setChoices(choices);
 }

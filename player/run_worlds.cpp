@@ -1,13 +1,12 @@
 #include "player/run_loop.h"
 #include "prepare/scenes.h"
 
-#include <thread>
 #include <utility>
 
 namespace lorica {
 namespace {
 
-constexpr std::chrono::milliseconds kPictureWait(30);
+constexpr double kPictureWait = 0.03;  // [s]
 
 }  // namespace
 
@@ -27,8 +26,9 @@ Result<bool> RunLoop::stepSession() {
     values.duration = run_.duration();
     values.loading = progress_.title();
     values.loaded = progress_.share;
+    values.changes = changes_;
     screen_->show(Scene(), values);
-    std::this_thread::sleep_for(kPictureWait);
+    screen_->rest(kPictureWait);
   }
 }
 
@@ -36,8 +36,9 @@ Result<bool> RunLoop::stepSession() {
 std::function<Result<World>(Host&)> RunLoop::worldOf(int scene) const {
   if (onlyWatched()) return [this](Host& host) { return run_.worldAgain(host); };
   const double gravity = kGravities[treatment_.gravity].factor;
-  return [name = scenes_.arguments[scene], gravity, added = run_.cast.added](Host& host) -> Result<World> {
-    Result<World> world = openScene(name, gravity, host);
+  return [name = scenes_.arguments[scene], gravity, added = run_.cast.added,
+          scale = run_.cast.propScale](Host& host) -> Result<World> {
+    Result<World> world = openScene(name, gravity, host, scale);
     if (world) addProps(added, *world);
     return world;
   };
@@ -75,6 +76,7 @@ Result<void> RunLoop::takeWorld() {
   run_.sceneChosen(name, host_);
   if (shown_.opener != nullptr) shown_.opener->choseScene(name);
   hands_.forget();
+  ++changes_;
   if (run_.restartable()) return restartIn(std::move(**world));
   session_.setWorld(std::move(**world));
   return {};

@@ -20,7 +20,8 @@ SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
     : avatar_(std::move(avatar)),
       face_(avatar_->face.morphs, avatar_->face.expressions, avatar_->face.lookAt),
       bindNormals_(avatar_->look.normals) {
-  for (std::size_t e = 0; e < avatar_->face.chosen.size(); ++e) face_.set(e, avatar_->face.chosen[e]);
+  given_ = avatar_->face.chosen;
+  for (std::size_t e = 0; e < given_.size(); ++e) face_.set(e, given_[e]);
   bindNormals_.resize(avatar_->character.mesh.vertices.size(), Vec3f::Zero());
   positions_ = avatar_->character.mesh.vertices;
   normals_ = bindNormals_;
@@ -28,11 +29,8 @@ SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
 }
 
 void SessionFace::choose(int expression) {
-  const std::vector<float>& given = avatar_->face.chosen;
-  if (chosen_ >= 0) {
-    const std::size_t last = chosen_;
-    face_.set(last, last < given.size() ? given[last] : 0.0f);
-  }
+  given_.clear();
+  for (std::size_t e = 0; e < avatar_->face.expressions.list.size(); ++e) face_.set(e, 0.0f);
   chosen_ = expression;
   if (chosen_ >= 0) face_.set(chosen_, 1.0f);
 }
@@ -40,7 +38,7 @@ void SessionFace::choose(int expression) {
 void SessionFace::update(const SessionAvatar& performer, double time, const Vec3& watcher,
                          std::span<Affine3> worldFromModel, SceneFigure& figure) {
   const AvatarFace& own = avatar_->face;
-  follower_.apply(performer.source().expressions(), own.expressions, own.chosen, face_);
+  follower_.apply(performer.source().expressions(), own.expressions, given_, face_);
   if (chosen_ >= 0) face_.set(chosen_, 1.0f);
   FaceInput input;
   input.time = time;

@@ -21,7 +21,7 @@ class SessionFace {
   /// @return none if the avatar has no morph targets, no eyes that move and no expressions that change materials
   [[nodiscard]] static std::optional<SessionFace> of(const std::shared_ptr<const Avatar>& avatar);
 
-  /// Sets one expression, in addition to those that were chosen on the command line, and takes back the previous one.
+  /// Sets one expression alone; until then there are those that were chosen on the command line.
   /// @param expression  index into the avatar's expressions; -1 = none
   void choose(int expression);
 
@@ -38,6 +38,7 @@ class SessionFace {
 
   std::shared_ptr<const Avatar> avatar_;
   Face face_;
+  std::vector<float> given_;  // weights of the expressions unless the source or the user says otherwise
   int chosen_ = -1;
   ExpressionFollower follower_;
   std::vector<Vec3f> bindNormals_;  // of every vertex; zero where the file has none

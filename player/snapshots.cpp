@@ -2,6 +2,8 @@
 
 #include "collision/live/attached_vertices.h"
 #include "geometry/errors.h"
+#include "player/part_colors.h"
+#include "player/picture_options.h"
 #include "player/playback.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/avatar.h"
@@ -10,18 +12,23 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
 namespace {
 
-constexpr int kWidth = 1280;
-constexpr int kHeight = 720;
 constexpr double kFilmRate = 30.0;      // [1/s]
 constexpr double kFilmEarly = 0.5;      // tolerance in frames: frame times of recordings jitter
 constexpr double kLongestStill = 10.0;  // longer gaps in a recording are shortened [s]
+constexpr std::string_view kPictureName = "frame_";
+
+std::string pictureName(int frame) {
+  return fmt::format("{}{:04}.png", kPictureName, frame);
+}
 
 }  // namespace
 
@@ -40,13 +47,14 @@ SessionScene::Drawn SessionScene::drawnOf(const SessionAvatar& avatar) {
   const Character& character = avatar.character();
   if (character.avatar != nullptr) drawn.face = SessionFace::of(character.avatar);
   const Decomposition& decomposition = avatar.body().decomposition();
+  drawn.colors = colorsOfParts(decomposition, character);
   if (!character.shown.empty()) {
     drawn.triangles = character.shown;
-    std::vector<PartIndex> partOfVertex(character.mesh.vertices.size(), 0);
+    std::vector<PartIndex> partOfVertex(character.mesh.vertices.size(), drawn.colors.front());
     const std::vector<std::vector<PointIndex>> attached =
         attachedVerticesOf(decomposition, liftPoints(character, decomposition));
     for (std::size_t p = 0; p < attached.size(); ++p) {
-      for (const PointIndex v : attached[p]) partOfVertex[v] = p;
+      for (const PointIndex v : attached[p]) partOfVertex[v] = drawn.colors[p];
     }
     drawn.partOfTriangle.reserve(drawn.triangles.size());
     for (const Triangle& t : drawn.triangles) drawn.partOfTriangle.push_back(partOfVertex[t[0]]);
@@ -57,7 +65,7 @@ SessionScene::Drawn SessionScene::drawnOf(const SessionAvatar& avatar) {
     for (std::size_t t = 0; t < part.triangles.size(); ++t) {
       if (part.sourceTriangle[t] < 0) continue;  // a cap is inside the body
       drawn.triangles.push_back(part.triangles[t]);
-      drawn.partOfTriangle.push_back(p);
+      drawn.partOfTriangle.push_back(drawn.colors[p]);
     }
   }
   return drawn;
@@ -79,6 +87,7 @@ SceneFigure SessionScene::figureOf(Drawn& drawn, const SessionAvatar& avatar, do
     figure.worldFromModel = drawn.worldFromModel;
   }
   figure.parts = avatar.body().parts();
+  figure.colors = drawn.colors;
   figure.skeleton = &avatar.character().skeleton;
   figure.worldFromJoint = avatar.worldFromJoint();
   return figure;
@@ -131,10 +140,18 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
   return renderer_.readBack();
 }
 
+bool SnapshotOptions::draws(const std::string& name) const {
+  int frame = -1;
+  if (name.starts_with(kPictureName))
+    std::from_chars(name.data() + kPictureName.size(), name.data() + name.size(), frame);
+  return frame >= 0 && frame % every == 0 && name == pictureName(frame);
+}
+
 Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
   if (!options.any()) return std::optional<SnapshotSeries>();
-  LORICA_TRY(FollowCamera follow, FollowCamera::create(options.camera, kWidth, kHeight));
-  LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(kWidth, kHeight));
+  const CanvasSize size = pictureSizeOf(options.size).value_or(CanvasSize());
+  LORICA_TRY(FollowCamera follow, FollowCamera::create(options.camera, size.width, size.height));
+  LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   if (!options.folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
@@ -144,7 +161,7 @@ Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptio
   }
   SnapshotSeries series(options, std::move(pictures), follow, session);
   if (!options.video.empty()) {
-    LORICA_TRY(VideoWriter movie, VideoWriter::create(options.video, kWidth, kHeight, kFilmRate));
+    LORICA_TRY(VideoWriter movie, VideoWriter::create(options.video, size.width, size.height, kFilmRate));
     series.movie_.emplace(std::move(movie));
   }
   return std::optional<SnapshotSeries>(std::move(series));
@@ -174,20 +191,26 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   if (!firstTime_) firstTime_ = session.time();
   const int film = filmFrames(session);
   filmSeconds_ = filmSeconds(session);
-  follow_.update(session, session.time() - previousTime_.value_or(session.time()));
+  if (movie_) follow_.update(session, session.time() - previousTime_.value_or(session.time()));
   previousTime_ = session.time();
   if (film <= 0 && !snapshotDue(session)) return {};
   SceneOptions show = usualView(session.character());
-  show.caption = captionOf(name, session, session.time() - *firstTime_);
-  Scene scene = scene_.of(session, show, follow_.camera().eye);
-  scene.inset = inset;
-  const Image image = pictures_.draw(scene, show, follow_.camera());
-  for (int i = 0; i < film; ++i, ++filmed_) {
-    LORICA_TRY_DO(movie_->add(image));
+  if (options_.background.empty()) show.caption = captionOf(name, session, session.time() - *firstTime_);
+  (void)setBackground(options_.background, show);
+  const auto draw = [&](const Camera& from) {
+    Scene scene = scene_.of(session, show, from.eye);
+    scene.inset = inset;
+    return pictures_.draw(scene, show, from);
+  };
+  if (film > 0) {
+    const Image image = draw(follow_.camera());
+    for (int i = 0; i < film; ++i, ++filmed_) {
+      LORICA_TRY_DO(movie_->add(image));
+    }
   }
   if (!snapshotDue(session)) return {};
-  const std::filesystem::path file =
-      std::filesystem::path(options_.folder) / fmt::format("frame_{:04}.png", session.frameCount() - 1);
+  const Image image = draw(follow_.still(session));
+  const std::filesystem::path file = std::filesystem::path(options_.folder) / pictureName(session.frameCount() - 1);
   LORICA_TRY_DO(writePng(file, image, NamedBy::kLorica));
   ++drawn_.snapshots;
   return {};

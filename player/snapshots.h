@@ -38,9 +38,10 @@ class SessionScene {
  private:
   /// An avatar of the session.
   struct Drawn {
-    std::vector<Triangle> triangles;  ///< the shown surface, or that of all parts without caps, over their points
-    std::vector<PartIndex> partOfTriangle;
-    std::vector<Affine3> worldFromModel;  ///< of the avatar's joints, of the last scene
+    std::vector<Triangle> triangles;        ///< the shown surface, or that of all parts without caps, over their points
+    std::vector<PartIndex> colors;          ///< of the parts, see colorsOfParts()
+    std::vector<PartIndex> partOfTriangle;  ///< the colour of its part
+    std::vector<Affine3> worldFromModel;    ///< of the avatar's joints, of the last scene
     std::optional<SessionFace> face;
   };
   static Drawn drawnOf(const SessionAvatar& avatar);
@@ -74,14 +75,19 @@ class SnapshotCamera {
   int height_;
 };
 
-/// --snapshots, --every, --video and the camera.
+/// --snapshots, --every, --video, --headless, the camera, --size and --background. A window has the last two, too.
 struct SnapshotOptions {
   std::string folder;  ///< empty = no pictures
   int every = 30;      ///< frames
   std::string video;   ///< file; empty = none
   CameraOptions camera;
+  std::string size = "1280x720";  ///< see pictureSizeOf()
+  std::string background;         ///< see setBackground()
+  bool headless = false;          ///< no window, even if there is a display
 
   [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
+  /// Whether a long enough run draws a picture of this name in the folder.
+  [[nodiscard]] bool draws(const std::string& name) const;
 };
 
 /// Number of snapshots and video frames drawn.

@@ -4,13 +4,14 @@
 #include "geometry/files.h"
 #include "geometry/text.h"
 #include "player/window_settings.h"
+#include "prepare/file_kinds.h"
 #include "skinning/import/character_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <utility>
 
@@ -19,21 +20,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMaxMeshes = 12;         // in one session
-constexpr std::streamsize kSceneBegin = 4096;  // within which a scene file says what it is [bytes]
+constexpr const char* kMannequin = "mannequin";
+constexpr std::size_t kMaxMeshes = 12;  // in one session
 
-bool isMeshFile(const fs::path& file) {
-  const std::string extension = lowerCase(file.extension().string());
-  return extension == ".off" || extension == ".obj" || extension == ".ply" || extension == ".stl";
-}
-
-bool isSceneFile(const fs::path& file) {
-  if (lowerCase(file.extension().string()) != ".json") return false;
-  std::ifstream stream(file, std::ios::binary);
-  std::string begin(kSceneBegin, '\0');
-  stream.read(begin.data(), kSceneBegin);
-  begin.resize(std::max<std::streamsize>(stream.gcount(), 0));
-  return begin.find("lorica scene") != std::string::npos;
+/// A file of one, or the one that ships.
+bool isCharacter(const std::string& name) {
+  return name == kMannequin || isCharacterFile(name);
 }
 
 /// Files by what they are.
@@ -46,12 +38,12 @@ Sorted sorted(const std::vector<std::string>& files) {
   for (auto at = files.begin(); at != files.end(); ++at) {
     const std::string& file = *at;
     if (std::find(files.begin(), at, file) != at) continue;  // named twice
-    const fs::path path(file);
-    std::vector<std::string>& kind = isCharacterFile(path)                               ? kinds.characters
-                                     : isMeshFile(path)                                  ? kinds.meshes
-                                     : isSceneFile(path)                                 ? kinds.scenes
-                                     : lowerCase(path.extension().string()) == ".lorica" ? kinds.bodies
-                                                                                         : kinds.motions;
+    const FileKind is = isCharacter(file) ? FileKind::kCharacter : kindOf(file);
+    std::vector<std::string>& kind = is == FileKind::kCharacter       ? kinds.characters
+                                     : is == FileKind::kMesh          ? kinds.meshes
+                                     : is == FileKind::kScene         ? kinds.scenes
+                                     : is == FileKind::kDecomposition ? kinds.bodies
+                                                                      : kinds.motions;
     kind.push_back(file);
   }
   return kinds;
@@ -71,11 +63,15 @@ WindowOpener::Others othersOf(const Sorted& kinds) {
   if (others.files.empty()) return others;
   const std::size_t found = others.files.size();
   if (found >= kMaxRecent) others.files.resize(kMaxRecent - 1);
+  const std::ptrdiff_t avatars = std::count_if(others.files.begin(), others.files.end(), isCharacter);
   others.remark =
-      fmt::format("found {} at once: took {}; {} in the list `files`", listed(counts), listed(used),
+      fmt::format("found {} at once: took {}; {} in {}", listed(counts), listed(used),
                   found > others.files.size() ? fmt::format("{} of the other {} are", others.files.size(), found)
                   : found == 1                ? "the other is"
-                                              : "the others are");
+                                              : "the others are",
+                  avatars == 0                          ? "the list `recent files`"
+                  : avatars == std::ssize(others.files) ? "the list `avatar`"
+                                                        : "the lists `avatar` and `recent files`");
   return others;
 }
 
@@ -102,6 +98,36 @@ std::vector<CastRequest> attemptsWith(const std::string& character, bool withMot
   return {performs, own, moves};
 }
 
+/// Without what was said about parts of other files.
+CastRequest plain(CastRequest request) {
+  request.reading.expressions.clear();
+  request.reading.hidden.clear();
+  request.reading.map.clear();
+  const MotionOptions usual;
+  request.performing.clip.clear();
+  request.performing.rest.clear();
+  request.performing.sender.clear();
+  request.performing.inject.clear();
+  request.performing.smooth = usual.smooth;
+  request.performing.smoothGiven = false;
+  return request;
+}
+
+/// The options that one request has and the other does not.
+std::vector<std::string> leftOut(const CastRequest& wanted, const CastRequest& made) {
+  const CharacterOptions &a = wanted.reading, &b = made.reading;
+  const MotionOptions &c = wanted.performing, &d = made.performing;
+  std::vector<std::string> names;
+  for (const auto& [differs, name] :
+       {std::pair(a.expressions != b.expressions, "--expression"), std::pair(a.hidden != b.hidden, "--hide"),
+        std::pair(a.map != b.map, "--map"), std::pair(c.clip != d.clip, "--clip"),
+        std::pair(c.rest != d.rest, "--rest"), std::pair(c.sender != d.sender, "--sender"),
+        std::pair(c.inject != d.inject, "--inject"), std::pair(c.smooth != d.smooth, "--smooth")}) {
+    if (differs) names.emplace_back(name);
+  }
+  return names;
+}
+
 }  // namespace
 
 WindowOpener::WindowOpener(const Cast& present, Host& host, std::string whyNot)
@@ -109,8 +135,12 @@ WindowOpener::WindowOpener(const Cast& present, Host& host, std::string whyNot)
   remember(present);
 }
 
-WindowOpener::WindowOpener(CastRequest present, Host& host)
-    : present_(std::move(present)), host_(host), motions_(shippedMotions()) {}
+WindowOpener::WindowOpener(CastRequest present, Host& host, std::string whyNot, Loader load)
+    : present_(std::move(present)),
+      host_(host),
+      whyNot_(std::move(whyNot)),
+      load_(std::move(load)),
+      motions_(shippedMotions()) {}
 
 WindowOpener::~WindowOpener() {
   giveUp();
@@ -151,6 +181,12 @@ Result<WindowOpener::Others> WindowOpener::open(const std::vector<std::string>& 
   if (!kinds.characters.empty()) {
     attempts = attemptsWith(kinds.characters.front(), !kinds.motions.empty(), request);
   }
+  for (std::size_t i = 0; i < attempts.size(); i += 2) attempts.insert(attempts.begin() + i + 1, plain(attempts[i]));
+  attempts.erase(std::unique(attempts.begin(), attempts.end(),
+                             [](const CastRequest& a, const CastRequest& b) {
+                               return a.motion == b.motion && a.character == b.character && leftOut(a, b).empty();
+                             }),
+                 attempts.end());
   std::vector<std::string> opened;
   std::copy_if(files.begin(), files.end(), std::back_inserter(opened), [&](const std::string& file) {
     return std::find(others.files.begin(), others.files.end(), file) == others.files.end();
@@ -184,8 +220,9 @@ Result<void> WindowOpener::openPerson(int index) {
 void WindowOpener::load(std::vector<CastRequest> attempts, std::vector<std::string> files) {
   asked_ = std::move(files);
   giveUp();
+  wanted_ = attempts.front();
   loading_ = std::make_unique<BackgroundWork<Cast>>(
-      host_, [attempts = std::move(attempts)](Host& host) { return prepareSettledCast(attempts, host); });
+      host_, [attempts = std::move(attempts), load = load_](Host& host) { return load(attempts, host); });
 }
 
 void WindowOpener::cancel() {
@@ -205,15 +242,39 @@ std::optional<Result<Cast>> WindowOpener::take() {
   if (!result) return result;
   loading_.reset();
   if (*result) {
+    if (const std::vector<std::string> names = leftOut(wanted_, (*result)->request); !names.empty()) {
+      host_.warn(fmt::format("{} {} not fit what was opened and {} left out", listed(names),
+                             names.size() == 1 ? "does" : "do", names.size() == 1 ? "is" : "are"));
+    }
     remember(**result);
     opened_.insert(opened_.end(), asked_.begin(), asked_.end());
   }
   return result;
 }
 
+void WindowOpener::list(const std::vector<std::string>& recent) {
+  characters_.clear();
+  recent_.clear();
+  for (const std::string& file : recent) (isCharacter(file) ? characters_ : recent_).push_back(file);
+  // A character's own file may be the motion.
+  const std::string shown = !present_.character.empty()    ? present_.character
+                            : isCharacter(present_.motion) ? present_.motion
+                                                           : kMannequin;
+  for (const std::string& one : {shown, std::string(kMannequin)}) {
+    const bool known = std::find(characters_.begin(), characters_.end(), one) != characters_.end();
+    if (!known && isCharacter(one)) characters_.push_back(one);
+  }
+  const auto found = std::find(characters_.begin(), characters_.end(), shown);
+  character_ = found == characters_.end() ? -1 : found - characters_.begin();
+}
+
 void WindowOpener::describe(WindowValues& values) {
   values.hint = hint();
   if (whyNot_.empty()) {
+    values.opens = true;
+    values.recent = recent_;
+    values.characters = characters_;
+    values.character = character_;
     values.motions = motions_;
     const auto present = std::find(motions_.begin(), motions_.end(), present_.motion);
     values.motion = present == motions_.end() ? -1 : present - motions_.begin();

@@ -4,6 +4,7 @@
 #include "prepare/cast.h"
 #include "viewer/renderer/window_values.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,8 +18,10 @@ class WindowOpener {
  public:
   /// @param whyNot  nothing can be opened; empty = it can
   WindowOpener(const Cast& present, Host& host, std::string whyNot);
+  /// Prepares the first of several requests that can be prepared.
+  using Loader = std::function<Result<Cast>(const std::vector<CastRequest>&, Host&)>;
   /// @param present  what the first files are combined with
-  WindowOpener(CastRequest present, Host& host);
+  WindowOpener(CastRequest present, Host& host, std::string whyNot = {}, Loader load = prepareSettledCast);
   /// What loads is given up, and so it is by cancel() and by the next files.
   ~WindowOpener();
 
@@ -44,6 +47,8 @@ class WindowOpener {
   [[nodiscard]] std::string_view hint() const;
   /// The files that were opened since the start or could have been, see Others; the last one last.
   [[nodiscard]] const std::vector<std::string>& opened() const { return opened_; }
+  /// The files that were opened, now and in earlier runs, the last one first: the lists that describe() gives.
+  void list(const std::vector<std::string>& recent);
   /// What is loaded and how far it is, for the window.
   void describe(WindowValues& values);
   /// The result, once; none while it loads.
@@ -55,13 +60,17 @@ class WindowOpener {
   void load(std::vector<CastRequest> attempts, std::vector<std::string> files);
 
   CastRequest present_;
+  CastRequest wanted_;  // what loads, with all its options
   CastChoices choices_;
   Host& host_;
   std::string whyNot_;
+  Loader load_ = prepareSettledCast;
   std::unique_ptr<BackgroundWork<Cast>> loading_;
-  MonitoredHost::Progress progress_;  // for the window
-  std::vector<std::string> motions_;  // that ship
-  std::vector<std::string> asked_;    // files that are loading
+  MonitoredHost::Progress progress_;              // for the window
+  std::vector<std::string> motions_;              // that ship
+  std::vector<std::string> characters_, recent_;  // to be opened again
+  int character_ = -1;                            // the present one of characters_
+  std::vector<std::string> asked_;                // files that are loading
   std::vector<std::string> opened_;
   bool dropped_ = false;    // something was
   bool cancelled_ = false;  // what was loading, since the last take()

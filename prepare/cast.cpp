@@ -110,6 +110,10 @@ AvatarRecord recordOf(const std::string& file, const CastRequest& request, const
 
 Result<std::shared_ptr<SessionRecorder>> startRecorder(const std::string& file, const Cast& cast, Host& host) {
   if (file.empty()) return std::shared_ptr<SessionRecorder>();
+  if (const std::vector<std::string>& meshes = cast.request.meshes; !meshes.empty()) {
+    return invalidArgument("{}: a session holds no props that were dropped; expected {} in a scene", file,
+                           meshes.front());
+  }
   const std::string& scene = cast.request.scene;
   LORICA_TRY(const SceneText text, readSceneText(scene, host));
   SessionHeader header;

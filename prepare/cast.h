@@ -91,6 +91,7 @@ struct Cast {
   std::string name = {};         ///< "walk and wave"
   double seconds = 0.0;          ///< of the longest motion; 0 = live
   std::vector<Prop> added = {};  ///< of the request's meshes, which are in `world` already
+  double propScale = 1.0;        ///< of the boxes and balls of the demo
   CastChoices choices = {};
 };
 
@@ -100,8 +101,13 @@ inline constexpr std::size_t kMaxCast = 64;
 /// The parts of a text between commas; a file whose name has commas is one.
 [[nodiscard]] std::vector<std::string> namesIn(const std::string& text);
 
+/// An avatar whose body is not decomposed yet. @param given  its motion; none = the one that the setting names
+[[nodiscard]] Result<PreparedAvatar> readAvatar(const CastRequest& request, const AvatarSetting& setting,
+                                                std::optional<Motion> given, Host& host);
+
 /// Reads the avatars that the request names, one for each motion ("walk,wave"), next to each other, 1.2 m apart, all
-/// with one character or each with its own; else those of the scene. Opens the scene and decomposes the bodies.
+/// with one character or each with its own; else those of the scene. Opens the scene and decomposes the bodies. In the
+/// place of the motion may be a scene, too, or a mesh that becomes a prop.
 [[nodiscard]] Result<Cast> prepareCast(const CastRequest& request, Host& host);
 
 /// prepareCast(), and sand and water settle as in the first step of the session.

@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lorica {
 namespace {
 
 constexpr double kRate = 30.0;  // of the shipped recordings [1/s]
 constexpr double kFadeSeconds = 0.4;
+constexpr double kUsualHeight = 1.75;  // of the person whom the boxes and balls suit [m]
 
 struct Piece {
   const char* recording;
@@ -92,21 +94,24 @@ Result<Motion> makeDemoMotion(Host& host) {
 
 Result<DemoCast> prepareDemo(const std::string& character, Host& host) {
   LORICA_TRY(Motion motion, makeDemoMotion(host));
-  CharacterOptions reading;
-  reading.drawn = true;
-  reading.suits = followsPerson;
-  LORICA_TRY(Subject subject, readCharacter(character, reading, host));
-  LORICA_TRY(CachedDecomposition body, defaultDecomposition(subject, host));
-  PreparedAvatar avatar;
-  avatar.source = motion.name;
-  avatar.springs = chooseSprings(subject, {});
-  avatar.subject = std::move(subject);
-  avatar.body = std::move(body.file);
-  Cast cast{CastRequest(), makeDemoWorld(kDemoSeed)};
-  cast.name = motion.name;
-  cast.seconds = motion.seconds();
-  avatar.motion = std::move(motion);
-  cast.avatars.push_back(std::move(avatar));
+  CastRequest request;
+  request.reading.drawn = true;
+  AvatarSetting setting;
+  setting.character = character;
+  Result<PreparedAvatar> avatar = readAvatar(request, setting, std::move(motion), host);
+  if (!avatar && avatar.error().code == ErrorCode::kInvalidArgument) {  // no humanoid: its own clip, or it stands
+    if (Result<PreparedAvatar> own = readAvatar(request, setting, {}, host)) avatar = std::move(own);
+  }
+  if (!avatar) return avatar.error();
+  LORICA_TRY(CachedDecomposition body, defaultDecomposition(avatar->subject, host));
+  avatar->springs = chooseSprings(avatar->subject, {});
+  avatar->body = std::move(body.file);
+  const double scale = character == "mannequin" ? 1.0 : avatar->character().height / kUsualHeight;
+  Cast cast{std::move(request), makeDemoWorldUnder(World::Settings().gravity, kDemoSeed, scale)};
+  cast.propScale = scale;
+  cast.name = avatar->source;
+  cast.seconds = avatar->motion->seconds();
+  cast.avatars.push_back(std::move(*avatar));
   cast.sources = motionSources();
   return DemoCast{std::move(cast), body.fromCache, body.seconds};
 }

@@ -9,7 +9,7 @@ namespace lorica {
 /// @return joints named "kick and walk", or an error if a shipped recording cannot be read
 [[nodiscard]] Result<Motion> makeDemoMotion(Host& host);
 
-/// The demo: a humanoid, that motion, boxes and balls.
+/// The demo: a humanoid, that motion, boxes and balls. Another character performs its own clip, or stands.
 struct DemoCast {
   Cast cast;
   bool fromCache = false;  ///< the decomposition

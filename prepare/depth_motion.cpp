@@ -11,12 +11,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -45,19 +42,20 @@ std::vector<std::string> guessOf(const DepthSight& sight) {
                   height, down < 0.0 ? "up" : "down", std::abs(down))};
 }
 
-}  // namespace
-
-bool isDepthRecording(const std::filesystem::path& file) {
-  if (lowerCase(file.extension().string()) == ".oni") return true;
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) return false;  // reading from a pipe would consume its data
-  std::ifstream stream(file, std::ios::binary);
-  std::array<char, 4> begin{};
-  return stream.read(begin.data(), begin.size()) && std::string_view(begin.data(), begin.size()) == "NI10";
+/// The whole frames of a recording. Says if it was truncated.
+Result<std::unique_ptr<OniSource>> openWhole(const std::filesystem::path& file, Host& host) {
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  if (depth->info().cutOff) {
+    host.warn(fmt::format("{}: the recording is truncated; found {} that {} whole", file.string(),
+                          counted(depth->info().frameCount, "frame"), depth->info().frameCount == 1 ? "is" : "are"));
+  }
+  return depth;
 }
 
+}  // namespace
+
 Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options, Host& host) {
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
 
@@ -65,6 +63,7 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   Motion motion;
   motion.name = file.stem().string();
   motion.format = "OpenNI depth recording";
+  motion.depth = RecordedDepth{file};
   motion.joints.reserve(frames);
   Task task(host, "Tracking " + motion.name, "frames");
   int followed = 0;
@@ -74,6 +73,7 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
     LORICA_TRY(const std::optional<SkeletonFrame> joints, people.next());
     if (!joints.has_value()) break;
     motion.joints.push_back(*joints);
+    motion.depth->cameraFromWorld.push_back(people.sight().cameraFromWorld);
     followed += people.sight().followed ? 1 : 0;
     maxPeople = std::max(maxPeople, people.sight().people);
     task.update(countOf(motion.joints), frames);
@@ -106,12 +106,13 @@ Result<std::string> firstGuessOfDepth(const std::filesystem::path& file) {
 
 Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host) {
   constexpr int kPlaces = 6;  // as many as a tracker follows
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera(), {.maxPeople = kPlaces})));
   DepthJoints people(std::move(depth), std::move(tracker), PeoplePlaces(kPlaces));
   std::vector<Motion> motions(kPlaces);
   std::vector<std::string> guess;
+  RecordedDepth seen{file};
   Task task(host, "Tracking " + file.stem().string(), "frames");
   while (true) {
     if (task.cancelled()) return cancelled();
@@ -119,6 +120,7 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
     if (!joints.has_value()) break;
     for (std::size_t p = 0; p < motions.size(); ++p) motions[p].joints.push_back(people.sight().places[p]);
     guess = guessOf(people.sight());
+    seen.cameraFromWorld.push_back(people.sight().cameraFromWorld);
     task.update(countOf(motions.front().joints), frames);
   }
   std::erase_if(motions, [](const Motion& motion) {
@@ -131,13 +133,14 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   for (std::size_t p = 0; p < motions.size(); ++p) {
     motions[p].name = fmt::format("{}: person {}", file.stem().string(), p + 1);
     motions[p].format = "OpenNI depth recording";
+    motions[p].depth = seen;
     motions[p].firstGuess = firstGuessOf(guess, motions[p]);
   }
   return motions;
 }
 
 Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base, Host& host) {
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
   const int frames = depth->info().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
   Task task(host, "Tracking " + file.stem().string(), "frames");

@@ -7,9 +7,6 @@
 
 namespace lorica {
 
-/// Decides by the file extension or by the first bytes.
-[[nodiscard]] bool isDepthRecording(const std::filesystem::path& file);
-
 /// Tracks a person in a depth recording (.oni) and reports how far that is. Every frame is used once, in order; the
 /// result is deterministic. All joints are unknown in frames without a person.
 /// @return the motion, an error about the file, or kCancelled

@@ -3,28 +3,28 @@
 #include "acd/hull_budget.h"
 #include "acd/transfer.h"
 #include "geometry/errors.h"
+#include "geometry/parallel_progress.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <utility>
 
 namespace lorica {
 
-HullExport exportHulls(const Decomposition& decomposition, std::span<const Vec3> vertices, int maxVertices,
-                       int threads) {
+std::vector<ConvexHull> hullsIn(const Decomposition& decomposition, std::span<const Vec3> vertices) {
   std::vector<Vec3> points(decomposition.pointCount());
   transfer(decomposition, vertices, points);
-  const std::vector<ConvexHull> hulls = partHulls(decomposition, points);
+  return partHulls(decomposition, points);
+}
+
+HullExport exportHulls(std::span<const ConvexHull> hulls, int maxVertices, int threads,
+                       const std::function<bool(int done, int hulls)>& progress) {
   std::vector<BudgetedHull> exported(hulls.size());
-  tbb::task_arena(threads).execute([&] {
-    tbb::parallel_for(std::size_t{0}, hulls.size(), [&](std::size_t i) {
-      const ConvexHull& hull = hulls[i];
-      exported[i] = maxVertices > 0 ? simplifyHull(hull, maxVertices)
-                                    : BudgetedHull{{hull.vertices, hull.triangles}, hull.volume, 1.0};
-    });
+  (void)inParallel(hulls.size(), threads, progress, [&](std::size_t i) {
+    const ConvexHull& hull = hulls[i];
+    exported[i] = maxVertices > 0 ? simplifyHull(hull, maxVertices)
+                                  : BudgetedHull{{hull.vertices, hull.triangles}, hull.volume, 1.0};
   });
 
   HullExport result;

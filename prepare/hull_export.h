@@ -1,8 +1,10 @@
 #pragma once
 
 #include "acd/decomposition.h"
+#include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -17,10 +19,14 @@ struct HullExport {
   std::size_t maxVerticesBefore = 0;  ///< of a hull with all its vertices
 };
 
-/// @param vertices     of the mesh, in the pose to export
+/// The hulls of the parts. @param vertices  of the mesh, in the pose to export
+[[nodiscard]] std::vector<ConvexHull> hullsIn(const Decomposition& decomposition, std::span<const Vec3> vertices);
+
+/// @param hulls        one a part
 /// @param maxVertices  hulls with more vertices are replaced by larger ones, see simplifyHull(). 0 = no limit
-[[nodiscard]] HullExport exportHulls(const Decomposition& decomposition, std::span<const Vec3> vertices,
-                                     int maxVertices, int threads);
+/// @param progress     if it returns false, the rest is empty
+[[nodiscard]] HullExport exportHulls(std::span<const ConvexHull> hulls, int maxVertices, int threads,
+                                     const std::function<bool(int done, int hulls)>& progress = {});
 
 /// Checks that vertices are inside a hull, or at most 1e-6 of the hulls' diagonal outside.
 /// @param which  indices of the vertices to check

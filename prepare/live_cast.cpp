@@ -135,14 +135,17 @@ Result<void> checkLive(const LiveRequest& live, const Host& host) {
   return invalidArgument("--people, --vmc: found {}, expected at most {}", live.avatars(), kMaxPeople);
 }
 
-Result<LiveCast> prepareLiveCast(const CastRequest& request, const LiveRequest& live, Host& host) {
+Result<LiveCast> prepareLiveCast(const CastRequest& request, const LiveRequest& live, Host& host,
+                                 std::shared_ptr<LiveSources> sources) {
   LORICA_TRY(World world, openSceneForPeople(request.scene, host));
   LORICA_TRY(std::vector<PreparedAvatar> avatars, readFollowers(request, live, host));
   // The source is opened last, because it runs while the rest is prepared. A driver may take as long as it likes.
-  LORICA_TRY(std::shared_ptr<LiveSources> sources,
-             !live.vmc.listenAt.empty() ? openStreams(live, host)
-                                        : runOrAbandon<std::shared_ptr<LiveSources>>(
-                                              "Opening the camera", host, [live] { return openPeople(live); }));
+  if (sources == nullptr) {
+    LORICA_TRY(sources, !live.vmc.listenAt.empty()
+                            ? openStreams(live, host)
+                            : runOrAbandon<std::shared_ptr<LiveSources>>("Opening the camera", host,
+                                                                         [live] { return openPeople(live); }));
+  }
   for (PreparedAvatar& avatar : avatars) avatar.source = sources->name;
   Cast cast{request, std::move(world), targetsOf(request.scene, host), std::move(avatars), sources, sources->name};
   return LiveCast{std::move(cast), std::move(sources)};

@@ -51,6 +51,8 @@ struct LiveCast {
 /// Reads the characters, in the order in which people appear; opens the scene, and the camera or the streams.
 /// The scene's own avatars stay away, with a warning.
 /// @param request  its motion is not used
-[[nodiscard]] Result<LiveCast> prepareLiveCast(const CastRequest& request, const LiveRequest& live, Host& host);
+/// @param sources  those of an earlier cast, which stay open; null = they are opened
+[[nodiscard]] Result<LiveCast> prepareLiveCast(const CastRequest& request, const LiveRequest& live, Host& host,
+                                               std::shared_ptr<LiveSources> sources = nullptr);
 
 }  // namespace lorica

@@ -58,7 +58,7 @@ Result<void> checkPerformed(const Character& character, const Motion& motion, co
     LORICA_TRY_DO(streamSourceOf(character, motion, settings));
     return {};
   }
-  Motion first{motion.name, {}, std::nullopt, std::nullopt, motion.fromCharacterFile, motion.format, {}};
+  Motion first{motion.name, {}, std::nullopt, std::nullopt, std::nullopt, motion.fromCharacterFile, motion.format, {}};
   if (motion.bones) {
     const std::span<const JointTransform> pose = motion.bones->pose(0);
     first.bones = SkeletalMotion{

@@ -4,12 +4,14 @@
 #include "capture/skeleton_frame.h"
 #include "capture/streams/packet_file.h"
 #include "geometry/counts.h"
+#include "geometry/math.h"
 #include "geometry/result.h"
 #include "session/pose_source.h"
 #include "session/treated_source.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,12 +26,19 @@ struct RecordedPackets {
   int steps = 0;  ///< of a session that follows it, pauses included
 };
 
+/// The depth recording that joints were tracked in.
+struct RecordedDepth {
+  std::filesystem::path file;
+  std::vector<Isometry3> cameraFromWorld = {};  ///< of each frame
+};
+
 /// A recorded motion before a character performs it: joints, or the motion of a skeleton of its own.
 struct Motion {
   std::string name;  ///< a file's stem or a shipped name; "hero: Run" for a clip
   std::vector<SkeletonFrame> joints;
   std::optional<SkeletalMotion> bones;          ///< if set, there are no joints
   std::optional<RecordedPackets> packets = {};  ///< if set, poses come from these; the bones are the sender's
+  std::optional<RecordedDepth> depth = {};      ///< if set, it has a frame for each frame of joints
   bool fromCharacterFile = false;       ///< the bones are those of a character; another one may use the same names
   std::string format;                   ///< "BVH", "joints (lorica)", "glTF 2.0"
   std::vector<std::string> notes;       ///< what was repaired or left out

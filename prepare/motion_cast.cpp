@@ -6,6 +6,7 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "prepare/cover_choice.h"
+#include "prepare/file_kinds.h"
 #include "prepare/scenes.h"
 #include "prepare/settling.h"
 #include "skinning/look/avatar.h"
@@ -22,7 +23,7 @@ namespace {
 constexpr double kReading = 0.4;  // of the work of preparing avatars; the rest decomposes them
 constexpr double kSpacing = 1.2;  // between avatars that stand next to each other [m]
 constexpr std::size_t kMaxClipsNamed = 6;
-constexpr double kStanding = 2.0;  // of a character without clips [s]
+constexpr int kStandingFrames = 120;  // of a character without clips
 
 /// What an avatar is to perform.
 struct Role {
@@ -116,8 +117,11 @@ Result<PreparedAvatar> readCharacterFor(const CastRequest& request, const Avatar
 /// Standing in the bind pose.
 SkeletalMotion standing(const Skeleton& skeleton) {
   const Pose rest = restPose(skeleton);
-  SkeletalMotion motion{"standing", skeleton, {0.0, kStanding}, rest};
-  motion.poses.insert(motion.poses.end(), rest.begin(), rest.end());
+  SkeletalMotion motion{"standing", skeleton, {}, {}};
+  for (int f = 0; f < kStandingFrames; ++f) {
+    motion.times.push_back(f / kClipRate);
+    motion.poses.insert(motion.poses.end(), rest.begin(), rest.end());
+  }
   return motion;
 }
 
@@ -180,38 +184,15 @@ Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const 
   return readCharacterFor(request, setting, std::move(motion), host);
 }
 
-/// Reads the motion and the character of a role, and checks that they go together.
-Result<PreparedAvatar> readRole(const CastRequest& request, Role& role, Host& host) {
-  Result<PreparedAvatar> read = role.motion ? readCharacterFor(request, role.setting, std::move(*role.motion), host)
-                                            : readMotionAndCharacter(request, role.setting, host);
-  if (!read) return Error{read.error().code, role.where + read.error().message};
-  PreparedAvatar& avatar = *read;
-  Motion& motion = *avatar.motion;
-  const double start = role.setting.start, seconds = motion.seconds();
-  if (start > seconds) {
-    return invalidArgument("{}start: found {} s, expected at most {:.2f} s, the duration of {}", role.where, start,
-                           seconds, motion.name);
-  }
-  if (start > 0.0) startAt(start, motion);
-  LORICA_TRY_DO(checkCover(request.body.cover, avatar.character()));
-  std::shared_ptr<const Avatar>& look = avatar.subject.character->avatar;
-  if (role.setting.color && look != nullptr) look = tinted(*look, *role.setting.color);
-  // Recorded sessions name the file that holds the character.
-  if (avatar.setting.character.empty() && avatar.subject.file) avatar.setting.character = role.setting.motion;
-  avatar.source = motion.name;
-  avatar.poses = motion.bones.has_value();
-  avatar.stream = motion.packets.has_value();
-  return read;
-}
-
 /// Reads everything that may be refused before any body is decomposed.
 Result<std::vector<PreparedAvatar>> readAvatars(const CastRequest& request, std::vector<Role> roles, Host& host) {
   std::vector<PreparedAvatar> avatars;
   const auto part = [&](std::size_t i) { return double(i) / double(roles.size()); };
   for (Role& role : roles) {
     const Stage stage(host, kReading * part(avatars.size()), kReading * part(avatars.size() + 1));
-    LORICA_TRY(PreparedAvatar avatar, readRole(request, role, host));
-    avatars.push_back(std::move(avatar));
+    Result<PreparedAvatar> avatar = readAvatar(request, role.setting, std::move(role.motion), host);
+    if (!avatar) return Error{avatar.error().code, role.where + avatar.error().message};
+    avatars.push_back(std::move(*avatar));
   }
   for (std::size_t i = 0; i < roles.size(); ++i) {
     PreparedAvatar& avatar = avatars[i];
@@ -292,6 +273,21 @@ Isometry3 poseOfDropped(int index, const Prop& prop) {
       Eigen::Translation3d(kBetween * column, kAbove + prop.halfExtents.y(), kAhead + kBetween * (row + 1)));
 }
 
+/// A scene in the place of a motion is the scene; a mesh there becomes a prop, and the mannequin walks.
+/// @param remark  set to what was done; else it stays empty
+CastRequest withPlaces(CastRequest request, std::string& remark) {
+  const FileKind kind = kindOf(request.motion);
+  if (kind == FileKind::kScene && request.scene.empty()) request.scene = std::exchange(request.motion, "");
+  if (kind == FileKind::kMesh) {
+    remark = request.motion + ": is a mesh, so it is a prop";
+    request.meshes.push_back(std::exchange(request.motion, ""));
+    if (request.character.empty()) request.character = "mannequin";
+  }
+  if (request.motion == "mannequin" && request.character.empty()) request.character = std::exchange(request.motion, "");
+  if (request.motion.empty() && request.character == "mannequin") request.motion = "walk";
+  return request;
+}
+
 /// Lets sand and water settle around the avatars' first poses, as the first step of the session would.
 Result<void> settle(Cast& cast, Host& host) {
   if (!mustSettle(cast.world)) return {};
@@ -311,11 +307,35 @@ Result<void> settle(Cast& cast, Host& host) {
 
 }  // namespace
 
+Result<PreparedAvatar> readAvatar(const CastRequest& request, const AvatarSetting& setting, std::optional<Motion> given,
+                                  Host& host) {
+  LORICA_TRY(PreparedAvatar avatar, given ? readCharacterFor(request, setting, std::move(*given), host)
+                                          : readMotionAndCharacter(request, setting, host));
+  Motion& motion = *avatar.motion;
+  const double start = setting.start, seconds = motion.seconds();
+  if (start > seconds) {
+    return invalidArgument("start: found {} s, expected at most {:.2f} s, the duration of {}", start, seconds,
+                           motion.name);
+  }
+  if (start > 0.0) startAt(start, motion);
+  LORICA_TRY_DO(checkCover(request.body.cover, avatar.character()));
+  std::shared_ptr<const Avatar>& look = avatar.subject.character->avatar;
+  if (setting.color && look != nullptr) look = tinted(*look, *setting.color);
+  // Recorded sessions name the file that holds the character.
+  if (avatar.setting.character.empty() && avatar.subject.file) avatar.setting.character = setting.motion;
+  avatar.source = motion.name;
+  avatar.poses = motion.bones.has_value();
+  avatar.stream = motion.packets.has_value();
+  return avatar;
+}
+
 std::shared_ptr<CastSources> motionSources() {
   return std::make_shared<MotionSources>();
 }
 
-Result<Cast> prepareCast(const CastRequest& request, Host& host) {
+Result<Cast> prepareCast(const CastRequest& asked, Host& host) {
+  std::string remark;
+  const CastRequest request = withPlaces(asked, remark);
   LORICA_TRY(OpenedScene scene, openStage(request.scene, host));
   const bool staged = !scene.stage.empty() && request.motion.empty() && request.character.empty();
   LORICA_TRY(std::vector<Role> roles, staged ? rolesOfStage(scene.stage, request.scene)
@@ -332,6 +352,7 @@ Result<Cast> prepareCast(const CastRequest& request, Host& host) {
     cast.added.push_back(std::move(prop));
   }
   addProps(cast.added, cast.world);
+  if (!remark.empty()) cast.avatars.front().motion->notes.push_back(remark);
   cast.sources = motionSources();
   std::vector<std::string> names;
   for (const PreparedAvatar& avatar : cast.avatars) {

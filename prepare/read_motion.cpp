@@ -26,11 +26,7 @@ namespace {
 namespace fs = std::filesystem;
 
 bool isBvh(const fs::path& file) {
-  return lowerCase(file.extension().string()) == ".bvh";
-}
-
-bool isSessionFile(const fs::path& file) {
-  return lowerCase(file.extension().string()) == ".lsession";
+  return kindOf(file) == FileKind::kBvh;
 }
 
 /// Rejects an option that would have no effect on this kind of file.
@@ -44,7 +40,9 @@ Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
   JointStreamSettings settings;
   if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
   if (options.person > 0) settings.person = options.person;
-  LORICA_TRY(JointStream stream, readJointStream(file, settings));
+  Result<JointStream> read = readJointStream(file, settings);
+  if (!read) return read.error().code == ErrorCode::kUnsupported ? withWhatOpens(read.error()) : read.error();
+  JointStream& stream = *read;
   Motion motion;
   motion.name = file.stem().string();
   motion.joints = std::move(stream.frames);
@@ -88,16 +86,18 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options, con
 /// Rejects options that are for other motions than packets or a session.
 Result<void> refuseReadingOptions(const fs::path& file, const MotionOptions& options) {
   LORICA_TRY_DO(refuse(!options.format.empty(), "--format", file.string(), "recorded joints"));
-  LORICA_TRY_DO(
-      refuse(options.person > 0 && !isSessionFile(file), "--person", file.string(), "recorded joints or sessions"));
+  LORICA_TRY_DO(refuse(options.person > 0 && kindOf(file) != FileKind::kSession, "--person", file.string(),
+                       "recorded joints or sessions"));
   return refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips");
 }
 
 Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options, Host& host) {
-  const bool packets = isPacketFile(file);
+  const FileKind kind = kindOf(file);
+  const bool packets = kind == FileKind::kPackets;
   LORICA_TRY_DO(refuse(!options.sender.empty() && !packets, "--sender", file.string(), "VMC packets"));
-  LORICA_TRY_DO(refuse(!options.rest.empty() && !isBvh(file), "--rest", file.string(), "the rotations of a BVH file"));
-  if (packets || isSessionFile(file)) {
+  LORICA_TRY_DO(
+      refuse(!options.rest.empty() && kind != FileKind::kBvh, "--rest", file.string(), "the rotations of a BVH file"));
+  if (packets || kind == FileKind::kSession) {
     LORICA_TRY_DO(refuseReadingOptions(file, options));
     if (!packets) return readSessionMotion(file, options.person, host);
     LORICA_TRY(Motion motion, readPacketMotion(file, options, host));
@@ -107,12 +107,13 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
         motion);
     return motion;
   }
-  if (isDepthRecording(file)) {
+  if (kind == FileKind::kDepth) {
     LORICA_TRY_DO(refuse(!options.format.empty(), "--format", file.string(), "recorded joints"));
     LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "character files with several clips"));
     return readDepthMotion(file, options, host);
   }
-  return isBvh(file) || isCharacterFile(file) ? readBones(file, options, host) : readJoints(file, options);
+  const bool bones = kind == FileKind::kBvh || kind == FileKind::kCharacter;
+  return bones ? readBones(file, options, host) : readJoints(file, options);
 }
 
 /// The file of a shipped recording; empty if there is none.
@@ -186,7 +187,13 @@ namespace {
 Result<fs::path> motionFile(const std::string& pathOrName) {
   if (!isBareName(pathOrName)) {
     LORICA_TRY_DO(refuseOtherKinds(pathOrName));
-    return fs::path(pathOrName);
+    const FileKind kind = kindOf(pathOrName);
+    const bool shape = kind == FileKind::kMesh || kind == FileKind::kDecomposition;
+    if (!shape && kind != FileKind::kScene) return fs::path(pathOrName);
+    return invalidArgument("{}: found a {}, expected a motion", pathOrName,
+                           kind == FileKind::kMesh    ? "mesh"
+                           : kind == FileKind::kScene ? "scene"
+                                                      : "decomposition");
   }
   LORICA_TRY(const fs::path folder, recordingsFolder());
   const fs::path file = shippedRecording(folder, pathOrName);
@@ -213,11 +220,12 @@ Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& op
 
 Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const MotionOptions& options, Host& host) {
   LORICA_TRY(const fs::path file, motionFile(pathOrName));
-  if (isBvh(file) || isCharacterFile(file) || isSessionFile(file) || isPacketFile(file)) {
+  const FileKind kind = kindOf(file);
+  if (kind != FileKind::kDepth && kind != FileKind::kJoints && kind != FileKind::kUnknown) {
     return refuse(true, "--person", file.string(), "recorded joints").error();
   }
   LORICA_TRY_DO(refuse(!options.clip.empty(), "--clip", file.string(), "clips of skeletons"));
-  if (isDepthRecording(file)) return readDepthMotionOfAll(file, host);
+  if (kind == FileKind::kDepth) return readDepthMotionOfAll(file, host);
   JointStreamSettings settings;
   if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
   LORICA_TRY(std::vector<JointStream> streams, readJointStreamOfAll(file, settings));

@@ -5,6 +5,7 @@
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "prepare/body.h"
+#include "prepare/file_kinds.h"
 #include "prepare/read_motion.h"
 #include "session/scenes/demo_scene.h"
 #include "session/scenes/scene_file.h"
@@ -59,6 +60,7 @@ Result<SceneText> readSceneText(const std::string& scene, const Host& host) {
           scene, shippedNames(file.parent_path(), ".json"));
     }
   }
+  LORICA_TRY_DO(refuseOtherKinds(file));
   LORICA_TRY(std::string text, readFile(file));
   return SceneText{std::move(text), file.parent_path(), host.paths};
 }
@@ -121,6 +123,7 @@ Result<Prop> openMeshProp(const std::string& file, Host& host) {
   const double side = mesh.vertices.empty() ? 0.0 : box.sizes().maxCoeff();
   PropMeshRequest request{file};
   request.parts = kDroppedParts;
+  request.limited = false;
   if (side > 0.0 && (side < kShortestSide || side > kLongestSide)) request.scale = kScaledSide / side;
   Result<std::shared_ptr<const PropMeshShape>> shape = readPropMesh(request, decomposerOf(host));
   if (!shape && shape.error().code != ErrorCode::kCancelled) {
@@ -131,9 +134,9 @@ Result<Prop> openMeshProp(const std::string& file, Host& host) {
   return meshProp(std::move(*shape));
 }
 
-Result<World> openScene(const std::string& scene, double gravity, Host& host) {
+Result<World> openScene(const std::string& scene, double gravity, Host& host, double scale) {
   LORICA_TRY(const SceneText text, readSceneText(scene, host));
-  if (text.text.empty()) return makeDemoWorldUnder(gravity * World::Settings().gravity, kDemoSeed);
+  if (text.text.empty()) return makeDemoWorldUnder(gravity * World::Settings().gravity, kDemoSeed, scale);
   LORICA_TRY(SceneFile read, sceneOf(text, scene, host));
   read.world.gravity *= gravity;
   if (read.particles) read.particles->gravity *= gravity;

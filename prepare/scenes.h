@@ -16,7 +16,7 @@ namespace lorica {
 /// The world of a scene file or of a shipped scene, given by its name. Empty = the boxes and balls of the demo.
 /// @param gravity  times that of the scene
 /// @return the world, or an error about the file
-[[nodiscard]] Result<World> openScene(const std::string& scene, double gravity, Host& host);
+[[nodiscard]] Result<World> openScene(const std::string& scene, double gravity, Host& host, double scale = 1.0);
 
 /// The text of a scene file.
 struct SceneText {

@@ -5,6 +5,7 @@
 #include "prepare/body.h"
 #include "prepare/body_cache.h"
 #include "prepare/expressions.h"
+#include "prepare/file_kinds.h"
 #include "prepare/mesh_subject.h"
 #include "prepare/read_motion.h"
 #include "skinning/import/bone_map.h"
@@ -125,6 +126,7 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
         "(.glb, .gltf, .vrm, .fbx, .dae) or {}",
         input, kMannequin);
   }
+  LORICA_TRY_DO(refuseOtherKinds(input));
   if (isCharacterFile(input)) return readCharacterSubject(input, options, host);
   LORICA_TRY_DO(refuseFileOptions(input, options));
   LORICA_TRY(TriMesh mesh, readMesh(input));
@@ -140,6 +142,7 @@ Result<void> followsPerson(const CharacterFile& file) {
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host) {
   if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
+    LORICA_TRY_DO(refuseOtherKinds(nameOrFile));
     if (std::error_code ignored; fs::exists(nameOrFile, ignored)) {
       return invalidArgument("{}: is {}, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)", nameOrFile,
                              readMesh(nameOrFile).ok() ? "a mesh without bones" : "no character file", kMannequin);

@@ -64,10 +64,10 @@ int main(int argc, char** argv) {
 
   double volume = 0.0;
   for (const lorica::ConvexHull& hull : hulls) {
-    std::printf("part with %zu hull vertices, volume %.3f\n", hull.vertices.size(), hull.volume);
+    std::printf("part with %zu hull vertices, volume %.4g\n", hull.vertices.size(), hull.volume);
     volume += hull.volume;
   }
-  std::printf("%zu parts, volume %.3f\n", hulls.size(), volume);
+  std::printf("%zu parts, volume %.4g\n", hulls.size(), volume);
 
   if (argc > 3) {
     std::FILE* file = std::fopen(argv[3], "w");

@@ -290,16 +290,18 @@ const Layout& layoutOf(JointFormat format) {
 
 Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
   RowReader reader(text, file);
-  if (!reader.next()) return badFormat("{}: found an empty file, expected recorded joints", file);
+  if (!reader.next()) {
+    return unsupported("{}: found {}, expected recorded joints", file,
+                       text.find('#') == std::string_view::npos ? "an empty file" : "a text of remarks");
+  }
   if (reader.field(0).starts_with('{') && text.find("\"joint_positions\"") != std::string_view::npos)
     return JointFormat::kAzureJson;
   if (const std::optional<JointFormat> format = formatOfHeader(reader)) return *format;
   if (isBodyRow(reader)) return JointFormat::kKinect2Bodies;
 
-  std::vector<JointFormat> fitting, beginning, all;
+  std::vector<JointFormat> fitting, beginning;
   for (const Layout& layout : kLayouts) {
     const Fit fit = fitOf(layout, text, file);
-    all.push_back(layout.format);
     if (fit == Fit::kAll) fitting.push_back(layout.format);
     if (fit == Fit::kFirst) beginning.push_back(layout.format);
   }
@@ -307,10 +309,8 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
   // The file probably has a bad row: reading it in this format reports which one.
   if (fitting.empty() && beginning.size() == 1) return beginning.front();
   if (fitting.empty()) {
-    return badFormat(
-        "{}: found a first row of {} fields starting with {}, expected recorded joints in a known layout; if it is "
-        "one, specify it with --format: {}",
-        file, reader.count(), quotedWord(reader.field(0)), listed(all, " or "));
+    return unsupported("{}: found {} that begins with {}, expected recorded joints in a layout that Lorica knows", file,
+                       text.find('\0') == std::string_view::npos ? "a text" : "data", quotedWord(reader.field(0)));
   }
   return badFormat("{}: found rows that match {}, expected a single match; specify the layout with --format", file,
                    listed(fitting, " and "));

@@ -23,8 +23,8 @@ struct OniInfo {
   int infraredFrameCount = 0;  ///< not read
   double duration = 0.0;       ///< from the first depth frame to the last [s]
   bool mirrored = false;       ///< frames are mirrored in the file; read() returns them unmirrored
-  bool cutOff = false;         ///< the recorder was killed: the file has no end record, but its complete frames are
-                               ///< there
+  bool cutOff = false;         ///< the file has no end record, since its recorder was killed or it was truncated, but
+                               ///< its complete frames are there
   std::uint64_t end = 0;       ///< byte after the last record: the rest is padding
 };
 

@@ -101,11 +101,9 @@ class Walk {
     return {};
   }
 
-  /// Whether the recorder did not finish: it writes the frame count only at the end.
-  [[nodiscard]] bool unfinished() const { return depthNode_ && declaredFrames_ == kCountUnknown; }
-
+  /// The recorder was killed, or the file is not all of what it wrote: frames before that are whole.
   Result<void> cutOff(const std::string& found) {
-    if (!unfinished()) return bad(found, "more records up to an end record");
+    if (index_.frames.empty()) return bad(found, "more records up to an end record");
     index_.info.cutOff = true;
     ended_ = true;
     return {};
@@ -128,7 +126,7 @@ class Walk {
     OniFields header(whole.first(recordHeader_));
     const std::uint32_t magic = *header.take<std::uint32_t>();
     if (magic != kRecordMagic) {
-      if (magic == 0 && unfinished() && onlyZeros(at_, kPaddingLookedAt)) return cutOff("zeros");
+      if (magic == 0 && onlyZeros(at_, kPaddingLookedAt)) return cutOff("zeros");
       return bad(fmt::format("0x{:08x}", magic), "0x0052494e at the start of a record");
     }
     const std::uint32_t type = *header.take<std::uint32_t>();
@@ -222,7 +220,6 @@ class Walk {
 
     depthNode_ = node;
     declaredFrames_ = frames;
-    countMustEnd_ = type == kNodeAdded4;
     return located(depth_.setCodec(*codec));
   }
 
@@ -256,7 +253,7 @@ class Walk {
     if (type == kColor) ++index_.info.colorFrameCount;
     if (type == kInfrared) ++index_.info.infraredFrameCount;
     if (depthNode_ != node) return {};
-    const bool bounded = !unfinished() && latestUs_ != 0;
+    const bool bounded = declaredFrames_ != kCountUnknown && latestUs_ != 0;
     const std::uint64_t latestUs = bounded ? std::min(latestUs_, kLatestTimeUs) : kLatestTimeUs;
     return located(depth_.addFrame(fields, {at_ + recordHeader_ + bytes, payloadBytes}, latestUs));
   }
@@ -273,7 +270,6 @@ class Walk {
   }
 
   Result<OniIndex> finish() {
-    if (index_.info.cutOff && countMustEnd_) return bad("no end record", "one");
     if (!depthNode_) {
       return unsupported("{}: found no depth stream, expected one", name_);
     }
@@ -296,7 +292,6 @@ class Walk {
   std::map<std::uint32_t, Node> nodes_;
   std::optional<std::uint32_t> depthNode_;
   std::uint32_t declaredFrames_ = kCountUnknown;
-  bool countMustEnd_ = false;
   OniIndex index_;
   OniDepthStream depth_{index_};
 };

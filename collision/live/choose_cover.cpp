@@ -3,15 +3,11 @@
 #include "collision/live/attached_vertices.h"
 #include "geometry/convex_hull.h"
 #include "geometry/errors.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
+#include "geometry/parallel_progress.h"
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
-#include <mutex>
 #include <queue>
 #include <tuple>
 #include <utility>
@@ -404,31 +400,21 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
     bool held = true;
   };
   std::vector<Outcome> outcomes(partCount);
-  std::mutex progressMutex;
-  int done = 0;
-  std::atomic<bool> stopped = false;
-  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, partCount, [&](std::size_t i) {
-      if (stopped) return;
-      std::vector<PointIndex> candidates;
-      candidates.reserve(cover.points[i].size());
-      for (const CoverPoint& p : cover.points[i]) candidates.push_back(p.point);
-      if (candidates.size() > 4) {
-        PartCover part(candidates, lifted, sampled);
-        part.choose(settings.tolerance, atMost);
-        outcomes[i].held = part.grow(atMost);
-        outcomes[i].shortfall = part.shortfall();
-        outcomes[i].growth = part.longestPush();
-        if (outcomes[i].held) outcomes[i].heldOut = part.farthestOut(heldOut);
-        cover.points[i] = part.points();
-      }
-      const std::scoped_lock lock(progressMutex);
-      ++done;
-      if (settings.progress && !settings.progress(done, partCount)) stopped = true;
-    });
+  const bool finished = inParallel(partCount, settings.threads, settings.progress, [&](std::size_t i) {
+    std::vector<PointIndex> candidates;
+    candidates.reserve(cover.points[i].size());
+    for (const CoverPoint& p : cover.points[i]) candidates.push_back(p.point);
+    if (candidates.size() > 4) {
+      PartCover part(candidates, lifted, sampled);
+      part.choose(settings.tolerance, atMost);
+      outcomes[i].held = part.grow(atMost);
+      outcomes[i].shortfall = part.shortfall();
+      outcomes[i].growth = part.longestPush();
+      if (outcomes[i].held) outcomes[i].heldOut = part.farthestOut(heldOut);
+      cover.points[i] = part.points();
+    }
   });
-  if (stopped) return cancelled();
+  if (!finished) return cancelled();
   for (std::size_t i = 0; i < partCount; ++i) {
     if (!outcomes[i].held) {
       return invalidArgument(

@@ -58,11 +58,11 @@ Result<std::shared_ptr<const PropMeshShape>> readPropMesh(const PropMeshRequest&
   const std::string name = request.file.string();
   std::error_code error;
   const std::uintmax_t bytes = std::filesystem::file_size(request.file, error);
-  if (!error && bytes > kMaxPropMeshBytes) {
+  if (request.limited && !error && bytes > kMaxPropMeshBytes) {
     return badMesh("{}: {} bytes, expected at most {}", name, bytes, kMaxPropMeshBytes);
   }
   LORICA_TRY(const TriMesh read, readMesh(request.file, NamedBy::kFile));
-  if (read.vertices.size() > kMaxPropVertices) {
+  if (request.limited && read.vertices.size() > kMaxPropVertices) {
     return badMesh("{}: {} vertices, expected at most {}", name, read.vertices.size(), kMaxPropVertices);
   }
   LORICA_TRY(TriMesh mesh, inMetres(read, request));

@@ -32,6 +32,7 @@ struct PropMeshRequest {
   double scale = 1.0;          ///< metres per unit of the file
   Vec3 size = Vec3::Zero();    ///< sides of its bounding box [m], used instead of the scale; 0 = use the scale
   int parts = 1;               ///< 1 = convex hull of any mesh; more = maximum number of parts of a closed mesh
+  bool limited = true;         ///< to kMaxPropMeshBytes and kMaxPropVertices, since a scene file of others names it
 
   bool operator==(const PropMeshRequest&) const = default;
 };

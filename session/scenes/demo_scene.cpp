@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -21,7 +22,8 @@ double uniform(std::mt19937_64& random, double low, double high) {
 }
 
 /// Boxes stacked on the floor, each slightly rotated.
-void addTower(World& world, double x, double z, int count, const Vec3& halfExtents, std::mt19937_64& random) {
+void addTower(std::vector<Prop>& props, double x, double z, int count, const Vec3& halfExtents,
+              std::mt19937_64& random) {
   for (int i = 0; i < count; ++i) {
     Prop box;
     box.halfExtents = halfExtents;
@@ -29,7 +31,7 @@ void addTower(World& world, double x, double z, int count, const Vec3& halfExten
     box.color = kPalette[i % kPalette.size()];
     box.worldFromProp = Eigen::Translation3d(x, halfExtents.y() * (2 * i + 1), z) *
                         Eigen::AngleAxisd(uniform(random, -0.08, 0.08), Vec3::UnitY());
-    world.addProp(box);
+    props.push_back(box);
   }
 }
 
@@ -65,15 +67,22 @@ World makeDemoWorld(std::uint64_t seed) {
   return makeDemoWorldUnder(World::Settings().gravity, seed);
 }
 
-World makeDemoWorldUnder(const Vec3& gravity, std::uint64_t seed) {
+World makeDemoWorldUnder(const Vec3& gravity, std::uint64_t seed, double scale) {
   std::mt19937_64 random(seed);
   World::Settings settings;
   settings.gravity = gravity;
   settings.resolvesOverlaps = true;
   World world(settings);
-  addTower(world, 0.0, 0.60, 6, Vec3(0.14, 0.10, 0.10), random);   // in front: for kicks, punches and reaching
-  addTower(world, 0.60, 0.20, 4, Vec3(0.11, 0.11, 0.11), random);  // at the left: for hands moving down
-  for (int i = 0; i < 12; ++i) world.addProp(fallingProp(i, random));
+  std::vector<Prop> props;
+  addTower(props, 0.0, 0.60, 6, Vec3(0.14, 0.10, 0.10), random);   // in front: for kicks, punches and reaching
+  addTower(props, 0.60, 0.20, 4, Vec3(0.11, 0.11, 0.11), random);  // at the left: for hands moving down
+  for (int i = 0; i < 12; ++i) props.push_back(fallingProp(i, random));
+  for (Prop& prop : props) {
+    prop.worldFromProp.translation() *= scale;
+    prop.halfExtents *= scale;
+    prop.mass *= scale * scale * scale;
+    world.addProp(prop);
+  }
   return world;
 }
 

@@ -15,7 +15,8 @@ inline constexpr std::uint64_t kDemoSeed = 1;
 /// avatar are moved out of it, see World::Settings::resolvesOverlaps.
 /// @param seed  for positions, sizes, rotations and colours of the falling props; the same on all platforms
 [[nodiscard]] World makeDemoWorld(std::uint64_t seed);
-/// The same under another gravity [m/s^2].
-[[nodiscard]] World makeDemoWorldUnder(const Vec3& gravity, std::uint64_t seed);
+/// The same under another gravity [m/s^2], for a person of another size.
+/// @param scale  of sizes and positions
+[[nodiscard]] World makeDemoWorldUnder(const Vec3& gravity, std::uint64_t seed, double scale = 1.0);
 
 }  // namespace lorica

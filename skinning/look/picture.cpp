@@ -2,19 +2,14 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/parallel_progress.h"
 #include "geometry/work_budgets.h"
 #include "skinning/look/picture_formats.h"
 
 #include <fmt/format.h>
 
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
-#include <tbb/task_arena.h>
-
 #include <algorithm>
-#include <atomic>
 #include <cstdint>
-#include <mutex>
 #include <string_view>
 
 namespace lorica {
@@ -152,18 +147,9 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
                                stored + pixels, kMaxStoredTexels);
     }
   }
-  std::mutex progressMutex;
-  int done = 0;
-  std::atomic<bool> cancelled = false;
-  const auto decodeOne = [&](std::size_t i) {
-    if (cancelled) return;
+  (void)inParallel(pictures.size(), settings.threads, settings.progress, [&](std::size_t i) {
     if (beyond[i] == 0) decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {largestSide});
-    const std::scoped_lock lock(progressMutex);
-    ++done;
-    if (settings.progress && !settings.progress(done, countOf(pictures))) cancelled = true;
-  };
-  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  arena.execute([&] { tbb::parallel_for(std::size_t{0}, pictures.size(), decodeOne, tbb::simple_partitioner()); });
+  });
   return decoded;
 }
 

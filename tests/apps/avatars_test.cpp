@@ -28,7 +28,7 @@ TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
   nlohmann::json json;
   for (const char* threads : {"1", "2", "7"}) {
     const CommandResult played = runLorica({"play", "walk,jumping_jacks", "--frames", "60", "--decomposition", body,
-                                            "--threads", threads, "--record", session, "--json", "-"});
+                                            "--threads", threads, "--force", "--record", session, "--json", "-"});
     ASSERT_EQ(played.exitCode, 0) << played.err;
     json = played.json();
     hashes.insert(json["hash"]);
@@ -148,7 +148,7 @@ TEST(SeveralAvatars, OfARecordedSessionAreMotionsByNumber) {
   // What is written is read back as the motion of either.
   const auto converted = [&](const std::string& from, const std::vector<std::string>& more) {
     const std::string file = folder.path() / "out.csv";
-    std::vector<std::string> words = {"convert", from, file};
+    std::vector<std::string> words = {"convert", "--force", from, file};
     words.insert(words.end(), more.begin(), more.end());
     const CommandResult run = runLorica(words);
     EXPECT_EQ(run.exitCode, 0) << run.err;
@@ -291,7 +291,7 @@ TEST(SeveralAvatars, WhoLeavesFadesInThePictures) {
   const auto pictures = [&](const std::string& person) {
     const CommandResult taken = runLorica({"snapshot", file, "--person", person, "--at", "1.4,1.75,1.95", "--eye",
                                            "0,1.5,5", "--target", "0,1,0", "--show", "skin", "--size", "320x180",
-                                           "--decomposition", body, "-o", folder.path() / "at.png"});
+                                           "--decomposition", body, "--force", "-o", folder.path() / "at.png"});
     EXPECT_EQ(taken.exitCode, 0) << taken.err;
     std::vector<Image> images;
     for (const char* name : {"at_1.png", "at_2.png", "at_3.png"}) {

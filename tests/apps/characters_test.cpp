@@ -1,5 +1,6 @@
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
+#include "geometry/files.h"
 #include "tests/apps/mannequin_glb.h"
 #include "tests/apps/run_command.h"
 #include "tests/skinning/import/small_character.h"
@@ -7,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 
 namespace lorica::test {
@@ -147,7 +149,7 @@ TEST(Motions, OutputsThatWouldBeWrongAreRefusedAndNothingIsWritten) {
   const fs::path csv = studio().folder.write("mine.csv", "not joints");
   expectRefused({"convert", csv, csv}, {"overwritten"});
   expectRefused({"convert", "walk", "walk.txt"}, {".txt", ".csv", ".bvh"});
-  expectRefused({"convert", csv, "out.bvh"}, {"mine.csv", "--format"});
+  expectRefused({"convert", csv, "out.bvh"}, {"mine.csv", "Lorica opens"});
   EXPECT_FALSE(fs::exists(studio().folder.path() / "out.bvh"));
   expectRefused({"convert", studio().whole, "out.csv", "--person", "2"}, {"--person", "recorded joints"});
 }
@@ -171,10 +173,77 @@ TEST(Motions, EveryoneInADepthRecordingIsWrittenInTheCamerasFrame) {
   EXPECT_EQ(rows, frames);
   EXPECT_GT(people, frames / 2);
   EXPECT_EQ(fs::file_size(base.string() + ".lab") % static_cast<std::uintmax_t>(frames), 0U);
-  EXPECT_FALSE(fs::exists(base.string() + ".csv"));
+  EXPECT_EQ(jsonOf({"info", base.string() + ".csv"})["frames"], frames);
   expectRefused({"convert", "walk", "out.csv", "--camera-frame"}, {"walk", "--camera-frame", ".oni"});
-  expectRefused({"convert", "wave_depth", "out.bvh", "--camera-frame"}, {"out.bvh", "--camera-frame", ".csv"});
-  expectRefused({"convert", "wave_depth", "out.csv", "--camera-frame", "--person", "2"}, {"everyone", "--person"});
+  EXPECT_FALSE(fs::exists(studio().folder.path() / "out.csv"));
+  expectRefused({"convert", "wave_depth", "out.bvh", "--person", "all"}, {"out.bvh", "everyone", "OUT.csv"});
+  expectRefused({"convert", "wave_depth", base.string() + ".bvh", "--camera-frame"}, {"everyone.cam.csv", "--force"});
+}
+
+TEST(Motions, EveryoneIsWrittenWithANumber) {
+  const fs::path two = studio().folder.path() / "two.csv", both = studio().folder.path() / "both.csv";
+  std::vector<SkeletonFrame> frames = readJointCsv(recordingsFolder() / "walk.csv").value();
+  frames.resize(40);
+  std::vector<SkeletonFrame> rows;
+  for (const SkeletonFrame& frame : frames) {
+    for (int user : {4, 9}) (rows.emplace_back(frame)).user = user;
+  }
+  ASSERT_TRUE(writeJointCsv(two, rows));
+  EXPECT_EQ(jsonOf({"convert", two, both, "--person", "all"})["frames"], 80);
+  const auto people = parseJointCsvOfAll(readFile(both).value(), "both.csv").value();
+  ASSERT_EQ(people.size(), 2u);
+  EXPECT_EQ(people[1].size(), 40u);
+  EXPECT_EQ(people[1].front().user, 2);
+}
+
+TEST(Outputs, WhatExistsIsKeptUnlessForced) {
+  // What a command writes, and the command.
+  const std::vector<std::pair<std::string, std::vector<std::string>>> commands = {
+      {"kept.csv", {"convert", "walk", "kept.csv"}},
+      {"kept.obj", {"decompose", "box.off", "--parts", "1", "--export-obj", "kept.obj"}},
+      {"kept.stl", {"export", "box.off", "kept.stl", "--parts", "1"}},
+      {"robot_meshes/box_hull_0.stl", {"export", "box.off", "robot.urdf", "--parts", "1"}},
+      {"kept.json", {"info", "walk", "--json", "kept.json"}},
+      {"kept.json", {"info", "mannequin", "--json", "kept.json"}},
+      {"kept.lsession", {"record", "kept.lsession", "walk", "--frames", "2"}},
+      {"kept.events", {"play", "walk", "--frames", "2", "--events", "kept.events"}},
+      {"kept.png", {"snapshot", "walk", "--frame", "0", "-o", "kept.png", "--size", "64x64"}},
+      {"pictures/frame_0002.png",
+       {"play", "walk", "--frames", "4", "--every", "2", "--snapshots", "pictures", "--size", "64x64"}},
+      {"shown/contact_sheet.png", {"demo", "--headless", "--seconds", "0.1", "--out", "shown"}},
+  };
+  (void)studio().folder.write("box.off",
+                              "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+  for (auto [name, command] : commands) {
+    fs::create_directories((studio().folder.path() / name).parent_path());
+    const fs::path file = studio().folder.write(name, "mine");
+    expectRefused(command, {name + " exists", "--force"});
+    EXPECT_EQ(readFile(file).value(), "mine") << name;
+    command.emplace_back("--force");
+    const CommandResult forced = studio().run(command);
+    if (forced.exitCode == 2 && forced.err.find("OSMesa") != std::string::npos) continue;
+    EXPECT_EQ(forced.exitCode, 0) << forced.err;
+    EXPECT_NE(readFile(file).value(), "mine") << name;
+  }
+}
+
+TEST(Outputs, AFolderMayHoldOtherFiles) {
+  const fs::path folder = studio().folder.path() / "others";
+  fs::create_directories(folder);
+  for (const char* name : {"notes.txt", "frame_0001.png", "frame_2.png"})
+    ASSERT_TRUE(writeFileAtomically(folder / name, "mine"));
+  for (const std::string& out : {folder.string(), std::string(".")}) {
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"play", "walk", "--frames", "4", "--every", "2", "--size", "64x64", "--snapshots"},
+          {"demo", "--headless", "--seconds", "0.1", "--out"}}) {
+      std::vector<std::string> words = command;
+      words.push_back(out);
+      const CommandResult run = studio().run(words);
+      EXPECT_EQ(run.exitCode, 0) << run.err;
+    }
+  }
+  for (const char* name : {"notes.txt", "frame_0001.png", "frame_2.png"})
+    EXPECT_EQ(readFile(folder / name).value(), "mine");
 }
 
 TEST(Motions, SmoothingSaysItsDelayAndIsForJointsOnly) {
@@ -210,12 +279,13 @@ TEST(Characters, AFileAloneIsOpenedAndWithoutClipsItWalksOrStands) {
   EXPECT_EQ(walking["character"], "hero");
   EXPECT_NE(walking["notes"].dump().find("hero.glb: has no clips, so it performs `walk`"), std::string::npos);
   const nlohmann::json standing = jsonOf({withoutClips(false)});
-  EXPECT_EQ(standing["frames"], 2);
+  EXPECT_EQ(standing["frames"], 120);
   EXPECT_NE(standing["notes"].dump().find("has no clips and is no humanoid, so it stands"), std::string::npos);
   const nlohmann::json demo =
       jsonOf({"demo", withoutClips(true), "--headless", "--seconds", "0.2", "--out", "pictures"});
   EXPECT_EQ(demo["character"], "hero");
-  expectRefused({"demo", withoutClips(false), "--headless"}, {"a person on box"});
+  EXPECT_EQ(jsonOf({"demo", withoutClips(false), "--headless", "--seconds", "0.2", "--out", "standing"})["recording"],
+            "box");
 }
 
 TEST(OpenFile, EveryKindIsPlayedReplayedOrDescribed) {
@@ -229,10 +299,43 @@ TEST(OpenFile, EveryKindIsPlayedReplayedOrDescribed) {
   const fs::path mesh =
       studio().folder.write("box.off", "OFF\n4 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
   EXPECT_EQ(jsonOf({mesh})["kind"], "mesh");
-  const fs::path picture = studio().folder.write("photo.csv", "\x89PNG\r\n\x1a\n");
-  for (const char* command : {"info", "play"})
-    expectRefused({command, picture}, {"found a PNG picture; Lorica opens "});
-  expectRefused({studio().folder.write("notes.md", "# Notes\n")}, {"found a text; Lorica opens "});
+  const nlohmann::json beside = jsonOf({"play", mesh, "--frames", "3"});
+  EXPECT_EQ(beside["recording"], "walk");
+  EXPECT_NE(beside["notes"].dump().find("box.off: is a mesh, so it is a prop"), std::string::npos);
+  expectRefused({"record", folder / "m.lsession", mesh}, {"m.lsession", "box.off in a scene"});
+  EXPECT_EQ(jsonOf({"info", scene})["avatars"][0]["motion"], "wave");
+  EXPECT_EQ(jsonOf({"replay", scene, "--frames", "3"})["recording"], "wave");
+  for (const char* name : {"mannequin", "walk"}) EXPECT_EQ(jsonOf({name, "--frames", "3"})["recording"], "walk");
+  expectRefused({folder / "nothing.glb"}, {"nothing.glb: cannot be read: No such file"});
+}
+
+TEST(OpenFile, WhatLoricaDoesNotOpenIsNamed) {
+  struct Other {
+    const char* name;
+    std::string content;
+    const char* found;
+  };
+  const Other others[] = {{"photo.csv", "\x89PNG\r\n\x1a\n", "a PNG picture"},
+                          {"photo.glb", "\x89PNG\r\n\x1a\n", "a PNG picture"},
+                          {"film.mp4",
+                           std::string("\0\0\0\x18"
+                                       "ftypmp42",
+                                       12),
+                           "a film (MP4)"},
+                          {"notes.md", "# Notes\n", "a text of remarks"},
+                          {"notes.csv", "shop,price\n", "a text that begins with 'shop'"},
+                          {"other.json", "{\"a\": 1}", "a text that begins with '{\"a\":'"},
+                          {"hero.dat", "glTF\2", "a character whose name does not end in .glb"},
+                          {"walk.txt", "HIERARCHY\n", "a motion whose name does not end in .bvh"}};
+  for (const Other& other : others) {
+    const fs::path file = studio().folder.write(other.name, other.content);
+    const std::vector<std::vector<std::string>> commands = {
+        {file}, {"info", file}, {"play", file}, {"replay", file}, {"demo", file, "--headless"}};
+    for (std::size_t i = 0; i < commands.size(); ++i) {
+      const bool asCharacter = i == 4 && std::string(other.name).find("photo") != 0;
+      if (!asCharacter) expectRefused(commands[i], {std::string("found ") + other.found, "Lorica opens characters"});
+    }
+  }
 }
 
 /// A shared character performs a shared BVH and recorded joints.

@@ -40,7 +40,7 @@ void expectSameJoints(const std::string& motion, bool torn, bool named, const st
   const TemporaryFolder folder;
   const std::string hero = folder.write("hero.glb", mannequinGlb(torn, named));
   for (const char* out : {"walk.glb", "walk.bvh"}) {
-    std::vector<std::string> arguments = {"convert", motion, at(folder, out), "--character", hero};
+    std::vector<std::string> arguments = {"convert", "--force", motion, at(folder, out), "--character", hero};
     arguments.insert(arguments.end(), options.begin(), options.end());
     arguments.insert(arguments.end(), {"--json", "-"});
     const CommandResult result = runLorica(arguments);
@@ -116,7 +116,7 @@ TEST(ConvertCharacter, WhatCannotBeIsRefusedInASentence) {
   expectRefused(folder, {"convert", "walk", "walk.bvh", "--map", "hero.json"}, {"--map", "--character"});
   expectRefused(folder, {"convert", "walk", "no/walk.glb", "--character", "hero.glb"}, {"no"});
   expectRefused(folder, {"convert", "wave_depth", "x.csv", "--camera-frame", "--character", "hero.glb"},
-                {"--camera-frame", "--character"});
+                {"x.csv", ".glb or .bvh"});
   // A mesh, and joints of nobody.
   GlbWriter box = smallCharacter();
   (void)folder.write("joints.glb", box.glb());

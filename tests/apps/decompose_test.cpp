@@ -76,7 +76,7 @@ TEST(Decompose, WhatIsWrittenIsNamed) {
   const nlohmann::json json = runLorica({"decompose", mesh, "-o", file, "--export-obj", hulls, "--json", "-"}).json();
   EXPECT_EQ(json["output"], file);
   EXPECT_EQ(json["exportObj"], hulls);
-  const CommandResult text = runLorica({"decompose", mesh, "-o", file, "--export-obj", hulls});
+  const CommandResult text = runLorica({"decompose", "--force", mesh, "-o", file, "--export-obj", hulls});
   EXPECT_NE(text.out.find(file), std::string::npos) << text.out;
   EXPECT_NE(text.out.find(hulls), std::string::npos) << text.out;
   const nlohmann::json neither = runLorica({"decompose", mesh, "--json", "-"}).json();
@@ -177,7 +177,7 @@ TEST(Decompose, OverlappingBoxesCountOnce) {
     const std::filesystem::path hulls = folder.path() / "hulls.obj";
     const std::filesystem::path file = writeObj(folder, "u.obj", mesh);
     const nlohmann::json json =
-        runLorica({"decompose", file, "--parts", "8", "--export-obj", hulls, "--json", "-"}).json();
+        runLorica({"decompose", "--force", file, "--parts", "8", "--export-obj", hulls, "--json", "-"}).json();
     EXPECT_NEAR(json["meshVolume"].get<double>(), volume, 1e-9);
     EXPECT_LE(json["score"].get<double>(), 1.0 + 1e-9);
     EXPECT_GE(json["error"].get<double>(), -1e-9);
@@ -313,7 +313,7 @@ TEST_P(DecomposeBenchmark, ReachesItsScoreAndCoversTheMesh) {
   const TemporaryFolder folder;
   const std::filesystem::path hulls = folder.path() / "hulls.obj";
   const CommandResult result =
-      runLorica({"decompose", file, "--parts", GetParam().parts, "--export-obj", hulls, "--json", "-"});
+      runLorica({"decompose", "--force", file, "--parts", GetParam().parts, "--export-obj", hulls, "--json", "-"});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["parts"], std::atoi(GetParam().parts));

@@ -23,7 +23,8 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
   const TemporaryFolder folder;
   const std::filesystem::path cache = folder.path() / "cache";
   const std::filesystem::path pictures = folder.path() / "pictures";
-  const std::vector<std::string> arguments = {"demo", "--headless", "--seconds", "1", "--out", pictures, "--json", "-"};
+  const std::vector<std::string> arguments = {"demo",  "--force", "--headless", "--seconds", "1",
+                                              "--out", pictures,  "--json",     "-"};
   const CommandSurroundings surroundings = {.folder = folder.path(), .cache = cache};
 
   const CommandResult first = runLorica(arguments, surroundings);

@@ -68,6 +68,13 @@ TEST(Export, EnginesLimitTheVertices) {
   ASSERT_EQ(unreal.exitCode, 0) << unreal.err;
   EXPECT_EQ(unreal.json()["maxVertices"], 32);
   EXPECT_NE(readFile(folder.path() / "h.glb").value().find("\"UCX_part_0\""), std::string::npos);
+  const auto most = [&](std::vector<std::string> given) {
+    given.insert(given.begin(), {"export", "ball.obj", "h.obj", "--parts", "1", "--force", "--json", "-"});
+    return runIn(folder, given).json()["maxVertices"];
+  };
+  EXPECT_EQ(most({}), 64);
+  EXPECT_EQ(most({"--engine", "godot"}), 64);
+  EXPECT_EQ(most({"--hull-vertices", "0"}), most({"--engine", "jolt", "--hull-vertices", "300"}));
 }
 
 TEST(Export, HullsOfAMomentHoldTheSkin) {
@@ -131,11 +138,13 @@ TEST(Export, WhatCannotBeIsRefusedInASentence) {
   expectRefused(folder, {"export", "mannequin", "h.stl", "--motion", "walk"}, {"--motion", "--at"});
   expectRefused(folder, {"export", "l.obj", "h.stl", "--mocap"}, {"--mocap", ".xml"});
   expectRefused(folder, {"export", "l.obj", "h.xml", "--khr"}, {"--khr", ".glb"});
+  expectRefused(folder, {"export", "l.obj", "h.xml", "--show-colliders"}, {"--show-colliders", ".glb"});
+  expectRefused(folder, {"export", "l.obj", "h.xml", "--hull-vertices", "3"}, {"--hull-vertices 3", "0 for no limit"});
   expectRefused(folder, {"export", "l.obj", "h.xml", "--engine", "quake"}, {"quake", "unity", "godot"});
   expectRefused(folder, {"export", "l.obj", "no/h.xml"}, {"no"});
   expectRefused(folder, {"export", "mannequin", "h.glb", "--parts", "4"}, {"--parts", "mannequin", "--decomposition"});
-  fs::create_directory(folder.path() / "r_meshes");
-  expectRefused(folder, {"export", "l.obj", "r.urdf"}, {"r_meshes", "exists already", "r.urdf"});
+  folder.write("r_meshes", "a file");
+  expectRefused(folder, {"export", "l.obj", "r.urdf"}, {"r_meshes is a file, expected a folder"});
   expectRefused(folder, {"export", "gone.lorica", "h.glb"}, {"gone.lorica"});
 }
 

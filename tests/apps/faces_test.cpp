@@ -112,7 +112,7 @@ TEST(Faces, PicturesShowExpressionsAndClips) {
     const fs::path file = studio().folder.path() / "picture.png";
     arguments.insert(arguments.begin(), "snapshot");
     arguments.insert(arguments.end(), {"--show", "skin", "--size", "64x64", "--eye", "2.5,1,0", "--target", "0,1,0",
-                                       "-o", file.string()});
+                                       "--force", "-o", file.string()});
     const CommandResult said = studio().run(arguments);
     if (said.exitCode == 2 && said.err.find("OSMesa") != std::string::npos) return std::nullopt;
     EXPECT_EQ(said.exitCode, 0) << said.err;

@@ -78,8 +78,8 @@ TEST(Hide, HullsAreThoseOfAFileWithoutTheMesh) {
 TEST(Hide, PicturesAreThoseOfAFileWithoutTheMesh) {
   const auto picture = [](const fs::path& file, const std::vector<std::string>& more) {
     const fs::path out = studio().folder.path() / "one.png";
-    std::vector<std::string> arguments = {"snapshot", "wave",   "--character", file, "--frame",
-                                          "10",       "--size", "320x180",     "-o", out};
+    std::vector<std::string> arguments = {"snapshot", "wave",    "--character", file, "--frame", "10",
+                                          "--size",   "320x180", "-o",          out,  "--force"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     const CommandResult result = studio().run(arguments);
     EXPECT_EQ(result.exitCode, 0) << result.err;
@@ -93,7 +93,8 @@ TEST(Hide, PicturesAreThoseOfAFileWithoutTheMesh) {
 TEST(Hide, DecomposeScoreAndLiveTakeItToo) {
   const fs::path hulls = studio().folder.path() / "hulls.obj";
   const auto decomposed = [&](const fs::path& file, const std::vector<std::string>& more) {
-    std::vector<std::string> arguments = {"decompose", file, "--parts", "4", "--keyframes", "2", "--export-obj", hulls};
+    std::vector<std::string> arguments = {"decompose", file,           "--parts", "4",      "--keyframes",
+                                          "2",         "--export-obj", hulls,     "--force"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return studio().json(arguments)["hash"].get<std::string>();
   };

@@ -22,12 +22,12 @@ TEST(HullVertices, ExportedHullsKeepTheBudgetAndHoldTheMesh) {
   ASSERT_EQ(objects->size(), 1u);
   const ConvexHull exported = convexHull(objects->front().mesh.vertices);
   EXPECT_LE(exported.vertices.size(), 24u);
-  EXPECT_LE(largestViolation(exported, ball.vertices), 1e-12);  // numbers in the file are decimal
+  EXPECT_LE(largestViolation(exported, ball.vertices), 1e-8);  // numbers in the file have nine digits
   EXPECT_EQ(json["hullVertices"], 24);
   const double growth = exported.volume / convexHull(ball.vertices).volume;
-  EXPECT_NEAR(json["hullGrowth"].get<double>(), growth, 1e-9);
+  EXPECT_NEAR(json["hullGrowth"].get<double>(), growth, 1e-8);
   ASSERT_EQ(json["hullGrowthPerPart"].size(), 1u);
-  EXPECT_NEAR(json["hullGrowthPerPart"][0].get<double>(), growth, 1e-9);
+  EXPECT_NEAR(json["hullGrowthPerPart"][0].get<double>(), growth, 1e-8);
   EXPECT_GT(growth, 1.0);
   EXPECT_LT(growth, 1.2);
 }

@@ -58,7 +58,7 @@ class Limits : public ::testing::Test {
     const std::filesystem::path file = writeObj(folder_, "mesh.obj", mesh);
     const std::filesystem::path hulls = folder_.path() / "hulls.obj";
     arguments.insert(arguments.begin(), {"decompose", file});
-    arguments.insert(arguments.end(), {"--export-obj", hulls, "--json", "-"});
+    arguments.insert(arguments.end(), {"--force", "--export-obj", hulls, "--json", "-"});
     CommandResult result = runLorica(arguments);
     EXPECT_EQ(result.exitCode, 0) << result.err;
     json_ = result.json();

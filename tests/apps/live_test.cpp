@@ -105,10 +105,11 @@ TEST(Record, WhatAVirtualCameraSawCanBePlayed) {
   EXPECT_EQ(filesIn(folder.path()), (std::vector<std::string>{"seen.csv", "seen.oni"}));
 
   EXPECT_EQ(runLorica({"info", out, "--json", "-"}).json()["frames"], frames);
-  const CommandResult played = runLorica({"play", out, "--decomposition", makeBody(folder), "--json", "-"});
+  const std::string body = makeBody(folder);
+  const CommandResult played = runLorica({"play", out, "--decomposition", body, "--json", "-"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   EXPECT_EQ(played.json()["frames"], frames) << "every frame once";
-  const CommandResult again = runLorica({"play", out, "--decomposition", makeBody(folder), "--json", "-"});
+  const CommandResult again = runLorica({"play", out, "--decomposition", body, "--json", "-"});
   EXPECT_EQ(again.json()["hash"], played.json()["hash"]);
   EXPECT_EQ(runLorica({"info", folder.path() / "seen.csv", "--json", "-"}).json()["kind"], "recording");
 }

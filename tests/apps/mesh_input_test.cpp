@@ -110,8 +110,8 @@ TEST(MeshInput, AnOpenMeshGetsABodyThatHoldsItsVertices) {
   const fs::path file = writeObj(folder, "open.obj", mesh);
   const fs::path hulls = folder.path() / "hulls.obj";
   const fs::path parts = folder.path() / "open.lorica";
-  const CommandResult run = runLorica(
-      {"decompose", file, "--parts", "8", "--walls", "solid", "--export-obj", hulls, "-o", parts, "--json", "-"});
+  const CommandResult run = runLorica({"decompose", "--force", file, "--parts", "8", "--walls", "solid", "--export-obj",
+                                       hulls, "-o", parts, "--json", "-"});
   ASSERT_EQ(run.exitCode, 0) << run.err;
   const nlohmann::json json = run.json();
   const nlohmann::json& body = json["body"];
@@ -247,7 +247,7 @@ TEST(MeshInput, AStaticGlbIsExportedWhereItsVerticesAre) {
     worldFromMesh.scale(0.5 * size);  // two units long
     const fs::path file = folder.write("l.glb", staticGlb(mesh, worldFromMesh));
     const fs::path hulls = folder.path() / "hulls.obj";
-    const CommandResult run = runLorica({"decompose", file, "--export-obj", hulls, "--json", "-"});
+    const CommandResult run = runLorica({"decompose", "--force", file, "--export-obj", hulls, "--json", "-"});
     ASSERT_EQ(run.exitCode, 0) << run.err;
     EXPECT_NEAR(run.json()["meshVolume"].get<double>(), 3.0 * std::pow(0.5 * size, 3), 1e-5 * std::pow(size, 3));
     // An L cut into boxes: the hulls have the mesh's own corners.

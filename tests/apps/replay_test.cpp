@@ -26,7 +26,7 @@ class Replay : public testing::Test {
   }
 
   [[nodiscard]] CommandResult record(std::vector<std::string> more) const {
-    std::vector<std::string> arguments = {"record", session.string(), "--decomposition", body.string()};
+    std::vector<std::string> arguments = {"record", "--force", session.string(), "--decomposition", body.string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return runLorica(arguments);
   }

@@ -69,7 +69,7 @@ TEST_F(Snapshot, CamerasSeeDifferentSides) {
                                              {"--camera", "three-quarter"},
                                              {"--eye", "-1,1.5,-3", "--target", "0,1,0"}}) {
     std::vector<std::string> arguments = camera;
-    arguments.insert(arguments.end(), {"--frame", "0", "-o", out.path() / "a.png"});
+    arguments.insert(arguments.end(), {"--frame", "0", "--force", "-o", out.path() / "a.png"});
     const CommandResult drawn = snapshot(arguments);
     if (cannotDraw(drawn)) GTEST_SKIP() << drawn.err;
     ASSERT_EQ(drawn.exitCode, 0) << drawn.err;
@@ -92,7 +92,7 @@ TEST_F(Snapshot, AVideoHasTheRequestedFrames) {
 TEST_F(Snapshot, BadRequestsAreSentences) {
   const TemporaryFolder out;
   const auto expectRefused = [&](std::vector<std::string> arguments, const std::string& word) {
-    arguments.insert(arguments.end(), {"-o", out.path() / "a.png"});
+    arguments.insert(arguments.end(), {"--force", "-o", out.path() / "a.png"});
     const CommandResult result = snapshot(arguments);
     EXPECT_EQ(result.exitCode, 2) << word;
     EXPECT_NE(result.err.find(word), std::string::npos) << result.err;

@@ -34,7 +34,8 @@ TEST(Springs, EachModeMovesTheHullsInItsOwnWayAndIsReplayed) {
   const auto hashWith = [&](std::vector<std::string> springs) {
     const std::string session = (folder.path() / "s.lsession").string();
     std::vector<std::string> arguments = {"play",     "walk", "--character", godette, "--decomposition", body,
-                                          "--frames", "40",   "--record",    session, "--json",          "-"};
+                                          "--frames", "40",   "--record",    session, "--force",         "--json",
+                                          "-"};
     arguments.insert(arguments.end(), springs.begin(), springs.end());
     const CommandResult played = runLorica(arguments);
     EXPECT_EQ(played.exitCode, 0) << played.err;

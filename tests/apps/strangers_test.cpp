@@ -96,7 +96,7 @@ TEST(Strangers, BonesAlongAnyAxisPerformTheFilesOwnPositions) {
   const TemporaryFolder folder;
   for (const char* name : {"bones_along_x.bvh", "bones_along_y.bvh"}) {
     const std::filesystem::path csv = folder.path() / "joints.csv";
-    ASSERT_EQ(runLorica({"convert", readme.parent_path() / name, csv}).exitCode, 0);
+    ASSERT_EQ(runLorica({"convert", "--force", readme.parent_path() / name, csv}).exitCode, 0);
     const std::vector<std::string> lines = linesOf(csv);
     ASSERT_GT(lines.size(), 31u);
     std::vector<std::string> columns;
@@ -122,7 +122,7 @@ TEST(Strangers, AStreamWithoutHipsStands) {
   for (const char* name : {"vmc_no_hips", "vmc_head_only"}) {
     const std::filesystem::path out = folder.path() / (std::string(name) + ".bvh");
     const std::filesystem::path packets = readme.parent_path() / (std::string(name) + ".pcap");
-    ASSERT_EQ(runLorica({"record", out, packets, "--character", "mannequin"}).exitCode, 0) << name;
+    ASSERT_EQ(runLorica({"record", "--force", out, packets, "--character", "mannequin"}).exitCode, 0) << name;
     const std::vector<std::string> lines = linesOf(out);
     const auto motion = std::ranges::find(lines, "MOTION");
     ASSERT_GT(lines.end() - motion, 60);

@@ -53,8 +53,8 @@ TEST_F(WindowLoading, ClosingWhileTheBodyIsDecomposedEndsAtOnce) {
 
 TEST_F(WindowLoading, AReplayOpensItsWindowFirst) {
   const std::string recorded = folder_.path() / "walk.lsession", body = smallBody();
-  const CommandResult made =
-      runLorica({"play", "walk", "--decomposition", body, "--record", recorded, "--frames", "30", "--json", "-"});
+  const CommandResult made = runLorica(
+      {"play", "--force", "walk", "--decomposition", body, "--record", recorded, "--frames", "30", "--json", "-"});
   ASSERT_EQ(made.exitCode, 0) << made.err;
   std::filesystem::remove(body);
   const VirtualDisplay display;
@@ -62,7 +62,7 @@ TEST_F(WindowLoading, AReplayOpensItsWindowFirst) {
       runLorica({"replay", recorded, "--window"}, {.folder = folder_.path(), .display = display.name()});
   EXPECT_EQ(missing.exitCode, 2);
   EXPECT_NE(missing.err.find("body.lorica"), std::string::npos) << missing.err;
-  const CommandResult whole = runLorica({"play", "walk", "--record", recorded, "--frames", "30"});
+  const CommandResult whole = runLorica({"play", "--force", "walk", "--record", recorded, "--frames", "30"});
   ASSERT_EQ(whole.exitCode, 0) << whole.err;
   expectLeftAtOnce({"replay", recorded, "--window"});
 }
@@ -114,7 +114,8 @@ TEST_F(WindowLoading, ADisplayThatGoesAwayEndsTheProgramWithASentence) {
     EXPECT_EQ(result.out, "");
   };
   expectUnplugged({"play", "walk", "--window"}, "^Lorica$", false);  // while it decomposes
-  expectUnplugged({"play", "walk", "--window", "--decomposition", body, "--record", recorded}, "^Lorica: ", true);
+  expectUnplugged({"play", "--force", "walk", "--window", "--decomposition", body, "--record", recorded},
+                  "^Lorica: ", true);
   const CommandResult again = runLorica({"replay", recorded, "--decomposition", body, "--json", "-"});
   ASSERT_EQ(again.exitCode, 0) << again.err;
   EXPECT_EQ(again.json()["same"], true) << "what was recorded until then is kept";
@@ -165,7 +166,7 @@ TEST_F(WindowLoading, WithOtherPartsSandSettlesBesideThePictureAndAsItAlwaysDoes
     }
     const CommandResult result =
         hands.runWith({"play", "walk", "--scene", scene, "--decomposition", body, "--frames", "4", "--json", "-",
-                       "--events", folder_.path() / "events.jsonl", "--window"});
+                       "--events", folder_.path() / "events.jsonl", "--force", "--window"});
     ASSERT_EQ(result.exitCode, 0) << result.err;
     ASSERT_EQ(result.json()["avatars"][0]["parts"], 3) << hands.said();
     hashes.push_back(result.json()["hash"]);

@@ -31,19 +31,19 @@ TEST_F(WindowPlay, MirrorGravityAndPersonAreChosenByMouse) {
     hands.mouse("mousemove --window $w " + std::to_string(x) + " " + std::to_string(y) + " click 1");
     hands.handled();
   };
-  click(1041, 391);  // mirror
+  click(31, 226);  // mirror
   hands.pictureUnlike(1, 500);
-  click(1041, 391);
+  click(31, 226);
   hands.pictureWhen([&](const Image& now) { return differing(hands.pictureNumber(1), now) == 0; });
-  click(1140, 443);  // the list of gravities
-  click(1100, 471);  // none
+  click(140, 277);  // the list of gravities
+  click(100, 305);  // none
   hands.press("Right");
   hands.pictureUnlike(1, 500);
-  click(1140, 443);
+  click(140, 277);
   hands.press("Escape");  // closes the list, not the window
   hands.handled();
-  click(1140, 365);  // the list of people
-  click(1100, 386);  // everyone
+  click(140, 104);  // the list of people
+  click(100, 130);  // everyone
   hands.pictureUnlike(4, 500);
   const CommandResult result =
       hands.runWith({"play", twoPeopleIn(folder_), "--window", "--decomposition", body_, "--json", "-"});

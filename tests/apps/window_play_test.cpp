@@ -44,10 +44,10 @@ TEST_F(WindowPlay, ThingsAreDraggedAndBallsThrown) {
   hands.mouse("windowsize --sync $w 480 360");
   hands.press("Tab f r space 1 2 5 6 n");  // only the box, from where the camera was at first
   hands.pictureAtRest();
-  hands.mouse("mousemove --window $w 350 188");
+  hands.mouse("mousemove --window $w 390 184");
   hands.mouse("mousedown 1");
   hands.handled();
-  hands.mouse("mousemove --window $w 260 188");
+  hands.mouse("mousemove --window $w 300 184");
   for (int i = 0; i < 6; ++i) {
     hands.press("n n n n n n");
     hands.pictureAtRest();
@@ -62,6 +62,8 @@ TEST_F(WindowPlay, ThingsAreDraggedAndBallsThrown) {
   const Blob after = redIn(hands.pictureNumber(7));
   ASSERT_GT(before.count, 200);
   ASSERT_GT(after.count, 200);
+  ASSERT_NEAR(before.x, 390.0, 15.0) << "else the mouse turns the camera instead";
+  ASSERT_NEAR(before.y, 184.0, 15.0);
   EXPECT_NEAR(after.x - before.x, -90.0, 45.0) << "the grabbed point follows the mouse";
   EXPECT_NEAR(after.y, before.y, 40.0);
   EXPECT_GT(differing(hands.pictureNumber(7), hands.pictureNumber(8)), 300) << "a ball is visible";

@@ -18,7 +18,7 @@ ColliderFits fitOfBox(double grown) {
   collider.volume = signedVolume(collider.hull.vertices, collider.hull.triangles);
   collider.capsule = capsuleAround(collider.hull.vertices);
   const std::vector<Affine3> poses = test::bentPoses(figure, {0.3, -0.8, 0.0});
-  return measureFit(figure, std::span(&collider, 1), {poses, 2}, 1);
+  return measureFit(figure, std::span(&collider, 1), {poses, 2}, 1).value();
 }
 
 TEST(ColliderFit, IsZeroForTheSkinItselfAndMeasuresLargerAndSmallerBoxes) {

@@ -40,6 +40,14 @@ TEST(GlbColliders, HangBelowTheirBonesWithBothExtensions) {
   EXPECT_EQ(hull["extensions"]["KHR_physics_rigid_bodies"]["collider"]["geometry"]["mesh"], hull["mesh"]);
 }
 
+TEST(GlbColliders, AreDrawnIfTheyAreToBe) {
+  for (const bool shown : {true, false}) {
+    const Json material = Made({"", "", false, shown}).document.writer.document["materials"].back();
+    EXPECT_EQ(material["alphaMode"], shown ? "BLEND" : "MASK");
+    EXPECT_EQ(material["pbrMetallicRoughness"]["baseColorFactor"][3], shown ? 0.3 : 0.0);
+  }
+}
+
 TEST(GlbColliders, KhronosDraftIsWrittenOnlyIfAskedFor) {
   EXPECT_EQ(Made({}).document.writer.document.dump().find("KHR_"), std::string::npos);
 }

@@ -1,5 +1,7 @@
 #include "export/mesh_export.h"
 
+#include "geometry/files.h"
+
 #include "tests/support/datasets.h"
 #include "tests/support/has.h"
 #include "tests/support/meshes.h"
@@ -16,16 +18,25 @@ std::vector<NamedMesh> twoSolids() {
 
 class MeshFormat : public testing::TestWithParam<const char*> {};
 
-TEST_P(MeshFormat, IsReadBackDigitForDigit) {
+TEST_P(MeshFormat, IsReadBackToNineDigitsWhereverItIs) {
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / (std::string("hulls") + GetParam());
-  const std::vector<NamedMesh> solids = twoSolids();
-  ASSERT_TRUE(writeMeshes(file, solids).ok());
-  const TriMesh read = readMesh(file).value();
-  EXPECT_EQ(read.triangles.size(), 16U);
-  EXPECT_EQ(read.vertices.size(), 12U);
-  EXPECT_DOUBLE_EQ(signedVolume(read.vertices, read.triangles), 1.25 / 3.0 + 1.0 / 6.0);
-  EXPECT_EQ(surfaceBounds(read).min, Vec3(-1.0, 0.0, 0.0));
+  for (const Vec3& away : {Vec3(0.0, 0.0, 0.0), Vec3(5e6, -3.0, 0.0)}) {
+    std::vector<NamedMesh> solids = twoSolids();
+    for (NamedMesh& solid : solids) {
+      for (Vec3& p : solid.mesh.vertices) p += away;
+    }
+    ASSERT_TRUE(writeMeshes(file, solids).ok());
+    TriMesh read = readMesh(file).value();
+    EXPECT_EQ(read.triangles.size(), 16U);
+    EXPECT_EQ(read.vertices.size(), 12U);
+    for (Vec3& p : read.vertices) p -= away;
+    EXPECT_NEAR(signedVolume(read.vertices, read.triangles), 1.25 / 3.0 + 1.0 / 6.0, 1e-8);
+    EXPECT_LT((surfaceBounds(read).min - Vec3(-1.0, 0.0, 0.0)).norm(), 1e-8);
+  }
+  ASSERT_TRUE(writeMeshes(file, twoSolids()).ok());
+  EXPECT_TRUE(test::has(readFile(file).value(), " 0.333333333"));
+  EXPECT_FALSE(test::has(readFile(file).value(), " 0.3333333333"));
 }
 
 INSTANTIATE_TEST_SUITE_P(, MeshFormat, testing::Values(".obj", ".stl", ".ply", ".STL"),

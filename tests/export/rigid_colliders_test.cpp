@@ -1,6 +1,8 @@
 // Rigid colliders against what they promise: in the poses that they are made from they hold the whole surface.
 #include "export/rigid_colliders.h"
 
+#include "export/collider_fit.h"
+
 #include "geometry/counts.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
@@ -157,6 +159,16 @@ TEST(RigidColliders, ABoneScaledToNothingIsRefused) {
   const auto made = makeRigidColliders(figure, test::onePart(figure), {poses, 2}, {});
   ASSERT_FALSE(made.ok());
   EXPECT_TRUE(test::has(made.error().message, "'upper'"));
+}
+
+TEST(RigidColliders, AreStoppedWhereTheirProgressSays) {
+  const Character figure = test::stickFigure();
+  const std::vector<Affine3> poses = test::bentPoses(figure, {0.0});
+  const auto stop = [](int done, int all) { return done > all; };
+  const auto made = makeRigidColliders(figure, test::onePart(figure), {poses, 2}, {0, false, 1, stop});
+  EXPECT_EQ(made.error().code, ErrorCode::kCancelled);
+  const std::vector<RigidCollider> colliders = collidersOf(figure, poses);
+  EXPECT_EQ(measureFit(figure, colliders, {poses, 2}, 1, stop).error().code, ErrorCode::kCancelled);
 }
 
 }  // namespace

@@ -1,12 +1,17 @@
 // The volumes of exported hulls in physics engines, and the physics extensions of exported GLB files against schemas.
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
+#include "export/rigid_model.h"
+#include "export/robot_files.h"
+#include "geometry/files.h"
+#include "tests/peers/blender.h"
 #include "tests/peers/exported.h"
 #include "tests/peers/peer.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <map>
 
 namespace lorica {
@@ -85,6 +90,29 @@ TEST_P(PeerColliderFiles, FollowTheSchemasOfTheirExtensions) {
   const std::size_t count = made->colliders.size();
   EXPECT_EQ(found["checked"],
             (json{{"OMI_physics_shape", 1}, {"OMI_physics_body", count}, {"KHR_physics_rigid_bodies", count}}));
+}
+
+TEST_P(PeerColliderFiles, AreFoundByTheScriptsForEngines) {
+  LORICA_REQUIRE_EXPORT(made);
+  CharacterDocument document = test::documentOf(*made);
+  addColliders(document, made->colliders, test::namesOf(*made), {"", "", false, false});
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "hero.glb", out = folder.path() / "engine.json", log = folder.path() / "log";
+  ASSERT_TRUE(writeDocument(file, document).ok());
+  ASSERT_TRUE(test::runPeer("engine_colliders.mjs", {file.string(), out.string()}));
+  const json found = test::readJson(out);
+  EXPECT_EQ(found["colliders"], made->colliders.size());
+  EXPECT_NEAR(found["low"].get<double>(), 0.0, 0.2);
+  EXPECT_NEAR(found["high"].get<double>(), made->character.height, 0.2);
+  const fs::path model = folder.path() / "hero.xml";
+  ASSERT_TRUE(writeMjcf(model, made->model, MjcfMotion::kJoints).ok());
+  EXPECT_TRUE(test::runPeer("mujoco_bodies.mjs", {model.string()}));
+  if (!test::missingForBlender().empty()) return;
+  const std::string command = "blender -b --factory-startup --python-exit-code 1 --python '" +
+                              test::sourceFile("samples/engines/blender_colliders.py").string() + "' -- '" +
+                              file.string() + "' >'" + log.string() + "' 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  EXPECT_NE(readFile(log).value().find(std::to_string(made->colliders.size()) + " colliders on "), std::string::npos);
 }
 
 INSTANTIATE_TEST_SUITE_P(, PeerColliderFiles, testing::ValuesIn(test::kExported),

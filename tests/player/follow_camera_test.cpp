@@ -1,10 +1,12 @@
 #include "player/follow_camera.h"
 
 #include "capture/files/joint_csv.h"
+#include "player/avatar_focus.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
 #include "tests/support/value_of.h"
+#include "viewer/renderer/picture_area.h"
 
 #include <gtest/gtest.h>
 
@@ -60,15 +62,63 @@ TEST(FollowCamera, ShowsTheWholeBodyWhateverTheHeightOfItsFile) {
   }
 }
 
-TEST(FollowCamera, KeepsItsHeightAndDistanceForABodyThatStands) {
-  Session session = walkingSession(1.0);
-  const double height = session.character().height;
-  FollowCamera camera = test::valueOf(FollowCamera::create({}, 1280, 720));
-  while (*session.step()) {
-    camera.update(session, 1.0 / 30.0);
-    EXPECT_EQ(camera.camera().target.y(), 0.54 * height);
-    EXPECT_NEAR((camera.camera().eye - camera.camera().target).norm(), 2.29 * height, 1e-12);
+TEST(FollowCamera, AStillHasTheBodyInItsMiddleAndFillsThePicture) {
+  for (const char* preset : {"front", "side", "back", "top", "three-quarter"}) {
+    SCOPED_TRACE(preset);
+    for (const auto& [width, height] : {std::pair(1280, 720), std::pair(720, 1280)}) {
+      Session session = walkingSession(1.0);
+      FollowCamera camera = test::valueOf(FollowCamera::create({preset, "", ""}, width, height));
+      while (*session.step()) camera.update(session, 1.0 / 30.0);
+      const Camera still = camera.still(session);
+      Eigen::AlignedBox2d seen;
+      for (const LivePart& part : session.body().parts()) {
+        for (const Vec3& p : part.shape.vertices) {
+          const ViewAxes axes = axesOf(still);
+          const Vec3 from = part.worldFromPart * p - still.eye;
+          const double half = from.dot(axes.forward) * std::tan(0.5 * still.verticalFov);
+          seen.extend(Eigen::Vector2d(from.dot(axes.right) * height / width, from.dot(axes.up)) / half);
+        }
+      }
+      EXPECT_LT(seen.center().cwiseAbs().maxCoeff(), 0.08);
+      EXPECT_GT(seen.sizes().maxCoeff(), 1.3);
+      EXPECT_LE(seen.max().cwiseAbs().cwiseMax(seen.min().cwiseAbs()).maxCoeff(), 1.0);
+      EXPECT_EQ(camera.still(session).eye, still.eye) << "a picture does not depend on those before it";
+    }
   }
+}
+
+TEST(FollowCamera, LooksFromWhereTheAvatarFaces) {
+  for (const double turn : {0.0, 2.0}) {
+    Session session = walkingSession(1.0);
+    ASSERT_TRUE(*session.step());
+    SessionAvatar turned = session.avatar().another(test::valueOf(
+        makeTreatedSource(session.character(), makeRecordedSource(test::shippedFrames("walk", 3)), SourceTreatment{})));
+    turned.setPlace(Isometry3(Eigen::AngleAxisd(turn, Vec3::UnitY())));
+    Session other{World()};
+    other.addAvatar(std::move(turned));
+    ASSERT_TRUE(*other.step());
+    const double facing = facingOf(session.avatar()) + turn;
+    EXPECT_NEAR(std::remainder(facingOf(other.avatar()) - facing, 2.0 * EIGEN_PI), 0.0, 1e-9);
+    for (const auto& [preset, off] : {std::pair("front", 0.0), {"three-quarter", 35.0}, {"side", 90.0}}) {
+      FollowCamera camera = test::valueOf(FollowCamera::create({preset, "", ""}, 640, 360));
+      const Camera still = camera.still(other);
+      const Vec3 to = still.eye - still.target;
+      const double angle = std::remainder(facing - std::atan2(to.x(), to.z()), 2.0 * EIGEN_PI);
+      EXPECT_NEAR(angle * 180.0 / EIGEN_PI, off, 1e-6) << preset;
+    }
+  }
+}
+
+TEST(FollowCamera, AFaceIsAPortrait) {
+  Session session = walkingSession(1.0);
+  ASSERT_TRUE(*session.step());
+  FollowCamera camera = test::valueOf(FollowCamera::create({"face", "", ""}, 640, 360));
+  const Camera face = camera.still(session);
+  const double seen = 2.0 * (face.eye - face.target).norm() * std::tan(0.5 * face.verticalFov);
+  EXPECT_GT(seen, 0.25) << "the head";
+  EXPECT_LT(seen, 0.70) << "and not much more";
+  const JointIndex head = session.character().skeleton.jointOf(HumanBone::kHead);
+  EXPECT_LT((face.target - session.worldFromJoint()[head].translation()).norm(), 0.2);
 }
 
 }  // namespace

@@ -3,6 +3,9 @@
 #include "collision/live/live_body.h"
 #include "player/action_tape.h"
 #include "player/avatar_focus.h"
+#include "player/part_colors.h"
+#include "player/picture_options.h"
+#include "player/window_opener.h"
 #include "player/window_warnings.h"
 #include "prepare/detail_levels.h"
 #include "session/scenes/demo_scene.h"
@@ -14,6 +17,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <set>
 #include <thread>
 
 namespace lorica {
@@ -272,6 +276,66 @@ TEST(AvatarFocus, FollowsOneAvatarOrAllWithoutTheirQuickMovements) {
   EXPECT_EQ(avatarAt(session, {fromTheFront.origin, Vec3::UnitZ()}), -1) << "behind the eye";
   EXPECT_EQ(avatarAt(session, {Vec3(8.0, last.y(), last.z()), -Vec3::UnitX()}), 1) << "the nearer one";
   EXPECT_EQ(avatarNames(session)[1], "2 " + mannequin().name);
+}
+
+TEST(WindowOpener, ListsTheAvatarsThatCanBeOpened) {
+  Host host;
+  CastRequest present;
+  present.character = "/here/robot.vrm";
+  WindowOpener opener(present, host);
+  opener.list({"/here/hero.glb", "/here/walk.bvh", "/there/Mage.fbx"});
+  WindowValues values;
+  opener.describe(values);
+  EXPECT_EQ(std::vector(values.characters.begin(), values.characters.end()),
+            (std::vector<std::string>{"/here/hero.glb", "/there/Mage.fbx", "/here/robot.vrm", "mannequin"}));
+  EXPECT_EQ(values.character, 2) << "the present one";
+  EXPECT_EQ(std::vector(values.recent.begin(), values.recent.end()), std::vector<std::string>{"/here/walk.bvh"});
+}
+
+TEST(PictureOptions, AreSizesAndBackgrounds) {
+  EXPECT_EQ(pictureSizeOf("640x360")->width, 640);
+  EXPECT_EQ(pictureSizeOf("portrait")->height, 1920);
+  EXPECT_EQ(pictureSizeOf("square")->width, pictureSizeOf("square")->height);
+  for (const char* wrong : {"", "640", "640x", "640x360x", "8x8", "9999x10", "x", "wide"}) {
+    EXPECT_FALSE(pictureSizeOf(wrong)) << wrong;
+  }
+  SceneOptions show;
+  ASSERT_TRUE(setBackground("", show));
+  EXPECT_TRUE(show.ground && !show.background && !show.transparent);
+  ASSERT_TRUE(setBackground("#00ff80", show));
+  EXPECT_LT((*show.background - Vec3f(0.0f, 1.0f, 128 / 255.0f)).norm(), 1e-6f);
+  EXPECT_FALSE(show.ground) << "it would not be keyed out";
+  ASSERT_TRUE(setBackground("transparent", show));
+  EXPECT_TRUE(show.transparent);
+  for (const char* wrong : {"green", "#00ff0", "#00ff000", "#00fg00", "00ff00"}) {
+    EXPECT_FALSE(setBackground(wrong, show)) << wrong;
+  }
+}
+
+TEST(PartColors, AreThoseOfTheBones) {
+  const std::vector<PartIndex> six = colorsOfParts(sixParts(), mannequin());
+  const std::vector<PartIndex> eight = colorsOfParts(test::eightParts(), mannequin());
+  for (const std::vector<PartIndex>& colors : {six, eight}) {
+    EXPECT_EQ(std::set<PartIndex>(colors.begin(), colors.end()).size(), colors.size()) << "each has its own";
+  }
+  const auto colorAt = [](const Decomposition& decomposition, const std::vector<PartIndex>& colors, const Vec3& at) {
+    double nearest = 1e9;
+    PartIndex color = -1;
+    for (std::size_t p = 0; p < decomposition.parts.size(); ++p) {
+      for (const Triangle& t : decomposition.parts[p].triangles) {
+        const std::size_t v = t[0];
+        if (v >= mannequin().mesh.vertices.size()) continue;
+        const double distance = (mannequin().mesh.vertices[v] - at).norm();
+        if (distance < nearest) nearest = distance, color = colors[p];
+      }
+    }
+    return color;
+  };
+  const Vec3 left = boundsOf(mannequin().mesh.vertices).max.cwiseProduct(Vec3(0.8, 0.8, 0.0)),
+             right(-left.x(), left.y(), 0.0);
+  EXPECT_NE(colorAt(test::eightParts(), eight, left), colorAt(test::eightParts(), eight, right));
+  const Vec3 head(0.0, mannequin().height, 0.0);
+  EXPECT_EQ(colorAt(sixParts(), six, head), colorAt(test::eightParts(), eight, head)) << "however it is decomposed";
 }
 
 TEST(WindowWarnings, NameWhatIsLost) {

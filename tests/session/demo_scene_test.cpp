@@ -43,6 +43,17 @@ TEST(DemoScene, NothingStartsWhereThePersonStandsOrInTheFloorOrInAnotherProp) {
   }
 }
 
+TEST(DemoScene, PropsSuitThePersonTheyAreMadeFor) {
+  const World usual = makeDemoWorld(4), large = makeDemoWorldUnder(World::Settings().gravity, 4, 1.5);
+  ASSERT_EQ(usual.props().size(), large.props().size());
+  for (std::size_t i = 0; i < usual.props().size(); ++i) {
+    const Prop &one = usual.props()[i], &other = large.props()[i];
+    EXPECT_EQ(other.halfExtents, 1.5 * one.halfExtents);
+    EXPECT_EQ(other.worldFromProp.translation(), 1.5 * one.worldFromProp.translation());
+    EXPECT_NEAR(other.mass, 3.375 * one.mass, 1e-12) << "as dense";
+  }
+}
+
 TEST(DemoScene, TheSameSeedGivesTheSameWorldAndAnotherGivesAnother) {
   const World a = makeDemoWorld(1), b = makeDemoWorld(1), c = makeDemoWorld(2);
   bool differs = false;

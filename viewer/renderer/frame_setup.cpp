@@ -1,5 +1,7 @@
 #include "viewer/renderer/frame_setup.h"
 
+#include "viewer/renderer/picture_area.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -75,12 +77,8 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   FrameUniforms& u = setup.uniforms;
 
   // The camera looks along -z of its own axes.
-  Vec3 forward = camera.target - camera.eye;
-  const double distance = std::clamp(forward.norm(), 1e-3, 1e4);
-  forward = forward.norm() > 1e-9 ? Vec3(forward.normalized()) : Vec3(0, 0, -1);
-  Vec3 right = forward.cross(Vec3::UnitY());
-  right = right.norm() > 1e-6 ? Vec3(right.normalized()) : Vec3::UnitX();
-  const Vec3 up = right.cross(forward);
+  const double distance = std::clamp((camera.target - camera.eye).norm(), 1e-3, 1e4);
+  const auto [forward, right, up] = axesOf(camera);
   const double cotangent = 1.0 / std::tan(0.5 * std::clamp(camera.verticalFov, 0.01, 3.0));
   const double aspect = 1.0 * width / height;
   const double nearPlane = std::clamp(0.02 * distance, 0.01, 0.5);

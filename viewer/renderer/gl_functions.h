@@ -16,6 +16,7 @@
   X(BINDVERTEXARRAY, BindVertexArray)                               \
   X(BLENDEQUATION, BlendEquation)                                   \
   X(BLENDFUNC, BlendFunc)                                           \
+  X(BLENDFUNCSEPARATE, BlendFuncSeparate)                           \
   X(BLITFRAMEBUFFER, BlitFramebuffer)                               \
   X(BUFFERDATA, BufferData)                                         \
   X(BUFFERSUBDATA, BufferSubData)                                   \

@@ -66,13 +66,14 @@ bool reachesIntoAny(const LivePart& part, std::span<const Prop> props) {
 const std::vector<OverlayVertex>& OverlayMesh::insides(std::span<const HullFigure> figures, std::span<const Prop> props,
                                                        const Vec3& eye) {
   insideVertices_.clear();
-  for (const auto& [parts, opacity] : figures) {
-    for (std::size_t i = 0; i < parts.size(); ++i) {
+  for (const HullFigure& figure : figures) {
+    const std::span<const LivePart> parts = figure.parts;
+    for (int i = 0; i < countOf(parts); ++i) {
       if (!isFinite(parts[i]) || !reachesIntoAny(parts[i], props)) continue;
       const ConvexHull hull = worldHull(parts[i]);
-      const Vec3f color = partColor(i);
-      append(insideVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.22, 0.0, 0.75, 0.0}, opacity,
-             eye);
+      const Vec3f color = partColor(figure.colorOf(i));
+      append(insideVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.22, 0.0, 0.75, 0.0},
+             figure.opacity, eye);
     }
   }
   return insideVertices_;
@@ -92,7 +93,7 @@ const std::vector<OverlayVertex>& OverlayMesh::hulls(std::span<const HullFigure>
   std::sort(order_.begin(), order_.end());
   for (const auto& [nearness, figure, part] : order_) {
     const ConvexHull hull = worldHull(figures[figure].parts[part]);
-    const Vec3f color = partColor(part);
+    const Vec3f color = partColor(figures[figure].colorOf(part));
     append(hullVertices_, hull.vertices, hull.triangles, {color, 0.30f * color, 0.26, 0.10, 0.90, 0.28},
            figures[figure].opacity, eye);
   }

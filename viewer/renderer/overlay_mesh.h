@@ -24,7 +24,10 @@ struct OverlayVertex {
 /// The parts of a figure.
 struct HullFigure {
   std::span<const LivePart> parts;
-  float opacity = 1.0f;  ///< times that of hulls
+  float opacity = 1.0f;                    ///< times that of hulls
+  std::span<const PartIndex> colors = {};  ///< see SceneFigure
+
+  [[nodiscard]] PartIndex colorOf(PartIndex part) const { return colors.empty() ? part : colors[part]; }
 };
 
 /// Converts hulls and bones to faces and edges; reuses its memory from frame to frame.

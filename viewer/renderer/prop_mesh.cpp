@@ -1,5 +1,7 @@
 #include "viewer/renderer/prop_mesh.h"
 
+#include "viewer/renderer/picture_area.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -138,7 +140,23 @@ PropMesh makePropMesh(PropShape shape) {
   return {};
 }
 
-void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances) {
+float UnhiddenView::opacityOf(const Prop& prop) const {
+  constexpr float kThin = 0.2f;
+  if (!subject) return 1.0f;
+  const double radius = boundingRadius(prop);
+  const Vec3 size = subject->max - subject->min, from = prop.worldFromProp.translation() - eye;
+  const auto [forward, right, up] = axesOf(Camera{eye, subject->center()});
+  const double far = (subject->center() - eye).norm(), depth = from.dot(forward);
+  // What is larger than the subject is not in front of it but around it.
+  if (radius > size.norm() || depth <= 0.0 || depth >= far) return 1.0f;
+  const double share = depth / far;
+  const bool beside = std::abs(from.dot(right)) > 0.5 * share * std::hypot(size.x(), size.z()) + radius ||
+                      std::abs(from.dot(up)) > 0.5 * share * size.norm() + radius;
+  return beside ? 1.0f : kThin;
+}
+
+void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances,
+                       const UnhiddenView& view) {
   instances.clear();
   for (const Prop& prop : props) {
     if (prop.shape != shape || !prop.worldFromProp.matrix().allFinite() || !prop.halfExtents.allFinite()) continue;
@@ -149,6 +167,7 @@ void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector
     instance.z = m.col(2).head<3>();
     instance.origin = m.col(3).head<3>();
     instance.color = prop.color;
+    instance.opacity = view.opacityOf(prop);
     Vec3 half = prop.halfExtents;
     if (shape == PropShape::kCylinder) half.z() = half.x();
     instance.bevel = std::min(0.12 * half.minCoeff(), 0.015);

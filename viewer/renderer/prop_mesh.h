@@ -3,6 +3,7 @@
 #include "collision/world/world.h"
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,9 +40,20 @@ struct PropInstance {
   Vec3f extents;          ///< half extents minus the bevel [m]
   float bevel;            ///< for a sphere or capsule, the radius [m]
   Vec3f color;            ///< linear RGB
+  float opacity;          ///< share of its pixels that are drawn
+};
+
+/// What a camera sees: where it is and what no prop must hide from it.
+struct UnhiddenView {
+  Vec3 eye;
+  std::optional<Aabb> subject;  ///< none = props may hide everything
+
+  /// Opacity of a prop: low if it may hide a part of the subject.
+  [[nodiscard]] float opacityOf(const Prop& prop) const;
 };
 
 /// Instances of all props of one shape; props with non-finite numbers are omitted.
-void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances);
+void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances,
+                       const UnhiddenView& view = {});
 
 }  // namespace lorica

@@ -53,15 +53,16 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   const GLsizei insideCount = bodies && options.props ? i.uploadInsides(scene, camera.eye) : 0;
   GLsizei markerCount = 0;
   if (options.contacts) markerCount = i.uploadMarkers(scene.contacts);
+  const UnhiddenView view{camera.eye, scene.unhidden};
   for (std::size_t shape = 0; shape < i.propShapes.size(); ++shape) {
     PropShapeGpu& target = i.propShapes[shape];
     target.instances.clear();
     if (!options.props) continue;
-    makePropInstances(scene.props, static_cast<PropShape>(shape), target.instances);
+    makePropInstances(scene.props, static_cast<PropShape>(shape), target.instances, view);
     if (!target.instances.empty()) i.gpu.upload(target.instanceBuffer, target.instances);
   }
 
-  i.uploadMeshProps(scene.props, options.props);
+  i.uploadMeshProps(scene.props, options.props, view);
 
   // Shadow map.
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.shadow);
@@ -85,9 +86,11 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);
   gl.Viewport(0, 0, i.targets.drawnWidth, i.targets.drawnHeight);
   gl.Enable(GL_DEPTH_TEST);
-  const Vec3f background = options.background.value_or(Vec3f::Zero());
-  gl.ClearColor(background.x(), background.y(), background.z(), 1.0f);
-  gl.Clear(options.background ? GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT : GL_DEPTH_BUFFER_BIT);
+  i.transparent = options.transparent;
+  const bool sky = !options.background && !options.transparent;
+  const Vec3f background = options.transparent ? Vec3f(Vec3f::Zero()) : options.background.value_or(Vec3f::Zero());
+  gl.ClearColor(background.x(), background.y(), background.z(), options.transparent ? 0.0f : 1.0f);
+  gl.Clear(sky ? GL_DEPTH_BUFFER_BIT : GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
   gl.ActiveTexture(GL_TEXTURE1);
   gl.BindTexture(GL_TEXTURE_2D, i.targets.contactMap[0]);
   gl.ActiveTexture(GL_TEXTURE2);
@@ -100,7 +103,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   if (options.particles) i.drawGrains(scene, setup);
   if (options.ground) i.drawFloor(setup);
   gl.Disable(GL_CULL_FACE);
-  if (!options.background) {
+  if (sky) {
     gl.UseProgram(i.skyProgram);
     gl.BindVertexArray(i.skyVertexArray);
     gl.DrawElements(GL_TRIANGLES, i.skyIndexCount, GL_UNSIGNED_INT, nullptr);
@@ -110,7 +113,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   // Translucent hulls.
   gl.DepthMask(GL_FALSE);
   gl.Enable(GL_BLEND);
-  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  i.blendOver();
   if (hullCount > 0) {
     gl.UseProgram(i.overlayProgram);
     gl.BindVertexArray(i.hullVertexArray);
@@ -169,11 +172,20 @@ Image Renderer::readBack() {
   impl_->gl.BindFramebuffer(GL_FRAMEBUFFER, t.resolved);
   impl_->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   impl_->gl.ReadPixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
-  // OpenGL's rows start at the bottom. Panels and hulls have changed alpha; reset it, because the picture is opaque.
+  // OpenGL's rows start at the bottom.
   for (int top = 0, bottom = t.height - 1; top < bottom; ++top, --bottom) {
     std::swap_ranges(image.pixel(0, top), image.pixel(0, top + 1), image.pixel(0, bottom));
   }
-  for (std::size_t k = 3; k < image.rgba.size(); k += 4) image.rgba[k] = 255;
+  for (std::size_t k = 0; k < image.rgba.size(); k += 4) {
+    if (!impl_->transparent) {  // the edges of grains have changed alpha
+      image.rgba[k + 3] = 255;
+      continue;
+    }
+    const int alpha = image.rgba[k + 3];  // which colours are multiplied with
+    for (std::size_t c = k; alpha > 0 && c < k + 3; ++c) {
+      image.rgba[c] = std::min((image.rgba[c] * 255 + alpha / 2) / alpha, 255);
+    }
+  }
   return image;
 }
 

@@ -390,7 +390,7 @@ void Renderer::Impl::drawBlendedGroups(const Vec3& eye) {
     if (orderA != orderB) return orderA < orderB;
     return distances[a] != distances[b] ? distances[a] > distances[b] : a < b;
   });
-  gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  blendOver();
   for (const std::size_t g : order) {
     const AvatarGroup& group = avatar->groups[g];
     gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);

@@ -117,6 +117,7 @@ struct Renderer::Impl {
   GrainList grains;
   bool software = false;      ///< software rendering on the CPU: each grain is costly
   float maxPointSize = 1.0f;  ///< of the driver [pixels]
+  bool transparent = false;   ///< the last picture
 
   Result<void> createPrograms();
   void createMeshes();
@@ -126,7 +127,7 @@ struct Renderer::Impl {
   void createPropShape(PropShapeGpu& shape, const PropMesh& mesh);
   void fillPropShape(PropShapeGpu& shape, const PropMesh& mesh);
   MeshPropGpu& meshPropOf(const std::shared_ptr<const PropMeshShape>& shape);
-  void uploadMeshProps(std::span<const Prop> props, bool shown);
+  void uploadMeshProps(std::span<const Prop> props, bool shown, const UnhiddenView& view);
   void drawPropShape(const PropShapeGpu& shape);
 
   /// Uploads all figures: avatars to `shownAvatars`, the rest to `skins`.
@@ -142,6 +143,8 @@ struct Renderer::Impl {
   void setOpacity(GLuint program, float opacity) {
     gl.Uniform4f(gl.GetUniformLocation(program, "opacity"), opacity, 0.0f, 0.0f, 0.0f);
   }
+  /// Blends colours over what is there, by their alpha; so does the picture's own alpha.
+  void blendOver() { gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA); }
   void drawSkins(const SceneOptions& options);
   AvatarGpu& avatarGpuOf(const std::shared_ptr<const Avatar>& drawn);
   void fillAvatar(AvatarGpu& made, const Avatar& drawn);

@@ -23,14 +23,15 @@ MeshPropGpu& Renderer::Impl::meshPropOf(const std::shared_ptr<const PropMeshShap
   return *position;
 }
 
-void Renderer::Impl::uploadMeshProps(std::span<const Prop> props, bool shown) {
+void Renderer::Impl::uploadMeshProps(std::span<const Prop> props, bool shown, const UnhiddenView& view) {
   for (MeshPropGpu& mesh : meshProps) mesh.gpu.instances.clear();
   if (!shown) return;
   for (const Prop& prop : props) {
     if (prop.shape != PropShape::kMesh || prop.mesh == nullptr || !prop.worldFromProp.matrix().allFinite()) continue;
     const Eigen::Matrix4f m = prop.worldFromProp.matrix().cast<float>();
     meshPropOf(prop.mesh).gpu.instances.push_back({m.col(0).head<3>(), m.col(1).head<3>(), m.col(2).head<3>(),
-                                                   m.col(3).head<3>(), Vec3f::Ones(), 0.0f, prop.color});
+                                                   m.col(3).head<3>(), Vec3f::Ones(), 0.0f, prop.color,
+                                                   view.opacityOf(prop)});
   }
   for (MeshPropGpu& mesh : meshProps) {
     if (!mesh.gpu.instances.empty()) gpu.upload(mesh.gpu.instanceBuffer, mesh.gpu.instances);

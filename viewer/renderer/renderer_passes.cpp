@@ -79,7 +79,9 @@ void Renderer::Impl::drawSkins(const SceneOptions& options) {
 
 GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
   figureParts.clear();
-  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back({figure.parts, figure.opacity}); });
+  scene.eachFigure([&](const SceneFigure& figure) {
+    figureParts.push_back({figure.parts, figure.opacity, figure.colors});
+  });
   const std::vector<OverlayVertex>& vertices = overlay.hulls(figureParts, eye);
   if (!vertices.empty()) gpu.upload(hullBuffer, vertices);
   return glCount(vertices.size());
@@ -87,7 +89,9 @@ GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
 
 GLsizei Renderer::Impl::uploadInsides(const Scene& scene, const Vec3& eye) {
   figureParts.clear();
-  scene.eachFigure([&](const SceneFigure& figure) { figureParts.push_back({figure.parts, figure.opacity}); });
+  scene.eachFigure([&](const SceneFigure& figure) {
+    figureParts.push_back({figure.parts, figure.opacity, figure.colors});
+  });
   const std::vector<OverlayVertex>& vertices = overlay.insides(figureParts, scene.props, eye);
   if (!vertices.empty()) gpu.upload(insideBuffer, vertices);
   return glCount(vertices.size());

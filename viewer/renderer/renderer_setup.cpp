@@ -36,7 +36,9 @@ Result<void> Renderer::Impl::createPrograms() {
     r = make(fadingSkinProgram[passIndex(pass)], "fading skin", shaders::skinVertex(pass, true),
              shaders::fading(shaders::surfaceFragment(pass, true)));
     if (!r.ok()) return r;
-    r = make(propProgram[passIndex(pass)], "props", shaders::propVertex(pass), shaders::surfaceFragment(pass, true));
+    const std::string fragment = shaders::surfaceFragment(pass, true);
+    r = make(propProgram[passIndex(pass)], "props", shaders::propVertex(pass),
+             pass == Pass::kLit ? shaders::fading(fragment, "flat in") : fragment);
     if (!r.ok()) return r;
   }
   struct Entry {
@@ -112,7 +114,8 @@ void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) 
   };
   const Field fields[] = {{3, offsetof(PropInstance, x)},       {3, offsetof(PropInstance, y)},
                           {3, offsetof(PropInstance, z)},       {3, offsetof(PropInstance, origin)},
-                          {4, offsetof(PropInstance, extents)}, {3, offsetof(PropInstance, color)}};
+                          {4, offsetof(PropInstance, extents)}, {4, offsetof(PropInstance, color)}};
+  static_assert(offsetof(PropInstance, opacity) == offsetof(PropInstance, color) + 3 * sizeof(float));
   static_assert(offsetof(PropInstance, bevel) == offsetof(PropInstance, extents) + 3 * sizeof(float));
   GLuint index = 2;
   for (const Field& field : fields) {

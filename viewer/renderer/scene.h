@@ -29,8 +29,9 @@ struct AvatarLight {
 struct SceneFigure {
   std::span<const Vec3> vertices;  ///< posed mesh [m]
   std::span<const Triangle> triangles;
-  std::span<const PartIndex> partOfTriangle;  ///< for colouring the skin; empty = one colour
+  std::span<const PartIndex> partOfTriangle;  ///< its colour, see partColor(); empty = one colour
   std::span<const LivePart> parts;            ///< hull overlay
+  std::span<const PartIndex> colors = {};     ///< of each part, see partColor(); empty = as they are numbered
   const Skeleton* skeleton = nullptr;         ///< drawn as bones with worldFromJoint
   std::span<const Affine3> worldFromJoint;
   std::shared_ptr<const Avatar> avatar;       ///< drawn instead of the mesh; null = none
@@ -51,8 +52,9 @@ struct Scene : SceneFigure {
   float particleRadius = 0.0f;               ///< of all particles [m]
   Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all particles, linear RGB: dry sand
   std::span<const Vec3f> particleColors;     ///< of each particle, linear RGB; empty = `particleColor`
-  const Image* inset = nullptr;  ///< opaque, at the lower right, a quarter of the picture's width; null = none
-  double time = 0.0;             ///< of moving textures [s]
+  const Image* inset = nullptr;       ///< opaque, at the lower right, a quarter of the picture's width; null = none
+  double time = 0.0;                  ///< of moving textures [s]
+  std::optional<Aabb> unhidden = {};  ///< props between the eye and this are drawn see-through; none = all are solid
 
   /// Calls visit(const SceneFigure&) for each figure.
   template <typename Visit>
@@ -76,6 +78,7 @@ struct SceneOptions {
   std::string panel;    ///< lines of text at the upper left; empty = none
   AvatarLight light;
   std::optional<Vec3f> background;  ///< sRGB, instead of the sky
+  bool transparent = false;         ///< instead of both: the picture's alpha says what is drawn
 };
 
 struct Camera {

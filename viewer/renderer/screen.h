@@ -21,10 +21,14 @@ class Screen {
   /// consumes the request.
   [[nodiscard]] virtual bool wantsStep() = 0;
 
-  /// Draws, presents, polls input.
+  /// Draws and presents if anything is another than in the last picture; polls input.
   virtual void show(const Scene& scene, const WindowValues& values) = 0;
+  /// Waits for input, at most so long [s].
+  virtual void rest(double seconds) = 0;
   /// The requests since the last call.
   [[nodiscard]] virtual WindowRequests takeRequests() = 0;
+  /// Asks the user for files, which later requests have; does not wait.
+  virtual void chooseFiles() = 0;
   /// While nothing else can be asked for: forgets the requests, but for dropped files, which the next requests have.
   /// @return whether to cancel what is loading
   [[nodiscard]] virtual bool takeCancel() = 0;

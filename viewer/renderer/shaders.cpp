@@ -159,15 +159,16 @@ layout(location = 3) in vec3 columnY;
 layout(location = 4) in vec3 columnZ;
 layout(location = 5) in vec3 origin;
 layout(location = 6) in vec4 extentsAndBevel;
-layout(location = 7) in vec3 tint;
+layout(location = 7) in vec4 paint;
 vec3 place() {
   vec3 p = corner * extentsAndBevel.xyz + normal * extentsAndBevel.w;
   return columnX * p.x + columnY * p.y + columnZ * p.z + origin;
 }
 )";
   if (pass == Pass::kLit) {
-    return text + kShadow + kLitVertexEnd +
-           "void main() { finish(place(), columnX * normal.x + columnY * normal.y + columnZ * normal.z); }\n";
+    return text + "flat out vec4 opacity;\n#define tint paint.rgb\n" + kShadow + kLitVertexEnd +
+           "void main() { opacity = paint.aaaa; finish(place(), columnX * normal.x + columnY * normal.y + columnZ * "
+           "normal.z); }\n";
   }
   if (pass == Pass::kShadow) {
     return text + "void main() { gl_Position = vec4((shadowFromWorld * vec4(place(), 1.0)).xyz * 2.0 - 1.0, 1.0); }\n";
@@ -195,7 +196,7 @@ void main() {
 )";
 }
 
-std::string fading(const std::string& fragment) {
+std::string fading(const std::string& fragment, const std::string& from) {
   // "Interleaved gradient noise": Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare", 2014.
   constexpr std::string_view kMain = "void main() {";
   std::string text = fragment;
@@ -203,7 +204,7 @@ std::string fading(const std::string& fragment) {
   float turn = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
   if (turn >= opacity.x) discard;
 )");
-  text.insert(text.find('\n') + 1, "uniform vec4 opacity;\n");
+  text.insert(text.find('\n') + 1, from + " vec4 opacity;\n");
   return text;
 }
 

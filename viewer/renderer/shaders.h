@@ -22,8 +22,9 @@ std::string propVertex(Pass pass);
 std::string surfaceFragment(Pass pass, bool shadowEachPixel);
 
 /// A fragment shader that leaves out pixels, in a pattern without rows: the x of the uniform "opacity" is the share
-/// that it draws. So surfaces can fade without being sorted.
-std::string fading(const std::string& fragment);
+/// that it draws. So surfaces can fade without being sorted. @param from  "uniform", or "flat in": from the vertex
+/// shader
+std::string fading(const std::string& fragment, const std::string& from = "uniform");
 
 /// Sky; attribute 0 is the position in clip space.
 std::string skyVertex();

@@ -4,6 +4,7 @@
 #include "viewer/renderer/scene.h"
 
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -61,14 +62,31 @@ struct WindowChoices : KeptChoices {
   bool paused = false;
   int steps = 0;           ///< single steps that were asked for
   bool scrubbing = false;  ///< the timeline is dragged: playback is suspended
-  double speed = 1.0;      ///< of playback, kSlowest to kFastest; 1 = as recorded
+  double speed = 1.0;      ///< of playback, one of kSpeeds; 1 = as recorded
   bool help = false;
   bool panels = true;
   int quality = -1;                                 ///< of the picture; -1 = automatic
   bool picture = false, pictureWithPanels = false;  ///< to be saved
   bool video = false;                               ///< to be started or stopped
 };
-inline constexpr double kSlowest = 0.1, kFastest = 4.0;
+/// A speed that the user may choose.
+struct SpeedChoice {
+  const char* name = "";
+  double factor = 1.0;
+};
+inline constexpr std::array<SpeedChoice, 4> kSpeeds = {{{"1/4", 0.25}, {"1/2", 0.5}, {"1", 1.0}, {"2", 2.0}}};
+
+/// What may be behind the picture.
+struct BackgroundChoice {
+  const char* name = "";
+  std::optional<Vec3f> color = {};  ///< see SceneOptions
+  bool transparent = false;
+};
+inline const std::array<BackgroundChoice, 5> kBackgrounds = {{{"sky"},
+                                                              {"white", Vec3f(1.0f, 1.0f, 1.0f)},
+                                                              {"black", Vec3f(0.0f, 0.0f, 0.0f)},
+                                                              {"green", Vec3f(0.0f, 1.0f, 0.0f)},
+                                                              {"transparent", {}, true}}};
 
 /// A target and how often it was hit.
 struct TargetScore {
@@ -83,6 +101,7 @@ struct WindowNumbers {
   double duration = 0.0;            ///< of a recording [s]; 0 = live, without timeline and speed
   int parts = 0;                    ///< of the body
   int maxParts = 0;                 ///< at the finest level of detail; 0 = no choice
+  double facing = 0.0;              ///< azimuth to which the followed avatar looks, see directionAt() [rad]
 };
 
 /// What a window shows in its panels; texts and lists are borrowed while they are drawn. Independent of sessions and
@@ -95,28 +114,32 @@ struct WindowValues : WindowNumbers {
   std::span<const std::string> scenes;       ///< to choose from; empty = none
   int scene = 0;                             ///< index of the current scene
   std::span<const std::string> expressions;  ///< of the avatar's face, to choose from; empty = none
-  int expression = -1;                       ///< index of the one that was chosen here; -1 = none
-  std::span<const std::string> warnings;     ///< messages
-  bool outsideTraining = false;              ///< the pose is outside the training range of the hulls
-  bool holdsProp = false;                    ///< the mouse moves a prop instead of the camera
-  std::optional<Vec3> focus = {};            ///< what a following camera moves with [m]
-  std::optional<Aabb> followed = {};         ///< what a following camera keeps in view, between the panels [m]
-  std::span<const std::string> avatars;      ///< their names, to follow one; empty = no choice
-  int avatar = -1;                           ///< index of the followed one; -1 = all
-  std::span<const std::string> motions;      ///< that can be opened by name; empty = none
-  int motion = -1;                           ///< index of the played one; -1 = another
-  std::span<const std::string> clips;        ///< of the played file; empty = no choice
-  int clip = 0;                              ///< index of the played one
-  std::span<const std::string> people;       ///< of the played recording; empty = no choice
-  int person = -1;                           ///< index of the one who is followed; -1 = everyone
-  bool everyone = false;                     ///< everyone can be chosen
-  std::span<const std::string> recent;       ///< files that were opened, to be opened again; empty = none
-  std::string_view hint;                     ///< what may be dropped on the window; empty = nothing is said
-  std::string_view loading;                  ///< what is loaded meanwhile; empty = nothing
-  double loaded = 0.0;                       ///< share of it that is done
-  std::span<const TargetScore> hits;         ///< of the scene's targets; empty = it has none
-  bool treatable = false;                    ///< there is a choice of mirror, smoothing and gravity
-  double smoothingDelay = -1.0;              ///< as measured [s]; below 0 = no smoothing
+  int expression = -1;                    ///< index of the one that was chosen here; -1 = none; or kExpressionsAsGiven
+  std::span<const std::string> warnings;  ///< messages
+  bool outsideTraining = false;           ///< the pose is outside the training range of the hulls
+  bool holdsProp = false;                 ///< the mouse moves a prop instead of the camera
+  std::optional<Vec3> focus = {};         ///< what a following camera moves with [m]
+  std::optional<Aabb> followed = {};      ///< what a following camera keeps in view, between the panels [m]
+  std::span<const std::string> avatars;   ///< their names, to follow one; empty = no choice
+  int avatar = -1;                        ///< index of the followed one; -1 = all
+  std::span<const std::string> characters;  ///< that can be opened: recent, dropped, shipped; empty = none
+  int character = -1;                       ///< index of the one that is shown; -1 = another
+  std::span<const std::string> motions;     ///< that can be opened by name; empty = none
+  int motion = -1;                          ///< index of the played one; -1 = another
+  std::span<const std::string> clips;       ///< of the played file; empty = no choice
+  int clip = 0;                             ///< index of the played one
+  std::span<const std::string> people;      ///< of the played recording; empty = no choice
+  int person = -1;                          ///< index of the one who is followed; -1 = everyone
+  bool everyone = false;                    ///< everyone can be chosen
+  std::span<const std::string> recent;      ///< other files that were opened, to be opened again; empty = none
+  bool opens = false;                       ///< files can be opened
+  std::string_view hint;                    ///< what may be dropped on the window; empty = nothing is said
+  std::string_view loading;                 ///< what is loaded meanwhile; empty = nothing
+  double loaded = 0.0;                      ///< share of it that is done
+  std::span<const TargetScore> hits;        ///< of the scene's targets; empty = it has none
+  bool treatable = false;                   ///< there is a choice of mirror, smoothing and gravity
+  std::uint64_t changes = 0;                ///< grows whenever the scene is another
+  double smoothingDelay = -1.0;             ///< as measured [s]; below 0 = no smoothing
   // Why something cannot be done; empty = it can be done. With static storage duration.
   std::string_view noMirror;
   std::string_view noSmoothing;
@@ -132,9 +155,25 @@ struct WindowValues : WindowNumbers {
   int quality = 0;                              ///< index of the present one
   double videoSeconds = -1.0;                   ///< length of the video that is written [s]; below 0 = none
   double insetWidth = 0.0, insetHeight = 0.0;   ///< of Scene::inset at the lower right [pixels]; 0 = none
+  bool grains = false;                          ///< there is sand or water
   std::string_view notice = {};                 ///< temporary message; empty = none
-  bool problem = false;                         ///< it says what failed
+  std::optional<std::string_view> typed = {};  ///< the path of a file that the user types; none = that is not asked for
+  bool problem = false;                        ///< it says what failed
+
+  /// Whether nothing has been loaded yet.
+  [[nodiscard]] bool empty() const { return !loading.empty() && parts == 0; }
+  /// Calls visit(std::string_view) for each text.
+  template <typename Visit>
+  void eachText(const Visit& visit) const {
+    for (const std::string_view text : {name, status, hint, loading, notice, typed.value_or("")}) visit(text);
+    for (const auto& texts : {scenes, expressions, warnings, avatars, characters, motions, clips, people, recent}) {
+      for (const std::string& text : texts) visit(std::string_view(text));
+    }
+    for (const TargetScore& target : hits) visit(std::string_view(target.name));
+  }
 };
+/// WindowValues::expression: those that the command gave, or that the source of the motion sends.
+inline constexpr int kExpressionsAsGiven = -2;
 
 /// Requests of the user since the last call, except those that the window handles itself.
 struct WindowRequests {
@@ -147,6 +186,7 @@ struct WindowRequests {
   std::optional<int> clip;         ///< another of WindowValues::clips
   std::optional<int> person;       ///< another of WindowValues::people, or -1 = everyone
   std::vector<std::string> files;  ///< open these, which were dropped on the window
+  bool choose = false;             ///< let the user choose files to open
   bool cancel = false;             ///< what is loading
   bool throwBall = false;
   bool undo = false;           ///< take back what was thrown or dragged last

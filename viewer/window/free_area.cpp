@@ -41,21 +41,4 @@ PictureArea freeArea(float width, float height, std::span<const PixelArea> panel
   return free;
 }
 
-double distanceToSee(const Aabb& box, const Camera& camera, const PictureArea& area, double aspect) {
-  const Vec3 forward = (camera.target - camera.eye).normalized();
-  const Vec3 right = forward.cross(Vec3::UnitY()).normalized();
-  const Vec3 up = right.cross(forward);
-  const double high = area.half.y() * std::tan(0.5 * camera.verticalFov);
-  const double wide = area.half.x() * std::tan(0.5 * camera.verticalFov) * aspect;
-  double distance = 0.0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 at((corner & 1) != 0 ? box.max.x() : box.min.x(), (corner & 2) != 0 ? box.max.y() : box.min.y(),
-                  (corner & 4) != 0 ? box.max.z() : box.min.z());
-    const Vec3 from = at - camera.target;
-    const double depth = std::max(std::abs(from.dot(right)) / wide, std::abs(from.dot(up)) / high);
-    distance = std::max(distance, depth - from.dot(forward));
-  }
-  return distance;
-}
-
 }  // namespace lorica

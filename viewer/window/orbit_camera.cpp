@@ -1,5 +1,7 @@
 #include "viewer/window/orbit_camera.h"
 
+#include "viewer/renderer/picture_area.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -32,12 +34,9 @@ void OrbitCamera::turn(double right, double up) {
 }
 
 void OrbitCamera::pan(double right, double up) {
-  const Camera now = camera();
-  const Vec3 forward = (now.target - now.eye).normalized();
-  const Vec3 rightAxis = forward.cross(Vec3::UnitY()).normalized();
-  const Vec3 upAxis = rightAxis.cross(forward);
+  const ViewAxes axes = axesOf(camera());
   const double pictureHeight = 2.0 * distance_ * std::tan(0.5 * start_.verticalFov);
-  target_ += pictureHeight * (right * rightAxis + up * upAxis);
+  target_ += pictureHeight * (right * axes.right + up * axes.up);
   stayAboveFloor();
 }
 
@@ -52,8 +51,9 @@ void OrbitCamera::carry(const Vec3& by) {
   start_.eye += by;
 }
 
-void OrbitCamera::centreOn(const Vec3& point) {
-  target_ = Vec3(point.x(), target_.y(), point.z());
+void OrbitCamera::aimAt(const Vec3& point) {
+  target_ = point;
+  stayAboveFloor();
 }
 
 void OrbitCamera::lookFrom(double azimuth, double elevation) {
@@ -71,8 +71,7 @@ void OrbitCamera::stayAboveFloor() {
 Camera OrbitCamera::camera() const {
   Camera camera = start_;
   camera.target = target_;
-  camera.eye = target_ + distance_ * Vec3(std::cos(elevation_) * std::sin(azimuth_), std::sin(elevation_),
-                                          std::cos(elevation_) * std::cos(azimuth_));
+  camera.eye = target_ + distance_ * directionAt(azimuth_, elevation_);
   return camera;
 }
 

@@ -19,8 +19,8 @@ class OrbitCamera {
   void reset();
   /// Moves target and eye, also those of the start [m].
   void carry(const Vec3& by);
-  /// Moves the target over a point; its height and the direction of the view stay.
-  void centreOn(const Vec3& point);
+  /// Moves the target to a point; the direction of the view stays.
+  void aimAt(const Vec3& point);
   /// Looks at the target from a direction. @param azimuth  around Y, 0 = from +Z [rad] @param elevation  [rad]
   void lookFrom(double azimuth, double elevation);
 

@@ -10,13 +10,11 @@ namespace lorica {
 
 /// Height of a line of text at scale 1 [pixels].
 inline constexpr float kPanelLine = 18.0f;
-/// Width of the view panel at scale 1 [pixels].
-inline constexpr float kViewPanel = 206.0f;
-/// Width of the times panel, the widest, at scale 1 [pixels].
-inline constexpr float kWidestPanel = 250.0f;
+/// Width of the panels at the sides at scale 1 [pixels].
+inline constexpr float kPanelWidth = 264.0f;
 
-/// Layout of the panels in the picture [pixels]: transport at the bottom, view options on the left, times on the right;
-/// the centre stays free.
+/// Layout of the panels in the picture [pixels]: transport at the bottom, who and what on the left, look and numbers on
+/// the right; the centre stays free.
 struct PanelLayout {
   /// State of a panel that can be collapsed.
   struct Fold {
@@ -47,14 +45,14 @@ struct PanelLayout {
   PictureArea free;                   ///< what panels that stay leave free
   float left = 0.0f, right = 0.0f;    ///< bottoms of the last panels at both sides
   float titles = 0.0f;                ///< bottom of the lowest folded panel
-  Fold view, times, motion, hits;
+  Fold who, look, numbers{{}, false};
 };
 
-/// Call before the Begin() of a collapsible panel: collapses it when the picture becomes small, and restores its state
-/// when the picture becomes large.
-void foldAsSizeSays(const PanelLayout& layout, PanelLayout::Fold& fold);
-/// Call after Begin(): stores the choices.
-void noteFold(PanelLayout::Fold& fold);
+/// Begins a panel below the last one at a side. It is collapsed when the picture becomes small, and as it was when the
+/// picture becomes large.
+/// @return whether there is room for it; then endSide() must follow @param open  whether it is not collapsed
+[[nodiscard]] bool beginSide(PanelLayout& layout, PanelLayout::Fold& fold, const char* title, bool left, bool& open);
+void endSide(PanelLayout& layout, bool left);
 
 /// Call before the End() of a panel: the panel receives the mouse input over its area.
 void notePanel(PanelLayout& layout);
@@ -63,15 +61,14 @@ void notePanel(PanelLayout& layout);
 void setPanelStyle(float scale);
 
 void drawTransport(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
-void drawViewPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
-void drawTimesPanel(PanelLayout& layout, const WindowValues& values, const TimeGraph& times);
-/// Below the times, in a small picture below the view options: what performs, and how the motion and the world are
-/// treated.
-void drawMotionPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
-/// Below the last panel on the right: the hits of targets.
-void drawHitsPanel(PanelLayout& layout, const WindowValues& values);
-void drawWarnings(PanelLayout& layout, const WindowValues& values);
+/// The avatar, its motion and its world.
+void drawWhoPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+/// What is drawn and how.
+void drawLookPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+void drawNumbersPanel(PanelLayout& layout, const WindowValues& values, const TimeGraph& times);
+/// @param all  also those that come by themselves, such as warnings
+void drawMessages(PanelLayout& layout, const WindowValues& values, bool all);
 void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests);
-void drawHelp(PanelLayout& layout);
+void drawHelp(PanelLayout& layout, const WindowValues& values);
 
 }  // namespace lorica

@@ -51,19 +51,9 @@ void drawBars(const TimeGraph& times, const ImVec2& corner, const ImVec2& size, 
 
 }  // namespace
 
-void drawTimesPanel(PanelLayout& layout, const WindowValues& values, const TimeGraph& times) {
-  const float margin = layout.margin();
-  const float width = std::min(layout.of(kWidestPanel), 0.5f * (layout.width - 3.0f * margin));
-  const float room = layout.rightFloor - 2.0f * margin;
-  if (room < layout.of(40.0f)) return;
-  ImGui::SetNextWindowPos(ImVec2(layout.width - margin, margin), ImGuiCond_Always, ImVec2(1.0f, 0.0f));
-  foldAsSizeSays(layout, layout.times);
-  ImGui::SetNextWindowSizeConstraints(ImVec2(width, 0.0f), ImVec2(width, room));
-  const bool open = ImGui::Begin("Frame time", nullptr,
-                                 ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
-                                     ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
-                                     ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_AlwaysAutoResize);
-  noteFold(layout.times);
+void drawNumbersPanel(PanelLayout& layout, const WindowValues& values, const TimeGraph& times) {
+  bool open = false;
+  if (layout.small() || !beginSide(layout, layout.numbers, "Numbers", false, open)) return;
   if (open) {
     const double scale = scaleFor(times.longest());
     const ImVec2 corner = ImGui::GetCursorScreenPos();
@@ -94,11 +84,13 @@ void drawTimesPanel(PanelLayout& layout, const WindowValues& values, const TimeG
     rightText("%.1f ms", values.pictureMilliseconds);
     ImGui::TextUnformatted("frames per second");
     rightText("%.0f", values.picturesASecond);
+    if (values.smoothingDelay >= 0.0) {
+      ImGui::TextUnformatted("joints are late by");
+      rightText("%.0f ms", 1e3 * values.smoothingDelay);
+    }
     ImGui::TextUnformatted(values.outsideTraining ? "pose outside training range" : "pose within training range");
   }
-  notePanel(layout);
-  layout.right = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y;
-  ImGui::End();
+  endSide(layout, false);
 }
 
 }  // namespace lorica

@@ -6,14 +6,32 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace lorica {
+
+template <typename Choices>
+std::vector<std::string> namesOf(const Choices& choices) {
+  std::vector<std::string> names;
+  for (const auto& choice : choices) names.emplace_back(choice.name);
+  return names;
+}
 
 /// What cannot be done says why under the mouse. Call after its widget. @param why  empty = it can be done
 void tellWhy(std::string_view why);
 
-/// A check box. @param key  at the right edge @param why  it cannot be changed; empty = it can
-void toggle(const char* name, const char* key, bool& value, std::string_view why = {});
+/// A check box. @param key  at the right edge @param right  the edge; 0 = that of the panel
+/// @param why  it cannot be changed; empty = it can
+void toggle(const char* name, const char* key, bool& value, std::string_view why = {}, float right = 0.0f);
+
+/// A button as wide as the panel with its key at the right edge. @param why  it cannot be pressed; empty = it can
+[[nodiscard]] bool keyedButton(const char* name, const char* key, std::string_view why = {});
+
+/// The width of a slider with its value beside it, where the knob does not cover it. @param longest  text of a value
+[[nodiscard]] float besideSlider(float room, const std::string& longest);
+
+/// A text as far as it fits into a width [pixels]; a shortened one ends with dots.
+[[nodiscard]] std::string fitted(const std::string& text, float width);
 
 /// A list as wide as the panel.
 /// @param label    before the chosen name
@@ -22,5 +40,10 @@ void toggle(const char* name, const char* key, bool& value, std::string_view why
 /// @param why      it cannot be changed; empty = it can
 void chooseFrom(const char* id, const std::string& label, const char* none, std::span<const std::string> names,
                 int chosen, std::optional<int>& request, std::string_view why = {});
+
+/// A list of what can be opened, by the names of the files; the folders of one are a tooltip.
+/// @param label  before the present one @param other  instead of its name, if it is none of these: present = -1
+void chooseFile(const std::string& label, const char* other, std::span<const std::string> files, int present,
+                WindowRequests& requests);
 
 }  // namespace lorica

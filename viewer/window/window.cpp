@@ -1,20 +1,27 @@
 #include "viewer/window/window.h"
 
 #include "viewer/window/display_loss.h"
+#include "viewer/window/fingerprint.h"
 #include "viewer/window/first_picture.h"
 #include "viewer/window/window_impl.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
+#include <initializer_list>
+#include <string_view>
+#include <utility>
 
 namespace lorica {
 namespace {
 
 constexpr std::array<const char*, 3> kQualityNames = {"low", "medium", "high"};
 constexpr std::array<RenderQuality, 3> kQualities = {RenderQuality::kLow, RenderQuality::kMedium, RenderQuality::kHigh};
-constexpr double kCounted = 0.5;  // interval of the displayed statistics [s]
+constexpr double kCounted = 0.5;      // interval of the displayed statistics [s]
+constexpr double kAlive = 0.1;        // between pictures while something loads [s]
+constexpr double kShortRest = 0.002;  // limits the frame rate without vertical synchronisation [s]
 
 std::string& lastGlfwError() {
   static std::string text;
@@ -53,7 +60,7 @@ Window::~Window() = default;
 Window::Window(Window&&) noexcept = default;
 Window& Window::operator=(Window&&) noexcept = default;
 
-Result<Window> Window::create(const std::string& title, int width, int height) {
+Result<Window> Window::create(const std::string& title, int width, int height, bool transparent) {
   if (width < 1 || height < 1 || width > 16384 || height > 16384) {
     return Error{ErrorCode::kInvalidArgument,
                  fmt::format("window of {} x {} pixels: expected 1 to 16384 each", width, height)};
@@ -71,6 +78,7 @@ Result<Window> Window::create(const std::string& title, int width, int height) {
   glfwWindowHint(GLFW_OPENGL_FORWARD_COMPAT, GLFW_TRUE);
   glfwWindowHint(GLFW_DEPTH_BITS, 0);  // the renderer draws into its own framebuffers
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
+  glfwWindowHint(GLFW_TRANSPARENT_FRAMEBUFFER, transparent ? GLFW_TRUE : GLFW_FALSE);
   impl->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
   if (impl->window == nullptr) return noDisplay(lastGlfwError());
   glfwMakeContextCurrent(impl->window);
@@ -91,6 +99,9 @@ Result<Window> Window::create(const std::string& title, int width, int height) {
   impl->panels.emplace(std::move(panels).value());
   impl->lastShow = secondsNow();
   impl->listen();
+  if (transparent && glfwGetWindowAttrib(impl->window, GLFW_TRANSPARENT_FRAMEBUFFER) == GLFW_FALSE) {
+    impl->setNotice("this desktop has no transparent windows: saved pictures are transparent", kNoticeSeconds);
+  }
   return Window(std::move(impl));
 }
 
@@ -163,7 +174,8 @@ void Window::Impl::setNotice(std::string sentence, double seconds) {
   noticeIsProblem = false;
 }
 
-void Window::Impl::drawScene(const Scene& scene, int width, int height) {
+void Window::Impl::drawScene(Scene scene, const WindowValues& values, int width, int height) {
+  if (clearView) scene.unhidden = values.followed;
   choices.show.caption.clear();  // the panels show it
   choices.show.panel.clear();
   renderer->draw(scene, choices.show, view(), width, height);
@@ -171,7 +183,11 @@ void Window::Impl::drawScene(const Scene& scene, int width, int height) {
 
 void Window::Impl::countPicture(double seconds) {
   const double now = secondsNow();
-  if (count == 0) countBegin = now - seconds;
+  if (count == 0 || now - countBegin > 2.0 * kCounted) {  // also after a rest
+    countBegin = now - seconds;
+    count = 0;
+    countSeconds = 0.0;
+  }
   ++count;
   countSeconds += seconds;
   if (now - countBegin < kCounted) return;
@@ -183,10 +199,70 @@ void Window::Impl::countPicture(double seconds) {
 
 void Window::Impl::chooseQuality(double seconds) {
   // The quality does not change during a video. What the user is being told is more important.
-  if (choices.quality < 0 && !video && choice.add(seconds, secondsNow()) && secondsNow() >= noticeUntil) {
+  if (choices.quality < 0 && !video && choice.add(seconds, secondsNow()) && secondsNow() >= noticeUntil &&
+      choices.panels) {
     setNotice(fmt::format("drawing a frame takes {:.0f} ms: quality set to {}", 1e3 * seconds,
                           kQualityNames[choice.level()]));
   }
+}
+
+/// Differs where a picture does; what the scene holds is counted by WindowValues::changes.
+std::uint64_t Window::Impl::printOf(const WindowValues& values, int width, int height) const {
+  Fingerprint now;
+  values.eachText([&](std::string_view text) { now.add(text); });
+  const Camera seen = view();
+  const SceneOptions& show = choices.show;
+  for (const double number : {seen.eye.x(), seen.eye.y(), seen.eye.z(), seen.target.x(), seen.target.y(),
+                              seen.target.z(), seen.targetAt.x(), seen.targetAt.y(), values.seconds, values.duration,
+                              choices.speed, choices.scale, std::round(200.0 * values.loaded), values.smoothingDelay}) {
+    now.add(number);
+  }
+  for (const std::int64_t number : std::initializer_list<std::int64_t>{
+           width, height, values.parts, values.maxParts, values.scene, values.expression, values.avatar,
+           values.character, values.motion, values.clip, values.person, std::int64_t(values.changes), choices.quality,
+           choice.level(), choices.treatment.smoothing, choices.treatment.gravity}) {
+    now.add(number);
+  }
+  for (const bool flag : {values.ended,
+                          values.preparingParts,
+                          values.outsideTraining,
+                          values.holdsProp,
+                          values.everyone,
+                          values.treatable,
+                          values.opens,
+                          values.noMirror.empty(),
+                          values.noSmoothing.empty(),
+                          values.noGravity.empty(),
+                          values.noThrow.empty(),
+                          values.noUndo.empty(),
+                          values.noLoop.empty(),
+                          show.skin,
+                          show.colorSkinByPart,
+                          show.hulls,
+                          show.bones,
+                          show.props,
+                          show.contacts,
+                          show.particles,
+                          show.ground,
+                          show.transparent,
+                          show.background.has_value(),
+                          choices.treatment.mirror,
+                          choices.paused,
+                          choices.help,
+                          choices.panels,
+                          choices.loop,
+                          choices.follow,
+                          clearView,
+                          secondsNow() < noticeUntil,
+                          noticeIsProblem,
+                          typed.has_value()}) {
+    now.add(std::int64_t(flag));
+  }
+  for (const TargetScore& target : values.hits) now.add(std::int64_t(target.hits));
+  if (secondsNow() < noticeUntil) now.add(noticeText);
+  if (typed) now.add(*typed);
+  if (show.background) now.add(double(show.background->sum()));
+  return now.value();
 }
 
 void Window::show(const Scene& scene, const WindowValues& values) {
@@ -194,55 +270,82 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   int width = 0, height = 0;
   glfwMakeContextCurrent(i.window);
   glfwGetFramebufferSize(i.window, &width, &height);
+  i.dialog.take(i.requests.files);
   i.decideDrag(values.holdsProp);
   i.follow(values.focus);
   if (width > 0 && height > 0) i.frameFollowed(values, 1.0 * width / height);
   i.last = values;
 
-  const double begin = secondsNow();
-  const int level = i.choices.quality < 0 ? i.choice.level() : i.choices.quality;
-  // While the first session loads, a picture waits for something to see.
-  const bool nothingYet = !values.loading.empty() && scene.vertices.empty();
-  if (width > 0 && height > 0) {             // minimised windows have no pixels
-    if (i.choices.picture && !nothingYet) {  // saved at the best quality
-      i.renderer->setQuality(RenderQuality::kHigh);
-      i.drawScene(scene, width, height);
-      i.savePicture(i.renderer->readBack());
-      i.choices.picture = false;
-    }
-    if (i.choices.video) i.toggleVideo(width, height);
-    i.choices.video = false;
-    const double drawing = secondsNow();
-    i.renderer->setQuality(kQualities[level]);
-    i.drawScene(scene, width, height);
-    if (i.video) i.addToVideo(width, height);
-    i.renderer->present(width, height);
-    i.gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
-
-    WindowValues shown = values;
-    shown.pictureMilliseconds = 1e3 * i.pictureSeconds;
-    shown.picturesASecond = i.pictureRate;
-    shown.qualities = kQualityNames;
-    shown.quality = level;
-    shown.videoSeconds = i.video ? begin - i.video->begin : -1.0;
-    if (scene.inset != nullptr && scene.inset->width > 0) {
-      shown.insetWidth = 0.25 * width;
-      shown.insetHeight = shown.insetWidth * scene.inset->height / scene.inset->width;
-    }
-    if (begin < i.noticeUntil) shown.notice = i.noticeText;
-    shown.problem = i.noticeIsProblem;
-    i.choices.scrubbing = false;  // only visible panels can set it
-    i.panels->draw(i.takePanelInput(width, height), shown, i.times, i.choices, i.requests);
-    if (i.choices.pictureWithPanels) i.savePicture(readWindow(i.gl, width, height));
-    i.choices.pictureWithPanels = false;
-    // The driver may defer its work, which would then be measured as waiting for the display.
-    i.gl.Finish();
-    const double seconds = secondsNow() - drawing;
-    i.countPicture(seconds);
-    i.chooseQuality(seconds);
-    glfwSwapBuffers(i.window);
+  const std::uint64_t print = i.printOf(values, width, height);
+  const bool moves = i.video || (!values.loading.empty() && secondsNow() - i.lastShow > kAlive);
+  const bool asked = i.choices.picture || i.choices.pictureWithPanels || i.choices.video;
+  if (std::exchange(i.print, print) != print || moves || asked) i.touch();
+  const bool seen = width > 0 && height > 0 &&  // minimised windows have no pixels
+                    (i.video || glfwGetWindowAttrib(i.window, GLFW_ICONIFIED) == GLFW_FALSE);
+  if (seen && i.picturesDue > 0) {
+    --i.picturesDue;
+    i.draw(scene, values, width, height);
   }
   glfwPollEvents();
+}
+
+void Window::Impl::draw(const Scene& scene, const WindowValues& values, int width, int height) {
+  const double begin = secondsNow();
+  const int level = choices.quality < 0 ? choice.level() : choices.quality;
+  // While the first session loads, a picture waits for something to see.
+  const bool nothingYet = !values.loading.empty() && scene.vertices.empty() && scene.parts.empty();
+  if (choices.picture && !nothingYet) {  // saved at the best quality
+    renderer->setQuality(RenderQuality::kHigh);
+    drawScene(scene, values, width, height);
+    savePicture(renderer->readBack());
+    choices.picture = false;
+  }
+  if (choices.video) toggleVideo(width, height);
+  choices.video = false;
+  const double drawing = secondsNow();
+  renderer->setQuality(kQualities[level]);
+  drawScene(scene, values, width, height);
+  if (video) addToVideo(width, height);
+  renderer->present(width, height);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+
+  WindowValues shown = values;
+  shown.pictureMilliseconds = 1e3 * pictureSeconds;
+  shown.picturesASecond = pictureRate;
+  shown.qualities = kQualityNames;
+  shown.quality = level;
+  shown.videoSeconds = video ? begin - video->begin : -1.0;
+  shown.grains = !scene.particles.empty();
+  if (scene.inset != nullptr && scene.inset->width > 0) {
+    shown.insetWidth = 0.25 * width;
+    shown.insetHeight = shown.insetWidth * scene.inset->height / scene.inset->width;
+  }
+  if (begin < noticeUntil) shown.notice = noticeText;
+  shown.problem = noticeIsProblem;
+  if (typed) shown.typed = *typed;
+  choices.scrubbing = false;  // only visible panels can set it
+  panels->draw(takePanelInput(width, height), shown, times, choices, requests);
+  if (choices.pictureWithPanels) savePicture(readWindow(gl, width, height));
+  choices.pictureWithPanels = false;
+  // The driver may defer its work, which would then be measured as waiting for the display.
+  gl.Finish();
+  const double seconds = secondsNow() - drawing;
+  countPicture(seconds);
+  chooseQuality(seconds);
+  glfwSwapBuffers(window);
+  ++pictures;
+}
+
+void Window::rest(double seconds) {
+  glfwWaitEventsTimeout(impl_->picturesDue > 0 ? kShortRest : std::max(seconds, kShortRest));
+}
+
+void Window::chooseFiles() {
+  if (!impl_->dialog.open()) impl_->typed.emplace();
+}
+
+long long Window::pictures() const {
+  return impl_->pictures;
 }
 
 bool displayAvailable() {

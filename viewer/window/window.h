@@ -20,7 +20,8 @@ namespace lorica {
 class Window final : public Screen {
  public:
   /// @return the window, or kNoDisplay with advice: run without --window, snapshots need no display
-  static Result<Window> create(const std::string& title, int width, int height);
+  /// @param transparent  the desktop shows through a transparent background, where the system has such windows
+  static Result<Window> create(const std::string& title, int width, int height, bool transparent = false);
   ~Window() override;
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;
@@ -28,7 +29,9 @@ class Window final : public Screen {
   [[nodiscard]] bool open() const override;
   [[nodiscard]] bool wantsStep() override;
   void show(const Scene& scene, const WindowValues& values) override;
+  void rest(double seconds) override;
   [[nodiscard]] WindowRequests takeRequests() override;
+  void chooseFiles() override;
   [[nodiscard]] bool takeCancel() override;
   [[nodiscard]] Ray pointer() const override;
   [[nodiscard]] Camera camera() const override;
@@ -42,6 +45,8 @@ class Window final : public Screen {
   void setChoices(const WindowChoices& choices) override;
   /// Sets a fixed quality; none = chosen automatically by speed, the default.
   void setQuality(std::optional<RenderQuality> quality);
+  /// How many pictures were drawn so far.
+  [[nodiscard]] long long pictures() const;
 
  private:
   struct Impl;

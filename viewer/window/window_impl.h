@@ -2,6 +2,7 @@
 
 #include "viewer/pictures/video_writer.h"
 #include "viewer/renderer/gl_functions.h"
+#include "viewer/window/file_dialog.h"
 #include "viewer/window/orbit_camera.h"
 #include "viewer/window/quality_choice.h"
 #include "viewer/window/time_graph.h"
@@ -13,6 +14,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -53,13 +55,20 @@ struct Window::Impl {
   [[nodiscard]] PanelInput takePanelInput(int width, int height);
   [[nodiscard]] Ray rayThrough(double x, double y) const;
   void seekBy(double seconds);
+  void stepSpeed(int by);
+  void onKeyOfPath(int key, int mods);
   void follow(const std::optional<Vec3>& focus);
   void frameFollowed(const WindowValues& values, double aspect);
+  void lookFrom(double azimuth, double elevation);
   void takeOver();
   /// The camera as the picture is drawn.
   [[nodiscard]] Camera view() const;
 
-  void drawScene(const Scene& scene, int width, int height);
+  /// Another picture is due; a few more show panels that find their size.
+  void touch() { picturesDue = kPanelPictures; }
+  [[nodiscard]] std::uint64_t printOf(const WindowValues& values, int width, int height) const;
+  void draw(const Scene& scene, const WindowValues& values, int width, int height);
+  void drawScene(Scene scene, const WindowValues& values, int width, int height);
   void countPicture(double seconds);
   void chooseQuality(double seconds);
   void savePicture(const Image& image);
@@ -76,12 +85,19 @@ struct Window::Impl {
   std::optional<Vec3> followed;  ///< the focus that the camera has moved with; none = it has not followed yet
   bool leftFocus = false;        ///< the user chose not to follow since then
   bool ownView = false;          ///< the user panned or zoomed since then
+  bool clearView = false;        ///< see lookFrom()
   double fitted = 0.0;           ///< distance from the target at which the followed avatars are in view [m]
   double fittedAt = 0.0;         ///< WindowValues::seconds of that
   std::optional<Eigen::Vector2d> targetAt;  ///< see Camera; none = in the middle
   WindowChoices choices;
   WindowRequests requests;
   WindowNumbers last;  ///< as shown
+  static constexpr int kPanelPictures = 4;
+  int picturesDue = kPanelPictures;  ///< pictures to be drawn
+  std::uint64_t print = 0;   ///< of what was shown last
+  long long pictures = 0;
+  FileDialog dialog;
+  std::optional<std::string> typed;  ///< where there is no dialogue: the path so far; none = it is not asked for
   TimeGraph times;
 
   QualityChoice choice{3};

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -10,14 +12,23 @@ namespace {
 
 constexpr double kSeekStep = 1.0;         // of the arrow keys [s]
 constexpr double kPresetElevation = 0.1;  // of the views from the front, the side and the back [rad]
-constexpr double kSpeedStep = 1.25;
-constexpr double kScaleStep = 1.25;     // of text
-constexpr double kClickReach = 4.0;     // a press that moves no farther is a click [screen coordinates]
-constexpr double kAstray = 1.0;         // of a focus from the camera's target, at which the camera goes there [m]
-constexpr double kFilled = 0.92;        // of what panels leave free, by the followed avatars
-constexpr double kNearerSeconds = 3.0;  // in which the camera comes back most of the way [s]
-constexpr double kLongestFrame = 0.5;   // of a session that runs; longer is a jump [s]
-constexpr double kTurnPerHeight = 4.0;  // camera rotation for a drag over the window's height [rad]
+constexpr double kScaleStep = 1.25;       // of text
+constexpr double kClickReach = 4.0;       // a press that moves no farther is a click [screen coordinates]
+constexpr double kFilled = 0.92;          // of what panels leave free, by the followed avatars
+constexpr double kNearerSeconds = 3.0;    // in which the camera comes back most of the way [s]
+constexpr double kLongestFrame = 0.5;     // of a session that runs; longer is a jump [s]
+constexpr double kTurnPerHeight = 4.0;    // camera rotation for a drag over the window's height [rad]
+
+void appendUtf8(unsigned int code, std::string& text) {
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+    return;
+  }
+  const int more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+  constexpr std::array<unsigned int, 3> kFirst = {0xc0, 0xe0, 0xf0};
+  text += static_cast<char>(kFirst[more - 1] | code >> 6 * more);
+  for (int i = more - 1; i >= 0; --i) text += static_cast<char>(0x80 | (code >> 6 * i & 0x3f));
+}
 
 void toggle(bool& flag) {
   flag = !flag;
@@ -30,14 +41,28 @@ void Window::Impl::listen() {
   static constexpr auto kOf = [](GLFWwindow* w) { return static_cast<Impl*>(glfwGetWindowUserPointer(w)); };
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
     const bool repeats = key == GLFW_KEY_N || key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT;
+    kOf(w)->touch();
     if (action == GLFW_PRESS || (action == GLFW_REPEAT && repeats)) kOf(w)->onKey(key, mods);
   });
-  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) { kOf(w)->onCharacter(code); });
-  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) { kOf(w)->onCursor(x, y); });
-  glfwSetMouseButtonCallback(
-      window, [](GLFWwindow* w, int button, int action, int) { kOf(w)->onButton(button, action == GLFW_PRESS); });
-  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) { kOf(w)->onWheel(y); });
+  glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) {
+    kOf(w)->touch();
+    kOf(w)->onCharacter(code);
+  });
+  glfwSetCursorPosCallback(window, [](GLFWwindow* w, double x, double y) {
+    if (kOf(w)->choices.panels || kOf(w)->choices.help) kOf(w)->touch();
+    kOf(w)->onCursor(x, y);
+  });
+  glfwSetMouseButtonCallback(window, [](GLFWwindow* w, int button, int action, int) {
+    kOf(w)->touch();
+    kOf(w)->onButton(button, action == GLFW_PRESS);
+  });
+  glfwSetScrollCallback(window, [](GLFWwindow* w, double, double y) {
+    kOf(w)->touch();
+    kOf(w)->onWheel(y);
+  });
+  glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { kOf(w)->touch(); });
   glfwSetDropCallback(window, [](GLFWwindow* w, int fileCount, const char** files) {
+    kOf(w)->touch();
     kOf(w)->requests.files.insert(kOf(w)->requests.files.end(), files, files + fileCount);
   });
   glfwGetCursorPos(window, &cursorX, &cursorY);
@@ -58,7 +83,23 @@ void Window::Impl::onControlKey(int key) {
   if (key == GLFW_KEY_0) scale = 1.0;
 }
 
+/// While a path is typed.
+void Window::Impl::onKeyOfPath(int key, int mods) {
+  if (key == GLFW_KEY_V && (mods & GLFW_MOD_CONTROL) != 0) {
+    const char* copied = glfwGetClipboardString(window);
+    typed->append(copied == nullptr ? "" : copied);
+  }
+  if (key == GLFW_KEY_BACKSPACE && !typed->empty()) {
+    while (typed->size() > 1 && (typed->back() & 0xc0) == 0x80) typed->pop_back();  // the rest of a character
+    typed->pop_back();
+  }
+  const bool given = (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER) && !typed->empty();
+  if (given) requests.files.push_back(*typed);
+  if (given || key == GLFW_KEY_ESCAPE) typed.reset();
+}
+
 void Window::Impl::onKey(int key, int mods) {
+  if (typed) return onKeyOfPath(key, mods);
   if ((mods & GLFW_MOD_CONTROL) != 0) return onControlKey(key);
   switch (key) {
     case GLFW_KEY_SPACE:
@@ -96,6 +137,9 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_B:
       requests.throwBall = true;
       return;
+    case GLFW_KEY_O:
+      requests.choose = true;
+      return;
     case GLFW_KEY_P:
       ((mods & GLFW_MOD_SHIFT) != 0 ? choices.pictureWithPanels : choices.picture) = true;
       return;
@@ -109,17 +153,17 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_F:
       return toggle(choices.follow);
     case GLFW_KEY_R:
-      ownView = false;
+      ownView = clearView = false;
       fitted = 0.0;
       return camera.reset();
     case GLFW_KEY_F2:
-      return camera.lookFrom(0.0, kPresetElevation);
+      return lookFrom(0.0, kPresetElevation);
     case GLFW_KEY_F3:
-      return camera.lookFrom(0.5 * std::numbers::pi, kPresetElevation);
+      return lookFrom(0.5 * std::numbers::pi, kPresetElevation);
     case GLFW_KEY_F4:
-      return camera.lookFrom(std::numbers::pi, kPresetElevation);
+      return lookFrom(std::numbers::pi, kPresetElevation);
     case GLFW_KEY_F5:
-      return camera.lookFrom(0.0, 0.5 * std::numbers::pi);
+      return lookFrom(0.0, 0.5 * std::numbers::pi);
     case GLFW_KEY_TAB:
       return toggle(choices.panels);
     case GLFW_KEY_H:
@@ -135,24 +179,16 @@ void Window::Impl::onKey(int key, int mods) {
   }
 }
 
-/// The camera moves with the focus over the ground, as long as the user wants it. When that begins again, it looks at
-/// the focus.
+/// The camera looks at the focus and moves with it, as long as the user wants it.
 void Window::Impl::follow(const std::optional<Vec3>& focus) {
   if (!choices.follow) {
     leftFocus = true;
     return;
   }
   if (!focus) return;
-  if (!followed) {
-    // A motion may begin far from where the camera looks.
-    Vec3 off = *focus - camera.camera().target;
-    off.y() = 0.0;
-    if (off.norm() > kAstray) camera.carry(off);
-  } else {
-    camera.carry(Vec3(focus->x() - followed->x(), 0.0, focus->z() - followed->z()));
-  }
+  camera.carry(*focus - followed.value_or(camera.camera().target));
   if (leftFocus) {
-    camera.centreOn(*focus);
+    camera.aimAt(*focus);
     ownView = false;
   }
   followed = focus;
@@ -169,10 +205,16 @@ void Window::Impl::frameFollowed(const WindowValues& values, double aspect) {
   const double seconds = values.seconds - std::exchange(fittedAt, values.seconds);
   if (!choices.follow || ownView) return;
   area.half *= kFilled;
-  const double needed = distanceToSee(*values.followed, camera.camera(), area, aspect);
+  const double needed = distanceToSee(cornersOf(*values.followed), camera.camera(), area, aspect);
   const bool jumped = seconds < 0.0 || seconds > kLongestFrame;
   const double kept = jumped ? 0.0 : std::exp(-seconds / kNearerSeconds);
   fitted = std::max(needed, needed + kept * (fitted - needed));
+}
+
+/// Looks at the avatar from a side of it; nothing hides it until the user turns the camera.
+void Window::Impl::lookFrom(double azimuth, double elevation) {
+  camera.lookFrom(last.facing + azimuth, elevation);
+  clearView = true;
 }
 
 /// The user pans or zooms: from what is seen, and from now on without being interfered with.
@@ -191,16 +233,27 @@ Camera Window::Impl::view() const {
   return view;
 }
 
+void Window::Impl::stepSpeed(int by) {
+  const auto* const now =
+      std::find_if(kSpeeds.begin(), kSpeeds.end(), [&](const SpeedChoice& one) { return one.factor >= choices.speed; });
+  const std::ptrdiff_t fastest = std::ssize(kSpeeds) - 1;
+  choices.speed = kSpeeds[std::clamp<std::ptrdiff_t>(now - kSpeeds.begin() + by, 0, fastest)].factor;
+}
+
 /// Punctuation keys are handled as typed characters, because keyboard layouts differ.
 void Window::Impl::onCharacter(unsigned int code) {
+  if (typed) {
+    appendUtf8(code, *typed);
+    return;
+  }
   const int parts = requests.parts.value_or(last.parts);
   switch (code) {
     case '-':
-      if (last.duration > 0.0) choices.speed = std::max(choices.speed / kSpeedStep, kSlowest);
+      if (last.duration > 0.0) stepSpeed(-1);
       return;
     case '+':
     case '=':
-      if (last.duration > 0.0) choices.speed = std::min(choices.speed * kSpeedStep, kFastest);
+      if (last.duration > 0.0) stepSpeed(1);
       return;
     case '[':
       if (last.maxParts > 0) requests.parts = std::max(parts - 1, 1);
@@ -286,6 +339,7 @@ void Window::Impl::onCursor(double x, double y) {
   heldY = y;
   if (drag == Drag::kCamera) {
     camera.turn(-kTurnPerHeight * dx, kTurnPerHeight * dy);
+    clearView = clearView && dx == 0.0 && dy == 0.0;
   } else {
     takeOver();
     camera.pan(-dx, dy);
@@ -326,9 +380,7 @@ Ray Window::Impl::rayThrough(double x, double y) const {
   int width = 1, height = 1;
   glfwGetWindowSize(window, &width, &height);
   const Camera now = view();
-  const Vec3 forward = (now.target - now.eye).normalized();
-  const Vec3 right = forward.cross(Vec3::UnitY()).normalized();
-  const Vec3 up = right.cross(forward);
+  const auto [forward, right, up] = axesOf(now);
   const double half = std::tan(0.5 * now.verticalFov);
   const double across = (2.0 * x / std::max(width, 1) - 1.0 - now.targetAt.x()) * half * width / std::max(height, 1);
   const double upward = (1.0 - 2.0 * y / std::max(height, 1) - now.targetAt.y()) * half;

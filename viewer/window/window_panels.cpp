@@ -39,21 +39,14 @@ struct WindowPanels::Impl {
 
 /// The font has the characters that were shown until now: names may have any.
 void WindowPanels::Impl::noteCharacters(const WindowValues& values) {
-  const auto note = [&](std::string_view text) {
+  values.eachText([&](std::string_view text) {
     if (std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; })) return;
     for (const char32_t c : charactersOf(text)) {
       if (c < 0x80 || beyond.find(c) != std::u32string::npos) continue;
       beyond += c;
       fontLacks = true;
     }
-  };
-  for (const std::string_view text : {values.name, values.status, values.hint, values.loading, values.notice})
-    note(text);
-  for (const auto& names : {values.scenes, values.expressions, values.warnings, values.avatars, values.motions,
-                            values.clips, values.people, values.recent}) {
-    std::for_each(names.begin(), names.end(), note);
-  }
-  for (const TargetScore& target : values.hits) note(target.name);
+  });
 }
 
 void WindowPanels::Impl::takeScale(float wanted) {
@@ -116,17 +109,16 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
   i.layout.begin(input.width, input.height);
-  if (choices.panels) {
+  if (choices.panels && !values.empty()) {
     drawTransport(i.layout, values, choices, requests);
-    drawViewPanel(i.layout, values, choices, requests);
-    drawTimesPanel(i.layout, values, times);
-    drawMotionPanel(i.layout, values, choices, requests);
-    drawHitsPanel(i.layout, values);
+    drawWhoPanel(i.layout, values, choices, requests);
+    drawLookPanel(i.layout, values, choices, requests);
+    drawNumbersPanel(i.layout, values, times);
   }
   i.noteFreeArea(values);
   if (!values.loading.empty()) drawLoading(i.layout, values, requests);  // stays where it is: its button is clicked
-  drawWarnings(i.layout, values);
-  if (choices.help) drawHelp(i.layout);
+  drawMessages(i.layout, values, choices.panels);
+  if (choices.help) drawHelp(i.layout, values);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }

@@ -108,5 +108,17 @@ TEST(AtHardStop, RunsTheTasksThatAreLeftNewestFirst) {
       testing::ExitedWithCode(7), "^second first$");
 }
 
+TEST(AtHardStop, RunsATaskThatComesTooLateAtOnce) {
+  EXPECT_EXIT(
+      {
+        runHardStop();
+        const AtHardStop late([] {
+          (void)fputs("late", stderr);
+          _Exit(7);
+        });
+      },
+      testing::ExitedWithCode(7), "^late$");
+}
+
 }  // namespace
 }  // namespace lorica::test

@@ -33,16 +33,14 @@ void expectSound(const JointStream& stream, const std::filesystem::path& scratch
   EXPECT_TRUE(written) << written.error().message;
 }
 
-TEST(JointStreamBad, WhatIsNoneOfThemNamesThemAll) {
+TEST(JointStreamBad, WhatIsNoneOfThemIsNamed) {
   EXPECT_EQ(refusal(""), "walk.txt: found an empty file, expected recorded joints");
   EXPECT_EQ(refusal("\xef\xbb\xbf\r\n \r\n"), "walk.txt: found an empty file, expected recorded joints");
-  EXPECT_EQ(
-      refusal("HIERARCHY\nROOT Hips\n"),
-      "walk.txt: found a first row of 1 fields starting with 'HIERARCHY', expected recorded joints in a known "
-      "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
-      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2, named-columns or azure-json");
-  EXPECT_NE(refusal("1 2 3 4 5 6 7\n").find("found a first row of 7 fields"), std::string::npos);
-  EXPECT_NE(refusal(std::string("\x89PNG\r\n\0\1", 8)).find("'\\x89PNG'"), std::string::npos);
+  const char* none = ", expected recorded joints in a layout that Lorica knows";
+  EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n"),
+            std::string("walk.txt: found a text that begins with 'HIERARCHY'") + none);
+  EXPECT_EQ(refusal(std::string("\x89PNG\r\n\0\1", 8)),
+            std::string("walk.txt: found data that begins with '\\x89PNG'") + none);
   const TemporaryFolder folder;
   EXPECT_EQ(readJointStream(folder.path() / "nowhere.txt").error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(readJointStream(folder.path()));
@@ -77,9 +75,7 @@ TEST(JointStreamBad, SentencesNameThePosition) {
             "walk.txt, line 2, column 36 (Status): found 'LOST', expected TRACKED, INFERRED or NOTTRACKED");
   EXPECT_EQ(
       refusal(replaced(wide, "Time,", "When,")),
-      "walk.txt: found a first row of 232 fields starting with 'EventIndex', expected recorded joints in a known "
-      "layout; if it is one, specify it with --format: lorica, msr-action3d, utkinect, kinect2-bodies, kinect2-wide, "
-      "kinect1-long, kinect2-plain, ui-prmd, upper-body, nite2, named-columns or azure-json");
+      "walk.txt: found a text that begins with 'EventIndex', expected recorded joints in a layout that Lorica knows");
   EXPECT_EQ(refusal(replaced(wide, "Time,", "When,"), {.format = JointFormat::kKinect2Wide}),
             "walk.txt, line 1: found a header without a Time column, expected one");
   const std::string plain = test::plainFile(frames);

@@ -365,5 +365,36 @@ TEST(Renderer, ALibraryWithoutOpenGlIsRefusedByName) {
   EXPECT_NE(renderer.error().message.find("gl"), std::string::npos);
 }
 
+TEST(Renderer, ATransparentPictureHoldsWhatIsDrawnAlone) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  const TriMesh box = test::makeBox({-0.3, 0.7, -0.3}, {0.3, 1.3, 0.3});
+  const std::vector<LivePart> parts = {test::boxPart({-0.6, 0.4, -0.6}, {0.6, 1.6, 0.6})};
+  Scene scene;
+  scene.vertices = box.vertices;
+  scene.triangles = box.triangles;
+  scene.parts = parts;
+  SceneOptions options;
+  options.ground = false;
+  const Image opaque = studio->draw(scene, options, test::frontCamera(), 160, 120);
+  options.transparent = true;
+  const Image image = studio->draw(scene, options, test::frontCamera(), 160, 120);
+  const auto alpha = [&](const Vec3& point) {
+    const auto [x, y] = test::seenAt(point, 160, 120);
+    return int{image.rgba[4 * (static_cast<std::size_t>(std::lround(y)) * 160 + std::lround(x)) + 3]};
+  };
+  EXPECT_EQ(image.rgba[3], 0) << "beside";
+  EXPECT_EQ(alpha({0.0, 1.0, 0.3}), 255) << "the box";
+  const int hull = alpha({0.5, 1.0, 0.6});
+  EXPECT_GT(hull, 20);
+  EXPECT_LT(hull, 200);
+  for (std::size_t i = 3; i < opaque.rgba.size(); i += 4) ASSERT_EQ(opaque.rgba[i], 255);
+  options.hulls = false;
+  const Image plain = studio->draw(scene, options, test::frontCamera(), 160, 120);
+  for (std::size_t i = 0; i < plain.rgba.size(); i += 4) {  // edges are as bright as what they belong to
+    const bool edge = plain.rgba[i + 3] > 40 && plain.rgba[i + 3] < 255;
+    EXPECT_TRUE(!edge || plain.rgba[i] + plain.rgba[i + 2] > 100);
+  }
+}
+
 }  // namespace
 }  // namespace lorica

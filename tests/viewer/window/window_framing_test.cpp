@@ -55,21 +55,12 @@ Eigen::Vector2d seen(const Vec3& point, const Camera& camera, int width, int hei
   return {0.5 * width * (1.0 + clip.x() / clip.w()), 0.5 * height * (1.0 - clip.y() / clip.w())};
 }
 
-std::vector<Vec3> cornersOf(const Aabb& box) {
-  std::vector<Vec3> corners;
-  for (int c = 0; c < 8; ++c) {
-    corners.emplace_back((c & 1) != 0 ? box.max.x() : box.min.x(), (c & 2) != 0 ? box.max.y() : box.min.y(),
-                         (c & 4) != 0 ? box.max.z() : box.min.z());
-  }
-  return corners;
-}
-
 TEST(FreeArea, TheDistanceToSeeABoxBringsItJustIntoTheArea) {
   Camera camera = test::frontCamera();
   camera.eye += Vec3(1.0, 0.7, 0.0);
   const Aabb box{{-0.4, 0.0, -0.3}, {0.9, 1.9, 0.5}};
   const PictureArea area{{0.2, -0.1}, {0.4, 0.6}};
-  const double distance = distanceToSee(box, camera, area, 640.0 / 480.0);
+  const double distance = distanceToSee(cornersOf(box), camera, area, 640.0 / 480.0);
   camera.eye = camera.target + distance * (camera.eye - camera.target).normalized();
   camera.targetAt = area.middle;
   double closest = 1e3;  // of a corner to the area's edge, inside it [pixels]
@@ -126,6 +117,23 @@ TEST_F(WindowFraming, NoPanelHidesWhomTheCameraFollows) {
     values.followed->min.x() -= 1.5;  // an arm's length, and a step
     frames(2);
     EXPECT_EQ(hidden(width, height), 0) << width << " x " << height;
+    window.reset();
+  }
+}
+
+TEST_F(WindowFraming, WhomTheCameraFollowsIsInTheMiddleOfTheFreeAreaAtEveryZoom) {
+  for (const auto& [width, height] : {std::pair(1280, 720), {480, 320}}) {
+    open(width, height);
+    values.focus = Vec3(2.0, 0.9, -1.0);
+    values.followed = Aabb{*values.focus - Vec3(0.4, 0.9, 0.3), *values.focus + Vec3(0.4, 0.9, 0.3)};
+    frames(3);
+    const Eigen::Vector2d at = seen(*values.focus, window->camera(), width, height);
+    EXPECT_NEAR(at.x(), 0.5 * width, 1.0) << "the panels at both sides are equally wide";
+    EXPECT_LT(std::abs(at.y() - 0.5 * height), 0.15 * height);
+    for (int zoom = 0; zoom < 4; ++zoom) {
+      send("mousemove --window %1 300 200 click 4 click 4 click 4");
+      EXPECT_LT((seen(*values.focus, window->camera(), width, height) - at).norm(), 0.01);
+    }
     window.reset();
   }
 }

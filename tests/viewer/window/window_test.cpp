@@ -1,6 +1,9 @@
 #include "tests/viewer/window/window_at_work.h"
 
 #include <opencv2/videoio.hpp>
+
+#include <fstream>
+#include <functional>
 #include <utility>
 
 namespace lorica {
@@ -161,10 +164,9 @@ TEST_F(WindowAtWork, FilesAreListedByNameWithTheirFoldersAsATooltip) {
   values.recent = files;
   values.maxParts = 0;
   frames(2);
-  // Without parts the list is below ten switches and a line.
-  send("mousemove --window %1 113 315 click 1");
+  send("mousemove --window %1 113 51 click 1");
   const Image list = picture("shift+p");
-  send("mousemove --window %1 60 365");
+  send("mousemove --window %1 60 101");
   const Image tooltip = picture("shift+p");
   EXPECT_GT(differingPixels(list, tooltip, 8), 3'000);
   send("click 1 key b");
@@ -233,7 +235,9 @@ TEST_F(WindowAtWork, KeysAskForWhatTheOwnerDoes) {
   EXPECT_EQ(window->takeRequests().seekTo, 0.0);
   EXPECT_EQ(window->choices().speed, 1.0);
   send("key minus minus minus minus minus minus minus minus minus minus minus minus");
-  EXPECT_EQ(window->choices().speed, 0.1);
+  EXPECT_EQ(window->choices().speed, 0.25);
+  send("key plus");
+  EXPECT_EQ(window->choices().speed, 0.5);
   values.duration = 0.0;  // live
   frames(1);
   send("key Left Home");
@@ -299,7 +303,6 @@ TEST_F(WindowAtWork, APictureWaitsForSomethingToSee) {
 
 TEST_F(WindowAtWork, WarningsAreWords) {
   open(640, 480);
-  send("key Tab");
   const Image calm = picture("shift+p");
   const std::vector<std::string> warnings = {"left hand lost"};
   values.warnings = warnings;
@@ -314,6 +317,10 @@ TEST_F(WindowAtWork, WarningsAreWords) {
   }
   EXPECT_GT(amber, 60);
   EXPECT_GT(differingPixels(calm, warned, 24), 500);
+  send("key Tab");
+  window->notice("");
+  const Image hidden = picture("shift+p");
+  EXPECT_EQ(differingPixels(hidden, picture(), 8), 0) << "for a stream there is the picture alone";
 }
 
 TEST_F(WindowAtWork, APressOnThePictureOffersTheRayAndAHeldThingKeepsTheCamera) {
@@ -362,16 +369,78 @@ TEST_F(WindowAtWork, PanelsFoldWhereTheWindowBecomesSmallAndOpenAgain) {
     send(std::string("mousemove --window %1 ") + position + " mousedown 1 mousemove_relative 15 0 mouseup 1");
     return window->camera().eye != eye;
   };
-  EXPECT_FALSE(turnsAt("60 380")) << "the view panel";
+  EXPECT_FALSE(turnsAt("60 80")) << "the panel";
   send("windowsize --sync %1 640 480");
-  EXPECT_TRUE(turnsAt("60 380"));
+  EXPECT_TRUE(turnsAt("60 80"));
   send("windowsize --sync %1 1000 600");
-  EXPECT_FALSE(turnsAt("60 380"));
+  EXPECT_FALSE(turnsAt("60 80"));
   send("mousemove --window %1 20 20 click 1");  // collapsed by the user
-  EXPECT_TRUE(turnsAt("60 380"));
+  EXPECT_TRUE(turnsAt("60 80"));
   send("windowsize --sync %1 640 480");
   send("windowsize --sync %1 1000 600");
-  EXPECT_TRUE(turnsAt("60 380")) << "as it was left";
+  EXPECT_TRUE(turnsAt("60 80")) << "as it was left";
+}
+
+TEST_F(WindowAtWork, APictureIsDrawnOnlyWhenSomethingChanges) {
+  open(320, 240);
+  const auto drawnBy = [&](const std::function<void()>& change) {
+    send("");  // whatever happened before has reached the window
+    frames(20);
+    const long long before = window->pictures();
+    change();
+    frames(20);
+    return window->pictures() - before;
+  };
+  EXPECT_EQ(drawnBy([] {}), 0) << "nothing moves";
+  std::vector<std::string> warnings;
+  for (const std::function<void()>& change : std::vector<std::function<void()>>{
+           [&] { ++values.changes; }, [&] { values.seconds += 0.1; }, [&] { values.status = "another"; },
+           [&] {
+             warnings.emplace_back("left hand lost");
+             values.warnings = warnings;
+           },
+           [&] { window->notice("saved", 1e6); }, [&] { send("key 2"); }, [&] { send("windowsize --sync %1 330 250"); },
+           [&] { send("mousemove --window %1 160 120 mousedown 1 mousemove --window %1 170 120 mouseup 1"); }}) {
+    const long long drawn = drawnBy(change);
+    EXPECT_GT(drawn, 0);
+    EXPECT_LT(drawn, 20) << "and then no more";
+  }
+  EXPECT_EQ(drawnBy([] {}), 0);
+  values.loading = "a body";
+  EXPECT_GT(drawnBy([] {}), 0) << "the bar moves";
+}
+
+TEST_F(WindowAtWork, APathCanBeTypedWhereThereIsNoDialogue) {
+  const std::string path = getenv("PATH");
+  open(640, 480);
+  setenv("PATH", "/nowhere", 1);
+  window->chooseFiles();
+  setenv("PATH", path.c_str(), 1);
+  send("key slash a B BackSpace b period g l b");
+  EXPECT_TRUE(window->choices().show.skin);
+  EXPECT_FALSE(window->takeRequests().throwBall) << "keys are letters";
+  send("key Return b");
+  const WindowRequests requests = window->takeRequests();
+  EXPECT_EQ(requests.files, std::vector<std::string>{"/ab.glb"});
+  EXPECT_TRUE(requests.throwBall) << "and then keys again";
+}
+
+TEST_F(WindowAtWork, TheDialogueOfTheDesktopGivesFiles) {
+  const std::filesystem::path tool = std::filesystem::current_path() / "zenity";
+  std::ofstream(tool) << "#!/bin/sh\nprintf '/a b.glb\\n/c.bvh\\n'\n";
+  std::filesystem::permissions(tool, std::filesystem::perms::owner_all);
+  const std::string path = getenv("PATH");
+  open(320, 240);
+  setenv("PATH", (tool.parent_path().string() + ":" + path).c_str(), 1);
+  window->chooseFiles();
+  setenv("PATH", path.c_str(), 1);
+  std::vector<std::string> files;
+  const auto giveUp = std::chrono::steady_clock::now() + std::chrono::seconds(60);  // it never takes so long
+  while (files.empty() && std::chrono::steady_clock::now() < giveUp) {
+    frames(1);
+    files = window->takeRequests().files;
+  }
+  EXPECT_EQ(files, (std::vector<std::string>{"/a b.glb", "/c.bvh"}));
 }
 
 TEST_F(WindowAtWork, HelpStaysInThePictureAndBelowWarnings) {

@@ -1,10 +1,12 @@
-#include "apps/convert_character.h"
-#include "geometry/text.h"
+#include "export/motion_export.h"
 
-#include "apps/options.h"
 #include "capture/files/bvh_file.h"
+#include "capture/files/joint_csv.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "capture/retarget/skeletal_retarget.h"
+#include "capture/smoothing.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "skinning/clip_files/character_clip.h"
 #include "skinning/clip_files/own_motion.h"
 #include "skinning/import/bone_map.h"
@@ -69,6 +71,29 @@ Result<void> writeCharacterBvh(const std::string& out, const SkeletalMotion& mot
   return writeBvh(out, motion);
 }
 
+struct Joints {
+  std::vector<SkeletonFrame> frames;
+  std::optional<double> delay;  ///< of smoothing [s]
+};
+
+/// The motion as joints, smoothed and mirrored if requested.
+Result<Joints> asJoints(const Motion& motion, const MotionOptions& options) {
+  std::vector<SkeletonFrame> frames = motion.joints;
+  if (motion.bones) {
+    LORICA_TRY(frames, prefixed(motion.name, bodyJointsOf(*motion.bones)));
+  }
+  const JointSettings settings = options.joints();
+  std::optional<OneEuroFilter> filter;
+  if (settings.smoothing) filter.emplace(*settings.smoothing);
+  for (SkeletonFrame& frame : frames) {
+    if (settings.mirror) mirror(frame);
+    if (filter) filter->apply(frame);
+  }
+  Joints joints{std::move(frames), std::nullopt};
+  if (filter) joints.delay = filter->delay();
+  return joints;
+}
+
 }  // namespace
 
 Result<ConvertedClip> convertOnto(const ConvertCharacter& from, const Motion& motion, const MotionOptions& options,
@@ -99,6 +124,24 @@ Result<ConvertedClip> convertOnto(const ConvertCharacter& from, const Motion& mo
   const bool ownUnits = file.format.starts_with("glTF") || file.format.starts_with("VRM");
   made.units = !ownUnits || file.metresPerUnit == 1.0 ? "metres"
                                                       : fmt::format("the character's, {:g} m each", file.metresPerUnit);
+  return made;
+}
+
+Result<ConvertedClip> writeMotion(const std::string& output, const Motion& motion, const MotionOptions& options) {
+  const bool asBvh = lowerCase(std::filesystem::path(output).extension().string()) == ".bvh";
+  if (asBvh && motion.bones && !options.mirror) {
+    LORICA_TRY_DO(writeBvh(output, *motion.bones));
+    return ConvertedClip{};
+  }
+  LORICA_TRY(const Joints joints, asJoints(motion, options));
+  if (asBvh) {
+    LORICA_TRY(const SkeletalMotion bones, skeletalMotionOf(joints.frames));
+    LORICA_TRY_DO(writeBvh(output, bones));
+  } else {
+    LORICA_TRY_DO(writeJointCsv(output, joints.frames));
+  }
+  ConvertedClip made;
+  made.delay = joints.delay;
   return made;
 }
 

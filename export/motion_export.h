@@ -31,4 +31,9 @@ struct ConvertedClip {
 [[nodiscard]] Result<ConvertedClip> convertOnto(const ConvertCharacter& character, const Motion& motion,
                                                 const MotionOptions& options, const std::string& out, const Host& host);
 
+/// Writes a motion without a character: .bvh, or else Lorica's joint CSV. A skeleton that is not mirrored keeps its
+/// joints in BVH; joints are smoothed and mirrored as the options say.
+[[nodiscard]] Result<ConvertedClip> writeMotion(const std::string& output, const Motion& motion,
+                                                const MotionOptions& options);
+
 }  // namespace lorica

@@ -1,0 +1,98 @@
+#include "viewer/window/panel_widgets.h"
+
+#include "geometry/counts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace lorica {
+namespace {
+
+/// What is drawn and not, in two columns where there is room.
+void chooseLayers(const PanelLayout& layout, const WindowValues& values, WindowChoices& choices) {
+  SceneOptions& show = choices.show;
+  struct Layer {
+    const char* name;
+    const char* key;
+    bool& shown;
+    std::string_view why = {};
+  };
+  const std::array layers = {Layer{"character", "1", show.skin},
+                             Layer{"hulls", "2", show.hulls},
+                             Layer{"bones", "3", show.bones},
+                             Layer{"props", "4", show.props},
+                             Layer{"contacts", "5", show.contacts},
+                             Layer{"ground", "6", show.ground},
+                             Layer{"grains", "7", show.particles, values.grains ? "" : "there is no sand or water"},
+                             Layer{"by part", "C", show.colorSkinByPart}};
+  const float width = ImGui::GetContentRegionAvail().x, left = ImGui::GetCursorPosX(), gap = layout.of(10.0f);
+  const bool two = width >= layout.of(220.0f);
+  bool second = false;
+  for (const Layer& layer : layers) {
+    if (second) ImGui::SameLine(left + 0.5f * (width + gap));
+    toggle(layer.name, layer.key, layer.shown, layer.why, two && !second ? left + 0.5f * (width - gap) : 0.0f);
+    second = two && !second;
+  }
+}
+
+void chooseParts(const WindowValues& values, WindowRequests& requests) {
+  int parts = values.parts;
+  ImGui::SetNextItemWidth(besideSlider(ImGui::GetContentRegionAvail().x, "100 parts ..."));
+  if (ImGui::SliderInt("##parts", &parts, 1, values.maxParts, "",
+                       ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
+    requests.parts = parts;
+  }
+  ImGui::SameLine();
+  ImGui::TextUnformatted(
+      fmt::format("{} {}{}", parts, parts == 1 ? "part" : "parts", values.preparingParts ? " ..." : "").c_str());
+}
+
+/// A background for keying has no ground.
+void chooseBackground(SceneOptions& show) {
+  static const std::vector<std::string> names = namesOf(kBackgrounds);
+  const auto same = [&](const BackgroundChoice& one) {
+    return one.transparent == show.transparent && (one.transparent || one.color == show.background);
+  };
+  const auto* const now = std::find_if(kBackgrounds.begin(), kBackgrounds.end(), same);
+  std::optional<int> chosen;
+  chooseFrom("background", "background: ", now == kBackgrounds.end() ? "as given" : nullptr, names,
+             now == kBackgrounds.end() ? -1 : static_cast<int>(now - kBackgrounds.begin()), chosen);
+  if (!chosen || *chosen < 0) return;
+  show.background = kBackgrounds[*chosen].color;
+  show.transparent = kBackgrounds[*chosen].transparent;
+  show.ground = *chosen == 0;
+}
+
+void chooseQuality(const WindowValues& values, WindowChoices& choices) {
+  std::vector<std::string> names(values.qualities.begin(), values.qualities.end());
+  const std::string automatic = fmt::format("auto ({})", names[values.quality]);
+  std::optional<int> chosen;
+  chooseFrom("quality", "quality: ", automatic.c_str(), names, choices.quality, chosen);
+  if (chosen) choices.quality = *chosen;
+}
+
+}  // namespace
+
+void drawLookPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests) {
+  bool open = false;
+  if (!beginSide(layout, layout.look, "Look", false, open)) return;
+  if (open) {
+    chooseLayers(layout, values, choices);
+    toggle("follow with the camera", "F", choices.follow);
+    if (values.avatars.size() > 1) {
+      chooseFrom("avatar", "follow: ", "all avatars", values.avatars, values.avatar, requests.avatar);
+    }
+    if (values.maxParts > 0) chooseParts(values, requests);
+    chooseBackground(choices.show);
+    if (!values.qualities.empty()) chooseQuality(values, choices);
+    if (keyedButton("save a picture", "P")) choices.picture = true;
+    if (keyedButton(values.videoSeconds < 0.0 ? "start a video###video" : "stop the video###video", "V")) {
+      choices.video = true;
+    }
+  }
+  endSide(layout, false);
+}
+
+}  // namespace lorica
