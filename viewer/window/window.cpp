@@ -86,11 +86,10 @@ Result<Window> Window::create(const std::string& title, int width, int height, b
   const Result<GlFunctions> functions = loadGlFunctions(glfwProc);
   if (!functions.ok()) return functions.error();
   impl->gl = functions.value();
-  // To compile the shaders takes longer than to open the window.
+  // To compile the shaders takes longer than to open the window. Keys that are pressed meanwhile wait for listen().
   glfwGetFramebufferSize(impl->window, &width, &height);
   drawFirstPicture(impl->gl, width, height);
   glfwSwapBuffers(impl->window);
-  glfwPollEvents();
   Result<Renderer> renderer = Renderer::create(glfwProc);
   if (!renderer.ok()) return renderer.error();
   impl->renderer.emplace(std::move(renderer).value());
