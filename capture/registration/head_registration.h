@@ -10,9 +10,9 @@
 
 namespace lorica {
 
-/// The tracker's head joint as seen from the headset, until it is known better: 60 mm below, 90 mm behind. A headset
-/// looks along its -Z, with +X to the right (OpenXR, WebXR).
-inline const Vec3 kNominalHeadInHeadset{0.0, -0.06, 0.09};
+/// The tracker's head joint as seen from the headset, until it is known better: as far below and behind the eyes as
+/// that of the mannequin, which the tracker fits. A headset looks along its -Z, with +X to the right (OpenXR, WebXR).
+inline const Vec3 kNominalHeadInHeadset{0.0, -0.1, 0.1};
 inline constexpr double kLongestLag = 0.2;  ///< of a camera's joints behind the headset [s]
 
 /// How the stage frame of a headset (Y up, y = 0 on the floor) lies to the floor frame of a depth camera's tracker.

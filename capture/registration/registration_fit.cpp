@@ -21,11 +21,11 @@ constexpr int kReweighted = 8;       ///< times, for each lag
 constexpr double kBadlyOff = 0.03;   ///< scale of the cost that compares lags [m]
 constexpr double kSpeedStep = 0.01;  ///< over which the headset's speed is measured [s]
 
-constexpr double kOffsetPrior = 0.03;                ///< of the head in the headset about the nominal one [m]
-constexpr double kFloorPrior = 0.015;                ///< of the two floors' heights [m]
-constexpr double kLagPrior = 0.1;                    ///< about the middle of what is possible [s]
-constexpr double kYawPrior = 3.0;                    ///< so weak that it only keeps the equations solvable [rad]
-constexpr double kLeastNoise = 0.005;                ///< of a tracked joint's coordinate [m]
+constexpr double kOffsetPrior = 0.03;  ///< of the head in the headset about the nominal one [m]
+constexpr double kFloorPrior = 0.015;  ///< of the two floors' heights [m]
+constexpr double kLagPrior = 0.1;      ///< about the middle of what is possible [s]
+constexpr double kYawPrior = 3.0;      ///< so weak that it only keeps the equations solvable [rad]
+constexpr double kLeastNoise = 0.01;   ///< of a coordinate of the head: some errors of a tracker do not average out [m]
 constexpr double kMedianOfThree = 1.5382;            ///< median length of three normal deviates
 constexpr int kRounds = 3;                           ///< of fitting, and measuring the noise
 constexpr int kSteps = 20;                           ///< of each fit, at most
