@@ -1,6 +1,7 @@
 #include "capture/registration/head_registration.h"
 
 #include "geometry/errors.h"
+#include "geometry/random_numbers.h"
 #include "tests/capture/registration/virtual_walk.h"
 #include "tests/support/allocations.h"
 #include "tests/support/has.h"
@@ -254,6 +255,26 @@ TEST(HeadRegistration, SamplesThatCannotBeAreIgnored) {
                                  clean = errorsOf(test::valueOf(solved(walk)), walk);
   EXPECT_NEAR(errors.yaw, clean.yaw, 1e-9);
   EXPECT_NEAR(errors.level, clean.level, 1e-9);
+}
+
+TEST(HeadRegistration, NonsenseIsRefusedOrAnswered) {
+  for (int seed = 1; seed <= 100; ++seed) {
+    RandomNumbers random(seed);
+    const double size = std::pow(10.0, random.between(-8.0, 2.5)), step = std::pow(10.0, random.between(-9.0, -1.0));
+    const auto place = [&] { return Vec3(size * random.unit(), size * random.unit(), size * random.unit()); };
+    HeadRegistration registration;
+    for (int i = 0; i < 300; ++i) {
+      const double time = (i < 150 ? 1e6 : 1e6 + 1.0) + step * i;
+      registration.addHeadset(time, place(), Quat(random.unit(), random.unit(), -random.unit(), random.unit()));
+      registration.addTracked(time + step * random.unit(), place());
+    }
+    const Result<Registration> found = registration.solve();
+    if (found) {
+      EXPECT_TRUE(found->translation.allFinite() && found->levelDeviation > 0.0) << seed;
+    }
+    (void)registration.hasMoved(found ? *found : Registration());
+    EXPECT_FALSE(registration.refine({.yaw = 1e9, .translation = Vec3(1e3, 0.0, 1e3)}).ok()) << seed;
+  }
 }
 
 TEST(HeadRegistration, AClockThatIsSetBackStartsAnew) {
