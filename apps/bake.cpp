@@ -132,14 +132,26 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
   return notWhole(collection, jobs.size());
 }
 
+/// Why items failed, the first few.
+void addFailures(const BakeCollection& collection, Report& report) {
+  constexpr std::size_t kShown = 5;
+  const auto failed = collection.failed();
+  if (failed.empty()) return;
+  Table table{{"failed because"}, {}, 0};
+  for (const ordered_json* result : failed) table.rows.push_back({result->value("failure", "")});
+  if (failed.size() > kShown) {
+    table.rows.resize(kShown);
+    table.rows.push_back({fmt::format("and {} more, see bake.jsonl", failed.size() - kShown)});
+  }
+  report.table(std::move(table));
+}
+
 Report toReport(const BakeOutcome& outcome, const BakeOptions& options) {
   Report report(
       fmt::format("{} of {} baked into {}", grouped(outcome.made), counted(outcome.items, "item"), options.out));
   if (outcome.there > 0) report.line("there already", grouped(outcome.there));
   if (outcome.byOthers > 0) report.line("by other processes", grouped(outcome.byOthers));
-  if (outcome.failed > 0) {
-    report.line("failed", grouped(outcome.failed) + "; `lorica bake ... --collect` lists their sentences");
-  }
+  if (outcome.failed > 0) report.line("failed", grouped(outcome.failed));
   if (outcome.made + outcome.failed > 0) {
     report.line("time", fmt::format("{:.1f} s, of processors {:.1f} s; longest item {:.1f} s", outcome.seconds,
                                     outcome.cpuSeconds, outcome.longest));
@@ -200,14 +212,16 @@ Result<void> run(const BakeOptions& options, const CommonOptions& common, Host& 
   if (!outcome) return outcome.error();
   if (outcome->stopped) return cancelled();
 
+  Report report = toReport(*outcome, options);
   // One process of several that share the work cannot merge it.
   if (options.chosenShard().count == 1) {
     const BakeCollection collection = collect(jobs, store, false);
     const fs::path merged = fs::path(options.out) / "bake.jsonl";
     LORICA_TRY_DO(writeFileAtomically(merged, jsonLines(collection), NamedBy::kLorica));
     linkResults(collection, jobs, store);
+    addFailures(collection, report);
   }
-  LORICA_TRY_DO(publish(common, toReport(*outcome, options), toJson(*outcome)));
+  LORICA_TRY_DO(publish(common, report, toJson(*outcome)));
   if (outcome->tooLarge.empty()) return {};
   return invalidArgument("{}; {} left out", outcome->tooLarge.front(), counted(std::ssize(outcome->tooLarge), "item"));
 }

@@ -71,6 +71,13 @@ void ExportReport::add(const RigidExport& rigid) {
   table.rows.push_back(row("capsules", rigid.fits.capsules));
   text.table(std::move(table));
   text.note("Capsules: one around the surface of each hull, for comparison.");
+  constexpr double kFarOff = 0.3;  // [m]
+  if (rigid.fits.hulls.worstStandOff > kFarOff) {
+    note(
+        {fmt::format("A hull stands off by {:.2f} m: its part holds what moves apart, such as a cape and a leg. "
+                     "--per-bone, or --hide NAME for what physics need not touch, makes tighter ones.",
+                     rigid.fits.hulls.worstStandOff)});
+  }
   json["hulls"] = rigid.colliders.size();
   json["bones"] = bones.size();
   json["maxVertices"] = most;

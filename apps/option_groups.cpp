@@ -328,7 +328,8 @@ void addBackgroundOption(CommandLine& app, std::string& background) {
   const TextCheck check = [](std::string& text) -> std::string {
     SceneOptions show;
     if (setBackground(text, show)) return "";
-    return fmt::format("found `{}`, expected transparent, or a colour such as #00ff00", text);
+    return fmt::format("found `{}`, expected transparent, green, blue, white, black, gray or a colour such as #00ff00",
+                       text);
   };
   app.addOption("--background", background,
                 "Instead of the sky and the ground: a colour such as #00ff00, or transparent [default: the sky]")
@@ -365,8 +366,11 @@ Result<void> checkVideo(const CommonOptions& common, const std::string& option, 
     return invalidArgument("--size {}: width and height of an .mp4 video must be even", size);
   }
   if (background == "transparent") {
-    return invalidArgument("{}: films are not transparent, expected --background with a colour such as #00ff00",
-                           option);
+    return invalidArgument(
+        "{}: films are not transparent, expected --background with a colour such as green; `lorica play ... "
+        "--background "
+        "transparent --snapshots DIR --every 1` makes a picture of each frame",
+        option);
   }
   return checkOutput(common, option, file);
 }

@@ -84,6 +84,15 @@ TextCheck oneOf(std::vector<std::string> words) {
   };
 }
 
+Option* addMoment(CommandLine& app, const std::string& name, double& value, const std::string& description) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    double number = 0.0;
+    if (parseWhole(text, number) && std::isfinite(number) && number >= 0.0) return "";
+    return fmt::format("found `{}`, expected 0 seconds or more", text);
+  };
+  return app.addOption(name, value, description)->typeName("S")->check(check);
+}
+
 Option* addSeconds(CommandLine& app, const std::string& name, double& value, const std::string& description) {
   return app.addOption(name, value, description)->typeName("S")->check(numberAboveZero("seconds"));
 }

@@ -35,6 +35,8 @@ Option* addCountOrAuto(CommandLine& app, const std::string& name, int& value, in
 /// A check that accepts one of several words; other values are rejected.
 [[nodiscard]] TextCheck oneOf(std::vector<std::string> words);
 
+/// An option with a time since the beginning: 0 s or more.
+Option* addMoment(CommandLine& app, const std::string& name, double& value, const std::string& description);
 /// An option with a positive number of seconds.
 Option* addSeconds(CommandLine& app, const std::string& name, double& value, const std::string& description);
 

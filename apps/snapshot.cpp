@@ -43,9 +43,12 @@ struct Options {
   bool strip = false;
 };
 
-SceneOptions shownBy(const std::vector<std::string>& words, const std::string& background, const Character& character) {
+/// Before a background of the user's own the avatar is alone, unless a scene is asked for.
+SceneOptions shownBy(const Options& options, const Character& character) {
+  const std::vector<std::string>& words = options.show;
   SceneOptions show = usualView(character);
-  (void)setBackground(background, show);
+  (void)setBackground(options.background, show);
+  show.props = options.background.empty() || !options.request.scene.empty();
   if (words.empty()) return show;
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   show.colorSkinByPart = has("parts");
@@ -140,7 +143,7 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const Session& session = run->session;
 
   SessionScene scene(session);
-  SceneOptions show = shownBy(options.show, options.background, session.character());
+  SceneOptions show = shownBy(options, session.character());
   const bool caption = (options.show.empty() && options.background.empty()) ||
                        std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
   std::vector<bool> taken(wanted.size(), false);
@@ -277,7 +280,7 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
       ->typeName("N");
   Option* video =
       app->addOption("--video", options->video, "Write a real-time video of all frames, as .mp4")->typeName("FILE");
-  addSeconds(*app, "--from", options->from, "Start of the video")->needs(video);
+  addMoment(*app, "--from", options->from, "Start of the video")->needs(video);
   addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
   addSizeOption(*app, options->size);
   addBackgroundOption(*app, options->background);

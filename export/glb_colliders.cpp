@@ -1,6 +1,7 @@
 #include "export/glb_colliders.h"
 
 #include "geometry/files.h"
+#include "skinning/import/hidden_meshes.h"
 
 #include <nlohmann/json.hpp>
 
@@ -44,7 +45,7 @@ int addHullMesh(GltfWriter& writer, const TriMesh& hull, const std::string& name
 /// without what makes them colliders.
 int addGlass(GltfWriter& writer, bool shown) {
   Json material;
-  material["name"] = "lorica_collider";
+  material["name"] = kColliderMaterial;
   material["pbrMetallicRoughness"]["baseColorFactor"] = Json::array({0.2, 0.6, 1.0, shown ? 0.3 : 0.0});
   material["pbrMetallicRoughness"]["metallicFactor"] = 0.0;
   material["alphaMode"] = shown ? "BLEND" : "MASK";

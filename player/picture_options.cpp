@@ -1,8 +1,11 @@
 #include "player/picture_options.h"
 
+#include <array>
 #include <charconv>
 #include <cstdint>
+#include <string_view>
 #include <system_error>
+#include <utility>
 
 namespace lorica {
 
@@ -26,6 +29,11 @@ bool setBackground(std::string_view text, SceneOptions& show) {
   show.transparent = text == "transparent";
   show.ground = false;
   if (show.transparent) return true;
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kNames = {
+      {{"green", "#00ff00"}, {"blue", "#0000ff"}, {"white", "#ffffff"}, {"black", "#000000"}, {"gray", "#808080"}}};
+  for (const auto& [name, meant] : kNames) {
+    if (text == name) text = meant;
+  }
   std::uint32_t color = 0;
   const char* end = text.data() + text.size();
   const bool written = text.size() == 7 && text[0] == '#';

@@ -26,6 +26,14 @@ constexpr std::size_t kMaxNamesInMessages = 40;
   return scene.nodes[mesh.node].name;
 }
 
+/// Colliders of `lorica export` are no part of a character, if anything else is in the file.
+void takeColliders(FileScene& scene) {
+  const auto isCollider = [&](const FileMesh& mesh) {
+    return mesh.material >= 0 && scene.materials[mesh.material].name == kColliderMaterial;
+  };
+  if (!std::ranges::all_of(scene.meshes, isCollider)) std::erase_if(scene.meshes, isCollider);
+}
+
 /// "1H_Axe (Cube.001), Hat (Cube.002) and 3 more".
 [[nodiscard]] std::string listed(std::vector<MeshName> names) {
   const std::size_t more = names.size() - std::min(names.size(), kMaxNamesInMessages);
@@ -53,6 +61,7 @@ std::vector<MeshName> meshNamesOf(const FileScene& scene) {
 
 Result<std::vector<FileMesh>> takeHiddenMeshes(FileScene& scene, std::span<const std::string> hidden,
                                                const std::string& fileName) {
+  takeColliders(scene);
   std::vector<FileMesh> taken;
   if (hidden.empty()) return taken;
   const std::vector<MeshName> names = meshNamesOf(scene);
