@@ -8,6 +8,10 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <cstddef>
+#include <span>
+#include <string>
+
 namespace lorica {
 namespace {
 
@@ -62,6 +66,21 @@ TEST(GlbColliders, AreInTheFrameOfTheirBone) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(accessor["min"][i].get<double>(), box.min[static_cast<int>(i)], 1e-6);
     EXPECT_NEAR(accessor["max"][i].get<double>(), box.max[static_cast<int>(i)], 1e-6);
+  }
+}
+
+TEST(GlbColliders, AreNoPartOfTheCharacterThatIsReadBack) {
+  const auto readBack = [](CharacterDocument& document) {
+    const std::string bytes = document.writer.glb("figure.glb").value();
+    return parseCharacterFile(std::as_bytes(std::span(bytes)), "figure.glb").value().character;
+  };
+  CharacterDocument alone = characterDocument(test::stickFigure());
+  const Character without = readBack(alone);
+  for (const bool shown : {false, true}) {
+    Made made({"", "", false, shown});
+    const Character with = readBack(made.document);
+    EXPECT_EQ(with.mesh.triangles, without.mesh.triangles);
+    EXPECT_EQ(with.skeleton.jointCount(), without.skeleton.jointCount());
   }
 }
 

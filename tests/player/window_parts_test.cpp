@@ -305,9 +305,11 @@ TEST(PictureOptions, AreSizesAndBackgrounds) {
   ASSERT_TRUE(setBackground("#00ff80", show));
   EXPECT_LT((*show.background - Vec3f(0.0f, 1.0f, 128 / 255.0f)).norm(), 1e-6f);
   EXPECT_FALSE(show.ground) << "it would not be keyed out";
+  ASSERT_TRUE(setBackground("green", show));
+  EXPECT_EQ(*show.background, Vec3f(0.0F, 1.0F, 0.0F));
   ASSERT_TRUE(setBackground("transparent", show));
   EXPECT_TRUE(show.transparent);
-  for (const char* wrong : {"green", "#00ff0", "#00ff000", "#00fg00", "00ff00"}) {
+  for (const char* wrong : {"greenish", "#00ff0", "#00ff000", "#00fg00", "00ff00"}) {
     EXPECT_FALSE(setBackground(wrong, show)) << wrong;
   }
 }
