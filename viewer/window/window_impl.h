@@ -94,7 +94,7 @@ struct Window::Impl {
   WindowNumbers last;  ///< as shown
   static constexpr int kPanelPictures = 4;
   int picturesDue = kPanelPictures;  ///< pictures to be drawn
-  std::uint64_t print = 0;   ///< of what was shown last
+  std::uint64_t print = 0;           ///< of what was shown last
   long long pictures = 0;
   FileDialog dialog;
   std::optional<std::string> typed;  ///< where there is no dialogue: the path so far; none = it is not asked for
