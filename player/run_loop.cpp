@@ -120,7 +120,7 @@ Result<void> RunLoop::beginSeek(double to) {
   if (seek_ && seek_->to == to) return {};
   if (started_ && to <= seconds() && (to > frameBegin_ || session_.frameCount() == 1)) return {};
   if (ended_ && to > seconds()) return {};
-  if (!seek_) seek_.emplace();
+  if (!seek_) seek_ = Seek{};
   seek_->to = to;
   if (!started_ || to > seconds() || startsAgain()) return {};
   return restart();

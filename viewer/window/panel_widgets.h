@@ -2,6 +2,7 @@
 
 #include "viewer/window/panel_style.h"
 
+#include <iterator>
 #include <optional>
 #include <span>
 #include <string>
@@ -13,6 +14,7 @@ namespace lorica {
 template <typename Choices>
 std::vector<std::string> namesOf(const Choices& choices) {
   std::vector<std::string> names;
+  names.reserve(std::size(choices));
   for (const auto& choice : choices) names.emplace_back(choice.name);
   return names;
 }
