@@ -27,6 +27,8 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;
 
+constexpr std::size_t kFewFailures = 5;  // that are told at the end of a bake
+
 std::string megabytes(std::uint64_t bytes) {
   return grouped((bytes + 999'999) / 1'000'000) + " MB";
 }
@@ -56,6 +58,19 @@ Error notWhole(const BakeCollection& collection, std::size_t jobs) {
                   counted(jobs, "item"));
 }
 
+/// Why items failed. @param most  of them
+void addFailures(const BakeCollection& collection, std::size_t most, Report& report) {
+  const auto failed = collection.failed();
+  if (failed.empty()) return;
+  Table table{{"failed because"}, {}, 0};
+  for (const ordered_json* result : failed) table.rows.push_back({result->value("failure", "")});
+  if (failed.size() > most) {
+    table.rows.resize(most);
+    table.rows.push_back({fmt::format("and {} more, see bake.jsonl", failed.size() - most)});
+  }
+  report.table(std::move(table));
+}
+
 Report collectionReport(const BakeCollection& collection, std::size_t jobs, const fs::path& out) {
   Report report(fmt::format("{} in {}", counted(jobs, "item"), out.string()));
   report.line("baked", grouped(std::ssize(collection.worstFirst())));
@@ -64,11 +79,7 @@ Report collectionReport(const BakeCollection& collection, std::size_t jobs, cons
   if (!collection.damaged.empty()) report.line("damaged", grouped(std::ssize(collection.damaged)));
   report.line("hash", collection.hash());
   report.line("written", fmt::format("{}, {}", (out / "bake.jsonl").string(), (out / "report.html").string()));
-  if (const auto failed = collection.failed(); !failed.empty()) {
-    Table table{{"failed because"}, {}, 0};
-    for (const ordered_json* result : failed) table.rows.push_back({result->value("failure", "")});
-    report.table(std::move(table));
-  }
+  addFailures(collection, collection.failed().size(), report);
   return report;
 }
 
@@ -130,20 +141,6 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
       publish(common, collectionReport(collection, jobs.size(), out), toJson(collection, jobs.size()));
   if (!published || (collection.missing.empty() && collection.damaged.empty())) return published;
   return notWhole(collection, jobs.size());
-}
-
-/// Why items failed, the first few.
-void addFailures(const BakeCollection& collection, Report& report) {
-  constexpr std::size_t kShown = 5;
-  const auto failed = collection.failed();
-  if (failed.empty()) return;
-  Table table{{"failed because"}, {}, 0};
-  for (const ordered_json* result : failed) table.rows.push_back({result->value("failure", "")});
-  if (failed.size() > kShown) {
-    table.rows.resize(kShown);
-    table.rows.push_back({fmt::format("and {} more, see bake.jsonl", failed.size() - kShown)});
-  }
-  report.table(std::move(table));
 }
 
 Report toReport(const BakeOutcome& outcome, const BakeOptions& options) {
@@ -219,7 +216,7 @@ Result<void> run(const BakeOptions& options, const CommonOptions& common, Host& 
     const fs::path merged = fs::path(options.out) / "bake.jsonl";
     LORICA_TRY_DO(writeFileAtomically(merged, jsonLines(collection), NamedBy::kLorica));
     linkResults(collection, jobs, store);
-    addFailures(collection, report);
+    addFailures(collection, kFewFailures, report);
   }
   LORICA_TRY_DO(publish(common, report, toJson(*outcome)));
   if (outcome->tooLarge.empty()) return {};
@@ -243,10 +240,11 @@ Command addBake(CommandLine& parent, CommonOptions& common) {
       "  lorica bake list.csv --out baked --collect\n"
       "      check every file and write baked/bake.jsonl and baked/report.html\n"
       "\nThe results are baked/hero.lorica, baked/hero.glb and so on: links into baked/items/NAME-KEY/, folders that\n"
-      "appear whole or not at all; KEY is a hash of the input's content, the settings and the algorithm. An input that "
-      "cannot be baked, crashes or takes too much costs only\n"
-      "its own item: its result is a sentence, and the exit status is 0. Ctrl-C finishes the items in progress, a\n"
-      "second one drops them. Slurm and other engines: docs/BAKE.md.");
+      "appear whole or not at all; KEY is a hash of the input's content, the settings and the algorithm. An input "
+      "that\n"
+      "cannot be baked, crashes or takes too much costs only its own item: its result is a sentence, and the exit\n"
+      "status is 0. Ctrl-C finishes the items in progress, a second one drops them. Slurm and other engines: "
+      "docs/BAKE.md.");
   addBakeOptions(*app, *options);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }

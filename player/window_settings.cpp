@@ -3,13 +3,13 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"
+#include "geometry/user_folders.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
-#include <cstdlib>
 #include <optional>
 
 namespace lorica {
@@ -31,11 +31,6 @@ constexpr std::array kLayers = {
     Layer{"bones", &SceneOptions::bones},       Layer{"props", &SceneOptions::props},
     Layer{"contacts", &SceneOptions::contacts}, Layer{"ground", &SceneOptions::ground},
     Layer{"grains", &SceneOptions::particles},  Layer{"colourByPart", &SceneOptions::colorSkinByPart}};
-
-fs::path environmentPath(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? fs::path() : fs::path(value);
-}
 
 /// @return what was expected; none if a switch was read or is not there
 std::optional<std::string> readSwitch(const json& settings, const char* name, bool& value) {
@@ -99,13 +94,8 @@ std::optional<std::string> readRecent(const json& settings, std::vector<std::str
 }  // namespace
 
 fs::path windowSettingsFile() {
-  if (const fs::path folder = environmentPath("XDG_CONFIG_HOME"); folder.is_absolute()) {
-    return folder / "lorica" / "window.json";
-  }
-  if (const fs::path home = environmentPath("HOME"); home.is_absolute()) {
-    return home / ".config" / "lorica" / "window.json";
-  }
-  return {};
+  const fs::path folder = userFolder("XDG_CONFIG_HOME", ".config");
+  return folder.empty() ? folder : folder / "window.json";
 }
 
 Result<WindowSettings> readWindowSettings(const fs::path& file) {

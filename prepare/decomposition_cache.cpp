@@ -5,13 +5,13 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/user_folders.h"
 #include "prepare/cache_entries.h"
 #include "prepare/file_content.h"
 
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -122,18 +122,10 @@ Result<CachedDecomposition> decomposeCached(const std::string& name, const TriMe
   return CachedDecomposition{std::move(content), false, seconds};
 }
 
-fs::path environmentPath(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? fs::path() : fs::path(value);
-}
-
 }  // namespace
 
 std::filesystem::path userCacheFolder() {
-  // The XDG specification requires that relative paths are ignored.
-  if (const fs::path cache = environmentPath("XDG_CACHE_HOME"); cache.is_absolute()) return cache / "lorica";
-  if (const fs::path home = environmentPath("HOME"); home.is_absolute()) return home / ".cache" / "lorica";
-  return {};
+  return userFolder("XDG_CACHE_HOME", ".cache");
 }
 
 Result<CachedDecomposition> defaultDecomposition(const Character& character, const Training& training,

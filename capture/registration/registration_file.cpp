@@ -3,12 +3,12 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"
+#include "geometry/user_folders.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <array>
-#include <cstdlib>
 #include <numbers>
 #include <span>
 #include <string>
@@ -66,22 +66,12 @@ std::string shortened(const json& found) {
   return text.size() <= 60 ? text : text.substr(0, 60) + "...";
 }
 
-fs::path environmentPath(const char* name) {
-  const char* value = std::getenv(name);
-  return value == nullptr ? fs::path() : fs::path(value);
-}
-
 }  // namespace
 
 fs::path registrationFile(std::string_view camera) {
-  // As the XDG specification requires, relative paths are ignored. What a camera is called need not be a file's name.
-  fs::path folder = environmentPath("XDG_CONFIG_HOME");
-  if (!folder.is_absolute()) {
-    folder = environmentPath("HOME");
-    if (!folder.is_absolute()) return {};
-    folder /= ".config";
-  }
-  return folder / "lorica" / "registrations" / (hexDigits(contentHash(camera)) + ".json");
+  const fs::path folder = userFolder("XDG_CONFIG_HOME", ".config");
+  // What a camera is called need not be a file's name.
+  return folder.empty() ? folder : folder / "registrations" / (hexDigits(contentHash(camera)) + ".json");
 }
 
 Result<Registration> loadRegistration(const fs::path& file) {
