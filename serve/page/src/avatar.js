@@ -36,6 +36,9 @@ export class Avatar {
   #last = null; // pose from before the file was there
   #headless = null; // geometry with and without the head, of characters that are no VRM
   #weights = [];
+  #shown = true;
+  #nodes = []; // by their number in the file
+  #scene = null;
 
   constructor(hello) {
     this.hello = hello;
@@ -57,9 +60,6 @@ export class Avatar {
     if (this.#last) this.pose(this.#last);
     this.face(this.#weights);
   }
-
-  #nodes = [];
-  #scene = null;
 
   #adopt(unpainted) {
     const driven = new Map([[this.#scene, null]]), needed = new Set();
@@ -116,7 +116,8 @@ export class Avatar {
       this.#last = { ...pose, worldFromModel: pose.worldFromModel.slice() };
       return;
     }
-    this.present = this.root.visible = pose.present;
+    this.present = pose.present;
+    this.root.visible = this.present && this.#shown;
     if (!pose.present) return;
     this.box.makeEmpty();
     for (const [object, joint, bind] of this.#joints) {
@@ -131,6 +132,11 @@ export class Avatar {
     const head = Math.max(this.hello.head, 0);
     if (head < pose.joints) multiplyInto(this.head.elements, pose.worldFromModel, 12 * head, kUnit);
     if (pose.opacity !== this.#opacity) this.#fade(pose.opacity);
+  }
+
+  show(shown) {
+    this.#shown = shown;
+    this.root.visible = this.present && shown;
   }
 
   #fade(opacity) {
