@@ -59,7 +59,10 @@ const bundle = await esbuild.build({
 }).catch((error) => fail(`${error.errors?.[0]?.text ?? error.message} in ${error.errors?.[0]?.location?.file ?? 'the page'}`));
 const seconds = (performance.now() - start) / 1000;
 
-const bundled = [...new Set(Object.keys(bundle.metafile.inputs).map((file) => /node_modules\/((?:@[^/]+\/)?[^/]+)/.exec(file)?.[1]).filter(Boolean))].sort();
+// Packages whose files are bundled, and those that these hold copies of.
+const found = new Set(Object.keys(bundle.metafile.inputs).map((file) => /node_modules\/((?:@[^/]+\/)?[^/]+)/.exec(file)?.[1]).filter(Boolean));
+for (const name of found) for (const other of Object.keys(packages.get(name)?.dependencies ?? {})) if (!other.includes('/types-')) found.add(other);
+const bundled = [...found].sort();
 for (const name of bundled) if (!known.has(name)) fail(`${name} is bundled but not in hashes.txt`);
 const licences = bundled.map((name) => {
   const file = fs.readdirSync(path.join(modules, name)).find((entry) => /^licen[cs]e/i.test(entry));

@@ -10,6 +10,7 @@ export function make(tag, properties = {}, ...children) {
 
 const kIcons = {
   play: 'M7 4.5v15l12-7.5z', pause: 'M6 5h4v14H6zm8 0h4v14h-4z', step: 'M5 5v14l9-7zm11 0h3v14h-3z', start: 'M5 5h3v14H5zm14 0v14l-9-7z',
+  help: 'M9.2 17.2h3.2v3.2H9.2zM11 3.4c3.4 0 6 1.9 6 5 0 2.3-1.2 3.4-2.7 4.4-1.3.9-1.9 1.500-1.9 2.7H9.3c0-2.400 1-3.500 2.600-4.600 1.2-.8 1.800-1.400 1.800-2.400 0-1.3-1.100-2.100-2.7-2.100-1.700 0-2.800.9-3 2.600L4.800 8.700C5.100 5.400 7.500 3.4 11 3.4z',
   ball: 'M12 3a9 9 0 1 0 0 18 9 9 0 0 0 0-18zm0 2a7 7 0 0 1 6.3 4L12 11 5.7 9A7 7 0 0 1 12 5z', menu: 'M4 6h16v2.4H4zm0 5h16v2.4H4zm0 5h16v2.4H4z',
 };
 function icon(name) {
@@ -29,7 +30,7 @@ const kLists = [
 const kTreatments = [['smoothings', 'smoothing'], ['gravities', 'gravity']];
 export const kLayers = {
   character: ['1', 'character'], hulls: ['2', 'hulls'], bones: ['3', 'bones'], props: ['4', 'props'], contacts: ['5', 'contacts'],
-  ground: ['6', 'ground'], particles: ['7', 'grains'], depth: ['8', 'depth image'],
+  ground: ['6', 'ground'], particles: ['7', 'grains'], depth: ['8', 'depth'],
 };
 const kSpeedNames = { 0.25: '1/4', 0.5: '1/2' };
 const kNotice = 5000; // how long a notice stays [ms]
@@ -158,14 +159,13 @@ export class Panel {
     f.title = make('span', { className: 'title' });
     f.status = make('span', { className: 'status' });
     f.ball = action('Throw a ball', 'ball', 'B');
-    const menu = action('Settings', 'panel', 'tab');
-    menu.title = 'Settings';
-    menu.removeAttribute('aria-keyshortcuts');
-    f.menu = menu;
-    for (const [button, name] of [[f.step, 'step'], [f.start, 'start'], [f.ball, 'ball'], [menu, 'menu']]) button.append(icon(name));
+    const menu = action('Settings', 'panel', 'M');
+    const help = action('Help', 'help', 'H');
+    help.classList.add('help');
+    for (const [button, name] of [[f.step, 'step'], [f.start, 'start'], [f.ball, 'ball'], [help, 'help'], [menu, 'menu']]) button.append(icon(name));
     bar.append(
-      make('div', { className: 'row' }, f.pause, f.step, f.start, f.timeline, f.time, f.speeds, make('span', { className: 'spread' }), f.ball, menu),
-      make('div', { className: 'row line' }, f.title, f.status, make('span', { className: 'spread' }), make('button', { type: 'button', className: 'status', onclick: () => this.#on.run('help'), 'aria-label': 'Help' }, 'H help')));
+      make('div', { className: 'row' }, f.pause, f.step, f.start, f.timeline, f.time, f.speeds, make('span', { className: 'spread' }), f.ball, help, menu),
+      make('div', { className: 'row line' }, f.title, f.status));
     f.speeds.hidden = f.timeline.hidden = true;
   }
 

@@ -106,7 +106,7 @@ function overlay(object, order) {
 export class Hulls {
   group = new THREE.Group();
   #faces = overlay(new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({
-    vertexColors: true, transparent: true, opacity: 0.3, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2 })), 2);
+    vertexColors: true, transparent: true, opacity: 0.38, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2 })), 2);
   #edges = overlay(new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 })), 3);
   #known = []; // faces and edges of each part
   #colors;

@@ -27,7 +27,7 @@ const browser = await puppeteer.launch({
   protocolTimeout: 180000,
 });
 
-async function open(size, { scheme = 'light', before } = {}) {
+async function open(size, { scheme = 'light', quality = 'high', follow = true, before } = {}) {
   const context = await browser.createBrowserContext(), page = await context.newPage();
   page.on('pageerror', (error) => result.errors.push(error.message));
   page.on('console', (message) => { if (message.type() === 'error') result.errors.push(message.text()); });
@@ -37,7 +37,8 @@ async function open(size, { scheme = 'light', before } = {}) {
   });
   await page.setViewport(size);
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
-  await page.evaluateOnNewDocument(() => { try { localStorage.setItem('lorica', '{"quality":"high","layers":{"hulls":false}}'); } catch { /* about:blank */ } });
+  const choices = JSON.stringify({ quality, follow, layers: { hulls: false } });
+  await page.evaluateOnNewDocument((kept) => { try { localStorage.setItem('lorica', kept); } catch { /* about:blank */ } }, choices);
   if (before) await page.evaluateOnNewDocument(before);
   await page.goto(url);
   await until(page, () => window.loricaPage?.avatars.length > 0 && window.loricaPage.avatars.every((a) => a.loaded || a.failed));
@@ -53,10 +54,11 @@ async function drawn(page) {
 const shot = (page, name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
 const see = (page) => page.evaluate(() => JSON.parse(JSON.stringify(window.loricaPage)));
 const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-/// A loose prop that can be pressed, and where. @return [index, [x, y]]
+/// The loose prop nearest to the middle that can be pressed, and where. @return [index, [x, y]]
 const loose = (page) => page.evaluate(() => {
   const list = loricaPage.props.map((prop, index) => [index, prop.fixed ? null : loricaPage.screenOf(index)]);
-  return list.find(([, at]) => at && document.elementFromPoint(...at)?.id === 'view') ?? null;
+  const away = ([, [x, y]]) => Math.hypot(x - innerWidth / 2, y - innerHeight / 2);
+  return list.filter(([, at]) => at && document.elementFromPoint(...at)?.id === 'view').sort((a, b) => away(a) - away(b))[0] ?? null;
 });
 
 const parts = {
@@ -95,7 +97,7 @@ const parts = {
   },
 
   async play() {
-    const page = await open(kDesktop);
+    const page = await open(kDesktop, { quality: 'low' });
     await until(page, () => loricaPage.state !== null);
     const pause = async () => {
       await page.focus('#view');
@@ -117,7 +119,7 @@ const parts = {
   },
 
   async drag() {
-    const page = await open(kDesktop);
+    const page = await open(kDesktop, { quality: 'low', follow: false });
     await until(page, () => loricaPage.props.some((prop) => prop.visible));
     const found = await loose(page);
     if (!found) {
@@ -138,7 +140,7 @@ const parts = {
     result.drag = { index: held, moved, cameraMoved: distance((await see(page)).camera, camera) };
 
     // A drag beside all props orbits.
-    const free = [60, 360];
+    const free = [60, 330];
     await page.mouse.move(...free);
     await page.mouse.down();
     await page.mouse.move(free[0] + 80, free[1], { steps: 4 });
