@@ -1,5 +1,6 @@
 // VR and AR: the same scene from inside. Controllers and pinching hands hold props along a ray.
 import * as THREE from 'three';
+import { lit } from './stage.js';
 
 const kModes = { vr: 'immersive-vr', ar: 'immersive-ar' };
 const kBeside = { vr: 1.6, ar: 1.9 }; // distance to the avatar at first [m]
@@ -77,12 +78,12 @@ export class Headset {
   }
 
   #makeHand(ray, grip, joints) {
-    const white = new THREE.MeshBasicMaterial({ color: 0xf4f7fb }), orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
+    const gray = lit(new THREE.MeshStandardMaterial({ color: 0x5d7088, roughness: 0.5 })), orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
     const line = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, -1)]),
       new THREE.LineBasicMaterial({ color: 0xff7a1a, transparent: true, opacity: 0.75 }));
     const dot = new THREE.Mesh(new THREE.SphereGeometry(0.011, 16, 12), orange);
-    const body = new THREE.Mesh(new THREE.CapsuleGeometry(0.019, 0.07, 6, 16).rotateX(Math.PI / 2), white);
-    const fingers = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 12, 8), white, 25);
+    const body = new THREE.Mesh(new THREE.CapsuleGeometry(0.019, 0.07, 6, 16).rotateX(Math.PI / 2), gray);
+    const fingers = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 12, 8), gray, 25);
     line.frustumCulled = fingers.frustumCulled = false;
     fingers.count = 0;
     ray.add(line);

@@ -57,7 +57,7 @@ const view = world.view = new View(world, canvas);
 const headset = new Headset(world);
 
 const connection = world.connection = new Connection({
-  opened: askForLayers,
+  opened: () => { newest = 0; askForLayers(); },
   message,
   frame,
   says: (sentence) => { connectionText.textContent = sentence; document.body.classList.toggle('away', sentence !== ''); dirty = true; },
@@ -83,7 +83,6 @@ function message(of) {
 function start(of) {
   const again = hello && hello.run === of.run && hello.name === of.name;
   hello = of;
-  newest = 0;
   view.hold(null);
   for (const old of [...world.avatars, ...world.hulls]) old.dispose();
   props.clear();

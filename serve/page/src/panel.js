@@ -132,8 +132,12 @@ export class Panel {
     f.xr = make('p', { className: 'faint' }, 'Looking for a headset ...');
     f.xrRows = make('div', {}, presenceRow, f.vr, f.ar);
     f.times = make('table');
-    panel.append(
-      make('div', { className: 'handle' }, 'Settings', this.#button('close', 'panel', '', { className: '' })),
+    const handle = make('div', { className: 'handle' }, 'Settings', this.#button('close', 'panel', '', { className: '' }));
+    let from = null; // of the sheet that is pulled down on a phone
+    handle.onpointerdown = ({ clientY }) => { from = clientY; };
+    handle.onpointermove = ({ clientY }) => { if (from !== null && clientY > from + 40) { from = null; this.#on.run('panel'); } };
+    handle.onpointerup = handle.onpointerleave = () => { from = null; };
+    panel.append(handle,
       section('Who and what', true, ...who, mirrorRow, ...treatments, loopRow, f.throw, f.undo, f.hits, f.watched, f.licence),
       section('Look', true, layers, followRow, sides, f.partsRow, choose('background', ['as the system', ...Object.keys(kBackgrounds)]),
         choose('quality', ['automatic', 'high', 'medium', 'low']), this.#button('save a picture', 'picture', 'P')),

@@ -121,7 +121,6 @@ export class View {
     event.stopImmediatePropagation();
     this.controls.enabled = false;
     this.canvas.setPointerCapture(event.pointerId);
-    this.canvas.focus({ preventScroll: true });
     this.#down.drags = true;
     this.hold(hit);
     this.canvas.style.cursor = 'grabbing';

@@ -187,7 +187,11 @@ const parts = {
       c.position.set(cos * p[0] - sin * p[2], p[1] + d[1], sin * p[0] + cos * p[2] + d[0]);
       c.quaternion.set(0, 0, 0, 1);
     }, index, ahead, rig);
-    const index = await page.evaluate(() => loricaPage.props.findIndex((prop) => !prop.fixed && prop.visible));
+    const index = await page.evaluate(() => { // the one nearest to the line of sight
+      const { camera, avatars, props } = loricaPage, to = avatars[0].center.map((x, k) => x - camera[k]);
+      const angle = ({ position }) => { const d = position.map((x, k) => x - camera[k]); return (d[0] * to[0] + d[1] * to[1] + d[2] * to[2]) / Math.hypot(...d); };
+      return props.map((prop, i) => [i, prop]).filter(([, prop]) => !prop.fixed && prop.visible).sort(([, a], [, b]) => angle(b) - angle(a))[0]?.[0] ?? -1;
+    });
     if (index >= 0) {
       await aim(index, [0.6, 0]);
       await drawn(page);
