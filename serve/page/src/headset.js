@@ -1,0 +1,183 @@
+// VR and AR: the same scene from inside. Controllers and pinching hands hold props along a ray.
+import * as THREE from 'three';
+import { lit } from './stage.js';
+
+const kModes = { vr: 'immersive-vr', ar: 'immersive-ar' };
+const kBeside = { vr: 1.6, ar: 1.9 }; // distance to the avatar at first [m]
+const kReach = 2.5; // length of a ray that meets nothing [m]
+
+export class Headset {
+  mode = null; // vr, ar
+  presence = 'beside';
+  #world;
+  #hands = [];
+  #placed = false;
+  #worn = null;
+  #flat = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
+
+  /// @param world  that of the View, with { view, panel, avatars }
+  constructor(world) {
+    this.#world = world;
+    const { xr } = world.stage.renderer;
+    xr.setReferenceSpaceType('local-floor');
+    xr.addEventListener('sessionstart', () => this.#started());
+    xr.addEventListener('sessionend', () => this.#ended());
+    this.#hands = [0, 1].map((i) => this.#makeHand(xr.getController(i), xr.getControllerGrip(i), xr.getHand(i)));
+  }
+
+  async offer() {
+    const can = async (mode) => Boolean(await navigator.xr?.isSessionSupported(mode).catch(() => false));
+    const vr = await can(kModes.vr), ar = await can(kModes.ar);
+    let sentence = 'Trigger or pinch: holds a prop; let go to throw it. Squeeze: throws a ball.';
+    if (!window.isSecureContext) sentence = 'VR and AR need a link with https.';
+    else if (!navigator.xr) sentence = 'This browser has no VR or AR. The one in a headset has.';
+    else if (!vr && !ar) sentence = 'There is no headset at this device.';
+    this.#world.panel.xr({ vr, ar, sentence });
+  }
+
+  async enter(mode) {
+    const { stage, panel } = this.#world;
+    try {
+      const session = await navigator.xr.requestSession(kModes[mode], { requiredFeatures: ['local-floor'], optionalFeatures: ['hand-tracking'] });
+      this.mode = mode;
+      await stage.renderer.xr.setSession(session);
+    } catch (error) {
+      this.mode = null;
+      panel.notice(`${mode.toUpperCase()} does not start: ${error.message}`, true);
+    }
+  }
+
+  #started() {
+    const { stage, view } = this.#world;
+    this.#flat.position.copy(stage.camera.position);
+    this.#flat.quaternion.copy(stage.camera.quaternion);
+    view.controls.enabled = false;
+    this.#placed = false;
+    this.#world.restage();
+  }
+
+  #ended() {
+    const { stage, view } = this.#world;
+    this.mode = null;
+    this.#wear(null);
+    stage.rig.position.set(0, 0, 0);
+    stage.rig.rotation.set(0, 0, 0);
+    stage.camera.position.copy(this.#flat.position);
+    stage.camera.quaternion.copy(this.#flat.quaternion);
+    stage.camera.scale.set(1, 1, 1);
+    view.controls.enabled = true;
+    for (const hand of this.#hands) this.#release(hand);
+    this.#world.restage();
+  }
+
+  #wear(avatar) {
+    if (avatar === this.#worn) return;
+    if (!this.#worn?.disposed) this.#worn?.wear(this.#world.stage.camera, false);
+    avatar?.wear(this.#world.stage.camera, true);
+    this.#worn = avatar;
+  }
+
+  #makeHand(ray, grip, joints) {
+    const gray = lit(new THREE.MeshStandardMaterial({ color: 0x5d7088, roughness: 0.5 })), orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
+    const line = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, -1)]),
+      new THREE.LineBasicMaterial({ color: 0xff7a1a, transparent: true, opacity: 0.75 }));
+    const dot = new THREE.Mesh(new THREE.SphereGeometry(0.011, 16, 12), orange);
+    const body = new THREE.Mesh(new THREE.CapsuleGeometry(0.019, 0.07, 6, 16).rotateX(Math.PI / 2), gray);
+    const fingers = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 12, 8), gray, 25);
+    line.frustumCulled = fingers.frustumCulled = false;
+    fingers.count = 0;
+    ray.add(line);
+    grip.add(body);
+    joints.add(fingers);
+    this.#world.stage.rig.add(ray, grip, joints);
+    this.#world.stage.scene.add(dot);
+    line.visible = dot.visible = false;
+    const hand = { ray, line, dot, body, joints, fingers, holds: false, origin: new THREE.Vector3(), direction: new THREE.Vector3() };
+    ray.addEventListener('connected', ({ data }) => { hand.line.visible = true; hand.body.visible = !data.hand; });
+    ray.addEventListener('disconnected', () => { this.#release(hand); hand.line.visible = hand.dot.visible = false; });
+    ray.addEventListener('selectstart', () => this.#grab(hand));
+    ray.addEventListener('selectend', () => this.#release(hand));
+    ray.addEventListener('squeezestart', () => {
+      this.#aim(hand);
+      const target = hand.direction.clone().multiplyScalar(4).add(hand.origin);
+      this.#world.connection.send('throw', { origin: hand.origin.toArray(), target: target.toArray() });
+    });
+    return hand;
+  }
+
+  #aim(hand) {
+    hand.ray.updateWorldMatrix(true, false);
+    hand.origin.setFromMatrixPosition(hand.ray.matrixWorld);
+    hand.direction.setFromMatrixColumn(hand.ray.matrixWorld, 2).normalize().negate();
+  }
+
+  #wire({ origin, direction }) {
+    return { origin: origin.toArray(), direction: direction.toArray(), forward: direction.toArray() };
+  }
+
+  #grab(hand) {
+    const { view, connection } = this.#world;
+    if (view.held || !this.#world.mayDrag()) return;
+    this.#aim(hand);
+    const hit = view.hit(hand.origin, hand.direction);
+    if (!hit) return;
+    hand.holds = true;
+    view.hold(hit);
+    connection.send('press', this.#wire(hand));
+  }
+
+  #release(hand) {
+    if (!hand.holds) return;
+    hand.holds = false;
+    this.#world.view.hold(null);
+    this.#world.connection.send('release');
+  }
+
+  /// Once a picture in a headset, before it is drawn.
+  update(frame) {
+    const { stage, view, avatars, connection } = this.#world;
+    const pose = frame?.getViewerPose(stage.renderer.xr.getReferenceSpace());
+    const avatar = avatars[Math.max(view.followed, 0)];
+    if (pose && avatar?.loaded && avatar.present) this.#place(pose.transform, avatar);
+    for (const hand of this.#hands) {
+      this.#aim(hand);
+      if (hand.holds) connection.drag(this.#wire(hand));
+      const hit = hand.holds || !hand.line.visible ? null : view.hit(hand.origin, hand.direction);
+      hand.dot.visible = hit !== null;
+      if (hit) hand.dot.position.copy(hit.point);
+      hand.line.scale.z = hand.holds ? hand.origin.distanceTo(view.marker.position) : hit ? hit.distance : kReach;
+      this.#showFingers(hand);
+    }
+  }
+
+  #showFingers({ joints, fingers }) {
+    fingers.count = 0;
+    for (const joint of Object.values(joints.joints ?? {})) {
+      if (!joint.visible || fingers.count === 25) continue;
+      matrix.makeScale(joint.jointRadius, joint.jointRadius, joint.jointRadius).setPosition(joint.position);
+      fingers.setMatrixAt(fingers.count++, matrix);
+    }
+    fingers.instanceMatrix.needsUpdate = true;
+  }
+
+  /// Beside the avatar once, looking at it; inside, the eyes are where its eyes are, and turn freely.
+  #place({ position, orientation }, avatar) {
+    const { rig } = this.#world.stage, inside = this.presence === 'inside' && this.mode === 'vr';
+    this.#wear(inside ? avatar : null);
+    if (!inside && this.#placed === 'beside') return;
+    look.set(0, 0, -1).applyQuaternion(turn.copy(orientation));
+    if (this.#placed !== (inside ? 'inside' : 'beside')) {
+      avatar.facing(wanted);
+      if (!inside) wanted.negate();
+      rig.rotation.y = Math.atan2(wanted.x, wanted.z) - Math.atan2(look.x, look.z);
+      this.#placed = inside ? 'inside' : 'beside';
+    }
+    local.copy(position).applyAxisAngle(kUp, rig.rotation.y);
+    if (inside) rig.position.copy(avatar.eye(eye)).sub(local);
+    else rig.position.copy(avatar.center).addScaledVector(wanted, -kBeside[this.mode]).sub(local).setY(0);
+    rig.updateMatrixWorld();
+  }
+}
+
+const kUp = new THREE.Vector3(0, 1, 0), matrix = new THREE.Matrix4(), turn = new THREE.Quaternion();
+const look = new THREE.Vector3(), wanted = new THREE.Vector3(), local = new THREE.Vector3(), eye = new THREE.Vector3();
