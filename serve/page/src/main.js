@@ -90,7 +90,7 @@ function start(of) {
   particles.points.geometry.setDrawRange(0, 0);
   depth.hidden = true;
   world.avatars = of.avatars.map((of) => new Avatar(of));
-  world.hulls = of.avatars.map((of) => new Hulls(of.colors ?? []));
+  world.hulls = of.avatars.map(() => new Hulls());
   for (const avatar of world.avatars) {
     stage.scene.add(avatar.root);
     avatar.load(connection.fetchBytes).then(world.changed).catch((error) => { avatar.failed = true; problem(`The avatar ${avatar.hello.name} cannot be shown: ${error.message}`); });

@@ -109,11 +109,10 @@ export class Hulls {
     vertexColors: true, transparent: true, opacity: 0.38, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2 })), 2);
   #edges = overlay(new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 })), 3);
   #known = []; // faces and edges of each part
-  #colors;
   #matrix = new Float32Array(12);
+  #color = new THREE.Color();
 
-  constructor(colors) {
-    this.#colors = colors;
+  constructor() {
     this.group.add(this.#faces, this.#edges);
   }
 
@@ -133,7 +132,8 @@ export class Hulls {
     let vertex = 0, corner = 0, end = 0;
     parts.forEach((part, i) => {
       if (!this.#drawn(part, i)) return;
-      const first = vertex, scale = part.extent / 32767, color = this.#colors[i % Math.max(this.#colors.length, 1)] ?? [0.5, 0.6, 0.8];
+      const first = vertex, scale = part.extent / 32767, [r, g, b] = part.color;
+      const color = this.#color.setRGB(r / 255, g / 255, b / 255, THREE.SRGBColorSpace).toArray();
       matrixOfPose(part.pose, 0, m, 0);
       for (let v = 0; v < part.vertices.length; v += 3, ++vertex) {
         const x = part.vertices[v] * scale, y = part.vertices[v + 1] * scale, z = part.vertices[v + 2] * scale;

@@ -30,10 +30,10 @@ const face = section(2, 0, bytes('f32', 0.25, 1));
 const avatar = section(1, 2, [...bytes('u8', 1, 0, 'u16', 2, 'f32', 0.5), ...pose(1, 2, 3, 0, 0, 0, 32767), ...pose(0, 0, 0, 0, half, 0, half)]);
 const affine = section(1, 1, [...bytes('u8', 0, 1, 'u16', 1, 'f32', 1), ...bytes('f32', 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12)]);
 const props = section(3, 0, [...bytes('u32', 1, 'u16', 9, 0), ...pose(1, 0, -1, 32767, 0, 0, 0)]);
-const tetrahedron = [...bytes('u16', 1, 0), ...pose(0, 1, 0, 0, 0, 0, 32767), ...bytes('f32', 0.5, 'u16', 4, 4),
+const tetrahedron = [...bytes('u16', 1, 0), ...pose(0, 1, 0, 0, 0, 0, 32767), ...bytes('f32', 0.5, 'u8', 255, 0, 128, 255, 'u16', 4, 4),
   ...padded(bytes('i16', 0, 0, 0, 32767, 0, 0, 0, 32767, 0, 0, 0, -32767, 'u16', 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2))];
 const hulls = section(4, 0, tetrahedron);
-const sameFaces = section(4, 0, [...bytes('u16', 1, 0), ...pose(0, 1, 0, 0, 0, 0, 32767), ...bytes('f32', 0.5, 'u16', 3, 0), ...padded(bytes('i16', 1, 2, 3, 4, 5, 6, 7, 8, 9))]);
+const sameFaces = section(4, 0, [...bytes('u16', 1, 0), ...pose(0, 1, 0, 0, 0, 0, 32767), ...bytes('f32', 0.5, 'u8', 255, 0, 128, 255, 'u16', 3, 0), ...padded(bytes('i16', 1, 2, 3, 4, 5, 6, 7, 8, 9))]);
 const contacts = section(5, 0, bytes('u32', 1, 'f32', 1, 2, 3, 0, 1, 0, 0.75));
 const particles = section(6, 0, [...bytes('u32', 100, 2, 'f32', 0.02, 'u8', 255, 128, 0, 255, 'f32', 0, 1, 2, 3, 4, 5), ...bytes('u16', 0, 32768, 65535, 1, 2, 3)]);
 const depth = section(7, 0, [0xff, 0xd8, 0xff]);
