@@ -1,0 +1,353 @@
+#include "serve/server.h"
+
+#include "serve/certificate.h"
+#include "serve/page_files.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/serve/test_client.h"
+#include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace lorica {
+namespace {
+
+using test::becomes;
+using test::TestClient;
+using test::valueOf;
+using Json = nlohmann::json;
+
+/// A served run of one figure that the test moves.
+struct Stage {
+  explicit Stage(const ServeSetting& setting = {}, const ServeLimits& limits = {})
+      : server(valueOf(PageServer::start(setting, limits))) {
+    cast->run = 1;
+    cast->hello = R"({"type":"hello","run":1})";
+    cast->characters.push_back(std::make_shared<const std::string>("glTF and more"));
+    server->setCast(cast);
+  }
+  void show(int props = 0) {
+    Scene scene;
+    scene.skeleton = &skeleton;
+    scene.time = ++time;
+    boxes.resize(props);
+    for (Prop& box : boxes) box.worldFromProp.translation().x() = time;
+    scene.props = boxes;
+    server->next().take(scene, server->layers());
+    server->publish();
+  }
+
+  Skeleton skeleton = makeMannequin().skeleton;
+  std::vector<Prop> boxes;
+  double time = 0.0;
+  std::shared_ptr<ServedCast> cast = std::make_shared<ServedCast>();
+  std::unique_ptr<PageServer> server;
+};
+
+std::string statusOf(const std::string& answer) {
+  return answer.size() > 12 ? answer.substr(9, 3) : answer;
+}
+
+TEST(Server, AnswersWithThePageAndNothingElse) {
+  const Stage stage;
+  const int port = stage.server->port();
+  const std::string page = TestClient(port).get("/");
+  EXPECT_EQ(statusOf(page), "200");
+  EXPECT_NE(page.find("Content-Security-Policy: default-src 'none'"), std::string::npos);
+  EXPECT_NE(page.find("X-Content-Type-Options: nosniff"), std::string::npos);
+  EXPECT_NE(page.find("<!doctype html>"), std::string::npos);
+  EXPECT_EQ(TestClient(port).get("/", "", "HEAD").find("<!doctype"), std::string::npos);
+  EXPECT_EQ(statusOf(TestClient(port).get("/?more=1")), "200");
+  EXPECT_EQ(statusOf(TestClient(port).get("/page.js")), pageBuilt() ? "200" : "404");
+  EXPECT_NE(TestClient(port).get("/character/0.glb").find("glTF and more"), std::string::npos);
+  for (const char* path :
+       {"/none", "/../etc/passwd", "/%2e%2e/etc/passwd", "/character/1.glb", "/character/0", "/character/-1.glb",
+        "/character/0.glb/", "/character/99999999999999999999.glb", "/mesh/0", "/mesh/", "//", "/page.js.map"}) {
+    EXPECT_EQ(statusOf(TestClient(port).get(path)), "404") << path;
+  }
+  EXPECT_EQ(statusOf(TestClient(port).get("/", "", "POST")), "405");
+  EXPECT_EQ(statusOf(TestClient(port).get("/live")), "426");
+}
+
+TEST(Server, BadRequestsEndTheConnection) {
+  const Stage stage;
+  const std::string big(20'000, 'a');
+  for (const std::string& bytes :
+       {std::string("no HTTP at all\r\n\r\n"), "GET /" + big + " HTTP/1.1\r\n\r\n",
+        "GET / HTTP/1.1\r\nCookie: " + big + "\r\n\r\n", std::string("\x16\x03\x01\x02\x00 a TLS hello \r\n\r\n"),
+        std::string("GET / HTTP/1.1\r\nContent-Length: 18446744073709551615\r\n\r\n")}) {
+    TestClient client(stage.server->port());
+    client.write(bytes);
+    EXPECT_EQ(client.read().find("200"), std::string::npos) << bytes.substr(0, 20);
+  }
+  EXPECT_EQ(statusOf(TestClient(stage.server->port()).get("/")), "200");
+}
+
+/// A page of somebody else must not read what only this machine may.
+TEST(Server, OtherNamesAndOtherOriginsAreRefused) {
+  const Stage stage;
+  const int port = stage.server->port();
+  EXPECT_EQ(statusOf(TestClient(port).get("/", "Host: evil.example\r\n")), "421");
+  EXPECT_EQ(statusOf(TestClient(port).get("/", "Host: localhost:" + std::to_string(port) + "\r\n")), "200");
+  const std::string protocol = "Sec-WebSocket-Protocol: lorica.live.1\r\n";
+  EXPECT_EQ(statusOf(TestClient(port).watch(protocol + "Origin: http://evil.example\r\n")), "403");
+  EXPECT_EQ(statusOf(TestClient(port).watch(protocol + "Origin: null\r\n")), "403");
+  TestClient own(port);
+  EXPECT_EQ(statusOf(own.watch(protocol + "Origin: http://" + own.host + "\r\n")), "101");
+  EXPECT_EQ(statusOf(TestClient(port).watch("")), "400");
+  EXPECT_EQ(statusOf(TestClient(port).watch("Sec-WebSocket-Protocol: chat\r\n")), "400");
+}
+
+TEST(Server, AClientGetsHelloThenPropsThenTheNewestFrames) {
+  Stage stage;
+  TestClient client(stage.server->port());
+  EXPECT_EQ(statusOf(client.watch()), "101");
+  EXPECT_EQ(client.next().json()["type"], "hello");
+  stage.show(3);
+  EXPECT_EQ(client.next().json()["props"].size(), 3u);
+  EXPECT_EQ(client.next().kind, 2);
+  stage.server->setState(R"({"type":"state","seconds":1})");
+  EXPECT_EQ(client.next().json()["seconds"], 1);
+  stage.server->say(R"({"type":"notice","text":"hello"})");
+  EXPECT_EQ(client.next().json()["text"], "hello");
+  // Two are in flight; of what follows only the newest is sent, once there is an acknowledgement.
+  stage.show(3);
+  const std::uint64_t second = client.next().number();
+  for (int i = 0; i < 10; ++i) stage.show(3);
+  stage.server->say(R"({"type":"notice","text":"after ten"})");
+  EXPECT_EQ(client.next().json()["text"], "after ten") << "no third frame is in flight";
+  client.send({{"type", "ack"}, {"frame", second}});
+  const TestClient::Message newest = client.next();
+  ASSERT_EQ(newest.kind, 2);
+  double time = 0.0;
+  std::memcpy(&time, newest.bytes.data() + 24, sizeof time);
+  EXPECT_EQ(time, 12.0);
+}
+
+TEST(Server, FramesOfAnotherRunWaitForItsHello) {
+  Stage stage;
+  TestClient client(stage.server->port());
+  client.watch();
+  stage.show();
+  EXPECT_EQ(client.next("frame").kind, 2);
+  const auto other = std::make_shared<ServedCast>(*stage.cast);
+  other->run = 2;
+  other->hello = R"({"type":"hello","run":2})";
+  stage.server->setCast(other);
+  stage.show();
+  EXPECT_EQ(client.next("hello").json()["run"], 2);
+  const TestClient::Message frame = client.next("frame");
+  EXPECT_EQ(frame.bytes[8], 2);
+}
+
+TEST(Server, WishesComeInOrderWithTheirClient) {
+  Stage stage;
+  TestClient one(stage.server->port()), other(stage.server->port());
+  one.watch();
+  other.watch();
+  one.send({{"type", "pause"}, {"on", true}});
+  one.send({{"type", "seek"}, {"to", 1.5}});
+  one.send({{"type", "ack"}, {"frame", 1}});
+  std::vector<Wish> wishes;
+  EXPECT_TRUE(becomes([&] {
+    stage.server->takeWishes(wishes);
+    return wishes.size() == 2;
+  }));
+  EXPECT_EQ(wishes[0].kind, Wish::Kind::kPause);
+  EXPECT_EQ(wishes[1].to, 1.5);
+  other.send({{"type", "undo"}});
+  EXPECT_TRUE(becomes([&] {
+    stage.server->takeWishes(wishes);
+    return wishes.size() == 3;
+  }));
+  EXPECT_NE(wishes[2].client, wishes[0].client);
+  one.send({{"type", "show"}, {"layers", {"hulls"}}});
+  other.send({{"type", "show"}, {"layers", {"depth"}}});
+  EXPECT_TRUE(becomes([&] { return stage.server->layers() == (served::kHulls | served::kDepth); }));
+}
+
+TEST(Server, AClientThatLeavesLetsGo) {
+  Stage stage;
+  {
+    TestClient client(stage.server->port());
+    client.watch();
+    client.send({{"type", "press"}, {"origin", {0, 1, 0}}, {"direction", {0, 0, 1}}, {"forward", {0, 0, 1}}});
+    EXPECT_TRUE(becomes([&] {
+      std::vector<Wish> wishes;
+      stage.server->takeWishes(wishes);
+      return wishes.size() == 1;
+    }));
+  }
+  std::vector<Wish> wishes;
+  EXPECT_TRUE(becomes([&] {
+    stage.server->takeWishes(wishes);
+    return !wishes.empty();
+  }));
+  EXPECT_EQ(wishes[0].kind, Wish::Kind::kRelease);
+  EXPECT_TRUE(becomes([&] { return stage.server->clients() == 0; }));
+}
+
+/// A client that misbehaves loses its connection, and nobody else notices.
+TEST(Server, ClientsThatMisbehaveLoseTheirConnection) {
+  Stage stage;
+  TestClient good(stage.server->port());
+  good.watch();
+  const std::vector<std::pair<const char*, std::function<void(TestClient&)>>> rows = {
+      {"no JSON", [](TestClient& c) { c.sendFrame(0x81, "hello"); }},
+      {"an unknown type",
+       [](TestClient& c) {
+         c.send({{"type", "shutdown"}});
+       }},
+      {"binary", [](TestClient& c) { c.sendFrame(0x82, R"({"type":"undo"})"); }},
+      {"too long", [](TestClient& c) { c.sendFrame(0x81, std::string(5000, ' ')); }},
+      {"not masked", [](TestClient& c) { c.sendFrame(0x81, R"({"type":"undo"})", false); }},
+      {"a reserved kind", [](TestClient& c) { c.sendFrame(0x83, "{}"); }},
+      {"reserved bits", [](TestClient& c) { c.sendFrame(0xf1, "{}"); }},
+      {"no UTF-8", [](TestClient& c) { c.sendFrame(0x81, "\xff\xfe\xfd"); }},
+      {"2^62 bytes", [](TestClient& c) { c.write(std::string("\x81\xff\x40\0\0\0\0\0\0\0\0\0\0\0", 14)); }},
+      {"a flood", [](TestClient& c) {
+         for (int i = 0; i < 1000; ++i) c.send({{"type", "undo"}});
+       }}};
+  for (const auto& [what, misbehave] : rows) {
+    TestClient client(stage.server->port());
+    ASSERT_EQ(statusOf(client.watch()), "101") << what;
+    misbehave(client);
+    for (;;) {
+      const TestClient::Message message = client.next();
+      if (message.kind == 0 || message.kind == 8) break;
+    }
+  }
+  EXPECT_TRUE(becomes([&] { return stage.server->clients() == 1; }));
+  stage.show();
+  EXPECT_EQ(good.next("frame").kind, 2);
+}
+
+TEST(Server, OneWhoReadsNothingIsDroppedAndTheOthersWatch) {
+  ServeLimits limits;
+  limits.writeSeconds = 0.2;
+  Stage stage({}, limits);
+  TestClient asleep(stage.server->port()), awake(stage.server->port());
+  asleep.watch();
+  awake.watch();
+  ASSERT_TRUE(becomes([&] { return stage.server->clients() == 2; }));
+  // Messages that it never reads, until the buffers of both kernels are full.
+  const std::string text = R"({"type":"notice","text":")" + std::string(200'000, 'x') + R"("})";
+  bool dropped = false;
+  for (int i = 0; i < 600 && !dropped; ++i) {
+    stage.server->say(text);
+    ASSERT_EQ(awake.next("notice").kind, 1) << i;
+    dropped = stage.server->clients() == 1;
+  }
+  EXPECT_TRUE(dropped || becomes([&] { return stage.server->clients() == 1; }));
+}
+
+TEST(Server, ConnectionsThatBreakOffLeaveNothing) {
+  Stage stage;
+  for (int i = 0; i < 500; ++i) {
+    TestClient client(stage.server->port());
+    if (i % 4 == 1) client.write("GET / HT");
+    if (i % 4 == 2) client.write("GET /live HTTP/1.1\r\nUpgrade: websocket\r\n");
+    if (i % 4 == 3) client.watch();
+  }
+  EXPECT_TRUE(becomes([&] { return stage.server->clients() == 0; }));
+  TestClient client(stage.server->port());
+  EXPECT_EQ(statusOf(client.watch()), "101");
+}
+
+TEST(Server, NoMoreThanTheLimitWatch) {
+  ServeLimits limits;
+  limits.clients = 2;
+  Stage stage({}, limits);
+  TestClient one(stage.server->port()), two(stage.server->port());
+  EXPECT_EQ(statusOf(one.watch()), "101");
+  EXPECT_EQ(statusOf(two.watch()), "101");
+  EXPECT_TRUE(becomes([&] { return stage.server->clients() == 2; }));
+  EXPECT_EQ(statusOf(TestClient(stage.server->port()).watch()), "503");
+}
+
+TEST(Server, ASlowRequestEnds) {
+  ServeLimits limits;
+  limits.requestSeconds = 0.1;
+  Stage stage({}, limits);
+  TestClient client(stage.server->port());
+  client.write("GET / HTTP/1.1\r\n");
+  EXPECT_EQ(client.read(), "");
+}
+
+TEST(Server, SaysGoodbye) {
+  auto stage = std::make_unique<Stage>();
+  TestClient client(stage->server->port());
+  client.watch();
+  EXPECT_EQ(client.next("hello").kind, 1);
+  stage.reset();
+  const TestClient::Message last = client.next("nothing more");
+  ASSERT_EQ(last.kind, 8);
+  EXPECT_EQ(last.bytes.substr(2), "the session is over");
+}
+
+TEST(Server, ATakenPortIsAnErrorAndTheNextOneIsFound) {
+  const Stage stage;
+  ServeSetting setting;
+  setting.port = stage.server->port();
+  const Result<std::unique_ptr<PageServer>> second = PageServer::start(setting);
+  ASSERT_FALSE(second.ok());
+  EXPECT_NE(second.error().message.find("port " + std::to_string(setting.port)), std::string::npos);
+  const Stage other;
+  EXPECT_NE(other.server->port(), stage.server->port());
+}
+
+/// With --lan: TLS and a token, with a certificate in a folder of the test.
+TEST(SecureServer, NothingIsSeenWithoutTheToken) {
+  const test::TemporaryFolder folder;
+  const Certificate made = valueOf(makeCertificate({"localhost"}));
+  ServeSetting setting;
+  setting.lan = true;
+  setting.certificate = folder.write("certificate.pem", made.chain);
+  setting.key = folder.write("key.pem", made.key);
+  Stage stage(setting);
+  const int port = stage.server->port();
+  const std::string token = stage.server->token();
+  ASSERT_EQ(token.size(), 22u);
+  EXPECT_TRUE(stage.server->links().front().ends_with("/#" + token));
+  EXPECT_EQ(stage.server->fingerprint(), fingerprintOf(made.chain));
+  EXPECT_EQ(TestClient(port).get("/"), "") << "without TLS";
+  EXPECT_EQ(statusOf(TestClient(port, true).get("/")), "200");
+  EXPECT_EQ(statusOf(TestClient(port, true).get("/character/0.glb")), "401");
+  EXPECT_EQ(statusOf(TestClient(port, true).get("/character/0.glb", "Authorization: Bearer wrong\r\n")), "401");
+  EXPECT_EQ(statusOf(TestClient(port, true).get("/character/0.glb", "Authorization: Bearer " + token + "\r\n")), "200");
+  EXPECT_EQ(statusOf(TestClient(port, true).watch()), "401");
+  EXPECT_EQ(statusOf(TestClient(port, true).watch("Sec-WebSocket-Protocol: lorica.live.1, token.x" + token + "\r\n")),
+            "401");
+  TestClient client(port, true);
+  EXPECT_EQ(statusOf(client.watch("Sec-WebSocket-Protocol: lorica.live.1, token." + token + "\r\n")), "101");
+  stage.show();
+  EXPECT_EQ(client.next("hello").kind, 1);
+  EXPECT_EQ(client.next("frame").kind, 2);
+}
+
+TEST(SecureServer, ACertificateThatCannotBeUsedIsAnError) {
+  const test::TemporaryFolder folder;
+  const Certificate one = valueOf(makeCertificate({"localhost"})), other = valueOf(makeCertificate({"localhost"}));
+  ServeSetting setting;
+  setting.lan = true;
+  setting.certificate = folder.path() / "missing.pem";
+  setting.key = setting.certificate;
+  EXPECT_FALSE(PageServer::start(setting).ok());
+  for (const auto& [chain, key] : {std::pair(one.chain, other.key), std::pair(std::string("text"), one.key),
+                                   std::pair(one.chain, std::string("text"))}) {
+    setting.certificate = folder.write("certificate.pem", chain);
+    setting.key = folder.write("key.pem", key);
+    const Result<std::unique_ptr<PageServer>> started = PageServer::start(setting);
+    ASSERT_FALSE(started.ok());
+    EXPECT_NE(started.error().message.find(".pem"), std::string::npos) << started.error().message;
+  }
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+struct ssl_st;
+struct ssl_ctx_st;
+
+namespace lorica::test {
+
+/// A client of the server that knows nothing of Boost: sockets, and OpenSSL for TLS.
+class TestClient {
+ public:
+  explicit TestClient(int port, bool secure = false);
+  ~TestClient();
+  TestClient(const TestClient&) = delete;
+  TestClient& operator=(const TestClient&) = delete;
+
+  void write(std::string_view bytes);
+  /// Whatever comes until the server closes, or until it holds `until`.
+  [[nodiscard]] std::string read(std::string_view until = "");
+  /// One request and its answer, with head and body. @param header  lines, each with its \r\n
+  [[nodiscard]] std::string get(const std::string& path, const std::string& header = "",
+                                const std::string& method = "GET");
+  /// Becomes a WebSocket. @return the status line
+  std::string watch(const std::string& header = "Sec-WebSocket-Protocol: lorica.live.1\r\n");
+
+  struct Message {
+    int kind = 0;  ///< 1 text, 2 binary, 8 close; 0 = the connection has ended
+    std::string bytes;
+
+    [[nodiscard]] nlohmann::json json() const { return nlohmann::json::parse(bytes); }
+    /// Of a frame.
+    [[nodiscard]] std::uint64_t number() const;
+  };
+  [[nodiscard]] Message next();
+  /// The next message of a type: "frame" or that of a JSON message; others are skipped.
+  [[nodiscard]] Message next(std::string_view type);
+  void send(const nlohmann::json& message) { sendFrame(0x81, message.dump()); }
+  /// @param head  first byte of a WebSocket frame
+  void sendFrame(unsigned char head, std::string_view bytes, bool masked = true);
+
+  std::string host;
+
+ private:
+  [[nodiscard]] std::string exactly(std::size_t bytes);
+
+  int socket_ = -1;
+  ssl_ctx_st* context_ = nullptr;
+  ssl_st* secure_ = nullptr;
+  std::string buffer_;
+};
+
+/// Waits until something is true, at most a minute. @return whether it is
+[[nodiscard]] bool becomes(const std::function<bool()>& what);
+
+}  // namespace lorica::test
