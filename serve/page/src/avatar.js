@@ -94,8 +94,11 @@ export class Avatar {
   }
 
   #adoptMesh(mesh, unpainted) {
+    if (this.hello.plain && !mesh.geometry.attributes.normal) { // glTF means flat faces then; a mannequin is round
+      mesh.geometry.computeVertexNormals();
+      mesh.material.flatShading = false;
+    }
     if (unpainted) {
-      if (!mesh.geometry.attributes.normal) mesh.geometry.computeVertexNormals();
       mesh.material.dispose();
       mesh.material = new THREE.MeshStandardMaterial({ color: new THREE.Color(...kClay), roughness: 0.6 });
     }

@@ -79,16 +79,23 @@ function message(of) {
   } else if (of.type === 'notice') panel.notice(of.text, of.problem);
 }
 
-/// Everything from before is void.
+/// Everything from before is void; after a lost connection the same characters need not be loaded again.
 function start(of) {
   const again = hello && hello.run === of.run && hello.name === of.name;
+  const same = again && JSON.stringify(hello.avatars) === JSON.stringify(of.avatars);
   hello = of;
   view.hold(null);
-  for (const old of [...world.avatars, ...world.hulls]) old.dispose();
   props.clear();
   contacts.set({ count: 0, values: [] });
   particles.points.geometry.setDrawRange(0, 0);
   depth.hidden = true;
+  if (!same) load(of);
+  if (!again) view.home(of.camera);
+  panel.chose();
+}
+
+function load(of) {
+  for (const old of [...world.avatars, ...world.hulls]) old.dispose();
   world.avatars = of.avatars.map((of) => new Avatar(of));
   world.hulls = of.avatars.map((of) => new Hulls(of.colors ?? []));
   for (const avatar of world.avatars) {
@@ -98,8 +105,6 @@ function start(of) {
   for (const hull of world.hulls) stage.scene.add(hull.group);
   panel.plain = of.avatars.some((avatar) => avatar.plain);
   view.followed = -1;
-  if (!again) view.home(of.camera);
-  panel.chose();
 }
 
 function frame(buffer) {

@@ -196,6 +196,7 @@ export class Panel {
 
   update(state, hello) {
     this.state = state;
+    document.body.classList.remove('waiting');
     const f = this.#fields, can = (element, why) => {
       element.disabled = Boolean(why);
       (element.closest('label') ?? element).title = why ?? '';

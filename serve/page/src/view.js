@@ -32,6 +32,7 @@ export class View {
     this.marker.renderOrder = 7;
     this.marker.visible = false;
     world.stage.scene.add(this.marker);
+    this.reset();
   }
 
   home({ eye, target, fov }) {
