@@ -28,7 +28,9 @@ export class Connection {
     this.#on = on;
     on.says(kSays.first, false);
     this.#connect();
-    addEventListener('hashchange', () => { location.reload(); });
+    addEventListener('hashchange', () => {
+      location.reload();
+    });
   }
 
   #connect() {

@@ -27,7 +27,8 @@ export class Headset {
 
   async offer() {
     const can = async (mode) => Boolean(await navigator.xr?.isSessionSupported(mode).catch(() => false));
-    const vr = await can(kModes.vr), ar = await can(kModes.ar);
+    const vr = await can(kModes.vr),
+      ar = await can(kModes.ar);
     let sentence = 'Trigger or pinch: holds a prop; let go to throw it. Squeeze: throws a ball.';
     if (!window.isSecureContext) sentence = 'VR and AR need a link with https.';
     else if (!navigator.xr) sentence = 'This browser has no VR or AR. The one in a headset has.';
@@ -38,7 +39,10 @@ export class Headset {
   async enter(mode) {
     const { stage, panel } = this.#world;
     try {
-      const session = await navigator.xr.requestSession(kModes[mode], { requiredFeatures: ['local-floor'], optionalFeatures: ['hand-tracking'] });
+      const session = await navigator.xr.requestSession(kModes[mode], {
+        requiredFeatures: ['local-floor'],
+        optionalFeatures: ['hand-tracking'],
+      });
       this.mode = mode;
       await stage.renderer.xr.setSession(session);
     } catch (error) {
@@ -78,9 +82,12 @@ export class Headset {
   }
 
   #makeHand(ray, grip, joints) {
-    const gray = lit(new THREE.MeshStandardMaterial({ color: 0x5d7088, roughness: 0.5 })), orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
-    const line = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, -1)]),
-      new THREE.LineBasicMaterial({ color: 0xff7a1a, transparent: true, opacity: 0.75 }));
+    const gray = lit(new THREE.MeshStandardMaterial({ color: 0x5d7088, roughness: 0.5 })),
+      orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
+    const line = new THREE.Line(
+      new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, -1)]),
+      new THREE.LineBasicMaterial({ color: 0xff7a1a, transparent: true, opacity: 0.75 }),
+    );
     const dot = new THREE.Mesh(new THREE.SphereGeometry(0.011, 16, 12), orange);
     const body = new THREE.Mesh(new THREE.CapsuleGeometry(0.019, 0.07, 6, 16).rotateX(Math.PI / 2), gray);
     const fingers = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 12, 8), gray, 25);
@@ -92,9 +99,25 @@ export class Headset {
     this.#world.stage.rig.add(ray, grip, joints);
     this.#world.stage.scene.add(dot);
     line.visible = dot.visible = false;
-    const hand = { ray, line, dot, body, joints, fingers, holds: false, origin: new THREE.Vector3(), direction: new THREE.Vector3() };
-    ray.addEventListener('connected', ({ data }) => { hand.line.visible = true; hand.body.visible = !data.hand; });
-    ray.addEventListener('disconnected', () => { this.#release(hand); hand.line.visible = hand.dot.visible = false; });
+    const hand = {
+      ray,
+      line,
+      dot,
+      body,
+      joints,
+      fingers,
+      holds: false,
+      origin: new THREE.Vector3(),
+      direction: new THREE.Vector3(),
+    };
+    ray.addEventListener('connected', ({ data }) => {
+      hand.line.visible = true;
+      hand.body.visible = !data.hand;
+    });
+    ray.addEventListener('disconnected', () => {
+      this.#release(hand);
+      hand.line.visible = hand.dot.visible = false;
+    });
     ray.addEventListener('selectstart', () => this.#grab(hand));
     ray.addEventListener('selectend', () => this.#release(hand));
     ray.addEventListener('squeezestart', () => {
@@ -162,7 +185,8 @@ export class Headset {
 
   /// Beside the avatar once, looking at it; inside, the eyes are where its eyes are, and turn freely.
   #place({ position, orientation }, avatar) {
-    const { rig } = this.#world.stage, inside = this.presence === 'inside' && this.mode === 'vr';
+    const { rig } = this.#world.stage,
+      inside = this.presence === 'inside' && this.mode === 'vr';
     this.#wear(inside ? avatar : null);
     if (!inside && this.#placed === 'beside') return;
     look.set(0, 0, -1).applyQuaternion(turn.copy(orientation));
@@ -179,5 +203,10 @@ export class Headset {
   }
 }
 
-const kUp = new THREE.Vector3(0, 1, 0), matrix = new THREE.Matrix4(), turn = new THREE.Quaternion();
-const look = new THREE.Vector3(), wanted = new THREE.Vector3(), local = new THREE.Vector3(), eye = new THREE.Vector3();
+const kUp = new THREE.Vector3(0, 1, 0),
+  matrix = new THREE.Matrix4(),
+  turn = new THREE.Quaternion();
+const look = new THREE.Vector3(),
+  wanted = new THREE.Vector3(),
+  local = new THREE.Vector3(),
+  eye = new THREE.Vector3();
