@@ -38,7 +38,7 @@ const browser = await puppeteer.launch({
   protocolTimeout: 180000,
 });
 
-async function open(size, { scheme = 'light', quality = 'high', follow = true, before } = {}) {
+async function open(size, { before } = {}) {
   const context = await browser.createBrowserContext(),
     page = await context.newPage();
   page.on('pageerror', (error) => result.errors.push(error.message));
@@ -51,8 +51,8 @@ async function open(size, { scheme = 'light', quality = 'high', follow = true, b
     if (!/^(blob|data):/.test(to) && new URL(to).host !== new URL(url).host) result.outside.push(to);
   });
   await page.setViewport(size);
-  await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
-  const choices = JSON.stringify({ quality, follow, layers: { hulls: false } });
+  await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }]);
+  const choices = JSON.stringify({ quality: 'high', layers: { hulls: false } });
   await page.evaluateOnNewDocument((kept) => {
     try {
       localStorage.setItem('lorica', kept);
@@ -93,120 +93,118 @@ const loose = (page) =>
     );
   });
 
+async function scheme(page, value) {
+  await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value }]);
+  await drawn(page);
+}
+
+async function play(page) {
+  await until(page, () => loricaPage.state !== null);
+  await page.keyboard.press(' ');
+  await until(page, () => loricaPage.state.paused);
+  const { state } = await see(page);
+  await shot(page, 'desktop_paused');
+  result.play = { pausedAt: state.seconds };
+  if (state.duration > 0) {
+    await page.keyboard.press('Home');
+    await until(page, (before) => loricaPage.state.seconds < Math.max(before, 0.2), state.seconds);
+    result.play.restartedAt = (await see(page)).state.seconds;
+  }
+  if ((await see(page)).state.paused) await page.keyboard.press(' ');
+  await until(page, () => !loricaPage.state.paused);
+}
+
+async function drag(page) {
+  await until(page, () => loricaPage.props.every((prop) => prop.visible));
+  await drawn(page);
+  const found = await loose(page);
+  if (!found) {
+    result.drag = { none: true };
+    return;
+  }
+  const [, [x, y]] = found;
+  const { camera } = await see(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(page, () => loricaPage.held >= 0);
+  const { held, props } = await see(page);
+  const before = props[held].position;
+  for (let i = 1; i <= 12; ++i) await page.mouse.move(x - 8 * i, y - 12 * i);
+  const movedBy = (i, from) => Math.hypot(...loricaPage.props[i].position.map((v, k) => v - from[k])) > 0.15;
+  await until(page, movedBy, held, before);
+  await drawn(page);
+  await shot(page, 'desktop_drag');
+  const after = await see(page);
+  await page.mouse.up();
+  await until(page, () => loricaPage.held === -1);
+  const moved = distance(after.props[held].position, before);
+  result.drag = { index: held, moved, cameraMoved: distance(after.camera, camera) };
+
+  // A drag beside all props orbits.
+  const free = [60, 330];
+  await page.mouse.move(...free);
+  await page.mouse.down();
+  await page.mouse.move(free[0] + 40, free[1], { steps: 4 });
+  await page.mouse.up();
+  await until(page, (from) => Math.hypot(...loricaPage.camera.map((v, k) => v - from[k])) > 0.1, camera);
+  result.drag.orbits = true;
+}
+
+async function throwBall(page) {
+  const { props, state } = await see(page);
+  if (state.no.throw) {
+    result.throw = { cannot: state.no.throw };
+    return;
+  }
+  await page.click('#bar button[aria-label="Throw a ball"]');
+  await until(page, (count) => loricaPage.props.length > count && loricaPage.props.at(-1).visible, props.length);
+  const thrown = (await see(page)).props.at(-1).position;
+  const flies = (from) => Math.hypot(...loricaPage.props.at(-1).position.map((v, k) => v - from[k])) > 0.3;
+  await until(page, flies, thrown);
+  await shot(page, 'desktop_throw');
+  result.throw = { props: [props.length, (await see(page)).props.length] };
+}
+
 const parts = {
   async desktop() {
     const page = await open(kDesktop);
     await shot(page, 'desktop_light');
     const { frames, avatars, props, run, problems, quality, state } = await see(page);
     result.desktop = { frames, avatars, props: props.length, run, problems, quality, title: state?.title };
+    await scheme(page, 'dark');
+    await shot(page, 'desktop_dark');
+    await scheme(page, 'light');
     await page.focus('#view');
     await page.keyboard.press('2');
     await drawn(page);
     await shot(page, 'desktop_hulls');
-    await page.keyboard.press('3');
+    await page.keyboard.press('2');
     await page.keyboard.press('h');
     await shot(page, 'desktop_help');
-    await page.close();
-  },
-
-  async dark() {
-    const page = await open(kDesktop, { scheme: 'dark' });
-    await shot(page, 'desktop_dark');
+    await page.keyboard.press('Escape');
+    await page.select('#panel select:has(option[value=automatic])', 'low');
+    await page.focus('#view');
+    await page.keyboard.press('f'); // the camera stays
+    await play(page);
+    await drag(page);
+    await throwBall(page);
     await page.close();
   },
 
   async phone() {
-    for (const scheme of ['light', 'dark']) {
-      const page = await open(kPhone, { scheme });
-      await shot(page, `phone_${scheme}`);
-      await page.tap('button[aria-label=Settings]');
-      await until(page, () => !document.body.classList.contains('shut'));
-      await drawn(page);
-      await shot(page, `phone_${scheme}_settings`);
-      await page.close();
-    }
+    const page = await open(kPhone);
+    await shot(page, 'phone_light');
+    await page.tap('button[aria-label=Settings]');
+    await until(page, () => !document.body.classList.contains('shut'));
+    await drawn(page);
+    await shot(page, 'phone_light_settings');
+    await scheme(page, 'dark');
+    await shot(page, 'phone_dark_settings');
+    await page.tap('.handle button');
+    await until(page, () => document.body.classList.contains('shut'));
+    await drawn(page);
+    await shot(page, 'phone_dark');
     result.phone = true;
-  },
-
-  async play() {
-    const page = await open(kDesktop, { quality: 'low' });
-    await until(page, () => loricaPage.state !== null);
-    const pause = async () => {
-      await page.focus('#view');
-      await page.keyboard.press(' ');
-    };
-    await pause();
-    await until(page, () => loricaPage.state.paused);
-    const at = (await see(page)).state.seconds;
-    await shot(page, 'desktop_paused');
-    result.play = { pausedAt: at };
-    if ((await see(page)).state.duration > 0) {
-      await page.keyboard.press('Home');
-      await until(page, (before) => loricaPage.state.seconds < Math.max(before, 0.2), at);
-      result.play.restartedAt = (await see(page)).state.seconds;
-    }
-    if ((await see(page)).state.paused) await pause();
-    await until(page, () => !loricaPage.state.paused);
-    await page.close();
-  },
-
-  async drag() {
-    const page = await open(kDesktop, { quality: 'low', follow: false });
-    await until(page, () => loricaPage.props.some((prop) => prop.visible));
-    const found = await loose(page);
-    if (!found) {
-      result.drag = { none: true };
-      return page.close();
-    }
-    const [index, [x, y]] = found,
-      before = (await see(page)).props[index].position,
-      camera = (await see(page)).camera;
-    await page.mouse.move(x, y);
-    await page.mouse.down();
-    await until(page, () => loricaPage.held >= 0);
-    const held = (await see(page)).held;
-    for (let i = 1; i <= 12; ++i) await page.mouse.move(x - 8 * i, y - 12 * i);
-    await until(
-      page,
-      (i, from) => Math.hypot(...loricaPage.props[i].position.map((v, k) => v - from[k])) > 0.15,
-      held,
-      before,
-    );
-    await shot(page, 'desktop_drag');
-    const moved = distance((await see(page)).props[held].position, before);
-    await page.mouse.up();
-    await until(page, () => loricaPage.held === -1);
-    result.drag = { index: held, moved, cameraMoved: distance((await see(page)).camera, camera) };
-
-    // A drag beside all props orbits.
-    const free = [60, 330];
-    await page.mouse.move(...free);
-    await page.mouse.down();
-    await page.mouse.move(free[0] + 80, free[1], { steps: 4 });
-    await page.mouse.up();
-    await until(page, (from) => Math.hypot(...loricaPage.camera.map((v, k) => v - from[k])) > 0.1, camera);
-    result.drag.orbits = true;
-    await page.close();
-  },
-
-  async throw() {
-    const page = await open(kDesktop);
-    await until(page, () => loricaPage.props.length > 0 && loricaPage.state !== null);
-    const { props, state } = await see(page);
-    if (state.no.throw) {
-      result.throw = { cannot: state.no.throw };
-      return page.close();
-    }
-    await page.click('#bar button[aria-label="Throw a ball"]');
-    await until(page, (count) => loricaPage.props.length > count && loricaPage.props.at(-1).visible, props.length);
-    const thrown = (await see(page)).props.at(-1).position;
-    await until(
-      page,
-      (from) => Math.hypot(...loricaPage.props.at(-1).position.map((v, k) => v - from[k])) > 0.3,
-      thrown,
-    );
-    await shot(page, 'desktop_throw');
-    result.throw = { props: [props.length, (await see(page)).props.length] };
     await page.close();
   },
 
