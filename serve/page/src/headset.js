@@ -4,6 +4,7 @@ import { lit } from './stage.js';
 
 const kModes = { vr: 'immersive-vr', ar: 'immersive-ar' };
 const kBeside = { vr: 1.6, ar: 1.9 }; // distance to the avatar at first [m]
+const kWalk = 1.4; // [m/s]
 const kReach = 2.5; // length of a ray that meets nothing [m]
 
 export class Headset {
@@ -13,6 +14,7 @@ export class Headset {
   #hands = [];
   #placed = false;
   #worn = null;
+  #turned = 0; // what the stick for turning wanted before
   #flat = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
 
   /// @param world  that of the View, with { view, panel, avatars }
@@ -29,7 +31,7 @@ export class Headset {
     const can = async (mode) => Boolean(await navigator.xr?.isSessionSupported(mode).catch(() => false));
     const vr = await can(kModes.vr),
       ar = await can(kModes.ar);
-    let sentence = 'Trigger or pinch: holds a prop; let go to throw it. Squeeze: throws a ball.';
+    let sentence = 'Trigger or pinch: holds a prop. Squeeze: throws a ball. Sticks: walk and turn.';
     if (!window.isSecureContext) sentence = 'VR and AR need a link with https.';
     else if (!navigator.xr) sentence = 'This browser has no VR or AR. The one in a headset has.';
     else if (!vr && !ar) sentence = 'There is no headset at this device.';
@@ -157,10 +159,11 @@ export class Headset {
   }
 
   /// Once a picture in a headset, before it is drawn.
-  update(frame) {
+  update(frame, seconds) {
     const { stage, view, avatars, connection } = this.#world;
     const pose = frame?.getViewerPose(stage.renderer.xr.getReferenceSpace());
     const avatar = avatars[Math.max(view.followed, 0)];
+    if (pose) this.#walk(pose.transform, seconds);
     if (pose && avatar?.loaded && avatar.present) this.#place(pose.transform, avatar);
     for (const hand of this.#hands) {
       this.#aim(hand);
@@ -170,6 +173,26 @@ export class Headset {
       if (hit) hand.dot.position.copy(hit.point);
       hand.line.scale.z = hand.holds ? hand.origin.distanceTo(view.marker.position) : hit ? hit.distance : kReach;
       this.#showFingers(hand);
+    }
+  }
+
+  /// The left stick walks where the head looks, the right one turns by 30 degrees around the head.
+  #walk({ position, orientation }, seconds) {
+    const { rig, renderer } = this.#world.stage;
+    for (const { handedness, gamepad } of renderer.xr.getSession().inputSources) {
+      const [, , x = 0, y = 0] = gamepad?.axes ?? [];
+      if (handedness === 'left' && this.#placed === 'beside' && Math.hypot(x, y) > 0.15) {
+        look.set(x, 0, y).applyQuaternion(turn.copy(orientation)).setY(0).applyAxisAngle(kUp, rig.rotation.y);
+        rig.position.addScaledVector(look, kWalk * seconds);
+      } else if (handedness === 'right') {
+        const wants = Math.abs(x) > 0.7 ? Math.sign(x) : Math.abs(x) < 0.3 ? 0 : this.#turned;
+        if (wants !== 0 && wants !== this.#turned) {
+          rig.position.add(local.copy(position).applyAxisAngle(kUp, rig.rotation.y));
+          rig.rotation.y -= (wants * Math.PI) / 6;
+          rig.position.sub(local.copy(position).applyAxisAngle(kUp, rig.rotation.y));
+        }
+        this.#turned = wants;
+      }
     }
   }
 

@@ -89,7 +89,7 @@ const world = {
     dirty = true;
   },
   newest: () => newest,
-  restage: () => applyChoices(),
+  restage,
 };
 stage.scene.add(props.group, contacts.group, particles.points, bones.lines);
 const view = (world.view = new View(world, canvas));
@@ -195,6 +195,12 @@ function showDepth(jpeg) {
   depth.hidden = false;
 }
 
+/// A headset is put on or taken off.
+function restage() {
+  applyChoices();
+  layout();
+}
+
 function applyChoices() {
   const { choices } = panel,
     shows = (layer) => panel.shows(layer);
@@ -211,7 +217,10 @@ function applyChoices() {
   if (!shows('depth')) depth.hidden = true;
   view.follow = choices.follow;
   headset.presence = choices.presence;
-  if (choices.quality !== 'automatic' && stage.quality !== choices.quality) stage.setQuality(choices.quality);
+  if (choices.quality !== 'automatic' && stage.quality !== choices.quality) {
+    stage.setQuality(choices.quality);
+    layout();
+  }
   dirty = true;
 }
 
@@ -266,7 +275,9 @@ const actions = {
   follow: () => toggle('follow'),
   reset: () => view.reset(),
   panel: () => {
-    document.body.classList.toggle('shut');
+    const shut = document.body.classList.toggle('shut');
+    panel.menu.setAttribute('aria-expanded', String(!shut));
+    if (shut && document.activeElement.closest('#panel')) panel.menu.focus();
     layout();
   },
   help: () => document.getElementById('help').showModal(),
@@ -331,10 +342,14 @@ function orbit(key) {
   dirty = true;
 }
 
+/// What sizes of points count in [pixels].
+function setHeight(pixels) {
+  for (const { material } of [contacts.points, particles.points]) material.uniforms.height.value = pixels;
+}
+
 function layout() {
   stage.resize({ width: innerWidth, height: innerHeight, ...panel.covered() });
-  const height = stage.renderer.domElement.height;
-  contacts.points.material.uniforms.height.value = particles.points.material.uniforms.height.value = height;
+  setHeight(stage.renderer.domElement.height);
   dirty = true;
 }
 addEventListener('resize', layout);
@@ -381,7 +396,11 @@ stage.renderer.setAnimationLoop((milliseconds, xrFrame) => {
   const presents = stage.renderer.xr.isPresenting;
   adapt(seconds, now);
   showRates(now);
-  if (presents) headset.update(xrFrame);
+  if (presents) {
+    headset.update(xrFrame, seconds);
+    const [eye] = stage.renderer.xr.getCamera().cameras;
+    if (eye) setHeight(eye.viewport.w);
+  }
   if (view.update(seconds, presents)) dirty = true;
   if (!dirty && !presents) return; // a paused page costs nothing
   dirty = false;

@@ -27,17 +27,17 @@ function icon(name) {
   return svg;
 }
 
-/// [list of the state, its index, message, label, what -1 is called if it can be chosen]
+/// [list of the state, its index, message, label, what -1 is called, whether it can be chosen]
 const kLists = [
   ['characters', 'character', 'character', 'avatar'],
   ['motions', 'motion', 'motion', 'motion'],
   ['clips', 'clip', 'clip', 'clip'],
-  ['people', 'person', 'person', 'person'],
-  ['expressions', 'expression', 'expression', 'expression', 'none'],
+  ['people', 'person', 'person', 'person', 'everyone'],
+  ['expressions', 'expression', 'expression', 'expression', 'none', true],
   ['scenes', 'scene', 'scene', 'scene'],
 ];
 const kTreatments = [
-  ['smoothings', 'smoothing'],
+  ['smoothings', 'smoothing', 'as given'],
   ['gravities', 'gravity'],
 ];
 export const kLayers = {
@@ -52,7 +52,6 @@ export const kLayers = {
 };
 const kSpeedNames = { 0.25: '1/4', 0.5: '1/2' };
 const kNotice = 5000; // how long a notice stays [ms]
-const kNotDrawn = 'another';
 
 export class Panel {
   state = null;
@@ -137,15 +136,15 @@ export class Panel {
   #makePanel(panel) {
     const f = this.#fields,
       section = (title, open, ...children) => make('details', { open }, make('summary', {}, title), ...children);
-    const who = kLists.map(([list, index, type, label, none]) => {
+    const who = kLists.map(([list, , type, label, none, choosable]) => {
       const [select, row] = this.#select(label, (_, value) => this.#on.send(type, { index: Number(value) }));
-      f[list] = { select, row, none };
+      f[list] = { select, row, none, choosable };
       return row;
     });
     const [mirror, mirrorRow] = this.#check('mirror', '', false, (on) => this.#on.send('mirror', { on }));
-    const treatments = kTreatments.map(([list, type]) => {
+    const treatments = kTreatments.map(([list, type, none]) => {
       const [select, row] = this.#select(type, (_, value) => this.#on.send(type, { index: Number(value) }));
-      f[list] = { select, row };
+      f[list] = { select, row, none };
       return row;
     });
     const [loop, loopRow] = this.#check('start again at the end', 'L', true, (on) => this.#on.send('loop', { on }));
@@ -266,7 +265,7 @@ export class Panel {
       section('Numbers', false, f.times),
       make('p', { className: 'faint' }, make('a', { href: 'licences.txt', target: '_blank' }, 'Licences')),
     );
-    if (matchMedia('(max-width: 720px)').matches) document.body.classList.add('shut');
+    if (matchMedia('(max-width: 720px), (max-height: 500px)').matches) document.body.classList.add('shut');
   }
 
   #makeBar(bar) {
@@ -309,6 +308,8 @@ export class Panel {
     f.status = make('span', { className: 'status' });
     f.ball = action('Throw a ball', 'ball', 'B');
     const menu = action('Settings', 'panel', 'M');
+    menu.setAttribute('aria-expanded', String(!document.body.classList.contains('shut')));
+    this.menu = menu;
     const help = action('Help', 'help', 'H');
     help.classList.add('help');
     for (const [button, name] of [
@@ -354,10 +355,12 @@ export class Panel {
     container.replaceChildren(...items.map(row));
   }
 
-  #list({ select, row, none }, key, names = [], index = -1) {
+  #list({ select, row, none, choosable }, key, names = [], index = -1) {
     row.hidden = names.length === 0;
-    const options = [...(none || index < 0 ? [[-1, none ?? kNotDrawn]] : []), ...names.map((name, i) => [i, name])];
-    this.#fill(select, key, options, ([value, name]) => make('option', { value }, name));
+    const unlisted = choosable || index < 0 ? [[-1, none ?? 'another']] : [];
+    const options = [...unlisted, ...names.map((name, i) => [i, name])];
+    const option = ([value, name]) => make('option', { value, disabled: value < 0 && !choosable }, name);
+    this.#fill(select, key, options, option);
     if (select.value !== String(index)) select.value = String(index);
   }
 
