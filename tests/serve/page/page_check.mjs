@@ -318,6 +318,7 @@ const parts = {
     await placed();
     await drawn(page);
     await shot(page, 'ar');
+    result.vr.ar = true;
     await page.evaluate(() => device.activeSession.end());
     await until(page, () => loricaPage.mode === null);
     await drawn(page);
