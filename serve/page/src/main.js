@@ -143,7 +143,7 @@ function start(of) {
 function load(of) {
   for (const old of [...world.avatars, ...world.hulls]) old.dispose();
   world.avatars = of.avatars.map((of) => new Avatar(of));
-  world.hulls = of.avatars.map((of) => new Hulls(of.colors ?? []));
+  world.hulls = of.avatars.map(() => new Hulls());
   for (const avatar of world.avatars) {
     stage.scene.add(avatar.root);
     avatar

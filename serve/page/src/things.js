@@ -4,6 +4,7 @@ import { RoundedBoxGeometry } from 'three/addons/geometries/RoundedBoxGeometry.j
 import { lit } from './stage.js';
 import { edgesOf, matrixOfPose, readMesh } from './wire.js';
 
+const tint = new THREE.Color();
 const position = new THREE.Vector3(),
   quaternion = new THREE.Quaternion(),
   one = new THREE.Vector3(1, 1, 1);
@@ -152,11 +153,9 @@ export class Hulls {
     3,
   );
   #known = []; // faces and edges of each part
-  #colors;
   #matrix = new Float32Array(12);
 
-  constructor(colors) {
-    this.#colors = colors;
+  constructor() {
     this.group.add(this.#faces, this.#edges);
   }
 
@@ -192,7 +191,8 @@ export class Hulls {
       if (!this.#drawn(part, i)) return;
       const first = vertex,
         scale = part.extent / 32767,
-        color = this.#colors[i % Math.max(this.#colors.length, 1)] ?? [0.5, 0.6, 0.8];
+        [red, green, blue] = part.color;
+      tint.setRGB(red / 255, green / 255, blue / 255, THREE.SRGBColorSpace);
       matrixOfPose(part.pose, 0, m, 0);
       for (let v = 0; v < part.vertices.length; v += 3, ++vertex) {
         const x = part.vertices[v] * scale,
@@ -200,9 +200,9 @@ export class Hulls {
           z = part.vertices[v + 2] * scale;
         for (let row = 0; row < 3; ++row) {
           places.array[3 * vertex + row] = m[4 * row] * x + m[4 * row + 1] * y + m[4 * row + 2] * z + m[4 * row + 3];
-          tints.array[3 * vertex + row] = color[row];
-          dark.array[3 * vertex + row] = 0.3 * color[row];
         }
+        tint.toArray(tints.array, 3 * vertex);
+        for (let c = 0; c < 3; ++c) dark.array[3 * vertex + c] = 0.3 * tints.array[3 * vertex + c];
       }
       for (const v of this.#known[i].triangles) face.array[corner++] = first + v;
       for (const v of this.#known[i].edges) edge.array[end++] = first + v;

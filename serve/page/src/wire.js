@@ -6,6 +6,7 @@ export class FrameError extends Error {}
 const kMagic = 0x4643524c; // "LRCF"
 const kHeaderBytes = 32;
 const kPoseBytes = 20;
+const kPartBytes = 32; // of a hull, before its vertices
 const kind = { avatar: 1, face: 2, props: 3, hulls: 4, contacts: 5, particles: 6, depth: 7 };
 
 /// An array of at least this length; a new one is half again as long.
@@ -177,29 +178,30 @@ export class FrameReader {
     }
   }
 
-  /// Of each part: `pose` (7 numbers), `extent`, `vertices` (shares of the extent times 32767), `triangles`; no triangles
-  /// but vertices = those from before.
+  /// Of each part: `pose` (7 numbers), `extent`, `color` (sRGB), `vertices` (shares of the extent times 32767),
+  /// `triangles`; no triangles but vertices = those from before.
   #hulls(view, at, end, need) {
     need(at, 4, end, 'hulls');
     const parts = [];
     let from = at + 4;
     for (let left = view.getUint16(at, true); left > 0; --left) {
-      need(from, kPoseBytes + 8, end, 'a part');
-      const vertexCount = view.getUint16(from + 24, true),
-        triangleCount = view.getUint16(from + 26, true);
+      need(from, kPartBytes, end, 'a part');
+      const vertexCount = view.getUint16(from + 28, true),
+        triangleCount = view.getUint16(from + 30, true);
       const bytes = 6 * (vertexCount + triangleCount);
-      need(from + 28, (bytes + 3) & ~3, end, 'a part');
+      need(from + kPartBytes, (bytes + 3) & ~3, end, 'a part');
       const part = {
         pose: new Float32Array(7),
         extent: view.getFloat32(from + 20, true),
-        vertices: new Int16Array(view.buffer, from + 28, 3 * vertexCount),
-        triangles: new Uint16Array(view.buffer, from + 28 + 6 * vertexCount, 3 * triangleCount),
+        color: new Uint8Array(view.buffer, from + 24, 4),
+        vertices: new Int16Array(view.buffer, from + kPartBytes, 3 * vertexCount),
+        triangles: new Uint16Array(view.buffer, from + kPartBytes + 6 * vertexCount, 3 * triangleCount),
       };
       readPose(view, from, part.pose, 0);
       if (part.triangles.some((v) => v >= vertexCount))
         throw new FrameError(`a face has a vertex beyond the ${vertexCount} of its part`);
       parts.push(part);
-      from += 28 + ((bytes + 3) & ~3);
+      from += kPartBytes + ((bytes + 3) & ~3);
     }
     if (from !== end) throw new FrameError(`${end - from} bytes behind the last part`);
     return parts;

@@ -61,14 +61,14 @@ const props = section(3, 0, [...bytes('u32', 1, 'u16', 9, 0), ...pose(1, 0, -1, 
 const tetrahedron = [
   ...bytes('u16', 1, 0),
   ...pose(0, 1, 0, 0, 0, 0, 32767),
-  ...bytes('f32', 0.5, 'u16', 4, 4),
+  ...bytes('f32', 0.5, 'u8', 255, 128, 0, 255, 'u16', 4, 4),
   ...padded(bytes('i16', 0, 0, 0, 32767, 0, 0, 0, 32767, 0, 0, 0, -32767, 'u16', 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2)),
 ];
 const hulls = section(4, 0, tetrahedron);
 const sameFaces = section(4, 0, [
   ...bytes('u16', 1, 0),
   ...pose(0, 1, 0, 0, 0, 0, 32767),
-  ...bytes('f32', 0.5, 'u16', 3, 0),
+  ...bytes('f32', 0.5, 'u8', 1, 2, 3, 255, 'u16', 3, 0),
   ...padded(bytes('i16', 1, 2, 3, 4, 5, 6, 7, 8, 9)),
 ]);
 const contacts = section(5, 0, bytes('u32', 1, 'f32', 1, 2, 3, 0, 1, 0, 0.75));
@@ -184,6 +184,7 @@ test('hulls have faces, or those from before', () => {
   const reader = new FrameReader();
   const [part] = reader.read(frame(hulls)).hulls[0].parts;
   assert.deepEqual([part.extent, part.vertices.length, part.triangles.length, part.pose[1]], [0.5, 12, 12, 1]);
+  assert.deepEqual([...part.color], [255, 128, 0, 255]);
   const [same] = reader.read(frame(sameFaces)).hulls[0].parts;
   assert.deepEqual([same.vertices.length, same.triangles.length], [9, 0]);
 });
