@@ -33,6 +33,7 @@ struct Options {
   bool headless = false;
   double seconds = 0.0;           // 0 = not given
   SnapshotOptions pictures = {};  // of the window
+  ServeOptions serve = {};
 };
 
 /// The demo that was played.
@@ -147,33 +148,34 @@ Report toReport(const Show& show) {
   return report;
 }
 
-/// The window, if it was requested or a display is available; none if the demo is drawn to files.
-Result<std::optional<Window>> chooseWindow(const Options& options, Host& host) {
-  if (options.headless) return std::optional<Window>();
-  if (!options.window && !displayAvailable()) {
-    host.tell(fmt::format("No display: drawing a video and pictures to {} instead.", options.out));
-    return std::optional<Window>();
+/// The window, if it was requested or a display is available, the page, or both; null if the demo is drawn to files.
+Result<std::unique_ptr<Screens>> chooseScreens(const Options& options, Host& host) {
+  const bool inWindow = options.window || (!options.headless && !options.serve.serve && displayAvailable());
+  if (!inWindow && !options.serve.serve) {
+    if (!options.headless)
+      host.tell(fmt::format("No display: drawing a video and pictures to {} instead.", options.out));
+    return std::unique_ptr<Screens>();
   }
-  Result<Window> window = openWindow(options.pictures);
-  if (window) return std::optional<Window>(std::move(*window));
-  if (options.window) return window.error();
-  host.warn(fmt::format("{}; drawing the demo to {} instead", window.error().message, options.out));
-  return std::optional<Window>();
+  Result<std::unique_ptr<Screens>> screens = Screens::open(inWindow, options.serve, options.pictures, host);
+  if (screens || options.window || options.serve.serve) return screens;
+  host.warn(fmt::format("{}; drawing the demo to {} instead", screens.error().message, options.out));
+  return std::unique_ptr<Screens>();
 }
 
 Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   // Fail early.
   LORICA_TRY_DO(checkJsonOutput(common, {}));
   LORICA_TRY_DO(checkWindow(options.window, "`lorica demo --headless` draws a video instead"));
-  if (options.headless || !displayAvailable()) {
+  if (!options.serve.serve && (options.headless || !displayAvailable())) {
     LORICA_TRY_DO(checkOutputFolder(common, "--out", options.out, isOfDemo));
   }
-  LORICA_TRY(std::optional<Window> window, chooseWindow(options, host));
-  if (!window) {
+  LORICA_TRY(const std::unique_ptr<Screens> screens, chooseScreens(options, host));
+  if (screens == nullptr) {
     LORICA_TRY(const Show show, playForFiles(options, host));
     return publish(common, toReport(show), toJson(show));
   }
-  LORICA_TRY(std::optional<DemoCast> demo, loadOnScreen<DemoCast>(*window, host, [&](Host& loading) {
+  Screen& screen = screens->screen();
+  LORICA_TRY(std::optional<DemoCast> demo, loadOnScreen<DemoCast>(screen, host, [&](Host& loading) {
                return prepareDemo(options.character, loading);
              }));
   if (!demo) return {};
@@ -187,12 +189,21 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   setting.repeated = options.seconds;
   if (options.seconds > 0.0) setting.atEnd = AtEnd::kRepeat;
   LORICA_TRY(Show show, start(std::move(*demo), setting, host));
-  LORICA_TRY(std::optional<Cast> next, playForPeople(options, *window, opener, show, host));
-  if (next) return playOpened(common, host, *window, opener, std::move(*next));
+  LORICA_TRY(std::optional<Cast> next, playForPeople(options, screen, opener, show, host));
+  if (next) return playOpened(common, host, screen, opener, std::move(*next));
   return publish(common, toReport(show), toJson(show));
 }
 
 }  // namespace
+
+Result<void> showDemo(const ShowOptions& options, const CommonOptions& common, Host& host) {
+  Options demo;
+  if (!options.request.character.empty()) demo.character = options.request.character;
+  demo.window = options.window;
+  demo.serve = options.serve;
+  demo.pictures = options.pictures;
+  return run(demo, common, host);
+}
 
 Command addDemo(CommandLine& parent, CommonOptions& common) {
   const auto options = std::make_shared<Options>();
@@ -217,6 +228,7 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
   Option* window = app->addFlag("--window", options->window,
                                 "Open a window and repeat until it is closed; fail if there is no display");
   app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
+  addServeOptions(*app, options->serve, true);
   addLookOptions(*app, options->pictures);
   addSeconds(*app, "--seconds", options->seconds,
              "Stop after S seconds [default: 8 for a video, no limit in a window]");

@@ -20,15 +20,7 @@
 namespace lorica {
 namespace {
 
-struct Options {
-  CastRequest request;
-  LiveRequest live;
-  RunSetting run;
-  SnapshotOptions pictures;
-  bool window = false;
-};
-
-nlohmann::ordered_json toJson(const Options& options, const Run& run, const DrawnFiles& drawn) {
+nlohmann::ordered_json toJson(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   nlohmann::ordered_json json;
   json["source"] = run.name();
@@ -57,7 +49,7 @@ nlohmann::ordered_json toJson(const Options& options, const Run& run, const Draw
   return json;
 }
 
-Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn) {
+Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   Report report(
@@ -84,16 +76,16 @@ Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn)
 }
 
 /// Whether to open a window: if requested, or if a display is available and no other output was requested.
-Result<bool> chooseWindow(const Options& options) {
-  if (options.pictures.headless || options.pictures.any()) return false;
+Result<bool> chooseWindow(const ShowOptions& options) {
+  if (options.pictures.headless || options.pictures.any() || (options.serve.serve && !options.window)) return false;
   LORICA_TRY_DO(checkWindow(options.window, "--headless, --snapshots DIR and --video FILE do not need one"));
   return displayAvailable();
 }
 
 /// @param screen  null = none
 /// @param opener  with a screen @param next  gets what the user opened; then there is no report
-Result<void> follow(const Options& options, const CommonOptions& common, Host& host, LiveCast cast, Screen* screen,
-                    WindowOpener* opener, std::optional<Cast>& next) {
+Result<void> followCast(const ShowOptions& options, const CommonOptions& common, Host& host, LiveCast cast,
+                        Screen* screen, WindowOpener* opener, std::optional<Cast>& next) {
   LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), options.run, host));
   if (screen == nullptr) {
     host.tell(fmt::format("{} {}; press Ctrl-C to stop.", run->streams().empty() ? "Tracking with" : "Listening for",
@@ -108,7 +100,7 @@ Result<void> follow(const Options& options, const CommonOptions& common, Host& h
 }
 
 /// The camera or the programs that send stay when the user opens another character.
-Result<void> followInTurn(const Options& options, const CommonOptions& common, Host& host, LiveCast cast,
+Result<void> followInTurn(const ShowOptions& options, const CommonOptions& common, Host& host, LiveCast cast,
                           Screen& screen) {
   const auto load = [live = options.live, sources = cast.sources](const std::vector<CastRequest>& attempts,
                                                                   Host& loading) -> Result<Cast> {
@@ -120,37 +112,38 @@ Result<void> followInTurn(const Options& options, const CommonOptions& common, H
   std::shared_ptr<LiveSources> sources = cast.sources;
   for (;;) {
     std::optional<Cast> next;
-    LORICA_TRY_DO(follow(options, common, host, std::move(cast), &screen, &opener, next));
+    LORICA_TRY_DO(followCast(options, common, host, std::move(cast), &screen, &opener, next));
     if (!next) return {};
     if (next->sources != sources) return playOpened(common, host, screen, opener, std::move(*next));
     cast = LiveCast{std::move(*next), sources};
   }
 }
 
-Result<void> run(const Options& given, const CommonOptions& common, Host& host) {
+}  // namespace
+
+Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkOutputs(given.run, given.pictures, common, given.request.files()));
   LORICA_TRY_DO(checkLive(given.live, host));
   LORICA_TRY(const bool inWindow, chooseWindow(given));
-  Options options = given;
-  options.request.reading.drawn = inWindow || options.pictures.any();
-  if (!inWindow) {
+  ShowOptions options = given;
+  options.request.reading.drawn = inWindow || options.serve.serve || options.pictures.any();
+  if (!inWindow && !options.serve.serve) {
     LORICA_TRY(LiveCast cast, prepareLiveCast(options.request, options.live, host));
     std::optional<Cast> none;
-    return follow(options, common, host, std::move(cast), nullptr, nullptr, none);
+    return followCast(options, common, host, std::move(cast), nullptr, nullptr, none);
   }
-  // The window comes first: it shows how the rest is loaded.
-  LORICA_TRY(Window window, openWindow(options.pictures));
+  // The screen comes first: it shows how the rest is loaded.
+  LORICA_TRY(const std::unique_ptr<Screens> screens, Screens::open(inWindow, options.serve, options.pictures, host));
+  Screen& screen = screens->screen();
   LORICA_TRY(std::optional<LiveCast> cast,
-             loadOnScreen<LiveCast>(window, host, [request = options.request, live = options.live](Host& loading) {
+             loadOnScreen<LiveCast>(screen, host, [request = options.request, live = options.live](Host& loading) {
                return prepareLiveCast(request, live, loading);
              }));
-  return cast ? followInTurn(options, common, host, std::move(*cast), window) : Result<void>();
+  return cast ? followInTurn(options, common, host, std::move(*cast), screen) : Result<void>();
 }
 
-}  // namespace
-
 Command addLive(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ShowOptions>();
   CommandLine* app = addSubcommand(
       parent, common, "live", "Follow a person before a depth camera: the character copies their motion.",
       "  lorica live\n"
@@ -200,11 +193,12 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   addCount(*app, "--frames", options->run.frames, 1, "Stop after N frames");
   addSeconds(*app, "--seconds", options->run.seconds, "Stop after S seconds");
   Option* window = app->addFlag("--window", options->window, "Open a window; fail if there is no display");
+  addServeOptions(*app, options->serve, true);
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->request.reading.textureSize);
   return {app, [options, app](const CommonOptions& given, Host& host) {
             options->request.performing.smoothGiven = smoothingGiven(*app);
-            return run(*options, given, host);
+            return follow(*options, given, host);
           }};
 }
 

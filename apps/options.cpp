@@ -60,8 +60,9 @@ CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std
   return app;
 }
 
-Option* addCount(CommandLine& app, const std::string& name, int& value, int min, const std::string& description) {
-  return app.addOption(name, value, description)->typeName("N")->check(countBetween(min, kMaxOfAnything));
+Option* addCount(CommandLine& app, const std::string& name, int& value, int min, const std::string& description,
+                 int max) {
+  return app.addOption(name, value, description)->typeName("N")->check(countBetween(min, max));
 }
 
 Option* addCountOrAuto(CommandLine& app, const std::string& name, int& value, int min, const std::string& description) {

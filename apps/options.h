@@ -3,6 +3,7 @@
 #include "apps/command_line.h"
 #include "apps/report.h"
 #include "geometry/result.h"
+#include "geometry/work_budgets.h"
 #include "prepare/host.h"
 
 #include <functional>
@@ -23,8 +24,9 @@ struct Command {
 [[nodiscard]] CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std::string& name,
                                          const std::string& description, const std::string& examples);
 
-/// An option with an integer value of at least `min`; other values are rejected.
-Option* addCount(CommandLine& app, const std::string& name, int& value, int min, const std::string& description);
+/// An option with an integer value from `min` to `max`; other values are rejected.
+Option* addCount(CommandLine& app, const std::string& name, int& value, int min, const std::string& description,
+                 int max = kMaxOfAnything);
 
 /// The value of addCountOrAuto() for the word `auto`.
 inline constexpr int kAuto = -1;
@@ -51,7 +53,7 @@ Option* addLength(CommandLine& app, const std::string& name, double& value, cons
 Option* addShare(CommandLine& app, const std::string& name, double& value, const std::string& description);
 
 /// One source file per subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, replay.cpp,
-/// info.cpp, convert.cpp, export.cpp, snapshot.cpp, bake.cpp.
+/// info.cpp, convert.cpp, export.cpp, snapshot.cpp, bake.cpp, serve.cpp.
 [[nodiscard]] Command addDemo(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addDecompose(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addScore(CommandLine& parent, CommonOptions& common);
@@ -63,6 +65,7 @@ Option* addShare(CommandLine& app, const std::string& name, double& value, const
 [[nodiscard]] Command addConvert(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addExport(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addSnapshot(CommandLine& parent, CommonOptions& common);
+[[nodiscard]] Command addServe(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addBake(CommandLine& parent, CommonOptions& common);
 
 }  // namespace lorica

@@ -20,13 +20,6 @@
 namespace lorica {
 namespace {
 
-struct Options {
-  CastRequest request;
-  RunSetting run;
-  SnapshotOptions pictures;
-  bool window = false;
-};
-
 /// Warns of avatars whose middle is in a static body, which they pass through.
 void warnOfWalls(Run& run, Host& host) {
   const std::span<const SessionAvatar> avatars = run.session.avatars();
@@ -43,7 +36,7 @@ void warnOfWalls(Run& run, Host& host) {
   }
 }
 
-nlohmann::ordered_json toJson(const Options& options, const Run& run, const DrawnFiles& drawn) {
+nlohmann::ordered_json toJson(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
@@ -88,7 +81,7 @@ std::string partsLine(const DecompositionFile& file) {
                              counted(countOf(file.errorPerKeyframe), "training keyframe"));
 }
 
-Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn) {
+Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
@@ -136,7 +129,7 @@ Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn)
 
 /// Runs a session of the cast. Its report is that of the command, unless the user opens something else meanwhile.
 /// @return what the user opened
-Result<std::optional<Cast>> playCast(const Options& options, const CommonOptions& common, Host& host, Cast cast,
+Result<std::optional<Cast>> playCast(const ShowOptions& options, const CommonOptions& common, Host& host, Cast cast,
                                      Screen* screen, WindowOpener* opener) {
   RunSetting setting = options.run;
   if (!setting.record.empty() || !setting.events.empty()) setting.atEnd = AtEnd::kHold;
@@ -159,7 +152,7 @@ Result<std::optional<Cast>> playCast(const Options& options, const CommonOptions
 }
 
 /// Until the user opens nothing else.
-Result<void> playInTurn(const Options& options, const CommonOptions& common, Host& host, std::optional<Cast> cast,
+Result<void> playInTurn(const ShowOptions& options, const CommonOptions& common, Host& host, std::optional<Cast> cast,
                         Screen& screen, WindowOpener& opener) {
   while (cast) {
     LORICA_TRY(cast, playCast(options, common, host, std::move(*cast), &screen, &opener));
@@ -167,36 +160,39 @@ Result<void> playInTurn(const Options& options, const CommonOptions& common, Hos
   return {};
 }
 
-/// Opens the window first: it shows how the rest is loaded.
-Result<void> playInWindow(const Options& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY(Window window, openWindow(options.pictures));
-  LORICA_TRY(std::optional<Cast> cast, loadOnScreen<Cast>(window, host, [request = options.request](Host& loading) {
+/// Opens the screen first: it shows how the rest is loaded.
+Result<void> playOnScreen(const ShowOptions& options, const CommonOptions& common, Host& host) {
+  LORICA_TRY(const std::unique_ptr<Screens> screens,
+             Screens::open(options.window, options.serve, options.pictures, host));
+  Screen& screen = screens->screen();
+  LORICA_TRY(std::optional<Cast> cast, loadOnScreen<Cast>(screen, host, [request = options.request](Host& loading) {
                return prepareSettledCast({request}, loading);
              }));
   if (!cast) return {};
   WindowOpener opener(*cast, host, options.run.written() ? kWrittenOnce : "");
-  return playInTurn(options, common, host, std::move(cast), window, opener);
+  return playInTurn(options, common, host, std::move(cast), screen, opener);
 }
 
-Result<void> run(const Options& given, const CommonOptions& common, Host& host) {
+}  // namespace
+
+Result<void> play(const ShowOptions& given, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkOutputs(given.run, given.pictures, common, given.request.files()));
   LORICA_TRY_DO(checkWindow(given.window, "--snapshots DIR and --video FILE do not need one"));
-  Options options = given;
-  options.request.reading.drawn = options.window || options.pictures.any();
-  if (options.window) return playInWindow(options, common, host);
+  ShowOptions options = given;
+  const bool screen = options.window || options.serve.serve;
+  options.request.reading.drawn = screen || options.pictures.any();
+  if (screen) return playOnScreen(options, common, host);
   LORICA_TRY(Cast cast, prepareCast(options.request, host));
   LORICA_TRY_DO(playCast(options, common, host, std::move(cast), nullptr, nullptr));
   return {};
 }
 
-}  // namespace
-
 Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen, WindowOpener& opener, Cast opened) {
-  return playInTurn(Options(), common, host, std::move(opened), screen, opener);
+  return playInTurn(ShowOptions(), common, host, std::move(opened), screen, opener);
 }
 
 Command addPlay(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ShowOptions>();
   CommandLine* app = addSubcommand(
       parent, common, "play",
       "Play a motion: the character moves, its hulls follow, and objects around it collide with them.",
@@ -247,11 +243,12 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
                "Report overlapping parts of the body that are not neighbours");
   Option* window =
       app->addFlag("--window", options->window, "Open a window and play in real time; fail if there is no display");
+  addServeOptions(*app, options->serve, true);
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->request.reading.textureSize);
   return {app, [options, app](const CommonOptions& given, Host& host) {
             options->request.performing.smoothGiven = smoothingGiven(*app);
-            return run(*options, given, host);
+            return play(*options, given, host);
           }};
 }
 

@@ -24,9 +24,14 @@ Result<Window> openWindow(const SnapshotOptions& pictures) {
 
 Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, WindowOpener* opener, Host& host) {
   Shown shown{screen, {}, opener, {}};
+  auto* page = dynamic_cast<PageScreen*>(screen);
   std::optional<SnapshotSeries> series;
   if (screen != nullptr) {
     prepareScreen(run, *screen, pictures.background);
+    if (page != nullptr) {
+      LORICA_TRY(const std::vector<std::string> licences, page->begin(run, host));
+      for (const std::string& sentence : licences) host.warn(sentence);
+    }
   } else {
     LORICA_TRY(series, SnapshotSeries::create(pictures, run.session));
   }
@@ -40,7 +45,8 @@ Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, 
   Showing showing;
   LORICA_TRY(showing.end, play(run, shown, host));
   showing.next = std::move(shown.next);
-  if (run.live()) answerInterrupt();
+  if (run.live() || page != nullptr) answerInterrupt();
+  if (page != nullptr && showing.end == RunEnd::kInterrupted) showing.end = RunEnd::kClosed;  // how it is ended
   if (series && (run.live() || showing.end != RunEnd::kInterrupted)) {
     LORICA_TRY(showing.drawn, series->finish());
   }

@@ -1,9 +1,11 @@
 #pragma once
 
 #include "apps/report.h"
+#include "apps/screens.h"
 #include "player/run.h"
 #include "player/snapshots.h"
 #include "player/window_opener.h"
+#include "prepare/live_cast.h"
 #include "viewer/window/window.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -16,6 +18,20 @@
 namespace lorica {
 
 /// What play, live and replay share: a run on a screen or with pictures, and the end of its report.
+
+/// What play, live and serve are asked for.
+struct ShowOptions {
+  CastRequest request;
+  LiveRequest live;  ///< of live and serve
+  RunSetting run;
+  SnapshotOptions pictures;
+  bool window = false;
+  ServeOptions serve;
+};
+[[nodiscard]] Result<void> play(const ShowOptions& options, const CommonOptions& common, Host& host);
+[[nodiscard]] Result<void> follow(const ShowOptions& options, const CommonOptions& common, Host& host);
+/// The demo on the page. @param options  its character and --serve
+[[nodiscard]] Result<void> showDemo(const ShowOptions& options, const CommonOptions& common, Host& host);
 
 /// Opens a window before there is a session. @param pictures  its size and background
 [[nodiscard]] Result<Window> openWindow(const SnapshotOptions& pictures);

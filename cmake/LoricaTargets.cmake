@@ -102,12 +102,14 @@ function(lorica_library name)
   install(TARGETS lorica_${name} EXPORT loricaTargets)
 endfunction()
 
-# lorica_embed(segmentation person_network.bin personNetworkFile): a file of a library's folder becomes part of the library,
-# as std::span<const std::uint8_t> lorica::personNetworkFile().
+# lorica_embed(segmentation person_network.bin personNetworkFile): a file of a library's folder, or one that is built,
+# becomes part of the library, as std::span<const std::uint8_t> lorica::personNetworkFile().
 function(lorica_embed library file function)
-  set(source ${CMAKE_CURRENT_BINARY_DIR}/${file}.cpp)
+  cmake_path(ABSOLUTE_PATH file)
+  cmake_path(GET file FILENAME name)
+  set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
   add_custom_command(OUTPUT ${source}
-    COMMAND ${CMAKE_COMMAND} -D FILE=${CMAKE_CURRENT_SOURCE_DIR}/${file} -D FUNCTION=${function} -D SOURCE=${source}
+    COMMAND ${CMAKE_COMMAND} -D FILE=${file} -D FUNCTION=${function} -D SOURCE=${source}
             -P ${PROJECT_SOURCE_DIR}/cmake/EmbedFile.cmake
     DEPENDS ${file} ${PROJECT_SOURCE_DIR}/cmake/EmbedFile.cmake VERBATIM)
   target_sources(lorica_${library} PRIVATE ${source})

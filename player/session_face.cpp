@@ -50,6 +50,7 @@ void SessionFace::update(const SessionAvatar& performer, double time, const Vec3
     input.clipTime = time;
   }
   face_.update(input);
+  figure.expressions = face_.expressionWeights();
   turnEyes(avatar_->character, own.lookAt, input.gaze, worldFromModel);
 
   if (!materials_.empty()) {

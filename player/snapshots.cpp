@@ -102,6 +102,7 @@ Scene SessionScene::of(const Session& session, const SceneOptions& show, const V
     const double opacity = fade_.of(session, a);
     if (opacity <= 0.0) continue;
     SceneFigure figure = figureOf(drawn_[a], avatar, session.time(), show, watcher);
+    figure.number = static_cast<int>(a);
     figure.opacity = opacity;
     if (first) {
       static_cast<SceneFigure&>(scene) = figure;

@@ -27,6 +27,7 @@ struct AvatarLight {
 
 /// A figure in a picture, borrowed from the caller.
 struct SceneFigure {
+  int number = 0;                  ///< of its avatar among those of the session
   std::span<const Vec3> vertices;  ///< posed mesh [m]
   std::span<const Triangle> triangles;
   std::span<const PartIndex> partOfTriangle;  ///< its colour, see partColor(); empty = one colour
@@ -39,6 +40,7 @@ struct SceneFigure {
   std::span<const Vec3> avatarPositions;      ///< of the avatar's vertices in the bind pose, changed by an expression
   std::span<const Vec3f> avatarNormals;       ///< with them; both empty = as in the avatar
   std::span<const Material> avatarMaterials;  ///< changed by an expression; empty = as in the avatar
+  std::span<const float> expressions = {};    ///< weight of each expression of the avatar's face
   float opacity = 1.0f;                       ///< 0 to 1: of a surface this share of the pixels is drawn
 };
 

@@ -1,0 +1,38 @@
+#pragma once
+
+#include "apps/command_line.h"
+#include "player/snapshots.h"
+#include "serve/page_screen.h"
+#include "serve/server.h"
+#include "viewer/window/window.h"
+
+#include <memory>
+#include <optional>
+
+namespace lorica {
+
+/// --serve and what belongs to it.
+struct ServeOptions {
+  bool serve = false;
+  ServeSetting setting;
+};
+
+/// --port, --lan, --certificate and --key. @param flag  whether --serve asks for it; else it is served anyway
+void addServeOptions(CommandLine& app, ServeOptions& options, bool flag);
+
+/// What people watch: a window, a page, or both.
+class Screens {
+ public:
+  /// Says where the page is. @param pictures  size and background of the window
+  [[nodiscard]] static Result<std::unique_ptr<Screens>> open(bool window, const ServeOptions& serve,
+                                                             const SnapshotOptions& pictures, Host& host);
+  [[nodiscard]] Screen& screen() { return page_ ? static_cast<Screen&>(*page_) : *window_; }
+
+ private:
+  Screens() = default;
+  std::optional<Window> window_;
+  std::unique_ptr<PageServer> server_;
+  std::optional<PageScreen> page_;
+};
+
+}  // namespace lorica

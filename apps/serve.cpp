@@ -1,0 +1,110 @@
+#include "apps/option_groups.h"
+#include "apps/options.h"
+#include "apps/screens.h"
+#include "apps/show.h"
+#include "apps/standard_streams.h"
+#include "geometry/errors.h"
+#include "serve/link.h"
+#include "serve/page_files.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+/// A camera that nobody asked for is followed if there is one.
+bool wantsCamera(const ShowOptions& options, Host& host) {
+  const LiveRequest& live = options.live;
+  const bool asked = live.depth.virtualCamera || !live.depth.device.empty() || !live.depth.driver.empty() ||
+                     !live.vmc.listenAt.empty();
+  if (asked) return true;
+  const Result<std::unique_ptr<DepthSource>> camera = openDepth(live.depth);
+  if (!camera) host.tell("No depth camera was found: serving the demo.");
+  return camera.ok();
+}
+
+Result<void> run(const ShowOptions& options, const CommonOptions& common, Host& host) {
+  const bool played = !options.request.motion.empty() || !options.request.scene.empty();
+  if (played) return play(options, common, host);
+  return wantsCamera(options, host) ? follow(options, common, host) : showDemo(options, common, host);
+}
+
+}  // namespace
+
+void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
+  if (flag) app.addFlag("--serve", options.serve, "Show it on a page as well, for browsers and headsets");
+  addCount(app, "--port", options.setting.port, 1,
+           fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
+  app.addFlag("--lan", options.setting.lan,
+              "Show the page on the network too: with TLS, for those who have the link with its token");
+  Option* certificate = app.addOption("--certificate", options.setting.certificate,
+                                      "Certificate of the page [default: one that Lorica makes and keeps]")
+                            ->typeName("FILE.pem");
+  app.addOption("--key", options.setting.key, "Its private key")->typeName("FILE.pem")->needs(certificate);
+}
+
+Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& serve, const SnapshotOptions& pictures,
+                                               Host& host) {
+  std::unique_ptr<Screens> screens(new Screens);
+  if (window) {
+    LORICA_TRY(screens->window_, openWindow(pictures));
+  }
+  if (!serve.serve) return screens;
+  const ServeSetting& setting = serve.setting;
+  if (setting.certificate.empty() != setting.key.empty()) {
+    return invalidArgument("--certificate and --key belong together");
+  }
+  LORICA_TRY(screens->server_, PageServer::start(setting));
+  for (const std::string& link : screens->server_->links()) host.tell("Watch at " + link);
+  if (setting.lan) {
+    host.tell("Browsers warn of a certificate that they do not know: its SHA-256 is\n  " +
+              screens->server_->fingerprint());
+    say(qrCode(screens->server_->links().front()));
+  }
+  if (!pageBuilt()) {
+    host.warn("this Lorica was built without its page: run scripts/setup --page and build again; programs can watch");
+  }
+  screens->page_.emplace(*screens->server_, screens->window_ ? &*screens->window_ : nullptr);
+  return screens;
+}
+
+Command addServe(CommandLine& parent, CommonOptions& common) {
+  const auto options = std::make_shared<ShowOptions>();
+  CommandLine* app = addSubcommand(
+      parent, common, "serve", "Show a session on a page: for browsers, phones and headsets.",
+      "  lorica serve\n"
+      "      the person before the depth camera, or the demo without one; open the link in a browser\n"
+      "  lorica serve walk --character hero.vrm\n"
+      "      a motion, as `lorica play` plays it\n"
+      "  lorica serve --virtual --scene bowling\n"
+      "      a virtual camera, as `lorica live` follows it\n"
+      "  lorica serve --lan\n"
+      "      for phones and headsets on this network: the terminal shows a link and a code for cameras\n"
+      "  lorica live --serve --window\n"
+      "      a page beside a window; play and demo have --serve, too\n"
+      "\nWithout --lan nothing but this machine can see it. Ctrl-C ends it. Headsets enter VR from the page.\n"
+      "docs/SERVE.md");
+  addMotionOptions(*app, options->request);
+  addDepthOptions(*app, options->live.depth);
+  addVmcInputOptions(*app, options->live.vmc);
+  addCount(*app, "--people", options->live.people, 1, "People to follow at once, each with an avatar, at most 6");
+  addPoseOutputOptions(*app, options->run.out);
+  addEventsOption(*app, options->run.events);
+  addBodyOptions(*app, options->request.body);
+  addSceneOption(*app, options->request.scene);
+  addFaultOption(*app, options->request.performing);
+  addRecordOption(*app, options->run.record);
+  addCount(*app, "--frames", options->run.frames, 1, "Stop after N frames");
+  addTextureOption(*app, options->request.reading.textureSize);
+  options->serve.serve = true;
+  addServeOptions(*app, options->serve, false);
+  app->addFlag("--window", options->window, "Open a window beside the page; fail if there is no display");
+  return {app, [options, app](const CommonOptions& given, Host& host) {
+            options->request.performing.smoothGiven = smoothingGiven(*app);
+            return run(*options, given, host);
+          }};
+}
+
+}  // namespace lorica

@@ -1,0 +1,71 @@
+#include "serve/link.h"
+
+#include <arpa/inet.h>
+#include <ifaddrs.h>
+#include <net/if.h>
+#include <netinet/in.h>
+#include <sys/random.h>
+#include <qrcodegen.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string_view>
+
+namespace lorica {
+namespace {
+
+constexpr int kMargin = 2;  // light modules around a code
+constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789-_";
+
+}  // namespace
+
+std::vector<std::string> networkAddresses() {
+  std::vector<std::string> addresses;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) return addresses;
+  for (const ifaddrs* one = list; one != nullptr; one = one->ifa_next) {
+    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
+    if ((one->ifa_flags & IFF_LOOPBACK) != 0 || (one->ifa_flags & IFF_UP) == 0) continue;
+    std::array<char, INET_ADDRSTRLEN> text{};
+    const auto* address = reinterpret_cast<const sockaddr_in*>(one->ifa_addr);
+    if (inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size()) != nullptr)
+      addresses.emplace_back(text.data());
+  }
+  freeifaddrs(list);
+  std::sort(addresses.begin(), addresses.end());
+  return addresses;
+}
+
+std::string makeToken() {
+  std::array<std::uint8_t, 22> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) return "";
+  std::string token;
+  for (const std::uint8_t byte : bytes) token += kDigits[byte % kDigits.size()];
+  return token;
+}
+
+bool sameToken(const std::string& a, const std::string& b) {
+  if (a.size() != b.size()) return false;
+  unsigned different = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) different |= static_cast<unsigned char>(a[i] ^ b[i]);
+  return different == 0;
+}
+
+std::string qrCode(const std::string& text) {
+  using qrcodegen::QrCode;
+  const QrCode code = QrCode::encodeText(text.c_str(), QrCode::Ecc::MEDIUM);
+  const int size = code.getSize();
+  std::string drawn;
+  for (int y = -kMargin; y < size + kMargin; y += 2) {
+    drawn += "\033[30;47m";
+    for (int x = -kMargin; x < size + kMargin; ++x) {
+      const bool upper = code.getModule(x, y), lower = code.getModule(x, y + 1);
+      drawn += upper ? (lower ? "\u2588" : "\u2580") : (lower ? "\u2584" : " ");
+    }
+    drawn += "\033[0m\n";
+  }
+  return drawn;
+}
+
+}  // namespace lorica

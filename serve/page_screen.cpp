@@ -1,0 +1,387 @@
+#include "serve/page_screen.h"
+
+#include "geometry/counts.h"
+#include "serve/vrm_licence.h"
+#include "skinning/clip_files/character_document.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Kind = Wish::Kind;
+
+constexpr double kBetweenStates = 0.1;    // [s]
+constexpr std::size_t kMaxWaiting = 256;  // wishes
+
+double now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+/// Texts of others may be any bytes.
+std::string textOf(const Json& json) {
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+Json matrixOf(const Affine3& transform) {
+  Json numbers = Json::array();
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 4; ++column) numbers.push_back(transform(row, column));
+  }
+  return numbers;
+}
+
+/// A joint that moves a node of the file, or the file's scene.
+Json jointsOf(const CharacterDocument& document) {
+  Json joints = Json::array();
+  bool scene = false;
+  for (std::size_t j = 0; j < document.nodeOfJoint.size(); ++j) {
+    Json joint = {{"node", document.nodeOfJoint[j]}};
+    const bool movesScene = !scene && document.hangOn[j] < 0;
+    if (document.nodeOfJoint[j] >= 0 || movesScene) joint["bind"] = matrixOf(document.nodeFromModel[j].inverse());
+    scene = scene || movesScene;
+    joints.push_back(std::move(joint));
+  }
+  return joints;
+}
+
+Result<CharacterDocument> documentOf(const PreparedAvatar& avatar, PathTrust paths) {
+  if (!avatar.subject.file) return characterDocument(avatar.character());
+  return characterDocument(ClipCharacter{avatar.setting.character, &*avatar.subject.file, paths});
+}
+
+/// File names without their folders, which are nobody's business.
+std::vector<std::string> namesOf(std::span<const std::string> files) {
+  std::vector<std::string> names;
+  for (const std::string& file : files) names.push_back(std::filesystem::path(file).filename().string());
+  return names;
+}
+
+template <typename Choices>
+Json namesOfChoices(const Choices& choices) {
+  Json names = Json::array();
+  for (const auto& choice : choices) names.push_back(choice.name);
+  return names;
+}
+
+}  // namespace
+
+Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& host) {
+  const auto cast = std::make_shared<ServedCast>();
+  std::vector<std::string> warnings;
+  cast->run = ++run_;
+  Json hello = {{"type", "hello"},    {"wire", 1},          {"run", run_},
+                {"name", run.name()}, {"live", run.live()}, {"watched", run.watched()}};
+  hello["avatars"] = Json::array();
+  for (std::size_t a = 0; a < run.cast.avatars.size(); ++a) {
+    const PreparedAvatar& prepared = run.cast.avatars[a];
+    const Character& character = prepared.character();
+    LORICA_TRY(CharacterDocument document, documentOf(prepared, host.paths));
+    const std::string licence = vrmLicence(document.writer.document);
+    LORICA_TRY(std::string file, document.writer.glb(character.name));
+    cast->characters.push_back(std::make_shared<const std::string>(std::move(file)));
+    if (!licence.empty()) warnings.push_back(fmt::format("{}: {}", character.name, licence));
+    Json avatar = {{"name", character.name},
+                   {"character", fmt::format("/character/{}.glb", a)},
+                   {"plain", character.avatar == nullptr || character.avatar->plain},
+                   {"humanoid", character.skeleton.jointOf(HumanBone::kHips) != kNoJoint},
+                   {"licence", licence},
+                   {"head", character.skeleton.jointOf(HumanBone::kHead)},
+                   {"joints", jointsOf(document)}};
+    avatar["expressions"] = Json::array();
+    if (character.avatar != nullptr) {
+      for (const Expression& one : character.avatar->face.expressions.list) avatar["expressions"].push_back(one.name);
+    }
+    hello["avatars"].push_back(std::move(avatar));
+  }
+  const Camera from = camera();
+  hello["camera"] = Json{{"eye", listOf(from.eye)}, {"target", listOf(from.target)}, {"fov", from.verticalFov}};
+  cast->hello = textOf(hello);
+  server_.setCast(cast);
+  pointing_.reset();
+  holds_ = false;
+  return warnings;
+}
+
+/// Takes the wishes that came since: what is only about this screen is done at once, the rest waits for its turn.
+void PageScreen::hear() {
+  heard_.clear();
+  server_.takeWishes(heard_);
+  for (const Wish& wish : heard_) {
+    const bool others = holds_ && pointing_ && wish.client != pointing_->client;
+    if (others && (wish.points() || wish.kind == Kind::kRelease)) continue;  // somebody else holds a prop
+    if (wish.kind == Kind::kDrag) {
+      if (holds_) pointing_ = wish;
+      continue;
+    }
+    if (waiting_.size() < kMaxWaiting) waiting_.push_back(wish);
+  }
+}
+
+void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
+  WindowChoices choices = this->choices();
+  const auto chosen = [&](std::optional<int>& request) { request = wish.index; };
+  const auto file = [&](const std::vector<std::string>& files) {
+    if (wish.index >= 0 && wish.index < countOf(files)) requests.files = {files[wish.index]};
+  };
+  switch (wish.kind) {
+    case Kind::kPause:
+      choices.paused = wish.on;
+      break;
+    case Kind::kStep:
+      choices.paused = true;
+      ++choices.steps;
+      break;
+    case Kind::kRestart:
+      requests.seekTo = 0.0;
+      break;
+    case Kind::kSeek:
+      requests.seekTo = wish.to;
+      break;
+    case Kind::kSpeed:
+      for (const SpeedChoice& speed : kSpeeds) {
+        if (speed.factor == wish.to) choices.speed = wish.to;
+      }
+      break;
+    case Kind::kLoop:
+      choices.loop = wish.on;
+      break;
+    case Kind::kMirror:
+      choices.treatment.mirror = wish.on;
+      break;
+    case Kind::kSmoothing:
+      if (wish.index >= kSmoothingAsGiven && wish.index < countOf(kSmoothings)) {
+        choices.treatment.smoothing = wish.index;
+      }
+      break;
+    case Kind::kGravity:
+      if (wish.index >= 0 && wish.index < countOf(kGravities)) choices.treatment.gravity = wish.index;
+      break;
+    case Kind::kScene:
+      if (wish.index >= 0 && wish.index < scenes_) chosen(requests.scene);
+      break;
+    case Kind::kCharacter:
+      file(characters_);
+      break;
+    case Kind::kMotion:
+      file(motions_);
+      break;
+    case Kind::kExpression:
+      chosen(requests.expression);
+      break;
+    case Kind::kClip:
+      if (wish.index >= 0 && wish.index < clips_) chosen(requests.clip);
+      break;
+    case Kind::kPerson:
+      if (wish.index < people_) chosen(requests.person);
+      break;
+    case Kind::kParts:
+      if (wish.index >= 1 && wish.index <= maxParts_) chosen(requests.parts);
+      break;
+    case Kind::kThrow:
+      pointing_ = wish;
+      requests.throwBall = true;
+      break;
+    case Kind::kPress:
+      pointing_ = wish;
+      holds_ = true;
+      requests.pressed = Ray{wish.origin, wish.direction};
+      break;
+    case Kind::kRelease:
+      holds_ = false;
+      requests.released = true;
+      break;
+    case Kind::kUndo:
+      requests.undo = true;
+      break;
+    case Kind::kCancel:
+      requests.cancel = true;
+      break;
+    case Kind::kAck:
+    case Kind::kShow:
+    case Kind::kDrag:
+      break;
+  }
+  setChoices(choices);
+}
+
+/// All that waits, but what points ends the turn: the session asks for one ray at a time.
+WindowRequests PageScreen::takeRequests() {
+  WindowRequests requests = window_ != nullptr ? window_->takeRequests() : WindowRequests();
+  if (!holds_) pointing_.reset();
+  hear();
+  while (!waiting_.empty()) {
+    const Wish wish = waiting_.front();
+    const bool alone = wish.points() || wish.kind == Kind::kRelease;
+    if (alone && (requests.pressed || requests.released || requests.throwBall)) break;
+    waiting_.pop_front();
+    obey(wish, requests);
+    if (alone) break;
+  }
+  return requests;
+}
+
+bool PageScreen::takeCancel() {
+  hear();
+  bool cancel = window_ != nullptr && window_->takeCancel();
+  for (const Wish& wish : waiting_) cancel = cancel || wish.kind == Kind::kCancel;
+  waiting_.clear();
+  return cancel;
+}
+
+bool PageScreen::wantsStep() {
+  if (window_ != nullptr) return window_->wantsStep();
+  if (!choices_.paused) {
+    choices_.steps = 0;
+    return true;
+  }
+  if (choices_.steps == 0) return false;
+  --choices_.steps;
+  return true;
+}
+
+void PageScreen::setChoices(const WindowChoices& choices) {
+  if (window_ != nullptr) {
+    window_->setChoices(choices);
+  } else {
+    choices_ = choices;
+  }
+}
+
+Ray PageScreen::pointer() const {
+  if (pointing_) return {pointing_->origin, pointing_->direction};
+  return window_ != nullptr ? window_->pointer() : Ray{camera_.eye, camera_.target - camera_.eye};
+}
+
+Camera PageScreen::camera() const {
+  Camera camera = window_ != nullptr ? window_->camera() : camera_;
+  if (!pointing_) return camera;
+  camera.eye = pointing_->origin;
+  camera.target = pointing_->kind == Kind::kThrow ? pointing_->target : pointing_->origin + pointing_->forward;
+  return camera;
+}
+
+void PageScreen::setCamera(const Camera& camera) {
+  camera_ = camera;
+  if (window_ != nullptr) window_->setCamera(camera);
+}
+
+void PageScreen::rest(double seconds) {
+  if (window_ != nullptr) return window_->rest(seconds);
+  if (waiting_.empty()) server_.waitForWish(seconds);
+}
+
+void PageScreen::chooseFiles() {
+  if (window_ != nullptr) window_->chooseFiles();
+}
+
+void PageScreen::addTimes(std::span<const TimedStage> stages) {
+  times_.assign(stages.begin(), stages.end());
+  if (window_ != nullptr) window_->addTimes(stages);
+}
+
+void PageScreen::notice(std::string sentence, double seconds) {
+  if (!sentence.empty()) server_.say(textOf({{"type", "notice"}, {"text", sentence}, {"problem", false}}));
+  if (window_ != nullptr) window_->notice(std::move(sentence), seconds);
+}
+
+void PageScreen::problem(std::string sentence) {
+  server_.say(textOf({{"type", "notice"}, {"text", sentence}, {"problem", true}}));
+  if (window_ != nullptr) window_->problem(std::move(sentence));
+}
+
+void PageScreen::setTitle(const std::string& title) {
+  if (window_ != nullptr) window_->setTitle(title);
+}
+
+std::string PageScreen::stateOf(const WindowValues& values) const {
+  const WindowChoices& chosen = choices();
+  Json hits = Json::array(), times = Json::array(), speeds = Json::array();
+  for (const TargetScore& target : values.hits) hits.push_back({{"name", target.name}, {"hits", target.hits}});
+  // Tenths are enough to read, and do not make another state of every frame.
+  for (const TimedStage& stage : times_) times.push_back({stage.name, std::round(10.0 * stage.milliseconds) / 10.0});
+  for (const SpeedChoice& speed : kSpeeds) speeds.push_back(speed.factor);
+  return textOf({{"type", "state"},
+                 {"title", values.name},
+                 {"status", values.status},
+                 {"seconds", std::round(10.0 * values.seconds) / 10.0},
+                 {"duration", values.duration},
+                 {"paused", chosen.paused},
+                 {"ended", values.ended},
+                 {"loop", chosen.loop},
+                 {"speed", chosen.speed},
+                 {"speeds", std::move(speeds)},
+                 {"mirror", chosen.treatment.mirror},
+                 {"smoothing", chosen.treatment.smoothing},
+                 {"smoothings", namesOfChoices(kSmoothings)},
+                 {"gravity", chosen.treatment.gravity},
+                 {"gravities", namesOfChoices(kGravities)},
+                 {"treatable", values.treatable},
+                 {"parts", values.parts},
+                 {"maxParts", values.maxParts},
+                 {"scenes", values.scenes},
+                 {"scene", values.scene},
+                 {"characters", namesOf(values.characters)},
+                 {"character", values.character},
+                 {"motions", namesOf(values.motions)},
+                 {"motion", values.motion},
+                 {"expressions", values.expressions},
+                 {"expression", values.expression},
+                 {"clips", values.clips},
+                 {"clip", values.clip},
+                 {"people", values.people},
+                 {"person", values.person},
+                 {"everyone", values.everyone},
+                 {"warnings", values.warnings},
+                 {"hits", std::move(hits)},
+                 {"times", std::move(times)},
+                 {"loading", values.loading},
+                 {"loaded", std::round(100.0 * values.loaded) / 100.0},
+                 {"outside", values.outsideTraining},
+                 {"holds", values.holdsProp},
+                 {"no",
+                  {{"throw", values.noThrow},
+                   {"undo", values.noUndo},
+                   {"loop", values.noLoop},
+                   {"mirror", values.noMirror},
+                   {"smoothing", values.noSmoothing},
+                   {"gravity", values.noGravity}}},
+                 {"clients", server_.clients()}});
+}
+
+void PageScreen::show(const Scene& scene, const WindowValues& values) {
+  characters_.assign(values.characters.begin(), values.characters.end());
+  motions_.assign(values.motions.begin(), values.motions.end());
+  scenes_ = countOf(values.scenes);
+  clips_ = countOf(values.clips);
+  people_ = countOf(values.people);
+  maxParts_ = values.maxParts;
+  if (holds_ && !values.holdsProp) holds_ = false;  // the ray met none, or the world is another
+
+  const int clients = server_.clients();
+  const unsigned layers = server_.layers();
+  if (clients > 0 && scene.skeleton != nullptr &&
+      (values.changes != shownChanges_ || clients != shownClients_ || layers != shownLayers_ || run_ != shownRun_)) {
+    server_.next().take(scene, layers);
+    server_.publish();
+    shownChanges_ = values.changes;
+    shownRun_ = run_;
+    shownLayers_ = layers;
+  }
+  if (clients > 0 && (clients != shownClients_ || now() - stateTime_ >= kBetweenStates)) {
+    server_.setState(stateOf(values));
+    stateTime_ = now();
+  }
+  shownClients_ = clients;
+  if (window_ != nullptr) window_->show(scene, values);
+}
+
+}  // namespace lorica

@@ -1,0 +1,66 @@
+#pragma once
+
+#include "player/run.h"
+#include "serve/server.h"
+#include "viewer/renderer/screen.h"
+
+#include <deque>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// A screen whose people watch through a server, beside a window or without one. Clients throw, drag and choose as
+/// people at a window do, in the order in which they ask for it.
+class PageScreen final : public Screen {
+ public:
+  /// @param window  another screen, which is shown and controlled as well; null = none
+  PageScreen(PageServer& server, Screen* window) : server_(server), window_(window) {}
+
+  /// Tells clients of a run that begins: its characters and where to look from.
+  /// @return a sentence about each character whose licence does not let it be given to others
+  [[nodiscard]] Result<std::vector<std::string>> begin(const Run& run, const Host& host);
+
+  [[nodiscard]] bool open() const override { return window_ == nullptr || window_->open(); }
+  [[nodiscard]] bool wantsStep() override;
+  void show(const Scene& scene, const WindowValues& values) override;
+  void rest(double seconds) override;
+  [[nodiscard]] WindowRequests takeRequests() override;
+  void chooseFiles() override;
+  [[nodiscard]] bool takeCancel() override;
+  [[nodiscard]] Ray pointer() const override;
+  [[nodiscard]] Camera camera() const override;
+  void setCamera(const Camera& camera) override;
+  void addTimes(std::span<const TimedStage> stages) override;
+  void notice(std::string sentence, double seconds) override;
+  void problem(std::string sentence) override;
+  void setTitle(const std::string& title) override;
+  [[nodiscard]] const WindowChoices& choices() const override { return window_ ? window_->choices() : choices_; }
+  void setChoices(const WindowChoices& choices) override;
+
+ private:
+  void hear();
+  void obey(const Wish& wish, WindowRequests& requests);
+  [[nodiscard]] std::string stateOf(const WindowValues& values) const;
+
+  PageServer& server_;
+  Screen* window_;
+  WindowChoices choices_;  // without a window
+  Camera camera_;
+  std::uint32_t run_ = 0;
+  std::vector<Wish> heard_;
+  std::deque<Wish> waiting_;
+  std::optional<Wish> pointing_;                   // of the client that points: it throws, or holds a prop
+  bool holds_ = false;                             // that client
+  std::vector<std::string> characters_, motions_;  // as the state listed them
+  int scenes_ = 0, clips_ = 0, people_ = 0, maxParts_ = 0;
+  std::vector<TimedStage> times_;
+  std::uint64_t shownChanges_ = 0;
+  std::uint32_t shownRun_ = 0;
+  int shownClients_ = 0;
+  unsigned shownLayers_ = 0;
+  double stateTime_ = -1.0;  // when it was told [s]
+};
+
+}  // namespace lorica

@@ -1,0 +1,81 @@
+#pragma once
+
+#include "geometry/result.h"
+#include "serve/wire.h"
+#include "serve/wish.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// Where sessions are served and who may see them.
+struct ServeSetting {
+  int port = 0;             ///< 0 = the first free one from kUsualPort on
+  bool lan = false;         ///< on all networks, with TLS and a token; else for this machine alone
+  std::string certificate;  ///< PEM file of `lan`; empty = Lorica's own, which is made and kept
+  std::string key;          ///< its private key
+};
+inline constexpr int kUsualPort = 8420;
+
+/// What clients are told of a run before its frames.
+struct ServedCast {
+  std::uint32_t run = 0;                                       ///< as in the message; frames have it too
+  std::string hello;                                           ///< the message
+  std::vector<std::shared_ptr<const std::string>> characters;  ///< /character/N.glb
+};
+
+/// Limits of what clients may take.
+struct ServeLimits {
+  int clients = 32;                ///< that watch at a time
+  int connections = 96;            ///< of all kinds
+  int wishesASecond = 120;         ///< of one client
+  double requestSeconds = 5.0;     ///< until a request, a handshake or an answer is through
+  double writeSeconds = 5.0;       ///< for a message; a client that reads nothing is dropped
+  std::size_t headerBytes = 8192;  ///< of a request
+};
+
+/// The server: HTTP and one WebSocket on one port, in a thread of its own. The session's thread hands frames over and
+/// takes wishes; it never waits for a client.
+class PageServer {
+ public:
+  /// @return the server; or that the port is taken, or a certificate cannot be read
+  [[nodiscard]] static Result<std::unique_ptr<PageServer>> start(const ServeSetting& setting,
+                                                                 const ServeLimits& limits = {});
+  /// Says goodbye to all clients.
+  ~PageServer();
+
+  /// One for each address of this machine: with the token.
+  [[nodiscard]] const std::vector<std::string>& links() const;
+  [[nodiscard]] int port() const;
+  [[nodiscard]] const std::string& token() const;  ///< empty = none is needed
+  /// SHA-256 of the certificate, as browsers show it; empty without TLS.
+  [[nodiscard]] const std::string& fingerprint() const;
+
+  // For the session's thread.
+  /// What the clients want to see, together; 0 = there are none or no layers are wanted.
+  [[nodiscard]] unsigned layers() const;
+  [[nodiscard]] int clients() const;
+  void setCast(std::shared_ptr<const ServedCast> cast);
+  /// The frame to fill, whose memory is that of an earlier one; publish() hands it over.
+  [[nodiscard]] ServedFrame& next();
+  void publish();
+  /// @param state  the message `state`; the same text is not sent again
+  void setState(std::string state);
+  /// A message to all clients, which must be rare. @param text  JSON
+  void say(std::string text);
+  /// The wishes since the last call, but kAck and kShow. @param wishes  appended
+  void takeWishes(std::vector<Wish>& wishes);
+  /// Waits for a wish, at most so long.
+  void waitForWish(double seconds);
+
+ private:
+  PageServer();
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lorica

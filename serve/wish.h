@@ -1,0 +1,59 @@
+#pragma once
+
+#include "geometry/math.h"
+#include "geometry/result.h"
+
+#include <cstdint>
+#include <string_view>
+
+namespace lorica {
+
+/// A message of a client, see docs/WIRE.md.
+struct Wish {
+  enum class Kind : std::uint8_t {
+    kAck,
+    kShow,
+    kPause,
+    kStep,
+    kRestart,
+    kSeek,
+    kSpeed,
+    kLoop,
+    kMirror,
+    kSmoothing,
+    kGravity,
+    kScene,
+    kCharacter,
+    kMotion,
+    kExpression,
+    kClip,
+    kPerson,
+    kParts,
+    kThrow,
+    kPress,
+    kDrag,
+    kRelease,
+    kUndo,
+    kCancel
+  };
+
+  Kind kind = Kind::kAck;
+  int client = 0;
+  bool on = false;
+  int index = 0;                                                                   ///< or the number of parts
+  double to = 0.0;                                                                 ///< seconds or a factor
+  std::uint64_t frame = 0;                                                         ///< acknowledged
+  unsigned layers = 0;                                                             ///< see `served`
+  Vec3 origin = Vec3::Zero(), direction = Vec3::UnitZ(), forward = Vec3::UnitZ();  ///< world; unit vectors
+  Vec3 target = Vec3::Zero();
+
+  /// Whether it says where the client points.
+  [[nodiscard]] bool points() const { return kind == Kind::kThrow || kind == Kind::kPress || kind == Kind::kDrag; }
+};
+
+inline constexpr std::size_t kMaxWishBytes = 4096;
+
+/// @return the wish, with numbers that are finite and within their range; or what is wrong with it
+[[nodiscard]] Result<Wish> readWish(std::string_view text);
+
+}  // namespace lorica
