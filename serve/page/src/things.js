@@ -154,7 +154,6 @@ export class Hulls {
   );
   #known = []; // faces and edges of each part
   #matrix = new Float32Array(12);
-  #color = new THREE.Color();
 
   constructor() {
     this.group.add(this.#faces, this.#edges);
