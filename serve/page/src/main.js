@@ -456,6 +456,9 @@ window.loricaPage = {
       visible: mesh.visible,
     }));
   },
+  get particles() {
+    return { all: particles.all, sent: particles.sent };
+  },
   get held() {
     return view.held ? view.held.mesh.userData.index : -1;
   },

@@ -111,6 +111,7 @@ export class Stage {
   rig = new THREE.Group(); // where the floor of a headset is
   fov = 0.6; // [rad], vertical, in a picture that is not upright
   quality = 'high';
+  halfAngle = 0.3;
   #colors = {
     horizon: { value: new THREE.Vector3() },
     zenith: { value: new THREE.Vector3() },
@@ -203,6 +204,7 @@ export class Stage {
       freeHeight = Math.max(height - bottom, 1);
     // The free area sees the field of view, in an upright one horizontally most of it; the rest is behind the panels.
     const tangent = Math.tan(this.fov / 2) * Math.max(1, (0.82 * freeHeight) / freeWidth);
+    this.halfAngle = Math.atan(Math.min(tangent, (tangent * freeWidth) / freeHeight)); // of a cone that is free
     this.camera.fov = THREE.MathUtils.radToDeg(2 * Math.atan((tangent * height) / freeHeight));
     this.camera.aspect = width / height;
     if (right || bottom) this.camera.setViewOffset(width, height, right / 2, bottom / 2, width, height);

@@ -295,16 +295,19 @@ export class Contacts {
 }
 
 export class Particles {
+  all = 0;
+  sent = 0;
   points = overlay(new THREE.Points(new THREE.BufferGeometry(), new THREE.ShaderMaterial(kGrain)), 0);
 
-  /// The places go to the graphics card as they came; the box is the matrix.
-  set({ sent, radius, color, lowest, size, places }) {
+  /// The places go to the graphics card as they came; the box is the matrix. Where only some were sent they are larger.
+  set({ all, sent, radius, color, lowest, size, places }) {
+    Object.assign(this, { all, sent });
     const attribute = room(this.points.geometry, 'position', 3, sent, Uint16Array, true);
     attribute.array.set(places);
     upload(attribute, sent);
     this.points.geometry.setDrawRange(0, sent);
     const { uniforms } = this.points.material;
-    uniforms.radius.value = radius;
+    uniforms.radius.value = radius * Math.min(Math.cbrt(all / Math.max(sent, 1)), 3);
     uniforms.tint.value.set(color[0], color[1], color[2]).divideScalar(255);
     this.points.matrix.makeScale(...size).setPosition(...lowest);
     this.points.matrixWorldNeedsUpdate = true;

@@ -22,6 +22,7 @@ export class View {
   #placed = false;
   #home = { eye: [1.8, 1.6, 3.6], target: [0, 0.95, 0] };
   #down = null;
+  #touched = false; // the camera, since it was at home
 
   /// @param world  { stage, props, avatars, connection, mayDrag(), changed() }
   constructor(world, canvas) {
@@ -38,6 +39,9 @@ export class View {
       maxPolarAngle: Math.PI / 2 - 0.03,
       minDistance: 0.4,
       maxDistance: 40,
+    });
+    this.controls.addEventListener('start', () => {
+      this.#touched = true;
     });
     this.controls.addEventListener('change', () => world.changed());
     this.marker = new THREE.Mesh(
@@ -59,7 +63,7 @@ export class View {
   reset() {
     this.#world.stage.camera.position.set(...this.#home.eye);
     this.controls.target.set(...this.#home.target);
-    this.#placed = false;
+    this.#placed = this.#touched = false;
     this.controls.update();
     this.#world.changed();
   }
@@ -105,10 +109,29 @@ export class View {
       stage.camera.position.add(step);
       this.controls.target.add(step);
     }
+    if (!presents && !this.#touched) this.#showWholly(seconds);
     stage.lightAt(this.#center);
     if (this.held) this.marker.position.copy(this.held.local).applyMatrix4(this.held.mesh.matrixWorld);
     connection.drawn(this.#world.newest());
     return !presents && this.controls.update(seconds);
+  }
+
+  /// Moves back as far as needed to show the avatars, until the user moves the camera.
+  #showWholly(seconds) {
+    const { stage, avatars } = this.#world,
+      { position } = stage.camera,
+      { target } = this.controls;
+    box.makeEmpty();
+    for (const avatar of avatars) if (avatar.present && !avatar.box.isEmpty()) box.union(avatar.box);
+    if (box.isEmpty()) return;
+    const needed = (0.55 * box.getSize(moved).length() + 0.15) / Math.sin(stage.halfAngle);
+    const distance = position.distanceTo(target);
+    if (distance >= 0.98 * needed) return;
+    moved
+      .copy(position)
+      .sub(target)
+      .setLength(distance + (needed - distance) * (1 - Math.exp(-seconds / 0.3)));
+    position.copy(target).add(moved);
   }
 
   hold(hit) {
@@ -207,5 +230,6 @@ export class View {
   }
 }
 
-const point = new THREE.Vector3(),
+const box = new THREE.Box3(),
+  point = new THREE.Vector3(),
   moved = new THREE.Vector3();
