@@ -62,7 +62,8 @@ export class Avatar {
   }
 
   #adopt(unpainted) {
-    const driven = new Map([[this.#scene, null]]), needed = new Set();
+    const driven = new Map([[this.#scene, null]]),
+      needed = new Set();
     this.hello.joints.forEach(({ node, bind }, joint) => {
       const object = node >= 0 ? this.#nodes[node] : bind && this.#scene;
       if (object && bind) driven.set(object, [object, joint, bind]);
@@ -72,8 +73,10 @@ export class Avatar {
       object.matrixAutoUpdate = object.matrixWorldAutoUpdate = false;
       object.frustumCulled = false;
       if (object.isMesh) this.#adoptMesh(object, unpainted);
-      if (object.isBone || (object.isMesh && !object.isSkinnedMesh)) for (let o = object; o && !needed.has(o); o = o.parent) needed.add(o);
-      if (object.isSkinnedMesh) { // its vertices are placed by the bones alone
+      if (object.isBone || (object.isMesh && !object.isSkinnedMesh))
+        for (let o = object; o && !needed.has(o); o = o.parent) needed.add(o);
+      if (object.isSkinnedMesh) {
+        // its vertices are placed by the bones alone
         object.matrixWorld.identity();
         object.bindMatrixInverse.identity();
         object.bindMode = THREE.DetachedBindMode;
@@ -94,8 +97,12 @@ export class Avatar {
   }
 
   #adoptMesh(mesh, unpainted) {
+    if (this.hello.plain && !mesh.geometry.attributes.normal) {
+      // glTF means flat faces then; a mannequin is round
+      mesh.geometry.computeVertexNormals();
+      mesh.material.flatShading = false;
+    }
     if (unpainted) {
-      if (!mesh.geometry.attributes.normal) mesh.geometry.computeVertexNormals();
       mesh.material.dispose();
       mesh.material = new THREE.MeshStandardMaterial({ color: new THREE.Color(...kClay), roughness: 0.6 });
     }
@@ -127,7 +134,8 @@ export class Avatar {
       if (object === this.#scene && this.#joints.length > 1) continue;
       this.box.expandByPoint(point.set(m[12], m[13], m[14]));
     }
-    for (const [object, parent] of this.#followers) object.matrixWorld.multiplyMatrices(parent.matrixWorld, object.matrix);
+    for (const [object, parent] of this.#followers)
+      object.matrixWorld.multiplyMatrices(parent.matrixWorld, object.matrix);
     this.box.getCenter(this.center);
     const head = Math.max(this.hello.head, 0);
     if (head < pose.joints) multiplyInto(this.head.elements, pose.worldFromModel, 12 * head, kUnit);
@@ -178,11 +186,12 @@ export class Avatar {
   /// Two points a bone. @return how many numbers were written
   bones(out) {
     let at = 0;
-    for (const pair of this.#bones) for (const { matrixWorld: m } of pair) {
-      if (at + 3 > out.length) return at;
-      out.set(m.elements.slice(12, 15), at);
-      at += 3;
-    }
+    for (const pair of this.#bones)
+      for (const { matrixWorld: m } of pair) {
+        if (at + 3 > out.length) return at;
+        out.set(m.elements.slice(12, 15), at);
+        at += 3;
+      }
     return at;
   }
 
@@ -202,13 +211,24 @@ export class Avatar {
   }
 
   #meshesWithoutHead() {
-    const head = this.#nodes[this.hello.joints[this.hello.head]?.node], list = [];
-    const onHead = (object) => { for (let o = object; o; o = o.parent) if (o === head) return true; return false; };
+    const head = this.#nodes[this.hello.joints[this.hello.head]?.node],
+      list = [];
+    const onHead = (object) => {
+      for (let o = object; o; o = o.parent) if (o === head) return true;
+      return false;
+    };
     this.#scene.traverse((mesh) => {
       const { index, attributes } = mesh.geometry ?? {};
       if (!head || !index) return;
       const hides = mesh.isSkinnedMesh ? mesh.skeleton.bones.map(onHead) : null;
-      const hidden = (v) => (hides ? [0, 1, 2, 3].reduce((sum, k) => sum + (hides[attributes.skinIndex.getComponent(v, k)] ? attributes.skinWeight.getComponent(v, k) : 0), 0) > 0.3 : onHead(mesh));
+      const hidden = (v) =>
+        hides
+          ? [0, 1, 2, 3].reduce(
+              (sum, k) =>
+                sum + (hides[attributes.skinIndex.getComponent(v, k)] ? attributes.skinWeight.getComponent(v, k) : 0),
+              0,
+            ) > 0.3
+          : onHead(mesh);
       const kept = [];
       for (let t = 0; t + 2 < index.count; t += 3) {
         const face = [index.getX(t), index.getX(t + 1), index.getX(t + 2)];

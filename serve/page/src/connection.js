@@ -28,7 +28,9 @@ export class Connection {
     this.#on = on;
     on.says(kSays.first, false);
     this.#connect();
-    addEventListener('hashchange', () => { location.reload(); });
+    addEventListener('hashchange', () => {
+      location.reload();
+    });
   }
 
   #connect() {
@@ -79,9 +81,7 @@ export class Connection {
   /// A WebSocket does not say why it did not open; HTTP does.
   async #refused() {
     try {
-      const answer = await fetch('/character/0.glb', { headers: this.#headers() });
-      answer.body?.cancel();
-      return answer.status === 401;
+      return (await fetch('/character/0.glb', { method: 'HEAD', headers: this.#headers() })).status === 401;
     } catch {
       return false;
     }

@@ -4,6 +4,7 @@ import { lit } from './stage.js';
 
 const kModes = { vr: 'immersive-vr', ar: 'immersive-ar' };
 const kBeside = { vr: 1.6, ar: 1.9 }; // distance to the avatar at first [m]
+const kWalk = 1.4; // [m/s]
 const kReach = 2.5; // length of a ray that meets nothing [m]
 
 export class Headset {
@@ -13,6 +14,7 @@ export class Headset {
   #hands = [];
   #placed = false;
   #worn = null;
+  #turned = 0; // what the stick for turning wanted before
   #flat = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
 
   /// @param world  that of the View, with { view, panel, avatars }
@@ -27,8 +29,9 @@ export class Headset {
 
   async offer() {
     const can = async (mode) => Boolean(await navigator.xr?.isSessionSupported(mode).catch(() => false));
-    const vr = await can(kModes.vr), ar = await can(kModes.ar);
-    let sentence = 'Trigger or pinch: holds a prop; let go to throw it. Squeeze: throws a ball.';
+    const vr = await can(kModes.vr),
+      ar = await can(kModes.ar);
+    let sentence = 'Trigger or pinch: holds a prop. Squeeze: throws a ball. Sticks: walk and turn.';
     if (!window.isSecureContext) sentence = 'VR and AR need a link with https.';
     else if (!navigator.xr) sentence = 'This browser has no VR or AR. The one in a headset has.';
     else if (!vr && !ar) sentence = 'There is no headset at this device.';
@@ -38,7 +41,10 @@ export class Headset {
   async enter(mode) {
     const { stage, panel } = this.#world;
     try {
-      const session = await navigator.xr.requestSession(kModes[mode], { requiredFeatures: ['local-floor'], optionalFeatures: ['hand-tracking'] });
+      const session = await navigator.xr.requestSession(kModes[mode], {
+        requiredFeatures: ['local-floor'],
+        optionalFeatures: ['hand-tracking'],
+      });
       this.mode = mode;
       await stage.renderer.xr.setSession(session);
     } catch (error) {
@@ -78,9 +84,12 @@ export class Headset {
   }
 
   #makeHand(ray, grip, joints) {
-    const gray = lit(new THREE.MeshStandardMaterial({ color: 0x5d7088, roughness: 0.5 })), orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
-    const line = new THREE.Line(new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, -1)]),
-      new THREE.LineBasicMaterial({ color: 0xff7a1a, transparent: true, opacity: 0.75 }));
+    const gray = lit(new THREE.MeshStandardMaterial({ color: 0x5d7088, roughness: 0.5 })),
+      orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
+    const line = new THREE.Line(
+      new THREE.BufferGeometry().setFromPoints([new THREE.Vector3(), new THREE.Vector3(0, 0, -1)]),
+      new THREE.LineBasicMaterial({ color: 0xff7a1a, transparent: true, opacity: 0.75 }),
+    );
     const dot = new THREE.Mesh(new THREE.SphereGeometry(0.011, 16, 12), orange);
     const body = new THREE.Mesh(new THREE.CapsuleGeometry(0.019, 0.07, 6, 16).rotateX(Math.PI / 2), gray);
     const fingers = new THREE.InstancedMesh(new THREE.SphereGeometry(1, 12, 8), gray, 25);
@@ -92,9 +101,25 @@ export class Headset {
     this.#world.stage.rig.add(ray, grip, joints);
     this.#world.stage.scene.add(dot);
     line.visible = dot.visible = false;
-    const hand = { ray, line, dot, body, joints, fingers, holds: false, origin: new THREE.Vector3(), direction: new THREE.Vector3() };
-    ray.addEventListener('connected', ({ data }) => { hand.line.visible = true; hand.body.visible = !data.hand; });
-    ray.addEventListener('disconnected', () => { this.#release(hand); hand.line.visible = hand.dot.visible = false; });
+    const hand = {
+      ray,
+      line,
+      dot,
+      body,
+      joints,
+      fingers,
+      holds: false,
+      origin: new THREE.Vector3(),
+      direction: new THREE.Vector3(),
+    };
+    ray.addEventListener('connected', ({ data }) => {
+      hand.line.visible = true;
+      hand.body.visible = !data.hand;
+    });
+    ray.addEventListener('disconnected', () => {
+      this.#release(hand);
+      hand.line.visible = hand.dot.visible = false;
+    });
     ray.addEventListener('selectstart', () => this.#grab(hand));
     ray.addEventListener('selectend', () => this.#release(hand));
     ray.addEventListener('squeezestart', () => {
@@ -134,10 +159,11 @@ export class Headset {
   }
 
   /// Once a picture in a headset, before it is drawn.
-  update(frame) {
+  update(frame, seconds) {
     const { stage, view, avatars, connection } = this.#world;
     const pose = frame?.getViewerPose(stage.renderer.xr.getReferenceSpace());
     const avatar = avatars[Math.max(view.followed, 0)];
+    if (pose) this.#walk(pose.transform, seconds);
     if (pose && avatar?.loaded && avatar.present) this.#place(pose.transform, avatar);
     for (const hand of this.#hands) {
       this.#aim(hand);
@@ -147,6 +173,26 @@ export class Headset {
       if (hit) hand.dot.position.copy(hit.point);
       hand.line.scale.z = hand.holds ? hand.origin.distanceTo(view.marker.position) : hit ? hit.distance : kReach;
       this.#showFingers(hand);
+    }
+  }
+
+  /// The left stick walks where the head looks, the right one turns by 30 degrees around the head.
+  #walk({ position, orientation }, seconds) {
+    const { rig, renderer } = this.#world.stage;
+    for (const { handedness, gamepad } of renderer.xr.getSession().inputSources) {
+      const [, , x = 0, y = 0] = gamepad?.axes ?? [];
+      if (handedness === 'left' && this.#placed === 'beside' && Math.hypot(x, y) > 0.15) {
+        look.set(x, 0, y).applyQuaternion(turn.copy(orientation)).setY(0).applyAxisAngle(kUp, rig.rotation.y);
+        rig.position.addScaledVector(look, kWalk * seconds);
+      } else if (handedness === 'right') {
+        const wants = Math.abs(x) > 0.7 ? Math.sign(x) : Math.abs(x) < 0.3 ? 0 : this.#turned;
+        if (wants !== 0 && wants !== this.#turned) {
+          rig.position.add(local.copy(position).applyAxisAngle(kUp, rig.rotation.y));
+          rig.rotation.y -= (wants * Math.PI) / 6;
+          rig.position.sub(local.copy(position).applyAxisAngle(kUp, rig.rotation.y));
+        }
+        this.#turned = wants;
+      }
     }
   }
 
@@ -162,7 +208,8 @@ export class Headset {
 
   /// Beside the avatar once, looking at it; inside, the eyes are where its eyes are, and turn freely.
   #place({ position, orientation }, avatar) {
-    const { rig } = this.#world.stage, inside = this.presence === 'inside' && this.mode === 'vr';
+    const { rig } = this.#world.stage,
+      inside = this.presence === 'inside' && this.mode === 'vr';
     this.#wear(inside ? avatar : null);
     if (!inside && this.#placed === 'beside') return;
     look.set(0, 0, -1).applyQuaternion(turn.copy(orientation));
@@ -179,5 +226,10 @@ export class Headset {
   }
 }
 
-const kUp = new THREE.Vector3(0, 1, 0), matrix = new THREE.Matrix4(), turn = new THREE.Quaternion();
-const look = new THREE.Vector3(), wanted = new THREE.Vector3(), local = new THREE.Vector3(), eye = new THREE.Vector3();
+const kUp = new THREE.Vector3(0, 1, 0),
+  matrix = new THREE.Matrix4(),
+  turn = new THREE.Quaternion();
+const look = new THREE.Vector3(),
+  wanted = new THREE.Vector3(),
+  local = new THREE.Vector3(),
+  eye = new THREE.Vector3();

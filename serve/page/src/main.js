@@ -10,29 +10,51 @@ import { View } from './view.js';
 import { FrameError, FrameReader } from './wire.js';
 
 const kSent = ['hulls', 'contacts', 'particles', 'depth']; // layers that cost something to send
-const canvas = document.getElementById('view'), depth = document.getElementById('depth'), connectionText = document.getElementById('connection');
+const canvas = document.getElementById('view'),
+  depth = document.getElementById('depth'),
+  connectionText = document.getElementById('connection');
 const dark = matchMedia('(prefers-color-scheme: dark)');
 
 /// [key as shown, event.key, action, what it does]
 const kKeys = [
-  ['space', ' ', 'pause', 'pause and resume'], ['N', 'n', 'step', 'single step'], ['home', 'Home', 'restart', 'to the start'],
-  ['left', 'ArrowLeft', 'back', 'a second back'], ['right', 'ArrowRight', 'ahead', 'a second ahead'],
-  ['-', '-', 'slower', 'slower'], ['+', '+', 'faster', 'faster'], ['L', 'l', 'loop', 'at the end: the motion starts again, or the world continues'],
-  ['B', 'b', 'ball', 'throws a ball at the avatar'], ['U', 'u', 'undo', 'undoes the last throw or drag'],
+  ['space', ' ', 'pause', 'pause and resume'],
+  ['N', 'n', 'step', 'single step'],
+  ['home', 'Home', 'restart', 'to the start'],
+  ['left', 'ArrowLeft', 'back', 'a second back'],
+  ['right', 'ArrowRight', 'ahead', 'a second ahead'],
+  ['-', '-', 'slower', 'slower'],
+  ['+', '+', 'faster', 'faster'],
+  ['L', 'l', 'loop', 'at the end: the motion starts again, or the world continues'],
+  ['B', 'b', 'ball', 'throws a ball at the avatar'],
+  ['U', 'u', 'undo', 'undoes the last throw or drag'],
   ['1 to 8', null, null, 'character, hulls, bones, props, contacts, ground, grains, depth image'],
-  ['E', 'e', 'expression', 'the next expression of the face'], ['[', '[', 'fewer', 'fewer parts'], [']', ']', 'more', 'more parts'],
-  ['F', 'f', 'follow', 'the camera follows the avatars, or stays'], ['R', 'r', 'reset', 'resets the camera'],
-  ['shift + arrows', null, null, 'orbits the camera'], ['P', 'p', 'picture', 'saves a picture'], ['M', 'm', 'panel', 'shows and hides the settings'], ['H', 'h', 'help', 'help'],
+  ['E', 'e', 'expression', 'the next expression of the face'],
+  ['[', '[', 'fewer', 'fewer parts'],
+  [']', ']', 'more', 'more parts'],
+  ['F', 'f', 'follow', 'the camera follows the avatars, or stays'],
+  ['R', 'r', 'reset', 'resets the camera'],
+  ['shift + arrows', null, null, 'orbits the camera'],
+  ['P', 'p', 'picture', 'saves a picture'],
+  ['M', 'm', 'panel', 'shows and hides the settings'],
+  ['H', 'h', 'help', 'help'],
 ];
 
-let frames = 0, pictures = 0, drawnPictures = 0, dirty = true, newest = 0, hello = null;
+let frames = 0,
+  pictures = 0,
+  drawnPictures = 0,
+  dirty = true,
+  newest = 0,
+  hello = null;
 const problems = [];
 const reader = new FrameReader();
 
 const panel = new Panel({
   send: (type, values) => connection.send(type, values),
-  choice: () => { applyChoices(); askForLayers(); },
-  run: (name) => actions[name] ? actions[name]() : view.look(name),
+  choice: () => {
+    applyChoices();
+    askForLayers();
+  },
+  run: (name) => (actions[name] ? actions[name]() : view.look(name)),
 });
 function problem(sentence) {
   problems.push(sentence);
@@ -50,18 +72,42 @@ try {
   throw new Error(sentence);
 }
 
-const props = new Props(), contacts = new Contacts(), particles = new Particles(), bones = new Bones();
-const world = { stage, props, panel, avatars: [], hulls: [], connection: null, view: null, mayDrag: () => Boolean(hello) && !hello.watched, changed: () => { dirty = true; }, newest: () => newest, restage: () => applyChoices() };
+const props = new Props(),
+  contacts = new Contacts(),
+  particles = new Particles(),
+  bones = new Bones();
+const world = {
+  stage,
+  props,
+  panel,
+  avatars: [],
+  hulls: [],
+  connection: null,
+  view: null,
+  mayDrag: () => Boolean(hello) && !hello.watched,
+  changed: () => {
+    dirty = true;
+  },
+  newest: () => newest,
+  restage,
+};
 stage.scene.add(props.group, contacts.group, particles.points, bones.lines);
-const view = world.view = new View(world, canvas);
+const view = (world.view = new View(world, canvas));
 const headset = new Headset(world);
 
-const connection = world.connection = new Connection({
-  opened: () => { newest = 0; askForLayers(); },
+const connection = (world.connection = new Connection({
+  opened: () => {
+    newest = 0;
+    askForLayers();
+  },
   message,
   frame,
-  says: (sentence) => { connectionText.textContent = sentence; document.body.classList.toggle('away', sentence !== ''); dirty = true; },
-});
+  says: (sentence) => {
+    connectionText.textContent = sentence;
+    document.body.classList.toggle('away', sentence !== '');
+    dirty = true;
+  },
+}));
 
 function askForLayers() {
   connection?.send('show', { layers: [...kSent.filter((layer) => panel.shows(layer)), 'face'] });
@@ -70,8 +116,8 @@ function askForLayers() {
 function message(of) {
   if (of.type === 'hello') start(of);
   else if (of.type === 'props') {
-    view.hold(null);
     props.set(of, connection.fetchBytes, problem);
+    view.keep();
     world.floor = of.floor !== false;
     applyChoices();
   } else if (of.type === 'state') {
@@ -79,27 +125,38 @@ function message(of) {
   } else if (of.type === 'notice') panel.notice(of.text, of.problem);
 }
 
-/// Everything from before is void.
+/// Everything from before is void; after a lost connection the same characters need not be loaded again.
 function start(of) {
   const again = hello && hello.run === of.run && hello.name === of.name;
+  const same = again && JSON.stringify(hello.avatars) === JSON.stringify(of.avatars);
   hello = of;
   view.hold(null);
-  for (const old of [...world.avatars, ...world.hulls]) old.dispose();
   props.clear();
   contacts.set({ count: 0, values: [] });
   particles.points.geometry.setDrawRange(0, 0);
   depth.hidden = true;
+  if (!same) load(of);
+  if (!again) view.home(of.camera);
+  panel.chose();
+}
+
+function load(of) {
+  for (const old of [...world.avatars, ...world.hulls]) old.dispose();
   world.avatars = of.avatars.map((of) => new Avatar(of));
   world.hulls = of.avatars.map(() => new Hulls());
   for (const avatar of world.avatars) {
     stage.scene.add(avatar.root);
-    avatar.load(connection.fetchBytes).then(world.changed).catch((error) => { avatar.failed = true; problem(`The avatar ${avatar.hello.name} cannot be shown: ${error.message}`); });
+    avatar
+      .load(connection.fetchBytes)
+      .then(world.changed)
+      .catch((error) => {
+        avatar.failed = true;
+        problem(`The avatar ${avatar.hello.name} cannot be shown: ${error.message}`);
+      });
   }
   for (const hull of world.hulls) stage.scene.add(hull.group);
   panel.plain = of.avatars.some((avatar) => avatar.plain);
   view.followed = -1;
-  if (!again) view.home(of.camera);
-  panel.chose();
 }
 
 function frame(buffer) {
@@ -130,13 +187,23 @@ function showDepth(jpeg) {
   if (depth.busy) return;
   const url = URL.createObjectURL(new Blob([jpeg], { type: 'image/jpeg' }));
   depth.busy = true;
-  depth.onload = depth.onerror = () => { URL.revokeObjectURL(url); depth.busy = false; };
+  depth.onload = depth.onerror = () => {
+    URL.revokeObjectURL(url);
+    depth.busy = false;
+  };
   depth.src = url;
   depth.hidden = false;
 }
 
+/// A headset is put on or taken off.
+function restage() {
+  applyChoices();
+  layout();
+}
+
 function applyChoices() {
-  const { choices } = panel, shows = (layer) => panel.shows(layer);
+  const { choices } = panel,
+    shows = (layer) => panel.shows(layer);
   const through = stage.renderer.xr.isPresenting && headset.mode === 'ar';
   const background = choices.background === 'as the system' ? (dark.matches ? 'dark' : 'light') : choices.background;
   stage.show({ background, ground: shows('ground') && world.floor !== false, through });
@@ -150,28 +217,39 @@ function applyChoices() {
   if (!shows('depth')) depth.hidden = true;
   view.follow = choices.follow;
   headset.presence = choices.presence;
-  if (choices.quality !== 'automatic' && stage.quality !== choices.quality) stage.setQuality(choices.quality);
+  if (choices.quality !== 'automatic' && stage.quality !== choices.quality) {
+    stage.setQuality(choices.quality);
+    layout();
+  }
   dirty = true;
 }
 
 // What keys and buttons do.
-const toggle = (name) => { panel.choices[name] = !panel.choices[name]; panel.chose(); };
-const seek = (seconds) => panel.state?.duration > 0 && connection.send('seek', { to: Math.min(Math.max(panel.state.seconds + seconds, 0), panel.state.duration) });
+const toggle = (name) => {
+  panel.choices[name] = !panel.choices[name];
+  panel.chose();
+};
+const seek = (seconds) =>
+  panel.state?.duration > 0 &&
+  connection.send('seek', { to: Math.min(Math.max(panel.state.seconds + seconds, 0), panel.state.duration) });
 const speed = (by) => {
-  const { speeds = [], speed: now } = panel.state ?? {}, next = speeds[speeds.indexOf(now) + by];
+  const { speeds = [], speed: now } = panel.state ?? {},
+    next = speeds[speeds.indexOf(now) + by];
   if (next && panel.state.duration > 0) connection.send('speed', { to: next });
 };
 const parts = (by) => {
   const { parts: now, maxParts } = panel.state ?? {};
   if (maxParts && now + by >= 1 && now + by <= maxParts) connection.send('parts', { count: now + by });
 };
-const unless = (what, act) => { // says why something cannot be done
+const unless = (what, act) => {
+  // says why something cannot be done
   const why = panel.state?.no?.[what];
   if (why) panel.notice(why);
   else act();
 };
 const actions = {
-  pause: () => (panel.state?.ended ? connection.send('restart') : connection.send('pause', { on: !panel.state?.paused })),
+  pause: () =>
+    panel.state?.ended ? connection.send('restart') : connection.send('pause', { on: !panel.state?.paused }),
   step: () => connection.send('step'),
   restart: () => connection.send('restart'),
   back: () => seek(-1),
@@ -181,15 +259,27 @@ const actions = {
   fewer: () => parts(-1),
   more: () => parts(1),
   loop: () => unless('loop', () => connection.send('loop', { on: !panel.state?.loop })),
-  ball: () => unless('throw', () => connection.send('throw', { origin: stage.camera.position.toArray(), target: view.center(new THREE.Vector3()).toArray() })),
+  ball: () =>
+    unless('throw', () =>
+      connection.send('throw', {
+        origin: stage.camera.position.toArray(),
+        target: view.center(new THREE.Vector3()).toArray(),
+      }),
+    ),
   undo: () => unless('undo', () => connection.send('undo')),
   expression: () => {
     const { expressions = [], expression } = panel.state ?? {};
-    if (expressions.length > 0) connection.send('expression', { index: expression + 1 < expressions.length ? expression + 1 : -1 });
+    if (expressions.length > 0)
+      connection.send('expression', { index: expression + 1 < expressions.length ? expression + 1 : -1 });
   },
   follow: () => toggle('follow'),
   reset: () => view.reset(),
-  panel: () => { document.body.classList.toggle('shut'); layout(); },
+  panel: () => {
+    const shut = document.body.classList.toggle('shut');
+    panel.menu.setAttribute('aria-expanded', String(!shut));
+    if (shut && document.activeElement.closest('#panel')) panel.menu.focus();
+    layout();
+  },
   help: () => document.getElementById('help').showModal(),
   vr: () => headset.enter('vr'),
   ar: () => headset.enter('ar'),
@@ -202,35 +292,64 @@ const actions = {
 };
 
 const help = document.getElementById('help');
-help.append(make('h2', {}, 'Keys and pointer'), make('table', {}, ...[['drag', null, null, 'on a prop: drags it; elsewhere: orbits. With two fingers: pans and zooms'], ...kKeys].map(([name, , , what]) => make('tr', {}, make('td', {}, make('kbd', {}, name)), make('td', {}, what)))),
-  make('form', { method: 'dialog' }, make('button', { className: 'wide' }, 'Close')));
+help.append(
+  make('h2', {}, 'Keys and pointer'),
+  make(
+    'table',
+    {},
+    ...[['drag', null, null, 'on a prop: drags it; elsewhere: orbits. With two fingers: pans and zooms'], ...kKeys].map(
+      ([name, , , what]) => make('tr', {}, make('td', {}, make('kbd', {}, name)), make('td', {}, what)),
+    ),
+  ),
+  make('form', { method: 'dialog' }, make('button', { className: 'wide' }, 'Close')),
+);
 
 addEventListener('keydown', (event) => {
-  const on = event.target.closest?.('select, input, button, summary, a, dialog'), { key } = event;
+  const on = event.target.closest?.('select, input, button, summary, a, dialog'),
+    { key } = event;
   if (event.ctrlKey || event.metaKey || event.altKey || help.open || on?.matches('select')) return;
   if (on && (key === ' ' || (on.matches('[type=range]') && /^(Arrow|Home)/.test(key)))) return; // the control's own keys
   const layer = Object.keys(panel.choices.layers)[Number(key) - 1];
   const action = kKeys.find(([, name]) => name === key.toLowerCase() || name === key)?.[2];
   if (event.shiftKey && key.startsWith('Arrow')) orbit(key);
-  else if (layer) { panel.choices.layers[layer] = !panel.shows(layer); panel.chose(); }
-  else if (action && (!event.repeat || /^(step|back|ahead)$/.test(action))) actions[action]();
+  else if (layer) {
+    panel.choices.layers[layer] = !panel.shows(layer);
+    panel.chose();
+  } else if (action && (!event.repeat || /^(step|back|ahead)$/.test(action))) actions[action]();
   else return;
   event.preventDefault();
 });
 
+/// Held keys act ten times a second, and only where that is of use.
+let repeated = 0;
+function mayRepeat({ repeat, timeStamp }, action) {
+  if (repeat && (!/^(step|back|ahead)$/.test(action) || timeStamp - repeated < 100)) return false;
+  repeated = timeStamp;
+  return true;
+}
+
 function orbit(key) {
-  const { camera } = stage, { target } = view.controls, place = new THREE.Spherical().setFromVector3(camera.position.clone().sub(target));
+  const { camera } = stage,
+    { target } = view.controls,
+    place = new THREE.Spherical().setFromVector3(camera.position.clone().sub(target));
   place.theta += { ArrowLeft: -0.1, ArrowRight: 0.1 }[key] ?? 0;
-  place.phi = Math.min(Math.max(place.phi + ({ ArrowUp: -0.1, ArrowDown: 0.1 }[key] ?? 0), 0.05), view.controls.maxPolarAngle);
+  place.phi = Math.min(
+    Math.max(place.phi + ({ ArrowUp: -0.1, ArrowDown: 0.1 }[key] ?? 0), 0.05),
+    view.controls.maxPolarAngle,
+  );
   camera.position.setFromSpherical(place).add(target);
   view.controls.update();
   dirty = true;
 }
 
+/// What sizes of points count in [pixels].
+function setHeight(pixels) {
+  for (const { material } of [contacts.points, particles.points]) material.uniforms.height.value = pixels;
+}
+
 function layout() {
   stage.resize({ width: innerWidth, height: innerHeight, ...panel.covered() });
-  const height = stage.renderer.domElement.height;
-  contacts.points.material.uniforms.height.value = particles.points.material.uniforms.height.value = height;
+  setHeight(stage.renderer.domElement.height);
   dirty = true;
 }
 addEventListener('resize', layout);
@@ -243,7 +362,8 @@ const automatic = { levels: ['low', 'medium', 'high'], since: 0, patience: 3, sl
 function adapt(seconds, now) {
   if (panel.choices.quality !== 'automatic' || stage.renderer.xr.isPresenting || seconds > 0.5) return;
   automatic.slow += (seconds - automatic.slow) * 0.05;
-  const level = automatic.levels.indexOf(stage.quality), waited = now - automatic.since;
+  const level = automatic.levels.indexOf(stage.quality),
+    waited = now - automatic.since;
   let next = level;
   if (automatic.slow > 0.04 && waited > 1 && level > 0) {
     next = level - 1;
@@ -259,19 +379,28 @@ const rates = { at: 0, frames: 0, pictures: 0, bytes: 0 };
 function showRates(now) {
   if (now - rates.at < 1) return;
   const per = (count, before) => ((count - before) / (now - rates.at)).toFixed(0);
-  panel.numbers([['frames a second', per(frames, rates.frames)], ['pictures a second', per(drawnPictures, rates.pictures)],
-    ['received', `${per(connection.received / 1000, rates.bytes / 1000)} kB/s`], ['quality', stage.quality]]);
+  panel.numbers([
+    ['frames a second', per(frames, rates.frames)],
+    ['pictures a second', per(drawnPictures, rates.pictures)],
+    ['received', `${per(connection.received / 1000, rates.bytes / 1000)} kB/s`],
+    ['quality', stage.quality],
+  ]);
   Object.assign(rates, { at: now, frames, pictures: drawnPictures, bytes: connection.received });
 }
 
 let before = 0;
 stage.renderer.setAnimationLoop((milliseconds, xrFrame) => {
-  const now = milliseconds / 1000, seconds = Math.min(now - before, 1);
+  const now = milliseconds / 1000,
+    seconds = Math.min(now - before, 1);
   before = now;
   const presents = stage.renderer.xr.isPresenting;
   adapt(seconds, now);
   showRates(now);
-  if (presents) headset.update(xrFrame);
+  if (presents) {
+    headset.update(xrFrame, seconds);
+    const [eye] = stage.renderer.xr.getCamera().cameras;
+    if (eye) setHeight(eye.viewport.w);
+  }
   if (view.update(seconds, presents)) dirty = true;
   if (!dirty && !presents) return; // a paused page costs nothing
   dirty = false;
@@ -286,25 +415,70 @@ headset.offer();
 /// For tests: numbers only.
 window.loricaPage = {
   problems,
-  get frames() { return frames; },
-  get pictures() { return drawnPictures; },
-  get newest() { return newest; },
-  get open() { return connection.open; },
-  get says() { return connectionText.textContent; },
-  get run() { return hello?.run ?? 0; },
-  get state() { return panel.state; },
-  get quality() { return stage.quality; },
-  get avatars() { return world.avatars.map((a) => ({ name: a.hello.name, loaded: a.loaded, failed: a.failed === true, present: a.present, vrm: a.vrm !== null, center: a.center.toArray() })); },
-  get props() { return props.list.map((mesh) => ({ position: mesh.position.toArray(), fixed: mesh.userData.fixed, visible: mesh.visible })); },
-  get held() { return view.held ? view.held.mesh.userData.index : -1; },
-  get mode() { return headset.mode; },
-  get camera() { return new THREE.Vector3().setFromMatrixPosition(stage.camera.matrixWorld).toArray(); },
-  get rig() { return { position: stage.rig.position.toArray(), yaw: stage.rig.rotation.y }; },
+  get frames() {
+    return frames;
+  },
+  get pictures() {
+    return drawnPictures;
+  },
+  get newest() {
+    return newest;
+  },
+  get open() {
+    return connection.open;
+  },
+  get says() {
+    return connectionText.textContent;
+  },
+  get run() {
+    return hello?.run ?? 0;
+  },
+  get state() {
+    return panel.state;
+  },
+  get quality() {
+    return stage.quality;
+  },
+  get avatars() {
+    return world.avatars.map((a) => ({
+      name: a.hello.name,
+      loaded: a.loaded,
+      failed: a.failed === true,
+      present: a.present,
+      vrm: a.vrm !== null,
+      center: a.center.toArray(),
+    }));
+  },
+  get props() {
+    return props.list.map((mesh) => ({
+      position: mesh.position.toArray(),
+      fixed: mesh.userData.fixed,
+      visible: mesh.visible,
+    }));
+  },
+  get particles() {
+    return { all: particles.all, sent: particles.sent };
+  },
+  get held() {
+    return view.held ? view.held.mesh.userData.index : -1;
+  },
+  get mode() {
+    return headset.mode;
+  },
+  get camera() {
+    return new THREE.Vector3().setFromMatrixPosition(stage.camera.matrixWorld).toArray();
+  },
+  get rig() {
+    return { position: stage.rig.position.toArray(), yaw: stage.rig.rotation.y };
+  },
   /// Where a prop is seen on the page, if a press there would take it [CSS pixels].
   screenOf(index) {
-    const mesh = props.list[index], { camera } = stage;
+    const mesh = props.list[index],
+      { camera } = stage;
     camera.updateMatrixWorld();
-    const from = camera.position.clone(), at = mesh.position.clone(), hit = view.hit(from, at.clone().sub(from).normalize());
+    const from = camera.position.clone(),
+      at = mesh.position.clone(),
+      hit = view.hit(from, at.clone().sub(from).normalize());
     at.project(camera);
     if (hit?.object !== mesh || Math.abs(at.x) > 1 || Math.abs(at.y) > 1) return null;
     return [((at.x + 1) / 2) * innerWidth, ((1 - at.y) / 2) * innerHeight];

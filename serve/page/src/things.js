@@ -4,7 +4,10 @@ import { RoundedBoxGeometry } from 'three/addons/geometries/RoundedBoxGeometry.j
 import { lit } from './stage.js';
 import { edgesOf, matrixOfPose, readMesh } from './wire.js';
 
-const position = new THREE.Vector3(), quaternion = new THREE.Quaternion(), one = new THREE.Vector3(1, 1, 1);
+const tint = new THREE.Color();
+const position = new THREE.Vector3(),
+  quaternion = new THREE.Quaternion(),
+  one = new THREE.Vector3(1, 1, 1);
 
 const kShapes = {
   box: ([x, y, z]) => new RoundedBoxGeometry(2 * x, 2 * y, 2 * z, 2, Math.min(0.12 * Math.min(x, y, z), 0.015)),
@@ -17,39 +20,56 @@ export class Props {
   group = new THREE.Group();
   version = -1;
   list = [];
+  #texts = []; // of each prop, to see which are others
   #geometries = new Map();
   #materials = new Map();
 
+  /// Props that are as before keep their places.
   /// @param fetchBytes  async (path) => ArrayBuffer, for props with meshes
   set({ version, props }, fetchBytes, problem) {
-    this.clear();
+    const texts = props.map((prop) => JSON.stringify(prop));
+    this.list = props.map((prop, index) =>
+      texts[index] === this.#texts[index] ? this.list[index] : this.#make(prop, index, fetchBytes, problem),
+    );
+    this.group.clear();
+    if (this.list.length > 0) this.group.add(...this.list);
+    this.#texts = texts;
     this.version = version;
-    this.list = props.map((prop, index) => {
-      const key = prop.shape === 'mesh' ? `mesh ${prop.mesh}` : `${prop.shape} ${prop.half}`;
-      if (!this.#geometries.has(key)) this.#geometries.set(key, kShapes[prop.shape]?.(prop.half) ?? new THREE.BufferGeometry());
-      const mesh = new THREE.Mesh(this.#geometries.get(key), this.#material(prop.color));
-      mesh.castShadow = mesh.receiveShadow = true;
-      mesh.matrixAutoUpdate = false;
-      mesh.visible = false; // until its pose is known
-      mesh.userData = { index, fixed: prop.fixed === true };
-      this.group.add(mesh);
-      return mesh;
-    });
-    for (const number of new Set(props.filter((prop) => prop.shape === 'mesh').map((prop) => prop.mesh))) {
-      fetchBytes(`/mesh/${number}`).then((bytes) => {
-        if (version !== this.version) return;
-        const { positions, indices } = readMesh(bytes), geometry = this.#geometries.get(`mesh ${number}`);
-        geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3)).setIndex(new THREE.BufferAttribute(indices, 1));
-        geometry.computeVertexNormals();
-        geometry.computeBoundingSphere();
-      }).catch((error) => problem(`The mesh of a prop: ${error.message}`));
+  }
+
+  #make({ shape, half, color, fixed, mesh: number }, index, fetchBytes, problem) {
+    const key = shape === 'mesh' ? `mesh ${number}` : `${shape} ${half}`;
+    if (!this.#geometries.has(key)) {
+      this.#geometries.set(key, kShapes[shape]?.(half) ?? new THREE.BufferGeometry());
+      if (shape === 'mesh') this.#fetch(number, this.#geometries.get(key), fetchBytes, problem);
+    }
+    const mesh = new THREE.Mesh(this.#geometries.get(key), this.#material(color));
+    mesh.castShadow = mesh.receiveShadow = true;
+    mesh.matrixAutoUpdate = false;
+    mesh.visible = false; // until its pose is known
+    mesh.userData = { index, fixed: fixed === true };
+    return mesh;
+  }
+
+  async #fetch(number, geometry, fetchBytes, problem) {
+    try {
+      const { positions, indices } = readMesh(await fetchBytes(`/mesh/${number}`));
+      geometry.setAttribute('position', new THREE.BufferAttribute(positions, 3));
+      geometry.setIndex(new THREE.BufferAttribute(indices, 1));
+      geometry.computeVertexNormals();
+      geometry.computeBoundingSphere();
+    } catch (error) {
+      problem(`The mesh of a prop: ${error.message}`);
     }
   }
 
   #material(color) {
     const key = `${color}`;
     if (!this.#materials.has(key)) {
-      this.#materials.set(key, lit(new THREE.MeshStandardMaterial({ color: new THREE.Color(...color), roughness: 0.55 })));
+      this.#materials.set(
+        key,
+        lit(new THREE.MeshStandardMaterial({ color: new THREE.Color(...color), roughness: 0.55 })),
+      );
     }
     return this.#materials.get(key);
   }
@@ -74,6 +94,7 @@ export class Props {
       cache.clear();
     }
     this.list = [];
+    this.#texts = [];
     this.version = -1;
   }
 }
@@ -82,7 +103,11 @@ export class Props {
 function room(geometry, name, itemSize, count, Type = Float32Array, normalized = false) {
   const old = name === 'index' ? geometry.index : geometry.attributes[name];
   if (old && old.count >= count) return old;
-  const fresh = new THREE.BufferAttribute(new Type(itemSize * Math.ceil(count * 1.5 + 64)), itemSize, normalized).setUsage(THREE.DynamicDrawUsage);
+  const fresh = new THREE.BufferAttribute(
+    new Type(itemSize * Math.ceil(count * 1.5 + 64)),
+    itemSize,
+    normalized,
+  ).setUsage(THREE.DynamicDrawUsage);
   if (old) geometry.dispose();
   if (name === 'index') geometry.setIndex(fresh);
   else geometry.setAttribute(name, fresh);
@@ -105,43 +130,79 @@ function overlay(object, order) {
 /// Translucent hulls with edges, all parts of an avatar in two meshes.
 export class Hulls {
   group = new THREE.Group();
-  #faces = overlay(new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshBasicMaterial({
-    vertexColors: true, transparent: true, opacity: 0.38, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -1, polygonOffsetUnits: -2 })), 2);
-  #edges = overlay(new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 })), 3);
+  #faces = overlay(
+    new THREE.Mesh(
+      new THREE.BufferGeometry(),
+      new THREE.MeshBasicMaterial({
+        vertexColors: true,
+        transparent: true,
+        opacity: 0.38,
+        depthWrite: false,
+        polygonOffset: true,
+        polygonOffsetFactor: -1,
+        polygonOffsetUnits: -2,
+      }),
+    ),
+    2,
+  );
+  #edges = overlay(
+    new THREE.LineSegments(
+      new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ vertexColors: true, transparent: true, opacity: 0.9 }),
+    ),
+    3,
+  );
   #known = []; // faces and edges of each part
   #matrix = new Float32Array(12);
-  #color = new THREE.Color();
 
   constructor() {
     this.group.add(this.#faces, this.#edges);
   }
 
   set(parts) {
-    let vertices = 0, corners = 0, ends = 0;
+    let vertices = 0,
+      corners = 0,
+      ends = 0;
     parts.forEach((part, i) => {
-      if (part.triangles.length > 0) this.#known[i] = { triangles: part.triangles.slice(), edges: edgesOf(part.vertices, part.triangles), vertices: part.vertices.length / 3 };
+      if (part.triangles.length > 0)
+        this.#known[i] = {
+          triangles: part.triangles.slice(),
+          edges: edgesOf(part.vertices, part.triangles),
+          vertices: part.vertices.length / 3,
+        };
       if (!this.#drawn(part, i)) return;
       vertices += part.vertices.length / 3;
       corners += this.#known[i].triangles.length;
       ends += this.#known[i].edges.length;
     });
-    const faces = this.#faces.geometry, edges = this.#edges.geometry;
-    const places = room(faces, 'position', 3, vertices), tints = room(faces, 'color', 3, vertices), dark = room(edges, 'color', 3, vertices);
-    const face = room(faces, 'index', 1, corners, Uint32Array), edge = room(edges, 'index', 1, ends, Uint32Array), m = this.#matrix;
+    const faces = this.#faces.geometry,
+      edges = this.#edges.geometry;
+    const places = room(faces, 'position', 3, vertices),
+      tints = room(faces, 'color', 3, vertices),
+      dark = room(edges, 'color', 3, vertices);
+    const face = room(faces, 'index', 1, corners, Uint32Array),
+      edge = room(edges, 'index', 1, ends, Uint32Array),
+      m = this.#matrix;
     edges.setAttribute('position', places);
-    let vertex = 0, corner = 0, end = 0;
+    let vertex = 0,
+      corner = 0,
+      end = 0;
     parts.forEach((part, i) => {
       if (!this.#drawn(part, i)) return;
-      const first = vertex, scale = part.extent / 32767, [r, g, b] = part.color;
-      const color = this.#color.setRGB(r / 255, g / 255, b / 255, THREE.SRGBColorSpace).toArray();
+      const first = vertex,
+        scale = part.extent / 32767,
+        [red, green, blue] = part.color;
+      tint.setRGB(red / 255, green / 255, blue / 255, THREE.SRGBColorSpace);
       matrixOfPose(part.pose, 0, m, 0);
       for (let v = 0; v < part.vertices.length; v += 3, ++vertex) {
-        const x = part.vertices[v] * scale, y = part.vertices[v + 1] * scale, z = part.vertices[v + 2] * scale;
+        const x = part.vertices[v] * scale,
+          y = part.vertices[v + 1] * scale,
+          z = part.vertices[v + 2] * scale;
         for (let row = 0; row < 3; ++row) {
           places.array[3 * vertex + row] = m[4 * row] * x + m[4 * row + 1] * y + m[4 * row + 2] * z + m[4 * row + 3];
-          tints.array[3 * vertex + row] = color[row];
-          dark.array[3 * vertex + row] = 0.3 * color[row];
         }
+        tint.toArray(tints.array, 3 * vertex);
+        for (let c = 0; c < 3; ++c) dark.array[3 * vertex + c] = 0.3 * tints.array[3 * vertex + c];
       }
       for (const v of this.#known[i].triangles) face.array[corner++] = first + v;
       for (const v of this.#known[i].edges) edge.array[end++] = first + v;
@@ -157,11 +218,15 @@ export class Hulls {
 
   dispose() {
     this.group.removeFromParent();
-    for (const { geometry, material } of [this.#faces, this.#edges]) { geometry.dispose(); material.dispose(); }
+    for (const { geometry, material } of [this.#faces, this.#edges]) {
+      geometry.dispose();
+      material.dispose();
+    }
   }
 }
 
-const kDisc = { // as the window's: red with a white rim, 16 mm, never tiny
+const kDisc = {
+  // as the window's: red with a white rim, 16 mm, never tiny
   uniforms: { height: { value: 720 } },
   vertexShader: `uniform float height; varying float radius;
     void main() {
@@ -176,7 +241,8 @@ const kDisc = { // as the window's: red with a white rim, 16 mm, never tiny
     }`,
 };
 
-const kGrain = { // a ball's front, lit by the key light
+const kGrain = {
+  // a ball's front, lit by the key light
   uniforms: { height: { value: 720 }, radius: { value: 0.02 }, tint: { value: new THREE.Vector3() } },
   vertexShader: `uniform float height, radius; varying vec3 light;
     void main() {
@@ -194,13 +260,26 @@ const kGrain = { // a ball's front, lit by the key light
 };
 
 export class Contacts {
-  points = overlay(new THREE.Points(new THREE.BufferGeometry(), new THREE.ShaderMaterial({ ...kDisc, transparent: true, depthTest: false })), 5);
-  arrows = overlay(new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xff3b22, transparent: true, depthTest: false })), 4);
+  points = overlay(
+    new THREE.Points(
+      new THREE.BufferGeometry(),
+      new THREE.ShaderMaterial({ ...kDisc, transparent: true, depthTest: false }),
+    ),
+    5,
+  );
+  arrows = overlay(
+    new THREE.LineSegments(
+      new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ color: 0xff3b22, transparent: true, depthTest: false }),
+    ),
+    4,
+  );
   group = new THREE.Group().add(this.arrows, this.points);
 
   /// An arrow is as long as its impulse says, at most 30 cm.
   set({ count, values }) {
-    const places = room(this.points.geometry, 'position', 3, count), ends = room(this.arrows.geometry, 'position', 3, 2 * count);
+    const places = room(this.points.geometry, 'position', 3, count),
+      ends = room(this.arrows.geometry, 'position', 3, 2 * count);
     for (let i = 0; i < count; ++i) {
       const length = Math.min(0.05 + 0.02 * values[7 * i + 6], 0.3);
       for (let k = 0; k < 3; ++k) {
@@ -216,16 +295,19 @@ export class Contacts {
 }
 
 export class Particles {
+  all = 0;
+  sent = 0;
   points = overlay(new THREE.Points(new THREE.BufferGeometry(), new THREE.ShaderMaterial(kGrain)), 0);
 
-  /// The places go to the graphics card as they came; the box is the matrix.
-  set({ sent, radius, color, lowest, size, places }) {
+  /// The places go to the graphics card as they came; the box is the matrix. Where only some were sent they are larger.
+  set({ all, sent, radius, color, lowest, size, places }) {
+    Object.assign(this, { all, sent });
     const attribute = room(this.points.geometry, 'position', 3, sent, Uint16Array, true);
     attribute.array.set(places);
     upload(attribute, sent);
     this.points.geometry.setDrawRange(0, sent);
     const { uniforms } = this.points.material;
-    uniforms.radius.value = radius;
+    uniforms.radius.value = radius * Math.min(Math.cbrt(all / Math.max(sent, 1)), 3);
     uniforms.tint.value.set(color[0], color[1], color[2]).divideScalar(255);
     this.points.matrix.makeScale(...size).setPosition(...lowest);
     this.points.matrixWorldNeedsUpdate = true;
@@ -234,7 +316,13 @@ export class Particles {
 
 /// Lines from joint to joint, over everything.
 export class Bones {
-  lines = overlay(new THREE.LineSegments(new THREE.BufferGeometry(), new THREE.LineBasicMaterial({ color: 0xff9d2e, depthTest: false, transparent: true })), 6);
+  lines = overlay(
+    new THREE.LineSegments(
+      new THREE.BufferGeometry(),
+      new THREE.LineBasicMaterial({ color: 0xff9d2e, depthTest: false, transparent: true }),
+    ),
+    6,
+  );
 
   set(avatars) {
     const places = room(this.lines.geometry, 'position', 3, 512 * Math.max(avatars.length, 1));

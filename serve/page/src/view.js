@@ -2,7 +2,13 @@
 import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 
-const kSides = { front: [0.57, 0.12, 0.82], back: [0, 0.15, -1], left: [1, 0.1, 0.05], right: [-1, 0.1, 0.05], above: [0, 1, 0.02] };
+const kSides = {
+  front: [0.57, 0.12, 0.82],
+  back: [0, 0.15, -1],
+  left: [1, 0.1, 0.05],
+  right: [-1, 0.1, 0.05],
+  above: [0, 1, 0.02],
+};
 const kClick = 6; // a press that moves less is a click [CSS pixels]
 
 export class View {
@@ -16,6 +22,7 @@ export class View {
   #placed = false;
   #home = { eye: [1.8, 1.6, 3.6], target: [0, 0.95, 0] };
   #down = null;
+  #touched = false; // the camera, since it was at home
 
   /// @param world  { stage, props, avatars, connection, mayDrag(), changed() }
   constructor(world, canvas) {
@@ -26,12 +33,25 @@ export class View {
     canvas.addEventListener('pointermove', (event) => this.#move(event));
     for (const type of ['pointerup', 'pointercancel']) canvas.addEventListener(type, (event) => this.#up(event));
     this.controls = new OrbitControls(world.stage.camera, canvas);
-    Object.assign(this.controls, { enableDamping: true, dampingFactor: 0.16, maxPolarAngle: Math.PI / 2 - 0.03, minDistance: 0.4, maxDistance: 40 });
+    Object.assign(this.controls, {
+      enableDamping: true,
+      dampingFactor: 0.16,
+      maxPolarAngle: Math.PI / 2 - 0.03,
+      minDistance: 0.4,
+      maxDistance: 40,
+    });
+    this.controls.addEventListener('start', () => {
+      this.#touched = true;
+    });
     this.controls.addEventListener('change', () => world.changed());
-    this.marker = new THREE.Mesh(new THREE.SphereGeometry(0.022, 16, 12), new THREE.MeshBasicMaterial({ color: 0xff7a1a, depthTest: false, transparent: true }));
+    this.marker = new THREE.Mesh(
+      new THREE.SphereGeometry(0.022, 16, 12),
+      new THREE.MeshBasicMaterial({ color: 0xff7a1a, depthTest: false, transparent: true }),
+    );
     this.marker.renderOrder = 7;
     this.marker.visible = false;
     world.stage.scene.add(this.marker);
+    this.reset();
   }
 
   home({ eye, target, fov }) {
@@ -43,16 +63,18 @@ export class View {
   reset() {
     this.#world.stage.camera.position.set(...this.#home.eye);
     this.controls.target.set(...this.#home.target);
-    this.#placed = false;
+    this.#placed = this.#touched = false;
     this.controls.update();
     this.#world.changed();
   }
 
   /// front, back, left, right, above: of the avatar that is followed
   look(side) {
-    const avatar = this.#world.avatars[Math.max(this.followed, 0)], { camera } = this.#world.stage;
+    const avatar = this.#world.avatars[Math.max(this.followed, 0)],
+      { camera } = this.#world.stage;
     if (!avatar) return;
-    const facing = avatar.facing(new THREE.Vector3()), [x, y, z] = kSides[side];
+    const facing = avatar.facing(new THREE.Vector3()),
+      [x, y, z] = kSides[side];
     const distance = Math.min(Math.max(camera.position.distanceTo(this.controls.target), 2.5), 5);
     this.controls.target.copy(this.#center);
     const offset = new THREE.Vector3(facing.z * x + facing.x * z, y, -facing.x * x + facing.z * z).setLength(distance);
@@ -72,21 +94,44 @@ export class View {
 
   /// Once a picture. @return whether the camera moved
   update(seconds, presents) {
-    const { stage, connection } = this.#world, goal = this.center(point);
+    const { stage, connection } = this.#world,
+      goal = this.center(point);
     if (!this.#placed) {
       this.#center.copy(goal);
       this.#placed = true;
     }
-    const step = moved.copy(goal).sub(this.#center).multiplyScalar(1 - Math.exp(-seconds / 0.35));
+    const step = moved
+      .copy(goal)
+      .sub(this.#center)
+      .multiplyScalar(1 - Math.exp(-seconds / 0.35));
     this.#center.add(step);
     if (this.follow && !presents && step.lengthSq() > 1e-9) {
       stage.camera.position.add(step);
       this.controls.target.add(step);
     }
+    if (!presents && !this.#touched) this.#showWholly(seconds);
     stage.lightAt(this.#center);
     if (this.held) this.marker.position.copy(this.held.local).applyMatrix4(this.held.mesh.matrixWorld);
     connection.drawn(this.#world.newest());
     return !presents && this.controls.update(seconds);
+  }
+
+  /// Moves back as far as needed to show the avatars, until the user moves the camera.
+  #showWholly(seconds) {
+    const { stage, avatars } = this.#world,
+      { position } = stage.camera,
+      { target } = this.controls;
+    box.makeEmpty();
+    for (const avatar of avatars) if (avatar.present && !avatar.box.isEmpty()) box.union(avatar.box);
+    if (box.isEmpty()) return;
+    const needed = (0.55 * box.getSize(moved).length() + 0.15) / Math.sin(stage.halfAngle);
+    const distance = position.distanceTo(target);
+    if (distance >= 0.98 * needed) return;
+    moved
+      .copy(position)
+      .sub(target)
+      .setLength(distance + (needed - distance) * (1 - Math.exp(-seconds / 0.3)));
+    position.copy(target).add(moved);
   }
 
   hold(hit) {
@@ -96,27 +141,48 @@ export class View {
     this.#world.changed();
   }
 
+  /// After other props came: the held one is held on.
+  keep() {
+    if (!this.held) return;
+    const mesh = this.#world.props.list[this.held.mesh.userData.index];
+    if (mesh) this.held.mesh = mesh;
+    else this.hold(null);
+  }
+
   /// The first loose prop that a ray meets, if no fixed one is before it.
   hit(origin, direction) {
     this.#caster.set(origin, direction);
-    const [first] = this.#caster.intersectObjects(this.#world.props.list.filter((mesh) => mesh.visible), false);
+    const [first] = this.#caster.intersectObjects(
+      this.#world.props.list.filter((mesh) => mesh.visible),
+      false,
+    );
     return first && !first.object.userData.fixed ? first : null;
   }
 
   #ray(event) {
-    const box = this.canvas.getBoundingClientRect(), { camera } = this.#world.stage;
-    this.#pointer.set(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    const box = this.canvas.getBoundingClientRect(),
+      { camera } = this.#world.stage;
+    this.#pointer.set(
+      ((event.clientX - box.left) / box.width) * 2 - 1,
+      1 - ((event.clientY - box.top) / box.height) * 2,
+    );
     camera.updateMatrixWorld();
     this.#caster.setFromCamera(this.#pointer, camera);
     const { origin, direction } = this.#caster.ray;
-    return { origin: camera.position.toArray(), direction: direction.toArray(), forward: camera.getWorldDirection(new THREE.Vector3()).toArray(), ray: { origin, direction } };
+    return {
+      origin: camera.position.toArray(),
+      direction: direction.toArray(),
+      forward: camera.getWorldDirection(new THREE.Vector3()).toArray(),
+      ray: { origin, direction },
+    };
   }
 
   #press(event) {
     if (event.button !== 0 || this.held) return;
     this.#down = { id: event.pointerId, x: event.clientX, y: event.clientY };
     if (!this.#world.mayDrag() || !event.isPrimary) return;
-    const { ray, ...wire } = this.#ray(event), hit = this.hit(ray.origin.clone(), ray.direction.clone());
+    const { ray, ...wire } = this.#ray(event),
+      hit = this.hit(ray.origin.clone(), ray.direction.clone());
     if (!hit) return;
     event.stopImmediatePropagation();
     this.controls.enabled = false;
@@ -156,10 +222,14 @@ export class View {
     const { avatars } = this.#world;
     if (avatars.length < 2) return;
     const ray = new THREE.Ray(origin, direction);
-    const near = avatars.map((a, i) => [i, a.present ? ray.distanceToPoint(a.center) : Infinity, a.center.distanceTo(origin)])
-      .filter(([, away]) => away < 0.45).sort((a, b) => a[2] - b[2]);
+    const near = avatars
+      .map((a, i) => [i, a.present ? ray.distanceToPoint(a.center) : Infinity, a.center.distanceTo(origin)])
+      .filter(([, away]) => away < 0.45)
+      .sort((a, b) => a[2] - b[2]);
     this.followed = near[0]?.[0] ?? -1;
   }
 }
 
-const point = new THREE.Vector3(), moved = new THREE.Vector3();
+const box = new THREE.Box3(),
+  point = new THREE.Vector3(),
+  moved = new THREE.Vector3();

@@ -16,50 +16,154 @@ const require = createRequire(path.join(process.cwd(), 'package.json'));
 const { default: puppeteer } = await import(pathToFileURL(require.resolve('puppeteer-core')));
 fs.mkdirSync(folder, { recursive: true });
 
-const kDesktop = { width: 1280, height: 720 }, kPhone = { width: 390, height: 844, hasTouch: true, isMobile: true };
+const kDesktop = { width: 1280, height: 720 },
+  kPhone = { width: 390, height: 844, hasTouch: true, isMobile: true };
 const kWait = { timeout: 60000, polling: 50 };
 const result = { errors: [], outside: [] };
 
 const browser = await puppeteer.launch({
   executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist', '--disable-quic', '--no-first-run',
-    '--disable-background-networking', '--disable-component-update', '--disable-sync', '--ignore-certificate-errors'],
+  args: [
+    '--no-sandbox',
+    '--use-angle=swiftshader',
+    '--enable-unsafe-swiftshader',
+    '--ignore-gpu-blocklist',
+    '--disable-quic',
+    '--no-first-run',
+    '--disable-background-networking',
+    '--disable-component-update',
+    '--disable-sync',
+    '--ignore-certificate-errors',
+  ],
   protocolTimeout: 180000,
 });
 
-async function open(size, { scheme = 'light', quality = 'high', follow = true, before } = {}) {
-  const context = await browser.createBrowserContext(), page = await context.newPage();
+async function open(size, { before } = {}) {
+  const context = await browser.createBrowserContext(),
+    page = await context.newPage();
   page.on('pageerror', (error) => result.errors.push(error.message));
-  page.on('console', (message) => { if (message.type() === 'error') result.errors.push(message.text()); });
-  page.on('request', (request) => { // nothing may leave the origin
+  page.on('console', (message) => {
+    if (message.type() === 'error') result.errors.push(message.text());
+  });
+  page.on('request', (request) => {
+    // nothing may leave the origin
     const to = request.url();
     if (!/^(blob|data):/.test(to) && new URL(to).host !== new URL(url).host) result.outside.push(to);
   });
   await page.setViewport(size);
-  await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: scheme }]);
-  const choices = JSON.stringify({ quality, follow, layers: { hulls: false } });
-  await page.evaluateOnNewDocument((kept) => { try { localStorage.setItem('lorica', kept); } catch { /* about:blank */ } }, choices);
+  await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }]);
+  const choices = JSON.stringify({ quality: 'high', layers: { hulls: false } });
+  await page.evaluateOnNewDocument((kept) => {
+    try {
+      localStorage.setItem('lorica', kept);
+    } catch {
+      /* about:blank */
+    }
+  }, choices);
   if (before) await page.evaluateOnNewDocument(before);
   await page.goto(url);
-  await until(page, () => window.loricaPage?.avatars.length > 0 && window.loricaPage.avatars.every((a) => a.loaded || a.failed));
+  await until(
+    page,
+    () => window.loricaPage?.avatars.length > 0 && window.loricaPage.avatars.every((a) => a.loaded || a.failed),
+  );
   await drawn(page);
   return page;
 }
 const until = (page, condition, ...values) => page.waitForFunction(condition, kWait, ...values);
 /// Until the page has drawn twice what came since now.
 async function drawn(page) {
-  const { frames, pictures } = await page.evaluate(() => ({ frames: loricaPage.frames, pictures: loricaPage.pictures }));
+  const { frames, pictures } = await page.evaluate(() => ({
+    frames: loricaPage.frames,
+    pictures: loricaPage.pictures,
+  }));
   await until(page, (f, p) => loricaPage.frames > f && loricaPage.pictures > p + 1, frames, pictures);
 }
 const shot = (page, name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
 const see = (page) => page.evaluate(() => JSON.parse(JSON.stringify(window.loricaPage)));
 const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
 /// The loose prop nearest to the middle that can be pressed, and where. @return [index, [x, y]]
-const loose = (page) => page.evaluate(() => {
-  const list = loricaPage.props.map((prop, index) => [index, prop.fixed ? null : loricaPage.screenOf(index)]);
-  const away = ([, [x, y]]) => Math.hypot(x - innerWidth / 2, y - innerHeight / 2);
-  return list.filter(([, at]) => at && document.elementFromPoint(...at)?.id === 'view').sort((a, b) => away(a) - away(b))[0] ?? null;
-});
+const loose = (page) =>
+  page.evaluate(() => {
+    const list = loricaPage.props.map((prop, index) => [index, prop.fixed ? null : loricaPage.screenOf(index)]);
+    const away = ([, [x, y]]) => Math.hypot(x - innerWidth / 2, y - innerHeight / 2);
+    return (
+      list
+        .filter(([, at]) => at && document.elementFromPoint(...at)?.id === 'view')
+        .sort((a, b) => away(a) - away(b))[0] ?? null
+    );
+  });
+
+async function scheme(page, value) {
+  await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value }]);
+  await drawn(page);
+}
+
+async function play(page) {
+  await until(page, () => loricaPage.state !== null);
+  await page.keyboard.press(' ');
+  await until(page, () => loricaPage.state.paused);
+  const { state } = await see(page);
+  await shot(page, 'desktop_paused');
+  result.play = { pausedAt: state.seconds };
+  if (state.duration > 0) {
+    await page.keyboard.press('Home');
+    await until(page, (before) => loricaPage.state.seconds < Math.max(before, 0.2), state.seconds);
+    result.play.restartedAt = (await see(page)).state.seconds;
+  }
+  if ((await see(page)).state.paused) await page.keyboard.press(' ');
+  await until(page, () => !loricaPage.state.paused);
+}
+
+async function drag(page) {
+  await until(page, () => loricaPage.props.every((prop) => prop.visible));
+  await drawn(page);
+  const found = await loose(page);
+  if (!found) {
+    result.drag = { none: true };
+    return;
+  }
+  const [, [x, y]] = found;
+  const { camera } = await see(page);
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await until(page, () => loricaPage.held >= 0);
+  const { held, props } = await see(page);
+  const before = props[held].position;
+  for (let i = 1; i <= 12; ++i) await page.mouse.move(x - 8 * i, y - 12 * i);
+  const movedBy = (i, from) => Math.hypot(...loricaPage.props[i].position.map((v, k) => v - from[k])) > 0.15;
+  await until(page, movedBy, held, before);
+  await drawn(page);
+  await shot(page, 'desktop_drag');
+  const after = await see(page);
+  await page.mouse.up();
+  await until(page, () => loricaPage.held === -1);
+  const moved = distance(after.props[held].position, before);
+  result.drag = { index: held, moved, cameraMoved: distance(after.camera, camera) };
+
+  // A drag beside all props orbits.
+  const free = [60, 330];
+  await page.mouse.move(...free);
+  await page.mouse.down();
+  await page.mouse.move(free[0] + 40, free[1], { steps: 4 });
+  await page.mouse.up();
+  await until(page, (from) => Math.hypot(...loricaPage.camera.map((v, k) => v - from[k])) > 0.1, camera);
+  result.drag.orbits = true;
+}
+
+async function throwBall(page) {
+  const { props, state } = await see(page);
+  if (state.no.throw) {
+    result.throw = { cannot: state.no.throw };
+    return;
+  }
+  await page.click('#bar button[aria-label="Throw a ball"]');
+  await until(page, (count) => loricaPage.props.length > count && loricaPage.props.at(-1).visible, props.length);
+  const thrown = (await see(page)).props.at(-1).position;
+  const flies = (from) => Math.hypot(...loricaPage.props.at(-1).position.map((v, k) => v - from[k])) > 0.3;
+  await until(page, flies, thrown);
+  await shot(page, 'desktop_throw');
+  result.throw = { props: [props.length, (await see(page)).props.length] };
+}
 
 const parts = {
   async desktop() {
@@ -67,138 +171,115 @@ const parts = {
     await shot(page, 'desktop_light');
     const { frames, avatars, props, run, problems, quality, state } = await see(page);
     result.desktop = { frames, avatars, props: props.length, run, problems, quality, title: state?.title };
+    await scheme(page, 'dark');
+    await shot(page, 'desktop_dark');
+    await scheme(page, 'light');
     await page.focus('#view');
     await page.keyboard.press('2');
     await drawn(page);
     await shot(page, 'desktop_hulls');
-    await page.keyboard.press('3');
+    await page.keyboard.press('2');
     await page.keyboard.press('h');
     await shot(page, 'desktop_help');
-    await page.close();
-  },
-
-  async dark() {
-    const page = await open(kDesktop, { scheme: 'dark' });
-    await shot(page, 'desktop_dark');
+    await page.keyboard.press('Escape');
+    await page.select('#panel select:has(option[value=automatic])', 'low');
+    await page.focus('#view');
+    await page.keyboard.press('f'); // the camera stays
+    await play(page);
+    await drag(page);
+    await throwBall(page);
     await page.close();
   },
 
   async phone() {
-    for (const scheme of ['light', 'dark']) {
-      const page = await open(kPhone, { scheme });
-      await shot(page, `phone_${scheme}`);
-      await page.tap('button[aria-label=Settings]');
-      await until(page, () => !document.body.classList.contains('shut'));
-      await drawn(page);
-      await shot(page, `phone_${scheme}_settings`);
-      await page.close();
-    }
+    const page = await open(kPhone);
+    await shot(page, 'phone_light');
+    await page.tap('button[aria-label=Settings]');
+    await until(page, () => !document.body.classList.contains('shut'));
+    await drawn(page);
+    await shot(page, 'phone_light_settings');
+    await scheme(page, 'dark');
+    await shot(page, 'phone_dark_settings');
+    await page.tap('.handle button');
+    await until(page, () => document.body.classList.contains('shut'));
+    await drawn(page);
+    await shot(page, 'phone_dark');
     result.phone = true;
-  },
-
-  async play() {
-    const page = await open(kDesktop, { quality: 'low' });
-    await until(page, () => loricaPage.state !== null);
-    const pause = async () => {
-      await page.focus('#view');
-      await page.keyboard.press(' ');
-    };
-    await pause();
-    await until(page, () => loricaPage.state.paused);
-    const at = (await see(page)).state.seconds;
-    await shot(page, 'desktop_paused');
-    result.play = { pausedAt: at };
-    if ((await see(page)).state.duration > 0) {
-      await page.keyboard.press('Home');
-      await until(page, (before) => loricaPage.state.seconds < Math.max(before, 0.2), at);
-      result.play.restartedAt = (await see(page)).state.seconds;
-    }
-    if ((await see(page)).state.paused) await pause();
-    await until(page, () => !loricaPage.state.paused);
-    await page.close();
-  },
-
-  async drag() {
-    const page = await open(kDesktop, { quality: 'low', follow: false });
-    await until(page, () => loricaPage.props.some((prop) => prop.visible));
-    const found = await loose(page);
-    if (!found) {
-      result.drag = { none: true };
-      return page.close();
-    }
-    const [index, [x, y]] = found, before = (await see(page)).props[index].position, camera = (await see(page)).camera;
-    await page.mouse.move(x, y);
-    await page.mouse.down();
-    await until(page, () => loricaPage.held >= 0);
-    const held = (await see(page)).held;
-    for (let i = 1; i <= 12; ++i) await page.mouse.move(x - 8 * i, y - 12 * i);
-    await until(page, (i, from) => Math.hypot(...loricaPage.props[i].position.map((v, k) => v - from[k])) > 0.15, held, before);
-    await shot(page, 'desktop_drag');
-    const moved = distance((await see(page)).props[held].position, before);
-    await page.mouse.up();
-    await until(page, () => loricaPage.held === -1);
-    result.drag = { index: held, moved, cameraMoved: distance((await see(page)).camera, camera) };
-
-    // A drag beside all props orbits.
-    const free = [60, 330];
-    await page.mouse.move(...free);
-    await page.mouse.down();
-    await page.mouse.move(free[0] + 80, free[1], { steps: 4 });
-    await page.mouse.up();
-    await until(page, (from) => Math.hypot(...loricaPage.camera.map((v, k) => v - from[k])) > 0.1, camera);
-    result.drag.orbits = true;
-    await page.close();
-  },
-
-  async throw() {
-    const page = await open(kDesktop);
-    await until(page, () => loricaPage.props.length > 0 && loricaPage.state !== null);
-    const { props, state } = await see(page);
-    if (state.no.throw) {
-      result.throw = { cannot: state.no.throw };
-      return page.close();
-    }
-    await page.click('#bar button[aria-label="Throw a ball"]');
-    await until(page, (count) => loricaPage.props.length > count && loricaPage.props.at(-1).visible, props.length);
-    const thrown = (await see(page)).props.at(-1).position;
-    await until(page, (from) => Math.hypot(...loricaPage.props.at(-1).position.map((v, k) => v - from[k])) > 0.3, thrown);
-    await shot(page, 'desktop_throw');
-    result.throw = { props: [props.length, (await see(page)).props.length] };
     await page.close();
   },
 
   async vr() {
-    const iwer = fs.readFileSync(path.join(path.dirname(require.resolve('iwer/package.json')), 'build', 'iwer.min.js'), 'utf8');
-    const page = await open(kDesktop, { before: `${iwer};window.device = new IWER.XRDevice(IWER.metaQuest3);
-      device.installRuntime({ forceInstall: true }); device.stereoEnabled = true; device.position.set(0.1, 1.6, 0.2);` });
-    const button = (text) => page.evaluate((t) => [...document.querySelectorAll('#panel button')].find((b) => b.textContent === t).click(), text);
+    const iwer = fs.readFileSync(
+      path.join(path.dirname(require.resolve('iwer/package.json')), 'build', 'iwer.min.js'),
+      'utf8',
+    );
+    const page = await open(kDesktop, {
+      before: `${iwer};window.device = new IWER.XRDevice(IWER.metaQuest3);
+      device.installRuntime({ forceInstall: true }); device.stereoEnabled = true; device.position.set(0.1, 1.6, 0.2);`,
+    });
+    const button = (text) =>
+      page.evaluate(
+        (t) => [...document.querySelectorAll('#panel button')].find((b) => b.textContent === t).click(),
+        text,
+      );
     const placed = () => until(page, () => loricaPage.mode !== null && loricaPage.rig.position.some((x) => x !== 0));
-    await until(page, () => [...document.querySelectorAll('#panel button')].some((b) => b.textContent === 'Enter VR' && !b.closest('[hidden]')));
+    await until(page, () =>
+      [...document.querySelectorAll('#panel button')].some(
+        (b) => b.textContent === 'Enter VR' && !b.closest('[hidden]'),
+      ),
+    );
     await button('Enter VR');
     await placed();
     await drawn(page);
     await shot(page, 'vr_beside');
     const { rig, camera, avatars } = await see(page);
-    result.vr = { mode: 'vr', distance: Math.hypot(camera[0] - avatars[0].center[0], camera[2] - avatars[0].center[2]), eyeHeight: camera[1] };
+    result.vr = {
+      mode: 'vr',
+      distance: Math.hypot(camera[0] - avatars[0].center[0], camera[2] - avatars[0].center[2]),
+      eyeHeight: camera[1],
+    };
 
     // The controller goes where a loose prop is, in the headset's own axes, 0.6 m before it, and points at it.
-    const aim = (index, ahead) => page.evaluate((i, d, { position, yaw }) => {
-      const c = device.controllers.right, p = loricaPage.props[i].position.map((x, k) => x - position[k]), cos = Math.cos(yaw), sin = Math.sin(yaw);
-      c.position.set(cos * p[0] - sin * p[2], p[1] + d[1], sin * p[0] + cos * p[2] + d[0]);
-      c.quaternion.set(0, 0, 0, 1);
-    }, index, ahead, rig);
-    const index = await page.evaluate(() => { // the one nearest to the line of sight
-      const { camera, avatars, props } = loricaPage, to = avatars[0].center.map((x, k) => x - camera[k]);
-      const angle = ({ position }) => { const d = position.map((x, k) => x - camera[k]); return (d[0] * to[0] + d[1] * to[1] + d[2] * to[2]) / Math.hypot(...d); };
-      return props.map((prop, i) => [i, prop]).filter(([, prop]) => !prop.fixed && prop.visible).sort(([, a], [, b]) => angle(b) - angle(a))[0]?.[0] ?? -1;
+    const aim = (index, ahead) =>
+      page.evaluate(
+        (i, d, { position, yaw }) => {
+          const c = device.controllers.right,
+            p = loricaPage.props[i].position.map((x, k) => x - position[k]),
+            cos = Math.cos(yaw),
+            sin = Math.sin(yaw);
+          c.position.set(cos * p[0] - sin * p[2], p[1] + d[1], sin * p[0] + cos * p[2] + d[0]);
+          c.quaternion.set(0, 0, 0, 1);
+        },
+        index,
+        ahead,
+        rig,
+      );
+    const index = await page.evaluate(() => {
+      // the one nearest to the line of sight
+      const { camera, avatars, props } = loricaPage,
+        to = avatars[0].center.map((x, k) => x - camera[k]);
+      const angle = ({ position }) => {
+        const d = position.map((x, k) => x - camera[k]);
+        return (d[0] * to[0] + d[1] * to[1] + d[2] * to[2]) / Math.hypot(...d);
+      };
+      return (
+        props
+          .map((prop, i) => [i, prop])
+          .filter(([, prop]) => !prop.fixed && prop.visible)
+          .sort(([, a], [, b]) => angle(b) - angle(a))[0]?.[0] ?? -1
+      );
     });
     if (index >= 0) {
       await aim(index, [0.6, 0]);
       await drawn(page);
       await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 1));
       await until(page, () => loricaPage.held >= 0);
-      const { held, props } = await see(page), from = props[held].position;
-      await page.evaluate(() => { const p = device.controllers.right.position; p.set(p.x, p.y + 0.5, p.z); });
+      const { held, props } = await see(page),
+        from = props[held].position;
+      await page.evaluate(() => {
+        const p = device.controllers.right.position;
+        p.set(p.x, p.y + 0.5, p.z);
+      });
       await until(page, (i, at) => loricaPage.props[i].position[1] > at[1] + 0.25, held, from);
       await shot(page, 'vr_grab');
       result.vr.grab = { index: held, moved: distance((await see(page)).props[held].position, from) };
@@ -206,7 +287,11 @@ const parts = {
       await until(page, () => loricaPage.held === -1);
       result.vr.released = true;
     }
-    await page.evaluate(() => { device.primaryInputMode = 'hand'; device.hands.left.position.set(-0.2, 1.3, -0.3); device.hands.right.position.set(0.25, 1.3, -0.3); });
+    await page.evaluate(() => {
+      device.primaryInputMode = 'hand';
+      device.hands.left.position.set(-0.2, 1.3, -0.3);
+      device.hands.right.position.set(0.25, 1.3, -0.3);
+    });
     await drawn(page);
     await drawn(page);
     await shot(page, 'vr_hands');
@@ -219,7 +304,13 @@ const parts = {
     await drawn(page);
     await shot(page, 'vr_inside');
     const inside = await see(page);
-    result.vr.inside = { eyeHeight: inside.camera[1], distance: Math.hypot(inside.camera[0] - inside.avatars[0].center[0], inside.camera[2] - inside.avatars[0].center[2]) };
+    result.vr.inside = {
+      eyeHeight: inside.camera[1],
+      distance: Math.hypot(
+        inside.camera[0] - inside.avatars[0].center[0],
+        inside.camera[2] - inside.avatars[0].center[2],
+      ),
+    };
     await page.evaluate(() => device.activeSession.end());
     await until(page, () => loricaPage.mode === null);
 
@@ -227,6 +318,7 @@ const parts = {
     await placed();
     await drawn(page);
     await shot(page, 'ar');
+    result.vr.ar = true;
     await page.evaluate(() => device.activeSession.end());
     await until(page, () => loricaPage.mode === null);
     await drawn(page);
