@@ -102,7 +102,7 @@ std::string groupOf(const std::string& option) {
        "--max-concavity --preset --candidates --orientations --held-out --engine --per-bone --self-contacts "},
       {"Cameras and networks",
        " --device --devices --driver --virtual --people --nite --vmc --delay --vmc-out "
-       "--vmc-bones --vrchat "},
+       "--vmc-bones --vrchat --vrchat-trackers --serve --port --lan --certificate --key "},
       {"Pictures",
        " --window --headless --snapshots --every --video --from --to --camera --eye --target --texture-size "
        "--size --background --show --strip "},

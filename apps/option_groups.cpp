@@ -284,8 +284,14 @@ void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
       ->typeName("NAME,...")
       ->separatedBy(',')
       ->needs(vmc);
-  app.addOption("--vrchat", options.vrchat, "Send the pose as VRChat's OSC trackers [default port: 9000]")
-      ->typeName("HOST[:PORT]");
+  Option* vrchat =
+      app.addOption("--vrchat", options.vrchat, "Send the pose as VRChat's OSC trackers [default port: 9000]")
+          ->typeName("HOST[:PORT]");
+  app.addOption("--vrchat-trackers", options.trackers,
+                "Send only these: head,waist,chest,feet,knees,elbows [default: all]")
+      ->typeName("NAME,...")
+      ->separatedBy(',')
+      ->needs(vrchat);
 }
 
 void addEventsOption(CommandLine& app, std::string& to) {

@@ -6,11 +6,13 @@
 #include "capture/streams/vmc_writer.h"
 #include "capture/streams/vrchat_writer.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "player/expression_follower.h"
 #include "prepare/expressions.h"
 #include "session/contact_events.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -207,6 +209,20 @@ Result<VmcBones> bonesOf(const std::vector<std::string>& names) {
   return bones;
 }
 
+Result<VrchatTrackers> trackersOf(const std::vector<std::string>& names) {
+  if (names.empty()) return VrchatTrackers().set();
+  VrchatTrackers trackers;
+  for (const std::string& name : names) {
+    const auto found = std::find(kVrchatTrackers.begin(), kVrchatTrackers.end(), lowerCase(name));
+    if (found == kVrchatTrackers.end()) {
+      return invalidArgument("--vrchat-trackers: found '{}', expected some of {}, separated by commas",
+                             name.substr(0, 40), fmt::join(kVrchatTrackers, ", "));
+    }
+    trackers.set(found - kVrchatTrackers.begin());
+  }
+  return trackers;
+}
+
 Result<UdpSocket> openVmc(const PoseOutputOptions& options) {
   const Result<NetworkAddress> address = parseNetworkAddress(options.vmc, true);
   return prefixed("--vmc-out", address ? UdpSocket::connect(*address) : address.error());
@@ -241,6 +257,7 @@ Result<void> checkPoseOutput(const PoseOutputOptions& options) {
   if (!options.vmc.empty()) LORICA_TRY_DO(prefixed("--vmc-out", parseNetworkAddress(options.vmc, true)));
   if (!options.vrchat.empty()) LORICA_TRY_DO(vrchatAddress(options));
   LORICA_TRY_DO(bonesOf(options.bones));
+  LORICA_TRY_DO(trackersOf(options.trackers));
   return {};
 }
 
@@ -260,7 +277,8 @@ Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& opt
   std::optional<VrchatAt> vrchat;
   if (!options.vrchat.empty()) {
     LORICA_TRY(UdpSocket socket, openVrchat(options));
-    vrchat.emplace(VrchatAt{std::move(socket), VrchatWriter(subject.character->height)});
+    LORICA_TRY(const VrchatTrackers trackers, trackersOf(options.trackers));
+    vrchat.emplace(VrchatAt{std::move(socket), VrchatWriter(subject.character->height, trackers)});
   }
   return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(std::move(reader), std::move(face), std::move(vmc),
                                                                    std::move(vrchat), std::move(next)));

@@ -14,9 +14,10 @@ namespace lorica {
 
 /// Where a session's pose is sent.
 struct PoseOutputOptions {
-  std::string vmc;                 ///< HOST:PORT; empty = nowhere
-  std::vector<std::string> bones;  ///< names of the bones that are sent by VMC; empty = all
-  std::string vrchat;              ///< HOST or HOST:PORT; empty = nowhere
+  std::string vmc;                         ///< HOST:PORT; empty = nowhere
+  std::vector<std::string> bones;          ///< names of the bones that are sent by VMC; empty = all
+  std::string vrchat;                      ///< HOST or HOST:PORT; empty = nowhere
+  std::vector<std::string> trackers = {};  ///< that are sent to VRChat, of kVrchatTrackers; empty = all
 
   [[nodiscard]] bool any() const { return !vmc.empty() || !vrchat.empty(); }
 };

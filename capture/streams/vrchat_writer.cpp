@@ -18,23 +18,24 @@ constexpr double kUserHeight = 1.7;
 constexpr std::size_t kPacketBytes = 2048;
 
 struct Tracker {
+  std::size_t group;                    ///< of kVrchatTrackers
   std::string_view position, rotation;  ///< addresses
   HumanBone place, turn;                ///< whose joint, and whose rotation
 };
 
 constexpr std::array<Tracker, 9> kTrackers = {{
-    {"/tracking/trackers/head/position", "/tracking/trackers/head/rotation", HumanBone::kHead, HumanBone::kHead},
-    {"/tracking/trackers/1/position", "/tracking/trackers/1/rotation", HumanBone::kHips, HumanBone::kHips},
-    {"/tracking/trackers/2/position", "/tracking/trackers/2/rotation", HumanBone::kChest, HumanBone::kChest},
-    {"/tracking/trackers/3/position", "/tracking/trackers/3/rotation", HumanBone::kLeftFoot, HumanBone::kLeftFoot},
-    {"/tracking/trackers/4/position", "/tracking/trackers/4/rotation", HumanBone::kRightFoot, HumanBone::kRightFoot},
-    {"/tracking/trackers/5/position", "/tracking/trackers/5/rotation", HumanBone::kLeftLowerLeg,
+    {0, "/tracking/trackers/head/position", "/tracking/trackers/head/rotation", HumanBone::kHead, HumanBone::kHead},
+    {1, "/tracking/trackers/1/position", "/tracking/trackers/1/rotation", HumanBone::kHips, HumanBone::kHips},
+    {2, "/tracking/trackers/2/position", "/tracking/trackers/2/rotation", HumanBone::kChest, HumanBone::kChest},
+    {3, "/tracking/trackers/3/position", "/tracking/trackers/3/rotation", HumanBone::kLeftFoot, HumanBone::kLeftFoot},
+    {3, "/tracking/trackers/4/position", "/tracking/trackers/4/rotation", HumanBone::kRightFoot, HumanBone::kRightFoot},
+    {4, "/tracking/trackers/5/position", "/tracking/trackers/5/rotation", HumanBone::kLeftLowerLeg,
      HumanBone::kLeftUpperLeg},
-    {"/tracking/trackers/6/position", "/tracking/trackers/6/rotation", HumanBone::kRightLowerLeg,
+    {4, "/tracking/trackers/6/position", "/tracking/trackers/6/rotation", HumanBone::kRightLowerLeg,
      HumanBone::kRightUpperLeg},
-    {"/tracking/trackers/7/position", "/tracking/trackers/7/rotation", HumanBone::kLeftLowerArm,
+    {5, "/tracking/trackers/7/position", "/tracking/trackers/7/rotation", HumanBone::kLeftLowerArm,
      HumanBone::kLeftUpperArm},
-    {"/tracking/trackers/8/position", "/tracking/trackers/8/rotation", HumanBone::kRightLowerArm,
+    {5, "/tracking/trackers/8/position", "/tracking/trackers/8/rotation", HumanBone::kRightLowerArm,
      HumanBone::kRightUpperArm},
 }};
 
@@ -57,7 +58,8 @@ Vec3 unityAngles(const Quat& rotation) {
   return kDegrees * Vec3(x, std::atan2(m(0, 2), m(2, 2)), std::atan2(m(1, 0), m(1, 1)));
 }
 
-VrchatWriter::VrchatWriter(double height) : scale_(kUserHeight / height), memory_(kPacketBytes) {
+VrchatWriter::VrchatWriter(double height, VrchatTrackers sent)
+    : scale_(kUserHeight / height), sent_(sent), memory_(kPacketBytes) {
   LORICA_CHECK(height > 0.0, "a character has a height");
 }
 
@@ -68,7 +70,7 @@ std::span<const std::byte> VrchatWriter::write(const BonePose& pose) {
   for (const Tracker& tracker : kTrackers) {
     const auto place = static_cast<std::size_t>(tracker.place);
     const auto turn = static_cast<std::size_t>(tracker.turn);
-    if (!pose.rotation[place]) continue;  // the character lacks it
+    if (!sent_[tracker.group] || !pose.rotation[place]) continue;  // or the character lacks it
     addVector(writer, tracker.position, scale_ * mirrorX(world.position[place]));
     addVector(writer, tracker.rotation, unityAngles(mirrorX(world.turn[turn])));
   }

@@ -2,11 +2,19 @@
 
 #include "capture/retarget/bone_pose.h"
 
+#include <array>
+#include <bitset>
 #include <cstddef>
 #include <span>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
+
+/// Groups of VRChat's trackers that are sent: one bit for each of kVrchatTrackers.
+inline constexpr std::array<std::string_view, 6> kVrchatTrackers = {"head", "waist", "chest",
+                                                                    "feet", "knees", "elbows"};
+using VrchatTrackers = std::bitset<kVrchatTrackers.size()>;
 
 /// Writes poses as VRChat's OSC trackers (https://docs.vrchat.com/docs/osc-trackers): one bundle a frame with head,
 /// hips, chest, feet, knees and elbows. Positions are the joints', scaled to a user of 1.7 m; rotations are those of
@@ -15,7 +23,7 @@ namespace lorica {
 class VrchatWriter {
  public:
   /// @param height  of the character [m], positive
-  explicit VrchatWriter(double height);
+  explicit VrchatWriter(double height, VrchatTrackers sent = VrchatTrackers().set());
 
   /// @param pose  in our axes
   /// @return the packet, valid until the next call
@@ -23,6 +31,7 @@ class VrchatWriter {
 
  private:
   double scale_;
+  VrchatTrackers sent_;
   std::vector<std::byte> memory_;
 };
 

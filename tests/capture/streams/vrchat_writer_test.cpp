@@ -81,6 +81,26 @@ TEST(VrchatWriter, TheBodyIsScaledToTheUserAndMirrored) {
 }
 
 /// Turned to its left, towards +X here, the body faces -X in Unity: a yaw of -90 degrees.
+TEST(VrchatWriter, OnlyTheTrackersAskedForAreSent) {
+  const Character mannequin = makeMannequin();
+  Result<BonePoseReader> reader = BonePoseReader::create(mannequin.skeleton);
+  ASSERT_TRUE(reader);
+  const BonePose pose = reader->read(restPose(mannequin.skeleton));
+  const std::map<std::string_view, std::vector<std::string>> numbers = {{"head", {"head"}},    {"waist", {"1"}},
+                                                                        {"chest", {"2"}},      {"feet", {"3", "4"}},
+                                                                        {"knees", {"5", "6"}}, {"elbows", {"7", "8"}}};
+  for (std::size_t group = 0; group < kVrchatTrackers.size(); ++group) {
+    VrchatWriter writer(mannequin.height, VrchatTrackers().set(group));
+    const std::vector<std::string>& expected = numbers.at(kVrchatTrackers[group]);
+    const std::map<std::string, Vec3> sent = decoded(writer.write(pose));
+    EXPECT_EQ(sent.size(), 2 * expected.size());
+    for (const std::string& number : expected) {
+      EXPECT_TRUE(sent.contains("/tracking/trackers/" + number + "/position"));
+      EXPECT_TRUE(sent.contains("/tracking/trackers/" + number + "/rotation"));
+    }
+  }
+}
+
 TEST(VrchatWriter, ATurnIsAYaw) {
   Result<BonePoseReader> reader = BonePoseReader::create(makeMannequin().skeleton);
   ASSERT_TRUE(reader);
