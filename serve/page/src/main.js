@@ -116,7 +116,7 @@ function askForLayers() {
 function message(of) {
   if (of.type === 'hello') start(of);
   else if (of.type === 'props') {
-    props.set(of, connection.fetchBytes, problem);
+    props.set(of, hello?.run ?? 0, connection.fetchBytes, problem);
     view.keep();
     world.floor = of.floor !== false;
     applyChoices();
@@ -125,13 +125,13 @@ function message(of) {
   } else if (of.type === 'notice') panel.notice(of.text, of.problem);
 }
 
-/// Everything from before is void; after a lost connection the same characters need not be loaded again.
+/// Everything from before is void, but props stay until others are named. After a lost connection the same characters need
+/// not be loaded again.
 function start(of) {
   const again = hello && hello.run === of.run && hello.name === of.name;
   const same = again && JSON.stringify(hello.avatars) === JSON.stringify(of.avatars);
   hello = of;
   view.hold(null);
-  props.clear();
   contacts.set({ count: 0, values: [] });
   particles.points.geometry.setDrawRange(0, 0);
   depth.hidden = true;

@@ -26,19 +26,32 @@ export class Props {
 
   /// Props that are as before keep their places.
   /// @param fetchBytes  async (path) => ArrayBuffer, for props with meshes
-  set({ version, props }, fetchBytes, problem) {
-    const texts = props.map((prop) => JSON.stringify(prop));
+  set({ version, props }, run, fetchBytes, problem) {
+    const texts = props.map((prop) => JSON.stringify(prop) + (prop.shape === 'mesh' ? run : ''));
     this.list = props.map((prop, index) =>
-      texts[index] === this.#texts[index] ? this.list[index] : this.#make(prop, index, fetchBytes, problem),
+      texts[index] === this.#texts[index] ? this.list[index] : this.#make(prop, index, run, fetchBytes, problem),
     );
     this.group.clear();
     if (this.list.length > 0) this.group.add(...this.list);
     this.#texts = texts;
     this.version = version;
+    this.#forget();
   }
 
-  #make({ shape, half, color, fixed, mesh: number }, index, fetchBytes, problem) {
-    const key = shape === 'mesh' ? `mesh ${number}` : `${shape} ${half}`;
+  /// Frees what no prop uses any more.
+  #forget() {
+    const used = new Set(this.list.flatMap(({ geometry, material }) => [geometry, material]));
+    for (const cache of [this.#geometries, this.#materials]) {
+      for (const [key, value] of cache) {
+        if (used.has(value)) continue;
+        value.dispose();
+        cache.delete(key);
+      }
+    }
+  }
+
+  #make({ shape, half, color, fixed, mesh: number }, index, run, fetchBytes, problem) {
+    const key = shape === 'mesh' ? `mesh ${number} of ${run}` : `${shape} ${half}`;
     if (!this.#geometries.has(key)) {
       this.#geometries.set(key, kShapes[shape]?.(half) ?? new THREE.BufferGeometry());
       if (shape === 'mesh') this.#fetch(number, this.#geometries.get(key), fetchBytes, problem);
@@ -85,17 +98,6 @@ export class Props {
       mesh.matrixWorldNeedsUpdate = true;
       mesh.visible = Number.isFinite(position.x + position.y + position.z);
     }
-  }
-
-  clear() {
-    this.group.clear();
-    for (const cache of [this.#geometries, this.#materials]) {
-      for (const value of cache.values()) value.dispose();
-      cache.clear();
-    }
-    this.list = [];
-    this.#texts = [];
-    this.version = -1;
   }
 }
 
