@@ -455,6 +455,7 @@ void Connection::pump() {
   message_.clear();
   if (shared_.cast && castSent_ != shared_.castNumber) {
     castSent_ = shared_.castNumber;
+    propsSent_ = 0;
     message_ = shared_.cast->hello;
   } else if (shared_.cast && shared_.shown.run == shared_.cast->run && propsSent_ != shared_.encoder.propsVersion()) {
     propsSent_ = shared_.encoder.propsVersion();

@@ -142,6 +142,7 @@ TEST(Server, FramesOfAnotherRunWaitForItsHello) {
   stage.server->setCast(other);
   stage.show();
   EXPECT_EQ(client.next("hello").json()["run"], 2);
+  EXPECT_EQ(client.next().json()["type"], "props") << "all that was known is void";
   const TestClient::Message frame = client.next("frame");
   EXPECT_EQ(frame.bytes[8], 2);
 }
