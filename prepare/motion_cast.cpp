@@ -1,3 +1,4 @@
+#include "geometry/work_budgets.h"
 #include "prepare/cast.h"
 
 #include "capture/retarget/proxy_skeleton.h"

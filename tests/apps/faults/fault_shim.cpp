@@ -4,6 +4,7 @@
 // LORICA_SHIM=clock: the clock of the machine says 1970 and runs backwards, an hour each time that it is asked.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/types.h>
@@ -51,11 +52,12 @@ Function next(const char* name) {
 }
 
 std::atomic<long> gAsked = 0;
+thread_local time_t tAnswered = 0;  // to the thread's last question
 
 /// @return whether the time was written
 bool wrongTime(time_t& seconds) {
   if (!mode("clock")) return false;
-  seconds = 86400L * 30 - 3600 * ++gAsked;
+  seconds = tAnswered = 86400L * 30 - 3600 * ++gAsked;
   return true;
 }
 
@@ -84,6 +86,19 @@ int clock_gettime(clockid_t clock, timespec* time) {
     return 0;
   }
   return next<int (*)(clockid_t, timespec*)>("clock_gettime")(clock, time);
+}
+
+/// The kernel's clock is right: a wait until a wrong time, as OpenNI2's, lasts as it would where the kernel's is wrong.
+int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex, const timespec* until) {
+  using Wait = int (*)(pthread_cond_t*, pthread_mutex_t*, const timespec*);
+  static const auto wait = reinterpret_cast<Wait>(dlvsym(RTLD_NEXT, "pthread_cond_timedwait", "GLIBC_2.3.2"));
+  const time_t longest = until->tv_sec - tAnswered;
+  if (!mode("clock") || longest < 0 || longest > 600) return wait(condition, mutex, until);  // or of another clock
+  timespec right{};
+  next<int (*)(clockid_t, timespec*)>("clock_gettime")(CLOCK_REALTIME, &right);
+  right.tv_sec += longest + (right.tv_nsec + until->tv_nsec) / 1'000'000'000;
+  right.tv_nsec = (right.tv_nsec + until->tv_nsec) % 1'000'000'000;
+  return wait(condition, mutex, &right);
 }
 
 time_t time(time_t* result) {
