@@ -61,6 +61,18 @@ bool wrongTime(time_t& seconds) {
   return true;
 }
 
+/// When a wait until a wrong time ends. The kernel's clock stays right, so that OpenNI2 would not wait for its threads
+/// at all and cancel them.
+timespec rightTime(timespec until) {
+  const time_t left = until.tv_sec - tAnswered;
+  if (!mode("clock") || left < 0 || left > 600) return until;  // or of another clock
+  timespec right{};
+  next<int (*)(clockid_t, timespec*)>("clock_gettime")(CLOCK_REALTIME, &right);
+  right.tv_sec += left + (right.tv_nsec + until.tv_nsec) / 1'000'000'000;
+  right.tv_nsec = (right.tv_nsec + until.tv_nsec) % 1'000'000'000;
+  return right;
+}
+
 }  // namespace
 
 extern "C" {
@@ -88,17 +100,15 @@ int clock_gettime(clockid_t clock, timespec* time) {
   return next<int (*)(clockid_t, timespec*)>("clock_gettime")(clock, time);
 }
 
-/// The kernel's clock is right: a wait until a wrong time, as OpenNI2's, lasts as it would where the kernel's is wrong.
 int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex, const timespec* until) {
+  const timespec right = rightTime(*until);
   using Wait = int (*)(pthread_cond_t*, pthread_mutex_t*, const timespec*);
-  static const auto wait = reinterpret_cast<Wait>(dlvsym(RTLD_NEXT, "pthread_cond_timedwait", "GLIBC_2.3.2"));
-  const time_t longest = until->tv_sec - tAnswered;
-  if (!mode("clock") || longest < 0 || longest > 600) return wait(condition, mutex, until);  // or of another clock
-  timespec right{};
-  next<int (*)(clockid_t, timespec*)>("clock_gettime")(CLOCK_REALTIME, &right);
-  right.tv_sec += longest + (right.tv_nsec + until->tv_nsec) / 1'000'000'000;
-  right.tv_nsec = (right.tv_nsec + until->tv_nsec) % 1'000'000'000;
-  return wait(condition, mutex, &right);
+  return next<Wait>("pthread_cond_timedwait")(condition, mutex, &right);
+}
+
+int pthread_timedjoin_np(pthread_t thread, void** result, const timespec* until) {
+  const timespec right = rightTime(*until);
+  return next<int (*)(pthread_t, void**, const timespec*)>("pthread_timedjoin_np")(thread, result, &right);
 }
 
 time_t time(time_t* result) {
