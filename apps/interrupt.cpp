@@ -16,7 +16,7 @@
 namespace lorica {
 namespace {
 
-constexpr int kGraceMs = 700;
+constexpr int kGraceMs = 400;
 constexpr std::chrono::seconds kFinishing{5};  // for recordings that are finished; a file server may hang
 
 volatile std::sig_atomic_t gSignal = 0;

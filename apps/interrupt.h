@@ -6,7 +6,7 @@ namespace lorica {
 /// the limit of file sizes is an error instead of a signal. A signal that was ignored when the program started stays
 /// ignored (nohup).
 ///
-/// A program that has not ended 0.7 s after the signal, because a step takes long, is ended: recordings are finished,
+/// A program that has not ended 0.4 s after the signal, because a step takes long, is ended: recordings are finished,
 /// temporary files and folders removed (geometry/hard_stop.h), the status is that of the signal. A second signal does
 /// the same at once, a third ends the program without all that.
 void watchInterrupt();

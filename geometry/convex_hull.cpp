@@ -45,6 +45,11 @@ struct Face {
   bool alive = true;
 };
 
+/// Between visible faces and one that is not.
+struct HorizonEdge {
+  int from, to, beyond;
+};
+
 class HullBuilder {
  public:
   // Builds the hull's faces in faces_. Returns false if the points have no volume.
@@ -279,20 +284,39 @@ class HullBuilder {
   }
 
   /// Whether level faces can stay: the apex makes no flat triangle, adds at most one to each plane, and leaves every
-  /// vertex a corner. A vertex whose faces are all level lies on an edge to the apex.
+  /// vertex a corner.
   [[nodiscard]] bool levelFacesCanStay(int apex) const {
     std::vector<const HorizonEdge*> level;
     for (const HorizonEdge& h : horizon_) {
       if (sideOf(apex, faces_[h.beyond]) != 0) continue;
       if (collinear(h.from, h.to, apex)) return false;
       for (const HorizonEdge* other : level) {
-        if (other->to == h.from || other->from == h.to || coplanar(faces_[other->beyond], faces_[h.beyond])) {
+        if (coplanar(faces_[other->beyond], faces_[h.beyond]) || !staysCorner(*other, h, apex) ||
+            !staysCorner(h, *other, apex)) {
           return false;
         }
       }
       level.push_back(&h);
     }
     return true;
+  }
+
+  /// Whether the vertex between two edges of the horizon, if there is one, stays a corner. It lies on an edge to the
+  /// apex if the apex is level with all its faces beyond them. Searched from both ends: a plane may have many.
+  [[nodiscard]] bool staysCorner(const HorizonEdge& before, const HorizonEdge& after, int apex) const {
+    const int v = before.to;
+    if (v != after.from) return true;
+    for (int low = before.beyond, high = after.beyond;;) {
+      const Face &l = faces_[low], &h = faces_[high];
+      if (sideOf(apex, l) != 0 || sideOf(apex, h) != 0) return true;
+      const auto placeIn = [v](const Face& f) {
+        return std::find(f.vertex.begin(), f.vertex.end(), v) - f.vertex.begin();
+      };
+      if (low == high) return false;
+      low = l.neighbour[(placeIn(l) + 2) % 3];
+      if (low == high) return false;
+      high = h.neighbour[placeIn(h)];
+    }
   }
 
   // Copies the data of the new faces that assign() reads into contiguous memory.
@@ -404,9 +428,6 @@ class HullBuilder {
     }
   }
 
-  struct HorizonEdge {
-    int from, to, beyond;
-  };
   struct FaceTest {
     Vec3 normal;
     double offset, limit;

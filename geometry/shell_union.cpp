@@ -173,9 +173,15 @@ class Union {
       for (const Vec3& p : cornersOf(k)) pieceBoxes_[pieceOf_[k]].extend(p);
     }
     reached_.resize(pieceBoxes_.size());
-    for (std::size_t a = 0; a < pieceBoxes_.size(); ++a) {
-      for (std::size_t b = 0; b < pieceBoxes_.size(); ++b) {
-        if (a != b && overlap(pieceBoxes_[a], grown(pieceBoxes_[b], 1e-6 * diagonal_))) reached_[a].push_back(b);
+    std::vector<std::size_t> order(pieceBoxes_.size());  // along x: a file may have very many pieces
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, {}, [this](std::size_t p) { return pieceBoxes_[p].min.x(); });
+    for (auto a = order.begin(); a != order.end(); ++a) {
+      const Aabb box = grown(pieceBoxes_[*a], 1e-6 * diagonal_);
+      for (auto b = a + 1; b != order.end() && pieceBoxes_[*b].min.x() <= box.max.x(); ++b) {
+        if (!overlap(pieceBoxes_[*b], box)) continue;
+        reached_[*a].push_back(*b);
+        reached_[*b].push_back(*a);
       }
     }
   }

@@ -7,13 +7,14 @@ namespace lorica {
 
 // What files, packets and options can ask for at most, however small they are. Each is checked before the work, and
 // what is more is refused with a sentence, or left out with a note. docs/SECURITY.md has them as a table. Sizes of
-// files are with their readers. Beside their types are the limits of springs (skinning/springs/spring_bones.h),
-// pictures (skinning/look/picture.h), particles (collision/particles/particles.h), clips that are played
-// (prepare/motion.h), avatars (prepare/cast.h, prepare/live_cast.h) and sessions (session/recording/session_file.h).
+// files are with their readers.
 
 // Options, and the arguments of C and Python.
 inline constexpr int kMaxThreads = 1024;
-inline constexpr int kMaxOfAnything = 1'000'000;  ///< parts, vertices of a hull, frames, pictures
+inline constexpr int kMaxOfAnything = 1'000'000;       ///< parts, vertices of a hull, frames, pictures
+inline constexpr std::size_t kMaxCast = 64;            ///< avatars that a command sets up
+inline constexpr std::size_t kMaxPeople = 6;           ///< before a camera
+inline constexpr std::size_t kMaxRecordedPeople = 64;  ///< in a recording of joints
 
 // Characters: glTF, VRM, FBX, COLLADA.
 inline constexpr std::size_t kMaxGltfElements = 100'000;  ///< of a kind, such as nodes, materials or accessors
@@ -21,22 +22,35 @@ inline constexpr std::size_t kMaxDraws = 200'000;         ///< primitives, each 
 inline constexpr std::size_t kMaxTriangles = 10'000'000;
 inline constexpr std::size_t kMaxJoints = 2'048;  ///< of a file with skins, clips or springs: some steps are quadratic
 inline constexpr std::size_t kMaxClips = 10'000;
+inline constexpr double kMaxClipPoses = 8e6;  ///< frames times joints of a clip as a motion: two of them take 1.3 GB
+inline constexpr double kMaxTrainingPoses = 2e6;  ///< of all clips that hulls are fitted to, looked at less often
+inline constexpr int kMaxPictureSide = 16384;     ///< pixels; larger pictures are refused before anything is decoded
+inline constexpr std::int64_t kMaxPicturePixels = 1 << 26;   ///< width x height; 8192 x 8192 is allowed
 inline constexpr std::uint64_t kMaxStoredTexels = 1U << 29;  ///< of all pictures; those beyond are not drawn
 inline constexpr std::uint64_t kMaxKeptTexels = 1U << 27;    ///< of all as they are drawn; more are reduced to fit
 inline constexpr int kMaxMorphTargets = 4'096;               ///< those beyond are left out
 inline constexpr int kMaxExpressions = 1'024;                ///< those beyond are left out
 inline constexpr int kMaxExpressionBinds = 100'000;          ///< those beyond are left out
+inline constexpr std::size_t kMaxSprings = 10'000;           ///< joints that swing
+inline constexpr std::size_t kMaxSpringColliders = 10'000;
+inline constexpr std::size_t kMaxSpringPairs = 1'000'000;  ///< of a joint that swings and a collider of its chain
+inline constexpr std::size_t kMaxNodeConstraints = 1'000;
 
 // Scenes.
 inline constexpr std::size_t kMaxSceneProps = 2'000;
 inline constexpr std::size_t kMaxSceneMeshes = 64;         ///< different ones
 inline constexpr std::size_t kMaxSceneHulls = 4'000;       ///< of all props that are meshes
 inline constexpr std::size_t kMaxSceneNearPairs = 20'000;  ///< props whose boxes overlap
+inline constexpr std::size_t kMaxPropVertices = 20'000;    ///< of a prop that is a mesh
+inline constexpr int kMaxPropParts = 32;                   ///< of a prop that is a mesh
+inline constexpr int kMaxParticles = 300'000;              ///< of water or sand
 inline constexpr std::size_t kMaxParticleSources = 100;    ///< of water or sand: fills and pours
 
-// Streams from the network and their recordings.
-inline constexpr std::size_t kMaxWaitingFrames = 256;     ///< the oldest give way
-inline constexpr std::size_t kMaxStreamFrames = 216'000;  ///< of a recording: an hour at 60 a second
-inline constexpr std::size_t kMaxSentExpressions = 256;   ///< of a pose
+// Streams from the network, their recordings, and sessions.
+inline constexpr std::size_t kMaxWaitingFrames = 256;      ///< the oldest give way
+inline constexpr std::size_t kMaxStreamFrames = 216'000;   ///< of a recording: an hour at 60 a second
+inline constexpr std::size_t kMaxPoseExpressions = 256;    ///< of a pose that is sent or recorded
+inline constexpr std::size_t kMaxExpressionName = 128;     ///< bytes
+inline constexpr std::size_t kMaxRecordedAvatars = 1'000;  ///< of a session
 
 }  // namespace lorica

@@ -95,9 +95,6 @@ struct Cast {
   CastChoices choices = {};
 };
 
-/// Maximum number of avatars that a command sets up.
-inline constexpr std::size_t kMaxCast = 64;
-
 /// The parts of a text between commas; a file whose name has commas is one.
 [[nodiscard]] std::vector<std::string> namesIn(const std::string& text);
 

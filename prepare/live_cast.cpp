@@ -3,6 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "geometry/work_budgets.h"
 #include "prepare/abandoned_work.h"
 #include "prepare/cover_choice.h"
 #include "prepare/scenes.h"

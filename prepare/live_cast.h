@@ -12,9 +12,6 @@
 
 namespace lorica {
 
-/// Maximum number of people that a camera's tracker follows.
-inline constexpr std::size_t kMaxPeople = 6;
-
 /// What avatars follow instead of motions: people in front of a camera, or programs that send.
 struct LiveRequest {
   DepthOptions depth;

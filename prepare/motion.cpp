@@ -4,6 +4,7 @@
 #include "capture/retarget/skeletal_retarget.h"
 #include "capture/streams/recorded_stream.h"
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 #include "session/stream_pose_source.h"
 
 #include <fmt/format.h>

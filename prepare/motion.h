@@ -56,8 +56,6 @@ struct Motion {
 };
 
 inline constexpr double kClipRate = 60.0;  ///< [1/s]
-/// Largest number of frames times joints of a clip as a motion: two of them take 1.3 GB.
-inline constexpr double kMaxClipPoses = 8e6;
 
 /// A clip as a motion of its skeleton, at 60 frames a second; or that it is too long for that.
 [[nodiscard]] Result<SkeletalMotion> framesOf(const Skeleton& skeleton, const Clip& clip);

@@ -1,3 +1,4 @@
+#include "geometry/work_budgets.h"
 #include "prepare/cast.h"
 
 #include "capture/retarget/proxy_skeleton.h"
@@ -111,6 +112,9 @@ Result<PreparedAvatar> readCharacterFor(const CastRequest& request, const Avatar
   };
   LORICA_TRY(Subject subject,
              readCharacter(setting.character.empty() ? "mannequin" : setting.character, reading, host));
+  if (!subject.file) {  // the mannequin
+    LORICA_TRY_DO(checkPerformed(*subject.character, motion, request.performing.joints()));
+  }
   return performerOf(setting, std::move(subject), std::move(motion));
 }
 
@@ -141,7 +145,7 @@ Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const 
     bool walks = false;
     reading.suits = [&](const CharacterFile& file) -> Result<void> {
       walks = file.clips.empty() && canPerform(file.character);
-      if (!file.clips.empty() || !clipName.empty()) {
+      if (file.isMesh() || !file.clips.empty() || !clipName.empty()) {
         LORICA_TRY_DO(findClip(file.clips, clipName, own));
       }
       return {};

@@ -3,6 +3,7 @@
 #include "capture/retarget/proxy_skeleton.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 #include "prepare/keyframes.h"
 
 #include <algorithm>
@@ -31,10 +32,11 @@ Result<Training> trainingMotions(const Character& character, std::span<const Mot
   if (!clips.empty()) {
     training.ownClips = true;
     training.motions.reserve(clips.size());
-    // All clips together take no more than one that is played: long ones are looked at less often.
+    // Long clips are looked at less often.
     double seconds = 0.0;
     for (const Clip& clip : clips) seconds += clip.seconds;
-    const double rate = std::min(kClipRate, kMaxClipPoses / character.skeleton.jointCount() / std::max(seconds, 1.0));
+    const double rate =
+        std::min(kClipRate, kMaxTrainingPoses / character.skeleton.jointCount() / std::max(seconds, 1.0));
     for (const Clip& clip : clips) {
       training.motions.push_back(sampleWhole(character.skeleton, clip, rate));
       training.motions.back().name = clip.name;

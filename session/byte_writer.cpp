@@ -1,14 +1,16 @@
 #include "session/byte_writer.h"
 
+#include "geometry/work_budgets.h"
+
 #include <algorithm>
 #include <cstdint>
 
 namespace lorica {
 
 void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes) {
-  const auto fits = [](const NamedWeight& one) { return one.name.size() <= kLongestExpression; };
+  const auto fits = [](const NamedWeight& one) { return one.name.size() <= kMaxExpressionName; };
   const auto fitting = static_cast<std::size_t>(std::count_if(expressions.begin(), expressions.end(), fits));
-  std::size_t left = std::min(fitting, kMostExpressions);
+  std::size_t left = std::min(fitting, kMaxPoseExpressions);
   bytes.put(static_cast<std::uint16_t>(left));
   for (const NamedWeight& one : expressions) {
     if (left == 0) return;

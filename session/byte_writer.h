@@ -27,11 +27,8 @@ class ByteWriter {
   std::string bytes_;
 };
 
-/// Maximum number of expressions of one pose, and of bytes of their names.
-inline constexpr std::size_t kMostExpressions = 256, kLongestExpression = 128;
-
 /// Appends the expressions of one pose: their number in two bytes; for each the length of its name in one byte, the
-/// name, and the weight. Those beyond the maximum are left out.
+/// name, and the weight. Those beyond the budgets are left out.
 void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes);
 
 }  // namespace lorica

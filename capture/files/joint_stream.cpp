@@ -6,6 +6,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/utf16.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <limits>
@@ -14,7 +15,6 @@
 namespace lorica {
 namespace {
 
-constexpr std::size_t kMaxPeople = 64;
 constexpr double kStep = 1.0 / 30.0;  ///< between frames of nobody [s]
 constexpr double kLost = 0.5;         ///< longest gap in which a person counts as there [s]
 
@@ -142,8 +142,9 @@ Result<JointStream> parseJointStream(std::string_view text, std::string_view nam
 Result<std::vector<JointStream>> readJointStreamOfAll(const std::filesystem::path& file,
                                                       const JointStreamSettings& settings) {
   LORICA_TRY(const JointStream one, readJointStream(file, settings));
-  if (one.people.size() > kMaxPeople) {
-    return invalidArgument("{}: found {} people, expected at most {}", file.string(), one.people.size(), kMaxPeople);
+  if (one.people.size() > kMaxRecordedPeople) {
+    return invalidArgument("{}: found {} people, expected at most {}", file.string(), one.people.size(),
+                           kMaxRecordedPeople);
   }
   std::vector<JointStream> all;
   JointStreamSettings known = settings;

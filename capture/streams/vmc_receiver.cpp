@@ -18,7 +18,6 @@ constexpr double kForgottenSeconds = 0.5;
 /// A state that is not repeated for this time has passed, if bones keep coming [s].
 constexpr double kStateSeconds = 1.0;
 constexpr double kFarthest = 100.0;  ///< [m]
-constexpr std::size_t kLongestName = 128;
 
 std::optional<Vec3> position(OscArguments& arguments) {
   Vec3 p;
@@ -81,7 +80,7 @@ VmcReceiver::Taken VmcReceiver::takeExpression(OscArguments arguments) {
                                   [&](const NamedWeight& expression) { return expression.name == *name; });
   const std::size_t index = known - expressions_.begin();
   if (known == expressions_.end()) {
-    if (expressions_.size() == kMaxSentExpressions || name->size() > kLongestName) return Taken::kState;
+    if (expressions_.size() == kMaxPoseExpressions || name->size() > kMaxExpressionName) return Taken::kState;
     expressions_.push_back({std::string(*name), 0.0f});
     wanted_.push_back(0.0f);
   }
@@ -126,7 +125,7 @@ VmcReceiver::Taken VmcReceiver::takeMessage(const OscMessage& message, double se
     OscArguments rest = arguments;
     (void)rest.text();  // a path on the sender's machine, which is never opened
     const std::optional<std::string_view> title = rest.text();
-    if (title && title->size() <= kLongestName && title_ != *title) title_ = *title;
+    if (title && title->size() <= kMaxExpressionName && title_ != *title) title_ = *title;
     return Taken::kState;
   }
   return address.starts_with("/VMC/") ? Taken::kState : Taken::kNothing;

@@ -1,6 +1,7 @@
 #include "capture/virtual_sensor/virtual_sensor.h"
 
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,6 @@
 namespace lorica {
 namespace {
 
-constexpr std::size_t kMaxPeople = 6;
 constexpr int kMaxPixels = 4096;  ///< per side
 /// next() waits at most this long per call.
 constexpr std::chrono::milliseconds kPatience{100};

@@ -3,6 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "geometry/result.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <array>
@@ -42,7 +43,7 @@ std::size_t countOf(const ParticleSettings& settings) {
     count += latticeIn(settings, fill).count;
   }
   for (const ParticleSettings::Pour& pour : settings.pours) count += std::max(pour.count, 0);
-  return std::clamp<std::size_t>(count, 1, ParticleSettings::kMaxParticles);
+  return std::clamp<std::size_t>(count, 1, kMaxParticles);
 }
 
 /// So that particles that are released one after the other are everywhere on the disc.

@@ -4,6 +4,7 @@
 #include "collision/particles/fluid.h"
 #include "collision/particles/granular.h"
 #include "geometry/math.h"
+#include "geometry/work_budgets.h"
 
 #include <cstdint>
 #include <functional>
@@ -42,8 +43,6 @@ struct ParticleSettings {
   std::vector<Pour> pours;
   /// Time for which they settle around the body's first pose, before the first step [s].
   double settleSeconds = 0.0;
-
-  static constexpr int kMaxParticles = 300'000;
 };
 
 /// Sand or water with its sources, moved frame by frame. The same settings and parts give the same bits.

@@ -7,6 +7,7 @@
 #include "geometry/mass_properties.h"
 #include "geometry/mesh_files.h"
 #include "geometry/mesh_repair.h"
+#include "geometry/work_budgets.h"
 
 #include <utility>
 

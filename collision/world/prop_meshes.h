@@ -22,8 +22,6 @@ using MeshDecomposer = std::function<Result<Decomposition>(const std::string& na
 
 /// Limits of mesh props.
 inline constexpr std::size_t kMaxPropMeshBytes = std::size_t{8} << 20;
-inline constexpr std::size_t kMaxPropVertices = 20000;
-inline constexpr int kMaxPropParts = 32;
 inline constexpr double kSmallestProp = 0.01, kLargestProp = 20.0;  ///< each side of its bounding box [m]
 
 /// How to make a prop from a mesh file.

@@ -1,4 +1,5 @@
 #include "session/recording/session_file.h"
+#include "geometry/work_budgets.h"
 #include "session/byte_writer.h"
 
 #include "geometry/byte_reader.h"
@@ -138,13 +139,13 @@ class StepReader {
   void readExpressions(RecordedMotion& motion) {
     std::vector<NamedWeight>& all = motion.poseExpressions.emplace_back();
     const auto count = reader_.take<std::uint16_t>();
-    if (count > kMostExpressions) {
-      return fail(fmt::format("found {} expressions, expected at most {}", count, kMostExpressions));
+    if (count > kMaxPoseExpressions) {
+      return fail(fmt::format("found {} expressions, expected at most {}", count, kMaxPoseExpressions));
     }
     for (std::size_t i = 0; i < count && !wrong_ && reader_.ok(); ++i) {
       const auto length = reader_.take<std::uint8_t>();
-      if (length > kLongestExpression) {
-        return fail(fmt::format("found a name of {} bytes, expected at most {}", length, kLongestExpression));
+      if (length > kMaxExpressionName) {
+        return fail(fmt::format("found a name of {} bytes, expected at most {}", length, kMaxExpressionName));
       }
       NamedWeight one;
       one.name = reader_.takeText(length);

@@ -63,8 +63,6 @@ struct SessionHeader {
 
 /// Size of the largest file that is read, and written [bytes].
 inline constexpr std::uint64_t kMaxSessionBytes = std::uint64_t{1} << 30;
-/// Maximum number of avatars of a recorded session.
-inline constexpr std::size_t kMaxRecordedAvatars = 1000;
 
 /// What the source of one avatar gave in all steps.
 struct RecordedMotion {

@@ -1,5 +1,6 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/work_budgets.h"
 #include "session/recording/session_file.h"
 #include "session/scenes/scene_element.h"
 

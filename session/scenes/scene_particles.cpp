@@ -16,7 +16,7 @@ void readFill(SceneElement& element, ParticleSettings& settings) {
   element.need("size", "width, height and depth in metres");
   element.vector("at", -kFarthest, kFarthest, fill.middle);
   element.vector("size", 0.01, 20.0, fill.size);
-  element.integer("count", 1, ParticleSettings::kMaxParticles, fill.max);
+  element.integer("count", 1, kMaxParticles, fill.max);
   settings.fills.push_back(fill);
 }
 
@@ -28,7 +28,7 @@ void readPour(SceneElement& element, ParticleSettings& settings) {
   element.vector("at", -kFarthest, kFarthest, pour.middle);
   element.number("radius", 0.01, 5.0, pour.radius);
   element.number("rate", 1.0, 1e6, pour.rate);
-  element.integer("count", 1, ParticleSettings::kMaxParticles, pour.count);
+  element.integer("count", 1, kMaxParticles, pour.count);
   element.vector("velocity", -4.0, 4.0, pour.velocity);
   settings.pours.push_back(pour);
 }

@@ -268,7 +268,6 @@ class CharacterBuilder {
       return jointOfBone[bone];
     };
     const auto inSkin = [&](const FileWeight& w) { return w.bone >= 0 && w.bone < countOf(skin.nodes); };
-    character.influences.reserve(character.influences.size() + mesh.weights.size());
     for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
       const std::size_t begin = character.influences.size();
       const std::span<const FileWeight> weights =

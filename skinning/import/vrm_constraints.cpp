@@ -1,5 +1,7 @@
 #include "skinning/import/vrm_constraints.h"
 
+#include "geometry/work_budgets.h"
+
 #include <fmt/format.h>
 
 #include <utility>

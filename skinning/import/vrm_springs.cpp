@@ -1,6 +1,7 @@
 #include "skinning/import/vrm_springs.h"
 
 #include "geometry/counts.h"
+#include "geometry/work_budgets.h"
 #include "skinning/import/vrm_constraints.h"
 #include "skinning/import/vrm_values.h"
 

@@ -19,10 +19,6 @@ struct Picture {
   std::vector<std::uint8_t> rgba;
 };
 
-/// Pictures larger than this are refused before anything is decoded.
-inline constexpr int kMaxPictureSide = 16384;               ///< pixels
-inline constexpr std::int64_t kMaxPicturePixels = 1 << 26;  ///< width x height; 8192 x 8192 is allowed
-
 struct PictureLimits {
   int largestSide = 0;  ///< pixels; a larger picture is reduced to it, keeping its proportions. 0 = as stored
 };

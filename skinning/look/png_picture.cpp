@@ -1,4 +1,5 @@
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 #include "skinning/look/picture_formats.h"
 #include "skinning/look/picture_shrink.h"
 

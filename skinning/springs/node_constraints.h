@@ -23,9 +23,6 @@ struct NodeConstraint {
   double weight = 1.0;        ///< from the rest rotation, 0, to the one that follows, 1
 };
 
-/// More are refused.
-inline constexpr std::size_t kMaxNodeConstraints = 1'000;
-
 /// Sorts constraints so that each comes after those that it depends on, and removes those that depend on themselves. An
 /// aim depends on everything that moves its source or its joint's parent, the others on their source's own rotation.
 /// @param constraints  joints of the skeleton; at most one for each joint

@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 
 #include <fmt/format.h>
 

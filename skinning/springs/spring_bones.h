@@ -62,12 +62,6 @@ struct SpringBones {
   [[nodiscard]] int springCount() const;
 };
 
-/// Largest numbers that are accepted, so that a hostile file can cost neither memory nor minutes for each frame.
-inline constexpr std::size_t kMaxSprings = 10'000;
-inline constexpr std::size_t kMaxSpringColliders = 10'000;
-/// Pairs of a joint that swings and a collider of its chain.
-inline constexpr std::size_t kMaxSpringPairs = 1'000'000;
-
 /// Checks that joints and indices exist, that numbers are finite and in range, that no joint swings in two ways, that a
 /// chain's centre does not swing with it, and that constraints are not cyclic.
 /// @return success, or one sentence with element, found and expected

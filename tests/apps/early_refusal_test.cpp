@@ -88,5 +88,12 @@ TEST(EarlyRefusal, ABodyIsMadeOnceForWhatItCanDo) {
   EXPECT_EQ(runLorica({"info", studio.torn, "--json", "-"}, without).json(), info.json());
 }
 
+TEST(EarlyRefusal, TheMannequinIsNotDecomposedForAMotionThatItCannotPerform) {
+  const Studio studio;
+  studio.expectRefused({"play", studio.torn, "--character", "mannequin"}, "on mannequin: ");
+  const fs::path cache = studio.surroundings.cache / "lorica";
+  EXPECT_EQ(fs::exists(cache) ? filesIn(cache) : std::vector<std::string>(), std::vector<std::string>());
+}
+
 }  // namespace
 }  // namespace lorica::test

@@ -1,19 +1,10 @@
 // Limits hold, and figures are true, on the hulls that are exported.
 
-#include "collision/particles/particles.h"
-#include "collision/world/prop_meshes.h"
 #include "geometry/convex_hull.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "geometry/triangle_tree.h"
 #include "geometry/work_budgets.h"
-#include "prepare/cast.h"
-#include "prepare/live_cast.h"
-#include "prepare/motion.h"
-#include "session/recording/session_file.h"
-#include "skinning/look/picture.h"
-#include "skinning/springs/node_constraints.h"
-#include "skinning/springs/spring_bones.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
@@ -146,15 +137,18 @@ TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
       {"parts, vertices of a hull, frames and pictures that are asked for", kMaxOfAnything},
       {"avatars of a command or scene", kMaxCast},
       {"people who are followed live", kMaxPeople},
+      {"people in a recording of joints", kMaxRecordedPeople},
       {"elements of a kind in a glTF file", kMaxGltfElements},
       {"primitives that all nodes draw together", kMaxDraws},
       {"triangles of a character or mesh", kMaxTriangles},
       {"joints of a character with skins, clips or springs", kMaxJoints},
       {"clips of a character", kMaxClips},
       {"frames times joints of a clip that is played, at 60 a second", kMaxClipPoses},
+      {"frames times joints of all clips that hulls are fitted to, looked at less often", kMaxTrainingPoses},
       {"texels of all pictures together, left out", kMaxStoredTexels},
       {"texels of all pictures as they are drawn, reduced to fit", kMaxKeptTexels},
       {"width or height of a picture", kMaxPictureSide},
+      {"pixels of a picture", kMaxPicturePixels},
       {"morph targets of a character, left out", kMaxMorphTargets},
       {"expressions of a character, left out", kMaxExpressions},
       {"morph targets and materials that expressions change, left out", kMaxExpressionBinds},
@@ -167,12 +161,14 @@ TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
       {"convex parts of a scene's meshes", kMaxSceneHulls},
       {"pairs of props of a scene whose boxes overlap", kMaxSceneNearPairs},
       {"vertices of a scene's mesh", kMaxPropVertices},
-      {"particles", ParticleSettings::kMaxParticles},
+      {"convex parts of one mesh of a scene", kMaxPropParts},
+      {"particles", kMaxParticles},
       {"sources of water or sand", kMaxParticleSources},
       {"avatars of a recorded session", kMaxRecordedAvatars},
       {"frames of the network that wait, the oldest left out", kMaxWaitingFrames},
       {"frames of a recording of packets", kMaxStreamFrames},
-      {"expressions that a sender names, left out", kMaxSentExpressions}};
+      {"expressions of a pose that is sent or recorded, left out", kMaxPoseExpressions},
+      {"bytes of the name of such an expression, left out", kMaxExpressionName}};
   for (const Budget& budget : budgets) {
     std::string number = fmt::format("{:.0f}", budget.most);
     for (auto at = static_cast<std::ptrdiff_t>(number.size()) - 3; at > 0; at -= 3) number.insert(at, ",");
@@ -202,6 +198,19 @@ TEST(WorkBudgets, OptionsAreTakenAtTheirLimitsAndRefusedAboveThem) {
     };
     EXPECT_EQ(sentence(c.most).find(c.option), std::string::npos) << c.option;
     EXPECT_NE(sentence(c.most + 1).find("to " + std::to_string(c.most)), std::string::npos) << c.option;
+  }
+}
+
+TEST(WorkBudgets, SoAreMotionsAndPeople) {
+  for (const int more : {0, 1}) {
+    std::string motions = "none.bvh";
+    for (std::size_t i = 1; i < kMaxCast + more; ++i) motions += ",none.bvh";
+    EXPECT_EQ(runLorica({"play", motions}).err.find("at most 64") != std::string::npos, more > 0);
+    const std::string people = std::to_string(kMaxPeople + more);
+    const std::string sentence =
+        runLorica({"live", "--virtual", "--headless", "--frames", "1", "--people", people, "--character", "none.glb"})
+            .err;
+    EXPECT_EQ(sentence.find("at most 6") != std::string::npos, more > 0) << sentence;
   }
 }
 

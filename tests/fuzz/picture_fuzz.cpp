@@ -1,4 +1,5 @@
 #include "geometry/result.h"
+#include "geometry/work_budgets.h"
 #include "skinning/look/picture.h"
 
 #include <algorithm>

@@ -189,9 +189,11 @@ TEST(ConvexHull, SameCallTwiceIsBitEqual) {
 TEST(ConvexHull, PrismsOfVeryManySides) {
   struct Row {
     int sides;
-    bool middles;  // and the middle of each edge, which is no vertex
+    bool middles;                 // and the middle of each edge, which is no vertex
+    std::vector<double> heights;  // those between the ends are on the upright edges
   };
-  for (const Row& row : {Row{63, false}, Row{200, false}, Row{200, true}, Row{1000, true}}) {
+  for (const Row& row : {Row{63, false, {0, 64}}, Row{200, false, {0, 64}}, Row{200, true, {0, 64}},
+                         Row{1000, true, {0, 64}}, Row{200, false, {0, 32, 64}}, Row{400, true, {0, 16, 48, 64}}}) {
     // A convex polygon of even numbers: two parabolas, so that middles are exact.
     std::vector<Vec3> outline;
     const int half = row.sides / 2;
@@ -201,7 +203,7 @@ TEST(ConvexHull, PrismsOfVeryManySides) {
       std::vector<std::pair<std::uint64_t, Vec3>> shuffled;
       for (std::size_t i = 0; i < outline.size(); ++i) {
         const Vec3 middle = 0.5 * (outline[i] + outline[(i + 1) % outline.size()]);
-        for (const double y : {0.0, 64.0}) {
+        for (const double y : row.heights) {
           shuffled.emplace_back(randomBits(seed, shuffled.size()), Vec3(outline[i] + Vec3(0, y, 0)));
           if (row.middles) shuffled.emplace_back(randomBits(seed, shuffled.size()), Vec3(middle + Vec3(0, y, 0)));
         }
@@ -225,6 +227,23 @@ TEST(ConvexHull, PrismsOfVeryManySides) {
       }
       EXPECT_NEAR(bottom * 64.0, hull.volume, 1e-9 * hull.volume);
     }
+  }
+}
+
+/// Of a regular prism each new corner is level with an end and with the sides between the corners beside it.
+TEST(ConvexHull, RegularPrismsOfVeryManySides) {
+  for (const int sides : {64, 500, 4000}) {
+    std::vector<Vec3> points;
+    for (const double y : {0.0, 1.0}) {
+      for (int i = 0; i < sides; ++i) points.emplace_back(cos(2.0 * M_PI * i / sides), y, sin(2.0 * M_PI * i / sides));
+    }
+    const ConvexHull hull = convexHull(points);
+    EXPECT_EQ(hull.vertices.size(), points.size());
+    EXPECT_EQ(hull.triangles.size(), 2 * hull.vertices.size() - 4);
+    EXPECT_TRUE(checkClosedTwoManifold({hull.vertices, hull.triangles}));
+    EXPECT_LE(largestViolation(hull, points), 1e-9);
+    EXPECT_NEAR(hull.volume, 0.5 * sides * sin(2.0 * M_PI / sides), 1e-9);
+    EXPECT_NEAR(signedVolume(hull.vertices, hull.triangles), hull.volume, 1e-9);
   }
 }
 

@@ -1,6 +1,7 @@
 #include "prepare/training.h"
 
 #include "capture/synthetic/synthetic_motion.h"
+#include "geometry/work_budgets.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <gtest/gtest.h>
@@ -71,6 +72,34 @@ TEST(Training, OfWhatIsNoHumanoidAndHasNoClipsIsItsRestPose) {
   const Result<Training> training = trainingMotions(character, {}, {}, kNotFound);
   ASSERT_TRUE(training) << training.error().message;
   EXPECT_EQ(namesOf(*training), Names{"rest pose"});
+}
+
+TEST(Training, LooksAtLongClipsLessOften) {
+  const Character character = makeMannequin();
+  std::vector<Clip> clips(2, stillClip());
+  for (Clip& clip : clips) clip.seconds = kMaxTrainingPoses / kClipRate / character.skeleton.jointCount();
+  const Training training = trainingMotions(character, {}, clips, kUsual).value();
+  double poses = 0.0;
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    poses += static_cast<double>(training.motions[i].times.size() - 1) * character.skeleton.jointCount();
+  }
+  EXPECT_LE(poses, kMaxTrainingPoses + clips.size() * character.skeleton.jointCount());  // whole frames
+  EXPECT_GE(poses, 0.99 * kMaxTrainingPoses);
+}
+
+/// The length of a clip costs a file nothing, so it is checked before the clip is sampled.
+TEST(Motion, AClipOfMorePosesThanTheBudgetIsRefused) {
+  const Skeleton skeleton = makeMannequin().skeleton;
+  const double longest = kMaxClipPoses / kClipRate / skeleton.jointCount();
+  Clip clip = stillClip();
+  clip.seconds = 1.001 * longest;
+  const Result<SkeletalMotion> refused = framesOf(skeleton, clip);
+  ASSERT_FALSE(refused.ok());
+  EXPECT_NE(refused.error().message.find("the clip 'Stand' lasts"), std::string::npos) << refused.error().message;
+  clip.seconds = longest;
+  const Result<SkeletalMotion> taken = framesOf(skeleton, clip);
+  ASSERT_TRUE(taken.ok());
+  EXPECT_LE(static_cast<double>(taken->times.size() - 1) * skeleton.jointCount(), kMaxClipPoses);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
+#include "geometry/work_budgets.h"
 #include "session/pose_source.h"
 #include "session/session.h"
 #include "skinning/mannequin/mannequin.h"
@@ -15,6 +16,7 @@
 #include <stdlib.h>
 
 #include <algorithm>
+#include <functional>
 #include <set>
 #include <string>
 #include <utility>
@@ -380,6 +382,99 @@ TEST(ShippedScenes, TheCurtainIsPartedAndHangsOnItsBarAfterwards) {
   EXPECT_GE(touched.size(), 10u);
   EXPECT_LT(widestGap, 0.15) << "links may stretch if a fist pulls them along, but never tear";
   for (const SceneFile::Link& link : scene.links) EXPECT_LT(gapOf(link), 0.02);
+}
+
+/// Each budget of work at its limit and one above it.
+TEST(SceneFile, BudgetsAreTakenAtTheirLimitsAndRefusedAboveThem) {
+  const test::TemporaryFolder folder;
+  TriMesh three;  // tetrahedra beside each other: three convex parts
+  for (int k = 0; k < 3; ++k) {
+    for (const Vec3& p : test::makeTetrahedron().vertices) three.vertices.push_back(0.1 * p + Vec3(0.2 * k, 0, 0));
+    for (const Triangle& t : test::makeTetrahedron().triangles) {
+      three.triangles.push_back({t[0] + 4 * k, t[1] + 4 * k, t[2] + 4 * k});
+    }
+  }
+  ASSERT_TRUE(writeObjObjects(folder.path() / "three.obj", {{"three", three}}));
+  const auto points = [&](std::size_t count) {
+    std::string off = "OFF\n" + std::to_string(count) + " 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
+    for (std::size_t i = 4; i < count; ++i) off += "0.1 0.1 0.1\n";
+    const std::string name = std::to_string(count) + ".off";
+    (void)folder.write(name, off + "3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n");
+    return R"("props": [{"shape": "mesh", "file": ")" + name + R"(", "at": [0, 1, 0]}])";
+  };
+  const auto listOf = [](std::size_t count, const auto& element) {
+    std::string list;
+    for (std::size_t i = 0; i < count; ++i) list += (i > 0 ? "," : "") + std::string(element(i));
+    return "[" + list + "]";
+  };
+  const auto row = [](int height, std::size_t count) {
+    return R"({"shape": "sphere", "radius": 0.01, "at": [-45, )" + std::to_string(height) +
+           R"(, 0], "repeat": {"count": )" + std::to_string(count) + R"(, "step": [0.025, 0, 0]}})";
+  };
+  struct Case {
+    const char* words;
+    std::function<std::string(std::size_t)> scene;
+    std::size_t most;
+  };
+  const Case cases[] = {
+      {"more props",
+       [&](std::size_t n) {  // two rows, since one may have as many as the scene
+         return "\"props\": [" + row(0, n - 1) + "," + row(1, 1) + "]";
+       },
+       kMaxSceneProps},
+      {"more sources",
+       [&](std::size_t n) {
+         return "\"grains\": {\"fill\": " +
+                listOf(n, [](std::size_t) { return R"({"at": [0, 1, 0], "size": [0.1, 0.1, 0.1], "count": 1})"; }) +
+                "}";
+       },
+       kMaxParticleSources},
+      {"count",
+       [&](std::size_t n) {
+         return R"("grains": {"fill": [{"at": [0, 1, 0], "size": [0.1, 0.1, 0.1], "count": )" + std::to_string(n) +
+                "}]}";
+       },
+       kMaxParticles},
+      {"parts",
+       [&](std::size_t n) {
+         return R"("props": [{"shape": "mesh", "file": "three.obj", "at": [0, 1, 0], "parts": )" + std::to_string(n) +
+                "}]";
+       },
+       kMaxPropParts},
+      {"vertices", points, kMaxPropVertices},
+      {"more meshes",
+       [&](std::size_t n) {
+         return "\"props\": " + listOf(n, [](std::size_t i) {
+                  return R"({"shape": "mesh", "file": "three.obj", "scale": )" + std::to_string(1.0 + 0.01 * i) +
+                         R"(, "at": [0, )" + std::to_string(0.7 * i) + ", 0]}";
+                });
+       },
+       kMaxSceneMeshes},
+      {"more convex parts",
+       [&](std::size_t n) {  // three each, and one each
+         return R"("props": [{"shape": "mesh", "file": "three.obj", "scale": 0.11, "parts": 3, "at": [-45, 1, 0], "repeat": {"count": )" +
+                std::to_string((n - 1) / 3) + R"(, "step": [0.07, 0, 0]}}, )" +
+                listOf((n - 1) % 3 + 1, [](std::size_t i) {
+                  return R"({"shape": "mesh", "file": "three.obj", "at": [0, )" + std::to_string(3 + i) + ", 0]}";
+                }).substr(1);
+       },
+       kMaxSceneHulls},
+      {"more pairs",
+       [&](std::size_t n) {  // 200 bars that all overlap, and boxes that overlap their neighbours
+         return R"("props": [{"shape": "box", "size": [20, 0.01, 0.01], "at": [-5, 0, 0], "turn": [0, 45, 45],
+                              "repeat": {"count": 200, "step": [0.02, 0, 0]}},
+                             {"shape": "box", "size": [1, 1, 1], "at": [-49, 40, 0], "repeat": {"count": )" +
+                std::to_string(n - 199 * 200 / 2 + 1) + R"(, "step": [0.9, 0, 0]}}])";
+       },
+       kMaxSceneNearPairs}};
+  for (const Case& c : cases) {
+    for (const std::size_t more : {0U, 1U}) {
+      const Result<SceneFile> scene = parseScene(sceneWith(c.scene(c.most + more)), "s.json", {folder.path()});
+      EXPECT_EQ(scene.ok(), more == 0) << c.words << (scene ? "" : ": " + scene.error().message);
+      if (more == 0 || scene) continue;
+      EXPECT_NE(scene.error().message.find(c.words), std::string::npos) << scene.error().message;
+    }
+  }
 }
 
 }  // namespace

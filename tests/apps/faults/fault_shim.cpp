@@ -4,6 +4,7 @@
 // LORICA_SHIM=clock: the clock of the machine says 1970 and runs backwards, an hour each time that it is asked.
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
 #include <sys/stat.h>
 #include <sys/time.h>
 #include <sys/types.h>
@@ -51,12 +52,25 @@ Function next(const char* name) {
 }
 
 std::atomic<long> gAsked = 0;
+thread_local time_t tAnswered = 0;  // to the thread's last question
 
 /// @return whether the time was written
 bool wrongTime(time_t& seconds) {
   if (!mode("clock")) return false;
-  seconds = 86400L * 30 - 3600 * ++gAsked;
+  seconds = tAnswered = 86400L * 30 - 3600 * ++gAsked;
   return true;
+}
+
+/// When a wait until a wrong time ends. The kernel's clock stays right, so that OpenNI2 would not wait for its threads
+/// at all and cancel them.
+timespec rightTime(timespec until) {
+  const time_t left = until.tv_sec - tAnswered;
+  if (!mode("clock") || left < 0 || left > 600) return until;  // or of another clock
+  timespec right{};
+  next<int (*)(clockid_t, timespec*)>("clock_gettime")(CLOCK_REALTIME, &right);
+  right.tv_sec += left + (right.tv_nsec + until.tv_nsec) / 1'000'000'000;
+  right.tv_nsec = (right.tv_nsec + until.tv_nsec) % 1'000'000'000;
+  return right;
 }
 
 }  // namespace
@@ -84,6 +98,17 @@ int clock_gettime(clockid_t clock, timespec* time) {
     return 0;
   }
   return next<int (*)(clockid_t, timespec*)>("clock_gettime")(clock, time);
+}
+
+int pthread_cond_timedwait(pthread_cond_t* condition, pthread_mutex_t* mutex, const timespec* until) {
+  const timespec right = rightTime(*until);
+  using Wait = int (*)(pthread_cond_t*, pthread_mutex_t*, const timespec*);
+  return next<Wait>("pthread_cond_timedwait")(condition, mutex, &right);
+}
+
+int pthread_timedjoin_np(pthread_t thread, void** result, const timespec* until) {
+  const timespec right = rightTime(*until);
+  return next<int (*)(pthread_t, void**, const timespec*)>("pthread_timedjoin_np")(thread, result, &right);
 }
 
 time_t time(time_t* result) {

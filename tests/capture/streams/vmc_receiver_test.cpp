@@ -1,10 +1,12 @@
 #include "capture/streams/vmc_receiver.h"
 
 #include "capture/streams/vmc_names.h"
+#include "geometry/work_budgets.h"
 #include "tests/capture/streams/vmc_packet.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -185,10 +187,14 @@ TEST(VmcReceiver, ExpressionsAreAppliedTogether) {
 
 TEST(VmcReceiver, ExpressionsAreBounded) {
   VmcReceiver receiver;
-  for (int i = 0; i < 1000; ++i) take(receiver, Packet().weight("shape " + std::to_string(i), 1.0f), 0.0);
-  EXPECT_EQ(receiver.expressions().size(), 256u);
-  take(receiver, Packet().weight(std::string(10000, 'x'), 1.0f), 0.0);
-  EXPECT_EQ(receiver.expressions().size(), 256u);
+  take(receiver, Packet().weight(std::string(kMaxExpressionName + 1, 'x'), 1.0f), 0.0);
+  EXPECT_EQ(receiver.expressions().size(), 0u);
+  take(receiver, Packet().weight(std::string(kMaxExpressionName, 'x'), 1.0f), 0.0);
+  EXPECT_EQ(receiver.expressions().size(), 1u);
+  for (std::size_t i = 1; i <= kMaxPoseExpressions; ++i) {
+    take(receiver, Packet().weight("shape " + std::to_string(i), 1.0f), 0.0);
+    EXPECT_EQ(receiver.expressions().size(), std::min(i + 1, kMaxPoseExpressions));
+  }
 }
 
 TEST(VmcReceiver, BadNumbersAndUnknownBonesChangeNothing) {

@@ -1,3 +1,4 @@
+#include "geometry/work_budgets.h"
 #include "skinning/springs/spring_simulation.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/allocations.h"

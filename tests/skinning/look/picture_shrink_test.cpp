@@ -1,4 +1,5 @@
 #include "skinning/look/picture_shrink.h"
+#include "geometry/work_budgets.h"
 
 #include "tests/skinning/look/picture_samples.h"
 

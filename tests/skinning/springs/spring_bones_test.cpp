@@ -1,3 +1,4 @@
+#include "geometry/work_budgets.h"
 #include "tests/skinning/springs/strand.h"
 
 #include <gtest/gtest.h>
@@ -58,6 +59,18 @@ TEST(SpringBones, BadOnesAreRefusedWithASentence) {
   for (const auto& [change, words] : faults) {
     const std::string sentence = refusal(change);
     EXPECT_NE(sentence.find(words), std::string::npos) << "expected: " << words << "\nfound: " << sentence;
+  }
+}
+
+TEST(SpringBones, AsMuchAsTheBudgetsIsTaken) {
+  EXPECT_EQ(refusal([](SpringBones& s) { s.colliders.resize(kMaxSpringColliders, s.colliders[0]); }), "");
+  const std::size_t groups = kMaxSpringPairs / 1000 / 2;  // for each of two joints
+  for (const std::size_t more : {0U, 1U}) {
+    const std::string sentence = refusal([&](SpringBones& s) {
+      s.colliderGroups[0].assign(1000, 0);
+      s.chains[0].colliderGroups.assign(groups + more, 0);
+    });
+    EXPECT_EQ(sentence.find("pairs") != std::string::npos, more > 0) << sentence;
   }
 }
 
