@@ -1,4 +1,3 @@
-#include "apps/demo_pictures.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/report_parts.h"
@@ -7,6 +6,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
+#include "player/demo_pictures.h"
 #include "player/load_on_screen.h"
 #include "player/playback.h"
 #include "prepare/demo_motion.h"

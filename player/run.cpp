@@ -14,6 +14,7 @@ namespace lorica {
 namespace {
 
 constexpr double kSameTime = 1e-6;  // [s]
+constexpr double kSureJoint = 0.5;  // confidence
 
 }  // namespace
 
@@ -89,6 +90,12 @@ bool Run::ready() const {
 std::string Run::trouble() const {
   if (tracked()) return log.state();
   return streams().empty() ? "" : streams().front().state();
+}
+
+std::optional<Vec3> Run::trackedHead() const {
+  if (!tracked() || !live_->tracked->sight().followed) return std::nullopt;
+  const TrackedJoint& head = live_->tracked->sight().joints[BodyJoint::kHead];
+  return head.confidence > kSureJoint ? std::optional(head.position) : std::nullopt;
 }
 
 std::optional<double> Run::trackingSeconds() const {

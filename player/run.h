@@ -99,6 +99,8 @@ class Run {
   [[nodiscard]] bool ready() const;
   /// What is wrong with the source; empty = nothing.
   [[nodiscard]] std::string trouble() const;
+  /// The head joint that a depth camera sees in its last frame, world frame [m]; none while it sees none.
+  [[nodiscard]] std::optional<Vec3> trackedHead() const;
   /// Time for tracking [s].
   [[nodiscard]] std::optional<double> trackingSeconds() const;
   /// Counts the session's last frame.

@@ -108,6 +108,8 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
   server_.setCast(cast);
   pointing_.reset();
   holds_ = false;
+  present_ = &run;
+  headset_.begin(run.tracked() ? run.name() : "");
   return warnings;
 }
 
@@ -120,6 +122,10 @@ void PageScreen::hear() {
     if (others && (wish.points() || wish.kind == Kind::kRelease)) continue;  // somebody else holds a prop
     if (wish.kind == Kind::kDrag) {
       if (holds_) pointing_ = wish;
+      continue;
+    }
+    if (wish.kind == Kind::kHead) {
+      headset_.addHeadset(wish, now());
       continue;
     }
     if (waiting_.size() < kMaxWaiting) waiting_.push_back(wish);
@@ -208,6 +214,7 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
     case Kind::kAck:
     case Kind::kShow:
     case Kind::kDrag:
+    case Kind::kHead:
       break;
   }
   setChoices(choices);
@@ -357,7 +364,18 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                  {"clients", server_.clients()}});
 }
 
+/// Tells the wearer of a headset where the depth camera sees them.
+void PageScreen::followHeadset() {
+  if (const std::optional<Vec3> head = present_ != nullptr ? present_->trackedHead() : std::nullopt;
+      head && present_->session.frameCount() != trackedFrame_) {
+    trackedFrame_ = present_->session.frameCount();
+    headset_.addTracked(*head, now());
+  }
+  if (std::string told = headset_.update(now()); !told.empty()) server_.say(std::move(told));
+}
+
 void PageScreen::show(const Scene& scene, const WindowValues& values) {
+  followHeadset();
   characters_.assign(values.characters.begin(), values.characters.end());
   motions_.assign(values.motions.begin(), values.motions.end());
   scenes_ = countOf(values.scenes);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "player/run.h"
+#include "serve/headset_link.h"
 #include "serve/server.h"
 #include "viewer/renderer/screen.h"
 
@@ -19,6 +20,7 @@ class PageScreen final : public Screen {
   PageScreen(PageServer& server, Screen* window) : server_(server), window_(window) {}
 
   /// Tells clients of a run that begins: its characters and where to look from.
+  /// @param run  must outlive this screen, or the next call
   /// @return a sentence about each character whose licence does not let it be given to others
   [[nodiscard]] Result<std::vector<std::string>> begin(const Run& run, const Host& host);
 
@@ -41,6 +43,7 @@ class PageScreen final : public Screen {
 
  private:
   void hear();
+  void followHeadset();
   void obey(const Wish& wish, WindowRequests& requests);
   [[nodiscard]] std::string stateOf(const WindowValues& values) const;
 
@@ -48,6 +51,9 @@ class PageScreen final : public Screen {
   Screen* window_;
   WindowChoices choices_;  // without a window
   Camera camera_;
+  HeadsetLink headset_;
+  const Run* present_ = nullptr;  // that began last
+  int trackedFrame_ = 0;
   std::uint32_t run_ = 0;
   std::vector<Wish> heard_;
   std::deque<Wish> waiting_;

@@ -14,14 +14,14 @@ using Json = nlohmann::json;
 using Kind = Wish::Kind;
 
 /// A member of a message and how it is read.
-enum class Member { kNone, kFrame, kLayers, kOn, kTo, kIndex, kCount, kTarget, kRay };
+enum class Member { kNone, kFrame, kLayers, kOn, kTo, kIndex, kCount, kTarget, kRay, kPose };
 
 struct Message {
   const char* type;
   Kind kind;
   Member member;
 };
-constexpr std::array<Message, 24> kMessages = {{{"ack", Kind::kAck, Member::kFrame},
+constexpr std::array<Message, 25> kMessages = {{{"ack", Kind::kAck, Member::kFrame},
                                                 {"show", Kind::kShow, Member::kLayers},
                                                 {"pause", Kind::kPause, Member::kOn},
                                                 {"step", Kind::kStep, Member::kNone},
@@ -44,10 +44,12 @@ constexpr std::array<Message, 24> kMessages = {{{"ack", Kind::kAck, Member::kFra
                                                 {"drag", Kind::kDrag, Member::kRay},
                                                 {"release", Kind::kRelease, Member::kNone},
                                                 {"undo", Kind::kUndo, Member::kNone},
-                                                {"cancel", Kind::kCancel, Member::kNone}}};
-constexpr double kSmallest = 1e-6;    // length of a direction
-constexpr double kLongest = 1e6;      // of a recording [s]
-constexpr int kMostThings = 100'000;  // that are counted
+                                                {"cancel", Kind::kCancel, Member::kNone},
+                                                {"head", Kind::kHead, Member::kPose}}};
+constexpr double kSmallest = 1e-6;      // length of a direction
+constexpr double kLongestClock = 1e11;  // [s]
+constexpr double kLongest = 1e6;        // of a recording [s]
+constexpr int kMostThings = 100'000;    // that are counted
 
 Error expected(const char* type, const char* member, const char* what) {
   return badFormat("message {}: its {} is not {}", type, member, what);
@@ -58,9 +60,10 @@ const Json* member(const Json& json, const char* name) {
   return found == json.end() ? nullptr : &*found;
 }
 
-bool readVec3(const Json* from, double largest, Vec3& v) {
-  if (from == nullptr || !from->is_array() || from->size() != 3) return false;
-  for (int c = 0; c < 3; ++c) {
+template <typename Vector>
+bool readNumbers(const Json* from, double largest, Vector& v) {
+  if (from == nullptr || !from->is_array() || from->size() != static_cast<std::size_t>(v.size())) return false;
+  for (int c = 0; c < v.size(); ++c) {
     if (!(*from)[c].is_number()) return false;
     v[c] = (*from)[c].get<double>();
     if (!(std::abs(v[c]) <= largest)) return false;
@@ -69,7 +72,7 @@ bool readVec3(const Json* from, double largest, Vec3& v) {
 }
 
 bool readDirection(const Json* from, Vec3& v) {
-  if (!readVec3(from, kLongest, v) || v.norm() < kSmallest) return false;
+  if (!readNumbers(from, kLongest, v) || v.norm() < kSmallest) return false;
   v.normalize();
   return true;
 }
@@ -118,12 +121,28 @@ Result<void> readMember(const Json& json, const Message& message, Wish& wish) {
       wish.index = static_cast<int>(value);
       return {};
     }
+    case Member::kPose: {
+      const Json* time = member(json, "time");
+      if (time == nullptr || !time->is_number()) return expected(type, "time", "a number");
+      wish.to = time->get<double>();
+      if (!(std::abs(wish.to) <= kLongestClock)) return expected(type, "time", "seconds of a clock");
+      if (!readNumbers(member(json, "position"), kFarthestPosition, wish.origin)) {
+        return expected(type, "position", "three numbers from -1,000 to 1,000");
+      }
+      if (!readNumbers(member(json, "orientation"), 1.001, wish.orientation.coeffs()) ||
+          wish.orientation.norm() < 0.5) {
+        return expected(type, "orientation", "a quaternion");
+      }
+      wish.orientation.normalize();
+      return {};
+    }
     case Member::kTarget:
     case Member::kRay: {
       constexpr const char* kPosition = "three numbers from -1,000 to 1,000";
-      if (!readVec3(member(json, "origin"), kFarthestPosition, wish.origin)) return expected(type, "origin", kPosition);
+      if (!readNumbers(member(json, "origin"), kFarthestPosition, wish.origin))
+        return expected(type, "origin", kPosition);
       if (message.member == Member::kTarget) {
-        if (!readVec3(member(json, "target"), kFarthestPosition, wish.target)) {
+        if (!readNumbers(member(json, "target"), kFarthestPosition, wish.target)) {
           return expected(type, "target", kPosition);
         }
         return {};

@@ -34,18 +34,20 @@ struct Wish {
     kDrag,
     kRelease,
     kUndo,
-    kCancel
+    kCancel,
+    kHead
   };
 
   Kind kind = Kind::kAck;
   int client = 0;
   bool on = false;
-  int index = 0;                                                                   ///< or the number of parts
-  double to = 0.0;                                                                 ///< seconds or a factor
-  std::uint64_t frame = 0;                                                         ///< acknowledged
-  unsigned layers = 0;                                                             ///< see `served`
+  int index = 0;            ///< or the number of parts
+  double to = 0.0;          ///< seconds or a factor; of a headset's pose its time, by the client's clock [s]
+  std::uint64_t frame = 0;  ///< acknowledged
+  unsigned layers = 0;      ///< see `served`
   Vec3 origin = Vec3::Zero(), direction = Vec3::UnitZ(), forward = Vec3::UnitZ();  ///< world; unit vectors
   Vec3 target = Vec3::Zero();
+  Quat orientation = Quat::Identity();  ///< of a headset at `origin`, in its own stage frame
 
   /// Whether it says where the client points.
   [[nodiscard]] bool points() const { return kind == Kind::kThrow || kind == Kind::kPress || kind == Kind::kDrag; }

@@ -30,6 +30,11 @@ TEST(Wish, MessagesAreRead) {
   const Wish press = valueOf(readWish(R"({"type":"press","origin":[0,1,0],"direction":[0,0,2],"forward":[3,0,4]})"));
   EXPECT_EQ(press.direction, Vec3::UnitZ());
   EXPECT_TRUE(press.forward.isApprox(Vec3(0.6, 0.0, 0.8)));
+  const Wish head =
+      valueOf(readWish(R"({"type":"head","time":12.5,"position":[0,1.6,0],"orientation":[0,0.6,0,0.8]})"));
+  EXPECT_EQ(head.to, 12.5);
+  EXPECT_EQ(head.origin, Vec3(0.0, 1.6, 0.0));
+  EXPECT_TRUE(head.orientation.isApprox(Quat(0.8, 0.0, 0.6, 0.0)));
 }
 
 TEST(Wish, WhatIsNoMessageIsRefusedWithASentence) {
@@ -58,6 +63,10 @@ TEST(Wish, WhatIsNoMessageIsRefusedWithASentence) {
       {R"({"type":"throw","origin":[1,2,3],"target":[0,null,0]})", "its target"},
       {R"({"type":"press","origin":[1,2,3],"direction":[0,0,0],"forward":[0,0,1]})", "its direction"},
       {R"({"type":"drag","origin":[1,2,3],"direction":[0,0,1]})", "its forward"},
+      {R"({"type":"head","time":"now","position":[0,1,0],"orientation":[0,0,0,1]})", "its time"},
+      {R"({"type":"head","time":1,"position":[0,1],"orientation":[0,0,0,1]})", "its position"},
+      {R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,0]})", "its orientation"},
+      {R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,9]})", "its orientation"},
       {R"({"type":"ack","frame":[[[[[1]]]]]})", "deeper"},
       {std::string(kMaxWishBytes + 1, ' '), "at most"}};
   for (const auto& [text, part] : rows) {

@@ -5,6 +5,8 @@ import { lit } from './stage.js';
 const kModes = { vr: 'immersive-vr', ar: 'immersive-ar' };
 const kBeside = { vr: 1.6, ar: 1.9 }; // distance to the avatar at first [m]
 const kWalk = 1.4; // [m/s]
+const kBetweenHeads = 0.03; // poses that are told [s]
+const kSettles = 1; // in which the eyes come to the avatar's, whose camera is late [s]
 const kReach = 2.5; // length of a ray that meets nothing [m]
 
 export class Headset {
@@ -14,6 +16,8 @@ export class Headset {
   #hands = [];
   #placed = false;
   #worn = null;
+  #told = 0; // when the last pose was [s]
+  #registration = null; // of this headset and the depth camera
   #turned = 0; // what the stick for turning wanted before
   #flat = { position: new THREE.Vector3(), quaternion: new THREE.Quaternion() };
 
@@ -25,6 +29,16 @@ export class Headset {
     xr.addEventListener('sessionstart', () => this.#started());
     xr.addEventListener('sessionend', () => this.#ended());
     this.#hands = [0, 1].map((i) => this.#makeHand(xr.getController(i), xr.getControllerGrip(i), xr.getHand(i)));
+  }
+
+  /// Where the depth camera sees the wearer, once that is known.
+  registered(registration) {
+    this.#registration = registration.known ? registration : null;
+    if (this.mode && registration.advice) this.#world.panel.notice(registration.advice, false);
+  }
+
+  get registration() {
+    return this.#registration;
   }
 
   async offer() {
@@ -164,7 +178,8 @@ export class Headset {
     const pose = frame?.getViewerPose(stage.renderer.xr.getReferenceSpace());
     const avatar = avatars[Math.max(view.followed, 0)];
     if (pose) this.#walk(pose.transform, seconds);
-    if (pose && avatar?.loaded && avatar.present) this.#place(pose.transform, avatar);
+    if (pose && avatar?.loaded && avatar.present) this.#place(pose.transform, avatar, seconds);
+    if (pose && this.#world.live()) this.#tell(pose.transform);
     for (const hand of this.#hands) {
       this.#aim(hand);
       if (hand.holds) connection.drag(this.#wire(hand));
@@ -174,6 +189,13 @@ export class Headset {
       hand.line.scale.z = hand.holds ? hand.origin.distanceTo(view.marker.position) : hit ? hit.distance : kReach;
       this.#showFingers(hand);
     }
+  }
+
+  #tell({ position: p, orientation: o }) {
+    const time = performance.now() / 1000;
+    if (time - this.#told < kBetweenHeads) return;
+    this.#told = time;
+    this.#world.connection.send('head', { time, position: [p.x, p.y, p.z], orientation: [o.x, o.y, o.z, o.w] });
   }
 
   /// The left stick walks where the head looks, the right one turns by 30 degrees around the head.
@@ -207,7 +229,8 @@ export class Headset {
   }
 
   /// Beside the avatar once, looking at it; inside, the eyes are where its eyes are, and turn freely.
-  #place({ position, orientation }, avatar) {
+  /// With a registration the head's own motion counts at once, and the avatar's place slowly.
+  #place({ position, orientation }, avatar, seconds) {
     const { rig } = this.#world.stage,
       inside = this.presence === 'inside' && this.mode === 'vr';
     this.#wear(inside ? avatar : null);
@@ -219,8 +242,11 @@ export class Headset {
       rig.rotation.y = Math.atan2(wanted.x, wanted.z) - Math.atan2(look.x, look.z);
       this.#placed = inside ? 'inside' : 'beside';
     }
+    const registered = inside && this.#registration !== null && this.#world.live();
+    if (registered) rig.rotation.y = this.#registration.yaw;
     local.copy(position).applyAxisAngle(kUp, rig.rotation.y);
-    if (inside) rig.position.copy(avatar.eye(eye)).sub(local);
+    if (registered) rig.position.lerp(avatar.eye(eye).sub(local), 1 - Math.exp(-seconds / kSettles));
+    else if (inside) rig.position.copy(avatar.eye(eye)).sub(local);
     else rig.position.copy(avatar.center).addScaledVector(wanted, -kBeside[this.mode]).sub(local).setY(0);
     rig.updateMatrixWorld();
   }

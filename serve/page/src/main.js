@@ -85,6 +85,7 @@ const world = {
   connection: null,
   view: null,
   mayDrag: () => Boolean(hello) && !hello.watched,
+  live: () => Boolean(hello) && hello.live,
   changed: () => {
     dirty = true;
   },
@@ -122,7 +123,8 @@ function message(of) {
     applyChoices();
   } else if (of.type === 'state') {
     panel.update(of, hello);
-  } else if (of.type === 'notice') panel.notice(of.text, of.problem);
+  } else if (of.type === 'registration') headset.registered(of);
+  else if (of.type === 'notice') panel.notice(of.text, of.problem);
 }
 
 /// Everything from before is void, but props stay until others are named. After a lost connection the same characters need
@@ -464,6 +466,9 @@ window.loricaPage = {
   },
   get mode() {
     return headset.mode;
+  },
+  get registration() {
+    return headset.registration;
   },
   get camera() {
     return new THREE.Vector3().setFromMatrixPosition(stage.camera.matrixWorld).toArray();

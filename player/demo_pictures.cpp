@@ -1,6 +1,5 @@
-#include "apps/demo_pictures.h"
+#include "player/demo_pictures.h"
 
-#include "apps/report.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "viewer/pictures/image_files.h"

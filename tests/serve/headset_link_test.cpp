@@ -1,0 +1,122 @@
+#include "serve/headset_link.h"
+
+#include "tests/capture/registration/virtual_walk.h"
+#include "tests/serve/test_client.h"
+#include "tests/support/datasets.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <string>
+
+namespace lorica {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A client whose clock is another than ours, and a camera, both of a walk.
+class Wearer {
+ public:
+  explicit Wearer(std::uint64_t seed, double start = 1000.0) : walk_(settings(), seed), start_(start) {
+    ::setenv("XDG_CONFIG_HOME", home_.path().c_str(), 1);
+  }
+  static test::WalkSettings settings() {
+    test::WalkSettings walk;
+    walk.seconds = 10.0;
+    walk.distance = 8.0;
+    return walk;
+  }
+  /// Hands all of it over in the order of time. @return the last message, of those that are any
+  Json wear(HeadsetLink& link, const Isometry3& moved = Isometry3::Identity()) {
+    std::size_t pose = 0;
+    Json last;
+    const auto told = [&](const std::string& text) {
+      if (!text.empty()) last = Json::parse(text);
+    };
+    for (const HeadRegistration::TrackedHead& head : walk_.heads) {
+      for (; pose < walk_.poses.size() && walk_.poses[pose].time <= head.time; ++pose) {
+        const HeadRegistration::HeadsetPose& at = walk_.poses[pose];
+        Wish wish;
+        wish.client = 4;
+        wish.to = start_ + at.time - 77.0;
+        wish.origin = at.position;
+        wish.orientation = at.orientation;
+        // The network takes a millisecond, sometimes more.
+        link.addHeadset(wish, start_ + at.time + (pose % 7 == 0 ? 0.02 : 0.001));
+      }
+      link.addTracked(moved * head.position, start_ + head.time);
+      // Solving takes no time of this clock.
+      EXPECT_TRUE(test::becomes([&] {
+        told(link.update(start_ + head.time));
+        return !link.solving();
+      }));
+    }
+    start_ += walk_.heads.back().time + 1.0;
+    return last;
+  }
+  [[nodiscard]] const test::VirtualWalk& walk() const { return walk_; }
+
+ private:
+  test::TemporaryFolder home_;
+  test::VirtualWalk walk_;
+  double start_;
+};
+
+TEST(HeadsetLink, FindsHowTheHeadsetLiesToTheCamera) {
+  Wearer wearer(5);
+  HeadsetLink link;
+  link.begin("camera 1");
+  const Json told = wearer.wear(link);
+  ASSERT_TRUE(told["known"]) << told;
+  EXPECT_NEAR(told["yaw"].get<double>(), -wearer.walk().truth.yaw, 0.5 * 0.0174533);
+  ASSERT_TRUE(link.known());
+  EXPECT_LT(test::errorsOf(*link.known(), wearer.walk()).level, 0.02);
+  EXPECT_LT(told["degrees"].get<double>(), 1.0);
+}
+
+TEST(HeadsetLink, WhatWasFoundIsKeptForTheCamera) {
+  Wearer wearer(6);
+  HeadsetLink link;
+  link.begin("camera 1");
+  ASSERT_TRUE(wearer.wear(link)["known"]);
+  HeadsetLink again, other;
+  again.begin("camera 1");
+  ASSERT_TRUE(again.known());
+  EXPECT_EQ(again.known()->yaw, link.known()->yaw);
+  other.begin("camera 2");
+  EXPECT_FALSE(other.known());
+}
+
+TEST(HeadsetLink, AMovedCameraIsNoticedAndFoundAgain) {
+  Wearer wearer(7);
+  HeadsetLink link;
+  link.begin("camera 1");
+  ASSERT_TRUE(wearer.wear(link)["known"]);
+  const Isometry3 moved(Eigen::Translation3d(0.5, 0.0, 0.2) * Eigen::AngleAxisd(0.4, Vec3::UnitY()));
+  const Json told = wearer.wear(link, moved);
+  ASSERT_TRUE(told["known"]) << told;
+  // Stage from floor turns back by what the camera was turned.
+  const double change = link.known()->yaw - (wearer.walk().truth.yaw - 0.4);
+  EXPECT_NEAR(std::remainder(change, 2.0 * EIGEN_PI), 0.0, 1.0 * 0.0174533);
+}
+
+TEST(HeadsetLink, NothingIsSaidWithoutACameraOrAHeadset) {
+  Wearer wearer(8);
+  HeadsetLink link;
+  link.begin("");
+  Wish wish;
+  wish.client = 1;
+  for (int i = 0; i < 100; ++i) {
+    link.addHeadset(wish, 0.1 * i);
+    EXPECT_EQ(link.update(0.1 * i), "");
+  }
+  link.begin("camera 1");
+  for (int i = 0; i < 100; ++i) {
+    link.addTracked(Vec3::UnitY(), 0.1 * i);
+    EXPECT_EQ(link.update(0.1 * i), "");
+  }
+}
+
+}  // namespace
+}  // namespace lorica
