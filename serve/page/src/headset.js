@@ -33,7 +33,7 @@ export class Headset {
 
   /// Where the depth camera sees the wearer, once that is known.
   registered(registration) {
-    this.#registration = registration.known ? registration : null;
+    this.#registration = registration;
     if (this.mode && registration.advice) this.#world.panel.notice(registration.advice, false);
   }
 
@@ -242,7 +242,7 @@ export class Headset {
       rig.rotation.y = Math.atan2(wanted.x, wanted.z) - Math.atan2(look.x, look.z);
       this.#placed = inside ? 'inside' : 'beside';
     }
-    const registered = inside && this.#registration !== null && this.#world.live();
+    const registered = inside && this.#registration?.known && this.#world.live();
     if (registered) rig.rotation.y = this.#registration.yaw;
     local.copy(position).applyAxisAngle(kUp, rig.rotation.y);
     if (registered) rig.position.lerp(avatar.eye(eye).sub(local), 1 - Math.exp(-seconds / kSettles));

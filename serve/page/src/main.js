@@ -467,6 +467,9 @@ window.loricaPage = {
   get mode() {
     return headset.mode;
   },
+  get live() {
+    return world.live();
+  },
   get registration() {
     return headset.registration;
   },

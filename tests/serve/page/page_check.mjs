@@ -208,26 +208,22 @@ const parts = {
     await page.close();
   },
 
+  /// While a depth camera follows somebody, the server hears of the headset and says how far it knows it: for
+  /// `lorica serve --virtual`, of others nothing is done. The emulated one stands still, which is too little to know it.
+  async register() {
+    const { page, button, placed } = await openWithHeadset();
+    if (await page.evaluate(() => loricaPage.live)) {
+      await page.select('#panel select:has(option[value=inside])', 'inside');
+      await button('Enter VR');
+      await placed();
+      await until(page, () => loricaPage.registration !== null);
+      result.register = await page.evaluate(() => loricaPage.registration);
+    }
+    await page.close();
+  },
+
   async vr() {
-    const iwer = fs.readFileSync(
-      path.join(path.dirname(require.resolve('iwer/package.json')), 'build', 'iwer.min.js'),
-      'utf8',
-    );
-    const page = await open(kDesktop, {
-      before: `${iwer};window.device = new IWER.XRDevice(IWER.metaQuest3);
-      device.installRuntime({ forceInstall: true }); device.stereoEnabled = true; device.position.set(0.1, 1.6, 0.2);`,
-    });
-    const button = (text) =>
-      page.evaluate(
-        (t) => [...document.querySelectorAll('#panel button')].find((b) => b.textContent === t).click(),
-        text,
-      );
-    const placed = () => until(page, () => loricaPage.mode !== null && loricaPage.rig.position.some((x) => x !== 0));
-    await until(page, () =>
-      [...document.querySelectorAll('#panel button')].some(
-        (b) => b.textContent === 'Enter VR' && !b.closest('[hidden]'),
-      ),
-    );
+    const { page, button, placed } = await openWithHeadset();
     await button('Enter VR');
     await placed();
     await drawn(page);
@@ -326,6 +322,28 @@ const parts = {
     await page.close();
   },
 };
+
+/// The page on a machine with an emulated headset, before it is entered.
+async function openWithHeadset() {
+  const iwer = fs.readFileSync(
+    path.join(path.dirname(require.resolve('iwer/package.json')), 'build', 'iwer.min.js'),
+    'utf8',
+  );
+  const page = await open(kDesktop, {
+    before: `${iwer};window.device = new IWER.XRDevice(IWER.metaQuest3);
+    device.installRuntime({ forceInstall: true }); device.stereoEnabled = true; device.position.set(0.1, 1.6, 0.2);`,
+  });
+  const button = (text) =>
+    page.evaluate(
+      (t) => [...document.querySelectorAll('#panel button')].find((b) => b.textContent === t).click(),
+      text,
+    );
+  const placed = () => until(page, () => loricaPage.mode !== null && loricaPage.rig.position.some((x) => x !== 0));
+  await until(page, () =>
+    [...document.querySelectorAll('#panel button')].some((b) => b.textContent === 'Enter VR' && !b.closest('[hidden]')),
+  );
+  return { page, button, placed };
+}
 
 let failed = '';
 try {
