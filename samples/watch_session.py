@@ -20,20 +20,25 @@ while stream.readline() != b"\r\n":
     pass
 
 def receive():
-    kind, length = stream.read(2)
+    head = stream.read(2)
+    if len(head) < 2:
+        sys.exit("the connection has broken off")
+    kind, length = head
     if length >= 126:
         length = int.from_bytes(stream.read(2 if length == 126 else 8), "big")
     return kind & 15, stream.read(length)
 
-def send(message):  # at most 125 bytes; clients mask theirs
-    text, mask = json.dumps(message).encode(), os.urandom(4)
-    stream.write(bytes([0x81, 0x80 | len(text)]) + mask + bytes(c ^ mask[i % 4] for i, c in enumerate(text)))
+def send(kind, text):  # at most 125 bytes; clients mask theirs
+    mask = os.urandom(4)
+    stream.write(bytes([0x80 | kind, 0x80 | len(text)]) + mask + bytes(c ^ mask[i % 4] for i, c in enumerate(text)))
     stream.flush()
 
 while wanted > 0:
     kind, data = receive()
     if kind == 8:
         break
+    if kind == 9:  # the server asks whether somebody is there, when nothing was said for a while
+        send(10, data)
     if kind == 1 and json.loads(data)["type"] == "hello":
         print("hello:", json.loads(data)["name"])
     if kind != 2:
@@ -46,5 +51,5 @@ while wanted > 0:
             x, y, z = struct.unpack_from("<3f", data, at + 16)
             print(f"{time:.3f} s, {len(data)} bytes: avatar {index} at {x:.3f} {y:.3f} {z:.3f}")
         at += 8 + (length + 3) // 4 * 4
-    send({"type": "ack", "frame": number})
+    send(1, json.dumps({"type": "ack", "frame": number}).encode())
     wanted -= 1

@@ -49,7 +49,8 @@ std::string missingForPeers() {
   if (!fs::exists(chromium)) return "Chromium is missing (" + chromium.string() + ")" + install;
   for (const char* package :
        {"three", "@pixiv/three-vrm", "puppeteer-core", "esbuild", "gltf-validator", "osc", "osc-min", "@mujoco/mujoco",
-        "@gltf-transform/core", "@gltf-transform/extensions", "@dimforge/rapier3d-compat", "jolt-physics", "ajv"}) {
+        "@gltf-transform/core", "@gltf-transform/extensions", "@dimforge/rapier3d-compat", "jolt-physics", "ajv",
+        "iwer"}) {
     if (!fs::exists(kPeers / "node_modules" / package)) {
       return "the npm package " + std::string(package) + " is missing in " + kPeers.string() + install;
     }

@@ -1,18 +1,21 @@
 // usage: node page_check.mjs URL OUTFOLDER
-// Drives the page of `lorica serve` in headless Chromium: pictures of it, dragging, throwing, VR. Prints JSON. Run it where
-// `npm install puppeteer-core iwer` was done. CHROMIUM = path of the browser, PARTS = of the list at the end, to run fewer.
+// Drives the page of `lorica serve` in headless Chromium: pictures of it, dragging, throwing, VR. Prints JSON, which is also
+// OUTFOLDER/result.json. Run it where `npm install puppeteer-core iwer` was done, or from a file there. CHROMIUM = path of
+// the browser, PARTS = of the list at the end, to run fewer.
 // It waits for states of the page, never for a time; what does not come within a minute is an error.
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
-import { pathToFileURL } from 'node:url';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 
 const [url, folder] = process.argv.slice(2);
 if (!folder) {
   console.error('usage: node page_check.mjs URL OUTFOLDER');
   process.exit(2);
 }
-const require = createRequire(path.join(process.cwd(), 'package.json'));
+const own = path.dirname(fileURLToPath(import.meta.url)),
+  installed = fs.existsSync(path.join(own, 'node_modules')) ? own : process.cwd();
+const require = createRequire(path.join(installed, 'package.json'));
 const { default: puppeteer } = await import(pathToFileURL(require.resolve('puppeteer-core')));
 fs.mkdirSync(folder, { recursive: true });
 
@@ -81,6 +84,21 @@ async function drawn(page) {
 const shot = (page, name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
 const see = (page) => page.evaluate(() => JSON.parse(JSON.stringify(window.loricaPage)));
 const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
+/// The recording ends instead of starting again, which would put all props back where they were.
+async function once(page) {
+  await until(page, () => loricaPage.state !== null);
+  if (!(await see(page)).state.loop) return;
+  await page.keyboard.press('l');
+  await until(page, () => !loricaPage.state.loop);
+}
+/// Waits until a prop is farther than so from a place. @return how far it is then
+async function moves(page, index, from, least) {
+  const away = (i, at, d) => {
+    const moved = Math.hypot(...loricaPage.props[i].position.map((v, k) => v - at[k]));
+    return moved > d ? moved : 0;
+  };
+  return (await until(page, away, index, from, least)).jsonValue();
+}
 /// The loose prop nearest to the middle that can be pressed, and where. @return [index, [x, y]]
 const loose = (page) =>
   page.evaluate(() => {
@@ -130,14 +148,12 @@ async function drag(page) {
   const { held, props } = await see(page);
   const before = props[held].position;
   for (let i = 1; i <= 12; ++i) await page.mouse.move(x - 8 * i, y - 12 * i);
-  const movedBy = (i, from) => Math.hypot(...loricaPage.props[i].position.map((v, k) => v - from[k])) > 0.15;
-  await until(page, movedBy, held, before);
+  const moved = await moves(page, held, before, 0.15);
   await drawn(page);
   await shot(page, 'desktop_drag');
   const after = await see(page);
   await page.mouse.up();
   await until(page, () => loricaPage.held === -1);
-  const moved = distance(after.props[held].position, before);
   result.drag = { index: held, moved, cameraMoved: distance(after.camera, camera) };
 
   // A drag beside all props orbits.
@@ -185,6 +201,7 @@ const parts = {
     await page.select('#panel select:has(option[value=automatic])', 'low');
     await page.focus('#view');
     await page.keyboard.press('f'); // the camera stays
+    await once(page);
     await play(page);
     await drag(page);
     await throwBall(page);
@@ -265,6 +282,7 @@ const parts = {
           .sort(([, a], [, b]) => angle(b) - angle(a))[0]?.[0] ?? -1
       );
     });
+    await once(page);
     if (index >= 0) {
       await aim(index, [0.6, 0]);
       await drawn(page);
@@ -276,9 +294,9 @@ const parts = {
         const p = device.controllers.right.position;
         p.set(p.x, p.y + 0.5, p.z);
       });
-      await until(page, (i, at) => loricaPage.props[i].position[1] > at[1] + 0.25, held, from);
+      const moved = await moves(page, held, from, 0.25);
       await shot(page, 'vr_grab');
-      result.vr.grab = { index: held, moved: distance((await see(page)).props[held].position, from) };
+      result.vr.grab = { index: held, moved };
       await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 0));
       await until(page, () => loricaPage.held === -1);
       result.vr.released = true;
@@ -357,5 +375,7 @@ try {
 } finally {
   await browser.close();
 }
-console.log(JSON.stringify(result, null, 1));
+const text = JSON.stringify(result, null, 1);
+fs.writeFileSync(path.join(folder, 'result.json'), text);
+console.log(text);
 process.exit(result.failed || result.errors.length > 0 || result.outside.length > 0 ? 1 : 0);
