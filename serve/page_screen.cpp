@@ -19,6 +19,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Kind = Wish::Kind;
 
+constexpr double kBetweenShapes = 0.1;    // of hulls [s]
 constexpr double kBetweenStates = 0.1;    // [s]
 constexpr std::size_t kMaxWaiting = 256;  // wishes
 
@@ -388,7 +389,11 @@ void PageScreen::show(const Scene& scene, const WindowValues& values) {
   const unsigned layers = server_.layers();
   if (clients > 0 && scene.skeleton != nullptr &&
       (values.changes != shownChanges_ || clients != shownClients_ || layers != shownLayers_ || run_ != shownRun_)) {
-    server_.next().take(scene, layers);
+    // Between shapes the parts move as they are: that is a sixth of the bytes, and hardly to be seen.
+    const bool shapes = layers != shownLayers_ || run_ != shownRun_ || clients != shownClients_ ||
+                        now() - shapesTime_ >= kBetweenShapes;
+    if (shapes) shapesTime_ = now();
+    server_.next().take(scene, layers, shapes);
     server_.publish();
     shownChanges_ = values.changes;
     shownRun_ = run_;

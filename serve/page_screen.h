@@ -66,7 +66,7 @@ class PageScreen final : public Screen {
   std::uint32_t shownRun_ = 0;
   int shownClients_ = 0;
   unsigned shownLayers_ = 0;
-  double stateTime_ = -1.0;  // when it was told [s]
+  double stateTime_ = -1.0, shapesTime_ = -1.0;  // when they were told [s]
 };
 
 }  // namespace lorica

@@ -17,6 +17,7 @@
 #include "serve/link.h"
 #include "serve/page_files.h"
 
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -188,6 +189,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   void start() {
     error_code ignored;
+    ::fcntl(socket_.native_handle(), F_SETFD, FD_CLOEXEC);  // readers of files are processes of their own
     socket_.set_option(tcp::no_delay(true), ignored);
     socket_.set_option(asio::socket_base::send_buffer_size(kSendBuffer), ignored);
     if (!secure_) return readRequest();
@@ -219,10 +221,15 @@ class Connection : public std::enable_shared_from_this<Connection> {
   Pipe pipe() { return {socket_, secure_ ? &*secure_ : nullptr}; }
   void expireIn(double seconds) {
     timer_.expires_after(std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds)));
-    timer_.async_wait([weak = weak_from_this()](error_code error) {
+    timer_.async_wait([weak = weak_from_this(), mine = ++deadline_](error_code error) {
       const std::shared_ptr<Connection> self = weak.lock();
-      if (!error && self) self->pipe().close();
+      if (!error && self && self->deadline_ == mine) self->pipe().close();
     });
+  }
+  /// Also of one whose handler waits already.
+  void expireNever() {
+    ++deadline_;
+    timer_.cancel();
   }
 
   void readRequest() {
@@ -249,6 +256,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   tcp::socket socket_;
   std::optional<Pipe::Secure> secure_;
   asio::steady_timer timer_;
+  std::uint64_t deadline_ = 0;  // the present one's number
   std::optional<Pipe> stream_;
   beast::flat_buffer buffer_{16 << 10};
   std::optional<http::request_parser<http::empty_body>> request_;
@@ -384,7 +392,7 @@ void Connection::upgrade() {
   socketOfWeb_->set_option(timeouts);
   socketOfWeb_->set_option(websocket::stream_base::decorator(
       [](websocket::response_type& response) { response.set(http::field::sec_websocket_protocol, kProtocol); }));
-  timer_.cancel();
+  expireNever();
   socketOfWeb_->async_accept(request, [self = shared_from_this()](error_code error) {
     if (error) return;
     self->live_ = true;
@@ -480,7 +488,7 @@ void Connection::pump() {
   expireIn(shared_.limits.writeSeconds);
   socketOfWeb_->async_write(asio::buffer(message_), [self = shared_from_this()](error_code error, std::size_t) {
     self->writing_ = false;
-    if (self->live_) self->timer_.cancel();
+    if (self->live_) self->expireNever();
     if (error) self->live_ = false;
     if (error) return self->shared_.count();
     self->pump();
@@ -537,6 +545,7 @@ Result<void> PageServer::Impl::listen(const ServeSetting& setting) {
     acceptor.emplace(shared.io);
     const tcp::endpoint end(address, static_cast<std::uint16_t>(first + i));
     acceptor->open(end.protocol(), error);
+    if (!error) ::fcntl(acceptor->native_handle(), F_SETFD, FD_CLOEXEC);
     if (!error) acceptor->set_option(tcp::acceptor::reuse_address(true), error);
     if (!error) acceptor->bind(end, error);
     if (!error) acceptor->listen(asio::socket_base::max_listen_connections, error);

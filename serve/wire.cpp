@@ -113,6 +113,7 @@ void ServedFrame::addFigure(const SceneFigure& from) {
     Part& part = figure.parts[p];
     part.worldFromPart = live.worldFromPart;
     part.color = partColor(from.colors.empty() ? static_cast<PartIndex>(p) : from.colors[p]);
+    if (!shapes) continue;
     part.vertices.assign(live.shape.vertices.begin(), live.shape.vertices.end());
     part.triangles.assign(live.shape.triangles.begin(), live.shape.triangles.end());
     part.extent = 0.0;
@@ -120,8 +121,9 @@ void ServedFrame::addFigure(const SceneFigure& from) {
   }
 }
 
-void ServedFrame::take(const Scene& scene, unsigned asked) {
+void ServedFrame::take(const Scene& scene, unsigned asked, bool withShapes) {
   layers = asked;
+  shapes = withShapes;
   time = scene.time;
   figureCount_ = 0;
   scene.eachFigure([&](const SceneFigure& figure) {
@@ -214,16 +216,19 @@ void FrameEncoder::encodeHulls(const ServedFrame& frame) {
       EncodedPart& encoded = hulls_[f].parts[p];
       encoded.head.clear();
       putPose(encoded.head, part.worldFromPart.translation(), part.worldFromPart.linear());
-      put<float>(encoded.head, part.extent);
+      if (frame.shapes) encoded.extent = static_cast<float>(part.extent);
+      put<float>(encoded.head, encoded.extent);
       putColor(encoded.head, part.color);
+      if (!frame.shapes) continue;
+      encoded.version.shape = ++shapeVersion_;
       encoded.vertices.clear();
       const double scale = part.extent > 0.0 ? kUnit / part.extent : 0.0;
       for (const Vec3& v : part.vertices) {
         for (const double c : {v.x(), v.y(), v.z()}) put<std::int16_t>(encoded.vertices, std::lround(c * scale));
       }
-      if (encoded.version != 0 && encoded.triangles == part.triangles) continue;
+      if (encoded.version.faces != 0 && encoded.triangles == part.triangles) continue;
       encoded.triangles = part.triangles;
-      encoded.version = ++faceVersion_;
+      encoded.version.faces = shapeVersion_;
       encoded.faces.clear();
       for (const Triangle& t : part.triangles) put<std::uint16_t>(encoded.faces, t[0], t[1], t[2]);
     }
@@ -269,7 +274,7 @@ void FrameEncoder::compose(std::uint64_t number, unsigned layers, double now, Cl
                            std::string& message) const {
   layers &= layers_;
   if (client.run != run_ || client.propsVersion != propsVersion_) client.propPoses.clear();
-  if (client.run != run_) client.faces.clear();
+  if (client.run != run_) client.parts.clear();
   client.run = run_;
   client.propsVersion = propsVersion_;
 
@@ -304,26 +309,27 @@ void FrameEncoder::compose(std::uint64_t number, unsigned layers, double now, Cl
   ++sections;
 
   if ((layers & served::kHulls) != 0) {
-    client.faces.resize(hulls_.size());
+    client.parts.resize(hulls_.size());
     for (std::size_t f = 0; f < hulls_.size(); ++f) {
       const std::size_t hulls = beginSection(message, Section::kHulls, hulls_[f].avatar);
       put<std::uint16_t>(message, hulls_[f].parts.size(), 0);
-      client.faces[f].resize(hulls_[f].parts.size());
+      client.parts[f].resize(hulls_[f].parts.size());
       for (std::size_t p = 0; p < hulls_[f].parts.size(); ++p) {
         const EncodedPart& part = hulls_[f].parts[p];
-        const bool news = client.faces[f][p] != part.version;
-        client.faces[f][p] = part.version;
+        ClientMemory::Part& has = client.parts[f][p];
+        const bool shape = has.shape != part.version.shape, faces = shape && has.faces != part.version.faces;
+        has = part.version;
         message += part.head;
-        put<std::uint16_t>(message, part.vertices.size() / 6, news ? part.triangles.size() : 0);
-        message += part.vertices;
-        if (news) message += part.faces;
+        put<std::uint16_t>(message, shape ? part.vertices.size() / 6 : 0, faces ? part.triangles.size() : 0);
+        if (shape) message += part.vertices;
+        if (faces) message += part.faces;
         pad(message);
       }
       endSection(message, hulls);
       ++sections;
     }
   } else {
-    client.faces.clear();
+    client.parts.clear();
   }
   if ((layers & served::kContacts) != 0) {
     message += contacts_;

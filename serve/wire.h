@@ -46,6 +46,7 @@ struct ServedFrame {
   std::uint32_t run = 0;
   double time = 0.0;
   unsigned layers = 0;  ///< that it has
+  bool shapes = true;   ///< parts have vertices and triangles; else those of an earlier frame hold
   std::vector<Figure> figures;
   std::vector<Prop> props;
   std::vector<Contact> contacts;
@@ -56,7 +57,8 @@ struct ServedFrame {
   Image depth;
 
   /// Copies what the layers need. Allocates nothing once the largest scene was seen.
-  void take(const Scene& scene, unsigned layers);
+  /// @param shapes  of hulls, which change little from frame to frame and are most of the bytes
+  void take(const Scene& scene, unsigned layers, bool shapes = true);
 
  private:
   std::size_t figureCount_ = 0;
@@ -71,9 +73,12 @@ struct ClientMemory {
   std::uint32_t run = 0;
   std::uint32_t propsVersion = 0;
   std::vector<std::array<char, 20>> propPoses;
-  std::vector<std::vector<std::uint64_t>> faces;  ///< version of each part's faces, of each avatar
-  std::size_t particles = kMaxServedParticles;    ///< at most so many: fewer for slow readers
-  double depthTime = -1.0;                        ///< of the last depth image [s]
+  struct Part {
+    std::uint64_t shape = 0, faces = 0;  ///< versions; 0 = none
+  };
+  std::vector<std::vector<Part>> parts;         ///< of each figure
+  std::size_t particles = kMaxServedParticles;  ///< at most so many: fewer for slow readers
+  double depthTime = -1.0;                      ///< of the last depth image [s]
 };
 
 /// Turns frames into messages.
@@ -95,7 +100,8 @@ class FrameEncoder {
  private:
   struct EncodedPart {
     std::string head, vertices, faces;
-    std::uint64_t version = 0;  // of the faces
+    float extent = 0.0f;
+    ClientMemory::Part version;
     std::vector<Triangle> triangles;
   };
   struct EncodedAvatar {
@@ -111,7 +117,7 @@ class FrameEncoder {
   std::string avatars_, faces_, contacts_, depth_;
   std::uint16_t avatarSections_ = 0, faceSections_ = 0;
   std::vector<EncodedAvatar> hulls_;
-  std::uint64_t faceVersion_ = 0;
+  std::uint64_t shapeVersion_ = 0;
   std::vector<std::array<char, 20>> propPoses_;
   std::vector<Prop> known_;  // the props of propsText_
   std::string propsText_;

@@ -162,7 +162,11 @@ TEST(Wire, OnlyWhatIsNewIsSentAgain) {
   const std::string first = sender.send(small.scene(), client);
   std::map<int, std::string> sections = sectionsOf(sender.send(small.scene(), client));
   EXPECT_EQ(at<std::uint32_t>(sections[3], 0), 0u);
+  EXPECT_EQ(at<std::uint16_t>(sections[4], 4 + 28), 4);
   EXPECT_EQ(at<std::uint16_t>(sections[4], 4 + 30), 0) << "faces that this client has";
+  std::string message;
+  sender.encoder.compose(10, kAll, 0.0, client, message);
+  EXPECT_EQ(at<std::uint16_t>(sectionsOf(message)[4], 4 + 28), 0) << "and its shape, too";
   small.props[5].worldFromProp.translation().y() = 1.0;
   small.parts[1].shape.triangles.pop_back();
   sections = sectionsOf(sender.send(small.scene(), client));

@@ -129,6 +129,9 @@ function overlay(object, order) {
   return object;
 }
 
+/// Whether all corners of the faces are there.
+const fits = ({ triangles, vertices }) => triangles.every((v) => 3 * v < vertices.length);
+
 /// Translucent hulls with edges, all parts of an avatar in two meshes.
 export class Hulls {
   group = new THREE.Group();
@@ -154,7 +157,7 @@ export class Hulls {
     ),
     3,
   );
-  #known = []; // faces and edges of each part
+  #known = []; // shape, faces and edges of each part
   #matrix = new Float32Array(12);
 
   constructor() {
@@ -166,16 +169,16 @@ export class Hulls {
       corners = 0,
       ends = 0;
     parts.forEach((part, i) => {
-      if (part.triangles.length > 0)
-        this.#known[i] = {
-          triangles: part.triangles.slice(),
-          edges: edgesOf(part.vertices, part.triangles),
-          vertices: part.vertices.length / 3,
-        };
-      if (!this.#drawn(part, i)) return;
-      vertices += part.vertices.length / 3;
-      corners += this.#known[i].triangles.length;
-      ends += this.#known[i].edges.length;
+      const known = (this.#known[i] ??= { triangles: [], edges: [], vertices: [] });
+      if (part.triangles.length > 0) {
+        known.triangles = part.triangles.slice();
+        known.edges = edgesOf(part.vertices, part.triangles);
+      }
+      if (part.vertices.length > 0) known.vertices = part.vertices.slice();
+      if (part.vertices.length > 0 && part.triangles.length === 0 && !fits(known)) known.vertices = [];
+      vertices += known.vertices.length / 3;
+      corners += known.vertices.length > 0 ? known.triangles.length : 0;
+      ends += known.vertices.length > 0 ? known.edges.length : 0;
     });
     const faces = this.#faces.geometry,
       edges = this.#edges.geometry;
@@ -190,24 +193,25 @@ export class Hulls {
       corner = 0,
       end = 0;
     parts.forEach((part, i) => {
-      if (!this.#drawn(part, i)) return;
+      const known = this.#known[i];
+      if (known.vertices.length === 0) return;
       const first = vertex,
         scale = part.extent / 32767,
         [red, green, blue] = part.color;
       tint.setRGB(red / 255, green / 255, blue / 255, THREE.SRGBColorSpace);
       matrixOfPose(part.pose, 0, m, 0);
-      for (let v = 0; v < part.vertices.length; v += 3, ++vertex) {
-        const x = part.vertices[v] * scale,
-          y = part.vertices[v + 1] * scale,
-          z = part.vertices[v + 2] * scale;
+      for (let v = 0; v < known.vertices.length; v += 3, ++vertex) {
+        const x = known.vertices[v] * scale,
+          y = known.vertices[v + 1] * scale,
+          z = known.vertices[v + 2] * scale;
         for (let row = 0; row < 3; ++row) {
           places.array[3 * vertex + row] = m[4 * row] * x + m[4 * row + 1] * y + m[4 * row + 2] * z + m[4 * row + 3];
         }
         tint.toArray(tints.array, 3 * vertex);
         for (let c = 0; c < 3; ++c) dark.array[3 * vertex + c] = 0.3 * tints.array[3 * vertex + c];
       }
-      for (const v of this.#known[i].triangles) face.array[corner++] = first + v;
-      for (const v of this.#known[i].edges) edge.array[end++] = first + v;
+      for (const v of known.triangles) face.array[corner++] = first + v;
+      for (const v of known.edges) edge.array[end++] = first + v;
     });
     for (const attribute of [places, tints, dark]) upload(attribute, vertices);
     upload(face, corners);
@@ -215,8 +219,6 @@ export class Hulls {
     faces.setDrawRange(0, corners);
     edges.setDrawRange(0, ends);
   }
-
-  #drawn = (part, i) => part.vertices.length > 0 && this.#known[i]?.vertices === part.vertices.length / 3;
 
   dispose() {
     this.group.removeFromParent();

@@ -72,7 +72,10 @@ async function open(size, { before } = {}) {
   await drawn(page);
   return page;
 }
-const until = (page, condition, ...values) => page.waitForFunction(condition, kWait, ...values);
+const until = (page, condition, ...values) =>
+  page.waitForFunction(condition, kWait, ...values).catch((error) => {
+    throw new Error(`${error.message}, for ${condition}`);
+  });
 /// Until the page has drawn twice what came since now.
 async function drawn(page) {
   const { frames, pictures } = await page.evaluate(() => ({
@@ -84,13 +87,6 @@ async function drawn(page) {
 const shot = (page, name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
 const see = (page) => page.evaluate(() => JSON.parse(JSON.stringify(window.loricaPage)));
 const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-/// The recording ends instead of starting again, which would put all props back where they were.
-async function once(page) {
-  await until(page, () => loricaPage.state !== null);
-  if (!(await see(page)).state.loop) return;
-  await page.keyboard.press('l');
-  await until(page, () => !loricaPage.state.loop);
-}
 /// Waits until a prop is farther than so from a place. @return how far it is then
 async function moves(page, index, from, least) {
   const away = (i, at, d) => {
@@ -201,7 +197,6 @@ const parts = {
     await page.select('#panel select:has(option[value=automatic])', 'low');
     await page.focus('#view');
     await page.keyboard.press('f'); // the camera stays
-    await once(page);
     await play(page);
     await drag(page);
     await throwBall(page);
@@ -282,7 +277,6 @@ const parts = {
           .sort(([, a], [, b]) => angle(b) - angle(a))[0]?.[0] ?? -1
       );
     });
-    await once(page);
     if (index >= 0) {
       await aim(index, [0.6, 0]);
       await drawn(page);
