@@ -262,6 +262,17 @@ const parts = {
         ahead,
         rig,
       );
+    // While it is paused nothing moves away from the ray.
+    const pause = async (on) => {
+      await page.keyboard.press(' ');
+      await until(page, (is) => loricaPage.state.paused === is, on);
+    };
+    const pictured = async () => {
+      const before = await page.evaluate(() => loricaPage.pictures);
+      await until(page, (p) => loricaPage.pictures > p + 2, before);
+    };
+    await pause(true);
+    await pictured();
     const index = await page.evaluate(() => {
       // the one nearest to the line of sight
       const { camera, avatars, props } = loricaPage,
@@ -279,9 +290,10 @@ const parts = {
     });
     if (index >= 0) {
       await aim(index, [0.6, 0]);
-      await drawn(page);
+      await pictured();
       await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 1));
       await until(page, () => loricaPage.held >= 0);
+      await pause(false);
       const { held, props } = await see(page),
         from = props[held].position;
       await page.evaluate(() => {
@@ -294,7 +306,7 @@ const parts = {
       await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 0));
       await until(page, () => loricaPage.held === -1);
       result.vr.released = true;
-    }
+    } else await pause(false);
     await page.evaluate(() => {
       device.primaryInputMode = 'hand';
       device.hands.left.position.set(-0.2, 1.3, -0.3);
