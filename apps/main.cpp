@@ -51,7 +51,8 @@ int run(int argc, char** argv) {
     app.group(group);
     for (const auto one : adding) commands.push_back(one(app, common));
   };
-  add("See it move", {lorica::addDemo, lorica::addPlay, lorica::addLive, lorica::addServe, lorica::addReplay, lorica::addSnapshot});
+  add("See it move",
+      {lorica::addDemo, lorica::addPlay, lorica::addLive, lorica::addServe, lorica::addReplay, lorica::addSnapshot});
   add("Make files", {lorica::addDecompose, lorica::addExport, lorica::addConvert, lorica::addRecord, lorica::addBake});
   add("Learn what is there", {lorica::addInfo, lorica::addScore});
 

@@ -73,7 +73,8 @@ TEST(Command, WithoutArgumentsListsTheCommands) {
   const CommandResult result = runLorica({});
   EXPECT_EQ(result.exitCode, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_NE(result.err.find("expected one of demo, play, live, serve, replay, snapshot, decompose, export"), std::string::npos)
+  EXPECT_NE(result.err.find("expected one of demo, play, live, serve, replay, snapshot, decompose, export"),
+            std::string::npos)
       << result.err;
 }
 
