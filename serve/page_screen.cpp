@@ -377,8 +377,11 @@ void PageScreen::followHeadset() {
 
 void PageScreen::show(const Scene& scene, const WindowValues& values) {
   followHeadset();
-  characters_.assign(values.characters.begin(), values.characters.end());
-  motions_.assign(values.motions.begin(), values.motions.end());
+  // Compared, since copying names in each frame would allocate.
+  if (!std::ranges::equal(characters_, values.characters)) {
+    characters_.assign(values.characters.begin(), values.characters.end());
+  }
+  if (!std::ranges::equal(motions_, values.motions)) motions_.assign(values.motions.begin(), values.motions.end());
   scenes_ = countOf(values.scenes);
   clips_ = countOf(values.clips);
   people_ = countOf(values.people);

@@ -22,7 +22,7 @@ constexpr std::array<std::pair<const char*, unsigned>, 5> kLayers = {{{"hulls", 
                                                                       {"face", served::kFace}}};
 constexpr std::array<const char*, 5> kShapes = {"box", "sphere", "capsule", "cylinder", "mesh"};
 constexpr double kUnit = 32767.0;          // of shares in 16 bits
-constexpr double kBetweenDepth = 0.1;      // images [s]
+constexpr double kBetweenDepth = 0.08;     // images [s]
 constexpr int kDepthQuality = 80;          // of JPEG
 constexpr double kRigid = 1e-5;            // deviation of a joint's matrix from a rotation
 constexpr std::size_t kMaxContacts = 256;  // of a frame
@@ -141,7 +141,7 @@ void ServedFrame::take(const Scene& scene, unsigned asked, bool withShapes) {
     for (std::size_t i = 0; i < allParticles; i += each) particles.push_back(scene.particles[i]);
   }
   depth.width = depth.height = 0;
-  if ((layers & served::kDepth) != 0 && scene.inset != nullptr) depth = *scene.inset;
+  if (shapes && (layers & served::kDepth) != 0 && scene.inset != nullptr) depth = *scene.inset;
 }
 
 void FrameEncoder::encode(const ServedFrame& frame) {

@@ -46,7 +46,7 @@ struct ServedFrame {
   std::uint32_t run = 0;
   double time = 0.0;
   unsigned layers = 0;  ///< that it has
-  bool shapes = true;   ///< parts have vertices and triangles; else those of an earlier frame hold
+  bool shapes = true;   ///< it has the depth image, and parts have vertices and triangles; else those before hold
   std::vector<Figure> figures;
   std::vector<Prop> props;
   std::vector<Contact> contacts;
@@ -57,7 +57,7 @@ struct ServedFrame {
   Image depth;
 
   /// Copies what the layers need. Allocates nothing once the largest scene was seen.
-  /// @param shapes  of hulls, which change little from frame to frame and are most of the bytes
+  /// @param shapes  with those of hulls and the depth image, which are most of the bytes: not in each frame
   void take(const Scene& scene, unsigned layers, bool shapes = true);
 
  private:
