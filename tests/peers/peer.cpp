@@ -47,10 +47,9 @@ std::string missingForPeers() {
   const char* named = std::getenv("CHROMIUM");
   const fs::path chromium = named != nullptr ? named : "/usr/bin/chromium";
   if (!fs::exists(chromium)) return "Chromium is missing (" + chromium.string() + ")" + install;
-  for (const char* package :
-       {"three", "@pixiv/three-vrm", "puppeteer-core", "esbuild", "gltf-validator", "osc", "osc-min", "@mujoco/mujoco",
-        "@gltf-transform/core", "@gltf-transform/extensions", "@dimforge/rapier3d-compat", "jolt-physics", "ajv",
-        "iwer"}) {
+  for (const char* package : {"three", "@pixiv/three-vrm", "puppeteer-core", "esbuild", "gltf-validator", "osc",
+                              "osc-min", "@mujoco/mujoco", "@gltf-transform/core", "@gltf-transform/extensions",
+                              "@dimforge/rapier3d-compat", "jolt-physics", "ajv", "iwer"}) {
     if (!fs::exists(kPeers / "node_modules" / package)) {
       return "the npm package " + std::string(package) + " is missing in " + kPeers.string() + install;
     }
