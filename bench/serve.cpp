@@ -1,10 +1,12 @@
 // What it costs a session that it is watched on a page, beside the same session that nobody watches, in the same run:
-// CSV on standard output. The clients are sockets in a process of their own, which acknowledge each frame.
+// CSV on standard output. The clients are sockets in a process of their own, which acknowledge each frame. With
+// --latency instead: how long after a depth image has arrived a client of this process has read the frame that it led
+// to.
 
 #include "bench/measure.h"
 #include "geometry/little_endian.h"
 #include "player/run.h"
-#include "prepare/cast.h"
+#include "prepare/live_cast.h"
 #include "serve/page_screen.h"
 #include "session/scenes/demo_scene.h"
 
@@ -27,8 +29,10 @@
 #include <ctime>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <map>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <string>
 #include <thread>
@@ -43,6 +47,7 @@ constexpr std::array<int, 3> kWatchers = {0, 1, 20};  // the first is what the o
 struct Options {
   std::string motion = "punch_and_kick";
   int repeats = 5;
+  double latency = 0.0;             // duration of that measurement [s]; 0 = the other one
   int watchPort = 0, watchers = 0;  // as the process of the clients
 };
 
@@ -67,6 +72,7 @@ struct Watcher {
   long frames = 0, all = 0, plain = 0;  // bytes of all frames; of avatars and props alone
   std::size_t most = 0, mostPlain = 0;  // of a frame
   double first = 0.0, last = 0.0;       // frame [s]
+  std::map<double, double> came;        // when the first frame of each time of the session was read [s]
 
   bool connect(int port) {
     socket = ::socket(AF_INET, SOCK_STREAM, 0);
@@ -96,6 +102,7 @@ struct Watcher {
       at += length;
     }
     last = seconds();
+    came.emplace(loadLittleEndian<double>(data + 24), last);
     if (frames++ == 0) first = last;
     all += static_cast<long>(size);
     plain += static_cast<long>(plainSize);
@@ -193,6 +200,7 @@ class TimedScreen final : public Screen {
   explicit TimedScreen(PageScreen& page) : page_(page) {}
 
   std::vector<double> us, cpuUs;  // of each frame of the session; 0 = it had no turn for itself
+  std::function<void(const Scene&)> seen = [](const Scene&) {};
 
   [[nodiscard]] bool open() const override { return page_.open(); }
   [[nodiscard]] bool wantsStep() override { return page_.wantsStep(); }
@@ -220,7 +228,10 @@ class TimedScreen final : public Screen {
     steps_ = 0;
     page_.rest(time);
   }
-  void show(const Scene& scene, const WindowValues& values) override { page_.show(scene, values); }
+  void show(const Scene& scene, const WindowValues& values) override {
+    seen(scene);
+    page_.show(scene, values);
+  }
   void chooseFiles() override {}
   [[nodiscard]] bool takeCancel() override { return page_.takeCancel(); }
   [[nodiscard]] Ray pointer() const override { return page_.pointer(); }
@@ -340,9 +351,6 @@ struct Measured {
 };
 
 int run(const Options& options) {
-  ::setenv("XDG_CONFIG_HOME", "/dev/null", 1);  // no choices that somebody has kept
-  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
-  ::setenv("LORICA_RECORDINGS", (here / "../../recordings").c_str(), 0);
   tbb::global_control oneCore(tbb::global_control::max_allowed_parallelism, 1);
   Host host;
   CastRequest request;
@@ -388,6 +396,53 @@ int run(const Options& options) {
   return 0;
 }
 
+/// A virtual camera's images until they are read as frames by a client that wants hulls.
+int measureLatency(const Options& options) {
+  Host host;
+  LiveRequest live;
+  live.depth.virtualCamera = true;
+  live.depth.motion = options.motion;
+  CastRequest request;
+  request.reading.drawn = true;
+  Result<LiveCast> cast = prepareLiveCast(request, live, host);
+  if (!cast) return fail(cast.error());
+  const LiveJoints& joints = *cast->sources->tracked;
+  RunSetting setting;
+  setting.seconds = options.latency;
+  const Result<std::unique_ptr<Run>> run = Run::start(std::move(*cast), setting, host);
+  if (!run) return fail(run.error());
+  Result<std::unique_ptr<PageServer>> server = PageServer::start({});
+  if (!server) return fail(server.error());
+  PageScreen page(**server, nullptr);
+  if (const auto begun = page.begin(**run, host); !begun) return fail(begun.error());
+  TimedScreen screen(page);
+  std::map<double, double> arrived;  // by the session's time [s]
+  screen.seen = [&](const Scene& scene) {
+    arrived.emplace(scene.time, std::chrono::duration<double>(joints.sight().arrived.time_since_epoch()).count());
+  };
+  Watcher watcher;
+  if (!watcher.connect((*server)->port())) return 1;
+  std::thread client([&] {
+    while (watcher.read()) {
+    }
+    ::close(watcher.socket);
+  });
+  Shown shown{&screen, {}, nullptr, {}};
+  const Result<RunEnd> end = play(**run, shown, host);
+  server->reset();
+  client.join();
+  if (!end) return fail(end.error());
+  std::vector<double> ms, posed;
+  for (const auto& [time, at] : watcher.came) {
+    if (arrived.contains(time) && at > arrived[time]) ms.push_back(1e3 * (at - arrived[time]));
+  }
+  for (const double us : (*run)->log.figures().latency) posed.push_back(1e-3 * us);
+  const double mean = std::accumulate(ms.begin(), ms.end(), 0.0) / std::max<std::size_t>(ms.size(), 1);
+  fmt::print("frames,mean_ms,p95_ms,largest_ms,posed_median_ms,posed_p95_ms\n{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}\n",
+             ms.size(), mean, atRank(ms, 0.95), atRank(ms, 1.0), atRank(posed, 0.5), atRank(posed, 0.95));
+  return 0;
+}
+
 }  // namespace
 }  // namespace lorica::bench
 
@@ -395,9 +450,15 @@ int main(int argc, char** argv) {
   lorica::bench::Options options;
   CLI::App app("Cost of a session that is watched on a page, beside the same session that nobody watches.");
   app.add_option("--motion", options.motion, "What the mannequin performs, at 60 frames a second");
+  app.add_option("--latency", options.latency, "Instead: follow a virtual camera for so long [s]");
   app.add_option("--repeats", options.repeats, "The least time of each frame counts")->check(CLI::PositiveNumber);
   app.add_option("--watch-port", options.watchPort)->group("");
   app.add_option("--watchers", options.watchers)->group("");
   CLI11_PARSE(app, argc, argv);
-  return options.watchPort > 0 ? lorica::bench::watch(options) : lorica::bench::run(options);
+  ::setenv("XDG_CONFIG_HOME", "/dev/null", 1);  // no choices that somebody has kept
+  const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  ::setenv("LORICA_RECORDINGS", (here / "../../recordings").c_str(), 0);
+  return options.watchPort > 0   ? lorica::bench::watch(options)
+         : options.latency > 0.0 ? lorica::bench::measureLatency(options)
+                                 : lorica::bench::run(options);
 }

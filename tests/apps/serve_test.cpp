@@ -22,9 +22,8 @@ std::string addressIn(const std::string& output) {
   return end == std::string::npos ? "" : output.substr(at + before.size(), end - at - before.size());
 }
 
-/// The client that needs nothing but Python's own library gets frames of a session that is served.
-TEST(Serve, TheSampleClientWatches) {
-  if (std::system("python3 --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "python3 is missing";
+/// What a sample program says of 30 frames of a session that is served.
+std::string watchedBy(const std::string& sample) {
   const TemporaryFolder folder;
   const std::filesystem::path log = folder.path() / "log";
   int status = -1;
@@ -32,18 +31,19 @@ TEST(Serve, TheSampleClientWatches) {
   surroundings.interruptWhen = [&](const RunningCommand& command) {
     const std::string address = addressIn(command.err);
     if (address.empty()) return false;
-    const std::string sample = sourceFile("samples/watch_session.py");
-    status =
-        std::system(("timeout 120 python3 '" + sample + "' " + address + " 30 >'" + log.string() + "' 2>&1").c_str());
+    status = std::system(("timeout 120 " + sample + " " + address + " 30 >'" + log.string() + "' 2>&1").c_str());
     return true;
   };
   const CommandResult served = runLorica({"serve", "punch_and_kick"}, surroundings);
   EXPECT_EQ(served.exitCode, 0) << served.err;
-  ASSERT_NE(status, -1) << "nothing was served: " << served.err;
-  const std::string text = valueOf(readFile(log));
-  EXPECT_EQ(status, 0) << text;
+  EXPECT_EQ(status, 0) << served.err;
+  return valueOf(readFile(log));
+}
 
-  std::istringstream lines(text);
+/// The client that needs nothing but Python's own library.
+TEST(Serve, TheSampleInPythonWatches) {
+  if (std::system("python3 --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "python3 is missing";
+  std::istringstream lines(watchedBy("python3 '" + std::string(sourceFile("samples/watch_session.py")) + "'"));
   std::string line;
   ASSERT_TRUE(std::getline(lines, line));
   EXPECT_EQ(line, "hello: punch_and_kick");
@@ -63,5 +63,46 @@ TEST(Serve, TheSampleClientWatches) {
   EXPECT_EQ(frames, 30);
 }
 
-}  // namespace
+/// The client that needs nothing but Boost.
+TEST(Serve, TheSampleInCppWatches) {
+  std::istringstream lines(watchedBy("'" + std::string(built("lorica_watch_session")) + "'"));
+  int frames = 0;
+  for (std::string line; std::getline(lines, line);) {
+    double seconds = -1.0;
+    int some = 0, bones = 0, props = -1, bytes = 0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf s: %d frames, %d bones, %d props, %d bytes", &seconds, &some, &bones,
+                          &props, &bytes),
+              5)
+        << line;
+    EXPECT_GE(seconds, 0.0);
+    EXPECT_GT(bones, 20 * some) << line;
+    EXPECT_GE(props, 0);
+    EXPECT_GT(bytes, 20 * bones) << line;
+    frames += some;
+  }
+  EXPECT_EQ(frames, 30);
+}
+
+/// A motion that cannot be played is said before anybody is sent to a page.
+TEST(Serve, SaysWhatIsWrongInsteadOfALink) {
+  const TemporaryFolder folder;
+  const std::string damaged = folder.write("damaged.csv", "time,user\n1,nobody\n");
+  for (const std::string& motion : {std::string("no_such_motion"), damaged}) {
+    const CommandResult served = runLorica({"serve", motion});
+    EXPECT_NE(served.exitCode, 0);
+    EXPECT_NE(served.err.find(motion), std::string::npos) << served.err;
+    EXPECT_EQ(addressIn(served.err), "") << served.err;
+  }
+}
+
+/// Recordings go into a folder that can be made.
+TEST(Serve, AFolderForRecordingsIsCheckedFirst) {
+  const TemporaryFolder folder;
+  const std::string file = folder.write("file", "");
+  const CommandResult served = runLorica({"serve", "walk", "--recordings", file + "/in"});
+  EXPECT_NE(served.exitCode, 0);
+  EXPECT_NE(served.err.find("--recordings: " + file), std::string::npos) << served.err;
+  EXPECT_EQ(addressIn(served.err), "");
+}
+
 }  // namespace lorica::test

@@ -51,5 +51,9 @@ expect("frame 20, part 7: .*8 parts, mean time per frame [0-9]+ us" ${trial}/sam
 expect("[1-9][0-9]+ contacts of 200 balls with 12 parts\n0\\.[0-9]+ % of the positions overlap"
        ${trial}/samples/own_physics)
 expect("time,user,.*7[0-9] of 80 frames show a person" ${trial}/samples/depth_to_joints)
+execute_process(COMMAND ${trial}/samples/watch_session 127.0.0.1:1 ERROR_VARIABLE output)
+if(NOT output MATCHES "^127.0.0.1:1: connect: ")
+  message(FATAL_ERROR "watch_session: ${output}")
+endif()
 run(${trial}/prefix/bin/lorica info walk)
 file(REMOVE_RECURSE ${trial})

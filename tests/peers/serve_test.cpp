@@ -1,19 +1,36 @@
 // The page of `lorica serve` in a browser, as people use it.
+#include "geometry/counts.h"
+#include "player/run.h"
+#include "player/scene_list.h"
+#include "player/snapshots.h"
+#include "prepare/cast.h"
 #include "serve/page_files.h"
+#include "serve/page_screen.h"
+#include "session/recording/session_file.h"
+#include "tests/peers/likeness.h"
 #include "tests/peers/peer.h"
 #include "tests/support/background_process.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
+#include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
 
+#include <fmt/format.h>
 #include <unistd.h>
+
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -24,9 +41,10 @@ using nlohmann::json;
 #define LORICA_REQUIRE_PAGE() \
   if (!pageBuilt()) GTEST_SKIP() << "this Lorica was built without its page: run scripts/setup --page and build again"
 
-/// The built program while it serves a recording.
+/// The built program while it serves a recording. Sessions are recorded into `recordings`.
 class Served {
  public:
+  [[nodiscard]] fs::path recordings() const { return folder_.path() / "recordings"; }
   /// Where to watch; empty if nothing is served after two minutes.
   [[nodiscard]] std::string link() const {
     const std::string before = "Watch at ";
@@ -44,31 +62,30 @@ class Served {
 
  private:
   // Of several that are served at a time, each finds a port of its own.
-  static void become() {
+  void become() const {
     setenv("LORICA_RECORDINGS", test::recordingsFolder().c_str(), 1);
     setenv("XDG_CONFIG_HOME", "/dev/null", 1);  // the settings of whoever runs the tests stay as they are
     unsetenv("DISPLAY");
     const std::string program = test::built("lorica");
-    execl(program.c_str(), program.c_str(), "serve", "punch_and_kick", nullptr);
+    execl(program.c_str(), program.c_str(), "serve", "punch_and_kick", "--recordings", recordings().c_str(), nullptr);
   }
 
   test::TemporaryFolder folder_;
   fs::path log_ = folder_.write("log", "");
-  test::BackgroundProcess process_{become, log_};
+  test::BackgroundProcess process_{[this] { become(); }, log_};
 };
 
+const fs::path kPictures = test::built("peers") / "pictures" / "page";
+
 /// What page_check.mjs finds out. Fails the test, and returns nothing, if it finds a fault.
-json check(const char* part) {
-  const Served served;
-  const std::string link = served.link();
+json check(const std::string& link, const char* part) {
   if (link.empty()) {
     ADD_FAILURE() << "nothing is served";
     return {};
   }
-  const fs::path pictures = test::built("peers") / "pictures" / "page";
   setenv("PARTS", part, 1);
-  if (!test::runPeer("page_check.mjs", {link, pictures.string()})) return {};
-  json result = test::readJson(pictures / "result.json");
+  if (!test::runPeer("page_check.mjs", {link, kPictures.string()})) return {};
+  json result = test::readJson(kPictures / "result.json");
   EXPECT_TRUE(result.at("errors").empty()) << result["errors"];
   EXPECT_TRUE(result.at("outside").empty()) << "it asks others: " << result["outside"];
   return result;
@@ -77,7 +94,8 @@ json check(const char* part) {
 TEST(PeerServe, ThePageDrawsPlaysDragsAndThrows) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();
-  const json result = check("desktop");
+  const Served served;
+  const json result = check(served.link(), "desktop");
   if (result.empty()) return;
   const json& desktop = result.at("desktop");
   ASSERT_EQ(desktop.at("avatars").size(), 1u);
@@ -103,12 +121,27 @@ TEST(PeerServe, ThePageDrawsPlaysDragsAndThrows) {
   const json& thrown = result.at("throw");
   ASSERT_FALSE(thrown.contains("cannot")) << thrown;
   EXPECT_GT(thrown.at("props").at(1).get<int>(), thrown.at("props").at(0).get<int>());
+
+  // It was recorded meanwhile.
+  const fs::path file = served.recordings() / result.at("recorded").get<std::string>();
+  const SessionFile recorded = test::valueOf(readSession(file));
+  std::map<WorldAction::Kind, int> done;
+  for (const WorldAction& action : recorded.actions) ++done[action.kind];
+  EXPECT_EQ(done[WorldAction::Kind::kGrab], 1);
+  EXPECT_GT(done[WorldAction::Kind::kMoveGrab], 0);
+  EXPECT_EQ(done[WorldAction::Kind::kThrowBall], 1);
+  const fs::path report = served.recordings() / "replay.json";
+  const std::string replay = fmt::format("'{}' replay '{}' --json '{}' >/dev/null 2>&1", test::built("lorica").string(),
+                                         file.string(), report.string());
+  EXPECT_EQ(std::system(replay.c_str()), 0) << replay;
+  EXPECT_TRUE(test::readJson(report).at("same").get<bool>());
 }
 
 TEST(PeerServe, ThePageFitsAPhone) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();
-  const json result = check("phone");
+  const Served served;
+  const json result = check(served.link(), "phone");
   if (result.empty()) return;
   EXPECT_TRUE(result.at("phone").get<bool>());
 }
@@ -116,7 +149,8 @@ TEST(PeerServe, ThePageFitsAPhone) {
 TEST(PeerServe, AHeadsetStandsBesideGrabsAndLooksOutOfTheAvatar) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();
-  const json result = check("vr");
+  const Served served;
+  const json result = check(served.link(), "vr");
   if (result.empty()) return;
   const json& vr = result.at("vr");
   EXPECT_NEAR(vr.at("eyeHeight").get<double>(), 1.6, 0.01) << "the headset's own height over the floor";
@@ -126,6 +160,119 @@ TEST(PeerServe, AHeadsetStandsBesideGrabsAndLooksOutOfTheAvatar) {
   EXPECT_TRUE(vr.at("released").get<bool>());
   EXPECT_LT(vr.at("inside").at("distance").get<double>(), 0.6) << "inside";
   EXPECT_TRUE(vr.at("ar").get<bool>());
+}
+
+constexpr int kSeen = 50;  // of 255: hulls are translucent
+
+/// How alike a layer is in two pictures of a scene: where it is in each, by pictures of it alone.
+/// @param sheet  gets the pictures side by side with their difference
+test::Likeness layerLikeness(const Image& whole, const Image& alone, const Image& pageWhole, const Image& pageAlone) {
+  const auto maskOf = [](Image picture) {
+    for (std::size_t i = 0; i < picture.rgba.size(); i += 4) {
+      std::fill_n(&picture.rgba[i], 3, picture.rgba[i + 3] >= kSeen ? 255 : 0);
+    }
+    return picture;
+  };
+  return test::likenessOf({whole, maskOf(alone)}, {pageWhole, maskOf(pageAlone)});
+}
+
+bool isEmpty(const Image& alone) {
+  for (std::size_t i = 3; i < alone.rgba.size(); i += 4) {
+    if (alone.rgba[i] != 0) return false;
+  }
+  return true;
+}
+
+/// The page's pictures of all scenes beside those of `lorica snapshot`, of one frame from one camera.
+TEST(PeerServe, EachSceneLooksAsInASnapshot) {
+  LORICA_REQUIRE_PEERS();
+  LORICA_REQUIRE_PAGE();
+  Result<SnapshotCamera> opened = SnapshotCamera::create(960, 540);
+  if (!opened) GTEST_SKIP() << "cannot draw off screen: " << opened.error().message;
+  SnapshotCamera pictures = std::move(*opened);
+  const test::TemporaryFolder home;  // no choices that somebody has kept
+  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  setenv("LORICA_RECORDINGS", test::recordingsFolder().c_str(), 1);
+  Host host;
+  const auto server = test::valueOf(PageServer::start({}));
+  PageScreen screen(*server, nullptr);
+  const SceneList scenes = scenesNextTo("");
+  WindowChoices choices;
+  choices.paused = true;  // a step is asked for when the pictures of a scene are taken
+  screen.setChoices(choices);
+
+  json result;
+  std::atomic<bool> ended = false;
+  std::thread browser([&] {
+    result = check(server->links().front(), "scenes");
+    ended = true;
+  });
+  using Layer = std::pair<const char*, bool SceneOptions::*>;
+  const std::array<Layer, 5> layers = {{{"character", &SceneOptions::skin},
+                                        {"props", &SceneOptions::props},
+                                        {"particles", &SceneOptions::particles},
+                                        {"hulls", &SceneOptions::hulls},
+                                        {"contacts", &SceneOptions::contacts}}};
+  std::vector<std::map<std::string, Image>> drawn;
+  WindowValues values;
+  values.scenes = scenes.names;
+  std::unique_ptr<lorica::Run> run;
+  for (; values.scene < countOf(scenes.names) && !ended; ++values.scene) {
+    CastRequest request;
+    request.motion = "punch_and_kick";
+    request.scene = scenes.arguments[values.scene];
+    request.reading.drawn = true;
+    auto next = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(request, host)), {}, host));
+    SessionScene scene(next->session);
+    while (next->session.frameCount() < 60 && test::valueOf(next->session.step())) scene.follow(next->session);
+    FollowCamera follow("", 16.0 / 9.0);
+    screen.setCamera(follow.still(next->session));
+    const Camera camera = screen.camera();
+    EXPECT_TRUE(test::valueOf(screen.begin(*next, host)).empty());
+    run = std::move(next);
+
+    SceneOptions show;
+    show.hulls = show.contacts = false;
+    auto& own = drawn.emplace_back();
+    const auto draw = [&] { return pictures.draw(scene.of(run->session, show, camera.eye), show, camera); };
+    own["whole"] = draw();
+    show.transparent = true;
+    show.ground = false;
+    for (const auto& [name, layer] : layers) {
+      for (const auto& [other, member] : layers) show.*member = member == layer;
+      own[name] = draw();
+    }
+    do {
+      ++values.changes;
+      screen.show(scene.of(run->session, show, camera.eye), values);
+      screen.rest(0.02);
+      (void)screen.takeRequests();
+    } while (!ended && !screen.wantsStep());
+  }
+  browser.join();
+  if (result.empty()) return;
+  ASSERT_EQ(result.at("scenes").size(), scenes.names.size());
+  for (std::size_t s = 0; s < drawn.size(); ++s) {
+    std::map<std::string, Image> page;
+    for (const auto& [name, own] : drawn[s]) {
+      page[name] = test::valueOf(readPng(kPictures / fmt::format("scene_{}_{}.png", s, name)));
+    }
+    std::vector<Image> sheet = {drawn[s]["whole"], page["whole"]};
+    std::vector<std::string> labels = {"snapshot", "page"};
+    for (const auto& [name, layer] : layers) {
+      const bool whole = layer != &SceneOptions::hulls && layer != &SceneOptions::contacts;
+      const Image &own = drawn[s][name], &its = page[name];
+      ASSERT_EQ(isEmpty(own), isEmpty(its)) << scenes.names[s] << ": " << name;
+      if (isEmpty(own)) continue;
+      const test::Likeness like =
+          whole ? layerLikeness(drawn[s]["whole"], own, page["whole"], its) : layerLikeness(own, own, its, its);
+      fmt::print("{} {}: silhouettes {:.2f} % alike, {:.2f} % wholly wrong, mean difference {:.1f} of 255\n",
+                 scenes.names[s], name, 100.0 * like.silhouettes, 100.0 * like.wrong, like.meanDifference);
+      sheet.insert(sheet.end(), {own, its, like.shown});
+      labels.insert(labels.end(), {name, name, name});
+    }
+    EXPECT_TRUE(writePng(kPictures / fmt::format("scene_{}.png", s), contactSheet(sheet, labels, 2)));
+  }
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 // Drives the page of `lorica serve` in headless Chromium: pictures of it, dragging, throwing, VR. Prints JSON, which is also
 // OUTFOLDER/result.json. Run it where `npm install puppeteer-core iwer` was done, or from a file there. CHROMIUM = path of
 // the browser, PARTS = of the list at the end, to run fewer.
-// It waits for states of the page, never for a time; what does not come within a minute is an error.
+// It waits for states of the page, never for a time; what does not come within some minutes is an error.
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
@@ -21,7 +21,7 @@ fs.mkdirSync(folder, { recursive: true });
 
 const kDesktop = { width: 1280, height: 720 },
   kPhone = { width: 390, height: 844, hasTouch: true, isMobile: true };
-const kWait = { timeout: 60000, polling: 50 };
+const kWait = { timeout: 150000, polling: 50 };
 const result = { errors: [], outside: [] };
 
 const browser = await puppeteer.launch({
@@ -41,7 +41,7 @@ const browser = await puppeteer.launch({
   protocolTimeout: 180000,
 });
 
-async function open(size, { before } = {}) {
+async function open(size, { before, layers = { hulls: false } } = {}) {
   const context = await browser.createBrowserContext(),
     page = await context.newPage();
   page.on('pageerror', (error) => result.errors.push(error.message));
@@ -55,7 +55,7 @@ async function open(size, { before } = {}) {
   });
   await page.setViewport(size);
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }]);
-  const choices = JSON.stringify({ quality: 'high', layers: { hulls: false } });
+  const choices = JSON.stringify({ quality: 'high', layers });
   await page.evaluateOnNewDocument((kept) => {
     try {
       localStorage.setItem('lorica', kept);
@@ -76,36 +76,51 @@ const until = (page, condition, ...values) =>
   page.waitForFunction(condition, kWait, ...values).catch((error) => {
     throw new Error(`${error.message}, for ${condition}`);
   });
-/// Until the page has drawn twice what came since now.
+/// Until the page has drawn twice what came since now; of a paused session, the next step.
 async function drawn(page) {
-  const { frames, pictures } = await page.evaluate(() => ({
+  const { frames, pictures, paused } = await page.evaluate(() => ({
     frames: loricaPage.frames,
     pictures: loricaPage.pictures,
+    paused: loricaPage.state?.paused === true,
   }));
-  await until(page, (f, p) => loricaPage.frames > f && loricaPage.pictures > p + 1, frames, pictures);
+  if (paused) await page.keyboard.press('n');
+  const enough = pictures + (paused ? 1 : 2);
+  await until(page, (f, p) => loricaPage.frames > f && loricaPage.pictures >= p, frames, enough);
 }
 const shot = (page, name) => page.screenshot({ path: path.join(folder, `${name}.png`) });
 const see = (page) => page.evaluate(() => JSON.parse(JSON.stringify(window.loricaPage)));
 const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-/// Waits until a prop is farther than so from a place. @return how far it is then
-async function moves(page, index, from, least) {
-  const away = (i, at, d) => {
-    const moved = Math.hypot(...loricaPage.props[i].position.map((v, k) => v - at[k]));
-    return moved > d ? moved : 0;
-  };
-  return (await until(page, away, index, from, least)).jsonValue();
+/// Steps of a paused session until something is so: neither depends on how quick the machine is.
+async function steps(page, condition, ...values) {
+  for (let step = 0; step < 200; ++step) {
+    const is = await page.evaluate(condition, ...values);
+    if (is) return is;
+    await drawn(page);
+  }
+  throw new Error(`200 steps are not enough for ${condition}`);
 }
-/// The loose prop nearest to the middle that can be pressed, and where. @return [index, [x, y]]
-const loose = (page) =>
-  page.evaluate(() => {
-    const list = loricaPage.props.map((prop, index) => [index, prop.fixed ? null : loricaPage.screenOf(index)]);
+/// How far a prop is from a place, if it is farther than so.
+const away = (index, from, least) => {
+  const moved = Math.hypot(...loricaPage.props[index].position.map((v, k) => v - from[k]));
+  return moved > least ? moved : 0;
+};
+async function pause(page, on) {
+  if ((await see(page)).state.paused !== on) await page.keyboard.press(' ');
+  await until(page, (is) => loricaPage.state.paused === is, on);
+}
+/// The loose prop nearest to the middle that can be pressed, and where. It has to rest: of others the page may be a frame
+/// behind. @param before  positions of all props a step ago @return [index, [x, y]]
+const loose = (page, before) =>
+  page.evaluate((old) => {
+    const rests = ({ position, fixed }, i) => !fixed && Math.hypot(...position.map((v, k) => v - old[i][k])) < 0.002;
+    const list = loricaPage.props.map((prop, index) => [index, rests(prop, index) ? loricaPage.screenOf(index) : null]);
     const away = ([, [x, y]]) => Math.hypot(x - innerWidth / 2, y - innerHeight / 2);
     return (
       list
         .filter(([, at]) => at && document.elementFromPoint(...at)?.id === 'view')
         .sort((a, b) => away(a) - away(b))[0] ?? null
     );
-  });
+  }, before);
 
 async function scheme(page, value) {
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value }]);
@@ -124,14 +139,14 @@ async function play(page) {
     await until(page, (before) => loricaPage.state.seconds < Math.max(before, 0.2), state.seconds);
     result.play.restartedAt = (await see(page)).state.seconds;
   }
-  if ((await see(page)).state.paused) await page.keyboard.press(' ');
-  await until(page, () => !loricaPage.state.paused);
+  await pause(page, false);
 }
 
 async function drag(page) {
   await until(page, () => loricaPage.props.every((prop) => prop.visible));
+  const positions = (await see(page)).props.map(({ position }) => position);
   await drawn(page);
-  const found = await loose(page);
+  const found = await loose(page, positions);
   if (!found) {
     result.drag = { none: true };
     return;
@@ -144,8 +159,7 @@ async function drag(page) {
   const { held, props } = await see(page);
   const before = props[held].position;
   for (let i = 1; i <= 12; ++i) await page.mouse.move(x - 8 * i, y - 12 * i);
-  const moved = await moves(page, held, before, 0.15);
-  await drawn(page);
+  const moved = await steps(page, away, held, before, 0.15);
   await shot(page, 'desktop_drag');
   const after = await see(page);
   await page.mouse.up();
@@ -162,6 +176,19 @@ async function drag(page) {
   result.drag.orbits = true;
 }
 
+/// Begins a recording, or ends it. @return the name of its file, as it was before
+async function record(page, on) {
+  const { recording } = (await see(page)).state;
+  await page.evaluate((label) => {
+    const button = [...document.querySelectorAll('#panel button')].find((b) => b.textContent === label);
+    if (button.disabled) throw new Error(button.title);
+    button.click();
+  }, on ? 'record from the start' : 'end the recording');
+  await until(page, (wanted) => Boolean(loricaPage.state.recording) === wanted, on);
+  await until(page, () => loricaPage.avatars.every((a) => a.loaded));
+  return recording;
+}
+
 async function throwBall(page) {
   const { props, state } = await see(page);
   if (state.no.throw) {
@@ -169,10 +196,9 @@ async function throwBall(page) {
     return;
   }
   await page.click('#bar button[aria-label="Throw a ball"]');
-  await until(page, (count) => loricaPage.props.length > count && loricaPage.props.at(-1).visible, props.length);
+  await steps(page, (count) => loricaPage.props.length > count && loricaPage.props.at(-1).visible, props.length);
   const thrown = (await see(page)).props.at(-1).position;
-  const flies = (from) => Math.hypot(...loricaPage.props.at(-1).position.map((v, k) => v - from[k])) > 0.3;
-  await until(page, flies, thrown);
+  await steps(page, away, props.length, thrown, 0.3);
   await shot(page, 'desktop_throw');
   result.throw = { props: [props.length, (await see(page)).props.length] };
 }
@@ -198,8 +224,45 @@ const parts = {
     await page.focus('#view');
     await page.keyboard.press('f'); // the camera stays
     await play(page);
+    await record(page, true);
+    await pause(page, true);
     await drag(page);
     await throwBall(page);
+    result.recorded = await record(page, false);
+    await page.close();
+  },
+
+  /// Pictures of all scenes of a server that goes on to the next one when a step is asked for.
+  async scenes() {
+    const page = await open({ width: 960, height: 540 }, { layers: { hulls: true, depth: false } });
+    result.scenes = [];
+    for (let run = 0; ; ) {
+      const index = result.scenes.length;
+      await until(page, (i, before) => loricaPage.state?.scene === i && loricaPage.run !== before, index, run);
+      await drawn(page);
+      await until(page, () => [...loricaPage.avatars, ...loricaPage.props].every((a) => a.painted > 0 || a.visible));
+      await drawn(page);
+      const { state, particles } = await see(page);
+      run = (await see(page)).run;
+      for (const [name, layers, background = 'transparent'] of [
+        ['whole', ['character', 'props', 'particles', 'ground'], 'light'],
+        ['character', ['character']],
+        ['props', ['props']],
+        ['particles', ['particles']],
+        ['hulls', ['hulls']],
+        ['contacts', ['contacts']],
+      ]) {
+        const png = await page.evaluate(
+          async (l, b) => [...new Uint8Array(await (await loricaPage.picture(l, b)).arrayBuffer())],
+          layers,
+          background,
+        );
+        fs.writeFileSync(path.join(folder, `scene_${index}_${name}.png`), Buffer.from(png));
+      }
+      result.scenes.push({ name: state.scenes[index], particles });
+      if (index + 1 === state.scenes.length) break;
+      await page.keyboard.press('n');
+    }
     await page.close();
   },
 
@@ -263,15 +326,11 @@ const parts = {
         rig,
       );
     // While it is paused nothing moves away from the ray.
-    const pause = async (on) => {
-      await page.keyboard.press(' ');
-      await until(page, (is) => loricaPage.state.paused === is, on);
-    };
     const pictured = async () => {
       const before = await page.evaluate(() => loricaPage.pictures);
       await until(page, (p) => loricaPage.pictures > p + 2, before);
     };
-    await pause(true);
+    await pause(page, true);
     await pictured();
     const index = await page.evaluate(() => {
       // the one nearest to the line of sight
@@ -293,20 +352,20 @@ const parts = {
       await pictured();
       await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 1));
       await until(page, () => loricaPage.held >= 0);
-      await pause(false);
+      await pause(page, false);
       const { held, props } = await see(page),
         from = props[held].position;
       await page.evaluate(() => {
         const p = device.controllers.right.position;
         p.set(p.x, p.y + 0.5, p.z);
       });
-      const moved = await moves(page, held, from, 0.25);
+      const moved = await (await until(page, away, held, from, 0.25)).jsonValue();
       await shot(page, 'vr_grab');
       result.vr.grab = { index: held, moved };
       await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 0));
       await until(page, () => loricaPage.held === -1);
       result.vr.released = true;
-    } else await pause(false);
+    } else await pause(page, false);
     await page.evaluate(() => {
       device.primaryInputMode = 'hand';
       device.hands.left.position.set(-0.2, 1.3, -0.3);
