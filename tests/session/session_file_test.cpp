@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "geometry/random_numbers.h"
+#include "geometry/work_budgets.h"
 #include "session/recording/session_blocks.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
@@ -99,6 +100,16 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   EXPECT_EQ(again->avatar().joints.smoothing->minCutoff, 1.0 / 7.0);
   EXPECT_EQ(again->avatar().faults.dropout, 0.1);
   EXPECT_EQ(again->avatar().faults.seed, 9u);
+}
+
+TEST(SessionFile, AvatarsAreReadUpToTheirLimit) {
+  for (const std::size_t more : {0U, 1U}) {
+    SessionHeader header;
+    header.avatars.resize(kMaxRecordedAvatars + more);
+    const Result<SessionHeader> read = parseSessionHeader(textOf(header), "s");
+    EXPECT_EQ(read ? "" : read.error().message,
+              more == 0 ? "" : "s: header: avatars: found 1001 avatars, expected at most 1000");
+  }
 }
 
 TEST(SessionFile, WrongHeadersGetASentence) {
