@@ -152,16 +152,25 @@ TEST(Pictures, ThoseBeyondTheBudgetOfPixelsAreNotDecoded) {
   }
 }
 
-TEST(Pictures, ThoseThatAreTooLargeTogetherAreReducedToFit) {
-  const std::string file = pngOf(Picture{8192, 4096, std::vector<std::uint8_t>(std::size_t{8192} * 4096 * 4, 255)});
-  std::vector<EncodedPicture> encoded;
-  for (std::uint64_t texels = 0; texels <= kMaxKeptTexels; texels += std::uint64_t{8192} * 4096) {
-    encoded.push_back({std::as_bytes(std::span(file)), "picture"});
-  }
-  for (const Result<Picture>& picture : decodePictures(encoded, {0, 1})) {
-    ASSERT_TRUE(picture.ok()) << picture.error().message;
-    EXPECT_EQ(picture->width, 4096);
-    EXPECT_EQ(picture->height, 2048);
+TEST(Pictures, ThoseThatAreTooLargeTogetherOrForTheirBytesAreReducedToFit) {
+  constexpr int kSide = 2048;
+  const std::string small =
+      pngOf(Picture{kSide, kSide, std::vector<std::uint8_t>(std::size_t{kSide} * kSide * 4, 255)});
+  const std::string enough(std::size_t{kSide} * kSide / 32, 'x');  // a byte for every 32 pixels
+  const std::string large = small.substr(0, 33) + pngChunk("tEXt", enough) + small.substr(33);
+  struct Row {
+    const std::string& file;
+    std::uint64_t texels;  ///< of all
+    int side;              ///< that is kept
+  };
+  const std::uint64_t one = std::uint64_t{kSide} * kSide;
+  for (const Row& row : {Row{small, 1U << 25, kSide}, Row{small, (1U << 25) + one, kSide / 2},
+                         Row{large, kMaxKeptTexels, kSide}, Row{large, kMaxKeptTexels + one, kSide / 2}}) {
+    const std::vector<EncodedPicture> encoded(row.texels / one, {std::as_bytes(std::span(row.file)), "picture"});
+    for (const Result<Picture>& picture : decodePictures(encoded, {0, 1})) {
+      ASSERT_TRUE(picture.ok()) << picture.error().message;
+      EXPECT_EQ(picture->width, row.side) << row.texels;
+    }
   }
 }
 
