@@ -165,9 +165,9 @@ TEST(Pictures, ThoseThatAreTooLargeTogetherOrForTheirBytesAreReducedToFit) {
   };
   const std::uint64_t one = std::uint64_t{kSide} * kSide;
   for (const Row& row : {Row{small, 1U << 25, kSide}, Row{small, (1U << 25) + one, kSide / 2},
-                         Row{large, kMaxKeptTexels, kSide}, Row{large, kMaxKeptTexels + one, kSide / 2}}) {
+                         Row{large, (1U << 25) + one, kSide}, Row{large, kMaxKeptTexels + one, kSide / 2}}) {
     const std::vector<EncodedPicture> encoded(row.texels / one, {std::as_bytes(std::span(row.file)), "picture"});
-    for (const Result<Picture>& picture : decodePictures(encoded, {0, 1})) {
+    for (const Result<Picture>& picture : decodePictures(encoded, {})) {
       ASSERT_TRUE(picture.ok()) << picture.error().message;
       EXPECT_EQ(picture->width, row.side) << row.texels;
     }
