@@ -153,23 +153,26 @@ TEST(Pictures, ThoseBeyondTheBudgetOfPixelsAreNotDecoded) {
 }
 
 TEST(Pictures, ThoseThatAreTooLargeTogetherOrForTheirBytesAreReducedToFit) {
-  constexpr int kSide = 2048;
-  const std::string small =
-      pngOf(Picture{kSide, kSide, std::vector<std::uint8_t>(std::size_t{kSide} * kSide * 4, 255)});
-  const std::string enough(std::size_t{kSide} * kSide / 32, 'x');  // a byte for every 32 pixels
-  const std::string large = small.substr(0, 33) + pngChunk("tEXt", enough) + small.substr(33);
-  struct Row {
-    const std::string& file;
-    std::uint64_t texels;  ///< of all
-    int side;              ///< that is kept
+  // One of 8192 x 512 pixels, and others that only claim to have as many as are left.
+  const std::string sound = pngOf(Picture{8192, 512, std::vector<std::uint8_t>(std::size_t{8192} * 512 * 4, 9)});
+  const auto claiming = [](std::uint32_t height, std::size_t bytes) {
+    return withSize(pngOf(PngSample{1, 1, 0, 8, false, {0}, pngChunk("tEXt", std::string(bytes, 'x'))}), 8192, height);
   };
-  const std::uint64_t one = std::uint64_t{kSide} * kSide;
-  for (const Row& row : {Row{small, 1U << 25, kSide}, Row{small, (1U << 25) + one, kSide / 2},
-                         Row{large, (1U << 25) + one, kSide}, Row{large, kMaxKeptTexels + one, kSide / 2}}) {
-    const std::vector<EncodedPicture> encoded(row.texels / one, {std::as_bytes(std::span(row.file)), "picture"});
-    for (const Result<Picture>& picture : decodePictures(encoded, {})) {
-      ASSERT_TRUE(picture.ok()) << picture.error().message;
-      EXPECT_EQ(picture->width, row.side) << row.texels;
+  struct Row {
+    std::uint64_t most;  ///< texels
+    std::size_t bytes;   ///< of each other picture
+  };
+  for (const Row& row : {Row{1U << 25, 70'000}, Row{kMaxKeptTexels, kMaxKeptTexels / 32}}) {
+    for (const std::uint32_t more : {0U, 1U}) {
+      std::vector<std::string> files = {sound};
+      auto rows = static_cast<std::uint32_t>(row.most / 8192 - 512) + more;
+      for (; rows > 8192; rows -= 8192) files.push_back(claiming(8192, row.bytes));
+      files.push_back(claiming(rows, row.bytes));
+      std::vector<EncodedPicture> encoded;
+      for (const std::string& file : files) encoded.push_back({std::as_bytes(std::span(file)), "picture"});
+      const auto pictures = decodePictures(encoded, {});
+      ASSERT_TRUE(pictures[0].ok()) << pictures[0].error().message;
+      EXPECT_EQ(pictures[0]->width, more == 0 ? 8192 : 4096) << row.most;
     }
   }
 }
