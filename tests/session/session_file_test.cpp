@@ -206,6 +206,23 @@ TEST(SessionFile, WrongDataWithValidChecksumsIsReportedOrHarmless) {
   EXPECT_GT(refused, 500);
 }
 
+TEST(SessionFile, StepsBeyondTheLastFrameAreReported) {
+  constexpr std::size_t kBeforeFrames = 36;  // time, hashes, number of actions
+  auto blocks = blocksOf(sessionBytes());
+  const std::size_t taken = parseSession(sessionBytes(), "s").value().steps[0].frames;
+  auto empty = blocks[2];
+  empty.second = std::string(kBeforeFrames + 4, '\0');
+  const auto withEmpty = [&](std::size_t count) {
+    std::vector<std::pair<BlockKind, std::string>> changed(blocks.begin(), blocks.begin() + 3);
+    changed.insert(changed.end(), count, empty);
+    changed.push_back(blocks.back());
+    return sentenceFor(fileOf(changed));
+  };
+  EXPECT_EQ(withEmpty(taken - 1), "none");
+  EXPECT_NE(withEmpty(taken).find("comes after the last of " + std::to_string(taken) + " frames"), std::string::npos)
+      << withEmpty(taken);
+}
+
 TEST(SessionFile, BlocksThatDoNotFitAreReported) {
   const auto blocks = blocksOf(sessionBytes());
   const auto header = blocks[0], scene = blocks[1], step = blocks[2], end = blocks.back();
