@@ -52,12 +52,11 @@ Result<Show> start(DemoCast demo, const RunSetting& setting, Host& host) {
 }
 
 /// Plays repeatedly until the window is closed or the time limit is reached.
-/// @return what the user opened meanwhile; none if the show is over
-Result<std::optional<Cast>> playForPeople(const Options& options, Screen& screen, WindowOpener& opener, Show& show,
-                                          Host& host) {
+/// @return with what the user opened meanwhile
+Result<Showing> playForPeople(const Options& options, Screen& screen, WindowOpener& opener, Show& show, Host& host) {
   LORICA_TRY(Showing showing, lorica::show(*show.run, options.pictures, &screen, &opener, host));
   if (showing.end == RunEnd::kInterrupted) return cancelled();
-  return std::move(showing.next);
+  return showing;
 }
 
 /// The frames of a motion's first seconds, which are at even intervals.
@@ -179,18 +178,20 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
                return prepareDemo(options.character, loading);
              }));
   if (!demo) return {};
+  screens->announce(host);
   CastRequest present;
   present.motion = kOwnMotion;
   present.reading.drawn = true;
   WindowOpener opener(std::move(present), host);
+  opener.recordInto(options.serve.recordings);
   RunSetting setting;
   setting.sumUp = true;
   setting.allLayers = true;
   setting.repeated = options.seconds;
   if (options.seconds > 0.0) setting.atEnd = AtEnd::kRepeat;
   LORICA_TRY(Show show, start(std::move(*demo), setting, host));
-  LORICA_TRY(std::optional<Cast> next, playForPeople(options, screen, opener, show, host));
-  if (next) return playOpened(common, host, screen, opener, std::move(*next));
+  LORICA_TRY(Showing opened, playForPeople(options, screen, opener, show, host));
+  if (opened.next) return playOpened(common, host, screen, opener, std::move(opened));
   return publish(common, toReport(show), toJson(show));
 }
 

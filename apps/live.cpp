@@ -83,25 +83,23 @@ Result<bool> chooseWindow(const ShowOptions& options) {
 }
 
 /// @param screen  null = none
-/// @param opener  with a screen @param next  gets what the user opened; then there is no report
+/// @param opener  with a screen @param opened  gets what the user opened; then there is no report
 Result<void> followCast(const ShowOptions& options, const CommonOptions& common, Host& host, LiveCast cast,
-                        Screen* screen, WindowOpener* opener, std::optional<Cast>& next) {
+                        Screen* screen, WindowOpener* opener, Showing& opened) {
   LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), options.run, host));
   if (screen == nullptr) {
     host.tell(fmt::format("{} {}; press Ctrl-C to stop.", run->streams().empty() ? "Tracking with" : "Listening for",
                           run->name()));
   }
-  LORICA_TRY(Showing showing, show(*run, options.pictures, screen, opener, host));
-  next = std::move(showing.next);
-  if (next) return {};
-  Report report = toReport(options, *run, showing.drawn);
-  nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
+  LORICA_TRY(opened, show(*run, options.pictures, screen, opener, host));
+  if (opened.next) return {};
+  Report report = toReport(options, *run, opened.drawn);
+  nlohmann::ordered_json json = toJson(options, *run, opened.drawn);
   return finishAndPublish(*run, common, report, json);
 }
 
 /// The camera or the programs that send stay when the user opens another character.
-Result<void> followInTurn(const ShowOptions& options, const CommonOptions& common, Host& host, LiveCast cast,
-                          Screen& screen) {
+Result<void> followInTurn(ShowOptions options, const CommonOptions& common, Host& host, LiveCast cast, Screen& screen) {
   const auto load = [live = options.live, sources = cast.sources](const std::vector<CastRequest>& attempts,
                                                                   Host& loading) -> Result<Cast> {
     if (!attempts.front().motion.empty()) return prepareSettledCast(attempts, loading);
@@ -109,13 +107,15 @@ Result<void> followInTurn(const ShowOptions& options, const CommonOptions& commo
     return std::move(again.cast);
   };
   WindowOpener opener(options.request, host, options.run.written() ? kWrittenOnce : "", load);
+  opener.recordInto(options.serve.recordings);
   std::shared_ptr<LiveSources> sources = cast.sources;
   for (;;) {
-    std::optional<Cast> next;
-    LORICA_TRY_DO(followCast(options, common, host, std::move(cast), &screen, &opener, next));
-    if (!next) return {};
-    if (next->sources != sources) return playOpened(common, host, screen, opener, std::move(*next));
-    cast = LiveCast{std::move(*next), sources};
+    Showing opened;
+    LORICA_TRY_DO(followCast(options, common, host, std::move(cast), &screen, &opener, opened));
+    if (!opened.next) return {};
+    if (opened.next->sources != sources) return playOpened(common, host, screen, opener, std::move(opened));
+    cast = LiveCast{std::move(*opened.next), sources};
+    options.run.record = opened.record;
   }
 }
 
@@ -129,7 +129,7 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
   options.request.reading.drawn = inWindow || options.serve.serve || options.pictures.any();
   if (!inWindow && !options.serve.serve) {
     LORICA_TRY(LiveCast cast, prepareLiveCast(options.request, options.live, host));
-    std::optional<Cast> none;
+    Showing none;
     return followCast(options, common, host, std::move(cast), nullptr, nullptr, none);
   }
   // The screen comes first: it shows how the rest is loaded.
@@ -139,6 +139,7 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
              loadOnScreen<LiveCast>(screen, host, [request = options.request, live = options.live](Host& loading) {
                return prepareLiveCast(request, live, loading);
              }));
+  if (cast) screens->announce(host);
   return cast ? followInTurn(options, common, host, std::move(*cast), screen) : Result<void>();
 }
 

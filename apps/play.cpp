@@ -128,9 +128,9 @@ Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& dr
 }
 
 /// Runs a session of the cast. Its report is that of the command, unless the user opens something else meanwhile.
-/// @return what the user opened
-Result<std::optional<Cast>> playCast(const ShowOptions& options, const CommonOptions& common, Host& host, Cast cast,
-                                     Screen* screen, WindowOpener* opener) {
+/// @return with what the user opened
+Result<Showing> playCast(const ShowOptions& options, const CommonOptions& common, Host& host, Cast cast, Screen* screen,
+                         WindowOpener* opener) {
   RunSetting setting = options.run;
   if (!setting.record.empty() || !setting.events.empty()) setting.atEnd = AtEnd::kHold;
   int frames = 0, expected = 0;
@@ -143,19 +143,20 @@ Result<std::optional<Cast>> playCast(const ShowOptions& options, const CommonOpt
   LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), setting, host));
   run->first = warnOfWalls;
   LORICA_TRY(Showing showing, show(*run, options.pictures, screen, opener, host));
-  if (showing.next) return std::move(showing.next);
+  if (showing.next) return showing;
   if (showing.end == RunEnd::kInterrupted) return cancelled();
   Report report = toReport(options, *run, showing.drawn);
   nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
   LORICA_TRY_DO(finishAndPublish(*run, common, report, json));
-  return std::optional<Cast>();
+  return showing;
 }
 
 /// Until the user opens nothing else.
-Result<void> playInTurn(const ShowOptions& options, const CommonOptions& common, Host& host, std::optional<Cast> cast,
-                        Screen& screen, WindowOpener& opener) {
-  while (cast) {
-    LORICA_TRY(cast, playCast(options, common, host, std::move(*cast), &screen, &opener));
+Result<void> playInTurn(ShowOptions options, const CommonOptions& common, Host& host, Showing opened, Screen& screen,
+                        WindowOpener& opener) {
+  while (opened.next) {
+    options.run.record = opened.record;
+    LORICA_TRY(opened, playCast(options, common, host, std::move(*opened.next), &screen, &opener));
   }
   return {};
 }
@@ -169,8 +170,13 @@ Result<void> playOnScreen(const ShowOptions& options, const CommonOptions& commo
                return prepareSettledCast({request}, loading);
              }));
   if (!cast) return {};
+  screens->announce(host);
   WindowOpener opener(*cast, host, options.run.written() ? kWrittenOnce : "");
-  return playInTurn(options, common, host, std::move(cast), screen, opener);
+  opener.recordInto(options.serve.recordings);
+  Showing first;
+  first.next = std::move(cast);
+  first.record = options.run.record;
+  return playInTurn(options, common, host, std::move(first), screen, opener);
 }
 
 }  // namespace
@@ -187,7 +193,7 @@ Result<void> play(const ShowOptions& given, const CommonOptions& common, Host& h
   return {};
 }
 
-Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen, WindowOpener& opener, Cast opened) {
+Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen, WindowOpener& opener, Showing opened) {
   return playInTurn(ShowOptions(), common, host, std::move(opened), screen, opener);
 }
 

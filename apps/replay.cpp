@@ -98,7 +98,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Host& h
   WindowOpener opener(presentOf(run->recorded()), host, options.run.written() ? kWrittenOnce : "");
   LORICA_TRY(Showing showing, show(*run, options.pictures, screen, &opener, host));
   if (showing.end == RunEnd::kInterrupted) return cancelled();
-  if (showing.next) return playOpened(common, host, *screen, opener, std::move(*showing.next));
+  if (showing.next) return playOpened(common, host, *screen, opener, std::move(showing));
   LORICA_TRY_DO(run->finish());
   Report report = toReport(options, *run, showing.drawn);
   nlohmann::ordered_json json = toJson(options, *run, showing.drawn);

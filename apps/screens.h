@@ -15,17 +15,22 @@ namespace lorica {
 struct ServeOptions {
   bool serve = false;
   ServeSetting setting;
+  std::string recordings;  ///< folder; empty = nothing can be recorded from the page
 };
 
-/// --port, --lan, --certificate and --key. @param flag  whether --serve asks for it; else it is served anyway
+/// --port, --lan, --recordings, --certificate and --key. @param flag  whether --serve asks for it; else it is served
+/// anyway
 void addServeOptions(CommandLine& app, ServeOptions& options, bool flag);
 
 /// What people watch: a window, a page, or both.
 class Screens {
  public:
-  /// Says where the page is. @param pictures  size and background of the window
+  /// @param pictures  size and background of the window
   [[nodiscard]] static Result<std::unique_ptr<Screens>> open(bool window, const ServeOptions& serve,
                                                              const SnapshotOptions& pictures, Host& host);
+  /// Says where the page is: once there is something to see, so that nobody follows the link to a motion that is
+  /// missing.
+  void announce(Host& host) const;
   [[nodiscard]] Screen& screen() { return page_ ? static_cast<Screen&>(*page_) : *window_; }
 
  private:
@@ -33,6 +38,7 @@ class Screens {
   std::optional<Window> window_;
   std::unique_ptr<PageServer> server_;
   std::optional<PageScreen> page_;
+  bool lan_ = false;
 };
 
 }  // namespace lorica

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace lorica {
@@ -39,6 +41,8 @@ void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
            fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
   app.addFlag("--lan", options.setting.lan,
               "Show the page on the network too: with TLS, for those who have the link with its token");
+  app.addOption("--recordings", options.recordings, "Folder that people at the page may record sessions into")
+      ->typeName("DIR");
   Option* certificate = app.addOption("--certificate", options.setting.certificate,
                                       "Certificate of the page [default: one that Lorica makes and keeps]")
                             ->typeName("FILE.pem");
@@ -56,18 +60,26 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
   if (setting.certificate.empty() != setting.key.empty()) {
     return invalidArgument("--certificate and --key belong together");
   }
-  LORICA_TRY(screens->server_, PageServer::start(setting));
-  for (const std::string& link : screens->server_->links()) host.tell("Watch at " + link);
-  if (setting.lan) {
-    host.tell("Browsers warn of a certificate that they do not know: its SHA-256 is\n  " +
-              screens->server_->fingerprint());
-    say(qrCode(screens->server_->links().front()));
+  if (std::error_code error; !serve.recordings.empty()) {
+    std::filesystem::create_directories(serve.recordings, error);
+    if (error) return unwritable("--recordings: {}: {}", serve.recordings, error.message());
   }
+  LORICA_TRY(screens->server_, PageServer::start(setting));
   if (!pageBuilt()) {
     host.warn("this Lorica was built without its page: run scripts/setup --page and build again; programs can watch");
   }
   screens->page_.emplace(*screens->server_, screens->window_ ? &*screens->window_ : nullptr);
+  screens->lan_ = setting.lan;
   return screens;
+}
+
+void Screens::announce(Host& host) const {
+  if (!server_) return;
+  for (const std::string& link : server_->links()) host.tell("Watch at " + link);
+  if (lan_) {
+    host.tell("Browsers warn of a certificate that they do not know: its SHA-256 is\n  " + server_->fingerprint());
+    say(qrCode(server_->links().front()));
+  }
 }
 
 Command addServe(CommandLine& parent, CommonOptions& common) {

@@ -45,6 +45,7 @@ Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, 
   Showing showing;
   LORICA_TRY(showing.end, play(run, shown, host));
   showing.next = std::move(shown.next);
+  showing.record = std::move(shown.record);
   if (run.live() || page != nullptr) answerInterrupt();
   if (page != nullptr && showing.end == RunEnd::kInterrupted) showing.end = RunEnd::kClosed;  // how it is ended
   if (series && (run.live() || showing.end != RunEnd::kInterrupted)) {

@@ -41,6 +41,7 @@ struct Showing {
   RunEnd end = RunEnd::kOver;
   DrawnFiles drawn;
   std::optional<Cast> next;  ///< the user opened it
+  std::string record = {};   ///< the file to record it to; empty = none
 };
 
 /// Plays the run on the screen, or with the pictures without one.
@@ -54,7 +55,7 @@ inline constexpr const char* kWrittenOnce = "what is written or sent is one sess
 /// Continues on a screen with what the user opened there, as `lorica play --window` does, until it is closed. Its
 /// report is that of what was played last.
 [[nodiscard]] Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen, WindowOpener& opener,
-                                      Cast opened);
+                                      Showing opened);
 
 /// The name of an avatar's character, with its folder if another file has the same name: "armed/hero".
 [[nodiscard]] std::string nameOf(const Run& run, std::size_t avatar);

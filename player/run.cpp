@@ -64,6 +64,7 @@ Result<std::unique_ptr<Run>> Run::start(RecordedCast recorded, RunSetting settin
 
 /// What watches the session's steps: recorder or comparison, then what sends poses, then events.
 Result<void> Run::watch(Host& host) {
+  unrecorded_ = treatment;
   if (setting.written()) treatment.fix("what is written or sent is as the command says");
   if (recorded_) comparison = std::make_shared<SessionReplay>(recorded_->session);
   std::shared_ptr<StepWatcher> next = recorder;
@@ -149,6 +150,14 @@ Result<void> Run::restarted(Host& host) {
     statistics = RunStatistics();
   }
   return recorded_ ? watch(host) : Result<void>();
+}
+
+Result<int> Run::stopRecording() {
+  LORICA_TRY(const int steps, std::exchange(recorder, nullptr)->finish());
+  setting.record.clear();
+  if (!live()) setting.atEnd = AtEnd::kChoice;
+  treatment = unrecorded_;
+  return steps;
 }
 
 void Run::sceneChosen(const std::string& scene, Host& host) {

@@ -118,6 +118,9 @@ class Run {
   [[nodiscard]] double seconds() const { return before_ + now_; }
   [[nodiscard]] bool enough() const { return setting.repeated > 0.0 && seconds() >= setting.repeated; }
 
+  /// Ends a recording that was begun on a screen; the session goes on. @return number of recorded steps
+  [[nodiscard]] Result<int> stopRecording();
+
   /// Ends the events' file.
   [[nodiscard]] Result<void> finish() { return finishEvents(events_); }
 
@@ -129,6 +132,7 @@ class Run {
   [[nodiscard]] std::optional<DepthSight> recordedSight();
 
   std::vector<HitTarget> targets_;
+  TreatmentControl unrecorded_;  // what can be chosen when nothing is written
   std::shared_ptr<LiveSources> live_;
   std::unique_ptr<RecordedCast> recorded_;
   std::unique_ptr<OniSource> depth_;  // of a recording, once it was shown
@@ -151,6 +155,7 @@ struct Shown {
   std::function<Result<bool>()> picture = {};  ///< called after each frame; false ends the run. Null = no pictures
   WindowOpener* opener = nullptr;              ///< opens files that are dropped on the screen; null = they are refused
   std::optional<Cast> next = {};               ///< see RunEnd::kExchanged
+  std::string record = {};                     ///< the file to record `next` to; empty = none
 };
 
 /// Runs the session until it is over, the screen is closed or the host is cancelled.

@@ -273,6 +273,8 @@ void RunLoop::show() {
   values.noThrow = whyNoThrow();
   values.noUndo = whyNoUndo();
   values.noLoop = whyNoLoop();
+  if (run_.recorder) values.recording = run_.setting.record;
+  values.noRecord = whyNoRecord();
   Scene scene;
   if (started_) {
     scene = scene_->of(session_, screen_->choices().show, screen_->camera().eye);
@@ -287,7 +289,8 @@ Result<RunEnd> play(Run& run, Shown& shown, Host& host) {
   Result<RunEnd> end = loop.run();
   if (shown.screen != nullptr) loop.keepSettings();
   // What was recorded is kept despite an error or an early end.
-  if ((!end || *end == RunEnd::kInterrupted) && run.recorder) (void)run.recorder->finish();
+  const bool early = !end || *end == RunEnd::kInterrupted || *end == RunEnd::kExchanged;
+  if (early && run.recorder) (void)run.recorder->finish();
   return end;
 }
 

@@ -50,6 +50,8 @@ class RunLoop {
   [[nodiscard]] std::string_view whyNoThrow() const;
   [[nodiscard]] std::string_view whyNoUndo() const;
   [[nodiscard]] std::string_view whyNoLoop() const;
+  [[nodiscard]] std::string_view whyNoRecord() const;
+  void record(bool on);
   void open(const WindowRequests& requests);
   [[nodiscard]] Result<std::vector<std::unique_ptr<PoseSource>>> sources() const;
   Result<void> treat();

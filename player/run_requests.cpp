@@ -1,10 +1,12 @@
 #include "geometry/counts.h"
+#include "geometry/text.h"
 #include "player/run_loop.h"
 #include "prepare/scenes.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <utility>
 
 namespace lorica {
@@ -32,6 +34,9 @@ Result<void> RunLoop::answer(WindowRequests requests) {
   }
   answerAboutAvatars(requests);
   open(requests);
+  const bool cut = run_.recorder && (run_.recorder->cutShort() || run_.recorder->full());
+  if (cut && whyNoRecord().empty()) record(false);  // the session started again, or the file is full
+  if (requests.record) record(*requests.record);
   if (requests.undo) return undo();
   if (requests.cancel && nextWorld_) nextWorld_->cancel();
   if (requests.scene && *requests.scene != scenes_.present) prepareWorld(*requests.scene);
@@ -74,6 +79,24 @@ std::string_view RunLoop::whyNoLoop() const {
   return mayLoop() ? "" : onlyWatched() ? "a recorded session is run once" : "what is written is run once";
 }
 
+std::string_view RunLoop::whyNoRecord() const {
+  if (onlyWatched() || shown_.opener == nullptr) return "a recorded session is not recorded again";
+  return shown_.opener->noRecord();
+}
+
+/// A recording begins with the session at its start, which the command opens again as it was asked for.
+void RunLoop::record(bool on) {
+  if (const std::string_view why = whyNoRecord(); !why.empty()) return screen_->notice(std::string(why));
+  const std::string name = std::filesystem::path(run_.setting.record).filename().string();
+  if (on && name.empty()) {
+    if (const Result<void> begun = shown_.opener->record(); !begun) screen_->problem(begun.error().message);
+  } else if (!on && run_.recorder) {
+    const Result<int> steps = run_.stopRecording();
+    if (!steps) return screen_->problem(steps.error().message);
+    screen_->notice(fmt::format("recorded {} in {}", counted(*steps, "step"), name), Screen::kNoticeSeconds);
+  }
+}
+
 bool RunLoop::loops() const {
   if (!mayLoop()) return false;
   return run_.setting.atEnd == AtEnd::kRepeat || screen_->choices().loop;
@@ -114,7 +137,9 @@ void RunLoop::open(const WindowRequests& requests) {
   } else if (!said.empty()) {
     screen_->notice(said, Screen::kNoticeSeconds);
   }
-  if (*loaded) shown_.next = std::move(**loaded);
+  if (!*loaded) return;
+  shown_.next = std::move(**loaded);
+  shown_.record = opener->takeRecord();
 }
 
 void RunLoop::answerAboutAvatars(const WindowRequests& requests) {

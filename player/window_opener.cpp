@@ -5,12 +5,15 @@
 #include "geometry/text.h"
 #include "player/window_settings.h"
 #include "prepare/file_kinds.h"
+#include "session/recording/session_file.h"
 #include "skinning/import/character_file.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <ctime>
 #include <filesystem>
 #include <iterator>
 #include <utility>
@@ -22,6 +25,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
 constexpr std::size_t kMaxMeshes = 12;  // in one session
+constexpr int kMaxOfADay = 999;         // recordings
 
 /// A file of one, or the one that ships.
 bool isCharacter(const std::string& name) {
@@ -128,6 +132,22 @@ std::vector<std::string> leftOut(const CastRequest& wanted, const CastRequest& m
   return names;
 }
 
+/// A new name of today, such as 2026-03-01_002.lsession. Recordings never fill the disk.
+Result<std::string> freeRecording(const fs::path& folder) {
+  std::error_code error;
+  if (const fs::space_info space = fs::space(folder, error); error || space.available < 2 * kMaxSessionBytes) {
+    return unwritable("{}: {}", folder.string(),
+                      error ? error.message() : fmt::format("less than {} MiB free", 2 * kMaxSessionBytes >> 20));
+  }
+  const std::string day = fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)));
+  for (int number = 1; number <= kMaxOfADay; ++number) {
+    const fs::path file = folder / fmt::format("{}_{:03}.lsession", day, number);
+    if (!fs::exists(file, error) && !fs::exists(fs::path(file).replace_extension(".part.lsession"), error))
+      return file.string();
+  }
+  return unwritable("{}: {} recordings of {}", folder.string(), kMaxOfADay, day);
+}
+
 }  // namespace
 
 WindowOpener::WindowOpener(const Cast& present, Host& host, std::string whyNot)
@@ -219,10 +239,24 @@ Result<void> WindowOpener::openPerson(int index) {
 /// @param files  that the user named
 void WindowOpener::load(std::vector<CastRequest> attempts, std::vector<std::string> files) {
   asked_ = std::move(files);
+  recordTo_.clear();
   giveUp();
   wanted_ = attempts.front();
   loading_ = std::make_unique<BackgroundWork<Cast>>(
       host_, [attempts = std::move(attempts), load = load_](Host& host) { return load(attempts, host); });
+}
+
+std::string_view WindowOpener::noRecord() const {
+  if (!whyNot_.empty()) return "what is written or sent is as the command says";
+  return recordings_.empty() ? "recordings need a folder on the machine that serves: start with --recordings DIR" : "";
+}
+
+Result<void> WindowOpener::record() {
+  if (const std::string_view why = noRecord(); !why.empty()) return invalidArgument("{}", why);
+  LORICA_TRY(std::string file, freeRecording(recordings_));
+  load({present_}, {});
+  recordTo_ = std::move(file);
+  return {};
 }
 
 void WindowOpener::cancel() {

@@ -9,6 +9,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -40,6 +41,14 @@ class WindowOpener {
   /// @param index  of WindowValues::clips or people; -1 = everyone
   [[nodiscard]] Result<void> openClip(int index);
   [[nodiscard]] Result<void> openPerson(int index);
+  /// Where record() may write: a folder that the owner of this machine chose.
+  void recordInto(std::string folder) { recordings_ = std::move(folder); }
+  /// Why it cannot; empty = it can. With static storage duration.
+  [[nodiscard]] std::string_view noRecord() const;
+  /// Starts to load the present cast once more, to be recorded from its start under a new name in that folder.
+  [[nodiscard]] Result<void> record();
+  /// The file that what take() gave is to be recorded to; empty = none.
+  [[nodiscard]] std::string takeRecord() { return std::exchange(recordTo_, ""); }
   void cancel();
 
   [[nodiscard]] bool loading() const { return loading_ != nullptr; }
@@ -72,6 +81,7 @@ class WindowOpener {
   int character_ = -1;                            // the present one of characters_
   std::vector<std::string> asked_;                // files that are loading
   std::vector<std::string> opened_;
+  std::string recordings_, recordTo_;
   bool dropped_ = false;    // something was
   bool cancelled_ = false;  // what was loading, since the last take()
 };

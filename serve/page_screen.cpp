@@ -158,6 +158,9 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
     case Kind::kLoop:
       choices.loop = wish.on;
       break;
+    case Kind::kRecord:
+      requests.record = wish.on;
+      break;
     case Kind::kMirror:
       choices.treatment.mirror = wish.on;
       break;
@@ -350,12 +353,14 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                  {"times", std::move(times)},
                  {"loading", values.loading},
                  {"loaded", std::round(100.0 * values.loaded) / 100.0},
+                 {"recording", std::filesystem::path(values.recording).filename().string()},
                  {"outside", values.outsideTraining},
                  {"holds", values.holdsProp},
                  {"no",
                   {{"throw", values.noThrow},
                    {"undo", values.noUndo},
                    {"loop", values.noLoop},
+                   {"record", values.noRecord},
                    {"mirror", values.noMirror},
                    {"smoothing", values.noSmoothing},
                    {"gravity", values.noGravity}}},

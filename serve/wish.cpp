@@ -21,7 +21,7 @@ struct Message {
   Kind kind;
   Member member;
 };
-constexpr std::array<Message, 25> kMessages = {{{"ack", Kind::kAck, Member::kFrame},
+constexpr std::array<Message, 26> kMessages = {{{"ack", Kind::kAck, Member::kFrame},
                                                 {"show", Kind::kShow, Member::kLayers},
                                                 {"pause", Kind::kPause, Member::kOn},
                                                 {"step", Kind::kStep, Member::kNone},
@@ -29,6 +29,7 @@ constexpr std::array<Message, 25> kMessages = {{{"ack", Kind::kAck, Member::kFra
                                                 {"seek", Kind::kSeek, Member::kTo},
                                                 {"speed", Kind::kSpeed, Member::kTo},
                                                 {"loop", Kind::kLoop, Member::kOn},
+                                                {"record", Kind::kRecord, Member::kOn},
                                                 {"mirror", Kind::kMirror, Member::kOn},
                                                 {"smoothing", Kind::kSmoothing, Member::kIndex},
                                                 {"gravity", Kind::kGravity, Member::kIndex},

@@ -19,6 +19,7 @@ struct Wish {
     kSeek,
     kSpeed,
     kLoop,
+    kRecord,
     kMirror,
     kSmoothing,
     kGravity,

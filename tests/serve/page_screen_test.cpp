@@ -79,6 +79,10 @@ TEST(PageScreen, ClientsChooseAsPeopleAtAWindowDo) {
             std::vector<std::string>{"/home/somebody/hero.glb"});
   client.send({{"type", "parts"}, {"count", 24}});
   EXPECT_EQ(*watched.requests([](const WindowRequests& r) { return r.parts.has_value(); }).parts, 24);
+  for (const bool on : {true, false}) {
+    client.send({{"type", "record"}, {"on", on}});
+    EXPECT_EQ(*watched.requests([](const WindowRequests& r) { return r.record.has_value(); }).record, on);
+  }
 }
 
 TEST(PageScreen, WhatIsNotInAListIsNotOpened) {

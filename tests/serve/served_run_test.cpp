@@ -1,6 +1,8 @@
 #include "geometry/little_endian.h"
 #include "player/run.h"
+#include "player/window_opener.h"
 #include "prepare/cast.h"
+#include "prepare/recorded_cast.h"
 #include "serve/page_screen.h"
 #include "skinning/linear_blend.h"
 #include "tests/serve/test_client.h"
@@ -9,8 +11,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cstdlib>
+#include <functional>
 #include <map>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -20,6 +25,7 @@ namespace {
 using test::becomes;
 using test::TestClient;
 using test::valueOf;
+using Json = nlohmann::json;
 
 Cast walkingCast(Host& host) {
   CastRequest request;
@@ -79,6 +85,194 @@ TEST(ServedRun, FramesHoldThePosesOfTheSession) {
   // The client sees the end when the server goes.
   server.reset();
   client.join();
+}
+
+struct EndingHost final : Host {
+  [[nodiscard]] bool cancelled() const override { return ended; }
+  std::atomic<bool> ended = false;
+};
+
+/// A client that acknowledges all frames until something comes. @return whether it came
+/// @param steps  it asks for a step of the session with each frame: neither waits for a time
+bool comes(TestClient& client, const std::function<bool(const TestClient::Message&)>& expected, bool steps = false) {
+  for (;;) {
+    const TestClient::Message message = client.next();
+    if (message.kind == 0 || message.kind == 8) return false;
+    if (message.kind == 2) {
+      client.send({{"type", "ack"}, {"frame", message.number()}});
+      if (steps) client.send({{"type", "step"}});
+    }
+    if (expected(message)) return true;
+  }
+}
+
+/// Where a frame says that a prop is; none = it has not moved.
+std::optional<Vec3> propIn(const TestClient::Message& frame, int prop) {
+  const char* data = frame.bytes.data();
+  for (std::size_t at = 32; frame.kind == 2 && at < frame.bytes.size();) {
+    const auto length = loadLittleEndian<std::uint32_t>(data + at + 4);
+    const std::size_t count = length / 24;
+    for (std::size_t i = 0; loadLittleEndian<std::uint16_t>(data + at) == 3 && i < count; ++i) {
+      const char* one = data + at + 12 + 24 * i;
+      if (loadLittleEndian<std::uint16_t>(one) != prop) continue;
+      const auto at3 = [&](int c) { return loadLittleEndian<float>(one + 4 + 4 * c); };
+      return Vec3(at3(0), at3(1), at3(2));
+    }
+    at += 8 + (length + 3) / 4 * 4;
+  }
+  return std::nullopt;
+}
+
+/// A recorded session, which runs the same again.
+SessionFile replayed(const std::filesystem::path& file) {
+  Host host;
+  RecordedRequest request;
+  request.file = file.string();
+  const auto run = valueOf(lorica::Run::start(valueOf(prepareRecordedCast(request, host)), RunSetting(), host));
+  while (!run->comparison->over() && valueOf(run->session.step())) {
+  }
+  EXPECT_EQ(run->comparison->steps(), static_cast<int>(run->recorded().steps.size()));
+  EXPECT_FALSE(run->comparison->difference());
+  return run->recorded();
+}
+
+/// What clients drag and throw is in the recorded session, which runs the same without them.
+TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  EndingHost host;
+  RunSetting setting;
+  setting.record = home.path() / "served.lsession";
+  setting.atEnd = AtEnd::kHold;
+  const auto run = valueOf(lorica::Run::start(walkingCast(host), setting, host));
+  // A loose prop, from above.
+  const std::span<const Prop> props = run->session.world().props();
+  int prop = -1;
+  Vec3 origin = Vec3::Zero();
+  for (int i = 0; i < static_cast<int>(props.size()) && prop < 0; ++i) {
+    origin = props[i].worldFromProp.translation() + Vec3(0.0, 3.0, 0.0);
+    const std::optional<PropPick> pick = run->session.world().pick({origin, -Vec3::UnitY()});
+    if (props[i].mass > 0.0 && pick && pick->prop == i) prop = i;
+  }
+  ASSERT_GE(prop, 0);
+  const Vec3 before = props[prop].worldFromProp.translation();
+  const auto pointing = [&](const char* type, double x) {
+    return Json{{"type", type},
+                {"origin", {origin.x() + x, origin.y(), origin.z()}},
+                {"direction", {0, -1, 0}},
+                {"forward", {0, -1, 0}}};
+  };
+
+  ServeLimits limits;
+  limits.wishesASecond = 1'000'000;
+  std::unique_ptr<PageServer> server = valueOf(PageServer::start({}, limits));
+  PageScreen screen(*server, nullptr);
+  WindowChoices choices;
+  choices.paused = true;
+  screen.setChoices(choices);
+  EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+  std::thread client([&] {
+    TestClient watcher(server->port());
+    watcher.watch();
+    watcher.send({{"type", "step"}});
+    const auto steps = [&](const auto& expected) { return comes(watcher, expected, true); };
+    const auto holds = [&](bool on) {
+      return steps([&](const auto& m) { return m.kind == 1 && m.json().value("holds", !on) == on; });
+    };
+    EXPECT_TRUE(steps([](const auto& m) { return m.kind == 2; })) << "no frame came";
+    watcher.send(pointing("press", 0.0));
+    EXPECT_TRUE(holds(true));
+    watcher.send(pointing("drag", 0.5));
+    EXPECT_TRUE(steps([&](const auto& m) {
+      const std::optional<Vec3> now = propIn(m, prop);
+      return now && (*now - before).norm() > 0.2;
+    }));
+    watcher.send({{"type", "release"}});
+    EXPECT_TRUE(holds(false));
+    watcher.send({{"type", "throw"}, {"origin", {0, 1, 4}}, {"target", {0, 1, 0}}});
+    EXPECT_TRUE(steps([&](const auto& m) {
+      return m.kind == 1 && m.json()["type"] == "props" && m.json()["props"].size() > props.size();
+    }));
+    host.ended = true;
+  });
+  EXPECT_TRUE(becomes([&] { return server->clients() == 1; }));
+  Shown shown{&screen, {}, nullptr, {}};
+  EXPECT_EQ(valueOf(play(*run, shown, host)), RunEnd::kInterrupted);
+  client.join();
+
+  const SessionFile recorded = replayed(setting.record);
+  std::map<WorldAction::Kind, int> done;
+  for (const WorldAction& action : recorded.actions) ++done[action.kind];
+  EXPECT_EQ(done[WorldAction::Kind::kGrab], 1);
+  EXPECT_GT(done[WorldAction::Kind::kMoveGrab], 0);
+  EXPECT_EQ(done[WorldAction::Kind::kRelease], 1);
+  EXPECT_EQ(done[WorldAction::Kind::kThrowBall], 1);
+}
+
+/// Plays a walk while a client does something, and in turn what is opened meanwhile.
+/// @param recordings  the folder that the command names; empty = none
+void serveWalk(const std::string& recordings, const std::function<void(TestClient&)>& act) {
+  EndingHost host;
+  std::unique_ptr<PageServer> server = valueOf(PageServer::start({}));
+  PageScreen screen(*server, nullptr);
+  Cast cast = walkingCast(host);
+  WindowOpener opener(cast, host, "");
+  opener.recordInto(recordings);
+  std::thread client([&] {
+    TestClient watcher(server->port());
+    watcher.watch();
+    act(watcher);
+    host.ended = true;
+  });
+  RunSetting setting;
+  Shown shown{&screen, {}, &opener, std::move(cast)};
+  for (RunEnd end = RunEnd::kExchanged; end == RunEnd::kExchanged;) {
+    setting.record = std::exchange(shown.record, "");
+    const auto run = valueOf(lorica::Run::start(std::move(*shown.next), setting, host));
+    shown.next.reset();
+    EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+    end = valueOf(play(*run, shown, host));
+  }
+  client.join();
+}
+
+/// The first message of a type that is as expected.
+Json messageOf(TestClient& client, const char* type, const std::function<bool(const Json&)>& expected) {
+  Json last;
+  EXPECT_TRUE(comes(client, [&](const auto& m) {
+    if (m.kind != 1) return false;
+    last = m.json();
+    return last["type"] == type && expected(last);
+  })) << type;
+  return last;
+}
+
+/// A recording is begun and ended from the page, into the folder of the command and under a name of the server.
+TEST(ServedRun, ClientsRecordIntoTheFolderOfTheCommand) {
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  std::string name;
+  serveWalk(home.path(), [&](TestClient& client) {
+    client.send({{"type", "record"}, {"on", true}});
+    const Json first = messageOf(client, "state", [](const Json& state) { return state["recording"] != ""; });
+    name = first["recording"];
+    (void)messageOf(client, "state", [&](const Json& state) { return state["seconds"] > first["seconds"]; });
+    client.send({{"type", "record"}, {"on", false}});
+    (void)messageOf(client, "state", [](const Json& state) { return state["recording"] == ""; });
+  });
+  EXPECT_TRUE(name.ends_with("_001.lsession")) << name;
+  EXPECT_TRUE(replayed(home.path() / name).finished);
+}
+
+TEST(ServedRun, WithoutAFolderNothingIsRecorded) {
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  serveWalk("", [&](TestClient& client) {
+    const Json state = messageOf(client, "state", [](const Json& each) { return each["seconds"] >= 0.0; });
+    EXPECT_NE(state["no"]["record"], "");
+    client.send({{"type", "record"}, {"on", true}});
+    (void)messageOf(client, "notice", [&](const Json& said) { return said["text"] == state["no"]["record"]; });
+  });
 }
 
 }  // namespace

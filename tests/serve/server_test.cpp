@@ -1,5 +1,6 @@
 #include "serve/server.h"
 
+#include "geometry/little_endian.h"
 #include "serve/certificate.h"
 #include "serve/page_files.h"
 #include "skinning/mannequin/mannequin.h"
@@ -9,9 +10,11 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -39,12 +42,14 @@ struct Stage {
     boxes.resize(props);
     for (Prop& box : boxes) box.worldFromProp.translation().x() = time;
     scene.props = boxes;
+    scene.particles = grains;
     server->next().take(scene, server->layers());
     server->publish();
   }
 
   Skeleton skeleton = makeMannequin().skeleton;
   std::vector<Prop> boxes;
+  std::vector<Vec3f> grains;
   double time = 0.0;
   std::shared_ptr<ServedCast> cast = std::make_shared<ServedCast>();
   std::unique_ptr<PageServer> server;
@@ -246,6 +251,30 @@ TEST(Server, OneWhoReadsNothingIsDroppedAndTheOthersWatch) {
     dropped = stage.server->clients() == 1;
   }
   EXPECT_TRUE(dropped || becomes([&] { return stage.server->clients() == 1; }));
+}
+
+/// Who acknowledges late gets fewer particles, until it is quick again.
+TEST(Server, ASlowReaderGetsFewerParticles) {
+  Stage stage;
+  stage.grains.assign(8000, Vec3f::Zero());
+  TestClient client(stage.server->port());
+  client.watch();
+  client.send({{"type", "show"}, {"layers", {"particles"}}});
+  ASSERT_TRUE(becomes([&] { return stage.server->layers() == served::kParticles; }));
+  const auto sent = [&](int milliseconds) {
+    stage.show();
+    const TestClient::Message frame = client.next("frame");
+    std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds));
+    client.send({{"type", "ack"}, {"frame", frame.number()}});
+    std::size_t at = 32;
+    const auto number = [&](std::size_t where) { return loadLittleEndian<std::uint32_t>(&frame.bytes[where]); };
+    while ((number(at) & 0xffff) != 6) at += 8 + (number(at + 4) + 3) / 4 * 4;
+    EXPECT_EQ(number(at + 8), 8000u);
+    return number(at + 12);
+  };
+  EXPECT_EQ(sent(0), 8000u);
+  EXPECT_TRUE(becomes([&] { return sent(200) < 8000; }));
+  EXPECT_TRUE(becomes([&] { return sent(0) == 8000; }));
 }
 
 TEST(Server, ConnectionsThatBreakOffLeaveNothing) {

@@ -140,6 +140,7 @@ struct WindowValues : WindowNumbers {
   bool treatable = false;                   ///< there is a choice of mirror, smoothing and gravity
   std::uint64_t changes = 0;                ///< grows whenever the scene is another
   double smoothingDelay = -1.0;             ///< as measured [s]; below 0 = no smoothing
+  std::string_view recording;               ///< the file that the session is recorded to; empty = none
   // Why something cannot be done; empty = it can be done. With static storage duration.
   std::string_view noMirror;
   std::string_view noSmoothing;
@@ -147,6 +148,7 @@ struct WindowValues : WindowNumbers {
   std::string_view noThrow;
   std::string_view noUndo;
   std::string_view noLoop;
+  std::string_view noRecord;
 
   // Filled by the window itself.
   double pictureMilliseconds = 0.0;
@@ -189,6 +191,7 @@ struct WindowRequests {
   bool choose = false;             ///< let the user choose files to open
   bool cancel = false;             ///< what is loading
   bool throwBall = false;
+  std::optional<bool> record;  ///< begin a recording, with the session at its start, or end it
   bool undo = false;           ///< take back what was thrown or dragged last
   std::optional<Ray> clicked;  ///< the left button was pressed and released at one place, not on a held prop
   std::optional<Ray> pressed;  ///< the left button was pressed outside the panels

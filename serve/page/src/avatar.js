@@ -6,7 +6,41 @@ import { lit } from './stage.js';
 import { multiplyInto } from './wire.js';
 
 const kClay = [0.62, 0.53, 0.46];
+const kInside = 0.002; // of a hull, as exactly as it was sent [m]
 const kLayers = { firstPerson: 9, thirdPerson: 10 }; // those of three-vrm
+
+/// A skin whose triangles have the colours of parts: as the window mixes them, with the colour of clay.
+function makePartsMaterial() {
+  const material = lit(new THREE.MeshStandardMaterial({ roughness: 0.6 })),
+    before = material.onBeforeCompile;
+  material.onBeforeCompile = (shader) => {
+    before(shader);
+    const declared = '#include <common>\nflat varying vec3 ofPart;';
+    shader.vertexShader = shader.vertexShader
+      .replace('#include <common>', `${declared} attribute vec3 partColor;`)
+      .replace('#include <begin_vertex>', '#include <begin_vertex>\nofPart = partColor;');
+    shader.fragmentShader = shader.fragmentShader
+      .replace('#include <common>', declared)
+      .replace('#include <color_fragment>', 'diffuseColor.rgb = ofPart;');
+  };
+  return material;
+}
+
+/// The part that a point of the skin belongs to: of those that it is in, the one whose surface it is nearest to, since it
+/// lies deep in neighbours that it is not of.
+function partAt({ x, y, z }, parts) {
+  let best = null,
+    least = Infinity;
+  for (const part of parts) {
+    const { planes } = part;
+    let out = -Infinity;
+    for (let i = 0; i < planes.length && out < least; i += 4)
+      out = Math.max(out, planes[i] * x + planes[i + 1] * y + planes[i + 2] * z + planes[i + 3]);
+    const away = out < kInside ? Math.abs(out) : out + 10;
+    if (away < least) [best, least] = [part, away];
+  }
+  return best;
+}
 
 function disposeOf(root) {
   root.traverse((object) => {
@@ -37,6 +71,10 @@ export class Avatar {
   #headless = null; // geometry with and without the head, of characters that are no VRM
   #weights = [];
   #shown = true;
+  painted = 0; // number of parts that its skin has the colours of
+  #meshes = []; // and their own materials
+  #parts = makePartsMaterial();
+  #byParts = false;
   #nodes = []; // by their number in the file
   #scene = null;
 
@@ -106,13 +144,14 @@ export class Avatar {
       mesh.material.dispose();
       mesh.material = new THREE.MeshStandardMaterial({ color: new THREE.Color(...kClay), roughness: 0.6 });
     }
-    const materials = [mesh.material].flat();
+    if (!this.#meshes.some((m) => m.mesh === mesh)) this.#meshes.push({ mesh, material: mesh.material });
+    const materials = [mesh.material, this.#parts].flat();
     mesh.castShadow = true;
     mesh.receiveShadow = !materials.some((material) => material.isMToonMaterial);
     for (const material of materials) {
       if (this.#materials.some((m) => m.material === material)) continue;
       this.#materials.push({ material, transparent: material.transparent, opacity: material.opacity });
-      lit(material);
+      if (material !== this.#parts) lit(material);
       material.toneMapped = material.isMeshStandardMaterial === true;
     }
   }
@@ -145,6 +184,29 @@ export class Avatar {
   show(shown) {
     this.#shown = shown;
     this.root.visible = this.present && shown;
+  }
+
+  /// Gives each vertex the colour of the hull that it is in now. Both have to be of one frame.
+  paint(parts) {
+    if (!this.loaded || !this.present || parts.length === 0) return;
+    for (const { mesh } of this.#meshes) {
+      const count = mesh.geometry.attributes.position.count,
+        colors = new Float32Array(3 * count);
+      for (let i = 0; i < count; ++i) {
+        mesh.getVertexPosition(i, point);
+        if (!mesh.isSkinnedMesh) point.applyMatrix4(mesh.matrixWorld);
+        const { color } = partAt(point, parts);
+        for (let k = 0; k < 3; ++k) colors[3 * i + k] = 0.22 * kClay[k] + 0.72 * color[k];
+      }
+      mesh.geometry.setAttribute('partColor', new THREE.BufferAttribute(colors, 3));
+    }
+    this.painted = parts.length;
+    this.colorByParts(this.#byParts);
+  }
+
+  colorByParts(on) {
+    this.#byParts = on;
+    for (const { mesh, material } of this.#meshes) mesh.material = on && this.painted > 0 ? this.#parts : material;
   }
 
   #fade(opacity) {
@@ -201,6 +263,8 @@ export class Avatar {
       if (on) {
         this.vrm.firstPerson.setup(kLayers);
         this.#adopt(false);
+        this.painted = 0; // its meshes are others
+        this.colorByParts(this.#byParts);
       }
       camera.layers[on ? 'enable' : 'disable'](kLayers.firstPerson);
       camera.layers[on ? 'disable' : 'enable'](kLayers.thirdPerson);
@@ -242,6 +306,8 @@ export class Avatar {
   dispose() {
     this.disposed = true;
     this.root.removeFromParent();
+    this.colorByParts(false);
+    this.#parts.dispose();
     if (this.#scene) disposeOf(this.#scene);
   }
 }

@@ -28,6 +28,7 @@ const kKeys = [
   ['B', 'b', 'ball', 'throws a ball at the avatar'],
   ['U', 'u', 'undo', 'undoes the last throw or drag'],
   ['1 to 8', null, null, 'character, hulls, bones, props, contacts, ground, grains, depth image'],
+  ['C', 'c', 'colors', "colours by part, in place of a character's own materials"],
   ['E', 'e', 'expression', 'the next expression of the face'],
   ['[', '[', 'fewer', 'fewer parts'],
   [']', ']', 'more', 'more parts'],
@@ -44,7 +45,8 @@ let frames = 0,
   drawnPictures = 0,
   dirty = true,
   newest = 0,
-  hello = null;
+  hello = null,
+  repaint = false; // another level of detail was asked for
 const problems = [];
 const reader = new FrameReader();
 
@@ -110,8 +112,11 @@ const connection = (world.connection = new Connection({
   },
 }));
 
+/// Hulls are also needed once, to know the colours of the skin.
+const wantsHulls = () => panel.colorsByParts() && world.avatars.some(({ painted }) => painted === 0 || repaint);
 function askForLayers() {
-  connection?.send('show', { layers: [...kSent.filter((layer) => panel.shows(layer)), 'face'] });
+  const wanted = (layer) => panel.shows(layer) || (layer === 'hulls' && wantsHulls());
+  connection?.send('show', { layers: [...kSent.filter(wanted), 'face'] });
 }
 
 function message(of) {
@@ -122,7 +127,12 @@ function message(of) {
     world.floor = of.floor !== false;
     applyChoices();
   } else if (of.type === 'state') {
+    const parts = panel.state?.parts;
     panel.update(of, hello);
+    if (parts !== of.parts && world.avatars[0]?.painted !== of.parts) {
+      repaint = true;
+      askForLayers();
+    }
   } else if (of.type === 'registration') headset.registered(of);
   else if (of.type === 'notice') panel.notice(of.text, of.problem);
 }
@@ -172,17 +182,27 @@ function frame(buffer) {
     return;
   }
   newest = of.number;
-  ++frames;
   dirty = true;
   if (!hello || of.run !== hello.run) return;
+  ++frames;
   for (const pose of of.avatars) world.avatars[pose.index]?.pose(pose);
   for (const { index, weights } of of.faces) world.avatars[index]?.face(weights);
   if (of.props && of.version === props.version) props.move(of.props);
-  for (const { index, parts } of of.hulls) world.hulls[index]?.set(parts);
+  for (const { index, parts } of of.hulls) setHulls(index, parts);
   if (of.contacts) contacts.set(of.contacts);
   if (of.particles) particles.set(of.particles);
   if (of.depth && panel.shows('depth')) showDepth(of.depth);
   if (panel.shows('bones')) bones.set(world.avatars);
+}
+
+function setHulls(index, parts) {
+  const hulls = world.hulls[index],
+    avatar = world.avatars[index];
+  hulls?.set(parts);
+  if (!avatar?.loaded || !panel.colorsByParts()) return;
+  if (avatar.painted !== parts.length) avatar.paint(hulls.planes());
+  if (index === 0 && avatar.painted === panel.state?.parts) repaint = false;
+  if (!panel.shows('hulls') && !wantsHulls()) askForLayers();
 }
 
 function showDepth(jpeg) {
@@ -209,7 +229,10 @@ function applyChoices() {
   const through = stage.renderer.xr.isPresenting && headset.mode === 'ar';
   const background = choices.background === 'as the system' ? (dark.matches ? 'dark' : 'light') : choices.background;
   stage.show({ background, ground: shows('ground') && world.floor !== false, through });
-  for (const avatar of world.avatars) avatar.show(shows('character'));
+  for (const avatar of world.avatars) {
+    avatar.show(shows('character'));
+    avatar.colorByParts(panel.colorsByParts());
+  }
   for (const hulls of world.hulls) hulls.group.visible = shows('hulls');
   props.group.visible = shows('props');
   contacts.group.visible = shows('contacts');
@@ -269,12 +292,17 @@ const actions = {
       }),
     ),
   undo: () => unless('undo', () => connection.send('undo')),
+  record: () => unless('record', () => connection.send('record', { on: !panel.state?.recording })),
   expression: () => {
     const { expressions = [], expression } = panel.state ?? {};
     if (expressions.length > 0)
       connection.send('expression', { index: expression + 1 < expressions.length ? expression + 1 : -1 });
   },
   follow: () => toggle('follow'),
+  colors: () => {
+    panel.choices.parts = !panel.colorsByParts();
+    panel.chose();
+  },
   reset: () => view.reset(),
   panel: () => {
     const shut = document.body.classList.toggle('shut');
@@ -449,13 +477,14 @@ window.loricaPage = {
       present: a.present,
       vrm: a.vrm !== null,
       center: a.center.toArray(),
+      painted: a.painted,
     }));
   },
   get props() {
     return props.list.map((mesh) => ({
       position: mesh.position.toArray(),
       fixed: mesh.userData.fixed,
-      visible: mesh.visible,
+      visible: mesh.visible && mesh.geometry.attributes.position !== undefined,
     }));
   },
   get particles() {
@@ -478,6 +507,14 @@ window.loricaPage = {
   },
   get rig() {
     return { position: stage.rig.position.toArray(), yaw: stage.rig.rotation.y };
+  },
+  /// A PNG of some layers, from where the hello says and without panels.
+  picture(layers, background) {
+    for (const name of Object.keys(panel.choices.layers)) panel.choices.layers[name] = layers.includes(name);
+    panel.choices.background = background;
+    applyChoices();
+    view.reset();
+    return stage.picture();
   },
   /// Where a prop is seen on the page, if a press there would take it [CSS pixels].
   screenOf(index) {

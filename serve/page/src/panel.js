@@ -69,6 +69,7 @@ export class Panel {
     },
     background: 'as the system',
     quality: 'automatic',
+    parts: null, // colours by part
     follow: true,
     presence: 'beside',
   };
@@ -98,6 +99,11 @@ export class Panel {
     return this.choices.layers[layer] ?? this.plain;
   }
 
+  /// As in the window, other characters start with the colours of their parts.
+  colorsByParts() {
+    return this.choices.parts ?? this.plain;
+  }
+
   chose() {
     try {
       localStorage.setItem('lorica', JSON.stringify(this.choices));
@@ -106,6 +112,7 @@ export class Panel {
     }
     for (const [name, box] of Object.entries(this.#fields.layers)) box.checked = this.shows(name);
     this.#fields.follow.checked = this.choices.follow;
+    this.#fields.colors.checked = this.colorsByParts();
     this.#on.choice();
   }
 
@@ -150,6 +157,7 @@ export class Panel {
     const [loop, loopRow] = this.#check('start again at the end', 'L', true, (on) => this.#on.send('loop', { on }));
     f.throw = this.#button('throw a ball', 'ball', 'B', { className: 'wide strong' });
     f.undo = this.#button('undo', 'undo', 'U');
+    f.record = this.#button('record from the start', 'record', '');
     f.hits = make('table', { 'aria-label': 'Hits of the targets' });
     f.licence = make('p', { className: 'faint' });
     f.watched = make(
@@ -175,6 +183,11 @@ export class Panel {
       this.chose();
     });
     f.follow = follow;
+    const [colors, colorsRow] = this.#check('colours by part', 'C', this.colorsByParts(), (on) => {
+      this.choices.parts = on;
+      this.chose();
+    });
+    f.colors = colors;
     f.parts = make('input', {
       type: 'range',
       min: 1,
@@ -246,6 +259,7 @@ export class Panel {
         loopRow,
         f.throw,
         f.undo,
+        f.record,
         f.hits,
         f.watched,
         f.licence,
@@ -254,6 +268,7 @@ export class Panel {
         'Look',
         true,
         layers,
+        colorsRow,
         followRow,
         sides,
         f.partsRow,
@@ -389,6 +404,9 @@ export class Panel {
     f.loopRow.hidden = !(state.duration > 0);
     for (const button of [f.throw, f.ball]) can(button, no.throw);
     can(f.undo, no.undo);
+    can(f.record, no.record);
+    f.record.firstChild.data = state.recording ? 'end the recording' : 'record from the start';
+    f.record.setAttribute('aria-pressed', Boolean(state.recording));
     f.watched.hidden = !watched;
     const licences = [...new Set((hello?.avatars ?? []).map((avatar) => avatar.licence).filter(Boolean))];
     f.licence.textContent = licences.join(' ');
@@ -432,6 +450,7 @@ export class Panel {
     f.status.textContent = [
       state.status,
       state.outside ? 'outside the range of the hulls' : '',
+      state.recording ? `recording ${state.recording}` : '',
       state.clients > 1 ? `${state.clients} watch` : '',
     ]
       .filter(Boolean)

@@ -168,6 +168,7 @@ export class Hulls {
     let vertices = 0,
       corners = 0,
       ends = 0;
+    this.#known.length = Math.min(this.#known.length, parts.length);
     parts.forEach((part, i) => {
       const known = (this.#known[i] ??= { triangles: [], edges: [], vertices: [] });
       if (part.triangles.length > 0) {
@@ -195,10 +196,11 @@ export class Hulls {
     parts.forEach((part, i) => {
       const known = this.#known[i];
       if (known.vertices.length === 0) return;
-      const first = vertex,
+      const first = (known.first = vertex),
         scale = part.extent / 32767,
         [red, green, blue] = part.color;
       tint.setRGB(red / 255, green / 255, blue / 255, THREE.SRGBColorSpace);
+      tint.toArray((known.color ??= []));
       matrixOfPose(part.pose, 0, m, 0);
       for (let v = 0; v < known.vertices.length; v += 3, ++vertex) {
         const x = known.vertices[v] * scale,
@@ -218,6 +220,27 @@ export class Hulls {
     upload(edge, ends);
     faces.setDrawRange(0, corners);
     edges.setDrawRange(0, ends);
+  }
+
+  /// Of each part its colour and the planes of its faces: normals and offsets, four numbers each, in the world. As faces
+  /// may be slivers, each plane is moved out until no corner is beyond it.
+  planes() {
+    const { array } = this.#faces.geometry.attributes.position;
+    return this.#known
+      .filter(({ vertices }) => vertices.length > 0)
+      .map(({ first, vertices, triangles, color }) => {
+        const points = Array.from({ length: vertices.length / 3 }, (_, v) =>
+          new THREE.Vector3().fromArray(array, 3 * (first + v)),
+        );
+        const planes = [];
+        for (let t = 0; t < triangles.length; t += 3) {
+          const [a, b, c] = [0, 1, 2].map((k) => points[triangles[t + k]]),
+            normal = c.clone().sub(b).cross(position.subVectors(a, b)).normalize();
+          if (normal.lengthSq() > 0.5)
+            planes.push(...normal.toArray(), -Math.max(...points.map((point) => normal.dot(point))));
+        }
+        return { color, planes };
+      });
   }
 
   dispose() {
