@@ -162,7 +162,8 @@ TEST(SmallFaults, NestedCubes) {
   }
 }
 
-/// Cubes in each other, all inside out: every second one becomes solid, up to 500,000 pairs of an inner and an outer one.
+/// Cubes in each other, all inside out: every second one becomes solid, up to 500,000 pairs of an inner and an outer
+/// one.
 TEST(SmallFaults, PiecesInEachOtherAreTurnedUpToALimit) {
   TriMesh nested;
   for (int count = 1; count <= 1001; ++count) {
