@@ -101,7 +101,7 @@ std::string groupOf(const std::string& option) {
        " --decomposition --cover --hull-vertices --walls --thickness --parts --exact --max-error --max-distance "
        "--max-concavity --preset --candidates --orientations --held-out --engine --per-bone --self-contacts "},
       {"Cameras and networks",
-       " --device --devices --driver --virtual --people --nite --vmc --delay --vmc-out "
+       " --device --devices --driver --virtual --people --lower-body --nite --vmc --delay --vmc-out "
        "--vmc-bones --vrchat --vrchat-trackers --serve --port --lan --certificate --key "},
       {"Pictures",
        " --window --headless --snapshots --every --video --from --to --camera --eye --target --texture-size "

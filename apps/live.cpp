@@ -172,11 +172,15 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   Option* people = addCount(*app, "--people", options->live.people, 1,
                             "People to follow at once, each with an avatar, at most 6 [default: 1]")
                        ->excludes(person);
+  Option* lower =
+      app->addFlag("--lower-body", options->live.lowerBody,
+                   "The camera sees only waist, legs and feet; arms hang, the head is a headset's, see --serve");
   Option* nite = app->addOption("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so")
                      ->typeName("FILE")
                      ->excludes(person)
-                     ->excludes(people);
-  addVmcInputOptions(*app, options->live.vmc)->excludes(person)->excludes(people)->excludes(nite);
+                     ->excludes(people)
+                     ->excludes(lower);
+  addVmcInputOptions(*app, options->live.vmc)->excludes(person)->excludes(people)->excludes(nite)->excludes(lower);
   addSenderOption(*app, options->live.vmc.sender);
   addPoseOutputOptions(*app, options->run.out);
   addEventsOption(*app, options->run.events);

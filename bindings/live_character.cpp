@@ -61,9 +61,13 @@ const RayQuery& LiveCharacter::rays() {
   return rays_;
 }
 
-Result<void> checkReach(double reach) {
-  if (reach >= 0.0) return {};
-  return invalidArgument("reach: found {}, expected 0 m or more", reach);
+Result<void> checkCast(double reach, double radius, const Vec3& half) {
+  if (!(reach >= 0.0)) return invalidArgument("reach: found {}, expected 0 m or more", reach);
+  if (!(radius >= 0.0 && radius < kInfinity)) {
+    return invalidArgument("radius: found {}, expected 0 m or more", radius);
+  }
+  if (half.allFinite()) return {};
+  return invalidArgument("half: found {} {} {}, expected finite numbers", half.x(), half.y(), half.z());
 }
 
 Result<void> checkShape(const RoundedShape& shape) {

@@ -54,7 +54,7 @@ class LiveCharacter {
 };
 
 /// An error if a length is below 0 or not a number. @param reach  of rays [m]
-[[nodiscard]] Result<void> checkReach(double reach);
+[[nodiscard]] Result<void> checkCast(double reach, double radius, const Vec3& half);
 
 /// An error if a shape has no points, or a number that is not finite, below 0, or beyond 1,000 km.
 [[nodiscard]] Result<void> checkShape(const RoundedShape& shape);

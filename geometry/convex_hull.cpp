@@ -1,6 +1,7 @@
 #include "geometry/convex_hull.h"
 
 #include "geometry/counts.h"
+#include "geometry/random_numbers.h"
 
 #include <algorithm>
 #include <array>
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -22,12 +24,17 @@ namespace {
 //     faces together, so zero-area faces cannot occur and the horizon is one simple loop.
 // On a plane with very many points, such as the end of a fine cylinder, that would take quadratic time. There the faces
 // that are exactly level stay, if the new point only adds a triangle to theirs: the hull is the same.
+//
+// Where points are level but for rounding, such as the end of a fine cylinder that was turned, the farthest point sees
+// most of a plane's faces again and again. After too many faces the work begins again with the points in random order,
+// which makes few faces of any points (Clarkson and Shor 1989).
 
 constexpr double kFinest = 1e-10;  // fraction of the diagonal
 constexpr int kGridBits = 40;
 constexpr double kUnitRoundoff = 1.1102230246251565e-16;
 constexpr int kNone = -1;
-constexpr int kManyLevel = 64;  // faces on one plane with a new point
+constexpr int kManyLevel = 64;                                          // faces on one plane with a new point
+constexpr std::size_t kManyFaces = 1'000'000, kManyFacesOfAPoint = 32;  // made on the way
 
 using Int128 = __int128;
 
@@ -57,13 +64,8 @@ class HullBuilder {
     points_ = points;
     tolerance_ = tolerance;
     verify_ = verify;
-    faces_.clear();
-    searches_ = 0;
-    free_.clear();
-    pending_.clear();
-    near_.clear();
     if (points.size() < 4 || !snap() || !makeSimplex()) return false;
-    drain();
+    if (!drain(kManyFaces + kManyFacesOfAPoint * points.size())) addInRandomOrder();
     if (verify) addMissed();
     return true;
   }
@@ -132,6 +134,7 @@ class HullBuilder {
     }
     diagonal_ = box.diagonal() * scale;
     next_.resize(points_.size());
+    faceOf_.assign(points_.size(), kNone);
     scratch_.resize(points_.size(), kNone);
     return true;
   }
@@ -139,6 +142,11 @@ class HullBuilder {
   // Finds four points that span a volume: the farthest pair of the axis extremes, then the point farthest from their
   // line, then the point farthest from the plane of these three.
   bool makeSimplex() {
+    faces_.clear();
+    searches_ = 0;
+    free_.clear();
+    pending_.clear();
+    near_.clear();
     const int count = countOf(points_);
     std::array<int, 6> extreme{};
     for (int i = 1; i < count; ++i) {
@@ -347,6 +355,7 @@ class HullBuilder {
         }
       }
       next_[p] = f.outside;
+      faceOf_[p] = test.face;
       f.outside = p;
       if (value > f.farthestValue) {
         f.farthestValue = value;
@@ -356,14 +365,32 @@ class HullBuilder {
     }
     // The point is above a new face by less than the tolerance, but may be farther above an old one: addMissed()
     // checks it again.
+    faceOf_[p] = kNone;
     if (barelyAbove && verify_) near_.push_back(p);
   }
 
-  void drain() {
-    while (!pending_.empty()) {
+  /// Adds all points above faces. @return false if that makes more new faces than `most`
+  bool drain(std::size_t most = std::numeric_limits<std::size_t>::max()) {
+    for (std::size_t made = 0; !pending_.empty();) {
       const int face = pending_.back();
       pending_.pop_back();
-      if (faces_[face].alive && faces_[face].outside != kNone) addPoint(face, faces_[face].farthest);
+      if (!faces_[face].alive || faces_[face].outside == kNone) continue;
+      if (made > most) return false;
+      addPoint(face, faces_[face].farthest);
+      made += created_.size();
+    }
+    return true;
+  }
+
+  void addInRandomOrder() {
+    (void)makeSimplex();
+    std::vector<std::pair<std::uint64_t, int>> order(points_.size());
+    for (std::size_t i = 0; i < order.size(); ++i) order[i] = {randomBits(1, i), static_cast<int>(i)};
+    std::sort(order.begin(), order.end());
+    for (const auto& [random, p] : order) {
+      if (faceOf_[p] == kNone) continue;
+      addPoint(std::exchange(faceOf_[p], kNone), p);
+      pending_.clear();
     }
   }
 
@@ -436,7 +463,7 @@ class HullBuilder {
   std::span<const Vec3> points_;
   std::vector<Vec3> grid_;
   std::vector<Face> faces_;
-  std::vector<int> free_, pending_, next_, scratch_, visible_, created_, near_;
+  std::vector<int> free_, pending_, next_, faceOf_, scratch_, visible_, created_, near_;
   std::vector<HorizonEdge> horizon_;
   std::vector<FaceTest> tests_;
   std::array<int, 4> simplex_{};

@@ -14,11 +14,13 @@
 
 namespace lorica {
 
-/// What a JSON text may ask for. Deeper texts overflow the stack of whatever walks them, and the ordered objects that
-/// Lorica reads scenes, maps and descriptions into take quadratic time for members.
+/// What a JSON text may ask for. Deeper texts overflow the stack of whatever walks them, the ordered objects that
+/// Lorica reads scenes, maps and descriptions into take quadratic time for members, and `{},` takes 100 bytes when it
+/// is read.
 struct JsonLimits {
   int levels = 64;                ///< of lists and objects inside each other
   std::size_t members = 100'000;  ///< of one object
+  std::size_t holders = 500'000;  ///< lists, objects and texts, or one for every 8 bytes of the text if that is more
 };
 inline constexpr JsonLimits kOrderedJson{64, 2'048};
 

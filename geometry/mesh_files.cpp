@@ -3,6 +3,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/mesh_formats.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 
@@ -47,6 +48,9 @@ Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by) {
   LORICA_TRY(TriMesh mesh, parse(content, file.string()));
   if (mesh.triangles.empty()) {
     return badFormat("{}: {} vertices and no face, expected a surface", file.string(), mesh.vertices.size());
+  }
+  if (mesh.triangles.size() > kMaxTriangles) {
+    return unsupported("{}: {} triangles, expected at most {}", file.string(), mesh.triangles.size(), kMaxTriangles);
   }
   weldIfThatClosesEdges(mesh);
   return mesh;

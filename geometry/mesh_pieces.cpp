@@ -66,16 +66,23 @@ std::vector<Shell> shellsOf(const TriMesh& mesh, const MeshPieces& pieces) {
   return shells;
 }
 
-void findAround(const TriMesh& mesh, std::vector<Shell>& shells) {
-  constexpr double kInside = 0.5;  // winding number, of either sign
+/// @return false if too many shells may lie in others
+bool findAround(const TriMesh& mesh, std::vector<Shell>& shells) {
+  constexpr double kInside = 0.5;              // winding number, of either sign
+  constexpr std::size_t kMaxNested = 500'000;  // pairs of a shell and one in its box: cavities make few
+  std::vector<std::pair<std::size_t, std::size_t>> nested;
   for (std::size_t s = 0; s < shells.size(); ++s) {
-    for (std::size_t other = 0; other < shells.size(); ++other) {
-      if (other == s || !holds(shells[other].box, shells[s].box)) continue;
-      std::unique_ptr<const TriangleTree>& tree = shells[other].tree;
-      if (!tree) tree = std::make_unique<const TriangleTree>(mesh.vertices, shells[other].triangles);
-      if (std::abs(tree->windingNumber(shells[s].sample)) > kInside) shells[s].around.push_back(other);
+    for (std::size_t other = 0; other < shells.size() && nested.size() <= kMaxNested; ++other) {
+      if (other != s && holds(shells[other].box, shells[s].box)) nested.emplace_back(s, other);
     }
   }
+  if (nested.size() > kMaxNested) return false;
+  for (const auto& [s, other] : nested) {
+    std::unique_ptr<const TriangleTree>& tree = shells[other].tree;
+    if (!tree) tree = std::make_unique<const TriangleTree>(mesh.vertices, shells[other].triangles);
+    if (std::abs(tree->windingNumber(shells[s].sample)) > kInside) shells[s].around.push_back(other);
+  }
+  return true;
 }
 
 }  // namespace
@@ -142,10 +149,10 @@ MeshPieces findPieces(const TriMesh& mesh) {
 TurnedPieces turnPiecesOutward(TriMesh& mesh) {
   const MeshPieces pieces = findPieces(mesh);
   std::vector<Shell> shells = shellsOf(mesh, pieces);
-  if (std::none_of(shells.begin(), shells.end(), [](const Shell& s) { return s.volume < 0.0; })) {
+  if (std::none_of(shells.begin(), shells.end(), [](const Shell& s) { return s.volume < 0.0; }) ||
+      !findAround(mesh, shells)) {
     return {shells.size(), 0};
   }
-  findAround(mesh, shells);
   // Outer shells before those inside them.
   std::vector<std::size_t> order(shells.size());
   for (std::size_t s = 0; s < order.size(); ++s) order[s] = s;

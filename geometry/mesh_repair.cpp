@@ -10,6 +10,7 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
+#include <set>
 
 namespace lorica {
 
@@ -282,7 +283,7 @@ class Repairer {
 
   // If two seams of an edge have the same vertices at both ends, gives the second seam a vertex at the midpoint.
   void halveEdges() {
-    std::vector<std::array<VertexIndex, 2>> taken;
+    std::set<std::array<VertexIndex, 2>> taken;  // an edge may have very many seams
     std::vector<std::array<VertexIndex, 3>> middle(triangles().size(), {-1, -1, -1});  // of the edge at each corner
     bool any = false;
     for (std::size_t i = 0; i < nonManifoldSeams_.size(); ++i) {
@@ -293,10 +294,7 @@ class Repairer {
       const std::size_t upEdge = edgeOf(input_.triangles[repair_.sourceTriangle[up]], v, w);
       const std::size_t downEdge = edgeOf(input_.triangles[repair_.sourceTriangle[down]], w, v);
       const std::array<VertexIndex, 2> ends = {triangles()[up][upEdge], triangles()[up][(upEdge + 1) % 3]};
-      if (std::find(taken.begin(), taken.end(), ends) == taken.end()) {
-        taken.push_back(ends);
-        continue;
-      }
+      if (taken.insert(ends).second) continue;
       middle[up][upEdge] = middle[down][downEdge] = add({v, w}, 0.5 * (vertex(v) + vertex(w)));
       ++repair_.halvedEdges;
       any = true;

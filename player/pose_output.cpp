@@ -116,11 +116,12 @@ struct VrchatAt {
 class PoseOutput final : public StepWatcher {
  public:
   PoseOutput(BonePoseReader reader, std::unique_ptr<SentFace> face, std::optional<VmcReceiverAt> vmc,
-             std::optional<VrchatAt> vrchat, std::shared_ptr<StepWatcher> next)
+             std::optional<VrchatAt> vrchat, std::shared_ptr<const LiveSources> live, std::shared_ptr<StepWatcher> next)
       : reader_(std::move(reader)),
         face_(std::move(face)),
         vmc_(std::move(vmc)),
         vrchat_(std::move(vrchat)),
+        live_(std::move(live)),
         next_(std::move(next)) {}
   ~PoseOutput() override {
     if (contacts_) contacts_->sendEnds(vmc_->socket);
@@ -179,13 +180,26 @@ class PoseOutput final : public StepWatcher {
         std::any_of(parts.begin(), parts.end(), [](const LivePart& part) { return part.trust >= kTracked; });
     const BonePose pose = reader_.read(session.pose());
     if (vmc_) vmc_->socket.send(vmc_->writer.write(pose, face_->read(session), time, tracking));
-    if (vrchat_ && tracking) vrchat_->socket.send(vrchat_->writer.write(pose));
+    if (vrchat_ && tracking) {
+      const std::optional<StagedPerson> person = wearer();
+      vrchat_->socket.send(vrchat_->writer.write(pose, person ? &*person : nullptr));
+    }
+  }
+
+  /// The person whom the first avatar follows, if they wear a registered headset.
+  [[nodiscard]] std::optional<StagedPerson> wearer() const {
+    if (live_ == nullptr || live_->headset == nullptr || !live_->tracked->sight().worn) return std::nullopt;
+    const std::optional<Registration> known = live_->headset->registration();
+    if (!known) return std::nullopt;
+    const DepthSight& sight = live_->tracked->sight();
+    return StagedPerson{live_->withHead(sight.joints), known->stageFromFloor() * Eigen::Translation3d(sight.stage)};
   }
 
   BonePoseReader reader_;
   std::unique_ptr<SentFace> face_;
   std::optional<VmcReceiverAt> vmc_;
   std::optional<VrchatAt> vrchat_;
+  std::shared_ptr<const LiveSources> live_;
   std::optional<SentContacts> contacts_;
   std::shared_ptr<StepWatcher> next_;
   std::optional<Clock::time_point> begin_;  ///< when the session's time was 0
@@ -263,6 +277,7 @@ Result<void> checkPoseOutput(const PoseOutputOptions& options) {
 
 Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options, const Subject& subject,
                                                     std::span<const std::string> expressions,
+                                                    std::shared_ptr<const LiveSources> live,
                                                     std::shared_ptr<StepWatcher> next) {
   if (!options.any()) return next;
   LORICA_TRY(const VmcBones bones, bonesOf(options.bones));
@@ -280,8 +295,8 @@ Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& opt
     LORICA_TRY(const VrchatTrackers trackers, trackersOf(options.trackers));
     vrchat.emplace(VrchatAt{std::move(socket), VrchatWriter(subject.character->height, trackers)});
   }
-  return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(std::move(reader), std::move(face), std::move(vmc),
-                                                                   std::move(vrchat), std::move(next)));
+  return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(
+      std::move(reader), std::move(face), std::move(vmc), std::move(vrchat), std::move(live), std::move(next)));
 }
 
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/result.h"
+#include "prepare/live_cast.h"
 #include "prepare/subject.h"
 #include "session/session.h"
 #include "session/step_watcher.h"
@@ -30,12 +31,15 @@ struct PoseOutputOptions {
 /// that is not there is no error. VRChat hears nothing while tracking is lost.
 /// @param subject      the session's character
 /// @param expressions  that were chosen for it, see chosenExpressions()
+/// @param live         who is followed: trackers are sent in the stage of their headset, once it is registered; may be
+/// null
 /// @param next         another watcher of the same session; may be null
 /// @return the watcher; `next` itself if nothing is to be sent; or an error: a bad address or bone, or the humanoid
 /// bones that the character lacks
 [[nodiscard]] Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options,
                                                                   const Subject& subject,
                                                                   std::span<const std::string> expressions,
+                                                                  std::shared_ptr<const LiveSources> live,
                                                                   std::shared_ptr<StepWatcher> next);
 
 }  // namespace lorica

@@ -14,7 +14,6 @@ namespace lorica {
 namespace {
 
 constexpr double kSameTime = 1e-6;  // [s]
-constexpr double kSureJoint = 0.5;  // confidence
 
 }  // namespace
 
@@ -71,7 +70,7 @@ Result<void> Run::watch(Host& host) {
   std::shared_ptr<StepWatcher> next = recorder;
   if (comparison) next = comparison;
   LORICA_TRY(const std::shared_ptr<StepWatcher> sender,
-             makePoseOutput(setting.out, cast.avatars.front().subject, cast.request.reading.expressions, next));
+             makePoseOutput(setting.out, cast.avatars.front().subject, cast.request.reading.expressions, live_, next));
   LORICA_TRY_DO(finishEvents(events_));
   LORICA_TRY(events_, makeEventsOutput(setting.events, sender, host));
   session.watch(events_ ? events_ : sender);
@@ -91,12 +90,6 @@ bool Run::ready() const {
 std::string Run::trouble() const {
   if (tracked()) return log.state();
   return streams().empty() ? "" : streams().front().state();
-}
-
-std::optional<Vec3> Run::trackedHead() const {
-  if (!tracked() || !live_->tracked->sight().followed) return std::nullopt;
-  const TrackedJoint& head = live_->tracked->sight().joints[BodyJoint::kHead];
-  return head.confidence > kSureJoint ? std::optional(head.position) : std::nullopt;
 }
 
 std::optional<double> Run::trackingSeconds() const {

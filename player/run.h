@@ -99,8 +99,10 @@ class Run {
   [[nodiscard]] bool ready() const;
   /// What is wrong with the source; empty = nothing.
   [[nodiscard]] std::string trouble() const;
-  /// The head joint that a depth camera sees in its last frame, world frame [m]; none while it sees none.
-  [[nodiscard]] std::optional<Vec3> trackedHead() const;
+  /// What a depth camera saw last; null without one.
+  [[nodiscard]] const DepthSight* sight() const { return tracked() ? &live_->tracked->sight() : nullptr; }
+  /// Of somebody whom a depth camera tracks; null if nobody is.
+  [[nodiscard]] std::shared_ptr<WornHeadset> headset() const { return live_ ? live_->headset : nullptr; }
   /// Time for tracking [s].
   [[nodiscard]] std::optional<double> trackingSeconds() const;
   /// Counts the session's last frame.

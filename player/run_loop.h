@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/clock.h"
 #include "player/avatar_focus.h"
 #include "player/background_work.h"
 #include "player/hands.h"
@@ -14,7 +15,6 @@
 #include "prepare/detail_levels.h"
 #include "prepare/settling.h"
 
-#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -24,11 +24,6 @@
 #include <vector>
 
 namespace lorica {
-
-/// Seconds of a monotonic clock.
-inline double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// The state of play(): run_loop.cpp runs the session and shows it, run_requests.cpp does what the user asks for,
 /// run_worlds.cpp exchanges the world.

@@ -1,5 +1,7 @@
 #include "prepare/live_cast.h"
 
+#include "capture/tracking/worn_person.h"
+#include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
@@ -18,13 +20,19 @@ namespace {
 
 constexpr double kBeforeCamera = 0.9;  // of the work of preparing a live cast
 
-/// Joints of a source that several sessions follow, one after the other.
+/// Joints of a source that several sessions follow, one after the other; see LiveSources::withHead(), which outlive it.
 class SharedJoints final : public SkeletonSource {
  public:
-  explicit SharedJoints(std::shared_ptr<SkeletonSource> source) : source_(std::move(source)) {}
-  Result<std::optional<SkeletonFrame>> next() override { return source_->next(); }
+  SharedJoints(const LiveSources& sources, std::size_t index) : sources_(sources), source_(sources.joints[index]) {}
+
+  Result<std::optional<SkeletonFrame>> next() override {
+    Result<std::optional<SkeletonFrame>> got = source_->next();
+    if (got && *got) **got = sources_.withHead(**got);
+    return got;
+  }
 
  private:
+  const LiveSources& sources_;
   std::shared_ptr<SkeletonSource> source_;
 };
 
@@ -70,10 +78,13 @@ Result<std::shared_ptr<LiveSources>> openPeople(const LiveRequest& live) {
   LORICA_TRY(std::unique_ptr<DepthSource> depth, openDepth(live.depth));
   TrackerSettings settings;
   settings.maxPeople = std::max(settings.maxPeople, live.people);
+  settings.lowerBody = live.lowerBody;
   LORICA_TRY(Tracker tracker, Tracker::create(depth->camera(), settings));
-  auto joints = std::make_unique<LiveJoints>(
-      live.people > 1 ? DepthJoints(std::move(depth), std::move(tracker), PeoplePlaces(live.people))
-                      : DepthJoints(std::move(depth), std::move(tracker), live.person));
+  DepthJoints tracking = live.people > 1 ? DepthJoints(std::move(depth), std::move(tracker), PeoplePlaces(live.people))
+                                         : DepthJoints(std::move(depth), std::move(tracker), live.person);
+  sources->headset = std::make_shared<WornHeadset>();
+  tracking.wear(sources->headset);
+  auto joints = std::make_unique<LiveJoints>(std::move(tracking));
   sources->tracked = joints.get();
   sources->name = joints->source().name();
   sources->joints.push_back(std::move(joints));
@@ -118,11 +129,23 @@ std::size_t LiveRequest::avatars() const {
   return senders > 0 ? senders : people;
 }
 
+SkeletonFrame LiveSources::withHead(SkeletonFrame person) const {
+  if (headset == nullptr || !tracked->sight().worn) return person;
+  const DepthSight& sight = tracked->sight();
+  WornHead then = *sight.worn;
+  if (std::optional<WornHead> latest = headset->latest(now())) {
+    then.position -= sight.stage;
+    latest->position -= sight.stage;
+    moveWithHead(then, *latest, person);
+  }
+  return person;
+}
+
 Result<std::unique_ptr<PoseSource>> LiveSources::open(const PreparedAvatar& avatar, std::size_t index,
                                                       const MotionOptions& performing, std::shared_ptr<SourceLog> log) {
   const SourceTreatment treatment{std::move(log), performing.faults(), performing.joints()};
   if (vmc.empty()) {
-    return makeTreatedSource(avatar.character(), std::make_unique<SharedJoints>(joints[index]), treatment);
+    return makeTreatedSource(avatar.character(), std::make_unique<SharedJoints>(*this, index), treatment);
   }
   LORICA_TRY(std::unique_ptr<PoseSource> sent,
              vmc[index].makeSource(avatar.character(), treatment.joints.mirror, index == 0));

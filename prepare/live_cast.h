@@ -15,10 +15,11 @@ namespace lorica {
 /// What avatars follow instead of motions: people in front of a camera, or programs that send.
 struct LiveRequest {
   DepthOptions depth;
-  std::string nite;     ///< library of NiTE 2; empty = Lorica's own tracker
-  VmcInputOptions vmc;  ///< instead of a camera
-  int person = 0;       ///< number of the one to follow, by order of appearance; 0 = the nearest
-  int people = 1;       ///< avatars of a camera
+  std::string nite;        ///< library of NiTE 2; empty = Lorica's own tracker
+  VmcInputOptions vmc;     ///< instead of a camera
+  int person = 0;          ///< number of the one to follow, by order of appearance; 0 = the nearest
+  int people = 1;          ///< avatars of a camera
+  bool lowerBody = false;  ///< see TrackerSettings
 
   /// One avatar for each person or for each program that sends.
   [[nodiscard]] std::size_t avatars() const;
@@ -30,8 +31,13 @@ class LiveSources final : public CastSources {
   Result<std::unique_ptr<PoseSource>> open(const PreparedAvatar& avatar, std::size_t index,
                                            const MotionOptions& performing, std::shared_ptr<SourceLog> log) override;
 
+  /// A person of the last image as they are now: moved with their headset, if it is theirs.
+  /// @param person  world frame
+  [[nodiscard]] SkeletonFrame withHead(SkeletonFrame person) const;
+
   std::vector<std::shared_ptr<SkeletonSource>> joints;  ///< of each avatar; empty if programs send
   const LiveJoints* tracked = nullptr;                  ///< the first; null if NiTE 2 tracks or programs send
+  std::shared_ptr<WornHeadset> headset;                 ///< of somebody who is tracked; null if nobody is
   std::vector<VmcInput> vmc;                            ///< of each avatar; empty unless programs send
   std::string name;
 };

@@ -17,21 +17,29 @@ constexpr double kGone = 5.0;           // without a word from a headset, anothe
 
 }  // namespace
 
-void HeadsetLink::begin(const std::string& camera) {
+void HeadsetLink::begin(const std::string& camera, std::shared_ptr<WornHeadset> worn) {
   if (solving_.valid()) solving_.wait();
   *this = HeadsetLink();
-  camera_ = camera;
-  if (camera.empty()) return;
+  if (worn == nullptr) return;
+  worn_ = std::move(worn);
+  worn_->restart();
   file_ = registrationFile(camera);
-  if (const Result<Registration> kept = loadRegistration(file_); kept) known_ = *kept;
+  const Result<Registration> kept = loadRegistration(file_);
+  know(kept ? std::optional(*kept) : std::nullopt);
+}
+
+void HeadsetLink::know(const std::optional<Registration>& registration) {
+  known_ = registration;
+  worn_->setRegistration(registration);
 }
 
 void HeadsetLink::addHeadset(const Wish& wish, double now) {
-  if (camera_.empty()) return;
+  if (worn_ == nullptr) return;
   if (wish.client != client_ && now - heard_ < kGone) return;
   // Its path begins anew: headsets count from wherever they were put on.
   if (wish.client != client_) {
     samples_.restart();
+    worn_->restart();
     clockDifference_ = now - wish.to;
     client_ = wish.client;
     said_.clear();
@@ -39,19 +47,20 @@ void HeadsetLink::addHeadset(const Wish& wish, double now) {
   heard_ = now;
   clockDifference_ = std::min(clockDifference_, now - wish.to);
   samples_.addHeadset(wish.to + clockDifference_, wish.origin, wish.orientation);
+  worn_->add(wish.to + clockDifference_, wish.origin, wish.orientation);
 }
 
-void HeadsetLink::addTracked(const Vec3& head, double now) {
-  if (now - heard_ < kGone) samples_.addTracked(now, head);
+void HeadsetLink::addTracked(const Vec3& head, double arrived) {
+  if (arrived - heard_ < kGone) samples_.addTracked(arrived, head);
 }
 
 /// A registration in words for the page.
-std::string HeadsetLink::told(const std::string& advice) {
+std::string HeadsetLink::told(const std::string& advice, const Vec3& origin) {
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   nlohmann::ordered_json json = {{"type", "registration"}, {"known", known_.has_value()}, {"advice", advice}};
   if (known_) {
     const Isometry3 worldFromStage = known_->stageFromFloor().inverse();
-    const Vec3 t = worldFromStage.translation();
+    const Vec3 t = worldFromStage.translation() - origin;
     json["yaw"] = -known_->yaw;
     json["translation"] = {t.x(), t.y(), t.z()};
     json["degrees"] = std::round(100.0 * kDegrees * known_->yawDeviation) / 100.0;
@@ -63,17 +72,17 @@ std::string HeadsetLink::told(const std::string& advice) {
   return text;
 }
 
-std::string HeadsetLink::update(double now) {
+std::string HeadsetLink::update(double now, const Vec3& origin) {
   if (solving_.valid()) {
     if (solving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return "";
     const Found found = solving_.get();
     if (found.moved) {
-      known_.reset();
+      know(std::nullopt);
       samples_.restart();
     }
-    if (found.registration) known_ = found.registration;
+    if (found.registration) know(found.registration);
     if (found.registration && !file_.empty()) (void)saveRegistration(file_, *known_);  // else it is found again
-    return told(found.advice);
+    return told(found.advice, origin);
   }
   if (now - heard_ >= kGone || now - solved_ < kBetweenSolves) return "";
   solved_ = now;

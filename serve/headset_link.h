@@ -1,10 +1,11 @@
 #pragma once
 
-#include "capture/registration/head_registration.h"
+#include "capture/registration/worn_headset.h"
 #include "serve/wish.h"
 
 #include <filesystem>
 #include <future>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -15,15 +16,18 @@ namespace lorica {
 /// monotonic clock.
 class HeadsetLink {
  public:
-  /// Another run begins. @param camera  what tells it from others; empty = nothing is tracked
-  void begin(const std::string& camera);
+  /// Another run begins.
+  /// @param camera  what tells it from others
+  /// @param worn    is told all that is known; null = nothing is tracked
+  void begin(const std::string& camera, std::shared_ptr<WornHeadset> worn);
   /// A pose of a headset, of one client at a time. @param now  when it came [s]
   void addHeadset(const Wish& wish, double now);
-  /// The tracked head joint. @param now  when it was tracked [s]
-  void addTracked(const Vec3& head, double now);
+  /// The tracked head joint. @param head  floor frame [m]  @param arrived  when its image came [s]
+  void addTracked(const Vec3& head, double arrived);
   /// Looks for the registration now and then, in a thread of its own.
   /// @return the message `registration`, when there is another one to be told; else empty
-  [[nodiscard]] std::string update(double now);
+  /// @param origin  of the world in the floor frame [m]
+  [[nodiscard]] std::string update(double now, const Vec3& origin = Vec3::Zero());
 
   /// Whether an answer is on its way.
   [[nodiscard]] bool solving() const { return solving_.valid(); }
@@ -35,9 +39,11 @@ class HeadsetLink {
     bool moved = false;
     std::string advice;
   };
-  [[nodiscard]] std::string told(const std::string& advice);
+  [[nodiscard]] std::string told(const std::string& advice, const Vec3& origin);
 
-  std::string camera_;
+  void know(const std::optional<Registration>& registration);
+
+  std::shared_ptr<WornHeadset> worn_;
   std::filesystem::path file_;  // where it is kept; empty = nowhere
   HeadRegistration samples_;
   std::optional<Registration> known_;

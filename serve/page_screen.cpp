@@ -1,5 +1,6 @@
 #include "serve/page_screen.h"
 
+#include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "serve/vrm_licence.h"
 #include "skinning/clip_files/character_document.h"
@@ -8,7 +9,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <utility>
@@ -19,13 +19,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Kind = Wish::Kind;
 
+constexpr double kSureJoint = 0.5;        // confidence
 constexpr double kBetweenShapes = 0.1;    // of hulls [s]
 constexpr double kBetweenStates = 0.1;    // [s]
 constexpr std::size_t kMaxWaiting = 256;  // wishes
-
-double now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 /// Texts of others may be any bytes.
 std::string textOf(const Json& json) {
@@ -110,7 +107,7 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
   pointing_.reset();
   holds_ = false;
   present_ = &run;
-  headset_.begin(run.tracked() ? run.name() : "");
+  headset_.begin(run.name(), run.headset());
   return warnings;
 }
 
@@ -372,12 +369,13 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
 
 /// Tells the wearer of a headset where the depth camera sees them.
 void PageScreen::followHeadset() {
-  if (const std::optional<Vec3> head = present_ != nullptr ? present_->trackedHead() : std::nullopt;
-      head && present_->session.frameCount() != trackedFrame_) {
-    trackedFrame_ = present_->session.frameCount();
-    headset_.addTracked(*head, now());
+  const DepthSight* sight = present_ != nullptr ? present_->sight() : nullptr;
+  if (sight == nullptr) return;
+  const TrackedJoint& head = sight->joints[BodyJoint::kHead];
+  if (sight->followed && head.confidence > kSureJoint) {
+    headset_.addTracked(head.position + sight->stage, secondsOf(sight->arrived));
   }
-  if (std::string told = headset_.update(now()); !told.empty()) server_.say(std::move(told));
+  if (std::string told = headset_.update(now(), sight->stage); !told.empty()) server_.say(std::move(told));
 }
 
 void PageScreen::show(const Scene& scene, const WindowValues& values) {

@@ -53,7 +53,6 @@ class PageScreen final : public Screen {
   Camera camera_;
   HeadsetLink headset_;
   const Run* present_ = nullptr;  // that began last
-  int trackedFrame_ = 0;
   std::uint32_t run_ = 0;
   std::vector<Wish> heard_;
   std::deque<Wish> waiting_;

@@ -131,18 +131,20 @@ lorica_status lorica_live_support(const lorica_live* live, size_t part, const do
   });
 }
 
-lorica_status lorica_live_cast_rays(lorica_live* live, const double* rays, size_t count, double reach, int32_t* parts,
-                                    double* distances, double* positions, double* normals) {
+lorica_status lorica_live_cast_rays(lorica_live* live, const double* rays, size_t count, double reach, double radius,
+                                    const double* half, int32_t* parts, double* distances, double* positions,
+                                    double* normals) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(live, "live"));
     if (count > 0) {
       LORICA_TRY_DO(given(rays, "rays"));
       LORICA_TRY_DO(given(parts, "parts"));
     }
-    LORICA_TRY_DO(checkReach(reach));
+    const Vec3 axis = half != nullptr ? Vec3(half) : Vec3(Vec3::Zero());
+    LORICA_TRY_DO(checkCast(reach, radius, axis));
     const RayQuery& query = live->live.rays();
     for (std::size_t i = 0; i < count; ++i) {
-      const HullHit hit = query.nearest({Vec3(rays + 6 * i), Vec3(rays + 6 * i + 3), reach});
+      const HullHit hit = query.nearest({Vec3(rays + 6 * i), Vec3(rays + 6 * i + 3), reach, radius, axis});
       parts[i] = hit.part;
       if (distances != nullptr) distances[i] = hit ? hit.distance : kInfinity;
       if (!hit) continue;

@@ -239,16 +239,19 @@ LORICA_API lorica_status lorica_live_hull(const lorica_live* live, size_t part, 
 LORICA_API lorica_status lorica_live_support(const lorica_live* live, size_t part, const double* direction,
                                              double* point);
 
-/* Where rays enter the hulls in this pose, each the nearest hull on its way. Rays that are not finite or have no
- * direction hit nothing, nor does anything before the first pose.
+/* Where rays enter the hulls in this pose, each the nearest hull on its way, or where balls or capsules that are swept
+ * along them touch. Rays that are not finite or have no direction hit nothing, nor does anything before the first pose.
  * @param rays   6 numbers for each: origin x y z, direction x y z of any length, world [m]
  * @param reach  where they end [m], INFINITY: nowhere
+ * @param radius of what is swept [m]; 0 = rays
+ * @param half   x y z from the middle of a capsule, which moves along the ray, to an end of its axis [m]; NULL = a ball
  * @param parts      written, one for each ray; -1 = nothing hit
  * @param distances  written, one for each ray [m]: 0 if it begins inside, INFINITY if nothing is hit; or NULL
  * @param positions  written, x y z for each ray that hits, world [m]; or NULL
  * @param normals    written, x y z for each ray that hits, unit, outward, against rays that begin inside; or NULL */
 LORICA_API lorica_status lorica_live_cast_rays(lorica_live* live, const double* rays, size_t count, double reach,
-                                               int32_t* parts, double* distances, double* positions, double* normals);
+                                               double radius, const double* half, int32_t* parts, double* distances,
+                                               double* positions, double* normals);
 
 /* Two overlapping parts of one body that are no neighbours. */
 typedef struct lorica_contact {

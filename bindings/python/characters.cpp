@@ -79,13 +79,14 @@ class Live {
     return {found.begin(), found.end()};
   }
 
-  py::tuple cast(const py::object& origins, const py::object& directions, double reach) {
+  py::tuple cast(const py::object& origins, const py::object& directions, double reach, double radius,
+                 const std::array<double, 3>& half) {
     const std::vector<Vec3> from = pointsFrom(origins), along = pointsFrom(directions);
     if (from.size() != along.size() && from.size() != 1) {
       throw py::value_error(
           fmt::format("origins: found {}, expected 1, or one for each of {} directions", from.size(), along.size()));
     }
-    if (const Result<void> fine = checkReach(reach); !fine) raise(fine.error());
+    if (const Result<void> fine = checkCast(reach, radius, Vec3(half.data())); !fine) raise(fine.error());
     const auto count = static_cast<py::ssize_t>(along.size());
     py::array_t<std::int32_t> parts(count);
     py::array_t<double> distances(count), positions({count, py::ssize_t{3}}), normals({count, py::ssize_t{3}});
@@ -95,7 +96,7 @@ class Live {
     const std::lock_guard lock(mutex_);
     const RayQuery& query = live_.rays();
     for (std::size_t i = 0; i < along.size(); ++i) {
-      const HullHit hit = query.nearest({from[from.size() == 1 ? 0 : i], along[i], reach});
+      const HullHit hit = query.nearest({from[from.size() == 1 ? 0 : i], along[i], reach, radius, Vec3(half.data())});
       *part++ = hit.part;
       *distance++ = hit ? hit.distance : kInfinity;
       position = std::copy_n((hit ? hit.position : kNowhere).data(), 3, position);
@@ -335,7 +336,9 @@ corners a box.
 points  (n, 3) or (3,) numbers, world [m]
 radius  0 or more [m])";
 
-constexpr const char* kCast = R"(Where rays enter the hulls in the last pose, each the nearest hull on its way.
+constexpr std::array<double, 3> kNoHalf = {0.0, 0.0, 0.0};
+constexpr const char* kCast = R"(Where rays enter the hulls in the last pose, each the nearest hull on its way; or where
+balls or capsules that are swept along them touch.
 
 Returns (parts, distances, positions, normals) of n rays: int32 (n,), -1 where nothing is hit; float64 (n,) [m], 0 where
 a ray begins inside, inf where nothing is hit; float64 (n, 3), world [m], nan where nothing is hit; float64 (n, 3), unit,
@@ -343,7 +346,9 @@ outward, against rays that begin inside. Before the first pose nothing is hit.
 
 origins     (n, 3) numbers, or one point for all rays, world [m]
 directions  (n, 3) numbers, of any length above 0
-reach       where the rays end [m])";
+reach       where the rays end [m]
+radius      of balls or capsules [m]; 0 = rays
+half        x y z from the middle of a capsule, which moves along the ray, to an end of its axis [m]; 0 = balls)";
 
 }  // namespace
 
@@ -357,7 +362,8 @@ void addCharacters(py::module_& module) {
            "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.")
       .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.")
       .def("touches", &Live::touches, "points"_a, "radius"_a = 0.0, kTouches)
-      .def("cast", &Live::cast, "origins"_a, "directions"_a, "reach"_a = kInfinity, kCast);
+      .def("cast", &Live::cast, "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0,
+           py::arg_v("half", kNoHalf, "..."), kCast);
   py::class_<Player, std::shared_ptr<Player>>(module, "Player", "A motion on a body: an iterator of Frame.")
       .def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
       .def("__next__", &Player::step)
@@ -381,10 +387,10 @@ void addCharacters(py::module_& module) {
           "points"_a, "radius"_a = 0.0, kTouches)
       .def(
           "cast",
-          [](const Player& self, const py::object& origins, const py::object& directions, double reach) {
-            return self.live->cast(origins, directions, reach);
-          },
-          "origins"_a, "directions"_a, "reach"_a = kInfinity, kCast);
+          [](const Player& self, const py::object& origins, const py::object& directions, double reach, double radius,
+             const std::array<double, 3>& half) { return self.live->cast(origins, directions, reach, radius, half); },
+          "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0, py::arg_v("half", kNoHalf, "..."),
+          kCast);
   module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
              R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
 

@@ -1,7 +1,6 @@
 #include "capture/streams/vmc_stream.h"
 
 #include "capture/streams/vmc_writer.h"
-#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <utility>
@@ -11,13 +10,11 @@ namespace {
 
 /// How long the thread waits for a packet before it looks whether to stop, or whether a frame is complete [s].
 constexpr double kPollSeconds = 0.02;
-/// A session takes steps of at least this time: more frames would make its world run faster than the clock [s].
-constexpr double kShortestFrame = 1.0 / 240.0;
 
 }  // namespace
 
 VmcStream::VmcStream(UdpSocket socket, double delay)
-    : socket_(std::move(socket)), pace_(delay), waiting_(kMaxWaitingFrames), thread_([this] { run(); }) {}
+    : socket_(std::move(socket)), pace_(delay), thread_([this] { run(); }) {}
 
 VmcStream::~VmcStream() {
   {
@@ -47,22 +44,9 @@ void VmcStream::run() {
   }
 }
 
-/// A place at the end of the ring; the oldest gives way. That of the frame before, if this one follows too soon.
-VmcStream::Waiting& VmcStream::placeFor(double time) {
-  if (count_ > 0 && time < begun_ + kShortestFrame) return waiting_[(first_ + count_ - 1) % kMaxWaitingFrames];
-  if (count_ == kMaxWaitingFrames) {
-    first_ = (first_ + 1) % kMaxWaitingFrames;
-    --count_;
-  }
-  Waiting& place = waiting_[(first_ + count_++) % kMaxWaitingFrames];
-  begun_ = time;
-  place.due = lastDue_ = std::max(pace_.due(time), lastDue_ + kShortestFrame);
-  return place;
-}
-
 void VmcStream::publish() {
   const VmcReceiver& receiver = follower_.receiver();
-  placeFor(receiver.frame().time).frame = receiver.frame();
+  waiting_.add(receiver.frame().time, pace_) = receiver.frame();
   if (title_ != receiver.title()) title_ = receiver.title();
   ++counts_.frames;
   counts_.jitter = pace_.jitter();
@@ -70,34 +54,26 @@ void VmcStream::publish() {
   changed_.notify_all();
 }
 
-bool VmcStream::isDue(double seconds) const {
-  return count_ > 0 && waiting_[first_].due <= seconds;
-}
-
 bool VmcStream::wait(double seconds, BoneFrame& frame) {
   std::unique_lock lock(mutex_);
   const double until = now() + seconds;
-  while (!isDue(now())) {
-    const double left = std::min(until, count_ > 0 ? waiting_[first_].due : until) - now();
+  while (waiting_.due() > now()) {
+    const double left = std::min(until, waiting_.due()) - now();
     if (now() >= until) return false;
     if (left > 0.0) changed_.wait_for(lock, std::chrono::duration<double>(left));
   }
   // Of several that are due the last one is given.
-  std::size_t latest = first_;
-  while (isDue(now())) {
-    latest = first_;
-    first_ = (first_ + 1) % kMaxWaitingFrames;
-    --count_;
-  }
-  frame = waiting_[latest].frame;
-  given_ = Given{waiting_[latest].due, frame.time};
-  frame.time = waiting_[latest].due;
+  const WaitingFrames::Waiting* latest = &waiting_.take();
+  while (waiting_.due() <= now()) latest = &waiting_.take();
+  frame = latest->frame;
+  given_ = Given{latest->due, frame.time};
+  frame.time = latest->due;
   return true;
 }
 
 bool VmcStream::ready() const {
   const std::lock_guard lock(mutex_);
-  return isDue(now());
+  return waiting_.due() <= now();
 }
 
 VmcStream::Counts VmcStream::counts() const {

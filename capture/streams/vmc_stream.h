@@ -4,16 +4,15 @@
 #include "capture/streams/frame_pace.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_follower.h"
+#include "capture/streams/waiting_frames.h"
 
 #include <chrono>
 #include <condition_variable>
-#include <cstddef>
 #include <cstdint>
 #include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
-#include <vector>
 
 namespace lorica {
 
@@ -54,15 +53,8 @@ class VmcStream final : public BoneStream {
   [[nodiscard]] std::string title() const;
 
  private:
-  struct Waiting {
-    BoneFrame frame;
-    double due = 0.0;  ///< when it is given [s]
-  };
-
   void run();
   void publish();
-  [[nodiscard]] Waiting& placeFor(double time);
-  [[nodiscard]] bool isDue(double seconds) const;
 
   UdpSocket socket_;      ///< used by the thread only
   VmcFollower follower_;  ///< used by the thread only
@@ -71,11 +63,7 @@ class VmcStream final : public BoneStream {
 
   mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::vector<Waiting> waiting_;  ///< a ring
-  std::size_t first_ = 0;         ///< of the ring
-  std::size_t count_ = 0;         ///< in the ring
-  double begun_ = -1.0;           ///< when the frame arrived that the last place was for [s]
-  double lastDue_ = -1.0;         ///< of the last place
+  WaitingFrames waiting_;
   std::string title_;
   Counts counts_;
   std::optional<Given> given_;

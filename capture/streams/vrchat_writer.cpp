@@ -21,22 +21,28 @@ struct Tracker {
   std::size_t group;                    ///< of kVrchatTrackers
   std::string_view position, rotation;  ///< addresses
   HumanBone place, turn;                ///< whose joint, and whose rotation
+  BodyJoint joint, other;               ///< of the person: in the middle of both
 };
 
+using B = HumanBone;
+using J = BodyJoint;
 constexpr std::array<Tracker, 9> kTrackers = {{
-    {0, "/tracking/trackers/head/position", "/tracking/trackers/head/rotation", HumanBone::kHead, HumanBone::kHead},
-    {1, "/tracking/trackers/1/position", "/tracking/trackers/1/rotation", HumanBone::kHips, HumanBone::kHips},
-    {2, "/tracking/trackers/2/position", "/tracking/trackers/2/rotation", HumanBone::kChest, HumanBone::kChest},
-    {3, "/tracking/trackers/3/position", "/tracking/trackers/3/rotation", HumanBone::kLeftFoot, HumanBone::kLeftFoot},
-    {3, "/tracking/trackers/4/position", "/tracking/trackers/4/rotation", HumanBone::kRightFoot, HumanBone::kRightFoot},
-    {4, "/tracking/trackers/5/position", "/tracking/trackers/5/rotation", HumanBone::kLeftLowerLeg,
-     HumanBone::kLeftUpperLeg},
-    {4, "/tracking/trackers/6/position", "/tracking/trackers/6/rotation", HumanBone::kRightLowerLeg,
-     HumanBone::kRightUpperLeg},
-    {5, "/tracking/trackers/7/position", "/tracking/trackers/7/rotation", HumanBone::kLeftLowerArm,
-     HumanBone::kLeftUpperArm},
-    {5, "/tracking/trackers/8/position", "/tracking/trackers/8/rotation", HumanBone::kRightLowerArm,
-     HumanBone::kRightUpperArm},
+    {0, "/tracking/trackers/head/position", "/tracking/trackers/head/rotation", B::kHead, B::kHead, J::kHead, J::kHead},
+    {1, "/tracking/trackers/1/position", "/tracking/trackers/1/rotation", B::kHips, B::kHips, J::kLeftHip,
+     J::kRightHip},
+    {2, "/tracking/trackers/2/position", "/tracking/trackers/2/rotation", B::kChest, B::kChest, J::kTorso, J::kNeck},
+    {3, "/tracking/trackers/3/position", "/tracking/trackers/3/rotation", B::kLeftFoot, B::kLeftFoot, J::kLeftFoot,
+     J::kLeftFoot},
+    {3, "/tracking/trackers/4/position", "/tracking/trackers/4/rotation", B::kRightFoot, B::kRightFoot, J::kRightFoot,
+     J::kRightFoot},
+    {4, "/tracking/trackers/5/position", "/tracking/trackers/5/rotation", B::kLeftLowerLeg, B::kLeftUpperLeg,
+     J::kLeftKnee, J::kLeftKnee},
+    {4, "/tracking/trackers/6/position", "/tracking/trackers/6/rotation", B::kRightLowerLeg, B::kRightUpperLeg,
+     J::kRightKnee, J::kRightKnee},
+    {5, "/tracking/trackers/7/position", "/tracking/trackers/7/rotation", B::kLeftLowerArm, B::kLeftUpperArm,
+     J::kLeftElbow, J::kLeftElbow},
+    {5, "/tracking/trackers/8/position", "/tracking/trackers/8/rotation", B::kRightLowerArm, B::kRightUpperArm,
+     J::kRightElbow, J::kRightElbow},
 }};
 
 void addVector(OscWriter& writer, std::string_view address, const Vec3& v) {
@@ -63,16 +69,23 @@ VrchatWriter::VrchatWriter(double height, VrchatTrackers sent)
   LORICA_CHECK(height > 0.0, "a character has a height");
 }
 
-std::span<const std::byte> VrchatWriter::write(const BonePose& pose) {
+std::span<const std::byte> VrchatWriter::write(const BonePose& pose, const StagedPerson* person) {
   const WorldBones world = worldOf(pose);
+  const Quat stageFromWorld = person != nullptr ? Quat(person->stageFromWorld.linear()) : Quat::Identity();
   OscWriter writer(memory_);
   writer.beginBundle();
   for (const Tracker& tracker : kTrackers) {
     const auto place = static_cast<std::size_t>(tracker.place);
     const auto turn = static_cast<std::size_t>(tracker.turn);
     if (!sent_[tracker.group] || !pose.rotation[place]) continue;  // or the character lacks it
-    addVector(writer, tracker.position, scale_ * mirrorX(world.position[place]));
-    addVector(writer, tracker.rotation, unityAngles(mirrorX(world.turn[turn])));
+    Vec3 position = scale_ * world.position[place];
+    if (person != nullptr) {
+      const TrackedJoint &joint = person->joints[tracker.joint], &other = person->joints[tracker.other];
+      if (joint.confidence <= 0.0 || other.confidence <= 0.0) continue;
+      position = person->stageFromWorld * (0.5 * (joint.position + other.position));
+    }
+    addVector(writer, tracker.position, mirrorX(position));
+    addVector(writer, tracker.rotation, unityAngles(mirrorX(stageFromWorld * world.turn[turn])));
   }
   LORICA_CHECK(writer.fits(), "the packet is too small");
   return writer.packet();

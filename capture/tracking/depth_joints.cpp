@@ -1,5 +1,6 @@
 #include "capture/tracking/depth_joints.h"
 
+#include "geometry/clock.h"
 #include "geometry/counts.h"
 
 #include <utility>
@@ -48,6 +49,7 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
   sight_.followed = false;
   sight_.roomUncertain = false;
   sight_.trackSeconds = 0.0;
+  sight_.worn.reset();
   sight_.arrived = std::chrono::steady_clock::now();
   SkeletonFrame& joints = sight_.joints;
   joints = {};
@@ -59,14 +61,16 @@ Result<std::optional<SkeletonFrame>> DepthJoints::next() {
     return std::optional(joints);
   }
 
-  const std::span<const TrackedPerson> people = tracker_.track(sight_.image);
+  sight_.worn = headset_ ? headset_->inImage(secondsOf(sight_.arrived)) : std::nullopt;
+  const std::span<const TrackedPerson> people = tracker_.track(sight_.image, sight_.worn);
   sight_.trackSeconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - sight_.arrived).count();
   sight_.people = countOf(people);
   sight_.roomUncertain = tracker_.roomUncertain();
   sight_.floorFound = tracker_.floorFound();
   time_ = riseTo(sight_.image.time);
   follow(people);
-  sight_.cameraFromWorld = tracker_.floorFromCamera().inverse() * Eigen::Translation3d(stage_.value_or(Vec3::Zero()));
+  sight_.stage = stage_.value_or(Vec3::Zero());
+  sight_.cameraFromWorld = tracker_.floorFromCamera().inverse() * Eigen::Translation3d(sight_.stage);
   return std::optional(joints);
 }
 

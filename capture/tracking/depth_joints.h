@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/registration/worn_headset.h"
 #include "capture/sensor/depth_source.h"
 #include "capture/skeleton_frame.h"
 #include "capture/tracking/people_places.h"
@@ -9,6 +10,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -25,6 +27,8 @@ struct DepthSight {
   DepthFrame image;                               ///< the last one received; empty before the first
   SkeletonFrame joints;                           ///< as returned, world frame
   std::vector<SkeletonFrame> places;              ///< of several people, world frame; empty if one is followed
+  Vec3 stage = Vec3::Zero();                      ///< the world's origin in the floor frame [m]
+  std::optional<WornHead> worn;                   ///< of the image, floor frame
   Isometry3 cameraFromWorld = Isometry3::Identity();
 };
 
@@ -44,6 +48,9 @@ class DepthJoints final : public SkeletonSource {
 
   [[nodiscard]] Result<std::optional<SkeletonFrame>> next() override;
 
+  /// Whose headset is worn by somebody before the camera. To be called before the first next().
+  void wear(std::shared_ptr<const WornHeadset> headset) { headset_ = std::move(headset); }
+
   [[nodiscard]] const DepthSource& source() const { return *depth_; }
   /// Of the last next().
   [[nodiscard]] const DepthSight& sight() const { return sight_; }
@@ -58,7 +65,8 @@ class DepthJoints final : public SkeletonSource {
   Tracker tracker_;
   int wanted_;
   std::optional<PeoplePlaces> places_;
-  int following_ = 0;  ///< user number; 0 = nobody
+  std::shared_ptr<const WornHeadset> headset_;  ///< null = none
+  int following_ = 0;                           ///< user number; 0 = nobody
   DepthSight sight_;
   std::optional<double> time_;        ///< of the last returned frame [s]
   double worldFromSensorTime_ = 0.0;  ///< [s]

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 namespace lorica {
@@ -18,6 +19,8 @@ constexpr double kForgetSeconds = 2.0;
 constexpr double kDoubtSeconds = 1.0;
 /// A person who covers less than one of so many pixels of the image shows no pose.
 constexpr int kMinShare = 256;
+/// How far the middle of somebody bowed is from below their head [m].
+constexpr double kWearerReach = 0.6;
 constexpr std::uint8_t kNotMeasured = 255;
 
 /// The fit of one person; reused for later people to keep its memory.
@@ -29,11 +32,29 @@ struct Seat {
   fit::BodyBelief belief;
 };
 
+/// The user number of the person under a headset; 0 = nobody.
+int wearerOf(std::span<const PersonSegment> people, const WornHead& worn) {
+  int wearer = 0;
+  double nearest = kWearerReach;
+  for (const PersonSegment& person : people) {
+    const double away = std::hypot(person.middle.x() - worn.position.x(), person.middle.z() - worn.position.z());
+    if (away >= nearest) continue;
+    nearest = away;
+    wearer = person.user;
+  }
+  return wearer;
+}
+
+fit::WornView viewOf(const WornHead& worn) {
+  return {worn.position.cast<float>(), worn.ahead().cast<float>()};
+}
+
 }  // namespace
 
 struct Tracker::Impl {
   Impl(const DepthCamera& device, const TrackerSettings& settings)
       : camera(device), finder(device, settings.maxPeople), view(device), seats(settings.maxPeople) {
+    view.setLowerBody(settings.lowerBody);
     reported.reserve(seats.size());
     labels.resize(static_cast<std::size_t>(device.width) * device.height);
   }
@@ -88,7 +109,7 @@ Result<Tracker> Tracker::create(const DepthCamera& camera, const TrackerSettings
   return Tracker(std::make_unique<Impl>(camera, settings));
 }
 
-std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
+std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame, const std::optional<WornHead>& worn) {
   Impl& t = *impl_;
   t.reported.clear();
   const auto pixels = static_cast<std::size_t>(t.camera.width) * t.camera.height;
@@ -110,6 +131,7 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     if (seat.user != 0 && frame.time - seat.lastTime > kForgetSeconds) seat.user = 0;
   }
   const auto people = t.finder.people();
+  const int wearer = worn ? wearerOf(people, *worn) : 0;
   t.roomUncertain = false;
   t.shown.fill(0);
   t.shown[kNotMeasured] = kNotMeasured;
@@ -118,11 +140,13 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame) {
     if (!seat || people[i].pixelCount * kMinShare < t.camera.width * t.camera.height / 3) continue;
     t.view.look(frame.depthMm, t.finder.labels(), i + 1, floor, t.finder.floorFound());
     t.view.setAttached(people[i].attached);
+    const bool wears = people[i].user == wearer;
+    t.view.setWorn(wears ? std::optional(viewOf(*worn)) : std::nullopt);
     seat->seen = seat->fit.follow(t.view, frame.time - seat->lastTime);
     if (!seat->seen) continue;
     seat->lastTime = frame.time;
-    seat->belief.update(
-        {seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached});
+    seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached,
+                         t.view.lowerBody() || t.view.headOutside()});
     poseBody(seat->fit.pose(), seat->fit.proportions(), t.body);
     t.finder.explain(seat->user, t.body);
     const bool doubtful = !seat->belief.believed() && frame.time - seat->firstTime > kDoubtSeconds;

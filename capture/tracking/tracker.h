@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/registration/worn_headset.h"
 #include "capture/sensor/depth_frame.h"
 #include "capture/skeleton_frame.h"
 #include "geometry/result.h"
@@ -11,12 +12,14 @@
 namespace lorica {
 
 struct TrackerSettings {
-  int maxPeople = 2;  ///< at once, 1 to 6; the nearest ones
+  int maxPeople = 2;       ///< at once, 1 to 6; the nearest ones
+  bool lowerBody = false;  ///< only waist, legs and feet are in the picture, and only they are looked for
 };
 
 /// A person as seen in one frame.
 struct TrackedPerson {
-  /// In the floor frame. `user` stays while the person is tracked; after that it is reused, counting from 1.
+  /// In the floor frame. Of the lower body alone arms and head are unknown, but the head of who wears a headset. `user`
+  /// stays while the person is tracked; after that it is reused, counting from 1.
   SkeletonFrame skeleton;
   double height = 0.0;    ///< standing, current estimate [m]; 0 = not yet known
   double residual = 0.0;  ///< mean distance of the person's depth points from the fitted body [m]
@@ -40,8 +43,10 @@ class Tracker {
   Tracker& operator=(Tracker&&) noexcept;
 
   /// @param frame  width x height of the camera; times increase
+  /// @param worn   where a headset says that somebody's head is: it tells front from back, and where a head is that is
+  ///               outside the image
   /// @return everyone who is tracked, by increasing user number; valid until the next call
-  [[nodiscard]] std::span<const TrackedPerson> track(const DepthFrame& frame);
+  [[nodiscard]] std::span<const TrackedPerson> track(const DepthFrame& frame, const std::optional<WornHead>& worn = {});
 
   [[nodiscard]] const Isometry3& floorFromCamera() const;
   [[nodiscard]] bool floorFound() const;

@@ -58,7 +58,8 @@ void clipRay(std::span<const double> planes, const Vec3& origin, const Vec3& dir
   if (which < static_cast<double>(count)) entry.plane = static_cast<std::int32_t>(which);
 }
 
-unsigned ballsNear(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction, double reach) {
+unsigned ballsNear(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction, double reach,
+                   double thickness) {
   const Doubles d;
   const std::size_t lanes = hn::Lanes(d);
   const Lanes dx = hn::Set(d, direction.x()), dy = hn::Set(d, direction.y()), dz = hn::Set(d, direction.z());
@@ -68,7 +69,7 @@ unsigned ballsNear(const Balls& balls, std::size_t first, const Vec3& origin, co
     const Lanes x = hn::Sub(hn::LoadU(d, &balls.x[first + i]), hn::Set(d, origin.x()));
     const Lanes y = hn::Sub(hn::LoadU(d, &balls.y[first + i]), hn::Set(d, origin.y()));
     const Lanes z = hn::Sub(hn::LoadU(d, &balls.z[first + i]), hn::Set(d, origin.z()));
-    const Lanes radius = hn::LoadU(d, &balls.radius[first + i]);
+    const Lanes radius = hn::Add(hn::LoadU(d, &balls.radius[first + i]), hn::Set(d, thickness));
     const Lanes along = dot(x, y, z, dx, dy, dz);
     // The ray's point nearest to the middle, which is not before the origin.
     const Lanes at = hn::Min(hn::Max(along, zero), end);
@@ -98,8 +99,9 @@ Entry entryOf(std::span<const double> planes, const Vec3& origin, const Vec3& di
   return entry;
 }
 
-unsigned ballsOnRay(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction, double reach) {
-  return HWY_DYNAMIC_DISPATCH(ballsNear)(balls, first, origin, direction, reach);
+unsigned ballsOnRay(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction, double reach,
+                    double thickness) {
+  return HWY_DYNAMIC_DISPATCH(ballsNear)(balls, first, origin, direction, reach, thickness);
 }
 
 }  // namespace lorica

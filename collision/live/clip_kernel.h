@@ -27,7 +27,8 @@ struct Balls {
 };
 /// Whether each of the balls from `first` on, kClipPadding of them, is within reach of a ray: one bit each.
 /// @param direction  unit
+/// @param thickness  of the ray: how far it reaches aside [m]
 [[nodiscard]] unsigned ballsOnRay(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction,
-                                  double reach);
+                                  double reach, double thickness);
 
 }  // namespace lorica

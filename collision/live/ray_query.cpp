@@ -1,6 +1,7 @@
 #include "collision/live/ray_query.h"
 
 #include "collision/live/clip_kernel.h"
+#include "collision/live/hull_distance.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -13,7 +14,10 @@ namespace lorica {
 namespace {
 
 constexpr double kBallMargin = 1e-9;  ///< [m] for rounding: a face that touches its ball is not lost
-constexpr double kFarAway = 1e12;     ///< where balls of the padding are [m]
+constexpr double kTouching = 1e-9;    ///< of what is swept [m]
+constexpr double kNormalFrom = 1e-6;  ///< a shorter way to the hull has no direction to speak of [m]
+constexpr int kMaxAdvances = 64;
+constexpr double kFarAway = 1e12;  ///< where balls of the padding are [m]
 
 std::size_t padded(std::size_t count) {
   return (count + kClipPadding - 1) / kClipPadding * kClipPadding;
@@ -31,6 +35,29 @@ void writePlanes(const ConvexHull& hull, std::span<double> planes) {
     for (std::size_t axis = 0; axis < 3; ++axis) planes[axis * count + f] = normal[axis];
     planes[3 * count + f] = normal.dot(corner);
   }
+}
+
+/// Where something swept touches a hull, all in the hull's frame; the distance is infinite if it never does.
+struct Touching {
+  double distance = kInfinity;
+  Vec3 position, normal;
+};
+Touching sweptTo(std::span<const Vec3> vertices, const Vec3& origin, const Vec3& direction, const Vec3& half,
+                 double radius, double reach) {
+  double at = 0.0;
+  Vec3 normal = Vec3::Zero();  // as seen from far enough
+  for (int step = 0; step < kMaxAdvances; ++step) {
+    const HullGap gap = gapOf(vertices, origin + at * direction, half);
+    const double left = gap.distance - radius;
+    if (gap.distance > kNormalFrom || normal.isZero()) normal = gap.normal;
+    if (left <= kTouching) return {at, gap.onHull, normal};
+    // The distance from a convex hull falls ever more slowly: no step goes too far.
+    const double speed = -gap.normal.dot(direction);
+    if (speed <= 0.0) return {};
+    at += left / speed;
+    if (!(at <= reach)) return {};
+  }
+  return {};
 }
 
 }  // namespace
@@ -51,21 +78,28 @@ void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
   parts_.clear();
   firstPart_.clear();
   // Hulls have room for the most faces that they can get.
-  std::size_t mostParts = 0, mostPlanes = 0, planes = 0;
+  std::size_t mostParts = 0, mostPlanes = 0, mostVertices = 0, planes = 0;
   for (const std::span<const LivePart> parts : bodies) {
     mostParts += padded(parts.size());
-    for (const LivePart& part : parts) mostPlanes += 4 * padded(part.shape.triangles.capacity());
+    for (const LivePart& part : parts) {
+      mostPlanes += 4 * padded(part.shape.triangles.capacity());
+      mostVertices += part.shape.vertices.capacity();
+    }
   }
   parts_.reserve(mostParts);
   planes_.reserve(mostPlanes);
+  vertices_.clear();
+  vertices_.reserve(mostVertices);
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     firstPart_.push_back(parts_.size());
     const std::span<const LivePart> parts = bodies[b];
     for (std::size_t p = 0; p < parts.size(); ++p) {
       if (parts[p].shape.degenerate()) continue;
       const std::size_t count = padded(parts[p].shape.triangles.size());
-      parts_.push_back(
-          {parts[p].worldFromPart.inverse(), planes, count, static_cast<int>(b), static_cast<PartIndex>(p)});
+      const std::vector<Vec3>& vertices = parts[p].shape.vertices;
+      parts_.push_back({parts[p].worldFromPart.inverse(), planes, count, vertices_.size(), vertices.size(),
+                        static_cast<int>(b), static_cast<PartIndex>(p)});
+      vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
       planes += 4 * count;
     }
     parts_.resize(padded(parts_.size()));
@@ -101,10 +135,26 @@ template <typename Visit>
 void RayQuery::visit(const HullRay& ray, const Visit& each) const {
   const double length = ray.direction.norm();
   if (!(length > 0.0) || !std::isfinite(length) || !ray.origin.allFinite() || !(ray.reach >= 0.0)) return;
+  const double thickness = ray.radius + ray.half.norm();
+  if (!(ray.radius >= 0.0) || !std::isfinite(thickness)) return;
   const Vec3 direction = ray.direction / length;
   double reach = ray.reach;
   const auto visitPart = [&](const Part& part) {
     const Vec3 origin = part.partFromWorld * ray.origin, along = part.partFromWorld.linear() * direction;
+    if (ray.swept()) {
+      const Touching touching = sweptTo(std::span(vertices_).subspan(part.firstVertex, part.vertexCount), origin, along,
+                                        part.partFromWorld.linear() * ray.half, ray.radius, reach);
+      if (touching.distance == kInfinity) return;
+      if (touching.distance == 0.0) {
+        reach = std::min(reach, each(HullHit{part.body, part.index, 0.0, ray.origin, -direction}));
+        return;
+      }
+      const auto worldFromPart = part.partFromWorld.linear().transpose();
+      const Vec3 position = worldFromPart * (touching.position - part.partFromWorld.translation());
+      reach = std::min(
+          reach, each(HullHit{part.body, part.index, touching.distance, position, worldFromPart * touching.normal}));
+      return;
+    }
     const std::span<const double> planes = std::span(planes_).subspan(part.firstPlane, 4 * part.planeCount);
     const Entry entry = entryOf(planes, origin, along, reach);
     if (entry.at == kInfinity) return;
@@ -119,7 +169,8 @@ void RayQuery::visit(const HullRay& ray, const Visit& each) const {
   const auto visitNear = [&](const BallList& list, std::size_t from, std::size_t to, const auto& act) {
     const Balls balls{list.x, list.y, list.z, list.radius};
     for (std::size_t first = from; first < to; first += kClipPadding) {
-      for (unsigned near = ballsOnRay(balls, first, ray.origin, direction, reach); near != 0; near &= near - 1) {
+      for (unsigned near = ballsOnRay(balls, first, ray.origin, direction, reach, thickness); near != 0;
+           near &= near - 1) {
         act(first + static_cast<std::size_t>(std::countr_zero(near)));
       }
     }

@@ -22,8 +22,9 @@ constexpr double kUnitTolerance = 1e-3;
 /// Reads one step, up to its first error.
 class StepReader {
  public:
-  StepReader(std::string_view payload, const SessionHeader& header, SessionFile& file)
-      : reader_(payload), header_(header), file_(file) {}
+  /// @param taken  frames of the steps before; gets this step's too
+  StepReader(std::string_view payload, const SessionHeader& header, SessionFile& file, std::size_t& taken)
+      : reader_(payload), header_(header), file_(file), taken_(taken) {}
 
   /// @return the error; nothing if the step is valid
   std::optional<std::string> read() {
@@ -41,6 +42,9 @@ class StepReader {
     if (!reader_.ok()) return "is truncated";
     if (wrong_) return wrong_;
     if (reader_.left() > 0) return fmt::format("holds {} bytes too many", reader_.left());
+    // Every step shows a frame that some avatar took in it or before.
+    taken_ += step.frames;
+    if (taken_ <= file_.steps.size()) return fmt::format("comes after the last of {} frames", taken_);
     file_.steps.push_back(step);
     return std::nullopt;
   }
@@ -175,6 +179,7 @@ class StepReader {
   ByteReader reader_;
   const SessionHeader& header_;
   SessionFile& file_;
+  std::size_t& taken_;
   std::optional<std::string> wrong_;
 };
 
@@ -193,10 +198,11 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
   file.sceneText = std::string(all[1].payload);
   file.steps.reserve(all.size());
   file.motions.resize(file.header.avatars.size());
+  std::size_t taken = 0;
   for (std::size_t b = 2; b < all.size(); ++b) {
     if (file.finished) return bad(fmt::format("byte {}: a block after the end", all[b].offset));
     if (all[b].kind == BlockKind::kStep) {
-      if (const auto wrong = StepReader(all[b].payload, file.header, file).read()) {
+      if (const auto wrong = StepReader(all[b].payload, file.header, file, taken).read()) {
         return bad(fmt::format("byte {}: step {} {}", all[b].offset, file.steps.size(), *wrong));
       }
     } else if (all[b].kind == BlockKind::kEnd && all[b].payload.empty()) {

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <mutex>
 #include <string_view>
 
 namespace lorica {
@@ -80,15 +81,23 @@ std::uint64_t pixelsOf(const PictureSize& size) {
   return std::uint64_t(size.width) * std::uint64_t(size.height);
 }
 
+// What a few bytes claim is reduced further, and decoded one at a time: they may claim to be one colour.
+constexpr std::uint64_t kTexelsOfAByte = 32;      // of all pictures as they are drawn
+constexpr std::uint64_t kTexelsOfFew = 1U << 25;  // and at least
+constexpr std::uint64_t kLargePicture = 1U << 24;
+
 /// The largest side at which all pictures together have few enough pixels.
 int sideThatFits(std::span<const EncodedPicture> pictures, int largestSide) {
+  std::uint64_t bytes = 0;
+  for (const EncodedPicture& picture : pictures) bytes += picture.bytes.size();
+  const std::uint64_t most = std::clamp(kTexelsOfAByte * bytes, kTexelsOfFew, kMaxKeptTexels);
   for (int side = largestSide;; side = side == 0 ? kMaxPictureSide / 2 : side / 2) {
     std::uint64_t kept = 0;
     for (const EncodedPicture& picture : pictures) {
       const Result<PictureSize> size = readPictureSize(picture.bytes, picture.name);
       if (size) kept += pixelsOf(limitedSize(*size, side));
     }
-    if (kept <= kMaxKeptTexels || side == 1) return side;
+    if (kept <= most || side == 1) return side;
   }
 }
 
@@ -132,7 +141,7 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
   for (const EncodedPicture& picture : pictures) {
     decoded.emplace_back(Error{ErrorCode::kCancelled, fmt::format("{}: cancelled", picture.name)});
   }
-  std::vector<char> beyond(pictures.size(), 0);
+  std::vector<char> beyond(pictures.size(), 0), large(pictures.size(), 0);
   const int largestSide = sideThatFits(pictures, settings.largestSide);
   std::uint64_t stored = 0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
@@ -140,6 +149,7 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
     if (!size) continue;  // decoding it says why
     const std::uint64_t pixels = pixelsOf(*size);
     beyond[i] = stored + pixels > kMaxStoredTexels ? 1 : 0;
+    large[i] = pixels > kLargePicture ? 1 : 0;
     if (beyond[i] == 0) {
       stored += pixels;
     } else {
@@ -147,7 +157,10 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
                                stored + pixels, kMaxStoredTexels);
     }
   }
+  std::mutex oneLarge;
   (void)inParallel(pictures.size(), settings.threads, settings.progress, [&](std::size_t i) {
+    std::unique_lock lock(oneLarge, std::defer_lock);
+    if (large[i] != 0) lock.lock();
     if (beyond[i] == 0) decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {largestSide});
   });
   return decoded;

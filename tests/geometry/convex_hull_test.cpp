@@ -247,5 +247,23 @@ TEST(ConvexHull, RegularPrismsOfVeryManySides) {
   }
 }
 
+/// Turned, the corners of an end are level but for rounding: added farthest first, each would see most of the end's
+/// faces, of which 20,000 sides would make some hundred millions.
+TEST(ConvexHull, TurnedPrismsOfVeryManySides) {
+  constexpr int kSides = 20'000;
+  const Mat3 turn = Quat(0.3, 0.5, -0.7, 0.2).normalized().toRotationMatrix();
+  std::vector<Vec3> points;
+  for (const double y : {0.0, 1.0}) {
+    for (int i = 0; i < kSides; ++i) {
+      points.emplace_back(turn * Vec3(cos(2.0 * M_PI * i / kSides), y, sin(2.0 * M_PI * i / kSides)));
+    }
+  }
+  const ConvexHull hull = convexHull(points);
+  EXPECT_GT(hull.vertices.size(), points.size() * 9 / 10);
+  EXPECT_EQ(hull.triangles.size(), 2 * hull.vertices.size() - 4);
+  EXPECT_TRUE(checkClosedTwoManifold({hull.vertices, hull.triangles}));
+  EXPECT_NEAR(hull.volume, 0.5 * kSides * sin(2.0 * M_PI / kSides), 1e-8);
+}
+
 }  // namespace
 }  // namespace lorica

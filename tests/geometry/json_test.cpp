@@ -39,6 +39,24 @@ TEST(Json, IsReadUpToItsLimits) {
   EXPECT_TRUE(refusalOf("{\"a\": }", limits).starts_with("x: its JSON is broken: ")) << refusalOf("{\"a\": }", limits);
 }
 
+std::string listOf(const std::string& one, std::size_t count) {
+  std::string text = "[" + one;
+  while (--count > 0) text += "," + one;
+  return text + "]";
+}
+
+TEST(Json, EmptyObjectsAreReadUpToTheirLimitOrOneForEveryEightBytes) {
+  for (const std::string one : {"{}", "[]", "\"\""}) {
+    EXPECT_EQ(refusalOf(listOf(one, 99), {2, 5, 100}), "") << one;
+    EXPECT_EQ(refusalOf(listOf(one, 100), {2, 5, 100}), "x: its JSON has more than 100 lists, objects and texts");
+    EXPECT_EQ(refusalOf(listOf(one + "       ", 1'000), {2, 5, 100}), "") << "a long text may have more";
+  }
+  EXPECT_EQ(refusalOf(listOf("{\"a\": 1}", 99), {2, 5, 100}), "") << "names are no texts of their own";
+  EXPECT_EQ(refusalOf(listOf("-1", 1'000), {2, 5, 100}), "") << "nor are numbers";
+  EXPECT_EQ(refusalOf(listOf("{}", JsonLimits().holders), {}),
+            "x: its JSON has more than 500000 lists, objects and texts");
+}
+
 TEST(Json, AMillionBracketsAndManyMembersAreRefused) {
   EXPECT_EQ(refusalOf(nested(1'000'000), {}), "x: its JSON nests deeper than 64 levels");
   EXPECT_EQ(refusalOf(members(100'001), {}), "x: its JSON has an object of more than 100000 members");

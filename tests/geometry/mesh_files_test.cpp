@@ -1,6 +1,7 @@
 #include "geometry/mesh_files.h"
 
 #include "geometry/files.h"
+#include "geometry/work_budgets.h"
 #include "tests/geometry/mesh_file_samples.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
@@ -148,6 +149,12 @@ TEST(ReadMesh, HugeCountsAreNotBelieved) {
     EXPECT_EQ(whyNot(name, content), message);
     EXPECT_LT(watch.largest(), 100'000u);
   }
+}
+
+TEST(ReadMesh, MoreTrianglesThanTheLimitAreRefused) {
+  std::string text = fmt::format("OFF\n1 1 0\n0 0 0\n{}", kMaxTriangles + 3);
+  for (std::size_t i = 0; i < kMaxTriangles + 3; ++i) text += " 0";
+  EXPECT_EQ(whyNot("a.off", text), "a.off: 10000001 triangles, expected at most 10000000");
 }
 
 TEST(ReadMesh, NamesAndContentMustFit) {

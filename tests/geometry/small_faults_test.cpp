@@ -1,6 +1,7 @@
 #include "geometry/small_faults.h"
 
 #include "geometry/mesh_files.h"
+#include "geometry/mesh_pieces.h"
 #include "geometry/mesh_repair.h"
 #include "tests/support/damaged_meshes.h"
 #include "tests/support/datasets.h"
@@ -158,6 +159,18 @@ TEST(SmallFaults, NestedCubes) {
         {"a triangle of the cavity flipped", flipped, cavity},
         {"and one missing", missing, cavity}}) {
     EXPECT_NEAR(volumeOf(repaired(mesh).mesh), volume, 1e-12) << what;
+  }
+}
+
+/// Cubes in each other, all inside out: every second one becomes solid, up to 500,000 pairs of an inner and an outer
+/// one.
+TEST(SmallFaults, PiecesInEachOtherAreTurnedUpToALimit) {
+  TriMesh nested;
+  for (int count = 1; count <= 1001; ++count) {
+    nested = joined(nested, insideOut(cube(0.01 * count)));
+    if (count < 1000) continue;
+    TriMesh turned = nested;
+    EXPECT_EQ(turnPiecesOutward(turned).reversed, count == 1000 ? 500u : 0u);
   }
 }
 

@@ -66,9 +66,12 @@ class Wearer {
 TEST(HeadsetLink, FindsHowTheHeadsetLiesToTheCamera) {
   Wearer wearer(5);
   HeadsetLink link;
-  link.begin("camera 1");
+  const auto worn = std::make_shared<WornHeadset>();
+  link.begin("camera 1", worn);
   const Json told = wearer.wear(link);
   ASSERT_TRUE(told["known"]) << told;
+  ASSERT_TRUE(worn->registration()) << "the tracker is told";
+  EXPECT_EQ(worn->registration()->yaw, link.known()->yaw);
   EXPECT_NEAR(told["yaw"].get<double>(), -wearer.walk().truth.yaw, 0.5 * 0.0174533);
   ASSERT_TRUE(link.known());
   EXPECT_LT(test::errorsOf(*link.known(), wearer.walk()).level, 0.02);
@@ -78,20 +81,20 @@ TEST(HeadsetLink, FindsHowTheHeadsetLiesToTheCamera) {
 TEST(HeadsetLink, WhatWasFoundIsKeptForTheCamera) {
   Wearer wearer(6);
   HeadsetLink link;
-  link.begin("camera 1");
+  link.begin("camera 1", std::make_shared<WornHeadset>());
   ASSERT_TRUE(wearer.wear(link)["known"]);
   HeadsetLink again, other;
-  again.begin("camera 1");
+  again.begin("camera 1", std::make_shared<WornHeadset>());
   ASSERT_TRUE(again.known());
   EXPECT_EQ(again.known()->yaw, link.known()->yaw);
-  other.begin("camera 2");
+  other.begin("camera 2", std::make_shared<WornHeadset>());
   EXPECT_FALSE(other.known());
 }
 
 TEST(HeadsetLink, AMovedCameraIsNoticedAndFoundAgain) {
   Wearer wearer(7);
   HeadsetLink link;
-  link.begin("camera 1");
+  link.begin("camera 1", std::make_shared<WornHeadset>());
   ASSERT_TRUE(wearer.wear(link)["known"]);
   const Isometry3 moved(Eigen::Translation3d(0.5, 0.0, 0.2) * Eigen::AngleAxisd(0.4, Vec3::UnitY()));
   const Json told = wearer.wear(link, moved);
@@ -104,14 +107,14 @@ TEST(HeadsetLink, AMovedCameraIsNoticedAndFoundAgain) {
 TEST(HeadsetLink, NothingIsSaidWithoutACameraOrAHeadset) {
   Wearer wearer(8);
   HeadsetLink link;
-  link.begin("");
+  link.begin("", nullptr);
   Wish wish;
   wish.client = 1;
   for (int i = 0; i < 100; ++i) {
     link.addHeadset(wish, 0.1 * i);
     EXPECT_EQ(link.update(0.1 * i), "");
   }
-  link.begin("camera 1");
+  link.begin("camera 1", std::make_shared<WornHeadset>());
   for (int i = 0; i < 100; ++i) {
     link.addTracked(Vec3::UnitY(), 0.1 * i);
     EXPECT_EQ(link.update(0.1 * i), "");

@@ -2,6 +2,7 @@
 
 #include "geometry/files.h"
 #include "geometry/random_numbers.h"
+#include "geometry/work_budgets.h"
 #include "session/recording/session_blocks.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
@@ -101,6 +102,16 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   EXPECT_EQ(again->avatar().faults.seed, 9u);
 }
 
+TEST(SessionFile, AvatarsAreReadUpToTheirLimit) {
+  for (const std::size_t more : {0U, 1U}) {
+    SessionHeader header;
+    header.avatars.resize(kMaxRecordedAvatars + more);
+    const Result<SessionHeader> read = parseSessionHeader(textOf(header), "s");
+    EXPECT_EQ(read ? "" : read.error().message,
+              more == 0 ? "" : "s: header: avatars: found 1001 avatars, expected at most 1000");
+  }
+}
+
 TEST(SessionFile, WrongHeadersGetASentence) {
   const auto sentence = [](const std::string& text) {
     const Result<SessionHeader> read = parseSessionHeader(text, "s");
@@ -193,6 +204,23 @@ TEST(SessionFile, WrongDataWithValidChecksumsIsReportedOrHarmless) {
     }
   }
   EXPECT_GT(refused, 500);
+}
+
+TEST(SessionFile, StepsBeyondTheLastFrameAreReported) {
+  constexpr std::size_t kBeforeFrames = 36;  // time, hashes, number of actions
+  auto blocks = blocksOf(sessionBytes());
+  const std::size_t taken = parseSession(sessionBytes(), "s").value().steps[0].frames;
+  auto empty = blocks[2];
+  empty.second = std::string(kBeforeFrames + 4, '\0');
+  const auto withEmpty = [&](std::size_t count) {
+    std::vector<std::pair<BlockKind, std::string>> changed(blocks.begin(), blocks.begin() + 3);
+    changed.insert(changed.end(), count, empty);
+    changed.push_back(blocks.back());
+    return sentenceFor(fileOf(changed));
+  };
+  EXPECT_EQ(withEmpty(taken - 1), "none");
+  EXPECT_NE(withEmpty(taken).find("comes after the last of " + std::to_string(taken) + " frames"), std::string::npos)
+      << withEmpty(taken);
 }
 
 TEST(SessionFile, BlocksThatDoNotFitAreReported) {

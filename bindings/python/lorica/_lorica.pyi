@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Callable, Iterator, List, Optional, Tuple, Union
+from typing import Callable, Iterator, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -110,7 +110,12 @@ class Live:
     def contacts(self) -> List[Contact]: ...
     def touches(self, points: ArrayLike, radius: float = 0.0) -> List[Touch]: ...
     def cast(
-        self, origins: ArrayLike, directions: ArrayLike, reach: float = ...
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        reach: float = ...,
+        radius: float = 0.0,
+        half: Sequence[float] = ...,
     ) -> Tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
 
 class Player:
@@ -125,7 +130,12 @@ class Player:
     def contacts(self) -> List[Contact]: ...
     def touches(self, points: ArrayLike, radius: float = 0.0) -> List[Touch]: ...
     def cast(
-        self, origins: ArrayLike, directions: ArrayLike, reach: float = ...
+        self,
+        origins: ArrayLike,
+        directions: ArrayLike,
+        reach: float = ...,
+        radius: float = 0.0,
+        half: Sequence[float] = ...,
     ) -> Tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
 
 def decompose(

@@ -20,6 +20,7 @@ struct Limits {
 constexpr Limits kStill = {1220.0F, 15};
 constexpr Limits kMoved = {1800.0F, 9};
 constexpr Limits kMovedAttached = {2300.0F, 15};
+constexpr Limits kPart = {1800.0F, 6};
 constexpr float kAgainst = 1.15F;  // multiple of that cost from which a view is against a person believed before
 
 int seenOf(const CapsuleSupport& support) {
@@ -29,7 +30,7 @@ int seenOf(const CapsuleSupport& support) {
 }  // namespace
 
 void BodyBelief::update(const Evidence& evidence) {
-  const Limits& limits = !evidence.moved ? kStill : evidence.attached ? kMovedAttached : kMoved;
+  const Limits& limits = evidence.part ? kPart : !evidence.moved ? kStill : evidence.attached ? kMovedAttached : kMoved;
   // How far limbs are from rest says nothing: people sit, chairs stand.
   const float cost = evidence.cost.image() + evidence.cost.body;
   const int seen = seenOf(evidence.support);

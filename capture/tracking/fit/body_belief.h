@@ -16,6 +16,7 @@ class BodyBelief {
     float height = 0.0F;    ///< standing [m]
     bool moved = false;     ///< since it was found; furniture does not move
     bool attached = false;  ///< to the room, which the body need not explain
+    bool part = false;      ///< only legs need be seen: the head is known, or it was said so
   };
   void update(const Evidence& evidence);
   void forget() { *this = BodyBelief(); }

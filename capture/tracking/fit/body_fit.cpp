@@ -11,6 +11,8 @@ namespace lorica::fit {
 namespace {
 
 constexpr float kUsualClavicle = 0.10F;  ///< deviation of a collarbone from where the arm takes it [rad]
+constexpr float kWornDeviation = 0.03F;  ///< of a head from where its headset says that it is [m]
+constexpr float kWornWidth = 0.3F;       ///< much further, and it is another's [m]
 constexpr float kUsualEnd = 0.35F;       ///< deviation of wrists and ankles from straight [rad]
 
 Q smallTurn(int axis, float angle) {
@@ -96,6 +98,19 @@ float BodyFitter::collisionTerm(bool linearize) {
     }
   }
   return cost;
+}
+
+/// A head outside the image is where the headset is.
+float BodyFitter::headTerm(const BodyView& view, bool linearize) {
+  if (!view.headOutside()) return 0.0F;
+  const V3 head = headOf(body_);
+  const V3 off = head - view.worn()->head;
+  const Robust r = robust(off.squaredNorm(), kWornWidth * kWornWidth);
+  const float weight = 1.0F / (kWornDeviation * kWornDeviation);
+  if (linearize) {
+    for (int i = 0; i < 3; ++i) addPull(kNeck, head, V3::Unit(i), off[i], weight * r.weight);
+  }
+  return weight * r.cost;
 }
 
 float BodyFitter::poseTerm(const BodyPose& pose, bool linearize) {
@@ -219,6 +234,7 @@ FitCost BodyFitter::evaluate(const BodyView& view, const BodyPose& pose, const P
   cost.points = pointTerm(view, stage, linearize);
   cost.freeSpace = freeSpaceTerm(view, linearize);
   cost.body = collisionTerm(linearize);
+  cost.body += headTerm(view, linearize);
   cost.body += poseTerm(pose, linearize);
   cost.rest = restTerm(pose, linearize);
   cost.prior = priorTerm(pose, prior, linearize);

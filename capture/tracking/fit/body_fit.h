@@ -26,7 +26,7 @@ struct PosePrior {
 struct FitCost {
   float points = 0.0F;     ///< distance of the seen points from the body, scaled to 600 points
   float freeSpace = 0.0F;  ///< body in front of the seen surface, or outside the person's outline
-  float body = 0.0F;       ///< joint limits, self-collision, floor, usual poses
+  float body = 0.0F;       ///< joint limits, self-collision, floor, usual poses, a head that a headset knows
   float rest = 0.0F;       ///< limbs away from rest
   float prior = 0.0F;
   [[nodiscard]] float image() const { return points + freeSpace; }
@@ -91,6 +91,7 @@ class BodyFitter {
   float pointTerm(const BodyView& view, const FitStage& stage, bool linearize);
   float freeSpaceTerm(const BodyView& view, bool linearize);
   float collisionTerm(bool linearize);
+  float headTerm(const BodyView& view, bool linearize);
   float poseTerm(const BodyPose& pose, bool linearize);
   float restTerm(const BodyPose& pose, bool linearize);
   float priorTerm(const BodyPose& pose, const PosePrior& prior, bool linearize);

@@ -253,6 +253,11 @@ V3 positionIn(const PosedModel& body, Node node, const V3& modelPosition) {
          body.rotation[node] * body.scale[node].cwiseProduct(modelPosition - nodeDefs()[node].position);
 }
 
+V3 headOf(const PosedModel& body) {
+  static const V3 head = bonePosition(HumanBone::kHead);
+  return positionIn(body, kNeck, head);
+}
+
 void readJoints(const PosedModel& body, SkeletonFrame& frame) {
   using J = BodyJoint;
   const auto put = [&](J joint, const V3& position, const M3& rotation) {
@@ -263,7 +268,7 @@ void readJoints(const PosedModel& body, SkeletonFrame& frame) {
   };
   const auto node = [&](J joint, Node n) { put(joint, body.position[n], body.rotation[n]); };
   node(J::kNeck, kNeck);
-  put(J::kHead, positionIn(body, kNeck, bonePosition(HumanBone::kHead)), body.rotation[kNeck]);
+  put(J::kHead, headOf(body), body.rotation[kNeck]);
   node(J::kLeftShoulder, kLeftUpperArm);
   node(J::kRightShoulder, kRightUpperArm);
   node(J::kLeftElbow, kLeftForearm);

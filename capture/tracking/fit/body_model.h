@@ -138,6 +138,9 @@ void poseBody(const BodyPose& pose, const Proportions& proportions, PosedModel& 
 /// Position of a point in a node, given in the mannequin's T-pose in model space.
 [[nodiscard]] V3 positionIn(const PosedModel& body, Node node, const V3& modelPosition);
 
+/// The head joint.
+[[nodiscard]] V3 headOf(const PosedModel& body);
+
 /// The 15 joints, with orientations as in TrackedJoint; confidences are 0.
 void readJoints(const PosedModel& body, SkeletonFrame& frame);
 

@@ -353,4 +353,9 @@ BodyView::Sight BodyView::sightOf(const V3& position) const {
   return sight;
 }
 
+void BodyView::setWorn(const std::optional<WornView>& worn) {
+  worn_ = worn;
+  headOutside_ = worn && !sightOf(worn->head).inside;
+}
+
 }  // namespace lorica::fit

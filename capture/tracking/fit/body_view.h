@@ -10,6 +10,12 @@
 
 namespace lorica::fit {
 
+/// What a headset says of the person, floor frame.
+struct WornView {
+  V3 head;   ///< the head joint [m]
+  V3 ahead;  ///< unit, level: where the headset looks
+};
+
 /// The part of a depth image that one person's fit needs: evenly distributed surface points with normals, and for each
 /// block of pixels around the person the distance from the person's outline and the depth seen there.
 class BodyView {
@@ -46,6 +52,14 @@ class BodyView {
   /// Whether the person is connected to the room: some points and parts of the outline may be the room's.
   [[nodiscard]] bool attached() const { return attached_; }
   void setAttached(bool attached) { attached_ = attached; }
+  /// Of the person's headset, if they wear one.
+  [[nodiscard]] const std::optional<WornView>& worn() const { return worn_; }
+  void setWorn(const std::optional<WornView>& worn);
+  /// Only waist, legs and feet are expected in the image.
+  [[nodiscard]] bool lowerBody() const { return lowerBody_; }
+  void setLowerBody(bool lowerBody) { lowerBody_ = lowerBody; }
+  /// Whether the head is known to be outside the image, and where.
+  [[nodiscard]] bool headOutside() const { return headOutside_; }
   /// Height of the ground under the person: 0 if the floor was found; nothing if the feet are outside the image [m].
   [[nodiscard]] std::optional<float> ground() const { return ground_; }
   /// Floor frame, the median of each coordinate.
@@ -101,6 +115,9 @@ class BodyView {
   std::optional<float> ground_;
   bool cut_ = false;
   bool attached_ = false;
+  std::optional<WornView> worn_;
+  bool headOutside_ = false;
+  bool lowerBody_ = false;
   bool cutBelow_ = false;
 };
 

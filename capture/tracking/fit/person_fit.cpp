@@ -11,6 +11,7 @@ namespace {
 constexpr float kGapSeconds = 0.25F;  ///< after this long unseen the pose is searched for again
 constexpr float kLostShare = 0.20F;   ///< fraction of points not explained by the body at which the person is lost
 constexpr int kLostViews = 3;         ///< consecutive views
+constexpr int kWrongViews = 5;        ///< in which the headset looks the other way until the person is turned about
 constexpr float kPassing = 0.45F;     ///< feet closer than this may be swapped [m]
 constexpr float kWorse = 1.25F;       ///< multiple of the usual cost at which a swap is checked
 constexpr int kPairPause = 2;         ///< views between two such checks
@@ -41,6 +42,7 @@ constexpr float kHopeless = 1.1F;      ///< a rival that costs more than this mu
 constexpr float kStartEffort = 12.0F;  ///< milliseconds per view, approximately
 constexpr float kEarlyEffort = 4.0F;
 constexpr float kChallengeEffort = 2.0F;
+constexpr double kInferred = 0.5;
 constexpr std::size_t kMinPoints = 40;
 constexpr float kMinArea = 0.08F;  ///< less shows no pose [m^2]
 constexpr float kMuchMore = 1.6F;  ///< times as much seen of someone who enters: what was found is doubted
@@ -177,6 +179,16 @@ void PersonFit::compareRival(const BodyView& view) {
   ownCost_ += judge({pose_, proportions_});
   ++rivalViews_;
   const float facing = facingOf(view, rival_->pose);
+  const bool rivalWrong = facingOfWorn(view, rival_->pose) < kWrongWay;
+  const bool ownWrong = facingOfWorn(view, pose_) < kWrongWay;
+  if (rivalWrong != ownWrong) {
+    if (ownWrong) {
+      take(*rival_);
+    } else {
+      rival_.reset();
+    }
+    return;
+  }
   const bool turned = facing * facingOf(view, pose_) < 0.0F;
   const float turnedEarly = facing > 0.0F ? kTurnedToCameraShare : kTurnedAwayShare;
   const float share = !turned ? kRivalShare : views_ < kEarlyViews ? turnedEarly : kTurnedShare;
@@ -197,6 +209,11 @@ void PersonFit::challenge(const BodyView& view) {
     return;
   }
   ++sinceChallenge_;
+  wrongWay_ = facingOfWorn(view, pose_) < kWrongWay ? wrongWay_ + 1 : 0;
+  if (wrongWay_ >= kWrongViews && !search_.busy()) {
+    search_.begin(view, Figure{pose_, proportions_});
+    urgent_ = true;
+  }
   const bool lost = lost_ >= kLostViews;
   if (!search_.busy()) {
     const int pause = lost ? 0 : (views_ < kEarlyViews ? 4 : kChallengePause);
@@ -253,6 +270,8 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   }
   support_ = fitter_.supportOf(view, proportions_, pose_);
   confidence_.update(support_, view.attached());
+  headKnown_ = view.headOutside();
+  lowerBody_ = view.lowerBody();
   lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;
   velocity_ = stepBetween(last, pose_);
   for (int i = 0; i < kFitLimbCount; ++i) {
@@ -277,6 +296,18 @@ void PersonFit::report(SkeletonFrame& frame) const {
     frame.joints[j].confidence = confidence_[static_cast<BodyJoint>(j)];
   }
   calm_.doubt(frame);
+  using J = BodyJoint;
+  if (headKnown_) {  // between it and the legs little can be wrong
+    for (const J joint : {J::kNeck, J::kTorso, J::kLeftHip, J::kRightHip, J::kLeftKnee, J::kRightKnee}) {
+      frame[joint].confidence = std::max(frame[joint].confidence, kInferred);
+    }
+  }
+  if (!lowerBody_) return;
+  for (const J joint :
+       {J::kLeftShoulder, J::kRightShoulder, J::kLeftElbow, J::kRightElbow, J::kLeftHand, J::kRightHand}) {
+    frame[joint].confidence = 0.0;
+  }
+  if (!headKnown_) frame[J::kHead].confidence = frame[J::kNeck].confidence = 0.0;
 }
 
 }  // namespace lorica::fit

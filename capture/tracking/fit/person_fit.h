@@ -69,6 +69,9 @@ class PersonFit {
   int rivalViews_ = 0;
   float rivalCost_ = 0.0F, ownCost_ = 0.0F;  ///< sums over those views
   int sinceChallenge_ = 0;
+  bool headKnown_ = false;  ///< outside the image, by a headset
+  bool lowerBody_ = false;
+  int wrongWay_ = 0;     ///< consecutive views in which the body faces away from where the headset looks
   bool urgent_ = false;  ///< the search in progress should end soon: the current estimate is not to be trusted
   bool fresh_ = false;   ///< the search in progress does not use the current estimate
 };

@@ -12,8 +12,10 @@ constexpr float kPi = 3.14159265F;
 constexpr float kUnusualWeight = 5.0F;  ///< of proportions that differ from the mannequin's
 constexpr float kReachHeight = 2.15F;   ///< of the mannequin's raised hands [m]
 constexpr float kHipHeight = 0.915F;    ///< [m]
+constexpr float kCrown = 0.17F;         ///< height of the crown over the head joint [m]
 
-constexpr float kAway = 0.4F;  ///< added share of the cost of a newcomer who faces away from the camera
+constexpr float kAway = 0.4F;            ///< added share of the cost of a newcomer who faces away from the camera
+constexpr float kAgainstHeadset = 4.0F;  ///< the same of one who faces away from where their headset looks
 
 constexpr float kUnfitted = 100.0F;  ///< how much worse than the present pose one may be that is not yet fitted
 constexpr std::array<FitStage, 2> kRough = {{{0.40F, 100, 4}, {0.20F, 150, 4}}};
@@ -43,6 +45,13 @@ float facingOf(const BodyView& view, const BodyPose& pose) {
   V3 camera = view.cameraPosition() - pose.root;
   front.y() = camera.y() = 0.0F;
   return front.normalized().dot(camera.normalized());
+}
+
+float facingOfWorn(const BodyView& view, const BodyPose& pose) {
+  if (!view.worn()) return 1.0F;
+  V3 front = pose.turn[kPelvis] * V3::UnitZ();
+  front.y() = 0.0F;
+  return front.normalized().dot(view.worn()->ahead);
 }
 
 bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
@@ -103,6 +112,7 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
   middle_ = view.middle();
   float top = -1e9F;
   for (const BodyView::Point& point : view.points()) top = std::max(top, point.position.y());
+  if (view.headOutside()) top = view.worn()->head.y() + kCrown;
   const V3 away(middle_.x() - view.cameraPosition().x(), 0.0F, middle_.z() - view.cameraPosition().z());
   const V3 back = away.normalized();
   const float towards = std::atan2(-back.x(), -back.z());
@@ -131,7 +141,7 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
     const float heading = towards + turn;
     const float under = top - (kMannequinHeight - kHipHeight) * standing.factor[kSize];
     const float s = usual.factor[kSize];
-    if (ground) {
+    if (ground && !(view.lowerBody() && !view.headOutside())) {
       add(standingPose(hips(under), heading, 0.15F, 0.0F, 0.2F), standing);
       add(standingPose(hips(under), heading, 1.4F, 0.0F, 0.2F), standing);
       add(standingPose(hips(under), heading, 0.2F, 0.8F, 1.2F), standing);
@@ -186,8 +196,9 @@ float PersonSearch::unusual(const Proportions& proportions) {
 }
 
 float PersonSearch::judged(const BodyView& view, const Figure& figure, float plausible) const {
-  const float away = newcomer_ ? 0.5F * (1.0F - facingOf(view, figure.pose)) : 0.0F;
-  return (1.0F + kAway * away) * (plausible + unusual(figure.proportions));
+  const float away = newcomer_ && !view.worn() ? 0.5F * (1.0F - facingOf(view, figure.pose)) : 0.0F;
+  const float wrong = facingOfWorn(view, figure.pose) < kWrongWay ? kAgainstHeadset : 0.0F;
+  return (1.0F + kAway * away + wrong) * (plausible + unusual(figure.proportions));
 }
 
 void PersonSearch::pickFinalists(const BodyView& view) {

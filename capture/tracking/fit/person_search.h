@@ -73,6 +73,10 @@ bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, c
 /// camera.
 [[nodiscard]] float facingOf(const BodyView& view, const BodyPose& pose);
 
+/// The same to where a headset looks; a trunk turns less far away from the head than kWrongWay. 1 without a headset.
+[[nodiscard]] float facingOfWorn(const BodyView& view, const BodyPose& pose);
+inline constexpr float kWrongWay = -0.2F;
+
 /// The stage at which figures are compared.
 inline constexpr FitStage kJudge = {0.08F, 600, 0};
 /// A weak prior that only holds what nothing else constrains.

@@ -181,7 +181,7 @@ static void test_rays(void) {
   CHECK(lorica_live_make(body, &live) == LORICA_OK);
   double rays[12] = {0, 1, 3, 0, 0, -1, 0, 1, 3, NAN, 0, 1}, distances[2], positions[6], normals[6];
   int32_t parts[2] = {7, 7};
-  CHECK(lorica_live_cast_rays(live, rays, 1, INFINITY, parts, distances, NULL, NULL) == LORICA_OK);
+  CHECK(lorica_live_cast_rays(live, rays, 1, INFINITY, 0, NULL, parts, distances, NULL, NULL) == LORICA_OK);
   CHECK(parts[0] == -1 && isinf(distances[0])); /* no pose yet */
   size_t hits = 0;
   for (size_t frame = 0; frame < 40; ++frame) {
@@ -195,8 +195,16 @@ static void test_rays(void) {
         for (size_t v = 0; v < hull.vertex_count; ++v) sum += hull.vertices[3 * v + axis];
         rays[3 + axis] = sum / hull.vertex_count - rays[axis];
       }
-      CHECK(lorica_live_cast_rays(live, rays, 2, INFINITY, parts, distances, positions, normals) == LORICA_OK);
+      CHECK(lorica_live_cast_rays(live, rays, 2, INFINITY, 0, NULL, parts, distances, positions, normals) == LORICA_OK);
       CHECK(parts[0] >= 0 && parts[1] == -1);
+      /* A ball touches before its middle would enter, a capsule beside it no later than the ball. */
+      const double half[3] = {0.1, 0, 0};
+      double ball[2], capsule[2];
+      int32_t touched[2];
+      CHECK(lorica_live_cast_rays(live, rays, 2, INFINITY, 0.05, NULL, touched, ball, NULL, NULL) == LORICA_OK);
+      CHECK(ball[0] < distances[0] - 0.049 && isinf(ball[1]));
+      CHECK(lorica_live_cast_rays(live, rays, 2, INFINITY, 0.05, half, touched, capsule, NULL, NULL) == LORICA_OK);
+      CHECK(capsule[0] <= ball[0] + 1e-9);
       CHECK(lorica_live_hull(live, (size_t)parts[0], &hull) == LORICA_OK);
       /* No vertex is beyond the plane through the hit. */
       for (size_t v = 0; v < hull.vertex_count; ++v) {
@@ -209,11 +217,13 @@ static void test_rays(void) {
     if (frame > 0) CHECK(allocations == before);
   }
   CHECK(hits == 40 * lorica_body_part_count(body));
-  CHECK(lorica_live_cast_rays(live, NULL, 0, 1, NULL, NULL, NULL, NULL) == LORICA_OK);
-  FAILS(LORICA_INVALID_ARGUMENT, "rays", lorica_live_cast_rays(live, NULL, 1, 1, parts, NULL, NULL, NULL));
-  FAILS(LORICA_INVALID_ARGUMENT, "parts", lorica_live_cast_rays(live, rays, 1, 1, NULL, NULL, NULL, NULL));
-  FAILS(LORICA_INVALID_ARGUMENT, "reach: found -1", lorica_live_cast_rays(live, rays, 1, -1, parts, NULL, NULL, NULL));
-  FAILS(LORICA_INVALID_ARGUMENT, "reach: found nan", lorica_live_cast_rays(live, rays, 1, NAN, parts, NULL, NULL, NULL));
+  CHECK(lorica_live_cast_rays(live, NULL, 0, 1, 0, NULL, NULL, NULL, NULL, NULL) == LORICA_OK);
+  FAILS(LORICA_INVALID_ARGUMENT, "rays", lorica_live_cast_rays(live, NULL, 1, 1, 0, NULL, parts, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "parts", lorica_live_cast_rays(live, rays, 1, 1, 0, NULL, NULL, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "reach: found -1", lorica_live_cast_rays(live, rays, 1, -1, 0, NULL, parts, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "reach: found nan", lorica_live_cast_rays(live, rays, 1, NAN, 0, NULL, parts, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "radius: found -1",
+        lorica_live_cast_rays(live, rays, 1, 1, -1, NULL, parts, NULL, NULL, NULL));
   lorica_live_free(live);
   lorica_motion_free(motion);
 }

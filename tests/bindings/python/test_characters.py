@@ -166,6 +166,10 @@ class Characters(unittest.TestCase):
             hull = frame.hulls[part].vertices
             self.assertAlmostEqual(((hull - position) @ normal).max(), 0, 9)  # on the hull's own plane
         self.assertEqual(live.cast(middles, middles - eye)[1].max(), 0)  # from within
+        balls = live.cast(eye, middles - eye, radius=0.05)[1]  # touch before their middles would enter
+        self.assertTrue((balls < distances - 0.049).all())
+        capsules = live.cast(eye, middles - eye, radius=0.05, half=[0.1, 0, 0])[1]
+        self.assertTrue((capsules <= balls + 1e-9).all())
         parts, distances, positions, _ = live.cast([eye, eye], [[0, 0, 1], [np.nan, 0, -1]])
         self.assertEqual((parts.tolist(), distances.tolist()), ([-1, -1], [np.inf, np.inf]))
         self.assertTrue(np.isnan(positions).all())
@@ -220,6 +224,7 @@ class Characters(unittest.TestCase):
             (ValueError, "point 0: found nan", lambda: self.body.live().touches([np.nan, 1, 0])),
             (ValueError, "origins: found 2, expected 1", lambda: self.body.live().cast(np.eye(3)[:2], np.eye(3))),
             (ValueError, "reach: found -1", lambda: self.body.live().cast([0, 1, 0], [0, 0, 1], -1)),
+            (ValueError, "radius: found -1", lambda: self.body.live().cast([0, 1, 0], [0, 0, 1], 1, -1)),
             (ValueError, "radius: found -1", lambda: self.body.live().touches([0, 1, 0], -1)),
         ):
             with self.subTest(sentence), self.assertRaisesRegex(error, sentence):

@@ -26,7 +26,8 @@ constexpr double kRate = 30.0;  // [Hz]
 constexpr double kLag = 0.06;   // [s]
 
 /// The walk on the spot, taken along curves in a small room, with a head that looks around.
-std::vector<SkeletonFrame> wanderingWalk(double seconds, std::uint64_t seed) {
+/// @param room  at this distance from where they began they turn back [m]
+std::vector<SkeletonFrame> wanderingWalk(double seconds, std::uint64_t seed, double room = 0.8) {
   RandomNumbers random(seed);
   const std::vector<SkeletonFrame> steps = synthesizeMotion(SyntheticMotion::kWalk);
   double heading = random.between(-kPi, kPi), turn = 0.0;
@@ -37,7 +38,7 @@ std::vector<SkeletonFrame> wanderingWalk(double seconds, std::uint64_t seed) {
     const Vec3 hips = 0.5 * (frame[BodyJoint::kLeftHip].position + frame[BodyJoint::kRightHip].position);
     if (f % 20 == 0) turn = random.between(-1.2, 1.2);
     heading += turn / kRate;
-    if (place.norm() > 0.8) {
+    if (place.norm() > room) {
       heading += 2.5 / kRate * std::sin(std::remainder(std::atan2(-place.x(), -place.z()) - heading, 2.0 * kPi) / 2.0);
     }
     place += 0.8 / kRate * Vec3(std::sin(heading), 0.0, std::cos(heading));
@@ -101,6 +102,71 @@ TEST(TrackedHead, OfADepthCameraRegistersAHeadset) {
     EXPECT_LT(errors.head, 0.02) << seed;
     EXPECT_LT(errors.lag, 0.02) << seed;
     EXPECT_FALSE(registration.hasMoved(found));
+  }
+}
+
+WornHead wornBy(const SkeletonFrame& truth) {
+  return {truth[BodyJoint::kHead].position, *truth[BodyJoint::kHead].orientation};
+}
+
+// A small room: a camera at the height of a knee, so near that it sees shins and feet alone.
+TEST(TrackedHead, AHeadsetTellsOfABodyOfWhichOnlyTheFeetAreSeen) {
+  VirtualSensorSettings settings;
+  settings.noise.seed = 1;
+  settings.room.worldFromCamera = worldFromCameraAt({0.0, 0.35, 1.6}, 0.25);
+  struct Row {
+    bool worn, lowerBody;
+    int fewest, most;  // frames of 120 in which the person is tracked
+  };
+  for (const Row& row : {Row{false, false, 0, 0}, Row{true, false, 80, 120}, Row{true, true, 80, 120}}) {
+    std::vector<VirtualPerson> people;
+    people.push_back({VirtualPerformer::create(makeMannequin(), wanderingWalk(4.0, 1, 0.3)).value()});
+    VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
+    Tracker tracker = Tracker::create(sensor.camera(), {.lowerBody = row.lowerBody}).value();
+    DepthFrame frame;
+    int tracked = 0;
+    double head = 0.0, feet = 0.0;
+    for (std::uint64_t f = 0; f < sensor.frameCount(); ++f) {
+      sensor.render(f, frame);
+      const SkeletonFrame truth = moved(sensor.truth()[0].joints, sensor.floorFromCamera());
+      const auto found = tracker.track(frame, row.worn ? std::optional(wornBy(truth)) : std::nullopt);
+      if (found.empty()) continue;
+      ++tracked;
+      const SkeletonFrame& joints = found[0].skeleton;
+      const auto off = [&](BodyJoint joint) { return (joints[joint].position - truth[joint].position).norm(); };
+      head += off(BodyJoint::kHead);
+      feet += 0.5 * (off(BodyJoint::kLeftFoot) + off(BodyJoint::kRightFoot));
+      // The camera does not claim to have seen the head: a registration must not learn from it.
+      EXPECT_LT(joints[BodyJoint::kHead].confidence, 0.5);
+      EXPECT_GE(joints[BodyJoint::kTorso].confidence, 0.5);
+      EXPECT_EQ(joints[BodyJoint::kLeftHand].confidence == 0.0, row.lowerBody);
+    }
+    EXPECT_GE(tracked, row.fewest);
+    EXPECT_LE(tracked, row.most);
+    EXPECT_LE(head, 0.05 * tracked);
+    EXPECT_LE(feet, 0.06 * tracked);
+  }
+}
+
+// The same images: the body turns its front to where the headset looks.
+TEST(TrackedHead, TheHeadsetDecidesFrontAndBack) {
+  std::vector<VirtualPerson> people;
+  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
+  VirtualSensor sensor = VirtualSensor::create(std::move(people)).value();
+  for (const bool turned : {false, true}) {
+    Tracker tracker = Tracker::create(sensor.camera()).value();
+    DepthFrame frame;
+    for (int f = 0; f < 90; ++f) {
+      sensor.render(f, frame);
+      WornHead worn = wornBy(moved(sensor.truth()[0].joints, sensor.floorFromCamera()));
+      // Turned about after a second: whoever is tracked is turned as well.
+      if (turned && f >= 30) worn.orientation = Eigen::AngleAxisd(kPi, Vec3::UnitY()) * worn.orientation;
+      const auto found = tracker.track(frame, worn);
+      if (f < 80) continue;
+      ASSERT_EQ(found.size(), 1U);
+      const Vec3 front = *found[0].skeleton[BodyJoint::kTorso].orientation * Vec3::UnitZ();
+      EXPECT_GT(front.dot(worn.ahead()), 0.5) << f;
+    }
   }
 }
 

@@ -65,6 +65,21 @@ TEST(FramePace, APauseBeginsAnew) {
   EXPECT_NEAR(pace.due(10.0), 10.05, 1e-9);
 }
 
+TEST(WaitingFrames, TheOldestGivesWayToOneMoreThanTheLimit) {
+  for (const std::size_t more : {0U, 1U}) {
+    WaitingFrames waiting;
+    FramePace pace(0.0);
+    for (std::size_t i = 1; i <= kMaxWaitingFrames + more; ++i) {
+      const double arrival = static_cast<double>(i) / 60.0;
+      waiting.add(arrival, pace).time = arrival;
+    }
+    EXPECT_EQ(waiting.take().frame.time, static_cast<double>(1 + more) / 60.0);
+    std::size_t left = 0;
+    for (; waiting.due() < 1e9; ++left) (void)waiting.take();
+    EXPECT_EQ(left + 1, kMaxWaitingFrames);
+  }
+}
+
 /// A hundred thousand packets, as fast as they can be sent: one frame at a time waits for the session, and neither
 /// side takes memory for more.
 TEST(VmcStream, AFloodIsOneFrameForEachStep) {

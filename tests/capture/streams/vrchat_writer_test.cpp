@@ -80,7 +80,33 @@ TEST(VrchatWriter, TheBodyIsScaledToTheUserAndMirrored) {
   }
 }
 
-/// Turned to its left, towards +X here, the body faces -X in Unity: a yaw of -90 degrees.
+TEST(VrchatWriter, AWearerIsSentInTheirStage) {
+  const Character mannequin = makeMannequin();
+  BonePoseReader reader = BonePoseReader::create(mannequin.skeleton).value();
+  StagedPerson person;
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) person.joints.joints[j] = {Vec3(0.1 * j, 1.0, -0.2 * j), {}, 0.6};
+  person.joints[BodyJoint::kLeftElbow].confidence = 0.0;
+  person.stageFromWorld = Eigen::Translation3d(1.0, 0.02, 3.0) * about(Vec3::UnitY(), 40.0);
+  const std::map<std::string, Vec3> sent =
+      decoded(VrchatWriter(mannequin.height).write(reader.read(restPose(mannequin.skeleton)), &person));
+  EXPECT_EQ(sent.size(), 16U) << "an elbow is not known";
+  const auto at = [&](BodyJoint joint) { return person.joints[joint].position; };
+  const std::map<std::string, Vec3> places = {
+      {"head", at(BodyJoint::kHead)},
+      {"1", 0.5 * (at(BodyJoint::kLeftHip) + at(BodyJoint::kRightHip))},
+      {"4", at(BodyJoint::kRightFoot)},
+      {"8", at(BodyJoint::kRightElbow)},
+  };
+  for (const auto& [name, place] : places) {
+    Vec3 expected = person.stageFromWorld * place;
+    expected.x() = -expected.x();
+    EXPECT_LT((sent.at("/tracking/trackers/" + name + "/position") - expected).norm(), 1e-6) << name;
+    // A T-pose turned by 40 degrees to its left.
+    const Vec3 angles = sent.at("/tracking/trackers/" + name + "/rotation");
+    EXPECT_LT((angles - Vec3(0.0, -40.0, 0.0)).norm(), 1e-3) << name;
+  }
+}
+
 TEST(VrchatWriter, OnlyTheTrackersAskedForAreSent) {
   const Character mannequin = makeMannequin();
   Result<BonePoseReader> reader = BonePoseReader::create(mannequin.skeleton);
@@ -101,6 +127,7 @@ TEST(VrchatWriter, OnlyTheTrackersAskedForAreSent) {
   }
 }
 
+/// Turned to its left, towards +X here, the body faces -X in Unity: a yaw of -90 degrees.
 TEST(VrchatWriter, ATurnIsAYaw) {
   Result<BonePoseReader> reader = BonePoseReader::create(makeMannequin().skeleton);
   ASSERT_TRUE(reader);

@@ -226,12 +226,144 @@ TEST(RayQuery, WhatIsNoRayHitsNothing) {
   for (const HullRay& ray :
        {HullRay{from, Vec3::Zero()}, HullRay{from, Vec3(kNan, 0.0, 0.0)}, HullRay{Vec3(0.0, kNan, 0.0), towards},
         HullRay{from, Vec3(kInfinity, 0.0, 0.0)}, HullRay{Vec3(kInfinity, 0.0, 0.0), towards},
-        HullRay{from, towards, -1.0}, HullRay{from, towards, kNan}, HullRay{Vec3::Constant(1e300), towards}}) {
+        HullRay{from, towards, -1.0}, HullRay{from, towards, kNan}, HullRay{Vec3::Constant(1e300), towards},
+        HullRay{from, towards, 9.0, -0.1}, HullRay{from, towards, 9.0, kNan}, HullRay{from, towards, 9.0, kInfinity},
+        HullRay{from, towards, 9.0, 0.1, Vec3(0.0, kNan, 0.0)}}) {
     EXPECT_FALSE(query.nearest(ray));
     EXPECT_EQ(query.all(ray, {}), 0u);
   }
   query.update({});
   EXPECT_FALSE(query.nearest({from, towards}));
+}
+
+/// The point of a triangle that is nearest to a point: the foot of the perpendicular, or the nearest of its edges.
+double slowDistance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = (b - a).cross(c - a).normalized();
+  const auto beside = [&](const Vec3& from, const Vec3& to) { return (to - from).cross(p - from).dot(normal) < 0.0; };
+  if (!beside(a, b) && !beside(b, c) && !beside(c, a)) return std::abs((p - a).dot(normal));
+  double least = kInfinity;
+  for (const auto& [from, to] : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) {
+    const Vec3 along = to - from;
+    const double t = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    least = std::min(least, (from + t * along - p).norm());
+  }
+  return least;
+}
+
+/// Of a point from a hull, 0 inside.
+double slowDistance(const Vec3& p, const ConvexHull& hull) {
+  double least = kInfinity;
+  bool inside = true;
+  for (const Triangle& triangle : hull.triangles) {
+    const Vec3 &a = hull.vertices[triangle[0]], &b = hull.vertices[triangle[1]], &c = hull.vertices[triangle[2]];
+    inside = inside && (p - a).dot((b - a).cross(c - a)) <= 0.0;
+    least = std::min(least, slowDistance(p, a, b, c));
+  }
+  return inside ? 0.0 : least;
+}
+
+/// The least of a convex function between two places, and where it is.
+template <typename Function>
+std::pair<double, double> leastOf(double from, double to, const Function& f) {
+  while (to - from > 1e-9) {
+    const double a = from + (to - from) / 3.0, b = to - (to - from) / 3.0;
+    (f(a) < f(b) ? to : from) = f(a) < f(b) ? b : a;
+  }
+  const double at = 0.5 * (from + to);
+  return {at, f(at)};
+}
+
+/// When a ball or capsule first touches a hull: a ball touches the hull of all places where the capsule's axis would be
+/// in it. The distance is a convex function of the way.
+double slowTouch(const HullRay& ray, const ConvexHull& hull) {
+  std::vector<Vec3> places;
+  for (const Vec3& vertex : hull.vertices) places.insert(places.end(), {vertex + ray.half, vertex - ray.half});
+  const ConvexHull sum = convexHull(places);
+  const auto gap = [&](double at) { return slowDistance(ray.origin + at * ray.direction, sum) - ray.radius; };
+  if (gap(0.0) <= 0.0) return 0.0;
+  double outside = 0.0;
+  const auto [at, least] = leastOf(0.0, std::min(ray.reach, 20.0), gap);
+  double touching = at;
+  if (least > 0.0) return kInfinity;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = 0.5 * (outside + touching);
+    (gap(middle) <= 0.0 ? touching : outside) = middle;
+  }
+  return touching;
+}
+
+TEST(RayQuery, BallsAndCapsulesTouchWhereTheirDistanceIsTheirRadius) {
+  std::mt19937_64 random(49);
+  int touched = 0, insides = 0, missed = 0;
+  Pair pair(random);
+  for (int i = 0; i < 300; ++i) {
+    if (i % 100 == 0) pair.move(random, 0, Vec3(0.0, 0.95, 0.0));
+    RayQuery query;
+    const std::size_t part = i % pair.bodies[0].size();
+    const std::span<const LivePart> one = pair.body[0].parts().subspan(part, 1);
+    query.update(std::array{one});
+    HullRay ray = randomRay(random);
+    if (i % 4 != 0) ray.direction = (one[0].worldFromPart.translation() - ray.origin).normalized();
+    ray.radius = uniform(random, 0.0, 0.3);
+    if (i % 3 == 1) ray.half = uniformVec3(random, -0.4, 0.4);
+    if (i % 9 == 1) ray.radius = 0.0;  // a stick
+    const double slow = one[0].shape.degenerate() ? kInfinity : slowTouch(ray, worldHull(one[0]));
+    const HullHit hit = query.nearest(ray);
+    ASSERT_EQ(static_cast<bool>(hit), slow < kInfinity) << i;
+    (hit ? hit.distance == 0.0 ? insides : touched : missed) += 1;
+    if (!hit) continue;
+    EXPECT_NEAR(hit.distance, slow, 1e-5) << i;
+    if (hit.distance == 0.0) {
+      EXPECT_LT((hit.normal + ray.direction).norm(), 1e-12);
+      continue;
+    }
+    // It touches there, from outside.
+    EXPECT_LT(slowDistance(hit.position, worldHull(one[0])), 1e-8);
+    const Vec3 middle = ray.origin + hit.distance * ray.direction - hit.position;
+    const double s = leastOf(-1.0, 1.0, [&](double t) { return (middle + t * ray.half).norm(); }).first;
+    if (ray.radius > 0.0) {
+      EXPECT_NEAR((middle + s * ray.half).norm(), ray.radius, 1e-6);
+      EXPECT_LT(((middle + s * ray.half).normalized() - hit.normal).norm(), 1e-4);
+    }
+    EXPECT_LE(hit.normal.dot(ray.direction), 1e-9);
+  }
+  EXPECT_GT(touched, 25);
+  EXPECT_GT(insides, 3);
+  EXPECT_GT(missed, 25);
+}
+
+TEST(RayQuery, TheNearestOfAllIsTouchedFirst) {
+  std::mt19937_64 random(50);
+  const Pair pair(random);
+  RayQuery query;
+  query.update(pair.bodies);
+  int hits = 0;
+  for (int i = 0; i < 200; ++i) {
+    HullRay ray = randomRay(random);
+    ray.radius = 0.1;
+    ray.half = uniformVec3(random, -0.2, 0.2);
+    double slow = kInfinity;
+    for (const LiveBody& body : pair.body) {
+      for (const LivePart& part : body.parts()) {
+        RayQuery alone;
+        const std::span<const LivePart> one(&part, 1);
+        alone.update(std::array{one});
+        const HullHit hit = alone.nearest(ray);
+        if (hit) slow = std::min(slow, hit.distance);
+      }
+    }
+    const HullHit hit = query.nearest(ray);
+    EXPECT_EQ(hit ? hit.distance : kInfinity, slow);
+    hits += hit ? 1 : 0;
+    // A ball that is hardly one is a ray.
+    HullRay thin = randomRay(random), thick = thin;
+    thick.radius = 1e-7;
+    const HullHit a = query.nearest(thin), b = query.nearest(thick);
+    if (a && b) {
+      EXPECT_NEAR(a.distance, b.distance, 1e-4);
+    }
+  }
+  EXPECT_GT(hits, 40);
 }
 
 TEST(RayQuery, FramesAndRaysAllocateNothing) {
@@ -243,7 +375,12 @@ TEST(RayQuery, FramesAndRaysAllocateNothing) {
     const long before = allocationCount();
     query.update(pair.bodies);
     std::array<HullHit, 8> hits;
-    for (int i = 0; i < 50; ++i) (void)query.all(randomRay(random), hits);
+    for (int i = 0; i < 50; ++i) {
+      HullRay ray = randomRay(random);
+      (void)query.all(ray, hits);
+      ray.radius = 0.1;
+      (void)query.all(ray, hits);
+    }
     if (frame == 0) continue;
     EXPECT_EQ(allocationCount() - before, 0) << frame;
   }

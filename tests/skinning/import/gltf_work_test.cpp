@@ -1,5 +1,6 @@
 #include "geometry/work_budgets.h"
 #include "skinning/import/character_file.h"
+#include "skinning/import/file_scene.h"
 #include "skinning/import/uri.h"
 #include "tests/skinning/import/glb_writer.h"
 #include "tests/support/datasets.h"
@@ -69,6 +70,15 @@ GlbWriter skinned(int joints, bool chain) {
         Json::array({{{"attributes", {{"POSITION", triangle}, {"JOINTS_0", bones}, {"WEIGHTS_0", weights}}}}})}});
   writer.add("nodes", {{"mesh", 0}, {"skin", 0}});
   return writer;
+}
+
+TEST(GltfWork, TrianglesAreBounded) {
+  FileScene scene;
+  for (FileMesh& mesh : scene.meshes = std::vector<FileMesh>(2)) mesh.triangles.resize(kMaxTriangles / 2);
+  EXPECT_TRUE(checkWork(scene, "hero.glb").ok());
+  scene.meshes[0].triangles.emplace_back();
+  EXPECT_EQ(checkWork(scene, "hero.glb").error().message,
+            "hero.glb: 10,000,001 triangles, expected at most 10,000,000");
 }
 
 TEST(GltfWork, JointsAreBounded) {

@@ -152,16 +152,28 @@ TEST(Pictures, ThoseBeyondTheBudgetOfPixelsAreNotDecoded) {
   }
 }
 
-TEST(Pictures, ThoseThatAreTooLargeTogetherAreReducedToFit) {
-  const std::string file = pngOf(Picture{8192, 4096, std::vector<std::uint8_t>(std::size_t{8192} * 4096 * 4, 255)});
-  std::vector<EncodedPicture> encoded;
-  for (std::uint64_t texels = 0; texels <= kMaxKeptTexels; texels += std::uint64_t{8192} * 4096) {
-    encoded.push_back({std::as_bytes(std::span(file)), "picture"});
-  }
-  for (const Result<Picture>& picture : decodePictures(encoded, {0, 1})) {
-    ASSERT_TRUE(picture.ok()) << picture.error().message;
-    EXPECT_EQ(picture->width, 4096);
-    EXPECT_EQ(picture->height, 2048);
+TEST(Pictures, ThoseThatAreTooLargeTogetherOrForTheirBytesAreReducedToFit) {
+  // One of 8192 x 512 pixels, and others that only claim to have as many as are left.
+  const std::string sound = pngOf(Picture{8192, 512, std::vector<std::uint8_t>(std::size_t{8192} * 512 * 4, 9)});
+  const auto claiming = [](std::uint32_t height, std::size_t bytes) {
+    return withSize(pngOf(PngSample{1, 1, 0, 8, false, {0}, pngChunk("tEXt", std::string(bytes, 'x'))}), 8192, height);
+  };
+  struct Row {
+    std::uint64_t most;  ///< texels
+    std::size_t bytes;   ///< of each other picture
+  };
+  for (const Row& row : {Row{1U << 25, 70'000}, Row{kMaxKeptTexels, kMaxKeptTexels / 32}}) {
+    for (const std::uint32_t more : {0U, 1U}) {
+      std::vector<std::string> files = {sound};
+      auto rows = static_cast<std::uint32_t>(row.most / 8192 - 512) + more;
+      for (; rows > 8192; rows -= 8192) files.push_back(claiming(8192, row.bytes));
+      files.push_back(claiming(rows, row.bytes));
+      std::vector<EncodedPicture> encoded;
+      for (const std::string& file : files) encoded.push_back({std::as_bytes(std::span(file)), "picture"});
+      const auto pictures = decodePictures(encoded, {});
+      ASSERT_TRUE(pictures[0].ok()) << pictures[0].error().message;
+      EXPECT_EQ(pictures[0]->width, more == 0 ? 8192 : 4096) << row.most;
+    }
   }
 }
 

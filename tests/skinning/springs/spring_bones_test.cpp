@@ -74,6 +74,20 @@ TEST(SpringBones, AsMuchAsTheBudgetsIsTaken) {
   }
 }
 
+TEST(SpringBones, AsManyJointsAsTheBudgetsSwingAndFollow) {
+  const Skeleton skeleton = strandSkeleton(static_cast<int>(kMaxSprings) + 1);
+  for (const bool follow : {false, true}) {
+    for (const std::size_t more : {0U, 1U}) {
+      SpringBones springs = follow ? SpringBones() : strandSprings(static_cast<int>(kMaxSprings + more), {});
+      for (std::size_t j = 1; follow && j <= kMaxNodeConstraints + more; ++j) {
+        springs.constraints.push_back({.joint = static_cast<JointIndex>(j), .source = 0});
+      }
+      const Result<void> checked = checkSprings(skeleton, springs);
+      EXPECT_EQ(checked.ok(), more == 0) << (checked ? "" : checked.error().message);
+    }
+  }
+}
+
 TEST(SpringBones, ACentreMayBeTheFirstJoint) {
   EXPECT_EQ(refusal([](SpringBones& s) { s.chains[0].center = 1; }), "");
 }

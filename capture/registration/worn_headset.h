@@ -1,0 +1,47 @@
+#pragma once
+
+#include "capture/registration/head_registration.h"
+
+#include <mutex>
+#include <optional>
+#include <vector>
+
+namespace lorica {
+
+/// Where a registered headset says that its wearer's head is, floor frame.
+struct WornHead {
+  Vec3 position = Vec3::Zero();         ///< of the tracker's head joint [m]
+  Quat orientation = Quat::Identity();  ///< as in TrackedJoint
+  /// Unit, level: where the headset looks.
+  [[nodiscard]] Vec3 ahead() const { return (orientation * Vec3::UnitX()).cross(Vec3::UnitY()).normalized(); }
+};
+
+/// The headset of a person before a depth camera: whoever receives its poses tells the thread that tracks its wearer.
+/// Times are of one monotonic clock [s]. Allocates nothing after construction.
+class WornHeadset {
+ public:
+  static constexpr double kGone = 0.3;  ///< without a pose, the headset was taken off [s]
+
+  WornHeadset() { poses_.reserve(kMost); }
+  /// @param registration  none = not yet known, or no longer
+  void setRegistration(const std::optional<Registration>& registration);
+  /// @param position, orientation  stage frame; as HeadRegistration::addHeadset() takes them
+  void add(double time, const Vec3& position, const Quat& orientation);
+  void restart();
+
+  [[nodiscard]] std::optional<Registration> registration() const;
+  /// Where the head was that an image shows. @param time  when the image came
+  [[nodiscard]] std::optional<WornHead> inImage(double time) const;
+  /// Where the head is by the last pose.
+  [[nodiscard]] std::optional<WornHead> latest(double now) const;
+
+ private:
+  static constexpr std::size_t kMost = 128;
+  [[nodiscard]] WornHead headOf(const Vec3& position, const Quat& orientation) const;
+
+  mutable std::mutex mutex_;
+  std::optional<Registration> registration_;
+  std::vector<HeadRegistration::HeadsetPose> poses_;
+};
+
+}  // namespace lorica
