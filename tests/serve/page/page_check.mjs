@@ -55,7 +55,8 @@ async function open(size, { before, layers = { hulls: false } } = {}) {
   });
   await page.setViewport(size);
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }]);
-  const choices = JSON.stringify({ quality: 'high', layers });
+  // A camera that follows moves while somebody drags.
+  const choices = JSON.stringify({ quality: 'high', follow: false, layers });
   await page.evaluateOnNewDocument((kept) => {
     try {
       localStorage.setItem('lorica', kept);
