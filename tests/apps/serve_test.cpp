@@ -105,4 +105,5 @@ TEST(Serve, AFolderForRecordingsIsCheckedFirst) {
   EXPECT_EQ(addressIn(served.err), "");
 }
 
+}  // namespace
 }  // namespace lorica::test
