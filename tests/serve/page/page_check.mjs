@@ -55,8 +55,7 @@ async function open(size, { before, layers = { hulls: false } } = {}) {
   });
   await page.setViewport(size);
   await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'light' }]);
-  // A camera that follows moves while somebody drags.
-  const choices = JSON.stringify({ quality: 'high', follow: false, layers });
+  const choices = JSON.stringify({ quality: 'high', layers });
   await page.evaluateOnNewDocument((kept) => {
     try {
       localStorage.setItem('lorica', kept);
@@ -143,8 +142,21 @@ async function play(page) {
   await pause(page, false);
 }
 
+/// From now on the camera is the user's: the page does not move it back to show the whole avatar. A wheel does not swing on.
+async function zoom(page) {
+  const { camera } = await see(page);
+  await page.mouse.move(60, 330);
+  await page.mouse.wheel({ deltaY: -300 });
+  await until(page, (from) => Math.hypot(...loricaPage.camera.map((v, k) => v - from[k])) > 0.1, camera);
+  for (let last = null, now = camera; !last || distance(now, last) > 0; now = (await see(page)).camera) {
+    last = now;
+    await drawn(page);
+  }
+}
+
 async function drag(page) {
   await until(page, () => loricaPage.props.every((prop) => prop.visible));
+  await zoom(page);
   const positions = (await see(page)).props.map(({ position }) => position);
   await drawn(page);
   const found = await loose(page, positions);
