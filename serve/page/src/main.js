@@ -512,6 +512,7 @@ window.loricaPage = {
   picture(layers, background) {
     for (const name of Object.keys(panel.choices.layers)) panel.choices.layers[name] = layers.includes(name);
     panel.choices.background = background;
+    askForLayers();
     applyChoices();
     view.reset();
     return stage.picture();

@@ -245,14 +245,16 @@ const parts = {
     await page.close();
   },
 
-  /// Pictures of all scenes of a server that goes on to the next one when a step is asked for.
+  /// Pictures of all scenes of a server that goes on to the next one when it is asked to restart.
   async scenes() {
     const page = await open({ width: 960, height: 540 }, { layers: { hulls: true, depth: false } });
     result.scenes = [];
     for (let run = 0; ; ) {
       const index = result.scenes.length;
       await until(page, (i, before) => loricaPage.state?.scene === i && loricaPage.run !== before, index, run);
+      await page.evaluate(() => loricaPage.picture(['character', 'hulls', 'props', 'contacts', 'particles'], 'light'));
       await drawn(page);
+      await until(page, () => loricaPage.particles.all > 0 || loricaPage.state.scenes[loricaPage.state.scene] !== 'sand');
       await until(page, () => [...loricaPage.avatars, ...loricaPage.props].every((a) => a.painted > 0 || a.visible));
       await drawn(page);
       const { state, particles } = await see(page);
@@ -274,7 +276,7 @@ const parts = {
       }
       result.scenes.push({ name: state.scenes[index], particles });
       if (index + 1 === state.scenes.length) break;
-      await page.keyboard.press('n');
+      await page.keyboard.press('Home');
     }
     await page.close();
   },
