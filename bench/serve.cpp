@@ -418,6 +418,7 @@ int measureLatency(const Options& options) {
   TimedScreen screen(page);
   std::map<double, double> arrived;  // by the session's time [s]
   screen.seen = [&](const Scene& scene) {
+    if (joints.frameCount() == 0) return;  // nothing has come yet
     arrived.emplace(scene.time, std::chrono::duration<double>(joints.sight().arrived.time_since_epoch()).count());
   };
   Watcher watcher;
