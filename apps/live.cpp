@@ -172,9 +172,7 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   Option* people = addCount(*app, "--people", options->live.people, 1,
                             "People to follow at once, each with an avatar, at most 6 [default: 1]")
                        ->excludes(person);
-  Option* lower =
-      app->addFlag("--lower-body", options->live.lowerBody,
-                   "The camera sees only waist, legs and feet; arms hang, the head is a headset's, see --serve");
+  Option* lower = addLowerBodyOption(*app, options->live.lowerBody);
   Option* nite = app->addOption("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so")
                      ->typeName("FILE")
                      ->excludes(person)

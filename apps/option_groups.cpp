@@ -262,6 +262,11 @@ void addDepthOptions(CommandLine& app, DepthOptions& options) {
       ->needs(virtualCamera);
 }
 
+Option* addLowerBodyOption(CommandLine& app, bool& lowerBody) {
+  return app.addFlag("--lower-body", lowerBody,
+                     "The camera sees only waist, legs and feet: arms hang, the head is that of a headset on the page");
+}
+
 Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
   Option* vmc = app.addOption("--vmc", options.listenAt,
                               "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "

@@ -79,6 +79,7 @@ void addRecordOption(CommandLine& app, std::string& file);
 
 /// --device, --driver, --virtual, --motion.
 void addDepthOptions(CommandLine& app, DepthOptions& options);
+Option* addLowerBodyOption(CommandLine& app, bool& lowerBody);
 
 /// --vmc and --delay. @return --vmc
 Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options);
