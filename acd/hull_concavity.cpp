@@ -4,6 +4,7 @@
 #include "acd/volume_coverage.h"
 #include "geometry/counts.h"
 #include "geometry/random_numbers.h"
+#include "geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,10 +17,6 @@ namespace {
 constexpr double kOnFace = 1e-7;  // of the hull's diagonal: nearer to a plane is in the hull
 constexpr int kLines = 4096;      // for the volume of a part
 constexpr double kInside = 0.5;   // winding number
-
-bool overlap(const Aabb& a, const Aabb& b) {
-  return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
-}
 
 /// What is left of a polygon below a plane.
 void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset, std::vector<Vec3>& kept) {

@@ -25,6 +25,9 @@ constexpr std::array<double, 3> kTolerances = {1e-9, 1e-6, 1e-5};
 constexpr double kOverlap = 1e-6;  // share of the volume: pieces that overlap by less only touch
 constexpr double kInside = 0.5;    // winding number
 constexpr double kMuch = 0.01;     // share of a piece that overlaps itself: less is left as it is if need be
+constexpr std::size_t kMaxPieces = 10'000'000;    // pairs of pieces whose boxes overlap
+constexpr std::size_t kMaxSteps = 20'000'000;     // as many triangles for winding numbers: a second
+constexpr std::size_t kApartSteps = 4;            // of a test of two triangles
 constexpr std::size_t kSamples = 500;
 constexpr std::size_t kMinSamples = 64;
 constexpr std::size_t kSampledTriangles = 20'000'000;  // for all samples: of slivers, each sees every triangle
@@ -49,10 +52,6 @@ Aabb grown(Aabb box, double by) {
   box.min.array() -= by;
   box.max.array() += by;
   return box;
-}
-
-bool overlap(const Aabb& a, const Aabb& b) {
-  return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
 }
 
 /// Whether a plane separates two convex polygons by more than the tolerance: across one of them, through an edge of
@@ -176,10 +175,15 @@ class Union {
     std::vector<std::size_t> order(pieceBoxes_.size());  // along x: a file may have very many pieces
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::stable_sort(order, {}, [this](std::size_t p) { return pieceBoxes_[p].min.x(); });
+    std::size_t pairs = 0;
     for (auto a = order.begin(); a != order.end(); ++a) {
       const Aabb box = grown(pieceBoxes_[*a], 1e-6 * diagonal_);
       for (auto b = a + 1; b != order.end() && pieceBoxes_[*b].min.x() <= box.max.x(); ++b) {
         if (!overlap(pieceBoxes_[*b], box)) continue;
+        if (++pairs > kMaxPieces) {
+          stepsLeft_ = 0;
+          return;
+        }
         reached_[*a].push_back(*b);
         reached_[*b].push_back(*a);
       }
@@ -193,26 +197,36 @@ class Union {
     return std::ranges::any_of(reached_, [](const auto& others) { return !others.empty(); });
   }
 
-  /// The union as far as the tolerance finds it: not necessarily closed.
+  /// The union as far as the tolerance finds it: not necessarily closed; empty once all this takes too many steps.
   /// @param within  also unite pieces with themselves
   TriMesh make(double tolerance, bool within) {
     tolerance_ = tolerance * diagonal_;
     within_ = within;
-    findPartners();
-    std::vector<Facet> facets = keptFacets();
-    return assemble(facets);
+    if (!tookTooLong()) findPartners();
+    const std::vector<Facet> facets = keptFacets();
+    TriMesh made = assemble(facets);
+    return tookTooLong() ? TriMesh() : made;
   }
+
+  /// Whether pieces lie across each other in too many places.
+  [[nodiscard]] bool tookTooLong() const { return stepsLeft_ == 0; }
 
   /// Pieces of which a part is gone.
   [[nodiscard]] std::size_t overlapping() const { return std::ranges::count(cut_, true); }
 
  private:
+  /// @return whether so many steps are still allowed; if not, none is from then on
+  bool spend(std::size_t steps) {
+    stepsLeft_ = steps < stepsLeft_ ? stepsLeft_ - steps : 0;
+    return stepsLeft_ > 0;
+  }
+
   [[nodiscard]] Corners cornersOf(std::int32_t k) const {
     const Triangle& t = mesh_.triangles[k];
     return {mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]]};
   }
 
-  /// Finds the triangles that each triangle touches, of other pieces unless within_, by a sweep along the longest axis.
+  /// Finds the triangles that each triangle touches, of other pieces unless within_, in order along the longest axis.
   void findPartners() {
     partners_.assign(mesh_.triangles.size(), {});
     struct Entry {
@@ -231,12 +245,21 @@ class Union {
     Eigen::Index axis = 0;
     (all.max - all.min).maxCoeff(&axis);
     std::ranges::stable_sort(entries, {}, [axis](const Entry& e) { return e.box.min[axis]; });
+    std::vector<std::size_t> rank(mesh_.triangles.size(), 0);
+    for (std::size_t i = 0; i < entries.size(); ++i) rank[entries[i].triangle] = i;
+    std::vector<std::size_t> near;
     for (std::size_t i = 0; i < entries.size(); ++i) {
-      const Corners own = cornersOf(entries[i].triangle);
-      for (std::size_t j = i + 1; j < entries.size() && entries[j].box.min[axis] <= entries[i].box.max[axis]; ++j) {
-        const std::int32_t a = entries[i].triangle, b = entries[j].triangle;
-        if ((pieceOf_[a] == pieceOf_[b] && !(within_ && disjoint(a, b))) || !overlap(entries[i].box, entries[j].box))
-          continue;
+      const std::int32_t a = entries[i].triangle;
+      near.clear();
+      tree_.forEachNear(grown(entries[i].box, tolerance_), [&](std::int32_t b) {
+        const bool other = pieceOf_[a] != pieceOf_[b] || (within_ && disjoint(a, b));
+        if (other && rank[b] > i && overlap(entries[i].box, entries[rank[b]].box)) near.push_back(rank[b]);
+      });
+      if (!spend(kApartSteps * near.size() + 1)) return;
+      std::ranges::sort(near);
+      const Corners own = cornersOf(a);
+      for (const std::size_t j : near) {
+        const std::int32_t b = entries[j].triangle;
         if (apart(own, cornersOf(b), tolerance_)) continue;
         partners_[a].push_back(b);
         partners_[b].push_back(a);
@@ -257,7 +280,7 @@ class Union {
   }
 
   /// Cuts a triangle where the others pass through it. One in the same plane cuts along its edges.
-  [[nodiscard]] std::vector<Facet> facetsOf(std::int32_t k) const {
+  [[nodiscard]] std::vector<Facet> facetsOf(std::int32_t k) {
     std::vector<Facet> facets = {{cornersOf(k), k}};
     const Vec3 own = areaNormal(facets[0].corners).normalized();
     for (const std::int32_t other : partners_[k]) {
@@ -273,6 +296,7 @@ class Union {
         planes.emplace_back(normal, normal.dot(corners[0]));
       }
       for (const auto& [normal, offset] : planes) {
+        if (!spend(kApartSteps * facets.size())) return facets;
         for (std::size_t f = 0, count = facets.size(); f < count; ++f) {
           if (apart(facets[f].corners, corners, tolerance_)) continue;
           Corners rest = cutOff(facets[f].corners, normal, offset, tolerance_);
@@ -285,7 +309,7 @@ class Union {
 
   /// Whether a facet is on the surface of the union: there is nothing in front of it and something behind. Of several
   /// in the same plane, the one of the first piece.
-  [[nodiscard]] bool onSurface(const Facet& facet) const {
+  [[nodiscard]] bool onSurface(const Facet& facet) {
     const Vec3 area = areaNormal(facet.corners);
     Vec3 center = Vec3::Zero();
     double around = 0.0;
@@ -300,7 +324,10 @@ class Union {
     }
     const double least = inPlane.empty() ? 1e-3 * tolerance_ : 4.0 * tolerance_;
     const Vec3 step = std::clamp(0.01 * thickness, least, 40.0 * tolerance_) * area.normalized();
-    if (tree_.windingNumber(center + step) > kInside || tree_.windingNumber(center - step) < kInside) return false;
+    std::size_t looked = partners_[facet.triangle].size();
+    const bool between =
+        tree_.windingNumber(center + step, &looked) <= kInside && tree_.windingNumber(center - step, &looked) >= kInside;
+    if (!spend(looked) || !between) return false;
     return std::ranges::none_of(inPlane, [&](std::int32_t other) {
       const Corners corners = cornersOf(other);
       return std::pair(pieceOf_[other], other) < std::pair(pieceOf_[facet.triangle], facet.triangle) &&
@@ -332,12 +359,14 @@ class Union {
     }
     std::vector<bool> kept(mesh_.triangles.size());  // of a group, at its largest triangle
     for (const std::int32_t k : largest) {
+      if (tookTooLong()) return {};
       if (k >= 0)
         kept[k] = partners_[k].empty() && ((reached_[pieceOf_[k]].empty() && !within_) || onSurface({cornersOf(k), k}));
     }
     std::vector<Facet> facets;
     for (std::int32_t k = 0; k < countOf(mesh_.triangles); ++k) {
       const bool whole = partners_[k].empty();
+      if (tookTooLong()) return {};
       for (Facet& facet : whole ? std::vector<Facet>{{cornersOf(k), k}} : facetsOf(k)) {
         if (whole ? kept[largest[rootOf(k)]] : onSurface(facet)) {
           facets.push_back(std::move(facet));
@@ -350,7 +379,7 @@ class Union {
   }
 
   /// Joins facets at common vertices: those that lie on an edge of another become its corners.
-  [[nodiscard]] TriMesh assemble(const std::vector<Facet>& facets) const {
+  [[nodiscard]] TriMesh assemble(const std::vector<Facet>& facets) {
     TriMesh result;
     result.vertices = mesh_.vertices;
     NearPositions positions(tolerance_, surfaceBounds(mesh_).min);
@@ -387,6 +416,7 @@ class Union {
         full.push_back(polygon[i]);
         addVerticesOn(polygon[i], polygon[(i + 1) % polygon.size()], onEdges, result.vertices, full);
       }
+      if (!spend(full.size() * full.size() * full.size() / 64)) break;  // of a triangulation's smaller steps
       if (tidy(full)) triangulate(full, result.vertices, result.triangles);
     }
     return result;
@@ -394,7 +424,7 @@ class Union {
 
   /// Appends the vertices that lie between two others, in order from `from` to `to`.
   void addVerticesOn(VertexIndex from, VertexIndex to, std::span<const VertexIndex> onEdges,
-                     std::span<const Vec3> vertices, std::vector<VertexIndex>& into) const {
+                     std::span<const Vec3> vertices, std::vector<VertexIndex>& into) {
     const Vec3& a = vertices[from];
     const Vec3 along = vertices[to] - a;
     const double lengthSq = along.squaredNorm();
@@ -402,7 +432,7 @@ class Union {
     const Aabb box = grown(boundsOf(std::array{a, vertices[to]}), tolerance_);
     std::vector<std::pair<double, VertexIndex>> between;
     for (auto at = std::ranges::lower_bound(onEdges, box.min.x(), {}, [&](VertexIndex v) { return vertices[v].x(); });
-         at != onEdges.end() && vertices[*at].x() <= box.max.x(); ++at) {
+         at != onEdges.end() && vertices[*at].x() <= box.max.x() && spend(1); ++at) {
       const Vec3& p = vertices[*at];
       if (*at == from || *at == to || !overlap(box, Aabb{p, p})) continue;
       const double share = (p - a).dot(along) / lengthSq;
@@ -416,6 +446,7 @@ class Union {
   const TriMesh& mesh_;
   const std::vector<std::int32_t>& pieceOf_;  ///< of each triangle
   TriangleTree tree_;
+  std::size_t stepsLeft_ = kMaxSteps;
   double diagonal_ = 0.0;
   double tolerance_ = 0.0;  ///< [mesh units]
   bool within_ = false;
@@ -483,6 +514,7 @@ Result<std::optional<ShellUnion>> uniteShells(const TriMesh& mesh) {
     }
   }
   if (!shells.possible() && twice < kMuch) return std::optional<ShellUnion>();
+  if (shells.tookTooLong()) return badMesh("pieces lie across each other in more places than can be resolved");
   return badMesh("{} of {} pieces overlap in a way that cannot be resolved", shells.overlapping(),
                  pieces.members.size());
 }

@@ -131,7 +131,7 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
   build(first + half, count - half);
 }
 
-double TriangleTree::windingNumber(const Vec3& p) const {
+double TriangleTree::windingNumber(const Vec3& p, std::size_t* looked) const {
   double sum = 0.0;
   std::array<std::int32_t, 64> stack;
   int depth = 0;
@@ -147,6 +147,7 @@ double TriangleTree::windingNumber(const Vec3& p) const {
       for (int i = node.first; i < node.first + node.count; ++i) {
         sum += windingOf(p, corners_[i]);
       }
+      if (looked != nullptr) *looked += node.count;
     } else {
       stack[depth++] = node.first;
       stack[depth++] = index + 1;

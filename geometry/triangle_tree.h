@@ -3,6 +3,7 @@
 #include "geometry/tri_mesh.h"
 
 #include <array>
+#include <cstddef>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -43,10 +44,15 @@ class TriangleTree {
   template <typename Visit>
   void forEachWithin(const Vec3& p, double radius, Visit&& visit) const;
 
+  /// Calls visit(triangle) for all triangles that reach into a box, and for others near them.
+  template <typename Visit>
+  void forEachNear(const Aabb& box, Visit&& visit) const;
+
   /// How often the surface winds around p: 1 inside and 0 outside if it is closed and its triangles are
   /// counter-clockwise from outside; values in between if it is open (Jacobson et al. 2013). Distant groups of
   /// triangles are treated as one dipole (Barill et al. 2018), accurate to a few hundredths.
-  [[nodiscard]] double windingNumber(const Vec3& p) const;
+  /// @param looked  if given, increased by the number of triangles that were looked at one by one
+  [[nodiscard]] double windingNumber(const Vec3& p, std::size_t* looked = nullptr) const;
 
  private:
   struct Node {
@@ -57,6 +63,9 @@ class TriangleTree {
     std::int32_t first = 0;      ///< leaf: its first triangle; else: its second child (the first one follows it)
     std::int32_t count = 0;      ///< leaf: number of triangles; 0 for an inner node
   };
+  /// Calls visit(entry) for the triangles of groups whose box `reaches(box)` lets pass.
+  template <typename Reaches, typename Visit>
+  void forEachEntry(Reaches&& reaches, Visit&& visit) const;
   void build(std::size_t first, std::size_t count);
   void measure(Node& node, std::size_t first, std::size_t count) const;
 
@@ -68,6 +77,10 @@ class TriangleTree {
 /// The nearest point of a triangle, which may be degenerate.
 /// @return squared distance and barycentric coordinates
 [[nodiscard]] std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 3>& triangle);
+
+[[nodiscard]] inline bool overlap(const Aabb& a, const Aabb& b) {
+  return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
+}
 
 [[nodiscard]] inline double distanceSqToBox(const Vec3& p, const Aabb& box) {
   return (box.min - p).cwiseMax(p - box.max).cwiseMax(0.0).squaredNorm();
@@ -106,22 +119,34 @@ TriangleTree::Hit TriangleTree::nearest(const Vec3& p, double within, Accept&& a
 template <typename Visit>
 void TriangleTree::forEachWithin(const Vec3& p, double radius, Visit&& visit) const {
   const double radiusSq = radius * radius;
+  forEachEntry([&](const Aabb& box) { return distanceSqToBox(p, box) <= radiusSq; },
+               [&](std::int32_t entry) {
+                 const double distanceSq = nearestOnTriangle(p, corners_[entry]).first;
+                 if (distanceSq <= radiusSq) visit(original_[entry], std::sqrt(distanceSq));
+               });
+}
+
+template <typename Visit>
+void TriangleTree::forEachNear(const Aabb& box, Visit&& visit) const {
+  forEachEntry([&](const Aabb& other) { return overlap(box, other); },
+               [&](std::int32_t entry) { visit(original_[entry]); });
+}
+
+template <typename Reaches, typename Visit>
+void TriangleTree::forEachEntry(Reaches&& reaches, Visit&& visit) const {
   std::array<std::int32_t, 64> stack;
   int depth = 0;
   stack[depth++] = 0;
   while (depth > 0) {
     const std::int32_t index = stack[--depth];
     const Node& node = nodes_[index];
-    if (distanceSqToBox(p, node.box) > radiusSq) continue;
+    if (!reaches(node.box)) continue;
     if (node.count == 0) {
       stack[depth++] = node.first;
       stack[depth++] = index + 1;
       continue;
     }
-    for (int i = node.first; i < node.first + node.count; ++i) {
-      const double distanceSq = nearestOnTriangle(p, corners_[i]).first;
-      if (distanceSq <= radiusSq) visit(original_[i], std::sqrt(distanceSq));
-    }
+    for (int i = node.first; i < node.first + node.count; ++i) visit(i);
   }
 }
 

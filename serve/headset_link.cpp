@@ -38,7 +38,8 @@ void HeadsetLink::addHeadset(const Wish& wish, double now) {
   if (wish.client != client_ && now - heard_ < kGone) return;
   // Its path begins anew: headsets count from wherever they were put on.
   if (wish.client != client_) {
-    samples_.restart();
+    samples_.clear();
+    place_.reset();
     worn_->restart();
     clockDifference_ = now - wish.to;
     client_ = wish.client;
@@ -46,12 +47,39 @@ void HeadsetLink::addHeadset(const Wish& wish, double now) {
   }
   heard_ = now;
   clockDifference_ = std::min(clockDifference_, now - wish.to);
-  samples_.addHeadset(wish.to + clockDifference_, wish.origin, wish.orientation);
+  if (samples_.empty()) samples_.emplace_back();
+  for (HeadRegistration& samples : samples_) {
+    samples.addHeadset(wish.to + clockDifference_, wish.origin, wish.orientation);
+  }
   worn_->add(wish.to + clockDifference_, wish.origin, wish.orientation);
 }
 
-void HeadsetLink::addTracked(const Vec3& head, double arrived) {
-  if (arrived - heard_ < kGone) samples_.addTracked(arrived, head);
+void HeadsetLink::addTracked(std::size_t place, const Vec3& head, double arrived) {
+  if (arrived - heard_ >= kGone) return;
+  if (samples_.size() <= place) samples_.resize(place + 1);
+  samples_[place].addTracked(arrived, head);
+}
+
+/// Of several people the one whose head goes as the headset does best. That the camera was moved, the wearer's says.
+HeadsetLink::Found HeadsetLink::solve(const std::vector<HeadRegistration>& samples,
+                                      const std::optional<Registration>& known, std::optional<std::size_t> place) {
+  Found found;
+  if (known) {
+    found.moved = place ? samples[*place].hasMoved(*known)
+                        : std::ranges::all_of(samples, [&](const auto& one) { return one.hasMoved(*known); });
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Result<Registration> solved =
+        known && !found.moved ? samples[i].refine(*known) : samples[i].solve();
+    if (!solved && i == 0) found.advice = solved.error().message;
+    if (!solved || (found.registration && solved->residual >= found.registration->residual)) continue;
+    found.registration = *solved;
+    found.place = i;
+  }
+  if (found.moved) return {{}, {}, true, "the camera or the headset's space was moved: walk about again"};
+  if (known) found.advice.clear();
+  if (found.registration) found.advice = adviceFor(*found.registration);
+  return found;
 }
 
 /// A registration in words for the page.
@@ -78,24 +106,17 @@ std::string HeadsetLink::update(double now, const Vec3& origin) {
     const Found found = solving_.get();
     if (found.moved) {
       know(std::nullopt);
-      samples_.restart();
+      samples_.clear();
+      place_.reset();
     }
+    if (found.place) place_ = found.place;
     if (found.registration) know(found.registration);
     if (found.registration && !file_.empty()) (void)saveRegistration(file_, *known_);  // else it is found again
     return told(found.advice, origin);
   }
   if (now - heard_ >= kGone || now - solved_ < kBetweenSolves) return "";
   solved_ = now;
-  solving_ = std::async(std::launch::async, [samples = samples_, known = known_] {
-    Found found;
-    found.moved = known && samples.hasMoved(*known);
-    const Result<Registration> solved = known && !found.moved ? samples.refine(*known) : samples.solve();
-    if (solved && !found.moved) found.registration = *solved;
-    if (found.moved) found.advice = "the camera or the headset's space was moved: walk about again";
-    if (!known && !solved) found.advice = solved.error().message;
-    if (solved) found.advice = adviceFor(*solved);
-    return found;
-  });
+  solving_ = std::async(std::launch::async, solve, samples_, known_, place_);
   return "";
 }
 

@@ -367,13 +367,16 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                  {"clients", server_.clients()}});
 }
 
-/// Tells the wearer of a headset where the depth camera sees them.
+/// Tells the wearer of a headset, who may be any of several people, where the depth camera sees them.
 void PageScreen::followHeadset() {
   const DepthSight* sight = present_ != nullptr ? present_->sight() : nullptr;
   if (sight == nullptr) return;
-  const TrackedJoint& head = sight->joints[BodyJoint::kHead];
-  if (sight->followed && head.confidence > kSureJoint) {
-    headset_.addTracked(head.position + sight->stage, secondsOf(sight->arrived));
+  const std::span<const SkeletonFrame> people = sight->places.empty() ? std::span(&sight->joints, 1) : sight->places;
+  for (std::size_t place = 0; place < people.size(); ++place) {
+    const TrackedJoint& head = people[place][BodyJoint::kHead];
+    if (head.confidence > kSureJoint) {
+      headset_.addTracked(place, head.position + sight->stage, secondsOf(sight->arrived));
+    }
   }
   if (std::string told = headset_.update(now(), sight->stage); !told.empty()) server_.say(std::move(told));
 }

@@ -1,8 +1,10 @@
 #include "capture/tracking/track_log.h"
 
 #include "geometry/errors.h"
+#include "geometry/part_file.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <iterator>
 #include <system_error>
@@ -32,7 +34,10 @@ Result<TrackLog> TrackLog::create(const fs::path& base) {
     Part& part = log.parts_[i];
     part.target = base.string() + (i == 0 ? ".cam.csv" : ".lab");
     part.path = part.target.string() + ".part";
-    part.stream.open(part.path, std::ios::binary | std::ios::trunc);
+    LORICA_TRY_DO(keepFound(part.path));
+    LORICA_TRY(const int created, createPart(part.path));
+    ::close(created);
+    part.stream.open(part.path, std::ios::binary | std::ios::app);
     if (!part.stream) return cannotWrite(part.target);
   }
   log.parts_[0].stream << header();

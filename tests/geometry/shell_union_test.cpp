@@ -79,6 +79,26 @@ TEST(ShellUnion, WhatOnlyTouchesStaysAsItIs) {
   }
 }
 
+TEST(ShellUnion, StopsWhereTooMuchLiesAcrossTooMuch) {
+  // As many cuts of each plate as there are plates across it, for a file of a few hundred kilobytes.
+  for (const int plates : {20, 300}) {
+    std::vector<TriMesh> grid;
+    for (int i = 0; i < plates; ++i) {
+      const double at = i, end = plates;
+      grid.push_back(makeBox(Vec3(at, -1, 0), Vec3(at + 0.5, end, 1)));
+      grid.push_back(makeBox(Vec3(-1, at, 0.1), Vec3(end, at + 0.5, 0.9)));
+    }
+    const Result<std::optional<ShellUnion>> made = uniteShells(together(grid));
+    if (plates == 20) {
+      ASSERT_TRUE(made && *made);
+      EXPECT_NEAR(volumeOf((*made)->mesh), 20 * 0.5 * 21 * 1.0 + (20 * 0.5 * 21 - 20 * 20 * 0.25) * 0.8, 1e-6);
+    } else {
+      ASSERT_FALSE(made);
+      EXPECT_NE(made.error().message.find("more places than can be resolved"), std::string::npos);
+    }
+  }
+}
+
 TEST(ShellUnion, OfRandomBoxesHoldsItsCells) {
   std::mt19937_64 engine(7);
   const auto whole = [&](int low, int high) { return low + static_cast<int>(engine() % (high - low + 1)); };

@@ -1,9 +1,12 @@
 // The page of `lorica serve` in a browser, as people use it.
+#include "capture/registration/head_registration.h"
 #include "geometry/counts.h"
 #include "player/run.h"
 #include "player/scene_list.h"
 #include "player/snapshots.h"
 #include "prepare/cast.h"
+#include "prepare/live_cast.h"
+#include "serve/headset_link.h"
 #include "serve/page_files.h"
 #include "serve/page_screen.h"
 #include "session/recording/session_file.h"
@@ -23,10 +26,12 @@
 #include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <map>
+#include <random>
 #include <string>
 #include <thread>
 #include <utility>
@@ -160,6 +165,74 @@ TEST(PeerServe, AHeadsetStandsBesideGrabsAndLooksOutOfTheAvatar) {
   EXPECT_TRUE(vr.at("released").get<bool>());
   EXPECT_LT(vr.at("inside").at("distance").get<double>(), 0.6) << "inside";
   EXPECT_TRUE(vr.at("ar").get<bool>());
+}
+
+/// The tracked head is where the headset says that it is, from another origin, 60 ms late, with noise and dropouts. All
+/// times are those of the page, so that nothing depends on how quick the machine is.
+TEST(PeerServe, AWalkWithAHeadsetRegistersItThroughThePage) {
+  LORICA_REQUIRE_PEERS();
+  LORICA_REQUIRE_PAGE();
+  const test::TemporaryFolder home;
+  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  setenv("LORICA_RECORDINGS", test::recordingsFolder().c_str(), 1);
+  constexpr double kLag = 0.06, kYaw = 1.1;
+  const Isometry3 floorFromStage =
+      Eigen::Translation3d(0.7, 0.01, -2.3) * Isometry3(Eigen::AngleAxisd(kYaw, Vec3::UnitY()));
+
+  Host host;
+  const auto server = test::valueOf(PageServer::start({}));
+  PageScreen screen(*server, nullptr);
+  CastRequest request;
+  request.reading.drawn = true;
+  LiveRequest live;
+  live.depth.virtualCamera = true;
+  const auto run = test::valueOf(lorica::Run::start(test::valueOf(prepareLiveCast(request, live, host)), {}, host));
+  EXPECT_TRUE(test::valueOf(screen.begin(*run, host)).empty());
+  while (run->session.frameCount() < 5 && test::valueOf(run->session.step())) {
+  }
+
+  json result;
+  std::atomic<bool> ended = false;
+  std::thread browser([&] {
+    result = check(server->links().front(), "walk");
+    ended = true;
+  });
+  HeadsetLink link;
+  link.begin("a camera that walks", std::make_shared<WornHeadset>());
+  std::mt19937 random(3);
+  std::normal_distribution<double> noise(0.0, 0.015);
+  SessionScene scene(run->session);
+  WindowValues values;
+  std::vector<Wish> wishes;
+  while (!ended) {
+    wishes.clear();
+    server->takeWishes(wishes);
+    for (const Wish& wish : wishes) {
+      if (wish.kind != Wish::Kind::kHead) continue;
+      link.addHeadset(wish, wish.to);
+      const Vec3 head = wish.origin + wish.orientation * kNominalHeadInHeadset;
+      const Vec3 off(noise(random), noise(random), noise(random));
+      if (random() % 8 != 0) link.addTracked(0, floorFromStage * head + off, wish.to + kLag);
+      std::string told = link.update(wish.to);
+      while (link.solving()) told = link.update(wish.to);
+      if (!told.empty()) server->say(told);
+    }
+    ++values.changes;
+    SceneOptions sent;
+    screen.show(scene.of(run->session, sent, screen.camera().eye), values);
+    screen.rest(0.01);
+  }
+  browser.join();
+  if (result.empty()) return;
+  const json& walk = result.at("walk");
+  const json& told = walk.at("registration");
+  fmt::print("registered after {:.1f} m: {}\n", walk.at("walked").get<double>(), told.dump());
+  EXPECT_NEAR(told.at("yaw").get<double>(), kYaw, 0.0174533);
+  EXPECT_LT(told.at("degrees").get<double>(), 1.0);
+  const json& at = told.at("translation");
+  const Vec3 off = Vec3(at.at(0), at.at(1), at.at(2)) - floorFromStage.translation();
+  EXPECT_LT(std::hypot(off.x(), off.z()), 0.04);
+  EXPECT_EQ(walk.at("rig").at("yaw"), told.at("yaw")) << "the page turns its room by it";
 }
 
 constexpr int kSeen = 50;  // of 255: hulls are translucent

@@ -2,6 +2,7 @@
 
 #include "geometry/hard_stop.h"
 #include "geometry/module.h"
+#include "geometry/part_file.h"
 #include "viewer/pictures/video_module.h"
 
 #include <fmt/format.h>
@@ -73,6 +74,9 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
     std::error_code ignored;
     fs::remove(temporary, ignored);
   });
+  fs::remove(impl->temporary, error);  // left behind by a killed program of the same number
+  LORICA_TRY(const int created, createPart(impl->temporary));  // FFmpeg would follow a link of that name
+  ::close(created);
   impl->module = static_cast<const VideoModule*>(*module);
   impl->encoder = impl->module->open(impl->temporary, width, height, framesPerSecond);
   if (impl->encoder == nullptr) {

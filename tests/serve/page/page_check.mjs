@@ -312,6 +312,41 @@ const parts = {
     await page.close();
   },
 
+  /// The wearer walks along a curve and looks about, until the server says how the headset lies to its camera.
+  async walk() {
+    const { page, button, placed } = await openWithHeadset();
+    await page.select('#panel select:has(option[value=inside])', 'inside');
+    await button('Enter VR');
+    await placed();
+    await page.evaluate(() => {
+      window.walked = 0;
+      const from = performance.now() / 1000;
+      let last = null;
+      window.walking = setInterval(() => {
+        const t = performance.now() / 1000 - from,
+          along = 0.5 * t, // in radians, and in m/s for a circle of 1 m
+          yaw = -along + 0.4 * Math.sin(0.9 * t),
+          pitch = 0.2 * Math.sin(0.7 * t),
+          at = [Math.cos(along), 1.6 + 0.02 * Math.sin(9 * t), Math.sin(along)];
+        device.position.set(...at);
+        const [cy, sy, cp, sp] = [Math.cos(yaw / 2), Math.sin(yaw / 2), Math.cos(pitch / 2), Math.sin(pitch / 2)];
+        device.quaternion.set(cy * sp, sy * cp, -sy * sp, cy * cp);
+        if (last) window.walked += Math.hypot(at[0] - last[0], at[2] - last[2]);
+        last = at;
+      }, 10);
+    });
+    await until(page, () => loricaPage.registration?.known);
+    const { walked, registration } = await page.evaluate(() => ({ walked, registration: loricaPage.registration }));
+    await until(page, (yaw) => loricaPage.rig.yaw === yaw, registration.yaw).catch(() => {});
+    result.walk = { walked, registration, rig: (await see(page)).rig };
+    await page.evaluate(() => {
+      clearInterval(window.walking);
+      device.activeSession.end();
+    });
+    await until(page, () => loricaPage.mode === null);
+    await page.close();
+  },
+
   async vr() {
     const { page, button, placed } = await openWithHeadset();
     await button('Enter VR');

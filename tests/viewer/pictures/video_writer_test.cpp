@@ -1,7 +1,9 @@
+#include "geometry/files.h"
 #include "viewer/pictures/video_writer.h"
 #include "tests/support/datasets.h"
 #include "tests/viewer/renderer/pictures.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -64,6 +66,18 @@ TEST(VideoWriter, NothingRemainsWithoutFinish) {
   }
   EXPECT_EQ(filesIn(folder.path()), 1);
   EXPECT_EQ(std::filesystem::file_size(file), 13u) << "the older video stays";
+}
+
+TEST(VideoWriter, ALinkOfTheTemporaryNameIsNotFollowed) {
+  const test::TemporaryFolder folder;
+  const auto victim = folder.write("victim", "to be kept");
+  std::filesystem::create_symlink(victim, folder.path() / fmt::format(".film.{}.partial.mp4", ::getpid()));
+  Result<VideoWriter> writer = VideoWriter::create(folder.path() / "film.mp4", 64, 64, 25.0);
+  ASSERT_TRUE(writer.ok()) << writer.error().message;
+  ASSERT_TRUE(writer->add(plain(64, 64, 1, 2, 3)).ok());
+  EXPECT_TRUE(writer->finish().ok());
+  EXPECT_EQ(readFile(victim).value(), "to be kept");
+  EXPECT_EQ(filesIn(folder.path()), 2);
 }
 
 TEST(VideoWriter, AFilmWithoutFramesIsAnError) {
