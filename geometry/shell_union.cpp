@@ -26,7 +26,7 @@ constexpr double kOverlap = 1e-6;  // share of the volume: pieces that overlap b
 constexpr double kInside = 0.5;    // winding number
 constexpr double kMuch = 0.01;     // share of a piece that overlaps itself: less is left as it is if need be
 constexpr std::size_t kMaxPieces = 10'000'000;    // pairs of pieces whose boxes overlap
-constexpr std::size_t kMaxSteps = 20'000'000;     // as many triangles for winding numbers: a second
+constexpr std::size_t kMaxSteps = 50'000'000;     // as many triangles for winding numbers: three seconds
 constexpr std::size_t kApartSteps = 4;            // of a test of two triangles
 constexpr std::size_t kSamples = 500;
 constexpr std::size_t kMinSamples = 64;
@@ -38,6 +38,7 @@ using Corners = std::vector<Vec3>;
 struct Facet {
   Corners corners;
   std::int32_t triangle = 0;
+  Aabb box = boundsOf(corners);
 };
 
 Vec3 areaNormal(std::span<const Vec3> polygon) {
@@ -285,6 +286,7 @@ class Union {
     const Vec3 own = areaNormal(facets[0].corners).normalized();
     for (const std::int32_t other : partners_[k]) {
       const Corners corners = cornersOf(other);
+      const Aabb box = grown(boundsOf(corners), tolerance_);
       std::vector<std::pair<Vec3, double>> planes;
       if (coplanar(k, other)) {
         for (std::size_t i = 0; i < 3; ++i) {
@@ -296,11 +298,15 @@ class Union {
         planes.emplace_back(normal, normal.dot(corners[0]));
       }
       for (const auto& [normal, offset] : planes) {
-        if (!spend(kApartSteps * facets.size())) return facets;
+        if (!spend(facets.size() / kApartSteps)) return facets;
         for (std::size_t f = 0, count = facets.size(); f < count; ++f) {
+          if (!overlap(facets[f].box, box)) continue;
+          if (!spend(kApartSteps)) return facets;
           if (apart(facets[f].corners, corners, tolerance_)) continue;
           Corners rest = cutOff(facets[f].corners, normal, offset, tolerance_);
-          if (!rest.empty()) facets.push_back({std::move(rest), k});
+          if (rest.empty()) continue;
+          facets[f].box = boundsOf(facets[f].corners);
+          facets.push_back({std::move(rest), k});
         }
       }
     }
