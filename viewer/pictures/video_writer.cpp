@@ -74,7 +74,7 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
     std::error_code ignored;
     fs::remove(temporary, ignored);
   });
-  fs::remove(impl->temporary, error);  // left behind by a killed program of the same number
+  fs::remove(impl->temporary, error);                          // left behind by a killed program of the same number
   LORICA_TRY(const int created, createPart(impl->temporary));  // FFmpeg would follow a link of that name
   ::close(created);
   impl->module = static_cast<const VideoModule*>(*module);

@@ -320,11 +320,11 @@ const parts = {
     await placed();
     await page.evaluate(() => {
       window.walked = 0;
-      const from = performance.now() / 1000;
+      const from = loricaPage.pictures;
       let last = null;
       window.walking = setInterval(() => {
-        const t = performance.now() / 1000 - from,
-          along = 0.5 * t, // in radians, and in m/s for a circle of 1 m
+        const t = (loricaPage.pictures - from) / 30,
+          along = 0.8 * t, // in radians, and in metres for a circle of 1 m
           yaw = -along + 0.4 * Math.sin(0.9 * t),
           pitch = 0.2 * Math.sin(0.7 * t),
           at = [Math.cos(along), 1.6 + 0.02 * Math.sin(9 * t), Math.sin(along)];
