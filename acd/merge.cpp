@@ -75,7 +75,6 @@ bool near(const Group& a, const Group& b) {
 struct FreePair {
   std::size_t a = 0, b = 0;
   double cost = kInfinity;
-  std::shared_ptr<const Piece> common = nullptr;
 
   bool operator<(const FreePair& o) const { return std::tie(cost, a, b) < std::tie(o.cost, o.a, o.b); }
 };
@@ -93,7 +92,7 @@ std::shared_ptr<const Piece> commonPart(const Piece& a, const Piece& b, const Cu
   return std::make_shared<const Piece>(measure(unite(both), context));
 }
 
-/// Computes the common part of a pair if its hull is no larger than those of both in any keyframe, or convex.
+/// Sets the cost of a pair if its hull is no larger than those of both in any keyframe, or its common part convex.
 void price(FreePair& pair, const Piece& a, const Piece& b, const CutContext& context) {
   thread_local std::vector<Vec3> points;
   double cost = 0.0;
@@ -109,17 +108,15 @@ void price(FreePair& pair, const Piece& a, const Piece& b, const CutContext& con
     exact = exact && more <= kFree * std::abs(context.meshVolume[k]);
     cost += more;
   }
-  std::shared_ptr<const Piece> common = commonPart(a, b, context);
-  if (!exact && !std::ranges::all_of(common->convex, std::identity())) return;
+  if (!exact && !std::ranges::all_of(commonPart(a, b, context)->convex, std::identity())) return;
   pair.cost = cost;
-  pair.common = std::move(common);
 }
 
 /// Merges pairs of touching parts, the cheapest first; of equal pairs the first.
 /// @param price   sets the cost of a pair; infinite = never
-/// @param accept  whether a pair may be merged; sets its common part if that is not known yet
+/// @param allowed  whether a common part may be
 void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
-                const CutContext& context, const auto& price, const auto& accept) {
+                const CutContext& context, const auto& price, const auto& allowed) {
   std::vector<std::vector<Aabb>> boxes(parts.size());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { boxes[i] = boxesOf(*parts[i], context); });
   const auto touch = [&](std::size_t a, std::size_t b) {
@@ -139,25 +136,26 @@ void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<Pa
   std::vector<FreePair> pairs;
   for (std::size_t a = 0; a < parts.size(); ++a) {
     for (std::size_t b = a + 1; b < parts.size(); ++b) {
-      if (touch(a, b)) pairs.push_back({.a = a, .b = b});
+      if (touch(a, b)) pairs.push_back({a, b});
     }
   }
   add(std::move(pairs));
   std::vector<PartIndex> mergedInto(parts.size(), -1);
   while (!candidates.empty()) {
-    FreePair best = *candidates.begin();
+    const std::size_t a = candidates.begin()->a, b = candidates.begin()->b;
     candidates.erase(candidates.begin());
-    const std::size_t a = best.a, b = best.b;
-    if (!accept(best, *parts[a], *parts[b])) continue;
+    // Made only now: those of all candidates together would be many times the mesh.
+    std::shared_ptr<const Piece> common = commonPart(*parts[a], *parts[b], context);
+    if (!allowed(*common)) continue;
     std::erase_if(candidates, [&](const FreePair& p) { return p.a == a || p.b == a || p.a == b || p.b == b; });
-    parts[a] = best.common;
+    parts[a] = std::move(common);
     parts[b] = nullptr;
     mergedInto[b] = a;
     boxes[a] = boxesOf(*parts[a], context);
     pairs.clear();
     for (std::size_t other = 0; other < parts.size(); ++other) {
       if (other != a && parts[other] && touch(a, other))
-        pairs.push_back({.a = std::min(a, other), .b = std::max(a, other)});
+        pairs.push_back({std::min(a, other), std::max(a, other)});
     }
     add(std::move(pairs));
   }
@@ -179,7 +177,7 @@ void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<
                   const CutContext& context) {
   mergePairs(
       parts, splitFrom, context, [&](FreePair& pair, const Piece& a, const Piece& b) { price(pair, a, b, context); },
-      [](const FreePair&, const Piece&, const Piece&) { return true; });
+      [](const Piece&) { return true; });
 }
 
 void mergeWithin(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
@@ -200,10 +198,7 @@ void mergeWithin(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<P
         }
         pair.cost = cost;
       },
-      [&](FreePair& pair, const Piece& a, const Piece& b) {
-        pair.common = commonPart(a, b, context);
-        return allowed(*pair.common);
-      });
+      allowed);
 }
 
 Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const CutContext& context, int partCount,
