@@ -536,8 +536,10 @@ class MjcfFile final : public RobotFile {
         const Quat turn(Mat3(geom.parentFromGeom.linear() * rotationBetween(Vec3::UnitZ(), along).toRotationMatrix()));
         for (const char* gone : {"mesh", "axisangle", "xyaxes", "zaxis", "euler"})
           edits.emplace_back(gone, std::nullopt);
-        edits.emplace_back("type", "capsule");
-        edits.emplace_back("size", fmt::format("{:.9g} {:.9g}", capsule.radius, 0.5 * along.norm()));
+        const double half = 0.5 * along.norm();
+        const bool ball = half < 1e-6 * capsule.radius;  // MuJoCo refuses capsules without length
+        edits.emplace_back("type", ball ? "sphere" : "capsule");
+        edits.emplace_back("size", fmt::format("{:.9g} {:.9g}", capsule.radius, half));
         edits.emplace_back("pos", written(middle, kDigits));
         edits.emplace_back("quat", fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}", turn.w(), turn.x(), turn.y(), turn.z()));
       }

@@ -232,7 +232,7 @@ class UrdfFile final : public RobotFile {
     place.linear() = rotationBetween(Vec3::UnitZ(), along).toRotationMatrix();
     const std::string ball = fmt::format("<sphere radius=\"{:.9g}\"/>", capsule.radius);
     std::vector<std::pair<Vec3, std::string>> solids = {{capsule.from, ball}};
-    if (along.norm() > 0.0) {
+    if (along.norm() > 2e-6 * capsule.radius) {
       solids.emplace_back(capsule.to, ball);
       solids.emplace_back(0.5 * (capsule.from + capsule.to),
                           fmt::format("<cylinder radius=\"{:.9g}\" length=\"{:.9g}\"/>", capsule.radius, along.norm()));

@@ -66,7 +66,7 @@ class RobotRefusals : public testing::Test {
 };
 
 TEST_F(RobotRefusals, MeshesThatAreNotThereOrNotTheirs) {
-  EXPECT_EQ(refusal(mjcf("file=\"none.obj\"")), "robot.xml:1: none.obj: no such file");
+  EXPECT_EQ(refusal(mjcf("file=\"none.obj\"")), "robot.xml:1: none.obj: cannot be read: No such file or directory");
   const std::string outside = " is outside the file's folder, expected a file in it (or --trust-paths)";
   EXPECT_EQ(refusal(mjcf("file=\"/etc/passwd\"")), "robot.xml:1: '/etc/passwd'" + outside);
   EXPECT_EQ(refusal(mjcf("file=\"../l.obj\"")), "robot.xml:1: '../l.obj'" + outside);
@@ -124,7 +124,8 @@ TEST_F(RobotRefusals, IncludesThatDoNotEnd) {
   folder_.write("d.xml", "<mujoco/>");
   EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"d.xml\"/><include file=\"d.xml\"/>")),
             "robot.xml:1: 'd.xml' is included twice, expected each file once");
-  EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"e.xml\"/>")), "robot.xml:1: e.xml: no such file");
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"e.xml\"/>")),
+            "robot.xml:1: e.xml: cannot be read: No such file or directory");
   EXPECT_NE(refusal(mjcf("file=\"l.obj\"", "<include file=\"/etc/passwd\"/>")).find("outside the file's folder"),
             std::string::npos);
   std::string many;
