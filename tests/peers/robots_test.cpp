@@ -13,14 +13,19 @@ namespace {
 namespace fs = std::filesystem;
 using nlohmann::json;
 
-/// What MuJoCo makes of a model in a folder.
-json loaded(const fs::path& folder, const std::string& model, double seconds) {
+/// What MuJoCo makes of a model.
+json ran(json job, const fs::path& model) {
   const test::TemporaryFolder jobs;
-  const json job = {{"folder", folder.string()}, {"model", model}, {"rest", true}, {"seconds", seconds}};
+  job["model"] = model.string();
   const fs::path in = jobs.write("job.json", job.dump());
   const fs::path out = jobs.path() / "out.json";
   if (!test::runPeer("mujoco.mjs", {in.string(), out.string()})) return {};
   return test::readJson(out);
+}
+
+/// The same of a model in a folder with all that it names.
+json loaded(const fs::path& folder, const std::string& model, double seconds) {
+  return ran({{"folder", folder.string()}, {"rest", true}, {"seconds", seconds}}, model);
 }
 
 void exportTo(const RobotExportOptions& options, RobotReport& report) {
@@ -106,14 +111,12 @@ TEST(PeerRobots, OfRosAreReadByUrdfdomAndMujoco) {
       EXPECT_EQ(std::system(("check_urdf " + (folder.path() / name).string() + " >/dev/null 2>&1").c_str()), 0) << name;
     }
   }
-  // MuJoCo looks for meshes beside the file, by their names alone.
+  json job = {{"rest", true}, {"seconds", 10.0}, {"meshes", json::array()}};
   for (const char* from : {"meshes", "out_meshes"}) {
-    for (const auto& each : fs::directory_iterator(folder.path() / from)) {
-      fs::copy_file(each.path(), folder.path() / each.path().filename());
-    }
+    for (const auto& each : fs::directory_iterator(folder.path() / from)) job["meshes"].push_back(each.path());
   }
-  const json before = loaded(folder.path(), "robot.urdf", 10.0);
-  const json after = loaded(folder.path(), "out.urdf", 10.0);
+  const json before = ran(job, folder.path() / "robot.urdf");
+  const json after = ran(job, folder.path() / "out.urdf");
   ASSERT_FALSE(before.is_null() || after.is_null());
   EXPECT_EQ(after["inertias"], before["inertias"]);
   EXPECT_EQ(after["warnings"], 0);
