@@ -6,7 +6,6 @@
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
 #include "export/robot_files.h"
-#include "export/robots/robot_hulls.h"
 #include "export/vrm_colliders.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -217,14 +216,6 @@ Result<void> exportOnePose(const Options& options, const ExportSource& source, H
   return writeModel(options, model);
 }
 
-/// Writes a robot's own file with hulls in place of the meshes that it collides with.
-Result<void> runRobot(const RobotExportOptions& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY(const RobotReport made, exportRobot(options, host));
-  ExportReport report(Subject{fs::path(options.source.input).filename().string(), {}, {}, "", {}, {}}, options.output);
-  report.add(made);
-  return publish(common, report.text, report.json);
-}
-
 Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(check(options, common));
   ExportSourceOptions reading = options.source;
@@ -239,8 +230,12 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
                                           : ": is no robot, expected no --capsules, --max-concavity and --package"));
   }
   if (robot) {
-    return runRobot({reading, options.output, options.packages, vertexLimit(options), options.capsules, common.force},
-                    common, host);
+    const int limit = vertexLimit(options);
+    LORICA_TRY(const RobotReport made,
+               exportRobot({reading, options.output, options.packages, limit, options.capsules, common.force}, host));
+    ExportReport report(Subject{fs::path(reading.input).filename().string(), {}, {}, "", {}, {}}, options.output);
+    report.add(made);
+    return publish(common, report.text, report.json);
   }
   LORICA_TRY(const ExportSource source, readExportSource(reading, host));
   LORICA_TRY_DO(checkSubject(options, source.subject));
