@@ -127,9 +127,10 @@ std::string editedElement(std::string_view element, const XmlEdits& edits) {
   const Tag tag = startTag(element, 0);
   std::string text(element.substr(0, tag.nameEnd));
   const auto isNamed = [](const Attribute& attribute, const std::string& name) { return attribute.name == name; };
-  for (const auto& [name, value] : edits) {
-    const bool there = std::ranges::any_of(tag.attributes, [&](const Attribute& each) { return isNamed(each, name); });
-    if (value && !there) text += fmt::format(" {}=\"{}\"", name, escapedXml(*value));
+  for (const auto& edit : edits) {
+    const auto isIt = [&](const Attribute& each) { return isNamed(each, edit.first); };
+    if (!edit.second || std::ranges::any_of(tag.attributes, isIt)) continue;
+    text += fmt::format(" {}=\"{}\"", edit.first, escapedXml(*edit.second));
   }
   std::size_t copied = tag.nameEnd;
   for (const Attribute& attribute : tag.attributes) {
