@@ -36,6 +36,8 @@ struct Options {
   std::string engine;
   int hullVertices = -1;  // -1 = the engine's
   bool perBone = false;
+  std::vector<std::string> packages;  // NAME=DIR
+  bool capsules = false;
   bool mocap = false;
   bool khr = false;
   bool showColliders = false;
@@ -221,6 +223,20 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   reading.reading.walls = wallChoice(options.walls);
   reading.divided = !options.perBone;
   if (!options.preset.empty()) reading.preset = presetNamed(options.preset);
+  const bool robot = isRobotFile(reading.input);
+  if (robot ? options.perBone || options.mocap || !reading.decomposition.empty()
+            : options.capsules || !options.packages.empty() || reading.maxConcavity > 0.0) {
+    return refused(reading.input + (robot ? ": is a robot, expected no --per-bone, --mocap and --decomposition"
+                                          : ": is no robot, expected no --capsules, --max-concavity and --package"));
+  }
+  if (robot) {
+    const int limit = vertexLimit(options);
+    LORICA_TRY(const RobotReport made,
+               exportRobot({reading, options.output, options.packages, limit, options.capsules, common.force}, host));
+    ExportReport report(Subject{fs::path(reading.input).filename().string(), {}, {}, "", {}, {}}, options.output);
+    report.add(made);
+    return publish(common, report.text, report.json);
+  }
   LORICA_TRY(const ExportSource source, readExportSource(reading, host));
   LORICA_TRY_DO(checkSubject(options, source.subject));
   const bool rigid = source.subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);
@@ -257,11 +273,13 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
       "      the same file with colliders that keep hair out of the body\n"
       "  lorica export bunny.off bunny.urdf\n"
       "      for ROS, with its meshes in bunny_meshes/\n"
+      "  lorica export robot.urdf robot_hulls.urdf --package arm_description=arm_description\n"
+      "      the robot with hulls instead of the meshes that it collides with; all else stays\n"
       "\nCoordinates: of a mesh, those of its file; of a character, metres, Y up, facing +Z; in .xml and\n"
       ".urdf Z up, facing +X. Bodies have the density of water.");
   app->addOption("IN", options->source.input,
-                 "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, or a "
-                 "decomposition (.lorica)")
+                 "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, a "
+                 "decomposition (.lorica), or a robot (.xml of MuJoCo, .urdf)")
       ->required()
       ->typeName("");
   app->addOption("OUT", options->output, std::string("Output file: ") + kFormats)->required()->typeName("");
@@ -270,6 +288,12 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
       ->typeName("FILE.lorica");
   addCount(*app, "--parts", options->source.parts, 1,
            "Number of parts that a mesh is divided into; a character's are those of its decomposition [default: 16]");
+  addShare(*app, "--max-concavity", options->source.maxConcavity,
+           "Of a robot's meshes: the fewest parts of at most this concavity, see `decompose` [default: 0.05]");
+  app->addFlag("--capsules", options->capsules, "Of a robot: a capsule around each hull instead of it");
+  app->addOption("--package", options->packages, "Folder of a ROS package that a robot names; may be repeated")
+      ->typeName("NAME=FOLDER")
+      ->repeatable();
   addPresetOption(*app, options->preset);
   app->addOption("--engine", options->engine,
                  "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "

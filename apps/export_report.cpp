@@ -102,6 +102,19 @@ void ExportReport::add(const RigidModel& model) {
   json["hinges"] = hinges;
 }
 
+void ExportReport::add(const RobotReport& robot) {
+  text.line("written", fmt::format("{} with shapes for {} meshes", counted(robot.files, "file"), robot.meshes));
+  Table table{{kRobotHeadings.begin(), kRobotHeadings.end()}, {}};
+  for (const RobotLinkReport& link : robot.links) {
+    table.rows.push_back(link.cells());
+    json["links"].push_back({{"name", link.name}, {"shapes", link.shapes}, {"volumes", link.volumes}});
+    json["links"].back().update({{"covered", link.covered}, {"standOff", link.standOff}});
+  }
+  text.table(std::move(table));
+  json["newContacts"] = robot.newContacts;
+  note(robot.notes);
+}
+
 void ExportReport::addSprings(int shapes, int springs) {
   text.line("colliders", fmt::format("{} for {}", shapes, counted(springs, "spring")));
   json["springColliders"] = shapes;

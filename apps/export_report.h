@@ -3,6 +3,7 @@
 #include "apps/report.h"
 #include "export/collider_fit.h"
 #include "export/rigid_model.h"
+#include "export/robots/robot_hulls.h"
 #include "prepare/hull_export.h"
 #include "prepare/subject.h"
 
@@ -28,6 +29,7 @@ struct ExportReport {
   void add(const HullExport& hulls);
   void add(const RigidExport& rigid);
   void add(const RigidModel& model);
+  void add(const RobotReport& robot);
   void addSprings(int shapes, int springs);
   void note(const std::vector<std::string>& sentences);
 

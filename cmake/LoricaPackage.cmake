@@ -55,7 +55,7 @@ meshes, live convex hulls, character import, retargeting and body tracking.")
 string(CONCAT CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS
   "lorica (= ${version}), liblorica-c0 (= ${version}), libeigen3-dev, libfmt-dev, "
   "libtbb-dev, libbullet-dev, libxxhash-dev, libhwy-dev, libglfw3-dev, libimgui-dev, libassimp-dev, libtinygltf-dev, "
-  "libdraco-dev, libmeshoptimizer-dev, libpng-dev, libqrcodegencpp-dev, libssl-dev, libturbojpeg0-dev, libwebp-dev, zlib1g-dev, pkgconf | pkg-config")
+  "libdraco-dev, libmeshoptimizer-dev, libpng-dev, libpugixml-dev, libqrcodegencpp-dev, libssl-dev, libturbojpeg0-dev, libwebp-dev, zlib1g-dev, pkgconf | pkg-config")
 
 # Both load a module of the command's package for meshes and characters that are open.
 set(CPACK_DEBIAN_C_PACKAGE_NAME liblorica-c0)

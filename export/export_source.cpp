@@ -29,6 +29,8 @@ Result<DecompositionFile> decomposeMesh(const Subject& subject, const ExportSour
   Task task(host, "Decomposing " + subject.name, "parts");
   DecomposeSettings settings;
   settings.maxParts = options.parts > 0 ? options.parts : kExportParts;
+  // Hulls that hold every vertex may be larger than their parts.
+  settings.maxConcavity = 0.96 * options.maxConcavity * concavityUnitOf(subject);
   if (options.preset) settings.preset = *options.preset;
   settings.threads = host.threads;
   settings.progress = task.progress();
@@ -81,9 +83,14 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& 
     LORICA_TRY(CachedDecomposition made, defaultDecomposition(source.subject, host));
     source.content = std::move(made.file);
   } else {
-    LORICA_TRY(source.content, decomposeMesh(source.subject, options, host));
+    return divideMesh(std::move(source.subject), options, host);
   }
   return source;
+}
+
+Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& options, Host& host) {
+  LORICA_TRY(DecompositionFile content, decomposeMesh(subject, options, host));
+  return ExportSource{options.input, std::move(subject), std::move(content)};
 }
 
 Result<HullExport> restHulls(const ExportSource& source, int maxVertices, Host& host) {

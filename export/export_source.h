@@ -24,6 +24,7 @@ struct ExportSourceOptions {
   std::string input;          ///< mesh, character, `mannequin`, or a .lorica file next to what it was made from
   std::string decomposition;  ///< .lorica file; empty = decompose
   int parts = 0;              ///< of a mesh; 0 = kExportParts
+  double maxConcavity = 0.0;  ///< of a mesh, in concavityUnitOf(); its fewest parts that meet it; 0 = any
   std::optional<DecomposePreset> preset = {};  ///< of a mesh; none = the usual one
   bool divided = true;  ///< false: a character without `decomposition` is not decomposed, and has no parts
   CharacterOptions reading;
@@ -33,6 +34,9 @@ inline constexpr int kExportParts = 16;
 
 /// Reads and decomposes.
 [[nodiscard]] Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& host);
+
+/// Decomposes a mesh that is no character.
+[[nodiscard]] Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& options, Host& host);
 
 /// Hulls of a mesh, or of a character's bind pose: they contain every vertex, which is checked.
 [[nodiscard]] Result<HullExport> restHulls(const ExportSource& source, int maxVertices, Host& host);

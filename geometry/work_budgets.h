@@ -46,6 +46,12 @@ inline constexpr int kMaxPropParts = 32;                   ///< of a prop that i
 inline constexpr int kMaxParticles = 300'000;              ///< of water or sand
 inline constexpr std::size_t kMaxParticleSources = 100;    ///< of water or sand: fills and pours
 
+// Robots: MJCF, URDF.
+inline constexpr std::size_t kMaxRobotIncludes = 100;       ///< files that a robot's file includes
+inline constexpr std::size_t kMaxRobotMeshes = 1'000;       ///< different ones that collide
+inline constexpr std::size_t kMaxRobotGeoms = 10'000;       ///< places where one collides
+inline constexpr std::size_t kMaxRobotTriangles = 500'000;  ///< of a mesh that collides
+
 // Streams from the network, their recordings, and sessions.
 inline constexpr std::size_t kMaxWaitingFrames = 256;      ///< the oldest give way
 inline constexpr std::size_t kMaxStreamFrames = 216'000;   ///< of a recording: an hour at 60 a second

@@ -1,6 +1,9 @@
 // usage: node mujoco.mjs JOB.json OUT.json
 // What MuJoCo makes of a model. JOB: {"model": file.xml or file.urdf, and any of
 //   "meshes": [files]          that a URDF names, by their names alone
+//   "folder": folder           with all files that the model names; the model is a file in it, and names them as it does
+//   "rest": true               "inertias": of each body mass, moments, centre and axes; "contacts": pairs of bodies
+//                              that touch at the start; "collides": the number of geoms that can
 //   "floor": height            a floor is added, and the first body starts that much higher [m]
 //   "seconds": s               steps that long: "warnings", "speed" (largest of all velocities) and "moved"
 //                              (farthest that a body moves), both in the last second, "finite", "lowest" (z of a body)
@@ -15,12 +18,20 @@ import load from '@mujoco/mujoco';
 const [jobFile, outFile] = process.argv.slice(2);
 const job = JSON.parse(fs.readFileSync(jobFile, 'utf8'));
 const mj = await load();
-let xml = fs.readFileSync(job.model, 'utf8');
+let xml = fs.readFileSync(path.join(job.folder ?? '', job.model), 'utf8');
 if (job.floor) xml = xml.replace('<worldbody>', '<worldbody><geom name="floor" type="plane" size="0 0 1"/>');
 if (job.volumes) xml = xml.replace(/<inertial [^>]*\/>/g, '');
 
 let model;
-if (job.meshes) {
+if (job.folder) {
+  for (const name of fs.readdirSync(job.folder, { recursive: true })) {
+    const from = path.join(job.folder, name), to = path.posix.join('/robot', name);
+    if (fs.statSync(from).isDirectory()) continue;
+    mj.FS.mkdirTree(path.posix.dirname(to));
+    mj.FS.writeFile(to, new Uint8Array(fs.readFileSync(from)));
+  }
+  model = mj.MjModel.from_xml_path(path.posix.join('/robot', job.model));
+} else if (job.meshes) {
   const vfs = new mj.MjVFS();
   for (const file of job.meshes) vfs.addBuffer(path.basename(file), new Uint8Array(fs.readFileSync(file)));
   model = mj.MjModel.from_xml_string(xml, vfs);
@@ -32,6 +43,22 @@ const numbers = (list) => Array.from(list ?? []);
 const id = (kind, name) => mj.mj_name2id(model, kind.value, name);
 const out = { bodies: model.nbody - 1, geoms: model.ngeom, joints: model.njnt, mass: numbers(model.body_mass).reduce((a, b) => a + b, 0) };
 
+if (job.rest) {
+  mj.mj_forward(model, data);
+  const body = (geom) => mj.mj_id2name(model, mj.mjtObj.mjOBJ_BODY.value, model.geom_bodyid[geom]);
+  const part = (list, b, n) => numbers(list).slice(n * b, n * b + n);
+  out.inertias = {};
+  for (let b = 1; b < model.nbody; ++b) {
+    out.inertias[mj.mj_id2name(model, mj.mjtObj.mjOBJ_BODY.value, b)] = [model.body_mass[b], ...part(model.body_inertia, b, 3), ...part(model.body_ipos, b, 3), ...part(model.body_iquat, b, 4)];
+  }
+  const pairs = new Set();
+  for (let c = 0; c < data.ncon; ++c) {
+    const contact = data.contact.get(c);
+    pairs.add([body(contact.geom1), body(contact.geom2)].sort().join(' '));
+  }
+  out.contacts = [...pairs].sort();
+  out.collides = numbers(model.geom_contype).filter((type, g) => type || model.geom_conaffinity[g]).length;
+}
 if (job.volumes) {
   out.masses = {};
   for (let b = 1; b < model.nbody; ++b) out.masses[mj.mj_id2name(model, mj.mjtObj.mjOBJ_BODY.value, b)] = model.body_mass[b];

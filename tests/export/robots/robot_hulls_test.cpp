@@ -1,0 +1,291 @@
+#include "export/robots/robot_hulls.h"
+
+#include "export/capsule.h"
+#include "export/robots/robot.h"
+#include "geometry/convex_hull.h"
+#include "geometry/files.h"
+#include "geometry/mesh_files.h"
+#include "tests/export/robots/made_robot.h"
+#include "tests/support/meshes.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <pugixml.hpp>
+
+#include <sstream>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t timesIn(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+  return count;
+}
+
+/// The lines of a text for which keep(line) is true.
+template <typename Keep>
+std::string lines(const std::string& text, const Keep& keep) {
+  std::istringstream in(text);
+  std::string kept;
+  for (std::string line; std::getline(in, line);) kept += keep(line) ? line + "\n" : "";
+  return kept;
+}
+
+std::vector<double> numbers(const pugi::xml_attribute& attribute) {
+  std::istringstream in(attribute.value());
+  return {std::istream_iterator<double>(in), std::istream_iterator<double>()};
+}
+
+Vec3 vectorOf(const pugi::xml_attribute& attribute) {
+  const std::vector<double> n = numbers(attribute);
+  return n.size() == 3 ? Vec3(n[0], n[1], n[2]) : Vec3(Vec3::Zero());
+}
+
+RobotReport exported(const RobotExportOptions& options) {
+  Host host;
+  Result<RobotReport> report = exportRobot(options, host);
+  EXPECT_TRUE(report.ok()) << (report.ok() ? "" : report.error().message);
+  return report.ok() ? *report : RobotReport();
+}
+
+TEST(RobotHulls, OfMjcfLeaveAllElseByteForByte) {
+  const test::TemporaryFolder folder;
+  const fs::path robot = test::writeMadeMjcf(folder);
+  const auto before = test::contentOf(folder.path());
+  const RobotReport report = exported(test::madeOptions(robot, "out.xml"));
+  auto after = test::contentOf(folder.path());
+  EXPECT_EQ(report.meshes, 2U);  // the L is in two assets
+  EXPECT_EQ(report.files, 2U);
+  EXPECT_EQ(report.links.size(), 3U);
+  ASSERT_EQ(after.size(), before.size() + 2);
+  for (const auto& [name, content] : before) EXPECT_EQ(after[name], content) << name;
+
+  // The main file: without the new lines it is what it was, but for the three that were changed.
+  const std::string main = after["out.xml"];
+  const auto isOld = [](const std::string& line) {
+    return line.find("_hull_") == std::string::npos && line.find("asset>") == std::string::npos && !line.empty() &&
+           line.find("\"trunk\"") == std::string::npos && line.find("leg.xml") == std::string::npos &&
+           line.find("\"upper\"") == std::string::npos;
+  };
+  EXPECT_EQ(lines(main, isOld), lines(before.at("robot.xml"), isOld));
+  EXPECT_EQ(timesIn(main, "<include file=\"out_leg.xml\"/>"), 1U);
+  EXPECT_EQ(timesIn(main, "<include file=\"parts/assets.xml\"/>"), 1U);
+  // What gives mass stays, in its own bytes but for two attributes; what does not is gone.
+  EXPECT_EQ(timesIn(main,
+                    "<geom contype=\"0\" conaffinity=\"0\" name=\"trunk\"   mesh='l' pos=\"0.01 0 0\" "
+                    "euler=\"0 0 0.5\"\tfriction=\"0.9 0.005 0.0001\" />"),
+            1U);
+  EXPECT_EQ(timesIn(main, "\"upper\""), 0U);
+  EXPECT_EQ(timesIn(main, "<geom mass=\"0\" name=\"trunk_hull_0\"   mesh='l_hull_0' pos=\"0.01 0 0\""), 1U);
+  EXPECT_EQ(timesIn(main, "<geom mass=\"0\" name=\"upper_hull_0\" class=\"soft\" mesh=\"mirrored_hull_0\"/>"), 1U);
+  // A pair for each hull.
+  EXPECT_EQ(timesIn(main, "<pair geom1=\"upper_hull_"), timesIn(main, "class=\"soft\" mesh"));
+  // The leg is seen: it stays, and its hulls are in a group that is not drawn.
+  const std::string leg = after["out_leg.xml"];
+  EXPECT_EQ(timesIn(leg, "<geom contype=\"0\" conaffinity=\"0\" mesh=\"torus\" group=\"0\"/>"), 1U);
+  EXPECT_EQ(timesIn(leg, "<geom mass=\"0\" mesh=\"torus_hull_0\" group=\"3\"/>"), 1U);
+}
+
+TEST(RobotHulls, OfMjcfHoldTheirMeshesInTheirAssetsFrames) {
+  const test::TemporaryFolder folder;
+  (void)exported(test::madeOptions(test::writeMadeMjcf(folder), "out.xml"));
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_file((folder.path() / "out.xml").c_str()));
+  std::map<std::string, std::vector<ConvexHull>> hulls;
+  std::map<std::string, double> volumes;
+  for (const pugi::xml_node& asset : document.child("mujoco").children("asset")) {
+    for (const pugi::xml_node& mesh : asset.children("mesh")) {
+      const std::string name = mesh.attribute("name").value();
+      const std::string base = name.substr(0, name.find("_hull_"));
+      const std::vector<double> n = numbers(mesh.attribute("vertex"));
+      std::vector<Vec3> points;
+      for (std::size_t i = 0; i + 2 < n.size(); i += 3) points.emplace_back(n[i], n[i + 1], n[i + 2]);
+      hulls[base].push_back(convexHull(points));
+      volumes[base] += hulls[base].back().volume;
+      if (base == "mirrored") {
+        EXPECT_STREQ(mesh.attribute("scale").value(), "-0.1 0.1 0.2");
+        EXPECT_STREQ(mesh.attribute("refpos").value(), "0.5 0.5 0");
+        EXPECT_STREQ(mesh.attribute("refquat").value(), "0.9 0.1 0.3 0.2");
+      }
+    }
+  }
+  ASSERT_EQ(hulls.size(), 3U);
+  // In the coordinates of the file, whatever the scale: the L is two boxes.
+  EXPECT_EQ(hulls["l"].size(), 2U);
+  EXPECT_NEAR(volumes["l"], 3.0, 1e-6);
+  EXPECT_NEAR(volumes["mirrored"], 3.0, 1e-6);
+  for (const auto& [name, file] : {std::pair("l", "l.obj"), {"mirrored", "l.obj"}, {"torus", "torus.stl"}}) {
+    const TriMesh mesh = readMesh(folder.path() / "meshes" / file).value();
+    for (const Vec3& p : mesh.vertices) {
+      double least = kInfinity;
+      for (const ConvexHull& hull : hulls[name]) least = std::min(least, largestViolation(hull, {{p}}));
+      EXPECT_LT(least, 1e-5 * boundsOf(mesh.vertices).diagonal()) << name;
+    }
+  }
+}
+
+TEST(RobotHulls, FiguresOfALinkAreThoseOfItsMeshes) {
+  const test::TemporaryFolder folder;
+  const RobotReport report = exported(test::madeOptions(test::writeMadeMjcf(folder), "out.xml"));
+  ASSERT_EQ(report.links.size(), 3U);
+  const RobotLinkReport& torso = report.links[0];
+  EXPECT_EQ(torso.name, "torso");
+  EXPECT_EQ(torso.shapes, 2);
+  EXPECT_NEAR(torso.volumes[0], 0.003, 1e-9);  // 3 units of (0.1 m)^3
+  EXPECT_NEAR(torso.volumes[1], 0.0035, 1e-9);
+  EXPECT_NEAR(torso.volumes[2], 0.003, 1e-9);
+  EXPECT_NEAR(torso.covered, 1.0, 1e-6);
+  EXPECT_NEAR(torso.standOff[1], 0.0, 1e-9);
+  EXPECT_NEAR(report.links[1].volumes[0], 0.006, 1e-9);  // mirrored and stretched
+  EXPECT_GT(report.links[2].standOff[1], 0.0);
+  EXPECT_EQ(report.links[2].name, "leg");
+}
+
+TEST(RobotHulls, OneHullForTheLReachesWhereTheTwoDoNot) {
+  // A small box in the notch of the L, which the hull of the whole L covers.
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(writeObjObjects(folder.path() / "l.obj", {{"l", test::makeLShape()}}).ok());
+  const TriMesh box = test::makeBox(Vec3(1.2, 1.2, 0.2), Vec3(1.4, 1.4, 0.8));
+  ASSERT_TRUE(writeObjObjects(folder.path() / "box.obj", {{"box", box}}).ok());
+  const fs::path robot = folder.write("robot.xml", R"(<mujoco><asset><mesh file="l.obj"/><mesh file="box.obj"/></asset>
+    <worldbody><body name="a"><freejoint/><geom type="mesh" mesh="l"/></body>
+    <body name="b"><freejoint/><geom type="mesh" mesh="box"/></body></worldbody></mujoco>)");
+  RobotExportOptions options = test::madeOptions(robot, "out.xml");
+  options.replace = true;
+  EXPECT_TRUE(exported(options).newContacts.empty());
+  options.source.parts = 1;
+  const std::vector<std::pair<std::string, std::string>> expected = {{"a", "b"}};
+  EXPECT_EQ(exported(options).newContacts, expected);
+  // The body of what was written is as it was.
+  options.source.parts = 0;
+  (void)exported(options);
+  const std::string once = readFile(options.output).value();
+  (void)exported(options);
+  EXPECT_EQ(readFile(options.output).value(), once);
+}
+
+TEST(RobotHulls, OfUrdfLeaveAllElseByteForByte) {
+  const test::TemporaryFolder folder;
+  const fs::path robot = test::writeMadeUrdf(folder);
+  const std::string before = readFile(robot).value();
+  const RobotReport report = exported(test::madeOptions(robot, "out.urdf"));
+  const std::string after = readFile(folder.path() / "out.urdf").value();
+  EXPECT_EQ(report.meshes, 2U);
+  ASSERT_EQ(report.links.size(), 2U);
+
+  // Each collision of a mesh as often as it has hulls, with another file and name, and nothing else.
+  const auto copyOf = [&](std::size_t from, const std::vector<std::pair<std::string, std::string>>& edits) {
+    std::string text = before.substr(from, before.find("</collision>", from) + 12 - from);
+    for (const auto& [a, b] : edits) text.replace(text.find(a), a.size(), b);
+    return text;
+  };
+  const std::size_t first = before.find("<collision name");
+  std::string expected = before.substr(0, first);
+  for (int k = 0; k < 2; ++k) {
+    expected += k == 0 ? "" : "\n    ";
+    expected += copyOf(first, {{"\"solid\"", fmt::format("\"solid_hull_{}\"", k)},
+                               {"meshes/l.obj", fmt::format("out_meshes/l_hull_{}.stl", k)}});
+  }
+  const std::size_t second = before.find("<collision><geometry><mesh");
+  const std::size_t behind = first + copyOf(first, {}).size();
+  expected += before.substr(behind, second - behind);
+  for (int k = 0; k < report.links[1].shapes; ++k) {
+    expected += k == 0 ? "" : "\n    ";
+    expected += copyOf(second, {{"made/meshes/torus.stl", fmt::format("made/out_meshes/torus_hull_{}.stl", k)}});
+  }
+  expected += before.substr(second + copyOf(second, {}).size());
+  EXPECT_EQ(after, expected);
+
+  double volume = 0.0;
+  for (const char* name : {"l_hull_0.stl", "l_hull_1.stl"}) {
+    const TriMesh hull = readMesh(folder.path() / "out_meshes" / name).value();
+    volume += signedVolume(hull.vertices, hull.triangles);  // outward: the scale mirrors it as it did the mesh
+  }
+  EXPECT_NEAR(volume, 3.0, 1e-6);
+}
+
+TEST(RobotHulls, CapsulesHoldTheirMeshesWhereverTheGeomLies) {
+  const test::TemporaryFolder folder;
+  RobotExportOptions options = test::madeOptions(test::writeMadeMjcf(folder), "out.xml");
+  options.capsules = true;
+  const RobotReport report = exported(options);
+  pugi::xml_document document;
+  ASSERT_TRUE(document.load_file((folder.path() / "out.xml").c_str()));
+  const pugi::xml_node torso = document.child("mujoco").child("worldbody").child("body");
+  std::vector<Capsule> capsules;
+  for (const pugi::xml_node& geom : torso.children("geom")) {
+    if (std::string(geom.attribute("type").value()) != "capsule") continue;
+    EXPECT_FALSE(geom.attribute("mesh") || geom.attribute("euler"));
+    const std::vector<double> size = numbers(geom.attribute("size"));
+    const std::vector<double> q = numbers(geom.attribute("quat"));
+    ASSERT_EQ(size.size(), 2U);
+    ASSERT_EQ(q.size(), 4U);
+    const Vec3 along = Quat(q[0], q[1], q[2], q[3]) * Vec3(0.0, 0.0, size[1]);
+    const Vec3 middle = vectorOf(geom.attribute("pos"));
+    capsules.push_back({middle - along, middle + along, size[0]});
+  }
+  ASSERT_EQ(capsules.size(), 2U);
+  const Isometry3 place = Eigen::Translation3d(0.01, 0.0, 0.0) * Isometry3(Eigen::AngleAxisd(0.5, Vec3::UnitZ()));
+  for (const Vec3& p : test::makeLShape().vertices) {
+    const double out = std::min(capsules[0].outside(place * (0.1 * p)), capsules[1].outside(place * (0.1 * p)));
+    EXPECT_LT(out, 1e-8);
+  }
+  EXPECT_NEAR(report.links[0].covered, 1.0, 1e-6);
+  EXPECT_GT(report.links[0].standOff[1], 0.01);
+  EXPECT_NEAR(report.links[0].volumes[2], capsules[0].volume() + capsules[1].volume(), 1e-8);
+
+  // URDF has no capsules: each is a cylinder between two balls.
+  const test::TemporaryFolder other;
+  options = test::madeOptions(test::writeMadeUrdf(other), "out.urdf");
+  options.capsules = true;
+  EXPECT_EQ(exported(options).files, 1U);
+  const std::string text = readFile(other.path() / "out.urdf").value();
+  EXPECT_EQ(timesIn(text, "<sphere"), 2 * timesIn(text, "<cylinder"));
+  EXPECT_EQ(timesIn(text, "<mesh"), 1U);  // the visual
+  pugi::xml_document urdf;
+  ASSERT_TRUE(urdf.load_string(text.c_str()));
+  const Isometry3 base = Eigen::Translation3d(0.1, 0.2, 0.3) *
+                         Isometry3(Eigen::AngleAxisd(0.6, Vec3::UnitZ()) * Eigen::AngleAxisd(0.5, Vec3::UnitY()) *
+                                   Eigen::AngleAxisd(0.4, Vec3::UnitX()));
+  std::vector<Capsule> rods;
+  for (const pugi::xml_node& each : urdf.child("robot").child("link").children("collision")) {
+    const pugi::xml_node cylinder = each.child("geometry").child("cylinder");
+    if (!cylinder) continue;
+    const Vec3 rpy = vectorOf(each.child("origin").attribute("rpy"));
+    const Vec3 along = Eigen::AngleAxisd(rpy.z(), Vec3::UnitZ()) * Eigen::AngleAxisd(rpy.y(), Vec3::UnitY()) *
+                       Eigen::AngleAxisd(rpy.x(), Vec3::UnitX()) *
+                       Vec3(0.0, 0.0, 0.5 * cylinder.attribute("length").as_double());
+    const Vec3 middle = vectorOf(each.child("origin").attribute("xyz"));
+    rods.push_back({middle - along, middle + along, cylinder.attribute("radius").as_double()});
+  }
+  ASSERT_EQ(rods.size(), 2U);
+  for (const Vec3& p : test::makeLShape().vertices) {
+    const Vec3 q = base * Vec3(-0.1 * p.x(), 0.1 * p.y(), 0.1 * p.z());
+    EXPECT_LT(std::min(rods[0].outside(q), rods[1].outside(q)), 1e-7);
+  }
+}
+
+TEST(RobotHulls, NamesNeverClash) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(writeObjObjects(folder.path() / "l.obj", {{"l", test::makeLShape()}}).ok());
+  const fs::path robot = folder.write("robot.xml", R"(<mujoco>
+    <asset><mesh name="l" file="l.obj"/><mesh name="l_hull_0" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
+    <worldbody><body><freejoint/><geom name="g&amp;" type="mesh" mesh="l"/>
+    <geom name="g&amp;_hull_1" type="mesh" mesh="l_hull_0"/></body></worldbody>
+    <sensor><distance geom1="g&amp;" geom2="g&amp;_hull_1"/></sensor></mujoco>)");
+  const RobotReport report = exported(test::madeOptions(robot, "out.xml"));
+  const std::string text = readFile(folder.path() / "out.xml").value();
+  EXPECT_EQ(timesIn(text, "name=\"l_hull_0\""), 1U);
+  EXPECT_EQ(timesIn(text, "name=\"l_hull_0_\""), 1U);
+  EXPECT_EQ(timesIn(text, "name=\"g&amp;_hull_1\""), 1U);
+  EXPECT_EQ(timesIn(text, "name=\"g&amp;_hull_1_\""), 1U);
+  // A sensor names the geom: it stays.
+  EXPECT_EQ(timesIn(text, "name=\"g&amp;\""), 1U);
+  EXPECT_EQ(report.notes.size(), 2U);
+}
+
+}  // namespace
+}  // namespace lorica

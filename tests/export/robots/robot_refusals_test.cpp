@@ -1,0 +1,233 @@
+// Robots that are refused: one sentence each, and nothing is written.
+#include "export/robots/robot_hulls.h"
+#include "geometry/mesh_files.h"
+#include "geometry/work_budgets.h"
+#include "tests/export/robots/made_robot.h"
+#include "tests/support/meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <sys/stat.h>
+#include <cstring>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A robot of one body that collides with a mesh.
+std::string mjcf(const std::string& mesh = "file=\"l.obj\"", const std::string& more = "",
+                 const std::string& compiler = "") {
+  return "<mujoco><compiler " + compiler + "/><asset><mesh name=\"m\" " + mesh + "/></asset>" + more +
+         "<worldbody><body><freejoint/><geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>";
+}
+
+std::string urdf(const std::string& mesh, const std::string& more = "") {
+  return "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh " + mesh + "/></geometry></collision></link>" +
+         more + "</robot>";
+}
+
+class RobotRefusals : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(writeObjObjects(folder_.path() / "l.obj", {{"l", test::makeLShape()}}).ok()); }
+
+  /// Exports a robot with this text, which must fail and write nothing. @return the sentence
+  std::string refusal(const std::string& text, const std::string& name = "robot.xml",
+                      PathTrust trust = PathTrust::kBeneath) {
+    return refusal(test::madeOptions(folder_.write(name, text), "out" + fs::path(name).extension().string()), trust);
+  }
+
+  std::string refusal(const RobotExportOptions& options, PathTrust trust = PathTrust::kBeneath) {
+    const std::vector<std::string> before = names();
+    Host host;
+    host.paths = trust;
+    const Result<RobotReport> report = exportRobot(options, host);
+    EXPECT_EQ(names(), before);
+    EXPECT_FALSE(report.ok());
+    if (report.ok()) return "";
+    const std::string sentence = report.error().message;
+    EXPECT_EQ(sentence.find('\n'), std::string::npos);
+    // The folder of the test is not what matters.
+    std::string shown = sentence;
+    const std::string folder = folder_.path().string() + "/";
+    for (std::size_t at = shown.find(folder); at != std::string::npos; at = shown.find(folder))
+      shown.erase(at, folder.size());
+    return shown;
+  }
+
+  std::vector<std::string> names() const {
+    std::vector<std::string> all;
+    for (const auto& each : fs::recursive_directory_iterator(folder_.path())) all.push_back(each.path().string());
+    std::sort(all.begin(), all.end());
+    return all;
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(RobotRefusals, MeshesThatAreNotThereOrNotTheirs) {
+  EXPECT_EQ(refusal(mjcf("file=\"none.obj\"")), "robot.xml:1: none.obj: cannot be read: No such file or directory");
+  const std::string outside = " is outside the file's folder, expected a file in it (or --trust-paths)";
+  EXPECT_EQ(refusal(mjcf("file=\"/etc/passwd\"")), "robot.xml:1: '/etc/passwd'" + outside);
+  EXPECT_EQ(refusal(mjcf("file=\"../l.obj\"")), "robot.xml:1: '../l.obj'" + outside);
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "", "meshdir=\"../x\"")), "robot.xml:1: '../x/l.obj'" + outside);
+  fs::create_symlink("/etc/passwd", folder_.path() / "link.obj");
+  EXPECT_EQ(refusal(mjcf("file=\"link.obj\"")), "robot.xml:1: 'link.obj'" + outside);
+  EXPECT_EQ(refusal(urdf("filename=\"package://other/l.obj\""), "robot.urdf"),
+            "robot.urdf:1: 'package://other/l.obj' is in the package 'other', expected --package other=FOLDER");
+  EXPECT_EQ(refusal(urdf("filename=\"package://made/../l.obj\""), "robot.urdf"), "robot.urdf:1: '../l.obj'" + outside);
+  EXPECT_EQ(refusal(urdf("filename=\"file:///etc/passwd\""), "robot.urdf"),
+            "robot.urdf:1: 'file:///etc/passwd'" + outside);
+  EXPECT_EQ(refusal(urdf("filename=\"http://a/l.obj\""), "robot.urdf"), "robot.urdf:1: 'http://a/l.obj'" + outside);
+}
+
+TEST_F(RobotRefusals, FilesThatAreNoMeshes) {
+  ASSERT_EQ(mkfifo((folder_.path() / "pipe.stl").c_str(), 0600), 0);
+  EXPECT_NE(refusal(mjcf("file=\"pipe.stl\"")).find("robot.xml:1: pipe.stl: "), std::string::npos);
+  ASSERT_EQ(mkfifo((folder_.path() / "pipe.dae").c_str(), 0600), 0);
+  EXPECT_NE(refusal(mjcf("file=\"pipe.dae\"")).find("robot.xml:1: pipe.dae: "), std::string::npos);
+  folder_.write("m.msh", "");
+  EXPECT_EQ(refusal(mjcf("file=\"m.msh\"")),
+            "robot.xml:1: m.msh: found the extension '.msh', expected .obj, .stl, .ply, .off or .dae");
+  folder_.write("broken.stl", "no mesh at all");
+  EXPECT_NE(refusal(mjcf("file=\"broken.stl\"")).find("robot.xml:1: broken.stl"), std::string::npos);
+}
+
+TEST_F(RobotRefusals, MeshesWithoutVolumeOrWithTooManyTriangles) {
+  folder_.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  EXPECT_NE(refusal(mjcf("file=\"line.obj\"")).find("robot.xml:1: line.obj: "), std::string::npos);
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\" scale=\"1 0 1\"")),
+            "robot.xml:1: scale: found a mesh without volume, expected three numbers other than 0");
+  EXPECT_EQ(refusal(urdf("filename=\"l.obj\" scale=\"1 0 1\""), "robot.urdf"),
+            "robot.urdf:1: scale: found a mesh without volume, expected three numbers other than 0");
+  // A fan of a million triangles, binary.
+  constexpr std::uint32_t kCount = 1'000'000;
+  std::string stl(84 + std::size_t{50} * kCount, '\0');
+  std::memcpy(stl.data() + 80, &kCount, 4);
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const float corners[] = {0.0f, 0.0f, 0.0f, 1.0f, static_cast<float>(i), 0.0f, 1.0f, static_cast<float>(i + 1),
+                             0.0f};
+    std::memcpy(stl.data() + 84 + std::size_t{50} * i + 12, corners, sizeof corners);
+  }
+  folder_.write("many.stl", stl);
+  EXPECT_EQ(refusal(mjcf("file=\"many.stl\"")),
+            "robot.xml:1: many.stl: found 1,000,000 triangles, expected at most 500,000 of a mesh that collides");
+}
+
+TEST_F(RobotRefusals, IncludesThatDoNotEnd) {
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"robot.xml\"/>")),
+            "robot.xml:1: 'robot.xml' includes itself, expected files that end");
+  folder_.write("b.xml", "<mujoco>\n<include file=\"c.xml\"/></mujoco>");
+  folder_.write("c.xml", "<mujoco>\n\n<include file=\"b.xml\"/></mujoco>");
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"b.xml\"/>")),
+            "robot.xml:1: b.xml:2: c.xml:3: 'b.xml' includes itself, expected files that end");
+  folder_.write("d.xml", "<mujoco/>");
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"d.xml\"/><include file=\"d.xml\"/>")),
+            "robot.xml:1: 'd.xml' is included twice, expected each file once");
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"e.xml\"/>")),
+            "robot.xml:1: e.xml: cannot be read: No such file or directory");
+  EXPECT_NE(refusal(mjcf("file=\"l.obj\"", "<include file=\"/etc/passwd\"/>")).find("outside the file's folder"),
+            std::string::npos);
+  std::string many;
+  for (std::size_t i = 0; i <= kMaxRobotIncludes; ++i) {
+    folder_.write("i" + std::to_string(i) + ".xml", "<mujoco/>");
+    many += "<include file=\"i" + std::to_string(i) + ".xml\"/>";
+  }
+  EXPECT_NE(refusal(mjcf("file=\"l.obj\"", many)).find("found more than 100 included files"), std::string::npos);
+}
+
+TEST_F(RobotRefusals, HostileXml) {
+  std::string bomb = "<!DOCTYPE lolz [<!ENTITY a \"ha\">";
+  for (char c = 'b'; c < 'k'; ++c)
+    bomb += std::string("<!ENTITY ") + c + " \"&" + char(c - 1) + ";&" + char(c - 1) + ";\">";
+  EXPECT_EQ(refusal(bomb + "]>" + mjcf()), "robot.xml: found a DTD (<!DOCTYPE>), expected a file without one");
+  EXPECT_EQ(refusal("<!DOCTYPE a SYSTEM \"/etc/passwd\">" + mjcf()),
+            "robot.xml: found a DTD (<!DOCTYPE>), expected a file without one");
+  std::string deep;
+  for (int i = 0; i < 100000; ++i) deep += "<body>";
+  std::string end;
+  for (int i = 0; i < 100000; ++i) end += "</body>";
+  EXPECT_EQ(refusal("<mujoco><worldbody>" + deep + end + "</worldbody></mujoco>"),
+            "robot.xml: found more than 200 levels of elements, expected at most that");
+  EXPECT_NE(refusal("<mujoco>\n<a></b></mujoco>").find("robot.xml:2: found no XML"), std::string::npos);
+  EXPECT_NE(refusal("").find("robot.xml:1: found no XML"), std::string::npos);
+  EXPECT_EQ(refusal(std::string("<mujoco>\n\0</mujoco>", 19)), "robot.xml:2: found a zero byte, expected XML in UTF-8");
+  EXPECT_NE(refusal(mjcf() + std::string(std::size_t{17} << 20, ' ')).find("robot.xml: "), std::string::npos);
+  EXPECT_EQ(refusal("<robot/>"), "robot.xml: found the element <robot>, expected <mujoco>");
+  EXPECT_EQ(refusal("<mujoco/>", "robot.urdf"), "robot.urdf: found the element <mujoco>, expected <robot>");
+}
+
+TEST_F(RobotRefusals, LevelsCountThroughIncludes) {
+  std::string levels;
+  std::string ends;
+  for (int i = 0; i < 150; ++i) {
+    levels += "<body>";
+    ends += "</body>";
+  }
+  folder_.write("b.xml", "<mujoco>" + levels + ends + "</mujoco>");
+  EXPECT_NE(refusal("<mujoco><worldbody>" + levels + "<include file=\"b.xml\"/>" + ends + "</worldbody></mujoco>")
+                .find("found more than 200 levels"),
+            std::string::npos);
+}
+
+TEST_F(RobotRefusals, WhatDoesNotFitTogether) {
+  EXPECT_EQ(refusal("<mujoco><worldbody><geom size=\"1\"/></worldbody></mujoco>"),
+            "robot.xml: found no mesh that collides and is not convex by itself, expected one to divide");
+  EXPECT_EQ(refusal("<mujoco>\n<worldbody>\n<geom type=\"mesh\" mesh=\"x\"/></worldbody></mujoco>"),
+            "robot.xml:3: found the mesh 'x', expected one of the assets");
+  EXPECT_EQ(refusal("<mujoco><worldbody><geom class=\"x\"/></worldbody></mujoco>"),
+            "robot.xml:1: found the class 'x', expected one of the defaults");
+  EXPECT_EQ(refusal("<mujoco><default><default class=\"main\"/></default></mujoco>"),
+            "robot.xml:1: found the default class 'main' again, expected each once");
+  EXPECT_EQ(refusal(mjcf("file=\"l.obj\" scale=\"1 2\"")), "robot.xml:1: scale: found '1 2', expected 3 numbers");
+  EXPECT_NE(refusal(mjcf("vertex=\"0 0 0 1 0 0 0 1 0 0 0 1\" face=\"0 1 2 0 1 3 0 2 3 1 2 9\""))
+                .find("robot.xml:1: face: found vertex 9, expected 0 to 3"),
+            std::string::npos);
+  const std::string joint =
+      "<link name=\"b\"/><joint><parent link=\"b\"/><child link=\"a\"/></joint>"
+      "<joint><parent link=\"a\"/><child link=\"b\"/></joint>";
+  EXPECT_EQ(refusal(urdf("filename=\"l.obj\"", joint), "robot.urdf"),
+            "robot.urdf: found 2 links in circles of joints, expected a tree");
+  EXPECT_EQ(refusal(urdf("filename=\"l.obj\"", "<link name=\"a\"/>"), "robot.urdf"),
+            "robot.urdf:1: found the link 'a' again, expected each once");
+  EXPECT_NE(refusal("<robot xmlns:xacro=\"x\"><xacro:arm/></robot>", "robot.urdf").find("found a macro of xacro"),
+            std::string::npos);
+}
+
+TEST_F(RobotRefusals, OutputsThatWouldBreakTheRobot) {
+  const fs::path robot = test::writeMadeMjcf(folder_);
+  RobotExportOptions options = test::madeOptions(robot, "out.urdf");
+  EXPECT_NE(refusal(options).find("out.urdf: found the extension '.urdf', expected that of robot.xml"),
+            std::string::npos);
+  options = test::madeOptions(robot, "parts/out.xml");
+  EXPECT_NE(refusal(options).find("expected a file in the folder of robot.xml"), std::string::npos);
+  options = test::madeOptions(robot, "robot.xml");
+  options.replace = true;
+  EXPECT_NE(refusal(options).find("robot.xml: would replace a file of the robot"), std::string::npos);
+  folder_.write("out_leg.xml", "mine");
+  options = test::madeOptions(robot, "out.xml");
+  EXPECT_NE(refusal(options).find("out_leg.xml: exists already"), std::string::npos);
+  options.packages = {"=x"};
+  EXPECT_EQ(refusal(options), "--package =x: expected NAME=FOLDER");
+}
+
+TEST_F(RobotRefusals, NothingStaysOfWhatCannotBeWritten) {
+  // A folder lies where a hull's file should be: what was written before it goes again.
+  const fs::path robot = test::writeMadeUrdf(folder_);
+  RobotExportOptions options = test::madeOptions(robot, "out.urdf");
+  options.replace = true;
+  fs::create_directories(folder_.path() / "out_meshes" / "torus_hull_0.stl");
+  EXPECT_NE(refusal(options).find("torus_hull_0.stl"), std::string::npos);
+}
+
+TEST_F(RobotRefusals, PathsOfTheUsersChoiceAreRead) {
+  const test::TemporaryFolder other;
+  ASSERT_TRUE(writeObjObjects(other.path() / "l.obj", {{"l", test::makeLShape()}}).ok());
+  const fs::path robot = folder_.write("robot.xml", mjcf("file=\"" + (other.path() / "l.obj").string() + "\""));
+  Host host;
+  host.paths = PathTrust::kAnywhere;
+  EXPECT_TRUE(exportRobot(test::madeOptions(robot, "out.xml"), host).ok());
+}
+
+}  // namespace
+}  // namespace lorica
