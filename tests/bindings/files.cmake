@@ -16,6 +16,8 @@ file(WRITE ${FILES}/triangle.dae "${text}")
 set(commands
   "${LORICA} decompose mannequin --parts 4 -o ${FILES}/body.lorica"
   "${LORICA} convert walk ${FILES}/walk.bvh"
+  "${LORICA} contacts walk --decomposition ${FILES}/body.lorica --scene bowling --out ${FILES}/contacts.npz"
+  "${LORICA} contacts walk --decomposition ${FILES}/body.lorica --scene bowling --out ${FILES}/contacts.csv"
   "${TRUTH} glb ${FILES}/hero.glb"
   "${TRUTH} faces ${FILES}/breathing.glb"
   "${LORICA} decompose ${FILES}/breathing.glb --parts 2 --hull-vertices 64 -o ${FILES}/breathing.lorica"
