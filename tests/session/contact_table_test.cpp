@@ -1,6 +1,7 @@
 #include "session/scenes/contact_table.h"
 
 #include "bench/skin_contacts.h"
+#include "capture/files/joint_csv.h"
 #include "session/contact_events.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"
