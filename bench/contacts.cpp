@@ -46,11 +46,10 @@ bool measure(const std::string& motion, const std::string& character, int frames
   };
   const auto touching = std::ranges::count(apart, 0.0);
   const double standOff = sum.standOff.empty() ? 0.0 : *std::ranges::max_element(sum.standOff);
-  fmt::print("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.0f}\n",
-             cast->name, sum.frames, sum.rows, sum.floors, sum.props, sum.pairs, sum.deep, sum.missed,
-             millimetre(sum.floorError), millimetre(sum.gapError), touching, millimetre(share(0.5)),
-             millimetre(share(0.95)), millimetre(share(1.0)), millimetre(standOff), millimetre(sum.beyond),
-             medianOf(times));
+  fmt::print("{},{},{},{},{},{},{},{},{:.4f},{:.4f},{},{:.1f},{:.1f},{:.1f},{:.1f},{:.1f},{:.0f}\n", cast->name,
+             sum.frames, sum.rows, sum.floors, sum.props, sum.pairs, sum.deep, sum.missed, millimetre(sum.floorError),
+             millimetre(sum.gapError), touching, millimetre(share(0.5)), millimetre(share(0.95)),
+             millimetre(share(1.0)), millimetre(standOff), millimetre(sum.beyond), medianOf(times));
   std::fflush(stdout);
   return true;
 }
@@ -60,7 +59,7 @@ bool measure(const std::string& motion, const std::string& character, int frames
 
 int main(int argc, char** argv) {
   CLI::App app("Contact tables against the skin.");
-  std::vector<std::string> motions = {"walk",         "wave",       "jumping_jacks", "squat_and_reach",
+  std::vector<std::string> motions = {"walk",           "wave",        "jumping_jacks", "squat_and_reach",
                                       "punch_and_kick", "turn_around", "walk_noisy",    "punch_and_kick_noisy"};
   std::string character;
   int frames = 0;

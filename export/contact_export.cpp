@@ -22,9 +22,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFarthest = 1.0;  // that `near` may be [m]
-constexpr double kFloats = 0.05;  // a body that stays higher never meets the floor [m]
-constexpr double kSinks = 0.2;    // one that goes deeper has another floor [m]
+constexpr double kFarthest = 1.0;           // that `near` may be [m]
+constexpr double kFloats = 0.05;            // a body that stays higher never meets the floor [m]
+constexpr double kSinks = 0.2;              // one that goes deeper has another floor [m]
 constexpr std::size_t kWritten = 1U << 16;  // bytes of rows that are written at a time
 
 constexpr std::array<const char*, 4> kKinds = {"floor", "prop", "self", "avatars"};
@@ -167,10 +167,11 @@ void addNotes(const Session& session, const ContactTable& table, std::vector<std
     if (!session.world().hasFloor() || lowest == kInfinity) continue;
     if (lowest > kFloats) {
       notes.push_back(fmt::format(
-          "avatar {}: stays {:.2f} m above the floor, expected a motion whose floor is y = 0: no foot stands", a, lowest));
+          "avatar {}: stays {:.2f} m above the floor, expected a motion whose floor is y = 0: no foot stands", a,
+          lowest));
     } else if (lowest < -kSinks) {
-      notes.push_back(fmt::format("avatar {}: goes {:.2f} m below the floor, expected a motion whose floor is y = 0", a,
-                                  -lowest));
+      notes.push_back(
+          fmt::format("avatar {}: goes {:.2f} m below the floor, expected a motion whose floor is y = 0", a, -lowest));
     }
   }
 }
@@ -246,7 +247,8 @@ class Archive {
 
   Result<void> add(const std::string& name, const std::string& bytes) {
     const auto size = static_cast<std::uint32_t>(bytes.size());
-    const auto crc = static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
+    const auto crc =
+        static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
     std::string about("\x14\0\0\0\0\0\0\0\x21\0", 10);  // version 2.0, no flags, stored, midnight, the date
     for (const std::uint32_t number : {crc, size, size, static_cast<std::uint32_t>(name.size())}) {
       appendLittleEndian(number, about);  // the last one is of 16 bits, before an empty extra field
@@ -336,10 +338,10 @@ Result<ContactLabels> findContacts(
     const std::span<const ContactRow> found = table.update(session);
     labels.rowCount += found.size();
     if (labels.rowCount > request.mostRows) {
-      return invalidArgument("{}: found more than {} rows in {} of {} frames, expected at most that: a part of the motion, "
-                             "or a shorter --near",
-                             labels.name, grouped(static_cast<long long>(request.mostRows)), session.frameCount(),
-                             expected);
+      return invalidArgument(
+          "{}: found more than {} rows in {} of {} frames, expected at most that: a part of the motion, "
+          "or a shorter --near",
+          labels.name, grouped(static_cast<long long>(request.mostRows)), session.frameCount(), expected);
     }
     for (ContactRow row : found) {
       row.bone = names.of(row.avatar, row.bone);
@@ -367,7 +369,9 @@ Result<void> forEachArray(const ContactLabels& labels,
   LabelArray times{"frame_time", "<f8", {labels.times.size()}, {}};
   for (const double time : labels.times) appendLittleEndian(time, times.bytes);
   LORICA_TRY_DO(visit(times));
-  LORICA_TRY_DO(visit({"frame_standing", "|b1", {labels.times.size(), labels.avatars, 2},
+  LORICA_TRY_DO(visit({"frame_standing",
+                       "|b1",
+                       {labels.times.size(), labels.avatars, 2},
                        std::string(labels.standing.begin(), labels.standing.end())}));
   LORICA_TRY_DO(visit(arrayOf("bones", labels.bones)));
   LORICA_TRY_DO(visit(arrayOf("kinds", kKinds)));
@@ -386,9 +390,8 @@ Result<ContactLabels> writeContacts(const ContactRequest& request, const std::st
   if (extension == ".npz") {
     LORICA_TRY(const ContactLabels labels, findContacts(request, host));
     Archive archive(*out);
-    LORICA_TRY_DO(forEachArray(labels, [&](const LabelArray& array) {
-      return archive.add(array.name + ".npy", npyOf(array));
-    }));
+    LORICA_TRY_DO(
+        forEachArray(labels, [&](const LabelArray& array) { return archive.add(array.name + ".npy", npyOf(array)); }));
     LORICA_TRY_DO(archive.finish());
     LORICA_TRY_DO(out->finish());
     return labels;
@@ -400,11 +403,12 @@ Result<ContactLabels> writeContacts(const ContactRequest& request, const std::st
     text.clear();
     return written;
   };
-  LORICA_TRY(ContactLabels labels,
-             findContacts(request, host, [&](const ContactRow& row, std::span<const std::string> bones) -> Result<void> {
-               addLine(row, bones, json, text);
-               return text.size() < kWritten ? Result<void>() : flush();
-             }));
+  LORICA_TRY(
+      ContactLabels labels,
+      findContacts(request, host, [&](const ContactRow& row, std::span<const std::string> bones) -> Result<void> {
+        addLine(row, bones, json, text);
+        return text.size() < kWritten ? Result<void>() : flush();
+      }));
   LORICA_TRY_DO(flush());
   LORICA_TRY_DO(out->finish());
   return labels;

@@ -19,21 +19,21 @@ namespace lorica {
 /// Whose contacts are wanted.
 struct ContactRequest {
   CastRequest cast;
-  double near = ContactTable::kNear; ///< greatest distance that is reported [m]
+  double near = ContactTable::kNear;  ///< greatest distance that is reported [m]
   std::size_t mostRows = kMaxContactRows;
 };
 
 /// The contacts of a motion, see ContactTable.
 struct ContactLabels {
-  std::string name;               ///< of the motion: "walk"
+  std::string name;  ///< of the motion: "walk"
   std::size_t avatars = 0;
   std::size_t rowCount = 0;
-  std::size_t overlaps = 0;       ///< rows whose depth is above 0
-  std::vector<double> times;      ///< of the frames [s]
+  std::size_t overlaps = 0;            ///< rows whose depth is above 0
+  std::vector<double> times;           ///< of the frames [s]
   std::vector<std::uint8_t> standing;  ///< for each frame and avatar whether the left and the right foot stands
-  std::vector<std::string> bones; ///< names; ContactRow::bone and otherBone are indices of it here
-  std::vector<std::string> notes; ///< one sentence each, such as that a motion is nowhere near the floor
-  std::deque<ContactRow> rows;    ///< if they were not taken
+  std::vector<std::string> bones;      ///< names; ContactRow::bone and otherBone are indices of it here
+  std::vector<std::string> notes;      ///< one sentence each, such as that a motion is nowhere near the floor
+  std::deque<ContactRow> rows;         ///< if they were not taken
 
   /// "walk: 180 frames, 4,210 rows, 390 of them overlaps".
   [[nodiscard]] std::string inWords() const;
@@ -56,8 +56,8 @@ struct LabelArray {
   std::string bytes;               ///< rows first, little-endian
 };
 
-/// The labels as arrays, one at a time: a column of the rows each, then frame_time, frame_standing, bones, and the words
-/// of kind, foot and phase.
+/// The labels as arrays, one at a time: a column of the rows each, then frame_time, frame_standing, bones, and the
+/// words of kind, foot and phase.
 [[nodiscard]] Result<void> forEachArray(const ContactLabels& labels,
                                         const std::function<Result<void>(const LabelArray& array)>& visit);
 

@@ -404,7 +404,8 @@ of their origins [m/s]; (parts, 3), about world axes [rad/s]. After the first po
 
 seconds  between the two poses, above 0)";
 constexpr const char* kSwept =
-    "What each part swept by a straight motion from the pose before the last to the last one: a list of Hull, world [m].";
+    "What each part swept by a straight motion from the pose before the last to the last one: a list of Hull, world "
+    "[m].";
 
 constexpr const char* kTouches = R"(Parts that a convex solid of yours overlaps in the last pose: a list of Touch.
 
@@ -458,7 +459,8 @@ void addCharacters(py::module_& module) {
           "What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words.")
       .def(
           "motion", [](const Player& self, double seconds) { return self.live->motion(seconds); }, "seconds"_a, kMotion)
-      .def("swept", [](const Player& self) { return self.live->swept(); }, kSwept)
+      .def(
+          "swept", [](const Player& self) { return self.live->swept(); }, kSwept)
       .def(
           "contacts", [](const Player& self) { return self.live->contacts(); },
           "Overlaps of the body's own parts in the last frame: a list of Contact.")
@@ -475,8 +477,8 @@ void addCharacters(py::module_& module) {
           "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0, py::arg_v("half", kNoHalf, "..."),
           kCast);
   module.def("contacts", &contactsOf, "motion"_a, "character"_a = "", py::kw_only(), "scene"_a = "",
-             "near"_a = ContactTable::kNear, "clip"_a = "", "mirror"_a = false, "decomposition"_a = "",
-             "threads"_a = 0, "progress"_a = py::none(),
+             "near"_a = ContactTable::kNear, "clip"_a = "", "mirror"_a = false, "decomposition"_a = "", "threads"_a = 0,
+             "progress"_a = py::none(),
              R"(A table of all contacts in a motion, as `lorica contacts` writes it: a dict of arrays.
 
 Each row is a contact, or a pair that is nearly one, in a frame: frame, time [s], kind (index of `kinds`), avatar, part,

@@ -294,8 +294,8 @@ void ContactTable::Impl::addProps(const Session& session) {
   const std::span<const Prop> all = session.world().props();
   for (int prop = 0; prop < countOf(all); ++prop) findProp(prop, all[prop]);
   for (const Contact& contact : session.world().contacts()) {
-    props.push_back({contact.avatar, contact.part, contact.prop,
-                     {contact.depth, contact.point, contact.normal}, contact.impulse});
+    props.push_back(
+        {contact.avatar, contact.part, contact.prop, {contact.depth, contact.point, contact.normal}, contact.impulse});
   }
   // Of each pair the deepest, with all impulses.
   std::ranges::sort(props, [](const PropMeeting& a, const PropMeeting& b) {
@@ -307,12 +307,13 @@ void ContactTable::Impl::addProps(const Session& session) {
     for (; i < props.size() && props[i].key() == deepest.key(); ++i) impulse += props[i].impulse;
     ContactRow& row = add(session, ContactKind::kProp, deepest.avatar, deepest.part, deepest.meeting);
     const Prop& prop = all[deepest.prop];
-    const Vec3 center = prop.mesh ? Vec3(prop.worldFromProp * prop.mesh->solid.center)
-                                  : Vec3(prop.worldFromProp.translation());
+    const Vec3 center =
+        prop.mesh ? Vec3(prop.worldFromProp * prop.mesh->solid.center) : Vec3(prop.worldFromProp.translation());
     const Vec3 velocity = prop.velocity + prop.angularVelocity.cross(deepest.meeting.point - center);
     row.prop = deepest.prop;
     row.strength = static_cast<float>(impulse);
-    setVelocity(row, velocity - velocityAt(outlines[deepest.avatar].parts[deepest.part], deepest.meeting.point, seconds));
+    setVelocity(row,
+                velocity - velocityAt(outlines[deepest.avatar].parts[deepest.part], deepest.meeting.point, seconds));
   }
 }
 
@@ -393,7 +394,8 @@ void ContactTable::Impl::moveFeet() {
       bool& stands = outlines[a].standing[foot == ContactFoot::kLeft ? 0 : 1];
       const double height = stands ? kLeaveHeight : kStandHeight, speed = stands ? kLeaveSpeed : kStandSpeed;
       stands = std::ranges::any_of(rows, [&](const ContactRow& row) {
-        const bool below = row.kind == ContactKind::kFloor || (row.kind == ContactKind::kProp && row.normal[1] < -kBelow);
+        const bool below =
+            row.kind == ContactKind::kFloor || (row.kind == ContactKind::kProp && row.normal[1] < -kBelow);
         const Vec3 velocity(row.velocity[0], row.velocity[1], row.velocity[2]);
         return below && row.avatar == a && row.foot == foot && -row.depth <= height && velocity.norm() <= speed;
       });

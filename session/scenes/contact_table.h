@@ -20,21 +20,21 @@ struct ContactRow {
   std::int32_t frame = 0;   ///< of the session, from 0
   std::int32_t avatar = 0;  ///< of kAvatar the one with the smaller index
   std::int32_t part = 0;
-  std::int32_t bone = kNoJoint;         ///< of the avatar's skeleton, see ContactBones
-  std::int32_t otherAvatar = -1;        ///< of kSelf the same avatar; -1 = none
-  std::int32_t otherPart = -1;          ///< of kSelf and kAvatar
-  std::int32_t otherBone = kNoJoint;    ///< the same, of the other avatar's skeleton
-  std::int32_t prop = -1;               ///< of kProp
-  float depth = 0.0F;                   ///< if the other moves this far along the normal, they just touch; below 0 the
-                                        ///< distance between them [m]
-  std::array<float, 3> point{};         ///< middle of overlap or gap, on the floor the lowest point of the part, world [m]
-  std::array<float, 3> normal{};        ///< from the part to the other, unit
-  std::array<float, 3> velocity{};      ///< of the other as seen from the part, at the point [m/s]
-  float strength = 0.0F;                ///< impulse of this frame as in ContactEvents [N s]; 0 if they are apart
-  float slip = 0.0F;                    ///< share of the velocity's length along the surface [m/s]
+  std::int32_t bone = kNoJoint;       ///< of the avatar's skeleton, see ContactBones
+  std::int32_t otherAvatar = -1;      ///< of kSelf the same avatar; -1 = none
+  std::int32_t otherPart = -1;        ///< of kSelf and kAvatar
+  std::int32_t otherBone = kNoJoint;  ///< the same, of the other avatar's skeleton
+  std::int32_t prop = -1;             ///< of kProp
+  float depth = 0.0F;                 ///< if the other moves this far along the normal, they just touch; below 0 the
+                                      ///< distance between them [m]
+  std::array<float, 3> point{};     ///< middle of overlap or gap, on the floor the lowest point of the part, world [m]
+  std::array<float, 3> normal{};    ///< from the part to the other, unit
+  std::array<float, 3> velocity{};  ///< of the other as seen from the part, at the point [m/s]
+  float strength = 0.0F;            ///< impulse of this frame as in ContactEvents [N s]; 0 if they are apart
+  float slip = 0.0F;                ///< share of the velocity's length along the surface [m/s]
   ContactKind kind = ContactKind::kFloor;
-  ContactFoot foot = ContactFoot::kNone;   ///< whether the bone is of a foot, and of which
-  FootPhase phase = FootPhase::kNone;      ///< of that foot in this frame
+  ContactFoot foot = ContactFoot::kNone;  ///< whether the bone is of a foot, and of which
+  FootPhase phase = FootPhase::kNone;     ///< of that foot in this frame
 };
 
 /// Everything that the avatars of a session touch, or are near to, frame by frame: floor, props, their own parts that

@@ -21,7 +21,8 @@ TEST_P(Help, TeachesByExample) {
   EXPECT_NE(result.out.find("--threads"), std::string::npos);
 }
 
-INSTANTIATE_TEST_SUITE_P(Command, Help, testing::Values("demo", "decompose", "score", "play", "info", "bake", "contacts"),
+INSTANTIATE_TEST_SUITE_P(Command, Help,
+                         testing::Values("demo", "decompose", "score", "play", "info", "bake", "contacts"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(Command, HelpListsEveryCommand) {

@@ -131,14 +131,17 @@ TEST_F(ContactExport, AMotionWithoutAFloorIsSaidToBe) {
   EXPECT_EQ(notesOf(request("walk")), std::vector<std::string>());
   ContactRequest floating = request("");
   const auto staged = [&](const char* place) {
-    return folder_->write("stage.json", fmt::format(R"({{"format": "lorica scene 1", "props": [], "floor": {}}})", place));
+    return folder_->write("stage.json",
+                          fmt::format(R"({{"format": "lorica scene 1", "props": [], "floor": {}}})", place));
   };
   floating.cast.scene = staged(R"(true, "avatars": [{"motion": "walk", "place": [0, 1, 0]}])");
-  EXPECT_EQ(notesOf(floating), std::vector<std::string>{"avatar 0: stays 1.00 m above the floor, expected a motion whose "
-                                                        "floor is y = 0: no foot stands"});
+  EXPECT_EQ(notesOf(floating),
+            std::vector<std::string>{"avatar 0: stays 1.00 m above the floor, expected a motion whose "
+                                     "floor is y = 0: no foot stands"});
   floating.cast.scene = staged(R"(true, "avatars": [{"motion": "walk", "place": [0, -1, 0]}])");
-  EXPECT_EQ(notesOf(floating), std::vector<std::string>{"avatar 0: goes 1.02 m below the floor, expected a motion whose "
-                                                        "floor is y = 0"});
+  EXPECT_EQ(notesOf(floating),
+            std::vector<std::string>{"avatar 0: goes 1.02 m below the floor, expected a motion whose "
+                                     "floor is y = 0"});
   floating.cast.scene = staged(R"(false, "avatars": [{"motion": "walk"}])");
   EXPECT_EQ(notesOf(floating), std::vector<std::string>{"the scene has no floor: found no contacts with one"});
   std::filesystem::remove(folder_->path() / "stage.json");
