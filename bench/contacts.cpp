@@ -23,7 +23,10 @@ double millimetre(double metres) {
 /// @return whether the motion could be played
 bool measure(const std::string& motion, const std::string& character, int frames) {
   Host host;
-  Result<Cast> cast = prepareCast({.motion = motion, .character = character}, host);
+  CastRequest request;
+  request.motion = motion;
+  request.character = character;
+  Result<Cast> cast = prepareCast(request, host);
   if (!cast) {
     fmt::print(stderr, "{}\n", cast.error().message);
     return false;

@@ -72,6 +72,14 @@ std::string quoted(const std::string& name) {
   return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+/// A name as a cell of .csv: in quotes if it has to be.
+std::string cellOf(const std::string& name) {
+  if (name.find_first_of(",\"\n\r") == std::string::npos) return name;
+  std::string cell = "\"";
+  for (const char letter : name) cell += letter == '"' ? std::string("\"\"") : std::string(1, letter);
+  return cell + "\"";
+}
+
 /// A line of .csv or .jsonl, appended. @param json  else values are separated by commas
 void addLine(const ContactRow& row, std::span<const std::string> bones, bool json, fmt::memory_buffer& text) {
   const auto out = std::back_inserter(text);
@@ -102,8 +110,7 @@ void addLine(const ContactRow& row, std::span<const std::string> bones, bool jso
           fmt::format_to(out, "{}", index);
         } else {
           const std::string& name = bones[static_cast<std::size_t>(index)];
-          const bool plain = !json && name.find_first_of(",\"\n\r") == std::string::npos;
-          fmt::format_to(out, "{}", plain ? name : quoted(name));
+          fmt::format_to(out, "{}", json ? quoted(name) : cellOf(name));
         }
         break;
       }
