@@ -19,7 +19,7 @@ Command addContacts(CommandLine& parent, CommonOptions& common) {
   app->addOption("-o,--out", *output, "Output file: .npz, .csv or .jsonl")->required()->typeName("FILE");
   addLength(*app, "--near", request->near, "Also pairs that are apart by at most this [default: 0.05]");
   addBodyOptions(*app, request->cast.body);
-  addSceneOption(*app, request->cast.scene);
+  app->addOption("--scene", request->cast.scene, "Scene, as of `lorica play` [default: a floor]")->typeName("SCENE");
   return {app, [request, output](const CommonOptions& given, Host& host) -> Result<void> {
             LORICA_TRY_DO(checkJsonOutput(given, {*output}));
             LORICA_TRY_DO(checkNotTaken("-o", *output, request->cast.files()));

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kFirstFrameSeconds = 1.0 / 30.0;
 constexpr double kShortestFrameSeconds = 0.001;  // frames that are closer in time are repeated ones
+constexpr double kMeet = 1e-6;                   // nearer hulls have no direction to speak of: they meet [m]
 constexpr int kSides = 32;                       // of a cylinder
 constexpr double kBelow = 0.5;  // how far down the normal of what a foot stands on points; less is a wall
 
@@ -273,7 +274,7 @@ void ContactTable::Impl::findProp(int prop, const Prop& of) {
         const double distance = gap.distance - piece.radius;
         if (distance > reach) continue;
         Meeting meeting{-distance, gap.onHull + 0.5 * distance * gap.normal, gap.normal};
-        if (distance <= 0.0) {
+        if (distance <= kMeet) {
           deep = true;
           meeting = touching(outline.boxes[p], piece.box);
         }
@@ -324,7 +325,7 @@ std::optional<Meeting> ContactTable::Impl::measure(const Outline& a, std::size_t
   if (apart(a.boxes[first], b.boxes[second], near)) return std::nullopt;
   const HullGap gap = gapOf(a.pointsOf(first), b.pointsOf(second));
   if (gap.distance > near) return std::nullopt;
-  if (gap.distance == 0.0) return touching(a.boxes[first], b.boxes[second]);
+  if (gap.distance <= kMeet) return touching(a.boxes[first], b.boxes[second]);
   return Meeting{-gap.distance, gap.onHull + 0.5 * gap.distance * gap.normal, gap.normal};
 }
 

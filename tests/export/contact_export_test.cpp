@@ -136,11 +136,11 @@ TEST_F(ContactExport, AMotionWithoutAFloorIsSaidToBe) {
   };
   floating.cast.scene = staged(R"(true, "avatars": [{"motion": "walk", "place": [0, 1, 0]}])");
   EXPECT_EQ(notesOf(floating),
-            std::vector<std::string>{"avatar 0: stays 1.00 m above the floor, expected a motion whose "
+            std::vector<std::string>{"avatar 0: stays 0.99 m above the floor, expected a motion whose "
                                      "floor is y = 0: no foot stands"});
   floating.cast.scene = staged(R"(true, "avatars": [{"motion": "walk", "place": [0, -1, 0]}])");
   EXPECT_EQ(notesOf(floating),
-            std::vector<std::string>{"avatar 0: goes 1.02 m below the floor, expected a motion whose "
+            std::vector<std::string>{"avatar 0: goes 1.01 m below the floor, expected a motion whose "
                                      "floor is y = 0"});
   floating.cast.scene = staged(R"(false, "avatars": [{"motion": "walk"}])");
   EXPECT_EQ(notesOf(floating), std::vector<std::string>{"the scene has no floor: found no contacts with one"});

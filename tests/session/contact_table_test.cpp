@@ -192,11 +192,20 @@ TEST(ContactTable, FindsAllThatTheSkinTouchesAndNothingBeyondTheStandOffOfTheHul
   EXPECT_LT(sum.beyond, 0.002);
 }
 
-/// Each foot of a walker stands, then swings, and neither flickers: five seconds hold some nine steps.
+JointIndex ankleOf(const Character& character, std::size_t foot) {
+  const HumanBone bone = foot == 0 ? HumanBone::kLeftFoot : HumanBone::kRightFoot;
+  const std::span<const Joint> joints = character.skeleton.joints();
+  return std::ranges::find_if(joints, [&](const Joint& joint) { return joint.bone == bone; }) - joints.begin();
+}
+
+/// Each foot of a walker stands, then swings, and neither flickers: it begins to stand as often as its ankle was
+/// lifted.
 TEST(ContactTable, TheFeetOfAWalkerStandInTurn) {
   Session session = walk(World(), 300);
   ContactTable table(session);
-  std::array<int, 2> begins{}, stands{};
+  std::array<int, 2> begins{}, stands{}, lifts{};
+  std::array<bool, 2> up{};
+  std::array<double, 2> rest{};
   std::array<bool, 2> before{};
   int frames = 0, none = 0;
   for (; session.step().value(); ++frames) {
@@ -205,6 +214,11 @@ TEST(ContactTable, TheFeetOfAWalkerStandInTurn) {
     for (std::size_t foot = 0; foot < 2; ++foot) {
       begins[foot] += now[foot] && !before[foot] ? 1 : 0;
       stands[foot] += now[foot] ? 1 : 0;
+      const JointIndex ankle = ankleOf(session.character(), foot);
+      const double height = session.worldFromJoint()[ankle].translation().y();
+      if (frames == 0) rest[foot] = height;
+      if (!up[foot] && height > rest[foot] + 0.06) ++lifts[foot];
+      up[foot] = height > rest[foot] + (up[foot] ? 0.03 : 0.06);
       for (const ContactRow& row : rows) {
         if (row.foot != (foot == 0 ? ContactFoot::kLeft : ContactFoot::kRight)) continue;
         EXPECT_EQ(row.phase, now[foot] ? FootPhase::kStance : FootPhase::kSwing);
@@ -214,8 +228,8 @@ TEST(ContactTable, TheFeetOfAWalkerStandInTurn) {
     before = now;
   }
   for (std::size_t foot = 0; foot < 2; ++foot) {
-    EXPECT_GE(begins[foot], 3);
-    EXPECT_LE(begins[foot], 8);
+    EXPECT_GE(lifts[foot], 5);
+    EXPECT_NEAR(begins[foot], lifts[foot], 1);
     EXPECT_GT(stands[foot], 0.45 * frames);
     EXPECT_LT(stands[foot], 0.9 * frames);
   }

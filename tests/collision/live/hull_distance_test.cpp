@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace lorica::test {
@@ -49,6 +50,30 @@ TEST(HullDistance, TwoHullsAreProvenToBeThatFarApart) {
         << trial;
   }
   EXPECT_GT(apart, 1000);
+  EXPECT_GT(meeting, 200);
+}
+
+std::vector<Vec3> box(const Vec3& low, const Vec3& sides) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) corners.emplace_back(low + sides.cwiseProduct(Vec3(i & 1, i >> 1 & 1, i >> 2)));
+  return corners;
+}
+
+/// All faces are parallel, and most simplices are flat.
+TEST(HullDistance, AlignedBoxesAreAsFarApartAsTheirSidesSay) {
+  RandomNumbers random(6);
+  const auto grid = [&](double least, double most) { return 0.1 * std::floor(random.between(10 * least, 10 * most)); };
+  int meeting = 0;
+  for (int trial = 0; trial < 5000; ++trial) {
+    const Vec3 sides(grid(0.1, 1), grid(0.1, 1), grid(0.1, 1)), others(grid(0.1, 1), grid(0.1, 1), grid(0.1, 1));
+    const Vec3 low(grid(-1.5, 1.5), grid(-1.5, 1.5), grid(-1.5, 1.5));
+    Vec3 apart;
+    for (int axis = 0; axis < 3; ++axis) {
+      apart[axis] = std::max({0.0, low[axis] - sides[axis], -low[axis] - others[axis]});
+    }
+    meeting += apart.isZero(1e-9) ? 1 : 0;
+    EXPECT_NEAR(gapOf(box(Vec3::Zero(), sides), box(low, others)).distance, apart.norm(), 1e-9) << trial;
+  }
   EXPECT_GT(meeting, 200);
 }
 
