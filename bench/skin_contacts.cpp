@@ -100,11 +100,13 @@ void compareWithSkin(const Session& session, std::span<const ContactRow> rows, S
   const int count = countOf(session.body().parts());
   for (int p = 0; p < count; ++p) skins.emplace_back(session, p);
   const auto rowOf = [&](ContactKind kind, int part, int other) -> const ContactRow* {
-    const auto found = std::ranges::find_if(rows, [&](const ContactRow& row) {
+    const ContactRow* deepest = nullptr;  // on the floor a part may have several
+    for (const ContactRow& row : rows) {
       const int its = kind == ContactKind::kProp ? row.prop : row.otherPart;
-      return row.kind == kind && row.part == part && (kind == ContactKind::kFloor || its == other);
-    });
-    return found == rows.end() ? nullptr : &*found;
+      if (row.kind != kind || row.part != part || (kind != ContactKind::kFloor && its != other)) continue;
+      if (deepest == nullptr || row.depth > deepest->depth) deepest = &row;
+    }
+    return deepest;
   };
   for (int p = 0; p < count; ++p) {
     if (skins[p].bare()) continue;

@@ -20,7 +20,8 @@ struct HullGap {
 /// @param half      from there to its end
 [[nodiscard]] HullGap gapOf(std::span<const Vec3> vertices, const Vec3& middle, const Vec3& half);
 
-/// The same for two hulls. Of hulls that meet the distance may be a rounding error above 0, with any normal. @param others  vertices of the second, at least one, in the same frame
+/// The same for two hulls. Of hulls that meet the distance may be a rounding error above 0, with any normal.
+/// @param others  vertices of the second, at least one, in the same frame
 [[nodiscard]] HullGap gapOf(std::span<const Vec3> vertices, std::span<const Vec3> others);
 
 }  // namespace lorica

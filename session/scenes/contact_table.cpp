@@ -1,6 +1,7 @@
 #include "session/scenes/contact_table.h"
 
 #include "collision/live/hull_distance.h"
+#include "collision/live/lifted_point.h"
 #include "collision/world/shape_contact.h"
 #include "collision/world/strike_limit.h"
 #include "geometry/counts.h"
@@ -97,13 +98,16 @@ void setPiece(const Prop& prop, std::size_t hull, Piece& piece) {
 struct Outline {
   ShapeContactQuery query;
   std::vector<double> masses;
-  std::vector<ContactFoot> footOf = {};  ///< of each joint
+  std::vector<ContactFoot> footOf = {};       ///< of each joint
+  std::vector<ContactFoot> footOfPoint = {};  ///< of each point of the decomposition
 
   std::span<const LivePart> parts = {};  ///< none while it is not there
   std::vector<Vec3> points = {};
   std::vector<std::size_t> first = {};  ///< of each part in `points`, and the end
   std::vector<Aabb> boxes = {};
   Aabb box = {};
+
+  std::vector<Affine3> previous = {};  ///< worldFromJoint one frame ago; empty if it was not there
 
   std::array<bool, 2> standing{};
   double lowest = kInfinity;
@@ -122,7 +126,22 @@ Outline outlineOf(const SessionAvatar& avatar) {
                              : limb == HitLimb::kRightFoot ? ContactFoot::kRight
                                                            : ContactFoot::kNone);
   }
+  for (const LiftedPoint& point : liftPoints(avatar.character(), avatar.body().decomposition())) {
+    const auto most = std::ranges::max_element(point, {}, &LiftedTerm::weight);
+    outline.footOfPoint.push_back(most == point.end() ? ContactFoot::kNone : outline.footOf[most->joint]);
+  }
   return outline;
+}
+
+/// The lowest vertex of a part among those of a foot, or of none.
+const Vec3* lowestOf(const Outline& outline, std::size_t part, ContactFoot foot) {
+  const std::span<const Vec3> points = outline.pointsOf(part);
+  const std::vector<VertexIndex>& of = outline.parts[part].shape.pointOfVertex;
+  const Vec3* lowest = nullptr;
+  for (std::size_t v = 0; v < points.size(); ++v) {
+    if (outline.footOfPoint[of[v]] == foot && (lowest == nullptr || points[v].y() < lowest->y())) lowest = &points[v];
+  }
+  return lowest;
 }
 
 /// A prop and a part: measured between hulls, or told by the physics.
@@ -155,6 +174,7 @@ struct ContactTable::Impl {
   ContactRow& add(const Session& session, ContactKind kind, int avatar, std::size_t part, const Meeting& meeting);
   void addPair(const Session& session, ContactKind kind, int a, std::size_t p, int b, std::size_t q,
                const Meeting& meeting, std::optional<double> strength);
+  Vec3 velocityOf(const Session& session, int avatar, std::size_t part, JointIndex bone, const Vec3& point) const;
   void setVelocity(ContactRow& row, const Vec3& velocity) const;
   std::optional<Meeting> measure(const Outline& a, std::size_t first, const Outline& b, std::size_t second) const;
   void moveFeet();
@@ -183,6 +203,11 @@ std::span<const ContactRow> ContactTable::update(const Session& session) {
   impl.addSelf(session);
   impl.addAvatars(session);
   impl.moveFeet();
+  for (std::size_t a = 0; a < impl.outlines.size(); ++a) {
+    const std::span<const Affine3> now = session.avatars()[a].worldFromJoint();
+    std::vector<Affine3>& previous = impl.outlines[a].previous;
+    impl.outlines[a].parts.empty() ? previous.clear() : previous.assign(now.begin(), now.end());
+  }
   std::erase_if(impl.rows, [&](const ContactRow& row) { return row.depth < -impl.near; });
   return impl.rows;
 }
@@ -232,6 +257,16 @@ ContactRow& ContactTable::Impl::add(const Session& session, ContactKind kind, in
   return row;
 }
 
+/// Velocity of the bone's material at a point since the last frame.
+Vec3 ContactTable::Impl::velocityOf(const Session& session, int avatar, std::size_t part, JointIndex bone,
+                                    const Vec3& point) const {
+  const Outline& outline = outlines[avatar];
+  if (outline.previous.empty()) return Vec3::Zero();
+  if (bone == kNoJoint) return velocityAt(outline.parts[part], point, seconds);
+  const Vec3 inBone = session.avatar(avatar).worldFromJoint()[bone].inverse() * point;
+  return (point - outline.previous[bone] * inBone) / seconds;
+}
+
 /// @param velocity  of the other as seen from the part
 void ContactTable::Impl::setVelocity(ContactRow& row, const Vec3& velocity) const {
   const Vec3 normal(row.normal[0], row.normal[1], row.normal[2]);
@@ -245,13 +280,17 @@ void ContactTable::Impl::addFloor(const Session& session) {
     for (std::size_t p = 0; p < outline.parts.size(); ++p) {
       const Aabb& box = outline.boxes[p];
       if (box.empty() || box.min.y() > reach) continue;
-      const Vec3 lowest = *std::ranges::min_element(outline.pointsOf(p), {}, [](const Vec3& v) { return v.y(); });
-      const Vec3 down = -Vec3::UnitY();
-      ContactRow& row = add(session, ContactKind::kFloor, a, p, {-lowest.y(), lowest, down});
-      const LivePart& part = outline.parts[p];
-      setVelocity(row, -velocityAt(part, lowest, seconds));
-      if (row.depth <= 0.0F) continue;
-      row.strength = static_cast<float>(outline.masses[p] * closingSpeed(part, ground, lowest, down, seconds));
+      for (const ContactFoot foot : {ContactFoot::kNone, ContactFoot::kLeft, ContactFoot::kRight}) {
+        const Vec3* lowest = lowestOf(outline, p, foot);
+        if (lowest == nullptr || lowest->y() > reach) continue;
+        const Vec3 down = -Vec3::UnitY();
+        ContactRow& row = add(session, ContactKind::kFloor, a, p, {-lowest->y(), *lowest, down});
+        row.foot = foot;
+        setVelocity(row, -velocityOf(session, a, p, row.bone, *lowest));
+        if (row.depth <= 0.0F) continue;
+        const double speed = closingSpeed(outline.parts[p], ground, *lowest, down, seconds);
+        row.strength = static_cast<float>(outline.masses[p] * speed);
+      }
     }
   }
 }
@@ -313,8 +352,8 @@ void ContactTable::Impl::addProps(const Session& session) {
     const Vec3 velocity = prop.velocity + prop.angularVelocity.cross(deepest.meeting.point - center);
     row.prop = deepest.prop;
     row.strength = static_cast<float>(impulse);
-    setVelocity(row,
-                velocity - velocityAt(outlines[deepest.avatar].parts[deepest.part], deepest.meeting.point, seconds));
+    setVelocity(row, velocity - velocityOf(session, deepest.avatar, static_cast<std::size_t>(deepest.part), row.bone,
+                                           deepest.meeting.point));
   }
 }
 
@@ -337,7 +376,8 @@ void ContactTable::Impl::addPair(const Session& session, ContactKind kind, int a
   row.otherPart = static_cast<std::int32_t>(q);
   row.otherBone = session.avatar(b).boneAt(row.otherPart, meeting.point);
   const LivePart &first = outlines[a].parts[p], &second = outlines[b].parts[q];
-  setVelocity(row, velocityAt(second, meeting.point, seconds) - velocityAt(first, meeting.point, seconds));
+  setVelocity(row, velocityOf(session, b, q, row.otherBone, meeting.point) -
+                       velocityOf(session, a, p, row.bone, meeting.point));
   if (!(meeting.depth > 0.0)) return;
   const double mass = std::min(outlines[a].masses[p], outlines[b].masses[q]);
   row.strength = static_cast<float>(

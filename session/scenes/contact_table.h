@@ -44,13 +44,15 @@ struct ContactRow {
 /// of SelfContactQuery, BodyContactQuery and ShapeContactQuery. A prop that was touched within the step counts with
 /// that contact's depth if it is deeper. Cylinders are prisms of 32 sides.
 ///
+/// On the floor a part has a row for each foot that it holds, and one for the rest. Velocities are those of bones.
+///
 /// A foot stands from when it is on the floor, or on a prop below it, by kStandHeight and slower than kStandSpeed,
 /// until it is higher than kLeaveHeight or faster than kLeaveSpeed.
 class ContactTable {
  public:
   static constexpr double kNear = 0.05;          ///< usual distance of near pairs [m]
-  static constexpr double kStandHeight = 0.025;  ///< [m]
-  static constexpr double kLeaveHeight = 0.045;  ///< [m]
+  static constexpr double kStandHeight = 0.045;  ///< [m]
+  static constexpr double kLeaveHeight = 0.06;   ///< [m]
   static constexpr double kStandSpeed = 0.4;     ///< [m/s]
   static constexpr double kLeaveSpeed = 0.8;     ///< [m/s]
 
