@@ -26,7 +26,6 @@ namespace lorica::bench {
 namespace {
 
 constexpr std::size_t kMostRays = 10'000;
-constexpr double kBallRadius = 0.05;  // of swept balls [m]
 
 double microseconds() {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -192,17 +191,6 @@ class Bullet {
     world_.rayTest(from, to, result);
     return result.hasHit();
   }
-  /// Whether a ball that is swept along the ray does.
-  [[nodiscard]] bool touches(const HullRay& ray) const {
-    const btSphereShape ball(static_cast<btScalar>(ray.radius));
-    const auto at = [](const Vec3& p) {
-      return btTransform(btQuaternion::getIdentity(), btVector3(p.x(), p.y(), p.z()));
-    };
-    const btTransform from = at(ray.origin), to = at(ray.origin + 100.0 * ray.direction);
-    btCollisionWorld::ClosestConvexResultCallback result(from.getOrigin(), to.getOrigin());
-    world_.convexSweepTest(&ball, from, to, result);
-    return result.hasHit();
-  }
 
  private:
   btDefaultCollisionConfiguration settings_;
@@ -218,16 +206,14 @@ void measure(const Walker& walker, int vertices, std::size_t avatars, int frames
   Crowd crowd(walker, avatars);
   crowd.pose(walker, 0);
   const std::vector<HullRay> rays = raysAt(crowd);
-  std::vector<HullRay> balls = rays;
-  for (HullRay& ball : balls) ball.radius = kBallRadius;
   Embree embree(crowd);
   Bullet bullet(crowd);
   RayQuery query;
   std::vector<HullHit> hits(rays.size());
   for (const std::size_t count : {std::size_t{1}, std::size_t{100}, kMostRays}) {
     double update = kInfinity, own = kInfinity, skin = kInfinity, refit = kInfinity, skins = kInfinity;
-    double fill = kInfinity, hulls = kInfinity, sweep = kInfinity, sweepHulls = kInfinity;
-    int hit = 0, hitSkin = 0, hitHull = 0, touched = 0, touchedHull = 0;
+    double fill = kInfinity, hulls = kInfinity;
+    int hit = 0, hitSkin = 0, hitHull = 0;
     // A single ray is timed as one of many, or the clock would be measured.
     const std::size_t asked = count == 1 ? 100 : count, repeats = std::max<std::size_t>(1, 100 / asked);
     for (int frame = 0; frame < frames; ++frame) {
@@ -254,22 +240,11 @@ void measure(const Walker& walker, int vertices, std::size_t avatars, int frames
                                 }
                               }));
       for (std::size_t i = 0; i < asked; ++i) hit += hits[i] ? 1 : 0;
-      // Sweeps take long enough for the clock.
-      const auto swept = std::span(balls).first(asked);
-      touched = touchedHull = 0;
-      const double one = 1.0 / static_cast<double>(asked);
-      sweep = std::min(sweep, one * timeOf([&] { query.nearest(swept, std::span(hits).first(asked)); }));
-      sweepHulls = std::min(sweepHulls, one * timeOf([&] {
-                                          for (const HullRay& ball : swept) touchedHull += bullet.touches(ball) ? 1 : 0;
-                                        }));
-      for (std::size_t i = 0; i < asked; ++i) touched += hits[i] ? 1 : 0;
     }
     const double percent = 100.0 / static_cast<double>(asked), repeated = percent / static_cast<double>(repeats);
-    fmt::print(
-        "{},{},{},{:.1f},{:.3f},{:.1f},{:.1f},{:.3f},{:.1f},{:.3f},{:.1f},{:.1f},{:.1f},{:.3f},{:.3f},{:.1f},{:.1f}\n",
-        vertices == 0 ? "exact" : fmt::format("{}", vertices), avatars, count, update, own, skin, refit, skins, fill,
-        hulls, percent * hit, repeated * hitSkin, repeated * hitHull, sweep, sweepHulls, percent * touched,
-        percent * touchedHull);
+    fmt::print("{},{},{},{:.1f},{:.3f},{:.1f},{:.1f},{:.3f},{:.1f},{:.3f},{:.1f},{:.1f},{:.1f}\n",
+               vertices == 0 ? "exact" : fmt::format("{}", vertices), avatars, count, update, own, skin, refit, skins,
+               fill, hulls, percent * hit, repeated * hitSkin, repeated * hitHull);
     std::fflush(stdout);
   }
 }
@@ -277,8 +252,7 @@ void measure(const Walker& walker, int vertices, std::size_t avatars, int frames
 int run(int frames) {
   fmt::print(
       "hull_vertices,avatars,rays,update_us,ray_us,skin_us,refit_us,embree_ray_us,bullet_update_us,bullet_ray_us,"
-      "hit_percent,embree_hit_percent,bullet_hit_percent,sweep_us,bullet_sweep_us,touch_percent,bullet_touch_"
-      "percent\n");
+      "hit_percent,embree_hit_percent,bullet_hit_percent\n");
   for (const int vertices : {64, 0}) {
     const Result<Walker> walker = makeWalker(16, vertices);
     if (!walker) return fail(walker.error());
