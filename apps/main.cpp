@@ -54,7 +54,7 @@ int run(int argc, char** argv) {
   add("See it move",
       {lorica::addDemo, lorica::addPlay, lorica::addLive, lorica::addServe, lorica::addReplay, lorica::addSnapshot});
   add("Make files", {lorica::addDecompose, lorica::addExport, lorica::addConvert, lorica::addRecord, lorica::addBake});
-  add("Learn what is there", {lorica::addInfo, lorica::addScore});
+  add("Learn what is there", {lorica::addInfo, lorica::addScore, lorica::addContacts});
 
   std::vector<std::string> words = lorica::withCommand({argv + 1, argv + argc}, app.subcommandNames());
   std::vector<char*> arguments = {argv[0]};

@@ -53,7 +53,7 @@ Option* addLength(CommandLine& app, const std::string& name, double& value, cons
 Option* addShare(CommandLine& app, const std::string& name, double& value, const std::string& description);
 
 /// One source file per subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, replay.cpp,
-/// info.cpp, convert.cpp, export.cpp, snapshot.cpp, bake.cpp, serve.cpp.
+/// info.cpp, convert.cpp, export.cpp, snapshot.cpp, bake.cpp, serve.cpp, contacts.cpp.
 [[nodiscard]] Command addDemo(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addDecompose(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addScore(CommandLine& parent, CommonOptions& common);
@@ -66,6 +66,7 @@ Option* addShare(CommandLine& app, const std::string& name, double& value, const
 [[nodiscard]] Command addExport(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addSnapshot(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addServe(CommandLine& parent, CommonOptions& common);
+[[nodiscard]] Command addContacts(CommandLine& parent, CommonOptions& common);
 [[nodiscard]] Command addBake(CommandLine& parent, CommonOptions& common);
 
 }  // namespace lorica

@@ -36,8 +36,19 @@ void LiveCharacter::move() {
   computeWorldFromModel(body_->character(), worldFromJoint_, worldFromModel_);
   live_.update(worldFromModel_);
   for (std::size_t p = 0; p < hulls_.size(); ++p) worldHull(live_.parts()[p], hulls_[p]);
+  for (std::vector<Vec3>& points : swept_) points.clear();
   posed_ = true;
   raysKnowPose_ = false;
+}
+
+std::span<const Vec3> LiveCharacter::swept(PartIndex part) {
+  if (swept_.empty()) {
+    swept_.resize(hulls_.size());
+    for (std::size_t p = 0; p < swept_.size(); ++p) swept_[p].reserve(2 * live_.candidateCount(p));
+  }
+  std::vector<Vec3>& points = swept_[part];
+  if (points.empty()) sweptPoints(live_.parts()[part], points);
+  return points;
 }
 
 std::span<const SelfContact> LiveCharacter::selfContacts() {
@@ -59,6 +70,11 @@ const RayQuery& LiveCharacter::rays() {
     raysKnowPose_ = true;
   }
   return rays_;
+}
+
+Result<void> checkSeconds(double seconds) {
+  if (seconds > 0.0 && seconds < kInfinity) return {};
+  return invalidArgument("seconds: found {}, expected more than 0 s", seconds);
 }
 
 Result<void> checkCast(double reach, double radius, const Vec3& half) {

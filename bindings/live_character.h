@@ -30,6 +30,8 @@ class LiveCharacter {
   [[nodiscard]] bool posed() const { return posed_; }
   /// In world space [m], one for each part.
   [[nodiscard]] std::span<const ConvexHull> hulls() const { return hulls_; }
+  /// See sweptPoints(): first those of hulls(). The first call of all reserves memory. Only after the first pose.
+  [[nodiscard]] std::span<const Vec3> swept(PartIndex part);
   /// See LiveBody::support(). Only after the first pose.
   [[nodiscard]] Vec3 support(PartIndex part, const Vec3& direction) const { return live_.support(part, direction); }
   /// See SelfContactQuery. The first call prepares the query.
@@ -48,10 +50,14 @@ class LiveCharacter {
   std::vector<ConvexHull> hulls_;
   std::optional<SelfContactQuery> contacts_;
   std::optional<ShapeContactQuery> touches_;
+  std::vector<std::vector<Vec3>> swept_;  ///< of each part; empty until asked for in a pose
   RayQuery rays_;
   bool raysKnowPose_ = false;
   bool posed_ = false;
 };
+
+/// An error if a time between poses is not above 0.
+[[nodiscard]] Result<void> checkSeconds(double seconds);
 
 /// An error if a length is below 0 or not a number. @param reach  of rays [m]
 [[nodiscard]] Result<void> checkCast(double reach, double radius, const Vec3& half);

@@ -1,7 +1,7 @@
 #include "geometry/files.h"
 
 #include "geometry/errors.h"
-#include "geometry/hard_stop.h"
+#include "geometry/new_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -9,7 +9,6 @@
 #include <unistd.h>
 #include <xxhash.h>
 
-#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <system_error>
@@ -29,12 +28,6 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
   [[nodiscard]] int get() const { return fd_; }
   [[nodiscard]] bool valid() const { return fd_ >= 0; }
-  /// Closes the file and returns whether that succeeded: some file systems report a full disk only here.
-  [[nodiscard]] bool close() {
-    const int fd = fd_;
-    fd_ = -1;
-    return ::close(fd) == 0;
-  }
 
  private:
   int fd_;
@@ -51,29 +44,6 @@ Error cannotRead(const std::filesystem::path& file, int error) {
 
 Error tooLarge(const std::filesystem::path& file, const std::string& found, std::uint64_t maxBytes) {
   return unreadable("{}: {}, expected at most {} bytes", file.string(), found, maxBytes);
-}
-
-/// Opens a new file in the target's folder, so that the rename stays on one file system. O_EXCL ensures that two
-/// writers never share a file.
-int openBeside(const std::filesystem::path& target, mode_t mode, std::string& temporary) {
-  static std::atomic<unsigned> counter{0};
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    temporary = fmt::format("{}.tmp-{}-{}", target.string(), ::getpid(), counter.fetch_add(1));
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
-    if (fd >= 0 || errno != EEXIST) return fd;
-  }
-  return -1;
-}
-
-/// Writes everything, continuing after short writes and interruptions. @return 0, or errno
-int writeAll(int fd, std::string_view content) {
-  while (!content.empty()) {
-    const ssize_t written = ::write(fd, content.data(), content.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    content.remove_prefix(written);
-  }
-  return 0;
 }
 
 }  // namespace
@@ -115,34 +85,9 @@ Result<std::string> readFile(const std::filesystem::path& file, NamedBy by, std:
 }
 
 Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content, NamedBy by) {
-  // Keep symbolic links of the user: replace the file that they point to. Never replace a device or folder by a file.
-  std::error_code ignored;
-  std::filesystem::path target = file;
-  if (by == NamedBy::kUser && std::filesystem::is_symlink(file, ignored)) {
-    const std::filesystem::path resolved = std::filesystem::weakly_canonical(file, ignored);
-    if (!ignored) target = resolved;
-  }
-  struct stat status {};
-  const bool exists = ::lstat(target.c_str(), &status) == 0 && !S_ISLNK(status.st_mode);
-  if (exists && S_ISDIR(status.st_mode)) return unwritable(file, EISDIR);
-  if (exists && !S_ISREG(status.st_mode)) {
-    return unwritable("{}: cannot be written: not a regular file", file.string());
-  }
-
-  std::string temporary;
-  Descriptor out(openBeside(target, 0666, temporary));
-  if (!out.valid()) return unwritable(file, errno);
-  const AtHardStop cleaning([&temporary] { ::unlink(temporary.c_str()); });
-  int error = exists && ::fchmod(out.get(), status.st_mode & 07777) != 0 ? errno : 0;
-  if (error == 0) error = writeAll(out.get(), content);
-  if (error == 0 && ::fsync(out.get()) != 0) error = errno;
-  if (!out.close() && error == 0) error = errno;
-  if (error == 0 && ::rename(temporary.c_str(), target.c_str()) != 0) error = errno;
-  if (error != 0) {
-    ::unlink(temporary.c_str());
-    return unwritable(file, error);
-  }
-  return {};
+  LORICA_TRY(const std::unique_ptr<NewFile> made, NewFile::create(file, by));
+  LORICA_TRY_DO(made->write(content));
+  return made->finish();
 }
 
 Result<void> makeOwnFolder(const std::filesystem::path& folder) {

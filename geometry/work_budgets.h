@@ -11,10 +11,11 @@ namespace lorica {
 
 // Options, and the arguments of C and Python.
 inline constexpr int kMaxThreads = 1024;
-inline constexpr int kMaxOfAnything = 1'000'000;       ///< parts, vertices of a hull, frames, pictures
-inline constexpr std::size_t kMaxCast = 64;            ///< avatars that a command sets up
-inline constexpr std::size_t kMaxPeople = 6;           ///< before a camera
-inline constexpr std::size_t kMaxRecordedPeople = 64;  ///< in a recording of joints
+inline constexpr int kMaxOfAnything = 1'000'000;            ///< parts, vertices of a hull, frames, pictures
+inline constexpr std::size_t kMaxCast = 64;                 ///< avatars that a command sets up
+inline constexpr std::size_t kMaxContactRows = 10'000'000;  ///< of a table of contacts: 960 MB while they wait
+inline constexpr std::size_t kMaxPeople = 6;                ///< before a camera
+inline constexpr std::size_t kMaxRecordedPeople = 64;       ///< in a recording of joints
 
 // Characters: glTF, VRM, FBX, COLLADA.
 inline constexpr std::size_t kMaxGltfElements = 100'000;  ///< of a kind, such as nodes, materials or accessors

@@ -175,9 +175,12 @@ bool SessionAvatar::outsideKnownRange() const {
 }
 
 std::span<const SelfContact> SessionAvatar::selfContacts() const {
-  if (!wasPresent_) return {};
+  return wasPresent_ ? contactQuery().find(body_.parts()) : std::span<const SelfContact>();
+}
+
+SelfContactQuery& SessionAvatar::contactQuery() const {
   if (!selfContacts_) selfContacts_.emplace(body_, character().mesh.vertices);
-  return selfContacts_->find(body_.parts());
+  return *selfContacts_;
 }
 
 JointIndex SessionAvatar::boneAt(PartIndex part, const Vec3& position) const {

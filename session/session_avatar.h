@@ -72,6 +72,8 @@ class SessionAvatar {
   /// Overlapping parts of the body that are not neighbours in the bind pose. Computed on demand; the first call creates
   /// the query, later calls allocate nothing.
   [[nodiscard]] std::span<const SelfContact> selfContacts() const;
+  /// Whether two parts are neighbours, whose overlaps are no contacts: see SelfContactQuery.
+  [[nodiscard]] bool areNeighbours(PartIndex a, PartIndex b) const { return contactQuery().areNeighbours(a, b); }
   /// The bone that moves a point on a part of this frame, see ContactBones.
   [[nodiscard]] JointIndex boneAt(PartIndex part, const Vec3& position) const;
   /// Number of frames in which it was there.
@@ -101,6 +103,7 @@ class SessionAvatar {
   void setBody(std::shared_ptr<const BodyPlan> plan);
   void restart(std::unique_ptr<PoseSource> source);
   void passTrustOn();
+  [[nodiscard]] SelfContactQuery& contactQuery() const;
 
   std::shared_ptr<const Kind> kind_;
   std::optional<Isometry3> place_;

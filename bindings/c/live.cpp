@@ -113,6 +113,27 @@ lorica_status lorica_live_hull(const lorica_live* live, size_t part, lorica_hull
   });
 }
 
+lorica_status lorica_live_part_motion(lorica_live* live, size_t part, double seconds, lorica_part_motion* out) {
+  return guarded([&]() -> Result<void> {
+    LORICA_TRY_DO(given(live, "live"));
+    LORICA_TRY_DO(inRange(part, live->live.hulls().size(), "part"));
+    LORICA_TRY_DO(checkSeconds(seconds));
+    if (!live->live.posed()) return invalidArgument("the body has no pose yet");
+    const LivePart& own = live->live.parts()[part];
+    const PartVelocity velocity = velocityOf(own, seconds);
+    const std::span<const Vec3> points = live->live.swept(part);
+    lorica_part_motion motion = {};
+    std::copy_n(own.worldFromPart.data(), 16, motion.world_from_part);
+    std::copy_n(own.previousWorldFromPart.data(), 16, motion.previous_world_from_part);
+    Eigen::Map<Vec3>(motion.linear_velocity) = velocity.linear;
+    Eigen::Map<Vec3>(motion.angular_velocity) = velocity.angular;
+    motion.points = points.empty() ? nullptr : points.front().data();
+    motion.point_count = points.size();
+    motion.present_count = own.shape.vertices.size();
+    return handOut(motion, out);
+  });
+}
+
 lorica_status lorica_live_support(const lorica_live* live, size_t part, const double* direction, double* point) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(live, "live"));

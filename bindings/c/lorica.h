@@ -239,6 +239,24 @@ LORICA_API lorica_status lorica_live_hull(const lorica_live* live, size_t part, 
 LORICA_API lorica_status lorica_live_support(const lorica_live* live, size_t part, const double* direction,
                                              double* point);
 
+/* How a part moved since the pose before this one; in the first pose, not at all. */
+typedef struct lorica_part_motion {
+  size_t size;
+  double world_from_part[16];          /* its own frame, which follows the best-fit rigid motion of its points: a matrix
+                                          by columns, [m] */
+  double previous_world_from_part[16]; /* the same one pose ago */
+  double linear_velocity[3];           /* of the frame's origin, world [m/s] */
+  double angular_velocity[3];          /* about world axes [rad/s] */
+  const double* points; /* x y z for each, world [m]: vertices of its hull, then of its hull one pose ago. Their convex
+                           hull is what the part swept by a straight motion */
+  size_t point_count;   /* of both */
+  size_t present_count; /* of the hull in this pose, which come first */
+} lorica_part_motion;
+
+/* @param seconds  since the pose before, above 0 */
+LORICA_API lorica_status lorica_live_part_motion(lorica_live* live, size_t part, double seconds,
+                                                 lorica_part_motion* out);
+
 /* Where rays enter the hulls in this pose, each the nearest hull on its way, or where balls or capsules that are swept
  * along them touch. Rays that are not finite or have no direction hit nothing, nor does anything before the first pose.
  * @param rays   6 numbers for each: origin x y z, direction x y z of any length, world [m]

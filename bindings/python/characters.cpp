@@ -3,6 +3,7 @@
 #include "bindings/python/hull.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
+#include "export/contact_export.h"
 #include "prepare/first_guess.h"
 
 #include <fmt/format.h>
@@ -106,6 +107,44 @@ class Live {
     return py::make_tuple(parts, distances, positions, normals);
   }
 
+  /// Poses of the parts and their velocities.
+  py::tuple motion(double seconds) {
+    if (const Result<void> fine = checkSeconds(seconds); !fine) raise(fine.error());
+    const auto count = static_cast<py::ssize_t>(live_.parts().size());
+    using Array = py::array_t<double>;
+    Array now({count, py::ssize_t{4}, py::ssize_t{4}}), before({count, py::ssize_t{4}, py::ssize_t{4}});
+    Array linear({count, py::ssize_t{3}}), angular({count, py::ssize_t{3}});
+    double *to = now.mutable_data(), *from = before.mutable_data();
+    double *along = linear.mutable_data(), *about = angular.mutable_data();
+    {
+      const py::gil_scoped_release released;
+      const std::lock_guard lock(mutex_);
+      for (const LivePart& part : live_.parts()) {
+        const PartVelocity velocity = velocityOf(part, seconds);
+        for (int row = 0; row < 4; ++row) {
+          for (int column = 0; column < 4; ++column) {
+            *to++ = part.worldFromPart(row, column);
+            *from++ = part.previousWorldFromPart(row, column);
+          }
+        }
+        along = std::copy_n(velocity.linear.data(), 3, along);
+        about = std::copy_n(velocity.angular.data(), 3, about);
+      }
+    }
+    return py::make_tuple(now, before, linear, angular);
+  }
+
+  /// What the parts swept since the last pose.
+  py::list swept() {
+    const auto hulls = std::make_shared<std::vector<ConvexHull>>();
+    {
+      const py::gil_scoped_release released;
+      const std::lock_guard lock(mutex_);
+      for (const LivePart& part : live_.parts()) hulls->push_back(sweptHull(part));
+    }
+    return hullList(*hulls, hulls);
+  }
+
   FrameHandle pose(const py::object& matrices) {
     const std::vector<Affine3> worldFromJoint = transformsFrom(matrices, live_.worldFromJoint().size());
     const py::gil_scoped_release released;
@@ -153,8 +192,12 @@ std::vector<int> jointParents(const Character& character) {
   return parents;
 }
 
+std::string pathFrom(const py::object& file) {
+  return py::module_::import("os").attr("fspath")(file).cast<std::string>();
+}
+
 CharacterHandle openNamed(const py::object& file) {
-  const auto name = py::module_::import("os").attr("fspath")(file).cast<std::string>();
+  const std::string name = pathFrom(file);
   return {resultAside<CharacterPointer>(py::none(), [&](const DecomposeProgress& report) {
     ProgramHost host(report);
     return openCharacter(name, host);
@@ -188,8 +231,33 @@ BodyHandle loadBody(const CharacterHandle& character, const fs::path& file) {
                                [&](const DecomposeProgress&) { return readCharacterBody(character.owner, file); })};
 }
 
+py::dict contactsOf(const py::object& motion, const py::object& character, const py::object& scene, double near,
+                    const std::string& clip, bool mirror, const py::object& decomposition, int threads,
+                    const py::object& progress) {
+  ContactRequest request;
+  request.near = near;
+  request.cast.motion = pathFrom(motion);
+  request.cast.character = pathFrom(character);
+  request.cast.scene = pathFrom(scene);
+  request.cast.body.decomposition = pathFrom(decomposition);
+  request.cast.performing.clip = clip;
+  request.cast.performing.mirror = mirror;
+  const auto labels = resultAside<ContactLabels>(progress, [&](const DecomposeProgress& report) {
+    ProgramHost host(report, threads);
+    return findContacts(request, host);
+  });
+  py::dict arrays;
+  const Result<void> done = forEachArray(labels, [&](const LabelArray& array) -> Result<void> {
+    const std::vector<py::ssize_t> shape(array.shape.begin(), array.shape.end());
+    arrays[array.name.c_str()] = py::array(py::dtype(array.type), shape, array.bytes.data());
+    return {};
+  });
+  if (!done) raise(done.error());
+  return arrays;
+}
+
 std::shared_ptr<Player> play(const py::object& motion, const BodyHandle& body, const std::string& clip, bool mirror) {
-  const auto name = py::module_::import("os").attr("fspath")(motion).cast<std::string>();
+  const std::string name = pathFrom(motion);
   auto performed = resultAside<Performance>(py::none(), [&](const DecomposeProgress& report) {
     ProgramHost host(report);
     return performanceOf(body.body->character(), name, clip, mirror, host);
@@ -328,6 +396,17 @@ void addFrame(py::module_& module) {
       .def_readonly("depth", &ShapeContact::depth, "How far the shape has to move along the direction [m].");
 }
 
+constexpr const char* kMotion = R"(How the parts moved from the pose before the last to the last one.
+
+Returns (world_from_part, previous_world_from_part, linear, angular): float64 (parts, 4, 4), (parts, 4, 4), the frames of
+the parts, which follow the best-fit rigid motion of their points, in this pose and the one before; (parts, 3), velocities
+of their origins [m/s]; (parts, 3), about world axes [rad/s]. After the first pose nothing has moved.
+
+seconds  between the two poses, above 0)";
+constexpr const char* kSwept =
+    "What each part swept by a straight motion from the pose before the last to the last one: a list of Hull, world "
+    "[m].";
+
 constexpr const char* kTouches = R"(Parts that a convex solid of yours overlaps in the last pose: a list of Touch.
 
 The solid is everything within `radius` of the convex hull of `points`: one point makes a ball, two a capsule, eight
@@ -360,6 +439,8 @@ void addCharacters(py::module_& module) {
                                           "A body that is moved. Threads may share it, one call at a time.")
       .def("pose", &Live::pose, "world_from_joint"_a,
            "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.")
+      .def("motion", &Live::motion, "seconds"_a, kMotion)
+      .def("swept", &Live::swept, kSwept)
       .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.")
       .def("touches", &Live::touches, "points"_a, "radius"_a = 0.0, kTouches)
       .def("cast", &Live::cast, "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0,
@@ -377,6 +458,10 @@ void addCharacters(py::module_& module) {
           "first_guess", [](const Player& self) { return self.firstGuess; },
           "What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words.")
       .def(
+          "motion", [](const Player& self, double seconds) { return self.live->motion(seconds); }, "seconds"_a, kMotion)
+      .def(
+          "swept", [](const Player& self) { return self.live->swept(); }, kSwept)
+      .def(
           "contacts", [](const Player& self) { return self.live->contacts(); },
           "Overlaps of the body's own parts in the last frame: a list of Contact.")
       .def(
@@ -391,6 +476,22 @@ void addCharacters(py::module_& module) {
              const std::array<double, 3>& half) { return self.live->cast(origins, directions, reach, radius, half); },
           "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0, py::arg_v("half", kNoHalf, "..."),
           kCast);
+  module.def("contacts", &contactsOf, "motion"_a, "character"_a = "", py::kw_only(), "scene"_a = "",
+             "near"_a = ContactTable::kNear, "clip"_a = "", "mirror"_a = false, "decomposition"_a = "", "threads"_a = 0,
+             "progress"_a = py::none(),
+             R"(A table of all contacts in a motion, as `lorica contacts` writes it: a dict of arrays.
+
+Each row is a contact, or a pair that is nearly one, in a frame: frame, time [s], kind (index of `kinds`), avatar, part,
+bone (index of `bones`), other_avatar, other_part, other_bone, prop (-1 = none), depth [m] (below 0 the distance), point
+and normal (n, 3), velocity (n, 3) of the other [m/s], strength [N s], slip [m/s], foot (index of `feet`), phase (index of
+`phases`). For each frame: frame_time, frame_standing (frames, avatars, 2). `notes` has what should be known.
+
+motion         as for play(); several are separated by commas
+character      file or "mannequin"; "" = the mannequin, or the motion's own character
+scene          file or name of a shipped scene; "" = only a floor
+near           greatest distance of rows [m]
+decomposition  .lorica file of the character; "" = the body of `lorica play`
+progress       called with numbers of parts; return False to cancel)");
   module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
              R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
 

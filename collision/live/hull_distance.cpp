@@ -104,23 +104,25 @@ void reduce(Simplex& s) {
   }
 }
 
-}  // namespace
+/// The vertex that is farthest along a direction.
+const Vec3& farthestOf(std::span<const Vec3> vertices, const Vec3& direction) {
+  std::size_t best = 0;
+  double most = -kInfinity;
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const double along = vertices[i].dot(direction);
+    if (along <= most) continue;
+    most = along;
+    best = i;
+  }
+  return vertices[best];
+}
 
-HullGap gapOf(std::span<const Vec3> vertices, const Vec3& middle, const Vec3& half) {
-  const auto farthest = [&](const Vec3& direction) {
-    std::size_t best = 0;
-    double most = -kInfinity;
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const double along = vertices[i].dot(direction);
-      if (along <= most) continue;
-      most = along;
-      best = i;
-    }
-    const Vec3 end = half.dot(direction) < 0.0 ? Vec3(-half) : half;
-    return Simplex::Corner{vertices[best] - middle + end, vertices[best], 1.0};
-  };
+/// @param first     a corner's direction
+/// @param farthest  the corner of the Minkowski sum that is farthest along a direction
+template <typename Farthest>
+HullGap search(const Vec3& first, const Farthest& farthest) {
   Simplex simplex;
-  simplex.corner[0] = farthest(middle - vertices[0]);
+  simplex.corner[0] = farthest(first);
   simplex.count = 1;
   Vec3 nearest = simplex.nearest();
   for (int step = 0; step < kMaxSteps; ++step) {
@@ -143,6 +145,23 @@ HullGap gapOf(std::span<const Vec3> vertices, const Vec3& middle, const Vec3& ha
   HullGap gap{nearest.norm(), simplex.onHull(), Vec3::Zero()};
   if (gap.distance > 0.0) gap.normal = -nearest / gap.distance;
   return gap;
+}
+
+}  // namespace
+
+HullGap gapOf(std::span<const Vec3> vertices, const Vec3& middle, const Vec3& half) {
+  return search(middle - vertices[0], [&](const Vec3& direction) {
+    const Vec3& vertex = farthestOf(vertices, direction);
+    const Vec3 end = half.dot(direction) < 0.0 ? Vec3(-half) : half;
+    return Simplex::Corner{vertex - middle + end, vertex, 1.0};
+  });
+}
+
+HullGap gapOf(std::span<const Vec3> vertices, std::span<const Vec3> others) {
+  return search(others[0] - vertices[0], [&](const Vec3& direction) {
+    const Vec3& vertex = farthestOf(vertices, direction);
+    return Simplex::Corner{vertex - farthestOf(others, -direction), vertex, 1.0};
+  });
 }
 
 }  // namespace lorica

@@ -21,13 +21,26 @@ Vec3 velocityAt(const LivePart& part, const Vec3& point, double seconds) {
   return (point - part.previousWorldFromPart * own) / seconds;
 }
 
-ConvexHull sweptHull(const LivePart& part) {
+PartVelocity velocityOf(const LivePart& part, double seconds) {
+  LORICA_CHECK(seconds > 0.0, "the time between frames must be above 0");
+  const Isometry3 &now = part.worldFromPart, &before = part.previousWorldFromPart;
+  const Eigen::AngleAxisd turn(Mat3(now.linear() * before.linear().transpose()));
+  return {(now.translation() - before.translation()) / seconds, turn.angle() / seconds * turn.axis()};
+}
+
+void sweptPoints(const LivePart& part, std::vector<Vec3>& points) {
   const bool changed = part.reshaped && !part.previousVertices.empty();
-  const std::vector<Vec3>& before = changed ? part.previousVertices : part.shape.vertices;
-  std::vector<Vec3> points;
-  points.reserve(before.size() + part.shape.vertices.size());
+  points.clear();
   for (const Vec3& v : part.shape.vertices) points.push_back(part.worldFromPart * v);
-  for (const Vec3& v : before) points.push_back(part.previousWorldFromPart * v);
+  for (const Vec3& v : changed ? part.previousVertices : part.shape.vertices) {
+    points.push_back(part.previousWorldFromPart * v);
+  }
+}
+
+ConvexHull sweptHull(const LivePart& part) {
+  std::vector<Vec3> points;
+  points.reserve(2 * part.shape.vertices.size());
+  sweptPoints(part, points);
   return convexHull(points);
 }
 

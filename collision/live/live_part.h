@@ -35,8 +35,19 @@ void worldHull(const LivePart& part, ConvexHull& hull);
 /// @param seconds  since the last frame, above 0
 [[nodiscard]] Vec3 velocityAt(const LivePart& part, const Vec3& point, double seconds);
 
+/// Velocity of a part's own frame, from its rigid motion since the last one.
+struct PartVelocity {
+  Vec3 linear = Vec3::Zero();   ///< of its origin [m/s]
+  Vec3 angular = Vec3::Zero();  ///< about world axes [rad/s]; the turn since the last frame, by less than half a circle
+};
+/// @param seconds  since the last frame, above 0
+[[nodiscard]] PartVelocity velocityOf(const LivePart& part, double seconds);
+
 /// Hull of the part's positions one frame ago and now, in world space: the volume swept by a straight motion. Rotation
 /// by an angle leaves it by up to 1 - cos(angle / 2) of the radius.
 [[nodiscard]] ConvexHull sweptHull(const LivePart& part);
+/// The points whose hull that is: the vertices of the present shape, then those of one frame ago, in world space [m].
+/// Allocates only what `points` lacks: at most twice LiveBody::candidateCount().
+void sweptPoints(const LivePart& part, std::vector<Vec3>& points);
 
 }  // namespace lorica

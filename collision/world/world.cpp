@@ -296,6 +296,10 @@ std::span<const LivePart> World::partsForParticles(std::span<const std::span<con
   return std::span(allParts_).first(count);
 }
 
+bool World::hasFloor() const {
+  return impl_->settings.floor;
+}
+
 std::span<const Prop> World::props() const {
   return impl_->props;
 }

@@ -135,6 +135,8 @@ class World {
 
   static constexpr int kMaxParts = 28'000;
 
+  /// Whether there is a floor, at y = 0.
+  [[nodiscard]] bool hasFloor() const;
   /// Props with their current pose and velocity.
   [[nodiscard]] std::span<const Prop> props() const;
   /// Contacts between avatars and props in the last step, sorted by avatar, part, then prop. A pair has one contact for

@@ -21,13 +21,14 @@ TEST_P(Help, TeachesByExample) {
   EXPECT_NE(result.out.find("--threads"), std::string::npos);
 }
 
-INSTANTIATE_TEST_SUITE_P(Command, Help, testing::Values("demo", "decompose", "score", "play", "info", "bake"),
+INSTANTIATE_TEST_SUITE_P(Command, Help,
+                         testing::Values("demo", "decompose", "score", "play", "info", "bake", "contacts"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(Command, HelpListsEveryCommand) {
   const CommandResult result = runLorica({"--help"});
   EXPECT_EQ(result.exitCode, 0);
-  for (const char* name : {"demo", "decompose", "score", "play", "info", "bake"}) {
+  for (const char* name : {"demo", "decompose", "score", "play", "info", "bake", "contacts"}) {
     EXPECT_NE(result.out.find(std::string("\n  ") + name + " "), std::string::npos) << result.out;
   }
 }
@@ -39,7 +40,7 @@ TEST(Command, HelpSeparatesOptionsFromTheirDescriptions) {
 }
 
 TEST(Command, HelpFitsTheWidth) {
-  for (const char* command : {"play", "live", "decompose", "bake"}) {
+  for (const char* command : {"play", "live", "decompose", "bake", "contacts"}) {
     std::istringstream help(runLorica({command, "--help"}).out);
     std::string line;
     while (std::getline(help, line) && line != "Examples:") EXPECT_LE(line.size(), 100u) << line;

@@ -13,9 +13,13 @@ string(REPLACE NODE "<instance_geometry url=\"#g\"/>" text
   "${start}<library_geometries><geometry id=\"g\"><mesh><source id=\"p\"><float_array id=\"f\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source=\"#f\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></triangles></mesh></geometry></library_geometries>${scene}")
 file(WRITE ${FILES}/triangle.dae "${text}")
 
+file(WRITE ${FILES}/room.json "{\"format\": \"lorica scene 1\", \"props\": [{\"shape\": \"box\", \"at\": [0.4, 0.9, 0.0], \"size\": [0.2, 0.8, 2.0], \"fixed\": true}]}")
+
 set(commands
   "${LORICA} decompose mannequin --parts 4 -o ${FILES}/body.lorica"
   "${LORICA} convert walk ${FILES}/walk.bvh"
+  "${LORICA} contacts ${FILES}/walk.bvh --decomposition ${FILES}/body.lorica --scene ${FILES}/room.json --out ${FILES}/contacts.npz"
+  "${LORICA} contacts ${FILES}/walk.bvh --decomposition ${FILES}/body.lorica --scene ${FILES}/room.json --out ${FILES}/contacts.csv"
   "${TRUTH} glb ${FILES}/hero.glb"
   "${TRUTH} faces ${FILES}/breathing.glb"
   "${LORICA} decompose ${FILES}/breathing.glb --parts 2 --hull-vertices 64 -o ${FILES}/breathing.lorica"

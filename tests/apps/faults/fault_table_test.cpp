@@ -72,6 +72,10 @@ const std::vector<Job>& jobs() {
        {"convert", "wave", "o.csv", "--json", "o.json"},
        {"convert", "walk", "o.csv", "--json", "o.json"},
        {"o.csv", "o.json"}},
+      {"contacts",
+       {"contacts", "wave", "-o", "o.npz", "--decomposition", "b.lorica", "--json", "o.json"},
+       {"contacts", "walk,wave,walk", "-o", "o.npz", "--decomposition", "b.lorica", "--json", "o.json"},
+       {"o.npz", "o.json"}},
       {"export",
        {"export", "box.off", "o.glb", "--json", "o.json"},
        {"export", "mannequin", "o.glb", "--per-bone", "--json", "o.json"},
@@ -119,6 +123,7 @@ bool isWhole(const fs::path& file) {
     if (bytes.size() > 12) std::memcpy(&size, bytes.data() + 8, sizeof size);
     return bytes.starts_with("glTF") && size == bytes.size();
   }
+  if (extension == ".npz") return bytes.size() > 22 && bytes.substr(bytes.size() - 22, 4) == "PK\x05\x06";
   if (extension == ".mp4") return bytes.find("moov") != std::string::npos;
   return false;
 }

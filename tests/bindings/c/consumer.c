@@ -228,6 +228,60 @@ static void test_rays(void) {
   lorica_motion_free(motion);
 }
 
+/* Velocities against differences, and the points of what is swept against the hulls of both poses. */
+static void test_part_motion(void) {
+  lorica_motion *motion = NULL;
+  lorica_live *live = NULL;
+  CHECK(lorica_motion_read(mannequin, "walk", NULL, &motion) == LORICA_OK);
+  CHECK(lorica_live_make(body, &live) == LORICA_OK);
+  lorica_part_motion moved = {.size = sizeof moved};
+  FAILS(LORICA_INVALID_ARGUMENT, "no pose yet", lorica_live_part_motion(live, 0, 0.1, &moved));
+  double *before = malloc(sizeof(double) * 3 * 20000);
+  size_t before_count = 0;
+  double fastest = 0;
+  for (size_t frame = 0; frame < 40; ++frame) {
+    const long allocated = allocations;
+    CHECK(lorica_live_play(live, motion, frame) == LORICA_OK);
+    for (size_t p = 0; p < lorica_body_part_count(body); ++p) {
+      lorica_hull hull = {.size = sizeof hull};
+      CHECK(lorica_live_hull(live, p, &hull) == LORICA_OK);
+      CHECK(lorica_live_part_motion(live, p, 1.0 / 30, &moved) == LORICA_OK);
+      CHECK(moved.present_count == hull.vertex_count);
+      CHECK(memcmp(moved.points, hull.vertices, 3 * sizeof(double) * hull.vertex_count) == 0);
+      for (int axis = 0; axis < 3; ++axis) {
+        const double way = moved.world_from_part[12 + axis] - moved.previous_world_from_part[12 + axis];
+        CHECK(fabs(30 * way - moved.linear_velocity[axis]) < 1e-9);
+        if (way > fastest) fastest = way;
+        /* Of a small turn the angular velocity is that of the axes: w x e. */
+        const double *e = moved.previous_world_from_part, *w = moved.angular_velocity, *now = moved.world_from_part;
+        const int y = (axis + 1) % 3, z = (axis + 2) % 3;
+        CHECK(fabs(30 * (now[axis] - e[axis]) - (w[y] * e[z] - w[z] * e[y])) < 0.02 * (fabs(w[0]) + fabs(w[1]) + fabs(w[2])) + 1e-9);
+      }
+      if (p != 0) continue;
+      if (frame > 0) {
+        CHECK(moved.point_count == hull.vertex_count + before_count);
+        double difference = 0;
+        for (size_t i = 0; i < 3 * before_count; ++i) {
+          difference = fmax(difference, fabs(before[i] - moved.points[3 * hull.vertex_count + i]));
+        }
+        CHECK(difference < 1e-12);
+      }
+      before_count = hull.vertex_count;
+      CHECK(before_count < 20000);
+      memcpy(before, hull.vertices, 3 * sizeof(double) * hull.vertex_count);
+    }
+    if (frame > 1) CHECK(allocations == allocated);
+  }
+  CHECK(fastest > 0.001);
+  FAILS(LORICA_INVALID_ARGUMENT, "seconds: found 0", lorica_live_part_motion(live, 0, 0, &moved));
+  FAILS(LORICA_INVALID_ARGUMENT, "part 99", lorica_live_part_motion(live, 99, 1, &moved));
+  moved.size = 1;
+  FAILS(LORICA_INVALID_ARGUMENT, "out.size", lorica_live_part_motion(live, 0, 1, &moved));
+  free(before);
+  lorica_live_free(live);
+  lorica_motion_free(motion);
+}
+
 /* What a capsule touches in 40 frames, as tests/bindings/truth.cpp writes it of a session. */
 static void test_touches(void) {
   lorica_motion *motion = NULL;
@@ -428,6 +482,7 @@ int main(int argc, char **argv) {
   compare("walk", "walk_csv.hulls");
   compare(path("walk.bvh"), "walk_bvh.hulls");
   test_rays();
+  test_part_motion();
   test_touches();
   test_live();
   test_tracker();

@@ -48,6 +48,15 @@ int main(void) {
   FIELD(lorica_motion_options, size);
   FIELD(lorica_motion_options, clip);
   FIELD(lorica_motion_options, mirror);
+  STRUCT(lorica_part_motion);
+  FIELD(lorica_part_motion, size);
+  FIELD(lorica_part_motion, world_from_part);
+  FIELD(lorica_part_motion, previous_world_from_part);
+  FIELD(lorica_part_motion, linear_velocity);
+  FIELD(lorica_part_motion, angular_velocity);
+  FIELD(lorica_part_motion, points);
+  FIELD(lorica_part_motion, point_count);
+  FIELD(lorica_part_motion, present_count);
   STRUCT(lorica_contact);
   FIELD(lorica_contact, size);
   FIELD(lorica_contact, first);

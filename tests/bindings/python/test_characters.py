@@ -175,6 +175,46 @@ class Characters(unittest.TestCase):
         self.assertTrue(np.isnan(positions).all())
         self.assertEqual(live.cast(eye, middles - eye, reach=0.5)[0].max(), -1)
 
+    def test_parts_move_as_their_points_do(self):
+        live = self.body.live()
+        player = lorica.play("walk", self.body)
+        frames = [live.pose(next(player).world_from_joint) for _ in range(33)]
+        now, before, linear, angular = live.motion(0.02)
+        self.assertEqual((now.shape, angular.shape), ((len(self.body), 4, 4), (len(self.body), 3)))
+        np.testing.assert_allclose((now[:, :3, 3] - before[:, :3, 3]) / 0.02, linear, atol=1e-12)
+        for this, last, turn in zip(now[:, :3, :3], before[:, :3, :3], angular * 0.02):
+            angle = np.linalg.norm(turn)
+            x, y, z = turn / max(angle, 1e-300)
+            cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])  # the formula of Rodrigues
+            np.testing.assert_allclose((np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross) @ last, this, atol=1e-9)
+        self.assertGreater(np.abs(linear).max(), 0.1)
+        for swept, *ends in zip(live.swept(), frames[-2].hulls, frames[-1].hulls):
+            self.assertLess(max(farthest_outside(swept, end.vertices).max() for end in ends), 1e-9)
+            self.assertGreaterEqual(swept.volume, max(end.volume for end in ends) - 1e-12)
+        self.assertEqual(len(player.swept()), len(player.motion(0.02)[0]))
+
+    def test_contacts_are_those_of_the_command(self):
+        found = lorica.contacts(FILES / "walk.bvh", decomposition=FILES / "body.lorica", scene=FILES / "room.json")
+        with np.load(FILES / "contacts.npz") as written:
+            self.assertEqual(list(written), list(found))
+            for name in written:
+                self.assertEqual(written[name].dtype, found[name].dtype)
+                np.testing.assert_array_equal(written[name], found[name], name)
+        rows = (FILES / "contacts.csv").read_text().splitlines()
+        table = np.array([row.split(",") for row in rows[1:]])
+        column = {name: table[:, i] for i, name in enumerate(rows[0].split(","))}
+        np.testing.assert_allclose(column["depth"].astype(float), found["depth"], rtol=1e-5, atol=1e-7)
+        np.testing.assert_allclose(column["velocity_y"].astype(float), found["velocity"][:, 1], rtol=1e-5, atol=1e-7)
+        self.assertEqual(column["bone"].tolist(), found["bones"][found["bone"]].tolist())
+        self.assertEqual(column["kind"].tolist(), found["kinds"][found["kind"]].tolist())
+        self.assertEqual(column["phase"].tolist(), found["phases"][found["phase"]].tolist())
+        self.assertLessEqual({"floor", "prop"}, set(column["kind"]))
+        standing = found["frame_standing"]
+        self.assertEqual(standing.shape, (len(found["frame_time"]), 1, 2))
+        self.assertGreater(standing.any(axis=2).mean(), 0.9)  # who walks has a foot on the floor
+        self.assertLess(standing.all(axis=2).mean(), 0.9)
+        self.assertTrue((found["depth"] >= -0.05).all())
+
     def test_a_box_that_moves_out_of_a_touch_only_touches(self):
         live = self.body.live()
         self.assertEqual(live.touches([0, 1, 0], 0.1), [])  # no pose yet
@@ -223,6 +263,9 @@ class Characters(unittest.TestCase):
             (ValueError, "points: found none", lambda: self.body.live().touches(np.zeros((0, 3)))),
             (ValueError, "point 0: found nan", lambda: self.body.live().touches([np.nan, 1, 0])),
             (ValueError, "origins: found 2, expected 1", lambda: self.body.live().cast(np.eye(3)[:2], np.eye(3))),
+            (ValueError, "seconds: found 0", lambda: self.body.live().motion(0)),
+            (ValueError, "near: found 2 m, expected 0 to 1 m", lambda: lorica.contacts("walk", near=2)),
+            (FileNotFoundError, "none.bvh", lambda: lorica.contacts("none.bvh")),
             (ValueError, "reach: found -1", lambda: self.body.live().cast([0, 1, 0], [0, 0, 1], -1)),
             (ValueError, "radius: found -1", lambda: self.body.live().cast([0, 1, 0], [0, 0, 1], 1, -1)),
             (ValueError, "radius: found -1", lambda: self.body.live().touches([0, 1, 0], -1)),

@@ -131,9 +131,31 @@ TEST(LivePart, TheSweptHullHoldsBothEndsThoughTheShapeChanged) {
     part.reshaped = false;
     if (i % 2 == 0) test::reshapeToBox(part, uniformVec3(random, 0.02, 0.3));
     const ConvexHull swept = sweptHull(part);
+    std::vector<Vec3> points;
+    sweptPoints(part, points);
+    EXPECT_EQ(points.size(), before.vertices.size() + part.shape.vertices.size());
+    EXPECT_EQ(convexHull(points).vertices, swept.vertices);
     EXPECT_LT(largestViolation(swept, before.vertices), 1e-9) << "case " << i;
     EXPECT_LT(largestViolation(swept, worldHull(part).vertices), 1e-9) << "case " << i;
   }
+}
+
+TEST(LivePart, ItsVelocityTakesThePreviousFrameToThePresentOne) {
+  std::mt19937_64 random(8);
+  for (int i = 0; i < 1000; ++i) {
+    LivePart part = makeBoxPart(uniformVec3(random, 0.02, 0.3), randomPosition(random));
+    const double angle = uniform(random, 0.0, i % 10 == 0 ? 1e-7 : 3.1);
+    const Vec3 axis = uniformRotation(random) * Vec3::UnitX();
+    moveTo(part, movedBy(part.worldFromPart, axis, angle, uniformVec3(random, -0.3, 0.3)));
+    const double seconds = uniform(random, 0.001, 0.1);
+    const PartVelocity velocity = velocityOf(part, seconds);
+    EXPECT_LT((seconds * velocity.angular - angle * axis).norm(), 1e-8) << "case " << i;
+    const Vec3 origin = part.worldFromPart.translation();
+    EXPECT_LT((velocity.linear - velocityAt(part, origin, seconds)).norm(), 1e-9 / seconds) << "case " << i;
+  }
+  const PartVelocity rest = velocityOf(makeBoxPart(Vec3(0.1, 0.2, 0.3), at(0, 1, 0)), 0.01);
+  EXPECT_EQ(rest.linear, Vec3::Zero());
+  EXPECT_EQ(rest.angular, Vec3::Zero());
 }
 
 TEST(LivePart, TheFirstFrameSweepsNoEarlierShape) {

@@ -1,0 +1,98 @@
+#include "geometry/new_file.h"
+
+#include "geometry/errors.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <cerrno>
+#include <cstdio>
+#include <system_error>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Opens a new file in the target's folder, so that the rename stays on one file system. O_EXCL ensures that two
+/// writers never share a file.
+int openBeside(const fs::path& target, mode_t mode, std::string& temporary) {
+  static std::atomic<unsigned> counter{0};
+  for (int attempt = 0; attempt < 100; ++attempt) {
+    temporary = fmt::format("{}.tmp-{}-{}", target.string(), ::getpid(), counter.fetch_add(1));
+    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    if (fd >= 0 || errno != EEXIST) return fd;
+  }
+  return -1;
+}
+
+/// Writes everything, continuing after short writes and interruptions. @return 0, or errno
+int writeAll(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(fd, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return errno;
+    content.remove_prefix(written);
+  }
+  return 0;
+}
+
+}  // namespace
+
+NewFile::NewFile(fs::path file, fs::path target) : file_(std::move(file)), target_(std::move(target)) {}
+
+NewFile::~NewFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+}
+
+Error NewFile::failed(int error) {
+  return unwritable(file_, error);
+}
+
+Result<std::unique_ptr<NewFile>> NewFile::create(const fs::path& file, NamedBy by) {
+  // Keep symbolic links of the user: replace the file that they point to. Never replace a device or folder by a file.
+  std::error_code ignored;
+  fs::path target = file;
+  if (by == NamedBy::kUser && fs::is_symlink(file, ignored)) {
+    const fs::path resolved = fs::weakly_canonical(file, ignored);
+    if (!ignored) target = resolved;
+  }
+  struct stat status {};
+  const bool exists = ::lstat(target.c_str(), &status) == 0 && !S_ISLNK(status.st_mode);
+  if (exists && S_ISDIR(status.st_mode)) return unwritable(file, EISDIR);
+  if (exists && !S_ISREG(status.st_mode)) {
+    return unwritable("{}: cannot be written: not a regular file", file.string());
+  }
+
+  std::unique_ptr<NewFile> made(new NewFile(file, target));
+  std::string temporary;
+  made->descriptor_ = openBeside(target, 0666, temporary);
+  if (made->descriptor_ < 0) return made->failed(errno);
+  made->temporary_ = temporary;
+  made->cleaning_ = std::make_unique<AtHardStop>([temporary] { ::unlink(temporary.c_str()); });
+  if (exists && ::fchmod(made->descriptor_, status.st_mode & 07777) != 0) return made->failed(errno);
+  return made;
+}
+
+Result<void> NewFile::write(std::string_view piece) {
+  if (const int error = writeAll(descriptor_, piece); error != 0) return failed(error);
+  return {};
+}
+
+Result<void> NewFile::finish() {
+  int error = ::fsync(descriptor_) != 0 ? errno : 0;
+  // Some file systems report a full disk only here.
+  if (::close(std::exchange(descriptor_, -1)) != 0 && error == 0) error = errno;
+  if (error == 0 && ::rename(temporary_.c_str(), target_.c_str()) != 0) error = errno;
+  if (error != 0) return failed(error);
+  temporary_.clear();
+  cleaning_.reset();
+  return {};
+}
+
+}  // namespace lorica

@@ -1,0 +1,151 @@
+#include "export/contact_export.h"
+
+#include "acd/decomposition_file.h"
+#include "geometry/files.h"
+#include "skinning/mannequin/mannequin.h"
+#include "tests/session/small_session.h"
+#include "tests/support/datasets.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <sstream>
+
+namespace lorica::test {
+namespace {
+
+/// Reports that it is cancelled after some frames.
+class Impatient final : public Host {
+ public:
+  explicit Impatient(int frames) : left_(frames) {}
+  void report(int /*done*/, int /*total*/) override { --left_; }
+  [[nodiscard]] bool cancelled() const override { return left_ <= 0; }
+
+ private:
+  int left_;
+};
+
+class ContactExport : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = std::make_unique<TemporaryFolder>();
+    DecompositionFile content;
+    content.decomposition = eightParts();
+    content.source = "mannequin";
+    content.meshHash = topologyHash(makeMannequin().mesh);
+    ASSERT_TRUE(writeDecomposition(folder_->path() / "body.lorica", content).ok());
+  }
+  static void TearDownTestSuite() { folder_.reset(); }
+
+  [[nodiscard]] static ContactRequest request(const std::string& motion) {
+    ContactRequest asked;
+    asked.cast.motion = motion;
+    asked.cast.body.decomposition = (folder_->path() / "body.lorica").string();
+    return asked;
+  }
+  [[nodiscard]] static std::string file(const char* name) { return (folder_->path() / name).string(); }
+  [[nodiscard]] static std::vector<std::string> names() {
+    std::vector<std::string> found;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_->path())) {
+      found.push_back(entry.path().filename().string());
+    }
+    std::ranges::sort(found);
+    return found;
+  }
+
+  static inline std::unique_ptr<TemporaryFolder> folder_;
+};
+
+TEST_F(ContactExport, LinesOfJsonAreTheRows) {
+  Host host;
+  const ContactLabels kept = findContacts(request("wave"), host).value();
+  const ContactLabels written = writeContacts(request("wave"), file("wave.jsonl"), host).value();
+  EXPECT_EQ(written.rowCount, kept.rows.size());
+  EXPECT_EQ(written.standing, kept.standing);
+  std::istringstream lines(readFile(file("wave.jsonl")).value());
+  std::size_t i = 0;
+  for (std::string line; std::getline(lines, line); ++i) {
+    const nlohmann::json found = nlohmann::json::parse(line);
+    const ContactRow& row = kept.rows[i];
+    EXPECT_EQ(found["frame"], row.frame);
+    EXPECT_EQ(found["time"], row.time);
+    EXPECT_EQ(found["bone"], kept.bones[row.bone]);
+    EXPECT_EQ(found["other_avatar"].is_null(), row.otherAvatar < 0);
+    EXPECT_NEAR(found["depth"], row.depth, 1e-6);
+    EXPECT_EQ(found["kind"], row.kind == ContactKind::kFloor ? "floor" : "self");
+    EXPECT_EQ(found["phase"].is_null(), row.foot == ContactFoot::kNone);
+    EXPECT_EQ(found["normal"].size(), 3U);
+  }
+  EXPECT_EQ(i, kept.rows.size());
+  EXPECT_GT(i, 300U);
+  EXPECT_GT(kept.overlaps, 0U);
+}
+
+TEST_F(ContactExport, TheSameInputGivesTheSameBytes) {
+  Host host;
+  for (const char* ending : {".npz", ".csv", ".jsonl"}) {
+    const std::string first = file("first") + ending, second = file("second") + ending;
+    ASSERT_TRUE(writeContacts(request("walk,wave"), first, host).ok());
+    ASSERT_TRUE(writeContacts(request("walk,wave"), second, host).ok());
+    const std::string bytes = readFile(first).value();
+    EXPECT_EQ(bytes, readFile(second).value()) << ending;
+    EXPECT_GT(bytes.size(), 10'000U);
+    std::filesystem::remove(first);
+    std::filesystem::remove(second);
+  }
+}
+
+TEST_F(ContactExport, BadRequestsLeaveNothingBehind) {
+  const std::vector<std::string> before = names();
+  Host host;
+  const auto sentence = [&](const ContactRequest& asked, const std::string& to, Host& by) {
+    const Result<ContactLabels> made = writeContacts(asked, to, by);
+    return made ? std::string("written") : made.error().message;
+  };
+  EXPECT_EQ(sentence(request("wave"), "out.xlsx", host),
+            "out.xlsx: found the extension `.xlsx`, expected .npz (numpy), .csv or .jsonl");
+  ContactRequest far = request("wave");
+  far.near = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(sentence(far, file("a.csv"), host), "near: found nan m, expected 0 to 1 m");
+  for (const char* name : {"a.csv", "a.npz", "a.jsonl"}) {
+    ContactRequest few = request("wave");
+    few.mostRows = 100;
+    const std::string said = sentence(few, file(name), host);
+    EXPECT_NE(said.find("wave: found more than 100 rows in "), std::string::npos) << said;
+    Impatient impatient(20);
+    EXPECT_EQ(sentence(request("wave"), file(name), impatient), "cancelled");
+    EXPECT_NE(sentence(request("nowhere.bvh"), file(name), host).find("nowhere.bvh"), std::string::npos);
+  }
+  EXPECT_EQ(names(), before);
+}
+
+TEST_F(ContactExport, AMotionWithoutAFloorIsSaidToBe) {
+  Host host;
+  const auto notesOf = [&](const ContactRequest& asked) {
+    const Result<ContactLabels> found = findContacts(asked, host);
+    EXPECT_TRUE(found.ok()) << found.error().message;
+    return found ? found->notes : std::vector<std::string>();
+  };
+  EXPECT_EQ(notesOf(request("walk")), std::vector<std::string>());
+  ContactRequest floating = request("");
+  const auto staged = [&](const char* place) {
+    return folder_->write("stage.json",
+                          fmt::format(R"({{"format": "lorica scene 1", "props": [], "floor": {}}})", place));
+  };
+  floating.cast.scene = staged(R"(true, "avatars": [{"motion": "walk", "place": [0, 1, 0]}])");
+  EXPECT_EQ(notesOf(floating),
+            std::vector<std::string>{"avatar 0: stays 0.99 m above the floor, expected a motion whose "
+                                     "floor is y = 0: no foot stands"});
+  floating.cast.scene = staged(R"(true, "avatars": [{"motion": "walk", "place": [0, -1, 0]}])");
+  EXPECT_EQ(notesOf(floating),
+            std::vector<std::string>{"avatar 0: goes 1.01 m below the floor, expected a motion whose "
+                                     "floor is y = 0"});
+  floating.cast.scene = staged(R"(false, "avatars": [{"motion": "walk"}])");
+  EXPECT_EQ(notesOf(floating), std::vector<std::string>{"the scene has no floor: found no contacts with one"});
+  std::filesystem::remove(folder_->path() / "stage.json");
+}
+
+}  // namespace
+}  // namespace lorica::test
