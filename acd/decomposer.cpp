@@ -148,8 +148,10 @@ bool Decomposer::errorMet(std::span<const SharedPiece> pieces) const {
 /// the limit; whichever is larger. What is below a limit may be reported as up to 1.
 double Decomposer::excessOf(const Piece& piece) const {
   std::vector<double> excess(context_.keyframeCount(), 0.0);
+  // A sliver of no volume counts as convex, but its hull may span the gap between two pieces of it.
+  const bool whole = connectedComponents(context_.pointCount(), piece.part.triangles).count < 2;
   tbb::parallel_for(std::size_t{0}, excess.size(), [&](std::size_t k) {
-    if (piece.convex[k]) return;
+    if (piece.convex[k] && whole) return;
     std::vector<Vec3> corners;
     corners.reserve(piece.hullPoints[k].size());
     for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);
@@ -383,11 +385,12 @@ std::vector<Decomposer::SharedPiece> Decomposer::mergedWithinLimits(std::size_t 
   return best.size() > max ? merged(pieces, max) : best;
 }
 
-/// The number of parts is a limit: cuts that gain nothing in any keyframe are undone, unless a limit would be missed.
+/// The number of parts is a limit: cuts that gain nothing in any keyframe are undone, but those that limits need.
 void Decomposer::dropUselessCuts() {
   std::vector<SharedPiece> fewer = parts_;
   std::vector<PartIndex> splitFrom = cuts_.overCut <= 1.0 ? splitFrom_ : std::vector<PartIndex>();
-  mergeForFree(fewer, splitFrom, context_);
+  mergeForFree(fewer, splitFrom, context_,
+               [&](const Piece& common) { return met_ == 0 || !partsLimited() || excessOf(common) <= 1.0; });
   if (met_ > 0 && !limitsMet(fewer)) return;
   parts_ = std::move(fewer);
   splitFrom_ = std::move(splitFrom);

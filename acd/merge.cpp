@@ -174,10 +174,10 @@ void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<Pa
 }  // namespace
 
 void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
-                  const CutContext& context) {
+                  const CutContext& context, const std::function<bool(const Piece& common)>& allowed) {
   mergePairs(
       parts, splitFrom, context, [&](FreePair& pair, const Piece& a, const Piece& b) { price(pair, a, b, context); },
-      [](const Piece&) { return true; });
+      allowed);
 }
 
 void mergeWithin(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,

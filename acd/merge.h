@@ -27,8 +27,9 @@ struct Merged {
 /// Merges parts whose common hull is no larger than theirs together, in every keyframe: such a cut is of no use. The
 /// cheapest pair is merged first; of equal pairs the first.
 /// @param splitFrom  of the parts, see Decomposition, and stays such; or empty
+/// @param allowed    whether a common part may be
 void mergeForFree(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
-                  const CutContext& context);
+                  const CutContext& context, const std::function<bool(const Piece& common)>& allowed);
 
 /// Merges touching parts as long as what they become is allowed, those whose hull grows least first.
 /// @param maxEmpty  a common part whose hull has more empty volume than this in any keyframe is not allowed [m^3]

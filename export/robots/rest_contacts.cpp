@@ -12,10 +12,6 @@ namespace {
 constexpr int kMostNear = 20'000;                   // pairs of geoms whose boxes overlap
 constexpr std::size_t kMostTriangles = 50'000'000;  // of all pairs of meshes that are compared
 
-bool overlap(const Aabb& a, const Aabb& b) {
-  return (a.min.array() <= b.max.array()).all() && (b.min.array() <= a.max.array()).all();
-}
-
 TriMesh placed(const TriMesh& mesh, const Isometry3& pose) {
   TriMesh moved = mesh;
   for (Vec3& p : moved.vertices) p = pose * p;
