@@ -72,13 +72,17 @@ TEST(PartConcavity, IsThatOfTheMeshInTheHull) {
 }
 
 TEST(DecomposeToConcavity, MeetsTheLimitWithFewParts) {
+  // Of no volume, and so is their common hull, which spans what is between them.
+  const TriMesh grain = makeBox({12, 0, 0}, {12.0005, 0.0005, 0.0005});
+  const TriMesh grains = joined(joined(makeBox({0, 0, 0}, {10, 10, 10}), grain), shifted(grain, {0, 2, 0}));
   struct Row {
     TriMesh mesh;
     double limit;
     std::size_t parts;  // expected at most
   };
-  for (const Row& row : {Row{makeBox({0, 0, 0}, {1, 1, 1}), 0.05, 1}, Row{makeLShape(), 0.05, 2},
-                         Row{makeTorus(1.0, 0.3, 24, 12), 0.13, 10}, Row{makeTorus(1.0, 0.3, 24, 12), 2.0, 1}}) {
+  for (const Row& row :
+       {Row{makeBox({0, 0, 0}, {1, 1, 1}), 0.05, 1}, Row{makeLShape(), 0.05, 2},
+        Row{makeTorus(1.0, 0.3, 24, 12), 0.13, 10}, Row{makeTorus(1.0, 0.3, 24, 12), 2.0, 1}, Row{grains, 0.5, 3}}) {
     DecomposeSettings settings;
     settings.maxParts = 0;
     settings.maxConcavity = row.limit;
