@@ -168,7 +168,12 @@ TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
       {"frames of the network that wait, the oldest left out", kMaxWaitingFrames},
       {"frames of a recording of packets", kMaxStreamFrames},
       {"expressions of a pose that is sent or recorded, left out", kMaxPoseExpressions},
-      {"bytes of the name of such an expression, left out", kMaxExpressionName}};
+      {"bytes of the name of such an expression, left out", kMaxExpressionName},
+      {"rows of a table of contacts", kMaxContactRows},
+      {"files that a robot's file includes", kMaxRobotIncludes},
+      {"different collision meshes of a robot", kMaxRobotMeshes},
+      {"shapes of a robot that collide with a mesh", kMaxRobotGeoms},
+      {"triangles of a robot's collision mesh", kMaxRobotTriangles}};
   for (const Budget& budget : budgets) {
     std::string number = fmt::format("{:.0f}", budget.most);
     for (auto at = static_cast<std::ptrdiff_t>(number.size()) - 3; at > 0; at -= 3) number.insert(at, ",");
