@@ -1,5 +1,5 @@
-#include "geometry/files.h"
 #include "viewer/pictures/video_writer.h"
+#include "geometry/files.h"
 #include "tests/support/datasets.h"
 #include "tests/viewer/renderer/pictures.h"
 
