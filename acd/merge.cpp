@@ -154,8 +154,7 @@ void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<Pa
     boxes[a] = boxesOf(*parts[a], context);
     pairs.clear();
     for (std::size_t other = 0; other < parts.size(); ++other) {
-      if (other != a && parts[other] && touch(a, other))
-        pairs.push_back({std::min(a, other), std::max(a, other)});
+      if (other != a && parts[other] && touch(a, other)) pairs.push_back({std::min(a, other), std::max(a, other)});
     }
     add(std::move(pairs));
   }

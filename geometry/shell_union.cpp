@@ -25,9 +25,9 @@ constexpr std::array<double, 3> kTolerances = {1e-9, 1e-6, 1e-5};
 constexpr double kOverlap = 1e-6;  // share of the volume: pieces that overlap by less only touch
 constexpr double kInside = 0.5;    // winding number
 constexpr double kMuch = 0.01;     // share of a piece that overlaps itself: less is left as it is if need be
-constexpr std::size_t kMaxPieces = 10'000'000;    // pairs of pieces whose boxes overlap
-constexpr std::size_t kMaxSteps = 50'000'000;     // as many triangles for winding numbers: three seconds
-constexpr std::size_t kApartSteps = 4;            // of a test of two triangles
+constexpr std::size_t kMaxPieces = 10'000'000;  // pairs of pieces whose boxes overlap
+constexpr std::size_t kMaxSteps = 50'000'000;   // as many triangles for winding numbers: three seconds
+constexpr std::size_t kApartSteps = 4;          // of a test of two triangles
 constexpr std::size_t kSamples = 500;
 constexpr std::size_t kMinSamples = 64;
 constexpr std::size_t kSampledTriangles = 20'000'000;  // for all samples: of slivers, each sees every triangle
@@ -331,8 +331,8 @@ class Union {
     const double least = inPlane.empty() ? 1e-3 * tolerance_ : 4.0 * tolerance_;
     const Vec3 step = std::clamp(0.01 * thickness, least, 40.0 * tolerance_) * area.normalized();
     std::size_t looked = partners_[facet.triangle].size();
-    const bool between =
-        tree_.windingNumber(center + step, &looked) <= kInside && tree_.windingNumber(center - step, &looked) >= kInside;
+    const bool between = tree_.windingNumber(center + step, &looked) <= kInside &&
+                         tree_.windingNumber(center - step, &looked) >= kInside;
     if (!spend(looked) || !between) return false;
     return std::ranges::none_of(inPlane, [&](std::int32_t other) {
       const Corners corners = cornersOf(other);

@@ -3,8 +3,8 @@
 #include "geometry/tri_mesh.h"
 
 #include <array>
-#include <cstddef>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <span>
 #include <utility>

@@ -54,7 +54,7 @@ class HeadsetLink {
   void know(const std::optional<Registration>& registration);
 
   std::shared_ptr<WornHeadset> worn_;
-  std::filesystem::path file_;  // where it is kept; empty = nowhere
+  std::filesystem::path file_;             // where it is kept; empty = nowhere
   std::vector<HeadRegistration> samples_;  // for each place
   std::optional<Registration> known_;
   std::optional<std::size_t> place_;

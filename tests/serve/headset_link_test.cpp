@@ -29,7 +29,8 @@ class Wearer {
   }
   /// Hands all of it over in the order of time. @return the last message, of those that are any
   /// @param other  somebody else before the camera, who wears no headset and has the first place
-  Json wear(HeadsetLink& link, const Isometry3& moved = Isometry3::Identity(), const test::VirtualWalk* other = nullptr) {
+  Json wear(HeadsetLink& link, const Isometry3& moved = Isometry3::Identity(),
+            const test::VirtualWalk* other = nullptr) {
     std::size_t others = 0;
     std::size_t pose = 0;
     Json last;
