@@ -26,7 +26,7 @@ class Skin {
       for (const VertexIndex v : part_.triangles[t]) corners_.push_back(v);
     }
     std::ranges::sort(corners_);
-    corners_.erase(std::ranges::unique(corners_).begin(), corners_.end());
+    corners_.erase(std::unique(corners_.begin(), corners_.end()), corners_.end());
     for (const VertexIndex v : corners_) box_.extend(points_[v]);
   }
 
