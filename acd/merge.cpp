@@ -129,8 +129,8 @@ void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<Pa
   const auto add = [&](std::vector<FreePair> pairs) {
     tbb::parallel_for(std::size_t{0}, pairs.size(),
                       [&](std::size_t i) { price(pairs[i], *parts[pairs[i].a], *parts[pairs[i].b]); });
-    for (FreePair& pair : pairs) {
-      if (pair.cost < kInfinity) candidates.insert(std::move(pair));
+    for (const FreePair& pair : pairs) {
+      if (pair.cost < kInfinity) candidates.insert(pair);
     }
   };
   std::vector<FreePair> pairs;
