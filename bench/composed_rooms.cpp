@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 namespace lorica::bench {
@@ -21,7 +22,9 @@ constexpr int kFrames = 110;
 constexpr int kEmptyFrames = 30;       ///< of a scene in which the person comes later
 constexpr double kCutOutTilt = 0.096;  ///< of the camera that saw the people who are cut out [rad]
 constexpr int kFiner = 3;              ///< points along a pixel's side
-constexpr double kSeated = 0.35;       ///< how much lower than standing hips are on a seat [m]
+constexpr double kShown = 0.4;         ///< least share of each person's pixels that nothing hides
+constexpr std::uint64_t kAttempts = 50;
+constexpr double kSeated = 0.35;  ///< how much lower than standing hips are on a seat [m]
 
 /// Depth images of a recording, at most kFrames.
 Result<std::vector<std::vector<std::uint16_t>>> readFrames(const RealRecording& recording, DepthCamera& camera) {
@@ -151,10 +154,9 @@ class ComposedSource : public DepthSource {
   std::size_t next_ = 0;
 };
 
-}  // namespace
-
-Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std::uint64_t seed) {
-  RandomNumbers random(seed * 7919 + 17);
+/// @return nothing if furniture or the room hides more of somebody than kShown leaves
+Result<std::optional<ComposedRoom>> composeOnce(std::span<const RealRecording> recordings, std::uint64_t seed,
+                                                RandomNumbers random) {
   const auto below = [&](int count) { return static_cast<int>(random.unit() * count); };
   std::vector<const RealRecording*> rooms, standing, sitting;
   for (const RealRecording& recording : recordings) {
@@ -240,6 +242,8 @@ Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std:
   result.truth.people.resize(actors.size());
   const int width = result.camera.width, height = result.camera.height;
   std::vector<std::uint16_t> things(static_cast<std::size_t>(width) * height);
+  std::vector<std::size_t> visible(actors.size()), covered(actors.size());  // pixels that show each, and that would
+  std::vector<std::uint8_t> drawn(things.size());                           // whether somebody was drawn there
   for (int frame = 0; frame < kFrames; ++frame) {
     std::vector<std::uint16_t>& image = result.depthMm.emplace_back((*emptyRoom)[frame % kEmptyFrames]);
     std::vector<std::uint8_t>& mask = result.masks.emplace_back(image.size());
@@ -250,6 +254,7 @@ Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std:
     if (frame < first) continue;
     for (std::size_t p = 0; p < actors.size(); ++p) {
       const Actor& actor = actors[p];
+      std::ranges::fill(drawn, 0);
       const int shown = actor.frameAt(frame - first);
       const Isometry3 roomFromCutOut = cameraFromFloor * actor.floorFromCamera;
       actor.eachPoint(shown, [&](const Vec3& point) {
@@ -261,6 +266,8 @@ Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std:
         const double steps = 1.0 / (2.9e-3 * -seen.z());
         const auto depth = static_cast<std::uint16_t>(std::lround(1000.0 / (std::round(steps) * 2.9e-3)));
         const std::size_t i = static_cast<std::size_t>(row) * width + column;
+        covered[p] += static_cast<std::size_t>(drawn[i] == 0);
+        drawn[i] = 1;
         if (image[i] != 0 && image[i] <= depth) return;
         image[i] = depth;
         mask[i] = static_cast<std::uint8_t>(p + 1);
@@ -268,9 +275,25 @@ Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std:
       Joints& joints = result.truth.people[p][frame];
       joints = actor.recording->people.front().at(shown);
       for (Vec3& joint : joints) joint = roomFromCutOut * joint;
+      visible[p] += std::ranges::count(mask, p + 1);
     }
   }
-  return result;
+  for (std::size_t p = 0; p < actors.size(); ++p) {
+    if (static_cast<double>(visible[p]) < kShown * static_cast<double>(covered[p]))
+      return std::optional<ComposedRoom>();
+  }
+  return std::optional(std::move(result));
+}
+
+}  // namespace
+
+Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std::uint64_t seed) {
+  for (std::uint64_t attempt = 0; attempt < kAttempts; ++attempt) {
+    auto room = composeOnce(recordings, seed, RandomNumbers(seed * 7919 + 17 + 1'000'003 * attempt));
+    if (!room) return room.error();
+    if (*room) return std::move(**room);
+  }
+  return Error{ErrorCode::kInvalidArgument, fmt::format("composed room {}: people are hidden in every attempt", seed)};
 }
 
 std::unique_ptr<DepthSource> sourceOf(const ComposedRoom& room) {
