@@ -37,6 +37,17 @@ void writePlanes(const ConvexHull& hull, std::span<double> planes) {
   }
 }
 
+/// Shortens a ray to a box (Kay and Kajiya 1986); false if it misses. What is no number, 0 * infinity, limits nothing.
+bool clip(const Aabb& box, const Vec3& origin, const Vec3& direction, double& from, double& to) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double inverse = 1.0 / direction[axis];
+    const double a = (box.min[axis] - origin[axis]) * inverse, b = (box.max[axis] - origin[axis]) * inverse;
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  }
+  return from <= to;
+}
+
 /// Where something swept touches a hull, all in the hull's frame; the distance is infinite if it never does.
 struct Touching {
   double distance = kInfinity;
@@ -99,6 +110,10 @@ void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
       const std::vector<Vec3>& vertices = parts[p].shape.vertices;
       parts_.push_back({parts[p].worldFromPart.inverse(), planes, count, vertices_.size(), vertices.size(),
                         static_cast<int>(b), static_cast<PartIndex>(p)});
+      Aabb& box = parts_.back().box;
+      for (const Vec3& vertex : vertices) box.extend(vertex);
+      box.min.array() -= kBallMargin;
+      box.max.array() += kBallMargin;
       vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
       planes += 4 * count;
     }
@@ -155,8 +170,10 @@ void RayQuery::visit(const HullRay& ray, const Visit& each) const {
           reach, each(HullHit{part.body, part.index, touching.distance, position, worldFromPart * touching.normal}));
       return;
     }
+    double from = 0.0, to = reach;
+    if (!clip(part.box, origin, along, from, to)) return;
     const std::span<const double> planes = std::span(planes_).subspan(part.firstPlane, 4 * part.planeCount);
-    const Entry entry = entryOf(planes, origin, along, reach);
+    const Entry entry = entryOf(planes, origin, along, from, to);
     if (entry.at == kInfinity) return;
     HullHit hit{part.body, part.index, entry.at, ray.origin + entry.at * direction, -direction};
     if (entry.plane >= 0) {
@@ -168,8 +185,9 @@ void RayQuery::visit(const HullRay& ray, const Visit& each) const {
   };
   const auto visitNear = [&](const BallList& list, std::size_t from, std::size_t to, const auto& act) {
     const Balls balls{list.x, list.y, list.z, list.radius};
-    for (std::size_t first = from; first < to; first += kClipPadding) {
-      for (unsigned near = ballsOnRay(balls, first, ray.origin, direction, reach, thickness); near != 0;
+    for (std::size_t first = from; first < to; first += kMostBalls) {
+      const std::size_t count = std::min(kMostBalls, to - first);
+      for (std::uint64_t near = ballsOnRay(balls, first, count, ray.origin, direction, reach, thickness); near != 0;
            near &= near - 1) {
         act(first + static_cast<std::size_t>(std::countr_zero(near)));
       }

@@ -69,6 +69,7 @@ class RayQuery {
     std::size_t firstVertex = 0, vertexCount = 0;  ///< in vertices_
     int body = 0;
     PartIndex index = 0;
+    Aabb box = {};  ///< in its frame, with a margin
   };
   template <typename Visit>
   void visit(const HullRay& ray, const Visit& each) const;
