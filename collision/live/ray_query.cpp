@@ -17,7 +17,6 @@ constexpr double kBallMargin = 1e-9;  ///< [m] for rounding: a face that touches
 constexpr double kTouching = 1e-9;    ///< of what is swept [m]
 constexpr double kNormalFrom = 1e-6;  ///< a shorter way to the hull has no direction to speak of [m]
 constexpr int kMaxAdvances = 64;
-constexpr double kFarAway = 1e12;  ///< where balls of the padding are [m]
 
 std::size_t padded(std::size_t count) {
   return (count + kClipPadding - 1) / kClipPadding * kClipPadding;
@@ -72,18 +71,6 @@ Touching sweptTo(std::span<const Vec3> vertices, const Vec3& origin, const Vec3&
 }
 
 }  // namespace
-
-void RayQuery::BallList::resize(std::size_t count) {
-  for (std::vector<double>* coordinate : {&x, &y, &z}) coordinate->assign(padded(count), kFarAway);
-  radius.assign(padded(count), 0.0);
-}
-
-void RayQuery::BallList::set(std::size_t i, const Vec3& middle, double r) {
-  x[i] = middle.x();
-  y[i] = middle.y();
-  z[i] = middle.z();
-  radius[i] = r;
-}
 
 void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
   parts_.clear();
@@ -211,6 +198,20 @@ HullHit RayQuery::nearest(const HullRay& ray) const {
 void RayQuery::nearest(std::span<const HullRay> rays, std::span<HullHit> hits) const {
   LORICA_CHECK(rays.size() == hits.size(), "there must be as many hits as rays");
   for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = nearest(rays[i]);
+}
+
+SkinHit RayQuery::nearestOnSkin(const HullRay& ray, std::span<PosedSkin> skins) const {
+  LORICA_CHECK(skins.size() + 1 >= firstPart_.size(), "there must be a skin for each body");
+  SkinHit best;
+  best.distance = ray.reach;
+  const Vec3 direction = ray.direction.normalized();
+  visit({ray.origin, ray.direction, ray.reach}, [&](const HullHit& hull) {
+    const double before = best.distance;
+    skins[hull.body].meet(hull.part, ray.origin, direction, best);
+    if (best.distance < before) best.body = hull.body;
+    return best.distance;
+  });
+  return best ? best : SkinHit();
 }
 
 std::size_t RayQuery::all(const HullRay& ray, std::span<HullHit> hits) const {
