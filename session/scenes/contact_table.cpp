@@ -27,8 +27,12 @@ bool apart(const Aabb& a, const Aabb& b, double gap) {
   return (a.min.array() > b.max.array() + gap).any() || (b.min.array() > a.max.array() + gap).any();
 }
 
+/// Without negative zeros, which would be in tables.
+float plain(double x) {
+  return static_cast<float>(x) + 0.0F;
+}
 std::array<float, 3> floats(const Vec3& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+  return {plain(v.x()), plain(v.y()), plain(v.z())};
 }
 
 /// Two things that overlap or are near, as measured.
@@ -251,7 +255,7 @@ ContactRow& ContactTable::Impl::add(const Session& session, ContactKind kind, in
   row.part = static_cast<std::int32_t>(part);
   row.bone = session.avatar(avatar).boneAt(row.part, meeting.point);
   if (row.bone != kNoJoint) row.foot = outlines[avatar].footOf[row.bone];
-  row.depth = static_cast<float>(meeting.depth);
+  row.depth = plain(meeting.depth);
   row.point = floats(meeting.point);
   row.normal = floats(meeting.normal);
   return row;

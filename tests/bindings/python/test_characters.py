@@ -210,6 +210,8 @@ class Characters(unittest.TestCase):
             for name in written:
                 self.assertEqual(written[name].dtype, found[name].dtype)
                 np.testing.assert_array_equal(written[name], found[name], name)
+        # A shipped recording needs no file.
+        self.assertEqual(len(lorica.contacts("walk", decomposition=FILES / "body.lorica")["frame_time"]), 340)
         rows = (FILES / "contacts.csv").read_text().splitlines()
         table = np.array([row.split(",") for row in rows[1:]])
         column = {name: table[:, i] for i, name in enumerate(rows[0].split(","))}
