@@ -1,5 +1,6 @@
-// Rays against live hulls, beside skinning with Embree's trees refitted in each frame, and Bullet's ray test of the
-// same hulls. CSV on standard output; times are those of one thread, the quickest of several frames.
+// Rays and swept balls against live hulls, beside skinning with Embree's trees refitted in each frame, and Bullet's ray
+// and sweep tests of the same hulls. CSV on standard output; times are those of one thread, the quickest of several
+// frames. `--check N` compares N random rays with every triangle asked.
 
 #include "bench/measure.h"
 #include "bench/walker.h"
@@ -7,6 +8,7 @@
 #include "geometry/random_numbers.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/collision/live/slow_rays.h"
 
 #include <btBulletCollisionCommon.h>
 #include <embree3/rtcore.h>
@@ -26,6 +28,7 @@ namespace lorica::bench {
 namespace {
 
 constexpr std::size_t kMostRays = 10'000;
+constexpr double kBall = 0.05;  ///< radius of what is swept [m]
 
 double microseconds() {
   return std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -60,8 +63,8 @@ struct Crowd {
 };
 
 /// From around the crowd, at points of it.
-std::vector<HullRay> raysAt(const Crowd& crowd) {
-  RandomNumbers random(48);
+std::vector<HullRay> raysAt(const Crowd& crowd, std::size_t seed = 48) {
+  RandomNumbers random(seed);
   const auto between = [&](double low, double high) { return random.between(low, high); };
   std::vector<HullRay> rays(kMostRays);
   for (HullRay& ray : rays) {
@@ -184,9 +187,17 @@ class Bullet {
     added_ = true;
     world_.updateAabbs();
   }
+  /// A ball, if the ray has a radius.
   [[nodiscard]] bool hits(const HullRay& ray) const {
     const auto point = [](const Vec3& p) { return btVector3(p.x(), p.y(), p.z()); };
     const btVector3 from = point(ray.origin), to = point(ray.origin + 100.0 * ray.direction);
+    if (ray.radius > 0.0) {
+      const btSphereShape ball(static_cast<btScalar>(ray.radius));
+      const btQuaternion turn = btQuaternion::getIdentity();
+      btCollisionWorld::ClosestConvexResultCallback touch(from, to);
+      world_.convexSweepTest(&ball, btTransform(turn, from), btTransform(turn, to), touch);
+      return touch.hasHit();
+    }
     btCollisionWorld::ClosestRayResultCallback result(from, to);
     world_.rayTest(from, to, result);
     return result.hasHit();
@@ -202,72 +213,126 @@ class Bullet {
   bool added_ = false;
 };
 
+/// The quickest of several frames, of which each asks all rays; a ray's [us].
+struct Quickest {
+  double time = kInfinity;
+  std::size_t hits = 0;  ///< of the last frame
+
+  template <typename Hits>
+  void ask(std::span<const HullRay> rays, const Hits& hitsRay) {
+    hits = 0;
+    const double whole = timeOf([&] {
+      for (const HullRay& ray : rays) hits += hitsRay(ray) ? 1 : 0;
+    });
+    time = std::min(time, whole / static_cast<double>(rays.size()));
+  }
+};
+
 void measure(const Walker& walker, int vertices, std::size_t avatars, int frames) {
   Crowd crowd(walker, avatars);
   crowd.pose(walker, 0);
   const std::vector<HullRay> rays = raysAt(crowd);
+  std::vector<HullRay> sweeps = rays;
+  for (HullRay& ball : sweeps) ball.radius = kBall;
   Embree embree(crowd);
   Bullet bullet(crowd);
   RayQuery query;
+  const Character character = makeMannequin();
+  std::vector<PosedSkin> skins(avatars, PosedSkin(walker.body->decomposition(), character));
   std::vector<HullHit> hits(rays.size());
   for (const std::size_t count : {std::size_t{1}, std::size_t{100}, kMostRays}) {
-    double update = kInfinity, own = kInfinity, skin = kInfinity, refit = kInfinity, skins = kInfinity;
-    double fill = kInfinity, hulls = kInfinity;
-    int hit = 0, hitSkin = 0, hitHull = 0;
+    double update = kInfinity, skin = kInfinity, refit = kInfinity, fill = kInfinity;
+    Quickest own, ownSkin, skinned, hulls, swept, sweptHulls;
     // A single ray is timed as one of many, or the clock would be measured.
-    const std::size_t asked = count == 1 ? 100 : count, repeats = std::max<std::size_t>(1, 100 / asked);
+    const std::size_t asked = std::max<std::size_t>(count, 100);
+    const std::span<const HullRay> first = std::span(rays).first(asked), balls = std::span(sweeps).first(asked);
     for (int frame = 0; frame < frames; ++frame) {
       crowd.pose(walker, static_cast<std::size_t>(3 * frame));
-      const auto first = std::span(rays).first(asked);
-      const double each = 1.0 / static_cast<double>(asked * repeats);
       update = std::min(update, timeOf([&] { query.update(crowd.views); }));
-      own = std::min(own, each * timeOf([&] {
-                            for (std::size_t r = 0; r < repeats; ++r)
-                              query.nearest(first, std::span(hits).first(asked));
-                          }));
+      own.time = std::min(
+          own.time, timeOf([&] { query.nearest(first, std::span(hits).first(asked)); }) / static_cast<double>(asked));
+      own.hits = std::ranges::count_if(std::span(hits).first(asked), [](const HullHit& hit) { return bool(hit); });
+      for (std::size_t a = 0; a < avatars; ++a) skins[a].update(crowd.bones[a]);
+      ownSkin.ask(first, [&](const HullRay& ray) { return bool(query.nearestOnSkin(ray, skins)); });
+      swept.ask(balls, [&](const HullRay& ray) { return bool(query.nearest(ray)); });
       skin = std::min(skin, timeOf([&] { embree.skin(crowd); }));
       refit = std::min(refit, timeOf([&] { embree.refit(); }));
+      skinned.ask(first, [&](const HullRay& ray) { return embree.hits(ray); });
       fill = std::min(fill, timeOf([&] { bullet.update(crowd); }));
-      hit = hitSkin = hitHull = 0;
-      skins = std::min(skins, each * timeOf([&] {
-                                for (std::size_t r = 0; r < repeats; ++r) {
-                                  for (const HullRay& ray : first) hitSkin += embree.hits(ray) ? 1 : 0;
-                                }
-                              }));
-      hulls = std::min(hulls, each * timeOf([&] {
-                                for (std::size_t r = 0; r < repeats; ++r) {
-                                  for (const HullRay& ray : first) hitHull += bullet.hits(ray) ? 1 : 0;
-                                }
-                              }));
-      for (std::size_t i = 0; i < asked; ++i) hit += hits[i] ? 1 : 0;
+      hulls.ask(first, [&](const HullRay& ray) { return bullet.hits(ray); });
+      if (frame == 0 || asked < kMostRays) sweptHulls.ask(balls, [&](const HullRay& ray) { return bullet.hits(ray); });
     }
-    const double percent = 100.0 / static_cast<double>(asked), repeated = percent / static_cast<double>(repeats);
-    fmt::print("{},{},{},{:.1f},{:.3f},{:.1f},{:.1f},{:.3f},{:.1f},{:.3f},{:.1f},{:.1f},{:.1f}\n",
-               vertices == 0 ? "exact" : fmt::format("{}", vertices), avatars, count, update, own, skin, refit, skins,
-               fill, hulls, percent * hit, repeated * hitSkin, repeated * hitHull);
+    fmt::print("{},{},{},{:.1f},{:.1f},{:.1f},{:.1f}", vertices == 0 ? "exact" : fmt::format("{}", vertices), avatars,
+               count, update, skin, refit, fill);
+    for (const Quickest& each : {own, ownSkin, skinned, hulls, swept, sweptHulls}) {
+      fmt::print(",{:.3f},{:.1f}", each.time, 100.0 * static_cast<double>(each.hits) / static_cast<double>(asked));
+    }
+    fmt::print("\n");
     std::fflush(stdout);
   }
 }
 
-int run(int frames) {
-  fmt::print(
-      "hull_vertices,avatars,rays,update_us,ray_us,skin_us,refit_us,embree_ray_us,bullet_update_us,bullet_ray_us,"
-      "hit_percent,embree_hit_percent,bullet_hit_percent\n");
+/// Compares rays with every triangle asked. @return whether all agree
+bool check(const Walker& walker, int vertices, std::size_t avatars, int count) {
+  Crowd crowd(walker, avatars);
+  RayQuery query;
+  std::vector<std::vector<test::SlowHull>> hulls;
+  std::vector<HullRay> rays;
+  std::size_t hit = 0, grazing = 0, different = 0;
+  for (int i = 0; i < count; ++i) {
+    const std::size_t frame = static_cast<std::size_t>(i) / kMostRays;
+    if (static_cast<std::size_t>(i) % kMostRays == 0) {
+      crowd.pose(walker, 3 * frame);
+      query.update(crowd.views);
+      hulls.clear();
+      for (const std::span<const LivePart> parts : crowd.views) hulls.push_back(test::slowHulls(parts));
+      rays = raysAt(crowd, frame);
+    }
+    const HullRay& ray = rays[static_cast<std::size_t>(i) % kMostRays];
+    const HullHit fast = query.nearest(ray), slow = test::slowNearest(hulls, ray);
+    const test::Agreement agreement = test::compare(hulls, ray, fast, slow);
+    hit += fast ? 1 : 0;
+    grazing += agreement == test::Agreement::kGrazing ? 1 : 0;
+    different += agreement == test::Agreement::kDifferent ? 1 : 0;
+  }
+  fmt::print("{},{},{},{},{},{}\n", vertices == 0 ? "exact" : fmt::format("{}", vertices), avatars, count, hit, grazing,
+             different);
+  std::fflush(stdout);
+  return different == 0;
+}
+
+int run(int frames, int checked) {
+  if (checked > 0) {
+    fmt::print("hull_vertices,avatars,rays,hit,grazing,different\n");
+  } else {
+    fmt::print("hull_vertices,avatars,rays,update_us,skin_us,refit_us,bullet_update_us");
+    for (const char* each : {"ray", "on_skin", "embree", "bullet", "ball", "bullet_ball"}) {
+      fmt::print(",{0}_us,{0}_hit_percent", each);
+    }
+    fmt::print("\n");
+  }
+  bool agree = true;
   for (const int vertices : {64, 0}) {
     const Result<Walker> walker = makeWalker(16, vertices);
     if (!walker) return fail(walker.error());
-    for (const std::size_t avatars : {1, 100}) measure(*walker, vertices, avatars, frames);
+    for (const int avatars : {1, 100}) {
+      if (checked == 0) measure(*walker, vertices, avatars, frames);
+      if (checked > 0) agree = check(*walker, vertices, avatars, std::max(1, checked / avatars)) && agree;
+    }
   }
-  return 0;
+  return agree ? 0 : 1;
 }
 
 }  // namespace
 }  // namespace lorica::bench
 
 int main(int argc, char** argv) {
-  int frames = 20;
+  int frames = 20, checked = 0;
   CLI::App app("Rays against live hulls, against skins in Embree, and in Bullet.");
   app.add_option("--frames", frames, "Frames of which the quickest counts")->check(CLI::PositiveNumber);
+  app.add_option("--check", checked,
+                 "Random rays that are compared with every triangle asked, a hundredth of them at 100 avatars")
+      ->check(CLI::PositiveNumber);
   CLI11_PARSE(app, argc, argv);
-  return lorica::bench::run(frames);
+  return lorica::bench::run(frames, checked);
 }

@@ -38,7 +38,7 @@ void LiveCharacter::move() {
   for (std::size_t p = 0; p < hulls_.size(); ++p) worldHull(live_.parts()[p], hulls_[p]);
   for (std::vector<Vec3>& points : swept_) points.clear();
   posed_ = true;
-  raysKnowPose_ = false;
+  raysKnowPose_ = skinKnowsPose_ = false;
 }
 
 std::span<const Vec3> LiveCharacter::swept(PartIndex part) {
@@ -70,6 +70,14 @@ const RayQuery& LiveCharacter::rays() {
     raysKnowPose_ = true;
   }
   return rays_;
+}
+
+SkinHit LiveCharacter::castOnSkin(const HullRay& ray) {
+  if (!posed_) return {};
+  if (!skin_) skin_.emplace(live_.decomposition(), body_->character());
+  if (!skinKnowsPose_) skin_->update(worldFromModel_);
+  skinKnowsPose_ = true;
+  return rays().nearestOnSkin(ray, {&*skin_, 1});
 }
 
 Result<void> checkSeconds(double seconds) {

@@ -40,6 +40,8 @@ class LiveCharacter {
   [[nodiscard]] std::span<const ShapeContact> touches(const RoundedShape& shape);
   /// Answers rays against the present pose; before the first one they hit nothing.
   [[nodiscard]] const RayQuery& rays();
+  /// The nearest point of the closed body's skin, see RayQuery. The first call prepares the query.
+  [[nodiscard]] SkinHit castOnSkin(const HullRay& ray);
 
  private:
   void move();
@@ -52,7 +54,8 @@ class LiveCharacter {
   std::optional<ShapeContactQuery> touches_;
   std::vector<std::vector<Vec3>> swept_;  ///< of each part; empty until asked for in a pose
   RayQuery rays_;
-  bool raysKnowPose_ = false;
+  std::optional<PosedSkin> skin_;
+  bool raysKnowPose_ = false, skinKnowsPose_ = false;
   bool posed_ = false;
 };
 

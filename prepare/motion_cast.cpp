@@ -136,7 +136,7 @@ Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const 
   const std::string& clipName = request.performing.clip;
   if (own.empty()) {
     return invalidArgument(
-        "expected a motion, such as `lorica play walk`, or a character with clips: --character hero.glb --clip Run");
+        "expected a motion, such as walk, or a character with clips: --character hero.glb --clip Run");
   }
   if (isCharacterFile(own) &&
       (setting.character.empty() || setting.motion.empty() || setting.motion == setting.character)) {

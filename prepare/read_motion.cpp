@@ -209,7 +209,12 @@ Result<fs::path> motionFile(const std::string& pathOrName) {
 }  // namespace
 
 Result<Motion> readMotion(const std::string& pathOrName, const MotionOptions& options, Host& host) {
-  LORICA_TRY(const fs::path file, motionFile(pathOrName));
+  const Result<fs::path> found = motionFile(pathOrName);
+  if (!found && environment("LORICA_RECORDINGS").empty()) {
+    // A program that uses the library may have no recordings.
+    if (std::optional<Motion> made = shippedMotion(pathOrName)) return *std::move(made);
+  }
+  LORICA_TRY(const fs::path file, found);
   if (options.person == kEveryone) {
     return invalidArgument(
         "{}: found --person all, expected the number of one person; `lorica play` and `lorica record` show all",

@@ -2,7 +2,6 @@
 
 #include "capture/files/joint_csv.h"
 
-#include <string>
 #include <vector>
 
 namespace lorica {
@@ -18,6 +17,14 @@ Motion shippedMotion(SyntheticMotion which) {
   motion.joints = parseJointCsv(text, motion.name).value();
   motion.format = "joints (lorica)";
   return motion;
+}
+
+std::optional<Motion> shippedMotion(const std::string& name) {
+  for (int m = 0; m < kSyntheticMotionCount; ++m) {
+    const auto which = static_cast<SyntheticMotion>(m);
+    if (nameOf(which) == name) return shippedMotion(which);
+  }
+  return std::nullopt;
 }
 
 }  // namespace lorica

@@ -16,14 +16,18 @@ void skinLinearBlend(const Character& character, std::span<const Affine3> worldF
   LORICA_CHECK(posed.size() == vertexCount, "posed must have one element per vertex");
 
   for (std::size_t v = 0; v < vertexCount; ++v) {
-    const Vec3& bind = character.mesh.vertices[v];
-    Vec3 sum = Vec3::Zero();
-    for (std::uint32_t i = character.influenceBegin[v]; i < character.influenceBegin[v + 1]; ++i) {
-      const Influence& influence = character.influences[i];
-      sum += influence.weight * (worldFromModel[influence.joint] * bind);
-    }
-    posed[v] = sum;
+    posed[v] = skinLinearBlend(character, worldFromModel, static_cast<VertexIndex>(v));
   }
+}
+
+Vec3 skinLinearBlend(const Character& character, std::span<const Affine3> worldFromModel, VertexIndex vertex) {
+  const Vec3& bind = character.mesh.vertices[vertex];
+  Vec3 sum = Vec3::Zero();
+  for (std::uint32_t i = character.influenceBegin[vertex]; i < character.influenceBegin[vertex + 1]; ++i) {
+    const Influence& influence = character.influences[i];
+    sum += influence.weight * (worldFromModel[influence.joint] * bind);
+  }
+  return sum;
 }
 
 }  // namespace lorica

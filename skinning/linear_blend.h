@@ -16,5 +16,8 @@ void computeWorldFromModel(const Character& character, std::span<const Affine3> 
 /// @param worldFromModel  jointCount transforms, see computeWorldFromModel()
 /// @param posed           vertexCount positions, written [m]
 void skinLinearBlend(const Character& character, std::span<const Affine3> worldFromModel, std::span<Vec3> posed);
+/// The same of one vertex [m].
+[[nodiscard]] Vec3 skinLinearBlend(const Character& character, std::span<const Affine3> worldFromModel,
+                                   VertexIndex vertex);
 
 }  // namespace lorica

@@ -77,6 +77,19 @@ int32_t lorica_character_joint_parent(const lorica_character* character, size_t 
   return joint < joints.size() ? joints[joint].parent : -1;
 }
 
+lorica_status lorica_character_mesh(const lorica_character* character, lorica_mesh* out) {
+  return guarded([&]() -> Result<void> {
+    LORICA_TRY_DO(given(character, "character"));
+    const TriMesh& own = character->owner->character->mesh;
+    lorica_mesh mesh = {};
+    mesh.vertices = own.vertices.front().data();
+    mesh.vertex_count = own.vertices.size();
+    mesh.triangles = own.triangles.front().data();
+    mesh.triangle_count = own.triangles.size();
+    return handOut(mesh, out);
+  });
+}
+
 size_t lorica_character_clip_count(const lorica_character* character) {
   return clipsOf(character).size();
 }

@@ -176,6 +176,27 @@ lorica_status lorica_live_cast_rays(lorica_live* live, const double* rays, size_
   });
 }
 
+lorica_status lorica_live_cast_on_skin(lorica_live* live, const double* rays, size_t count, double reach,
+                                       int32_t* triangles, double* weights, double* distances, double* positions) {
+  return guarded([&]() -> Result<void> {
+    LORICA_TRY_DO(given(live, "live"));
+    if (count > 0) {
+      LORICA_TRY_DO(given(rays, "rays"));
+      LORICA_TRY_DO(given(triangles, "triangles"));
+    }
+    LORICA_TRY_DO(checkCast(reach, 0.0, Vec3::Zero()));
+    for (std::size_t i = 0; i < count; ++i) {
+      const SkinHit hit = live->live.castOnSkin({Vec3(rays + 6 * i), Vec3(rays + 6 * i + 3), reach});
+      triangles[i] = hit.triangle;
+      if (distances != nullptr) distances[i] = hit.distance;
+      if (!hit) continue;
+      if (weights != nullptr) std::copy_n(hit.weights.data(), 3, weights + 3 * i);
+      if (positions != nullptr) std::copy_n(hit.position.data(), 3, positions + 3 * i);
+    }
+    return {};
+  });
+}
+
 lorica_status lorica_live_find_contacts(lorica_live* live, size_t* count) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(live, "live"));

@@ -73,7 +73,7 @@ typedef int (*lorica_progress)(void* user, int32_t done, int32_t wanted);
 
 /* ---- Meshes ---- */
 
-/* Triangles that the caller owns. They need be valid during the call only. */
+/* Triangles. Those of the caller need be valid during the call only. */
 typedef struct lorica_mesh {
   size_t size;
   const double* vertices; /* x y z for each */
@@ -166,6 +166,8 @@ LORICA_API size_t lorica_character_joint_count(const lorica_character* character
 LORICA_API const char* lorica_character_joint_name(const lorica_character* character, size_t joint);
 /* -1 = none, or no such joint. */
 LORICA_API int32_t lorica_character_joint_parent(const lorica_character* character, size_t joint);
+/* Its mesh in the bind pose [m]; of one whose surface is open, the closed body that is decomposed. */
+LORICA_API lorica_status lorica_character_mesh(const lorica_character* character, lorica_mesh* out);
 LORICA_API size_t lorica_character_clip_count(const lorica_character* character);
 /* Null if there is no such clip. */
 LORICA_API const char* lorica_character_clip_name(const lorica_character* character, size_t clip);
@@ -270,6 +272,16 @@ LORICA_API lorica_status lorica_live_part_motion(lorica_live* live, size_t part,
 LORICA_API lorica_status lorica_live_cast_rays(lorica_live* live, const double* rays, size_t count, double reach,
                                                double radius, const double* half, int32_t* parts, double* distances,
                                                double* positions, double* normals);
+/* Where rays meet the skin in this pose, from either side: the nearest point of the character's mesh. It is looked for
+ * in hulls that the rays enter; a ray that passes a hull but not the skin within goes on to the next hull.
+ * @param rays, reach  as above
+ * @param triangles  written, one for each ray: of lorica_character_mesh(); -1 = no skin is met
+ * @param weights    written, three for each ray that meets skin, of sum 1: of the triangle's corners; or NULL
+ * @param distances  written, one for each ray [m]: INFINITY if no skin is met; or NULL
+ * @param positions  written, x y z for each ray that meets skin, world [m]; or NULL */
+LORICA_API lorica_status lorica_live_cast_on_skin(lorica_live* live, const double* rays, size_t count, double reach,
+                                                  int32_t* triangles, double* weights, double* distances,
+                                                  double* positions);
 
 /* Two overlapping parts of one body that are no neighbours. */
 typedef struct lorica_contact {

@@ -46,6 +46,21 @@ struct FrameHandle {
 
 const Vec3 kNowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
+std::vector<HullRay> raysFrom(const py::object& origins, const py::object& directions, double reach, double radius,
+                              const Vec3& half) {
+  const std::vector<Vec3> from = pointsFrom(origins), along = pointsFrom(directions);
+  if (from.size() != along.size() && from.size() != 1) {
+    throw py::value_error(
+        fmt::format("origins: found {}, expected 1, or one for each of {} directions", from.size(), along.size()));
+  }
+  if (const Result<void> fine = checkCast(reach, radius, half); !fine) raise(fine.error());
+  std::vector<HullRay> rays;
+  for (std::size_t i = 0; i < along.size(); ++i) {
+    rays.push_back({from[from.size() == 1 ? 0 : i], along[i], reach, radius, half});
+  }
+  return rays;
+}
+
 /// A live body that threads may share: one frame at a time.
 class Live {
  public:
@@ -82,13 +97,8 @@ class Live {
 
   py::tuple cast(const py::object& origins, const py::object& directions, double reach, double radius,
                  const std::array<double, 3>& half) {
-    const std::vector<Vec3> from = pointsFrom(origins), along = pointsFrom(directions);
-    if (from.size() != along.size() && from.size() != 1) {
-      throw py::value_error(
-          fmt::format("origins: found {}, expected 1, or one for each of {} directions", from.size(), along.size()));
-    }
-    if (const Result<void> fine = checkCast(reach, radius, Vec3(half.data())); !fine) raise(fine.error());
-    const auto count = static_cast<py::ssize_t>(along.size());
+    const std::vector<HullRay> rays = raysFrom(origins, directions, reach, radius, Vec3(half.data()));
+    const auto count = static_cast<py::ssize_t>(rays.size());
     py::array_t<std::int32_t> parts(count);
     py::array_t<double> distances(count), positions({count, py::ssize_t{3}}), normals({count, py::ssize_t{3}});
     std::int32_t* part = parts.mutable_data();
@@ -96,8 +106,8 @@ class Live {
     const py::gil_scoped_release released;
     const std::lock_guard lock(mutex_);
     const RayQuery& query = live_.rays();
-    for (std::size_t i = 0; i < along.size(); ++i) {
-      const HullHit hit = query.nearest({from[from.size() == 1 ? 0 : i], along[i], reach, radius, Vec3(half.data())});
+    for (const HullRay& ray : rays) {
+      const HullHit hit = query.nearest(ray);
       *part++ = hit.part;
       *distance++ = hit ? hit.distance : kInfinity;
       position = std::copy_n((hit ? hit.position : kNowhere).data(), 3, position);
@@ -105,6 +115,26 @@ class Live {
     }
     const py::gil_scoped_acquire again;
     return py::make_tuple(parts, distances, positions, normals);
+  }
+
+  py::tuple castOnSkin(const py::object& origins, const py::object& directions, double reach) {
+    const std::vector<HullRay> rays = raysFrom(origins, directions, reach, 0.0, Vec3::Zero());
+    const auto count = static_cast<py::ssize_t>(rays.size());
+    py::array_t<std::int32_t> triangles(count);
+    py::array_t<double> distances(count), weights({count, py::ssize_t{3}}), positions({count, py::ssize_t{3}});
+    std::int32_t* triangle = triangles.mutable_data();
+    double *distance = distances.mutable_data(), *weight = weights.mutable_data(), *position = positions.mutable_data();
+    const py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    for (const HullRay& ray : rays) {
+      const SkinHit hit = live_.castOnSkin(ray);
+      *triangle++ = hit.triangle;
+      *distance++ = hit.distance;
+      weight = std::copy_n((hit ? hit.weights : kNowhere).data(), 3, weight);
+      position = std::copy_n((hit ? hit.position : kNowhere).data(), 3, position);
+    }
+    const py::gil_scoped_acquire again;
+    return py::make_tuple(triangles, weights, distances, positions);
   }
 
   /// Poses of the parts and their velocities.
@@ -429,6 +459,17 @@ reach       where the rays end [m]
 radius      of balls or capsules [m]; 0 = rays
 half        x y z from the middle of a capsule, which moves along the ray, to an end of its axis [m]; 0 = balls)";
 
+constexpr const char* kCastOnSkin = R"(Where rays meet the skin in the last pose, from either side.
+
+It is looked for in hulls that the rays enter; a ray that passes a hull but not the skin within goes on to the next hull.
+Returns (triangles, weights, distances, positions) of n rays: int32 (n,), rows of Character.faces, -1 where no skin is
+met; float64 (n, 3), barycentric: of the triangles' corners, nan where no skin is met; float64 (n,) [m], inf where no
+skin is met; float64 (n, 3), world [m], nan where no skin is met.
+
+origins     (n, 3) numbers, or one point for all rays, world [m]
+directions  (n, 3) numbers, of any length above 0
+reach       where the rays end [m])";
+
 }  // namespace
 
 void addCharacters(py::module_& module) {
@@ -444,7 +485,8 @@ void addCharacters(py::module_& module) {
       .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.")
       .def("touches", &Live::touches, "points"_a, "radius"_a = 0.0, kTouches)
       .def("cast", &Live::cast, "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0,
-           py::arg_v("half", kNoHalf, "..."), kCast);
+           py::arg_v("half", kNoHalf, "..."), kCast)
+      .def("cast_on_skin", &Live::castOnSkin, "origins"_a, "directions"_a, "reach"_a = kInfinity, kCastOnSkin);
   py::class_<Player, std::shared_ptr<Player>>(module, "Player", "A motion on a body: an iterator of Frame.")
       .def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
       .def("__next__", &Player::step)
@@ -475,7 +517,13 @@ void addCharacters(py::module_& module) {
           [](const Player& self, const py::object& origins, const py::object& directions, double reach, double radius,
              const std::array<double, 3>& half) { return self.live->cast(origins, directions, reach, radius, half); },
           "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0, py::arg_v("half", kNoHalf, "..."),
-          kCast);
+          kCast)
+      .def(
+          "cast_on_skin",
+          [](const Player& self, const py::object& origins, const py::object& directions, double reach) {
+            return self.live->castOnSkin(origins, directions, reach);
+          },
+          "origins"_a, "directions"_a, "reach"_a = kInfinity, kCastOnSkin);
   module.def("contacts", &contactsOf, "motion"_a, "character"_a = "", py::kw_only(), "scene"_a = "",
              "near"_a = ContactTable::kNear, "clip"_a = "", "mirror"_a = false, "decomposition"_a = "", "threads"_a = 0,
              "progress"_a = py::none(),

@@ -17,59 +17,62 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Doubles = hn::CappedTag<double, kClipPadding>;
 using Lanes = hn::Vec<Doubles>;
 
+constexpr double kRounding = 1e-15;  ///< of a product and a quotient
+
 // Products and sums are not fused, so that every instruction set rounds alike.
 
-Lanes dot(Lanes x, Lanes y, Lanes z, Lanes u, Lanes v, Lanes w) {
+HWY_INLINE Lanes dot(Lanes x, Lanes y, Lanes z, Lanes u, Lanes v, Lanes w) {
   return hn::Add(hn::Add(hn::Mul(x, u), hn::Mul(y, v)), hn::Mul(z, w));
 }
 
-void clipRay(std::span<const double> planes, const Vec3& origin, const Vec3& direction, double reach, Entry& entry) {
+void clipRay(std::span<const double> planes, const Vec3& origin, const Vec3& direction, double from, double to,
+             Entry& entry) {
   const Doubles d;
   const std::size_t lanes = hn::Lanes(d), count = planes.size() / 4;
   const double* const x = planes.data();
   const Lanes ox = hn::Set(d, origin.x()), oy = hn::Set(d, origin.y()), oz = hn::Set(d, origin.z());
   const Lanes dx = hn::Set(d, direction.x()), dy = hn::Set(d, direction.y()), dz = hn::Set(d, direction.z());
-  const Lanes zero = hn::Zero(d), nowhere = hn::Set(d, -1.0);
-  Lanes in = zero, out = hn::Set(d, reach), plane = nowhere;
-  Lanes index = hn::Iota(d, 0.0);
-  const Lanes step = hn::Set(d, static_cast<double>(lanes));
+  const Lanes zero = hn::Zero(d), infinite = hn::Set(d, kInfinity), rounding = hn::Set(d, kRounding);
+  Lanes in = hn::Set(d, from), out = hn::Set(d, to);
+  std::int32_t plane = -1;
   for (std::size_t i = 0; i < count; i += lanes) {
     const Lanes nx = hn::LoadU(d, x + i), ny = hn::LoadU(d, x + count + i), nz = hn::LoadU(d, x + 2 * count + i);
     // How far the origin is inside, and how fast the ray goes outwards.
     const Lanes inside = hn::Sub(hn::LoadU(d, x + 3 * count + i), dot(nx, ny, nz, ox, oy, oz));
     const Lanes speed = dot(nx, ny, nz, dx, dy, dz);
-    const Lanes at = hn::Div(inside, speed);
-    const auto later = hn::And(hn::Lt(speed, zero), hn::Gt(at, in));
-    in = hn::IfThenElse(later, at, in);
-    plane = hn::IfThenElse(later, index, plane);
-    out = hn::IfThenElse(hn::And(hn::Gt(speed, zero), hn::Lt(at, out)), at, out);
+    // Most planes leave the ray as it is, which needs no division.
+    const auto outwards = hn::Gt(speed, zero);
+    const Lanes limit = hn::Mul(hn::IfThenElse(outwards, out, in), speed);
+    if (hn::AllFalse(d, hn::Lt(inside, hn::Add(limit, hn::Mul(hn::Abs(limit), rounding))))) continue;
     // Along a plane and outside of it: nothing is inside.
-    out = hn::IfThenElse(hn::And(hn::Eq(speed, zero), hn::Lt(inside, zero)), nowhere, out);
-    if (!hn::AllFalse(d, hn::Gt(in, out))) return;
-    index = hn::Add(index, step);
+    if (!hn::AllFalse(d, hn::And(hn::Eq(speed, zero), hn::Lt(inside, zero)))) return;
+    const Lanes at = hn::Div(inside, speed);
+    const Lanes later = hn::MaxOfLanes(d, hn::IfThenElse(hn::Lt(speed, zero), at, zero));
+    out = hn::Min(out, hn::MinOfLanes(d, hn::IfThenElse(outwards, at, infinite)));
+    if (hn::GetLane(later) > hn::GetLane(in)) {
+      // The first plane of those through which it comes in last.
+      in = later;
+      plane = static_cast<std::int32_t>(i + hn::FindKnownFirstTrue(d, hn::And(hn::Lt(speed, zero), hn::Eq(at, in))));
+    }
+    if (hn::GetLane(in) > hn::GetLane(out)) return;
   }
-  const double first = hn::GetLane(hn::MaxOfLanes(d, in));
-  if (!(first <= hn::GetLane(hn::MinOfLanes(d, out)))) return;
-  entry.at = first;
-  // The first plane of those through which it comes in last.
-  const Lanes none = hn::Set(d, static_cast<double>(count));
-  const auto last = hn::And(hn::Eq(in, hn::Set(d, first)), hn::Ge(plane, zero));
-  const double which = hn::GetLane(hn::MinOfLanes(d, hn::IfThenElse(last, plane, none)));
-  if (which < static_cast<double>(count)) entry.plane = static_cast<std::int32_t>(which);
+  if (!(hn::GetLane(in) <= hn::GetLane(out))) return;
+  entry = {hn::GetLane(in), plane};
 }
 
-unsigned ballsNear(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction, double reach,
-                   double thickness) {
+std::uint64_t ballsNear(const Balls& balls, std::size_t first, std::size_t count, const Vec3& origin,
+                        const Vec3& direction, double reach, double thickness) {
   const Doubles d;
   const std::size_t lanes = hn::Lanes(d);
+  const Lanes ox = hn::Set(d, origin.x()), oy = hn::Set(d, origin.y()), oz = hn::Set(d, origin.z());
   const Lanes dx = hn::Set(d, direction.x()), dy = hn::Set(d, direction.y()), dz = hn::Set(d, direction.z());
-  const Lanes zero = hn::Zero(d), end = hn::Set(d, reach);
-  unsigned near = 0;
-  for (std::size_t i = 0; i < kClipPadding; i += lanes) {
-    const Lanes x = hn::Sub(hn::LoadU(d, &balls.x[first + i]), hn::Set(d, origin.x()));
-    const Lanes y = hn::Sub(hn::LoadU(d, &balls.y[first + i]), hn::Set(d, origin.y()));
-    const Lanes z = hn::Sub(hn::LoadU(d, &balls.z[first + i]), hn::Set(d, origin.z()));
-    const Lanes radius = hn::Add(hn::LoadU(d, &balls.radius[first + i]), hn::Set(d, thickness));
+  const Lanes zero = hn::Zero(d), end = hn::Set(d, reach), more = hn::Set(d, thickness);
+  std::uint64_t near = 0;
+  for (std::size_t i = 0; i < count; i += lanes) {
+    const Lanes x = hn::Sub(hn::LoadU(d, &balls.x[first + i]), ox);
+    const Lanes y = hn::Sub(hn::LoadU(d, &balls.y[first + i]), oy);
+    const Lanes z = hn::Sub(hn::LoadU(d, &balls.z[first + i]), oz);
+    const Lanes radius = hn::Add(hn::LoadU(d, &balls.radius[first + i]), more);
     const Lanes along = dot(x, y, z, dx, dy, dz);
     // The ray's point nearest to the middle, which is not before the origin.
     const Lanes at = hn::Min(hn::Max(along, zero), end);
@@ -77,7 +80,7 @@ unsigned ballsNear(const Balls& balls, std::size_t first, const Vec3& origin, co
     const auto hit = hn::Le(dot(u, v, w, u, v, w), hn::Mul(radius, radius));
     std::array<std::uint8_t, 8> bits{};
     hn::StoreMaskBits(d, hit, bits.data());
-    near |= static_cast<unsigned>(bits[0]) << i;
+    near |= std::uint64_t{bits[0]} << i;
   }
   return near;
 }
@@ -93,15 +96,15 @@ HWY_EXPORT(clipRay);
 HWY_EXPORT(ballsNear);
 }  // namespace
 
-Entry entryOf(std::span<const double> planes, const Vec3& origin, const Vec3& direction, double reach) {
+Entry entryOf(std::span<const double> planes, const Vec3& origin, const Vec3& direction, double from, double to) {
   Entry entry;
-  HWY_DYNAMIC_DISPATCH(clipRay)(planes, origin, direction, reach, entry);
+  HWY_DYNAMIC_DISPATCH(clipRay)(planes, origin, direction, from, to, entry);
   return entry;
 }
 
-unsigned ballsOnRay(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction, double reach,
-                    double thickness) {
-  return HWY_DYNAMIC_DISPATCH(ballsNear)(balls, first, origin, direction, reach, thickness);
+std::uint64_t ballsOnRay(const Balls& balls, std::size_t first, std::size_t count, const Vec3& origin,
+                         const Vec3& direction, double reach, double thickness) {
+  return HWY_DYNAMIC_DISPATCH(ballsNear)(balls, first, count, origin, direction, reach, thickness);
 }
 
 }  // namespace lorica

@@ -18,17 +18,21 @@ struct Entry {
   std::int32_t plane = -1;  ///< through which, the first of several; -1 = it begins inside
 };
 /// @param planes  4 * count: normals' x, y, z, and offsets; count is a multiple of kClipPadding
-/// @param reach   where the ray ends, in units of the direction
-[[nodiscard]] Entry entryOf(std::span<const double> planes, const Vec3& origin, const Vec3& direction, double reach);
+/// @param from    0, or where the ray cannot have come in yet, in units of the direction
+/// @param to      where the ray ends, or must have gone out
+[[nodiscard]] Entry entryOf(std::span<const double> planes, const Vec3& origin, const Vec3& direction, double from,
+                            double to);
 
 /// Balls that a ray may hit before it ends.
 struct Balls {
   std::span<const double> x, y, z, radius;  ///< multiples of kClipPadding
 };
-/// Whether each of the balls from `first` on, kClipPadding of them, is within reach of a ray: one bit each.
+inline constexpr std::size_t kMostBalls = 64;
+/// Whether each of some balls is within reach of a ray: one bit each.
+/// @param count      from `first` on, a multiple of kClipPadding, at most kMostBalls
 /// @param direction  unit
 /// @param thickness  of the ray: how far it reaches aside [m]
-[[nodiscard]] unsigned ballsOnRay(const Balls& balls, std::size_t first, const Vec3& origin, const Vec3& direction,
-                                  double reach, double thickness);
+[[nodiscard]] std::uint64_t ballsOnRay(const Balls& balls, std::size_t first, std::size_t count, const Vec3& origin,
+                                       const Vec3& direction, double reach, double thickness);
 
 }  // namespace lorica

@@ -17,7 +17,6 @@ constexpr double kBallMargin = 1e-9;  ///< [m] for rounding: a face that touches
 constexpr double kTouching = 1e-9;    ///< of what is swept [m]
 constexpr double kNormalFrom = 1e-6;  ///< a shorter way to the hull has no direction to speak of [m]
 constexpr int kMaxAdvances = 64;
-constexpr double kFarAway = 1e12;  ///< where balls of the padding are [m]
 
 std::size_t padded(std::size_t count) {
   return (count + kClipPadding - 1) / kClipPadding * kClipPadding;
@@ -35,6 +34,17 @@ void writePlanes(const ConvexHull& hull, std::span<double> planes) {
     for (std::size_t axis = 0; axis < 3; ++axis) planes[axis * count + f] = normal[axis];
     planes[3 * count + f] = normal.dot(corner);
   }
+}
+
+/// Shortens a ray to a box (Kay and Kajiya 1986); false if it misses. What is no number, 0 * infinity, limits nothing.
+bool clip(const Aabb& box, const Vec3& origin, const Vec3& direction, double& from, double& to) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double inverse = 1.0 / direction[axis];
+    const double a = (box.min[axis] - origin[axis]) * inverse, b = (box.max[axis] - origin[axis]) * inverse;
+    from = std::max(from, std::min(a, b));
+    to = std::min(to, std::max(a, b));
+  }
+  return from <= to;
 }
 
 /// Where something swept touches a hull, all in the hull's frame; the distance is infinite if it never does.
@@ -62,18 +72,6 @@ Touching sweptTo(std::span<const Vec3> vertices, const Vec3& origin, const Vec3&
 
 }  // namespace
 
-void RayQuery::BallList::resize(std::size_t count) {
-  for (std::vector<double>* coordinate : {&x, &y, &z}) coordinate->assign(padded(count), kFarAway);
-  radius.assign(padded(count), 0.0);
-}
-
-void RayQuery::BallList::set(std::size_t i, const Vec3& middle, double r) {
-  x[i] = middle.x();
-  y[i] = middle.y();
-  z[i] = middle.z();
-  radius[i] = r;
-}
-
 void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
   parts_.clear();
   firstPart_.clear();
@@ -99,6 +97,10 @@ void RayQuery::update(std::span<const std::span<const LivePart>> bodies) {
       const std::vector<Vec3>& vertices = parts[p].shape.vertices;
       parts_.push_back({parts[p].worldFromPart.inverse(), planes, count, vertices_.size(), vertices.size(),
                         static_cast<int>(b), static_cast<PartIndex>(p)});
+      Aabb& box = parts_.back().box;
+      for (const Vec3& vertex : vertices) box.extend(vertex);
+      box.min.array() -= kBallMargin;
+      box.max.array() += kBallMargin;
       vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
       planes += 4 * count;
     }
@@ -155,8 +157,10 @@ void RayQuery::visit(const HullRay& ray, const Visit& each) const {
           reach, each(HullHit{part.body, part.index, touching.distance, position, worldFromPart * touching.normal}));
       return;
     }
+    double from = 0.0, to = reach;
+    if (!clip(part.box, origin, along, from, to)) return;
     const std::span<const double> planes = std::span(planes_).subspan(part.firstPlane, 4 * part.planeCount);
-    const Entry entry = entryOf(planes, origin, along, reach);
+    const Entry entry = entryOf(planes, origin, along, from, to);
     if (entry.at == kInfinity) return;
     HullHit hit{part.body, part.index, entry.at, ray.origin + entry.at * direction, -direction};
     if (entry.plane >= 0) {
@@ -168,8 +172,9 @@ void RayQuery::visit(const HullRay& ray, const Visit& each) const {
   };
   const auto visitNear = [&](const BallList& list, std::size_t from, std::size_t to, const auto& act) {
     const Balls balls{list.x, list.y, list.z, list.radius};
-    for (std::size_t first = from; first < to; first += kClipPadding) {
-      for (unsigned near = ballsOnRay(balls, first, ray.origin, direction, reach, thickness); near != 0;
+    for (std::size_t first = from; first < to; first += kMostBalls) {
+      const std::size_t count = std::min(kMostBalls, to - first);
+      for (std::uint64_t near = ballsOnRay(balls, first, count, ray.origin, direction, reach, thickness); near != 0;
            near &= near - 1) {
         act(first + static_cast<std::size_t>(std::countr_zero(near)));
       }
@@ -193,6 +198,20 @@ HullHit RayQuery::nearest(const HullRay& ray) const {
 void RayQuery::nearest(std::span<const HullRay> rays, std::span<HullHit> hits) const {
   LORICA_CHECK(rays.size() == hits.size(), "there must be as many hits as rays");
   for (std::size_t i = 0; i < rays.size(); ++i) hits[i] = nearest(rays[i]);
+}
+
+SkinHit RayQuery::nearestOnSkin(const HullRay& ray, std::span<PosedSkin> skins) const {
+  LORICA_CHECK(skins.size() + 1 >= firstPart_.size(), "there must be a skin for each body");
+  SkinHit best;
+  best.distance = ray.reach;
+  const Vec3 direction = ray.direction.normalized();
+  visit({ray.origin, ray.direction, ray.reach}, [&](const HullHit& hull) {
+    const double before = best.distance;
+    skins[hull.body].meet(hull.part, ray.origin, direction, best);
+    if (best.distance < before) best.body = hull.body;
+    return best.distance;
+  });
+  return best ? best : SkinHit();
 }
 
 std::size_t RayQuery::all(const HullRay& ray, std::span<HullHit> hits) const {

@@ -2,6 +2,7 @@
 
 #include "acd/decomposition.h"
 #include "collision/live/live_part.h"
+#include "collision/live/posed_skin.h"
 #include "geometry/math.h"
 
 #include <cstddef>
@@ -53,15 +54,13 @@ class RayQuery {
   /// @param hits  receives as many of the nearest as it has room for
   /// @return how many there are, which may be more
   std::size_t all(const HullRay& ray, std::span<HullHit> hits) const;
+  /// The nearest point of the skin, which is looked for only in parts whose hulls the ray enters. A ray that passes a
+  /// hull but not the skin within goes on to the next one. Skin is missed where it sticks out of the hulls: see
+  /// LiveBody::coverage(). The ray's `radius` and `half` do not count.
+  /// @param skins  one for each body, moved to the same poses
+  [[nodiscard]] SkinHit nearestOnSkin(const HullRay& ray, std::span<PosedSkin> skins) const;
 
  private:
-  /// Bounding balls, one array a coordinate, padded with balls that nothing hits.
-  struct BallList {
-    std::vector<double> x, y, z, radius;
-    void resize(std::size_t count);
-    void set(std::size_t i, const Vec3& middle, double r);
-    [[nodiscard]] Vec3 middle(std::size_t i) const { return {x[i], y[i], z[i]}; }
-  };
   struct Part {
     Isometry3 partFromWorld = Isometry3::Identity();
     std::size_t firstPlane = 0;                    ///< in planes_
@@ -69,6 +68,7 @@ class RayQuery {
     std::size_t firstVertex = 0, vertexCount = 0;  ///< in vertices_
     int body = 0;
     PartIndex index = 0;
+    Aabb box = {};  ///< in its frame, with a margin
   };
   template <typename Visit>
   void visit(const HullRay& ray, const Visit& each) const;

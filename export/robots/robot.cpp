@@ -15,7 +15,7 @@ Result<int> RobotFile::meshOf(const std::filesystem::path& file, const std::stri
   if (meshes.size() == kMaxRobotMeshes) {
     return badFormat("{}: found more than {} collision meshes, expected at most that", where, kMaxRobotMeshes);
   }
-  meshes.push_back({file.stem().string(), where, file});
+  meshes.push_back({file.stem().string(), where, found->first});
   return found->second;
 }
 

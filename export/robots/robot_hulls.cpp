@@ -4,6 +4,7 @@
 #include "export/robot_files.h"
 #include "export/robots/rest_contacts.h"
 #include "export/robots/robot.h"
+#include "geometry/byte_reader.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -13,6 +14,8 @@
 #include "geometry/work_budgets.h"
 #include "prepare/mesh_subject.h"
 #include "skinning/import/character_file.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,23 +46,54 @@ Result<TriMesh> readCollada(const fs::path& file, Host& host) {
   if (!read.isMesh()) return badMesh("{}: found a skin or motion, expected a mesh", file.string());
   TriMesh mesh = read.character.mesh;
   const Affine3& fileFromModel = read.character.jointFromModel.front();
+  // The importer has turned what is not Y up.
+  const bool xUp = text.find("<up_axis>X_UP<") != std::string::npos;
   const bool zUp = text.find("<up_axis>Z_UP<") != std::string::npos;
   for (Vec3& p : mesh.vertices) {
     p = fileFromModel * p;
+    if (xUp) p = Vec3(p.y(), -p.x(), p.z());
     if (zUp) p = Vec3(p.x(), -p.z(), p.y());
   }
+  return mesh;
+}
+
+/// MuJoCo's own binary files: how many positions, normals, texture coordinates and triangles, then all of these.
+Result<TriMesh> readMsh(const fs::path& file) {
+  LORICA_TRY(const std::string bytes, readFile(file, NamedBy::kFile));
+  ByteReader reader(bytes, 0, file.string());
+  const std::size_t positions = reader.takeCount("positions", 12), normals = reader.takeCount("normals", 12);
+  const std::size_t texts = reader.takeCount("texture coordinates", 8), faces = reader.takeCount("triangles", 12);
+  const std::size_t between = 12 * normals + 8 * texts, whole = 12 * positions + between + 12 * faces;
+  if (reader.left() != whole) {
+    reader.fail(reader.offset(), fmt::format("found {} bytes to the end, expected {}", reader.left(), whole));
+  }
+  if (!reader.ok()) return reader.error();
+  TriMesh mesh;
+  mesh.vertices.resize(positions);
+  mesh.triangles.resize(faces);
+  for (Vec3& p : mesh.vertices) {
+    for (double& x : p) x = reader.take<float>();
+    if (!p.allFinite()) reader.fail(reader.offset(), "found a position that is not finite");
+  }
+  reader.skip(between);
+  for (Triangle& triangle : mesh.triangles) {
+    for (VertexIndex& v : triangle) v = reader.takeIndex("a corner", 0, static_cast<std::int64_t>(positions));
+  }
+  if (!reader.ok()) return reader.error();
   return mesh;
 }
 
 Result<TriMesh> readCollisionMesh(const RobotMesh& mesh, Host& host) {
   if (mesh.file.empty()) return mesh.mesh;
   const std::string extension = lowerCase(mesh.file.extension().string());
-  constexpr std::string_view kRead[] = {".obj", ".stl", ".ply", ".off", ".dae"};
+  constexpr std::string_view kRead[] = {".obj", ".stl", ".ply", ".off", ".msh", ".dae"};
   if (std::ranges::find(kRead, extension) == std::end(kRead)) {
-    return unsupported("{}: found the extension '{}', expected .obj, .stl, .ply, .off or .dae", mesh.file.string(),
-                       extension);
+    return unsupported("{}: found the extension '{}', expected .obj, .stl, .ply, .off, .msh or .dae",
+                       mesh.file.string(), extension);
   }
-  LORICA_TRY(TriMesh read, extension == ".dae" ? readCollada(mesh.file, host) : readMesh(mesh.file, NamedBy::kFile));
+  LORICA_TRY(TriMesh read, extension == ".dae"   ? readCollada(mesh.file, host)
+                           : extension == ".msh" ? readMsh(mesh.file)
+                                                 : readMesh(mesh.file, NamedBy::kFile));
   if (read.triangles.empty()) return badMesh("{}: found no triangle, expected a surface", mesh.file.string());
   if (read.triangles.size() > kMaxRobotTriangles) {
     return badMesh("{}: found {} triangles, expected at most {} of a mesh that collides", mesh.file.string(),

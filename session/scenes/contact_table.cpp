@@ -19,6 +19,7 @@ namespace {
 
 constexpr double kFirstFrameSeconds = 1.0 / 30.0;
 constexpr double kShortestFrameSeconds = 0.001;  // frames that are closer in time are repeated ones
+constexpr double kFootSeconds = 0.033;           // over which a foot's speed is taken: one frame at 30 Hz
 constexpr double kMeet = 1e-6;                   // nearer hulls have no direction to speak of: they meet [m]
 constexpr int kSides = 32;                       // of a cylinder
 constexpr double kBelow = 0.5;  // how far down the normal of what a foot stands on points; less is a wall
@@ -27,8 +28,12 @@ bool apart(const Aabb& a, const Aabb& b, double gap) {
   return (a.min.array() > b.max.array() + gap).any() || (b.min.array() > a.max.array() + gap).any();
 }
 
+/// Without negative zeros, which would be in tables.
+float plain(double x) {
+  return static_cast<float>(x) + 0.0F;
+}
 std::array<float, 3> floats(const Vec3& v) {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
+  return {plain(v.x()), plain(v.y()), plain(v.z())};
 }
 
 /// Two things that overlap or are near, as measured.
@@ -94,6 +99,12 @@ void setPiece(const Prop& prop, std::size_t hull, Piece& piece) {
   piece.box.max.array() += piece.radius;
 }
 
+/// Where an avatar's bones were.
+struct Bones {
+  double time = 0.0;
+  std::vector<Affine3> worldFromJoint = {};
+};
+
 /// An avatar's hulls in world space, and its feet.
 struct Outline {
   ShapeContactQuery query;
@@ -107,7 +118,8 @@ struct Outline {
   std::vector<Aabb> boxes = {};
   Aabb box = {};
 
-  std::vector<Affine3> previous = {};  ///< worldFromJoint one frame ago; empty if it was not there
+  std::vector<Bones> past = {};  ///< oldest first: one that is kFootSeconds ago or more, and those since
+  std::size_t known = 0;         ///< of `past`; the rest is memory for more
 
   std::array<bool, 2> standing{};
   double lowest = kInfinity;
@@ -177,7 +189,8 @@ struct ContactTable::Impl {
   Vec3 velocityOf(const Session& session, int avatar, std::size_t part, JointIndex bone, const Vec3& point) const;
   void setVelocity(ContactRow& row, const Vec3& velocity) const;
   std::optional<Meeting> measure(const Outline& a, std::size_t first, const Outline& b, std::size_t second) const;
-  void moveFeet();
+  bool isSlow(const Session& session, const ContactRow& row, double speed) const;
+  void moveFeet(const Session& session);
 };
 
 ContactTable::ContactTable(const Session& session, double near) : impl_(std::make_unique<Impl>()) {
@@ -202,11 +215,19 @@ std::span<const ContactRow> ContactTable::update(const Session& session) {
   impl.addProps(session);
   impl.addSelf(session);
   impl.addAvatars(session);
-  impl.moveFeet();
+  impl.moveFeet(session);
   for (std::size_t a = 0; a < impl.outlines.size(); ++a) {
+    Outline& outline = impl.outlines[a];
+    if (outline.parts.empty()) {
+      outline.known = 0;
+      continue;
+    }
+    const double since = outline.known > 0 ? impl.time - outline.past[outline.known - 1].time : kInfinity;
+    if (since < kShortestFrameSeconds) --outline.known;
+    if (outline.known == outline.past.size()) outline.past.emplace_back();
     const std::span<const Affine3> now = session.avatars()[a].worldFromJoint();
-    std::vector<Affine3>& previous = impl.outlines[a].previous;
-    impl.outlines[a].parts.empty() ? previous.clear() : previous.assign(now.begin(), now.end());
+    outline.past[outline.known].worldFromJoint.assign(now.begin(), now.end());
+    outline.past[outline.known++].time = impl.time;
   }
   std::erase_if(impl.rows, [&](const ContactRow& row) { return row.depth < -impl.near; });
   return impl.rows;
@@ -223,6 +244,10 @@ double ContactTable::lowest(int avatar) const {
 void ContactTable::Impl::readHulls(const Session& session) {
   for (std::size_t a = 0; a < outlines.size(); ++a) {
     Outline& outline = outlines[a];
+    while (outline.known > 1 && time - outline.past[1].time >= kFootSeconds) {
+      std::rotate(outline.past.begin(), outline.past.begin() + 1, outline.past.begin() + outline.known);
+      --outline.known;
+    }
     outline.parts = session.avatars()[a].partsInWorld();
     outline.points.clear();
     outline.first.assign(1, 0);
@@ -251,7 +276,7 @@ ContactRow& ContactTable::Impl::add(const Session& session, ContactKind kind, in
   row.part = static_cast<std::int32_t>(part);
   row.bone = session.avatar(avatar).boneAt(row.part, meeting.point);
   if (row.bone != kNoJoint) row.foot = outlines[avatar].footOf[row.bone];
-  row.depth = static_cast<float>(meeting.depth);
+  row.depth = plain(meeting.depth);
   row.point = floats(meeting.point);
   row.normal = floats(meeting.normal);
   return row;
@@ -261,10 +286,10 @@ ContactRow& ContactTable::Impl::add(const Session& session, ContactKind kind, in
 Vec3 ContactTable::Impl::velocityOf(const Session& session, int avatar, std::size_t part, JointIndex bone,
                                     const Vec3& point) const {
   const Outline& outline = outlines[avatar];
-  if (outline.previous.empty()) return Vec3::Zero();
+  if (outline.known == 0) return Vec3::Zero();
   if (bone == kNoJoint) return velocityAt(outline.parts[part], point, seconds);
   const Vec3 inBone = session.avatar(avatar).worldFromJoint()[bone].inverse() * point;
-  return (point - outline.previous[bone] * inBone) / seconds;
+  return (point - outline.past[outline.known - 1].worldFromJoint[bone] * inBone) / seconds;
 }
 
 /// @param velocity  of the other as seen from the part
@@ -429,7 +454,22 @@ void ContactTable::Impl::addAvatars(const Session& session) {
   }
 }
 
-void ContactTable::Impl::moveFeet() {
+/// Whether what a foot touches and the foot move against each other at most so fast. Of fast frames the bone's velocity
+/// is the mean of several, since a millimetre of noise is 0.1 m/s at 120 Hz.
+bool ContactTable::Impl::isSlow(const Session& session, const ContactRow& row, double speed) const {
+  const Outline& outline = outlines[row.avatar];
+  Vec3 velocity(row.velocity[0], row.velocity[1], row.velocity[2]);
+  if (outline.known > 1 && row.bone != kNoJoint) {
+    const Vec3 point(row.point[0], row.point[1], row.point[2]);
+    const Vec3 inBone = session.avatar(row.avatar).worldFromJoint()[row.bone].inverse() * point;
+    const Bones &first = outline.past.front(), &last = outline.past[outline.known - 1];
+    velocity += (point - last.worldFromJoint[row.bone] * inBone) / seconds -
+                (point - first.worldFromJoint[row.bone] * inBone) / std::max(time - first.time, kShortestFrameSeconds);
+  }
+  return velocity.norm() <= speed;
+}
+
+void ContactTable::Impl::moveFeet(const Session& session) {
   for (int a = 0; a < countOf(outlines); ++a) {
     for (const ContactFoot foot : {ContactFoot::kLeft, ContactFoot::kRight}) {
       bool& stands = outlines[a].standing[foot == ContactFoot::kLeft ? 0 : 1];
@@ -437,8 +477,7 @@ void ContactTable::Impl::moveFeet() {
       stands = std::ranges::any_of(rows, [&](const ContactRow& row) {
         const bool below =
             row.kind == ContactKind::kFloor || (row.kind == ContactKind::kProp && row.normal[1] < -kBelow);
-        const Vec3 velocity(row.velocity[0], row.velocity[1], row.velocity[2]);
-        return below && row.avatar == a && row.foot == foot && -row.depth <= height && velocity.norm() <= speed;
+        return below && row.avatar == a && row.foot == foot && -row.depth <= height && isSlow(session, row, speed);
       });
     }
   }

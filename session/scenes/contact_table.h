@@ -47,7 +47,8 @@ struct ContactRow {
 /// On the floor a part has a row for each foot that it holds, and one for the rest. Velocities are those of bones.
 ///
 /// A foot stands from when it is on the floor, or on a prop below it, by kStandHeight and slower than kStandSpeed,
-/// until it is higher than kLeaveHeight or faster than kLeaveSpeed.
+/// until it is higher than kLeaveHeight or faster than kLeaveSpeed. Its speed is that of the bone over 1/30 s, or a
+/// frame if that is longer.
 class ContactTable {
  public:
   static constexpr double kNear = 0.05;          ///< usual distance of near pairs [m]

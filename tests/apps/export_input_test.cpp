@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
+#include <tuple>
 
 namespace lorica::test {
 namespace {
@@ -117,6 +119,53 @@ TEST_F(ExportInput, FoldersThatTakeNoFileAreRefused) {
   expectRefused("/proc/self/hero.urdf", "OUT: /proc/self/hero.urdf: the folder /proc/self is not writable");
   expectRefused("hero.glb/hero.xml", "OUT: hero.glb/hero.xml: no such folder: hero.glb");
   expectRefused("gone/hero.xml", "OUT: gone/hero.xml: no such folder: gone");
+}
+
+TEST(ExportRobot, WhatIsWrongIsOneSentenceAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  CommandSurroundings surroundings;
+  surroundings.folder = folder.path();
+  surroundings.cache = folder.path() / "cache";
+  folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  const auto robot = [](const std::string& attributes, bool mjcf) {
+    return mjcf ? "<mujoco><asset><mesh name=\"m\" " + attributes +
+                      "/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>"
+                : "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh " + attributes +
+                      "/></geometry></collision></link></robot>";
+  };
+  const std::string outside = " is outside the file's folder, expected a file in it (or --trust-paths)";
+  for (const auto& [mesh, mjcf, sentence] :
+       {std::tuple("file=\"none.obj\"", true, std::string("none.obj: cannot be read: No such file or directory")),
+        {"file=\"/etc/passwd\"", true, "'/etc/passwd'" + outside},
+        {"file=\"../t.obj\"", true, "'../t.obj'" + outside},
+        {"file=\"t.max\"", true, "t.max: found the extension '.max', expected .obj, .stl, .ply, .off, .msh or .dae"},
+        {"file=\"flat.obj\"", true, "flat.obj: "},
+        {"file=\"t.obj\" scale=\"1 0 1\"", true,
+         "scale: found a mesh without volume, expected three numbers other than 0"},
+        {"filename=\"none.obj\"", false, "none.obj: cannot be read: No such file or directory"},
+        {"filename=\"package://arm/t.obj\"", false,
+         "'package://arm/t.obj' is in the package 'arm', expected --package arm=FOLDER"},
+        {"filename=\"file:///etc/passwd\"", false, "'file:///etc/passwd'" + outside}}) {
+    const std::string in = mjcf ? "robot.xml" : "robot.urdf", out = mjcf ? "out.xml" : "out.urdf";
+    folder.write(in, robot(mesh, mjcf));
+    if (std::string(mesh).find("t.max") != std::string::npos) folder.write("t.max", "");
+    const std::vector<std::string> before = filesIn(folder.path());
+    const CommandResult result = runLorica({"export", in, out}, surroundings);
+    EXPECT_EQ(result.exitCode, 2) << mesh;
+    EXPECT_EQ(result.err.rfind("lorica: " + in + ":1: " + sentence, 0), 0U) << result.err;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    std::vector<std::string> after = filesIn(folder.path());
+    std::erase(after, "cache");
+    std::vector<std::string> expected = before;
+    std::erase(expected, "cache");
+    EXPECT_EQ(after, expected) << mesh;
+  }
+  // A mirrored mesh is no mistake: its hull is mirrored alike.
+  folder.write("robot.xml", robot("file=\"t.obj\" scale=\"-1 1 1\"", true));
+  const CommandResult mirrored = runLorica({"export", "robot.xml", "out.xml"}, surroundings);
+  EXPECT_EQ(mirrored.exitCode, 0) << mirrored.err;
+  EXPECT_NE(readFile(folder.path() / "out.xml").value().find("scale=\"-1 1 1\""), std::string::npos);
 }
 
 }  // namespace

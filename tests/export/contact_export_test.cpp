@@ -64,7 +64,9 @@ TEST_F(ContactExport, LinesOfJsonAreTheRows) {
   const ContactLabels written = writeContacts(request("wave"), file("wave.jsonl"), host).value();
   EXPECT_EQ(written.rowCount, kept.rows.size());
   EXPECT_EQ(written.standing, kept.standing);
-  std::istringstream lines(readFile(file("wave.jsonl")).value());
+  const std::string text = readFile(file("wave.jsonl")).value();
+  EXPECT_EQ(text.find("-0,"), std::string::npos) << "a zero has no sign";
+  std::istringstream lines(text);
   std::size_t i = 0;
   for (std::string line; std::getline(lines, line); ++i) {
     const nlohmann::json found = nlohmann::json::parse(line);

@@ -2,6 +2,7 @@
 
 #include "bench/skin_contacts.h"
 #include "capture/files/joint_csv.h"
+#include "geometry/random_numbers.h"
 #include "session/contact_events.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"
@@ -234,6 +235,65 @@ TEST(ContactTable, TheFeetOfAWalkerStandInTurn) {
     EXPECT_LT(stands[foot], 0.9 * frames);
   }
   EXPECT_LT(none, 0.05 * frames);
+}
+
+/// How long and how often a walker's feet stand.
+struct Stance {
+  std::array<double, 2> share{};
+  std::array<int, 2> begins{};
+};
+Stance stanceOf(Session session) {
+  ContactTable table(session);
+  Stance stance;
+  std::array<bool, 2> before{};
+  while (session.step().value()) {
+    (void)table.update(session);
+    const std::array<bool, 2> now = table.standing(0);
+    for (std::size_t foot = 0; foot < 2; ++foot) {
+      stance.begins[foot] += now[foot] && !before[foot] ? 1 : 0;
+      stance.share[foot] += now[foot] ? 1.0 : 0.0;
+    }
+    before = now;
+  }
+  for (double& share : stance.share) share /= session.frameCount();
+  return stance;
+}
+
+TEST(ContactTable, FeetStandAsLongAtAnyRateAndWithNoise) {
+  // The walk at its own rate of 30 Hz, then at others, with noise of 1 mm in each axis, which is 0.3 m/s at 120 Hz.
+  Session session = walk(World(), 300);
+  SkeletalMotion slow{"walk", session.character().skeleton, {}, {}};
+  while (session.step().value()) {
+    slow.times.push_back(session.time());
+    const std::span<const Affine3> world = session.worldFromJoint();
+    for (JointIndex j = 0; j < slow.skeleton.jointCount(); ++j) {
+      const JointIndex parent = slow.skeleton.joint(j).parent;
+      const Affine3 local = parent == kNoJoint ? world[j] : world[parent].inverse() * world[j];
+      JointTransform& joint = slow.poses.emplace_back();
+      joint.translation = local.translation();
+      joint.rotation = Quat(local.rotation());
+    }
+  }
+  const Stance expected = stanceOf(walk(World(), 300));
+  RandomNumbers random(48);
+  for (const double rate : {60.0, 120.0, 240.0}) {
+    SkeletalMotion fast{"walk", slow.skeleton, {}, {}};
+    Pose pose = restPose(slow.skeleton);
+    for (double time = slow.times.front(); time <= slow.times.back(); time += 1.0 / rate) {
+      poseAt(slow, time, pose);
+      for (int axis = 0; axis < 3; ++axis) {
+        pose[0].translation[axis] += 0.001 * std::sqrt(3.0) * random.between(-1.0, 1.0);
+      }
+      fast.times.push_back(time);
+      fast.poses.insert(fast.poses.end(), pose.begin(), pose.end());
+    }
+    const Stance found = stanceOf(
+        Session::create(makeMannequin(), test::eightParts(), makeMotionPoseSource(std::move(fast)), World()).value());
+    for (std::size_t foot = 0; foot < 2; ++foot) {
+      EXPECT_NEAR(found.share[foot], expected.share[foot], 0.03) << rate;
+      EXPECT_NEAR(found.begins[foot], expected.begins[foot], 1) << rate;
+    }
+  }
 }
 
 TEST(ContactTable, AFrameAllocatesNothing) {

@@ -183,7 +183,10 @@ static void test_rays(void) {
   int32_t parts[2] = {7, 7};
   CHECK(lorica_live_cast_rays(live, rays, 1, INFINITY, 0, NULL, parts, distances, NULL, NULL) == LORICA_OK);
   CHECK(parts[0] == -1 && isinf(distances[0])); /* no pose yet */
-  size_t hits = 0;
+  lorica_mesh mesh = {.size = sizeof mesh};
+  CHECK(lorica_character_mesh(mannequin, &mesh) == LORICA_OK);
+  CHECK(mesh.vertex_count > 1000 && mesh.triangles[3 * mesh.triangle_count - 1] < (int32_t)mesh.vertex_count);
+  size_t hits = 0, skins = 0;
   for (size_t frame = 0; frame < 40; ++frame) {
     CHECK(lorica_live_play(live, motion, frame) == LORICA_OK);
     const long before = allocations;
@@ -197,6 +200,17 @@ static void test_rays(void) {
       }
       CHECK(lorica_live_cast_rays(live, rays, 2, INFINITY, 0, NULL, parts, distances, positions, normals) == LORICA_OK);
       CHECK(parts[0] >= 0 && parts[1] == -1);
+      /* The skin is behind the hull, where the corners' weights say. */
+      int32_t triangles[2];
+      double weights[6], skin[2], points[6];
+      CHECK(lorica_live_cast_on_skin(live, rays, 2, INFINITY, triangles, weights, skin, points) == LORICA_OK);
+      CHECK(triangles[0] < (int32_t)mesh.triangle_count && triangles[1] == -1 && isinf(skin[1]));
+      CHECK(skin[0] > distances[0] - 1e-6);
+      if (triangles[0] >= 0) {
+        CHECK(fabs(weights[0] + weights[1] + weights[2] - 1) < 1e-12);
+        CHECK(fabs(hypot(hypot(points[0] - rays[0], points[1] - rays[1]), points[2] - rays[2]) - skin[0]) < 1e-9);
+        ++skins;
+      }
       /* A ball touches before its middle would enter, a capsule beside it no later than the ball. */
       const double half[3] = {0.1, 0, 0};
       double ball[2], capsule[2];
@@ -216,7 +230,9 @@ static void test_rays(void) {
     }
     if (frame > 0) CHECK(allocations == before);
   }
-  CHECK(hits == 40 * lorica_body_part_count(body));
+  CHECK(hits == 40 * lorica_body_part_count(body) && skins > hits / 2);
+  FAILS(LORICA_INVALID_ARGUMENT, "triangles", lorica_live_cast_on_skin(live, rays, 1, 1, NULL, NULL, NULL, NULL));
+  FAILS(LORICA_INVALID_ARGUMENT, "character", lorica_character_mesh(NULL, &mesh));
   CHECK(lorica_live_cast_rays(live, NULL, 0, 1, 0, NULL, NULL, NULL, NULL, NULL) == LORICA_OK);
   FAILS(LORICA_INVALID_ARGUMENT, "rays", lorica_live_cast_rays(live, NULL, 1, 1, 0, NULL, parts, NULL, NULL, NULL));
   FAILS(LORICA_INVALID_ARGUMENT, "parts", lorica_live_cast_rays(live, rays, 1, 1, 0, NULL, NULL, NULL, NULL, NULL));

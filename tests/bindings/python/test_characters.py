@@ -174,6 +174,16 @@ class Characters(unittest.TestCase):
         self.assertEqual((parts.tolist(), distances.tolist()), ([-1, -1], [np.inf, np.inf]))
         self.assertTrue(np.isnan(positions).all())
         self.assertEqual(live.cast(eye, middles - eye, reach=0.5)[0].max(), -1)
+        # The same rays meet the skin behind the hulls' faces, where the weights of its posed corners say.
+        self.assertEqual(self.body.live().cast_on_skin(eye, middles - eye)[0].max(), -1)  # no pose yet
+        triangles, weights, on_skin, points = live.cast_on_skin(eye, middles - eye)
+        met = triangles >= 0
+        self.assertGreater(met.sum(), len(middles) // 2)
+        self.assertTrue((on_skin > live.cast(eye, middles - eye)[1] - 1e-6).all())
+        np.testing.assert_allclose(np.linalg.norm(points - eye, axis=1)[met], on_skin[met], atol=1e-12)
+        np.testing.assert_allclose(weights[met].sum(axis=1), 1, atol=1e-12)
+        self.assertTrue(np.isinf(on_skin[~met]).all() and np.isnan(points[~met]).all())
+        self.assertLess(triangles.max(), len(self.body.character.faces))
 
     def test_parts_move_as_their_points_do(self):
         live = self.body.live()
@@ -200,6 +210,8 @@ class Characters(unittest.TestCase):
             for name in written:
                 self.assertEqual(written[name].dtype, found[name].dtype)
                 np.testing.assert_array_equal(written[name], found[name], name)
+        # A shipped recording needs no file.
+        self.assertEqual(len(lorica.contacts("walk", decomposition=FILES / "body.lorica")["frame_time"]), 340)
         rows = (FILES / "contacts.csv").read_text().splitlines()
         table = np.array([row.split(",") for row in rows[1:]])
         column = {name: table[:, i] for i, name in enumerate(rows[0].split(","))}

@@ -2,7 +2,9 @@
 
 #include "collision/live/live_body.h"
 #include "geometry/convex_hull.h"
+#include "skinning/linear_blend.h"
 #include "tests/collision/dancer.h"
+#include "tests/collision/live/slow_rays.h"
 #include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
 #include "tests/support/instruction_sets.h"
@@ -14,59 +16,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <optional>
 #include <random>
 #include <span>
 #include <vector>
 
 namespace lorica::test {
 namespace {
-
-/// Where a ray meets a triangle from its front (Moeller and Trumbore 1997), in units of the direction.
-std::optional<double> enters(const HullRay& ray, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 ab = b - a, ac = c - a;
-  const Vec3 across = ray.direction.cross(ac);
-  const double det = ab.dot(across);
-  if (det <= 0.0) return std::nullopt;
-  const Vec3 from = ray.origin - a;
-  const double u = from.dot(across);
-  const Vec3 q = from.cross(ab);
-  const double v = ray.direction.dot(q), t = ac.dot(q);
-  if (u < 0.0 || v < 0.0 || u + v > det || t < 0.0) return std::nullopt;
-  return t / det;
-}
-
-/// The nearest hit by asking every triangle; directions are unit vectors.
-HullHit slowNearest(std::span<const std::vector<ConvexHull>> bodies, const HullRay& ray) {
-  HullHit best;
-  for (std::size_t b = 0; b < bodies.size(); ++b) {
-    for (std::size_t p = 0; p < bodies[b].size(); ++p) {
-      const ConvexHull& hull = bodies[b][p];
-      bool inside = !hull.degenerate();
-      double distance = kInfinity;
-      Vec3 normal = Vec3::Zero();
-      for (const Triangle& triangle : hull.triangles) {
-        const Vec3 &u = hull.vertices[triangle[0]], &v = hull.vertices[triangle[1]], &w = hull.vertices[triangle[2]];
-        const Vec3 out = (v - u).cross(w - u);
-        inside = inside && (ray.origin - u).dot(out) <= 0.0;
-        const std::optional<double> at = enters(ray, u, v, w);
-        if (!at || *at >= distance) continue;
-        distance = *at;
-        normal = out.normalized();
-      }
-      if (inside) {
-        distance = 0.0;
-        normal = -ray.direction;
-      }
-      if (distance > ray.reach || (best && distance >= best.distance)) continue;
-      if (std::isfinite(distance)) {
-        best = {static_cast<int>(b), static_cast<PartIndex>(p), distance, ray.origin + distance * ray.direction,
-                normal};
-      }
-    }
-  }
-  return best;
-}
 
 /// Two dancers, the second beside the first.
 struct Pair {
@@ -109,25 +64,21 @@ HullRay randomRay(std::mt19937_64& random) {
 TEST(RayQuery, AnswersLikeEveryTriangleAsked) {
   std::mt19937_64 random(48);
   int hits = 0, insides = 0, grazing = 0, nextTo = 0;
-  constexpr int kPoses = 5, kRays = 1000;
+  constexpr int kPoses = 5, kRays = 4000;  // a million by bench/rays --check
   for (int pose = 0; pose < kPoses; ++pose) {
     const Pair pair(random);
     RayQuery query;
     query.update(pair.bodies);
-    std::array<std::vector<ConvexHull>, 2> hulls;
-    for (std::size_t b = 0; b < hulls.size(); ++b) {
-      for (const LivePart& part : pair.body[b].parts()) hulls[b].push_back(worldHull(part));
-    }
+    const std::array hulls{slowHulls(pair.bodies[0]), slowHulls(pair.bodies[1])};
     for (int i = 0; i < kRays; ++i) {
       const HullRay ray = randomRay(random);
       const HullHit fast = query.nearest(ray), slow = slowNearest(hulls, ray);
+      const Agreement agreement = compare(hulls, ray, fast, slow);
+      ASSERT_NE(agreement, Agreement::kDifferent) << i;
+      grazing += agreement == Agreement::kGrazing ? 1 : 0;
       hits += slow ? 1 : 0;
       insides += slow && slow.distance == 0.0 ? 1 : 0;
-      if (static_cast<bool>(fast) != static_cast<bool>(slow) || std::abs(fast.distance - slow.distance) > 1e-9) {
-        ++grazing;  // past an edge, within the errors of both
-        continue;
-      }
-      if (!slow) continue;
+      if (!slow || agreement == Agreement::kGrazing) continue;
       // On an edge of two faces, or where two parts touch, either is right.
       if (fast.part != slow.part || fast.body != slow.body || (fast.normal - slow.normal).norm() > 1e-6) ++nextTo;
       EXPECT_LT((fast.position - slow.position).norm(), 1e-9);
@@ -135,9 +86,67 @@ TEST(RayQuery, AnswersLikeEveryTriangleAsked) {
     }
   }
   EXPECT_GT(hits, kPoses * kRays / 5);
-  EXPECT_GT(insides, 25);
+  EXPECT_GT(insides, 100);
   EXPECT_LE(grazing, 2);
   EXPECT_LE(nextTo, kPoses * kRays / 200);
+}
+
+TEST(RayQuery, SkinIsMetWhereEveryTriangleAskedSays) {
+  std::mt19937_64 random(51);
+  Pair pair(random);
+  const std::span<const Triangle> triangles = pair.dancer.character.mesh.triangles;
+  std::vector<PosedSkin> skins(2, PosedSkin(pair.dancer.decomposition, pair.dancer.character));
+  RayQuery query;
+  EXPECT_FALSE(query.nearestOnSkin({}, {})) << "before any body";
+  int hits = 0, within = 0, hullsOnly = 0, grazing = 0;
+  for (int pose = 0; pose < 4; ++pose) {
+    std::array<std::vector<Vec3>, 2> posed;
+    for (std::size_t b = 0; b < 2; ++b) {
+      pair.move(random, b, b == 0 ? Vec3(0.0, 0.95, 0.0) : Vec3(0.5, 0.95, 0.3));
+      posed[b].resize(pair.dancer.character.mesh.vertices.size());
+      skinLinearBlend(pair.dancer.character, pair.dancer.worldFromModel, posed[b]);
+      skins[b].update(pair.dancer.worldFromModel);
+    }
+    query.update(pair.bodies);
+    for (int i = 0; i < 250; ++i) {
+      const HullRay ray = randomRay(random);
+      SkinHit slow;
+      for (int b = 0; b < 2; ++b) {
+        const SkinHit hit = slowNearestOnSkin(posed[b], triangles, ray);
+        if (!hit || hit.distance >= slow.distance) continue;
+        slow = hit;
+        slow.body = b;
+      }
+      const long before = allocationCount();
+      const SkinHit fast = query.nearestOnSkin(ray, skins);
+      EXPECT_EQ(allocationCount(), before);
+      const HullHit hull = query.nearest(ray);
+      hullsOnly += hull && !fast ? 1 : 0;
+      if (fast.triangle != slow.triangle && std::abs(fast.distance - slow.distance) > 1e-9) {
+        ++grazing;  // along the rim of a hull
+        continue;
+      }
+      if (!slow) continue;
+      ++hits;
+      within += hull.distance == 0.0 ? 1 : 0;
+      EXPECT_EQ(fast.body, slow.body);
+      EXPECT_NEAR(fast.distance, slow.distance, 1e-9);
+      EXPECT_GE(fast.distance, hull.distance - 1e-6);
+      EXPECT_LT((fast.normal - slow.normal).norm(), 1e-9);
+      EXPECT_NEAR(fast.weights.sum(), 1.0, 1e-12);
+      EXPECT_GE(fast.weights.minCoeff(), 0.0);
+      Vec3 there = Vec3::Zero();
+      for (std::size_t k = 0; k < 3; ++k) there += fast.weights[k] * posed[fast.body][triangles[fast.triangle][k]];
+      EXPECT_LT((there - fast.position).norm(), 1e-9);
+    }
+  }
+  EXPECT_GT(hits, 300);
+  EXPECT_GT(within, 20);
+  EXPECT_GT(hullsOnly, 20);
+  EXPECT_EQ(grazing, 0);
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(query.nearestOnSkin({Vec3(0.0, kNan, 0.0), Vec3::UnitX()}, skins));
+  EXPECT_FALSE(query.nearestOnSkin({Vec3::Zero(), Vec3::Zero()}, skins));
 }
 
 TEST(RayQuery, GivesTheSameBitsOnEveryInstructionSetForOneOrMany) {

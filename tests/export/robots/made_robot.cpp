@@ -1,7 +1,9 @@
 #include "tests/export/robots/made_robot.h"
 
 #include "export/mesh_export.h"
+#include "geometry/counts.h"
 #include "geometry/files.h"
+#include "geometry/little_endian.h"
 #include "geometry/mesh_files.h"
 #include "tests/support/meshes.h"
 
@@ -125,6 +127,18 @@ RobotExportOptions madeOptions(const fs::path& robot, const std::string& output)
   options.maxVertices = 64;
   options.packages = {"made=" + robot.parent_path().string()};
   return options;
+}
+
+std::string mshOf(const TriMesh& mesh) {
+  std::string bytes;
+  for (const int count : {countOf(mesh.vertices), 0, 0, countOf(mesh.triangles)}) appendLittleEndian(count, bytes);
+  for (const Vec3& p : mesh.vertices) {
+    for (const double x : p) appendLittleEndian(static_cast<float>(x), bytes);
+  }
+  for (const Triangle& triangle : mesh.triangles) {
+    for (const VertexIndex v : triangle) appendLittleEndian(v, bytes);
+  }
+  return bytes;
 }
 
 std::map<std::string, std::string> contentOf(const fs::path& folder) {

@@ -20,6 +20,9 @@ std::filesystem::path writeMadeUrdf(const TemporaryFolder& folder);
 /// Options for a robot in a folder, and its output there; nothing of the user's cache is used.
 [[nodiscard]] RobotExportOptions madeOptions(const std::filesystem::path& robot, const std::string& output);
 
+/// A mesh as a binary file of MuJoCo (.msh).
+[[nodiscard]] std::string mshOf(const TriMesh& mesh);
+
 /// All files below a folder, by name.
 [[nodiscard]] std::map<std::string, std::string> contentOf(const std::filesystem::path& folder);
 

@@ -268,6 +268,44 @@ TEST(RobotHulls, CapsulesHoldTheirMeshesWhereverTheGeomLies) {
   }
 }
 
+TEST(RobotHulls, EveryFormatAndUpAxisGivesTheSameShapes) {
+  const TriMesh mesh{{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {0.0, 2.0, 0.0}, {0.0, 0.0, 3.0}},
+                     {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  // Robots' programs take COLLADA along the file's own axes, whatever it says is up.
+  const auto collada = [](const std::string& up) {
+    return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+      <asset><unit name="centimeter" meter="0.01"/><up_axis>)" +
+           up + R"(</up_axis></asset><library_geometries><geometry id="g"><mesh>
+      <source id="p"><float_array id="pa" count="12">0 0 0 100 0 0 0 200 0 0 0 300</float_array><technique_common>
+      <accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
+      <param name="Z" type="float"/></accessor></technique_common></source>
+      <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
+      <triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/><p>0 2 1 0 1 3 0 3 2 1 2 3</p></triangles>
+      </mesh></geometry></library_geometries><library_visual_scenes><visual_scene id="s"><node id="n">
+      <instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
+      <scene><instance_visual_scene url="#s"/></scene></COLLADA>)";
+  };
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(writeObjObjects(folder.path() / "m.obj", {{"m", mesh}}).ok());
+  folder.write("m.msh", test::mshOf(mesh));
+  for (const std::string up : {"X_UP", "Y_UP", "Z_UP"}) folder.write(up + ".dae", collada(up));
+  for (const std::string file : {"m.obj", "m.msh", "X_UP.dae", "Y_UP.dae", "Z_UP.dae"}) {
+    const fs::path robot = folder.write("robot.xml", "<mujoco><asset><mesh name=\"m\" file=\"" + file +
+                                                         "\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/>"
+                                                         "</worldbody></mujoco>");
+    RobotExportOptions options = test::madeOptions(robot, "out.xml");
+    options.replace = true;
+    EXPECT_EQ(exported(options).meshes, 1U);
+    pugi::xml_document document;
+    ASSERT_TRUE(document.load_file((folder.path() / "out.xml").c_str()));
+    const std::vector<double> n = numbers(document.select_node("//mesh[@vertex]").node().attribute("vertex"));
+    ASSERT_EQ(n.size(), 12U) << file;
+    Vec3 most = Vec3::Zero();
+    for (std::size_t i = 0; i < n.size(); ++i) most[i % 3] = std::max(most[i % 3], n[i]);
+    EXPECT_LT((most - Vec3(1.0, 2.0, 3.0)).norm(), 1e-6) << file;
+  }
+}
+
 TEST(RobotHulls, NamesNeverClash) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(writeObjObjects(folder.path() / "l.obj", {{"l", test::makeLShape()}}).ok());

@@ -86,11 +86,29 @@ TEST_F(RobotRefusals, FilesThatAreNoMeshes) {
   EXPECT_NE(refusal(mjcf("file=\"pipe.stl\"")).find("robot.xml:1: pipe.stl: "), std::string::npos);
   ASSERT_EQ(mkfifo((folder_.path() / "pipe.dae").c_str(), 0600), 0);
   EXPECT_NE(refusal(mjcf("file=\"pipe.dae\"")).find("robot.xml:1: pipe.dae: "), std::string::npos);
-  folder_.write("m.msh", "");
-  EXPECT_EQ(refusal(mjcf("file=\"m.msh\"")),
-            "robot.xml:1: m.msh: found the extension '.msh', expected .obj, .stl, .ply, .off or .dae");
+  folder_.write("m.3ds", "");
+  EXPECT_EQ(refusal(mjcf("file=\"m.3ds\"")),
+            "robot.xml:1: m.3ds: found the extension '.3ds', expected .obj, .stl, .ply, .off, .msh or .dae");
   folder_.write("broken.stl", "no mesh at all");
   EXPECT_NE(refusal(mjcf("file=\"broken.stl\"")).find("robot.xml:1: broken.stl"), std::string::npos);
+}
+
+TEST_F(RobotRefusals, MshFilesThatAreNotWhole) {
+  const std::string whole = test::mshOf(test::makeLShape());
+  for (std::size_t length = 0; length < whole.size(); length += 5) {
+    folder_.write("m.msh", whole.substr(0, length));
+    EXPECT_NE(refusal(mjcf("file=\"m.msh\"")).find("robot.xml:1: m.msh: byte "), std::string::npos);
+  }
+  for (const auto& [from, value, sentence] : {std::tuple(std::size_t{0}, -1, "positions is 4294967295"),
+                                              {std::size_t{12}, 0x7fffffff, "triangles is 2147"},
+                                              {std::size_t{4}, 1, "bytes to the end, expected"},
+                                              {std::size_t{16}, 0x7fc00000, "found a position that"},
+                                              {whole.size() - 4, -1, "a corner is -1, expected 0 to 11"}}) {
+    std::string broken = whole;
+    std::memcpy(broken.data() + from, &value, sizeof value);
+    folder_.write("m.msh", broken);
+    EXPECT_NE(refusal(mjcf("file=\"m.msh\"")).find(sentence), std::string::npos) << sentence;
+  }
 }
 
 TEST_F(RobotRefusals, MeshesWithoutVolumeOrWithTooManyTriangles) {
