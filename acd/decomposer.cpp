@@ -120,7 +120,7 @@ double Decomposer::shareDone() const {
     double error = 0.0, finished = 0.0;
     for (const Leaf& leaf : leaves_) {
       error += leaf.piece->error(k) / std::abs(context_.meshVolume[k]);
-      const bool near = leaf.excess && *leaf.excess <= 1.0;
+      const bool near = leaf.piece->excess && *leaf.piece->excess <= 1.0;
       if (!near && !leaf.piece->convex[k] && !leaf.exhausted[k]) continue;
       finished += std::abs(leaf.piece->volume[k] / context_.meshVolume[k]);
     }
@@ -167,9 +167,9 @@ double Decomposer::excessOf(const Piece& piece) const {
   return *std::max_element(excess.begin(), excess.end());
 }
 
-bool Decomposer::exceeds(Leaf& leaf) const {
-  if (!leaf.excess) leaf.excess = excessOf(*leaf.piece);
-  return *leaf.excess > 1.0;
+bool Decomposer::exceeds(const Piece& piece) const {
+  if (!piece.excess) piece.excess = excessOf(piece);
+  return *piece.excess > 1.0;
 }
 
 /// Whether all limits are met.
@@ -177,19 +177,18 @@ bool Decomposer::limitsMet() {
   if (!limited()) return false;
   errorMet_ = errorMet(piecesNow());
   return errorMet_ &&
-         (!partsLimited() || std::none_of(leaves_.begin(), leaves_.end(), [&](Leaf& l) { return exceeds(l); }));
+         (!partsLimited() || std::none_of(leaves_.begin(), leaves_.end(), [&](Leaf& l) { return exceeds(*l.piece); }));
 }
 
 bool Decomposer::limitsMet(std::span<const SharedPiece> pieces) const {
-  return errorMet(pieces) && (!partsLimited() || std::all_of(pieces.begin(), pieces.end(), [&](const SharedPiece& p) {
-           return excessOf(*p) <= 1.0;
-         }));
+  return errorMet(pieces) && (!partsLimited() || std::none_of(pieces.begin(), pieces.end(),
+                                                              [&](const SharedPiece& p) { return exceeds(*p); }));
 }
 
 /// Whether cutting a leaf helps to meet the limits: if only those of single parts are missed, leaves that meet them are
 /// not cut.
-bool Decomposer::worthCutting(Leaf& leaf) const {
-  return !partsLimited() || met_ > 0 || !errorMet_ || exceeds(leaf);
+bool Decomposer::worthCutting(const Leaf& leaf) const {
+  return !partsLimited() || met_ > 0 || !errorMet_ || exceeds(*leaf.piece);
 }
 
 Decomposer::Leaf Decomposer::leafOf(Part part) const {
@@ -288,7 +287,7 @@ void Decomposer::carryOut(std::size_t index) {
 bool Decomposer::separateComponents() {
   bool changed = false;
   for (std::size_t i = 0; i < leaves_.size(); ++i) {
-    if (limited() && !exceeds(leaves_[i])) continue;
+    if (limited() && !exceeds(*leaves_[i].piece)) continue;
     const Part& part = leaves_[i].piece->part;
     const Components components = connectedComponents(context_.pointCount(), part.triangles);
     if (components.count < 2) continue;
@@ -356,7 +355,7 @@ std::vector<Decomposer::SharedPiece> Decomposer::mergedByPairs(std::size_t max) 
   std::array<std::vector<SharedPiece>, 2> tried = {atLimit_, stages_.back()};
   for (std::vector<SharedPiece>& parts : tried) {
     std::vector<PartIndex> none;
-    mergeWithin(parts, none, context_, maxEmpty, [&](const Piece& common) { return excessOf(common) <= 1.0; });
+    mergeWithin(parts, none, context_, maxEmpty, [&](const Piece& common) { return !exceeds(common); });
   }
   const bool first = tried[0].size() != tried[1].size() ? tried[0].size() < tried[1].size()
                                                         : hullVolumeOf(tried[0]) <= hullVolumeOf(tried[1]);
@@ -390,7 +389,7 @@ void Decomposer::dropUselessCuts() {
   std::vector<SharedPiece> fewer = parts_;
   std::vector<PartIndex> splitFrom = cuts_.overCut <= 1.0 ? splitFrom_ : std::vector<PartIndex>();
   mergeForFree(fewer, splitFrom, context_,
-               [&](const Piece& common) { return met_ == 0 || !partsLimited() || excessOf(common) <= 1.0; });
+               [&](const Piece& common) { return met_ == 0 || !partsLimited() || !exceeds(common); });
   if (met_ > 0 && !limitsMet(fewer)) return;
   parts_ = std::move(fewer);
   splitFrom_ = std::move(splitFrom);

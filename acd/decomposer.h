@@ -33,7 +33,6 @@ class Decomposer {
     bool searched = false;
     std::optional<Split> split;
     double gain = 0.0;
-    std::optional<double> excess;  // see excessOf()
   };
 
   /// Whether there are limits that each part must meet.
@@ -43,10 +42,10 @@ class Decomposer {
   [[nodiscard]] double shareDone() const;
   [[nodiscard]] bool errorMet(std::span<const SharedPiece> pieces) const;
   [[nodiscard]] double excessOf(const Piece& piece) const;
-  [[nodiscard]] bool exceeds(Leaf& leaf) const;
+  [[nodiscard]] bool exceeds(const Piece& piece) const;
   [[nodiscard]] bool limitsMet();
   [[nodiscard]] bool limitsMet(std::span<const SharedPiece> pieces) const;
-  [[nodiscard]] bool worthCutting(Leaf& leaf) const;
+  [[nodiscard]] bool worthCutting(const Leaf& leaf) const;
   [[nodiscard]] Leaf leafOf(Part part) const;
   [[nodiscard]] std::optional<std::size_t> worstKeyframe(const Leaf& leaf) const;
   bool search(Leaf& leaf);

@@ -99,7 +99,7 @@ double hullConcavity(const TriMesh& solid, const TriangleTree& tree, const Conve
   }
   const TriangleTree surface(part.vertices, part.triangles);
   for (const Vec3& p : spreadPoints(hull.vertices, hull.triangles, samples, seed + 1)) {
-    const double distance = surface.distance(p);
+    const double distance = surface.distance(p, concavity);
     if (distance > concavity && tree.windingNumber(p) < kInside) concavity = distance;
   }
   return concavity;

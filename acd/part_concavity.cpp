@@ -20,6 +20,7 @@ constexpr int kSamples = 2000;  // on a hull, as many as CoACD takes
 // More where it is near what matters.
 constexpr int kNearSamples = 6000;
 constexpr double kNear = 0.8;
+constexpr double kMaxSurfaceSamples = 2e7;  // on a part: of very many slivers they are farther apart
 
 }  // namespace
 
@@ -70,11 +71,18 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
   if (concavity > enough) return concavity;
   HullPlanes planes(hull);
   const double spacing = 0.25 * std::max(ignoreBelow, 1e-3 * boundsOf(hull.vertices).diagonal());
+  const auto rowsOf = [&](const Triangle& t, double apart) {
+    const Vec3 ab = points[t[1]] - points[t[0]], ac = points[t[2]] - points[t[0]];
+    const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
+    return std::clamp(static_cast<int>(std::ceil(longest / apart)), 1, 64);
+  };
+  double all = 0.0;
+  for (const Triangle& t : triangles) all += 0.5 * rowsOf(t, spacing) * rowsOf(t, spacing);
+  const double apart = spacing * std::sqrt(std::max(1.0, all / kMaxSurfaceSamples));
   for (const Triangle& t : triangles) {
     const Vec3& a = points[t[0]];
     const Vec3 ab = points[t[1]] - a, ac = points[t[2]] - a;
-    const double longest = std::sqrt(std::max({ab.squaredNorm(), ac.squaredNorm(), (ac - ab).squaredNorm()}));
-    const int rows = std::clamp(static_cast<int>(std::ceil(longest / spacing)), 1, 64);
+    const int rows = rowsOf(t, apart);
     for (int i = 0; i <= rows; ++i) {
       for (int j = 0; i + j <= rows; ++j) {
         const Vec3 p = a + i * (1.0 / rows) * ab + j * (1.0 / rows) * ac;
@@ -86,7 +94,7 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
   const TriangleTree surface(points, triangles);
   for (const int samples : {kSamples, kNearSamples}) {
     for (const Vec3& p : spreadPoints(hull.vertices, hull.triangles, samples, samples)) {
-      concavity = std::max(concavity, surface.distance(p));
+      concavity = std::max(concavity, surface.distance(p, concavity));
       if (concavity > enough) return concavity;
     }
     if (concavity < kNear * ignoreBelow) break;

@@ -4,6 +4,7 @@
 #include "acd/decomposition.h"
 #include "geometry/counts.h"
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,7 @@ struct Piece {
   std::vector<double> hullVolume;
   std::vector<std::vector<PointIndex>> hullPoints;  ///< vertices of its hull in each keyframe, ascending
   std::vector<bool> convex;  ///< in each keyframe: its hull is no larger, or only as far as positions are inexact
+  mutable std::optional<double> excess;  ///< over the limits of single parts, once it was asked for
 
   /// The error (Eq. 3) in one keyframe [m^3].
   [[nodiscard]] double error(std::size_t k) const { return hullVolume[k] - volume[k]; }

@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/random_numbers.h"
+#include "geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <array>
@@ -27,14 +28,17 @@ namespace {
 //
 // Where points are level but for rounding, such as the end of a fine cylinder that was turned, the farthest point sees
 // most of a plane's faces again and again. After too many faces the work begins again with the points in random order,
-// which makes few faces of any points (Clarkson and Shor 1989).
+// which makes few faces of any points (Clarkson and Shor 1989). It does of points that are not level: should there be
+// too many faces again, the points are joggled by less than the finest tolerance, and it begins for the last time.
 
 constexpr double kFinest = 1e-10;  // fraction of the diagonal
 constexpr int kGridBits = 40;
 constexpr double kUnitRoundoff = 1.1102230246251565e-16;
 constexpr int kNone = -1;
-constexpr int kManyLevel = 64;                                          // faces on one plane with a new point
-constexpr std::size_t kManyFaces = 1'000'000, kManyFacesOfAPoint = 32;  // made on the way
+constexpr int kManyLevel = 64;                                         // faces on one plane with a new point
+constexpr std::size_t kManyTests = 1 << 28;                            // of a point and a face
+constexpr int kJoggle = 32;                                            // grid steps
+constexpr std::size_t kManyFaces = 1'000'000, kManyFacesOfAPoint = 8;  // made on the way
 
 using Int128 = __int128;
 
@@ -65,7 +69,11 @@ class HullBuilder {
     tolerance_ = tolerance;
     verify_ = verify;
     if (points.size() < 4 || !snap() || !makeSimplex()) return false;
-    if (!drain(kManyFaces + kManyFacesOfAPoint * points.size())) addInRandomOrder();
+    const std::size_t most = kManyFaces + kManyFacesOfAPoint * points.size();
+    if (!drain(most) && !addInRandomOrder(most)) {
+      joggle();
+      (void)addInRandomOrder(std::numeric_limits<std::size_t>::max());
+    }
     if (verify) addMissed();
     return true;
   }
@@ -382,15 +390,29 @@ class HullBuilder {
     return true;
   }
 
-  void addInRandomOrder() {
+  /// Adds all points, from the beginning. @return false if that makes more new faces than `most`
+  bool addInRandomOrder(std::size_t most) {
     (void)makeSimplex();
     std::vector<std::pair<std::uint64_t, int>> order(points_.size());
     for (std::size_t i = 0; i < order.size(); ++i) order[i] = {randomBits(1, i), static_cast<int>(i)};
     std::sort(order.begin(), order.end());
+    std::size_t made = 0;
     for (const auto& [random, p] : order) {
       if (faceOf_[p] == kNone) continue;
+      if (made > most) return false;
       addPoint(std::exchange(faceOf_[p], kNone), p);
+      made += created_.size();
       pending_.clear();
+    }
+    return true;
+  }
+
+  /// Moves all points by less than the finest tolerance.
+  void joggle() {
+    for (std::size_t i = 0; i < grid_.size(); ++i) {
+      for (int axis = 0; axis < 3; ++axis) {
+        grid_[i][axis] += static_cast<double>(randomBits(2 + axis, i) % (2 * kJoggle + 1)) - kJoggle;
+      }
     }
   }
 
@@ -444,6 +466,23 @@ class HullBuilder {
     std::swap(candidates, near_);
     std::sort(candidates.begin(), candidates.end());
     candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+    if (candidates.size() * faces_.size() > kManyTests) {
+      std::vector<std::array<Vec3, 3>> corners;
+      std::vector<int> alive;
+      for (std::size_t i = 0; i < faces_.size(); ++i) {
+        const auto& [a, b, c] = faces_[i].vertex;
+        if (!faces_[i].alive) continue;
+        corners.push_back({grid(a), grid(b), grid(c)});
+        alive.push_back(i);
+      }
+      const TriangleTree surface(std::move(corners));
+      const double within = tolerance_ * diagonal_;
+      std::erase_if(candidates, [&](int p) {
+        const TriangleTree::Hit hit = surface.nearest(
+            grid(p), kInfinity, [](std::int32_t) { return true; }, within);
+        return hit.distance <= within || determinant(faces_[alive[hit.triangle]], p) <= 0.0;
+      });
+    }
     for (int p : candidates) {
       for (std::size_t i = 0; i < faces_.size(); ++i) {
         const Face& f = faces_[i];

@@ -7,6 +7,7 @@
 #include "geometry/mesh_repair.h"
 #include "geometry/near_positions.h"
 #include "geometry/triangle_tree.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <array>
@@ -26,7 +27,6 @@ constexpr double kOverlap = 1e-6;  // share of the volume: pieces that overlap b
 constexpr double kInside = 0.5;    // winding number
 constexpr double kMuch = 0.01;     // share of a piece that overlaps itself: less is left as it is if need be
 constexpr std::size_t kMaxPieces = 10'000'000;  // pairs of pieces whose boxes overlap
-constexpr std::size_t kMaxSteps = 50'000'000;   // as many triangles for winding numbers: three seconds
 constexpr std::size_t kApartSteps = 4;          // of a test of two triangles
 constexpr std::size_t kSamples = 500;
 constexpr std::size_t kMinSamples = 64;
@@ -452,7 +452,7 @@ class Union {
   const TriMesh& mesh_;
   const std::vector<std::int32_t>& pieceOf_;  ///< of each triangle
   TriangleTree tree_;
-  std::size_t stepsLeft_ = kMaxSteps;
+  std::size_t stepsLeft_ = kMaxUnionSteps;
   double diagonal_ = 0.0;
   double tolerance_ = 0.0;  ///< [mesh units]
   bool within_ = false;

@@ -29,14 +29,19 @@ class TriangleTree {
 
   /// The nearest of the triangles for which `accept(triangle)` is true; on ties the first.
   /// @param within  maximum distance [m]
+  /// @param enough  one that is no farther than this will do [m]
   template <typename Accept>
-  [[nodiscard]] Hit nearest(const Vec3& p, double within, Accept&& accept) const;
+  [[nodiscard]] Hit nearest(const Vec3& p, double within, Accept&& accept, double enough = -1.0) const;
   [[nodiscard]] Hit nearest(const Vec3& p) const {
     return nearest(p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; });
   }
 
-  /// Distance from p to the nearest triangle [m].
-  [[nodiscard]] double distance(const Vec3& p) const { return nearest(p).distance; }
+  /// Distance from p to the nearest triangle [m]; to any that is no farther than `enough`, if there is one.
+  [[nodiscard]] double distance(const Vec3& p, double enough = -1.0) const {
+    return nearest(
+               p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; }, enough)
+        .distance;
+  }
   /// The nearest triangle.
   [[nodiscard]] const std::array<Vec3, 3>& corners(const Hit& hit) const { return corners_[hit.entry]; }
 
@@ -87,7 +92,7 @@ class TriangleTree {
 }
 
 template <typename Accept>
-TriangleTree::Hit TriangleTree::nearest(const Vec3& p, double within, Accept&& accept) const {
+TriangleTree::Hit TriangleTree::nearest(const Vec3& p, double within, Accept&& accept, double enough) const {
   Hit hit;
   double best = within * within;
   std::array<std::pair<std::int32_t, double>, 64> stack;  // the tree is balanced: never deeper than 32
@@ -104,6 +109,7 @@ TriangleTree::Hit TriangleTree::nearest(const Vec3& p, double within, Accept&& a
         if (!accept(original_[i])) continue;
         best = distanceSq;
         hit = {std::sqrt(distanceSq), original_[i], i, shares};
+        if (hit.distance <= enough) return hit;
       }
       continue;
     }

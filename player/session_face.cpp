@@ -25,6 +25,12 @@ SessionFace::SessionFace(std::shared_ptr<const Avatar> avatar)
   bindNormals_.resize(avatar_->character.mesh.vertices.size(), Vec3f::Zero());
   positions_ = avatar_->character.mesh.vertices;
   normals_ = bindNormals_;
+  // Without VRM data: a clip then moves what the expressions stand for.
+  const AvatarFace& own = avatar_->face;
+  const auto isTarget = [&](const Expression& e) {
+    return !e.morphs.empty() && e.name == own.morphs.targets[e.morphs[0].target].name;
+  };
+  if (std::ranges::all_of(own.expressions.list, isTarget)) named_.resize(own.expressions.list.size());
   if (changesMaterials(avatar_->face.expressions)) materials_ = avatar_->look.materials;
 }
 
@@ -50,7 +56,10 @@ void SessionFace::update(const SessionAvatar& performer, double time, const Vec3
     input.clipTime = time;
   }
   face_.update(input);
-  figure.expressions = face_.expressionWeights();
+  for (std::size_t e = 0; e < named_.size(); ++e) {
+    named_[e] = face_.targetWeights()[own.expressions.list[e].morphs[0].target];
+  }
+  figure.expressions = named_.empty() ? face_.expressionWeights() : std::span<const float>(named_);
   turnEyes(avatar_->character, own.lookAt, input.gaze, worldFromModel);
 
   if (!materials_.empty()) {

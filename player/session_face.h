@@ -45,6 +45,7 @@ class SessionFace {
   std::vector<Vec3> positions_;
   std::vector<Vec3f> normals_;
   std::vector<Material> materials_;  // empty if no expression changes any
+  std::vector<float> named_;         // weights of the targets that expressions are named after, if all are
 };
 
 }  // namespace lorica

@@ -129,6 +129,7 @@ class BodyMaker {
       note(counted(duplicates, "duplicate triangle was ignored", "duplicate triangles were ignored"));
     }
     const SolidSource source(character_, limbs, std::move(original));
+    if (source.crowded()) return crowded(source);
     tell(source);
     if (!step(1)) return cancelled();
 
@@ -140,7 +141,9 @@ class BodyMaker {
           "body resolution {:.4g} m: expected at most {:.4g} m, an eighth of the character's longest side",
           settings_.resolution, coarsest);
     }
-    LORICA_TRY(SolidSurface solid, solidSurface(source, body_.resolution));
+    Result<SolidSurface> made = solidSurface(source, body_.resolution);
+    if (source.crowded()) return crowded(source);
+    LORICA_TRY(const SolidSurface solid, std::move(made));
     tell(solid);
     if (!step(2)) return cancelled();
 
@@ -153,6 +156,11 @@ class BodyMaker {
     body_.distances = distancesInPose(body_, bind);
     (void)step(kSteps);  // the body is complete: cancelling has no effect any more
     return std::move(body_);
+  }
+
+  static Error crowded(const SolidSource& source) {
+    return badMesh("its {} triangles lie inside each other in too many layers to tell what is inside",
+                   source.mesh.triangles.size());
   }
 
   void tell(const SolidSource& source) {

@@ -99,7 +99,7 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
 
 Result<MeshBody> makeShellBody(const TriMesh& mesh, double thickness) {
   constexpr double kFinest = 1.0 / 96.0;  // voxel edge, of the longest side
-  constexpr double kMaxCells = 4e6;       // squares of a voxel that all triangles together cover
+  constexpr double kMaxCells = 1e6;       // squares of a voxel that all triangles together cover
   constexpr double kCrumb = 1e-3;         // of the volume of the largest piece: smaller pieces are dropped
   const Aabb box = surfaceBounds(mesh);
   const double crowded = std::sqrt(surfaceArea(mesh.vertices, mesh.triangles) / kMaxCells);

@@ -1,5 +1,6 @@
 #include "skinning/body/solid_source.h"
 
+#include "geometry/work_budgets.h"
 #include "skinning/body/patches.h"
 
 #include <tbb/parallel_for.h>
@@ -33,13 +34,14 @@ Vec3 middleOf(const std::array<Vec3, 3>& t) {
 
 /// Visits winding numbers just in front of a triangle: at its middle; for a large one also towards its corners.
 template <typename Visit>
-void askInFront(const TriangleTree& tree, const std::array<Vec3, 3>& t, double diagonal, Visit&& visit) {
+void askInFront(const SolidSource& source, const TriangleTree& tree, const std::array<Vec3, 3>& t, double diagonal,
+                Visit&& visit) {
   const Vec3 front = kAside * diagonal * (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
   const Vec3 middle = middleOf(t);
-  visit(tree.windingNumber(middle + front));
+  visit(source.windingAt(tree, middle + front));
   const double longest = std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
   if (longest < kLarge * diagonal) return;
-  for (const Vec3& corner : t) visit(tree.windingNumber(0.3 * middle + 0.7 * corner + front));
+  for (const Vec3& corner : t) visit(source.windingAt(tree, 0.3 * middle + 0.7 * corner + front));
 }
 
 /// The thickness of the skin in each group of triangles.
@@ -82,6 +84,18 @@ std::array<Vec3, 3> SolidSource::corners(std::size_t triangle) const {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
+double SolidSource::windingAt(const TriangleTree& of, const Vec3& p) const {
+  if (crowded()) return 0.0;
+  std::size_t looked = 0;
+  const double number = of.windingNumber(p, &looked);
+  looked_.fetch_add(looked, std::memory_order_relaxed);
+  return number;
+}
+
+bool SolidSource::crowded() const {
+  return looked_.load(std::memory_order_relaxed) > kMaxLooked + kMaxLookedEach * mesh.triangles.size();
+}
+
 SolidSource::SolidSource(const Character& character, const Limbs& known, Welded welded)
     : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(known) {
   const Patches patches = orientPatches(mesh);
@@ -109,7 +123,7 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
     if (!patches.patches[patch].open) return;
     double sum = 0.0;
     int asked = 0;
-    askInFront(*tree, corners(k), diagonal, [&](double number) {
+    askInFront(*this, *tree, corners(k), diagonal, [&](double number) {
       sum += number;
       ++asked;
     });
@@ -147,7 +161,7 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
     if (roles[k] == TriangleRole::kSheet) return;
     bool hidden = true;
-    askInFront(*winding, corners(k), diagonal, [&](double number) { hidden = hidden && number > kHidden; });
+    askInFront(*this, *winding, corners(k), diagonal, [&](double number) { hidden = hidden && number > kHidden; });
     if (hidden) roles[k] = TriangleRole::kHidden;
   });
 

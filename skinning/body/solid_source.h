@@ -4,6 +4,7 @@
 #include "skinning/body/limbs.h"
 #include "skinning/body/weld.h"
 
+#include <atomic>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -50,8 +51,16 @@ class SolidSource {
   std::size_t sheetPatches = 0;
   double sheetShare = 0.0;  ///< fraction of the area
 
+  /// The winding number of one of the two trees.
+  [[nodiscard]] double windingAt(const TriangleTree& of, const Vec3& p) const;
+  /// Whether winding numbers took too much work, because everything lies around everything: they are 0 from then on.
+  [[nodiscard]] bool crowded() const;
+
   [[nodiscard]] bool isSkin(std::int32_t triangle) const { return roles[triangle] == TriangleRole::kSkin; }
   [[nodiscard]] std::array<Vec3, 3> corners(std::size_t triangle) const;
+
+ private:
+  mutable std::atomic<std::size_t> looked_ = 0;
 };
 
 /// The voxel edge for a character: four voxels across thin parts, but limited to give about 7,000 to 14,000 vertices.

@@ -111,12 +111,12 @@ class Solid {
     float middle = 0.0f;
     if (!near) {
       const Vec3 at = 0.5 * (positionOf(begin[0], begin[1], begin[2]) + positionOf(end[0] - 1, end[1] - 1, end[2] - 1));
-      middle = source_.winding->windingNumber(at);
+      middle = source_.windingAt(*source_.winding, at);
       near = std::abs(middle - kInside) < 0.3f;
     }
     each([&](int x, int y, int z) {
       winding_[grid_.index(x, y, z)] =
-          near ? static_cast<float>(source_.winding->windingNumber(positionOf(x, y, z))) : middle;
+          near ? static_cast<float>(source_.windingAt(*source_.winding, positionOf(x, y, z))) : middle;
     });
   }
 

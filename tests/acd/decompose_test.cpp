@@ -152,6 +152,26 @@ TEST(Decompose, PrefixOfTheCutsIsTheSmallerDecomposition) {
   }
 }
 
+/// The ends of a gear are level but for rounding: its hulls, each with 40,000 corners, took minutes.
+TEST(Decompose, AGearOfVeryManyTeethIsOnePart) {
+  constexpr int kTeeth = 20'000;
+  TriMesh gear;
+  for (int i = 0; i < 2 * kTeeth; ++i) {
+    const double radius = i % 2 == 1 ? 1.0 : 0.98, angle = M_PI * i / kTeeth;
+    for (const double z : {0.0, 0.1}) gear.vertices.emplace_back(radius * cos(angle), radius * sin(angle), z);
+  }
+  gear.vertices.emplace_back(0.0, 0.0, 0.0);
+  gear.vertices.emplace_back(0.0, 0.0, 0.1);
+  for (int i = 0; i < 2 * kTeeth; ++i) {
+    const VertexIndex a = 2 * i, b = 2 * ((i + 1) % (2 * kTeeth)), middle = 4 * kTeeth;
+    gear.triangles.insert(gear.triangles.end(),
+                          {{a, b, b + 1}, {a, b + 1, a + 1}, {middle, b, a}, {middle + 1, a + 1, b + 1}});
+  }
+  const Decomposition d = decomposed(gear, {.maxConcavity = 0.05});
+  ASSERT_EQ(d.parts.size(), 1u);
+  EXPECT_NEAR(partHull(d.parts[0], test::transferred(d, gear.vertices)).volume, 0.1 * M_PI, 1e-6);
+}
+
 TEST(Decompose, CancellingStopsIt) {
   const TriMesh mesh = test::makeTorus(1.0, 0.4, 30, 12);
   const auto result =

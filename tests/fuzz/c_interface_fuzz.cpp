@@ -1,6 +1,6 @@
 // The C interface by random sequences of calls: handles in any order, freed and not, null pointers, wrong sizes, absurd
 // numbers. The bytes of an input are taken from its front. Decomposing is cancelled after a few parts.
-#include "bindings/c/lorica.h"
+#include "lorica.h"
 
 #include <unistd.h>
 

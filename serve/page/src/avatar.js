@@ -144,7 +144,12 @@ export class Avatar {
       mesh.material.dispose();
       mesh.material = new THREE.MeshStandardMaterial({ color: new THREE.Color(...kClay), roughness: 0.6 });
     }
-    if (!this.#meshes.some((m) => m.mesh === mesh)) this.#meshes.push({ mesh, material: mesh.material });
+    if (!this.#meshes.some((m) => m.mesh === mesh)) {
+      const targets = []; // of each morph target, the expression that is named after it
+      for (const [name, target] of Object.entries(mesh.morphTargetDictionary ?? {}))
+        targets[target] = this.hello.expressions.indexOf(name);
+      this.#meshes.push({ mesh, material: mesh.material, targets });
+    }
     const materials = [mesh.material, this.#parts].flat();
     mesh.castShadow = true;
     mesh.receiveShadow = !materials.some((material) => material.isMToonMaterial);
@@ -221,10 +226,16 @@ export class Avatar {
   face(weights) {
     this.#weights = weights;
     const manager = this.vrm?.expressionManager;
-    if (!manager) return;
     const count = Math.min(weights.length, this.hello.expressions.length);
-    for (let i = 0; i < count; ++i) manager.setValue(this.hello.expressions[i], weights[i]);
-    manager.update();
+    if (manager) {
+      for (let i = 0; i < count; ++i) manager.setValue(this.hello.expressions[i], weights[i]);
+      manager.update();
+    } else {
+      for (const { mesh, targets } of this.#meshes)
+        targets.forEach((i, target) => {
+          if (i >= 0 && i < count) mesh.morphTargetInfluences[target] = weights[i];
+        });
+    }
   }
 
   /// Textures that move.

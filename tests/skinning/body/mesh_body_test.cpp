@@ -106,5 +106,25 @@ TEST(MeshBody, AFlatMeshIsRefusedInASentence) {
   }
 }
 
+TEST(MeshBody, OfTooManyLayersIsRefusedInASentence) {
+  // Every triangle is near every test point: 1,000 boxes look at 300,000,000, and 3,000 took minutes.
+  for (const int boxes : {10, 1000}) {
+    TriMesh nested;
+    for (int i = 0; i < boxes; ++i) {
+      const TriMesh box = makeBox(Vec3::Constant(-1.0 - 1e-3 * i), Vec3::Constant(1.0 + 1e-3 * i));
+      const VertexIndex first = countOf(nested.vertices);
+      nested.vertices.insert(nested.vertices.end(), box.vertices.begin(), box.vertices.end());
+      for (const Triangle& t : box.triangles) {
+        nested.triangles.push_back({first + t[0], first + t[1], first + t[2]});
+      }
+    }
+    const Result<MeshBody> body = makeMeshBody(nested);
+    ASSERT_EQ(body.ok(), boxes == 10);
+    if (boxes == 1000) {
+      EXPECT_NE(body.error().message.find("in too many layers"), std::string::npos);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace lorica::test
