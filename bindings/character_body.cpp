@@ -9,9 +9,10 @@
 
 #include <fmt/ranges.h>
 
+#include <array>
+#include <cstddef>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 namespace lorica {
 namespace {
@@ -42,8 +43,8 @@ Result<std::shared_ptr<const CharacterBody>> bodyOf(CharacterPointer owner, Deco
 /// A shipped recording by its name, without its file, which a program may not have.
 Result<Motion> motionNamed(const std::string& name) {
   if (std::optional<Motion> made = shippedMotion(name)) return *std::move(made);
-  std::vector<std::string_view> names;
-  for (int m = 0; m < kSyntheticMotionCount; ++m) names.push_back(nameOf(static_cast<SyntheticMotion>(m)));
+  std::array<std::string_view, kSyntheticMotionCount> names;
+  for (int m = 0; m < kSyntheticMotionCount; ++m) names[std::size_t(m)] = nameOf(static_cast<SyntheticMotion>(m));
   return notFound(
       "{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, .oni, .glb, .vrm, "
       ".fbx, .dae) or one of {}",
