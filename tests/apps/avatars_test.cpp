@@ -14,15 +14,9 @@
 namespace lorica::test {
 namespace {
 
-std::string fewParts(const TemporaryFolder& folder) {
-  const std::string body = folder.path() / "body.lorica";
-  EXPECT_EQ(runLorica({"decompose", "mannequin", "--parts", "8", "--keyframes", "2", "-o", body}).exitCode, 0);
-  return body;
-}
-
 TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
   const TemporaryFolder folder;
-  const std::string body = fewParts(folder);
+  const std::string body = mannequinBody(folder, 8);
   const std::string session = folder.path() / "two.lsession";
   std::set<std::string> hashes;
   nlohmann::json json;
@@ -53,7 +47,7 @@ TEST(SeveralAvatars, PlaySideBySideTheSameWithAnyNumberOfThreadsAndReplay) {
 
 TEST(SeveralAvatars, AreRecordedWithoutAWindow) {
   const TemporaryFolder folder;
-  const std::string body = fewParts(folder);
+  const std::string body = mannequinBody(folder, 8);
   const std::string session = folder.path() / "two.lsession";
   const CommandResult recorded =
       runLorica({"record", session, "walk,wave", "--frames", "20", "--decomposition", body, "--json", "-"});
@@ -70,7 +64,7 @@ TEST(SeveralAvatars, BeforeACameraAreRecorded) {
   const std::string session = folder.path() / "two.lsession";
   const CommandResult recorded =
       runLorica({"record", session, "--virtual", "--motion", "wave,walk", "--people", "2", "--seconds", "2", "--scene",
-                 "duel", "--decomposition", fewParts(folder), "--json", "-"});
+                 "duel", "--decomposition", mannequinBody(folder, 8), "--json", "-"});
   ASSERT_EQ(recorded.exitCode, 0) << recorded.err;
   EXPECT_EQ(recorded.json()["avatars"].size(), 2u);
   EXPECT_NE(recorded.err.find("duel: its 2 avatars stay away"), std::string::npos) << recorded.err;
@@ -80,7 +74,7 @@ TEST(SeveralAvatars, BeforeACameraAreRecorded) {
 TEST(SeveralAvatars, HaveTheirOwnSelfContacts) {
   const TemporaryFolder folder;
   const CommandResult played = runLorica({"play", "walk,jumping_jacks", "--self-contacts", "--frames", "60",
-                                          "--decomposition", fewParts(folder), "--json", "-"});
+                                          "--decomposition", mannequinBody(folder, 8), "--json", "-"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   const nlohmann::json json = played.json();
   for (int a = 0; a < 2; ++a) {
@@ -95,8 +89,8 @@ TEST(SeveralAvatars, HaveTheirOwnSelfContacts) {
 
 TEST(SeveralAvatars, TellWhatTheyTouchOfEachOther) {
   const TemporaryFolder folder;
-  const CommandResult played =
-      runLorica({"play", "--scene", "duel", "--decomposition", fewParts(folder), "--frames", "90", "--events", "-"});
+  const CommandResult played = runLorica(
+      {"play", "--scene", "duel", "--decomposition", mannequinBody(folder, 8), "--frames", "90", "--events", "-"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   std::istringstream lines(played.out);
   int meetings = 0;
@@ -122,7 +116,7 @@ std::string stageIn(const TemporaryFolder& folder, const std::string& second) {
 
 TEST(SeveralAvatars, OfAScenePerformWhereItPutsThemAndReplay) {
   const TemporaryFolder folder;
-  const std::string body = fewParts(folder);
+  const std::string body = mannequinBody(folder, 8);
   const std::string session = folder.path() / "stage.lsession";
   const std::string stage = stageIn(folder, R"("motion": "walk", "start": 1, "place": [1, 0, 0.5], "heading": 180)");
   const CommandResult played = runLorica(
@@ -142,7 +136,8 @@ TEST(SeveralAvatars, OfAScenePerformWhereItPutsThemAndReplay) {
 TEST(SeveralAvatars, OfARecordedSessionAreMotionsByNumber) {
   const TemporaryFolder folder;
   const std::string session = folder.path() / "two.lsession";
-  ASSERT_EQ(runLorica({"play", "walk,wave", "--frames", "30", "--decomposition", fewParts(folder), "--record", session})
+  ASSERT_EQ(runLorica({"play", "walk,wave", "--frames", "30", "--decomposition", mannequinBody(folder, 8), "--record",
+                       session})
                 .exitCode,
             0);
   // What is written is read back as the motion of either.
@@ -185,8 +180,9 @@ TEST(SeveralAvatars, OfASceneHaveItsColoursThenAndInTheReplay) {
   const std::string stage = folder.path() / "stage.json";
   std::ofstream(stage) << R"({"format": "lorica scene 1", "avatars": [{"motion": "wave", "color": "#ff2020"},)"
                        << R"({"motion": "wave", "place": [1, 0, 0], "color": "#2020ff"}]})";
-  const CommandResult played = runLorica({"play", "--scene", stage, "--decomposition", fewParts(folder), "--record",
-                                          session, "--frames", "1", "--snapshots", folder.path() / "played"});
+  const CommandResult played =
+      runLorica({"play", "--scene", stage, "--decomposition", mannequinBody(folder, 8), "--record", session, "--frames",
+                 "1", "--snapshots", folder.path() / "played"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   const CommandResult replayed = runLorica({"replay", session, "--snapshots", folder.path() / "replayed"});
   ASSERT_EQ(replayed.exitCode, 0) << replayed.err;
@@ -206,7 +202,7 @@ TEST(SeveralAvatars, WhoStartsInAWallIsNamed) {
                        << R"("at": [1, 1.5, 0], "fixed": true}], "avatars": [{"motion": "wave"},)"
                        << R"({"motion": "wave", "place": [1, 0, 0]}]})";
   const CommandResult played =
-      runLorica({"play", "--scene", scene, "--decomposition", fewParts(folder), "--frames", "3"});
+      runLorica({"play", "--scene", scene, "--decomposition", mannequinBody(folder, 8), "--frames", "3"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   const std::string said = "avatar 2 (mannequin) starts inside the fixed object at (1.00, 1.50, 0.00)";
   ASSERT_NE(played.err.find(said), std::string::npos) << played.err;
@@ -256,7 +252,7 @@ std::string twoPeopleIn(const TemporaryFolder& folder) {
 
 TEST(SeveralAvatars, OfAllPeopleOfARecordingPerformWhereTheyStood) {
   const TemporaryFolder folder;
-  const std::string body = fewParts(folder), file = twoPeopleIn(folder);
+  const std::string body = mannequinBody(folder, 8), file = twoPeopleIn(folder);
   const std::string session = folder.path() / "two.lsession";
   const CommandResult played =
       runLorica({"play", file, "--person", "all", "--decomposition", body, "--record", session, "--json", "-"});
@@ -287,7 +283,7 @@ TEST(SeveralAvatars, OfAllPeopleOfARecordingPerformWhereTheyStood) {
 
 TEST(SeveralAvatars, WhoLeavesFadesInThePictures) {
   const TemporaryFolder folder;
-  const std::string body = fewParts(folder), file = twoPeopleIn(folder);
+  const std::string body = mannequinBody(folder, 8), file = twoPeopleIn(folder);
   const auto pictures = [&](const std::string& person) {
     const CommandResult taken = runLorica({"snapshot", file, "--person", person, "--at", "1.4,1.75,1.95", "--eye",
                                            "0,1.5,5", "--target", "0,1,0", "--show", "skin", "--size", "320x180",
@@ -339,8 +335,8 @@ TEST(Live, TwoVirtualPeopleAreTwoAvatars) {
   const TemporaryFolder folder;
   const std::string session = folder.path() / "two.lsession";
   const CommandResult result =
-      runLorica({"live", "--virtual", "--motion", "wave,walk", "--people", "2", "--decomposition", fewParts(folder),
-                 "--seconds", "5", "--headless", "--record", session, "--json", "-"});
+      runLorica({"live", "--virtual", "--motion", "wave,walk", "--people", "2", "--decomposition",
+                 mannequinBody(folder, 8), "--seconds", "5", "--headless", "--record", session, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["maxPeople"], 2);

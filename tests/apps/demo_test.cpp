@@ -87,7 +87,7 @@ TEST(Demo, CacheThatCannotBeWrittenIsAWarning) {
   const TemporaryFolder folder;
   // XDG_CACHE_HOME is a file here.
   const CommandResult result = runLorica({"demo", "--headless", "--seconds", "0.1", "--out", "pictures"},
-                                         {.folder = folder.path(), .cache = {}});
+                                         {.folder = folder.path(), .cache = "/dev/null"});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_NE(result.err.find("warning: "), std::string::npos) << result.err;
   EXPECT_NE(result.err.find("is not cached"), std::string::npos) << result.err;

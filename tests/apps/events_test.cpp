@@ -19,15 +19,9 @@ std::vector<nlohmann::json> linesOf(const std::string& text) {
   return lines;
 }
 
-std::string fewParts(const TemporaryFolder& folder) {
-  const std::string body = folder.path() / "body.lorica";
-  EXPECT_EQ(runLorica({"decompose", "mannequin", "--parts", "8", "--keyframes", "2", "-o", body}).exitCode, 0);
-  return body;
-}
-
 TEST(Events, PlayWritesEachContactAsLinesAndReplayWritesTheSame) {
   const TemporaryFolder folder;
-  const std::string body = fewParts(folder);
+  const std::string body = mannequinBody(folder, 8);
   const std::string events = folder.path() / "kick.jsonl";
   const std::string session = folder.path() / "kick.lsession";
   const CommandResult played = runLorica({"play", "punch_and_kick", "--frames", "200", "--decomposition", body,

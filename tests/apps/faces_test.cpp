@@ -16,7 +16,7 @@ struct Studio {
   TemporaryFolder folder;
   fs::path still = folder.write("still.glb", facesGlb(false));
   fs::path breathing = folder.write("breathing.glb", facesGlb(true));
-  CommandSurroundings surroundings{folder.path(), folder.path() / "cache", 0};
+  CommandSurroundings surroundings{folder.path()};
 
   [[nodiscard]] CommandResult run(std::vector<std::string> arguments) const {
     return runLorica(arguments, surroundings);

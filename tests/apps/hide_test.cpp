@@ -37,7 +37,7 @@ struct Studio {
   TemporaryFolder folder;
   fs::path armed = write("armed", heroGlb(true));
   fs::path bare = write("bare", heroGlb(false));
-  CommandSurroundings surroundings{folder.path(), folder.path() / "cache", 0};
+  CommandSurroundings surroundings{folder.path()};
 
   [[nodiscard]] fs::path write(const std::string& name, const std::string& glb) const {
     fs::create_directory(folder.path() / name);

@@ -145,7 +145,8 @@ TEST(HostileFiles, MemoryThatIsNotAllowedIsASentence) {
       {"export", "mannequin", folder.path() / "o.glb"}};
   for (std::vector<std::string> command : commands) {
     command.insert(command.end(), {"--memory", "64M", "--threads", "1"});
-    EXPECT_TRUE(contains(expectRefused(command), "needs more than the 64 MB of memory that it may take; --memory SIZE"))
+    EXPECT_TRUE(contains(expectRefused(command, {.folder = ".", .cache = "/dev/null"}),
+                         "needs more than the 64 MB of memory that it may take; --memory SIZE"))
         << command[0];
     EXPECT_EQ(filesIn(folder.path()), std::vector<std::string>()) << command[0];
   }
@@ -187,8 +188,7 @@ TEST(HostileFiles, APipeThatTheUserNamesIsRead) {
 TEST(HostileFiles, ASessionReadsOnlyWhatIsInItsFolderOrShips) {
   const TemporaryFolder folder;
   fs::create_directory(folder.path() / "own");
-  const fs::path body = folder.path() / "body.lorica";
-  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body}).exitCode, 0);
+  const fs::path body = mannequinBody(folder);
   const fs::path session = folder.path() / "s.lsession";
   const CommandResult recorded =
       runLorica({"record", session, "walk", "--frames", "5", "--scene", "bowling", "--decomposition", body});

@@ -7,14 +7,6 @@
 namespace lorica::test {
 namespace {
 
-/// A body that is quick to make.
-std::filesystem::path makeBody(const TemporaryFolder& folder) {
-  const std::filesystem::path body = folder.path() / "body.lorica";
-  const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body});
-  EXPECT_EQ(made.exitCode, 0) << made.err;
-  return body;
-}
-
 CommandSurroundings before(const std::string& virtualCamera) {
   CommandSurroundings surroundings;
   surroundings.virtualCamera = virtualCamera;
@@ -23,8 +15,8 @@ CommandSurroundings before(const std::string& virtualCamera) {
 
 TEST(Live, AVirtualPersonIsFollowed) {
   const TemporaryFolder folder;
-  const CommandResult result = runLorica({"live", "--virtual", "--motion", "wave", "--decomposition", makeBody(folder),
-                                          "--frames", "30", "--headless", "--json", "-"});
+  const CommandResult result = runLorica({"live", "--virtual", "--motion", "wave", "--decomposition",
+                                          mannequinBody(folder), "--frames", "30", "--headless", "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_GT(json["depthFrames"].get<int>(), 20);
@@ -60,8 +52,8 @@ TEST(Live, AnUnpluggedSensorIsSurvivedAndComesBack) {
     return command.err.find("the sensor is back") != std::string::npos &&
            command.err.find("a person is tracked") != std::string::npos;
   };
-  const CommandResult result =
-      runLorica({"live", "--virtual", "--decomposition", makeBody(folder), "--headless", "--json", "-"}, unplugged);
+  const CommandResult result = runLorica(
+      {"live", "--virtual", "--decomposition", mannequinBody(folder), "--headless", "--json", "-"}, unplugged);
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["unplugged"], 1) << result.err;
@@ -76,7 +68,7 @@ TEST(Live, CtrlCEndsItWithASummary) {
     return command.err.find("a person is tracked") != std::string::npos;
   };
   const CommandResult result =
-      runLorica({"live", "--virtual", "--decomposition", makeBody(folder), "--headless"}, surroundings);
+      runLorica({"live", "--virtual", "--decomposition", mannequinBody(folder), "--headless"}, surroundings);
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_NE(result.out.find("latency"), std::string::npos) << result.out;
 }
@@ -105,7 +97,7 @@ TEST(Record, WhatAVirtualCameraSawCanBePlayed) {
   EXPECT_EQ(filesIn(folder.path()), (std::vector<std::string>{"seen.csv", "seen.oni"}));
 
   EXPECT_EQ(runLorica({"info", out, "--json", "-"}).json()["frames"], frames);
-  const std::string body = makeBody(folder);
+  const std::string body = mannequinBody(folder);
   const CommandResult played = runLorica({"play", out, "--decomposition", body, "--json", "-"});
   ASSERT_EQ(played.exitCode, 0) << played.err;
   EXPECT_EQ(played.json()["frames"], frames) << "every frame once";
@@ -116,7 +108,8 @@ TEST(Record, WhatAVirtualCameraSawCanBePlayed) {
 
 TEST(Record, TheShippedRecordingIsPlayedByItsName) {
   const TemporaryFolder folder;
-  const CommandResult result = runLorica({"play", "wave_depth", "--decomposition", makeBody(folder), "--json", "-"});
+  const CommandResult result =
+      runLorica({"play", "wave_depth", "--decomposition", mannequinBody(folder), "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(result.json()["frames"], runLorica({"info", "wave_depth", "--json", "-"}).json()["frames"]);
 }

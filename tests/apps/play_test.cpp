@@ -8,18 +8,10 @@
 namespace lorica::test {
 namespace {
 
-/// A body with few parts from few keyframes, which is quick to make.
-std::filesystem::path makeBody(const TemporaryFolder& folder) {
-  const std::filesystem::path body = folder.path() / "body.lorica";
-  const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body});
-  EXPECT_EQ(made.exitCode, 0) << made.err;
-  return body;
-}
-
 TEST(Play, JsonHasStagesFramesContactsAndHash) {
   const TemporaryFolder folder;
   const CommandResult result =
-      runLorica({"play", "walk", "--decomposition", makeBody(folder), "--frames", "40", "--json", "-"});
+      runLorica({"play", "walk", "--decomposition", mannequinBody(folder), "--frames", "40", "--json", "-"});
   EXPECT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["recording"], "walk");
@@ -39,8 +31,8 @@ TEST(Play, JsonHasStagesFramesContactsAndHash) {
 TEST(Play, TellsTheHitsOfTargetsInTheReportAndAsJson) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "hits.json";
-  const CommandResult result = runLorica({"play", "--scene", "targets", "--decomposition", makeBody(folder), "--frames",
-                                          "90", "--json", file, "--record", folder.path() / "s.lsession"});
+  const CommandResult result = runLorica({"play", "--scene", "targets", "--decomposition", mannequinBody(folder),
+                                          "--frames", "90", "--json", file, "--record", folder.path() / "s.lsession"});
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json targets = nlohmann::json::parse(readFile(file).value())["targets"];
   ASSERT_EQ(targets.size(), 3u);
@@ -61,7 +53,7 @@ TEST(Play, TellsTheHitsOfTargetsInTheReportAndAsJson) {
 
 TEST(Play, RunsAndThreadsAgree) {
   const TemporaryFolder folder;
-  const std::filesystem::path body = makeBody(folder);
+  const std::filesystem::path body = mannequinBody(folder);
   const auto outcome = [&body](const char* threads) {
     nlohmann::json json = runLorica({"play", "punch_and_kick", "--decomposition", body, "--frames", "60", "--threads",
                                      threads, "--json", "-"})
@@ -101,7 +93,7 @@ TEST(Play, AwayFromTheRecordingsItTrainsOnTheSameMotionsMadeAnew) {
 
 TEST(Play, PathAndNameMeanTheSame) {
   const TemporaryFolder folder;
-  const std::filesystem::path body = makeBody(folder);
+  const std::filesystem::path body = mannequinBody(folder);
   const auto hashOf = [&body](const std::string& recording) {
     return runLorica({"play", recording, "--decomposition", body, "--frames", "5", "--json", "-"}).json()["hash"];
   };
@@ -112,7 +104,7 @@ TEST(Play, SnapshotsAndAFilmAreWritten) {
   const TemporaryFolder folder;
   const std::filesystem::path pictures = folder.path() / "pictures";
   const std::filesystem::path film = folder.path() / "film.mp4";
-  const CommandResult result = runLorica({"play", "wave", "--decomposition", makeBody(folder), "--frames", "7",
+  const CommandResult result = runLorica({"play", "wave", "--decomposition", mannequinBody(folder), "--frames", "7",
                                           "--snapshots", pictures, "--every", "3", "--video", film, "--json", "-"});
   if (result.exitCode == 2 && result.err.find("OSMesa") != std::string::npos) GTEST_SKIP() << result.err;
   EXPECT_EQ(result.exitCode, 0) << result.err;

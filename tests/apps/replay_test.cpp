@@ -19,12 +19,6 @@ namespace fs = std::filesystem;
 /// A body that is quick to make, for all tests here.
 class Replay : public testing::Test {
  protected:
-  Replay() {
-    const CommandResult made =
-        runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body.string()});
-    EXPECT_EQ(made.exitCode, 0) << made.err;
-  }
-
   [[nodiscard]] CommandResult record(std::vector<std::string> more) const {
     std::vector<std::string> arguments = {"record", "--force", session.string(), "--decomposition", body.string()};
     arguments.insert(arguments.end(), more.begin(), more.end());
@@ -32,7 +26,7 @@ class Replay : public testing::Test {
   }
 
   const TemporaryFolder folder;
-  const fs::path body = folder.path() / "body.lorica", session = folder.path() / "s.lsession";
+  const fs::path body = mannequinBody(folder), session = folder.path() / "s.lsession";
 };
 
 TEST_F(Replay, ARecordedSessionComesOutTheSame) {

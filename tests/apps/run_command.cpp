@@ -1,10 +1,9 @@
 #include "tests/apps/run_command.h"
 
-#include "tests/support/datasets.h"
-
 #include <gtest/gtest.h>
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
@@ -25,12 +24,23 @@ std::string contentOf(const std::filesystem::path& file) {
   return content.str();
 }
 
+/// What one test computed serves the others, whatever order they run in: results are the same bits on every run.
+/// Another build of the command begins with an empty cache.
+std::filesystem::path sharedCache() {
+  struct stat program {};
+  stat(built("lorica").c_str(), &program);
+  const std::filesystem::path folder =
+      built("tests") / "cache" / std::to_string(program.st_mtim.tv_sec * 1'000'000'000 + program.st_mtim.tv_nsec);
+  std::filesystem::create_directories(folder);
+  return folder;
+}
+
 /// Runs between fork and exec: only async-signal-safe calls, and setenv, because the parent has one thread.
-[[noreturn]] void becomeLorica(char* const* arguments, const CommandSurroundings& surroundings, const char* out,
-                               const char* err) {
+[[noreturn]] void becomeLorica(char* const* arguments, const CommandSurroundings& surroundings, const char* cache,
+                               const char* out, const char* err) {
   const std::filesystem::path& recordings = surroundings.recordings;
   setenv("LORICA_RECORDINGS", recordings.empty() ? recordingsFolder().c_str() : recordings.c_str(), 1);
-  setenv("XDG_CACHE_HOME", surroundings.cache.empty() ? "/dev/null" : surroundings.cache.c_str(), 1);
+  setenv("XDG_CACHE_HOME", cache, 1);
   setenv("XDG_CONFIG_HOME", "/dev/null", 1);  // the settings of whoever runs the tests stay as they are
   unsetenv("LORICA_VIRTUAL");
   if (!surroundings.virtualCamera.empty()) setenv("LORICA_VIRTUAL", surroundings.virtualCamera.c_str(), 1);
@@ -89,8 +99,9 @@ CommandResult runLorica(const std::vector<std::string>& arguments, const Command
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
 
+  const std::filesystem::path cache = surroundings.cache.empty() ? sharedCache() : surroundings.cache;
   const pid_t child = fork();
-  if (child == 0) becomeLorica(pointers.data(), surroundings, out.c_str(), err.c_str());
+  if (child == 0) becomeLorica(pointers.data(), surroundings, cache.c_str(), out.c_str(), err.c_str());
   if (surroundings.interruptWhen) interrupt(child, surroundings, err);
   int status = 0;
   waitpid(child, &status, 0);
@@ -99,6 +110,23 @@ CommandResult runLorica(const std::vector<std::string>& arguments, const Command
   result.out = contentOf(out);
   result.err = contentOf(err);
   return result;
+}
+
+std::filesystem::path mannequinBody(const TemporaryFolder& folder, int parts) {
+  std::filesystem::path body = folder.path() / "body.lorica";
+  const std::filesystem::path shared = sharedCache() / ("mannequin_" + std::to_string(parts) + ".lorica");
+  if (!exists(shared)) {
+    // Renamed when it is whole: another test may make it at the same time.
+    const CommandResult made =
+        runLorica({"decompose", "mannequin", "--parts", std::to_string(parts), "--keyframes", "2", "-o", body});
+    EXPECT_EQ(made.exitCode, 0) << made.err;
+    const std::filesystem::path copy = shared.string() + std::to_string(getpid());
+    copy_file(body, copy);
+    rename(copy, shared);
+    return body;
+  }
+  copy_file(shared, body, std::filesystem::copy_options::overwrite_existing);
+  return body;
 }
 
 std::vector<std::string> filesIn(const std::filesystem::path& folder) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "tests/support/datasets.h"
+
 #include <nlohmann/json.hpp>
 
 #include <sys/types.h>
@@ -28,7 +30,7 @@ struct RunningCommand {
 
 struct CommandSurroundings {
   std::filesystem::path folder = ".";  ///< working folder
-  std::filesystem::path cache{};       ///< XDG_CACHE_HOME; empty = a folder that cannot be written
+  std::filesystem::path cache{};       ///< XDG_CACHE_HOME; empty = one that all tests of this build share
   std::function<bool(const RunningCommand&)> interruptWhen{};  ///< when to send SIGINT; empty = never
   std::string virtualCamera{};         ///< LORICA_VIRTUAL: script of the virtual camera; empty = not set
   std::string display{};               ///< DISPLAY; empty = not set
@@ -42,6 +44,9 @@ struct CommandSurroundings {
 /// Runs `lorica arguments...`, without a display if none is given.
 [[nodiscard]] CommandResult runLorica(const std::vector<std::string>& arguments,
                                       const CommandSurroundings& surroundings = {});
+
+/// body.lorica in a folder: of the mannequin, of few parts from two keyframes, which tests of this build share.
+[[nodiscard]] std::filesystem::path mannequinBody(const TemporaryFolder& folder, int parts = 5);
 
 /// Names in a folder, sorted.
 [[nodiscard]] std::vector<std::string> filesIn(const std::filesystem::path& folder);

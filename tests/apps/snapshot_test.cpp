@@ -12,9 +12,7 @@ namespace {
 struct Snapshot : ::testing::Test {
   static void SetUpTestSuite() {
     folder = new TemporaryFolder;
-    body = folder->path() / "body.lorica";
-    const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body});
-    ASSERT_EQ(made.exitCode, 0) << made.err;
+    body = mannequinBody(*folder);
   }
   static void TearDownTestSuite() { delete folder; }
 

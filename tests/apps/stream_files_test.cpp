@@ -61,7 +61,7 @@ struct Studio {
   fs::path swinging = folder.write("swing.pcap", swing());
   fs::path joyful = folder.write("joyful.glb", joyfulGlb());
   fs::path body = folder.path() / "body.lorica";
-  CommandSurroundings surroundings{folder.path(), folder.path() / "cache", 0};
+  CommandSurroundings surroundings{folder.path()};
 
   Studio() { EXPECT_EQ(run({"decompose", joyful, "--parts", "3", "--keyframes", "1", "-o", body}).exitCode, 0); }
   [[nodiscard]] CommandResult run(const std::vector<std::string>& arguments) const {

@@ -51,8 +51,7 @@ CommandSurroundings untilNobodySends(const std::atomic<bool>& sent) {
 /// Two Loricas: one sends a recording, the other one follows it and records a session, which replays exactly.
 TEST(LiveStream, OneLoricaFollowsAnother) {
   const TemporaryFolder folder;
-  const std::string body = folder.path() / "body.lorica";
-  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body}).exitCode, 0);
+  const std::string body = mannequinBody(folder);
   const std::string session = folder.path() / "take.lsession";
   const std::string port = freePort();
   CommandResult live;
@@ -89,8 +88,7 @@ std::string humanBoneName(const std::string& word) {
 /// What is sent under /VMC/Thru is what --events writes: of each contact the begin and the end.
 TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
   const TemporaryFolder folder;
-  const std::string body = folder.path() / "body.lorica";
-  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body}).exitCode, 0);
+  const std::string body = mannequinBody(folder);
   Result<UdpSocket> socket = UdpSocket::listen({"127.0.0.1", 0});
   ASSERT_TRUE(socket.ok());
   const std::string events = folder.path() / "events.jsonl";
@@ -135,8 +133,7 @@ TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
 
 TEST(LiveStream, TwoProgramsAreTwoAvatars) {
   const TemporaryFolder folder;
-  const std::string body = folder.path() / "body.lorica";
-  ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body}).exitCode, 0);
+  const std::string body = mannequinBody(folder);
   const std::string session = folder.path() / "two.lsession";
   const std::vector<std::string> ports{freePort(), freePort()};
   CommandResult live;

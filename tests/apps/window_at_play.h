@@ -44,9 +44,7 @@ class WindowPlay : public ::testing::Test {
  protected:
   void SetUp() override {
     LORICA_REQUIRE_KEYS();
-    body_ = folder_.path() / "body.lorica";
-    const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "2", "-o", body_});
-    ASSERT_EQ(made.exitCode, 0) << made.err;
+    body_ = mannequinBody(folder_);
   }
 
   TemporaryFolder folder_;

@@ -79,6 +79,7 @@ TEST_F(WindowDrop, TheDemoGoesOnWithWhatIsDroppedOnIt) {
 
 TEST_F(WindowDrop, WhatIsDroppedWhileTheFirstBodyIsDecomposedIsOpenedAfterIt) {
   Hands hands(folder_, "^Lorica");
+  hands.surroundings.cache = "/dev/null";
   hands.line(drop({shipped("wave.csv")}));
   hands.session("wave");
   const CommandResult result = hands.runWith({"play", "walk", "--window", "--json", "-"});

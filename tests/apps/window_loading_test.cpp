@@ -14,16 +14,12 @@ std::string sandScene(int grains, double settle) {
          R"(, "fill": [{"at": [0, 0.5, 0], "size": [3, 1, 3], "count": )" + std::to_string(grains) + "}]}}";
 }
 
-/// Windows that load at first: without a cache of decompositions.
+/// Windows that load at first.
 class WindowLoading : public ::testing::Test {
  protected:
   void SetUp() override { LORICA_REQUIRE_KEYS(); }
 
-  std::string smallBody() {
-    std::string body = folder_.path() / "body.lorica";
-    EXPECT_EQ(runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", body}).exitCode, 0);
-    return body;
-  }
+  std::string smallBody() { return mannequinBody(folder_, 4); }
 
   /// Runs the command while something is done with its window, which still decomposes the body: that is not finished.
   void expectLeftAtOnce(const std::vector<std::string>& arguments, const std::string& command = "true") {
@@ -101,7 +97,8 @@ TEST_F(WindowLoading, ADisplayThatGoesAwayEndsTheProgramWithASentence) {
   const std::filesystem::path part = folder_.path() / "recorded.part.lsession";
   const auto expectUnplugged = [&](const std::vector<std::string>& arguments, const std::string& title, bool records) {
     std::optional<VirtualDisplay> display(std::in_place);
-    const CommandSurroundings surroundings = {.folder = folder_.path(), .display = display->name()};
+    const CommandSurroundings surroundings = {
+        .folder = folder_.path(), .cache = "/dev/null", .display = display->name()};
     std::thread unplug([&] {
       EXPECT_EQ(std::system(("xdotool search --sync --onlyvisible --name '" + title + "'").c_str()), 0);
       while (records && !(exists(part) && file_size(part) > 5000)) usleep(5000);
