@@ -43,6 +43,11 @@ foreach(component ${LORICA_COMPONENTS})
   string(APPEND LORICA_COMPONENT_PACKAGES "set(lorica_packages_${component} ${packages})\n")
 endforeach()
 
+# What scripts/site makes the reference of.
+get_property(headers GLOBAL PROPERTY LORICA_HEADERS)
+list(JOIN headers "\n" headers)
+file(WRITE ${PROJECT_BINARY_DIR}/installed_headers.txt "${headers}\n")
+
 install(EXPORT loricaTargets NAMESPACE lorica:: DESTINATION ${lorica_package_dir})
 configure_package_config_file(cmake/lorica-config.cmake.in ${PROJECT_BINARY_DIR}/lorica-config.cmake
                               INSTALL_DESTINATION ${lorica_package_dir} PATH_VARS CMAKE_INSTALL_DATADIR)

@@ -1,6 +1,6 @@
 # What scripts/package makes of the installed files: `lorica`, the command with all that it needs at run time,
-# `liblorica-c0`, the C interface, `python3-lorica`, the Python module, and `liblorica-dev`, the static libraries, all
-# headers and what find_package(lorica) reads.
+# `liblorica-c0`, the C interface, `python3-lorica`, the Python module, `liblorica-dev`, the static libraries, all headers
+# and what find_package(lorica) reads, and `lorica-doc`, the site.
 
 set(LORICA_PACKAGE_DEPENDS "" CACHE STRING "Packages that the command's needs, as dpkg-shlibdeps says")
 set(LORICA_PACKAGE_C_DEPENDS "" CACHE STRING "The same for the C interface")
@@ -13,12 +13,13 @@ if(NOT LORICA_PACKAGE_DOCS)
   return()
 endif()
 
-foreach(package lorica:command liblorica-dev:development liblorica-c0:c python3-lorica:python)
+foreach(package lorica:command liblorica-dev:development liblorica-c0:c python3-lorica:python lorica-doc:documentation)
   string(REPLACE ":" ";" package ${package})
   list(POP_FRONT package name)
   install(FILES ${LORICA_PACKAGE_DOCS}/copyright ${LORICA_PACKAGE_DOCS}/changelog.Debian.gz
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${package})
 endforeach()
+install(DIRECTORY ${LORICA_PACKAGE_DOCS}/html DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lorica-doc COMPONENT documentation)
 install(DIRECTORY ${LORICA_PACKAGE_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT command)
 
 set(CPACK_GENERATOR DEB)
@@ -28,7 +29,7 @@ set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
-set(CPACK_COMPONENTS_ALL command development c python)
+set(CPACK_COMPONENTS_ALL command development c python documentation)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
@@ -81,5 +82,12 @@ math(EXPR next_python "${Python_VERSION_MINOR} + 1")
 string(CONCAT CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
   "lorica (= ${version}), python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy, "
   "${LORICA_PACKAGE_PYTHON_DEPENDS}")
+
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_NAME lorica-doc)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SECTION doc)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_COMPONENT_DOCUMENTATION_DESCRIPTION "Documents of Lorica and the reference of its C++, C and Python
+interfaces, as pages with a search that need no network: open /usr/share/doc/lorica-doc/html/index.html.")
 
 include(CPack)

@@ -91,6 +91,8 @@ function(lorica_library name)
   set_property(GLOBAL APPEND PROPERTY LORICA_COMPONENTS ${name})
   set_property(GLOBAL PROPERTY LORICA_LINKS_${name} ${ARG_LINKS} ${ARG_PRIVATE_LINKS})
   file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  list(TRANSFORM ARG_HEADERS PREPEND ${folder}/ OUTPUT_VARIABLE installed)
+  set_property(GLOBAL APPEND PROPERTY LORICA_HEADERS ${installed})
   install(CODE "
     foreach(header ${ARG_HEADERS})
       file(READ \"${CMAKE_CURRENT_SOURCE_DIR}/\${header}\" text)

@@ -17,9 +17,9 @@ class Host {
  public:
   virtual ~Host() = default;
 
-  /// A task begins. @param label  "Decomposing mannequin" @param unit  what is counted: "parts"
+  /// A task begins: its label ("Decomposing mannequin"), and what is counted ("parts").
   virtual void beginTask(const std::string& /*label*/, const std::string& /*unit*/) {}
-  /// @param total  0 or less if unknown
+  /// How much is done, of a total that is 0 or less if unknown.
   virtual void report(int /*done*/, int /*total*/) {}
   virtual void endTask() {}
   /// What is reported from now on counts from one share of the enclosing stage to another; endStage() ends it.
