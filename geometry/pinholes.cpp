@@ -18,23 +18,15 @@ struct HalfEdge {
   VertexIndex from, to;
 };
 
-/// The directed edges that caps need, by start: the reverse of those that lack a partner. Nothing if an edge lacks more
-/// than one.
-std::optional<std::vector<HalfEdge>> missingHalfEdges(const TriMesh& mesh) {
+/// The directed edges that caps need, by start: the reverse of those that lack a partner.
+std::vector<HalfEdge> missingHalfEdges(const TriMesh& mesh) {
   std::vector<HalfEdge> missing;
-  bool simple = true;
   EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
     int excess = 0;  // of triangles that run v -> larger
     for (const TriangleSide& s : sides) excess += s.ascending ? 1 : -1;
-    if (excess == 0) return;
-    simple = simple && std::abs(excess) == 1;
-    if (excess > 0) {
-      missing.push_back({sides[0].larger, v});
-    } else {
-      missing.push_back({v, sides[0].larger});
-    }
+    for (; excess > 0; --excess) missing.push_back({sides[0].larger, v});
+    for (; excess < 0; ++excess) missing.push_back({v, sides[0].larger});
   });
-  if (!simple) return std::nullopt;
   std::stable_sort(missing.begin(), missing.end(),
                    [](const HalfEdge& a, const HalfEdge& b) { return a.from < b.from; });
   return missing;
@@ -133,44 +125,46 @@ Triangle sorted(Triangle t) {
 }  // namespace
 
 std::optional<Pinholes> closePinholes(const TriMesh& mesh) {
-  const std::optional<std::vector<HalfEdge>> missing = missingHalfEdges(mesh);
-  if (!missing) return std::nullopt;
+  const std::vector<HalfEdge> missing = missingHalfEdges(mesh);
   Pinholes result;
-  if (missing->empty()) return result;
-  const std::optional<std::vector<Loop>> loops = loopsOf(*missing, mesh.vertices.size());
+  if (missing.empty()) return result;
+  const std::optional<std::vector<Loop>> loops = loopsOf(missing, mesh.vertices.size());
   if (!loops) return std::nullopt;
 
   const double largest = kPinholeExtent * surfaceBounds(mesh).diagonal();
   const Components components = connectedComponents(mesh.vertices.size(), mesh.triangles);
   std::vector<double> area(components.count, 0.0);
-  std::vector<double> capArea(area.size(), 0.0);
+  std::vector<double> capArea(area.size(), 0.0), finArea(area.size(), 0.0);
   std::vector<std::int32_t> componentOf(mesh.vertices.size(), -1);
   for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
     const std::int32_t c = components.componentOfTriangle[k];
     area[c] += doubleArea(mesh, mesh.triangles[k]).norm();
     for (const VertexIndex v : mesh.triangles[k]) componentOf[v] = c;
   }
-  for (const Loop& loop : *loops) {
-    if (loop.size() < 3) return std::nullopt;
-    Aabb box;
-    for (const VertexIndex v : loop) box.extend(mesh.vertices[v]);
-    if (loop.size() > 3 && (box.max - box.min).maxCoeff() > largest) return std::nullopt;
-    const std::vector<Triangle> caps = leastArea(mesh, loop);
-    if (folds(mesh, caps, box.diagonal())) return std::nullopt;
-    for (const Triangle& cap : caps) capArea[componentOf[loop.front()]] += doubleArea(mesh, cap).norm();
-    result.caps.insert(result.caps.end(), caps.begin(), caps.end());
-    ++result.count;
-  }
-  for (std::size_t c = 0; c < area.size(); ++c) {
-    if (capArea[c] > kPinholeArea * area[c]) return std::nullopt;
-  }
-  // A cap on a triangle that is already there would close a fin into a body without volume.
   std::vector<Triangle> known;
   known.reserve(mesh.triangles.size());
   for (const Triangle& t : mesh.triangles) known.push_back(sorted(t));
   std::sort(known.begin(), known.end());
-  for (const Triangle& cap : result.caps) {
-    if (std::binary_search(known.begin(), known.end(), sorted(cap))) return std::nullopt;
+  for (const Loop& loop : *loops) {
+    if (loop.size() < 3) return std::nullopt;
+    Aabb box;
+    for (const VertexIndex v : loop) box.extend(mesh.vertices[v]);
+    const std::vector<Triangle> caps = leastArea(mesh, loop);
+    if (folds(mesh, caps, box.diagonal())) return std::nullopt;
+    const std::int32_t piece = componentOf[loop.front()];
+    double own = 0.0;
+    for (const Triangle& cap : caps) {
+      own += doubleArea(mesh, cap).norm();
+      if (std::binary_search(known.begin(), known.end(), sorted(cap))) finArea[piece] += doubleArea(mesh, cap).norm();
+    }
+    const bool small = loop.size() == 3 || (box.max - box.min).maxCoeff() <= largest;
+    if (!small && own > kSlitArea * area[piece]) return std::nullopt;
+    capArea[piece] += own;
+    result.caps.insert(result.caps.end(), caps.begin(), caps.end());
+    ++result.count;
+  }
+  for (std::size_t c = 0; c < area.size(); ++c) {
+    if (capArea[c] > kPinholeArea * area[c] || finArea[c] > kSlitArea * area[c]) return std::nullopt;
   }
   return result;
 }

@@ -52,8 +52,9 @@ inline constexpr double kSpeckArea = 0.01;
 /// are turned to face as most of its area does; pinholes are closed without a new vertex; non-manifold edges are
 /// separated, see repairClosedMesh(); pieces are turned outward.
 ///
-/// A pinhole has three edges (one triangle is missing); or at most 32, and an extent of at most 5 % of the mesh's
-/// diagonal. The holes of a connected piece together have at most half of the piece's area: a card is not a pinhole's
+/// A pinhole has three edges (one triangle is missing); or at most 64, and an extent of at most 5 % of the mesh's
+/// diagonal or a cap of at most 0.2 % of the piece's area (a slit). A triangle that stands out alone as a fin goes, if
+/// all fins have at most that share. The holes of a connected piece together have at most half of the piece's area: a card is not a pinhole's
 /// surroundings. A pinhole is closed by the triangles with the smallest area; a hole that they would fold over is too
 /// much.
 ///
