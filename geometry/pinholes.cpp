@@ -154,8 +154,8 @@ std::optional<Pinholes> closePinholes(const TriMesh& mesh) {
     const std::int32_t piece = componentOf[loop.front()];
     double own = 0.0;
     for (const Triangle& cap : caps) {
-      own += doubleArea(mesh, cap).norm();
-      if (std::binary_search(known.begin(), known.end(), sorted(cap))) finArea[piece] += doubleArea(mesh, cap).norm();
+      const bool fin = std::binary_search(known.begin(), known.end(), sorted(cap));
+      (fin ? finArea[piece] : own) += doubleArea(mesh, cap).norm();
     }
     const bool small = loop.size() == 3 || (box.max - box.min).maxCoeff() <= largest;
     if (!small && own > kSlitArea * area[piece]) return std::nullopt;
@@ -164,7 +164,7 @@ std::optional<Pinholes> closePinholes(const TriMesh& mesh) {
     ++result.count;
   }
   for (std::size_t c = 0; c < area.size(); ++c) {
-    if (capArea[c] > kPinholeArea * area[c] || finArea[c] > kSlitArea * area[c]) return std::nullopt;
+    if (capArea[c] > kPinholeArea * area[c] || finArea[c] > kFinArea * area[c]) return std::nullopt;
   }
   return result;
 }

@@ -25,7 +25,8 @@ namespace {
 constexpr std::array<double, 3> kTolerances = {1e-9, 1e-6, 1e-5};
 constexpr double kOverlap = 1e-6;  // share of the volume: pieces that overlap by less only touch
 constexpr double kInside = 0.5;    // winding number
-constexpr double kMuch = 0.01;     // share of a piece that overlaps itself: less is left as it is if need be
+constexpr double kMuch =
+    0.01;  // share that overlaps: less is left as it is, and counted twice, where no union is found
 constexpr std::size_t kMaxPieces = 10'000'000;  // pairs of pieces whose boxes overlap
 constexpr std::size_t kApartSteps = 4;          // of a test of two triangles
 constexpr std::size_t kSamples = 500;
@@ -519,8 +520,8 @@ Result<std::optional<ShellUnion>> uniteShells(const TriMesh& mesh) {
       return std::optional(ShellUnion{std::move(repaired->mesh), shells.overlapping()});
     }
   }
-  if (!shells.possible() && twice < kMuch) return std::optional<ShellUnion>();
   if (shells.tookTooLong()) return badMesh("pieces lie across each other in more places than can be resolved");
+  if ((shells.possible() ? shareTwice(mesh, shells.tree()) : twice) < kMuch) return std::optional<ShellUnion>();
   return badMesh("{} of {} pieces overlap in a way that cannot be resolved", shells.overlapping(),
                  pieces.members.size());
 }

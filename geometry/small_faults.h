@@ -53,10 +53,10 @@ inline constexpr double kSpeckArea = 0.01;
 /// separated, see repairClosedMesh(); pieces are turned outward.
 ///
 /// A pinhole has three edges (one triangle is missing); or at most 64, and an extent of at most 5 % of the mesh's
-/// diagonal or a cap of at most 0.2 % of the piece's area (a slit). A triangle that stands out alone as a fin goes, if
-/// all fins have at most that share. The holes of a connected piece together have at most half of the piece's area: a card is not a pinhole's
-/// surroundings. A pinhole is closed by the triangles with the smallest area; a hole that they would fold over is too
-/// much.
+/// diagonal or a cap of at most 0.2 % of the piece's area (a slit). A triangle that stands out
+/// alone as a fin goes, if all fins have at most 1 % of it. The holes of a connected piece together have at most half
+/// of the piece's area: a card is not a pinhole's surroundings. A pinhole is closed by the triangles with the smallest
+/// area; a hole that they would fold over is too much.
 ///
 /// Outward: a piece that is in no other one encloses volume. If it has to be reversed, the pieces in it alternate with
 /// their depth: a cavity, a solid in the cavity, ... Else a piece in a solid stays as it is: a cavity stays a cavity.

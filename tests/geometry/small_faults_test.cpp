@@ -101,6 +101,49 @@ TEST(SmallFaults, APinholeInAPlaneIsClosedExactly) {
   EXPECT_NEAR(volumeOf(repair.mesh), volume - base * (1.0 - std::cos(angle)) / 3.0, 1e-12);
 }
 
+TEST(SmallFaults, ASlitIsClosedThoughItIsLong) {
+  TriMesh mesh = makeSphere(1.0, 32, 32);
+  const double volume = volumeOf(mesh);
+  // Half of a meridian, taken apart by 1e-3 on one side.
+  std::vector<VertexIndex> other(mesh.vertices.size(), -1);
+  for (std::size_t v = 0; v < other.size(); ++v) {
+    const Vec3 p = mesh.vertices[v];
+    if (std::abs(p.z()) > 1e-9 || p.x() <= 0.0 || std::abs(p.y()) > 0.7) continue;
+    other[v] = static_cast<VertexIndex>(mesh.vertices.size());
+    mesh.vertices.push_back(p + Vec3(0, 0, 1e-3));
+  }
+  for (Triangle& t : mesh.triangles) {
+    const Vec3 center = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
+    for (VertexIndex& v : t) {
+      if (center.z() > 0.0 && static_cast<std::size_t>(v) < other.size() && other[v] >= 0) v = other[v];
+    }
+  }
+  const FaultRepair repair = repaired(mesh);
+  EXPECT_EQ(repair.pinholes, 1u);
+  EXPECT_GT(repair.capTriangles, 10u);
+  EXPECT_NEAR(volumeOf(repair.mesh), volume, 2e-3);
+}
+
+TEST(SmallFaults, AFinGoesAndItsTipIsLeftOut) {
+  for (const bool front : {false, true}) {
+    TriMesh mesh = joined(cube(2), TriMesh{{Vec3::Zero()}, {}});
+    const VertexIndex tip = 8;
+    const Triangle top = *std::ranges::find_if(mesh.triangles, [&](const Triangle& t) {
+      return std::ranges::all_of(t, [&](VertexIndex v) { return mesh.vertices[v].z() > 0.0; });
+    });
+    const Vec3 middle = 0.5 * (mesh.vertices[top[0]] + mesh.vertices[top[1]]);
+    mesh.vertices[tip] = middle + 0.1 * Vec3::UnitZ();
+    mesh.triangles.push_back(front ? Triangle{top[0], top[1], tip} : Triangle{top[1], top[0], tip});
+    const FaultRepair repair = repaired(mesh);
+    EXPECT_NEAR(volumeOf(repair.mesh), 8.0, 1e-12);
+    EXPECT_EQ(repair.mesh.triangles.size(), 12u);
+    EXPECT_EQ(repair.leftOut, std::vector<VertexIndex>{tip});
+    // A large one is a sheet of its own.
+    mesh.vertices[tip] = middle + Vec3::UnitZ();
+    EXPECT_FALSE(repairSmallFaults(mesh));
+  }
+}
+
 TEST(SmallFaults, OpenBoxesCardsAndLoneTrianglesAreTooMuch) {
   TriMesh box = cube(1);
   box.triangles.resize(10);
