@@ -1,4 +1,7 @@
-"""The examples of docs/PYTHON.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand."""
+"""The examples of docs/PYTHON.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand.
+
+The sentences of docs/TROUBLESHOOTING.md are Lorica's own.
+"""
 
 import os
 import re
@@ -83,6 +86,21 @@ class Commands(unittest.TestCase):
         for piece in map(without_gaps, re.split(r"\.\.\.|\n", block)):
             self.assertIn(piece, rest, f"{page} says:\n{block}\nprinted now:\n{printed}")
             rest = rest[rest.index(piece) + len(piece):]
+
+
+class Sentences(unittest.TestCase):
+    def test_every_sentence_is_said_somewhere(self):
+        folders = "acd apps bake capture collision export geometry player prepare serve session skinning viewer".split()
+        files = [f for folder in folders for f in (SOURCE / folder).rglob("*.*") if f.suffix in (".cpp", ".h", ".js")]
+        said = re.sub(r'"\s*\n\s*"', "", "\n".join(f.read_text() for f in sorted(files)))
+        rows = re.findall(r"^\| `(.*?)`.*\|$", (DOCS / "TROUBLESHOOTING.md").read_text(), re.M)
+        self.assertGreater(len(rows), 30)
+        for sentence in rows:
+            # What stands between names, numbers and values is a piece of text in the sources.
+            for piece in re.split(r"NAME|\bN\b|\.\.\.|\d+|[:;\"'()]|  ", sentence):
+                if len(piece.split()) > 2:
+                    with self.subTest(sentence=sentence):
+                        self.assertTrue(piece.strip() in said, f"nothing says '{piece.strip()}': {sentence}")
 
 
 if __name__ == "__main__":
