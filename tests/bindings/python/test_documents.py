@@ -1,4 +1,7 @@
-"""The examples of docs/PYTHON.md run as they stand."""
+"""The examples of docs/PYTHON.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand.
+
+The sentences of docs/TROUBLESHOOTING.md are Lorica's own.
+"""
 
 import os
 import re
@@ -10,12 +13,18 @@ from pathlib import Path
 
 from shapes import FILES, l_shape
 
-PAGE = Path(__file__).parents[3] / "docs" / "PYTHON.md"
+SOURCE = Path(__file__).parents[3]
+DOCS = SOURCE / "docs"
+
+
+def without_gaps(text):
+    """Figures are set in columns, whose widths mean nothing."""
+    return " ".join(text.split())
 
 
 class Documents(unittest.TestCase):
     def test_every_example_runs(self):
-        examples = re.findall(r"^```python\n(.*?)^```", PAGE.read_text(), re.M | re.S)
+        examples = re.findall(r"^```python\n(.*?)^```", (DOCS / "PYTHON.md").read_text(), re.M | re.S)
         self.assertGreater(len(examples), 3)
         with tempfile.TemporaryDirectory() as folder:
             os.symlink(FILES / "hero.glb", Path(folder) / "hero.glb")
@@ -27,6 +36,71 @@ class Documents(unittest.TestCase):
             program = "\n".join(examples)
             subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, env=os.environ)
             self.assertGreater((Path(folder) / "parts.png").stat().st_size, 5000)
+
+
+class Commands(unittest.TestCase):
+    """Each line of a block `sh` runs in one folder, in the order of the pages: a recipe uses what the start made.
+
+    A block `text` after it is what it prints, where `...` stands for anything. Blocks `console` need a display, a network,
+    minutes or another program, and are not run.
+    """
+
+    def test_every_command_runs_and_prints_what_the_page_says(self):
+        lorica = Path(os.environ["LORICA"])
+        environment = dict(os.environ, PATH=f"{lorica.parent}:{os.environ['PATH']}", XDG_CONFIG_HOME="/dev/null",
+                           LORICA_RECORDINGS=str(SOURCE / "recordings"))
+        for name in ("DISPLAY", "WAYLAND_DISPLAY", "LORICA_VIRTUAL"):
+            environment.pop(name, None)
+
+        def run(line, folder):
+            return subprocess.run(["bash", "-c", line], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=250)
+
+        with tempfile.TemporaryDirectory() as folder:
+            os.symlink(SOURCE / "scenes", Path(folder) / "scenes")
+            cameras = run("lorica info --devices", folder).returncode == 0  # else there is no OpenNI2
+            for page, fewest in (("START.md", 7), ("RECIPES.md", 10)):
+                count, printed = 0, ""
+                for kind, block in re.findall(r"^```(\w+)\n(.*?)^```", (DOCS / page).read_text(), re.M | re.S):
+                    if kind == "text":
+                        self.assert_printed(block, printed, page)
+                    if kind != "sh":
+                        continue
+                    lines = block.splitlines()
+                    if not cameras and re.search("--virtual|--devices", block):
+                        printed = None
+                        continue
+                    printed = ""
+                    for line in lines:
+                        result = run(line, folder)
+                        printed += result.stdout
+                        self.assertEqual(result.returncode, 0, f"{page}: {line}\n{result.stdout}")
+                    count += len(lines)
+                if cameras:
+                    self.assertGreaterEqual(count, fewest, f"{page} has lost its commands")
+
+    def assert_printed(self, block, printed, page):
+        if printed is None:
+            return
+        rest = without_gaps(printed)
+        for piece in map(without_gaps, re.split(r"\.\.\.|\n", block)):
+            self.assertIn(piece, rest, f"{page} says:\n{block}\nprinted now:\n{printed}")
+            rest = rest[rest.index(piece) + len(piece):]
+
+
+class Sentences(unittest.TestCase):
+    def test_every_sentence_is_said_somewhere(self):
+        folders = "acd apps bake capture collision export geometry player prepare serve session skinning viewer".split()
+        files = [f for folder in folders for f in (SOURCE / folder).rglob("*.*") if f.suffix in (".cpp", ".h", ".js")]
+        said = re.sub(r'"\s*\n\s*"', "", "\n".join(f.read_text() for f in sorted(files)))
+        rows = re.findall(r"^\| `(.*?)`.*\|$", (DOCS / "TROUBLESHOOTING.md").read_text(), re.M)
+        self.assertGreater(len(rows), 30)
+        for sentence in rows:
+            # What stands between names, numbers and values is a piece of text in the sources.
+            for piece in re.split(r"NAME|\bN\b|\.\.\.|\d+|[:;\"'()]|  ", sentence):
+                if len(piece.split()) > 2:
+                    with self.subTest(sentence=sentence):
+                        self.assertTrue(piece.strip() in said, f"nothing says '{piece.strip()}': {sentence}")
 
 
 if __name__ == "__main__":
