@@ -191,11 +191,12 @@ struct WindowRequests {
   bool choose = false;             ///< let the user choose files to open
   bool cancel = false;             ///< what is loading
   bool throwBall = false;
-  std::optional<bool> record;  ///< begin a recording, with the session at its start, or end it
-  bool undo = false;           ///< take back what was thrown or dragged last
-  std::optional<Ray> clicked;  ///< the left button was pressed and released at one place, not on a held prop
-  std::optional<Ray> pressed;  ///< the left button was pressed outside the panels
-  bool released = false;       ///< the left button was released
+  std::optional<bool> record;      ///< begin a recording, with the session at its start, or end it
+  bool undo = false;               ///< take back what was thrown or dragged last
+  std::optional<Ray> clicked;      ///< the left button was pressed and released at one place, not on a held prop
+  std::optional<Ray> pressed;      ///< the left button was pressed outside the panels
+  bool released = false;           ///< the left button was released
+  Vec3 throwsWith = Vec3::Zero();  ///< velocity of a prop that is released [m/s]; 0 = its own
 };
 
 }  // namespace lorica
