@@ -66,6 +66,7 @@ struct WindowChoices : KeptChoices {
   bool help = false;
   bool panels = true;
   int quality = -1;                                 ///< of the picture; -1 = automatic
+  bool inside = false;                              ///< a headset sees through the avatar's eyes, else from beside it
   bool picture = false, pictureWithPanels = false;  ///< to be saved
   bool video = false;                               ///< to be started or stopped
 };
