@@ -23,7 +23,7 @@ constexpr double kLongestFrame = 0.1;                                  // in whi
 constexpr double kBetweenTouches = 0.1;                                // that are felt [s]
 constexpr double kFirmTouch = 2.0;                                     // is felt with full strength [N s]
 constexpr double kFastestThrow = 15.0;                                 // [m/s]
-constexpr double kLongestThrow = 0.5;                                  // in which its velocity is measured [s]
+constexpr double kLongestThrow = 2.0;                                  // in which its velocity is measured [s]
 constexpr double kIdle = 0.05;  // between looks at a headset that is not worn [s]
 
 /// The figure of the avatar that is followed, else the first.

@@ -33,7 +33,7 @@ class Headsets : public MonadoHeadset {
     MonadoHeadset::SetUp();
     if (IsSkipped() || HasFatalFailure()) return;
     CastRequest request;
-    request.motion = (recordingsFolder() / "wave.csv").string();
+    request.motion = (recordingsFolder() / "squat_and_reach.csv").string();
     request.reading.drawn = true;
     request.scene = folder_
                         .write("ball.json", R"({"format": "lorica scene 1", "props": [
@@ -157,6 +157,29 @@ TEST_F(Headsets, BothEyesSeeWhatCamerasThereSee) {
   std::printf("parallax of the ball %.2f px, %.2f by similar triangles\n", ball[0].x() - ball[1].x(),
               expected[0].x() - expected[1].x());
   EXPECT_NEAR(ball[0].x() - ball[1].x(), expected[0].x() - expected[1].x(), 0.5);
+}
+
+TEST_F(Headsets, InsideTheEyesAreThoseOfTheAvatar) {
+  WindowChoices choices = window->choices();
+  choices.paused = choices.inside = true;
+  choices.steps = 1;
+  window->setChoices(choices);
+  told.head = {{0.5, 1.2, -0.4}, Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitX()))};
+  Isometry3 worldFromHead;
+  int after = 0;
+  playUntil([&] {
+    if (!arrived() || run->session.frameCount() == 0 || ++after < 5) return false;
+    worldFromHead = window->place().worldFromStage() * frame().stageFromHead;
+    if (const char* to = std::getenv("LORICA_VR_PICTURES")) {
+      EXPECT_TRUE(writePng(fmt::format("{}/inside.png", to), window->headset()->picture(0)));
+    }
+    return true;
+  });
+  const SessionAvatar& avatar = run->session.avatar();
+  const Vec3 joint = avatar.worldFromJoint()[avatar.character().skeleton.jointOf(HumanBone::kHead)].translation();
+  const Vec3 away = worldFromHead.translation() - joint;
+  EXPECT_NEAR(away.y(), 0.07, 1e-6);
+  EXPECT_NEAR(std::hypot(away.x(), away.z()), 0.09, 1e-6);
 }
 
 TEST_F(Headsets, AControllerHoldsABoxAndThrowsIt) {
