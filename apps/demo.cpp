@@ -29,8 +29,7 @@ constexpr const char* kOwnMotion = "punch_and_kick";  // of a character that is 
 struct Options {
   std::string character = "mannequin";
   std::string out = "lorica-demo";
-  bool window = false;
-  bool headless = false;
+  bool window = false, headless = false;
   double seconds = 0.0;           // 0 = not given
   SnapshotOptions pictures = {};  // of the window
   ServeOptions serve = {};
@@ -149,14 +148,14 @@ Report toReport(const Show& show) {
 
 /// The window, if it was requested or a display is available, the page, or both; null if the demo is drawn to files.
 Result<std::unique_ptr<Screens>> chooseScreens(const Options& options, Host& host) {
-  const bool inWindow = options.window || (!options.headless && !options.serve.serve && displayAvailable());
-  if (!inWindow && !options.serve.serve) {
+  const bool inWindow = options.window || (!options.headless && !options.serve.any() && displayAvailable());
+  if (!inWindow && !options.serve.any()) {
     if (!options.headless)
       host.tell(fmt::format("No display: drawing a video and pictures to {} instead.", options.out));
     return std::unique_ptr<Screens>();
   }
   Result<std::unique_ptr<Screens>> screens = Screens::open(inWindow, options.serve, options.pictures, host);
-  if (screens || options.window || options.serve.serve) return screens;
+  if (screens || options.window || options.serve.any()) return screens;
   host.warn(fmt::format("{}; drawing the demo to {} instead", screens.error().message, options.out));
   return std::unique_ptr<Screens>();
 }
@@ -165,7 +164,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   // Fail early.
   LORICA_TRY_DO(checkJsonOutput(common, {}));
   LORICA_TRY_DO(checkWindow(options.window, "`lorica demo --headless` draws a video instead"));
-  if (!options.serve.serve && (options.headless || !displayAvailable())) {
+  if (!options.serve.any() && (options.headless || !displayAvailable())) {
     LORICA_TRY_DO(checkOutputFolder(common, "--out", options.out, isOfDemo));
   }
   LORICA_TRY(const std::unique_ptr<Screens> screens, chooseScreens(options, host));

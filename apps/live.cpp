@@ -126,8 +126,8 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
   LORICA_TRY_DO(checkLive(given.live, host));
   LORICA_TRY(const bool inWindow, chooseWindow(given));
   ShowOptions options = given;
-  options.request.reading.drawn = inWindow || options.serve.serve || options.pictures.any();
-  if (!inWindow && !options.serve.serve) {
+  options.request.reading.drawn = inWindow || options.serve.any() || options.pictures.any();
+  if (!inWindow && !options.serve.any()) {
     LORICA_TRY(LiveCast cast, prepareLiveCast(options.request, options.live, host));
     Showing none;
     return followCast(options, common, host, std::move(cast), nullptr, nullptr, none);

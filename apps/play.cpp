@@ -185,7 +185,7 @@ Result<void> play(const ShowOptions& given, const CommonOptions& common, Host& h
   LORICA_TRY_DO(checkOutputs(given.run, given.pictures, common, given.request.files()));
   LORICA_TRY_DO(checkWindow(given.window, "--snapshots DIR and --video FILE do not need one"));
   ShowOptions options = given;
-  const bool screen = options.window || options.serve.serve;
+  const bool screen = options.window || options.serve.any();
   options.request.reading.drawn = screen || options.pictures.any();
   if (screen) return playOnScreen(options, common, host);
   LORICA_TRY(Cast cast, prepareCast(options.request, host));

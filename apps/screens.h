@@ -4,22 +4,23 @@
 #include "player/snapshots.h"
 #include "serve/page_screen.h"
 #include "serve/server.h"
-#include "viewer/window/window.h"
+#include "viewer/vr/headset_window.h"
 
 #include <memory>
 #include <optional>
 
 namespace lorica {
 
-/// --serve and what belongs to it.
+/// --vr, and --serve and what belongs to it.
 struct ServeOptions {
-  bool serve = false;
+  bool serve = false, vr = false;
   ServeSetting setting;
   std::string recordings;  ///< folder; empty = nothing can be recorded from the page
+  [[nodiscard]] bool any() const { return serve || vr; }
 };
 
-/// --port, --lan, --recordings, --certificate and --key. @param flag  whether --serve asks for it; else it is served
-/// anyway
+/// --vr, --serve, --port, --lan, --recordings, --certificate and --key. @param flag  whether the first two are asked
+/// for; else it is served anyway
 void addServeOptions(CommandLine& app, ServeOptions& options, bool flag);
 
 /// What people watch: a window, a page, or both.
@@ -35,7 +36,7 @@ class Screens {
 
  private:
   Screens() = default;
-  std::optional<Window> window_;
+  std::unique_ptr<Window> window_;
   std::unique_ptr<PageServer> server_;
   std::optional<PageScreen> page_;
   bool lan_ = false;

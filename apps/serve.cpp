@@ -37,6 +37,7 @@ Result<void> run(const ShowOptions& options, const CommonOptions& common, Host& 
 
 void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
   if (flag) app.addFlag("--serve", options.serve, "Show it on a page as well, for browsers and headsets");
+  if (flag) app.addFlag("--vr", options.vr, "Show it in this machine's headset (OpenXR) and a window; see docs/VR.md");
   addCount(app, "--port", options.setting.port, 1,
            fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
   app.addFlag("--lan", options.setting.lan,
@@ -52,8 +53,11 @@ void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
 Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& serve, const SnapshotOptions& pictures,
                                                Host& host) {
   std::unique_ptr<Screens> screens(new Screens);
-  if (window) {
-    LORICA_TRY(screens->window_, openWindow(pictures));
+  if (serve.vr) {
+    LORICA_TRY(screens->window_, HeadsetWindow::create([&] { return openWindow(pictures); }));
+  } else if (window) {
+    LORICA_TRY(Window opened, openWindow(pictures));
+    screens->window_ = std::make_unique<Window>(std::move(opened));
   }
   if (!serve.serve) return screens;
   const ServeSetting& setting = serve.setting;
@@ -68,7 +72,7 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
   if (!pageBuilt()) {
     host.warn("this Lorica was built without its page: run scripts/setup --page and build again; programs can watch");
   }
-  screens->page_.emplace(*screens->server_, screens->window_ ? &*screens->window_ : nullptr);
+  screens->page_.emplace(*screens->server_, screens->window_.get());
   screens->lan_ = setting.lan;
   return screens;
 }

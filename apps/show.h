@@ -17,9 +17,7 @@
 
 namespace lorica {
 
-/// What play, live and replay share: a run on a screen or with pictures, and the end of its report.
-
-/// What play, live and serve are asked for.
+/// What play, live and serve are asked for. They and replay share a run on a screen or with pictures, and its report.
 struct ShowOptions {
   CastRequest request;
   LiveRequest live;  ///< of live and serve
@@ -59,13 +57,11 @@ inline constexpr const char* kWrittenOnce = "what is written or sent is one sess
 
 /// The name of an avatar's character, with its folder if another file has the same name: "armed/hero".
 [[nodiscard]] std::string nameOf(const Run& run, std::size_t avatar);
-
 /// "hero", or "3 avatars".
 [[nodiscard]] std::string whoOf(const Run& run);
 
 /// "avatars": character, frames and hash of each.
 void addAvatarsTo(nlohmann::ordered_json& json, const Session& session);
-
 /// "refusedLegs" and "smoothingDelay" of the first avatar.
 void addSmoothingTo(nlohmann::ordered_json& json, const Session& session);
 /// @param lag  "joints lag by"

@@ -46,7 +46,7 @@ physics can touch: a small set of convex hulls that follow every frame.
 This package has the command, sample recordings and a virtual depth camera.")
 # Pictures without a display, depth cameras and letters are loaded by name, so that no file says it needs them.
 set(CPACK_DEBIAN_COMMAND_PACKAGE_DEPENDS "${LORICA_PACKAGE_DEPENDS}, libosmesa6 | libegl1, libopenni2-0, fonts-dejavu-core")
-set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "${LORICA_PACKAGE_RECOMMENDS}, fonts-noto-cjk")
+set(CPACK_DEBIAN_COMMAND_PACKAGE_RECOMMENDS "${LORICA_PACKAGE_RECOMMENDS}, fonts-noto-cjk, libopenxr-loader1")
 
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_NAME liblorica-dev)
 set(CPACK_DEBIAN_DEVELOPMENT_PACKAGE_SECTION libdevel)

@@ -54,7 +54,7 @@ void Hands::take(const WindowRequests& requests, const Screen& screen, const std
     }
   }
   if (requests.released && holds_) {
-    act(session, WorldAction::release());
+    act(session, WorldAction::release(requests.throwsWith));
     holds_ = false;
   }
   if (requests.throwBall) {

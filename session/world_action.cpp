@@ -28,6 +28,10 @@ Prop ballOf(const WorldAction& action) {
   return ball;
 }
 
+bool isVelocity(const Vec3& v) {
+  return v.allFinite() && v.norm() <= kFastestBall;
+}
+
 }  // namespace
 
 WorldAction WorldAction::throwBall(const Vec3& position, const Vec3& velocity, double radius) {
@@ -42,21 +46,21 @@ WorldAction WorldAction::moveGrab(const Vec3& position) {
   return {Kind::kMoveGrab, 0, position, Vec3::Zero(), 0.0};
 }
 
-WorldAction WorldAction::release() {
-  return {};
+WorldAction WorldAction::release(const Vec3& velocity) {
+  return {Kind::kRelease, 0, Vec3::Zero(), velocity, 0.0};
 }
 
 bool canBeDone(const WorldAction& action, const World& world) {
   switch (action.kind) {
     case WorldAction::Kind::kThrowBall:
-      return isPosition(action.position) && action.velocity.allFinite() && action.velocity.norm() <= kFastestBall &&
-             action.radius >= kSmallestBall && action.radius <= kLargestBall;
+      return isPosition(action.position) && isVelocity(action.velocity) && action.radius >= kSmallestBall &&
+             action.radius <= kLargestBall;
     case WorldAction::Kind::kGrab:
       return isPosition(action.position) && action.prop >= 0 && action.prop < countOf(world.props());
     case WorldAction::Kind::kMoveGrab:
       return isPosition(action.position);
     case WorldAction::Kind::kRelease:
-      return true;
+      return isVelocity(action.velocity);
   }
   return false;
 }
@@ -73,7 +77,7 @@ void apply(const WorldAction& action, World& world) {
       world.moveGrab(action.position);
       return;
     case WorldAction::Kind::kRelease:
-      world.release();
+      world.release(action.velocity);
       return;
   }
 }

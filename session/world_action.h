@@ -14,18 +14,18 @@ struct WorldAction {
   Kind kind = Kind::kRelease;
   int prop = 0;                  ///< grab: index in World::props()
   Vec3 position = Vec3::Zero();  ///< ball: its centre; grab and move: the held point, world [m]
-  Vec3 velocity = Vec3::Zero();  ///< ball [m/s]
+  Vec3 velocity = Vec3::Zero();  ///< ball, and released prop: 0 = its own [m/s]
   double radius = 0.0;           ///< ball [m]
 
   static WorldAction throwBall(const Vec3& position, const Vec3& velocity, double radius);
   /// Grabs a prop at a point on it. A prop that was held before is released.
   static WorldAction grab(int prop, const Vec3& position);
   static WorldAction moveGrab(const Vec3& position);
-  static WorldAction release();
+  static WorldAction release(const Vec3& velocity = Vec3::Zero());
 };
 inline constexpr int kWorldActionKinds = 4;
 
-/// Limits: radius [m] and speed [m/s] of thrown balls, and the absolute value of each coordinate of a position [m].
+/// Limits: radius [m] and speed [m/s] of what is thrown, and the absolute value of each coordinate of a position [m].
 inline constexpr double kLargestBall = 1.0, kFastestBall = 100.0, kFarthestPosition = 1000.0;
 
 /// Whether an action is possible in a world: its numbers are finite and within the limits, and the prop exists.

@@ -93,8 +93,9 @@ class World {
   /// Moves the target of the grab. Does nothing without a grab.
   /// @param position  world [m], finite
   void moveGrab(const Vec3& position);
-  /// Releases the held prop, which keeps its velocity.
-  void release();
+  /// Releases the held prop.
+  /// @param velocity  with which it leaves [m/s]; 0 = with its own
+  void release(const Vec3& velocity = Vec3::Zero());
   [[nodiscard]] std::optional<PropGrab> held() const;
 
   /// Adds sand or water that the parts push, and replaces earlier particles. Props and particles pass through each

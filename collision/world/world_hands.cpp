@@ -67,7 +67,10 @@ void World::moveGrab(const Vec3& position) {
   if (impl_->grabbed && position.allFinite()) impl_->grabbed->target = position;
 }
 
-void World::release() {
+void World::release(const Vec3& velocity) {
+  if (impl_->grabbed && !velocity.isZero(0.0) && velocity.allFinite()) {
+    impl_->propBodies[impl_->grabbed->prop].body->setLinearVelocity(toBullet(velocity));
+  }
   impl_->release();
 }
 

@@ -8,6 +8,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <iterator>
+#include <sstream>
 
 namespace lorica::test {
 namespace {
@@ -70,6 +73,22 @@ TEST(EarlyRefusal, NothingIsDecomposedForAStageOfWhichOneCannotPerform) {
   studio.expectRefused({"play", "walk,wave", "--character", "mannequin," + studio.still.string()}, "wave on still: ");
   const fs::path cache = studio.surroundings.cache / "lorica";
   EXPECT_TRUE(!fs::exists(cache) || filesIn(cache).empty()) << "something was computed for the first avatar";
+}
+
+TEST(EarlyRefusal, WithoutARuntimeOfHeadsetsNothingIsLoadedForOne) {
+  setenv("XR_RUNTIME_JSON", "/nonexistent/runtime.json", 1);
+  for (const char* command : {"play walk", "live --virtual", "demo"}) {
+    const Studio studio;
+    std::istringstream words(command);
+    std::vector<std::string> arguments(std::istream_iterator<std::string>(words), {});
+    arguments.emplace_back("--vr");
+    const CommandResult refused = studio.run(arguments);
+    EXPECT_EQ(refused.exitCode, 2) << command;
+    EXPECT_NE(refused.err.find("OpenXR"), std::string::npos) << refused.err;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    EXPECT_FALSE(fs::exists(studio.surroundings.cache / "lorica")) << command;
+  }
+  unsetenv("XR_RUNTIME_JSON");
 }
 
 TEST(EarlyRefusal, ABodyIsMadeOnceForWhatItCanDo) {

@@ -80,8 +80,8 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   const double distance = std::clamp((camera.target - camera.eye).norm(), 1e-3, 1e4);
   const auto [forward, right, up] = axesOf(camera);
   const double cotangent = 1.0 / std::tan(0.5 * std::clamp(camera.verticalFov, 0.01, 3.0));
-  const double aspect = 1.0 * width / height;
-  const double nearPlane = std::clamp(0.02 * distance, 0.01, 0.5);
+  const double aspect = camera.aspect > 0.0 ? camera.aspect : 1.0 * width / height;
+  const double nearPlane = camera.nearest > 0.0 ? camera.nearest : std::clamp(0.02 * distance, 0.01, 0.5);
   const double floorEnd = 3.0 * distance + 7.0;
   const double farPlane = 3.0 * floorEnd + distance;
   Mat4 viewFromWorld = Mat4::Identity();

@@ -9,7 +9,7 @@ ViewAxes axesOf(const Camera& camera) {
   ViewAxes axes;
   const Vec3 along = camera.target - camera.eye;
   axes.forward = along.norm() > 1e-9 ? Vec3(along.normalized()) : Vec3(0, 0, -1);
-  const Vec3 right = axes.forward.cross(Vec3::UnitY());
+  const Vec3 right = axes.forward.cross(camera.up);
   axes.right = right.norm() > 1e-6 ? Vec3(right.normalized()) : Vec3::UnitX();
   axes.up = axes.right.cross(axes.forward);
   return axes;

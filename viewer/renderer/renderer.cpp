@@ -4,6 +4,7 @@
 #include "viewer/renderer/renderer_impl.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lorica {
 namespace {
@@ -189,13 +190,15 @@ Image Renderer::readBack() {
   return image;
 }
 
-void Renderer::present(int windowWidth, int windowHeight) {
+void Renderer::present(int width, int height, unsigned framebuffer) {
   const Targets& t = impl_->targets;
   const GlFunctions& gl = impl_->gl;
   gl.BindFramebuffer(GL_READ_FRAMEBUFFER, t.resolved);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
-  const bool sameSize = windowWidth == t.width && windowHeight == t.height;
-  gl.BlitFramebuffer(0, 0, t.width, t.height, 0, 0, windowWidth, windowHeight, GL_COLOR_BUFFER_BIT,
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
+  const bool sameSize = width == t.width && height == t.height;
+  const int left = std::max(0, (t.width - int(std::lround(1.0 * t.height * width / height))) / 2);
+  const int bottom = std::max(0, (t.height - int(std::lround(1.0 * t.width * height / width))) / 2);
+  gl.BlitFramebuffer(left, bottom, t.width - left, t.height - bottom, 0, 0, width, height, GL_COLOR_BUFFER_BIT,
                      sameSize ? GL_NEAREST : GL_LINEAR);
 }
 

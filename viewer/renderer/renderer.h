@@ -54,8 +54,9 @@ class Renderer {
   void draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height);
   /// The picture of the last draw().
   [[nodiscard]] Image readBack();
-  /// Copies the picture of the last draw() to the window's framebuffer (number 0).
-  void present(int windowWidth, int windowHeight);
+  /// Copies the picture of the last draw() to a framebuffer, which is the window's if it is number 0: all of it, or of
+  /// another aspect the middle.
+  void present(int width, int height, unsigned framebuffer = 0);
 
  private:
   struct Impl;

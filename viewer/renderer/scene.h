@@ -89,6 +89,9 @@ struct Camera {
   double verticalFov = 0.6;  ///< [rad]
   /// Where in the picture the target is: from its middle to the right and up, in half widths and half heights.
   Eigen::Vector2d targetAt = Eigen::Vector2d::Zero();
+  Vec3 up = Vec3::UnitY();  ///< what the picture's upward edges lie along, as far as it is not along the view
+  double aspect = 0.0;      ///< width per height of what is seen; 0 = of the picture, whose pixels are square
+  double nearest = 0.0;     ///< what is nearer is not drawn [m]; 0 = by the distance of the target
 };
 
 /// Distinct colour of a part, the same in every picture; linear RGB.

@@ -66,6 +66,7 @@ struct WindowChoices : KeptChoices {
   bool help = false;
   bool panels = true;
   int quality = -1;                                 ///< of the picture; -1 = automatic
+  bool inside = false;                              ///< a headset sees through the avatar's eyes, else from beside it
   bool picture = false, pictureWithPanels = false;  ///< to be saved
   bool video = false;                               ///< to be started or stopped
 };
@@ -191,11 +192,12 @@ struct WindowRequests {
   bool choose = false;             ///< let the user choose files to open
   bool cancel = false;             ///< what is loading
   bool throwBall = false;
-  std::optional<bool> record;  ///< begin a recording, with the session at its start, or end it
-  bool undo = false;           ///< take back what was thrown or dragged last
-  std::optional<Ray> clicked;  ///< the left button was pressed and released at one place, not on a held prop
-  std::optional<Ray> pressed;  ///< the left button was pressed outside the panels
-  bool released = false;       ///< the left button was released
+  std::optional<bool> record;      ///< begin a recording, with the session at its start, or end it
+  bool undo = false;               ///< take back what was thrown or dragged last
+  std::optional<Ray> clicked;      ///< the left button was pressed and released at one place, not on a held prop
+  std::optional<Ray> pressed;      ///< the left button was pressed outside the panels
+  bool released = false;           ///< the left button was released
+  Vec3 throwsWith = Vec3::Zero();  ///< velocity of a prop that is released [m/s]; 0 = its own
 };
 
 }  // namespace lorica

@@ -162,6 +162,16 @@ bool Window::takeCancel() {
   return requests.cancel;
 }
 
+void* Window::glFunction(const char* name) {
+  return glfwProc(name);
+}
+
+void Window::drawFor(Eyes eyes) {
+  impl_->eyes = std::move(eyes);
+  glfwMakeContextCurrent(impl_->window);
+  glfwSwapInterval(impl_->eyes ? 0 : 1);
+}
+
 void Window::setQuality(std::optional<RenderQuality> quality) {
   const auto* found = quality ? std::find(kQualities.begin(), kQualities.end(), *quality) : kQualities.end();
   impl_->choices.quality = found == kQualities.end() ? -1 : found - kQualities.begin();
@@ -277,13 +287,15 @@ void Window::show(const Scene& scene, const WindowValues& values) {
 
   const std::uint64_t print = i.printOf(values, width, height);
   const bool moves = i.video || (!values.loading.empty() && secondsNow() - i.lastShow > kAlive);
-  const bool asked = i.choices.picture || i.choices.pictureWithPanels || i.choices.video;
+  const bool asked = i.choices.picture || i.choices.pictureWithPanels || i.choices.video || i.eyes;
   if (std::exchange(i.print, print) != print || moves || asked) i.touch();
   const bool seen = width > 0 && height > 0 &&  // minimised windows have no pixels
                     (i.video || glfwGetWindowAttrib(i.window, GLFW_ICONIFIED) == GLFW_FALSE);
   if (seen && i.picturesDue > 0) {
     --i.picturesDue;
     i.draw(scene, values, width, height);
+  } else if (i.eyes) {
+    (void)i.eyes(*i.renderer, scene, i.choices.show);
   }
   glfwPollEvents();
 }
@@ -303,7 +315,8 @@ void Window::Impl::draw(const Scene& scene, const WindowValues& values, int widt
   choices.video = false;
   const double drawing = secondsNow();
   renderer->setQuality(kQualities[level]);
-  drawScene(scene, values, width, height);
+  const bool mirrors = eyes && eyes(*renderer, scene, choices.show);
+  if (!mirrors || video) drawScene(scene, values, width, height);
   if (video) addToVideo(width, height);
   renderer->present(width, height);
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);

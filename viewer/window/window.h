@@ -6,6 +6,7 @@
 #include "viewer/renderer/scene.h"
 #include "viewer/renderer/screen.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -17,7 +18,7 @@ namespace lorica {
 /// A GLFW window that shows scenes, with panels to control playback. Keys and mouse: docs/WINDOW.md, or H in the
 /// window. Pictures and videos are saved in the working directory, under the first free name lorica-001.png or .mp4.
 /// Only one may exist at a time; used from the main thread.
-class Window final : public Screen {
+class Window : public Screen {
  public:
   /// @return the window, or kNoDisplay with advice: run without --window, snapshots need no display
   /// @param transparent  the desktop shows through a transparent background, where the system has such windows
@@ -47,6 +48,15 @@ class Window final : public Screen {
   void setQuality(std::optional<RenderQuality> quality);
   /// How many pictures were drawn so far.
   [[nodiscard]] long long pictures() const;
+  /// Finds a function of the window's OpenGL context.
+  [[nodiscard]] static void* glFunction(const char* name);
+
+ protected:
+  /// Draws the scene for somewhere else, and leaves a picture in the renderer for the window.
+  /// @return false if it has drawn nothing: then the window draws the scene as its own camera sees it
+  using Eyes = std::function<bool(Renderer&, const Scene&, const SceneOptions&)>;
+  /// From now on each show() calls this and waits for no display; null = as before.
+  void drawFor(Eyes eyes);
 
  private:
   struct Impl;

@@ -89,6 +89,7 @@ struct Window::Impl {
   double fitted = 0.0;           ///< distance from the target at which the followed avatars are in view [m]
   double fittedAt = 0.0;         ///< WindowValues::seconds of that
   std::optional<Eigen::Vector2d> targetAt;  ///< see Camera; none = in the middle
+  Eyes eyes;                                ///< null = none
   WindowChoices choices;
   WindowRequests requests;
   WindowNumbers last;  ///< as shown

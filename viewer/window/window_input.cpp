@@ -148,6 +148,8 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_U:
       requests.undo = true;
       return;
+    case GLFW_KEY_I:
+      return toggle(choices.inside);
     case GLFW_KEY_L:
       return toggle(choices.loop);
     case GLFW_KEY_F:

@@ -92,6 +92,20 @@ TEST(WorldGrab, LiftsAPropToThePositionAndLetsItFall) {
   EXPECT_NEAR(positionOf(world, 0).y(), 0.1, 0.005);
 }
 
+TEST(WorldGrab, AThrownPropLeavesWithTheGivenVelocity) {
+  World world;
+  world.addProp(ball(0.1, Vec3(0, 1.0, 0), 2.0));
+  ASSERT_TRUE(world.grab(0, Vec3(0, 1.1, 0)));
+  world.moveGrab(Vec3(0, 1.5, 0));
+  run(world, 0.5);
+  world.release(Vec3(3, 2, 0));
+  EXPECT_FALSE(world.held().has_value());
+  const Vec3 before = positionOf(world, 0);
+  run(world, 0.25);
+  const Vec3 flown = before + 0.25 * Vec3(3, 2, 0) + 0.5 * 0.25 * 0.25 * Vec3(0, -9.81, 0);
+  EXPECT_LT((positionOf(world, 0) - flown).norm(), 0.03) << positionOf(world, 0).transpose();
+}
+
 TEST(WorldGrab, OnlyWhatIsThereAndMovesCanBeHeld) {
   World world;
   world.addProp(ball(0.1, Vec3(0, 0.1, 0), 0.0));

@@ -1,0 +1,102 @@
+#include "viewer/vr/headset_place.h"
+
+#include "viewer/renderer/frame_setup.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace lorica {
+namespace {
+
+Isometry3 pose(const Vec3& at, double yaw, double pitch = 0.0, double roll = 0.0) {
+  return Eigen::Translation3d(at) * Eigen::AngleAxisd(yaw, Vec3::UnitY()) * Eigen::AngleAxisd(pitch, Vec3::UnitX()) *
+         Eigen::AngleAxisd(roll, Vec3::UnitZ());
+}
+
+Vec3 clip(const Camera& camera, const Vec3& p, int width, int height) {
+  const FrameSetup setup = setUpFrame({}, {}, camera, width, height, 256);
+  const Eigen::Vector4f c = setup.uniforms.clipFromWorld * Eigen::Vector4f(p.cast<float>().homogeneous());
+  return (c.head<3>() / c.w()).cast<double>();
+}
+
+TEST(CameraOfAnEye, EdgesAreAtTheAnglesWhateverThePicturesShape) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> angle(0.3, 1.1), turn(-1.2, 1.2);
+  for (int i = 0; i < 50; ++i) {
+    const EyeAngles angles{-angle(random), angle(random), angle(random), -angle(random)};
+    const Isometry3 eye = pose({turn(random), 1.6, turn(random)}, turn(random), turn(random), turn(random));
+    const Camera camera = cameraOf(eye, angles, 0.05);
+    for (const double across : {std::tan(angles.left), std::tan(angles.right)}) {
+      for (const double upward : {std::tan(angles.down), std::tan(angles.up)}) {
+        const Vec3 corner = clip(camera, eye * Vec3(3.0 * across, 3.0 * upward, -3.0), 320, 240);
+        EXPECT_NEAR(corner.x(), across < 0.0 ? -1.0 : 1.0, 1e-4) << i;
+        EXPECT_NEAR(corner.y(), upward < 0.0 ? -1.0 : 1.0, 1e-4) << i;
+      }
+    }
+  }
+}
+
+TEST(CameraOfAnEye, ParallaxIsThatOfSimilarTriangles) {
+  const double apart = 0.064, away = 2.0;
+  const EyeAngles angles{-0.7, 0.7, 0.6, -0.6};
+  double x[2];
+  for (const int index : {0, 1}) {
+    const Isometry3 eye = pose({apart * (index - 0.5), 1.6, 0.0}, 0.0);
+    x[index] = clip(cameraOf(eye, angles, 0.05), {0.0, 1.6, -away}, 320, 240).x();
+  }
+  EXPECT_NEAR(x[0] - x[1], apart / away / std::tan(0.7), 1e-6);
+}
+
+TEST(CameraOfAnEye, WhatIsNearerThanTheNearestIsCut) {
+  const Camera camera = cameraOf(pose({0, 1, 0}, 0.0), {}, 0.2);
+  EXPECT_LT(clip(camera, {0, 1, -0.19}, 100, 100).z(), -1.0);
+  EXPECT_GT(clip(camera, {0, 1, -0.21}, 100, 100).z(), -1.0);
+}
+
+TEST(HeadsetPlace, StandingBringsTheHeadThereAndLooksAhead) {
+  const Isometry3 head = pose({0.4, 1.7, -0.8}, 2.1, 0.3, 0.1);
+  HeadsetPlace place;
+  place.stand(head, {3.0, 0.9, -2.0}, {1.0, 0.4, 0.0});
+  const Isometry3 there = place.worldFromStage() * head;
+  EXPECT_TRUE(there.translation().isApprox(Vec3(3.0, 1.7, -2.0), 1e-9)) << there.translation().transpose();
+  Vec3 forward = -there.linear().col(2);
+  EXPECT_NEAR(forward.y(), -head.linear().col(2).y(), 1e-9) << "the head stays as far up or down";
+  forward.y() = 0.0;
+  EXPECT_TRUE(forward.normalized().isApprox(Vec3::UnitX(), 1e-9));
+  EXPECT_NEAR(place.worldFromStage().translation().y(), 0.0, 1e-12) << "the floors are one";
+}
+
+TEST(HeadsetPlace, InsideTheHeadIsAtTheEyesAndTurnsFreely) {
+  HeadsetPlace place;
+  place.stand(pose({0, 1.7, 0}, 0.0), Vec3::Zero(), Vec3::UnitZ());
+  const Mat3 turned = place.worldFromStage().linear();
+  const Isometry3 head = pose({0.2, 1.5, 0.1}, 0.7, -0.2);
+  place.inside(head, {0.5, 1.62, 0.3});
+  EXPECT_TRUE((place.worldFromStage() * head).translation().isApprox(Vec3(0.5, 1.62, 0.3), 1e-12));
+  EXPECT_TRUE(place.worldFromStage().linear().isApprox(turned, 1e-12));
+}
+
+TEST(HeadsetPlace, WalksWhereTheHeadLooks) {
+  const Isometry3 head = pose({0.3, 1.6, 0.2}, 0.5 * std::numbers::pi, -0.6);  // to -X, and down
+  HeadsetPlace place;
+  place.walk(head, {0.0, 1.0}, 0.5);
+  EXPECT_TRUE(place.worldFromStage().translation().isApprox(Vec3(-0.5 * HeadsetPlace::kWalk, 0.0, 0.0), 1e-9));
+  place.walk(head, {1.0, 0.0}, 0.5);
+  EXPECT_NEAR(place.worldFromStage().translation().z(), -0.5 * HeadsetPlace::kWalk, 1e-9) << "its right is -Z";
+}
+
+TEST(HeadsetPlace, TurnsAroundTheHead) {
+  const Isometry3 head = pose({1.3, 1.6, -0.7}, 0.4);
+  HeadsetPlace place;
+  place.stand(head, {2.0, 0.0, 1.0}, -Vec3::UnitZ());
+  place.turn(head, 0.5 * std::numbers::pi);
+  const Isometry3 there = place.worldFromStage() * head;
+  EXPECT_TRUE(there.translation().isApprox(Vec3(2.0, 1.6, 1.0), 1e-9));
+  EXPECT_TRUE((-there.linear().col(2)).isApprox(Vec3(-1.0, 0.0, 0.0), 1e-9)) << "from -Z to the left";
+}
+
+}  // namespace
+}  // namespace lorica

@@ -1,0 +1,249 @@
+#include "player/run.h"
+#include "player/snapshots.h"
+#include "prepare/cast.h"
+#include "tests/support/datasets.h"
+#include "tests/viewer/renderer/picture_error.h"
+#include "tests/viewer/renderer/pictures.h"
+#include "tests/viewer/vr/monado_headset.h"
+#include "viewer/pictures/image_files.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <utility>
+
+namespace lorica::test {
+namespace {
+
+constexpr int kPatience = 600;  // pictures
+
+/// Is asked between pictures whether to end.
+struct Asking : Host {
+  std::function<bool()> ends;
+  [[nodiscard]] bool cancelled() const override { return ends && ends(); }
+};
+
+class Headsets : public MonadoHeadset {
+ protected:
+  /// The mannequin with a red ball that stands in the air and a blue box on a post.
+  void SetUp() override {
+    MonadoHeadset::SetUp();
+    if (IsSkipped() || HasFatalFailure()) return;
+    CastRequest request;
+    request.motion = (recordingsFolder() / "squat_and_reach.csv").string();
+    request.reading.drawn = true;
+    request.scene = folder_
+                        .write("ball.json", R"({"format": "lorica scene 1", "props": [
+      {"shape": "sphere", "radius": 0.11, "at": [0.5, 1.3, 0.3], "fixed": true, "color": "#ff0000"},
+      {"shape": "cylinder", "radius": 0.14, "height": 0.9, "at": [-0.7, 0.45, 0.4], "fixed": true, "color": "#808488"},
+      {"shape": "box", "size": [0.2, 0.2, 0.2], "at": [-0.7, 1.0, 0.4], "mass": 0.4, "color": "#2f74b0"}]})")
+                        .string();
+    Result<Cast> cast = prepareCast(request, host);
+    ASSERT_TRUE(cast) << cast.error().message;
+    RunSetting setting;
+    setting.atEnd = AtEnd::kRepeat;
+    Result<std::unique_ptr<lorica::Run>> started = lorica::Run::start(std::move(*cast), setting, host);
+    ASSERT_TRUE(started) << started.error().message;
+    run = std::move(*started);
+  }
+
+  /// Plays until `done`, which is asked after each picture.
+  void playUntil(const std::function<bool()>& done) {
+    int pictures = 0;
+    bool finished = false;
+    host.ends = [&] {
+      tell(told);
+      finished = finished || done();
+      return finished || ++pictures > kPatience;
+    };
+    Shown shown;
+    shown.screen = window.get();
+    const Result<RunEnd> end = play(*run, shown, host);
+    EXPECT_TRUE(end) << end.error().message;
+    EXPECT_TRUE(finished) << "it has not come to that in " << kPatience << " pictures";
+  }
+  [[nodiscard]] const HeadsetFrame& frame() const { return window->headset()->frame(); }
+  /// Whether the headset is where it was told to be, to a millimetre.
+  [[nodiscard]] bool arrived() const {
+    return window->headset() != nullptr && window->headset()->running() && frame().located && frame().drawn &&
+           (frame().stageFromHead.translation() - told.head.at).norm() < 1e-3 &&
+           frame().stageFromHead.linear().isApprox(told.head.turned.toRotationMatrix(), 1e-3);
+  }
+
+  Asking host;
+  std::unique_ptr<lorica::Run> run;
+  TemporaryFolder folder_;
+};
+
+/// The middle of what is red [pixels].
+Eigen::Vector2d redIn(const Image& image) {
+  Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+  int count = 0;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const auto [r, g, b] = pixelAt(image, x, y);
+      if (r < 90 || g > r / 3 || b > r / 3) continue;
+      sum += Eigen::Vector2d(x, y);
+      ++count;
+    }
+  }
+  return count > 0 ? Eigen::Vector2d(sum / count) : Eigen::Vector2d(-1e6, 0.0);
+}
+
+TEST_F(Headsets, BothEyesSeeWhatCamerasThereSee) {
+  told.head = {{0.3, 1.55, 0.2}, Quat(Eigen::AngleAxisd(0.2, Vec3::UnitY()))};
+  told.angles = {-std::atan(0.6 * 4.0 / 3.0), std::atan(0.6 * 4.0 / 3.0), std::atan(0.6), -std::atan(0.6)};
+  WindowChoices choices = window->choices();
+  choices.paused = true;
+  choices.steps = 1;
+  choices.show.hulls = choices.show.colorSkinByPart = false;
+  window->setChoices(choices);
+  window->setQuality(RenderQuality::kHigh);
+  std::array<Image, 2> seen;
+  std::array<Camera, 2> cameras;
+  HeadsetFrame drawn;
+  int after = 0;
+  playUntil([&] {
+    if (!arrived() || run->session.frameCount() == 0 || ++after < 5) return false;
+    for (const int eye : {0, 1}) seen[eye] = window->headset()->picture(eye);
+    for (const int eye : {0, 1}) {
+      // What the renderer can do itself: a camera without roll, from the angles that were told.
+      const Isometry3 worldFromEye = window->place().worldFromStage() * frame().eyes[eye].stageFromEye;
+      cameras[eye].eye = worldFromEye.translation();
+      cameras[eye].target = worldFromEye * Vec3(0, 0, -2.5);
+      cameras[eye].verticalFov = 2.0 * std::atan(0.6);
+      cameras[eye].aspect = 4.0 / 3.0;
+      cameras[eye].nearest = 0.05;
+    }
+    drawn = frame();
+    return true;
+  });
+  if (HasFailure()) return;
+  choices = window->choices();
+  const Isometry3 worldFromStage = window->place().worldFromStage();
+  window.reset();
+  const Vec3 apart = drawn.eyes[1].stageFromEye.translation() - drawn.eyes[0].stageFromEye.translation();
+  std::printf("eyes %d x %d, %.1f mm apart\n", seen[0].width, seen[0].height, 1e3 * apart.norm());
+  for (const int eye : {0, 1}) {
+    const EyeAngles& angles = drawn.eyes[eye].angles;
+    EXPECT_NEAR(angles.right, told.angles.right, 1e-5);
+    EXPECT_NEAR(angles.up, told.angles.up, 1e-5);
+    if (const char* to = std::getenv("LORICA_VR_PICTURES")) {
+      EXPECT_TRUE(writePng(fmt::format("{}/eye_{}.png", to, eye), seen[eye]));
+    }
+  }
+  LORICA_REQUIRE_STUDIO(studio, "");
+  SessionScene scene(run->session);
+  scene.follow(run->session);
+  std::array<Eigen::Vector2d, 2> ball, expected;
+  for (const int eye : {0, 1}) {
+    const Camera& camera = cameras[eye];
+    const Image alone = studio->draw(scene.of(run->session, choices.show, camera.eye), choices.show, camera,
+                                     seen[eye].width, seen[eye].height);
+    const PictureError error = pictureError(seen[eye], alone);
+    std::printf("eye %d: %.3f %% of the pixels differ\n", eye, 100.0 * error.wrong);
+    EXPECT_LT(error.wrong, 0.002);
+    if (const char* to = std::getenv("LORICA_VR_PICTURES")) {
+      EXPECT_TRUE(writePng(fmt::format("{}/alone_{}.png", to, eye), alone));
+    }
+    ball[eye] = redIn(seen[eye]);
+    // By similar triangles.
+    const Vec3 in = (worldFromStage * drawn.eyes[eye].stageFromEye).inverse() * Vec3(0.5, 1.3, 0.3);
+    expected[eye] = {0.5 * seen[eye].width * (1.0 - in.x() / in.z() / 0.8), 0.0};
+  }
+  std::printf("parallax of the ball %.2f px, %.2f by similar triangles\n", ball[0].x() - ball[1].x(),
+              expected[0].x() - expected[1].x());
+  EXPECT_NEAR(ball[0].x() - ball[1].x(), expected[0].x() - expected[1].x(), 0.5);
+}
+
+TEST_F(Headsets, InsideTheEyesAreThoseOfTheAvatar) {
+  WindowChoices choices = window->choices();
+  choices.paused = choices.inside = true;
+  choices.steps = 1;
+  window->setChoices(choices);
+  told.head = {{0.5, 1.2, -0.4}, Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitX()))};
+  Isometry3 worldFromHead;
+  int after = 0;
+  playUntil([&] {
+    if (!arrived() || run->session.frameCount() == 0 || ++after < 5) return false;
+    worldFromHead = window->place().worldFromStage() * frame().stageFromHead;
+    if (const char* to = std::getenv("LORICA_VR_PICTURES")) {
+      EXPECT_TRUE(writePng(fmt::format("{}/inside.png", to), window->headset()->picture(0)));
+    }
+    return true;
+  });
+  const SessionAvatar& avatar = run->session.avatar();
+  const Vec3 joint = avatar.worldFromJoint()[avatar.character().skeleton.jointOf(HumanBone::kHead)].translation();
+  const Vec3 away = worldFromHead.translation() - joint;
+  EXPECT_NEAR(away.y(), 0.07, 1e-6);
+  EXPECT_NEAR(std::hypot(away.x(), away.z()), 0.09, 1e-6);
+}
+
+TEST_F(Headsets, AControllerHoldsABoxAndThrowsIt) {
+  enum class Step { kComing, kAiming, kLifting, kFlying } step = Step::kComing;
+  const auto box = [&] { return run->session.world().props()[2]; };
+  constexpr double kHandSpeed = 3.0;  // [m/s]
+  Vec3 first;
+  double letGoAt = 0.0, highest = 0.0, time = 0.0;
+  int waited = 0;
+  playUntil([&]() -> bool {
+    if (!arrived() || run->session.frameCount() < 2) return false;
+    Told& hand = told.hands[1];
+    const double seconds = frame().time - std::exchange(time, frame().time);
+    const bool there = frame().hands[1].seen && (frame().hands[1].stageFromGrip.translation() - hand.at).norm() < 1e-3;
+    switch (step) {
+      case Step::kComing: {  // the hand comes to the box, the trigger is free
+        first = box().worldFromProp.translation();
+        hand.at = window->place().worldFromStage().inverse() * (first + Vec3(0.0, 0.0, 0.15));
+        if (there && ++waited > 3) step = Step::kAiming;
+        return false;
+      }
+      case Step::kAiming:
+        told.triggers[1] = 1.0;
+        if (run->session.world().held()) step = Step::kLifting;
+        return false;
+      case Step::kLifting:
+        hand.at.y() += kHandSpeed * seconds;
+        letGoAt = box().worldFromProp.translation().y();
+        if (letGoAt < first.y() + 0.4) return false;
+        told.triggers[1] = 0.0;
+        step = Step::kFlying;
+        return false;
+      case Step::kFlying:
+        hand.at.y() += kHandSpeed * seconds;  // a hand does not stop where it lets go
+        if (run->session.world().held()) {
+          letGoAt = box().worldFromProp.translation().y();
+          return false;
+        }
+        highest = std::max(highest, box().worldFromProp.translation().y());
+        return box().velocity.y() < 0.0 && box().worldFromProp.translation().y() < highest;
+    }
+    return false;
+  });
+  const double thrown = std::sqrt(2.0 * 9.81 * std::max(highest - letGoAt, 0.0));
+  std::printf("the hand moved at %.1f m/s, the box flew up as if thrown at %.1f m/s\n", kHandSpeed, thrown);
+  EXPECT_GT(thrown, 0.6 * kHandSpeed);
+  EXPECT_LT(thrown, 2.0 * kHandSpeed);
+}
+
+TEST_F(Headsets, WhenTheRuntimeEndsTheSessionGoesOnInTheWindow) {
+  int lost = 0, frames = 0;
+  playUntil([&] {
+    if (arrived() && run->session.frameCount() > 2) {
+      endService();
+      return false;
+    }
+    if (window->headset() != nullptr) return false;
+    if (lost++ == 0) frames = run->session.frameCount();
+    return lost > 30;
+  });
+  EXPECT_NE(window->ended().find("the session goes on in the window"), std::string::npos) << window->ended();
+  EXPECT_GT(run->session.frameCount(), frames);
+  EXPECT_TRUE(window->open());
+}
+
+}  // namespace
+}  // namespace lorica::test

@@ -1,0 +1,110 @@
+#include "tests/viewer/vr/monado_headset.h"
+
+#include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <thread>
+#include <vector>
+
+namespace lorica::test {
+namespace {
+
+constexpr int kPort = 4242;
+
+/// A packet of Monado's remote driver, little endian: a magic word, fov and pose of two eyes, the pose of the head, and
+/// for each controller pose, velocities, fingers, triggers, sticks and buttons.
+class Packet {
+ public:
+  void add(const void* bytes, std::size_t count) {
+    const char* from = static_cast<const char*>(bytes);
+    bytes_.insert(bytes_.end(), from, from + count);
+  }
+  void add(double number) {
+    const float written = static_cast<float>(number);
+    add(&written, sizeof written);
+  }
+  void add(const Told& pose) {
+    for (const double c : {pose.turned.x(), pose.turned.y(), pose.turned.z(), pose.turned.w()}) add(c);
+    for (const double c : pose.at) add(c);
+  }
+  void zeros(std::size_t count) { bytes_.resize(bytes_.size() + count); }
+  [[nodiscard]] const std::vector<char>& bytes() const { return bytes_; }
+
+ private:
+  std::vector<char> bytes_;
+};
+
+bool waitFor(const std::function<bool()>& there) {
+  for (int i = 0; i < 600; ++i) {
+    if (there()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  return false;
+}
+
+}  // namespace
+
+void MonadoHeadset::SetUp() {
+  const char* command = std::getenv("LORICA_MONADO");
+  if (command == nullptr) GTEST_SKIP() << "there is no Monado: run scripts/test-vr";
+  display_.emplace();
+  ASSERT_TRUE(display_->ready());
+  const std::filesystem::path there = std::filesystem::path(std::getenv("XDG_RUNTIME_DIR")) / "monado_comp_ipc";
+  std::filesystem::remove(there);
+  service_.emplace([command] { std::exit(std::system(command)); }, there.parent_path() / "service.log");
+  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(there); }));
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(kPort);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_TRUE(waitFor([&] {
+    socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
+    if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return true;
+    ::close(socket_);
+    return false;
+  }));
+  tell(told);
+  Result<std::unique_ptr<HeadsetWindow>> opened =
+      HeadsetWindow::create([] { return Window::create("Lorica test", 320, 240); });
+  ASSERT_TRUE(opened) << opened.error().message;
+  window = std::move(*opened);
+}
+
+void MonadoHeadset::TearDown() {
+  window.reset();
+  if (socket_ >= 0) ::close(socket_);
+  service_.reset();
+}
+
+void MonadoHeadset::tell(const ToldHeadset& now) const {
+  Packet packet;
+  packet.add("mndrmt3", 8);
+  for (int eye = 0; eye < 2; ++eye) {
+    for (const double c : {now.angles.left, now.angles.right, now.angles.up, now.angles.down}) packet.add(c);
+    packet.add(Told{{0.032 * (2 * eye - 1), 0.0, 0.0}});
+    packet.zeros(4);
+  }
+  packet.add(now.head);
+  const char eachEye = 1;
+  packet.add(&eachEye, 1);
+  packet.zeros(3);
+  for (std::size_t hand = 0; hand < 2; ++hand) {
+    packet.add(now.hands[hand]);
+    packet.zeros(6 * sizeof(float) + 5 * sizeof(float));
+    packet.add(now.triggers[hand]);
+    packet.zeros(2 * sizeof(float) + 5 * sizeof(float));
+    const char active = 1;
+    packet.zeros(1);  // no fingers
+    packet.add(&active, 1);
+    packet.zeros(14);
+  }
+  ASSERT_EQ(packet.bytes().size(), 376u);
+  (void)::send(socket_, packet.bytes().data(), packet.bytes().size(), MSG_NOSIGNAL);  // or the service has ended
+}
+
+}  // namespace lorica::test

@@ -1,0 +1,221 @@
+#include "viewer/vr/headset_impl.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+constexpr double kGrabs = 0.6, kLetsGo = 0.4;       // of trigger or squeeze
+constexpr XrDuration kPulse = 40'000'000;           // [ns]
+constexpr XrDuration kLongestWait = 1'000'000'000;  // for an image of a swapchain [ns]
+
+Isometry3 isometryOf(const XrPosef& pose) {
+  Isometry3 made = Isometry3::Identity();
+  made.linear() = Quat(pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z)
+                      .normalized()
+                      .toRotationMatrix();
+  made.translation() = Vec3(pose.position.x, pose.position.y, pose.position.z);
+  return made;
+}
+
+}  // namespace
+
+Result<void> Headset::Impl::enter(XrSessionState state) {
+  if (state == XR_SESSION_STATE_READY) {
+    auto info = typed<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
+    info.primaryViewConfigurationType = kStereo;
+    LORICA_XR(BeginSession, session, &info);
+    running = true;
+  } else if (state == XR_SESSION_STATE_STOPPING) {
+    running = false;
+    LORICA_XR(EndSession, session);
+  } else if (state == XR_SESSION_STATE_EXITING) {
+    return noDisplay("the headset's session was ended there");
+  } else if (state == XR_SESSION_STATE_LOSS_PENDING) {
+    return noDisplay("the headset is gone");
+  }
+  return {};
+}
+
+bool Headset::Impl::locateIn(XrSpace space, Isometry3& pose) const {
+  constexpr XrSpaceLocationFlags kKnown =
+      XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
+  auto location = typed<XrSpaceLocation>(XR_TYPE_SPACE_LOCATION);
+  if (XR_FAILED(LocateSpace(space, stage, displayTime, &location))) return false;
+  if ((location.locationFlags & kKnown) != kKnown) return false;
+  pose = isometryOf(location.pose);
+  return true;
+}
+
+Result<void> Headset::Impl::locate() {
+  constexpr XrViewStateFlags kKnown = XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT;
+  auto wish = typed<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
+  wish.viewConfigurationType = kStereo;
+  wish.displayTime = displayTime;
+  wish.space = stage;
+  auto state = typed<XrViewState>(XR_TYPE_VIEW_STATE);
+  views.fill(typed<XrView>(XR_TYPE_VIEW));
+  std::uint32_t count = 0;
+  LORICA_XR(LocateViews, session, &wish, &state, 2, &count, views.data());
+  frame.located = (state.viewStateFlags & kKnown) == kKnown && locateIn(view, frame.stageFromHead);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const XrFovf& fov = views[eye].fov;
+    frame.eyes[eye] = {isometryOf(views[eye].pose), {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown}};
+  }
+  return {};
+}
+
+Result<void> Headset::Impl::readHands() {
+  const XrActiveActionSet active = {actions, XR_NULL_PATH};
+  auto sync = typed<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
+  sync.countActiveActionSets = 1;
+  sync.activeActionSets = &active;
+  LORICA_XR(SyncActions, session, &sync);
+  for (std::size_t h = 0; h < 2; ++h) {
+    HeadsetHand& hand = frame.hands[h];
+    auto wish = typed<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
+    wish.subactionPath = paths[h];
+    const auto number = [&](XrAction action) {
+      wish.action = action;
+      auto state = typed<XrActionStateFloat>(XR_TYPE_ACTION_STATE_FLOAT);
+      return XR_SUCCEEDED(GetActionStateFloat(session, &wish, &state)) && state.isActive ? double(state.currentState)
+                                                                                         : 0.0;
+    };
+    const auto pressed = [&](XrAction action) {
+      wish.action = action;
+      auto state = typed<XrActionStateBoolean>(XR_TYPE_ACTION_STATE_BOOLEAN);
+      return XR_SUCCEEDED(GetActionStateBoolean(session, &wish, &state)) && state.isActive &&
+             state.currentState != XR_FALSE && state.changedSinceLastSync != XR_FALSE;
+    };
+    hand.seen = locateIn(grips[h], hand.stageFromGrip) && locateIn(aims[h], hand.stageFromAim);
+    hand.grabs = std::max(number(trigger), number(squeeze)) > (hand.grabs ? kLetsGo : kGrabs);
+    hand.changes = pressed(change);
+    hand.recentres = pressed(recentre);
+    wish.action = stick;
+    auto state = typed<XrActionStateVector2f>(XR_TYPE_ACTION_STATE_VECTOR2F);
+    const bool moved = XR_SUCCEEDED(GetActionStateVector2f(session, &wish, &state)) && state.isActive;
+    hand.stick = moved ? Eigen::Vector2d(state.currentState.x, state.currentState.y) : Eigen::Vector2d(0.0, 0.0);
+  }
+  return {};
+}
+
+Headset::Headset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Headset::~Headset() = default;
+Headset::Headset(Headset&&) noexcept = default;
+Headset& Headset::operator=(Headset&&) noexcept = default;
+
+Result<Headset> Headset::find() {
+  auto impl = std::make_unique<Impl>();
+  LORICA_TRY_DO(impl->load());
+  return Headset(std::move(impl));
+}
+
+std::string Headset::description() const {
+  return impl_->description;
+}
+
+Result<void> Headset::poll() {
+  Impl& i = *impl_;
+  for (;;) {
+    auto event = typed<XrEventDataBuffer>(XR_TYPE_EVENT_DATA_BUFFER);
+    const XrResult heard = i.PollEvent(i.instance, &event);
+    LORICA_TRY_DO(i.checked(heard, "xrPollEvent"));
+    if (heard == XR_EVENT_UNAVAILABLE) return {};
+    if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) return noDisplay("the headset's runtime ends");
+    if (event.type != XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) continue;
+    LORICA_TRY_DO(i.enter(reinterpret_cast<const XrEventDataSessionStateChanged&>(event).state));
+  }
+}
+
+bool Headset::running() const {
+  return impl_->running;
+}
+const HeadsetFrame& Headset::frame() const {
+  return impl_->frame;
+}
+int Headset::width() const {
+  return impl_->width;
+}
+int Headset::height() const {
+  return impl_->height;
+}
+
+Result<void> Headset::beginFrame() {
+  Impl& i = *impl_;
+  auto state = typed<XrFrameState>(XR_TYPE_FRAME_STATE);
+  LORICA_TRY_DO(i.checked(i.WaitFrame(i.session, nullptr, &state), "xrWaitFrame"));
+  LORICA_TRY_DO(i.checked(i.BeginFrame(i.session, nullptr), "xrBeginFrame"));
+  i.displayTime = state.predictedDisplayTime;
+  i.frame.time = 1e-9 * double(state.predictedDisplayTime);
+  i.frame.drawn = state.shouldRender != XR_FALSE;
+  LORICA_TRY_DO(i.locate());
+  return i.readHands();
+}
+
+Result<void> Headset::take(int eye, Renderer& renderer) {
+  Impl& i = *impl_;
+  Swapchain& chain = i.eyes[eye];
+  LORICA_TRY_DO(i.checked(i.AcquireSwapchainImage(chain.handle, nullptr, &chain.image), "xrAcquireSwapchainImage"));
+  auto wait = typed<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
+  wait.timeout = kLongestWait;
+  LORICA_TRY_DO(i.checked(i.WaitSwapchainImage(chain.handle, &wait), "xrWaitSwapchainImage"));
+  renderer.present(i.width, i.height, chain.framebuffers[chain.image]);
+  LORICA_TRY_DO(i.checked(i.ReleaseSwapchainImage(chain.handle, nullptr), "xrReleaseSwapchainImage"));
+  chain.taken = true;
+  return {};
+}
+
+Image Headset::picture(int eye) const {
+  const Swapchain& chain = impl_->eyes[eye];
+  Image image;
+  image.width = impl_->width;
+  image.height = impl_->height;
+  image.rgba.resize(image.byteCount());
+  impl_->gl.BindFramebuffer(GL_FRAMEBUFFER, chain.framebuffers[chain.image]);
+  impl_->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  // OpenGL's rows start at the bottom.
+  for (int y = 0; y < image.height; ++y) {
+    impl_->gl.ReadPixels(0, image.height - 1 - y, image.width, 1, GL_RGBA, GL_UNSIGNED_BYTE, image.pixel(0, y));
+  }
+  return image;
+}
+
+Result<void> Headset::endFrame() {
+  Impl& i = *impl_;
+  std::array<XrCompositionLayerProjectionView, 2> shown;
+  bool both = true;
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    shown[eye] = typed<XrCompositionLayerProjectionView>(XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW);
+    shown[eye].pose = i.views[eye].pose;
+    shown[eye].fov = i.views[eye].fov;
+    shown[eye].subImage = {i.eyes[eye].handle, {{0, 0}, {i.width, i.height}}, 0};
+    both = both && std::exchange(i.eyes[eye].taken, false);
+  }
+  auto layer = typed<XrCompositionLayerProjection>(XR_TYPE_COMPOSITION_LAYER_PROJECTION);
+  layer.space = i.stage;
+  layer.viewCount = std::uint32_t(shown.size());
+  layer.views = shown.data();
+  const std::array<const XrCompositionLayerBaseHeader*, 1> layers = {
+      reinterpret_cast<const XrCompositionLayerBaseHeader*>(&layer)};
+  auto info = typed<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
+  info.displayTime = i.displayTime;
+  info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
+  info.layerCount = both ? 1 : 0;
+  info.layers = layers.data();
+  return i.checked(i.EndFrame(i.session, &info), "xrEndFrame");
+}
+
+void Headset::pulse(int hand, double strength) {
+  Impl& i = *impl_;
+  auto which = typed<XrHapticActionInfo>(XR_TYPE_HAPTIC_ACTION_INFO);
+  which.action = i.shake;
+  which.subactionPath = i.paths[hand];
+  auto vibration = typed<XrHapticVibration>(XR_TYPE_HAPTIC_VIBRATION);
+  vibration.amplitude = float(std::clamp(strength, 0.0, 1.0));
+  vibration.duration = kPulse;
+  vibration.frequency = XR_FREQUENCY_UNSPECIFIED;
+  i.ApplyHapticFeedback(i.session, &which, reinterpret_cast<const XrHapticBaseHeader*>(&vibration));
+}
+
+}  // namespace lorica

@@ -1,0 +1,83 @@
+#pragma once
+
+#include "geometry/math.h"
+#include "geometry/result.h"
+#include "viewer/renderer/image.h"
+#include "viewer/renderer/renderer.h"
+
+#include <array>
+#include <memory>
+#include <string>
+
+namespace lorica {
+
+/// From straight ahead to the edges of what an eye sees; to the left and down they are negative as a rule [rad].
+struct EyeAngles {
+  double left = -0.8, right = 0.8, up = 0.8, down = -0.8;
+};
+
+/// What of a headset is seen at the time when a picture is shown. Its *stage* frame has its origin on the floor, Y up,
+/// and is the runtime's; heads, eyes and hands look along their -Z, with +X to the right [m].
+struct HeadsetEye {
+  Isometry3 stageFromEye = Isometry3::Identity();
+  EyeAngles angles;
+};
+struct HeadsetHand {
+  bool seen = false;
+  Isometry3 stageFromGrip = Isometry3::Identity();  ///< in the middle of the fist
+  Isometry3 stageFromAim = Isometry3::Identity();   ///< along which it points
+  bool grabs = false;                               ///< trigger or squeeze
+  Eigen::Vector2d stick = Eigen::Vector2d::Zero();  ///< to the right and ahead, -1 to 1
+  bool changes = false, recentres = false;          ///< a button was pressed since the last picture
+};
+struct HeadsetFrame {
+  double time = 0.0;     ///< when it is shown, by the runtime's clock [s]
+  bool drawn = false;    ///< the runtime wants pictures
+  bool located = false;  ///< eyes and head are known
+  Isometry3 stageFromHead = Isometry3::Identity();
+  std::array<HeadsetEye, 2> eyes;    ///< left, right
+  std::array<HeadsetHand, 2> hands;  ///< left, right
+};
+
+/// A headset that an OpenXR runtime drives. The loader, libopenxr_loader.so.1, is opened at run time. Used from one
+/// thread, that of the OpenGL context. After an error nothing more can be done with it.
+class Headset {
+ public:
+  /// Looks for runtime and headset; needs no display.
+  /// @return the headset, or what is missing: kNoDisplay
+  static Result<Headset> find();
+  ~Headset();
+  Headset(Headset&&) noexcept;
+  Headset& operator=(Headset&&) noexcept;
+
+  /// "Monado, Simulated HMD".
+  [[nodiscard]] std::string description() const;
+  /// Begins a session that draws in the current OpenGL context, which is one of GLX or EGL.
+  Result<void> start(Renderer::GetProc getProc);
+  /// Hears what the runtime reports.
+  /// @return an error if the session is over: the user ended it, or the runtime or the headset is gone
+  Result<void> poll();
+  /// Whether it takes pictures: then each has a beginFrame() and an endFrame().
+  [[nodiscard]] bool running() const;
+  /// Waits until the next picture should be drawn, and locates everything for the time when it is shown.
+  Result<void> beginFrame();
+  [[nodiscard]] const HeadsetFrame& frame() const;
+  /// Of the picture of an eye [pixels].
+  [[nodiscard]] int width() const;
+  [[nodiscard]] int height() const;
+  /// Takes the renderer's last picture for an eye, 0 = left. Only if the frame is drawn.
+  Result<void> take(int eye, Renderer& renderer);
+  /// What was taken last for an eye.
+  [[nodiscard]] Image picture(int eye) const;
+  /// Shows the pictures that were taken, if there is one for each eye.
+  Result<void> endFrame();
+  /// Shakes a controller for a moment. @param strength  0 to 1
+  void pulse(int hand, double strength);
+
+ private:
+  struct Impl;
+  explicit Headset(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace lorica

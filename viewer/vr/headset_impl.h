@@ -1,0 +1,153 @@
+#pragma once
+
+#include "geometry/errors.h"
+#include "viewer/renderer/gl_functions.h"
+#include "viewer/vr/headset.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+// What openxr_platform.h takes from the headers of X11, GLX and EGL, whose libraries are not linked either.
+using Display = void;
+using GLXFBConfig = void*;
+using GLXDrawable = unsigned long;
+using GLXContext = void*;
+using EGLDisplay = void*;
+using EGLConfig = void*;
+using EGLContext = void*;
+using EGLenum = unsigned;
+using PFNEGLGETPROCADDRESSPROC = void (*(*)(const char*))();
+#define XR_NO_PROTOTYPES
+#define XR_USE_GRAPHICS_API_OPENGL
+#define XR_USE_PLATFORM_XLIB
+#define XR_USE_PLATFORM_EGL
+#include <openxr/openxr.h>
+#include <openxr/openxr_platform.h>
+
+/// The functions of OpenXR that Lorica uses, without "xr".
+#define LORICA_XR_FUNCTIONS(X)         \
+  X(AcquireSwapchainImage)             \
+  X(ApplyHapticFeedback)               \
+  X(AttachSessionActionSets)           \
+  X(BeginFrame)                        \
+  X(BeginSession)                      \
+  X(CreateAction)                      \
+  X(CreateActionSet)                   \
+  X(CreateActionSpace)                 \
+  X(CreateReferenceSpace)              \
+  X(CreateSession)                     \
+  X(CreateSwapchain)                   \
+  X(DestroyInstance)                   \
+  X(DestroySession)                    \
+  X(EndFrame)                          \
+  X(EndSession)                        \
+  X(EnumerateSwapchainFormats)         \
+  X(EnumerateSwapchainImages)          \
+  X(EnumerateViewConfigurationViews)   \
+  X(GetActionStateBoolean)             \
+  X(GetActionStateFloat)               \
+  X(GetActionStateVector2f)            \
+  X(GetInstanceProperties)             \
+  X(GetOpenGLGraphicsRequirementsKHR)  \
+  X(GetSystem)                         \
+  X(GetSystemProperties)               \
+  X(LocateSpace)                       \
+  X(LocateViews)                       \
+  X(PollEvent)                         \
+  X(ReleaseSwapchainImage)             \
+  X(ResultToString)                    \
+  X(StringToPath)                      \
+  X(SuggestInteractionProfileBindings) \
+  X(SyncActions)                       \
+  X(WaitFrame)                         \
+  X(WaitSwapchainImage)
+
+namespace lorica {
+
+inline constexpr XrViewConfigurationType kStereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
+
+template <typename Handle>
+Handle null() {
+  return XR_NULL_HANDLE;
+}
+
+/// A structure of OpenXR whose other members are zero.
+template <typename T>
+T typed(XrStructureType type) {
+  T made{};
+  made.type = type;
+  return made;
+}
+
+struct ControllerProfile;
+
+/// A picture that the runtime shows to an eye: one of several textures at a time.
+struct Swapchain {
+  XrSwapchain handle = null<XrSwapchain>();
+  std::vector<GLuint> framebuffers;  // of each texture
+  bool taken = false;                // for this frame
+  std::uint32_t image = 0;           // that was taken last
+};
+
+/// The state of a Headset: headset_setup.cpp finds the runtime and prepares the session, headset.cpp runs it.
+struct Headset::Impl {
+#define LORICA_XR_MEMBER(name) PFN_xr##name name = nullptr;
+  LORICA_XR_FUNCTIONS(LORICA_XR_MEMBER)
+#undef LORICA_XR_MEMBER
+  GlFunctions gl;
+  XrInstance instance = null<XrInstance>();
+  XrSystemId system = XR_NULL_SYSTEM_ID;
+  XrSession session = null<XrSession>();
+  XrSpace stage = null<XrSpace>(), view = null<XrSpace>();
+  std::array<XrSpace, 2> grips{}, aims{};
+  std::array<XrPath, 2> paths{};
+  XrActionSet actions = null<XrActionSet>();
+  XrAction grip = null<XrAction>(), aim = null<XrAction>(), trigger = null<XrAction>(), squeeze = null<XrAction>();
+  XrAction stick = null<XrAction>(), change = null<XrAction>(), recentre = null<XrAction>(), shake = null<XrAction>();
+  std::array<Swapchain, 2> eyes;
+  std::array<XrView, 2> views{};
+  int width = 0, height = 0;
+  bool egl = false, running = false;
+  XrTime displayTime = 0;
+  std::string description;
+  HeadsetFrame frame;
+
+  Impl() = default;
+  Impl(const Impl&) = delete;
+  Impl& operator=(const Impl&) = delete;
+  ~Impl() {
+    for (const Swapchain& eye : eyes) {
+      if (!eye.framebuffers.empty()) gl.DeleteFramebuffers(GLsizei(eye.framebuffers.size()), eye.framebuffers.data());
+    }
+    if (session != null<XrSession>()) DestroySession(session);  // with all that was made for it
+    if (instance != null<XrInstance>()) DestroyInstance(instance);
+  }
+
+  /// "xrWaitFrame failed: XR_ERROR_SESSION_LOST".
+  [[nodiscard]] Result<void> checked(XrResult result, const char* what) const {
+    if (XR_SUCCEEDED(result)) return {};
+    std::array<char, XR_MAX_RESULT_STRING_SIZE> text{};
+    if (ResultToString == nullptr || XR_FAILED(ResultToString(instance, result, text.data()))) text[0] = '\0';
+    return noDisplay("the headset's runtime has failed ({}: {})", what, text[0] == '\0' ? "unknown" : text.data());
+  }
+  [[nodiscard]] Result<void> load();
+  [[nodiscard]] Result<void> createActions();
+  [[nodiscard]] Result<void> suggest(const ControllerProfile& profile);
+  [[nodiscard]] Result<void> createSpaces();
+  [[nodiscard]] Result<void> createSwapchains();
+  [[nodiscard]] Result<void> enter(XrSessionState state);
+  [[nodiscard]] Result<void> locate();
+  [[nodiscard]] Result<void> readHands();
+  [[nodiscard]] bool locateIn(XrSpace space, Isometry3& pose) const;
+  [[nodiscard]] XrPath path(const std::string& name) const {
+    XrPath made = XR_NULL_PATH;
+    StringToPath(instance, name.c_str(), &made);
+    return made;
+  }
+};
+
+/// Within a function that has `checked`: calls a function of OpenXR, or returns what failed.
+#define LORICA_XR(name, ...) LORICA_TRY_DO(checked(name(__VA_ARGS__), "xr" #name))
+
+}  // namespace lorica

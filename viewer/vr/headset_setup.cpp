@@ -1,0 +1,314 @@
+#include "viewer/vr/headset_impl.h"
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <string_view>
+#include <utility>
+
+namespace lorica {
+
+/// The inputs of a kind of controller. Those of the buttons are for the left and the right hand; null = none.
+struct ControllerProfile {
+  const char* name;
+  const char *trigger, *squeeze, *stick;
+  std::array<const char*, 2> change, recentre;
+};
+
+namespace {
+
+constexpr double kUsualHeight = 1.6;  // of the head, where the runtime knows no floor [m]
+
+constexpr std::array<ControllerProfile, 5> kProfiles = {
+    {{"khr/simple_controller", "select/click", nullptr, nullptr, {"menu/click", "menu/click"}, {}},
+     {"oculus/touch_controller",
+      "trigger/value",
+      "squeeze/value",
+      "thumbstick",
+      {"x/click", "a/click"},
+      {"y/click", "b/click"}},
+     {"valve/index_controller",
+      "trigger/value",
+      "squeeze/value",
+      "thumbstick",
+      {"a/click", "a/click"},
+      {"b/click", "b/click"}},
+     {"microsoft/motion_controller",
+      "trigger/value",
+      "squeeze/click",
+      "thumbstick",
+      {"menu/click", "menu/click"},
+      {"thumbstick/click", "thumbstick/click"}},
+     {"htc/vive_controller",
+      "trigger/value",
+      "squeeze/click",
+      "trackpad",
+      {"menu/click", "menu/click"},
+      {"trackpad/click", "trackpad/click"}}}};
+
+template <std::size_t N>
+void copyName(std::string_view name, char (&to)[N]) {
+  std::copy_n(name.data(), std::min(name.size(), N - 1), to);
+}
+
+constexpr XrPosef kHere = {{0.0f, 0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
+
+template <typename F>
+F symbol(void* library, const char* name) {
+  return library == nullptr ? nullptr : reinterpret_cast<F>(dlsym(library, name));
+}
+
+/// The OpenGL context of this thread, for a session. A library that made one is loaded already.
+struct ContextBinding {
+  XrGraphicsBindingOpenGLXlibKHR glx = typed<XrGraphicsBindingOpenGLXlibKHR>(XR_TYPE_GRAPHICS_BINDING_OPENGL_XLIB_KHR);
+  XrGraphicsBindingEGLMNDX egl = typed<XrGraphicsBindingEGLMNDX>(XR_TYPE_GRAPHICS_BINDING_EGL_MNDX);
+
+  /// @return what XrSessionCreateInfo::next points to; null if there is no context
+  const void* find(bool eglOffered) {
+    for (const char* name : {"libGLX.so.0", "libGL.so.1"}) {
+      if (findGlx(dlopen(name, RTLD_LAZY | RTLD_NOLOAD))) return &glx;
+    }
+    return eglOffered && findEgl(dlopen("libEGL.so.1", RTLD_LAZY | RTLD_NOLOAD)) ? &egl : nullptr;
+  }
+
+ private:
+  bool findGlx(void* library) {
+    constexpr int kConfigId = 0x8013, kVisualId = 0x800b, kScreen = 0x800c;
+    const auto context = symbol<void* (*)()>(library, "glXGetCurrentContext");
+    const auto display = symbol<void* (*)()>(library, "glXGetCurrentDisplay");
+    const auto drawable = symbol<GLXDrawable (*)()>(library, "glXGetCurrentDrawable");
+    const auto query = symbol<int (*)(void*, void*, int, int*)>(library, "glXQueryContext");
+    const auto choose = symbol<void** (*)(void*, int, const int*, int*)>(library, "glXChooseFBConfig");
+    const auto attribute = symbol<int (*)(void*, void*, int, int*)>(library, "glXGetFBConfigAttrib");
+    if (!context || !display || !drawable || !query || !choose || !attribute || context() == nullptr) return false;
+    int id = 0, screen = 0, count = 0, visual = 0;
+    query(display(), context(), kConfigId, &id);
+    query(display(), context(), kScreen, &screen);
+    const std::array<int, 3> wanted = {kConfigId, id, 0};
+    void** configs = choose(display(), screen, wanted.data(), &count);
+    if (configs == nullptr || count < 1) return false;
+    attribute(display(), configs[0], kVisualId, &visual);
+    glx.xDisplay = display();
+    glx.visualid = visual;
+    glx.glxFBConfig = configs[0];
+    glx.glxDrawable = drawable();
+    glx.glxContext = context();
+    return true;
+  }
+
+  bool findEgl(void* library) {
+    constexpr int kConfigId = 0x3028, kNone = 0x3038;
+    const auto context = symbol<void* (*)()>(library, "eglGetCurrentContext");
+    const auto display = symbol<void* (*)()>(library, "eglGetCurrentDisplay");
+    const auto query = symbol<unsigned (*)(void*, void*, int, int*)>(library, "eglQueryContext");
+    const auto choose = symbol<unsigned (*)(void*, const int*, void**, int, int*)>(library, "eglChooseConfig");
+    egl.getProcAddress = symbol<PFNEGLGETPROCADDRESSPROC>(library, "eglGetProcAddress");
+    if (!context || !display || !query || !choose || !egl.getProcAddress || context() == nullptr) return false;
+    int id = 0, count = 0;
+    query(display(), context(), kConfigId, &id);
+    const std::array<int, 3> wanted = {kConfigId, id, kNone};
+    egl.display = display();
+    egl.context = context();
+    return choose(egl.display, wanted.data(), &egl.config, 1, &count) != 0 && count == 1;
+  }
+};
+
+}  // namespace
+
+/// Opens the loader, which finds the runtime.
+Result<void> Headset::Impl::load() {
+  ::setenv("XR_LOADER_DEBUG", "none", 0);  // it would write to standard error what is said here
+  void* library = ::dlopen("libopenxr_loader.so.1", RTLD_NOW | RTLD_LOCAL);
+  const auto find = symbol<PFN_xrGetInstanceProcAddr>(library, "xrGetInstanceProcAddr");
+  if (find == nullptr) return noDisplay("--vr needs OpenXR's loader: install the Debian package libopenxr-loader1");
+  const auto address = [&](const char* name) {
+    PFN_xrVoidFunction found = nullptr;
+    return XR_SUCCEEDED(find(instance, name, &found)) ? found : nullptr;
+  };
+  const auto list =
+      reinterpret_cast<PFN_xrEnumerateInstanceExtensionProperties>(address("xrEnumerateInstanceExtensionProperties"));
+  const auto create = reinterpret_cast<PFN_xrCreateInstance>(address("xrCreateInstance"));
+  std::uint32_t count = 0;
+  if (list == nullptr || create == nullptr || XR_FAILED(list(nullptr, 0, &count, nullptr))) {
+    return noDisplay("no OpenXR runtime is installed and active: start SteamVR, Monado or WiVRn, see docs/VR.md");
+  }
+  std::vector<XrExtensionProperties> known(count, typed<XrExtensionProperties>(XR_TYPE_EXTENSION_PROPERTIES));
+  list(nullptr, count, &count, known.data());
+  const auto has = [&](std::string_view name) {
+    return std::any_of(known.begin(), known.end(), [&](const auto& one) { return one.extensionName == name; });
+  };
+  if (!has(XR_KHR_OPENGL_ENABLE_EXTENSION_NAME)) return noDisplay("the OpenXR runtime takes no pictures of OpenGL");
+  egl = has(XR_MNDX_EGL_ENABLE_EXTENSION_NAME);
+  const std::array<const char*, 2> wanted = {XR_KHR_OPENGL_ENABLE_EXTENSION_NAME, XR_MNDX_EGL_ENABLE_EXTENSION_NAME};
+  auto info = typed<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
+  copyName("Lorica", info.applicationInfo.applicationName);
+  info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
+  info.enabledExtensionCount = egl ? 2 : 1;
+  info.enabledExtensionNames = wanted.data();
+  if (const XrResult made = create(&info, &instance); XR_FAILED(made)) {
+    instance = null<XrInstance>();
+    return noDisplay("the OpenXR runtime does not answer (error {}): start it first, see docs/VR.md", int(made));
+  }
+#define LORICA_XR_LOAD(name)                                        \
+  this->name = reinterpret_cast<PFN_xr##name>(address("xr" #name)); \
+  if (this->name == nullptr) return noDisplay("the OpenXR runtime lacks xr" #name);
+  LORICA_XR_FUNCTIONS(LORICA_XR_LOAD)
+#undef LORICA_XR_LOAD
+  auto runtime = typed<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);
+  LORICA_XR(GetInstanceProperties, instance, &runtime);
+  auto wish = typed<XrSystemGetInfo>(XR_TYPE_SYSTEM_GET_INFO);
+  wish.formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY;
+  if (XR_FAILED(GetSystem(instance, &wish, &system))) {
+    return noDisplay("{} finds no headset: connect it and switch it on", runtime.runtimeName);
+  }
+  auto properties = typed<XrSystemProperties>(XR_TYPE_SYSTEM_PROPERTIES);
+  LORICA_XR(GetSystemProperties, instance, system, &properties);
+  description = fmt::format("{}, {}", runtime.runtimeName, properties.systemName);
+  return {};
+}
+
+Result<void> Headset::Impl::suggest(const ControllerProfile& profile) {
+  std::vector<XrActionSuggestedBinding> bindings;
+  bindings.reserve(16);
+  for (std::size_t hand = 0; hand < 2; ++hand) {
+    const std::string user = hand == 0 ? "/user/hand/left/" : "/user/hand/right/";
+    const auto bind = [&](XrAction action, const char* input) {
+      if (input != nullptr) bindings.push_back({action, path(user + "input/" + input)});
+    };
+    bind(grip, "grip/pose");
+    bind(aim, "aim/pose");
+    bind(trigger, profile.trigger);
+    bind(squeeze, profile.squeeze);
+    bind(stick, profile.stick);
+    bind(change, profile.change[hand]);
+    bind(recentre, profile.recentre[hand]);
+    bindings.push_back({shake, path(user + "output/haptic")});
+  }
+  auto suggestion = typed<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
+  suggestion.interactionProfile = path(std::string("/interaction_profiles/") + profile.name);
+  suggestion.countSuggestedBindings = std::uint32_t(bindings.size());
+  suggestion.suggestedBindings = bindings.data();
+  LORICA_XR(SuggestInteractionProfileBindings, instance, &suggestion);
+  return {};
+}
+
+Result<void> Headset::Impl::createActions() {
+  paths = {path("/user/hand/left"), path("/user/hand/right")};
+  auto set = typed<XrActionSetCreateInfo>(XR_TYPE_ACTION_SET_CREATE_INFO);
+  copyName("hands", set.actionSetName);
+  copyName("Hands", set.localizedActionSetName);
+  LORICA_XR(CreateActionSet, instance, &set, &actions);
+  struct Made {
+    XrAction* action;
+    const char *name, *text;
+    XrActionType type;
+  };
+  for (const Made& one : {Made{&grip, "grip", "Hand", XR_ACTION_TYPE_POSE_INPUT},
+                          {&aim, "aim", "Pointing", XR_ACTION_TYPE_POSE_INPUT},
+                          {&trigger, "trigger", "Hold a prop", XR_ACTION_TYPE_FLOAT_INPUT},
+                          {&squeeze, "squeeze", "Hold a prop, too", XR_ACTION_TYPE_FLOAT_INPUT},
+                          {&stick, "stick", "Walk and turn", XR_ACTION_TYPE_VECTOR2F_INPUT},
+                          {&change, "change", "Beside or inside the avatar", XR_ACTION_TYPE_BOOLEAN_INPUT},
+                          {&recentre, "recentre", "Come to the avatar", XR_ACTION_TYPE_BOOLEAN_INPUT},
+                          {&shake, "shake", "Touch", XR_ACTION_TYPE_VIBRATION_OUTPUT}}) {
+    auto info = typed<XrActionCreateInfo>(XR_TYPE_ACTION_CREATE_INFO);
+    copyName(one.name, info.actionName);
+    copyName(one.text, info.localizedActionName);
+    info.actionType = one.type;
+    info.countSubactionPaths = std::uint32_t(paths.size());
+    info.subactionPaths = paths.data();
+    LORICA_XR(CreateAction, actions, &info, one.action);
+  }
+  for (const ControllerProfile& profile : kProfiles) LORICA_TRY_DO(suggest(profile));
+  auto attached = typed<XrSessionActionSetsAttachInfo>(XR_TYPE_SESSION_ACTION_SETS_ATTACH_INFO);
+  attached.countActionSets = 1;
+  attached.actionSets = &actions;
+  LORICA_XR(AttachSessionActionSets, session, &attached);
+  return {};
+}
+
+Result<void> Headset::Impl::createSpaces() {
+  auto info = typed<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
+  info.poseInReferenceSpace = kHere;
+  info.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_VIEW;
+  LORICA_XR(CreateReferenceSpace, session, &info, &view);
+  info.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_STAGE;
+  if (XR_FAILED(CreateReferenceSpace(session, &info, &stage))) {  // the runtime knows no floor
+    info.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_LOCAL;
+    info.poseInReferenceSpace.position.y = -float(kUsualHeight);
+    LORICA_XR(CreateReferenceSpace, session, &info, &stage);
+  }
+  for (std::size_t hand = 0; hand < 2; ++hand) {
+    auto space = typed<XrActionSpaceCreateInfo>(XR_TYPE_ACTION_SPACE_CREATE_INFO);
+    space.poseInActionSpace = kHere;
+    space.subactionPath = paths[hand];
+    space.action = grip;
+    LORICA_XR(CreateActionSpace, session, &space, &grips[hand]);
+    space.action = aim;
+    LORICA_XR(CreateActionSpace, session, &space, &aims[hand]);
+  }
+  return {};
+}
+
+/// The renderer's pictures are sRGB, and are copied as they are.
+Result<void> Headset::Impl::createSwapchains() {
+  std::array<XrViewConfigurationView, 2> seen;
+  seen.fill(typed<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW));
+  std::uint32_t count = 0;
+  LORICA_XR(EnumerateViewConfigurationViews, instance, system, kStereo, 2, &count, seen.data());
+  width = int(seen[0].recommendedImageRectWidth);
+  height = int(seen[0].recommendedImageRectHeight);
+  LORICA_XR(EnumerateSwapchainFormats, session, 0, &count, nullptr);
+  std::vector<std::int64_t> formats(count);
+  LORICA_XR(EnumerateSwapchainFormats, session, count, &count, formats.data());
+  if (std::find(formats.begin(), formats.end(), GL_SRGB8_ALPHA8) == formats.end()) {
+    return noDisplay("the headset takes no sRGB pictures of 8 bits");
+  }
+  for (Swapchain& eye : eyes) {
+    auto info = typed<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
+    info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT;
+    info.format = GL_SRGB8_ALPHA8;
+    info.sampleCount = info.faceCount = info.arraySize = info.mipCount = 1;
+    info.width = std::uint32_t(width);
+    info.height = std::uint32_t(height);
+    LORICA_XR(CreateSwapchain, session, &info, &eye.handle);
+    LORICA_XR(EnumerateSwapchainImages, eye.handle, 0, &count, nullptr);
+    std::vector<XrSwapchainImageOpenGLKHR> images(count,
+                                                  typed<XrSwapchainImageOpenGLKHR>(XR_TYPE_SWAPCHAIN_IMAGE_OPENGL_KHR));
+    LORICA_XR(EnumerateSwapchainImages, eye.handle, count, &count,
+              reinterpret_cast<XrSwapchainImageBaseHeader*>(images.data()));
+    eye.framebuffers.resize(count);
+    gl.GenFramebuffers(GLsizei(count), eye.framebuffers.data());
+    for (std::size_t i = 0; i < images.size(); ++i) {
+      gl.BindFramebuffer(GL_FRAMEBUFFER, eye.framebuffers[i]);
+      gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, images[i].image, 0);
+      const GLenum status = gl.CheckFramebufferStatus(GL_FRAMEBUFFER);
+      if (status != GL_FRAMEBUFFER_COMPLETE)
+        return noDisplay("the headset's pictures cannot be drawn (0x{:x})", status);
+    }
+  }
+  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  return {};
+}
+
+Result<void> Headset::start(Renderer::GetProc getProc) {
+  Impl& i = *impl_;
+  LORICA_TRY(i.gl, loadGlFunctions(getProc));
+  const auto checked = [&](XrResult result, const char* what) { return i.checked(result, what); };
+  auto needs = typed<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
+  LORICA_TRY_DO(
+      checked(i.GetOpenGLGraphicsRequirementsKHR(i.instance, i.system, &needs), "xrGetOpenGLGraphicsRequirementsKHR"));
+  ContextBinding context;
+  auto info = typed<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
+  info.next = context.find(i.egl);
+  info.systemId = i.system;
+  if (info.next == nullptr) return noDisplay("{} does not take pictures of this window's OpenGL", i.description);
+  LORICA_TRY_DO(checked(i.CreateSession(i.instance, &info, &i.session), "xrCreateSession"));
+  LORICA_TRY_DO(i.createActions());
+  LORICA_TRY_DO(i.createSpaces());
+  return i.createSwapchains();
+}
+
+}  // namespace lorica
