@@ -18,8 +18,9 @@ constexpr int kRows = 3;               // of the grid: a run has a dozen particl
 constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
 constexpr float kRelaxation = 0.7f;    // fraction of the density error that a pressure corrects
-constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next
-constexpr float kLongestMove = 0.4f;   // of an iteration, in spacings; a quarter of it between two particles
+constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next; the rest is kept as its ...
+constexpr float kLasting = 0.5f;       // ... mean of about so long, and at most as much as there was [s]
+constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
 constexpr float kFastest = 5.0f;       // max motion in a substep, in spacings
 constexpr float kTouching = 0.3f;      // distance that centres keep from rigid bodies, in spacings
 constexpr double kDrag = 0.5;          // along a rigid body, multiple of the viscosity
@@ -97,10 +98,11 @@ struct Fluid::State {
   FluidKernels kernels;
   std::vector<ParticleRow> before;  // positions in the previous substep
   std::vector<float> pressure, nextPressure;
-  float pressureSeconds = 0.0f;        // of the substep that the pressures belong to
-  std::vector<std::uint8_t> none;      // excludes no particle from the lists
-  double mass;                         // of a particle [kg]
-  std::vector<ParticleRow> bodyWalls;  // see BodyTerms; all 0 where no body is near
+  std::vector<float> lasting, nextLasting;  // its mean over time
+  float pressureSeconds = 0.0f;             // of the substep that the pressures belong to
+  std::vector<std::uint8_t> none;           // excludes no particle from the lists
+  double mass;                              // of a particle [kg]
+  std::vector<ParticleRow> bodyWalls;       // see BodyTerms; all 0 where no body is near
   std::vector<float> bodyYielding;
   std::span<const ParticleBodies::Contact> contacts;
 };
@@ -114,6 +116,8 @@ Fluid::State::State(const FluidSettings& wanted)
       before(set.position.size()),
       pressure(set.position.size()),
       nextPressure(set.position.size()),
+      lasting(set.position.size()),
+      nextLasting(set.position.size()),
       none(set.position.size()),
       mass(wanted.density * std::pow(wanted.spacing, 3.0)),
       bodyWalls(set.position.size()),
@@ -129,6 +133,7 @@ std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velo
   const Vec3f speed = velocity.cast<float>();
   const std::size_t added = set.add(positions, speed, speed);
   std::fill_n(pressure.begin() + (set.count - added), added, 0.0f);
+  std::fill_n(lasting.begin() + (set.count - added), added, 0.0f);
   return added;
 }
 
@@ -173,8 +178,10 @@ void Fluid::State::predict(float seconds, bool sorts) {
   set.sort(listed, kRows, [&](std::size_t i, std::size_t from) {
     before[i] = set.position[from];
     nextPressure[i] = pressure[from];
+    nextLasting[i] = lasting[from];
   });
   std::swap(pressure, nextPressure);
+  std::swap(lasting, nextLasting);
   set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
   set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, none);
 }
@@ -184,9 +191,16 @@ void Fluid::State::predict(float seconds, bool sorts) {
 void Fluid::State::keepVolume(float seconds) {
   const ParticleRow min = rowOf(set.room.min), max = rowOf(set.room.max);
   const float rate = pressureSeconds > 0.0f ? seconds / pressureSeconds : 0.0f;
-  const float kept = kKeptPressure * rate * rate;  // pressures are in units of displacement
+  const float scale = rate * rate,
+              share = std::min(1.0f, seconds / kLasting);  // pressures are in units of displacement
   pressureSeconds = seconds;
-  set.forEach([&](std::size_t i) { pressure[i] *= kept; });
+  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So the
+  // part that is lost is replaced by what lasts.
+  set.forEach([&](std::size_t i) {
+    const float mean = scale * (lasting[i] + share * (pressure[i] - lasting[i])), now = scale * pressure[i];
+    lasting[i] = std::min(mean, now);
+    pressure[i] = kKeptPressure * now + (1.0f - kKeptPressure) * lasting[i];
+  });
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;
     BodyTerms terms;

@@ -131,7 +131,6 @@ void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLis
     const Floats f;
     const Numbers u;
     const auto reach = hn::Set(f, k.reach), tiny = hn::Set(f, 1e-6f), one = hn::Set(f, 1.0f);
-    const auto limit = hn::Set(f, 0.25f * longest);
     Rows own = loadRows(pressed + i);
     const Walls walls = wallsOf(k, own, bodies, i);
     auto sumX = hn::Mul(own.w, walls.x), sumY = hn::Mul(own.w, walls.y), sumZ = hn::Mul(own.w, walls.z);
@@ -142,8 +141,7 @@ void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLis
       const auto distance = hn::Mul(pairs.distanceSq, inverse);
       const auto left = hn::Sub(reach, distance);
       const auto slope = hn::IfThenElseZero(pairs.near, hn::Mul(hn::Set(f, k.slope), hn::Mul(left, left)));
-      const auto wanted = hn::Mul(hn::Add(own.w, other.w), slope);
-      const auto way = hn::Max(hn::Neg(limit), hn::Min(wanted, limit));  // alike for both: momentum is kept
+      const auto way = hn::Mul(hn::Add(own.w, other.w), slope);
       const auto along = hn::Mul(way, inverse);
       sumX = hn::Add(sumX, hn::Mul(along, pairs.dx));
       sumZ = hn::Add(sumZ, hn::Mul(along, pairs.dz));
