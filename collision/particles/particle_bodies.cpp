@@ -25,16 +25,23 @@ float fromBall(const Vec3f& point, float radius, Vec3f& normal) {
   return length - radius;
 }
 
-float fromBox(const Vec3f& point, const Vec3f& half, Vec3f& normal) {
+float fromBox(const Vec3f& point, const Vec3f& half, float reach, Vec3f& normal) {
   const Vec3f over = point.cwiseAbs() - half;
-  Eigen::Index axis = 0;
-  const float most = over.maxCoeff(&axis);
+  const float most = std::max({over.x(), over.y(), over.z()});
   normal.setZero();
+  if (most >= reach) return most;
   if (most <= 0.0f) {
+    const Eigen::Index axis = over.x() == most ? 0 : over.y() == most ? 1 : 2;
     normal[axis] = signOf(point[axis]);
     return most;
   }
+  // Beside one face only, which is the most frequent case.
+  const float sides = std::max(over.x(), 0.0f) + std::max(over.y(), 0.0f) + std::max(over.z(), 0.0f);
   for (Eigen::Index k = 0; k < 3; ++k) normal[k] = signOf(point[k]) * std::max(over[k], 0.0f);
+  if (sides == most) {
+    normal /= most;
+    return most;
+  }
   const float distance = std::sqrt(normal.x() * normal.x() + normal.y() * normal.y() + normal.z() * normal.z());
   normal /= distance;
   return distance;
@@ -44,7 +51,7 @@ float fromCylinder(const Vec3f& point, float radius, float half, Vec3f& normal) 
   const float around = std::sqrt(point.x() * point.x() + point.z() * point.z());
   const Vec3f away = around > 1e-9f ? Vec3f(point.x() / around, 0.0f, point.z() / around) : Vec3f::UnitX();
   Vec3f flat;
-  const float distance = fromBox({around, point.y(), 0.0f}, {radius, half, 1.0f}, flat);
+  const float distance = fromBox({around, point.y(), 0.0f}, {radius, half, 1.0f}, 1e9f, flat);
   normal = flat.x() * away + Vec3f(0.0f, flat.y(), 0.0f);
   return distance;
 }
@@ -67,6 +74,22 @@ float fromHulls(std::span<const ParticleBody::Hull> hulls, const Vec3f& point, V
   return nearest;
 }
 
+/// Half the sides of a box around it, own frame; not of kHulls.
+Vec3f boundsOf(const ParticleBody& body) {
+  const Vec3f half = body.halfExtents.cast<float>();
+  switch (body.shape) {
+    case ParticleBody::Shape::kSphere:
+      return Vec3f::Constant(half.x());
+    case ParticleBody::Shape::kCapsule:
+    case ParticleBody::Shape::kCylinder:
+      return {half.x(), half.y(), half.x()};
+    case ParticleBody::Shape::kBox:
+    case ParticleBody::Shape::kHulls:
+      break;
+  }
+  return half;
+}
+
 Quat turnedBy(const Vec3& turn, const Quat& rotation) {
   // Without trigonometry, so that every machine gives the same result.
   Quat by(1.0, 0.5 * turn.x(), 0.5 * turn.y(), 0.5 * turn.z());
@@ -80,11 +103,11 @@ Vec3 clamped(const Vec3& v, double longest) {
 
 }  // namespace
 
-float distanceFrom(const ParticleBody& body, const Vec3f& point, Vec3f& normal) {
+float distanceFrom(const ParticleBody& body, const Vec3f& point, float reach, Vec3f& normal) {
   const Vec3f half = body.halfExtents.cast<float>();
   switch (body.shape) {
     case ParticleBody::Shape::kBox:
-      return fromBox(point, half, normal);
+      return fromBox(point, half, reach, normal);
     case ParticleBody::Shape::kSphere:
       return fromBall(point, half.x(), normal);
     case ParticleBody::Shape::kCapsule: {
@@ -103,7 +126,7 @@ bool isWithin(std::span<const ParticleBody> bodies, const Vec3f& point, float aw
   return std::any_of(bodies.begin(), bodies.end(), [&](const ParticleBody& body) {
     const Vec3 own = body.from.worldFromBody.inverse() * point.cast<double>();
     Vec3f normal;
-    return own.norm() < body.radius + away && distanceFrom(body, own.cast<float>(), normal) < away;
+    return own.norm() < body.radius + away && distanceFrom(body, own.cast<float>(), away, normal) < away;
   });
 }
 
@@ -182,15 +205,21 @@ void ParticleBodies::gather(const ParticleGrid& grid, std::span<const ParticleRo
                             float moved) {
   candidates_.clear();
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const ParticleBody& body = bodies_[b];
     const Vec3f center = states_[b].position.cast<float>();
-    const float near = static_cast<float>(bodies_[b].radius) + reach, far = near + moved;
-    grid.visitRuns({center.x() - far, center.y() - far, center.z() - far},
-                   {center.x() + far, center.y() + far, center.z() + far},
+    const Vec3f extent = body.shape == ParticleBody::Shape::kHulls
+                             ? Vec3f(Vec3f::Constant(static_cast<float>(body.radius)))
+                             : Vec3f(states_[b].bodyFromWorld.transpose().cwiseAbs() * boundsOf(body));
+    const Vec3f near = extent.array() + reach, far = near.array() + moved;
+    grid.visitRuns({center.x() - far.x(), center.y() - far.y(), center.z() - far.z()},
+                   {center.x() + far.x(), center.y() + far.y(), center.z() + far.z()},
                    [&](std::uint32_t first, std::uint32_t last) {
                      for (std::uint32_t i = first; i < last; ++i) {
                        const ParticleRow& p = positions[i];
-                       const Vec3f own(p.x - center.x(), p.y - center.y(), p.z - center.z());
-                       if (own.squaredNorm() > near * near) continue;
+                       if (std::abs(p.x - center.x()) > near.x() || std::abs(p.y - center.y()) > near.y() ||
+                           std::abs(p.z - center.z()) > near.z()) {
+                         continue;
+                       }
                        candidates_.push_back({i, static_cast<std::uint32_t>(b), 0.0f, Vec3f::Zero()});
                      }
                    });
@@ -204,8 +233,8 @@ std::span<const ParticleBodies::Contact> ParticleBodies::find(std::span<const Pa
       const State& state = states_[contact.body];
       const ParticleRow& p = positions[contact.particle];
       const Vec3f own = state.bodyFromWorld * (Vec3(p.x, p.y, p.z) - state.position).cast<float>();
-      contact.distance = distanceFrom(bodies_[contact.body], own, contact.normal);
-      contact.normal = state.bodyFromWorld.transpose() * contact.normal;
+      contact.distance = distanceFrom(bodies_[contact.body], own, reach, contact.normal);
+      if (contact.distance < reach) contact.normal = state.bodyFromWorld.transpose() * contact.normal;
     }
   });
   contacts_.clear();

@@ -31,10 +31,11 @@ struct ParticleBody {
   bool pushed = false;  ///< whether particles changed `to`
 };
 
-/// Distance of a point from a body's surface, below 0 inside [m]. Outside of kHulls it is a lower bound.
+/// Distance of a point from a body's surface, below 0 inside [m]. Outside of kHulls, and beyond the reach, it is a
+/// lower bound.
 /// @param point   in the body's frame [m]
 /// @param normal  outward there
-[[nodiscard]] float distanceFrom(const ParticleBody& body, const Vec3f& point, Vec3f& normal);
+[[nodiscard]] float distanceFrom(const ParticleBody& body, const Vec3f& point, float reach, Vec3f& normal);
 /// Whether a point in world space is nearer to one of the bodies, at the frame's begin, than `away` [m].
 [[nodiscard]] bool isWithin(std::span<const ParticleBody> bodies, const Vec3f& point, float away);
 

@@ -1,5 +1,6 @@
 #include "collision/world/world.h"
 
+#include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
@@ -195,6 +196,28 @@ TEST(ParticleProps, ManyFramesStayBoundedAndAllocateNothing) {
   }
   EXPECT_LT(allocationCount() - before, 4) << "contacts of more particles than ever before";
   for (const Vec3f& p : world.particles()->positions()) ASSERT_TRUE(p.allFinite());
+}
+
+TEST(ParticleProps, WaterWithoutAFloorFallsAndWhoStartsInThePoolIsLeft) {
+  World::Settings open;
+  open.floor = false;
+  World world(open);
+  world.addProp(box({0.1, 0.1, 0.1}, 500.0, {0.1, 0.1, 0.0}));
+  world.addProp(box({0.1, 0.1, 0.1}, 500.0, {0.14, 0.12, 0.03}));  // in the other, and both under water
+  ParticleSettings water = pool(0.5, 0.3, 0.04);
+  water.floor = false;
+  world.setParticles(water);
+  const LivePart leg = makeBoxPart(Vec3(0.06, 0.3, 0.06), at(-0.1, 0.2, 0.0));
+  for (int f = 0; f < 30; ++f) {
+    world.step({&leg, 1}, kFrame);
+    for (const Vec3f& p : world.particles()->positions()) {
+      ASSERT_TRUE(p.allFinite());
+      const Vec3 own = (leg.worldFromPart.inverse() * p.cast<double>()).cwiseAbs();
+      ASSERT_FALSE(own.x() < 0.06 && own.y() < 0.3 && own.z() < 0.06);
+    }
+  }
+  for (const Vec3f& p : world.particles()->positions()) EXPECT_LT(p.y(), -2.0f);
+  for (const Prop& prop : world.props()) EXPECT_LT(prop.velocity.norm(), 20.0);
 }
 
 }  // namespace
