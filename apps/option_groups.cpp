@@ -220,8 +220,8 @@ BodyChoice bodyChoice(const std::string& name) {
 
 void addSceneOption(CommandLine& app, std::string& scene) {
   app.addOption("--scene", scene,
-                "Scene: a scene file (.json), or boxes, bowling, bridge, curtain, dominoes, duel, sand or targets "
-                "[default: boxes and balls of the demo]")
+                "Scene: a scene file (.json), or boxes, bowling, bridge, curtain, dominoes, duel, pool, sand or "
+                "targets [default: boxes and balls of the demo]")
       ->typeName("SCENE");
 }
 

@@ -18,9 +18,12 @@ constexpr int kRows = 3;               // of the grid: a run has a dozen particl
 constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
 constexpr float kRelaxation = 0.7f;    // fraction of the density error that a pressure corrects
-constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next
+constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next; the rest is kept as its ...
+constexpr float kLasting = 0.5f;       // ... mean of about so long, and at most as much as there was [s]
 constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
 constexpr float kFastest = 5.0f;       // max motion in a substep, in spacings
+constexpr float kTouching = 0.3f;      // distance that centres keep from rigid bodies, in spacings
+constexpr double kDrag = 0.5;          // along a rigid body, multiple of the viscosity
 
 /// Density 1 for particles on a cubic lattice.
 FluidKernels makeKernels(double spacing) {
@@ -60,17 +63,34 @@ FluidKernels makeKernels(double spacing) {
           .max = {}};
 }
 
+/// What a rigid body's surface adds at a distance, as a wall does: see fluid_kernel.cpp.
+struct Wall {
+  float density, slope;
+};
+Wall wallAt(const FluidKernels& k, float distance) {
+  const float q = std::clamp(1.0f - distance / k.reach, 0.0f, 1.0f), q4 = q * q * q * q;
+  const float sum = 16.0f / 5.0f + q * (-16.0f / 3.0f + q * (24.0f / 7.0f + q * (-1.0f + q / 9.0f)));
+  return {k.wallDensity * q4 * q * sum, k.wallSlope * q4 * (1.0f / 6.0f - q * (2.0f / 15.0f))};
+}
+
 }  // namespace
 
 struct Fluid::State {
   explicit State(const FluidSettings& wanted);
 
   std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
-  void step(std::span<const LivePart> parts, double seconds);
+  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
   void predict(float seconds, bool sorts);
   void keepVolume(float seconds);
   void findMotions(float seconds);
+  void meetBodies();
+  void pressBodies(float seconds);
+  void touchBodies(float seconds);
   void pushOut(float seconds);
+  /// That any particle can be from where it was sorted [m].
+  [[nodiscard]] float farthest() const {
+    return (1.0f + (kSubstepsPerSort - 1) * kFastest + kSubstepsPerSort * kLongestMove * settings.iterations) * spacing;
+  }
 
   FluidSettings settings;
   ParticleSet set;  // motions are velocities [m/s]
@@ -78,8 +98,13 @@ struct Fluid::State {
   FluidKernels kernels;
   std::vector<ParticleRow> before;  // positions in the previous substep
   std::vector<float> pressure, nextPressure;
-  float pressureSeconds = 0.0f;    // of the substep that the pressures belong to
-  std::vector<std::uint8_t> none;  // excludes no particle from the lists
+  std::vector<float> lasting, nextLasting;  // its mean over time
+  float pressureSeconds = 0.0f;             // of the substep that the pressures belong to
+  std::vector<std::uint8_t> none;           // excludes no particle from the lists
+  double mass;                              // of a particle [kg]
+  std::vector<ParticleRow> bodyWalls;       // see BodyTerms; all 0 where no body is near
+  std::vector<float> bodyYielding;
+  std::span<const ParticleBodies::Contact> contacts;
 };
 
 Fluid::State::State(const FluidSettings& wanted)
@@ -91,7 +116,12 @@ Fluid::State::State(const FluidSettings& wanted)
       before(set.position.size()),
       pressure(set.position.size()),
       nextPressure(set.position.size()),
-      none(set.position.size()) {
+      lasting(set.position.size()),
+      nextLasting(set.position.size()),
+      none(set.position.size()),
+      mass(wanted.density * std::pow(wanted.spacing, 3.0)),
+      bodyWalls(set.position.size()),
+      bodyYielding(set.position.size()) {
   LORICA_CHECK(settings.spacing > 0.0 && settings.substepSeconds > 0.0 && settings.iterations > 0,
                "particle spacing, substep length and iterations must be above 0");
   const Vec3f half(0.5f * spacing, 0.5f * spacing, 0.5f * spacing);
@@ -103,21 +133,28 @@ std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velo
   const Vec3f speed = velocity.cast<float>();
   const std::size_t added = set.add(positions, speed, speed);
   std::fill_n(pressure.begin() + (set.count - added), added, 0.0f);
+  std::fill_n(lasting.begin() + (set.count - added), added, 0.0f);
   return added;
 }
 
-void Fluid::State::step(std::span<const LivePart> parts, double seconds) {
+void Fluid::State::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
   if (set.count == 0) return;
-  const ParticleSet::Substeps substeps = set.beginFrame(parts, seconds, settings.substepSeconds);
+  const ParticleSet::Substeps substeps = set.beginFrame(parts, bodies, seconds, settings.substepSeconds);
   for (int substep = 0; substep < substeps.count; ++substep) {
     predict(substeps.seconds, substep % kSubstepsPerSort == 0);
+    if (!set.rigid.empty()) {
+      set.rigid.advance(substep);
+      set.rigid.gather(set.grid, set.position, kernels.reach + spacing, farthest());
+    }
     keepVolume(substeps.seconds);
     findMotions(substeps.seconds);
+    if (!set.rigid.empty()) touchBodies(substeps.seconds);
     if (substeps.pushes(substep)) {
       set.body.advance(substep);
       pushOut(substeps.seconds);
     }
   }
+  set.rigid.finish();
   set.publish(1.0f);
 }
 
@@ -141,8 +178,10 @@ void Fluid::State::predict(float seconds, bool sorts) {
   set.sort(listed, kRows, [&](std::size_t i, std::size_t from) {
     before[i] = set.position[from];
     nextPressure[i] = pressure[from];
+    nextLasting[i] = lasting[from];
   });
   std::swap(pressure, nextPressure);
+  std::swap(lasting, nextLasting);
   set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
   set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, none);
 }
@@ -152,20 +191,76 @@ void Fluid::State::predict(float seconds, bool sorts) {
 void Fluid::State::keepVolume(float seconds) {
   const ParticleRow min = rowOf(set.room.min), max = rowOf(set.room.max);
   const float rate = pressureSeconds > 0.0f ? seconds / pressureSeconds : 0.0f;
-  const float kept = kKeptPressure * rate * rate;  // pressures are in units of displacement
+  const float scale = rate * rate,
+              share = std::min(1.0f, seconds / kLasting);  // pressures are in units of displacement
   pressureSeconds = seconds;
-  set.forEach([&](std::size_t i) { pressure[i] *= kept; });
+  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So the
+  // part that is lost is replaced by what lasts.
+  set.forEach([&](std::size_t i) {
+    const float mean = scale * (lasting[i] + share * (pressure[i] - lasting[i])), now = scale * pressure[i];
+    lasting[i] = std::min(mean, now);
+    pressure[i] = kKeptPressure * now + (1.0f - kKeptPressure) * lasting[i];
+  });
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;
+    BodyTerms terms;
+    if (!set.rigid.empty()) {
+      meetBodies();
+      terms = {bodyWalls.data(), bodyYielding.data()};
+    }
     set.forBlocks([&](std::size_t begin, std::size_t end) {
-      findPressures(kernels, set.position.data(), set.lists, begin, end, pressure.data(), pressed,
+      findPressures(kernels, set.position.data(), set.lists, terms, begin, end, pressure.data(), pressed,
                     set.nextPosition.data());
     });
     set.forBlocks([&](std::size_t begin, std::size_t end) {
-      movePressed(kernels, set.nextPosition.data(), set.lists, min, max, kLongestMove * spacing, begin, end,
+      movePressed(kernels, set.nextPosition.data(), set.lists, terms, min, max, kLongestMove * spacing, begin, end,
                   set.position.data());
     });
+    if (!set.rigid.empty()) pressBodies(seconds);
   }
+}
+
+// A body's surface counts as a wall. Its mass is divided among the particles near it, so that all of them together do
+// not push it farther than they should.
+void Fluid::State::meetBodies() {
+  contacts = set.rigid.find(set.position, kernels.reach);
+  for (const ParticleBodies::Contact& contact : contacts) {
+    const Wall wall = wallAt(kernels, contact.distance);
+    ParticleRow& sum = bodyWalls[contact.particle];
+    const Vec3f slope = wall.slope * contact.normal;
+    sum = {sum.x + slope.x(), sum.y + slope.y(), sum.z + slope.z(), sum.w + wall.density};
+    const double yielding = set.rigid.yielding(contact, set.position[contact.particle]);
+    bodyYielding[contact.particle] +=
+        static_cast<float>(mass * yielding * set.rigid.contactsOf(contact.body)) * wall.slope * wall.slope;
+  }
+}
+
+// What particles were moved by a body's surface, they push the body.
+void Fluid::State::pressBodies(float seconds) {
+  for (const ParticleBodies::Contact& contact : contacts) {
+    const ParticleRow& at = set.position[contact.particle];
+    const Vec3f way = -at.w * wallAt(kernels, contact.distance).slope * contact.normal;
+    set.rigid.push(contact, at, mass / seconds * way.cast<double>());
+    bodyWalls[contact.particle] = {};
+    bodyYielding[contact.particle] = 0.0f;
+  }
+  set.rigid.follow();
+}
+
+// Particles that are too fast for the pressure to hold them off, and those that the surface drags along.
+void Fluid::State::touchBodies(float seconds) {
+  const float touching = kTouching * spacing;
+  for (const ParticleBodies::Contact& contact : set.rigid.find(set.position, spacing)) {
+    ParticleRow &at = set.position[contact.particle], &motion = set.motion[contact.particle];
+    Vec3f velocity = vectorOf(motion);
+    velocity += set.rigid.drag(contact, at, velocity, mass, kDrag * settings.viscosity);
+    const double leaving = std::min(0.0f, (touching - contact.distance) / seconds);
+    velocity += set.rigid.collide(contact, at, velocity, 1.0 / mass, 0.0, leaving);
+    motion = rowOf(velocity);
+    if (contact.distance >= touching) continue;
+    at = rowOf(set.room.nearest(vectorOf(at) + (touching - contact.distance) * contact.normal));
+  }
+  set.rigid.follow();
 }
 
 // Velocities are what the particles moved, made more alike by viscosity.
@@ -182,10 +277,7 @@ void Fluid::State::findMotions(float seconds) {
 }
 
 void Fluid::State::pushOut(float seconds) {
-  // The farthest that any particle can move since the sorting.
-  const float margin =
-      (1.0f + (kSubstepsPerSort - 1) * kFastest + kSubstepsPerSort * kLongestMove * settings.iterations) * spacing;
-  if (!set.markAround(ParticleSet::Parts::kAll, margin, set.nearBody)) return;
+  if (!set.markAround(ParticleSet::Parts::kAll, farthest(), set.nearBody)) return;
   set.candidates.clear();
   set.candidateOf.clear();
   for (std::size_t i = 0; i < set.count; ++i) {
@@ -215,8 +307,8 @@ std::size_t Fluid::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   return state_->add(positions, velocity);
 }
 
-void Fluid::step(std::span<const LivePart> parts, double seconds) {
-  state_->step(parts, seconds);
+void Fluid::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
+  state_->step(parts, seconds, bodies);
 }
 
 std::span<const Vec3f> Fluid::positions() const {

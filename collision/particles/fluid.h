@@ -1,6 +1,7 @@
 #pragma once
 
 #include "collision/live/live_part.h"
+#include "collision/particles/particle_bodies.h"
 #include "geometry/math.h"
 
 #include <cstddef>
@@ -19,6 +20,7 @@ struct FluidSettings {
   std::optional<Aabb> walls;            ///< the fluid stays within its x and z range; y is ignored
   double substepSeconds = 1.0 / 120.0;  ///< max substep; a frame is divided into equal substeps
   int iterations = 2;                   ///< density iterations per substep
+  double density = 1000.0;              ///< at rest [kg/m^3]
 };
 
 /// A fluid that keeps its volume: position-based fluid (Macklin and Mueller 2013) with viscosity. The avatar's parts
@@ -41,7 +43,8 @@ class Fluid {
 
   /// Moves the fluid from the last frame to this one; the parts move from their previous to their present pose.
   /// @param seconds  above 0
-  void step(std::span<const LivePart> parts, double seconds);
+  /// @param bodies   that they meet; see ParticleBody
+  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {});
 
   [[nodiscard]] std::size_t size() const { return positions().size(); }
   /// In the order in which they were added [m].

@@ -62,10 +62,14 @@ HWY_INLINE void addWall(const FluidKernels& k, Float distance, Float away, Float
   slope = hn::Add(slope, hn::Mul(away, hn::Mul(hn::Set(f, k.wallSlope), hn::Mul(q4, own))));
 }
 
-HWY_INLINE Walls wallsOf(const FluidKernels& k, const Rows& own) {
+HWY_INLINE Walls wallsOf(const FluidKernels& k, const Rows& own, const BodyTerms& bodies, std::size_t i) {
   const Floats f;
   const auto zero = hn::Zero(f), one = hn::Set(f, 1.0f), minus = hn::Set(f, -1.0f);
   Walls walls{zero, zero, zero, zero};
+  if (bodies.walls != nullptr) {
+    const Rows body = loadRows(bodies.walls + i);
+    walls = {body.w, body.x, body.y, body.z};
+  }
   addWall(k, hn::Sub(own.x, hn::Set(f, k.min.x)), one, walls.density, walls.x);
   addWall(k, hn::Sub(hn::Set(f, k.max.x), own.x), minus, walls.density, walls.x);
   addWall(k, hn::Sub(own.y, hn::Set(f, k.min.y)), one, walls.density, walls.y);
@@ -86,13 +90,14 @@ HWY_INLINE void forVectors(const NeighbourLists& lists, std::size_t firstBlock, 
   }
 }
 
-void pressures(const FluidKernels& k, const ParticleRow* positions, const NeighbourLists& lists, std::size_t firstBlock,
-               std::size_t lastBlock, float* pressure, float pressed, ParticleRow* next) {
+void pressures(const FluidKernels& k, const ParticleRow* positions, const NeighbourLists& lists,
+               const BodyTerms& bodies, std::size_t firstBlock, std::size_t lastBlock, float* pressure, float pressed,
+               ParticleRow* next) {
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
     const auto zero = hn::Zero(f), reach = hn::Set(f, k.reach);
     Rows own = loadRows(positions + i);
-    const Walls walls = wallsOf(k, own);
+    const Walls walls = wallsOf(k, own, bodies, i);
     auto density = hn::Add(hn::Set(f, k.ownDensity), walls.density);
     auto sumX = walls.x, sumY = walls.y, sumZ = walls.z, squares = zero;
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
@@ -108,6 +113,7 @@ void pressures(const FluidKernels& k, const ParticleRow* positions, const Neighb
       sumZ = hn::Add(sumZ, hn::Mul(along, pairs.dz));
     }
     squares = hn::Add(squares, dotOf(sumX, sumY, sumZ, sumX, sumY, sumZ));
+    if (bodies.yielding != nullptr) squares = hn::Add(squares, hn::LoadU(f, bodies.yielding + i));
     const auto excess = hn::Mul(hn::Set(f, k.relaxation), hn::Sub(density, hn::Set(f, 1.0f)));
     const auto before = hn::LoadU(f, pressure + i);
     const auto after =  // a free surface does not pull
@@ -118,14 +124,15 @@ void pressures(const FluidKernels& k, const ParticleRow* positions, const Neighb
   });
 }
 
-void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLists& lists, const ParticleRow& min,
-           const ParticleRow& max, float longest, std::size_t firstBlock, std::size_t lastBlock, ParticleRow* next) {
+void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLists& lists, const BodyTerms& bodies,
+           const ParticleRow& min, const ParticleRow& max, float longest, std::size_t firstBlock, std::size_t lastBlock,
+           ParticleRow* next) {
   forVectors(lists, firstBlock, lastBlock, [&](std::size_t i, const std::uint32_t* slot, int slots) HWY_ATTR {
     const Floats f;
     const Numbers u;
     const auto reach = hn::Set(f, k.reach), tiny = hn::Set(f, 1e-6f), one = hn::Set(f, 1.0f);
     Rows own = loadRows(pressed + i);
-    const Walls walls = wallsOf(k, own);
+    const Walls walls = wallsOf(k, own, bodies, i);
     auto sumX = hn::Mul(own.w, walls.x), sumY = hn::Mul(own.w, walls.y), sumZ = hn::Mul(own.w, walls.z);
     for (int s = 0; s < slots; ++s, slot += kParticleBlock) {
       const Rows other = gatherRows(pressed, slot);
@@ -148,6 +155,7 @@ void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLis
     own.x = hn::Min(hn::Max(hn::Add(own.x, hn::Mul(rate, sumX)), hn::Set(f, min.x)), hn::Set(f, max.x));
     own.y = hn::Min(hn::Max(hn::Add(own.y, hn::Mul(rate, sumY)), hn::Set(f, min.y)), hn::Set(f, max.y));
     own.z = hn::Min(hn::Max(hn::Add(own.z, hn::Mul(rate, sumZ)), hn::Set(f, min.z)), hn::Set(f, max.z));
+    own.w = hn::Mul(rate, own.w);
     storeRows(own, next + i);
   });
 }
@@ -189,14 +197,15 @@ HWY_EXPORT(blends);
 }  // namespace
 
 void findPressures(const FluidKernels& kernels, const ParticleRow* positions, const NeighbourLists& lists,
-                   std::size_t firstBlock, std::size_t lastBlock, float* pressures, float pressed, ParticleRow* next) {
-  HWY_DYNAMIC_DISPATCH(pressures)(kernels, positions, lists, firstBlock, lastBlock, pressures, pressed, next);
+                   const BodyTerms& bodies, std::size_t firstBlock, std::size_t lastBlock, float* pressures,
+                   float pressed, ParticleRow* next) {
+  HWY_DYNAMIC_DISPATCH(pressures)(kernels, positions, lists, bodies, firstBlock, lastBlock, pressures, pressed, next);
 }
 
 void movePressed(const FluidKernels& kernels, const ParticleRow* pressed, const NeighbourLists& lists,
-                 const ParticleRow& min, const ParticleRow& max, float longest, std::size_t firstBlock,
-                 std::size_t lastBlock, ParticleRow* next) {
-  HWY_DYNAMIC_DISPATCH(moves)(kernels, pressed, lists, min, max, longest, firstBlock, lastBlock, next);
+                 const BodyTerms& bodies, const ParticleRow& min, const ParticleRow& max, float longest,
+                 std::size_t firstBlock, std::size_t lastBlock, ParticleRow* next) {
+  HWY_DYNAMIC_DISPATCH(moves)(kernels, pressed, lists, bodies, min, max, longest, firstBlock, lastBlock, next);
 }
 
 void blendMotions(const FluidKernels& kernels, const ParticleRow* positions, const ParticleRow* motions,

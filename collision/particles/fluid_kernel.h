@@ -19,19 +19,26 @@ struct FluidKernels {
   ParticleRow min, max;  ///< positions of the floor and the walls
 };
 
+/// What rigid bodies add to the particles near them, as walls do; null without any.
+struct BodyTerms {
+  const ParticleRow* walls = nullptr;  ///< slopes away from them [1/m]; w: density
+  const float* yielding = nullptr;     ///< added to the sum of squared slopes [1/m^2]
+};
+
 /// Computes how much pressure each particle of some blocks has to add to its previous one: next.w. The positions are
 /// copied to next too.
 /// @param pressures  of each particle, never below 0: updated
 /// @param pressed    1 if the positions already include these pressures, 0 if they have not been applied yet
 void findPressures(const FluidKernels& kernels, const ParticleRow* positions, const NeighbourLists& lists,
-                   std::size_t firstBlock, std::size_t lastBlock, float* pressures, float pressed, ParticleRow* next);
+                   const BodyTerms& bodies, std::size_t firstBlock, std::size_t lastBlock, float* pressures,
+                   float pressed, ParticleRow* next);
 
-/// Moves particles apart along those slopes.
+/// Moves particles apart along those slopes. In next.w is the pressure that was applied.
 /// @param longest   max displacement of a particle [m]
 /// @param min, max  bounds of the positions
 void movePressed(const FluidKernels& kernels, const ParticleRow* pressed, const NeighbourLists& lists,
-                 const ParticleRow& min, const ParticleRow& max, float longest, std::size_t firstBlock,
-                 std::size_t lastBlock, ParticleRow* next);
+                 const BodyTerms& bodies, const ParticleRow& min, const ParticleRow& max, float longest,
+                 std::size_t firstBlock, std::size_t lastBlock, ParticleRow* next);
 
 /// Makes the velocities of neighbours more alike (XSPH).
 /// @param viscosity  0 to 1: fraction of the weighted mean difference

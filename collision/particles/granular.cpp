@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 
 namespace lorica {
 namespace {
@@ -22,6 +23,9 @@ constexpr float kQuiet = 0.7f;       // of the displacement by gravity in a subs
 constexpr float kRousing = 2.5f;     // multiple of that displacement that wakes sleeping neighbours
 constexpr float kAsleep = 24.0f;     // quiet substeps until a grain sleeps
 constexpr float kRoused = 16.0f;     // quiet count after something near has moved
+constexpr float kTouching = 1.15f;   // distance at which rigid bodies are met, in radii
+constexpr double kCarrying = 30.0;   // a grain that is pressed down counts as this many: others carry it
+constexpr int kSweeps = 4;           // over the contacts with rigid bodies
 constexpr float kHeldOnBody = 0.0006f;  // a grain resting on the body stays if it is pushed by less than this [m]
 
 /// A grain that moves less in a substep is held [m].
@@ -35,10 +39,11 @@ struct Granular::State {
   explicit State(const GranularSettings& wanted);
 
   std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
-  void step(std::span<const LivePart> parts, double seconds);
+  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
   void sort(float seconds);
   void findNeighbours();
   void stepContacts(float seconds);
+  void touchBodies(float seconds);
   void pushOut(float seconds);
   void rouse(float seconds);
 
@@ -47,6 +52,7 @@ struct Granular::State {
   float diameter;
   float motionSeconds;  // of the substeps that the motions belong to
   std::vector<std::uint8_t> asleep, woken;
+  double mass;  // of a grain [kg]
 };
 
 Granular::State::State(const GranularSettings& wanted)
@@ -55,7 +61,8 @@ Granular::State::State(const GranularSettings& wanted)
       diameter(2.0f * static_cast<float>(wanted.radius)),
       motionSeconds(static_cast<float>(wanted.substepSeconds)),
       asleep(set.position.size(), std::uint8_t{1}),
-      woken(wanted.capacity) {
+      woken(wanted.capacity),
+      mass(wanted.density * (4.0 / 3.0) * std::numbers::pi * std::pow(wanted.radius, 3.0)) {
   LORICA_CHECK(settings.radius > 0.0 && settings.substepSeconds > 0.0,
                "grain radius and substep length must be above 0");
 }
@@ -67,22 +74,28 @@ std::size_t Granular::State::add(std::span<const Vec3f> positions, const Vec3& v
   return added;
 }
 
-void Granular::State::step(std::span<const LivePart> parts, double seconds) {
+void Granular::State::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
   if (set.count == 0) return;
-  const ParticleSet::Substeps substeps = set.beginFrame(parts, seconds, settings.substepSeconds);
+  const ParticleSet::Substeps substeps = set.beginFrame(parts, bodies, seconds, settings.substepSeconds);
   set.markAround(ParticleSet::Parts::kMoving, 2.0f * diameter, woken);
+  set.rigid.markAround(set.grid, diameter, woken);
   for (int substep = 0; substep < substeps.count; ++substep) {
     if (substep % kSubstepsPerSort == 0) {
       sort(substeps.seconds);
       findNeighbours();
     }
     stepContacts(substeps.seconds);
+    if (!set.rigid.empty()) {
+      set.rigid.advance(substep);
+      touchBodies(substeps.seconds);
+    }
     if (substeps.pushes(substep)) {
       set.body.advance(substep);
       pushOut(substeps.seconds);
     }
     if (substep % kSubstepsPerSort == kSubstepsPerSort - 1 || substep == substeps.count - 1) rouse(substeps.seconds);
   }
+  set.rigid.finish();
   set.publish(substeps.seconds);
 }
 
@@ -158,6 +171,36 @@ void Granular::State::stepContacts(float seconds) {
   set.forBlocks([&](std::size_t begin, std::size_t end) { stepGrains(pass, set.lists, begin, end); });
   std::swap(set.position, set.nextPosition);
   std::swap(set.motion, set.nextMotion);
+}
+
+// A sleeping grain holds a rigid body as the ground does. One that is pressed down is carried by those below it.
+void Granular::State::touchBodies(float seconds) {
+  const auto radius = static_cast<float>(settings.radius);
+  set.rigid.gather(set.grid, set.position, 2.0f * radius, (kSubstepsPerSort * kFastest + 1.0f) * diameter);
+  const std::span<const ParticleBodies::Contact> contacts = set.rigid.find(set.position, kTouching * radius);
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    for (const ParticleBodies::Contact& contact : contacts) {
+      const ParticleRow& at = set.position[contact.particle];
+      ParticleRow& motion = set.motion[contact.particle];
+      const bool holds = asleep[contact.particle] != 0;
+      const float deep = radius - contact.distance;
+      const double carried = 1.0 + kCarrying * std::max(0.0f, -contact.normal.y());
+      const double leaving = deep < 0.0f ? deep / seconds : holds ? std::min(kOpening, kDeep * deep / seconds) : 0.0f;
+      const Vec3f velocity = vectorOf(motion) / seconds;
+      const Vec3f change =
+          set.rigid.collide(contact, at, velocity, holds ? 0.0 : 1.0 / (mass * carried), settings.friction, leaving);
+      if (!holds) motion = rowOf(vectorOf(motion) + seconds * change, motion.w);
+    }
+  }
+  set.rigid.follow();
+  for (const ParticleBodies::Contact& contact : contacts) {
+    if (asleep[contact.particle] != 0) continue;
+    ParticleRow &at = set.position[contact.particle], &motion = set.motion[contact.particle];
+    const Vec3f way = vectorOf(motion);
+    const float length = way.norm(), deep = radius - contact.distance;
+    if (length > kFastest * diameter) motion = rowOf(kFastest * diameter / length * way, motion.w);
+    if (deep > 0.0f) at = rowOf(set.room.nearest(vectorOf(at) + std::min(deep, diameter) * contact.normal), at.w);
+  }
 }
 
 // Applied last: the body's motion is given and cannot be changed by grains.
@@ -236,8 +279,8 @@ std::size_t Granular::add(std::span<const Vec3f> positions, const Vec3& velocity
   return state_->add(positions, velocity);
 }
 
-void Granular::step(std::span<const LivePart> parts, double seconds) {
-  state_->step(parts, seconds);
+void Granular::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
+  state_->step(parts, seconds, bodies);
 }
 
 std::span<const Vec3f> Granular::positions() const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "collision/live/live_part.h"
+#include "collision/particles/particle_bodies.h"
 #include "geometry/math.h"
 
 #include <cstddef>
@@ -15,6 +16,7 @@ struct GranularSettings {
   double radius = 0.01;                 ///< of a grain [m]
   double friction = 0.4;                ///< Coulomb's coefficient, among grains, with the floor and the body
   Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
+  double density = 2600.0;              ///< of a grain [kg/m^3]
   bool floor = true;                    ///< at y = 0
   std::optional<Aabb> walls;            ///< the grains stay within its x and z range; y is ignored
   double substepSeconds = 1.0 / 240.0;  ///< max substep; a frame is divided into equal substeps
@@ -40,7 +42,8 @@ class Granular {
 
   /// Moves the grains from the last frame to this one; the parts move from their previous to their present pose.
   /// @param seconds  above 0
-  void step(std::span<const LivePart> parts, double seconds);
+  /// @param bodies   that they meet; see ParticleBody
+  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {});
 
   [[nodiscard]] std::size_t size() const { return positions().size(); }
   /// Centres, in the order in which they were added [m].

@@ -13,21 +13,6 @@ constexpr double kFastestPart = 25.0;  // as in World [m/s]
 constexpr double kOutside = 1e-5;      // distance beyond a surface after leaving along a ray [m]
 constexpr std::size_t kTouchesAtOnce = 64;
 
-/// Interpolates a rigid motion: linear translation and nearly uniform rotation. Without trigonometry, so that every
-/// machine gives the same result.
-Isometry3 between(const Isometry3& from, const Isometry3& to, double fraction) {
-  const Quat a(from.linear());
-  Quat b(to.linear());
-  if (a.dot(b) < 0.0) b.coeffs() = -b.coeffs();
-  Quat turned;
-  turned.coeffs() = (1.0 - fraction) * a.coeffs() + fraction * b.coeffs();
-  turned.normalize();
-  Isometry3 result = Isometry3::Identity();
-  result.linear() = turned.toRotationMatrix();
-  result.translation() = (1.0 - fraction) * from.translation() + fraction * to.translation();
-  return result;
-}
-
 void extend(ParticleObstacle::Sweep& bounds, const LivePart& part, const Isometry3& worldFromPart) {
   for (const Vec3& v : part.shape.vertices) {
     const Vec3f p = (worldFromPart * v).cast<float>();
@@ -41,6 +26,19 @@ void extend(ParticleObstacle::Sweep& bounds, const LivePart& part, const Isometr
 constexpr ParticleObstacle::Sweep kNowhere{{1e9f, 1e9f, 1e9f}, {-1e9f, -1e9f, -1e9f}, false};
 
 }  // namespace
+
+Isometry3 between(const Isometry3& from, const Isometry3& to, double fraction) {
+  const Quat a(from.linear());
+  Quat b(to.linear());
+  if (a.dot(b) < 0.0) b.coeffs() = -b.coeffs();
+  Quat turned;
+  turned.coeffs() = (1.0 - fraction) * a.coeffs() + fraction * b.coeffs();
+  turned.normalize();
+  Isometry3 result = Isometry3::Identity();
+  result.linear() = turned.toRotationMatrix();
+  result.translation() = (1.0 - fraction) * from.translation() + fraction * to.translation();
+  return result;
+}
 
 ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double radius) {
   ParticleRoom room;

@@ -25,6 +25,10 @@ struct ParticleRoom {
 /// @param radius  min distance of centres from both [m]
 [[nodiscard]] ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double radius);
 
+/// Interpolates a rigid motion: linear translation and nearly uniform rotation. Without trigonometry, so that every
+/// machine gives the same result.
+[[nodiscard]] Isometry3 between(const Isometry3& from, const Isometry3& to, double fraction);
+
 /// The avatar as an obstacle to simulated particles: its parts move through a frame in substeps and push particles out.
 /// Allocates only for more or larger parts than ever before.
 class ParticleObstacle {

@@ -43,13 +43,14 @@ std::size_t ParticleSet::add(std::span<const Vec3f> given, const Vec3f& ownMotio
   return count - before;
 }
 
-ParticleSet::Substeps ParticleSet::beginFrame(std::span<const LivePart> parts, double seconds,
-                                              double maxSubstepSeconds) {
+ParticleSet::Substeps ParticleSet::beginFrame(std::span<const LivePart> parts, std::span<ParticleBody> bodies,
+                                              double seconds, double maxSubstepSeconds) {
   LORICA_CHECK(seconds > 0.0 && std::isfinite(seconds), "the length of a particle step must be finite and above 0");
   Substeps substeps;
   substeps.count = std::max(1, static_cast<int>(std::ceil(seconds / maxSubstepSeconds - 1e-6)));
   substeps.seconds = seconds / substeps.count;
   body.begin(parts, seconds, substeps.count);
+  rigid.begin(bodies, seconds, substeps.count);
   return substeps;
 }
 

@@ -2,6 +2,7 @@
 
 #include "collision/live/live_part.h"
 #include "collision/particles/neighbour_lists.h"
+#include "collision/particles/particle_bodies.h"
 #include "collision/particles/particle_grid.h"
 #include "collision/particles/particle_obstacle.h"
 #include "collision/particles/particle_ranges.h"
@@ -40,7 +41,8 @@ struct ParticleSet {
     static constexpr int kPerPush = 2;
     [[nodiscard]] bool pushes(int substep) const { return (count - substep) % kPerPush == 1; }
   };
-  Substeps beginFrame(std::span<const LivePart> parts, double seconds, double maxSubstepSeconds);
+  Substeps beginFrame(std::span<const LivePart> parts, std::span<ParticleBody> rigid, double seconds,
+                      double maxSubstepSeconds);
 
   /// Calls work(i) for each particle, on all threads.
   template <class Work>
@@ -92,6 +94,7 @@ struct ParticleSet {
   ParticleGrid grid;
   NeighbourLists lists;
   ParticleObstacle body;
+  ParticleBodies rigid;
   std::vector<Vec3f> candidates;  // positions of particles that the body may touch
   std::vector<std::uint32_t> candidateOf;
   std::vector<Vec3f> positions, velocities;  // by id

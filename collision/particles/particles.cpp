@@ -54,7 +54,7 @@ void shuffle(std::vector<Vec3f>& disc) {
 
 }  // namespace
 
-Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
+Particles::Particles(const ParticleSettings& settings, std::span<const ParticleBody> bodies) : settings_(settings) {
   LORICA_CHECK(settings.radius > 0.0, "the particle radius must be above 0");
   const std::size_t capacity = countOf(settings);
   if (settings.kind == ParticleSettings::Kind::kSand) {
@@ -77,7 +77,7 @@ Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
     water_.emplace(water);
   }
   added_.reserve(capacity);
-  for (const ParticleSettings::Fill& box : settings.fills) fill(box);
+  for (const ParticleSettings::Fill& box : settings.fills) fill(box, bodies);
   sources_.resize(settings.pours.size());
   for (std::size_t i = 0; i < sources_.size(); ++i) {
     const double step = 2.0 * settings.radius * kApart, radius = settings.pours[i].radius;
@@ -92,7 +92,7 @@ Particles::Particles(const ParticleSettings& settings) : settings_(settings) {
   }
 }
 
-void Particles::fill(const ParticleSettings::Fill& fill) {
+void Particles::fill(const ParticleSettings::Fill& fill, std::span<const ParticleBody> bodies) {
   const Lattice lattice = latticeIn(settings_, fill);
   const double step = 2.0 * settings_.radius * kApart;
   RandomNumbers random(kSeed);
@@ -104,7 +104,8 @@ void Particles::fill(const ParticleSettings::Fill& fill) {
                                 z - 0.5 * (lattice.counts[2] - 1));
     // Exactly stacked grains would stand as columns.
     for (Eigen::Index axis = 0; axis < 3; ++axis) position[axis] += kJitter * step * random.between(-0.5, 0.5);
-    added_.push_back((fill.middle + position).cast<float>());
+    const Vec3f at = (fill.middle + position).cast<float>();
+    if (!isWithin(bodies, at, static_cast<float>(settings_.radius))) added_.push_back(at);
   }
   add(added_, Vec3::Zero());
 }
@@ -144,16 +145,16 @@ void Particles::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   }
 }
 
-void Particles::move(std::span<const LivePart> parts, double seconds) {
+void Particles::move(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
   for (std::size_t i = 0; i < sources_.size(); ++i) pour(i, seconds);
   if (sand_) {
-    sand_->step(parts, seconds);
+    sand_->step(parts, seconds, bodies);
   } else {
-    water_->step(parts, seconds);
+    water_->step(parts, seconds, bodies);
   }
 }
 
-bool Particles::settle(std::span<const LivePart> parts) {
+bool Particles::settle(std::span<const LivePart> parts, std::span<const ParticleBody> bodies) {
   if (settled()) return true;
   settled_ = true;
   std::vector<LivePart> still(parts.begin(), parts.end());
@@ -161,16 +162,22 @@ bool Particles::settle(std::span<const LivePart> parts) {
     part.previousWorldFromPart = part.worldFromPart;
     part.reshaped = false;
   }
+  std::vector<ParticleBody> held(bodies.begin(), bodies.end());
+  for (ParticleBody& body : held) {
+    body.from.velocity = body.from.angularVelocity = body.inverseInertia = Vec3::Zero();
+    body.to = body.from;
+    body.inverseMass = 0.0;
+  }
   const int frames = std::ceil(settings_.settleSeconds / kSettlingFrame - 1e-6);
   for (int frame = 1; frame <= frames; ++frame) {
-    move(still, kSettlingFrame);
+    move(still, kSettlingFrame, held);
     if (settlingWatch_ && !settlingWatch_(frame, frames)) return false;
   }
   return true;
 }
 
-void Particles::step(std::span<const LivePart> parts, double seconds) {
-  if (settle(parts)) move(parts, seconds);
+void Particles::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
+  if (settle(parts, bodies)) move(parts, seconds, bodies);
 }
 
 std::span<const Vec3f> Particles::positions() const {

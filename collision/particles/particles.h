@@ -48,14 +48,16 @@ struct ParticleSettings {
 /// Sand or water with its sources, moved frame by frame. The same settings and parts give the same bits.
 class Particles {
  public:
-  explicit Particles(const ParticleSettings& settings);
+  /// @param bodies  that no particle starts in
+  explicit Particles(const ParticleSettings& settings, std::span<const ParticleBody> bodies = {});
 
   /// Advances by a frame. The first call also settles the particles, unless settle() has done so.
   /// @param seconds  above 0
-  void step(std::span<const LivePart> parts, double seconds);
+  /// @param bodies   that meet them; while they settle the bodies stay at the frame's begin
+  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {});
   /// Settles the particles around parts that stand, before the first step. Costs as much as that many frames.
   /// @return false if the watch stopped it; a step that it begins then ends with it
-  bool settle(std::span<const LivePart> parts);
+  bool settle(std::span<const LivePart> parts, std::span<const ParticleBody> bodies = {});
   /// Whether they have settled or need not.
   [[nodiscard]] bool settled() const { return settled_ || settings_.settleSeconds <= 0.0; }
   /// Called after each frame of settling, in the thread that settles. @return false = settle no further
@@ -68,10 +70,10 @@ class Particles {
   [[nodiscard]] std::span<const Vec3f> velocities() const;
 
  private:
-  void fill(const ParticleSettings::Fill& fill);
+  void fill(const ParticleSettings::Fill& fill, std::span<const ParticleBody> bodies);
   void pour(std::size_t source, double seconds);
   void add(std::span<const Vec3f> positions, const Vec3& velocity);
-  void move(std::span<const LivePart> parts, double seconds);
+  void move(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
 
   ParticleSettings settings_;
   std::optional<Granular> sand_;

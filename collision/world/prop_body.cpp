@@ -8,6 +8,8 @@
 #include <btBulletCollisionCommon.h>
 
 #include <algorithm>
+#include <array>
+#include <numbers>
 
 namespace lorica {
 namespace {
@@ -16,6 +18,7 @@ namespace {
 // hulls shrink by at most the given share of their inner radius.
 constexpr btScalar kHullMargin = 0.005f;
 constexpr btScalar kMaxShrunk = 0.3f;
+constexpr double kLightest = 50.0;  // density of props, for particles [kg/m^3]
 
 /// A hull for Bullet, with edges and corners rounded by at most kHullMargin.
 std::unique_ptr<PartShape> hullShape(const ConvexHull& hull, const Isometry3& massFromProp) {
@@ -36,6 +39,23 @@ std::unique_ptr<PartShape> hullShape(const ConvexHull& hull, const Isometry3& ma
   return shape;
 }
 
+/// The planes of a hull's faces, each once.
+ParticleBody::Hull facesOf(const ConvexHull& hull, const Isometry3& massFromProp) {
+  ParticleBody::Hull faces;
+  faces.reserve(hull.triangles.size());
+  for (const Triangle& t : hull.triangles) {
+    const Vec3 corner = massFromProp * hull.vertices[t[0]];
+    const Vec3 area = (massFromProp * hull.vertices[t[1]] - corner).cross(massFromProp * hull.vertices[t[2]] - corner);
+    if (!(area.norm() > 1e-12)) continue;
+    const Vec3f normal = area.normalized().cast<float>();
+    const Eigen::Vector4f face(normal.x(), normal.y(), normal.z(), normal.dot(corner.cast<float>()));
+    const bool known = std::any_of(faces.begin(), faces.end(),
+                                   [&](const Eigen::Vector4f& f) { return (f - face).squaredNorm() < 1e-10f; });
+    if (!known) faces.push_back(face);
+  }
+  return faces;
+}
+
 /// @return moments of inertia along the axes of the body [kg m^2]
 Vec3 takeMesh(const Prop& prop, PropBody& body) {
   LORICA_CHECK(prop.mesh != nullptr && !prop.mesh->hulls.empty() && prop.mesh->solid.volume > 0.0,
@@ -47,11 +67,13 @@ Vec3 takeMesh(const Prop& prop, PropBody& body) {
   propFromMass.translation() = mesh.solid.center;
   body.massFromProp = propFromMass.inverse();
   body.centered = false;
+  body.volume = mesh.solid.volume;
   body.radius = 0.0;
   auto compound = std::make_unique<btCompoundShape>(true, countOf(mesh.hulls));
   for (const ConvexHull& hull : mesh.hulls) {
     for (const Vec3& v : hull.vertices) body.radius = std::max(body.radius, (v - mesh.solid.center).norm());
     body.hulls.push_back(hullShape(hull, body.massFromProp));
+    body.faces.push_back(facesOf(hull, body.massFromProp));
     compound->addChildShape(btTransform::getIdentity(), body.hulls.back().get());
   }
   body.shape = std::move(compound);
@@ -61,22 +83,27 @@ Vec3 takeMesh(const Prop& prop, PropBody& body) {
 /// @return moments of inertia along the axes of the body [kg m^2]
 btVector3 takeShape(const Prop& prop, PropBody& body) {
   const btScalar radius = prop.halfExtents.x();
+  const double square = std::numbers::pi * prop.halfExtents.x() * prop.halfExtents.x();
   body.radius = boundingRadius(prop);
   switch (prop.shape) {
     case PropShape::kBox:
+      body.volume = 8.0 * prop.halfExtents.prod();
       body.shape = std::make_unique<btBoxShape>(toBullet(prop.halfExtents));
       break;
     case PropShape::kSphere:
+      body.volume = 4.0 / 3.0 * square * prop.halfExtents.x();
       body.shape = std::make_unique<btSphereShape>(radius);
       body.round = true;
       break;
     case PropShape::kCapsule: {
       const double straight = 2.0 * (prop.halfExtents.y() - prop.halfExtents.x());
       LORICA_CHECK(straight >= 0.0, "a capsule must be at least as high as wide");
+      body.volume = square * (straight + 4.0 / 3.0 * prop.halfExtents.x());
       body.shape = std::make_unique<btCapsuleShape>(radius, static_cast<btScalar>(straight));
       break;
     }
     case PropShape::kCylinder:
+      body.volume = 2.0 * square * prop.halfExtents.y();
       body.shape = std::make_unique<btCylinderShape>(
           toBullet(Vec3(prop.halfExtents.x(), prop.halfExtents.y(), prop.halfExtents.x())));
       break;
@@ -95,6 +122,40 @@ void PropBody::read(Prop& prop) const {
   if (!centered) prop.worldFromProp = prop.worldFromProp * massFromProp;
   prop.velocity = fromBullet(body->getLinearVelocity());
   prop.angularVelocity = fromBullet(body->getAngularVelocity());
+}
+
+ParticleBody::Motion PropBody::motion() const {
+  return {fromBullet(body->getWorldTransform()), fromBullet(body->getLinearVelocity()),
+          fromBullet(body->getAngularVelocity())};
+}
+
+ParticleBody PropBody::forParticles(const Prop& prop) const {
+  constexpr std::array<ParticleBody::Shape, kPropShapeCount + 1> kShapes = {
+      ParticleBody::Shape::kBox, ParticleBody::Shape::kSphere, ParticleBody::Shape::kCapsule,
+      ParticleBody::Shape::kCylinder, ParticleBody::Shape::kHulls};
+  ParticleBody result;
+  result.shape = kShapes[static_cast<std::size_t>(prop.shape)];
+  result.halfExtents = prop.halfExtents;
+  result.hulls = faces;
+  result.radius = radius;
+  // What is lighter answers as if it were not: bubbles would be shot out of the water.
+  const double lighter = std::min(1.0, prop.mass / (kLightest * volume));
+  result.inverseMass = lighter * body->getInvMass();
+  result.inverseInertia = lighter * fromBullet(body->getInvInertiaDiagLocal());
+  result.from = result.to = motion();
+  return result;
+}
+
+void PropBody::move(const ParticleBody::Motion& to) {
+  const btTransform world = toBullet(Quat(to.worldFromBody.linear()), to.worldFromBody.translation());
+  body->setWorldTransform(world);
+  body->setInterpolationWorldTransform(world);
+  body->setLinearVelocity(toBullet(to.velocity));
+  body->setAngularVelocity(toBullet(to.angularVelocity));
+  body->setInterpolationLinearVelocity(body->getLinearVelocity());
+  body->setInterpolationAngularVelocity(body->getAngularVelocity());
+  body->updateInertiaTensor();
+  body->activate();
 }
 
 PropBody makePropBody(const Prop& prop, int index) {

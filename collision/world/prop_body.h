@@ -1,5 +1,6 @@
 #pragma once
 
+#include "collision/particles/particle_bodies.h"
 #include "collision/world/part_shape.h"
 #include "collision/world/prop.h"
 
@@ -19,7 +20,9 @@ struct PropBody {
   std::vector<std::unique_ptr<PartShape>> hulls;  ///< of a mesh, in the frame of its principal axes
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> body;
+  std::vector<ParticleBody::Hull> faces;  ///< of a mesh's hulls, for particles
   Isometry3 massFromProp = Isometry3::Identity();
+  double volume = 0.0;  ///< [m^3]
   double radius = 0.0;  ///< around the centre of mass [m]
   bool round = false;
   bool centered = true;       ///< massFromProp is the identity
@@ -31,6 +34,11 @@ struct PropBody {
   [[nodiscard]] double speed() const { return body->getLinearVelocity().length() + spin(); }
   /// Writes the body's pose and velocities to the prop.
   void read(Prop& prop) const;
+  /// As particles meet it, at rest where it is.
+  [[nodiscard]] ParticleBody forParticles(const Prop& prop) const;
+  [[nodiscard]] ParticleBody::Motion motion() const;
+  /// Takes over what particles made of its motion.
+  void move(const ParticleBody::Motion& motion);
 };
 
 /// @param index  of the prop, reported in contacts

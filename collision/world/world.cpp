@@ -188,6 +188,30 @@ void World::Impl::readProps() {
   for (std::size_t i = 0; i < props.size(); ++i) propBodies[i].read(props[i]);
 }
 
+std::vector<ParticleBody>& World::Impl::bodiesBefore() {
+  met.clear();
+  for (std::size_t i = 0; i < props.size(); ++i) met.push_back(propBodies[i].forParticles(props[i]));
+  return met;
+}
+
+std::span<ParticleBody> World::Impl::bodiesAfter(double seconds) {
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    met[i].to = propBodies[i].motion();
+    // A body that sleeps has not fallen, and must not rise as if it had no weight.
+    if (!isAwake(*propBodies[i].body) && met[i].inverseMass > 0.0) met[i].to.velocity += seconds * settings.gravity;
+  }
+  return met;
+}
+
+void World::Impl::takeBodies() {
+  for (std::size_t i = 0; i < met.size(); ++i) {
+    if (!met[i].pushed || met[i].inverseMass == 0.0) continue;
+    propBodies[i].move(met[i].to);
+    keepAboveFloor(*propBodies[i].body);
+    propBodies[i].read(props[i]);
+  }
+}
+
 /// Contact settings for a substep. One of maximum length corrects a fifth of each overlap and of each joint's position
 /// error; shorter substeps correct less. Otherwise a chain stretched by an arm would snap back faster in shorter
 /// substeps.
@@ -238,11 +262,11 @@ void World::addLink(int a, int b, const Vec3& position) {
 }
 
 void World::setParticles(const ParticleSettings& settings) {
-  particles_ = std::make_unique<Particles>(settings);
+  particles_ = std::make_unique<Particles>(settings, impl_->bodiesBefore());
 }
 
 void World::settle(std::span<const std::span<const LivePart>> avatars) {
-  if (particles_) particles_->settle(partsForParticles(avatars));
+  if (particles_) particles_->settle(partsForParticles(avatars), impl_->bodiesBefore());
 }
 
 void World::watchSettling(Particles::SettlingWatch watch) {
@@ -257,6 +281,7 @@ void World::stepAvatars(std::span<const std::span<const LivePart>> avatars, doub
   impl_->findReaches(seconds);
   impl_->takeParts(avatars, seconds);
   impl_->followSurfaces();
+  if (particles_) impl_->bodiesBefore();
 
   if (seconds > 0.0) {
     if (impl_->crowd.present) {
@@ -279,7 +304,8 @@ void World::stepAvatars(std::span<const std::span<const LivePart>> avatars, doub
   particleSeconds_ = 0.0;
   if (particles_ && seconds > 0.0) {
     const auto begin = std::chrono::steady_clock::now();
-    particles_->step(partsForParticles(avatars), seconds);
+    particles_->step(partsForParticles(avatars), seconds, impl_->bodiesAfter(seconds));
+    impl_->takeBodies();
     particleSeconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   }
 }

@@ -98,8 +98,8 @@ class World {
   void release(const Vec3& velocity = Vec3::Zero());
   [[nodiscard]] std::optional<PropGrab> held() const;
 
-  /// Adds sand or water that the parts push, and replaces earlier particles. Props and particles pass through each
-  /// other.
+  /// Adds sand or water that the parts push, and replaces earlier particles. Props and particles push each other;
+  /// none starts in a prop that is there already.
   void setParticles(const ParticleSettings& settings);
   /// Null if there are none.
   [[nodiscard]] const Particles* particles() const { return particles_.get(); }

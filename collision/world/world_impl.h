@@ -108,7 +108,8 @@ struct World::Impl {
   std::vector<std::unique_ptr<btTypedConstraint>> links;
   std::vector<Prop> props;
   std::vector<Contact> contacts;
-  std::deque<int> thrown;  ///< oldest first
+  std::vector<ParticleBody> met;  ///< of the props, while particles move
+  std::deque<int> thrown;         ///< oldest first
   std::optional<GrabAnchor> grabbed;
   bool overlapsResolved = false;
 
@@ -149,6 +150,10 @@ struct World::Impl {
   void keepAboveFloor(btRigidBody& body) const;
   static void noteContact(std::vector<Contact>& contacts, const Contact& contact);
   void readProps();
+  /// The props as particles meet them, before and after they have moved in a frame.
+  std::vector<ParticleBody>& bodiesBefore();
+  std::span<ParticleBody> bodiesAfter(double seconds);
+  void takeBodies();
 };
 
 enum CollisionGroup : int { kFloorGroup = 1, kPropGroup = 2, kPartGroup = 4 };

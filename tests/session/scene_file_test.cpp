@@ -333,6 +333,17 @@ TEST(ShippedScenes, StandStillUntilSomebodyComes) {
   }
 }
 
+TEST(ShippedScenes, WhatIsInThePoolFloats) {
+  SceneFile scene = shipped("pool");
+  scene.particles->settleSeconds = 0.2;
+  World world = makeWorld(scene);
+  for (int i = 0; i < 20; ++i) world.step({}, 1.0 / 30.0);
+  for (const Prop& prop : world.props()) {
+    EXPECT_TRUE(prop.mass == 0.0 || prop.worldFromProp.translation().y() > 0.35);
+  }
+  for (const Vec3f& p : world.particles()->positions()) EXPECT_LT(p.cwiseAbs().maxCoeff(), 1.3f);
+}
+
 TEST(ShippedScenes, FistsAndFeetBreakTheWallOfBoxes) {
   Session session = performance(SyntheticMotion::kPunchAndKick, shipped("boxes"));
   const std::size_t count = session.world().props().size();
