@@ -1,5 +1,6 @@
 #include "collision/particles/particle_bodies.h"
 
+#include "collision/particles/particle_grid.h"
 #include "collision/particles/particle_obstacle.h"
 #include "collision/particles/particle_ranges.h"
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "collision/particles/particle_grid.h"
 #include "geometry/math.h"
 
 #include <cstdint>
@@ -8,6 +7,9 @@
 #include <vector>
 
 namespace lorica {
+
+class ParticleGrid;
+struct ParticleRow;
 
 /// A rigid body that meets particles in one frame. Its own frame has its origin at the centre of mass and the principal
 /// axes of inertia.
