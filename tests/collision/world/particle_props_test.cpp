@@ -81,6 +81,7 @@ TEST(ParticleProps, ABoxFloatsAsDeepAsItsDensitySays) {
       world.step({}, kFrame);
       in += (levelAround(world, 0.22) - world.props()[0].worldFromProp.translation().y() + half.y()) / 30.0;
     }
+    EXPECT_NEAR(in, 2.0 * half.y() * density / 1000.0, (density < 500.0 ? 0.05 : 0.08) * 2.0 * half.y()) << density;
     EXPECT_GT(uprightness(world.props()[0]), 0.98) << density;
   }
 }
@@ -142,7 +143,9 @@ TEST(ParticleProps, SandCarriesABallThatStoppedInACrater) {
   run(world, 90);
   const Vec3 rests = world.props()[0].worldFromProp.translation();
   EXPECT_LT(rests.y(), depth + radius) << "dented";
+  EXPECT_GT(rests.y(), radius + 0.02) << "carried";
   run(world, 60);
+  EXPECT_LT((world.props()[0].worldFromProp.translation() - rests).norm(), 0.01) << "at rest";
   for (const Vec3f& p : world.particles()->positions()) {
     EXPECT_GT((p.cast<double>() - world.props()[0].worldFromProp.translation()).norm(), radius);
   }
