@@ -20,7 +20,6 @@ constexpr double kUsualTrunk = 0.5;   // until one is seen [m]
 constexpr double kThigh = 0.82;
 constexpr double kShin = 0.80;
 constexpr double kAnkle = 0.15;      // height of the ankle
-constexpr double kHipHalf = 0.18;    // from the middle to one hip
 constexpr double kStraight = 0.985;  // of the legs' length while standing
 constexpr double kReach = 0.35;      // a foot steps when it is farther from its place
 constexpr double kLift = 0.12;       // height of a step
@@ -61,6 +60,8 @@ constexpr std::array<std::array<J, 3>, 2> kLegs = {
 
 }  // namespace
 
+constexpr double StandingLegs::kHipHeight = kStraight * (kThigh + kShin) + kAnkle;
+
 Vec3 StandingLegs::Foot::position() const {
   return from + smooth(stepped) * (to - from);
 }
@@ -68,10 +69,11 @@ Vec3 StandingLegs::Foot::position() const {
 void StandingLegs::apply(SkeletonFrame& frame) {
   const double step = any_ ? std::clamp(frame.time - time_, 0.0, kLongestStep) : 0.0;
   time_ = frame.time;
-  const bool known = !always_ && (isKnown(frame, 0) || isKnown(frame, 1));
+  const bool always = use_ != Use::kIfUnknown;
+  const bool known = !always && (isKnown(frame, 0) || isKnown(frame, 1));
   unknown_ = known ? 0.0 : unknown_ + step;
-  const bool wanted = always_ || (!known && unknown_ >= kUnknownFor);
-  if (!any_ && always_) share_ = 1.0;
+  const bool wanted = always || (!known && unknown_ >= kUnknownFor);
+  if (!any_ && always) share_ = 1.0;
   any_ = true;
   const double change = step / kBlend;
   share_ = wanted ? std::min(1.0, share_ + change) : std::max(0.0, share_ - change);
@@ -101,9 +103,8 @@ void StandingLegs::stand(SkeletonFrame& frame, double step) {
   if (!placed_) usualHips_ = middle.y();
   const double above = middle.y() - usualHips_;
   usualHips_ += (1.0 - std::exp(-step / kUsualSeconds)) * above;
-  const double standing = kStraight * (kThigh + kShin) * trunk + kAnkle * trunk;
-  const double height = standing + std::clamp(above, -kLowest * trunk, 0.0);
-  const double raise = share_ * (height - middle.y());
+  const double height = kHipHeight * trunk + std::clamp(above, -kLowest * trunk, 0.0);
+  const double raise = use_ == Use::kOnKnownFloor ? 0.0 : share_ * (height - middle.y());
   for (TrackedJoint& joint : frame.joints) {
     if (joint.confidence > 0.0) joint.position.y() += raise;
   }

@@ -3,6 +3,7 @@
 #include "capture/skeleton_frame.h"
 
 #include <array>
+#include <cstdint>
 
 namespace lorica {
 
@@ -16,11 +17,21 @@ namespace lorica {
 /// one instance per person. Allocates nothing.
 class StandingLegs {
  public:
-  /// @param always  the person's own legs are never used
-  explicit StandingLegs(bool always) : always_(always) {}
+  /// When these legs are used instead of the person's own.
+  enum class Use : std::uint8_t {
+    kIfUnknown,  ///< while neither leg is known
+    kAlways,
+    kOnKnownFloor,  ///< always, and heights are right: the body is not moved
+  };
+  explicit StandingLegs(Use use) : use_(use) {}
 
-  /// Sets hips, knees and feet, and moves all joints vertically, if neither leg is known or `always` is set; else only
-  /// while returning to the person's own legs. A frame without neck is not changed.
+  /// Of the hips above the floor, of somebody who stands [lengths of the trunk].
+  static const double kHipHeight;
+  /// From the middle of the hips to one of them [lengths of the trunk].
+  static constexpr double kHipHalf = 0.18;
+
+  /// Sets hips, knees and feet, and moves all joints vertically, if these legs are used; else only while returning to
+  /// the person's own legs. A frame without neck is not changed.
   void apply(SkeletonFrame& frame);
 
  private:
@@ -33,7 +44,7 @@ class StandingLegs {
 
   void stand(SkeletonFrame& frame, double step);
 
-  bool always_;
+  Use use_;
   std::array<Foot, 2> feet_;
   double share_ = 0.0;      ///< of these legs in what is shown
   double unknown_ = 0.0;    ///< how long neither leg was known [s]

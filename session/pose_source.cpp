@@ -21,7 +21,7 @@ class JointPoseSource final : public PoseSource {
       : retargeter_(std::move(retargeter)),
         joints_(std::move(joints)),
         trust_(skeleton),
-        legs_(settings.upperBody),
+        legs_(settings.upperBody ? StandingLegs::Use::kAlways : StandingLegs::Use::kIfUnknown),
         mirror_(settings.mirror) {
     if (settings.smoothing) filter_.emplace(*settings.smoothing);
   }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/registration/worn_headset.h"
+#include "capture/headset/worn_headset.h"
 #include "capture/sensor/depth_frame.h"
 #include "capture/skeleton_frame.h"
 #include "geometry/result.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/registration/worn_headset.h"
+#include "capture/headset/worn_headset.h"
 #include "capture/skeleton_frame.h"
 
 namespace lorica {

@@ -29,7 +29,7 @@ Vec3 middleHip(const SkeletonFrame& frame) {
 }
 
 TEST(StandingLegs, StandOnTheFloorBelowTheHips) {
-  StandingLegs legs(true);
+  StandingLegs legs(StandingLegs::Use::kAlways);
   for (SkeletonFrame& frame : seated(SyntheticMotion::kWave)) {
     legs.apply(frame);
     const Vec3 hips = middleHip(frame);
@@ -47,7 +47,7 @@ TEST(StandingLegs, StandOnTheFloorBelowTheHips) {
 }
 
 TEST(StandingLegs, KeepTheirLengthsAndBendForward) {
-  StandingLegs legs(true);
+  StandingLegs legs(StandingLegs::Use::kAlways);
   double thigh = 0.0, shin = 0.0;
   for (SkeletonFrame& frame : seated(SyntheticMotion::kSquatAndReach)) {
     legs.apply(frame);
@@ -63,7 +63,7 @@ TEST(StandingLegs, KeepTheirLengthsAndBendForward) {
 }
 
 TEST(StandingLegs, StayInPlaceUntilTheHipsGoAway) {
-  StandingLegs legs(true);
+  StandingLegs legs(StandingLegs::Use::kAlways);
   SkeletonFrame first = seated(SyntheticMotion::kWave).front();
   const auto at = [&](double time, const Vec3& moved) {
     SkeletonFrame frame = first;
@@ -84,7 +84,7 @@ TEST(StandingLegs, StayInPlaceUntilTheHipsGoAway) {
 }
 
 TEST(StandingLegs, LeaveKnownLegsAlone) {
-  StandingLegs legs(false);
+  StandingLegs legs(StandingLegs::Use::kIfUnknown);
   for (const SkeletonFrame& before : synthesizeMotion(SyntheticMotion::kWalk)) {
     SkeletonFrame frame = before;
     legs.apply(frame);
@@ -96,7 +96,7 @@ TEST(StandingLegs, LeaveKnownLegsAlone) {
 }
 
 TEST(StandingLegs, AppearAndGoWithoutAJump) {
-  StandingLegs legs(false);
+  StandingLegs legs(StandingLegs::Use::kIfUnknown);
   const std::vector<SkeletonFrame> whole = synthesizeMotion(SyntheticMotion::kWave);
   Vec3 last = Vec3::Zero();
   bool stood = false;
@@ -117,7 +117,7 @@ TEST(StandingLegs, AppearAndGoWithoutAJump) {
 }
 
 TEST(StandingLegs, AreTheSameEachTimeAndAllocateNothing) {
-  StandingLegs one(true), two(true);
+  StandingLegs one(StandingLegs::Use::kAlways), two(StandingLegs::Use::kAlways);
   for (const SkeletonFrame& before : seated(SyntheticMotion::kWalk)) {
     SkeletonFrame a = before, b = before;
     const long allocations = test::allocationCount();

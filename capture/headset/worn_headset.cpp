@@ -1,4 +1,4 @@
-#include "capture/registration/worn_headset.h"
+#include "capture/headset/worn_headset.h"
 
 #include "capture/registration/registration_fit.h"
 
@@ -22,9 +22,20 @@ void WornHeadset::add(double time, const Vec3& position, const Quat& orientation
   poses_.push_back({time, position, orientation.normalized()});
 }
 
+void WornHeadset::add(const HeadAndHands& pose) {
+  if (!std::isfinite(pose.time) || !pose.head.matrix().allFinite()) return;
+  add(pose.time, pose.head.translation(), Quat(pose.head.linear()));
+  const std::lock_guard lock(mutex_);
+  newest_ = pose;
+  for (std::optional<Isometry3>& hand : newest_->hands) {
+    if (hand && !hand->matrix().allFinite()) hand.reset();
+  }
+}
+
 void WornHeadset::restart() {
   const std::lock_guard lock(mutex_);
   poses_.clear();
+  newest_.reset();
 }
 
 std::optional<Registration> WornHeadset::registration() const {
@@ -53,6 +64,11 @@ std::optional<WornHead> WornHeadset::latest(double now) const {
   const std::lock_guard lock(mutex_);
   if (!registration_ || poses_.empty() || now - poses_.back().time > kGone) return std::nullopt;
   return headOf(poses_.back().position, poses_.back().orientation);
+}
+
+std::optional<HeadAndHands> WornHeadset::newest() const {
+  const std::lock_guard lock(mutex_);
+  return newest_;
 }
 
 }  // namespace lorica

@@ -1,4 +1,4 @@
-#include "capture/registration/worn_headset.h"
+#include "capture/headset/worn_headset.h"
 
 #include <gtest/gtest.h>
 

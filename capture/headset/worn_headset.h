@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/headset/head_and_hands.h"
 #include "capture/registration/head_registration.h"
 
 #include <mutex>
@@ -16,8 +17,8 @@ struct WornHead {
   [[nodiscard]] Vec3 ahead() const { return (orientation * Vec3::UnitX()).cross(Vec3::UnitY()).normalized(); }
 };
 
-/// The headset of a person before a depth camera: whoever receives its poses tells the thread that tracks its wearer.
-/// Times are of one monotonic clock [s]. Allocates nothing after construction.
+/// The headset of a person: whoever receives its poses tells what follows its wearer, a depth camera's tracker in its
+/// thread or ThreePointBody. Times are of one monotonic clock [s]. Allocates nothing after construction.
 class WornHeadset {
  public:
   static constexpr double kGone = 0.3;  ///< without a pose, the headset was taken off [s]
@@ -27,6 +28,8 @@ class WornHeadset {
   void setRegistration(const std::optional<Registration>& registration);
   /// @param position, orientation  stage frame; as HeadRegistration::addHeadset() takes them
   void add(double time, const Vec3& position, const Quat& orientation);
+  /// The same with the hands; what is not finite is not seen.
+  void add(const HeadAndHands& pose);
   void restart();
 
   [[nodiscard]] std::optional<Registration> registration() const;
@@ -34,6 +37,8 @@ class WornHeadset {
   [[nodiscard]] std::optional<WornHead> inImage(double time) const;
   /// Where the head is by the last pose.
   [[nodiscard]] std::optional<WornHead> latest(double now) const;
+  /// The last pose of head and hands, stage frame; none before the first one.
+  [[nodiscard]] std::optional<HeadAndHands> newest() const;
 
  private:
   static constexpr std::size_t kMost = 128;
@@ -42,6 +47,7 @@ class WornHeadset {
   mutable std::mutex mutex_;
   std::optional<Registration> registration_;
   std::vector<HeadRegistration::HeadsetPose> poses_;
+  std::optional<HeadAndHands> newest_;
 };
 
 }  // namespace lorica
