@@ -125,7 +125,11 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
   LORICA_TRY_DO(checkOutputs(given.run, given.pictures, common, given.request.files()));
   LORICA_TRY_DO(checkLive(given.live, host));
   LORICA_TRY(const bool inWindow, chooseWindow(given));
+  if (given.live.threePoint && !given.serve.any()) {
+    return invalidArgument("--three-point needs a headset: --vr, or --serve for one with a browser");
+  }
   ShowOptions options = given;
+  options.live.headset = given.serve.vr;
   options.request.reading.drawn = inWindow || options.serve.any() || options.pictures.any();
   if (!inWindow && !options.serve.any()) {
     LORICA_TRY(LiveCast cast, prepareLiveCast(options.request, options.live, host));
@@ -172,6 +176,9 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   Option* people = addCount(*app, "--people", options->live.people, 1,
                             "People to follow at once, each with an avatar, at most 6 [default: 1]")
                        ->excludes(person);
+  app->addFlag("--three-point", options->live.threePoint,
+               "Follow the headset and its controllers instead of a camera; so does --vr without a camera")
+      ->excludes(person);
   Option* lower = addLowerBodyOption(*app, options->live.lowerBody);
   Option* nite = app->addOption("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so")
                      ->typeName("FILE")

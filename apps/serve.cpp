@@ -19,9 +19,7 @@ namespace {
 /// A camera that nobody asked for is followed if there is one.
 bool wantsCamera(const ShowOptions& options, Host& host) {
   const LiveRequest& live = options.live;
-  const bool asked = live.depth.virtualCamera || !live.depth.device.empty() || !live.depth.driver.empty() ||
-                     !live.vmc.listenAt.empty();
-  if (asked) return true;
+  if (live.depth.asked() || live.threePoint || !live.vmc.listenAt.empty()) return true;
   const Result<std::unique_ptr<DepthSource>> camera = openDepth(live.depth);
   if (!camera) host.tell("No depth camera was found: serving the demo.");
   return camera.ok();

@@ -188,7 +188,7 @@ class PoseOutput final : public StepWatcher {
 
   /// The person whom the first avatar follows, if they wear a registered headset.
   [[nodiscard]] std::optional<StagedPerson> wearer() const {
-    if (live_ == nullptr || live_->headset == nullptr || !live_->tracked->sight().worn) return std::nullopt;
+    if (live_ == nullptr || live_->tracked == nullptr || !live_->tracked->sight().worn) return std::nullopt;
     const std::optional<Registration> known = live_->headset->registration();
     if (!known) return std::nullopt;
     const DepthSight& sight = live_->tracked->sight();

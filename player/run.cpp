@@ -1,5 +1,6 @@
 #include "player/run.h"
 
+#include "geometry/clock.h"
 #include "geometry/errors.h"
 #include "player/depth_picture.h"
 #include "player/picture_options.h"
@@ -13,7 +14,9 @@
 namespace lorica {
 namespace {
 
-constexpr double kSameTime = 1e-6;  // [s]
+constexpr double kSameTime = 1e-6;           // [s]
+constexpr double kWithoutPose = 1.0 / 30.0;  // steps of an avatar whose headset is not worn [s]
+constexpr double kGone = 2.0;                // without a pose [s]
 
 }  // namespace
 
@@ -84,11 +87,20 @@ const std::vector<VmcInput>& Run::streams() const {
 
 bool Run::ready() const {
   if (tracked()) return live_->tracked->ready();
+  if (live_ && live_->threePoint()) {
+    const std::optional<HeadAndHands> newest = headset()->newest();
+    return newest &&
+           (session.frameCount() == 0 || newest->time > session.time() || now() > session.time() + kWithoutPose);
+  }
   return streams().empty() || streams().front().ready(session);
 }
 
 std::string Run::trouble() const {
   if (tracked()) return log.state();
+  if (live_ && live_->threePoint()) {
+    const std::optional<HeadAndHands> newest = headset()->newest();
+    return newest && now() - newest->time < kGone ? "" : "the headset is not worn: its avatar stays as it is";
+  }
   return streams().empty() ? "" : streams().front().state();
 }
 

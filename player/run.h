@@ -101,7 +101,7 @@ class Run {
   [[nodiscard]] std::string trouble() const;
   /// What a depth camera saw last; null without one.
   [[nodiscard]] const DepthSight* sight() const { return tracked() ? &live_->tracked->sight() : nullptr; }
-  /// Of somebody whom a depth camera tracks; null if nobody is.
+  /// Of somebody who is followed; null if nobody is.
   [[nodiscard]] std::shared_ptr<WornHeadset> headset() const { return live_ ? live_->headset : nullptr; }
   /// Time for tracking [s].
   [[nodiscard]] std::optional<double> trackingSeconds() const;

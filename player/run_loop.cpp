@@ -1,5 +1,6 @@
 
 #include "player/run_loop.h"
+#include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "player/framing.h"
 
@@ -16,6 +17,7 @@ constexpr double kSeekSlice = 0.04;     // duration of seeking between pictures 
 constexpr double kLongestRest = 0.1;    // warnings come and go [s]
 constexpr double kWorking = 0.03;       // between looks at work in the background [s]
 constexpr double kPolled = 0.004;       // between looks at a live source [s]
+constexpr double kSureJoint = 0.5;      // confidence
 constexpr double kAfterSeconds = 1.0 / 60.0;  // frames of a world that goes on after the end [s]
 
 }  // namespace
@@ -29,6 +31,7 @@ RunLoop::RunLoop(Run& run, Shown& shown, Host& host)
       hands_(run.restartable()),
       due_(now()) {
   if (screen_ == nullptr) return;
+  headset_.begin(run.tracked() ? run.name() : "", run.headset());
   if (!run.watched()) scenes_ = scenesNextTo(run.cast.request.scene);
   scene_.emplace(session_);
   levels_.emplace(session_.body().plan(), session_.character());
@@ -47,6 +50,7 @@ Result<RunEnd> RunLoop::run() {
   while (screen_->open() && !closed_) {
     if (host_.cancelled()) return RunEnd::kInterrupted;
     LORICA_TRY_DO(answer(screen_->takeRequests()));
+    followHeadsets();
     LORICA_TRY_DO(treat());
     if (shown_.next) return RunEnd::kExchanged;
     LORICA_TRY_DO(takeWorld());
@@ -63,6 +67,22 @@ Result<RunEnd> RunLoop::run() {
     screen_->rest(restSeconds());
   }
   return RunEnd::kClosed;
+}
+
+/// Tells the wearer of a headset, who may be any of several people, where the depth camera sees them.
+void RunLoop::followHeadsets() {
+  for (const HeadsetPose& heard : screen_->headsets()) headset_.addHeadset(heard, now());
+  const DepthSight* sight = run_.sight();
+  std::span<const SkeletonFrame> people;
+  if (sight != nullptr) people = sight->places.empty() ? std::span(&sight->joints, 1) : sight->places;
+  for (std::size_t place = 0; place < people.size(); ++place) {
+    const TrackedJoint& head = people[place][BodyJoint::kHead];
+    if (head.confidence > kSureJoint) {
+      headset_.addTracked(place, head.position + sight->stage, secondsOf(sight->arrived));
+    }
+  }
+  if (const auto news = headset_.update(now(), sight != nullptr ? sight->stage : Vec3(Vec3::Zero())))
+    screen_->tell(*news);
 }
 
 /// How long nothing is to be done unless the user asks for it [s].

@@ -4,6 +4,7 @@
 #include "player/avatar_focus.h"
 #include "player/background_work.h"
 #include "player/hands.h"
+#include "player/headset_link.h"
 #include "player/run.h"
 #include "player/scene_list.h"
 #include "player/snapshots.h"
@@ -77,6 +78,7 @@ class RunLoop {
   Result<void> restart();
   Result<void> restartIn(World world);
   [[nodiscard]] Result<bool> stepSession();
+  void followHeadsets();
   void describe() { status_ = statusOf(session_, ended_); }
   void show();
 
@@ -89,6 +91,7 @@ class RunLoop {
   std::optional<SessionScene> scene_;   // on a screen
   std::optional<DetailLevels> levels_;  // on a screen
   Hands hands_;
+  HeadsetLink headset_;
   WarningBoard warnings_;
   WindowSettings settings_;                           // of the user, with what was dropped since
   WindowSettings keptSettings_;                       // as in the user's file

@@ -15,6 +15,9 @@ struct DepthOptions {
   std::string driver;          ///< an additional OpenNI2 driver; empty = none
   bool virtualCamera = false;  ///< Lorica's driver, see docs/VIRTUAL_SENSOR.md
   std::string motion;          ///< motion of the virtual people; empty = as in $LORICA_VIRTUAL
+
+  /// Whether a certain camera was asked for.
+  [[nodiscard]] bool asked() const { return virtualCamera || !device.empty() || !driver.empty(); }
 };
 
 /// Opens a real or virtual camera through OpenNI2.

@@ -1,5 +1,6 @@
 #include "prepare/live_cast.h"
 
+#include "capture/headset/three_point_joints.h"
 #include "capture/tracking/worn_person.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"
@@ -67,6 +68,14 @@ Result<std::shared_ptr<LiveSources>> openStreams(const LiveRequest& live, const 
   return sources;
 }
 
+Result<std::shared_ptr<LiveSources>> openHeadset() {
+  auto sources = std::make_shared<LiveSources>();
+  sources->headset = std::make_shared<WornHeadset>();
+  sources->joints.push_back(makeThreePointJoints(sources->headset));
+  sources->name = "head and hands";
+  return sources;
+}
+
 Result<std::shared_ptr<LiveSources>> openPeople(const LiveRequest& live) {
   auto sources = std::make_shared<LiveSources>();
   if (!live.nite.empty()) {
@@ -75,7 +84,10 @@ Result<std::shared_ptr<LiveSources>> openPeople(const LiveRequest& live) {
     sources->name = "NiTE 2";
     return sources;
   }
-  LORICA_TRY(std::unique_ptr<DepthSource> depth, openDepth(live.depth));
+  Result<std::unique_ptr<DepthSource>> opened = openDepth(live.depth);
+  if (!opened && live.headset && !live.depth.asked()) return openHeadset();
+  if (!opened) return opened.error();
+  std::unique_ptr<DepthSource> depth = std::move(*opened);
   TrackerSettings settings;
   settings.maxPeople = std::max(settings.maxPeople, live.people);
   settings.lowerBody = live.lowerBody;
@@ -130,7 +142,7 @@ std::size_t LiveRequest::avatars() const {
 }
 
 SkeletonFrame LiveSources::withHead(SkeletonFrame person) const {
-  if (headset == nullptr || !tracked->sight().worn) return person;
+  if (headset == nullptr || threePoint() || !tracked->sight().worn) return person;
   const DepthSight& sight = tracked->sight();
   WornHead then = *sight.worn;
   if (std::optional<WornHead> latest = headset->latest(now())) {
@@ -155,6 +167,9 @@ Result<std::unique_ptr<PoseSource>> LiveSources::open(const PreparedAvatar& avat
 Result<void> checkLive(const LiveRequest& live, const Host& host) {
   for (const VmcInputOptions& sender : sendersOf(live.vmc)) LORICA_TRY_DO(checkVmcInput(sender, host));
   if (live.vmc.listenAt.empty()) LORICA_TRY_DO(checkVmcInput(live.vmc, host));
+  if (live.threePoint && live.avatars() > 1) {
+    return invalidArgument("--three-point follows one person: found {}", live.avatars());
+  }
   if (live.avatars() <= kMaxPeople) return {};
   return invalidArgument("--people, --vmc: found {}, expected at most {}", live.avatars(), kMaxPeople);
 }
@@ -165,10 +180,13 @@ Result<LiveCast> prepareLiveCast(const CastRequest& request, const LiveRequest& 
   LORICA_TRY(std::vector<PreparedAvatar> avatars, readFollowers(request, live, host));
   // The source is opened last, because it runs while the rest is prepared. A driver may take as long as it likes.
   if (sources == nullptr) {
-    LORICA_TRY(sources, !live.vmc.listenAt.empty()
-                            ? openStreams(live, host)
-                            : runOrAbandon<std::shared_ptr<LiveSources>>("Opening the camera", host,
-                                                                         [live] { return openPeople(live); }));
+    LORICA_TRY(sources, !live.vmc.listenAt.empty() ? openStreams(live, host)
+                        : live.threePoint          ? openHeadset()
+                                                   : runOrAbandon<std::shared_ptr<LiveSources>>(
+                                                "Opening the camera", host, [live] { return openPeople(live); }));
+  }
+  if (sources->threePoint() && !live.threePoint) {
+    host.tell("No depth camera was found: the avatar follows the headset and its controllers.");
   }
   for (PreparedAvatar& avatar : avatars) avatar.source = sources->name;
   Cast cast{request, std::move(world), targetsOf(request.scene, host), std::move(avatars), sources, sources->name};

@@ -12,14 +12,16 @@
 
 namespace lorica {
 
-/// What avatars follow instead of motions: people in front of a camera, or programs that send.
+/// What avatars follow instead of motions: people in front of a camera, programs that send, or a headset.
 struct LiveRequest {
   DepthOptions depth;
-  std::string nite;        ///< library of NiTE 2; empty = Lorica's own tracker
-  VmcInputOptions vmc;     ///< instead of a camera
-  int person = 0;          ///< number of the one to follow, by order of appearance; 0 = the nearest
-  int people = 1;          ///< avatars of a camera
-  bool lowerBody = false;  ///< see TrackerSettings
+  std::string nite;         ///< library of NiTE 2; empty = Lorica's own tracker
+  VmcInputOptions vmc;      ///< instead of a camera
+  int person = 0;           ///< number of the one to follow, by order of appearance; 0 = the nearest
+  int people = 1;           ///< avatars of a camera
+  bool lowerBody = false;   ///< see TrackerSettings
+  bool threePoint = false;  ///< one avatar follows head and hands of the wearer of a headset, instead of a camera
+  bool headset = false;     ///< the same if there is no camera and none was asked for
 
   /// One avatar for each person or for each program that sends.
   [[nodiscard]] std::size_t avatars() const;
@@ -36,10 +38,13 @@ class LiveSources final : public CastSources {
   [[nodiscard]] SkeletonFrame withHead(SkeletonFrame person) const;
 
   std::vector<std::shared_ptr<SkeletonSource>> joints;  ///< of each avatar; empty if programs send
-  const LiveJoints* tracked = nullptr;                  ///< the first; null if NiTE 2 tracks or programs send
-  std::shared_ptr<WornHeadset> headset;                 ///< of somebody who is tracked; null if nobody is
+  const LiveJoints* tracked = nullptr;                  ///< the first; null unless Lorica tracks people
+  std::shared_ptr<WornHeadset> headset;                 ///< of somebody who is followed, by a tracker or by it
   std::vector<VmcInput> vmc;                            ///< of each avatar; empty unless programs send
   std::string name;
+
+  /// Whether an avatar follows head and hands, without a camera.
+  [[nodiscard]] bool threePoint() const { return headset != nullptr && tracked == nullptr; }
 };
 
 /// A cast and what it follows.

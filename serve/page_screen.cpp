@@ -19,7 +19,6 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Kind = Wish::Kind;
 
-constexpr double kSureJoint = 0.5;        // confidence
 constexpr double kBetweenShapes = 0.1;    // of hulls [s]
 constexpr double kBetweenStates = 0.1;    // [s]
 constexpr std::size_t kMaxWaiting = 256;  // wishes
@@ -107,7 +106,6 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
   pointing_.reset();
   holds_ = false;
   present_ = &run;
-  headset_.begin(run.name(), run.headset());
   return warnings;
 }
 
@@ -123,7 +121,10 @@ void PageScreen::hear() {
       continue;
     }
     if (wish.kind == Kind::kHead) {
-      headset_.addHeadset(wish, now());
+      HeadsetPose& heard = headsets_.emplace_back();
+      heard.wearer = wish.client;
+      heard.pose.time = wish.to;
+      heard.pose.head = Eigen::Translation3d(wish.origin) * wish.orientation;
       continue;
     }
     if (waiting_.size() < kMaxWaiting) waiting_.push_back(wish);
@@ -367,22 +368,29 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                  {"clients", server_.clients()}});
 }
 
-/// Tells the wearer of a headset, who may be any of several people, where the depth camera sees them.
-void PageScreen::followHeadset() {
-  const DepthSight* sight = present_ != nullptr ? present_->sight() : nullptr;
-  if (sight == nullptr) return;
-  const std::span<const SkeletonFrame> people = sight->places.empty() ? std::span(&sight->joints, 1) : sight->places;
-  for (std::size_t place = 0; place < people.size(); ++place) {
-    const TrackedJoint& head = people[place][BodyJoint::kHead];
-    if (head.confidence > kSureJoint) {
-      headset_.addTracked(place, head.position + sight->stage, secondsOf(sight->arrived));
-    }
+std::span<const HeadsetPose> PageScreen::headsets() {
+  for (const HeadsetPose& heard : window_ ? window_->headsets() : std::span<const HeadsetPose>())
+    headsets_.push_back(heard);
+  toldHeadsets_.clear();
+  std::swap(headsets_, toldHeadsets_);
+  return toldHeadsets_;
+}
+
+void PageScreen::tell(const HeadsetNews& news) {
+  if (window_ != nullptr) window_->tell(news);
+  constexpr double kDegrees = 180.0 / std::numbers::pi;
+  Json json = {{"type", "registration"}, {"known", news.registration.has_value()}, {"advice", news.advice}};
+  if (news.registration) {
+    const Registration& known = *news.registration;
+    json["yaw"] = -known.yaw;
+    json["translation"] = listOf(known.stageFromFloor().inverse().translation() - news.origin);
+    json["degrees"] = std::round(100.0 * kDegrees * known.yawDeviation) / 100.0;
+    json["millimetres"] = std::round(1e3 * known.levelDeviation);
   }
-  if (std::string told = headset_.update(now(), sight->stage); !told.empty()) server_.say(std::move(told));
+  server_.say(textOf(json));
 }
 
 void PageScreen::show(const Scene& scene, const WindowValues& values) {
-  followHeadset();
   // Compared, since copying names in each frame would allocate.
   if (!std::ranges::equal(characters_, values.characters)) {
     characters_.assign(values.characters.begin(), values.characters.end());

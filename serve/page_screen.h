@@ -1,7 +1,6 @@
 #pragma once
 
 #include "player/run.h"
-#include "serve/headset_link.h"
 #include "serve/server.h"
 #include "viewer/renderer/screen.h"
 
@@ -33,6 +32,8 @@ class PageScreen final : public Screen {
   [[nodiscard]] bool takeCancel() override;
   [[nodiscard]] Ray pointer() const override;
   [[nodiscard]] Camera camera() const override;
+  [[nodiscard]] std::span<const HeadsetPose> headsets() override;
+  void tell(const HeadsetNews& news) override;
   void setCamera(const Camera& camera) override;
   void addTimes(std::span<const TimedStage> stages) override;
   void notice(std::string sentence, double seconds) override;
@@ -43,7 +44,6 @@ class PageScreen final : public Screen {
 
  private:
   void hear();
-  void followHeadset();
   void obey(const Wish& wish, WindowRequests& requests);
   [[nodiscard]] std::string stateOf(const WindowValues& values) const;
 
@@ -51,7 +51,7 @@ class PageScreen final : public Screen {
   Screen* window_;
   WindowChoices choices_;  // without a window
   Camera camera_;
-  HeadsetLink headset_;
+  std::vector<HeadsetPose> headsets_, toldHeadsets_;
   const Run* present_ = nullptr;  // that began last
   std::uint32_t run_ = 0;
   std::vector<Wish> heard_;

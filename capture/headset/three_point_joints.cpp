@@ -2,6 +2,9 @@
 
 #include "capture/headset/three_point_body.h"
 
+#include "geometry/clock.h"
+
+#include <algorithm>
 #include <utility>
 
 namespace lorica {
@@ -20,7 +23,7 @@ class ThreePointJoints final : public SkeletonSource {
     if (newest && (frame_.user == kNobody || newest->time > frame_.time)) {
       frame_ = body_.follow(*newest);
     } else {
-      frame_.time += kStep;
+      frame_.time = std::max(frame_.time + kStep, now());
     }
     return std::optional(frame_);
   }

@@ -1,12 +1,12 @@
 // The page of `lorica serve` in a browser, as people use it.
 #include "capture/registration/head_registration.h"
 #include "geometry/counts.h"
+#include "player/headset_link.h"
 #include "player/run.h"
 #include "player/scene_list.h"
 #include "player/snapshots.h"
 #include "prepare/cast.h"
 #include "prepare/live_cast.h"
-#include "serve/headset_link.h"
 #include "serve/page_files.h"
 #include "serve/page_screen.h"
 #include "session/recording/session_file.h"
@@ -211,14 +211,17 @@ TEST(PeerServe, AWalkWithAHeadsetRegistersItThroughThePage) {
     server->takeWishes(wishes);
     for (Wish& wish : wishes) {
       if (wish.kind != Wish::Kind::kHead) continue;
-      wish.to = ++poses / 30.0;
-      link.addHeadset(wish, wish.to);
+      const double time = ++poses / 30.0;
+      HeadsetPose heard;
+      heard.pose.time = time;
+      heard.pose.head = Eigen::Translation3d(wish.origin) * wish.orientation;
+      link.addHeadset(heard, time);
       const Vec3 head = wish.origin + wish.orientation * kNominalHeadInHeadset;
       const Vec3 off(noise(random), noise(random), noise(random));
-      if (random() % 8 != 0) link.addTracked(0, floorFromStage * head + off, wish.to + kLag);
-      std::string told = link.update(wish.to);
-      while (link.solving()) told = link.update(wish.to);
-      if (!told.empty()) server->say(told);
+      if (random() % 8 != 0) link.addTracked(0, floorFromStage * head + off, time + kLag);
+      std::optional<HeadsetNews> told = link.update(time);
+      while (link.solving()) told = link.update(time);
+      if (told) screen.tell(*told);
     }
     ++values.changes;
     SceneOptions sent;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "capture/headset/head_and_hands.h"
+#include "capture/registration/head_registration.h"
 #include "geometry/result.h"
 #include "viewer/renderer/renderer.h"
 #include "viewer/renderer/scene.h"
@@ -10,6 +12,20 @@
 #include <string>
 
 namespace lorica {
+
+/// A pose of a headset that somebody wears who watches.
+struct HeadsetPose {
+  int wearer = 0;
+  HeadAndHands pose;  ///< stage frame, or where its screen says that the wearer is; by its own clock
+};
+
+/// What the wearer of a headset is told.
+struct HeadsetNews {
+  std::optional<Registration> registration;  ///< with the depth camera; none = not known
+  std::string advice;                        ///< a sentence for the wearer; may be empty
+  Vec3 origin = Vec3::Zero();                ///< of the world in the camera's floor frame [m]
+  bool alone = false;                        ///< there is no camera: an avatar follows head and hands
+};
 
 /// Shows scenes to people, who control them: a window is one. Used from one thread.
 class Screen {
@@ -35,6 +51,9 @@ class Screen {
   /// The ray from the eye through the pointer.
   [[nodiscard]] virtual Ray pointer() const = 0;
   [[nodiscard]] virtual Camera camera() const = 0;
+  /// The poses of headsets since the last call.
+  [[nodiscard]] virtual std::span<const HeadsetPose> headsets() { return {}; }
+  virtual void tell(const HeadsetNews&) {}
   /// Sets the initial camera, to which a reset returns.
   virtual void setCamera(const Camera& camera) = 0;
 

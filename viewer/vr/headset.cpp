@@ -7,6 +7,8 @@ namespace lorica {
 namespace {
 
 constexpr double kGrabs = 0.6, kLetsGo = 0.4;       // of trigger or squeeze
+constexpr double kPinch = 0.02, kUnpinch = 0.04;    // between the tips of thumb and index finger [m]
+constexpr double kFist = 0.05, kOpenHand = 0.07;    // from the palm to the tip of the middle finger [m]
 constexpr XrDuration kPulse = 40'000'000;           // [ns]
 constexpr XrDuration kLongestWait = 1'000'000'000;  // for an image of a swapchain [ns]
 
@@ -31,7 +33,7 @@ Result<void> Headset::Impl::enter(XrSessionState state) {
     running = false;
     LORICA_XR(EndSession, session);
   } else if (state == XR_SESSION_STATE_EXITING) {
-    return noDisplay("the headset's session was ended there");
+    return Error{ErrorCode::kCancelled, "the headset's session was ended there"};
   } else if (state == XR_SESSION_STATE_LOSS_PENDING) {
     return noDisplay("the headset is gone");
   }
@@ -89,15 +91,49 @@ Result<void> Headset::Impl::readHands() {
              state.currentState != XR_FALSE && state.changedSinceLastSync != XR_FALSE;
     };
     hand.seen = locateIn(grips[h], hand.stageFromGrip) && locateIn(aims[h], hand.stageFromAim);
-    hand.grabs = std::max(number(trigger), number(squeeze)) > (hand.grabs ? kLetsGo : kGrabs);
+    hand.bare = !hand.seen && trackers[h] != null<XrHandTrackerEXT>();
+    if (hand.bare) {
+      readBareHand(h);
+    } else {
+      hand.grabs = std::max(number(trigger), number(squeeze)) > (hand.grabs ? kLetsGo : kGrabs);
+    }
     hand.changes = pressed(change);
-    hand.recentres = pressed(recentre);
+    hand.opens = pressed(open);
     wish.action = stick;
     auto state = typed<XrActionStateVector2f>(XR_TYPE_ACTION_STATE_VECTOR2F);
     const bool moved = XR_SUCCEEDED(GetActionStateVector2f(session, &wish, &state)) && state.isActive;
     hand.stick = moved ? Eigen::Vector2d(state.currentState.x, state.currentState.y) : Eigen::Vector2d(0.0, 0.0);
   }
   return {};
+}
+
+/// A hand without a controller. Its palm looks along its fingers, with +Y out of its back; it points where they do.
+void Headset::Impl::readBareHand(std::size_t side) {
+  HeadsetHand& hand = frame.hands[side];
+  std::array<XrHandJointLocationEXT, XR_HAND_JOINT_COUNT_EXT> joints;
+  auto wish = typed<XrHandJointsLocateInfoEXT>(XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT);
+  wish.baseSpace = stage;
+  wish.time = displayTime;
+  auto found = typed<XrHandJointLocationsEXT>(XR_TYPE_HAND_JOINT_LOCATIONS_EXT);
+  found.jointCount = std::uint32_t(joints.size());
+  found.jointLocations = joints.data();
+  hand.seen = XR_SUCCEEDED(LocateHandJointsEXT(trackers[side], &wish, &found)) && found.isActive != XR_FALSE;
+  if (!hand.seen) return;  // and keeps what it holds, for it comes back
+  const auto at = [&](XrHandJointEXT joint) { return isometryOf(joints[joint].pose); };
+  const auto apart = [&](XrHandJointEXT a, XrHandJointEXT b) {
+    return (at(a).translation() - at(b).translation()).norm();
+  };
+  hand.stageFromAim = at(XR_HAND_JOINT_PALM_EXT);
+  // A grip's -Z goes to the thumb, its +Y to the wrist, so its +X out of a left palm and into a right one.
+  const double left = side == 0 ? 1.0 : -1.0;
+  Mat3 palmFromGrip;
+  palmFromGrip << 0.0, 0.0, -left,  //
+      -left, 0.0, 0.0,              //
+      0.0, 1.0, 0.0;
+  hand.stageFromGrip = hand.stageFromAim;
+  hand.stageFromGrip.linear() *= palmFromGrip;
+  hand.grabs = apart(XR_HAND_JOINT_THUMB_TIP_EXT, XR_HAND_JOINT_INDEX_TIP_EXT) < (hand.grabs ? kUnpinch : kPinch) ||
+               apart(XR_HAND_JOINT_PALM_EXT, XR_HAND_JOINT_MIDDLE_TIP_EXT) < (hand.grabs ? kOpenHand : kFist);
 }
 
 Headset::Headset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -153,13 +189,50 @@ Result<void> Headset::beginFrame() {
   return i.readHands();
 }
 
+Result<void> Headset::Impl::acquire(Swapchain& chain) {
+  LORICA_XR(AcquireSwapchainImage, chain.handle, nullptr, &chain.image);
+  auto wait = typed<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
+  wait.timeout = kLongestWait;
+  LORICA_XR(WaitSwapchainImage, chain.handle, &wait);
+  return {};
+}
+
+Result<void> Headset::drawPanel(const Image& image) {
+  Impl& i = *impl_;
+  LORICA_TRY_DO(i.acquire(i.panel));
+  i.panelSize = {std::min(image.width, kPanelWidth), std::min(image.height, kPanelHeight)};
+  i.gl.BindTexture(GL_TEXTURE_2D, i.panel.textures[i.panel.image]);
+  i.gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  // OpenGL's rows start at the bottom.
+  for (int y = 0; y < i.panelSize[1]; ++y) {
+    i.gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, i.panelSize[1] - 1 - y, i.panelSize[0], 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                       image.rgba.data() + std::size_t{4} * y * image.width);
+  }
+  i.gl.BindTexture(GL_TEXTURE_2D, 0);
+  LORICA_TRY_DO(i.checked(i.ReleaseSwapchainImage(i.panel.handle, nullptr), "xrReleaseSwapchainImage"));
+  i.panel.taken = false;
+  return {};
+}
+
+void Headset::placePanel(const Isometry3& stageFromPanel, double width, double height) {
+  Impl& i = *impl_;
+  i.panelLayer = typed<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD);
+  i.panelLayer.layerFlags = XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
+  i.panelLayer.space = i.stage;
+  i.panelLayer.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
+  i.panelLayer.subImage = {i.panel.handle, {{0, 0}, {i.panelSize[0], i.panelSize[1]}}, 0};
+  const Quat turned(stageFromPanel.linear());
+  const Vec3 at = stageFromPanel.translation();
+  i.panelLayer.pose = {{float(turned.x()), float(turned.y()), float(turned.z()), float(turned.w())},
+                       {float(at.x()), float(at.y()), float(at.z())}};
+  i.panelLayer.size = {float(width), float(height)};
+  i.panel.taken = i.panelSize[0] > 0;
+}
+
 Result<void> Headset::take(int eye, Renderer& renderer) {
   Impl& i = *impl_;
   Swapchain& chain = i.eyes[eye];
-  LORICA_TRY_DO(i.checked(i.AcquireSwapchainImage(chain.handle, nullptr, &chain.image), "xrAcquireSwapchainImage"));
-  auto wait = typed<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
-  wait.timeout = kLongestWait;
-  LORICA_TRY_DO(i.checked(i.WaitSwapchainImage(chain.handle, &wait), "xrWaitSwapchainImage"));
+  LORICA_TRY_DO(i.acquire(chain));
   renderer.present(i.width, i.height, chain.framebuffers[chain.image]);
   LORICA_TRY_DO(i.checked(i.ReleaseSwapchainImage(chain.handle, nullptr), "xrReleaseSwapchainImage"));
   chain.taken = true;
@@ -196,12 +269,14 @@ Result<void> Headset::endFrame() {
   layer.space = i.stage;
   layer.viewCount = std::uint32_t(shown.size());
   layer.views = shown.data();
-  const std::array<const XrCompositionLayerBaseHeader*, 1> layers = {
-      reinterpret_cast<const XrCompositionLayerBaseHeader*>(&layer)};
+  const std::array<const XrCompositionLayerBaseHeader*, 2> layers = {
+      reinterpret_cast<const XrCompositionLayerBaseHeader*>(&layer),
+      reinterpret_cast<const XrCompositionLayerBaseHeader*>(&i.panelLayer)};
   auto info = typed<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
   info.displayTime = i.displayTime;
   info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
-  info.layerCount = both ? 1 : 0;
+  const bool panel = std::exchange(i.panel.taken, false);
+  info.layerCount = !both ? 0 : panel ? 2 : 1;
   info.layers = layers.data();
   return i.checked(i.EndFrame(i.session, &info), "xrEndFrame");
 }

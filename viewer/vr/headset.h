@@ -24,11 +24,12 @@ struct HeadsetEye {
 };
 struct HeadsetHand {
   bool seen = false;
+  bool bare = false;                                ///< it holds no controller: it grabs by a pinch or a fist
   Isometry3 stageFromGrip = Isometry3::Identity();  ///< in the middle of the fist
   Isometry3 stageFromAim = Isometry3::Identity();   ///< along which it points
-  bool grabs = false;                               ///< trigger or squeeze
+  bool grabs = false;                               ///< trigger, squeeze, pinch or fist
   Eigen::Vector2d stick = Eigen::Vector2d::Zero();  ///< to the right and ahead, -1 to 1
-  bool changes = false, recentres = false;          ///< a button was pressed since the last picture
+  bool changes = false, opens = false;              ///< a button was pressed since the last picture
 };
 struct HeadsetFrame {
   double time = 0.0;     ///< when it is shown, by the runtime's clock [s]
@@ -55,7 +56,8 @@ class Headset {
   /// Begins a session that draws in the current OpenGL context, which is one of GLX or EGL.
   Result<void> start(Renderer::GetProc getProc);
   /// Hears what the runtime reports.
-  /// @return an error if the session is over: the user ended it, or the runtime or the headset is gone
+  /// @return an error if the session is over: kCancelled, the user ended it there; or the runtime or the headset is
+  /// gone
   Result<void> poll();
   /// Whether it takes pictures: then each has a beginFrame() and an endFrame().
   [[nodiscard]] bool running() const;
@@ -69,6 +71,12 @@ class Headset {
   Result<void> take(int eye, Renderer& renderer);
   /// What was taken last for an eye.
   [[nodiscard]] Image picture(int eye) const;
+  /// Gives the panel another picture, of which kPanelWidth x kPanelHeight pixels are shown at most.
+  Result<void> drawPanel(const Image& image);
+  static constexpr int kPanelWidth = 1024, kPanelHeight = 512;
+  /// Shows what drawPanel() got on a rectangle in the room, over the scene, in this frame.
+  /// @param stageFromPanel  its middle  @param width, height  [m]
+  void placePanel(const Isometry3& stageFromPanel, double width, double height);
   /// Shows the pictures that were taken, if there is one for each eye.
   Result<void> endFrame();
   /// Shakes a controller for a moment. @param strength  0 to 1

@@ -50,6 +50,10 @@ Result<void> Headset::take(int /*eye*/, Renderer& /*renderer*/) {
 Image Headset::picture(int /*eye*/) const {
   return {};
 }
+Result<void> Headset::drawPanel(const Image& /*image*/) {
+  return {};
+}
+void Headset::placePanel(const Isometry3& /*stageFromPanel*/, double /*width*/, double /*height*/) {}
 Result<void> Headset::endFrame() {
   return {};
 }

@@ -63,6 +63,12 @@ using PFNEGLGETPROCADDRESSPROC = void (*(*)(const char*))();
   X(WaitFrame)                         \
   X(WaitSwapchainImage)
 
+/// Those of XR_EXT_hand_tracking, where the runtime has it.
+#define LORICA_XR_HAND_FUNCTIONS(X) \
+  X(CreateHandTrackerEXT)           \
+  X(DestroyHandTrackerEXT)          \
+  X(LocateHandJointsEXT)
+
 namespace lorica {
 
 inline constexpr XrViewConfigurationType kStereo = XR_VIEW_CONFIGURATION_TYPE_PRIMARY_STEREO;
@@ -85,15 +91,16 @@ struct ControllerProfile;
 /// A picture that the runtime shows to an eye: one of several textures at a time.
 struct Swapchain {
   XrSwapchain handle = null<XrSwapchain>();
-  std::vector<GLuint> framebuffers;  // of each texture
-  bool taken = false;                // for this frame
-  std::uint32_t image = 0;           // that was taken last
+  std::vector<GLuint> textures, framebuffers;
+  bool taken = false;       // for this frame
+  std::uint32_t image = 0;  // that was taken last
 };
 
 /// The state of a Headset: headset_setup.cpp finds the runtime and prepares the session, headset.cpp runs it.
 struct Headset::Impl {
 #define LORICA_XR_MEMBER(name) PFN_xr##name name = nullptr;
   LORICA_XR_FUNCTIONS(LORICA_XR_MEMBER)
+  LORICA_XR_HAND_FUNCTIONS(LORICA_XR_MEMBER)
 #undef LORICA_XR_MEMBER
   GlFunctions gl;
   XrInstance instance = null<XrInstance>();
@@ -102,13 +109,17 @@ struct Headset::Impl {
   XrSpace stage = null<XrSpace>(), view = null<XrSpace>();
   std::array<XrSpace, 2> grips{}, aims{};
   std::array<XrPath, 2> paths{};
+  std::array<XrHandTrackerEXT, 2> trackers{};
   XrActionSet actions = null<XrActionSet>();
   XrAction grip = null<XrAction>(), aim = null<XrAction>(), trigger = null<XrAction>(), squeeze = null<XrAction>();
-  XrAction stick = null<XrAction>(), change = null<XrAction>(), recentre = null<XrAction>(), shake = null<XrAction>();
+  XrAction stick = null<XrAction>(), change = null<XrAction>(), open = null<XrAction>(), shake = null<XrAction>();
   std::array<Swapchain, 2> eyes;
+  Swapchain panel;
+  std::array<int, 2> panelSize{};  // of its picture [pixels]
+  XrCompositionLayerQuad panelLayer{};
   std::array<XrView, 2> views{};
   int width = 0, height = 0;
-  bool egl = false, running = false;
+  bool egl = false, handTracking = false, running = false;
   XrTime displayTime = 0;
   std::string description;
   HeadsetFrame frame;
@@ -117,8 +128,12 @@ struct Headset::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
   ~Impl() {
-    for (const Swapchain& eye : eyes) {
-      if (!eye.framebuffers.empty()) gl.DeleteFramebuffers(GLsizei(eye.framebuffers.size()), eye.framebuffers.data());
+    for (const Swapchain* chain : {&eyes[0], &eyes[1], &panel}) {
+      const std::vector<GLuint>& drawn = chain->framebuffers;
+      if (!drawn.empty()) gl.DeleteFramebuffers(GLsizei(drawn.size()), drawn.data());
+    }
+    for (const XrHandTrackerEXT tracker : trackers) {
+      if (tracker != null<XrHandTrackerEXT>()) DestroyHandTrackerEXT(tracker);
     }
     if (session != null<XrSession>()) DestroySession(session);  // with all that was made for it
     if (instance != null<XrInstance>()) DestroyInstance(instance);
@@ -135,10 +150,14 @@ struct Headset::Impl {
   [[nodiscard]] Result<void> createActions();
   [[nodiscard]] Result<void> suggest(const ControllerProfile& profile);
   [[nodiscard]] Result<void> createSpaces();
+  [[nodiscard]] Result<void> createHandTrackers();
   [[nodiscard]] Result<void> createSwapchains();
+  [[nodiscard]] Result<void> createSwapchain(Swapchain& chain, int chainWidth, int chainHeight);
+  [[nodiscard]] Result<void> acquire(Swapchain& chain);
   [[nodiscard]] Result<void> enter(XrSessionState state);
   [[nodiscard]] Result<void> locate();
   [[nodiscard]] Result<void> readHands();
+  void readBareHand(std::size_t side);
   [[nodiscard]] bool locateIn(XrSpace space, Isometry3& pose) const;
   [[nodiscard]] XrPath path(const std::string& name) const {
     XrPath made = XR_NULL_PATH;

@@ -15,6 +15,7 @@ class HeadsetPlace {
   [[nodiscard]] const Isometry3& worldFromStage() const { return worldFromStage_; }
   /// The wearer stands at a place and looks in a direction, both along the floor; their height stays.
   void stand(const Isometry3& stageFromHead, const Vec3& place, const Vec3& forward);
+  void set(const Isometry3& worldFromStage) { worldFromStage_ = worldFromStage; }
   /// The head comes to a point in the world and keeps its direction.
   void inside(const Isometry3& stageFromHead, const Vec3& eye);
   /// The wearer moves along the floor. @param stick  to the right of and along where they look, 1 = kWalk

@@ -14,7 +14,7 @@ namespace lorica {
 struct ControllerProfile {
   const char* name;
   const char *trigger, *squeeze, *stick;
-  std::array<const char*, 2> change, recentre;
+  std::array<const char*, 2> change, open;
 };
 
 namespace {
@@ -141,11 +141,14 @@ Result<void> Headset::Impl::load() {
   };
   if (!has(XR_KHR_OPENGL_ENABLE_EXTENSION_NAME)) return noDisplay("the OpenXR runtime takes no pictures of OpenGL");
   egl = has(XR_MNDX_EGL_ENABLE_EXTENSION_NAME);
-  const std::array<const char*, 2> wanted = {XR_KHR_OPENGL_ENABLE_EXTENSION_NAME, XR_MNDX_EGL_ENABLE_EXTENSION_NAME};
+  handTracking = has(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+  std::vector<const char*> wanted = {XR_KHR_OPENGL_ENABLE_EXTENSION_NAME};
+  if (egl) wanted.push_back(XR_MNDX_EGL_ENABLE_EXTENSION_NAME);
+  if (handTracking) wanted.push_back(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
   auto info = typed<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
   copyName("Lorica", info.applicationInfo.applicationName);
   info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
-  info.enabledExtensionCount = egl ? 2 : 1;
+  info.enabledExtensionCount = std::uint32_t(wanted.size());
   info.enabledExtensionNames = wanted.data();
   if (const XrResult made = create(&info, &instance); XR_FAILED(made)) {
     instance = null<XrInstance>();
@@ -155,6 +158,9 @@ Result<void> Headset::Impl::load() {
   this->name = reinterpret_cast<PFN_xr##name>(address("xr" #name)); \
   if (this->name == nullptr) return noDisplay("the OpenXR runtime lacks xr" #name);
   LORICA_XR_FUNCTIONS(LORICA_XR_LOAD)
+  if (handTracking) {
+    LORICA_XR_HAND_FUNCTIONS(LORICA_XR_LOAD)
+  }
 #undef LORICA_XR_LOAD
   auto runtime = typed<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);
   LORICA_XR(GetInstanceProperties, instance, &runtime);
@@ -164,7 +170,10 @@ Result<void> Headset::Impl::load() {
     return noDisplay("{} finds no headset: connect it and switch it on", runtime.runtimeName);
   }
   auto properties = typed<XrSystemProperties>(XR_TYPE_SYSTEM_PROPERTIES);
+  auto hands = typed<XrSystemHandTrackingPropertiesEXT>(XR_TYPE_SYSTEM_HAND_TRACKING_PROPERTIES_EXT);
+  if (handTracking) properties.next = &hands;
   LORICA_XR(GetSystemProperties, instance, system, &properties);
+  handTracking = hands.supportsHandTracking != XR_FALSE;
   description = fmt::format("{}, {}", runtime.runtimeName, properties.systemName);
   return {};
 }
@@ -183,7 +192,7 @@ Result<void> Headset::Impl::suggest(const ControllerProfile& profile) {
     bind(squeeze, profile.squeeze);
     bind(stick, profile.stick);
     bind(change, profile.change[hand]);
-    bind(recentre, profile.recentre[hand]);
+    bind(open, profile.open[hand]);
     bindings.push_back({shake, path(user + "output/haptic")});
   }
   auto suggestion = typed<XrInteractionProfileSuggestedBinding>(XR_TYPE_INTERACTION_PROFILE_SUGGESTED_BINDING);
@@ -211,7 +220,7 @@ Result<void> Headset::Impl::createActions() {
                           {&squeeze, "squeeze", "Hold a prop, too", XR_ACTION_TYPE_FLOAT_INPUT},
                           {&stick, "stick", "Walk and turn", XR_ACTION_TYPE_VECTOR2F_INPUT},
                           {&change, "change", "Beside or inside the avatar", XR_ACTION_TYPE_BOOLEAN_INPUT},
-                          {&recentre, "recentre", "Come to the avatar", XR_ACTION_TYPE_BOOLEAN_INPUT},
+                          {&open, "open", "Open or close the panel", XR_ACTION_TYPE_BOOLEAN_INPUT},
                           {&shake, "shake", "Touch", XR_ACTION_TYPE_VIBRATION_OUTPUT}}) {
     auto info = typed<XrActionCreateInfo>(XR_TYPE_ACTION_CREATE_INFO);
     copyName(one.name, info.actionName);
@@ -252,6 +261,16 @@ Result<void> Headset::Impl::createSpaces() {
   return {};
 }
 
+Result<void> Headset::Impl::createHandTrackers() {
+  for (std::size_t side = 0; handTracking && side < trackers.size(); ++side) {
+    auto info = typed<XrHandTrackerCreateInfoEXT>(XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT);
+    info.hand = side == 0 ? XR_HAND_LEFT_EXT : XR_HAND_RIGHT_EXT;
+    info.handJointSet = XR_HAND_JOINT_SET_DEFAULT_EXT;
+    LORICA_XR(CreateHandTrackerEXT, session, &info, &trackers[side]);
+  }
+  return {};
+}
+
 /// The renderer's pictures are sRGB, and are copied as they are.
 Result<void> Headset::Impl::createSwapchains() {
   std::array<XrViewConfigurationView, 2> seen;
@@ -266,30 +285,36 @@ Result<void> Headset::Impl::createSwapchains() {
   if (std::find(formats.begin(), formats.end(), GL_SRGB8_ALPHA8) == formats.end()) {
     return noDisplay("the headset takes no sRGB pictures of 8 bits");
   }
-  for (Swapchain& eye : eyes) {
-    auto info = typed<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
-    info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT;
-    info.format = GL_SRGB8_ALPHA8;
-    info.sampleCount = info.faceCount = info.arraySize = info.mipCount = 1;
-    info.width = std::uint32_t(width);
-    info.height = std::uint32_t(height);
-    LORICA_XR(CreateSwapchain, session, &info, &eye.handle);
-    LORICA_XR(EnumerateSwapchainImages, eye.handle, 0, &count, nullptr);
-    std::vector<XrSwapchainImageOpenGLKHR> images(count,
-                                                  typed<XrSwapchainImageOpenGLKHR>(XR_TYPE_SWAPCHAIN_IMAGE_OPENGL_KHR));
-    LORICA_XR(EnumerateSwapchainImages, eye.handle, count, &count,
-              reinterpret_cast<XrSwapchainImageBaseHeader*>(images.data()));
-    eye.framebuffers.resize(count);
-    gl.GenFramebuffers(GLsizei(count), eye.framebuffers.data());
-    for (std::size_t i = 0; i < images.size(); ++i) {
-      gl.BindFramebuffer(GL_FRAMEBUFFER, eye.framebuffers[i]);
-      gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, images[i].image, 0);
-      const GLenum status = gl.CheckFramebufferStatus(GL_FRAMEBUFFER);
-      if (status != GL_FRAMEBUFFER_COMPLETE)
-        return noDisplay("the headset's pictures cannot be drawn (0x{:x})", status);
-    }
-  }
+  for (Swapchain& eye : eyes) LORICA_TRY_DO(createSwapchain(eye, width, height));
+  LORICA_TRY_DO(createSwapchain(panel, kPanelWidth, kPanelHeight));
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
+  return {};
+}
+
+Result<void> Headset::Impl::createSwapchain(Swapchain& chain, int chainWidth, int chainHeight) {
+  auto info = typed<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
+  info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT;
+  info.format = GL_SRGB8_ALPHA8;
+  info.sampleCount = info.faceCount = info.arraySize = info.mipCount = 1;
+  info.width = std::uint32_t(chainWidth);
+  info.height = std::uint32_t(chainHeight);
+  LORICA_XR(CreateSwapchain, session, &info, &chain.handle);
+  std::uint32_t count = 0;
+  LORICA_XR(EnumerateSwapchainImages, chain.handle, 0, &count, nullptr);
+  std::vector<XrSwapchainImageOpenGLKHR> images(count,
+                                                typed<XrSwapchainImageOpenGLKHR>(XR_TYPE_SWAPCHAIN_IMAGE_OPENGL_KHR));
+  LORICA_XR(EnumerateSwapchainImages, chain.handle, count, &count,
+            reinterpret_cast<XrSwapchainImageBaseHeader*>(images.data()));
+  chain.framebuffers.resize(count);
+  chain.textures.resize(count);
+  gl.GenFramebuffers(GLsizei(count), chain.framebuffers.data());
+  for (std::size_t i = 0; i < images.size(); ++i) {
+    chain.textures[i] = images[i].image;
+    gl.BindFramebuffer(GL_FRAMEBUFFER, chain.framebuffers[i]);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, images[i].image, 0);
+    const GLenum status = gl.CheckFramebufferStatus(GL_FRAMEBUFFER);
+    if (status != GL_FRAMEBUFFER_COMPLETE) return noDisplay("the headset's pictures cannot be drawn (0x{:x})", status);
+  }
   return {};
 }
 
@@ -308,6 +333,7 @@ Result<void> Headset::start(Renderer::GetProc getProc) {
   LORICA_TRY_DO(checked(i.CreateSession(i.instance, &info, &i.session), "xrCreateSession"));
   LORICA_TRY_DO(i.createActions());
   LORICA_TRY_DO(i.createSpaces());
+  LORICA_TRY_DO(i.createHandTrackers());
   return i.createSwapchains();
 }
 

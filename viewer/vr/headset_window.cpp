@@ -1,10 +1,12 @@
 #include "viewer/vr/headset_window.h"
 
+#include "geometry/clock.h"
 #include "viewer/renderer/picture_area.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -24,6 +26,10 @@ constexpr double kBetweenTouches = 0.1;                                // that a
 constexpr double kFirmTouch = 2.0;                                     // is felt with full strength [N s]
 constexpr double kFastestThrow = 15.0;                                 // [m/s]
 constexpr double kLongestThrow = 2.0;                                  // in which its velocity is measured [s]
+constexpr double kPalmNear = 0.6;                                      // to the head: it is looked at [m]
+constexpr double kPalmFaces = 0.8;                                     // the cosine of how far it is turned away
+constexpr double kClick = 0.3;                                         // strength of a pulse
+constexpr double kBetweenLooks = 3.0;                                  // for a headset that was lost [s]
 constexpr double kIdle = 0.05;  // between looks at a headset that is not worn [s]
 
 /// The figure of the avatar that is followed, else the first.
@@ -63,9 +69,30 @@ void HeadsetWindow::lose(const Error& why) {
   takes_.reset();
   ended_ = fmt::format("{}: the session goes on in the window", why.message);
   problem(ended_);
+  sought_ = now();
+  comesBack_ = why.code != ErrorCode::kCancelled;
+}
+
+/// A headset that was lost may come back: it is looked for in another thread, since runtimes take their time to answer.
+void HeadsetWindow::seek() {
+  if (!comesBack_) return;
+  if (!finding_.valid()) {
+    if (now() - sought_ < kBetweenLooks) return;
+    sought_ = now();
+    finding_ = std::async(std::launch::async, Headset::find);
+  }
+  if (finding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  Result<Headset> found = finding_.get();
+  if (!found || !found->start(glFunction)) return;
+  headset_.emplace(std::move(*found));
+  ended_.clear();
+  inside_.reset();
+  stands_ = false;
+  notice("the headset is there again");
 }
 
 void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
+  if (!headset_) seek();
   if (!headset_) return Window::show(scene, values);
   const bool ran = headset_->running();
   Result<void> alive = headset_->poll();
@@ -88,6 +115,8 @@ void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
   if (headset_->frame().located) {
     move(seconds);
     findPlace(scene, values);
+    tellPose();
+    usePanel(values);
     holdProps(scene, values);
     feel(scene, values);
   }
@@ -116,15 +145,16 @@ bool HeadsetWindow::drawEyes(Renderer& renderer, const Scene& scene, const Scene
 /// the wearer to the avatar again.
 void HeadsetWindow::move(double seconds) {
   const HeadsetFrame& frame = headset_->frame();
-  if (frame.hands[0].stick.norm() > kStickRests && inside_ == false) {
-    place_.walk(frame.stageFromHead, frame.hands[0].stick, seconds);
+  HeadsetPlace& moved = inside_ == true && news_.alone ? floor_ : place_;
+  if (frame.hands[0].stick.norm() > kStickRests && (inside_ == false || news_.alone)) {
+    moved.walk(frame.stageFromHead, frame.hands[0].stick, seconds);
   }
   const double x = frame.hands[1].stick.x();
   const double wants = std::abs(x) > kTurns ? std::copysign(1.0, x) : std::abs(x) < kTurnsAgain ? 0.0 : turned_;
-  if (wants != 0.0 && wants != turned_) place_.turn(frame.stageFromHead, -wants * kTurn);
+  if (wants != 0.0 && wants != turned_) moved.turn(frame.stageFromHead, -wants * kTurn);
   turned_ = wants;
   for (const HeadsetHand& hand : frame.hands) {
-    if (hand.recentres) inside_.reset();
+    if (hand.opens) panel_.isOpen() ? panel_.close() : panel_.open(frame.stageFromHead);
     if (!hand.changes) continue;
     WindowChoices changed = choices();
     changed.inside = !changed.inside;
@@ -148,7 +178,55 @@ void HeadsetWindow::findPlace(const Scene& scene, const WindowValues& values) {
     }
     inside_ = inside;
   }
-  if (inside) place_.inside(stageFromHead, *head + kEyesAbove * Vec3::UnitY() + kEyesAhead * ahead);
+  if (!inside) return;
+  if (!news_.alone && !news_.registration) {
+    return place_.inside(stageFromHead, *head + kEyesAbove * Vec3::UnitY() + kEyesAhead * ahead);
+  }
+  // The avatar is that of the pose that was told last: its head is off by what its proportions are others.
+  const Isometry3 floorFromStage = followedFromStage();
+  const Isometry3& told = told_.front().pose.head;
+  const Vec3 known = news_.registration ? Vec3(floorFromStage * (told * news_.registration->headInHeadset))
+                                        : Vec3(told * kNominalHeadInHeadset);
+  const Vec3 off = *head - known;
+  place_.set(Eigen::Translation3d(off) * floorFromStage);
+}
+
+/// In the frame of what follows the wearer.
+Isometry3 HeadsetWindow::followedFromStage() const {
+  if (news_.registration) return Eigen::Translation3d(-news_.origin) * news_.registration->stageFromFloor().inverse();
+  return news_.alone ? floor_.worldFromStage() : Isometry3::Identity();
+}
+
+/// Where the wearer is, for what follows them: in the stage, or where the sticks brought them.
+void HeadsetWindow::tellPose() {
+  const HeadsetFrame& frame = headset_->frame();
+  if (news_.alone && !stands_) {
+    floor_.stand(frame.stageFromHead, Vec3::Zero(), Vec3::UnitZ());
+    stands_ = true;
+  }
+  const Isometry3 floorFromStage = news_.alone ? floor_.worldFromStage() : Isometry3::Identity();
+  HeadAndHands& pose = told_.front().pose;
+  pose.time = frame.time;
+  pose.head = floorFromStage * frame.stageFromHead;
+  for (const std::size_t index : {0, 1}) {
+    const HeadsetHand& hand = frame.hands[index];
+    pose.hands[index] = hand.seen ? std::optional<Isometry3>(floorFromStage * hand.stageFromGrip) : std::nullopt;
+  }
+  tells_ = true;
+}
+
+std::span<const HeadsetPose> HeadsetWindow::headsets() {
+  return std::exchange(tells_, false) ? std::span<const HeadsetPose>(told_) : std::span<const HeadsetPose>();
+}
+
+void HeadsetWindow::tell(const HeadsetNews& news) {
+  if (news.alone != news_.alone) {
+    WindowChoices changed = choices();
+    changed.inside = news.alone;
+    setChoices(changed);
+  }
+  if (!news.advice.empty() && news.advice != news_.advice) notice(news.advice, kNoticeSeconds);
+  news_ = news;
 }
 
 Ray HeadsetWindow::aimOf(int hand) const {
@@ -156,6 +234,44 @@ Ray HeadsetWindow::aimOf(int hand) const {
   const bool reaches = hold_ && hold_->hand == hand && hold_->reaches;
   const Isometry3 worldFromHand = place_.worldFromStage() * (reaches ? seen.stageFromGrip : seen.stageFromAim);
   return {worldFromHand.translation(), worldFromHand.linear() * (reaches ? hold_->direction : Vec3(-Vec3::UnitZ()))};
+}
+
+/// A button opens it, or a bare left palm that is looked at; what points at a row chooses it by grabbing.
+void HeadsetWindow::usePanel(const WindowValues& values) {
+  const HeadsetFrame& frame = headset_->frame();
+  const HeadsetHand& left = frame.hands[0];
+  const Vec3 toHead = frame.stageFromHead.translation() - left.stageFromAim.translation();
+  const bool looksAtPalm = left.seen && left.bare && toHead.norm() < kPalmNear &&
+                           -left.stageFromAim.linear().col(1).dot(toHead.normalized()) > kPalmFaces;
+  if (looksAtPalm) panel_.openAt(left.stageFromAim.translation(), frame.stageFromHead);
+  if (panelAtHand_ && !looksAtPalm) panel_.close();
+  panelAtHand_ = looksAtPalm;
+  points_ = {};
+  if (!panel_.isOpen()) return;
+  std::optional<HeadsetPanel::Row> pointed;
+  WindowChoices changed = choices();
+  for (const int index : {0, 1}) {
+    const HeadsetHand& hand = frame.hands[index];
+    if (!hand.seen || (hold_ && hold_->hand == index) || (panelAtHand_ && index == 0)) continue;
+    const Isometry3& aim = hand.stageFromAim;
+    const std::optional<HeadsetPanel::Row> row = panel_.rowAt({aim.translation(), -aim.linear().col(2)});
+    if (!row) continue;
+    points_[index] = true;
+    pointed = row;
+    if (!hand.grabs || grabbed_[index]) continue;
+    headset_->pulse(index, kClick);
+    if (*row == HeadsetPanel::Row::kClose) panel_.close();
+    if (*row == HeadsetPanel::Row::kRecentre) {
+      inside_.reset();
+      stands_ = false;
+    }
+    HeadsetPanel::choose(*row, values, changed, chosen_);
+    setChoices(changed);
+  }
+  if (panel_.draw(values, choices(), pointed)) {
+    if (const Result<void> drawn = headset_->drawPanel(panel_.image()); !drawn) return panel_.close();
+  }
+  if (panel_.isOpen()) headset_->placePanel(panel_.stageFromPanel(), panel_.width(), panel_.height());
 }
 
 /// One hand at a time holds a prop: one in its reach, else the first along its ray.
@@ -175,7 +291,7 @@ void HeadsetWindow::holdProps(const Scene& scene, const WindowValues& values) {
       hold_.reset();
       takes_.reset();
     }
-    if (hold_ || before || !hand.grabs || !hand.seen || !values.noThrow.empty()) continue;
+    if (hold_ || before || !hand.grabs || !hand.seen || points_[index] || !values.noThrow.empty()) continue;
     hold_ = Hold{index};
     const Isometry3 worldFromGrip = place_.worldFromStage() * hand.stageFromGrip;
     const Vec3 grip = worldFromGrip.translation();
@@ -217,6 +333,8 @@ void HeadsetWindow::feel(const Scene& scene, const WindowValues& values) {
 
 WindowRequests HeadsetWindow::takeRequests() {
   WindowRequests requests = Window::takeRequests();
+  if (chosen_.seekTo) requests.seekTo = std::exchange(chosen_.seekTo, std::nullopt);
+  if (chosen_.scene) requests.scene = std::exchange(chosen_.scene, std::nullopt);
   if (std::exchange(letGo_, false)) {
     requests.released = true;
     requests.throwsWith = throwsWith_;

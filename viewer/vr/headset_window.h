@@ -1,11 +1,13 @@
 #pragma once
 
 #include "viewer/vr/headset.h"
+#include "viewer/vr/headset_panel.h"
 #include "viewer/vr/headset_place.h"
 #include "viewer/window/window.h"
 
 #include <array>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,8 +15,10 @@
 namespace lorica {
 
 /// A window whose scene is seen in a headset as well: beside the avatar or, if WindowChoices say so, through its eyes.
+/// If the avatar follows the headset, by itself or before a registered camera, its head is where the wearer's is.
 /// Controllers hold props along a ray, or those in reach, as the mouse does in a window; what is let go flies on. The
-/// window shows what the left eye sees. When the session in the headset ends, it is a usual window, and says why.
+/// window shows what the left eye sees. When the session in the headset ends, it is a usual window, and says why; a
+/// headset that was lost is taken again when it comes back.
 class HeadsetWindow final : public Window {
  public:
   /// @param open  opens the window, once a headset was found
@@ -28,21 +32,28 @@ class HeadsetWindow final : public Window {
   [[nodiscard]] WindowRequests takeRequests() override;
   [[nodiscard]] Ray pointer() const override;
   [[nodiscard]] Camera camera() const override;
+  [[nodiscard]] std::span<const HeadsetPose> headsets() override;
+  void tell(const HeadsetNews& news) override;
 
+  [[nodiscard]] const HeadsetPanel& panel() const { return panel_; }
   /// Null once it is gone.
   [[nodiscard]] const Headset* headset() const { return headset_ ? &*headset_ : nullptr; }
   [[nodiscard]] const HeadsetPlace& place() const { return place_; }
   /// What was drawn last for an eye, 0 = left.
   [[nodiscard]] const Camera& eye(int index) const { return eyes_[index]; }
-  /// Why the session in the headset has ended; empty = it has not.
+  /// Why there is no session in the headset; empty = there is one.
   [[nodiscard]] const std::string& ended() const { return ended_; }
 
  private:
   HeadsetWindow(Headset headset, Window window) : Window(std::move(window)), headset_(std::move(headset)) {}
   void lose(const Error& why);
+  void seek();
   bool drawEyes(Renderer& renderer, const Scene& scene, const SceneOptions& options);
   void findPlace(const Scene& scene, const WindowValues& values);
   void move(double seconds);
+  void tellPose();
+  [[nodiscard]] Isometry3 followedFromStage() const;
+  void usePanel(const WindowValues& values);
   void holdProps(const Scene& scene, const WindowValues& values);
   void feel(const Scene& scene, const WindowValues& values);
   [[nodiscard]] Ray aimOf(int hand) const;
@@ -57,6 +68,15 @@ class HeadsetWindow final : public Window {
 
   std::optional<Headset> headset_;
   HeadsetPlace place_;
+  HeadsetNews news_;
+  HeadsetPlace floor_;   // of what follows the wearer: its floor frame from the stage
+  bool stands_ = false;  // the wearer has a place on it
+  std::array<HeadsetPose, 1> told_;
+  bool tells_ = false;  // told_ was not taken yet
+  HeadsetPanel panel_;
+  bool panelAtHand_ = false;      // it is shown while a bare left palm is looked at
+  std::array<bool, 2> points_{};  // hands, at the panel
+  WindowRequests chosen_;         // by the panel
   std::array<Camera, 2> eyes_;
   std::optional<bool> inside_;  // where the wearer is; none = nowhere yet
   std::optional<Hold> hold_;
@@ -75,6 +95,9 @@ class HeadsetWindow final : public Window {
   double time_ = 0.0;     // of the last picture [s]
   double felt_ = 0.0;     // when a touch was felt last [s]
   std::string ended_;
+  bool comesBack_ = false;  // a headset that was lost may
+  double sought_ = 0.0;     // when it was looked for last [s]
+  std::future<Result<Headset>> finding_;
 };
 
 }  // namespace lorica

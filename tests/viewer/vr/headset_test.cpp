@@ -1,7 +1,10 @@
 #include "player/run.h"
 #include "player/snapshots.h"
 #include "prepare/cast.h"
+#include "prepare/live_cast.h"
+#include "prepare/recorded_cast.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 #include "tests/viewer/renderer/picture_error.h"
 #include "tests/viewer/renderer/pictures.h"
 #include "tests/viewer/vr/monado_headset.h"
@@ -28,12 +31,13 @@ struct Asking : Host {
 
 class Headsets : public MonadoHeadset {
  protected:
-  /// The mannequin with a red ball that stands in the air and a blue box on a post.
   void SetUp() override {
     MonadoHeadset::SetUp();
-    if (IsSkipped() || HasFatalFailure()) return;
+    if (!IsSkipped() && !HasFatalFailure()) start();
+  }
+  /// The mannequin with a red ball that stands in the air and a blue box on a post.
+  [[nodiscard]] CastRequest request() const {
     CastRequest request;
-    request.motion = (recordingsFolder() / "squat_and_reach.csv").string();
     request.reading.drawn = true;
     request.scene = folder_
                         .write("ball.json", R"({"format": "lorica scene 1", "props": [
@@ -41,13 +45,36 @@ class Headsets : public MonadoHeadset {
       {"shape": "cylinder", "radius": 0.14, "height": 0.9, "at": [-0.7, 0.45, 0.4], "fixed": true, "color": "#808488"},
       {"shape": "box", "size": [0.2, 0.2, 0.2], "at": [-0.7, 1.0, 0.4], "mass": 0.4, "color": "#2f74b0"}]})")
                         .string();
-    Result<Cast> cast = prepareCast(request, host);
-    ASSERT_TRUE(cast) << cast.error().message;
+    return request;
+  }
+  /// @param record  the session to a file; empty = not
+  void start(const std::string& record = {}) {
     RunSetting setting;
+    setting.record = record;
     setting.atEnd = AtEnd::kRepeat;
-    Result<std::unique_ptr<lorica::Run>> started = lorica::Run::start(std::move(*cast), setting, host);
-    ASSERT_TRUE(started) << started.error().message;
-    run = std::move(*started);
+    CastRequest played = request();
+    played.motion = (recordingsFolder() / "squat_and_reach.csv").string();
+    run = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(played, host)), setting, host));
+  }
+  /// The mannequin follows head and hands.
+  void follow(const std::string& record) {
+    RunSetting setting;
+    setting.record = record;
+    LiveRequest live;
+    live.threePoint = true;
+    run = test::valueOf(lorica::Run::start(test::valueOf(prepareLiveCast(request(), live, host)), setting, host));
+  }
+  /// That a recorded session has the same results again, without a headset.
+  void expectReplayed(const std::filesystem::path& file) {
+    RecordedRequest recorded;
+    recorded.file = file.string();
+    host.ends = nullptr;
+    const auto again = test::valueOf(lorica::Run::start(test::valueOf(prepareRecordedCast(recorded, host)), {}, host));
+    Shown unseen;
+    EXPECT_TRUE(play(*again, unseen, host));
+    EXPECT_TRUE(again->comparison->over());
+    EXPECT_GT(again->comparison->steps(), 10);
+    EXPECT_FALSE(again->comparison->difference()) << again->comparison->difference()->what;
   }
 
   /// Plays until `done`, which is asked after each picture.
@@ -182,7 +209,67 @@ TEST_F(Headsets, InsideTheEyesAreThoseOfTheAvatar) {
   EXPECT_NEAR(std::hypot(away.x(), away.z()), 0.09, 1e-6);
 }
 
+TEST_F(Headsets, AnAvatarFollowsHeadAndHands) {
+  const std::filesystem::path file = folder_.path() / "worn.lsession";
+  follow(file.string());
+  told.head = {{0.4, 1.6, -0.2}, Quat(Eigen::AngleAxisd(0.4, Vec3::UnitY()))};
+  told.hands = {Told{{-0.1, 1.3, -0.6}}, Told{{0.5, 1.1, -0.5}}};
+  const auto jointAt = [&](HumanBone bone) -> Vec3 {
+    const SessionAvatar& avatar = run->session.avatar();
+    return avatar.worldFromJoint()[avatar.character().skeleton.jointOf(bone)].translation();
+  };
+  double off = 0.0, apart = 0.0;
+  Vec3 before, walked;
+  int after = 0;
+  playUntil([&] {
+    if (!arrived() || run->session.frameCount() < 20 || ++after < 30) return false;
+    if (after > 30) return after > 60;
+    // The wearer looks out of the avatar's head, and the hands are where theirs are.
+    const Isometry3 worldFromHead = window->place().worldFromStage() * frame().stageFromHead;
+    before = jointAt(HumanBone::kHead);
+    off = (worldFromHead * kNominalHeadInHeadset - before).norm();
+    for (const int hand : {0, 1}) {
+      const Vec3 grip = window->place().worldFromStage() * frame().hands[hand].stageFromGrip.translation();
+      const HumanBone wrist = hand == 0 ? HumanBone::kLeftHand : HumanBone::kRightHand;
+      apart = std::max(apart, (grip - jointAt(wrist)).norm());
+    }
+    // They walk half a metre: so does the avatar.
+    walked = window->place().worldFromStage().linear() * Vec3(0.0, 0.0, -0.5);
+    told.head.at.z() -= 0.5;
+    for (Told& hand : told.hands) hand.at.z() -= 0.5;
+    return false;
+  });
+  EXPECT_TRUE(window->choices().inside);
+  std::printf("head within %.2f mm, wrists within %.0f mm of the controllers\n", 1e3 * off, 1e3 * apart);
+  EXPECT_LT(off, 1e-3);
+  EXPECT_LT(apart, 0.15);  // a wrist is 8 cm from the palm
+  const Vec3 went = jointAt(HumanBone::kHead) - before;
+  EXPECT_LT((went - walked).norm(), 0.1) << went.transpose();
+  expectReplayed(file);
+}
+
+TEST_F(Headsets, ABareHandHoldsABoxInItsFist) {
+  told.bare = true;
+  const auto box = [&] { return run->session.world().props()[2]; };
+  int waited = 0;
+  Vec3 first;
+  playUntil([&] {
+    if (!arrived() || run->session.frameCount() < 2) return false;
+    const HeadsetHand& hand = frame().hands[1];
+    if (waited == 0) first = box().worldFromProp.translation();
+    told.hands[1].at = window->place().worldFromStage().inverse() * (first + Vec3(0.0, 0.0, 0.15));
+    if (!hand.seen || !hand.bare || ++waited < 10) return false;
+    if (waited == 10) {
+      EXPECT_FALSE(hand.grabs) << "an open hand";
+    }
+    told.fists[1] = 1.0;
+    return run->session.world().held().has_value();
+  });
+}
+
 TEST_F(Headsets, AControllerHoldsABoxAndThrowsIt) {
+  const std::filesystem::path file = folder_.path() / "thrown.lsession";
+  start(file.string());
   enum class Step { kComing, kAiming, kLifting, kFlying } step = Step::kComing;
   const auto box = [&] { return run->session.world().props()[2]; };
   constexpr double kHandSpeed = 3.0;  // [m/s]
@@ -227,9 +314,10 @@ TEST_F(Headsets, AControllerHoldsABoxAndThrowsIt) {
   std::printf("the hand moved at %.1f m/s, the box flew up as if thrown at %.1f m/s\n", kHandSpeed, thrown);
   EXPECT_GT(thrown, 0.6 * kHandSpeed);
   EXPECT_LT(thrown, 2.0 * kHandSpeed);
+  expectReplayed(file);
 }
 
-TEST_F(Headsets, WhenTheRuntimeEndsTheSessionGoesOnInTheWindow) {
+TEST_F(Headsets, WhenTheRuntimeEndsTheSessionGoesOnInTheWindowUntilItIsBack) {
   int lost = 0, frames = 0;
   playUntil([&] {
     if (arrived() && run->session.frameCount() > 2) {
@@ -243,6 +331,11 @@ TEST_F(Headsets, WhenTheRuntimeEndsTheSessionGoesOnInTheWindow) {
   EXPECT_NE(window->ended().find("the session goes on in the window"), std::string::npos) << window->ended();
   EXPECT_GT(run->session.frameCount(), frames);
   EXPECT_TRUE(window->open());
+  // The service starts again: the headset is taken again.
+  ASSERT_NO_FATAL_FAILURE(startService());
+  const int later = run->session.frameCount();
+  playUntil([&] { return arrived() && run->session.frameCount() > later; });
+  EXPECT_TRUE(window->ended().empty()) << window->ended();
 }
 
 }  // namespace

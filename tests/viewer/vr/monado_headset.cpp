@@ -9,6 +9,7 @@
 #include <cstring>
 #include <filesystem>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace lorica::test {
@@ -50,10 +51,18 @@ bool waitFor(const std::function<bool()>& there) {
 }  // namespace
 
 void MonadoHeadset::SetUp() {
-  const char* command = std::getenv("LORICA_MONADO");
-  if (command == nullptr) GTEST_SKIP() << "there is no Monado: run scripts/test-vr";
+  if (std::getenv("LORICA_MONADO") == nullptr) GTEST_SKIP() << "there is no Monado: run scripts/test-vr";
   display_.emplace();
   ASSERT_TRUE(display_->ready());
+  ASSERT_NO_FATAL_FAILURE(startService());
+  Result<std::unique_ptr<HeadsetWindow>> opened =
+      HeadsetWindow::create([] { return Window::create("Lorica test", 320, 240); });
+  ASSERT_TRUE(opened) << opened.error().message;
+  window = std::move(*opened);
+}
+
+void MonadoHeadset::startService() {
+  const char* command = std::getenv("LORICA_MONADO");
   const std::filesystem::path there = std::filesystem::path(std::getenv("XDG_RUNTIME_DIR")) / "monado_comp_ipc";
   std::filesystem::remove(there);
   service_.emplace([command] { std::exit(std::system(command)); }, there.parent_path() / "service.log");
@@ -69,16 +78,16 @@ void MonadoHeadset::SetUp() {
     return false;
   }));
   tell(told);
-  Result<std::unique_ptr<HeadsetWindow>> opened =
-      HeadsetWindow::create([] { return Window::create("Lorica test", 320, 240); });
-  ASSERT_TRUE(opened) << opened.error().message;
-  window = std::move(*opened);
+}
+
+void MonadoHeadset::endService() {
+  if (socket_ >= 0) ::close(std::exchange(socket_, -1));
+  service_.reset();
 }
 
 void MonadoHeadset::TearDown() {
   window.reset();
-  if (socket_ >= 0) ::close(socket_);
-  service_.reset();
+  endService();
 }
 
 void MonadoHeadset::tell(const ToldHeadset& now) const {
@@ -95,12 +104,12 @@ void MonadoHeadset::tell(const ToldHeadset& now) const {
   packet.zeros(3);
   for (std::size_t hand = 0; hand < 2; ++hand) {
     packet.add(now.hands[hand]);
-    packet.zeros(6 * sizeof(float) + 5 * sizeof(float));
+    packet.zeros(6 * sizeof(float));
+    for (int finger = 0; finger < 5; ++finger) packet.add(now.fists[hand]);
     packet.add(now.triggers[hand]);
     packet.zeros(2 * sizeof(float) + 5 * sizeof(float));
-    const char active = 1;
-    packet.zeros(1);  // no fingers
-    packet.add(&active, 1);
+    const std::array<char, 2> active = {char(now.bare), char(!now.bare)};
+    packet.add(active.data(), active.size());
     packet.zeros(14);
   }
   ASSERT_EQ(packet.bytes().size(), 376u);

@@ -23,6 +23,8 @@ struct ToldHeadset {
   EyeAngles angles;
   std::array<Told, 2> hands{Told{{-0.3, 1.2, -0.3}}, Told{{0.3, 1.2, -0.3}}};
   std::array<double, 2> triggers{};
+  bool bare = false;              ///< hands without controllers
+  std::array<double, 2> fists{};  ///< how far the fingers of bare hands are bent, 0 to 1
 };
 
 /// Monado with its remote devices, and a window whose scene they see. Where LORICA_MONADO, the command that starts the
@@ -32,7 +34,8 @@ class MonadoHeadset : public ::testing::Test {
   void SetUp() override;
   void TearDown() override;
   void tell(const ToldHeadset& told) const;
-  void endService() { service_.reset(); }
+  void startService();
+  void endService();
 
   ToldHeadset told;
   std::unique_ptr<HeadsetWindow> window;

@@ -1,12 +1,9 @@
-#include "serve/headset_link.h"
+#include "player/headset_link.h"
 
 #include "capture/registration/registration_file.h"
 
-#include <nlohmann/json.hpp>
-
 #include <algorithm>
 #include <chrono>
-#include <numbers>
 #include <utility>
 
 namespace lorica {
@@ -23,6 +20,8 @@ void HeadsetLink::begin(const std::string& camera, std::shared_ptr<WornHeadset> 
   if (worn == nullptr) return;
   worn_ = std::move(worn);
   worn_->restart();
+  alone_ = camera.empty();
+  if (alone_) return;
   file_ = registrationFile(camera);
   const Result<Registration> kept = loadRegistration(file_);
   know(kept ? std::optional(*kept) : std::nullopt);
@@ -33,25 +32,28 @@ void HeadsetLink::know(const std::optional<Registration>& registration) {
   worn_->setRegistration(registration);
 }
 
-void HeadsetLink::addHeadset(const Wish& wish, double now) {
+void HeadsetLink::addHeadset(const HeadsetPose& heard, double now) {
   if (worn_ == nullptr) return;
-  if (wish.client != client_ && now - heard_ < kGone) return;
+  if (heard.wearer != wearer_ && now - heard_ < kGone) return;
+  HeadAndHands pose = heard.pose;
   // Its path begins anew: headsets count from wherever they were put on.
-  if (wish.client != client_) {
+  if (heard.wearer != wearer_) {
     samples_.clear();
     place_.reset();
     worn_->restart();
-    clockDifference_ = now - wish.to;
-    client_ = wish.client;
-    said_.clear();
+    clockDifference_ = now - pose.time;
+    wearer_ = heard.wearer;
+    said_.reset();
   }
   heard_ = now;
-  clockDifference_ = std::min(clockDifference_, now - wish.to);
+  clockDifference_ = std::min(clockDifference_, now - pose.time);
+  pose.time += clockDifference_;
+  worn_->add(pose);
+  if (alone_) return;
   if (samples_.empty()) samples_.emplace_back();
   for (HeadRegistration& samples : samples_) {
-    samples.addHeadset(wish.to + clockDifference_, wish.origin, wish.orientation);
+    samples.addHeadset(pose.time, pose.head.translation(), Quat(pose.head.linear()));
   }
-  worn_->add(wish.to + clockDifference_, wish.origin, wish.orientation);
 }
 
 void HeadsetLink::addTracked(std::size_t place, const Vec3& head, double arrived) {
@@ -81,27 +83,21 @@ HeadsetLink::Found HeadsetLink::solve(const std::vector<HeadRegistration>& sampl
   return found;
 }
 
-/// A registration in words for the page.
-std::string HeadsetLink::told(const std::string& advice, const Vec3& origin) {
-  constexpr double kDegrees = 180.0 / std::numbers::pi;
-  nlohmann::ordered_json json = {{"type", "registration"}, {"known", known_.has_value()}, {"advice", advice}};
-  if (known_) {
-    const Isometry3 worldFromStage = known_->stageFromFloor().inverse();
-    const Vec3 t = worldFromStage.translation() - origin;
-    json["yaw"] = -known_->yaw;
-    json["translation"] = {t.x(), t.y(), t.z()};
-    json["degrees"] = std::round(100.0 * kDegrees * known_->yawDeviation) / 100.0;
-    json["millimetres"] = std::round(1e3 * known_->levelDeviation);
-  }
-  std::string text = json.dump();
-  if (text == said_) return "";
-  said_ = text;
-  return text;
+std::optional<HeadsetNews> HeadsetLink::told(HeadsetNews news) {
+  const auto place = [](const HeadsetNews& of) {
+    return of.registration ? of.registration->stageFromFloor() : Isometry3::Identity();
+  };
+  const bool same = said_ && said_->alone == news.alone &&
+                    said_->registration.has_value() == news.registration.has_value() && said_->advice == news.advice &&
+                    said_->origin == news.origin && place(*said_).matrix() == place(news).matrix();
+  if (same) return std::nullopt;
+  return said_ = std::move(news);
 }
 
-std::string HeadsetLink::update(double now, const Vec3& origin) {
+std::optional<HeadsetNews> HeadsetLink::update(double now, const Vec3& origin) {
+  if (alone_) return told({std::nullopt, "", origin, true});
   if (solving_.valid()) {
-    if (solving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return "";
+    if (solving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
     const Found found = solving_.get();
     if (found.moved) {
       know(std::nullopt);
@@ -111,12 +107,12 @@ std::string HeadsetLink::update(double now, const Vec3& origin) {
     if (found.place) place_ = found.place;
     if (found.registration) know(found.registration);
     if (found.registration && !file_.empty()) (void)saveRegistration(file_, *known_);  // else it is found again
-    return told(found.advice, origin);
+    return told({known_, found.advice, origin});
   }
-  if (now - heard_ >= kGone || now - solved_ < kBetweenSolves) return "";
+  if (now - heard_ >= kGone || now - solved_ < kBetweenSolves) return std::nullopt;
   solved_ = now;
   solving_ = std::async(std::launch::async, solve, samples_, known_, place_);
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace lorica
