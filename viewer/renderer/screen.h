@@ -11,6 +11,12 @@
 
 namespace lorica {
 
+/// Where a hand points.
+struct HandAim {
+  Ray ray;                        ///< from the eye through the mouse, or along a controller
+  Vec3 forward = -Vec3::UnitZ();  ///< unit vector: what is held keeps its distance along it
+};
+
 /// Shows scenes to people, who control them: a window is one. Used from one thread.
 class Screen {
  public:
@@ -32,8 +38,8 @@ class Screen {
   /// While nothing else can be asked for: forgets the requests, but for dropped files, which the next requests have.
   /// @return whether to cancel what is loading
   [[nodiscard]] virtual bool takeCancel() = 0;
-  /// The ray from the eye through the pointer.
-  [[nodiscard]] virtual Ray pointer() const = 0;
+  /// @param hand  one that holds a prop, or pressed for one; see HandRequests
+  [[nodiscard]] virtual HandAim aim(int hand) const = 0;
   [[nodiscard]] virtual Camera camera() const = 0;
   /// Sets the initial camera, to which a reset returns.
   virtual void setCamera(const Camera& camera) = 0;

@@ -58,7 +58,7 @@ HeadsetWindow::~HeadsetWindow() {
 void HeadsetWindow::lose(const Error& why) {
   headset_.reset();
   drawFor(nullptr);
-  letGo_ = hold_.has_value();
+  if (hold_) letGo_ = hold_->hand;
   hold_.reset();
   takes_.reset();
   ended_ = fmt::format("{}: the session goes on in the window", why.message);
@@ -161,12 +161,12 @@ Ray HeadsetWindow::aimOf(int hand) const {
 /// One hand at a time holds a prop: one in its reach, else the first along its ray.
 void HeadsetWindow::holdProps(const Scene& scene, const WindowValues& values) {
   const HeadsetFrame& frame = headset_->frame();
-  if (hold_ && hold_->asked && !values.holdsProp) hold_.reset();  // there was none
+  if (hold_ && hold_->asked && (values.holds >> hold_->hand & 1u) == 0) hold_.reset();  // there was none
   for (int index = 0; index < 2; ++index) {
     const HeadsetHand& hand = frame.hands[index];
     const bool before = std::exchange(grabbed_[index], hand.grabs);
     if (hold_ && hold_->hand == index && !hand.grabs) {
-      letGo_ = hold_->asked;
+      if (hold_->asked) letGo_ = index;
       const double seconds = frame.time - was_[next_].time;
       const Vec3 now = place_.worldFromStage() * hand.stageFromGrip.translation();
       throwsWith_ = seconds < kLongestThrow ? Vec3((now - was_[next_].hands[index]) / std::max(seconds, 1e-3))
@@ -217,29 +217,25 @@ void HeadsetWindow::feel(const Scene& scene, const WindowValues& values) {
 
 WindowRequests HeadsetWindow::takeRequests() {
   WindowRequests requests = Window::takeRequests();
-  if (std::exchange(letGo_, false)) {
-    requests.released = true;
-    requests.throwsWith = throwsWith_;
+  if (const std::optional<int> hand = std::exchange(letGo_, std::nullopt)) {
+    requests.hands[*hand].released = true;
+    requests.hands[*hand].throwsWith = throwsWith_;
   } else if (takes_) {
-    requests.pressed = std::exchange(takes_, std::nullopt);
+    requests.hands[hold_->hand].pressed = std::exchange(takes_, std::nullopt);
     hold_->asked = true;
   }
   return requests;
 }
 
-Ray HeadsetWindow::pointer() const {
-  return hold_ && headset_ ? aimOf(hold_->hand) : Window::pointer();
+/// What a controller holds stays as far along the ray as it was taken.
+HandAim HeadsetWindow::aim(int hand) const {
+  if (!headset_ || !hold_ || hold_->hand != hand) return Window::aim(hand);
+  const Ray ray = aimOf(hand);
+  return {ray, ray.direction};
 }
 
 Camera HeadsetWindow::camera() const {
-  if (!headset_ || !inside_) return Window::camera();
-  if (!hold_) return eyes_[0];
-  // A held prop stays as far along the ray as it was taken.
-  const Ray ray = aimOf(hold_->hand);
-  Camera camera = eyes_[0];
-  camera.eye = ray.origin;
-  camera.target = ray.origin + ray.direction;
-  return camera;
+  return headset_ && inside_ ? eyes_[0] : Window::camera();
 }
 
 void HeadsetWindow::rest(double seconds) {

@@ -26,7 +26,7 @@ class HeadsetWindow final : public Window {
   void show(const Scene& scene, const WindowValues& values) override;
   void rest(double seconds) override;
   [[nodiscard]] WindowRequests takeRequests() override;
-  [[nodiscard]] Ray pointer() const override;
+  [[nodiscard]] HandAim aim(int hand) const override;
   [[nodiscard]] Camera camera() const override;
 
   /// Null once it is gone.
@@ -60,7 +60,7 @@ class HeadsetWindow final : public Window {
   std::array<Camera, 2> eyes_;
   std::optional<bool> inside_;  // where the wearer is; none = nowhere yet
   std::optional<Hold> hold_;
-  bool letGo_ = false;              // what is to be told
+  std::optional<int> letGo_;        // what is to be told
   Vec3 throwsWith_ = Vec3::Zero();  // with it
   std::optional<Ray> takes_;        // the same
   std::array<bool, 2> grabbed_{};   // in the last picture
