@@ -234,7 +234,7 @@ class TimedScreen final : public Screen {
   }
   void chooseFiles() override {}
   [[nodiscard]] bool takeCancel() override { return page_.takeCancel(); }
-  [[nodiscard]] Ray pointer() const override { return page_.pointer(); }
+  [[nodiscard]] HandAim aim(int hand) const override { return page_.aim(hand); }
   [[nodiscard]] Camera camera() const override { return page_.camera(); }
   void setCamera(const Camera& camera) override { page_.setCamera(camera); }
   void notice(std::string sentence, double time) override { page_.notice(std::move(sentence), time); }

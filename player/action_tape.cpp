@@ -1,12 +1,17 @@
 #include "player/action_tape.h"
 
+#include <algorithm>
+
 namespace lorica {
 
 void ActionTape::act(Session& session, const WorldAction& action) {
   if (goesOn()) {
     done_.resize(next_);
-    // The recorded release has been dropped, too.
-    if (session.world().held() && action.kind != WorldAction::Kind::kRelease) act(session, WorldAction::release());
+    // The recorded releases have been dropped, too.
+    for (int hand = 0; hand < World::kMaxHands; ++hand) {
+      const bool releases = action.kind == WorldAction::Kind::kRelease && action.hand == hand;
+      if (session.world().held(hand) && !releases) act(session, WorldAction::release(Vec3::Zero(), hand));
+    }
   }
   session.act(action);
   done_.push_back({session.frameCount(), action});
@@ -20,12 +25,21 @@ void ActionTape::redo(Session& session) {
 void ActionTape::undo() {
   using Kind = WorldAction::Kind;
   done_.resize(next_);
-  const bool drag = !done_.empty() && done_.back().action.kind != Kind::kThrowBall;
-  while (!done_.empty()) {
-    const Kind kind = done_.back().action.kind;
-    if (drag && kind == Kind::kThrowBall) break;
+  if (done_.empty()) return;
+  const WorldAction last = done_.back().action;
+  if (last.kind == Kind::kThrowBall) {
     done_.pop_back();
-    if (kind == Kind::kThrowBall || kind == Kind::kGrab) break;
+  } else {
+    // The drag of one hand, among what others do meanwhile.
+    const auto ofHand = [&](const Done& done) {
+      return done.action.kind != Kind::kThrowBall && done.action.hand == last.hand;
+    };
+    auto begin = done_.end();
+    while (begin != done_.begin()) {
+      --begin;
+      if (ofHand(*begin) && begin->action.kind == Kind::kGrab) break;
+    }
+    done_.erase(std::remove_if(begin, done_.end(), ofHand), done_.end());
   }
   next_ = done_.size();
 }

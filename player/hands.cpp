@@ -1,5 +1,7 @@
 #include "player/hands.h"
 
+#include "geometry/counts.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -26,10 +28,6 @@ WorldAction ballFrom(const Camera& camera, const Vec3& target, double gravity) {
   return WorldAction::throwBall(position, velocity, kBallRadius);
 }
 
-Vec3 forwardOf(const Camera& camera) {
-  return (camera.target - camera.eye).normalized();
-}
-
 }  // namespace
 
 void Hands::act(Session& session, const WorldAction& action) {
@@ -44,45 +42,56 @@ void Hands::act(Session& session, const WorldAction& action) {
 
 void Hands::take(const WindowRequests& requests, const Screen& screen, const std::optional<Vec3>& target,
                  Session& session) {
-  if (requests.pressed) {
-    const std::optional<PropPick> pick = session.world().pick(*requests.pressed);
+  for (int index = 0; index < countOf(depths_); ++index) {
+    const HandRequests& hand = requests.hands[index];
+    const std::optional<PropPick> pick = hand.pressed ? session.world().pick(*hand.pressed) : std::nullopt;
     if (pick && session.world().props()[pick->prop].mass > 0.0) {
-      act(session, WorldAction::grab(pick->prop, pick->position));
-      const Camera camera = screen.camera();
-      depth_ = (pick->position - camera.eye).dot(forwardOf(camera));
-      holds_ = true;
+      act(session, WorldAction::grab(pick->prop, pick->position, index));
+      const HandAim aim = screen.aim(index);
+      depths_[index] = (pick->position - aim.ray.origin).dot(aim.forward);
+    }
+    if (hand.released && depths_[index]) {
+      act(session, WorldAction::release(hand.throwsWith, index));
+      depths_[index].reset();
     }
   }
-  if (requests.released && holds_) {
-    act(session, WorldAction::release(requests.throwsWith));
-    holds_ = false;
-  }
   if (requests.throwBall) {
-    const Camera camera = screen.camera();
-    act(session, ballFrom(camera, target.value_or(camera.target), gravity_));
+    const Camera camera = requests.thrower.value_or(screen.camera());
+    act(session, ballFrom(camera, requests.thrower ? camera.target : target.value_or(camera.target), gravity_));
   }
+}
+
+unsigned Hands::holds() const {
+  unsigned bits = 0;
+  for (int hand = 0; hand < countOf(depths_); ++hand) bits |= depths_[hand] ? 1u << hand : 0u;
+  return bits;
 }
 
 void Hands::beforeStep(const Screen& screen, Session& session) {
   if (!without_) tape_.redo(session);
-  if (!holds_) return;
-  // In the plane that faces the camera and contains the grabbed point.
-  const Ray ray = screen.pointer();
-  const double along = ray.direction.normalized().dot(forwardOf(screen.camera()));
-  Vec3 position = ray.origin + depth_ / std::max(along, 0.1) * ray.direction.normalized();
-  position.y() = std::max(position.y(), kLowestHand);
-  if (position.norm() > kFarthestHand) position *= kFarthestHand / position.norm();
-  act(session, WorldAction::moveGrab(position));
+  for (int hand = 0; hand < countOf(depths_); ++hand) {
+    if (!depths_[hand]) continue;
+    // In the plane that faces the hand's forward direction and contains the grabbed point.
+    const HandAim aim = screen.aim(hand);
+    const Vec3 direction = aim.ray.direction.normalized();
+    Vec3 position = aim.ray.origin + *depths_[hand] / std::max(direction.dot(aim.forward), 0.1) * direction;
+    position.y() = std::max(position.y(), kLowestHand);
+    if (position.norm() > kFarthestHand) position *= kFarthestHand / position.norm();
+    act(session, WorldAction::moveGrab(position, hand));
+  }
 }
 
 void Hands::rewind(Session& session) {
-  if (holds_) act(session, WorldAction::release());
-  holds_ = without_ = false;
+  for (int hand = 0; hand < countOf(depths_); ++hand) {
+    if (depths_[hand]) act(session, WorldAction::release(Vec3::Zero(), hand));
+  }
+  depths_ = {};
+  without_ = false;
   tape_.rewind();
 }
 
 void Hands::forget() {
-  holds_ = false;
+  depths_ = {};
   tape_.clear();
 }
 

@@ -275,7 +275,7 @@ void RunLoop::show() {
   values.warnings = warnings_.sentences();
   const auto outside = [](const SessionAvatar& avatar) { return avatar.present() && avatar.outsideKnownRange(); };
   values.outsideTraining = started_ && std::any_of(session_.avatars().begin(), session_.avatars().end(), outside);
-  values.holdsProp = hands_.holds();
+  values.holds = hands_.holds();
   values.focus = focus_.position();
   if (started_) values.followed = focus_.bounds(session_);
   if (started_ && !session_.avatars().empty()) values.facing = focus_.facing(session_);

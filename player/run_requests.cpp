@@ -30,14 +30,15 @@ Result<void> RunLoop::answer(WindowRequests requests) {
   if (const std::string_view why = whyNoThrow(); !why.empty()) {
     if (requests.throwBall) screen_->notice(std::string(why));
     requests.throwBall = false;
-    requests.pressed.reset();
+    for (HandRequests& hand : requests.hands) hand.pressed.reset();
   }
   answerAboutAvatars(requests);
   open(requests);
   const bool cut = run_.recorder && (run_.recorder->cutShort() || run_.recorder->full());
   if (cut && whyNoRecord().empty()) record(false);  // the session started again, or the file is full
   if (requests.record) record(*requests.record);
-  if (requests.undo) return undo();
+  if (requests.undo && whyNoUndo().empty()) return undo();
+  if (requests.undo) screen_->notice(std::string(whyNoUndo()));
   if (requests.cancel && nextWorld_) nextWorld_->cancel();
   if (requests.scene && *requests.scene != scenes_.present) prepareWorld(*requests.scene);
   hands_.take(requests, *screen_, screen_->choices().follow ? focus_.position() : std::nullopt, session_);
@@ -175,10 +176,6 @@ Result<void> RunLoop::runAgain(std::string_view done) {
 
 /// Runs again to the present time without the last action.
 Result<void> RunLoop::undo() {
-  if (const std::string_view why = whyNoUndo(); !why.empty()) {
-    screen_->notice(std::string(why));
-    return {};
-  }
   hands_.undo();
   return runAgain("undone");
 }

@@ -21,7 +21,8 @@ using Kind = Wish::Kind;
 
 constexpr double kBetweenShapes = 0.1;    // of hulls [s]
 constexpr double kBetweenStates = 0.1;    // [s]
-constexpr std::size_t kMaxWaiting = 256;  // wishes
+constexpr std::size_t kMaxWaiting = 512;  // wishes; half of them throws, of which a turn takes one
+constexpr int kWindowHands = 2;           // are those of the window
 
 /// Texts of others may be any bytes.
 std::string textOf(const Json& json) {
@@ -103,8 +104,7 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
   hello["camera"] = Json{{"eye", listOf(from.eye)}, {"target", listOf(from.target)}, {"fov", from.verticalFov}};
   cast->hello = textOf(hello);
   server_.setCast(cast);
-  pointing_.reset();
-  holds_ = false;
+  hands_ = {};
   present_ = &run;
   return warnings;
 }
@@ -114,12 +114,6 @@ void PageScreen::hear() {
   heard_.clear();
   server_.takeWishes(heard_);
   for (const Wish& wish : heard_) {
-    const bool others = holds_ && pointing_ && wish.client != pointing_->client;
-    if (others && (wish.points() || wish.kind == Kind::kRelease)) continue;  // somebody else holds a prop
-    if (wish.kind == Kind::kDrag) {
-      if (holds_) pointing_ = wish;
-      continue;
-    }
     if (wish.kind == Kind::kHead) {
       HeadsetPose& heard = headsets_.emplace_back();
       heard.wearer = wish.client;
@@ -127,8 +121,20 @@ void PageScreen::hear() {
       heard.pose.head = Eigen::Translation3d(wish.origin) * wish.orientation;
       continue;
     }
-    if (waiting_.size() < kMaxWaiting) waiting_.push_back(wish);
+    const std::size_t most = wish.kind == Kind::kThrow ? kMaxWaiting / 2 : kMaxWaiting;
+    if (waiting_.size() < most || wish.kind == Kind::kGone) waiting_.push_back(wish);
   }
+}
+
+/// The hand of the world that a client's hand moves, or a free one that nothing was asked of yet in this turn.
+/// @return null if there is none
+PageScreen::ClientHand* PageScreen::handFor(const Wish& press, const WindowRequests& requests) {
+  ClientHand* found = nullptr;
+  for (int i = window_ != nullptr ? kWindowHands : 0; i < countOf(hands_); ++i) {
+    if (hands_[i].isOf(press)) return &hands_[i];
+    if (found == nullptr && hands_[i].client == 0 && !requests.hands[i].released) found = &hands_[i];
+  }
+  return found;
 }
 
 void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
@@ -195,17 +201,30 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
       if (wish.index >= 1 && wish.index <= maxParts_) chosen(requests.parts);
       break;
     case Kind::kThrow:
-      pointing_ = wish;
       requests.throwBall = true;
+      requests.thrower = camera();
+      requests.thrower->eye = wish.origin;
+      requests.thrower->target = wish.target;
       break;
     case Kind::kPress:
-      pointing_ = wish;
-      holds_ = true;
-      requests.pressed = Ray{wish.origin, wish.direction};
+      if (ClientHand* hand = handFor(wish, requests)) {
+        *hand = {wish.client, wish.hand, wish.aim()};
+        requests.hands[hand - hands_.data()].pressed = hand->aim.ray;
+      }
+      break;
+    case Kind::kDrag:
+      for (ClientHand& hand : hands_) {
+        if (hand.isOf(wish)) hand.aim = wish.aim();
+      }
       break;
     case Kind::kRelease:
-      holds_ = false;
-      requests.released = true;
+    case Kind::kGone:
+      for (int i = 0; i < countOf(hands_); ++i) {
+        if (wish.kind == Kind::kGone ? hands_[i].client != wish.client : !hands_[i].isOf(wish)) continue;
+        hands_[i].client = 0;
+        requests.hands[i].released = true;
+        requests.hands[i].throwsWith = wish.velocity;
+      }
       break;
     case Kind::kUndo:
       requests.undo = true;
@@ -215,26 +234,25 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
       break;
     case Kind::kAck:
     case Kind::kShow:
-    case Kind::kDrag:
     case Kind::kHead:
       break;
   }
   setChoices(choices);
 }
 
-/// All that waits, but what points ends the turn: the session asks for one ray at a time.
+/// All that waits, but for a second ball.
 WindowRequests PageScreen::takeRequests() {
   WindowRequests requests = window_ != nullptr ? window_->takeRequests() : WindowRequests();
-  if (!holds_) pointing_.reset();
   hear();
-  while (!waiting_.empty()) {
-    const Wish wish = waiting_.front();
-    const bool alone = wish.points() || wish.kind == Kind::kRelease;
-    if (alone && (requests.pressed || requests.released || requests.throwBall)) break;
-    waiting_.pop_front();
-    obey(wish, requests);
-    if (alone) break;
+  std::size_t kept = 0;
+  for (const Wish& wish : waiting_) {
+    if (wish.kind == Kind::kThrow && requests.throwBall) {
+      waiting_[kept++] = wish;
+    } else {
+      obey(wish, requests);
+    }
   }
+  waiting_.resize(kept);
   return requests;
 }
 
@@ -242,7 +260,7 @@ bool PageScreen::takeCancel() {
   hear();
   bool cancel = window_ != nullptr && window_->takeCancel();
   for (const Wish& wish : waiting_) cancel = cancel || wish.kind == Kind::kCancel;
-  waiting_.clear();
+  std::erase_if(waiting_, [](const Wish& wish) { return wish.kind != Kind::kRelease && wish.kind != Kind::kGone; });
   return cancel;
 }
 
@@ -265,17 +283,8 @@ void PageScreen::setChoices(const WindowChoices& choices) {
   }
 }
 
-Ray PageScreen::pointer() const {
-  if (pointing_) return {pointing_->origin, pointing_->direction};
-  return window_ != nullptr ? window_->pointer() : Ray{camera_.eye, camera_.target - camera_.eye};
-}
-
-Camera PageScreen::camera() const {
-  Camera camera = window_ != nullptr ? window_->camera() : camera_;
-  if (!pointing_) return camera;
-  camera.eye = pointing_->origin;
-  camera.target = pointing_->kind == Kind::kThrow ? pointing_->target : pointing_->origin + pointing_->forward;
-  return camera;
+HandAim PageScreen::aim(int hand) const {
+  return window_ != nullptr && hand < kWindowHands ? window_->aim(hand) : hands_[hand].aim;
 }
 
 void PageScreen::setCamera(const Camera& camera) {
@@ -356,7 +365,7 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                  {"loaded", std::round(100.0 * values.loaded) / 100.0},
                  {"recording", std::filesystem::path(values.recording).filename().string()},
                  {"outside", values.outsideTraining},
-                 {"holds", values.holdsProp},
+                 {"holds", values.holds != 0},
                  {"no",
                   {{"throw", values.noThrow},
                    {"undo", values.noUndo},
@@ -400,7 +409,9 @@ void PageScreen::show(const Scene& scene, const WindowValues& values) {
   clips_ = countOf(values.clips);
   people_ = countOf(values.people);
   maxParts_ = values.maxParts;
-  if (holds_ && !values.holdsProp) holds_ = false;  // the ray met none, or the world is another
+  for (int i = 0; i < countOf(hands_); ++i) {
+    if ((values.holds >> i & 1u) == 0) hands_[i].client = 0;  // its ray met none, or the world is another
+  }
 
   const int clients = server_.clients();
   const unsigned layers = server_.layers();

@@ -4,6 +4,7 @@
 #include "serve/server.h"
 #include "viewer/renderer/screen.h"
 
+#include <array>
 #include <deque>
 #include <memory>
 #include <string>
@@ -12,7 +13,8 @@
 namespace lorica {
 
 /// A screen whose people watch through a server, beside a window or without one. Clients throw, drag and choose as
-/// people at a window do, in the order in which they ask for it.
+/// people at a window do, in the order in which they ask for it. Each has two hands; as many of all clients hold
+/// something at a time as the world has hands.
 class PageScreen final : public Screen {
  public:
   /// @param window  another screen, which is shown and controlled as well; null = none
@@ -30,8 +32,8 @@ class PageScreen final : public Screen {
   [[nodiscard]] WindowRequests takeRequests() override;
   void chooseFiles() override;
   [[nodiscard]] bool takeCancel() override;
-  [[nodiscard]] Ray pointer() const override;
-  [[nodiscard]] Camera camera() const override;
+  [[nodiscard]] HandAim aim(int hand) const override;
+  [[nodiscard]] Camera camera() const override { return window_ ? window_->camera() : camera_; }
   [[nodiscard]] std::span<const HeadsetPose> headsets() override;
   void tell(const HeadsetNews& news) override;
   void setCamera(const Camera& camera) override;
@@ -45,6 +47,15 @@ class PageScreen final : public Screen {
  private:
   void hear();
   void obey(const Wish& wish, WindowRequests& requests);
+  /// A hand of a client that holds something, or pressed for it.
+  struct ClientHand {
+    int client = 0;  ///< 0 = it is free
+    int hand = 0;
+    HandAim aim;
+
+    [[nodiscard]] bool isOf(const Wish& wish) const { return client == wish.client && hand == wish.hand; }
+  };
+  ClientHand* handFor(const Wish& press, const WindowRequests& requests);
   [[nodiscard]] std::string stateOf(const WindowValues& values) const;
 
   PageServer& server_;
@@ -56,8 +67,7 @@ class PageScreen final : public Screen {
   std::uint32_t run_ = 0;
   std::vector<Wish> heard_;
   std::deque<Wish> waiting_;
-  std::optional<Wish> pointing_;                   // of the client that points: it throws, or holds a prop
-  bool holds_ = false;                             // that client
+  std::array<ClientHand, World::kMaxHands> hands_;
   std::vector<std::string> characters_, motions_;  // as the state listed them
   int scenes_ = 0, clips_ = 0, people_ = 0, maxParts_ = 0;
   std::vector<TimedStage> times_;

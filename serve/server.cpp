@@ -161,7 +161,7 @@ struct Shared {
   void spread();
   void add(const Wish& wish) {
     const std::lock_guard lock(mutex);
-    if (wishes.size() < kMaxWishes) wishes.push_back(wish);
+    if (wishes.size() < kMaxWishes || wish.kind == Wish::Kind::kGone) wishes.push_back(wish);
     wished.notify_one();
   }
 };
@@ -176,11 +176,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
   ~Connection() {
     shared_.connections.erase(this);
-    if (client_ != 0 && holds_) {
-      Wish release;
-      release.kind = Wish::Kind::kRelease;
-      release.client = client_;
-      shared_.add(release);
+    if (pressed_) {
+      Wish gone;
+      gone.kind = Wish::Kind::kGone;
+      gone.client = client_;
+      shared_.add(gone);
     }
     shared_.count();
   }
@@ -265,7 +265,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
 
   // As a client.
   std::optional<websocket::stream<Pipe>> socketOfWeb_;
-  bool live_ = false, writing_ = false, holds_ = false;
+  bool live_ = false, writing_ = false, pressed_ = false;
   int client_ = 0;
   unsigned layers_ = 0;
   double allowance_ = 0.0;  // wishes
@@ -453,8 +453,7 @@ void Connection::hear(const Wish& wish) {
   }
   Wish own = wish;
   own.client = client_;
-  if (wish.kind == Wish::Kind::kPress) holds_ = true;
-  if (wish.kind == Wish::Kind::kRelease) holds_ = false;
+  if (wish.kind == Wish::Kind::kPress) pressed_ = true;
   shared_.add(own);
 }
 

@@ -32,7 +32,7 @@ struct ServedCast {
 struct ServeLimits {
   int clients = 32;                ///< that watch at a time
   int connections = 96;            ///< of all kinds
-  int wishesASecond = 120;         ///< of one client
+  int wishesASecond = 180;         ///< of one client: acknowledgements, two hands, a headset
   double requestSeconds = 5.0;     ///< until a request, a handshake or an answer is through
   double writeSeconds = 5.0;       ///< for a message; a client that reads nothing is dropped
   std::size_t headerBytes = 8192;  ///< of a request

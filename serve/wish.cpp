@@ -14,7 +14,7 @@ using Json = nlohmann::json;
 using Kind = Wish::Kind;
 
 /// A member of a message and how it is read.
-enum class Member { kNone, kFrame, kLayers, kOn, kTo, kIndex, kCount, kTarget, kRay, kPose };
+enum class Member { kNone, kFrame, kLayers, kOn, kTo, kIndex, kCount, kTarget, kRay, kRelease, kPose };
 
 struct Message {
   const char* type;
@@ -43,7 +43,7 @@ constexpr std::array<Message, 26> kMessages = {{{"ack", Kind::kAck, Member::kFra
                                                 {"throw", Kind::kThrow, Member::kTarget},
                                                 {"press", Kind::kPress, Member::kRay},
                                                 {"drag", Kind::kDrag, Member::kRay},
-                                                {"release", Kind::kRelease, Member::kNone},
+                                                {"release", Kind::kRelease, Member::kRelease},
                                                 {"undo", Kind::kUndo, Member::kNone},
                                                 {"cancel", Kind::kCancel, Member::kNone},
                                                 {"head", Kind::kHead, Member::kPose}}};
@@ -51,6 +51,7 @@ constexpr double kSmallest = 1e-6;      // length of a direction
 constexpr double kLongestClock = 1e11;  // [s]
 constexpr double kLongest = 1e6;        // of a recording [s]
 constexpr int kMostThings = 100'000;    // that are counted
+constexpr const char* kHands = "0 or 1";
 
 Error expected(const char* type, const char* member, const char* what) {
   return badFormat("message {}: its {} is not {}", type, member, what);
@@ -69,6 +70,15 @@ bool readNumbers(const Json* from, double largest, Vector& v) {
     v[c] = (*from)[c].get<double>();
     if (!(std::abs(v[c]) <= largest)) return false;
   }
+  return true;
+}
+
+/// Left out: the first one.
+bool readHand(const Json& json, Wish& wish) {
+  const Json* hand = member(json, "hand");
+  if (hand == nullptr) return true;
+  if (!hand->is_number_unsigned() || hand->get<std::uint64_t>() >= kClientHands) return false;
+  wish.hand = hand->get<int>();
   return true;
 }
 
@@ -137,6 +147,15 @@ Result<void> readMember(const Json& json, const Message& message, Wish& wish) {
       wish.orientation.normalize();
       return {};
     }
+    case Member::kRelease: {
+      if (!readHand(json, wish)) return expected(type, "hand", kHands);
+      const Json* velocity = member(json, "velocity");
+      if (velocity != nullptr &&
+          (!readNumbers(velocity, kFastestBall, wish.velocity) || wish.velocity.norm() > kFastestBall)) {
+        return expected(type, "velocity", "three numbers of at most 100 m/s");
+      }
+      return {};
+    }
     case Member::kTarget:
     case Member::kRay: {
       constexpr const char* kPosition = "three numbers from -1,000 to 1,000";
@@ -148,6 +167,7 @@ Result<void> readMember(const Json& json, const Message& message, Wish& wish) {
         }
         return {};
       }
+      if (!readHand(json, wish)) return expected(type, "hand", kHands);
       if (!readDirection(member(json, "direction"), wish.direction)) return expected(type, "direction", "a direction");
       if (!readDirection(member(json, "forward"), wish.forward)) return expected(type, "forward", "a direction");
       return {};

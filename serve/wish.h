@@ -2,6 +2,7 @@
 
 #include "geometry/math.h"
 #include "geometry/result.h"
+#include "viewer/renderer/screen.h"
 
 #include <cstdint>
 #include <string_view>
@@ -36,25 +37,28 @@ struct Wish {
     kRelease,
     kUndo,
     kCancel,
-    kHead
+    kHead,
+    kGone  ///< the client left: no message of its own
   };
 
   Kind kind = Kind::kAck;
   int client = 0;
   bool on = false;
   int index = 0;            ///< or the number of parts
+  int hand = 0;             ///< of the client, below kClientHands
   double to = 0.0;          ///< seconds or a factor; of a headset's pose its time, by the client's clock [s]
   std::uint64_t frame = 0;  ///< acknowledged
   unsigned layers = 0;      ///< see `served`
   Vec3 origin = Vec3::Zero(), direction = Vec3::UnitZ(), forward = Vec3::UnitZ();  ///< world; unit vectors
   Vec3 target = Vec3::Zero();
+  Vec3 velocity = Vec3::Zero();         ///< of what is let go [m/s]; 0 = its own
   Quat orientation = Quat::Identity();  ///< of a headset at `origin`, in its own stage frame
 
-  /// Whether it says where the client points.
-  [[nodiscard]] bool points() const { return kind == Kind::kThrow || kind == Kind::kPress || kind == Kind::kDrag; }
+  [[nodiscard]] HandAim aim() const { return {{origin, direction}, forward}; }
 };
 
 inline constexpr std::size_t kMaxWishBytes = 4096;
+inline constexpr int kClientHands = 2;
 
 /// @return the wish, with numbers that are finite and within their range; or what is wrong with it
 [[nodiscard]] Result<Wish> readWish(std::string_view text);

@@ -35,22 +35,23 @@ bool isVelocity(const Vec3& v) {
 }  // namespace
 
 WorldAction WorldAction::throwBall(const Vec3& position, const Vec3& velocity, double radius) {
-  return {Kind::kThrowBall, 0, position, velocity, radius};
+  return {Kind::kThrowBall, 0, position, velocity, radius, 0};
 }
 
-WorldAction WorldAction::grab(int prop, const Vec3& position) {
-  return {Kind::kGrab, prop, position, Vec3::Zero(), 0.0};
+WorldAction WorldAction::grab(int prop, const Vec3& position, int hand) {
+  return {Kind::kGrab, prop, position, Vec3::Zero(), 0.0, hand};
 }
 
-WorldAction WorldAction::moveGrab(const Vec3& position) {
-  return {Kind::kMoveGrab, 0, position, Vec3::Zero(), 0.0};
+WorldAction WorldAction::moveGrab(const Vec3& position, int hand) {
+  return {Kind::kMoveGrab, 0, position, Vec3::Zero(), 0.0, hand};
 }
 
-WorldAction WorldAction::release(const Vec3& velocity) {
-  return {Kind::kRelease, 0, Vec3::Zero(), velocity, 0.0};
+WorldAction WorldAction::release(const Vec3& velocity, int hand) {
+  return {Kind::kRelease, 0, Vec3::Zero(), velocity, 0.0, hand};
 }
 
 bool canBeDone(const WorldAction& action, const World& world) {
+  if (action.hand < 0 || action.hand >= World::kMaxHands) return false;
   switch (action.kind) {
     case WorldAction::Kind::kThrowBall:
       return isPosition(action.position) && isVelocity(action.velocity) && action.radius >= kSmallestBall &&
@@ -71,13 +72,13 @@ void apply(const WorldAction& action, World& world) {
       world.throwProp(ballOf(action));
       return;
     case WorldAction::Kind::kGrab:
-      (void)world.grab(action.prop, action.position);  // does nothing if the prop cannot be held
+      (void)world.grab(action.prop, action.position, action.hand);  // does nothing if the prop cannot be held
       return;
     case WorldAction::Kind::kMoveGrab:
-      world.moveGrab(action.position);
+      world.moveGrab(action.position, action.hand);
       return;
     case WorldAction::Kind::kRelease:
-      world.release(action.velocity);
+      world.release(action.velocity, action.hand);
       return;
   }
 }

@@ -55,7 +55,7 @@ World::Impl::Impl(const Settings& s) : settings(s) {
 }
 
 World::Impl::~Impl() {
-  release();
+  for (int hand = 0; hand < kMaxHands; ++hand) release(hand);
   for (std::size_t avatar = 0; avatar < avatars.size(); ++avatar) setPartCount(avatar, 0);
   for (const std::unique_ptr<btTypedConstraint>& link : links) world.removeConstraint(link.get());
   for (PropBody& prop : propBodies) world.removeRigidBody(prop.body.get());
@@ -236,7 +236,7 @@ void World::Impl::stepTogether(double seconds) {
       }
     }
     world.getSolverInfo() = solverInfo(length);
-    drawGrabbed(length);
+    for (int hand = 0; hand < kMaxHands; ++hand) drawGrabbed(hand, length);
     world.stepSimulation(length, 0);
     for (int m = 0; m < dispatcher.getNumManifolds(); ++m) {
       collectContacts(*dispatcher.getManifoldByIndexInternal(m), contacts);

@@ -85,18 +85,21 @@ class World {
   /// The first prop that a ray meets within 200 m, including static bodies. The floor blocks the ray, the avatar does
   /// not.
   [[nodiscard]] std::optional<PropPick> pick(const Ray& ray) const;
+  static constexpr int kMaxHands = 16;
   /// Grabs a prop at a point: a soft ball joint pulls that point to the target of moveGrab(), with at most 600 N and
-  /// 200 m/s^2, at up to 8 m/s. A prop that was held before is released.
+  /// 200 m/s^2, at up to 8 m/s. What this hand held before is released. Several hands may hold one prop: all of them
+  /// pull, and share the 200 m/s^2.
   /// @param position  world [m], within 1 m of the prop
+  /// @param hand      0 to kMaxHands - 1; each holds one prop
   /// @return false if there is no such prop, if it is a static body or if it is out of reach: nothing is held then
-  bool grab(int prop, const Vec3& position);
-  /// Moves the target of the grab. Does nothing without a grab.
+  bool grab(int prop, const Vec3& position, int hand = 0);
+  /// Moves the target of a hand. Does nothing if it holds nothing.
   /// @param position  world [m], finite
-  void moveGrab(const Vec3& position);
-  /// Releases the held prop.
-  /// @param velocity  with which it leaves [m/s]; 0 = with its own
-  void release(const Vec3& velocity = Vec3::Zero());
-  [[nodiscard]] std::optional<PropGrab> held() const;
+  void moveGrab(const Vec3& position, int hand = 0);
+  /// Releases what a hand holds.
+  /// @param velocity  with which the prop leaves the last hand that holds it [m/s]; 0 = with its own
+  void release(const Vec3& velocity = Vec3::Zero(), int hand = 0);
+  [[nodiscard]] std::optional<PropGrab> held(int hand = 0) const;
 
   /// Adds sand or water that the parts push, and replaces earlier particles. Props and particles push each other;
   /// none starts in a prop that is there already.

@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <numeric>
@@ -274,15 +275,20 @@ double World::Impl::longestSubstep(const Island& island, double fraction, double
 }
 
 void World::Impl::stepIsland(Island& island, const Tick& tick) {
-  const bool holds = grabbed && std::find(island.props.begin(), island.props.end(),
-                                          propBodies[grabbed->prop].body.get()) != island.props.end();
+  const auto holdsHere = [&](const std::optional<GrabAnchor>& grab) {
+    return grab && std::ranges::find(island.props, propBodies[grab->prop].body.get()) != island.props.end();
+  };
+  std::array<bool, kMaxHands> holds;
+  std::ranges::transform(grabs, holds.begin(), holdsHere);
   double left = tick.share * tick.seconds;
   while (left > 0.0) {
     const double fraction = tick.begin + tick.share - left / tick.seconds;
     const double count = std::ceil(left / longestSubstep(island, fraction, left, tick.seconds) - 1e-6);
     const double length = left / std::max(1.0, count);
     for (PartCollider* part : island.parts) movePart(*part, fraction, tick.seconds);
-    if (holds) drawGrabbed(length);
+    for (int hand = 0; hand < kMaxHands; ++hand) {
+      if (holds[hand]) drawGrabbed(hand, length);
+    }
     substep(island, length);
     left = count <= 1.0 ? 0.0 : left - length;
   }

@@ -26,6 +26,10 @@ struct NearestSolid : btCollisionWorld::ClosestRayResultCallback {
   }
 };
 
+bool isHand(int hand) {
+  return hand >= 0 && hand < World::kMaxHands;
+}
+
 }  // namespace
 
 std::optional<PropPick> World::pick(const Ray& ray) const {
@@ -42,8 +46,9 @@ std::optional<PropPick> World::pick(const Ray& ray) const {
   return pick;
 }
 
-bool World::grab(int prop, const Vec3& position) {
-  release();
+bool World::grab(int prop, const Vec3& position, int hand) {
+  if (!isHand(hand)) return false;
+  impl_->release(hand);
   if (!impl_->isProp(prop) || !position.allFinite()) return false;
   const PropBody& held = impl_->propBodies[prop];
   btRigidBody& body = *held.body;
@@ -59,53 +64,62 @@ bool World::grab(int prop, const Vec3& position) {
   impl_->world.addConstraint(grab.joint.get(), false);
   body.setActivationState(DISABLE_DEACTIVATION);
   body.setDamping(0.0f, kHeldDamping);
-  impl_->grabbed = std::move(grab);
+  impl_->grabs[hand] = std::move(grab);
   return true;
 }
 
-void World::moveGrab(const Vec3& position) {
-  if (impl_->grabbed && position.allFinite()) impl_->grabbed->target = position;
+void World::moveGrab(const Vec3& position, int hand) {
+  if (isHand(hand) && impl_->grabs[hand] && position.allFinite()) impl_->grabs[hand]->target = position;
 }
 
-void World::release(const Vec3& velocity) {
-  if (impl_->grabbed && !velocity.isZero(0.0) && velocity.allFinite()) {
-    impl_->propBodies[impl_->grabbed->prop].body->setLinearVelocity(toBullet(velocity));
-  }
-  impl_->release();
+void World::release(const Vec3& velocity, int hand) {
+  if (!isHand(hand) || !impl_->grabs[hand]) return;
+  const int prop = impl_->grabs[hand]->prop;
+  impl_->release(hand);
+  const bool thrown = impl_->holdersOf(prop) == 0 && !velocity.isZero(0.0) && velocity.allFinite();
+  if (thrown) impl_->propBodies[prop].body->setLinearVelocity(toBullet(velocity));
 }
 
-void World::Impl::release() {
-  if (!grabbed) return;
-  btRigidBody& body = *propBodies[grabbed->prop].body;
-  world.removeConstraint(grabbed->joint.get());
+int World::Impl::holdersOf(int prop) const {
+  return static_cast<int>(
+      std::ranges::count_if(grabs, [prop](const auto& grab) { return grab && grab->prop == prop; }));
+}
+
+void World::Impl::release(int hand) {
+  if (!grabs[hand]) return;
+  const int prop = grabs[hand]->prop;
+  world.removeConstraint(grabs[hand]->joint.get());
+  grabs[hand].reset();
+  if (holdersOf(prop) > 0) return;
+  btRigidBody& body = *propBodies[prop].body;
   body.setDamping(0.0f, 0.0f);
   body.forceActivationState(ACTIVE_TAG);
   body.setDeactivationTime(0.0f);
-  grabbed.reset();
 }
 
-std::optional<PropGrab> World::held() const {
-  if (!impl_->grabbed) return std::nullopt;
-  const GrabAnchor& grab = *impl_->grabbed;
+std::optional<PropGrab> World::held(int hand) const {
+  if (!isHand(hand) || !impl_->grabs[hand]) return std::nullopt;
+  const GrabAnchor& grab = *impl_->grabs[hand];
   const btRigidBody& body = *impl_->propBodies[grab.prop].body;
   return PropGrab{grab.prop, fromBullet(body.getWorldTransform() * grab.inBody), grab.target};
 }
 
-/// Sets the joint for a substep. Its force is limited, and it pulls to a nearby position that moves on to the target.
-/// So the prop stays slow enough not to pass through anything, however distant the target is.
-void World::Impl::drawGrabbed(double seconds) {
-  if (!grabbed) return;
-  const PropBody& held = propBodies[grabbed->prop];
-  const Vec3 toTarget = grabbed->target - grabbed->drawn;
-  grabbed->drawn += toTarget * std::min(1.0, kDrawSpeed * seconds / std::max(toTarget.norm(), 1e-9));
-  const Vec3 position = fromBullet(held.body->getWorldTransform() * grabbed->inBody);
-  const Vec3 lead = grabbed->drawn - position;
-  grabbed->drawn = position + lead * std::min(1.0, kLongestLead / std::max(lead.norm(), 1e-9));
-  grabbed->joint->setPivotB(toBullet(grabbed->drawn));
+/// Sets the joint of a hand for a substep. Its force is limited, and it pulls to a nearby position that moves on to the
+/// target. So the prop stays slow enough not to pass through anything, however distant the target is.
+void World::Impl::drawGrabbed(int hand, double seconds) {
+  if (!grabs[hand]) return;
+  GrabAnchor& grab = *grabs[hand];
+  const PropBody& held = propBodies[grab.prop];
+  const Vec3 toTarget = grab.target - grab.drawn;
+  grab.drawn += toTarget * std::min(1.0, kDrawSpeed * seconds / std::max(toTarget.norm(), 1e-9));
+  const Vec3 position = fromBullet(held.body->getWorldTransform() * grab.inBody);
+  const Vec3 lead = grab.drawn - position;
+  grab.drawn = position + lead * std::min(1.0, kLongestLead / std::max(lead.norm(), 1e-9));
+  grab.joint->setPivotB(toBullet(grab.drawn));
   const double mass = 1.0 / held.body->getInvMass();
-  const double force = std::min(kMaxForce, kMaxAcceleration * mass);
-  grabbed->joint->m_setting.m_impulseClamp = force * seconds;
-  grabbed->joint->setParam(BT_CONSTRAINT_ERP, std::min(0.5, kStiffness * seconds), -1);
+  const double force = std::min(kMaxForce, kMaxAcceleration * mass / holdersOf(grab.prop));
+  grab.joint->m_setting.m_impulseClamp = force * seconds;
+  grab.joint->setParam(BT_CONSTRAINT_ERP, std::min(0.5, kStiffness * seconds), -1);
 }
 
 int World::throwProp(const Prop& prop) {
@@ -122,7 +136,9 @@ int World::throwProp(const Prop& prop) {
 }
 
 void World::Impl::replaceProp(int index, const Prop& prop) {
-  if (grabbed && grabbed->prop == index) release();
+  for (int hand = 0; hand < kMaxHands; ++hand) {
+    if (grabs[hand] && grabs[hand]->prop == index) release(hand);
+  }
   PropBody& old = propBodies[index];
   world.removeRigidBody(old.body.get());
   // Bodies that rested on it may be asleep.

@@ -12,6 +12,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <deque>
 #include <memory>
@@ -62,7 +63,7 @@ struct PropReach {
   [[nodiscard]] bool operator<(const PropReach& other) const { return begin < other.begin; }
 };
 
-/// The joint that holds a prop.
+/// The joint by which a hand holds a prop.
 struct GrabAnchor {
   int prop = 0;
   Vec3 target = Vec3::Zero();  ///< requested position
@@ -108,9 +109,9 @@ struct World::Impl {
   std::vector<std::unique_ptr<btTypedConstraint>> links;
   std::vector<Prop> props;
   std::vector<Contact> contacts;
-  std::vector<ParticleBody> met;  ///< of the props, while particles move
-  std::deque<int> thrown;         ///< oldest first
-  std::optional<GrabAnchor> grabbed;
+  std::vector<ParticleBody> met;                           ///< of the props, while particles move
+  std::deque<int> thrown;                                  ///< oldest first
+  std::array<std::optional<GrabAnchor>, kMaxHands> grabs;  ///< of each hand
   bool overlapsResolved = false;
 
   explicit Impl(const Settings& s);
@@ -120,8 +121,10 @@ struct World::Impl {
   void addBody(const PropBody& body, bool isStatic);
   void addLink(int a, int b, const Vec3& position);
   [[nodiscard]] bool isProp(int index) const { return index >= 0 && index < countOf(props); }
-  void release();
-  void drawGrabbed(double seconds);
+  /// Number of hands that hold a prop.
+  [[nodiscard]] int holdersOf(int prop) const;
+  void release(int hand);
+  void drawGrabbed(int hand, double seconds);
   void resolveInitialOverlaps(std::span<const std::span<const LivePart>> avatars);
   void setPartCounts(std::span<const std::span<const LivePart>> present);
   void setPartCount(std::size_t avatar, std::size_t count);

@@ -166,6 +166,10 @@ class StepReader {
     const auto kind = reader_.take<std::uint8_t>();
     if (kind >= kWorldActionKinds) fail(fmt::format("found an action of kind {}, expected 0 to 3", kind));
     action.kind = static_cast<WorldAction::Kind>(kind % kWorldActionKinds);
+    action.hand = reader_.take<std::uint8_t>();
+    if (action.hand >= World::kMaxHands) {
+      fail(fmt::format("found hand {}, expected 0 to {}", action.hand, World::kMaxHands - 1));
+    }
     action.prop = reader_.take<std::int32_t>();
     action.position = position("an action");
     action.velocity = position("a velocity");

@@ -13,7 +13,7 @@
 namespace lorica {
 namespace {
 
-constexpr const char* kFormat = "lorica-session-2";
+constexpr const char* kFormat = "lorica-session-3";
 constexpr int kMaxPoseJoints = 100000;
 constexpr double kFarthestPlace = 1e6;  // [m]
 

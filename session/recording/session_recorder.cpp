@@ -42,6 +42,7 @@ void put(const SkeletonFrame& frame, ByteWriter& bytes) {
 
 void put(const WorldAction& action, ByteWriter& bytes) {
   bytes.put(static_cast<std::uint8_t>(action.kind));
+  bytes.put(static_cast<std::uint8_t>(action.hand));
   bytes.put(static_cast<std::int32_t>(action.prop));
   put(action.position, bytes);
   put(action.velocity, bytes);

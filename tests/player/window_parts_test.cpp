@@ -222,6 +222,36 @@ TEST(ActionTape, TheLastBallOrDragIsUndone) {
   s.tape.undo();  // nothing is left
 }
 
+TEST(ActionTape, TheDragOfOneHandIsUndoneAndTheOthersStays) {
+  TapedSession s;
+  s.runAgain(3);
+  const auto act = [&s](const WorldAction& action) { s.tape.act(s.session, action); };
+  const auto drags = [&](bool both) {
+    s.tape.clear();
+    s.runAgain(3);
+    for (int hand = 0; hand < (both ? 2 : 1); ++hand) {
+      act(WorldAction::grab(hand, s.session.world().props()[hand].worldFromProp.translation(), hand));
+    }
+    for (int i = 0; i < 4; ++i) {
+      for (int hand = 0; hand < (both ? 2 : 1); ++hand) act(WorldAction::moveGrab(Vec3(0.3, 0.5 + hand, 0.8), hand));
+      if (both && i == 2) act(aBall());
+      s.run(1);
+    }
+    for (int hand = 0; hand < (both ? 2 : 1); ++hand) act(WorldAction::release(Vec3::Zero(), hand));
+    s.run(10);
+    return s.session.hashes();
+  };
+  const SessionHashes one = drags(false);
+  EXPECT_NE(drags(true), one);
+  s.tape.undo();  // the second hand's drag
+  const SessionHashes withBall = s.runAgain(17).back();
+  EXPECT_NE(withBall, one);
+  s.tape.undo();  // the first hand's: its release came last
+  EXPECT_NE(s.runAgain(17).back(), withBall);
+  s.tape.undo();  // the ball
+  EXPECT_FALSE(s.tape.canUndo());
+}
+
 TEST(ActionTape, ANewActionReplacesTheRecordedOnesThatFollow) {
   TapedSession s;
   s.runAgain(3);

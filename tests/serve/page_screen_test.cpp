@@ -40,8 +40,8 @@ struct Watched {
   }
 };
 
-Json ray(const char* type, double x) {
-  return {{"type", type}, {"origin", {x, 1, 0}}, {"direction", {0, 0, -1}}, {"forward", {0, 0, -1}}};
+Json ray(const char* type, double x, int hand = 0) {
+  return {{"type", type}, {"hand", hand}, {"origin", {x, 1, 0}}, {"direction", {0, 0, -1}}, {"forward", {0, 0, -1}}};
 }
 
 TEST(PageScreen, ClientsChooseAsPeopleAtAWindowDo) {
@@ -106,37 +106,120 @@ TEST(PageScreen, WhatIsNotInAListIsNotOpened) {
   EXPECT_EQ(watched.screen.choices().speed, 1.0);
 }
 
-TEST(PageScreen, OneHoldsAndTheOthersWait) {
+/// Presses of clients become grabs, as a session does it. @return the hand that the world knows it by
+int pressed(Watched& watched, TestClient& client, double x, int hand) {
+  client.send(ray("press", x, hand));
+  int found = -1;
+  (void)watched.requests([&](const WindowRequests& r) {
+    for (int i = 0; i < World::kMaxHands; ++i) {
+      if (!r.hands[i].pressed) continue;
+      EXPECT_EQ(r.hands[i].pressed->origin, Vec3(x, 1, 0));
+      found = i;
+    }
+    return found >= 0;
+  });
+  if (found < 0) return 0;
+  EXPECT_EQ(watched.values.holds >> found & 1u, 0u) << "it is another one's hand";
+  watched.values.holds |= 1u << found;
+  watched.screen.show(Scene(), watched.values);
+  return found;
+}
+
+/// Takes requests until one hand lets go, and no other. @return with which velocity
+Vec3 letsGo(Watched& watched, int hand) {
+  const WindowRequests requests =
+      watched.requests([&](const WindowRequests& r) { return r.hands[hand].released || r.undo; });
+  for (int i = 0; i < World::kMaxHands; ++i) EXPECT_EQ(requests.hands[i].released, i == hand) << i;
+  watched.values.holds &= ~(1u << hand);
+  watched.screen.show(Scene(), watched.values);
+  return requests.hands[hand].throwsWith;
+}
+
+TEST(PageScreen, HandsOfClientsDoNotDisturbEachOther) {
   Watched watched;
   TestClient one(watched.server->port()), other(watched.server->port());
   one.watch();
   other.watch();
-  one.send(ray("press", 1.0));
-  const WindowRequests pressed = watched.requests([](const WindowRequests& r) { return r.pressed.has_value(); });
-  EXPECT_EQ(pressed.pressed->origin, Vec3(1, 1, 0));
-  EXPECT_EQ(watched.screen.pointer().origin, Vec3(1, 1, 0));
-  EXPECT_EQ(watched.screen.camera().target, Vec3(1, 1, -1));
-  watched.values.holdsProp = true;
-  watched.screen.show(Scene(), watched.values);
-  other.send(ray("press", 5.0));
-  other.send(ray("drag", 5.0));
-  other.send({{"type", "release"}});
-  other.send({{"type", "undo"}});
-  (void)watched.requests([](const WindowRequests& r) {
-    EXPECT_FALSE(r.pressed || r.released);
-    return r.undo;
-  });
-  one.send(ray("drag", 2.0));
+  std::vector<int> hands;
+  for (TestClient* client : {&one, &other}) {
+    for (const int hand : {0, 1}) hands.push_back(pressed(watched, *client, 1.0 + std::ssize(hands), hand));
+  }
+  const auto aims = [&] {
+    std::vector<double> x;
+    for (const int hand : hands) x.push_back(watched.screen.aim(hand).ray.origin.x());
+    return x;
+  };
+  EXPECT_EQ(aims(), (std::vector<double>{1, 2, 3, 4}));
+  EXPECT_EQ(watched.screen.aim(hands[1]).forward, Vec3(0, 0, -1));
+  other.send(ray("drag", 30.0, 0));
+  one.send(ray("drag", 20.0, 1));
   EXPECT_TRUE(becomes([&] {
     (void)watched.screen.takeRequests();
-    return watched.screen.pointer().origin == Vec3(2, 1, 0);
+    return aims() == std::vector<double>{1, 20, 30, 4};
   }));
-  one.send({{"type", "release"}});
-  (void)watched.requests([](const WindowRequests& r) { return r.released; });
-  watched.values.holdsProp = false;
+  one.send({{"type", "release"}, {"hand", 1}, {"velocity", {0, 2, -3}}});
+  EXPECT_EQ(letsGo(watched, hands[1]), Vec3(0, 2, -3));
+  one.send({{"type", "release"}, {"hand", 1}});  // it holds nothing any more
+  one.send({{"type", "undo"}});
+  (void)watched.requests([](const WindowRequests& r) {
+    for (const HandRequests& hand : r.hands) EXPECT_FALSE(hand.released || hand.pressed);
+    return r.undo;
+  });
+  EXPECT_EQ(aims()[3], 4.0);
+}
+
+TEST(PageScreen, WhatAClientHoldsIsLetGoWhenItLeaves) {
+  Watched watched;
+  TestClient stays(watched.server->port());
+  stays.watch();
+  const int kept = pressed(watched, stays, 1.0, 0);
+  std::vector<int> hands;
+  {
+    TestClient leaves(watched.server->port());
+    leaves.watch();
+    for (const int hand : {0, 1}) hands.push_back(pressed(watched, leaves, 2.0 + hand, hand));
+  }
+  const WindowRequests requests = watched.requests([&](const WindowRequests& r) { return r.hands[hands[0]].released; });
+  EXPECT_TRUE(requests.hands[hands[1]].released);
+  EXPECT_FALSE(requests.hands[kept].released);
+  watched.values.holds = 1u << kept;
   watched.screen.show(Scene(), watched.values);
-  other.send(ray("press", 5.0));
-  EXPECT_EQ(watched.requests([](const WindowRequests& r) { return r.pressed.has_value(); }).pressed->origin.x(), 5.0);
+  TestClient next(watched.server->port());
+  next.watch();
+  EXPECT_NE(pressed(watched, next, 5.0, 1), kept);
+}
+
+/// What is let go while something loads is not forgotten.
+TEST(PageScreen, AReleaseOutlastsWhatLoads) {
+  Watched watched;
+  TestClient client(watched.server->port());
+  client.watch();
+  const int hand = pressed(watched, client, 1.0, 0);
+  client.send({{"type", "undo"}});
+  client.send({{"type", "release"}});
+  client.send({{"type", "cancel"}});
+  EXPECT_TRUE(becomes([&] { return watched.screen.takeCancel(); }));
+  const WindowRequests requests = watched.screen.takeRequests();
+  EXPECT_TRUE(requests.hands[hand].released);
+  EXPECT_FALSE(requests.undo);
+}
+
+TEST(PageScreen, NoMoreHandsHoldThanTheWorldHas) {
+  Watched watched;
+  std::vector<std::unique_ptr<TestClient>> clients;
+  for (int i = 0; i <= World::kMaxHands; ++i) {
+    if (i % 2 == 0) {
+      clients.push_back(std::make_unique<TestClient>(watched.server->port()));
+      clients.back()->watch();
+    }
+    if (i < World::kMaxHands) pressed(watched, *clients.back(), i, i % 2);
+  }
+  clients.back()->send(ray("press", 90.0));
+  clients.back()->send({{"type", "undo"}});
+  (void)watched.requests([](const WindowRequests& r) {
+    for (const HandRequests& hand : r.hands) EXPECT_FALSE(hand.pressed);
+    return r.undo;
+  });
 }
 
 TEST(PageScreen, EachThrowHasItsOwnCamera) {
@@ -147,9 +230,9 @@ TEST(PageScreen, EachThrowHasItsOwnCamera) {
     client.send({{"type", "throw"}, {"origin", {x, 1, 5}}, {"target", {x, 1, 0}}});
   }
   for (const double x : {1.0, 2.0}) {
-    (void)watched.requests([](const WindowRequests& r) { return r.throwBall; });
-    EXPECT_EQ(watched.screen.camera().eye, Vec3(x, 1, 5));
-    EXPECT_EQ(watched.screen.camera().target, Vec3(x, 1, 0));
+    const WindowRequests requests = watched.requests([](const WindowRequests& r) { return r.throwBall; });
+    EXPECT_EQ(requests.thrower->eye, Vec3(x, 1, 5));
+    EXPECT_EQ(requests.thrower->target, Vec3(x, 1, 0));
   }
 }
 

@@ -136,7 +136,8 @@ SessionFile replayed(const std::filesystem::path& file) {
   return run->recorded();
 }
 
-/// What clients drag and throw is in the recorded session, which runs the same without them.
+/// What clients drag and throw is in the recorded session, which runs the same without them. Two clients hold with both
+/// hands; two of the four hands hold the same prop.
 TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   const test::TemporaryFolder home;
   ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
@@ -145,20 +146,22 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   setting.record = home.path() / "served.lsession";
   setting.atEnd = AtEnd::kHold;
   const auto run = valueOf(lorica::Run::start(walkingCast(host), setting, host));
-  // A loose prop, from above.
+  // Loose props, from above.
   const std::span<const Prop> props = run->session.world().props();
-  int prop = -1;
-  Vec3 origin = Vec3::Zero();
-  for (int i = 0; i < static_cast<int>(props.size()) && prop < 0; ++i) {
-    origin = props[i].worldFromProp.translation() + Vec3(0.0, 3.0, 0.0);
-    const std::optional<PropPick> pick = run->session.world().pick({origin, -Vec3::UnitY()});
-    if (props[i].mass > 0.0 && pick && pick->prop == i) prop = i;
+  std::vector<int> loose;
+  std::vector<Vec3> before;
+  for (int i = 0; i < static_cast<int>(props.size()) && loose.size() < 3; ++i) {
+    const Vec3 at = props[i].worldFromProp.translation();
+    const std::optional<PropPick> pick = run->session.world().pick({at + Vec3(0.0, 3.0, 0.0), -Vec3::UnitY()});
+    if (props[i].mass == 0.0 || !pick || pick->prop != i) continue;
+    loose.push_back(i);
+    before.push_back(at);
   }
-  ASSERT_GE(prop, 0);
-  const Vec3 before = props[prop].worldFromProp.translation();
-  const auto pointing = [&](const char* type, double x) {
+  ASSERT_EQ(loose.size(), 3u);
+  const auto pointing = [&](const char* type, int hand, int of, double x) {
     return Json{{"type", type},
-                {"origin", {origin.x() + x, origin.y(), origin.z()}},
+                {"hand", hand},
+                {"origin", {before[of].x() + x, before[of].y() + 3.0, before[of].z()}},
                 {"direction", {0, -1, 0}},
                 {"forward", {0, -1, 0}}};
   };
@@ -175,20 +178,45 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
     TestClient watcher(server->port());
     watcher.watch();
     watcher.send({{"type", "step"}});
-    const auto steps = [&](const auto& expected) { return comes(watcher, expected, true); };
+    std::unique_ptr<TestClient> other;
+    const auto steps = [&](const auto& expected) {
+      return comes(
+          watcher,
+          [&](const auto& m) {
+            if (other) other->send({{"type", "show"}, {"layers", Json::array()}});  // it is still there
+            return expected(m);
+          },
+          true);
+    };
     const auto holds = [&](bool on) {
       return steps([&](const auto& m) { return m.kind == 1 && m.json().value("holds", !on) == on; });
     };
+    std::vector<Vec3> now = before;
+    const auto moved = [&](int of) {
+      return steps([&](const auto& m) {
+        for (int i = 0; i < 3; ++i) now[i] = propIn(m, loose[i]).value_or(now[i]);
+        return (now[of] - before[of]).norm() > 0.2;
+      });
+    };
     EXPECT_TRUE(steps([](const auto& m) { return m.kind == 2; })) << "no frame came";
-    watcher.send(pointing("press", 0.0));
+    other = std::make_unique<TestClient>(server->port());
+    other->watch();
+    watcher.send(pointing("press", 0, 0, 0.0));
+    watcher.send(pointing("press", 1, 1, 0.0));
+    other->send(pointing("press", 0, 2, 0.0));
+    other->send(pointing("press", 1, 1, 0.0));
     EXPECT_TRUE(holds(true));
-    watcher.send(pointing("drag", 0.5));
-    EXPECT_TRUE(steps([&](const auto& m) {
-      const std::optional<Vec3> now = propIn(m, prop);
-      return now && (*now - before).norm() > 0.2;
-    }));
-    watcher.send({{"type", "release"}});
-    EXPECT_TRUE(holds(false));
+    watcher.send(pointing("drag", 0, 0, 0.5));
+    EXPECT_TRUE(moved(0));
+    other->send(pointing("drag", 0, 2, 0.5));
+    EXPECT_TRUE(moved(2));
+    for (TestClient* one : {&watcher, other.get()}) one->send(pointing("drag", 1, 1, 0.5));
+    EXPECT_TRUE(moved(1));
+    watcher.send({{"type", "release"}, {"hand", 0}, {"velocity", {0, 2, 0}}});
+    watcher.send({{"type", "release"}, {"hand", 1}});
+    for (int i = 0; i < 20; ++i) EXPECT_TRUE(steps([](const auto& m) { return m.kind == 2; }));
+    other.reset();
+    EXPECT_TRUE(holds(false)) << "the other client left";
     watcher.send({{"type", "throw"}, {"origin", {0, 1, 4}}, {"target", {0, 1, 0}}});
     EXPECT_TRUE(steps([&](const auto& m) {
       return m.kind == 1 && m.json()["type"] == "props" && m.json()["props"].size() > props.size();
@@ -201,12 +229,17 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   client.join();
 
   const SessionFile recorded = replayed(setting.record);
-  std::map<WorldAction::Kind, int> done;
-  for (const WorldAction& action : recorded.actions) ++done[action.kind];
-  EXPECT_EQ(done[WorldAction::Kind::kGrab], 1);
-  EXPECT_GT(done[WorldAction::Kind::kMoveGrab], 0);
-  EXPECT_EQ(done[WorldAction::Kind::kRelease], 1);
-  EXPECT_EQ(done[WorldAction::Kind::kThrowBall], 1);
+  using Kind = WorldAction::Kind;
+  std::map<Kind, int> done;
+  std::map<int, std::vector<Kind>> ofHand;  // grabs and releases
+  for (const WorldAction& action : recorded.actions) {
+    ++done[action.kind];
+    if (action.kind == Kind::kGrab || action.kind == Kind::kRelease) ofHand[action.hand].push_back(action.kind);
+  }
+  EXPECT_EQ(ofHand.size(), 4u) << "each hand of each client is one of the world's";
+  for (const auto& [hand, kinds] : ofHand) EXPECT_EQ(kinds, (std::vector{Kind::kGrab, Kind::kRelease})) << hand;
+  EXPECT_GT(done[Kind::kMoveGrab], 0);
+  EXPECT_EQ(done[Kind::kThrowBall], 1);
 }
 
 /// Plays a walk while a client does something, and in turn what is opened meanwhile.

@@ -30,6 +30,13 @@ TEST(Wish, MessagesAreRead) {
   const Wish press = valueOf(readWish(R"({"type":"press","origin":[0,1,0],"direction":[0,0,2],"forward":[3,0,4]})"));
   EXPECT_EQ(press.direction, Vec3::UnitZ());
   EXPECT_TRUE(press.forward.isApprox(Vec3(0.6, 0.0, 0.8)));
+  EXPECT_EQ(press.hand, 0) << "without a number it is the first";
+  EXPECT_EQ(
+      valueOf(readWish(R"({"type":"drag","hand":1,"origin":[0,1,0],"direction":[0,0,2],"forward":[3,0,4]})")).hand, 1);
+  const Wish release = valueOf(readWish(R"({"type":"release","hand":1,"velocity":[3,0,-4]})"));
+  EXPECT_EQ(release.hand, 1);
+  EXPECT_EQ(release.velocity, Vec3(3, 0, -4));
+  EXPECT_EQ(valueOf(readWish(R"({"type":"release"})")).velocity, Vec3::Zero());
   const Wish head =
       valueOf(readWish(R"({"type":"head","time":12.5,"position":[0,1.6,0],"orientation":[0,0.6,0,0.8]})"));
   EXPECT_EQ(head.to, 12.5);
@@ -63,6 +70,11 @@ TEST(Wish, WhatIsNoMessageIsRefusedWithASentence) {
       {R"({"type":"throw","origin":[1,2,3],"target":[0,null,0]})", "its target"},
       {R"({"type":"press","origin":[1,2,3],"direction":[0,0,0],"forward":[0,0,1]})", "its direction"},
       {R"({"type":"drag","origin":[1,2,3],"direction":[0,0,1]})", "its forward"},
+      {R"({"type":"release","hand":2})", "its hand is not 0 or 1"},
+      {R"({"type":"release","hand":-1})", "its hand is not 0 or 1"},
+      {R"({"type":"drag","hand":"left","origin":[1,2,3],"direction":[0,0,1],"forward":[0,0,1]})", "its hand"},
+      {R"({"type":"release","velocity":[80,80,0]})", "its velocity"},
+      {R"({"type":"release","velocity":[1,2]})", "its velocity"},
       {R"({"type":"head","time":"now","position":[0,1,0],"orientation":[0,0,0,1]})", "its time"},
       {R"({"type":"head","time":1,"position":[0,1],"orientation":[0,0,0,1]})", "its position"},
       {R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,0]})", "its orientation"},

@@ -123,8 +123,8 @@ TEST(SessionFile, WrongHeadersGetASentence) {
     EXPECT_NE(at, std::string::npos) << from;
     return text.replace(at, from.size(), to);
   };
-  EXPECT_EQ(sentence(with("lorica-session-2", "lorica-session-1")),
-            "s: header: format: found \"lorica-session-1\", expected \"lorica-session-2\"");
+  EXPECT_EQ(sentence(with("lorica-session-3", "lorica-session-2")),
+            "s: header: format: found \"lorica-session-2\", expected \"lorica-session-3\"");
   EXPECT_EQ(sentence(with("0000000000000000", "123")),
             "s: header: avatars[0].character.hash: found \"123\", expected 16 hexadecimal digits");
   EXPECT_EQ(
@@ -221,6 +221,15 @@ TEST(SessionFile, StepsBeyondTheLastFrameAreReported) {
   EXPECT_EQ(withEmpty(taken - 1), "none");
   EXPECT_NE(withEmpty(taken).find("comes after the last of " + std::to_string(taken) + " frames"), std::string::npos)
       << withEmpty(taken);
+}
+
+TEST(SessionFile, AHandThatIsNotThereIsReported) {
+  auto blocks = blocksOf(sessionBytes());
+  std::string& step = blocks[2 + 5].second;  // where the ball is thrown
+  constexpr std::size_t kActionBytes = 1 + 1 + 4 + 7 * 8;
+  step[step.size() - kActionBytes + 1] = 16;
+  EXPECT_NE(sentenceFor(fileOf(blocks)).find("step 5 found hand 16, expected 0 to 15"), std::string::npos)
+      << sentenceFor(fileOf(blocks));
 }
 
 TEST(SessionFile, BlocksThatDoNotFitAreReported) {

@@ -27,6 +27,12 @@ struct HeadsetNews {
   bool alone = false;                        ///< there is no camera: an avatar follows head and hands
 };
 
+/// Where a hand points.
+struct HandAim {
+  Ray ray;                        ///< from the eye through the mouse, or along a controller
+  Vec3 forward = -Vec3::UnitZ();  ///< unit vector: what is held keeps its distance along it
+};
+
 /// Shows scenes to people, who control them: a window is one. Used from one thread.
 class Screen {
  public:
@@ -48,8 +54,8 @@ class Screen {
   /// While nothing else can be asked for: forgets the requests, but for dropped files, which the next requests have.
   /// @return whether to cancel what is loading
   [[nodiscard]] virtual bool takeCancel() = 0;
-  /// The ray from the eye through the pointer.
-  [[nodiscard]] virtual Ray pointer() const = 0;
+  /// @param hand  one that holds a prop, or pressed for one; see HandRequests
+  [[nodiscard]] virtual HandAim aim(int hand) const = 0;
   [[nodiscard]] virtual Camera camera() const = 0;
   /// The poses of headsets since the last call.
   [[nodiscard]] virtual std::span<const HeadsetPose> headsets() { return {}; }

@@ -118,7 +118,7 @@ struct WindowValues : WindowNumbers {
   int expression = -1;                    ///< index of the one that was chosen here; -1 = none; or kExpressionsAsGiven
   std::span<const std::string> warnings;  ///< messages
   bool outsideTraining = false;           ///< the pose is outside the training range of the hulls
-  bool holdsProp = false;                 ///< the mouse moves a prop instead of the camera
+  unsigned holds = 0;                     ///< a bit for each hand that moves a prop; the mouse, 0, not the camera then
   std::optional<Vec3> focus = {};         ///< what a following camera moves with [m]
   std::optional<Aabb> followed = {};      ///< what a following camera keeps in view, between the panels [m]
   std::span<const std::string> avatars;   ///< their names, to follow one; empty = no choice
@@ -178,6 +178,13 @@ struct WindowValues : WindowNumbers {
 /// WindowValues::expression: those that the command gave, or that the source of the motion sends.
 inline constexpr int kExpressionsAsGiven = -2;
 
+/// What a hand does. Hand 0 is the mouse or the left controller, 1 the right one; others belong to who else watches.
+struct HandRequests {
+  std::optional<Ray> pressed;      ///< wants the prop that this meets; the left button was pressed outside the panels
+  bool released = false;           ///< lets go, after what was pressed
+  Vec3 throwsWith = Vec3::Zero();  ///< velocity of a prop that is released [m/s]; 0 = its own
+};
+
 /// Requests of the user since the last call, except those that the window handles itself.
 struct WindowRequests {
   std::optional<double> seekTo;    ///< this time of the recording [s]
@@ -192,12 +199,11 @@ struct WindowRequests {
   bool choose = false;             ///< let the user choose files to open
   bool cancel = false;             ///< what is loading
   bool throwBall = false;
-  std::optional<bool> record;      ///< begin a recording, with the session at its start, or end it
-  bool undo = false;               ///< take back what was thrown or dragged last
-  std::optional<Ray> clicked;      ///< the left button was pressed and released at one place, not on a held prop
-  std::optional<Ray> pressed;      ///< the left button was pressed outside the panels
-  bool released = false;           ///< the left button was released
-  Vec3 throwsWith = Vec3::Zero();  ///< velocity of a prop that is released [m/s]; 0 = its own
+  std::optional<Camera> thrower;  ///< throws from here at its target; none = the screen's, at what it follows
+  std::optional<bool> record;     ///< begin a recording, with the session at its start, or end it
+  bool undo = false;              ///< take back what was thrown or dragged last
+  std::optional<Ray> clicked;     ///< the left button was pressed and released at one place, not on a held prop
+  std::array<HandRequests, World::kMaxHands> hands;
 };
 
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #include "viewer/vr/headset_window.h"
 
 #include "geometry/clock.h"
+#include "geometry/counts.h"
 #include "viewer/renderer/picture_area.h"
 
 #include <fmt/format.h>
@@ -64,9 +65,9 @@ HeadsetWindow::~HeadsetWindow() {
 void HeadsetWindow::lose(const Error& why) {
   headset_.reset();
   drawFor(nullptr);
-  letGo_ = hold_.has_value();
-  hold_.reset();
-  takes_.reset();
+  for (Hold& hold : holds_) {
+    hold = Hold{.letGo = hold.asked};
+  }
   ended_ = fmt::format("{}: the session goes on in the window", why.message);
   problem(ended_);
   sought_ = now();
@@ -231,9 +232,10 @@ void HeadsetWindow::tell(const HeadsetNews& news) {
 
 Ray HeadsetWindow::aimOf(int hand) const {
   const HeadsetHand& seen = headset_->frame().hands[hand];
-  const bool reaches = hold_ && hold_->hand == hand && hold_->reaches;
+  const Hold& hold = holds_[hand];
+  const bool reaches = hold.wants && hold.reaches;
   const Isometry3 worldFromHand = place_.worldFromStage() * (reaches ? seen.stageFromGrip : seen.stageFromAim);
-  return {worldFromHand.translation(), worldFromHand.linear() * (reaches ? hold_->direction : Vec3(-Vec3::UnitZ()))};
+  return {worldFromHand.translation(), worldFromHand.linear() * (reaches ? hold.direction : Vec3(-Vec3::UnitZ()))};
 }
 
 /// A button opens it, or a bare left palm that is looked at; what points at a row chooses it by grabbing.
@@ -252,13 +254,13 @@ void HeadsetWindow::usePanel(const WindowValues& values) {
   WindowChoices changed = choices();
   for (const int index : {0, 1}) {
     const HeadsetHand& hand = frame.hands[index];
-    if (!hand.seen || (hold_ && hold_->hand == index) || (panelAtHand_ && index == 0)) continue;
+    if (!hand.seen || holds_[index].wants || (panelAtHand_ && index == 0)) continue;
     const Isometry3& aim = hand.stageFromAim;
     const std::optional<HeadsetPanel::Row> row = panel_.rowAt({aim.translation(), -aim.linear().col(2)});
     if (!row) continue;
     points_[index] = true;
     pointed = row;
-    if (!hand.grabs || grabbed_[index]) continue;
+    if (!hand.grabs || holds_[index].grabbed) continue;
     headset_->pulse(index, kClick);
     if (*row == HeadsetPanel::Row::kClose) panel_.close();
     if (*row == HeadsetPanel::Row::kRecentre) {
@@ -274,25 +276,27 @@ void HeadsetWindow::usePanel(const WindowValues& values) {
   if (panel_.isOpen()) headset_->placePanel(panel_.stageFromPanel(), panel_.width(), panel_.height());
 }
 
-/// One hand at a time holds a prop: one in its reach, else the first along its ray.
+/// Each hand holds a prop: one in its reach, else the first along its ray.
 void HeadsetWindow::holdProps(const Scene& scene, const WindowValues& values) {
   const HeadsetFrame& frame = headset_->frame();
-  if (hold_ && hold_->asked && !values.holdsProp) hold_.reset();  // there was none
   for (int index = 0; index < 2; ++index) {
     const HeadsetHand& hand = frame.hands[index];
-    const bool before = std::exchange(grabbed_[index], hand.grabs);
-    if (hold_ && hold_->hand == index && !hand.grabs) {
-      letGo_ = hold_->asked;
+    Hold& hold = holds_[index];
+    const bool before = std::exchange(hold.grabbed, hand.grabs);
+    if (hold.asked && (values.holds >> index & 1u) == 0) hold.wants = hold.asked = false;  // there was none
+    if (hold.wants && !hand.grabs) {
       const double seconds = frame.time - was_[next_].time;
       const Vec3 now = place_.worldFromStage() * hand.stageFromGrip.translation();
-      throwsWith_ = seconds < kLongestThrow ? Vec3((now - was_[next_].hands[index]) / std::max(seconds, 1e-3))
-                                            : Vec3(Vec3::Zero());
-      if (throwsWith_.norm() > kFastestThrow) throwsWith_ *= kFastestThrow / throwsWith_.norm();
-      hold_.reset();
-      takes_.reset();
+      hold.throwsWith = seconds < kLongestThrow ? Vec3((now - was_[next_].hands[index]) / std::max(seconds, 1e-3))
+                                                : Vec3(Vec3::Zero());
+      if (hold.throwsWith.norm() > kFastestThrow) hold.throwsWith *= kFastestThrow / hold.throwsWith.norm();
+      hold.letGo = hold.asked;
+      hold.wants = hold.asked = false;
+      hold.takes.reset();
     }
-    if (hold_ || before || !hand.grabs || !hand.seen || points_[index] || !values.noThrow.empty()) continue;
-    hold_ = Hold{index};
+    if (hold.wants || before || !hand.grabs || !hand.seen || points_[index] || !values.noThrow.empty()) continue;
+    hold.wants = true;
+    hold.reaches = false;
     const Isometry3 worldFromGrip = place_.worldFromStage() * hand.stageFromGrip;
     const Vec3 grip = worldFromGrip.translation();
     double nearest = kReach;
@@ -302,12 +306,12 @@ void HeadsetWindow::holdProps(const Scene& scene, const WindowValues& values) {
       if (prop.mass == 0.0 || distance - radius >= nearest || distance < 1e-6) continue;
       nearest = distance - radius;
       const Vec3 direction = (center - grip) / distance;
-      hold_->reaches = true;
-      hold_->direction = worldFromGrip.linear().transpose() * direction;
+      hold.reaches = true;
+      hold.direction = worldFromGrip.linear().transpose() * direction;
       // From outside, for a ray that begins within a prop does not meet it.
-      takes_ = Ray{center - (radius + kReach) * direction, direction};
+      hold.takes = Ray{center - (radius + kReach) * direction, direction};
     }
-    if (!hold_->reaches) takes_ = aimOf(index);
+    if (!hold.reaches) hold.takes = aimOf(index);
   }
   was_[next_].time = frame.time;
   for (int index = 0; index < 2; ++index) {
@@ -335,29 +339,28 @@ WindowRequests HeadsetWindow::takeRequests() {
   WindowRequests requests = Window::takeRequests();
   if (chosen_.seekTo) requests.seekTo = std::exchange(chosen_.seekTo, std::nullopt);
   if (chosen_.scene) requests.scene = std::exchange(chosen_.scene, std::nullopt);
-  if (std::exchange(letGo_, false)) {
-    requests.released = true;
-    requests.throwsWith = throwsWith_;
-  } else if (takes_) {
-    requests.pressed = std::exchange(takes_, std::nullopt);
-    hold_->asked = true;
+  for (std::size_t index = 0; index < holds_.size(); ++index) {
+    Hold& hold = holds_[index];
+    if (std::exchange(hold.letGo, false)) {
+      requests.hands[index].released = true;
+      requests.hands[index].throwsWith = hold.throwsWith;
+    } else if (hold.takes) {
+      requests.hands[index].pressed = std::exchange(hold.takes, std::nullopt);
+      hold.asked = true;
+    }
   }
   return requests;
 }
 
-Ray HeadsetWindow::pointer() const {
-  return hold_ && headset_ ? aimOf(hold_->hand) : Window::pointer();
+/// What a controller holds stays as far along the ray as it was taken.
+HandAim HeadsetWindow::aim(int hand) const {
+  if (!headset_ || hand >= countOf(holds_) || !holds_[hand].wants) return Window::aim(hand);
+  const Ray ray = aimOf(hand);
+  return {ray, ray.direction};
 }
 
 Camera HeadsetWindow::camera() const {
-  if (!headset_ || !inside_) return Window::camera();
-  if (!hold_) return eyes_[0];
-  // A held prop stays as far along the ray as it was taken.
-  const Ray ray = aimOf(hold_->hand);
-  Camera camera = eyes_[0];
-  camera.eye = ray.origin;
-  camera.target = ray.origin + ray.direction;
-  return camera;
+  return headset_ && inside_ ? eyes_[0] : Window::camera();
 }
 
 void HeadsetWindow::rest(double seconds) {

@@ -30,7 +30,7 @@ class HeadsetWindow final : public Window {
   void show(const Scene& scene, const WindowValues& values) override;
   void rest(double seconds) override;
   [[nodiscard]] WindowRequests takeRequests() override;
-  [[nodiscard]] Ray pointer() const override;
+  [[nodiscard]] HandAim aim(int hand) const override;
   [[nodiscard]] Camera camera() const override;
   [[nodiscard]] std::span<const HeadsetPose> headsets() override;
   void tell(const HeadsetNews& news) override;
@@ -58,12 +58,16 @@ class HeadsetWindow final : public Window {
   void feel(const Scene& scene, const WindowValues& values);
   [[nodiscard]] Ray aimOf(int hand) const;
 
-  /// A hand that holds a prop, or wants to: along a ray that is fixed in its aim or, for a prop in reach, in its grip.
+  /// What a hand holds: along a ray that is fixed in its aim or, for a prop in reach, in its grip.
   struct Hold {
-    int hand = 0;
+    bool wants = false;  // a prop, and holds it once the session was asked
     bool reaches = false;
     Vec3 direction = -Vec3::UnitZ();  // in that frame
-    bool asked = false;               // the session was
+    bool asked = false;
+    bool grabbed = false;           // in the last picture
+    std::optional<Ray> takes = {};  // what is to be told
+    bool letGo = false;             // the same
+    Vec3 throwsWith = Vec3::Zero();
   };
 
   std::optional<Headset> headset_;
@@ -79,11 +83,7 @@ class HeadsetWindow final : public Window {
   WindowRequests chosen_;         // by the panel
   std::array<Camera, 2> eyes_;
   std::optional<bool> inside_;  // where the wearer is; none = nowhere yet
-  std::optional<Hold> hold_;
-  bool letGo_ = false;              // what is to be told
-  Vec3 throwsWith_ = Vec3::Zero();  // with it
-  std::optional<Ray> takes_;        // the same
-  std::array<bool, 2> grabbed_{};   // in the last picture
+  std::array<Hold, 2> holds_;   // of the left and the right hand
   /// Where the hands were in the last pictures, for their velocity: world [m], when [s].
   struct Was {
     std::array<Vec3, 2> hands{Vec3(Vec3::Zero()), Vec3(Vec3::Zero())};

@@ -149,8 +149,9 @@ void Window::setTitle(const std::string& title) {
 Camera Window::camera() const {
   return impl_->view();
 }
-Ray Window::pointer() const {
-  return impl_->rayThrough(impl_->cursorX, impl_->cursorY);
+HandAim Window::aim(int /*hand*/) const {
+  const Camera now = camera();
+  return {impl_->rayThrough(impl_->cursorX, impl_->cursorY), (now.target - now.eye).normalized()};
 }
 WindowRequests Window::takeRequests() {
   return std::exchange(impl_->requests, {});
@@ -235,7 +236,7 @@ std::uint64_t Window::Impl::printOf(const WindowValues& values, int width, int h
   for (const bool flag : {values.ended,
                           values.preparingParts,
                           values.outsideTraining,
-                          values.holdsProp,
+                          values.holds != 0,
                           values.everyone,
                           values.treatable,
                           values.opens,
@@ -280,7 +281,7 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   glfwMakeContextCurrent(i.window);
   glfwGetFramebufferSize(i.window, &width, &height);
   i.dialog.take(i.requests.files);
-  i.decideDrag(values.holdsProp);
+  i.decideDrag((values.holds & 1u) != 0);
   i.follow(values.focus);
   if (width > 0 && height > 0) i.frameFollowed(values, 1.0 * width / height);
   i.last = values;

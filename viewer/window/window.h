@@ -34,7 +34,7 @@ class Window : public Screen {
   [[nodiscard]] WindowRequests takeRequests() override;
   void chooseFiles() override;
   [[nodiscard]] bool takeCancel() override;
-  [[nodiscard]] Ray pointer() const override;
+  [[nodiscard]] HandAim aim(int hand) const override;
   [[nodiscard]] Camera camera() const override;
   void setCamera(const Camera& camera) override;
   /// @param stages  at most TimeGraph::kMaxStages

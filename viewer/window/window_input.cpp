@@ -286,11 +286,11 @@ void Window::Impl::onButton(int button, bool pressed) {
     const bool ends = left ? drag != Drag::kPan : drag == Drag::kPan;
     if (!ends) return;
     if (drag == Drag::kUndecided) {
-      requests.released = true;
+      requests.hands[0].released = true;
       undecidedEnd = {cursorX, cursorY};
       return;
     }
-    if (drag == Drag::kProp) requests.released = true;
+    if (drag == Drag::kProp) requests.hands[0].released = true;
     if (drag == Drag::kCamera) noteClick(cursorX, cursorY);
     drag = Drag::kNone;
     return;
@@ -302,7 +302,7 @@ void Window::Impl::onButton(int button, bool pressed) {
     drag = Drag::kPanel;
   } else if (left) {
     drag = Drag::kUndecided;
-    requests.pressed = rayThrough(cursorX, cursorY);
+    requests.hands[0].pressed = rayThrough(cursorX, cursorY);
   } else {
     drag = Drag::kPan;
   }

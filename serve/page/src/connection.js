@@ -1,5 +1,5 @@
 // The WebSocket of docs/WIRE.md: it connects again by itself and never sends more than the server takes.
-const kAckPause = 15; // shortest time between acknowledgements [ms]; with drags below the server's 120 messages a second
+const kAckPause = 15; // shortest time between acknowledgements [ms]; with drags below the server's 180 messages a second
 const kDragPause = 30;
 
 /// Sentences for the user, by what happened.
@@ -20,7 +20,7 @@ export class Connection {
   #acked = 0;
   #ackAt = 0;
   #dragAt = 0;
-  #drag = null; // not sent yet
+  #drags = [null, null]; // of each hand, not sent yet
   #on;
 
   /// @param on  { opened(), message(object), frame(ArrayBuffer), says(sentence or '', whether to give up) }
@@ -60,7 +60,7 @@ export class Connection {
   async #closed(code, reason) {
     const wasOpen = this.open;
     this.open = false;
-    this.#drag = null;
+    this.#drags.fill(null);
     let wait = Math.min(500 * 1.6 ** this.#tries++, 5000);
     if (wasOpen && (code === 1000 || code === 1001)) {
       this.#on.says(kSays.over, false);
@@ -98,27 +98,29 @@ export class Connection {
 
   send(type, values = {}) {
     if (!this.open) return;
-    if (type === 'release' && this.#drag) this.#flush();
+    if (type === 'release') this.#flush();
     this.#socket.send(JSON.stringify({ type, ...values }));
   }
 
-  /// The newest place of what is held; not each one is sent.
-  drag(ray) {
-    this.#drag = ray;
+  /// The newest place of what a hand holds; not each one is sent.
+  drag(ray, hand = 0) {
+    this.#drags[hand] = ray;
     if (performance.now() - this.#dragAt >= kDragPause) this.#flush();
   }
 
   #flush() {
-    const ray = this.#drag;
-    this.#drag = null;
-    this.#dragAt = performance.now();
-    this.send('drag', ray);
+    this.#drags.forEach((ray, hand) => {
+      if (!ray) return;
+      this.#drags[hand] = null;
+      this.#dragAt = performance.now();
+      this.send('drag', { hand, ...ray });
+    });
   }
 
   /// Once a picture: everything up to this frame is drawn.
   drawn(number) {
     const now = performance.now();
-    if (this.#drag && now - this.#dragAt >= kDragPause) this.#flush();
+    if (now - this.#dragAt >= kDragPause) this.#flush();
     if (number <= this.#acked || now - this.#ackAt < kAckPause) return;
     this.#acked = number;
     this.#ackAt = now;

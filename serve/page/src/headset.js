@@ -8,6 +8,9 @@ const kWalk = 1.4; // [m/s]
 const kBetweenHeads = 0.03; // poses that are told [s]
 const kSettles = 1; // in which the eyes come to the avatar's, whose camera is late [s]
 const kReach = 2.5; // length of a ray that meets nothing [m]
+const kFastestThrow = 15; // [m/s]
+const kThrowPictures = 5; // in which a throw's velocity is measured,
+const kLongestThrow = 2; // if they take no longer [s]
 
 export class Headset {
   mode = null; // vr, ar
@@ -28,7 +31,7 @@ export class Headset {
     xr.setReferenceSpaceType('local-floor');
     xr.addEventListener('sessionstart', () => this.#started());
     xr.addEventListener('sessionend', () => this.#ended());
-    this.#hands = [0, 1].map((i) => this.#makeHand(xr.getController(i), xr.getControllerGrip(i), xr.getHand(i)));
+    this.#hands = [0, 1].map((i) => this.#makeHand(i, xr.getController(i), xr.getControllerGrip(i), xr.getHand(i)));
   }
 
   /// Where the depth camera sees the wearer, once that is known.
@@ -97,7 +100,7 @@ export class Headset {
     this.#worn = avatar;
   }
 
-  #makeHand(ray, grip, joints) {
+  #makeHand(index, ray, grip, joints) {
     const gray = lit(new THREE.MeshStandardMaterial({ color: 0x5d7088, roughness: 0.5 })),
       orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a });
     const line = new THREE.Line(
@@ -116,15 +119,17 @@ export class Headset {
     this.#world.stage.scene.add(dot);
     line.visible = dot.visible = false;
     const hand = {
+      index,
       ray,
+      grip,
       line,
       dot,
       body,
       joints,
       fingers,
-      holds: false,
       origin: new THREE.Vector3(),
       direction: new THREE.Vector3(),
+      was: Array.from({ length: kThrowPictures }, () => ({ time: 0, at: new THREE.Vector3() })), // the oldest first
     };
     ray.addEventListener('connected', ({ data }) => {
       hand.line.visible = true;
@@ -150,26 +155,43 @@ export class Headset {
     hand.direction.setFromMatrixColumn(hand.ray.matrixWorld, 2).normalize().negate();
   }
 
+  /// With which what a hand lets go leaves it, as in the last pictures; 0: with its own.
+  #velocityOf({ was }) {
+    const first = was[0],
+      last = was.at(-1),
+      velocity = new THREE.Vector3();
+    if (last.time - first.time > kLongestThrow) return velocity;
+    return velocity.subVectors(last.at, first.at).divideScalar(last.time - first.time).clampLength(0, kFastestThrow);
+  }
+
+  #remember({ ray, grip, was }, time) {
+    const shown = grip.visible ? grip : ray,
+      oldest = was.shift();
+    shown.updateWorldMatrix(true, false);
+    oldest.time = time;
+    oldest.at.setFromMatrixPosition(shown.matrixWorld);
+    was.push(oldest);
+  }
+
   #wire({ origin, direction }) {
     return { origin: origin.toArray(), direction: direction.toArray(), forward: direction.toArray() };
   }
 
   #grab(hand) {
     const { view, connection } = this.#world;
-    if (view.held || !this.#world.mayDrag()) return;
+    if (view.held[hand.index] || !this.#world.mayDrag()) return;
     this.#aim(hand);
     const hit = view.hit(hand.origin, hand.direction);
     if (!hit) return;
-    hand.holds = true;
-    view.hold(hit);
-    connection.send('press', this.#wire(hand));
+    view.hold(hit, hand.index);
+    connection.send('press', { hand: hand.index, ...this.#wire(hand) });
   }
 
   #release(hand) {
-    if (!hand.holds) return;
-    hand.holds = false;
-    this.#world.view.hold(null);
-    this.#world.connection.send('release');
+    const { view, connection } = this.#world;
+    if (!view.held[hand.index]) return;
+    view.hold(null, hand.index);
+    connection.send('release', { hand: hand.index, velocity: this.#velocityOf(hand).toArray() });
   }
 
   /// Once a picture in a headset, before it is drawn.
@@ -182,11 +204,14 @@ export class Headset {
     if (pose && this.#world.live()) this.#tell(pose.transform);
     for (const hand of this.#hands) {
       this.#aim(hand);
-      if (hand.holds) connection.drag(this.#wire(hand));
-      const hit = hand.holds || !hand.line.visible ? null : view.hit(hand.origin, hand.direction);
+      const holds = view.held[hand.index] !== null;
+      if (holds) connection.drag(this.#wire(hand), hand.index);
+      const hit = holds || !hand.line.visible ? null : view.hit(hand.origin, hand.direction);
       hand.dot.visible = hit !== null;
       if (hit) hand.dot.position.copy(hit.point);
-      hand.line.scale.z = hand.holds ? hand.origin.distanceTo(view.marker.position) : hit ? hit.distance : kReach;
+      const marker = view.markers[hand.index].position;
+      hand.line.scale.z = holds ? hand.origin.distanceTo(marker) : hit ? hit.distance : kReach;
+      this.#remember(hand, performance.now() / 1000);
       this.#showFingers(hand);
     }
   }

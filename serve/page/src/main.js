@@ -143,7 +143,7 @@ function start(of) {
   const again = hello && hello.run === of.run && hello.name === of.name;
   const same = again && JSON.stringify(hello.avatars) === JSON.stringify(of.avatars);
   hello = of;
-  view.hold(null);
+  for (const hand of [0, 1]) view.hold(null, hand);
   contacts.set({ count: 0, values: [] });
   particles.points.geometry.setDrawRange(0, 0);
   depth.hidden = true;
@@ -491,7 +491,10 @@ window.loricaPage = {
     return { all: particles.all, sent: particles.sent };
   },
   get held() {
-    return view.held ? view.held.mesh.userData.index : -1;
+    return this.inHands.find((index) => index >= 0) ?? -1;
+  },
+  get inHands() {
+    return view.held.map((held) => held?.mesh.userData.index ?? -1);
   },
   get mode() {
     return headset.mode;

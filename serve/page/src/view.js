@@ -14,7 +14,8 @@ const kClick = 6; // a press that moves less is a click [CSS pixels]
 export class View {
   follow = true;
   followed = -1; // an avatar, or all
-  held = null; // { mesh, local }: the point of a prop that is held
+  held = [null, null]; // of each hand { mesh, local }: the point of a prop that is held; the pointer is the first hand
+  markers = [];
   #world;
   #caster = new THREE.Raycaster();
   #pointer = new THREE.Vector2();
@@ -44,13 +45,11 @@ export class View {
       this.#touched = true;
     });
     this.controls.addEventListener('change', () => world.changed());
-    this.marker = new THREE.Mesh(
-      new THREE.SphereGeometry(0.022, 16, 12),
-      new THREE.MeshBasicMaterial({ color: 0xff7a1a, depthTest: false, transparent: true }),
-    );
-    this.marker.renderOrder = 7;
-    this.marker.visible = false;
-    world.stage.scene.add(this.marker);
+    const ball = new THREE.SphereGeometry(0.022, 16, 12),
+      orange = new THREE.MeshBasicMaterial({ color: 0xff7a1a, depthTest: false, transparent: true });
+    this.markers = this.held.map(() => new THREE.Mesh(ball, orange));
+    for (const marker of this.markers) Object.assign(marker, { renderOrder: 7, visible: false });
+    world.stage.scene.add(...this.markers);
     this.reset();
   }
 
@@ -111,7 +110,9 @@ export class View {
     }
     if (!presents && !this.#touched) this.#showWholly(seconds);
     stage.lightAt(this.#center);
-    if (this.held) this.marker.position.copy(this.held.local).applyMatrix4(this.held.mesh.matrixWorld);
+    this.held.forEach((held, hand) => {
+      if (held) this.markers[hand].position.copy(held.local).applyMatrix4(held.mesh.matrixWorld);
+    });
     connection.drawn(this.#world.newest());
     return !presents && this.controls.update(seconds);
   }
@@ -134,19 +135,21 @@ export class View {
     position.copy(target).add(moved);
   }
 
-  hold(hit) {
-    this.held = hit ? { mesh: hit.object, local: hit.object.worldToLocal(hit.point.clone()) } : null;
-    this.marker.visible = hit !== null;
-    if (hit) this.marker.position.copy(hit.point);
+  hold(hit, hand = 0) {
+    this.held[hand] = hit ? { mesh: hit.object, local: hit.object.worldToLocal(hit.point.clone()) } : null;
+    this.markers[hand].visible = hit !== null;
+    if (hit) this.markers[hand].position.copy(hit.point);
     this.#world.changed();
   }
 
-  /// After other props came: the held one is held on.
+  /// After other props came: what is held is held on.
   keep() {
-    if (!this.held) return;
-    const mesh = this.#world.props.list[this.held.mesh.userData.index];
-    if (mesh) this.held.mesh = mesh;
-    else this.hold(null);
+    this.held.forEach((held, hand) => {
+      if (!held) return;
+      const mesh = this.#world.props.list[held.mesh.userData.index];
+      if (mesh) held.mesh = mesh;
+      else this.hold(null, hand);
+    });
   }
 
   /// The first loose prop that a ray meets, if no fixed one is before it.
@@ -178,7 +181,7 @@ export class View {
   }
 
   #press(event) {
-    if (event.button !== 0 || this.held) return;
+    if (event.button !== 0 || this.held[0]) return;
     this.#down = { id: event.pointerId, x: event.clientX, y: event.clientY };
     if (!this.#world.mayDrag() || !event.isPrimary) return;
     const { ray, ...wire } = this.#ray(event),

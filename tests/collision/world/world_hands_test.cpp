@@ -135,6 +135,74 @@ TEST(WorldGrab, ItsForceIsBounded) {
   EXPECT_LT(positionOf(world, 1).y(), 0.31);
 }
 
+TEST(WorldGrab, EachHandHoldsAPropOfItsOwn) {
+  World world;
+  for (int i = 0; i < World::kMaxHands; ++i) {
+    world.addProp(ball(0.1, Vec3(i, 0.1, 0), 2.0));
+    ASSERT_TRUE(world.grab(i, Vec3(i, 0.2, 0), i));
+    world.moveGrab(Vec3(i, 0.8 + 0.05 * i, 0.5), i);
+  }
+  run(world, 2.0);
+  for (int i = 0; i < World::kMaxHands; ++i) {
+    ASSERT_TRUE(world.held(i).has_value());
+    EXPECT_EQ(world.held(i)->prop, i);
+    EXPECT_LT((world.held(i)->position - Vec3(i, 0.8 + 0.05 * i, 0.5)).norm(), 0.03) << i;
+  }
+  world.release(Vec3::Zero(), 1);
+  ASSERT_TRUE(world.grab(4, positionOf(world, 4), 3)) << "another prop: the one before falls";
+  run(world, 2.0);
+  for (int i = 0; i < World::kMaxHands; ++i) {
+    EXPECT_EQ(world.held(i).has_value(), i != 1) << i;
+    EXPECT_EQ(positionOf(world, i).y() < 0.11, i == 1 || i == 3) << i;
+  }
+}
+
+TEST(WorldGrab, BothHandsLiftWhatIsTooHeavyForOneAndTheLastLetsItFall) {
+  World world;
+  world.addProp(ball(0.3, Vec3(0, 0.3, 0), 80.0));
+  ASSERT_TRUE(world.grab(0, Vec3(-0.2, 0.5, 0), 0));
+  world.moveGrab(Vec3(-0.2, 1.5, 0), 0);
+  run(world, 2.0);
+  EXPECT_LT(positionOf(world, 0).y(), 0.31);
+  ASSERT_TRUE(world.grab(0, Vec3(0.2, 0.5, 0), 5));
+  world.moveGrab(Vec3(0.2, 1.5, 0), 5);
+  run(world, 4.0);
+  EXPECT_GT(positionOf(world, 0).y(), 1.0);
+  world.release(Vec3(20, 0, 0), 0);
+  EXPECT_LT(world.props()[0].velocity.norm(), 1.0) << "the other hand still holds it";
+  world.step({}, kFrame);
+  EXPECT_LT(world.props()[0].velocity.norm(), 1.0);
+  EXPECT_TRUE(world.held(5).has_value());
+  world.release(Vec3::Zero(), 5);
+  run(world, 3.0);
+  EXPECT_NEAR(positionOf(world, 0).y(), 0.3, 0.005);
+}
+
+TEST(WorldGrab, HandsThatPullApartHurlNothing) {
+  World world;
+  world.addProp(ball(0.1, Vec3(0, 1, 0), 0.5));
+  for (int hand = 0; hand < 4; ++hand) ASSERT_TRUE(world.grab(0, Vec3(0, 1, 0), hand));
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 200; ++i) {
+    for (int hand = 0; i % 20 == 0 && hand < 4; ++hand) {
+      world.moveGrab(Vec3(0, 1.5, 0) + test::uniformVec3(random, -3.0, 3.0), hand);
+    }
+    world.step({}, kFrame);
+    ASSERT_LT(world.props()[0].velocity.norm(), 9.0) << i;
+  }
+}
+
+TEST(WorldGrab, AHandThatIsNotThereHoldsNothing) {
+  World world;
+  world.addProp(ball(0.1, Vec3(0, 0.1, 0)));
+  for (const int hand : {-1, World::kMaxHands}) {
+    EXPECT_FALSE(world.grab(0, Vec3(0, 0.1, 0), hand));
+    EXPECT_FALSE(world.held(hand).has_value());
+    world.moveGrab(Vec3(0, 1, 0), hand);
+    world.release(Vec3::Zero(), hand);
+  }
+}
+
 TEST(WorldGrab, AFarTargetHurlsNothing) {
   World world;
   world.addProp(ball(0.1, Vec3(0, 1, 0), 0.5));
@@ -260,9 +328,9 @@ TEST(WorldThrow, WhatLeanedOnAThrownPropFallsWhenItIsTakenAway) {
 TEST(WorldThrow, AHeldPropThatIsThrownAgainIsLetGo) {
   World world;
   for (int i = 0; i < World::kMaxThrown; ++i) world.throwProp(ball(0.05, Vec3(0.2 * i, 0.05, 0)));
-  ASSERT_TRUE(world.grab(0, Vec3(0, 0.1, 0)));
+  for (const int hand : {0, 3}) ASSERT_TRUE(world.grab(0, Vec3(0, 0.1, 0), hand));
   EXPECT_EQ(world.throwProp(ball(0.05, Vec3(0, 1, 1))), 0);
-  EXPECT_FALSE(world.held().has_value());
+  for (const int hand : {0, 3}) EXPECT_FALSE(world.held(hand).has_value());
   run(world, 0.1);
 }
 
@@ -272,9 +340,11 @@ TEST(WorldHands, TheSameHandsDoTheSameTwice) {
     for (int i = 0; i < 10; ++i) world.addProp(ball(0.1, Vec3(0.15 * i, 0.5 + 0.1 * i, 0)));
     std::vector<Isometry3> poses;
     for (int frame = 0; frame < 120; ++frame) {
-      if (frame == 20) world.grab(3, positionOf(world, 3));
-      if (frame > 20 && frame < 60) world.moveGrab(Vec3(0.02 * frame, 1.0, 0.01 * frame));
-      if (frame == 60) world.release();
+      for (int hand = 0; hand < 3; ++hand) {  // two of them hold the same prop
+        if (frame == 20) world.grab(3 + hand / 2, positionOf(world, 3 + hand / 2), hand);
+        if (frame > 20 && frame < 60) world.moveGrab(Vec3(0.02 * frame, 1.0 + 0.2 * hand, 0.01 * frame), hand);
+        if (frame == 60 + hand) world.release(Vec3::Zero(), hand);
+      }
       if (frame % 3 == 0) {
         Prop thrown = ball(0.06, Vec3(0.5, 1, -3));
         thrown.velocity = Vec3(0, 2, 8);

@@ -263,7 +263,7 @@ TEST_F(Headsets, ABareHandHoldsABoxInItsFist) {
       EXPECT_FALSE(hand.grabs) << "an open hand";
     }
     told.fists[1] = 1.0;
-    return run->session.world().held().has_value();
+    return run->session.world().held(1).has_value();
   });
 }
 
@@ -290,7 +290,7 @@ TEST_F(Headsets, AControllerHoldsABoxAndThrowsIt) {
       }
       case Step::kAiming:
         told.triggers[1] = 1.0;
-        if (run->session.world().held()) step = Step::kLifting;
+        if (run->session.world().held(1)) step = Step::kLifting;
         return false;
       case Step::kLifting:
         hand.at.y() += kHandSpeed * seconds;
@@ -301,7 +301,7 @@ TEST_F(Headsets, AControllerHoldsABoxAndThrowsIt) {
         return false;
       case Step::kFlying:
         hand.at.y() += kHandSpeed * seconds;  // a hand does not stop where it lets go
-        if (run->session.world().held()) {
+        if (run->session.world().held(1)) {
           letGoAt = box().worldFromProp.translation().y();
           return false;
         }

@@ -76,7 +76,7 @@ TEST_F(WindowAtWork, AClickIsAPressThatDoesNotMove) {
   EXPECT_LT((clicked->direction - window->pointer().direction).norm(), 1e-9);
   send("mousemove --window %1 160 100 mousedown 1 mousemove --window %1 200 110 mouseup 1");
   EXPECT_FALSE(window->takeRequests().clicked.has_value()) << "it turned the camera";
-  values.holdsProp = true;
+  values.holds = 1;
   send("mousemove --window %1 160 100 click 1");
   EXPECT_FALSE(window->takeRequests().clicked.has_value()) << "it held a prop";
 }

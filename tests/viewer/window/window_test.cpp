@@ -261,7 +261,7 @@ TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
   send("mouseup 1");
   EXPECT_TRUE(window->wantsStep());
   EXPECT_EQ(window->camera().eye, eye);
-  EXPECT_FALSE(window->takeRequests().pressed.has_value());
+  EXPECT_FALSE(window->takeRequests().hands[0].pressed.has_value());
   send("mousemove --window %1 40 435 click 1");
   EXPECT_TRUE(window->choices().paused) << "the button";
   send("click 1");
@@ -328,20 +328,20 @@ TEST_F(WindowAtWork, APressOnThePictureOffersTheRayAndAHeldThingKeepsTheCamera) 
   const auto [x, y] = test::seenAt(Vec3(0.6, 1.2, 0.2), 640, 480);
   const std::string position = std::to_string(std::lround(x)) + " " + std::to_string(std::lround(y));
   const Vec3 eye = window->camera().eye;
-  values.holdsProp = true;
+  values.holds = 1;
   send("mousemove --window %1 " + position + " mousedown 1");
-  const WindowRequests pressed = window->takeRequests();
+  const HandRequests pressed = window->takeRequests().hands[0];
   ASSERT_TRUE(pressed.pressed.has_value());
   const Vec3 to = (Vec3(0.6, 1.2, 0.2) - eye).normalized();
   EXPECT_LT((pressed.pressed->direction - to).norm(), 0.003) << "a pixel is 0.0013";
   EXPECT_LT((pressed.pressed->origin - eye).norm(), 1e-9);
   send("mousemove --window %1 200 200");
   EXPECT_EQ(window->camera().eye, eye);
-  EXPECT_GT((window->pointer().direction - to).norm(), 0.1);
-  EXPECT_FALSE(window->takeRequests().released);
+  EXPECT_GT((window->aim(0).ray.direction - to).norm(), 0.1);
+  EXPECT_FALSE(window->takeRequests().hands[0].released);
   send("mouseup 1");
-  EXPECT_TRUE(window->takeRequests().released);
-  values.holdsProp = false;
+  EXPECT_TRUE(window->takeRequests().hands[0].released);
+  values.holds = 0;
   send("mousedown 1 mousemove --window %1 260 200 mouseup 1");
   EXPECT_NE(window->camera().eye, eye) << "no prop is held: the camera turns";
 }
