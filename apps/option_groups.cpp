@@ -267,6 +267,11 @@ Option* addLowerBodyOption(CommandLine& app, bool& lowerBody) {
                      "The camera sees only waist, legs and feet: arms hang, the head is that of a headset on the page");
 }
 
+Option* addThreePointOption(CommandLine& app, bool& threePoint) {
+  return app.addFlag("--three-point", threePoint,
+                     "Follow head and hands of a headset instead of a camera; --vr without a camera does so, too");
+}
+
 Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
   Option* vmc = app.addOption("--vmc", options.listenAt,
                               "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "

@@ -80,6 +80,8 @@ void addRecordOption(CommandLine& app, std::string& file);
 /// --device, --driver, --virtual, --motion.
 void addDepthOptions(CommandLine& app, DepthOptions& options);
 Option* addLowerBodyOption(CommandLine& app, bool& lowerBody);
+/// --three-point
+Option* addThreePointOption(CommandLine& app, bool& threePoint);
 
 /// --vmc and --delay. @return --vmc
 Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options);

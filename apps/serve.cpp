@@ -103,6 +103,7 @@ Command addServe(CommandLine& parent, CommonOptions& common) {
   addMotionOptions(*app, options->request);
   addDepthOptions(*app, options->live.depth);
   addVmcInputOptions(*app, options->live.vmc)->excludes(addLowerBodyOption(*app, options->live.lowerBody));
+  addThreePointOption(*app, options->live.threePoint);
   addCount(*app, "--people", options->live.people, 1, "People to follow at once, each with an avatar, at most 6");
   addPoseOutputOptions(*app, options->run.out);
   addEventsOption(*app, options->run.events);

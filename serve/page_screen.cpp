@@ -117,8 +117,7 @@ void PageScreen::hear() {
     if (wish.kind == Kind::kHead) {
       HeadsetPose& heard = headsets_.emplace_back();
       heard.wearer = wish.client;
-      heard.pose.time = wish.to;
-      heard.pose.head = Eigen::Translation3d(wish.origin) * wish.orientation;
+      heard.pose = wish.pose;
       continue;
     }
     const std::size_t most = wish.kind == Kind::kThrow ? kMaxWaiting / 2 : kMaxWaiting;
@@ -388,7 +387,10 @@ std::span<const HeadsetPose> PageScreen::headsets() {
 void PageScreen::tell(const HeadsetNews& news) {
   if (window_ != nullptr) window_->tell(news);
   constexpr double kDegrees = 180.0 / std::numbers::pi;
-  Json json = {{"type", "registration"}, {"known", news.registration.has_value()}, {"advice", news.advice}};
+  Json json = {{"type", "registration"},
+               {"known", news.registration.has_value()},
+               {"alone", news.alone},
+               {"advice", news.advice}};
   if (news.registration) {
     const Registration& known = *news.registration;
     json["yaw"] = -known.yaw;

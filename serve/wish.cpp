@@ -88,6 +88,19 @@ bool readDirection(const Json* from, Vec3& v) {
   return true;
 }
 
+Result<void> readPose(const Json& json, const char* type, Isometry3& pose) {
+  Vec3 position;
+  Quat turned;
+  if (!readNumbers(member(json, "position"), kFarthestPosition, position)) {
+    return expected(type, "position", "three numbers from -1,000 to 1,000");
+  }
+  if (!readNumbers(member(json, "orientation"), 1.001, turned.coeffs()) || turned.norm() < 0.5) {
+    return expected(type, "orientation", "a quaternion");
+  }
+  pose = Eigen::Translation3d(position) * turned.normalized();
+  return {};
+}
+
 Result<void> readMember(const Json& json, const Message& message, Wish& wish) {
   const char* type = message.type;
   switch (message.member) {
@@ -135,16 +148,16 @@ Result<void> readMember(const Json& json, const Message& message, Wish& wish) {
     case Member::kPose: {
       const Json* time = member(json, "time");
       if (time == nullptr || !time->is_number()) return expected(type, "time", "a number");
-      wish.to = time->get<double>();
-      if (!(std::abs(wish.to) <= kLongestClock)) return expected(type, "time", "seconds of a clock");
-      if (!readNumbers(member(json, "position"), kFarthestPosition, wish.origin)) {
-        return expected(type, "position", "three numbers from -1,000 to 1,000");
+      wish.pose.time = time->get<double>();
+      if (!(std::abs(wish.pose.time) <= kLongestClock)) return expected(type, "time", "seconds of a clock");
+      LORICA_TRY_DO(readPose(json, type, wish.pose.head));
+      const Json* hands = member(json, "hands");
+      if (hands == nullptr) return {};
+      if (!hands->is_array() || hands->size() != wish.pose.hands.size())
+        return expected(type, "hands", "a list of two");
+      for (std::size_t i = 0; i < hands->size(); ++i) {
+        if (!(*hands)[i].is_null()) LORICA_TRY_DO(readPose((*hands)[i], type, wish.pose.hands[i].emplace()));
       }
-      if (!readNumbers(member(json, "orientation"), 1.001, wish.orientation.coeffs()) ||
-          wish.orientation.norm() < 0.5) {
-        return expected(type, "orientation", "a quaternion");
-      }
-      wish.orientation.normalize();
       return {};
     }
     case Member::kRelease: {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "capture/headset/head_and_hands.h"
 #include "geometry/math.h"
 #include "geometry/result.h"
 #include "viewer/renderer/screen.h"
@@ -46,13 +47,13 @@ struct Wish {
   bool on = false;
   int index = 0;            ///< or the number of parts
   int hand = 0;             ///< of the client, below kClientHands
-  double to = 0.0;          ///< seconds or a factor; of a headset's pose its time, by the client's clock [s]
+  double to = 0.0;          ///< seconds or a factor
   std::uint64_t frame = 0;  ///< acknowledged
   unsigned layers = 0;      ///< see `served`
   Vec3 origin = Vec3::Zero(), direction = Vec3::UnitZ(), forward = Vec3::UnitZ();  ///< world; unit vectors
   Vec3 target = Vec3::Zero();
-  Vec3 velocity = Vec3::Zero();         ///< of what is let go [m/s]; 0 = its own
-  Quat orientation = Quat::Identity();  ///< of a headset at `origin`, in its own stage frame
+  Vec3 velocity = Vec3::Zero();  ///< of what is let go [m/s]; 0 = its own
+  HeadAndHands pose = {};        ///< of a headset, in its own stage frame, by the client's clock
 
   [[nodiscard]] HandAim aim() const { return {{origin, direction}, forward}; }
 };

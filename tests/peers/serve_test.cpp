@@ -213,10 +213,10 @@ TEST(PeerServe, AWalkWithAHeadsetRegistersItThroughThePage) {
       if (wish.kind != Wish::Kind::kHead) continue;
       const double time = ++poses / 30.0;
       HeadsetPose heard;
+      heard.pose = wish.pose;
       heard.pose.time = time;
-      heard.pose.head = Eigen::Translation3d(wish.origin) * wish.orientation;
       link.addHeadset(heard, time);
-      const Vec3 head = wish.origin + wish.orientation * kNominalHeadInHeadset;
+      const Vec3 head = wish.pose.head * kNominalHeadInHeadset;
       const Vec3 off(noise(random), noise(random), noise(random));
       if (random() % 8 != 0) link.addTracked(0, floorFromStage * head + off, time + kLag);
       std::optional<HeadsetNews> told = link.update(time);

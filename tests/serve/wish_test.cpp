@@ -39,9 +39,15 @@ TEST(Wish, MessagesAreRead) {
   EXPECT_EQ(valueOf(readWish(R"({"type":"release"})")).velocity, Vec3::Zero());
   const Wish head =
       valueOf(readWish(R"({"type":"head","time":12.5,"position":[0,1.6,0],"orientation":[0,0.6,0,0.8]})"));
-  EXPECT_EQ(head.to, 12.5);
-  EXPECT_EQ(head.origin, Vec3(0.0, 1.6, 0.0));
-  EXPECT_TRUE(head.orientation.isApprox(Quat(0.8, 0.0, 0.6, 0.0)));
+  EXPECT_EQ(head.pose.time, 12.5);
+  EXPECT_EQ(head.pose.head.translation(), Vec3(0.0, 1.6, 0.0));
+  EXPECT_TRUE(head.pose.head.linear().isApprox(Quat(0.8, 0.0, 0.6, 0.0).toRotationMatrix()));
+  EXPECT_FALSE(head.pose.hands[0] || head.pose.hands[1]);
+  const Wish hands = valueOf(readWish(R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,1],
+      "hands":[null,{"position":[0.3,1,-0.2],"orientation":[0,0,1,0]}]})"));
+  EXPECT_FALSE(hands.pose.hands[0]);
+  ASSERT_TRUE(hands.pose.hands[1]);
+  EXPECT_EQ(hands.pose.hands[1]->translation(), Vec3(0.3, 1.0, -0.2));
 }
 
 TEST(Wish, WhatIsNoMessageIsRefusedWithASentence) {
@@ -79,6 +85,8 @@ TEST(Wish, WhatIsNoMessageIsRefusedWithASentence) {
       {R"({"type":"head","time":1,"position":[0,1],"orientation":[0,0,0,1]})", "its position"},
       {R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,0]})", "its orientation"},
       {R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,9]})", "its orientation"},
+      {R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,1],"hands":[null]})", "its hands"},
+      {R"({"type":"head","time":1,"position":[0,1,0],"orientation":[0,0,0,1],"hands":[null,7]})", "its position"},
       {R"({"type":"ack","frame":[[[[[1]]]]]})", "deeper"},
       {std::string(kMaxWishBytes + 1, ' '), "at most"}};
   for (const auto& [text, part] : rows) {

@@ -97,7 +97,10 @@ void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
   if (!headset_) return Window::show(scene, values);
   const bool ran = headset_->running();
   Result<void> alive = headset_->poll();
+  double begun = now();
+  const auto timed = [&](TimedStage& stage) { stage.milliseconds = 1e3 * (now() - std::exchange(begun, now())); };
   if (alive && headset_->running()) alive = headset_->beginFrame();
+  timed(times_[0]);
   if (!alive) {
     lose(alive.error());
     return Window::show(scene, values);
@@ -122,8 +125,10 @@ void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
     feel(scene, values);
   }
   Window::show(scene, values);
+  timed(times_[1]);
   if (!headset_) return;
-  if (const Result<void> ended = headset_->endFrame(); !ended) lose(ended.error());
+  if (const Result<void> ended = headset_->endFrame(); !ended) return lose(ended.error());
+  timed(times_[2]);
 }
 
 bool HeadsetWindow::drawEyes(Renderer& renderer, const Scene& scene, const SceneOptions& options) {

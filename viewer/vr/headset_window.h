@@ -35,6 +35,8 @@ class HeadsetWindow final : public Window {
   [[nodiscard]] std::span<const HeadsetPose> headsets() override;
   void tell(const HeadsetNews& news) override;
 
+  /// Of the last picture: waiting for the runtime, from then on until the eyes are drawn, handing over.
+  [[nodiscard]] const std::array<TimedStage, 3>& times() const { return times_; }
   [[nodiscard]] const HeadsetPanel& panel() const { return panel_; }
   /// Null once it is gone.
   [[nodiscard]] const Headset* headset() const { return headset_ ? &*headset_ : nullptr; }
@@ -82,6 +84,7 @@ class HeadsetWindow final : public Window {
   std::array<bool, 2> points_{};  // hands, at the panel
   WindowRequests chosen_;         // by the panel
   std::array<Camera, 2> eyes_;
+  std::array<TimedStage, 3> times_{{{"wait"}, {"eyes"}, {"hand over"}}};
   std::optional<bool> inside_;  // where the wearer is; none = nowhere yet
   std::array<Hold, 2> holds_;   // of the left and the right hand
   /// Where the hands were in the last pictures, for their velocity: world [m], when [s].

@@ -132,6 +132,7 @@ export class Headset {
       was: Array.from({ length: kThrowPictures }, () => ({ time: 0, at: new THREE.Vector3() })), // the oldest first
     };
     ray.addEventListener('connected', ({ data }) => {
+      hand.side = data.handedness;
       hand.line.visible = true;
       hand.body.visible = !data.hand;
     });
@@ -216,11 +217,20 @@ export class Headset {
     }
   }
 
-  #tell({ position: p, orientation: o }) {
+  #tell({ position, orientation }) {
     const time = performance.now() / 1000;
     if (time - this.#told < kBetweenHeads) return;
     this.#told = time;
-    this.#world.connection.send('head', { time, position: [p.x, p.y, p.z], orientation: [o.x, o.y, o.z, o.w] });
+    const told = { time, ...wired(position, orientation) };
+    if (this.#registration?.alone) told.hands = ['left', 'right'].map((side) => this.#gripOf(side));
+    this.#world.connection.send('head', told);
+  }
+
+  #gripOf(side) {
+    const hand = this.#hands.find((one) => one.side === side && one.grip.visible);
+    if (!hand) return null;
+    hand.grip.matrix.decompose(local, turn, scale);
+    return wired(local, turn);
   }
 
   /// The left stick walks where the head looks, the right one turns by 30 degrees around the head.
@@ -267,8 +277,9 @@ export class Headset {
       rig.rotation.y = Math.atan2(wanted.x, wanted.z) - Math.atan2(look.x, look.z);
       this.#placed = inside ? 'inside' : 'beside';
     }
-    const registered = inside && this.#registration?.known && this.#world.live();
-    if (registered) rig.rotation.y = this.#registration.yaw;
+    const { known, alone, yaw } = this.#registration ?? {};
+    const registered = inside && (known || alone) && this.#world.live();
+    if (registered) rig.rotation.y = alone ? 0 : yaw;
     local.copy(position).applyAxisAngle(kUp, rig.rotation.y);
     if (registered) rig.position.lerp(avatar.eye(eye).sub(local), 1 - Math.exp(-seconds / kSettles));
     else if (inside) rig.position.copy(avatar.eye(eye)).sub(local);
@@ -277,7 +288,10 @@ export class Headset {
   }
 }
 
+const wired = (p, o) => ({ position: [p.x, p.y, p.z], orientation: [o.x, o.y, o.z, o.w] });
+
 const kUp = new THREE.Vector3(0, 1, 0),
+  scale = new THREE.Vector3(),
   matrix = new THREE.Matrix4(),
   turn = new THREE.Quaternion();
 const look = new THREE.Vector3(),

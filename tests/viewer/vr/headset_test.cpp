@@ -12,6 +12,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -221,7 +223,9 @@ TEST_F(Headsets, AnAvatarFollowsHeadAndHands) {
   double off = 0.0, apart = 0.0;
   Vec3 before, walked;
   int after = 0;
+  std::array<std::vector<double>, 3> times;
   playUntil([&] {
+    for (std::size_t i = 0; i < times.size(); ++i) times[i].push_back(window->times()[i].milliseconds);
     if (!arrived() || run->session.frameCount() < 20 || ++after < 30) return false;
     if (after > 30) return after > 60;
     // The wearer looks out of the avatar's head, and the hands are where theirs are.
@@ -239,10 +243,14 @@ TEST_F(Headsets, AnAvatarFollowsHeadAndHands) {
     for (Told& hand : told.hands) hand.at.z() -= 0.5;
     return false;
   });
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    std::ranges::nth_element(times[i], times[i].begin() + std::ssize(times[i]) / 2);
+    std::printf("%s %.1f ms%s", window->times()[i].name, times[i][times[i].size() / 2], i < 2 ? ", " : " (median)\n");
+  }
   EXPECT_TRUE(window->choices().inside);
   std::printf("head within %.2f mm, wrists within %.0f mm of the controllers\n", 1e3 * off, 1e3 * apart);
   EXPECT_LT(off, 1e-3);
-  EXPECT_LT(apart, 0.15);  // a wrist is 8 cm from the palm
+  EXPECT_LT(apart, 0.2);  // a wrist is 8 cm from the palm, and the mannequin is smaller than the wearer
   const Vec3 went = jointAt(HumanBone::kHead) - before;
   EXPECT_LT((went - walked).norm(), 0.1) << went.transpose();
   expectReplayed(file);
