@@ -40,20 +40,16 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   Impl& i = *impl_;
   const GlFunctions& gl = i.gl;
   i.targets.resize(i.gpu, std::max(width, 1), std::max(height, 1));
-  const FrameSetup setup =
-      setUpFrame(scene, options, camera, i.targets.drawnWidth, i.targets.drawnHeight, i.targets.shadowSize);
+  i.setup = setUpFrame(scene, options, camera, i.targets.drawnWidth, i.targets.drawnHeight, i.targets.shadowSize);
 
   // First upload everything that changes with the frame, one upload per buffer.
-  gl.BindBuffer(GL_UNIFORM_BUFFER, i.frameBlock);
-  gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof(FrameUniforms), &setup.uniforms);
-  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, i.frameBlock);
+  i.uploadFrame();
   i.uploadFigures(scene, options);
-  const GLsizei hullCount = options.hulls ? i.uploadHulls(scene, camera.eye) : 0;
-  const GLsizei boneCount = options.bones ? i.uploadBones(scene, camera.eye) : 0;
   const bool bodies = options.skin || options.hulls;
-  const GLsizei insideCount = bodies && options.props ? i.uploadInsides(scene, camera.eye) : 0;
-  GLsizei markerCount = 0;
-  if (options.contacts) markerCount = i.uploadMarkers(scene.contacts);
+  i.uploaded = {options.hulls ? i.uploadHulls(scene, camera.eye) : 0,
+                options.bones ? i.uploadBones(scene, camera.eye) : 0,
+                bodies && options.props ? i.uploadInsides(scene, camera.eye) : 0,
+                options.contacts ? i.uploadMarkers(scene.contacts) : 0};
   const UnhiddenView view{camera.eye, scene.unhidden};
   for (std::size_t shape = 0; shape < i.propShapes.size(); ++shape) {
     PropShapeGpu& target = i.propShapes[shape];
@@ -78,90 +74,112 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   // themselves.
   gl.Enable(GL_CULL_FACE);
   gl.CullFace(GL_FRONT);
-  i.drawCasters(Pass::kShadow, hullCount);
+  i.drawCasters(Pass::kShadow, i.uploaded.hulls);
   gl.Disable(GL_CULL_FACE);
-  if (options.particles) i.drawGrainShadows(scene, setup);
-  if (options.ground) i.drawContactShadow(hullCount, setup.uniforms.contactArea.z());
+  if (options.particles) i.drawGrainShadows(scene);
+  if (options.ground) i.drawContactShadow(i.uploaded.hulls, i.setup.uniforms.contactArea.z());
+  i.drawView(scene, options, camera.eye);
+}
 
+void Renderer::drawAgain(const Scene& scene, const SceneOptions& options, const Camera& camera) {
+  Impl& i = *impl_;
+  const FrameSetup first = i.setup;
+  i.setup = setUpFrame(scene, options, camera, i.targets.drawnWidth, i.targets.drawnHeight, i.targets.shadowSize);
+  i.setup.uniforms.shadowFromWorld = first.uniforms.shadowFromWorld;
+  i.setup.uniforms.contactArea = first.uniforms.contactArea;
+  i.setup.shadedMin = first.shadedMin;
+  i.setup.shadedMax = first.shadedMax;
+  i.uploadFrame();
+  i.drawView(scene, options, camera.eye);
+}
+
+void Renderer::Impl::uploadFrame() {
+  gl.BindBuffer(GL_UNIFORM_BUFFER, frameBlock);
+  gl.BufferSubData(GL_UNIFORM_BUFFER, 0, sizeof(FrameUniforms), &setup.uniforms);
+  gl.BindBufferBase(GL_UNIFORM_BUFFER, 0, frameBlock);
+}
+
+/// Draws what is uploaded, with the shadows that are drawn already.
+void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, const Vec3& eye) {
   // Opaque objects from near to far, so that covered pixels are not shaded.
-  gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.picture);
-  gl.Viewport(0, 0, i.targets.drawnWidth, i.targets.drawnHeight);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.picture);
+  gl.Viewport(0, 0, targets.drawnWidth, targets.drawnHeight);
   gl.Enable(GL_DEPTH_TEST);
-  i.transparent = options.transparent;
+  transparent = options.transparent;
   const bool sky = !options.background && !options.transparent;
   const Vec3f background = options.transparent ? Vec3f(Vec3f::Zero()) : options.background.value_or(Vec3f::Zero());
   gl.ClearColor(background.x(), background.y(), background.z(), options.transparent ? 0.0f : 1.0f);
   gl.Clear(sky ? GL_DEPTH_BUFFER_BIT : GL_DEPTH_BUFFER_BIT | GL_COLOR_BUFFER_BIT);
   gl.ActiveTexture(GL_TEXTURE1);
-  gl.BindTexture(GL_TEXTURE_2D, i.targets.contactMap[0]);
+  gl.BindTexture(GL_TEXTURE_2D, targets.contactMap[0]);
   gl.ActiveTexture(GL_TEXTURE2);
-  gl.BindTexture(GL_TEXTURE_2D, i.targets.shadowMap);
+  gl.BindTexture(GL_TEXTURE_2D, targets.shadowMap);
   gl.CullFace(GL_BACK);
-  i.drawSkins(options);
-  i.drawAvatarOpaque();
+  drawSkins(options);
+  drawAvatarOpaque();
   gl.Enable(GL_CULL_FACE);
-  i.drawProps(Pass::kLit);
-  if (options.particles) i.drawGrains(scene, setup);
-  if (options.ground) i.drawFloor(setup);
+  drawProps(Pass::kLit);
+  if (options.particles) drawGrains(scene);
+  if (options.ground) drawFloor();
   gl.Disable(GL_CULL_FACE);
   if (sky) {
-    gl.UseProgram(i.skyProgram);
-    gl.BindVertexArray(i.skyVertexArray);
-    gl.DrawElements(GL_TRIANGLES, i.skyIndexCount, GL_UNSIGNED_INT, nullptr);
+    gl.UseProgram(skyProgram);
+    gl.BindVertexArray(skyVertexArray);
+    gl.DrawElements(GL_TRIANGLES, skyIndexCount, GL_UNSIGNED_INT, nullptr);
   }
-  i.drawAvatarBlended(camera.eye);
+  drawAvatarBlended(eye);
 
   // Translucent hulls.
   gl.DepthMask(GL_FALSE);
   gl.Enable(GL_BLEND);
-  i.blendOver();
-  if (hullCount > 0) {
-    gl.UseProgram(i.overlayProgram);
-    gl.BindVertexArray(i.hullVertexArray);
-    gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
+  blendOver();
+  if (uploaded.hulls > 0) {
+    gl.UseProgram(overlayProgram);
+    gl.BindVertexArray(hullVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, uploaded.hulls);
   }
 
   // The avatar passes through static bodies: what of it is in one shines through.
-  if (insideCount > 0) {
+  if (uploaded.insides > 0) {
     gl.DepthFunc(GL_GREATER);
-    gl.UseProgram(i.overlayProgram);
-    gl.BindVertexArray(i.insideVertexArray);
-    gl.DrawArrays(GL_TRIANGLES, 0, insideCount);
+    gl.UseProgram(overlayProgram);
+    gl.BindVertexArray(insideVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, uploaded.insides);
     gl.DepthFunc(GL_LEQUAL);
   }
 
   // Contacts: faint if something is in front of them.
-  if (markerCount > 0) {
-    gl.UseProgram(i.markerProgram);
-    gl.BindVertexArray(i.markerVertexArray);
+  if (uploaded.markers > 0) {
+    gl.UseProgram(markerProgram);
+    gl.BindVertexArray(markerVertexArray);
     for (const GLenum where : {GL_GREATER, GL_LEQUAL}) {
       gl.DepthFunc(where);
-      gl.Uniform4f(i.markerTint, 1.0f, 1.0f, 1.0f, where == GL_GREATER ? 0.45f : 1.0f);
-      gl.DrawArrays(GL_TRIANGLES, 0, markerCount);
+      gl.Uniform4f(markerTint, 1.0f, 1.0f, 1.0f, where == GL_GREATER ? 0.45f : 1.0f);
+      gl.DrawArrays(GL_TRIANGLES, 0, uploaded.markers);
     }
     gl.DepthFunc(GL_LEQUAL);
   }
   gl.DepthMask(GL_TRUE);
 
   // Bones are visible through everything, but hide one another.
-  if (boneCount > 0) {
+  if (uploaded.bones > 0) {
     gl.Clear(GL_DEPTH_BUFFER_BIT);
-    gl.UseProgram(i.overlayProgram);
-    gl.BindVertexArray(i.boneVertexArray);
-    gl.DrawArrays(GL_TRIANGLES, 0, boneCount);
+    gl.UseProgram(overlayProgram);
+    gl.BindVertexArray(boneVertexArray);
+    gl.DrawArrays(GL_TRIANGLES, 0, uploaded.bones);
   }
   gl.Disable(GL_BLEND);
 
-  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, i.targets.picture);
-  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, i.targets.resolved);
-  const bool sameSize = i.targets.drawnWidth == i.targets.width && i.targets.drawnHeight == i.targets.height;
-  gl.BlitFramebuffer(0, 0, i.targets.drawnWidth, i.targets.drawnHeight, 0, 0, i.targets.width, i.targets.height,
+  gl.BindFramebuffer(GL_READ_FRAMEBUFFER, targets.picture);
+  gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, targets.resolved);
+  const bool sameSize = targets.drawnWidth == targets.width && targets.drawnHeight == targets.height;
+  gl.BlitFramebuffer(0, 0, targets.drawnWidth, targets.drawnHeight, 0, 0, targets.width, targets.height,
                      GL_COLOR_BUFFER_BIT, sameSize ? GL_NEAREST : GL_LINEAR);
-  gl.BindFramebuffer(GL_FRAMEBUFFER, i.targets.resolved);
-  gl.Viewport(0, 0, i.targets.width, i.targets.height);
-  i.drawPanel(i.caption, options.caption, false);
-  i.drawPanel(i.panel, options.panel, true);
-  if (scene.inset != nullptr && scene.inset->width > 0) i.drawInset(*scene.inset);
+  gl.BindFramebuffer(GL_FRAMEBUFFER, targets.resolved);
+  gl.Viewport(0, 0, targets.width, targets.height);
+  drawPanel(caption, options.caption, false);
+  drawPanel(panel, options.panel, true);
+  if (scene.inset != nullptr && scene.inset->width > 0) drawInset(*scene.inset);
 }
 
 Image Renderer::readBack() {

@@ -52,6 +52,9 @@ class Renderer {
 
   /// Draws into the renderer's own framebuffer of this size.
   void draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height);
+  /// Draws what the last draw() drew from another eye near by, in the same size: hulls in the same order, meshes and
+  /// shadows as they are.
+  void drawAgain(const Scene& scene, const SceneOptions& options, const Camera& camera);
   /// The picture of the last draw().
   [[nodiscard]] Image readBack();
   /// Copies the picture of the last draw() to a framebuffer, which is the window's if it is number 0: all of it, or of

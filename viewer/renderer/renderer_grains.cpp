@@ -24,7 +24,7 @@ int cellsIn(int pixels, float cell) {
 
 }  // namespace
 
-void Renderer::Impl::drawGrainShadows(const Scene& scene, const FrameSetup& setup) {
+void Renderer::Impl::drawGrainShadows(const Scene& scene) {
   if (scene.particles.empty() || !(scene.particleRadius > 0.0f)) return;
   GrainView view;
   view.clipFromWorld = 2.0f * setup.uniforms.shadowFromWorld;
@@ -43,7 +43,7 @@ void Renderer::Impl::drawGrainShadows(const Scene& scene, const FrameSetup& setu
   gl.DrawArrays(GL_POINTS, 0, glCount(seen.size()));
 }
 
-void Renderer::Impl::drawGrains(const Scene& scene, const FrameSetup& setup) {
+void Renderer::Impl::drawGrains(const Scene& scene) {
   if (scene.particles.empty() || !(scene.particleRadius > 0.0f)) return;
   const bool near = setup.grainPixels >= kNearGrain;
   GrainView view;

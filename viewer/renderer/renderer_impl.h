@@ -1,6 +1,7 @@
 #pragma once
 
 #include "viewer/renderer/avatar_gpu.h"
+#include "viewer/renderer/frame_setup.h"
 #include "viewer/renderer/gpu.h"
 #include "viewer/renderer/grain_list.h"
 #include "viewer/renderer/overlay_mesh.h"
@@ -19,7 +20,6 @@
 
 namespace lorica {
 
-struct FrameSetup;
 
 struct MarkerVertex {
   Vec3f center;
@@ -87,6 +87,11 @@ struct Renderer::Impl {
   GLuint blurProgram = 0, panelProgram = 0;
   GLint blurStride = -1, markerTint = -1, panelRectangle = -1;
   GLuint frameBlock = 0, emptyVertexArray = 0;
+  FrameSetup setup{};  ///< of the last picture
+  /// Vertices that were uploaded for it.
+  struct {
+    GLsizei hulls = 0, bones = 0, insides = 0, markers = 0;
+  } uploaded;
 
   std::vector<SkinGpu> skins;
   std::size_t skinCount = 0;  ///< of `skins`: drawn in this picture
@@ -159,12 +164,14 @@ struct Renderer::Impl {
   void drawAvatarOpaque();
   void drawAvatarBlended(const Vec3& eye);
   void drawBlendedGroups(const Vec3& eye);
+  void uploadFrame();
+  void drawView(const Scene& scene, const SceneOptions& options, const Vec3& eye);
   void drawCasters(shaders::Pass pass, GLsizei hullCount);
   void drawContactShadow(GLsizei hullCount, float contactHalfSide);
   void drawProps(shaders::Pass pass);
-  void drawGrainShadows(const Scene& scene, const FrameSetup& setup);
-  void drawGrains(const Scene& scene, const FrameSetup& setup);
-  void drawFloor(const FrameSetup& setup);
+  void drawGrainShadows(const Scene& scene);
+  void drawGrains(const Scene& scene);
+  void drawFloor();
   GLsizei uploadHulls(const Scene& scene, const Vec3& eye);
   /// Parts inside static bodies.
   GLsizei uploadInsides(const Scene& scene, const Vec3& eye);

@@ -187,7 +187,7 @@ void Renderer::Impl::drawContactShadow(GLsizei hullCount, float contactHalfSide)
 
 /// The floor consists of four plain strips around the part that shadows can reach, because shadow map lookups are
 /// costly.
-void Renderer::Impl::drawFloor(const FrameSetup& setup) {
+void Renderer::Impl::drawFloor() {
   const float x = setup.uniforms.floorFade.x(), z = setup.uniforms.floorFade.y(), h = setup.floorHalfSide;
   const float xs[] = {x - h, setup.shadedMin.x(), setup.shadedMax.x(), x + h};
   const float zs[] = {z - h, setup.shadedMin.y(), setup.shadedMax.y(), z + h};

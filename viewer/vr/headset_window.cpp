@@ -140,7 +140,11 @@ bool HeadsetWindow::drawEyes(Renderer& renderer, const Scene& scene, const Scene
     const HeadsetEye& eye = frame.eyes[index];
     eyes_[index] =
         cameraOf(place_.worldFromStage() * eye.stageFromEye, eye.angles, inside_ == true ? kHeadDepth : kNearest);
-    renderer.draw(around, options, eyes_[index], headset_->width(), headset_->height());
+    if (index == 1) {
+      renderer.draw(around, options, eyes_[index], headset_->width(), headset_->height());
+    } else {
+      renderer.drawAgain(around, options, eyes_[index]);
+    }
     // A failure is reported when the frame ends.
     if (!headset_->take(index, renderer)) return false;
   }

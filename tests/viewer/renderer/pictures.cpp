@@ -27,6 +27,11 @@ std::unique_ptr<Studio> Studio::open(const std::string& kind, std::string& why) 
   return studio;
 }
 
+Image Studio::drawAgain(const Scene& scene, const SceneOptions& options, const Camera& camera) {
+  renderer_->drawAgain(scene, options, camera);
+  return renderer_->readBack();
+}
+
 Image Studio::draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height) {
   renderer_->draw(scene, options, camera, width, height);
   return renderer_->readBack();

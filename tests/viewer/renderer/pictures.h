@@ -21,6 +21,8 @@ class Studio {
 
   [[nodiscard]] Image draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width,
                            int height);
+  /// What draw() drew last, see Renderer::drawAgain().
+  [[nodiscard]] Image drawAgain(const Scene& scene, const SceneOptions& options, const Camera& camera);
   void setQuality(RenderQuality quality) { renderer_->setQuality(quality); }
   [[nodiscard]] std::string description() const { return context_->description(); }
 

@@ -1,6 +1,7 @@
 #include "viewer/renderer/renderer.h"
 
 #include "tests/support/meshes.h"
+#include "tests/viewer/renderer/picture_error.h"
 #include "tests/viewer/renderer/pictures.h"
 #include "viewer/renderer/frame_setup.h"
 
@@ -59,6 +60,19 @@ struct Studio : ::testing::Test {
     scene.worldFromJoint = world;
   }
 };
+
+TEST_F(Studio, TheSecondEyeSeesWhatACameraThereSees) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  const Camera left = frontCamera();
+  Camera right = left;
+  right.eye.x() += 0.064;
+  right.target.x() += 0.064;
+  const Image fromLeft = studio->draw(scene, {}, left, kWidth, kHeight);
+  const Image fromRight = studio->drawAgain(scene, {}, right);
+  EXPECT_GT(differingPixels(fromLeft, fromRight, 40), 100);
+  const Image alone = studio->draw(scene, {}, right, kWidth, kHeight);
+  EXPECT_LT(test::pictureError(fromRight, alone).wrong, test::kMaxWrong);
+}
 
 TEST_F(Studio, ARedBoxIsRedInTheMiddleAndBackgroundInTheCorners) {
   LORICA_REQUIRE_STUDIO(studio, "");
