@@ -73,7 +73,7 @@ TEST_F(WindowAtWork, AClickIsAPressThatDoesNotMove) {
   send("mousemove --window %1 160 100 click 1");
   const std::optional<Ray> clicked = window->takeRequests().clicked;
   ASSERT_TRUE(clicked.has_value());
-  EXPECT_LT((clicked->direction - window->pointer().direction).norm(), 1e-9);
+  EXPECT_LT((clicked->direction - window->aim(0).ray.direction).norm(), 1e-9);
   send("mousemove --window %1 160 100 mousedown 1 mousemove --window %1 200 110 mouseup 1");
   EXPECT_FALSE(window->takeRequests().clicked.has_value()) << "it turned the camera";
   values.holds = 1;
