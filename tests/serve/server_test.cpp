@@ -195,7 +195,7 @@ TEST(Server, AClientThatLeavesLetsGo) {
     stage.server->takeWishes(wishes);
     return !wishes.empty();
   }));
-  EXPECT_EQ(wishes[0].kind, Wish::Kind::kRelease);
+  EXPECT_EQ(wishes[0].kind, Wish::Kind::kGone);
   EXPECT_TRUE(becomes([&] { return stage.server->clients() == 0; }));
 }
 

@@ -281,6 +281,24 @@ const parts = {
     await page.close();
   },
 
+  /// Pictures of the character alone: without an expression, then with each that E chooses.
+  async expressions() {
+    const page = await open({ width: 480, height: 540 }, { layers: { hulls: false, depth: false } });
+    await until(page, () => loricaPage.state?.expressions.length > 0);
+    const { expressions } = (await see(page)).state;
+    result.expressions = ['none', ...expressions];
+    for (let e = -1; e < expressions.length; ++e) {
+      if (e >= 0) await page.keyboard.press('e');
+      await until(page, (chosen) => loricaPage.state.expression === chosen, e);
+      await drawn(page);
+      const png = await page.evaluate(async () => [
+        ...new Uint8Array(await (await loricaPage.picture(['character'], 'transparent')).arrayBuffer()),
+      ]);
+      fs.writeFileSync(path.join(folder, `expression_${e + 1}.png`), Buffer.from(png));
+    }
+    await page.close();
+  },
+
   async phone() {
     const page = await open(kPhone);
     await shot(page, 'phone_light');
@@ -360,61 +378,97 @@ const parts = {
       eyeHeight: camera[1],
     };
 
-    // The controller goes where a loose prop is, in the headset's own axes, 0.6 m before it, and points at it.
-    const aim = (index, ahead) =>
+    // A controller goes where a loose prop is, in the headset's own axes, 0.6 m before it, and points at it.
+    const aim = (side, index) =>
       page.evaluate(
-        (i, d, { position, yaw }) => {
-          const c = device.controllers.right,
+        (hand, i, { position, yaw }) => {
+          const c = device.controllers[hand],
             p = loricaPage.props[i].position.map((x, k) => x - position[k]),
             cos = Math.cos(yaw),
             sin = Math.sin(yaw);
-          c.position.set(cos * p[0] - sin * p[2], p[1] + d[1], sin * p[0] + cos * p[2] + d[0]);
+          c.position.set(cos * p[0] - sin * p[2], p[1], sin * p[0] + cos * p[2] + 0.6);
           c.quaternion.set(0, 0, 0, 1);
         },
+        side,
         index,
-        ahead,
         rig,
       );
     // While it is paused nothing moves away from the ray.
-    const pictured = async () => {
+    const pictured = async (more) => {
       const before = await page.evaluate(() => loricaPage.pictures);
-      await until(page, (p) => loricaPage.pictures > p + 2, before);
+      await until(page, (p) => loricaPage.pictures > p, before + more);
     };
+    const pull = (side, value) =>
+      page.evaluate((hand, v) => device.controllers[hand].updateButtonValue('trigger', v), side, value);
     await pause(page, true);
-    await pictured();
-    const index = await page.evaluate(() => {
-      // the one nearest to the line of sight
+    await pictured(2);
+    const loose = await page.evaluate(() => {
+      // the nearest to the line of sight first
       const { camera, avatars, props } = loricaPage,
         to = avatars[0].center.map((x, k) => x - camera[k]);
       const angle = ({ position }) => {
         const d = position.map((x, k) => x - camera[k]);
         return (d[0] * to[0] + d[1] * to[1] + d[2] * to[2]) / Math.hypot(...d);
       };
-      return (
-        props
-          .map((prop, i) => [i, prop])
-          .filter(([, prop]) => !prop.fixed && prop.visible)
-          .sort(([, a], [, b]) => angle(b) - angle(a))[0]?.[0] ?? -1
-      );
+      return props
+        .map((prop, i) => [i, prop])
+        .filter(([, prop]) => !prop.fixed && prop.visible)
+        .sort(([, a], [, b]) => angle(b) - angle(a))
+        .map(([i]) => i);
     });
-    if (index >= 0) {
-      await aim(index, [0.6, 0]);
-      await pictured();
-      await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 1));
-      await until(page, () => loricaPage.held >= 0);
+    // Each controller takes the first prop that it meets, and not the other's.
+    const holds = {};
+    for (const side of ['right', 'left']) {
+      for (const index of loose) {
+        await aim(side, index);
+        await pictured(2);
+        await pull(side, 1);
+        await pictured(2);
+        const [held = -1] = (await see(page)).inHands.filter((prop) => prop >= 0 && prop !== holds.right);
+        if (held < 0) {
+          await pull(side, 0);
+          await pictured(2);
+          continue;
+        }
+        holds[side] = held;
+        break;
+      }
+    }
+    if (Object.keys(holds).length === 2) {
+      const from = (await see(page)).props.map(({ position }) => position);
       await pause(page, false);
-      const { held, props } = await see(page),
-        from = props[held].position;
       await page.evaluate(() => {
-        const p = device.controllers.right.position;
-        p.set(p.x, p.y + 0.5, p.z);
+        for (const side of ['left', 'right']) {
+          const p = device.controllers[side].position;
+          p.set(p.x, p.y + 0.5, p.z);
+        }
       });
-      const moved = await (await until(page, away, held, from, 0.25)).jsonValue();
+      result.vr.grab = { holds };
+      for (const side of ['left', 'right']) {
+        const moved = await (await until(page, away, holds[side], from[holds[side]], 0.25)).jsonValue();
+        result.vr.grab[side] = moved;
+      }
       await shot(page, 'vr_grab');
-      result.vr.grab = { index: held, moved };
-      await page.evaluate(() => device.controllers.right.updateButtonValue('trigger', 0));
-      await until(page, () => loricaPage.held === -1);
-      result.vr.released = true;
+      // Thrown: let go while the hand rises.
+      await page.evaluate(() => {
+        const p = device.controllers.right.position,
+          { x, y, z } = p,
+          from = loricaPage.pictures;
+        window.rising = setInterval(() => p.set(x, y + 0.01 * (loricaPage.pictures - from), z), 5);
+      });
+      await pictured(4);
+      const begin = performance.now();
+      await pictured(8);
+      result.vr.quick = performance.now() - begin < 2000; // else it is no throw
+      for (const side of ['right', 'left']) {
+        await pull(side, 0);
+        await until(page, (prop) => !loricaPage.inHands.includes(prop), holds[side]);
+      }
+      await page.evaluate(() => clearInterval(window.rising));
+      result.vr.released = (await page.evaluate(() => window.sent))
+        .map((text) => JSON.parse(text))
+        .filter(({ type }) => type === 'release')
+        .slice(-2);
     } else await pause(page, false);
     await page.evaluate(() => {
       device.primaryInputMode = 'hand';
@@ -463,7 +517,10 @@ async function openWithHeadset() {
     'utf8',
   );
   const page = await open(kDesktop, {
-    before: `${iwer};window.device = new IWER.XRDevice(IWER.metaQuest3);
+    before: `${iwer};window.sent = [];
+    const { send } = WebSocket.prototype;
+    WebSocket.prototype.send = function (text) { window.sent.push(text); send.call(this, text); };
+    window.device = new IWER.XRDevice(IWER.metaQuest3);
     device.installRuntime({ forceInstall: true }); device.stereoEnabled = true; device.position.set(0.1, 1.6, 0.2);`,
   });
   const button = (text) =>
