@@ -60,5 +60,7 @@ install(DIRECTORY scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/scenes COM
 install(DIRECTORY recordings/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/recordings COMPONENT command)
 install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
 install(FILES packaging/lorica.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT command)
+install(FILES packaging/lorica.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT command)
+install(FILES packaging/org.lorica.Lorica.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo COMPONENT command)
 install(FILES packaging/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME lorica COMPONENT command)
