@@ -1,4 +1,4 @@
-"""The examples of docs/PYTHON.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand.
+"""The examples of docs/PYTHON.md, README.md and docs/CONTACTS.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand.
 
 The sentences of docs/TROUBLESHOOTING.md are Lorica's own.
 """
@@ -36,6 +36,13 @@ class Documents(unittest.TestCase):
             program = "\n".join(examples)
             subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, env=os.environ)
             self.assertGreater((Path(folder) / "parts.png").stat().st_size, 5000)
+            # What these name is said in words beside them.
+            subprocess.run([os.environ["LORICA"], "contacts", "walk", "-o", "walk.npz"], cwd=folder, check=True, stdout=subprocess.PIPE)
+            for page, before in (("README.md", "import lorica; use = print"), ("docs/CONTACTS.md", "")):
+                examples = re.findall(r"^```python\n(.*?)^```", (SOURCE / page).read_text(), re.M | re.S)
+                self.assertGreater(len(examples), 0, page)
+                program = "\n".join([before, *examples])
+                subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, stdout=subprocess.PIPE)
 
 
 class Commands(unittest.TestCase):
