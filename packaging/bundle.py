@@ -45,6 +45,13 @@ def licence(path, folder):
     raise SystemExit(f"bundle.py: no package owns {path}, so its licence is unknown")
 
 
+def swap(file, names):
+    """Names what the file loads anew, one at a time: patchelf 0.14 mixes up the versions of several."""
+    for needed in said("patchelf", "--print-needed", str(file)).split():
+        if needed in names:
+            said("patchelf", "--replace-needed", needed, names[needed], str(file))
+
+
 def bundle(files, libraries, licenses, rename=False):
     if shutil.which("patchelf") is None:
         raise SystemExit("bundle.py: patchelf is missing; install Debian's package of that name (scripts/setup --release)")
@@ -59,13 +66,14 @@ def bundle(files, libraries, licenses, rename=False):
         shutil.copyfile(path, copies[-1])
         copies[-1].chmod(0o755)
         licence(path, licenses)
-    swaps = [option for old, new in names.items() for option in ("--replace-needed", old, new)]
     for copy in copies:
         said("patchelf", "--set-rpath", "$ORIGIN", str(copy))
         if rename:
-            said("patchelf", "--set-soname", copy.name, *swaps, str(copy))
+            said("patchelf", "--set-soname", copy.name, str(copy))
+            swap(copy, names)
     for file in files if rename else ():
-        said("patchelf", "--set-rpath", f"$ORIGIN:$ORIGIN/{os.path.relpath(libraries, file.parent)}", *swaps, str(file))
+        said("patchelf", "--set-rpath", f"$ORIGIN:$ORIGIN/{os.path.relpath(libraries, file.parent)}", str(file))
+        swap(file, names)
 
 
 if __name__ == "__main__":
