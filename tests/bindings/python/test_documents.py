@@ -1,10 +1,11 @@
 """The examples of docs/PYTHON.md, README.md and docs/CONTACTS.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand.
 
-The sentences of docs/TROUBLESHOOTING.md are Lorica's own.
+The sentences of docs/TROUBLESHOOTING.md are Lorica's own, and docs/BENCHMARKS.md is what its figures give.
 """
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -93,6 +94,19 @@ class Commands(unittest.TestCase):
         for piece in map(without_gaps, re.split(r"\.\.\.|\n", block)):
             self.assertIn(piece, rest, f"{page} says:\n{block}\nprinted now:\n{printed}")
             rest = rest[rest.index(piece) + len(piece):]
+
+
+class Benchmarks(unittest.TestCase):
+    def test_page_and_charts_are_what_the_kept_figures_give(self):
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(DOCS / "benchmarks", Path(folder) / "benchmarks")
+            (Path(folder) / "pictures").mkdir()
+            subprocess.run([sys.executable, SOURCE / "bench/charts.py", folder], check=True)
+            drawn = sorted(file.relative_to(folder) for file in Path(folder).glob("**/*") if file.suffix in (".md", ".svg"))
+            kept = sorted(file.relative_to(DOCS) for file in (DOCS / "pictures").glob("bench_*.svg"))
+            self.assertEqual(drawn, [Path("BENCHMARKS.md"), *kept])
+            for file in drawn:
+                self.assertEqual((Path(folder) / file).read_text(), (DOCS / file).read_text(), f"{file}: run scripts/benchmarks --draw")
 
 
 class Sentences(unittest.TestCase):
