@@ -1,7 +1,8 @@
 """Makes the wheel (PEP 517) without other packages: CMake builds the module, and this packs it.
 
 `pip wheel . --config-settings=build-dir=build` packs what is built in that folder already; nothing is built there.
-`--config-settings=bundle=yes` packs the shared libraries too, for machines without them: scripts/release does.
+`--config-settings=bundle=yes` packs the shared libraries too, for machines without them, and `other-python=313` the module
+of LORICA_OTHER_PYTHON (bindings/python/CMakeLists.txt): scripts/release does.
 """
 
 import base64
@@ -28,11 +29,15 @@ def version():
 
 def tag(settings=None):
     """For this Python and this machine, whose shared libraries the module uses; if these are packed, for its C library."""
-    python = f"cp{sys.version_info.major}{sys.version_info.minor}"
+    python = f"cp{abi(settings)}"
     system = re.sub("[-.]", "_", sysconfig.get_platform())
     if bundles(settings):
         system = f"manylinux_{platform.libc_ver()[1].replace('.', '_')}_{platform.machine()}"
     return f"{python}-{python}-{system}"
+
+
+def abi(settings):
+    return (settings or {}).get("other-python", f"{sys.version_info.major}{sys.version_info.minor}")
 
 
 def bundles(settings):
@@ -55,9 +60,13 @@ def package(folder, stage, settings, info):
     install = ["cmake", "--install", str(folder), "--strip", "--component", "python", "--prefix", str(stage)]
     subprocess.run(install, check=True, stdout=subprocess.DEVNULL)
     found = next(stage.rglob("__init__.py")).parent
-    for name in ("liblorica_level_set.so", READER):
-        shutil.copy(folder / "lib" / "lorica" / name, found)
-        subprocess.run(["strip", "--strip-unneeded", str(found / name)], check=True)
+    files = [folder / "lib" / "lorica" / name for name in ("liblorica_level_set.so", READER)]
+    if settings and "other-python" in settings:
+        next(found.glob("_lorica.*.so")).unlink()
+        files.append(next((folder / "other_python").glob(f"_lorica.cpython-{abi(settings)}-*.so")))
+    for file in files:
+        shutil.copy(file, found)
+        subprocess.run(["strip", "--strip-unneeded", str(found / file.name)], check=True)
     if bundles(settings):
         sys.path.insert(0, str(ROOT / "packaging"))
         from bundle import bundle
@@ -70,6 +79,7 @@ def package(folder, stage, settings, info):
 
 def about(info, settings=None):
     """The files that describe a wheel."""
+    numpy = "numpy" if int(abi(settings)) >= 313 else "numpy <2"  # Debian 12's pybind11 2.10 knows no newer one
     metadata = f"""Metadata-Version: 2.1
 Name: lorica
 Version: {version()}
@@ -77,7 +87,7 @@ Summary: {SUMMARY}
 License: Apache-2.0
 License-File: LICENSE
 Requires-Python: >=3.9
-Requires-Dist: numpy
+Requires-Dist: {numpy}
 """
     wheel = f"Wheel-Version: 1.0\nGenerator: lorica {version()}\nRoot-Is-Purelib: false\nTag: {tag(settings)}\n"
     license_text = (ROOT / "LICENSE").read_bytes()
