@@ -71,6 +71,9 @@ def bundle(files, libraries, licenses, rename=False):
         if rename:
             said("patchelf", "--set-soname", copy.name, str(copy))
             swap(copy, names)
+    for file in files:  # those that lie among the libraries have no run path that leads there
+        if file.parent == libraries:
+            said("patchelf", "--set-rpath", "$ORIGIN", str(file))
     for file in files if rename else ():
         said("patchelf", "--set-rpath", f"$ORIGIN:$ORIGIN/{os.path.relpath(libraries, file.parent)}", str(file))
         swap(file, names)
