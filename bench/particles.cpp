@@ -224,7 +224,7 @@ void measure(const std::string& name, std::span<const LivePart> parts, const std
       push.prepare(parts, kSecondsOfFrame);
       touches = push.push(moved);
     });
-    fmt::print("{},{},{},{:.3f},{:.1f},{:.1f},{:.1f},{:.1f},{},{},{:016x}\n", name, particles.size(), threads,
+    fmt::print("\"{}\",{},{},{:.3f},{:.1f},{:.1f},{:.1f},{:.1f},{},{},{:016x}\n", name, particles.size(), threads,
                100.0 * static_cast<double>(touches.size()) / static_cast<double>(particles.size()), cost.wall, cost.cpu,
                reference.cpu, reference.cpu / cost.cpu, leftByReference, deeperThan(parts, moved, 1e-3),
                hashOf(moved, touches));

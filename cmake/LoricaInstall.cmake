@@ -58,7 +58,13 @@ install(FILES ${PROJECT_BINARY_DIR}/lorica-config.cmake ${PROJECT_BINARY_DIR}/lo
 
 install(DIRECTORY scenes/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/scenes COMPONENT command)
 install(DIRECTORY recordings/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/recordings COMPONENT command)
-install(FILES LICENSE README.md CHANGELOG.md DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
+set(documents README.md)
+if(NOT LORICA_PACKAGE_DOCS)  # Debian has its own names for these, and the licence once for all packages
+  list(APPEND documents LICENSE CHANGELOG.md)
+endif()
+install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
 install(FILES packaging/lorica.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT command)
+install(FILES packaging/lorica.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT command)
+install(FILES packaging/org.lorica.Lorica.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo COMPONENT command)
 install(FILES packaging/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions
         RENAME lorica COMPONENT command)

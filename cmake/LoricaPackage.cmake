@@ -16,10 +16,11 @@ endif()
 foreach(package lorica:command liblorica-dev:development liblorica-c0:c python3-lorica:python lorica-doc:documentation)
   string(REPLACE ":" ";" package ${package})
   list(POP_FRONT package name)
-  install(FILES ${LORICA_PACKAGE_DOCS}/copyright ${LORICA_PACKAGE_DOCS}/changelog.Debian.gz
+  install(FILES ${LORICA_PACKAGE_DOCS}/copyright ${LORICA_PACKAGE_DOCS}/changelog.Debian.gz ${LORICA_PACKAGE_DOCS}/changelog.gz
           DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${name} COMPONENT ${package})
 endforeach()
 install(DIRECTORY ${LORICA_PACKAGE_DOCS}/html DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/lorica-doc COMPONENT documentation)
+install(FILES packaging/lorica-doc DESTINATION ${CMAKE_INSTALL_DATADIR}/doc-base COMPONENT documentation)
 install(DIRECTORY ${LORICA_PACKAGE_DOCS}/man1 DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT command)
 
 set(CPACK_GENERATOR DEB)
@@ -28,6 +29,7 @@ set(CPACK_PACKAGE_CONTACT "Lorica maintainers <maintainers@lorica.invalid>")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
+set(CPACK_PRE_BUILD_SCRIPTS ${PROJECT_SOURCE_DIR}/packaging/before_packing.cmake)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL command development c python documentation)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -88,6 +90,7 @@ set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SECTION doc)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_DOCUMENTATION_PACKAGE_SHLIBDEPS OFF)
 set(CPACK_COMPONENT_DOCUMENTATION_DESCRIPTION "Documents of Lorica and the reference of its C++, C and Python
-interfaces, as pages with a search that need no network: open /usr/share/doc/lorica-doc/html/index.html.")
+interfaces, as pages with a search that need no network. Open them at
+/usr/share/doc/lorica-doc/html/index.html.")
 
 include(CPack)

@@ -71,6 +71,14 @@ function(lorica_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
+# In another project's build (FetchContent) headers are named as installed ones are, <lorica/acd/decompose.h>.
+set(lorica_as_installed)
+if(NOT PROJECT_IS_TOP_LEVEL)
+  set(lorica_as_installed ${PROJECT_BINARY_DIR}/as_installed)
+  file(MAKE_DIRECTORY ${lorica_as_installed})
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${lorica_as_installed}/lorica SYMBOLIC)
+endif()
+
 # lorica_library(acd SOURCES a.cpp b.cpp HEADERS a.h LINKS lorica::geometry PRIVATE_LINKS TBB::tbb)
 # HEADERS are the public ones: they are installed, and include each other as <lorica/acd/a.h> there. Internal headers are
 # not listed.
@@ -80,7 +88,7 @@ function(lorica_library name)
   add_library(lorica::${name} ALIAS lorica_${name})
   set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(lorica_${name} PUBLIC
-    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> "$<BUILD_INTERFACE:${lorica_as_installed}>" $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(lorica_${name} PUBLIC cxx_std_20)  # for those who use the installed headers
   # A library of headers is not needed by those who link the result.
   list(TRANSFORM ARG_PRIVATE_LINKS REPLACE "^(nlohmann_json::.*)$" "$<BUILD_INTERFACE:\\1>")

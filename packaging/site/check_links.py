@@ -16,6 +16,8 @@ anchors = {name: set(re.findall(r'\b(?:id|name)="([^"]+)"', text)) for name, tex
 OWN = {"nested-classes", "pub-types", "pub-methods", "pub-attribs", "files", "typedef-members"}
 wrong = set()
 for name, text in pages.items():
+    if "@ref" in text:
+        wrong.add(f"{name}: a link was not understood: {text[text.index('@ref'):][:80]}")
     for attribute, link in re.findall(r'\b(href|src|poster)="([^"]*)"', text):
         link = unescape(link)
         if re.match(r"[a-z]+:", link):

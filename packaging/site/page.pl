@@ -1,10 +1,11 @@
 #!/usr/bin/perl
-# A document as a page: links lead to other documents, pictures and the web only. Doxygen knows no anchors of headings.
+# A document as a page: links lead to other documents, pictures and the web only. Doxygen knows no anchors of headings, and
+# no links that go on in the next line.
 use strict;
 use warnings;
 
-local @ARGV = @ARGV;
+local $/;
 while (<>) {
-  s{(?<!!)\[([^\]]+)\]\((?!https?:)([^)#]*)(?:#[^)]*)?\)}{my ($text, $file) = ($1, $2); $file =~ /\.md$/ ? "[$text]($file)" : $text}ge;
+  s{(?<!!)\[((?:(?!\n\n)[^\]])+)\]\((?!https?:)([^)#]*)(?:#[^)]*)?\)}{my ($text, $file) = ($1, $2); $text =~ tr/\n/ /; $file =~ /\.md$/ ? "[$text]($file)" : $text}ge;
   print;
 }

@@ -45,6 +45,16 @@ foreach(package glfw3 PNG ZLIB assimp TinyGLTF)
 endforeach()
 run(${CMAKE_COMMAND} -G Ninja -S ${trial}/lean -B ${trial}/lean/build -DCMAKE_CXX_COMPILER=${CXX}
     -DCMAKE_PREFIX_PATH=${trial}/prefix ${without})
+# A project may also build Lorica as a part of itself, as docs/LIBRARY.md says; compiling what only links takes minutes.
+file(READ ${CMAKE_CURRENT_LIST_DIR}/../../docs/LIBRARY.md page)
+string(REGEX MATCH "```cmake\n(include\\(FetchContent[^`]+)```" found "${page}")
+file(WRITE ${trial}/fetched/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(fetched LANGUAGES CXX)\n"
+     "add_executable(game ${CMAKE_CURRENT_LIST_DIR}/../../samples/decompose_mesh.cpp)\n${CMAKE_MATCH_1}")
+run(${CMAKE_COMMAND} -G Ninja -S ${trial}/fetched -B ${trial}/fetched/build -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Debug
+    -DFETCHCONTENT_SOURCE_DIR_LORICA=${CMAKE_CURRENT_LIST_DIR}/../..)
+execute_process(COMMAND ninja -C ${trial}/fetched/build -t targets all OUTPUT_VARIABLE targets)
+string(REGEX MATCH "CMakeFiles/game.dir/[^:\n]*\\.o" object "${targets}")
+run(ninja -C ${trial}/fetched/build ${object})
 run(${trial}/consumer/consumer)
 expect("2 parts, volume 3" ${trial}/samples/decompose_mesh)
 expect("frame 20, part 7: .*8 parts, mean time per frame [0-9]+ us" ${trial}/samples/character_hulls)

@@ -1,10 +1,11 @@
-"""The examples of docs/PYTHON.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand.
+"""The examples of docs/PYTHON.md, README.md and docs/CONTACTS.md, and the commands of docs/START.md and docs/RECIPES.md, run as they stand.
 
-The sentences of docs/TROUBLESHOOTING.md are Lorica's own.
+The sentences of docs/TROUBLESHOOTING.md are Lorica's own, and docs/BENCHMARKS.md is what its figures give.
 """
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -36,6 +37,13 @@ class Documents(unittest.TestCase):
             program = "\n".join(examples)
             subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, env=os.environ)
             self.assertGreater((Path(folder) / "parts.png").stat().st_size, 5000)
+            # What these name is said in words beside them.
+            subprocess.run([os.environ["LORICA"], "contacts", "walk", "-o", "walk.npz"], cwd=folder, check=True, stdout=subprocess.PIPE)
+            for page, before in (("README.md", "import lorica; use = print"), ("docs/CONTACTS.md", "")):
+                examples = re.findall(r"^```python\n(.*?)^```", (SOURCE / page).read_text(), re.M | re.S)
+                self.assertGreater(len(examples), 0, page)
+                program = "\n".join([before, *examples])
+                subprocess.run([sys.executable, "-c", program], cwd=folder, check=True, stdout=subprocess.PIPE)
 
 
 class Commands(unittest.TestCase):
@@ -86,6 +94,19 @@ class Commands(unittest.TestCase):
         for piece in map(without_gaps, re.split(r"\.\.\.|\n", block)):
             self.assertIn(piece, rest, f"{page} says:\n{block}\nprinted now:\n{printed}")
             rest = rest[rest.index(piece) + len(piece):]
+
+
+class Benchmarks(unittest.TestCase):
+    def test_page_and_charts_are_what_the_kept_figures_give(self):
+        with tempfile.TemporaryDirectory() as folder:
+            shutil.copytree(DOCS / "benchmarks", Path(folder) / "benchmarks")
+            (Path(folder) / "pictures").mkdir()
+            subprocess.run([sys.executable, SOURCE / "bench/charts.py", folder], check=True)
+            drawn = sorted(file.relative_to(folder) for file in Path(folder).glob("**/*") if file.suffix in (".md", ".svg"))
+            kept = sorted(file.relative_to(DOCS) for file in (DOCS / "pictures").glob("bench_*.svg"))
+            self.assertEqual(drawn, [Path("BENCHMARKS.md"), *kept])
+            for file in drawn:
+                self.assertEqual((Path(folder) / file).read_text(), (DOCS / file).read_text(), f"{file}: run scripts/benchmarks --draw")
 
 
 class Sentences(unittest.TestCase):

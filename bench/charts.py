@@ -1,0 +1,317 @@
+#!/usr/bin/env python3
+"""Draws docs/BENCHMARKS.md and its charts from the CSV files in docs/benchmarks; scripts/benchmarks writes these.
+
+usage: charts.py [FOLDER]                     FOLDER stands for docs/, for a test that compares
+       charts.py --compare A B NAME...        the same programs' CSV of two commits, in folders A and B
+"""
+import csv
+import math
+import re
+import statistics
+import sys
+import textwrap
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1] / "docs"
+COLORS = {"Lorica": "#1f5fa8", "quality": "#1f5fa8", "fast": "#5f9fdc", "paper": "#9a9a9a", "": "#d9822b"}
+
+
+def rows_of(path):
+    """Dicts of a CSV's rows, and what its comments say of version, machine and command."""
+    lines = path.read_text().splitlines()
+    about = dict(line[2:].split(": ", 1) for line in lines if re.match(r"# (version|machine|command): ", line))
+    return list(csv.DictReader(line for line in lines if line and not line.startswith("#"))), about
+
+
+def color_of(who):
+    return next((color for name, color in COLORS.items() if name and name in who), COLORS[""])
+
+
+def text(x, y, words, anchor="start", size=12, color="#222"):
+    words = str(words).replace("&", "&amp;").replace("<", "&lt;")
+    return f'<text x="{x:.1f}" y="{y:.1f}" font-size="{size}" fill="{color}" text-anchor="{anchor}">{words}</text>'
+
+
+def svg(width, height, title, parts):
+    return "\n".join([f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" font-family="sans-serif">',
+                      f'<rect width="{width}" height="{height}" fill="#fff"/>', text(12, 22, title, size=15), *parts,
+                      "</svg>\n"])
+
+
+def shown(value):
+    return f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def ticks(low, high, log):
+    if log:
+        return [10.0**e for e in range(math.ceil(math.log10(low) - 1e-9), math.floor(math.log10(high) + 1e-9) + 1)]
+    step = 10 ** math.floor(math.log10(high - low))
+    step = next(step * s for s in (0.1, 0.2, 0.5, 1, 2) if (high - low) / (step * s) <= 8)
+    return [step * n for n in range(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1)]
+
+
+def axis(low, high, left, right, log):
+    at = math.log10 if log else float
+    return lambda value: left + (at(value) - at(low)) / (at(high) - at(low)) * (right - left)
+
+
+def bars(title, unit, groups, log=False, dots=False, low=None):
+    """Groups of (label, [(who, value), ...]): a bar for each value, or with `dots` all of a group on one line."""
+    values = [value for _, group in groups for _, value in group]
+    if low is None:
+        low = 10 ** math.floor(math.log10(min(values))) if log else 0
+    high = 10 ** math.ceil(math.log10(max(values))) if log else max(values) * 1.05
+    x = axis(low, high, 250, 690, log)
+    parts, y = [], 44
+    whos = list(dict.fromkeys(who for _, group in groups for who, _ in group))
+    if dots:
+        place = 250
+        for who in whos:
+            parts += [f'<circle cx="{place}" cy="{y - 4}" r="5" fill="{color_of(who)}"/>', text(place + 10, y, who)]
+            place += 40 + 7 * len(who)
+        y += 22
+    top = y - 12
+    for label, group in groups:
+        if dots:
+            parts.append(text(240, y, label, "end"))
+            parts += [f'<circle cx="{x(value):.1f}" cy="{y - 4}" r="5" fill="{color_of(who)}" fill-opacity=".85"/>'
+                      for who, value in group]
+            y += 20
+            continue
+        if label:
+            parts.append(text(12, y, label, color="#555"))
+            y += 20
+        for who, value in group:
+            parts += [text(240, y, who, "end"), text(x(value) + 6, y, f"{shown(value)} {unit}"),
+                      f'<rect x="250" y="{y - 11}" width="{max(1, x(value) - 250):.1f}" height="14" fill="{color_of(who)}"/>']
+            y += 20
+        y += 8
+    grid = [part for value in ticks(low, high, log) for part in
+            (f'<path d="M{x(value):.1f} {top}V{y - 6}" stroke="#ddd"/>', text(x(value), y + 10, shown(value), "middle", 11, "#777"))]
+    return svg(790, y + 24, title, grid + parts)
+
+
+def lines(title, x_name, y_name, series):
+    """Series of (who, [(x, y), ...]) on two logarithmic axes."""
+    points = [point for _, line in series for point in line]
+    low = [10 ** math.floor(math.log10(min(p[i] for p in points))) for i in (0, 1)]
+    high = [10 ** math.ceil(math.log10(max(p[i] for p in points)) + 1e-9) for i in (0, 1)]
+    x, y = axis(low[0], high[0], 80, 620, True), axis(low[1], high[1], 340, 50, True)
+    parts = []
+    for value in ticks(low[0], high[0], True):
+        parts += [f'<path d="M{x(value):.1f} 50V340" stroke="#ddd"/>', text(x(value), 358, shown(value), "middle", 11, "#777")]
+    for value in ticks(low[1], high[1], True):
+        parts += [f'<path d="M80 {y(value):.1f}H620" stroke="#ddd"/>', text(74, y(value) + 4, shown(value), "end", 11, "#777")]
+    parts += [text(350, 380, x_name, "middle"), text(80, 42, y_name)]
+    palette = ["#1f5fa8", "#d9822b", "#3a8f4d", "#9a4fa0"]
+    places = []  # of names, one below the other where lines end together
+    for (who, line), color in zip(series, palette):
+        path = " ".join(f"{x(a):.1f},{y(b):.1f}" for a, b in line)
+        parts.append(f'<polyline points="{path}" fill="none" stroke="{color}" stroke-width="2.5"/>')
+        end, place = x(line[-1][0]) + 6, y(line[-1][1]) + 4
+        while any(abs(place - y_of) < 13 and abs(end - x_of) < 60 for x_of, y_of in places):
+            place += 13
+        places.append((end, place))
+        parts.append(text(end, place, who, color=color))
+    return svg(790, 394, title, parts)
+
+
+class Page:
+    """Collects sections of Markdown with their charts, and in which rows another is better."""
+
+    def __init__(self, folder):
+        self.folder, self.parts, self.worse = folder, [], []
+        version = lambda path: [int(n) for n in path.name.split(".")]
+        self.version = max((path for path in (folder / "benchmarks").iterdir() if path.is_dir()), key=version)
+        self.others = rows_of(folder / "benchmarks/others.csv")[0]
+        for row in self.others:
+            if row["value"].lstrip("0") not in (ROOT / row["source"]).read_text().replace(",", ""):
+                sys.exit(f"others.csv: {row['source']} does not say {row['value']} ({row['who']}, {row['row']})")
+
+    def read(self, name):
+        path = self.version / f"{name}.csv"
+        return rows_of(path) if path.exists() else ([], {})
+
+    def section(self, title, words, about, **charts):
+        self.parts += [f"## {title}", "", textwrap.fill(words, 118, break_long_words=False, break_on_hyphens=False), ""]
+        for name, drawn in charts.items():
+            (self.folder / f"pictures/bench_{name}.svg").write_text(drawn)
+            self.parts += [f"![{title}](pictures/bench_{name}.svg)", ""]
+        if about:
+            self.parts += [f"`{about['command']}`; {about['machine']}.", ""]
+
+    def from_docs(self, chart):
+        groups = {}
+        for row in self.others:
+            if row["chart"] == chart:
+                groups.setdefault(row["row"], []).append((row["who"], float(row["value"])))
+        return list(groups.items())
+
+    def compare(self, what, unit, ours, who, theirs, more_is_better=False):
+        if (theirs > ours) if more_is_better else (theirs < ours):
+            self.worse.append((what, f"{shown(ours)} {unit}".strip(), who, f"{shown(theirs)} {unit}".strip()))
+
+
+def live(page):
+    rows, about = page.read("live")
+    cost = {row["what"]: float(row["cpu_median_us"]) for row in rows}
+    beside = {row["beside"]: float(row["beside_cpu_median_us"]) for row in rows}
+    skinning = beside["skinning the mesh and its cut points"]
+    bullet = beside["btConvexHullComputer on the same points"]
+    ours = [(f"Lorica, {label}", cost[what]) for label, what in (
+        ("motions of the parts", "rigid motions of all parts"), ("16 points a hull", "hulls with faces of 16 points, with cover"),
+        ("64 points a hull", "hulls with faces of 64 points, with cover"), ("exact hulls", "hulls with faces"),
+        ("exact, after a jump", "hulls with faces after a jump"))]
+    for who, value in ours[3:]:
+        page.compare(f"a frame of a character, {who.removeprefix('Lorica, ')}", "us", value, "skinning its mesh", skinning)
+    page.section("A frame of a character", "Hulls of 16 parts of the mannequin in all six motions at 60 Hz, on one core: median "
+                 "CPU time of a frame. Skinning moves the same mesh with its cut points; Bullet builds the same hulls from them.",
+                 about, live=bars("A frame of a character", "us", [("", [*ours, ("skinning the mesh", skinning),
+                                                                     ("Bullet's hulls", bullet)])], log=True))
+
+
+def growth(page):
+    rows, about = page.read("crowd")
+    line = lambda column: [(float(row["avatars"]), float(row[column])) for row in rows if float(row[column]) > 0]
+    first = line("hulls_cpu_us")[0]
+    page.section("Growth with avatars", "Hulls of 64 points on one core, and contacts between the avatars. *In proportion* is what "
+                 "one avatar takes, times their number: a single one stays in the processor's cache.", about,
+                 crowd=lines("A frame of many avatars", "avatars", "microseconds", [
+                     ("hulls", line("hulls_cpu_us")), ("in proportion", [(n, first[1] * n) for n, _ in line("hulls_cpu_us")]),
+                     ("contacts", line("contacts_cpu_us"))]))
+    rows, about = page.read("scaling")
+    sweeps = {}
+    for row in rows:
+        sweeps.setdefault(row["sweep"], []).append((float(row["value"]), float(row["cpu_seconds"])))
+    page.section("Growth of a decomposition", "Bumpy spheres, preset `fast`: CPU seconds as one quantity grows.", about,
+                 scaling=lines("A decomposition", "vertices, parts or keyframes", "CPU seconds",
+                               [(name, sweeps[name]) for name in ("vertices", "parts", "keyframes")]))
+
+
+def score(page):
+    rows, about = page.read("vhacd")
+    own, seconds, scores = {}, {}, {}
+    for row in rows:
+        if row["score17"]:
+            own.setdefault(f"{row['mesh']} {row['wanted']}".lower(), {})[row["preset"]] = float(row["score17"])
+            seconds.setdefault(row["preset"], []).append(float(row["cpu_seconds"]))
+            scores.setdefault(row["preset"], []).append(float(row["score17"]))
+    groups = []
+    for label, theirs in page.from_docs("score"):
+        groups.append((label, [*own[label].items(), *theirs]))
+        for preset in ("fast", "quality"):
+            for who, value in [*theirs, ("the paper's algorithm", own[label]["paper"])]:
+                page.compare(f"score of {label}, `{preset}`", "", own[label][preset], who, value, True)
+    for label, score_of in own.items():
+        if label not in dict(page.from_docs("score")):
+            page.compare(f"score of {label}, `fast`", "", score_of["fast"], "the paper's algorithm", score_of["paper"], True)
+    mean = {preset: statistics.fmean(values) for preset, values in scores.items()}
+    median = {preset: statistics.median(values) for preset, values in seconds.items()}
+    for preset in ("fast", "quality"):
+        page.compare(f"CPU seconds of a mesh, `{preset}`, median", "s", median[preset], "the paper's algorithm", median["paper"])
+    words = ("Score of the paper's Eq. 17, which 1 is the best of, on V-HACD's meshes at the part counts of its Fig. 11. *paper* is the "
+             "published algorithm, by this program; CoACD's figures are those of [DECOMPOSITION](DECOMPOSITION.md), at as many parts. "
+             f"Means of all {len(scores['fast'])} rows: " + ", ".join(f"`{name}` {value:.4f}" for name, value in mean.items()) + "; median CPU "
+             "seconds: " + ", ".join(f"{value:.2f}" for value in median.values()) + ". PCHS was not compared.")
+    page.section("Quality of parts", words, about, score=bars("Score, 1 is best", "", groups, dots=True, low=0.5))
+
+
+def others(page):
+    for chart, unit in (("concavity", ""), ("seconds", "s"), ("hulls", "hulls")):
+        for label, group in page.from_docs(chart):
+            ours = [value for who, value in group if who.startswith("Lorica")][0]
+            for who, value in group:
+                page.compare(f"{chart}, {label}", unit, ours, who, value)
+    page.section("V-HACD, CoACD, CuACD", "Figures of [DECOMPOSITION](DECOMPOSITION.md), where the machines and versions stand. CuACD and "
+                 "CoACD in the second chart are as their authors report; the third has CoACD's own example objects at threshold 0.05.", {},
+                 concavity=bars("CoACD's concavity, less is better", "", page.from_docs("concavity")),
+                 seconds=bars("Median seconds, less is better", "s", page.from_docs("seconds"), log=True),
+                 hulls=bars("Hulls of hollow things, fewer are better", "hulls", page.from_docs("hulls")))
+
+
+def particles(page):
+    rows, about = page.read("particles")
+    groups, where = [], ""
+    for row in rows:
+        if row["threads"] == "1":
+            where = row["task"].removesuffix(", unsorted") if row["task"].endswith(", unsorted") else where
+            label = row["task"].replace("the same", where)
+            groups.append((label, [("Lorica", float(row["cpu_ms"])), ("a plain loop", float(row["reference_cpu_ms"]))]))
+            page.compare(f"particles, {label}", "ms", float(row["cpu_ms"]), "a plain loop", float(row["reference_cpu_ms"]))
+    page.section("Particles", f"{int(rows[0]['particles']):,} particles pushed out of a body: CPU time of a frame. The plain loop goes "
+                 "particle by particle and hull by hull, and leaves some inside ([PARTICLES](PARTICLES.md)).", about,
+                 particles=bars("Particles pushed out of a body", "ms", groups))
+    rows, about = page.read("sand")
+    if not rows:
+        return
+    cost = {row["what"]: row for row in rows}
+    own, plain = cost["the same sand"], cost["plain scalar sand without a body"]
+    page.compare("simulated sand", "ms", float(own["cpu ms"]), "a plain loop", float(plain["cpu ms"]))
+    walks = [(row["what"].replace("walk", "Lorica, walk") + f", {int(row['particles']):,}", float(row["cpu ms"]))
+             for row in rows if row["what"].startswith("walk")]
+    page.section("Sand and water", f"Median CPU time of a frame while the mannequin walks through, and of {int(own['particles']):,} "
+                 "grains without a body against a plain scalar loop.", about,
+                 sand=bars("Sand and water", "ms", [("", walks), ("without a body", [("Lorica", float(own["cpu ms"])),
+                                                                                    ("a plain loop", float(plain["cpu ms"]))])]))
+
+
+def rays(page):
+    rows, about = page.read("rays")
+    if not rows:
+        return
+    groups = []
+    for row in rows:
+        if row["rays"] != "10000":
+            continue
+        label = f"{row['hull_vertices']} vertices a hull, avatars: {row['avatars']}".replace("exact vertices a hull", "exact hulls")
+        of = lambda *columns: sum(float(row[column]) for column in columns) / 10000
+        groups.append((label, [("Lorica", float(row["ray_us"]) + of("update_us")),
+                               ("Embree, the skin", float(row["embree_us"]) + of("skin_us", "refit_us")),
+                               ("Bullet", float(row["bullet_us"]) + of("update_us", "bullet_update_us"))]))
+        for who, column in (("Embree", "embree_us"), ("Bullet", "bullet_us")):
+            page.compare(f"a ray to hulls, {label}, without the frame", "us", float(row["ray_us"]), who, float(row[column]))
+        page.compare(f"a ray to the skin, {label}, without the frame", "us", float(row["on_skin_us"]), "Embree", float(row["embree_us"]))
+    page.section("Rays", "One of 10,000 rays, with its share of what a frame costs before: hulls for Lorica and Bullet, skinning and refitting "
+                 "for Embree.", about, rays=bars("A ray of 10,000", "us", groups, log=True))
+
+
+def serve(page):
+    rows, about = page.read("latency")
+    if rows:
+        row = rows[0]
+        page.section("Latency", f"From a depth image of the virtual camera to a client's frame, over {row['frames']} frames: median of the "
+                     f"pose {float(row['posed_median_ms']):.0f} ms; at the client {float(row['mean_ms']):.0f} ms in the mean, "
+                     f"{float(row['p95_ms']):.0f} ms for 95 of 100, {float(row['largest_ms']):.0f} ms at most.", about)
+
+
+def draw(folder):
+    page = Page(folder)
+    for section in (live, growth, score, others, particles, rays, serve):
+        section(page)
+    worse = [f"| {what} | {ours} | {who}: {theirs} |" for what, ours, who, theirs in page.worse]
+    intro = ["# Benchmarks", "", textwrap.fill(f"Made by `scripts/benchmarks` from the CSV files in [benchmarks](benchmarks/{page.version.name}), which the "
+             "programs of [bench](../bench/README.md) write; nothing here is typed. Lorica is blue. Version "
+             f"{page.version.name}. To compare two commits: `scripts/benchmarks --compare A B`.", 118), ""]
+    page.parts += ["## Where others are better", "", "Every comparison above in which Lorica loses.", "",
+                   "| what | Lorica | better |", "|---|---|---|", *worse, ""]
+    (folder / "BENCHMARKS.md").write_text("\n".join(intro + page.parts).rstrip() + "\n")
+
+
+def compare(a, b, names):
+    """Prints the rows of two commits side by side: times as a quotient, and whether the results have equal hashes."""
+    for name in names:
+        old, new = (rows_of(Path(folder) / f"{name}.csv")[0] for folder in (a, b))
+        time = next(c for c in ("cpu_median_us", "hulls_cpu_us", "cpu_ms", "cpu_seconds", "cpu ms") if c in new[0])
+        print(f"{name}, {time}: {'A':>8} {'B':>8}    B/A  result")
+        for before, after in zip(old, new):
+            label = " ".join(list(after.values())[:2] if time == "cpu_seconds" else list(after.values())[:1])
+            pair = float(before[time]), float(after[time])
+            same = "same" if before["hash"] == after["hash"] else "DIFFERS"
+            print(f"  {label[:48]:48} {pair[0]:10.4g} {pair[1]:10.4g} {pair[1] / pair[0] if pair[0] else 1:6.2f}  {same}")
+
+
+if __name__ == "__main__":
+    if sys.argv[1:2] == ["--compare"]:
+        compare(sys.argv[2], sys.argv[3], sys.argv[4:])
+    else:
+        draw(Path(sys.argv[1]) if len(sys.argv) > 1 else ROOT)
