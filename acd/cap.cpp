@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 
@@ -11,6 +12,11 @@ namespace lorica {
 namespace {
 
 using Loop = std::vector<int>;
+
+// Corners that may be looked at, besides so many for each of the border. Caps of real meshes need up to 80 for each.
+// Beyond, any corner is clipped and any edge followed: the cap is closed, but its triangles may overlap.
+constexpr std::int64_t kMostLooked = 100'000'000, kMostLookedEach = 500;
+constexpr std::int64_t kAnAngle = 10;  // is as much work as so many corners
 
 double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
@@ -42,21 +48,25 @@ class CornerGrid {
     for (std::size_t i = 0; i < corners.size(); ++i) corners_[end_[cellOf_[i]]++] = i;
   }
 
-  void remove(int corner) {
+  /// @param looked  grows by the corners that were looked at
+  void remove(int corner, std::int64_t& looked) {
     std::size_t& end = end_[cellOf_[corner]];
     const auto first = corners_.begin() + begin_[cellOf_[corner]];
-    std::iter_swap(std::find(first, corners_.end(), corner), corners_.begin() + --end);
+    const auto found = std::find(first, corners_.end(), corner);
+    looked += found - first;
+    std::iter_swap(found, corners_.begin() + --end);
   }
 
   /// Whether the predicate holds for any corner in the cells that overlap the box. Tests all corners in the box, and
-  /// some near it.
+  /// some near it. @param looked  grows by the corners and cells that were looked at
   template <typename Predicate>
-  [[nodiscard]] bool anyNear(const Vec2& low, const Vec2& high, Predicate&& holds) const {
+  [[nodiscard]] bool anyNear(const Vec2& low, const Vec2& high, std::int64_t& looked, Predicate&& holds) const {
     const int right = cell(high, 0);
     const int top = cell(high, 1);
     for (int y = cell(low, 1); y <= top; ++y) {
       for (int x = cell(low, 0); x <= right; ++x) {
         const std::size_t c = y * side_ + x;
+        looked += 1 + static_cast<std::int64_t>(end_[c] - begin_[c]);
         for (std::size_t i = begin_[c]; i < end_[c]; ++i) {
           if (holds(corners_[i])) return true;
         }
@@ -82,7 +92,8 @@ class CornerGrid {
 
 class CapTriangulator {
  public:
-  CapTriangulator(std::span<const Vec2> vertices, std::span<const CapEdge> edges) : vertices_(vertices) {
+  CapTriangulator(std::span<const Vec2> vertices, std::span<const CapEdge> edges)
+      : vertices_(vertices), most_(kMostLooked + kMostLookedEach * std::ssize(edges)) {
     traceLoops(edges);
   }
 
@@ -95,7 +106,8 @@ class CapTriangulator {
     for (std::size_t h = 0; h < loops_.size(); ++h) {
       if (area[h] >= 0.0) continue;
       std::size_t best = loops_.size();
-      for (std::size_t o = 0; o < loops_.size(); ++o) {
+      for (std::size_t o = 0; o < loops_.size() && looked_ < most_; ++o) {
+        ++looked_;
         if (area[o] <= -area[h] || !contains(loops_[o], loops_[h])) continue;
         if (best == loops_.size() || area[o] < area[best]) best = o;
       }
@@ -130,6 +142,7 @@ class CapTriangulator {
     std::vector<int> firstFrom(vertices_.size() + 1, 0);
     for (const CapEdge& e : edges) ++firstFrom[e[0] + 1];
     std::partial_sum(firstFrom.begin(), firstFrom.end(), firstFrom.begin());
+    std::vector<int> firstFree = firstFrom;  // of each vertex: all edges before it are used
     std::vector<bool> used(edges.size(), false);
     for (int start : order) {
       if (used[start]) continue;
@@ -140,14 +153,20 @@ class CapTriangulator {
         const int from = edges[edge][0];
         const int here = edges[edge][1];
         loop.push_back(from);
-        int next = -1;
-        double smallest = 0.0;
-        for (int i = firstFrom[here]; i < firstFrom[here + 1]; ++i) {
-          const int candidate = order[i];
-          if (used[candidate] && candidate != start) continue;
-          const double turn = clockwiseAngle(at(from) - at(here), at(edges[candidate][1]) - at(here));
+        const auto turnTo = [&](int candidate) {
+          looked_ += kAnAngle;
+          return clockwiseAngle(at(from) - at(here), at(edges[candidate][1]) - at(here));
+        };
+        int next = edges[start][0] == here ? start : -1;
+        double smallest = next < 0 ? 0.0 : turnTo(next);
+        int& first = firstFree[here];
+        while (first < firstFrom[here + 1] && used[order[first]]) ++first;
+        for (int i = first; i < firstFrom[here + 1] && (next < 0 || looked_ < most_); ++i) {
+          ++looked_;
+          if (used[order[i]]) continue;
+          const double turn = turnTo(order[i]);
           if (next < 0 || turn < smallest) {
-            next = candidate;
+            next = order[i];
             smallest = turn;
           }
         }
@@ -170,8 +189,9 @@ class CapTriangulator {
   }
 
   // Whether the inner loop is inside the outer one: tests the first inner vertex that is not an outer vertex.
-  [[nodiscard]] bool contains(const Loop& outer, const Loop& inner) const {
+  [[nodiscard]] bool contains(const Loop& outer, const Loop& inner) {
     for (int v : inner) {
+      looked_ += std::ssize(outer);
       if (std::find(outer.begin(), outer.end(), v) != outer.end()) continue;
       const Vec2& p = at(v);
       bool inside = false;
@@ -188,7 +208,7 @@ class CapTriangulator {
   }
 
   // Joins holes to their region by bridges traversed in both directions, in order of decreasing maximum x (Held 2001).
-  Loop withHoles(Loop ring, const std::vector<std::size_t>& holes) const {
+  Loop withHoles(Loop ring, const std::vector<std::size_t>& holes) {
     struct Hole {
       const Loop* loop;
       std::size_t rightmost;
@@ -206,7 +226,9 @@ class CapTriangulator {
       return at((*a.loop)[a.rightmost]).x() > at((*b.loop)[b.rightmost]).x();
     });
     for (const Hole& hole : sorted) {
-      const std::size_t bridge = visibleFrom(ring, at((*hole.loop)[hole.rightmost]));
+      looked_ += std::ssize(ring);
+      const std::size_t bridge =
+          looked_ < most_ ? visibleFrom(ring, at((*hole.loop)[hole.rightmost])) : ring.size() - 1;
       Loop joined(ring.begin(), ring.begin() + bridge + 1);
       for (std::size_t i = 0; i <= hole.loop->size(); ++i) {
         joined.push_back((*hole.loop)[(hole.rightmost + i) % hole.loop->size()]);
@@ -301,7 +323,7 @@ class CapTriangulator {
       const Vec2& c = at(ring[next[i]]);
       const Vec2 low = a.cwiseMin(b).cwiseMin(c);
       const Vec2 high = a.cwiseMax(b).cwiseMax(c);
-      return !grid.anyNear(low, high, [&](int j) {
+      return !grid.anyNear(low, high, looked_, [&](int j) {
         if (!reflex[j]) return false;
         const Vec2& p = at(ring[j]);
         if ((p.array() < low.array()).any() || (p.array() > high.array()).any()) return false;
@@ -314,7 +336,8 @@ class CapTriangulator {
     int sinceLastEar = 0;
     int leniency = 0;  // 0 true ears, 1 convex corners, 2 any corner
     while (remaining > 3) {
-      const bool take = leniency == 0 ? isEar(current) : leniency == 1 ? !reflex[current] : true;
+      const bool take = looked_ >= most_ || (leniency == 0 ? isEar(current) : leniency == 1 ? !reflex[current] : true);
+      ++looked_;
       if (!take) {
         current = next[current];
         if (++sinceLastEar > remaining) {
@@ -326,7 +349,7 @@ class CapTriangulator {
       emit(ring[previous[current]], ring[current], ring[next[current]]);
       const int before = previous[current];
       const int after = next[current];
-      grid.remove(current);
+      if (looked_ < most_) grid.remove(current, looked_);
       next[before] = after;
       previous[after] = before;
       reflex[before] = corner(before) <= 0.0;
@@ -345,6 +368,7 @@ class CapTriangulator {
   }
 
   std::span<const Vec2> vertices_;
+  std::int64_t most_, looked_ = 0;  ///< corners that may be looked at, and were
   std::vector<Loop> loops_;
   std::vector<Triangle> triangles_;
 };

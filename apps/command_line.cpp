@@ -219,7 +219,10 @@ std::string CommandLine::unexpected(const std::string& argument) const {
     return fmt::format("{}: unknown command{}", argument,
                        similar.empty() ? fmt::format(", expected one of {}", fmt::join(names, ", ")) : similar);
   }
-  if (argument.rfind("--", 0) != 0) return argument + ": unexpected argument";
+  if (argument.rfind("--", 0) != 0) {
+    const bool live = chosen.front()->get_name() == "live";
+    return argument + ": unexpected argument" + (live ? "; `lorica play " + argument + "` plays a recording" : "");
+  }
   std::vector<std::string> names;
   for (const CLI::Option* option : chosen.front()->get_options()) {
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);

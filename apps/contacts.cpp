@@ -1,6 +1,7 @@
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "export/contact_export.h"
+#include "geometry/errors.h"
 
 #include <nlohmann/json.hpp>
 
@@ -16,11 +17,17 @@ Command addContacts(CommandLine& parent, CommonOptions& common) {
                                    "      two people among boxes\n"
                                    "\nA row a contact and frame: docs/CONTACTS.md has the columns.");
   addMotionOptions(*app, request->cast);
-  app->addOption("-o,--out", *output, "Output file: .npz, .csv or .jsonl")->required()->typeName("FILE");
+  app->addOption("-o,--out", *output, "Output file: .npz, .csv or .jsonl")->typeName("FILE");
   addLength(*app, "--near", request->near, "Also pairs that are apart by at most this [default: 0.05]");
   addBodyOptions(*app, request->cast.body);
   app->addOption("--scene", request->cast.scene, "Scene, as of `lorica play` [default: a floor]")->typeName("SCENE");
   return {app, [request, output](const CommonOptions& given, Host& host) -> Result<void> {
+            const CastRequest& cast = request->cast;
+            const bool nothing = cast.motion.empty() && cast.character.empty() && cast.scene.empty();
+            if (nothing || output->empty()) {
+              return invalidArgument("{} is missing, as in `lorica contacts walk.bvh -o walk.npz`",
+                                     nothing ? "the motion" : "-o FILE");
+            }
             LORICA_TRY_DO(checkJsonOutput(given, {*output}));
             LORICA_TRY_DO(checkNotTaken("-o", *output, request->cast.files()));
             LORICA_TRY_DO(checkOutput(given, "-o", *output));

@@ -31,6 +31,7 @@ struct Options {
   std::string out = "lorica-demo";
   bool window = false, headless = false;
   double seconds = 0.0;           // 0 = not given
+  RunSetting run = {};            // of the page
   SnapshotOptions pictures = {};  // of the window
   ServeOptions serve = {};
 };
@@ -181,17 +182,20 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   CastRequest present;
   present.motion = kOwnMotion;
   present.reading.drawn = true;
-  WindowOpener opener(std::move(present), host);
+  WindowOpener opener(std::move(present), host, options.run.written() ? kWrittenOnce : "");
   opener.recordInto(options.serve.recordings);
-  RunSetting setting;
+  RunSetting setting = options.run;
   setting.sumUp = true;
   setting.allLayers = true;
   setting.repeated = options.seconds;
   if (options.seconds > 0.0) setting.atEnd = AtEnd::kRepeat;
+  if (setting.frames > 0) setting.atEnd = AtEnd::kReturn;
   LORICA_TRY(Show show, start(std::move(*demo), setting, host));
   LORICA_TRY(Showing opened, playForPeople(options, screen, opener, show, host));
   if (opened.next) return playOpened(common, host, screen, opener, std::move(opened));
-  return publish(common, toReport(show), toJson(show));
+  Report report = toReport(show);
+  nlohmann::ordered_json json = toJson(show);
+  return finishAndPublish(*show.run, common, report, json);
 }
 
 }  // namespace
@@ -202,6 +206,8 @@ Result<void> showDemo(const ShowOptions& options, const CommonOptions& common, H
   demo.window = options.window;
   demo.serve = options.serve;
   demo.pictures = options.pictures;
+  demo.run = options.run;
+  LORICA_TRY_DO(checkOutputs(demo.run, demo.pictures, common, {}));
   return run(demo, common, host);
 }
 

@@ -35,8 +35,8 @@ Error nothingNamed(const std::string& name) {
   return notFound(
       "{}: no such file and no shipped recording with that name, expected a mesh (.off, .obj, .ply, .stl), a character "
       "(.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, .oni), a decomposition (.lorica), mannequin, or one of "
-      "{}, {}",
-      name, shippedNames(folder, ".csv"), shippedNames(folder, ".oni"));
+      "{}",
+      name, shippedNames(folder, {".csv", ".oni"}, name));
 }
 
 Result<FileSummary> describeScene(const fs::path& file, Host& host) {

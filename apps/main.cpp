@@ -7,6 +7,7 @@
 #include "apps/terminal_host.h"
 #include "geometry/error_names.h"
 #include "geometry/printable.h"
+#include "geometry/text.h"
 #include "prepare/abandoned_work.h"
 
 #include <fmt/format.h>
@@ -47,7 +48,7 @@ int run(int argc, char** argv) {
       "Exit status: 0 = done, 1 = a failure of Lorica, 2 = bad input or output that cannot be written, 130 = Ctrl-C.");
   lorica::CommonOptions common;
   std::vector<lorica::Command> commands;
-  const auto add = [&](const char* group, std::initializer_list<decltype(&lorica::addDemo)> adding) {
+  const auto add = [&](const char* group, std::initializer_list<lorica::AddCommand*> adding) {
     app.group(group);
     for (const auto one : adding) commands.push_back(one(app, common));
   };
@@ -57,6 +58,10 @@ int run(int argc, char** argv) {
   add("Learn what is there", {lorica::addInfo, lorica::addScore, lorica::addContacts});
 
   std::vector<std::string> words = lorica::withCommand({argv + 1, argv + argc}, app.subcommandNames());
+  for (std::string& word : words) {  // shells leave --out=~/pictures as it is
+    const std::size_t home = word.starts_with("--") ? word.find("=~/") : std::string::npos;
+    if (home != std::string::npos && home == word.find('=')) word.replace(home + 1, 1, lorica::environment("HOME"));
+  }
   std::vector<char*> arguments = {argv[0]};
   for (std::string& word : words) arguments.push_back(word.data());
   if (const std::optional<int> status = app.parse(int(arguments.size()), arguments.data())) return *status;

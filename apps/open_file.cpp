@@ -1,8 +1,12 @@
 #include "apps/open_file.h"
 
+#include "apps/standard_streams.h"
+#include "geometry/printable.h"
 #include "prepare/file_kinds.h"
 #include "prepare/read_motion.h"
 #include "viewer/window/window.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -24,10 +28,15 @@ std::vector<std::string> withCommand(std::vector<std::string> words, const std::
   const bool described = kind == FileKind::kDecomposition || (kind == FileKind::kUnknown && !ships) ||
                          (!found && !ships) || (kind == FileKind::kMesh && !replayed && !displayAvailable());
   const auto wantsNone = [](const std::string& word) {
-    return word.starts_with("--snapshots") || word.starts_with("--video") || word == "--headless" || word == "--window";
+    return word.starts_with("--snapshots") || word.starts_with("--video") || word == "--headless" ||
+           word == "--window" || word == "--serve";
   };
-  if (!described && !replayed && displayAvailable() && std::ranges::none_of(words, wantsNone)) {
-    words.push_back("--window");
+  if (!described && !replayed && std::ranges::none_of(words, wantsNone)) {
+    if (displayAvailable()) {
+      words.push_back("--window");
+    } else if (kind != FileKind::kSession) {
+      say(printable(fmt::format("No display: `lorica snapshot {}` or --snapshots DIR makes pictures.", named)) + "\n");
+    }
   }
   if (replayed) words.erase(words.begin());
   words.insert(words.begin(), described ? "info" : kind == FileKind::kSession ? "replay" : "play");

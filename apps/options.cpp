@@ -115,6 +115,10 @@ Option* addShare(CommandLine& app, const std::string& name, double& value, const
         !std::isfinite(number)) {
       return fmt::format("found `{}`, expected a fraction above 0, such as 0.05 or 5%", text);
     }
+    if (!isPercent && number >= 1.0) {
+      return fmt::format("found `{}`, expected a fraction below 1, such as 0.05, or percent; did you mean \"{}%\"?",
+                         text, text);
+    }
     if (isPercent) text = fmt::format("{}", number / 100.0);
     return "";
   };

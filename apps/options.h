@@ -41,32 +41,18 @@ Option* addCountOrAuto(CommandLine& app, const std::string& name, int& value, in
 Option* addMoment(CommandLine& app, const std::string& name, double& value, const std::string& description);
 /// An option with a positive number of seconds.
 Option* addSeconds(CommandLine& app, const std::string& name, double& value, const std::string& description);
-
 /// An option with a positive number.
 Option* addPositive(CommandLine& app, const std::string& name, double& value, const std::string& description,
                     const std::string& typeName);
-
 /// An option with a positive length.
 Option* addLength(CommandLine& app, const std::string& name, double& value, const std::string& description);
-
 /// An option with a positive fraction, as a number or in percent: 0.05 or 5%.
 Option* addShare(CommandLine& app, const std::string& name, double& value, const std::string& description);
 
 /// One source file per subcommand: demo.cpp, decompose.cpp, score.cpp, play.cpp, live.cpp, record.cpp, replay.cpp,
 /// info.cpp, convert.cpp, export.cpp, snapshot.cpp, bake.cpp, serve.cpp, contacts.cpp.
-[[nodiscard]] Command addDemo(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addDecompose(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addScore(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addPlay(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addLive(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addRecord(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addReplay(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addInfo(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addConvert(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addExport(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addSnapshot(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addServe(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addContacts(CommandLine& parent, CommonOptions& common);
-[[nodiscard]] Command addBake(CommandLine& parent, CommonOptions& common);
+using AddCommand = Command(CommandLine& parent, CommonOptions& common);
+[[nodiscard]] AddCommand addDemo, addDecompose, addScore, addPlay, addLive, addRecord, addReplay, addInfo, addConvert,
+    addExport, addSnapshot, addServe, addContacts, addBake;
 
 }  // namespace lorica

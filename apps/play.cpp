@@ -133,6 +133,7 @@ Result<Showing> playCast(const ShowOptions& options, const CommonOptions& common
                          WindowOpener* opener) {
   RunSetting setting = options.run;
   if (!setting.record.empty() || !setting.events.empty()) setting.atEnd = AtEnd::kHold;
+  if (setting.frames > 0 && !options.window) setting.atEnd = AtEnd::kReturn;
   int frames = 0, expected = 0;
   for (const PreparedAvatar& avatar : cast.avatars) {
     frames += avatar.motion->frameCount();

@@ -288,7 +288,9 @@ void addStreamTo(Report& report, const VmcInput& stream) {
   std::string packets = counted(counts.packets, "packet");
   if (counts.refused > 0) packets += fmt::format(", {} not understood", counts.refused);
   if (counts.others > 0) packets += fmt::format("; {} of other senders ignored", counts.others);
-  report.line("stream", fmt::format("{} in {}", counted(counts.frames, "frame"), packets));
+  report.line("stream", counts.packets + counts.others > 0
+                            ? fmt::format("{} in {}", counted(counts.frames, "frame"), packets)
+                            : fmt::format("nothing came: no program sent {}", stream.name()));
   if (counts.frames > 1) report.line("jitter", fmt::format("{:.1f} ms", 1e3 * counts.jitter));
   if (stream.delayMs() > 0.0) {
     report.line("delay", fmt::format("{} ms, which the latency includes; {} came later", stream.delayMs(),

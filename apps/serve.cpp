@@ -45,7 +45,8 @@ void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
   Option* certificate = app.addOption("--certificate", options.setting.certificate,
                                       "Certificate of the page [default: one that Lorica makes and keeps]")
                             ->typeName("FILE.pem");
-  app.addOption("--key", options.setting.key, "Its private key")->typeName("FILE.pem")->needs(certificate);
+  certificate->needs(
+      app.addOption("--key", options.setting.key, "Its private key")->typeName("FILE.pem")->needs(certificate));
 }
 
 Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& serve, const SnapshotOptions& pictures,
@@ -59,9 +60,6 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
   }
   if (!serve.serve) return screens;
   const ServeSetting& setting = serve.setting;
-  if (setting.certificate.empty() != setting.key.empty()) {
-    return invalidArgument("--certificate and --key belong together");
-  }
   if (std::error_code error; !serve.recordings.empty()) {
     std::filesystem::create_directories(serve.recordings, error);
     if (error) return unwritable("--recordings: {}: {}", serve.recordings, error.message());

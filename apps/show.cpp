@@ -92,6 +92,10 @@ void addSmoothingTo(Report& report, const Session& session, const std::string& l
 Result<void> finishAndPublish(Run& run, const CommonOptions& common, Report& report, nlohmann::ordered_json& json) {
   LORICA_TRY_DO(run.finish());
   LORICA_TRY_DO(finishRecorder(run, run.setting.record, report, json));
+  if (run.setting.out.any()) {
+    json["sent"] = {{"poses", run.sent.vmc}, {"contacts", run.sent.contacts}, {"vrchat", run.sent.vrchat}};
+    report.line("sent", inWords(run.sent, run.setting.out));
+  }
   return publish(common, report, json, run.setting.events == "-");
 }
 

@@ -80,7 +80,7 @@ std::string expectedFor(Kind kind, const std::string& text) {
     case Kind::kLength:
       return above(text, number) ? "" : "a length above 0";
     case Kind::kShare:
-      return share || above(text, number) ? "" : "a fraction above 0, such as 0.05 or 5%";
+      return share || (above(text, number) && number < 1.0) ? "" : "a fraction between 0 and 1, such as 0.05, or 5%";
     case Kind::kCover:
       return text == "exact" || above(text, number) ? "" : "exact, or a length above 0 in metres";
     case Kind::kFlag:

@@ -262,34 +262,46 @@ double narrowestGap(const TriMesh& mesh, const std::vector<bool>& which, double 
     double area;
     std::int32_t triangle;
   };
-  std::vector<Sample> samples;
-  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
-    const Triangle& t = mesh.triangles[k];
-    const Vec3 normal = areaNormal(mesh, t).stableNormalized();
-    if (!which[k] || normal.isZero()) continue;
-    const std::array<Vec3, 3> p{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
-    const double longest = std::max({(p[1] - p[0]).norm(), (p[2] - p[1]).norm(), (p[0] - p[2]).norm()});
-    const int rows = std::clamp(static_cast<int>(std::ceil(longest / (kSpacing * upTo))), 1, kMaxRows);
-    for (int i = 0; i < rows; ++i) {
-      for (int j = 0; j + i < rows; ++j) {
-        const double a = (i + 1.0 / 3.0) / rows, b = (j + 1.0 / 3.0) / rows;
-        samples.push_back({p[0] + a * (p[1] - p[0]) + b * (p[2] - p[0]), normal,
-                           (p[1] - p[0]).cross(p[2] - p[0]).norm() / (rows * (rows + 1)),
-                           static_cast<std::int32_t>(k)});
-      }
+  const auto forEachTriangle = [&](auto&& visit) {
+    for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+      const Triangle& t = mesh.triangles[k];
+      const Vec3 normal = areaNormal(mesh, t).stableNormalized();
+      if (!which[k] || normal.isZero()) continue;
+      const std::array<Vec3, 3> p{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
+      const double longest = std::max({(p[1] - p[0]).norm(), (p[2] - p[1]).norm(), (p[0] - p[2]).norm()});
+      const int rows = std::clamp(static_cast<int>(std::ceil(longest / (kSpacing * upTo))), 1, kMaxRows);
+      visit(k, p, normal, rows);
     }
-  }
-  if (samples.empty()) return upTo;
+  };
+  std::size_t all = 0;
+  double area = 0.0;
+  forEachTriangle([&](std::size_t k, const auto&, const Vec3&, int rows) {
+    all += rows * (rows + 1) / 2;
+    area += 0.5 * areaNormal(mesh, mesh.triangles[k]).norm();
+  });
+  if (all == 0) return upTo;
+  const std::size_t stride = (all + kMaxSamples - 1) / kMaxSamples;
+  std::vector<Sample> samples;
+  samples.reserve(all / stride + 1);
+  int left = 0;  // samples before the next one that is taken, from the start of a row
+  forEachTriangle([&](std::size_t k, const std::array<Vec3, 3>& p, const Vec3& normal, int rows) {
+    const double share = areaNormal(mesh, mesh.triangles[k]).norm() / (rows * (rows + 1));
+    for (int i = 0; i < rows; ++i) {
+      for (; left < rows - i; left += static_cast<int>(stride)) {
+        const double a = (i + 1.0 / 3.0) / rows, b = (left + 1.0 / 3.0) / rows;
+        samples.push_back({p[0] + a * (p[1] - p[0]) + b * (p[2] - p[0]), normal, share, static_cast<std::int32_t>(k)});
+      }
+      left -= rows - i;
+    }
+  });
   const auto adjacent = [&](std::int32_t a, std::int32_t b) {
     return std::ranges::any_of(mesh.triangles[a], [&](VertexIndex v) {
       return std::ranges::find(mesh.triangles[b], v) != mesh.triangles[b].end();
     });
   };
-  const std::size_t stride = (samples.size() + kMaxSamples - 1) / kMaxSamples;
   const TriangleTree tree(mesh.vertices, mesh.triangles);
   std::vector<double> gaps(2 * samples.size(), upTo);
   for (std::size_t s = 0; s < gaps.size(); ++s) {
-    if (s / 2 % stride != 0) continue;
     const Sample& sample = samples[s / 2];
     const Vec3 normal = s % 2 == 0 ? sample.normal : Vec3(-sample.normal);
     // Shrink a ball that touches the sample until nothing else is in it.
@@ -312,8 +324,6 @@ double narrowestGap(const TriMesh& mesh, const std::vector<bool>& which, double 
   std::vector<std::size_t> order(gaps.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return gaps[a] < gaps[b]; });
-  double area = 0.0;
-  for (const Sample& sample : samples) area += sample.area;
   double passed = 0.0;
   for (const std::size_t s : order) {
     passed += 0.5 * samples[s / 2].area;

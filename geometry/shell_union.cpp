@@ -27,8 +27,8 @@ constexpr double kOverlap = 1e-6;  // share of the volume: pieces that overlap b
 constexpr double kInside = 0.5;    // winding number
 constexpr double kMuch =
     0.01;  // share that overlaps: less is left as it is, and counted twice, where no union is found
-constexpr std::size_t kMaxPieces = 10'000'000;  // pairs of pieces whose boxes overlap
-constexpr std::size_t kApartSteps = 4;          // of a test of two triangles
+constexpr std::size_t kMaxPieces = 2'000'000;  // pairs of pieces whose boxes overlap
+constexpr std::size_t kApartSteps = 4;         // of a test of two triangles
 constexpr std::size_t kSamples = 500;
 constexpr std::size_t kMinSamples = 64;
 constexpr std::size_t kSampledTriangles = 20'000'000;  // for all samples: of slivers, each sees every triangle
@@ -205,8 +205,8 @@ class Union {
     tolerance_ = tolerance * diagonal_;
     within_ = within;
     if (!tookTooLong()) findPartners();
-    const std::vector<Facet> facets = keptFacets();
-    TriMesh made = assemble(facets);
+    if (tookTooLong()) return {};
+    TriMesh made = assemble(keptFacets());
     return tookTooLong() ? TriMesh() : made;
   }
 

@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cerrno>
+#include <cmath>
 #include <iterator>
 #include <mutex>
 #include <optional>
@@ -25,6 +26,11 @@ using Text = fmt::memory_buffer;
 
 void put(const char* name, const Vec3& v, Text& text) {
   fmt::format_to(std::back_inserter(text), R"(,"{}":[{:.6g},{:.6g},{:.6g}])", name, v.x(), v.y(), v.z());
+}
+
+/// To microseconds: sums of times are printed with few digits.
+double rounded(double seconds) {
+  return std::round(1e6 * seconds) / 1e6;
 }
 
 /// The name of each joint as JSON.
@@ -60,9 +66,9 @@ class EventLines {
       const Touch& touch = event.touch;
       const TouchPair& pair = touch.pair;
       const auto out = std::back_inserter(text);
-      fmt::format_to(out, R"({{"time":{},"event":"{}","kind":"{}","avatar":{},"part":{},"bone":{})", event.time,
-                     kPhases[static_cast<int>(event.phase)], kKinds[static_cast<int>(pair.kind)], pair.avatar,
-                     pair.part, bone(pair.avatar, touch.bone));
+      fmt::format_to(out, R"({{"time":{},"event":"{}","kind":"{}","avatar":{},"part":{},"bone":{})",
+                     rounded(event.time), kPhases[static_cast<int>(event.phase)], kKinds[static_cast<int>(pair.kind)],
+                     pair.avatar, pair.part, bone(pair.avatar, touch.bone));
       if (pair.kind == TouchKind::kProp) {
         fmt::format_to(out, R"(,"prop":{})", pair.other);
       } else {
@@ -72,7 +78,7 @@ class EventLines {
       lorica::put("point", touch.point, text);
       lorica::put("normal", touch.normal, text);
       fmt::format_to(out, ",\"depth\":{:.6g},\"strength\":{:.6g},\"began\":{},\"touched\":{}}}\n", touch.depth,
-                     touch.strength, event.began, event.touched);
+                     touch.strength, rounded(event.began), rounded(event.touched));
     }
   }
 

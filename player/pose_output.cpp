@@ -79,23 +79,27 @@ class SentContacts {
     }
   }
 
-  void send(const Session& session, UdpSocket& to) { send(events_.update(session), to); }
-  void sendEnds(UdpSocket& to) { send(events_.endAll(), to); }
+  /// @return number of packets
+  int send(const Session& session, UdpSocket& to) { return send(events_.update(session), to); }
+  int sendEnds(UdpSocket& to) { return send(events_.endAll(), to); }
 
  private:
   [[nodiscard]] std::string_view nameOf(JointIndex joint) const {
     return joint == kNoJoint ? vmcNameOf(HumanBone::kHips) : names_[joint];
   }
 
-  void send(std::span<const ContactEvent> events, UdpSocket& to) {
+  int send(std::span<const ContactEvent> events, UdpSocket& to) {
+    int sent = 0;
     constexpr std::string_view kPhases[] = {"begin", "stay", "end"};
     for (const ContactEvent& event : events) {
       const Touch& touch = event.touch;
       const bool prop = touch.pair.kind == TouchKind::kProp;
-      to.send(writer_.write({kPhases[static_cast<int>(event.phase)], nameOf(touch.bone),
-                             prop ? std::string_view() : nameOf(touch.otherBone), touch.pair.other, touch.point,
-                             touch.strength}));
+      const bool taken = to.send(writer_.write({kPhases[static_cast<int>(event.phase)], nameOf(touch.bone),
+                                                prop ? std::string_view() : nameOf(touch.otherBone), touch.pair.other,
+                                                touch.point, touch.strength}));
+      sent += taken ? 1 : 0;
     }
+    return sent;
   }
 
   ContactEvents events_;
@@ -116,13 +120,15 @@ struct VrchatAt {
 class PoseOutput final : public StepWatcher {
  public:
   PoseOutput(BonePoseReader reader, std::unique_ptr<SentFace> face, std::optional<VmcReceiverAt> vmc,
-             std::optional<VrchatAt> vrchat, std::shared_ptr<const LiveSources> live, std::shared_ptr<StepWatcher> next)
+             std::optional<VrchatAt> vrchat, std::shared_ptr<const LiveSources> live, std::shared_ptr<StepWatcher> next,
+             PosesSent& sent)
       : reader_(std::move(reader)),
         face_(std::move(face)),
         vmc_(std::move(vmc)),
         vrchat_(std::move(vrchat)),
         live_(std::move(live)),
-        next_(std::move(next)) {}
+        next_(std::move(next)),
+        packets_(sent) {}
   ~PoseOutput() override {
     if (contacts_) contacts_->sendEnds(vmc_->socket);
   }
@@ -137,14 +143,14 @@ class PoseOutput final : public StepWatcher {
   Result<void> afterStep(const Session& session, std::span<const WorldAction> done) override {
     waitUntilDue(session.time());
     send(session);
-    if (vmc_) contacts_->send(session, vmc_->socket);
+    if (vmc_) packets_.contacts += contacts_->send(session, vmc_->socket);
     return next_ ? next_->afterStep(session, done) : Result<void>();
   }
 
   void sessionChanged() override {
     begin_.reset();
     sent_.reset();
-    if (contacts_) contacts_->sendEnds(vmc_->socket);
+    if (contacts_) packets_.contacts += contacts_->sendEnds(vmc_->socket);
     contacts_.reset();
     if (next_) next_->sessionChanged();
   }
@@ -179,10 +185,13 @@ class PoseOutput final : public StepWatcher {
     const bool tracking =
         std::any_of(parts.begin(), parts.end(), [](const LivePart& part) { return part.trust >= kTracked; });
     const BonePose pose = reader_.read(session.pose());
-    if (vmc_) vmc_->socket.send(vmc_->writer.write(pose, face_->read(session), time, tracking));
+    const auto count = [](bool taken) { return taken ? 1 : 0; };
+    if (vmc_) {
+      packets_.vmc += count(vmc_->socket.send(vmc_->writer.write(pose, face_->read(session), time, tracking)));
+    }
     if (vrchat_ && tracking) {
       const std::optional<StagedPerson> person = wearer();
-      vrchat_->socket.send(vrchat_->writer.write(pose, person ? &*person : nullptr));
+      packets_.vrchat += count(vrchat_->socket.send(vrchat_->writer.write(pose, person ? &*person : nullptr)));
     }
   }
 
@@ -202,6 +211,7 @@ class PoseOutput final : public StepWatcher {
   std::shared_ptr<const LiveSources> live_;
   std::optional<SentContacts> contacts_;
   std::shared_ptr<StepWatcher> next_;
+  PosesSent& packets_;
   std::optional<Clock::time_point> begin_;  ///< when the session's time was 0
   double first_ = 0.0;                      ///< time of the first frame [s]
   std::optional<double> sent_;              ///< time of the last packet, from the first frame on [s]
@@ -267,6 +277,15 @@ Result<std::unique_ptr<SentFace>> faceOf(const Subject& subject, std::span<const
 
 }  // namespace
 
+std::string inWords(const PosesSent& sent, const PoseOutputOptions& options) {
+  std::string text;
+  if (!options.vmc.empty()) {
+    text = fmt::format("{} and {} to {}", counted(sent.vmc, "pose"), counted(sent.contacts, "contact"), options.vmc);
+  }
+  if (options.vrchat.empty()) return text;
+  return fmt::format("{}{}{} to VRChat", text, text.empty() ? "" : "; ", counted(sent.vrchat, "pose"));
+}
+
 Result<void> checkPoseOutput(const PoseOutputOptions& options) {
   if (!options.vmc.empty()) LORICA_TRY_DO(prefixed("--vmc-out", parseNetworkAddress(options.vmc, true)));
   if (!options.vrchat.empty()) LORICA_TRY_DO(vrchatAddress(options));
@@ -278,11 +297,14 @@ Result<void> checkPoseOutput(const PoseOutputOptions& options) {
 Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options, const Subject& subject,
                                                     std::span<const std::string> expressions,
                                                     std::shared_ptr<const LiveSources> live,
-                                                    std::shared_ptr<StepWatcher> next) {
+                                                    std::shared_ptr<StepWatcher> next, PosesSent& sent) {
   if (!options.any()) return next;
   LORICA_TRY(const VmcBones bones, bonesOf(options.bones));
-  LORICA_TRY(BonePoseReader reader, prefixed(options.vmc.empty() ? "--vrchat" : "--vmc-out",
-                                             BonePoseReader::create(subject.character->skeleton)));
+  Result<BonePoseReader> made = BonePoseReader::create(subject.character->skeleton);
+  if (!made) {
+    return Error{made.error().code, fmt::format("{}: {}{}", options.vmc.empty() ? "--vrchat" : "--vmc-out",
+                                                made.error().message, mapHint(*subject.character))};
+  }
   LORICA_TRY(std::unique_ptr<SentFace> face, faceOf(subject, expressions));
   std::optional<VmcReceiverAt> vmc;
   if (!options.vmc.empty()) {
@@ -296,7 +318,7 @@ Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& opt
     vrchat.emplace(VrchatAt{std::move(socket), VrchatWriter(subject.character->height, trackers)});
   }
   return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(
-      std::move(reader), std::move(face), std::move(vmc), std::move(vrchat), std::move(live), std::move(next)));
+      *std::move(made), std::move(face), std::move(vmc), std::move(vrchat), std::move(live), std::move(next), sent));
 }
 
 }  // namespace lorica

@@ -23,6 +23,14 @@ struct PoseOutputOptions {
   [[nodiscard]] bool any() const { return !vmc.empty() || !vrchat.empty(); }
 };
 
+/// What was sent, in packets.
+struct PosesSent {
+  int vmc = 0, contacts = 0, vrchat = 0;  ///< poses and contacts by VMC, poses to VRChat
+};
+
+/// "60 poses and 12 contacts to 127.0.0.1:39539; 60 poses to VRChat"
+[[nodiscard]] std::string inWords(const PosesSent& sent, const PoseOutputOptions& options);
+
 /// Rejects a bad address or bone before any work.
 [[nodiscard]] Result<void> checkPoseOutput(const PoseOutputOptions& options);
 
@@ -34,12 +42,13 @@ struct PoseOutputOptions {
 /// @param live         who is followed: trackers are sent in the stage of their headset, once it is registered; may be
 /// null
 /// @param next         another watcher of the same session; may be null
+/// @param sent         counts, until the watcher is gone
 /// @return the watcher; `next` itself if nothing is to be sent; or an error: a bad address or bone, or the humanoid
 /// bones that the character lacks
 [[nodiscard]] Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options,
                                                                   const Subject& subject,
                                                                   std::span<const std::string> expressions,
                                                                   std::shared_ptr<const LiveSources> live,
-                                                                  std::shared_ptr<StepWatcher> next);
+                                                                  std::shared_ptr<StepWatcher> next, PosesSent& sent);
 
 }  // namespace lorica

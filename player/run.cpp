@@ -72,8 +72,9 @@ Result<void> Run::watch(Host& host) {
   if (recorded_) comparison = std::make_shared<SessionReplay>(recorded_->session);
   std::shared_ptr<StepWatcher> next = recorder;
   if (comparison) next = comparison;
-  LORICA_TRY(const std::shared_ptr<StepWatcher> sender,
-             makePoseOutput(setting.out, cast.avatars.front().subject, cast.request.reading.expressions, live_, next));
+  LORICA_TRY(
+      const std::shared_ptr<StepWatcher> sender,
+      makePoseOutput(setting.out, cast.avatars.front().subject, cast.request.reading.expressions, live_, next, sent));
   LORICA_TRY_DO(finishEvents(events_));
   LORICA_TRY(events_, makeEventsOutput(setting.events, sender, host));
   session.watch(events_ ? events_ : sender);

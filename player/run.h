@@ -71,6 +71,7 @@ class Run {
 
   Cast cast;  ///< without its world
   RunSetting setting;
+  PosesSent sent;
   Session session;
   RunStatistics statistics;
   TargetHits hits;

@@ -1,6 +1,7 @@
 #include "prepare/motion.h"
 
 #include "capture/files/joint_csv.h"
+#include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/skeletal_retarget.h"
 #include "capture/streams/recorded_stream.h"
 #include "geometry/errors.h"
@@ -15,7 +16,7 @@ namespace lorica {
 namespace {
 
 Error onCharacter(const Motion& motion, const Character& character, const Error& error) {
-  return {error.code, fmt::format("{} on {}: {}", motion.name, character.name, error.message)};
+  return {error.code, fmt::format("{} on {}: {}{}", motion.name, character.name, error.message, mapHint(character))};
 }
 
 /// The source of a motion of packets.
@@ -28,6 +29,12 @@ Result<std::unique_ptr<PoseSource>> streamSourceOf(const Character& character, c
 }
 
 }  // namespace
+
+std::string mapHint(const Character& character) {
+  if (canPerform(character)) return "";
+  return "; if it is a humanoid, write a bone map with `lorica info FILE --write-map MAP.json`, edit it and pass it "
+         "with --map";
+}
 
 Result<SkeletalMotion> framesOf(const Skeleton& skeleton, const Clip& clip) {
   const double longest = kMaxClipPoses / kClipRate / skeleton.jointCount();

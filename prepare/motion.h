@@ -67,6 +67,9 @@ inline constexpr double kClipRate = 60.0;  ///< [1/s]
 [[nodiscard]] Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion,
                                                  const JointSettings& settings = {});
 
+/// For the end of a sentence about a character that cannot perform: how to say which joints are its bones; else empty.
+[[nodiscard]] std::string mapHint(const Character& character);
+
 /// Whether a character can perform a motion: the error of performedBy(), at the cost of one frame.
 [[nodiscard]] Result<void> checkPerformed(const Character& character, const Motion& motion,
                                           const JointSettings& settings = {});

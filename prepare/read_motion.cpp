@@ -5,6 +5,7 @@
 #include "capture/files/joint_stream.h"
 #include "capture/retarget/skeletal_retarget.h"
 #include "geometry/errors.h"
+#include "geometry/similar_name.h"
 #include "geometry/text.h"
 #include "prepare/depth_motion.h"
 #include "prepare/file_kinds.h"
@@ -171,14 +172,18 @@ Result<fs::path> recordingsFolder() {
       program.string());
 }
 
-std::string shippedNames(const fs::path& folder, const std::string& extension) {
-  std::vector<std::string> names;
-  std::error_code ignored;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
+std::string shippedNames(const fs::path& folder, std::initializer_list<const char*> extensions,
+                         const std::string& asked) {
+  std::vector<std::string> all;
+  for (const char* extension : extensions) {
+    const auto first = static_cast<std::ptrdiff_t>(all.size());
+    std::error_code ignored;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, ignored)) {
+      if (entry.path().extension() == extension) all.push_back(entry.path().stem().string());
+    }
+    std::sort(all.begin() + first, all.end());
   }
-  std::sort(names.begin(), names.end());
-  return fmt::format("{}", fmt::join(names, ", "));
+  return fmt::format("{}{}", fmt::join(all, ", "), didYouMean(asked, all));
 }
 
 namespace {
@@ -200,8 +205,8 @@ Result<fs::path> motionFile(const std::string& pathOrName) {
   if (file.empty()) {
     return notFound(
         "{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, .oni, .glb, .vrm, "
-        ".fbx, .dae) or one of {}, {}",
-        pathOrName, shippedNames(folder, ".csv"), shippedNames(folder, ".oni"));
+        ".fbx, .dae) or one of {}",
+        pathOrName, shippedNames(folder, {".csv", ".oni"}, pathOrName));
   }
   return file;
 }

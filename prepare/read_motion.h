@@ -7,6 +7,7 @@
 #include "skinning/clip.h"
 
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -58,8 +59,10 @@ struct MotionOptions {
 /// The folder of the shipped recordings: $LORICA_RECORDINGS, or relative to the program, in a build tree or installed.
 [[nodiscard]] Result<std::filesystem::path> recordingsFolder();
 
-/// The names of the files with an extension in a folder: "jumping_jacks, walk, ...".
-[[nodiscard]] std::string shippedNames(const std::filesystem::path& folder, const std::string& extension);
+/// The names of the files with some extensions in a folder: "jumping_jacks, walk, ...". At its end the one that was
+/// probably meant by `asked`, if there is one.
+[[nodiscard]] std::string shippedNames(const std::filesystem::path& folder,
+                                       std::initializer_list<const char*> extensions, const std::string& asked);
 
 /// Whether a word has no folder and no extension, and is not the name of an existing file.
 [[nodiscard]] bool isBareName(const std::string& text);

@@ -57,7 +57,7 @@ Result<SceneText> readSceneText(const std::string& scene, const Host& host) {
     if (!std::filesystem::exists(file, ignored)) {
       return notFound(
           "--scene: {}: no such file and no shipped scene with that name, expected a scene file (.json) or one of {}",
-          scene, shippedNames(file.parent_path(), ".json"));
+          scene, shippedNames(file.parent_path(), {".json"}, scene));
     }
   }
   LORICA_TRY_DO(refuseOtherKinds(file));

@@ -309,8 +309,10 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
   // The file probably has a bad row: reading it in this format reports which one.
   if (fitting.empty() && beginning.size() == 1) return beginning.front();
   if (fitting.empty()) {
-    return unsupported("{}: found {} that begins with {}, expected recorded joints in a layout that Lorica knows", file,
-                       text.find('\0') == std::string_view::npos ? "a text" : "data", quotedWord(reader.field(0)));
+    return unsupported(
+        "{}: found {} that begins with {}, expected recorded joints in a layout that Lorica knows, or "
+        "in one that --format names",
+        file, text.find('\0') == std::string_view::npos ? "a text" : "data", quotedWord(reader.field(0)));
   }
   return badFormat("{}: found rows that match {}, expected a single match; specify the layout with --format", file,
                    listed(fitting, " and "));

@@ -417,10 +417,9 @@ Result<HullCover> chooseCover(const Decomposition& decomposition, std::span<cons
   if (!finished) return cancelled();
   for (std::size_t i = 0; i < partCount; ++i) {
     if (!outcomes[i].held) {
-      return invalidArgument(
-          "part {}: {} points cannot cover the body in all {} sampled poses; allow more vertices "
-          "or reduce the tolerance",
-          i, cover.points[i].size(), sampled.poseCount());
+      return invalidArgument("part {}: {} points cannot cover the body in all {} sampled poses; allow more vertices{}",
+                             i, cover.points[i].size(), sampled.poseCount(),
+                             settings.tolerance > 0.0 ? " or reduce the tolerance" : "");
     }
     cover.growth = std::max(cover.growth, outcomes[i].growth);
     cover.sampledShortfall = std::max(cover.sampledShortfall, outcomes[i].shortfall);

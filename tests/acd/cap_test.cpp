@@ -156,6 +156,22 @@ TEST(Cap, LoopsWithHolesAndIslandsAreFilled) {
 }
 
 TEST(Cap, CrossingLoopsStillClose) {
+  // Would take minutes: no corner of these teeth is an ear, and tens of thousands of loops meet in one corner.
+  constexpr int kTeeth = 50'000;
+  std::vector<Vec2> comb = {{-1, -2}, {1, -2}}, petals = {{0, 0}};
+  std::vector<CapEdge> around;
+  for (int i = 0; i < kTeeth; ++i) {
+    comb.emplace_back(-1.0 + 2.0 * i / kTeeth, i % 2);
+    const double angle = 2.0 * std::numbers::pi * i / kTeeth;
+    for (const double side : {0.1, 0.7}) {
+      const double at = angle + side * 2.0 * std::numbers::pi / kTeeth;
+      petals.emplace_back(std::cos(at), std::sin(at));
+    }
+    const int first = countOf(petals) - 2;
+    around.insert(around.end(), {{0, first}, {first, first + 1}, {first + 1, 0}});
+  }
+  expectFills({comb}, false);
+  expectFills(petals, around, false);
   expectFills({circle({0, 0}, 2, 20, false),
                circle({1.5, 0}, 2, 20, false),
                {{0, 0}, {1, 1}, {1, 0}, {0, 1}},  // a bow-tie

@@ -1,10 +1,13 @@
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
+#include "geometry/text.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
 
 #include <gtest/gtest.h>
+
+#include <cstdlib>
 
 namespace lorica::test {
 namespace {
@@ -145,7 +148,11 @@ TEST(BadRecording, MissingFileIsNamed) {
 }
 
 TEST(BadRecording, UnknownNameListsWhatShips) {
-  expectRefused(runLorica({"play", "wlak"}), {"wlak", "walk", "punch_and_kick"});
+  expectRefused(runLorica({"play", "wlak"}), {"wlak", "walk", "punch_and_kick", "did you mean \"walk\"?"});
+}
+
+TEST(BadRecording, OfTwoColumnsNamesTheOption) {
+  expectRecordingRefused("two.csv", "1,2\n3,4\n", {"begins with '1'", "--format"});
 }
 
 TEST(BadRecording, EmptyFileIsNamed) {
@@ -250,6 +257,8 @@ TEST(BadOption, IsRefusedInASentence) {
       {{"decompose", mesh, "--candidates", "0"}, {"--candidates", "`0`"}},
       {{"decompose", mesh, "--orientations", "0"}, {"--orientations", "`0`"}},
       {{"decompose", mesh, "--max-error", "0"}, {"--max-error", "`0`", "above 0", "5%"}},
+      {{"decompose", mesh, "--max-error", "5"}, {"--max-error", "`5`", "below 1", "did you mean \"5%\"?"}},
+      {{"decompose", mesh, "--max-concavity", "1"}, {"--max-concavity", "`1`", "below 1"}},
       {{"decompose", mesh, "--max-error", "%"}, {"--max-error", "`%`"}},
       {{"decompose", mesh, "--max-error", "5%%"}, {"--max-error", "`5%%`"}},
       {{"decompose", mesh, "--max-error", "inf"}, {"--max-error", "`inf`"}},
@@ -273,12 +282,30 @@ TEST(BadOption, IsRefusedInASentence) {
       {{"demo", "--seconds", "nan"}, {"--seconds", "`nan`"}},
       {{"demo", "--window", "--headless"}, {"--window", "--headless"}},
       {{"info", "nothing.txt"}, {"nothing.txt"}},
+      {{"info", "wlak"}, {"wlak", "did you mean \"walk\"?"}},
+      {{"play", "walk", "--scene", "bowlin"}, {"bowlin", "did you mean \"bowling\"?"}},
+      {{"contacts"}, {"the motion is missing", "lorica contacts walk.bvh -o walk.npz"}},
+      {{"contacts", "walk"}, {"-o FILE is missing"}},
+      {{"live", "me.oni"}, {"me.oni: unexpected argument; `lorica play me.oni`"}},
+      {{"serve", "walk", "--certificate", "none.pem"}, {"--certificate requires --key"}},
+      {{"serve", "walk", "--key", "none.pem"}, {"--key requires --certificate"}},
   };
   for (const WrongOption& option : wrong) {
     SCOPED_TRACE(option.arguments.front() + " ... " + option.arguments.back());
     expectRefused(runLorica(option.arguments), option.fragments);
   }
   EXPECT_EQ(filesIn(folder.path()), std::vector<std::string>{"l.obj"});
+}
+
+/// Shells do not expand a home folder inside a word.
+TEST(Options, AHomeFolderInAValueIsTheUsers) {
+  const TemporaryFolder folder;
+  const std::string before = environment("HOME");
+  setenv("HOME", folder.path().c_str(), 1);
+  const CommandResult result = runLorica({"info", "mannequin", "--json=~/report.json"});
+  setenv("HOME", before.c_str(), 1);
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(filesIn(folder.path()), std::vector<std::string>{"report.json"});
 }
 
 }  // namespace

@@ -60,6 +60,7 @@ TEST(EarlyRefusal, NoBodyIsMadeForWhatTheCharacterCannotDo) {
   studio.expectRefused({"play", still, "--clip", "jump"}, "found no animation");
   studio.expectRefused({"decompose", still, "--motion", "wave"}, "wave on still: ");
   studio.expectRefused({"live", "--virtual", "--headless", "--character", torn}, "a person on torn: ");
+  studio.expectRefused({"live", "--virtual", "--headless", "--character", torn}, "pass it with --map");
   studio.expectRefused({"record", "x.lsession", "--virtual", "--character", still}, "a person on still: ");
   studio.expectRefused({"play", torn, "--expression", "Joy=1"}, "has no expressions");
   EXPECT_FALSE(fs::exists(studio.folder.path() / "x.lsession"));

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <regex>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -44,6 +45,9 @@ TEST(Events, PlayWritesEachContactAsLinesAndReplayWritesTheSame) {
   }
   EXPECT_GT(begins, 0);
   EXPECT_EQ(begins, ends);
+  // Times have at most six decimals.
+  EXPECT_FALSE(
+      std::regex_search(written, std::regex("(time|began|touched)..[0-9]+[.][0-9][0-9][0-9][0-9][0-9][0-9][0-9]")));
   EXPECT_EQ(filesIn(folder.path()), (std::vector<std::string>{"body.lorica", "kick.jsonl", "kick.lsession"}));
 
   const CommandResult replayed = runLorica({"replay", session, "--events", "-"});

@@ -50,6 +50,12 @@ TEST(HullVertices, BoxesNeedNoMore) {
   EXPECT_EQ(result.json()["hullGrowth"], 1.0);
 }
 
+TEST(HullVertices, TooFewForACharacterSayWhatHelps) {
+  const CommandResult result = runLorica({"decompose", "mannequin", "--parts", "2", "--hull-vertices", "4"});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_NE(result.err.find("allow more vertices\n"), std::string::npos) << result.err;
+}
+
 TEST(HullVertices, FewerThanFourAreRefused) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());

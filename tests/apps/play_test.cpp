@@ -124,6 +124,13 @@ TEST(Play, ACameraWithoutPicturesIsRefused) {
   EXPECT_NE(result.err.find("--snapshots or --video"), std::string::npos) << result.err;
 }
 
+TEST(Play, AFileAloneWithoutDisplaySaysWhatMakesPictures) {
+  const CommandResult result = runLorica({"walk", "--frames", "2"});
+  EXPECT_EQ(result.exitCode, 0);
+  EXPECT_NE(result.err.find("No display: `lorica snapshot walk`"), std::string::npos) << result.err;
+  EXPECT_EQ(runLorica({"play", "walk", "--frames", "2"}).err.find("No display"), std::string::npos);
+}
+
 TEST(Play, WindowWithoutDisplaySaysWhatToDo) {
   const CommandResult result = runLorica({"play", "walk", "--window"});
   EXPECT_EQ(result.exitCode, 2);

@@ -83,6 +83,17 @@ TEST(Serve, TheSampleInCppWatches) {
   EXPECT_EQ(frames, 30);
 }
 
+/// As many frames as are asked for, then the report: of a motion, and of the demo.
+TEST(Serve, EndsAfterItsFrames) {
+  for (const std::vector<std::string>& what : {std::vector<std::string>{"serve", "walk"}, {"serve"}}) {
+    std::vector<std::string> arguments = what;
+    arguments.insert(arguments.end(), {"--frames", "5", "--json", "-"});
+    const CommandResult served = runLorica(arguments);
+    ASSERT_EQ(served.exitCode, 0) << served.err;
+    EXPECT_EQ(served.json()["frames"], 5);
+  }
+}
+
 /// A motion that cannot be played is said before anybody is sent to a page.
 TEST(Serve, SaysWhatIsWrongInsteadOfALink) {
   const TemporaryFolder folder;

@@ -96,10 +96,12 @@ TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
   std::atomic<bool> ended = false;
   std::thread sender([&] {
     sent = runLorica({"play", "punch_and_kick", "--decomposition", body, "--frames", "60", "--events", events,
-                      "--vmc-out", "127.0.0.1:" + std::to_string(socket->port())});
+                      "--vmc-out", "127.0.0.1:" + std::to_string(socket->port()), "--vrchat", "127.0.0.1:" + freePort(),
+                      "--json", "-"});
     ended = true;
   });
   std::multiset<std::string> heard;
+  int contacts = 0, poses = 0;
   std::vector<std::byte> memory(65536);
   for (;;) {
     const bool last = ended;
@@ -107,6 +109,8 @@ TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
     if (!packet && last) break;
     if (!packet) continue;
     OscPacket osc(std::span<const std::byte>(memory.data(), packet->size));
+    const std::string_view bytes(reinterpret_cast<const char*>(memory.data()), packet->size);
+    ++(bytes.find("/lorica/contact/") != std::string_view::npos ? contacts : poses);
     while (const std::optional<OscMessage> message = osc.next()) {
       if (!message->address.starts_with("/VMC/Thru/lorica/contact/") || message->address.ends_with("/stay")) continue;
       OscArguments arguments(*message);
@@ -118,6 +122,11 @@ TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
   }
   sender.join();
   ASSERT_EQ(sent.exitCode, 0) << sent.err;
+  const nlohmann::json counts = sent.json()["sent"];
+  EXPECT_EQ(counts["poses"], poses);
+  EXPECT_EQ(counts["vrchat"], poses);
+  EXPECT_GE(contacts, counts["contacts"].get<int>());  // those that still touch end with the session
+  EXPECT_GT(counts["contacts"].get<int>(), 0);
   std::multiset<std::string> written;
   std::istringstream lines(readFile(events).value());
   for (std::string line; std::getline(lines, line);) {
@@ -170,6 +179,9 @@ TEST(LiveStream, WithoutASenderTheAvatarStandsAndStrikesNothing) {
   ASSERT_EQ(live.exitCode, 0) << live.err;
   EXPECT_EQ(live.json()["frames"], 40);
   EXPECT_EQ(live.json()["stream"]["frames"], 0);
+  const std::string port = freePort();
+  const CommandResult report = runLorica({"live", "--vmc", port, "--headless", "--frames", "2"});
+  EXPECT_NE(report.out.find("nothing came: no program sent VMC on 127.0.0.1:" + port), std::string::npos) << report.out;
 }
 
 TEST(LiveStream, BadAddressesAndBonesAreASentence) {

@@ -99,6 +99,14 @@ TEST(ShellUnion, StopsWhereTooMuchLiesAcrossTooMuch) {
   }
 }
 
+TEST(ShellUnion, StopsWhereTooManyPiecesAreInEachOther) {
+  std::vector<TriMesh> boxes;
+  for (int i = 1; i <= 2'500; ++i) boxes.push_back(makeBox(-Vec3::Constant(i), Vec3::Constant(i)));
+  const Result<std::optional<ShellUnion>> made = uniteShells(together(boxes));
+  ASSERT_FALSE(made);
+  EXPECT_NE(made.error().message.find("more places than can be resolved"), std::string::npos);
+}
+
 TEST(ShellUnion, OfRandomBoxesHoldsItsCells) {
   std::mt19937_64 engine(7);
   const auto whole = [&](int low, int high) { return low + static_cast<int>(engine() % (high - low + 1)); };

@@ -7,7 +7,9 @@
 #include "geometry/counts.h"
 #include "geometry/mass_properties.h"
 #include "geometry/random_numbers.h"
+#include "geometry/sheets.h"
 #include "prepare/mesh_subject.h"
+#include "tests/support/allocations.h"
 #include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
 
@@ -168,6 +170,25 @@ TEST(MeshWalls, AreAtMostHalfOfTheNarrowestGap) {
   const WallBody body = wallsOf(nested);
   EXPECT_EQ(body.figures.shells, 2u);
   EXPECT_NEAR(body.figures.thickness, 0.005, 1e-4);
+}
+
+/// Long triangles have hundreds of samples each: of very many only some are taken.
+TEST(MeshWalls, TheGapOfManyLongTrianglesTakesLittleMemory) {
+  constexpr int kStrips = 2'000;
+  TriMesh sheets;
+  for (const double height : {0.0, 0.01}) {
+    const VertexIndex first = countOf(sheets.vertices);
+    for (int i = 0; i <= kStrips; ++i) {
+      for (const double x : {0.0, 1.0}) sheets.vertices.emplace_back(x, height, static_cast<double>(i) / kStrips);
+    }
+    for (VertexIndex v = first; v < first + 2 * kStrips; v += 2) {
+      sheets.triangles.push_back({v, v + 2, v + 1});
+      sheets.triangles.push_back({v + 1, v + 2, v + 3});
+    }
+  }
+  const AllocationWatch watch;
+  EXPECT_NEAR(narrowestGap(sheets, std::vector<bool>(sheets.triangles.size(), true), 0.02), 0.01, 1e-4);
+  EXPECT_LT(watch.largest(), std::size_t{20'000'000});
 }
 
 TEST(MeshWalls, LeaveVesselsEmpty) {

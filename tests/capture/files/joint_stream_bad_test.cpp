@@ -36,7 +36,7 @@ void expectSound(const JointStream& stream, const std::filesystem::path& scratch
 TEST(JointStreamBad, WhatIsNoneOfThemIsNamed) {
   EXPECT_EQ(refusal(""), "walk.txt: found an empty file, expected recorded joints");
   EXPECT_EQ(refusal("\xef\xbb\xbf\r\n \r\n"), "walk.txt: found an empty file, expected recorded joints");
-  const char* none = ", expected recorded joints in a layout that Lorica knows";
+  const char* none = ", expected recorded joints in a layout that Lorica knows, or in one that --format names";
   EXPECT_EQ(refusal("HIERARCHY\nROOT Hips\n"),
             std::string("walk.txt: found a text that begins with 'HIERARCHY'") + none);
   EXPECT_EQ(refusal(std::string("\x89PNG\r\n\0\1", 8)),
@@ -75,7 +75,8 @@ TEST(JointStreamBad, SentencesNameThePosition) {
             "walk.txt, line 2, column 36 (Status): found 'LOST', expected TRACKED, INFERRED or NOTTRACKED");
   EXPECT_EQ(
       refusal(replaced(wide, "Time,", "When,")),
-      "walk.txt: found a text that begins with 'EventIndex', expected recorded joints in a layout that Lorica knows");
+      "walk.txt: found a text that begins with 'EventIndex', expected recorded joints in a layout that Lorica knows, "
+      "or in one that --format names");
   EXPECT_EQ(refusal(replaced(wide, "Time,", "When,"), {.format = JointFormat::kKinect2Wide}),
             "walk.txt, line 1: found a header without a Time column, expected one");
   const std::string plain = test::plainFile(frames);
