@@ -79,6 +79,31 @@ TEST(Bake, MakesResultsOfWhatCanBeBakedAndSentencesOfTheRest) {
   EXPECT_EQ(second.json()["made"], 0);
 }
 
+/// A stranger's mesh is refused with its name in the sentence; what it is called decides nothing.
+TEST(Bake, NamesOfMeshesDoNotDecideWhatKindAFailureIs) {
+  const Library library;
+  std::string list = "box.off\n";
+  for (const char* name : {"cannot be written", "lorica: x: No space left on device", "lorica: cancelled",
+                           "needs more than the 64 MB of memory that it may take", "std::bad_alloc"}) {
+    GlbWriter writer = smallCharacter();
+    writer.document["meshes"][0]["name"] = name;
+    writer.document["accessors"][1]["count"] = 0;
+    const std::string file = "forged" + std::to_string(list.size()) + ".glb";
+    library.folder.write(file, writer.glb());
+    list += file + "\n";
+  }
+  library.folder.write("forged.txt", list);
+  const CommandResult first = library.run({"forged.txt", "--out", "out", "--json", "-"});
+  ASSERT_EQ(first.exitCode, 0) << first.err;
+  EXPECT_EQ(first.json()["made"], 1);
+  EXPECT_EQ(first.json()["failed"], 5);
+  for (const nlohmann::json& line : library.lines()) {
+    const std::string failure = line.value("failure", "");
+    EXPECT_EQ(failure.find("has no elements") == std::string::npos, line["input"] == "box.off") << failure;
+  }
+  EXPECT_EQ(library.run({"forged.txt", "--out", "out", "--json", "-"}).json()["there"], 6);
+}
+
 TEST(Bake, ShardsGiveTheSameAsOneProcess) {
   const Library library;
   EXPECT_EQ(library.run({"list.csv", "--out", "out", "--threads", "1"}).exitCode, 0);
@@ -144,6 +169,8 @@ TEST(Bake, RefusesWhatIsWrongBeforeAnyWork) {
   expectRefused({"list.csv", "--out", "out", "--shard", "4/3"}, "found `4/3`, expected I/N with I from 1 to N");
   expectRefused({"list.csv", "--out", "out", "--memory", "8"}, "found `8`, expected a size such as 500M or 8G");
   expectRefused({"list.csv", "--out", "out", "--parts", "many"}, "--parts: found `many`, expected a whole number");
+  expectRefused({"list.csv", "--out", "out", "--max-error", "5"},
+                "--max-error: found `5`, expected a fraction between");
   expectRefused({"list.csv", "--out", "out", "--export", "glb,usd"}, "--export: found `usd`, expected obj, stl, ply");
   expectRefused({"list.csv", "--out", "box.off"}, "box.off is a file, expected a folder");
   expectRefused({"box.off", "--out", "out", "--json", "none/x.json"}, "no such folder");

@@ -87,6 +87,11 @@ const std::vector<Job>& jobs() {
         "o.json"},
        {"o.lsession", "o.json"},
        true},
+      {"serve",
+       {"serve", "wave", "--frames", "3", "--decomposition", "b.lorica", "--record", "o.lsession", "--json", "o.json"},
+       {"serve", "walk", "--decomposition", "b.lorica", "--record", "o.lsession", "--json", "o.json"},
+       {"o.lsession", "o.json"},
+       true},
       {"snapshot",
        {"snapshot", "wave", "--frame", "1", "-o", "o.png", "--decomposition", "b.lorica", "--json", "o.json"},
        {"snapshot", "walk", "--video", "o.mp4", "--decomposition", "b.lorica", "--json", "o.json"},
@@ -419,22 +424,24 @@ class FaultyProgram : public testing::TestWithParam<const char*> {
 
 TEST_P(FaultyProgram, SavesAWholeFileOrNone) {
   if (!isThere()) GTEST_SKIP() << "built without C and Python";
-  for (const Fault fault : {Fault::kInterrupt, Fault::kTerminate, Fault::kKill, Fault::kDiskFull, Fault::kReadOnly,
-                            Fault::kServerAway, Fault::kClockWrong}) {
+  for (const Fault fault : {Fault::kInterrupt, Fault::kTerminate, Fault::kKill, Fault::kDiskFull, Fault::kOutputClosed,
+                            Fault::kReadOnly, Fault::kServerAway, Fault::kServerHangs, Fault::kClockWrong}) {
     SCOPED_TRACE(nameOf(fault));
     const TemporaryFolder folder;
     const bool signal = fault == Fault::kInterrupt || fault == Fault::kTerminate || fault == Fault::kKill;
     if (fault == Fault::kReadOnly) folder.write("box.obj", kBoxParts);
     const FaultyEnd end = run(folder, fault, !signal);
     if (!signal) {
-      EXPECT_EQ(end.exitCode, fault == Fault::kClockWrong ? 0 : 2) << end.err;
+      const bool unharmed = fault == Fault::kClockWrong || fault == Fault::kOutputClosed;
+      EXPECT_EQ(end.exitCode, unharmed ? 0 : fault == Fault::kServerHangs ? 143 : 2) << end.err;
+      EXPECT_EQ(fs::exists(folder.path() / "o.lorica"), unharmed);
     }
     for (const fs::directory_entry& entry : fs::directory_iterator(folder.path())) {
       const std::string name = entry.path().filename();
       if (name == "o.lorica") {
         EXPECT_TRUE(isWhole(entry.path()));
       } else if (entry.is_regular_file() && name != "box.obj") {
-        EXPECT_TRUE(signal && name.find(".tmp-") != std::string::npos) << name;
+        EXPECT_TRUE((signal || fault == Fault::kServerHangs) && name.find(".tmp-") != std::string::npos) << name;
       }
     }
     const FaultyEnd again = run(folder, Fault::kNone, true);
