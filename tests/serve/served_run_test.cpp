@@ -217,7 +217,7 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
     for (int i = 0; i < 20; ++i) EXPECT_TRUE(steps([](const auto& m) { return m.kind == 2; }));
     other.reset();
     EXPECT_TRUE(holds(false)) << "the other client left";
-    watcher.send({{"type", "throw"}, {"origin", {0, 1, 4}}, {"target", {0, 1, 0}}});
+    watcher.send({{"type", "throw"}, {"origin", {0, 1, 4}}, {"target", {2, 1, 0}}});
     EXPECT_TRUE(steps([&](const auto& m) {
       return m.kind == 1 && m.json()["type"] == "props" && m.json()["props"].size() > props.size();
     }));
@@ -234,6 +234,9 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   std::map<int, std::vector<Kind>> ofHand;  // grabs and releases
   for (const WorldAction& action : recorded.actions) {
     ++done[action.kind];
+    if (action.kind == Kind::kThrowBall) {
+      EXPECT_NEAR(action.velocity.x(), -0.5 * action.velocity.z(), 1e-9) << "at the avatar, not at the target";
+    }
     if (action.kind == Kind::kGrab || action.kind == Kind::kRelease) ofHand[action.hand].push_back(action.kind);
   }
   EXPECT_EQ(ofHand.size(), 4u) << "each hand of each client is one of the world's";
