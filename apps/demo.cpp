@@ -15,7 +15,6 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -59,12 +58,6 @@ Result<Showing> playForPeople(const Options& options, Screen& screen, WindowOpen
   return showing;
 }
 
-/// The frames of a motion's first seconds, which are at even intervals.
-int framesOf(const Motion& motion, double seconds) {
-  const double share = std::min(1.0, seconds / std::max(motion.seconds(), 1e-6));
-  return std::max(1, int(std::ceil(share * (motion.frameCount() - 1) - 1e-4)));
-}
-
 /// Plays once and draws every frame if a renderer is available.
 Result<Show> playForFiles(const Options& options, Host& host) {
   LORICA_TRY(DemoCast demo, prepareDemo(options.character, host));
@@ -76,7 +69,7 @@ Result<Show> playForFiles(const Options& options, Host& host) {
   if (!pictures) host.warn(pictures.error().message + "; running the demo without pictures");
   RunSetting setting;
   setting.doing = pictures ? "Drawing the demo:" : "Running the demo:";
-  setting.frames = framesOf(motion, options.seconds > 0.0 ? options.seconds : kVideoSeconds);
+  setting.frames = motion.framesIn(options.seconds > 0.0 ? options.seconds : kVideoSeconds);
   LORICA_TRY(Show show, start(std::move(demo), setting, host));
   Run& run = *show.run;
   Shown shown;

@@ -176,8 +176,7 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   Option* people = addCount(*app, "--people", options->live.people, 1,
                             "People to follow at once, each with an avatar, at most 6 [default: 1]")
                        ->excludes(person);
-  addThreePointOption(*app, options->live.threePoint)->excludes(person);
-  Option* lower = addLowerBodyOption(*app, options->live.lowerBody);
+  Option* lower = addWearerOptions(*app, options->live);
   Option* nite = app->addOption("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so")
                      ->typeName("FILE")
                      ->excludes(person)

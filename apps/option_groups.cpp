@@ -262,14 +262,14 @@ void addDepthOptions(CommandLine& app, DepthOptions& options) {
       ->needs(virtualCamera);
 }
 
-Option* addLowerBodyOption(CommandLine& app, bool& lowerBody) {
-  return app.addFlag("--lower-body", lowerBody,
-                     "The camera sees only waist, legs and feet: arms hang, the head is that of a headset on the page");
-}
-
-Option* addThreePointOption(CommandLine& app, bool& threePoint) {
-  return app.addFlag("--three-point", threePoint,
-                     "Follow head and hands of a headset instead of a camera; --vr without a camera does so, too");
+Option* addWearerOptions(CommandLine& app, LiveRequest& live) {
+  Option* lower =
+      app.addFlag("--lower-body", live.lowerBody,
+                  "The camera sees only waist, legs and feet: arms hang, the head is that of a headset on the page");
+  app.addFlag("--three-point", live.threePoint,
+              "Follow head and hands of a headset instead of a camera; --vr without a camera does so, too")
+      ->excludes(lower);
+  return lower;
 }
 
 Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {

@@ -10,7 +10,6 @@
 #include "player/snapshots.h"
 #include "prepare/cameras.h"
 #include "prepare/cast.h"
-#include "prepare/vmc_input.h"
 
 #include <filesystem>
 #include <optional>
@@ -61,10 +60,8 @@ void addExpressionOption(CommandLine& app, std::vector<std::string>& expressions
 void addRecordOption(CommandLine& app, std::string& file);
 /// --device, --driver, --virtual, --motion.
 void addDepthOptions(CommandLine& app, DepthOptions& options);
-Option* addLowerBodyOption(CommandLine& app, bool& lowerBody);
-/// --three-point
-Option* addThreePointOption(CommandLine& app, bool& threePoint);
-
+/// --lower-body and --three-point. @return the first
+Option* addWearerOptions(CommandLine& app, LiveRequest& live);
 /// --vmc and --delay. @return --vmc
 Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options);
 /// --vmc-out HOST:PORT, --vmc-bones NAME,..., --vrchat HOST[:PORT]

@@ -100,8 +100,7 @@ Command addServe(CommandLine& parent, CommonOptions& common) {
       "docs/SERVE.md");
   addMotionOptions(*app, options->request);
   addDepthOptions(*app, options->live.depth);
-  addVmcInputOptions(*app, options->live.vmc)->excludes(addLowerBodyOption(*app, options->live.lowerBody));
-  addThreePointOption(*app, options->live.threePoint);
+  addVmcInputOptions(*app, options->live.vmc)->excludes(addWearerOptions(*app, options->live));
   addCount(*app, "--people", options->live.people, 1, "People to follow at once, each with an avatar, at most 6");
   addPoseOutputOptions(*app, options->run.out);
   addEventsOption(*app, options->run.events);

@@ -167,8 +167,8 @@ Result<std::unique_ptr<PoseSource>> LiveSources::open(const PreparedAvatar& avat
 Result<void> checkLive(const LiveRequest& live, const Host& host) {
   for (const VmcInputOptions& sender : sendersOf(live.vmc)) LORICA_TRY_DO(checkVmcInput(sender, host));
   if (live.vmc.listenAt.empty()) LORICA_TRY_DO(checkVmcInput(live.vmc, host));
-  if (live.threePoint && live.avatars() > 1) {
-    return invalidArgument("--three-point follows one person: found {}", live.avatars());
+  if (live.threePoint && (live.avatars() > 1 || live.person > 0 || !live.vmc.listenAt.empty())) {
+    return invalidArgument("--three-point follows the wearer of a headset: --people, --person and --vmc do not apply");
   }
   if (live.avatars() <= kMaxPeople) return {};
   return invalidArgument("--people, --vmc: found {}, expected at most {}", live.avatars(), kMaxPeople);

@@ -10,6 +10,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace lorica {
@@ -34,6 +36,11 @@ std::string mapHint(const Character& character) {
   if (canPerform(character)) return "";
   return "; if it is a humanoid, write a bone map with `lorica info FILE --write-map MAP.json`, edit it and pass it "
          "with --map";
+}
+
+int Motion::framesIn(double some) const {
+  const double share = std::min(1.0, some / std::max(seconds(), 1e-6));
+  return std::max(1, int(std::ceil(share * (frameCount() - 1) - 1e-4)));
 }
 
 Result<SkeletalMotion> framesOf(const Skeleton& skeleton, const Clip& clip) {

@@ -50,6 +50,8 @@ struct Motion {
     if (packets) return packets->steps;
     return bones ? bones->frameCount() : countOf(joints);
   }
+  /// Of its first seconds, if the frames are at even intervals; at least 1.
+  [[nodiscard]] int framesIn(double seconds) const;
   [[nodiscard]] double firstTime() const { return bones ? bones->times.front() : joints.front().time; }
   /// From the first frame to the last [s].
   [[nodiscard]] double seconds() const { return (bones ? bones->times.back() : joints.back().time) - firstTime(); }
