@@ -62,7 +62,7 @@ bool HeadsetPanel::draw(const WindowValues& values, const WindowChoices& choices
       "close this panel"};
   std::string text;
   for (int row = 0; row < kRows; ++row) {
-    text += fmt::format("{}{}\t{}", row == 0 ? "" : "\n", pointed == Row(row) ? "\u25b6" : "", rows[row]);
+    text += fmt::format("{}{}{}", row == 0 ? "" : "\n", pointed == Row(row) ? "\u25b6 " : "\u2003 ", rows[row]);
   }
   image_ = drawTextPanel(text, kLineHeight);
   return true;

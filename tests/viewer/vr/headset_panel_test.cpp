@@ -1,8 +1,13 @@
 #include "viewer/vr/headset_panel.h"
 
+#include "viewer/pictures/image_files.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
+#include <string>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -58,6 +63,9 @@ TEST_F(HeadsetPanels, IsDrawnAgainOnlyIfItSaysSomethingElse) {
   const Image before = panel.image();
   EXPECT_TRUE(panel.draw(values, choices, Row::kHulls));
   EXPECT_NE(panel.image().rgba, before.rgba);
+  if (const char* to = std::getenv("LORICA_VR_PICTURES")) {
+    EXPECT_TRUE(writePng(std::string(to) + "/panel.png", panel.image()));
+  }
   EXPECT_EQ(panel.image().height, before.height);
   choices.paused = true;
   EXPECT_TRUE(panel.draw(values, choices, Row::kHulls));

@@ -237,6 +237,9 @@ TEST_F(Headsets, AnAvatarFollowsHeadAndHands) {
       const HumanBone wrist = hand == 0 ? HumanBone::kLeftHand : HumanBone::kRightHand;
       apart = std::max(apart, (grip - jointAt(wrist)).norm());
     }
+    if (const char* to = std::getenv("LORICA_VR_PICTURES")) {
+      EXPECT_TRUE(writePng(fmt::format("{}/worn.png", to), window->headset()->picture(0)));
+    }
     // They walk half a metre: so does the avatar.
     walked = window->place().worldFromStage().linear() * Vec3(0.0, 0.0, -0.5);
     told.head.at.z() -= 0.5;
@@ -254,6 +257,30 @@ TEST_F(Headsets, AnAvatarFollowsHeadAndHands) {
   const Vec3 went = jointAt(HumanBone::kHead) - before;
   EXPECT_LT((went - walked).norm(), 0.1) << went.transpose();
   expectReplayed(file);
+}
+
+TEST_F(Headsets, WithARegistrationTheAvatarsHeadIsTheWearers) {
+  HeadsetNews news;
+  news.registration.emplace();
+  news.registration->yaw = 0.7;
+  news.registration->translation = {0.3, 0.0, -1.2};
+  news.registration->headInHeadset = {0.0, -0.08, 0.12};
+  news.origin = {0.1, 0.0, 2.0};
+  WindowChoices choices = window->choices();
+  choices.paused = choices.inside = true;
+  choices.steps = 1;
+  window->setChoices(choices);
+  told.head = {{0.5, 1.5, -0.4}, Quat(Eigen::AngleAxisd(0.9, Vec3::UnitY()))};
+  int after = 0;
+  playUntil([&] {
+    if (after == 0) window->tell(news);
+    return arrived() && run->session.frameCount() > 0 && ++after > 5;
+  });
+  const Isometry3& worldFromStage = window->place().worldFromStage();
+  EXPECT_TRUE(worldFromStage.linear().isApprox(Eigen::AngleAxisd(-0.7, Vec3::UnitY()).toRotationMatrix(), 1e-9));
+  const SessionAvatar& avatar = run->session.avatar();
+  const Vec3 joint = avatar.worldFromJoint()[avatar.character().skeleton.jointOf(HumanBone::kHead)].translation();
+  EXPECT_LT((worldFromStage * frame().stageFromHead * news.registration->headInHeadset - joint).norm(), 1e-3);
 }
 
 TEST_F(Headsets, ABareHandHoldsABoxInItsFist) {
