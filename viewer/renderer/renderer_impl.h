@@ -20,7 +20,6 @@
 
 namespace lorica {
 
-
 struct MarkerVertex {
   Vec3f center;
   Eigen::Vector2f corner;
