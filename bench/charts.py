@@ -290,8 +290,7 @@ def draw(folder):
         section(page)
     worse = [f"| {what} | {ours} | {who}: {theirs} |" for what, ours, who, theirs in page.worse]
     intro = ["# Benchmarks", "", textwrap.fill(f"Made by `scripts/benchmarks` from the CSV files in [benchmarks](benchmarks/{page.version.name}), which the "
-             "programs of [bench](../bench/README.md) write; the heads of those of 0.1.0 were completed by hand, and `others.csv` "
-             "has the figures of others. Other work is the load beside it: above 2, times are worth little. Lorica is blue. Version "
+             "programs of [bench](../bench/README.md) write; `others.csv` has the figures of others. *Other work* is the load when it began. Lorica is blue. Version "
              f"{page.version.name}. To compare two commits: `scripts/benchmarks --compare A B`.", 118), ""]
     page.parts += ["## Where others are better", "", "Every comparison above in which Lorica loses.", "",
                    "| what | Lorica | better |", "|---|---|---|", *worse, ""]
