@@ -31,6 +31,7 @@ RunLoop::RunLoop(Run& run, Shown& shown, Host& host)
       hands_(run.restartable()),
       due_(now()) {
   if (screen_ == nullptr) return;
+  screen_->tell({});  // what was known of the run before
   headset_.begin(run.tracked() ? run.name() : "", run.headset());
   if (!run.watched()) scenes_ = scenesNextTo(run.cast.request.scene);
   scene_.emplace(session_);

@@ -386,6 +386,7 @@ std::span<const HeadsetPose> PageScreen::headsets() {
 
 void PageScreen::tell(const HeadsetNews& news) {
   if (window_ != nullptr) window_->tell(news);
+  if (!news.registration && !news.alone && news.advice.empty()) return;
   constexpr double kDegrees = 180.0 / std::numbers::pi;
   Json json = {{"type", "registration"},
                {"known", news.registration.has_value()},

@@ -59,6 +59,7 @@ class Screen {
   [[nodiscard]] virtual Camera camera() const = 0;
   /// The poses of headsets since the last call.
   [[nodiscard]] virtual std::span<const HeadsetPose> headsets() { return {}; }
+  /// Tells the wearer of a headset something else than before; when a run begins, nothing is known.
   virtual void tell(const HeadsetNews&) {}
   /// Sets the initial camera, to which a reset returns.
   virtual void setCamera(const Camera& camera) = 0;

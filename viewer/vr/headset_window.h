@@ -77,8 +77,8 @@ class HeadsetWindow final : public Window {
   HeadsetNews news_;
   HeadsetPlace floor_;   // of what follows the wearer: its floor frame from the stage
   bool stands_ = false;  // the wearer has a place on it
-  std::array<HeadsetPose, 1> told_;
-  bool tells_ = false;  // told_ was not taken yet
+  std::array<HeadsetPose, 1> told_{{{.wearer = -1, .pose = {}}}};  // no client of a page
+  bool tells_ = false;                                             // told_ was not taken yet
   HeadsetPanel panel_;
   bool panelAtHand_ = false;      // it is shown while a bare left palm is looked at
   std::array<bool, 2> points_{};  // hands, at the panel
