@@ -59,35 +59,41 @@ Aabb grown(Aabb box, double by) {
 /// Whether a plane separates two convex polygons by more than the tolerance: across one of them, through an edge of
 /// one, or along an edge of each.
 bool apart(std::span<const Vec3> a, std::span<const Vec3> b, double tolerance) {
-  const auto separates = [&](Vec3 axis) {
-    const double length = axis.norm();
-    if (length <= 1e-14) return false;
-    axis /= length;
+  const auto separates = [&](const Vec3& axis, double sizes) {  // sizes: squared lengths of what it is a product of
+    const double squared = axis.squaredNorm();
+    if (squared <= 1e-28 * sizes) return false;
     const auto range = [&axis](std::span<const Vec3> polygon) {
       double low = kInfinity, high = -kInfinity;
       for (const Vec3& p : polygon) {
-        low = std::min(low, axis.dot(p));
-        high = std::max(high, axis.dot(p));
+        const double along = axis.dot(p);
+        low = std::min(low, along);
+        high = std::max(high, along);
       }
       return std::pair(low, high);
     };
     const auto [lowA, highA] = range(a);
     const auto [lowB, highB] = range(b);
-    return lowA > highB + tolerance || lowB > highA + tolerance;
+    const double gap = std::max(lowA - highB, lowB - highA);
+    return gap > 0.0 && gap * gap > tolerance * tolerance * squared;
   };
   const auto edge = [](std::span<const Vec3> polygon, std::size_t i) -> Vec3 {
-    return (polygon[(i + 1) % polygon.size()] - polygon[i]).normalized();
+    return polygon[i + 1 < polygon.size() ? i + 1 : 0] - polygon[i];
   };
-  const Vec3 normalA = areaNormal(a).normalized(), normalB = areaNormal(b).normalized();
-  if (separates(normalA) || separates(normalB)) return true;
+  const Vec3 normalA = areaNormal(a), normalB = areaNormal(b);
+  const double sizeA = normalA.squaredNorm(), sizeB = normalB.squaredNorm();
+  if (separates(normalA, sizeA) || separates(normalB, sizeB)) return true;
   for (std::size_t i = 0; i < a.size(); ++i) {
-    if (separates(edge(a, i).cross(normalA))) return true;
+    const Vec3 own = edge(a, i);
+    const double size = own.squaredNorm();
+    if (separates(own.cross(normalA), size * sizeA)) return true;
     for (std::size_t j = 0; j < b.size(); ++j) {
-      if (separates(edge(a, i).cross(edge(b, j)))) return true;
+      const Vec3 other = edge(b, j);
+      if (separates(own.cross(other), size * other.squaredNorm())) return true;
     }
   }
   for (std::size_t j = 0; j < b.size(); ++j) {
-    if (separates(edge(b, j).cross(normalB))) return true;
+    const Vec3 other = edge(b, j);
+    if (separates(other.cross(normalB), other.squaredNorm() * sizeB)) return true;
   }
   return false;
 }
@@ -223,9 +229,14 @@ class Union {
     return stepsLeft_ > 0;
   }
 
-  [[nodiscard]] Corners cornersOf(std::int32_t k) const {
+  [[nodiscard]] std::array<Vec3, 3> cornersOf(std::int32_t k) const {
     const Triangle& t = mesh_.triangles[k];
     return {mesh_.vertices[t[0]], mesh_.vertices[t[1]], mesh_.vertices[t[2]]};
+  }
+
+  [[nodiscard]] Facet facetOf(std::int32_t k) const {
+    const std::array<Vec3, 3> corners = cornersOf(k);
+    return {Corners(corners.begin(), corners.end()), k};
   }
 
   /// Finds the triangles that each triangle touches, of other pieces unless within_, in order along the longest axis.
@@ -259,7 +270,7 @@ class Union {
       });
       if (!spend(kApartSteps * near.size() + 1)) return;
       std::ranges::sort(near);
-      const Corners own = cornersOf(a);
+      const std::array<Vec3, 3> own = cornersOf(a);
       for (const std::size_t j : near) {
         const std::int32_t b = entries[j].triangle;
         if (apart(own, cornersOf(b), tolerance_)) continue;
@@ -283,10 +294,10 @@ class Union {
 
   /// Cuts a triangle where the others pass through it. One in the same plane cuts along its edges.
   [[nodiscard]] std::vector<Facet> facetsOf(std::int32_t k) {
-    std::vector<Facet> facets = {{cornersOf(k), k}};
+    std::vector<Facet> facets = {facetOf(k)};
     const Vec3 own = areaNormal(facets[0].corners).normalized();
     for (const std::int32_t other : partners_[k]) {
-      const Corners corners = cornersOf(other);
+      const std::array<Vec3, 3> corners = cornersOf(other);
       const Aabb box = grown(boundsOf(corners), tolerance_);
       std::vector<std::pair<Vec3, double>> planes;
       if (coplanar(k, other)) {
@@ -336,7 +347,7 @@ class Union {
                          tree_.windingNumber(center - step, &looked) >= kInside;
     if (!spend(looked) || !between) return false;
     return std::ranges::none_of(inPlane, [&](std::int32_t other) {
-      const Corners corners = cornersOf(other);
+      const std::array<Vec3, 3> corners = cornersOf(other);
       return std::pair(pieceOf_[other], other) < std::pair(pieceOf_[facet.triangle], facet.triangle) &&
              areaNormal(corners).dot(area) > 0.0 &&
              std::sqrt(nearestOnTriangle(center, {corners[0], corners[1], corners[2]}).first) <= 2.0 * tolerance_;
@@ -368,13 +379,13 @@ class Union {
     for (const std::int32_t k : largest) {
       if (tookTooLong()) return {};
       if (k >= 0)
-        kept[k] = partners_[k].empty() && ((reached_[pieceOf_[k]].empty() && !within_) || onSurface({cornersOf(k), k}));
+        kept[k] = partners_[k].empty() && ((reached_[pieceOf_[k]].empty() && !within_) || onSurface(facetOf(k)));
     }
     std::vector<Facet> facets;
     for (std::int32_t k = 0; k < countOf(mesh_.triangles); ++k) {
       const bool whole = partners_[k].empty();
       if (tookTooLong()) return {};
-      for (Facet& facet : whole ? std::vector<Facet>{{cornersOf(k), k}} : facetsOf(k)) {
+      for (Facet& facet : whole ? std::vector<Facet>{facetOf(k)} : facetsOf(k)) {
         if (whole ? kept[largest[rootOf(k)]] : onSurface(facet)) {
           facets.push_back(std::move(facet));
         } else {
