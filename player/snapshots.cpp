@@ -119,6 +119,8 @@ Scene SessionScene::of(const Session& session, const SceneOptions& show, const V
     scene.particles = particles->positions();
     scene.particleRadius = particles->settings().radius;
     scene.particleColor = particles->settings().color;
+    scene.water = particles->settings().kind == ParticleSettings::Kind::kWater;
+    scene.particleVelocities = particles->velocities();
   }
   return scene;
 }

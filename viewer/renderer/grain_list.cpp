@@ -5,24 +5,17 @@
 #include <limits>
 
 namespace lorica {
-namespace {
 
-constexpr float kBeside = 1.05f;  // bound of visible grains [clip space]: their centres may be outside the picture
-
-/// Brightness of a grain, 0.8 to 1.2, depending on its index.
-float shadeOf(std::uint32_t index) {
+GrainLook lookOfGrain(std::uint32_t index) {
   // PCG's output function: M. O'Neill, "PCG", 2014.
   std::uint32_t h = index * 747796405u + 2891336453u;
   h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
-  return 0.8f + 0.4f / 65535.0f * (h >> 16u);
+  return {0.8f + 0.4f / 65535.0f * (h >> 16u), 0.85f + 0.3f / 65535.0f * (h & 0xffffu)};
 }
 
-}  // namespace
-
-const std::vector<GrainVertex>& GrainList::choose(std::span<const Vec3f> centers, std::span<const Vec3f> colors,
-                                                  const GrainView& view, float margin) {
+const std::vector<std::uint32_t>& GrainList::choose(std::span<const Vec3f> centers, const GrainView& view,
+                                                    float margin) {
   chosen_.clear();
-  if (colors.empty()) return chosen_;
   const bool hides = std::isfinite(margin);
   const std::size_t count = centers.size();
   depth_.resize(count);
@@ -50,8 +43,7 @@ const std::vector<GrainVertex>& GrainList::choose(std::span<const Vec3f> centers
   for (std::size_t i = 0; i < count; ++i) {
     if (cell_[i] < 0) continue;
     if (hides && depth_[i] > nearest_[cell_[i]] + margin) continue;
-    const Vec3f& color = colors[colors.size() == count ? i : 0];
-    chosen_.push_back({centers[i], shadeOf(i) * color});
+    chosen_.push_back(i);
   }
   return chosen_;
 }

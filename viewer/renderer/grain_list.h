@@ -8,12 +8,6 @@
 
 namespace lorica {
 
-/// Vertex shader input of one grain.
-struct GrainVertex {
-  Vec3f center;
-  Vec3f color;  ///< linear RGB, with a slightly varied brightness
-};
-
 /// The view that grains are chosen for.
 struct GrainView {
   Eigen::Matrix4f clipFromWorld;
@@ -21,21 +15,35 @@ struct GrainView {
   int columns = 1, rows = 1;       ///< cells of the picture; a grain in front fills its cell
 };
 
+/// Bound of visible grains in clip space: their centres may be outside the picture. The cells of a view reach as far.
+inline constexpr float kBeside = 1.05f;
+
+/// How grains differ, depending on their index.
+struct GrainLook {
+  float brightness;  ///< 0.8 to 1.2
+  float size;        ///< 0.85 to 1.15
+};
+[[nodiscard]] GrainLook lookOfGrain(std::uint32_t index);
+
 /// Chooses the visible grains of a heap. Nearly all grains are hidden behind others, and drawing a grain on a CPU costs
 /// a hundred times as much as testing it. A grain is omitted if another one in its cell is nearer by more than a
 /// margin, if it is outside the picture, or if it is not finite.
 class GrainList {
  public:
-  /// @param colors  one per grain, or one for all
   /// @param margin  [m]; not finite = no grain is omitted because of another
-  const std::vector<GrainVertex>& choose(std::span<const Vec3f> centers, std::span<const Vec3f> colors,
-                                         const GrainView& view, float margin);
+  /// @return their indices, ascending
+  const std::vector<std::uint32_t>& choose(std::span<const Vec3f> centers, const GrainView& view, float margin);
+
+  /// The cell of each grain of the last call, row by row from below; -1 = outside the picture.
+  [[nodiscard]] std::span<const std::int32_t> cells() const { return cell_; }
+  /// The depth of each grain in a cell [m].
+  [[nodiscard]] std::span<const float> depths() const { return depth_; }
 
  private:
-  std::vector<float> nearest_;      // smallest depth in each cell
-  std::vector<float> depth_;        // of each grain
-  std::vector<std::int32_t> cell_;  // of each grain; -1 = outside the picture
-  std::vector<GrainVertex> chosen_;
+  std::vector<float> nearest_;  // smallest depth in each cell
+  std::vector<float> depth_;
+  std::vector<std::int32_t> cell_;
+  std::vector<std::uint32_t> chosen_;
 };
 
 }  // namespace lorica

@@ -76,7 +76,7 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   gl.CullFace(GL_FRONT);
   i.drawCasters(Pass::kShadow, i.uploaded.hulls);
   gl.Disable(GL_CULL_FACE);
-  if (options.particles) i.drawGrainShadows(scene);
+  if (options.particles && !i.drawsSurface(scene)) i.drawGrainShadows(scene);
   if (options.ground) i.drawContactShadow(i.uploaded.hulls, i.setup.uniforms.contactArea.z());
   i.drawView(scene, options, camera.eye);
 }
@@ -119,7 +119,8 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
   drawAvatarOpaque();
   gl.Enable(GL_CULL_FACE);
   drawProps(Pass::kLit);
-  if (options.particles) drawGrains(scene);
+  const bool surface = drawsSurface(scene);
+  if (options.particles && !surface) drawGrains(scene);
   if (options.ground) drawFloor();
   gl.Disable(GL_CULL_FACE);
   if (sky) {
@@ -127,6 +128,7 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
     gl.BindVertexArray(skyVertexArray);
     gl.DrawElements(GL_TRIANGLES, skyIndexCount, GL_UNSIGNED_INT, nullptr);
   }
+  if (options.particles && surface) drawWater(scene);
   drawAvatarBlended(eye);
 
   // Translucent hulls.

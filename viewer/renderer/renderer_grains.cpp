@@ -13,16 +13,21 @@ constexpr float kNearGrain = 2.0f;     // grains of at least this radius are dra
 constexpr float kShadowTexels = 2.0f;  // minimum width of a grain's shadow: grains behind it need not be drawn
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
-std::span<const Vec3f> colorsOf(const Scene& scene) {
-  if (scene.particleColors.size() == scene.particles.size()) return scene.particleColors;
-  return {&scene.particleColor, 1};
-}
-
 int cellsIn(int pixels, float cell) {
   return std::max<int>(1, pixels / std::max(cell, 1.0f));
 }
 
 }  // namespace
+
+bool Renderer::Impl::uploadGrains(const Scene& scene, const GrainView& view, float margin) {
+  grainVertices.clear();
+  for (const std::uint32_t i : grains.choose(scene.particles, view, margin)) {
+    const GrainLook look = lookOfGrain(i);
+    grainVertices.push_back({scene.particles[i], look.brightness * scene.particleColor, look.size});
+  }
+  if (!grainVertices.empty()) gpu.upload(grainBuffer, grainVertices);
+  return !grainVertices.empty();
+}
 
 void Renderer::Impl::drawGrainShadows(const Scene& scene) {
   if (scene.particles.empty() || !(scene.particleRadius > 0.0f)) return;
@@ -33,14 +38,12 @@ void Renderer::Impl::drawGrainShadows(const Scene& scene) {
   view.depthFromWorld << -setup.uniforms.toLight.head<3>(), 0.0f;
   view.columns = view.rows = cellsIn(targets.shadowSize, kShadowTexels);
   const float margin = software ? 2.0f * scene.particleRadius : kNone;
-  const std::vector<GrainVertex>& seen = grains.choose(scene.particles, colorsOf(scene), view, margin);
-  if (seen.empty()) return;
-  gpu.upload(grainBuffer, seen);
+  if (!uploadGrains(scene, view, margin)) return;
   gl.UseProgram(grainShadowProgram);
   gl.Uniform4f(grainShadowUniform, scene.particleRadius, kShadowTexels, std::min(maxPointSize, 64.0f), 0.0f);
   gl.Enable(GL_PROGRAM_POINT_SIZE);
   gl.BindVertexArray(grainVertexArray);
-  gl.DrawArrays(GL_POINTS, 0, glCount(seen.size()));
+  gl.DrawArrays(GL_POINTS, 0, glCount(grainVertices.size()));
 }
 
 void Renderer::Impl::drawGrains(const Scene& scene) {
@@ -54,15 +57,13 @@ void Renderer::Impl::drawGrains(const Scene& scene) {
   view.columns = cellsIn(targets.drawnWidth, cell);
   view.rows = cellsIn(targets.drawnHeight, cell);
   const float margin = software ? 3.0f * scene.particleRadius : kNone;
-  const std::vector<GrainVertex>& seen = grains.choose(scene.particles, colorsOf(scene), view, margin);
-  if (seen.empty()) return;
-  gpu.upload(grainBuffer, seen);
+  if (!uploadGrains(scene, view, margin)) return;
   gl.UseProgram(near ? nearGrainProgram : farGrainProgram);
   gl.Uniform4f(near ? nearGrainUniform : farGrainUniform, scene.particleRadius, 1.0f, maxPointSize, 0.0f);
   gl.Enable(GL_PROGRAM_POINT_SIZE);
   if (near && targets.samples > 0) gl.Enable(GL_SAMPLE_ALPHA_TO_COVERAGE);
   gl.BindVertexArray(grainVertexArray);
-  gl.DrawArrays(GL_POINTS, 0, glCount(seen.size()));
+  gl.DrawArrays(GL_POINTS, 0, glCount(grainVertices.size()));
   gl.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 

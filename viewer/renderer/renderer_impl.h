@@ -10,6 +10,7 @@
 #include "viewer/renderer/shaders.h"
 #include "viewer/renderer/skin_mesh.h"
 #include "viewer/renderer/targets.h"
+#include "viewer/renderer/water.h"
 
 #include <array>
 #include <deque>
@@ -19,6 +20,12 @@
 #include <vector>
 
 namespace lorica {
+
+struct GrainVertex {
+  Vec3f center;
+  Vec3f color;  ///< linear RGB
+  float size;   ///< to the radius of all
+};
 
 struct MarkerVertex {
   Vec3f center;
@@ -119,6 +126,13 @@ struct Renderer::Impl {
   GLuint grainVertexArray = 0;
   StreamBuffer grainBuffer;
   GrainList grains;
+  std::vector<GrainVertex> grainVertices;
+  GLuint dropProgram = 0, smoothProgram = 0, waterNormalProgram = 0, waterProgram = 0;
+  GLint dropUniform = -1, smoothUniform = -1, waterUniform = -1;
+  GLuint dropVertexArray = 0;
+  StreamBuffer dropBuffer;
+  WaterCells waterCells;
+  WaterTargets water;
   bool software = false;      ///< software rendering on the CPU: each grain is costly
   float maxPointSize = 1.0f;  ///< of the driver [pixels]
   bool transparent = false;   ///< the last picture
@@ -170,6 +184,13 @@ struct Renderer::Impl {
   void drawProps(shaders::Pass pass);
   void drawGrainShadows(const Scene& scene);
   void drawGrains(const Scene& scene);
+  /// @return whether any is visible
+  bool uploadGrains(const Scene& scene, const GrainView& view, float margin);
+  /// Whether particles are drawn as one surface.
+  [[nodiscard]] bool drawsSurface(const Scene& scene) const {
+    return scene.water && targets.quality != RenderQuality::kLow;
+  }
+  void drawWater(const Scene& scene);
   void drawFloor();
   GLsizei uploadHulls(const Scene& scene, const Vec3& eye);
   /// Parts inside static bodies.

@@ -23,10 +23,12 @@ Result<void> Renderer::Impl::createPrograms() {
     if (!made.ok()) return Result<void>(made.error());
     program = made.value();
     gl.UseProgram(program);
-    // Unit 0: the pass's own texture; 1: contact shadow; 2: shadow map.
-    if (const GLint i = gl.GetUniformLocation(program, "source"); i >= 0) gl.Uniform1i(i, 0);
-    if (const GLint i = gl.GetUniformLocation(program, "contactMap"); i >= 0) gl.Uniform1i(i, 1);
-    if (const GLint i = gl.GetUniformLocation(program, "shadowMap"); i >= 0) gl.Uniform1i(i, 2);
+    // In the order of their units; the first is the pass's own texture.
+    for (GLint unit = 0;
+         const char* map : {"source", "contactMap", "shadowMap", "behind", "behindDepth", "thickness"}) {
+      if (const GLint i = gl.GetUniformLocation(program, map); i >= 0) gl.Uniform1i(i, unit);
+      ++unit;
+    }
     return Result<void>();
   };
   for (const Pass pass : kPasses) {
@@ -58,6 +60,10 @@ Result<void> Renderer::Impl::createPrograms() {
        shaders::grainFragment(Pass::kShadow, false)},
       {&farGrainProgram, "far grains", shaders::grainVertex(Pass::kLit), shaders::grainFragment(Pass::kLit, false)},
       {&nearGrainProgram, "near grains", shaders::grainVertex(Pass::kLit), shaders::grainFragment(Pass::kLit, true)},
+      {&dropProgram, "drops", shaders::dropVertex(), shaders::dropFragment()},
+      {&smoothProgram, "water's smoothing", shaders::fullVertex(), shaders::smoothFragment()},
+      {&waterNormalProgram, "water's normals", shaders::fullVertex(), shaders::waterNormalFragment()},
+      {&waterProgram, "water", shaders::fullVertex(), shaders::waterFragment()},
       {&blurProgram, "blur", shaders::fullVertex(), shaders::blurFragment()},
       {&panelProgram, "panel", shaders::panelVertex(), shaders::panelFragment()},
   };
@@ -68,6 +74,9 @@ Result<void> Renderer::Impl::createPrograms() {
   grainShadowUniform = gl.GetUniformLocation(grainShadowProgram, "grain");
   farGrainUniform = gl.GetUniformLocation(farGrainProgram, "grain");
   nearGrainUniform = gl.GetUniformLocation(nearGrainProgram, "grain");
+  dropUniform = gl.GetUniformLocation(dropProgram, "grain");
+  smoothUniform = gl.GetUniformLocation(smoothProgram, "direction");
+  waterUniform = gl.GetUniformLocation(waterProgram, "water");
   markerTint = gl.GetUniformLocation(markerProgram, "tint");
   panelRectangle = gl.GetUniformLocation(panelProgram, "rectangle");
   return {};
@@ -200,7 +209,13 @@ void Renderer::Impl::createMeshes() {
   gl.BindVertexArray(grainVertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, grainBuffer.id);
   attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(GrainVertex), offsetof(GrainVertex, center));
-  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(GrainVertex), offsetof(GrainVertex, color));
+  attribute(1, 4, GL_FLOAT, GL_FALSE, sizeof(GrainVertex), offsetof(GrainVertex, color));
+  dropVertexArray = gpu.makeVertexArray();
+  dropBuffer.id = gpu.makeBuffer();
+  gl.BindVertexArray(dropVertexArray);
+  gl.BindBuffer(GL_ARRAY_BUFFER, dropBuffer.id);
+  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(DropVertex), offsetof(DropVertex, center));
+  attribute(1, 1, GL_FLOAT, GL_FALSE, sizeof(DropVertex), offsetof(DropVertex, foam));
   GLfloat pointSizes[2] = {1.0f, 1.0f};
   gl.GetFloatv(GL_POINT_SIZE_RANGE, pointSizes);
   maxPointSize = std::min(pointSizes[1], 256.0f);

@@ -50,10 +50,11 @@ struct Scene : SceneFigure {
   std::span<const SceneFigure> others;  ///< further figures
   std::span<const Prop> props;
   std::span<const Contact> contacts;
-  std::span<const Vec3f> particles;          ///< centres of grains or drops [m]
-  float particleRadius = 0.0f;               ///< of all particles [m]
-  Vec3f particleColor{0.60f, 0.45f, 0.26f};  ///< of all particles, linear RGB: dry sand
-  std::span<const Vec3f> particleColors;     ///< of each particle, linear RGB; empty = `particleColor`
+  std::span<const Vec3f> particles;                ///< centres of grains or drops [m]
+  float particleRadius = 0.0f;                     ///< of all particles [m]
+  Vec3f particleColor{0.60f, 0.45f, 0.26f};        ///< of all particles, linear RGB: dry sand
+  bool water = false;                              ///< drawn as one surface, unless the quality is low
+  std::span<const Vec3f> particleVelocities = {};  ///< [m/s]: water foams where they differ; empty = nowhere
   const Image* inset = nullptr;       ///< opaque, at the lower right, a quarter of the picture's width; null = none
   double time = 0.0;                  ///< of moving textures [s]
   std::optional<Aabb> unhidden = {};  ///< props between the eye and this are drawn see-through; none = all are solid

@@ -125,6 +125,14 @@ std::string frameBlock() {
   return kFrame;
 }
 
+std::string colorCurves() {
+  return kColor;
+}
+
+std::string backdrop() {
+  return kBackdrop;
+}
+
 std::string shadowLookup() {
   return kShadow;
 }
@@ -365,8 +373,10 @@ void main() {
 std::string grainVertex(Pass pass) {
   std::string text = std::string(kFrame) + R"(
 layout(location = 0) in vec3 center;
-layout(location = 1) in vec3 tint;
+layout(location = 1) in vec4 tintAndSize;
 uniform vec4 grain;
+#define tint tintAndSize.rgb
+#define size (grain.x * tintAndSize.a)
 )";
   if (pass == Pass::kShadow) {
     // The map's side is 1 in texture coordinates: rows of shadowFromWorld are texture lengths per metre.
@@ -375,7 +385,7 @@ void main() {
   vec3 s = (shadowFromWorld * vec4(center, 1.0)).xyz * 2.0 - 1.0;
   gl_Position = dot(center, center) < 1e8 ? vec4(s, 1.0) : vec4(2.0, 2.0, 2.0, 1.0);
   float perMetre = length(vec3(shadowFromWorld[0].x, shadowFromWorld[1].x, shadowFromWorld[2].x)) / toLight.w;
-  gl_PointSize = clamp(2.0 * grain.x * perMetre, grain.y, grain.z);
+  gl_PointSize = clamp(2.0 * size * perMetre, grain.y, grain.z);
 }
 )";
   }
@@ -388,10 +398,10 @@ void main() {
   vec4 c = clipFromWorld * vec4(center, 1.0);
   float distance = max(c.w, 1e-3);
   // Move grains that are not finite or behind the viewer outside the clip volume.
-  gl_Position = dot(center, center) < 1e8 && c.w > grain.x ? c : vec4(2.0, 2.0, 2.0, 1.0);
-  float pixels = rayUp.w * viewport.y * grain.x / distance;
+  gl_Position = dot(center, center) < 1e8 && c.w > size ? c : vec4(2.0, 2.0, 2.0, 1.0);
+  float pixels = rayUp.w * viewport.y * size / distance;
   gl_PointSize = clamp(pixels, grain.y, grain.z);
-  vec4 front = clipFromWorld * vec4(center - rayForward.xyz * grain.x, 1.0);
+  vec4 front = clipFromWorld * vec4(center - rayForward.xyz * size, 1.0);
   depths = vec3(0.5 + 0.5 * c.z / distance, 0.5 + 0.5 * front.z / max(front.w, 1e-3), 2.0 / gl_PointSize);
 
   float lit = shadowAt(center + toLight.xyz * (1.5 * grain.x), vec3(0.0));

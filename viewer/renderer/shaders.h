@@ -41,12 +41,22 @@ std::string overlayFragment();
 std::string markerVertex();
 std::string markerFragment();
 
-/// Grains: points that look like balls; center 0, color 1. Uniform "grain": radius [m]; minimum and maximum point size
-/// of the pass [pixels].
+/// Grains: points that look like balls; center 0, color and relative size 1. Uniform "grain": radius [m]; minimum and
+/// maximum point size of the pass [pixels].
 std::string grainVertex(Pass pass);
 /// @param fine  for grains of many pixels: with a round rim, anti-aliased by alpha to coverage, and the depth of a
 ///              ball. Otherwise nearly square, which allows the depth test before shading.
 std::string grainFragment(Pass pass, bool fine);
+
+/// Water, by passes: drops leave their depth and foam (uniform "grain": radius [m], pixels of the map to one of the
+/// picture, maximum point size); that is smoothed, along one direction at a time (uniform "direction": x, y, radius and
+/// pixels as before); normals are found; and the picture behind is seen through it (uniform "water": colour, bound of
+/// the cells).
+std::string dropVertex();
+std::string dropFragment();
+std::string smoothFragment();
+std::string waterNormalFragment();
+std::string waterFragment();
 
 /// fullVertex(): a triangle over the whole target; panelVertex(): one over the uniform "rectangle" (clip space).
 std::string fullVertex();

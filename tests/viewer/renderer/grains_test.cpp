@@ -27,14 +27,10 @@ GrainView flatView(int cells) {
 TEST(GrainList, WhatIsBehindAnotherInItsCellIsLeftOut) {
   const std::vector<Vec3f> centers = {
       {0.01f, 0.01f, 0.0f}, {0.02f, 0.01f, 0.5f}, {0.02f, 0.02f, 0.45f}, {0.5f, 0.5f, 0.0f}};
-  const std::vector<Vec3f> one = {Vec3f::Ones()};
   GrainList list;
-  const std::vector<GrainVertex>& seen = list.choose(centers, one, flatView(10), 0.1f);
-  ASSERT_EQ(seen.size(), 3u);
-  EXPECT_EQ(seen[0].center, centers[1]);
-  EXPECT_EQ(seen[1].center, centers[2]) << "within the margin";
-  EXPECT_EQ(seen[2].center, centers[3]) << "in its own cell";
-  EXPECT_EQ(list.choose(centers, one, flatView(10), std::numeric_limits<float>::infinity()).size(), 4u);
+  // 2 is within the margin, 3 in its own cell.
+  EXPECT_EQ(list.choose(centers, flatView(10), 0.1f), (std::vector<std::uint32_t>{1, 2, 3}));
+  EXPECT_EQ(list.choose(centers, flatView(10), std::numeric_limits<float>::infinity()).size(), 4u);
 }
 
 TEST(GrainList, WhatIsOutsideOrNotFiniteIsLeftOut) {
@@ -42,20 +38,20 @@ TEST(GrainList, WhatIsOutsideOrNotFiniteIsLeftOut) {
   const float inf = std::numeric_limits<float>::infinity();
   const std::vector<Vec3f> centers = {{1.2f, 0, 0}, {0, -1.2f, 0}, {nan, 0, 0}, {0, inf, 0}, {0.9f, 0.9f, 0}};
   GrainList list;
-  const std::vector<GrainVertex>& seen = list.choose(centers, centers, flatView(7), 0.1f);
-  ASSERT_EQ(seen.size(), 1u);
-  EXPECT_EQ(seen[0].center, centers[4]);
+  EXPECT_EQ(list.choose(centers, flatView(7), 0.1f), std::vector<std::uint32_t>{4});
 }
 
-TEST(GrainList, AGrainKeepsItsShadeWhateverHidesBesideIt) {
-  const std::vector<Vec3f> apart = {{-0.5f, 0, 0}, {0.5f, 0, 0}};
-  const std::vector<Vec3f> stacked = {{0.5f, 0, -0.9f}, {0.5f, 0, 0}};
-  const std::vector<Vec3f> one = {Vec3f::Constant(0.5f)};
-  GrainList list;
-  const Vec3f color = list.choose(apart, one, flatView(10), 0.1f)[1].color;
-  const std::vector<GrainVertex>& seen = list.choose(stacked, one, flatView(10), 0.1f);
-  ASSERT_EQ(seen.size(), 1u);
-  EXPECT_EQ(seen[0].color, color);
+TEST(GrainList, GrainsDifferALittle) {
+  double brightness = 0.0, size = 0.0;
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const GrainLook look = lookOfGrain(i);
+    EXPECT_NEAR(look.brightness, 1.0f, 0.2f);
+    EXPECT_NEAR(look.size, 1.0f, 0.15f);
+    brightness += look.brightness / 1000.0;
+    size += look.size / 1000.0;
+  }
+  EXPECT_NEAR(brightness, 1.0, 0.02);
+  EXPECT_NEAR(size, 1.0, 0.02);
 }
 
 TEST(Grains, LookLikeBallsOfTheirRadius) {
@@ -71,7 +67,7 @@ TEST(Grains, LookLikeBallsOfTheirRadius) {
     scene.particleRadius = radius;
     scene.particleColor = {0.05f, 0.02f, 0.02f};
     const Image image = studio->draw(scene, options, test::frontCamera(), kWidth, kHeight);
-    const double r = radius * perMetre;
+    const double r = lookOfGrain(0).size * radius * perMetre;
     int covered = 0;
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x) {
