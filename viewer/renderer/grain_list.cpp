@@ -8,9 +8,14 @@ namespace lorica {
 
 GrainLook lookOfGrain(std::uint32_t index) {
   // PCG's output function: M. O'Neill, "PCG", 2014.
-  std::uint32_t h = index * 747796405u + 2891336453u;
-  h = ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
-  return {0.8f + 0.4f / 65535.0f * (h >> 16u), 0.85f + 0.3f / 65535.0f * (h & 0xffffu)};
+  const auto mixed = [](std::uint32_t h) {
+    h = h * 747796405u + 2891336453u;
+    return ((h >> ((h >> 28u) + 4u)) ^ h) * 277803737u;
+  };
+  const std::uint32_t h = mixed(index), k = mixed(h);
+  const Vec3f shift((k & 0x3ffu) / 1023.0f, (k >> 10u & 0x3ffu) / 1023.0f, (k >> 20u & 0x3ffu) / 1023.0f);
+  return {0.8f + 0.4f / 65535.0f * (h >> 16u), 0.85f + 0.3f / 65535.0f * (h & 0xffffu),
+          0.4f * (2.0f * shift - Vec3f::Ones())};
 }
 
 const std::vector<std::uint32_t>& GrainList::choose(std::span<const Vec3f> centers, const GrainView& view,

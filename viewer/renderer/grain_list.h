@@ -22,6 +22,7 @@ inline constexpr float kBeside = 1.05f;
 struct GrainLook {
   float brightness;  ///< 0.8 to 1.2
   float size;        ///< 0.85 to 1.15
+  Vec3f shift;       ///< of its centre, at most 0.4 radii along each axis: a bed that was never stirred shows no rows
 };
 [[nodiscard]] GrainLook lookOfGrain(std::uint32_t index);
 

@@ -23,7 +23,8 @@ bool Renderer::Impl::uploadGrains(const Scene& scene, const GrainView& view, flo
   grainVertices.clear();
   for (const std::uint32_t i : grains.choose(scene.particles, view, margin)) {
     const GrainLook look = lookOfGrain(i);
-    grainVertices.push_back({scene.particles[i], look.brightness * scene.particleColor, look.size});
+    grainVertices.push_back(
+        {scene.particles[i] + scene.particleRadius * look.shift, look.brightness * scene.particleColor, look.size});
   }
   if (!grainVertices.empty()) gpu.upload(grainBuffer, grainVertices);
   return !grainVertices.empty();

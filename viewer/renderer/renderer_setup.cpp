@@ -215,7 +215,7 @@ void Renderer::Impl::createMeshes() {
   gl.BindVertexArray(dropVertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, dropBuffer.id);
   attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(DropVertex), offsetof(DropVertex, center));
-  attribute(1, 1, GL_FLOAT, GL_FALSE, sizeof(DropVertex), offsetof(DropVertex, foam));
+  attribute(1, 2, GL_FLOAT, GL_FALSE, sizeof(DropVertex), offsetof(DropVertex, foam));
   GLfloat pointSizes[2] = {1.0f, 1.0f};
   gl.GetFloatv(GL_POINT_SIZE_RANGE, pointSizes);
   maxPointSize = std::min(pointSizes[1], 256.0f);

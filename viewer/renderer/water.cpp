@@ -12,7 +12,8 @@ constexpr int kCoarse = 3;         // cells of the list to one of the water's, i
 constexpr float kNoWater = 1e6f;   // depth where there is none [m]
 constexpr float kFoamFrom = 0.7f;  // that a drop is faster or slower than those around it [m/s]
 constexpr float kFoamTo = 2.2f;
-constexpr float kDropSize = 1.7f;  // radius of what is drawn to that of a drop, so that they join
+constexpr float kDropSize = 1.7f;                       // radius of what is drawn to that of a drop, so that they join
+constexpr float kAloneSize = 0.5f, kJoinedSize = 0.1f;  // size of a drop by itself, and for each beside it
 constexpr int kSmoothings = 2;
 
 int coarse(int fine) {
@@ -48,7 +49,8 @@ const std::vector<DropVertex>& WaterCells::make(std::span<const Vec3f> centers, 
   for (const std::uint32_t i : chosen) {
     const std::int32_t cell = cellOf(list.cells()[i], view.columns);
     const float apart = moves ? (velocities[i] - velocity_[cell] / count_[cell]).norm() : 0.0f;
-    drops_.push_back({centers[i], std::clamp((apart - kFoamFrom) / (kFoamTo - kFoamFrom), 0.0f, 1.0f)});
+    drops_.push_back({centers[i], std::clamp((apart - kFoamFrom) / (kFoamTo - kFoamFrom), 0.0f, 1.0f),
+                      std::min(kAloneSize + kJoinedSize * (count_[cell] - 1.0f), 1.0f)});
   }
   // Cells hold few drops: each becomes the mean of itself and its neighbours, first along rows, then along columns.
   const auto blur = [this](int lines, int lineStep, int length, int step) {

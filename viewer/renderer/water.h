@@ -11,6 +11,7 @@ namespace lorica {
 struct DropVertex {
   Vec3f center;
   float foam;  ///< 0 to 1
+  float size;  ///< to the radius of all: drops by themselves are smaller
 };
 
 /// What of water does not depend on its surface: in cells of a picture, how much of it lies behind one another, and

@@ -12,15 +12,15 @@ constexpr const char* kNone = "const float kNone = 1e5;\n";
 std::string dropVertex() {
   return frameBlock() + R"(
 layout(location = 0) in vec3 center;
-layout(location = 1) in float foam;
+layout(location = 1) in vec2 foamAndSize;
 uniform vec4 grain;
 flat out vec3 ball;  // depth, radius, foam
 void main() {
   vec4 c = clipFromWorld * vec4(center, 1.0);
-  float depth = max(c.w, 1e-3);
-  gl_Position = dot(center, center) < 1e8 && c.w > grain.x ? c : vec4(2.0, 2.0, 2.0, 1.0);
-  gl_PointSize = clamp(rayUp.w * viewport.y * grain.y * grain.x / depth, 1.0, grain.z);
-  ball = vec3(depth, grain.x, foam);
+  float depth = max(c.w, 1e-3), radius = grain.x * foamAndSize.y;
+  gl_Position = dot(center, center) < 1e8 && c.w > radius ? c : vec4(2.0, 2.0, 2.0, 1.0);
+  gl_PointSize = clamp(rayUp.w * viewport.y * grain.y * radius / depth, 1.0, grain.z);
+  ball = vec3(depth, radius, foamAndSize.x);
 }
 )";
 }
@@ -96,15 +96,16 @@ void main() {
 }
 
 std::string waterFragment() {
-  return frameBlock() + colorCurves() + backdrop() + shadowLookup() + kNone + R"(
+  return frameBlock() + colorCurves() + backdrop() + kNone + R"(
 uniform sampler2D source;
+uniform sampler2DShadow shadowMap;
 uniform sampler2D behind;
 uniform sampler2D behindDepth;
 uniform sampler2D thickness;
 uniform vec4 water;
 in vec2 place;
 out vec4 color;
-vec3 linear(vec3 c) { return pow(c, vec3(2.2)); }
+vec3 linear(vec3 c) { return c * (c * (c * 0.305306011 + 0.682171111) + 0.012522878); }  // of sRGB
 float depthBehind(vec2 p, vec2 range) { return range.y / (texture(behindDepth, p).x * 2.0 - 1.0 - range.x); }
 void main() {
   // Between the four nearest pixels of the map, as far as there is water.
@@ -138,12 +139,19 @@ void main() {
   vec3 v = -normalize(ray), position = eye.xyz + depth * ray;
   gl_FragDepth = 0.5 + 0.5 * (range.x + range.y / depth);
 
-  float through = min(texture(thickness, (place * 2.0 - 1.0) / water.w * 0.5 + 0.5).x, (end - depth) * length(ray));
-  vec2 bent = place - seen.xy * vec2(viewport.y * viewport.z, 1.0) * (0.12 * min(through, 0.5) * rayUp.w / depth);
-  if (depthBehind(bent, range) < depth) bent = place;
+  float through = texture(thickness, (place * 2.0 - 1.0) / water.w * 0.5 + 0.5).x;
+  float shift = 0.12 * min(min(through, (end - depth) * length(ray)), 0.5) * rayUp.w / depth;
+  vec2 bent = place - seen.xy * vec2(viewport.y * viewport.z, 1.0) * shift;
+  float bentEnd = depthBehind(bent, range);
+  if (bentEnd < depth) {
+    bent = place;
+    bentEnd = end;
+  }
+  through = min(through, (bentEnd - depth) * length(ray));
   vec3 passed = exp(-through * (1.0 - water.rgb) * vec3(5.0, 3.6, 3.6));
 
-  float lit = shadowAt(position, n), key = max(dot(n, toLight.xyz), 0.0) * lit;
+  float lit = texture(shadowMap, (shadowFromWorld * vec4(position + n * 0.03, 1.0)).xyz);
+  float key = max(dot(n, toLight.xyz), 0.0) * lit;
   vec3 scattered = water.rgb * (vec3(0.50, 0.545, 0.60) + vec3(0.61, 0.575, 0.525) * lit);
   vec3 body = mix(scattered, linear(texture(behind, bent).rgb), passed);
 
@@ -152,10 +160,12 @@ void main() {
   vec3 r = reflect(-v, n);
   float t = clamp(r.y * 1.6, 0.0, 1.0);
   vec3 sky = linear(mix(mix(kHorizon, kFloor * 0.8, clamp(-r.y * 4.0, 0.0, 1.0)), kZenith, t * (2.0 - t)));
-  float gloss = pow(max(dot(n, normalize(toLight.xyz + v)), 0.0), 240.0) * lit;
+  float gloss = max(dot(n, normalize(toLight.xyz + v)), 0.0);
+  for (int i = 0; i < 8; ++i) gloss *= gloss;
+  gloss *= lit;
   vec3 surface = mix(body, sky, mirrored) + 2.0 * gloss;
 
-  vec3 foam = vec3(0.42, 0.45, 0.48) + vec3(0.56, 0.54, 0.50) * key;
+  vec3 foam = vec3(0.56, 0.60, 0.64) + vec3(0.42, 0.40, 0.37) * key;
   color = vec4(toSrgb(toneMap(mix(surface, foam, 0.85 * clamp(seen.w, 0.0, 1.0)))), 1.0);
 }
 )";

@@ -47,6 +47,7 @@ TEST(GrainList, GrainsDifferALittle) {
     const GrainLook look = lookOfGrain(i);
     EXPECT_NEAR(look.brightness, 1.0f, 0.2f);
     EXPECT_NEAR(look.size, 1.0f, 0.15f);
+    EXPECT_LE(look.shift.cwiseAbs().maxCoeff(), 0.4f);
     brightness += look.brightness / 1000.0;
     size += look.size / 1000.0;
   }
@@ -61,7 +62,7 @@ TEST(Grains, LookLikeBallsOfTheirRadius) {
   const Image empty = studio->draw({}, options, test::frontCamera(), kWidth, kHeight);
   const double perMetre = test::seenAt({1, 1, 0}, kWidth, kHeight)[0] - 0.5 * kWidth;
   for (const float radius : {0.01f, 0.03f, 0.15f}) {
-    const std::vector<Vec3f> one = {{0.0f, 1.0f, 0.0f}};
+    const std::vector<Vec3f> one = {Vec3f(0.0f, 1.0f, 0.0f) - radius * lookOfGrain(0).shift};
     Scene scene;
     scene.particles = one;
     scene.particleRadius = radius;
@@ -88,11 +89,13 @@ TEST(Grains, BallsMeetWhereTheirDepthsSay) {
   box.worldFromProp.translation() = Vec3(0, 1, -0.1);
   box.color = {0.05f, 0.05f, 0.8f};
   const std::vector<Prop> props = {box};
-  const std::vector<Vec3f> one = {{0.0f, 1.0f, -0.12f}};
+  const GrainLook look = lookOfGrain(0);
+  const float radius = 0.2f / look.size;
+  const std::vector<Vec3f> one = {Vec3f(0.0f, 1.0f, -0.12f) - radius * look.shift};
   Scene scene;
   scene.props = props;
   scene.particles = one;
-  scene.particleRadius = 0.2f;
+  scene.particleRadius = radius;
   scene.particleColor = {0.8f, 0.02f, 0.02f};
   const Image image = studio->draw(scene, {}, test::frontCamera(), kWidth, kHeight);
   // Radius of the circle in which the ball intersects the plane z = 0: sqrt(0.2^2 - 0.12^2) = 0.16.
