@@ -23,11 +23,10 @@ namespace lorica {
 namespace {
 
 constexpr double kVideoSeconds = 8.0;
-constexpr const char* kOwnMotion = "punch_and_kick";  // of a character that is dropped on the window
 
 struct Options {
   std::string character = "mannequin";
-  std::string out = "lorica-demo";
+  std::string scene, out = "lorica-demo";
   bool window = false, headless = false;
   double seconds = 0.0;           // 0 = not given
   RunSetting run = {};            // of the page
@@ -38,7 +37,7 @@ struct Options {
 /// The demo that was played.
 struct Show {
   std::unique_ptr<Run> run;
-  bool fromCache = false;
+  std::optional<bool> fromCache;
   double decomposing = 0.0;  // [s]
   std::optional<DemoFiles> files = {};
 
@@ -50,17 +49,9 @@ Result<Show> start(DemoCast demo, const RunSetting& setting, Host& host) {
   return Show{std::move(run), demo.fromCache, demo.seconds};
 }
 
-/// Plays repeatedly until the window is closed or the time limit is reached.
-/// @return with what the user opened meanwhile
-Result<Showing> playForPeople(const Options& options, Screen& screen, WindowOpener& opener, Show& show, Host& host) {
-  LORICA_TRY(Showing showing, lorica::show(*show.run, options.pictures, &screen, &opener, host));
-  if (showing.end == RunEnd::kInterrupted) return cancelled();
-  return showing;
-}
-
 /// Plays once and draws every frame if a renderer is available.
 Result<Show> playForFiles(const Options& options, Host& host) {
-  LORICA_TRY(DemoCast demo, prepareDemo(options.character, host));
+  LORICA_TRY(DemoCast demo, prepareDemo(options.character, options.scene, host));
   const Motion& motion = *demo.cast.avatars.front().motion;
   const double rate = (motion.frameCount() - 1) / std::max(motion.seconds(), 1e-6);
   Result<DemoPictures> pictures = DemoPictures::create(options.out, rate, host);
@@ -96,7 +87,7 @@ nlohmann::ordered_json toJson(const Show& show) {
   json["parts"] = show.body().decomposition.parts.size();
   json["error"] = show.body().meanError;
   json["keyframes"] = show.body().errorPerKeyframe.size();
-  json["fromCache"] = show.fromCache;
+  json["fromCache"] = show.fromCache ? nlohmann::ordered_json(*show.fromCache) : nullptr;
   json["decompositionSeconds"] = show.decomposing;
   addStatisticsTo(json, show.run->statistics);
   json["hash"] = hexDigits(show.run->session.hash());
@@ -116,9 +107,10 @@ Report toReport(const Show& show) {
   const DecompositionFile& body = show.body();
   Report report(fmt::format("The {} performed {}: {:.1f} s, {}", show.run->session.character().name, show.run->name(),
                             show.run->seconds(), counted(show.run->statistics.frames(), "frame")));
-  const std::string origin =
-      show.fromCache ? "from the cache" : fmt::format("computed in {:.1f} s and cached", show.decomposing);
-  report.line("body", fmt::format("{} trained on {}, {}", counted(std::ssize(body.decomposition.parts), "convex part"),
+  const std::string origin = !show.fromCache   ? ""
+                             : *show.fromCache ? ", from the cache"
+                                               : fmt::format(", computed in {:.1f} s and cached", show.decomposing);
+  report.line("body", fmt::format("{} trained on {}{}", counted(std::ssize(body.decomposition.parts), "convex part"),
                                   counted(std::ssize(body.errorPerKeyframe), "keyframe"), origin));
   report.line("error", fmt::format("the hulls have {} more volume than the body", percent(body.meanError)));
   addTrainingTo(report, show.run->statistics);
@@ -168,12 +160,12 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   }
   Screen& screen = screens->screen();
   LORICA_TRY(std::optional<DemoCast> demo, loadOnScreen<DemoCast>(screen, host, [&](Host& loading) {
-               return prepareDemo(options.character, loading);
+               return prepareDemo(options.character, options.scene, loading);
              }));
   if (!demo) return {};
   screens->announce(host);
   CastRequest present;
-  present.motion = kOwnMotion;
+  present.motion = kDemoCharacterMotion;
   present.reading.drawn = true;
   WindowOpener opener(std::move(present), host, options.run.written() ? kWrittenOnce : "");
   opener.recordInto(options.serve.recordings);
@@ -184,7 +176,8 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   if (options.seconds > 0.0) setting.atEnd = AtEnd::kRepeat;
   if (setting.frames > 0) setting.atEnd = AtEnd::kReturn;
   LORICA_TRY(Show show, start(std::move(*demo), setting, host));
-  LORICA_TRY(Showing opened, playForPeople(options, screen, opener, show, host));
+  LORICA_TRY(Showing opened, lorica::show(*show.run, options.pictures, &screen, &opener, host));
+  if (opened.end == RunEnd::kInterrupted) return cancelled();
   if (opened.next) return playOpened(common, host, screen, opener, std::move(opened));
   Report report = toReport(show);
   nlohmann::ordered_json json = toJson(show);
@@ -212,6 +205,8 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
       "      a window if there is a display, which opens what is dropped on it; else a video in lorica-demo/\n"
       "  lorica demo hero.glb\n"
       "      your own character does the same\n"
+      "  lorica demo --scene pool\n"
+      "      who stands in water kicks floating boxes and balls\n"
       "  lorica demo --headless --out /tmp/pictures\n"
       "      a video (8 s), snapshots and a contact sheet\n"
       "  lorica demo --headless --seconds 2 --json -\n"
@@ -222,6 +217,7 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
          "CHARACTER", options->character,
          "A character: a humanoid does all of it, another performs a clip of its own or stands [default: mannequin]")
       ->typeName("");
+  addSceneOption(*app, options->scene);
   app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
       ->typeName("DIR");
   Option* window = app->addFlag("--window", options->window,

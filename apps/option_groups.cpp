@@ -219,9 +219,10 @@ BodyChoice bodyChoice(const std::string& name) {
 }
 
 void addSceneOption(CommandLine& app, std::string& scene) {
-  app.addOption("--scene", scene,
-                "Scene: a scene file (.json), or boxes, bowling, bridge, curtain, dominoes, duel, pool, sand or "
-                "targets [default: boxes and balls of the demo]")
+  app.addOption(
+         "--scene", scene,
+         "Scene: a scene file (.json), or beach, boxes, bowling, bridge, curtain, dominoes, duel, fountain, pool, "
+         "sand or targets [default: boxes and balls of the demo]")
       ->typeName("SCENE");
 }
 

@@ -92,10 +92,19 @@ Result<Motion> makeDemoMotion(Host& host) {
   return performance;
 }
 
-Result<DemoCast> prepareDemo(const std::string& character, Host& host) {
-  LORICA_TRY(Motion motion, makeDemoMotion(host));
+Result<DemoCast> prepareDemo(const std::string& character, const std::string& scene, Host& host) {
   CastRequest request;
   request.reading.drawn = true;
+  if (!scene.empty()) {
+    request.scene = scene;
+    CastRequest moved = request;
+    moved.motion = kDemoCharacterMotion;
+    const bool given = character != "mannequin";
+    if (given) request.character = moved.character = character;
+    LORICA_TRY(Cast cast, prepareSettledCast(given ? std::vector{moved, request} : std::vector{request, moved}, host));
+    return DemoCast{std::move(cast), {}};
+  }
+  LORICA_TRY(Motion motion, makeDemoMotion(host));
   AvatarSetting setting;
   setting.character = character;
   Result<PreparedAvatar> avatar = readAvatar(request, setting, std::move(motion), host);

@@ -12,9 +12,13 @@ namespace lorica {
 /// The demo: a humanoid, that motion, boxes and balls. Another character performs its own clip, or stands.
 struct DemoCast {
   Cast cast;
-  bool fromCache = false;  ///< the decomposition
-  double seconds = 0.0;    ///< of computing it
+  std::optional<bool> fromCache;  ///< the decomposition; not known with a scene
+  double seconds = 0.0;           ///< of computing it
 };
-[[nodiscard]] Result<DemoCast> prepareDemo(const std::string& character, Host& host);
+/// @param scene  played instead, with its own avatars; empty = none. See readSceneText()
+[[nodiscard]] Result<DemoCast> prepareDemo(const std::string& character, const std::string& scene, Host& host);
+
+/// What the mannequin does in a scene without avatars, and a character that is dropped on the demo.
+inline constexpr const char* kDemoCharacterMotion = "punch_and_kick";
 
 }  // namespace lorica
