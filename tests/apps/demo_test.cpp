@@ -63,6 +63,20 @@ TEST(Demo, DrawsToFilesAndStartsFromTheCacheTheSecondTime) {
   EXPECT_EQ(third.json()["hash"], json["hash"]);
 }
 
+TEST(Demo, AScenePlaysInItsPlaceWithItsOwnAvatarsOrWithOneThatKicks) {
+  const TemporaryFolder folder;
+  for (const auto& [scene, motion] : {std::pair{"dominoes", "walk"}, {"boxes", "punch_and_kick"}}) {
+    const CommandResult demo = runLorica(
+        {"demo", "--headless", "--seconds", "0.1", "--scene", scene, "--out", folder.path() / scene, "--json", "-"});
+    ASSERT_EQ(demo.exitCode, 0) << demo.err;
+    EXPECT_EQ(demo.json()["recording"], motion);
+    EXPECT_TRUE(demo.json()["fromCache"].is_null());
+  }
+  const CommandResult missing = runLorica({"demo", "--headless", "--scene", "pond", "--out", folder.path() / "no"});
+  EXPECT_EQ(missing.exitCode, 2);
+  EXPECT_NE(missing.err.find("pond"), std::string::npos) << missing.err;
+}
+
 TEST(Demo, WithoutTheVideoModuleThereArePictures) {
   const TemporaryFolder folder;
   folder.write("liblorica_video.so", "");  // found first, but not a library

@@ -344,6 +344,56 @@ TEST(ShippedScenes, WhatIsInThePoolFloats) {
   for (const Vec3f& p : world.particles()->positions()) EXPECT_LT(p.cwiseAbs().maxCoeff(), 1.3f);
 }
 
+TEST(ShippedScenes, TheFountainRisesAndWhatFloatsStaysInItsBasin) {
+  SceneFile scene = shipped("fountain");
+  scene.particles->settleSeconds = 0.2;
+  World world = makeWorld(scene);
+  for (int i = 0; i < 45; ++i) world.step({}, 1.0 / 30.0);
+  const std::span<const Vec3f> drops = world.particles()->positions();
+  EXPECT_TRUE(std::ranges::any_of(drops, [](const Vec3f& p) { return p.y() > 1.1f; }));
+  int ducks = 0;
+  for (const Prop& prop : world.props()) {
+    if (prop.mass == 0.0) continue;
+    const Vec3 at = prop.worldFromProp.translation();
+    EXPECT_GT(at.y(), 0.2);
+    EXPECT_LT(std::max(std::abs(at.x()), std::abs(at.z())), 0.95);
+    ducks += prop.shape == PropShape::kMesh ? 1 : 0;
+  }
+  EXPECT_EQ(ducks, 2);
+}
+
+/// Grains lie where a foot has pressed no longer.
+TEST(ShippedScenes, OnTheBeachFootprintsStay) {
+  const SceneFile scene = shipped("beach");
+  Session session = performance(SyntheticMotion::kWalk, scene);
+  const auto lowAt = [&](const Vec3& foot) {
+    float top = 0.0f;
+    for (const Vec3f& p : session.world().particles()->positions()) {
+      if (std::hypot(p.x() - foot.x(), p.z() - foot.z()) < 0.02) top = std::max(top, p.y());
+    }
+    return top < 0.055f;  // of a bed of 8 cm
+  };
+  Vec3 print = Vec3::Zero();
+  for (int i = 0; i < 60; ++i) {
+    ASSERT_TRUE(session.step().value());
+    if (i == 20) {
+      double lowest = 1.0;
+      for (const LivePart& part : session.avatar(0).partsInWorld()) {
+        for (const Vec3& v : part.shape.vertices) {
+          const Vec3 p = part.worldFromPart * v;
+          if (p.y() < lowest) print = p;
+          lowest = std::min(lowest, p.y());
+        }
+      }
+      EXPECT_TRUE(lowAt(print)) << "the foot is there";
+    }
+  }
+  for (const LivePart& part : session.avatar(0).partsInWorld()) {
+    for (const Vec3& v : part.shape.vertices) EXPECT_GT((part.worldFromPart * v - print).norm(), 0.15);
+  }
+  EXPECT_TRUE(lowAt(print)) << "it has gone";
+}
+
 TEST(ShippedScenes, FistsAndFeetBreakTheWallOfBoxes) {
   Session session = performance(SyntheticMotion::kPunchAndKick, shipped("boxes"));
   const std::size_t count = session.world().props().size();
