@@ -153,7 +153,8 @@ void main() {
   float lit = texture(shadowMap, (shadowFromWorld * vec4(position + n * 0.03, 1.0)).xyz);
   float key = max(dot(n, toLight.xyz), 0.0) * lit;
   vec3 scattered = water.rgb * (vec3(0.50, 0.545, 0.60) + vec3(0.61, 0.575, 0.525) * lit);
-  vec3 body = mix(scattered, linear(texture(behind, bent).rgb), passed);
+  vec4 beyond = texture(behind, bent);  // without colour where nothing is drawn
+  vec3 body = mix(scattered, linear(beyond.rgb), passed);
 
   float edge = 1.0 - max(dot(n, v), 0.0);
   float mirrored = 0.02 + 0.98 * edge * edge * edge * edge * edge;
@@ -166,7 +167,9 @@ void main() {
   vec3 surface = mix(body, sky, mirrored) + 2.0 * gloss;
 
   vec3 foam = vec3(0.56, 0.60, 0.64) + vec3(0.42, 0.40, 0.37) * key;
-  color = vec4(toSrgb(toneMap(mix(surface, foam, 0.85 * clamp(seen.w, 0.0, 1.0)))), 1.0);
+  float white = 0.85 * clamp(seen.w, 0.0, 1.0);
+  float clear = (1.0 - beyond.a) * (1.0 - white) * dot(passed, vec3(0.3333));
+  color = vec4(toSrgb(toneMap(mix(surface, foam, white))), 1.0 - clear);
 }
 )";
 }

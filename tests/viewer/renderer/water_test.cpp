@@ -116,6 +116,24 @@ TEST(Water, FoamsWhereItsDropsDoNotMoveTogether) {
   EXPECT_GT(redWith(wild), still + 60);
 }
 
+TEST(Water, LetsThroughWhatAPictureIsLaidOver) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  SceneOptions options;
+  options.ground = false;
+  options.transparent = true;
+  const auto alphaOf = [&](float depth) {
+    const std::vector<Vec3f> drops = block(depth);
+    Image image = studio->draw(sceneOf(drops), options, test::frontCamera(), kWidth, kHeight);
+    EXPECT_EQ(image.pixel(5, 5)[3], 0);
+    return image.pixel(kWidth / 2, kHeight / 2)[3];
+  };
+  const int thin = alphaOf(0.08f), thick = alphaOf(0.8f);
+  // 8 cm pass exp(-0.4), exp(-0.2) and exp(-0.115) of red, green and blue.
+  EXPECT_NEAR(thin, 255.0 * (1.0 - (std::exp(-0.4) + std::exp(-3.6 * 0.7 * 0.08) + std::exp(-3.6 * 0.4 * 0.08)) / 3.0),
+              30.0);
+  EXPECT_GT(thick, thin + 80);
+}
+
 TEST(Water, IsDrawnAsBallsInTheLowestQuality) {
   LORICA_REQUIRE_STUDIO(studio, "");
   studio->setQuality(RenderQuality::kLow);
