@@ -3,6 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/edge_table.h"
 #include "geometry/triangle_tree.h"
+#include "geometry/union_find.h"
 
 #include <algorithm>
 #include <bit>
@@ -65,23 +66,6 @@ double bendOf(const Wing& a, const Wing& b) {
   const double apart = std::abs(a.angle - b.angle);
   return std::abs(std::numbers::pi - apart);
 }
-
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
-  std::size_t find(std::size_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void unite(std::size_t a, std::size_t b) {
-    a = find(a);
-    b = find(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::size_t> parent_;
-};
 
 /// The offset of a vertex at which all faces around it are offset by 1, as far as that can be had.
 Vec3 miter(const Mat3& squares, const Vec3& sum) {
@@ -199,8 +183,8 @@ TriMesh wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vector
       if (other < 0) continue;
       const std::size_t side =
           sideOf(sheets.triangles[other], sheets.triangles[k][i], sheets.triangles[k][(i + 1) % 3]);
-      corners.unite(3 * k + i, 3 * static_cast<std::size_t>(other) + (side + 1) % 3);
-      corners.unite(3 * k + (i + 1) % 3, 3 * static_cast<std::size_t>(other) + side);
+      corners.unite(3 * k + i, 3 * other + (side + 1) % 3);
+      corners.unite(3 * k + (i + 1) % 3, 3 * other + side);
     }
   }
   std::vector<VertexIndex> numberOf(3 * count, -1);

@@ -7,6 +7,7 @@
 #include "geometry/mesh_repair.h"
 #include "geometry/near_positions.h"
 #include "geometry/triangle_tree.h"
+#include "geometry/union_find.h"
 #include "geometry/work_budgets.h"
 
 #include <algorithm>
@@ -356,23 +357,18 @@ class Union {
 
   /// Triangles that no other touches are on the surface together with their neighbours.
   [[nodiscard]] std::vector<Facet> keptFacets() {
-    std::vector<std::int32_t> group(mesh_.triangles.size());
-    std::iota(group.begin(), group.end(), 0);
-    const auto rootOf = [&](std::int32_t k) {
-      while (group[k] != k) k = group[k] = group[group[k]];
-      return k;
-    };
+    UnionFind groups(mesh_.triangles.size());
     EdgeTable(mesh_.vertices.size(), mesh_.triangles)
         .forEachEdge([&](VertexIndex, std::span<const TriangleSide> sides) {
           const std::int32_t a = sides.front().triangle, b = sides.back().triangle;
           if (!partners_[a].empty() || !partners_[b].empty()) return;
-          group[std::max(rootOf(a), rootOf(b))] = std::min(rootOf(a), rootOf(b));
+          groups.unite(a, b);
         });
     cut_.assign(pieceBoxes_.size(), false);
     std::vector<std::int32_t> largest(mesh_.triangles.size(), -1);  // of a group, at its root
     const auto areaOf = [&](std::int32_t k) { return areaNormal(cornersOf(k)).norm(); };
     for (std::int32_t k = 0; k < countOf(mesh_.triangles); ++k) {
-      std::int32_t& shown = largest[rootOf(k)];
+      std::int32_t& shown = largest[groups.find(k)];
       if (shown < 0 || areaOf(k) > areaOf(shown)) shown = k;
     }
     std::vector<bool> kept(mesh_.triangles.size());  // of a group, at its largest triangle
@@ -386,7 +382,7 @@ class Union {
       const bool whole = partners_[k].empty();
       if (tookTooLong()) return {};
       for (Facet& facet : whole ? std::vector<Facet>{facetOf(k)} : facetsOf(k)) {
-        if (whole ? kept[largest[rootOf(k)]] : onSurface(facet)) {
+        if (whole ? kept[largest[groups.find(k)]] : onSurface(facet)) {
           facets.push_back(std::move(facet));
         } else {
           cut_[pieceOf_[k]] = true;

@@ -2,6 +2,7 @@
 
 #include "geometry/edge_table.h"
 #include "geometry/errors.h"
+#include "geometry/union_find.h"
 
 #include <fmt/format.h>
 
@@ -9,7 +10,6 @@
 #include <bit>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace lorica {
@@ -204,24 +204,15 @@ Aabb surfaceBounds(const TriMesh& mesh) {
 }
 
 Components connectedComponents(std::size_t vertexCount, std::span<const Triangle> triangles) {
-  std::vector<VertexIndex> parent(vertexCount);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto root = [&](VertexIndex v) {
-    while (parent[v] != v) v = parent[v] = parent[parent[v]];
-    return v;
-  };
+  UnionFind connected(vertexCount);
   for (const Triangle& t : triangles) {
-    for (int i = 1; i < 3; ++i) {
-      const VertexIndex a = root(t[0]);
-      const VertexIndex b = root(t[i]);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    for (int i = 1; i < 3; ++i) connected.unite(t[0], t[i]);
   }
   Components components;
   components.componentOfTriangle.reserve(triangles.size());
   std::vector<std::int32_t> label(vertexCount, -1);
   for (const Triangle& t : triangles) {
-    std::int32_t& l = label[root(t[0])];
+    std::int32_t& l = label[connected.find(t[0])];
     if (l < 0) l = components.count++;
     components.componentOfTriangle.push_back(l);
   }
