@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws docs/BENCHMARKS.md and its charts from the CSV files in docs/benchmarks; scripts/benchmarks writes these.
+"""Draws docs/BENCHMARKS.md, its charts and a table of docs/DECOMPOSITION.md from the CSV files in docs/benchmarks, which
+scripts/benchmarks writes.
 
 usage: charts.py [FOLDER]                     FOLDER stands for docs/, for a test that compares
        charts.py --compare A B NAME...        the same programs' CSV of two commits, in folders A and B
@@ -216,6 +217,30 @@ def score(page):
     page.section("Quality of parts", words, about, score=bars("Score, 1 is best", "", groups, dots=True, low=0.5))
 
 
+def presets(page):
+    """The table of docs/DECOMPOSITION.md: the same rows as the chart of scores."""
+    rows, about = page.read("vhacd")
+    names = ["paper", "fast", "quality"]
+    of = {name: [row for row in rows if row["preset"] == name] for name in names}
+    score_of = {name: {f"{row['mesh']} {row['wanted']}".lower(): row["score17"] for row in of[name]} for name in names}
+    each = lambda shown: [shown(of[name]) for name in names]
+    middle = lambda column: each(lambda own: f"{statistics.median(float(row[column]) for row in own):.2f}")
+    scores = lambda meshes: [", ".join(f"{float(score_of[name][mesh]):.3f}" for mesh in meshes) for name in names]
+    no_worse = lambda own: sum(row["score17"] >= other["score17"] for row, other in zip(own, of["paper"]))
+    groups = [("table 5", "sledge 14", "torus 5", "block 19"), ("octopus 31", "genus 12", "elk_toy 13", "dinosaur 8"), ("bunny 8",)]
+    table = [(f"{len(of['fast'])} rows", names), ("mean score", each(
+        lambda own: f"{statistics.fmean(float(row['score17']) for row in own):.4f}")),
+        ("rows at least as good as `paper`", ["", *each(lambda own: f"{no_worse(own)} of {len(own)}")[1:]]),
+        (f"median seconds, {rows[0]['threads']} threads", middle("seconds")), ("median CPU seconds", middle("cpu_seconds")),
+        *((", ".join(group), scores(group)) for group in groups)]
+    lines = [f"| {label} | {' | '.join(cells)} |\n".replace("|  |", "| |") for label, cells in table]
+    lines.insert(1, "|---|---|---|---|\n")
+    document = page.folder / "DECOMPOSITION.md"
+    text = document.read_text()
+    start = text.index("\n\n", text.index("`build/bench/vhacd FOLDER bench/vhacd_counts.csv`")) + 2
+    document.write_text(text[:start] + "".join(lines) + text[text.index("\n\n", start) + 1:])
+
+
 def others(page):
     for chart, unit in (("concavity", ""), ("seconds", "s"), ("hulls", "hulls")):
         for label, group in page.from_docs(chart):
@@ -286,7 +311,7 @@ def serve(page):
 
 def draw(folder):
     page = Page(folder)
-    for section in (live, growth, score, others, particles, rays, serve):
+    for section in (live, growth, score, presets, others, particles, rays, serve):
         section(page)
     worse = [f"| {what} | {ours} | {who}: {theirs} |" for what, ours, who, theirs in page.worse]
     intro = ["# Benchmarks", "", textwrap.fill(f"Made by `scripts/benchmarks` from the CSV files in [benchmarks](benchmarks/{page.version.name}), which the "
