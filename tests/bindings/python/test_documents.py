@@ -105,6 +105,21 @@ class Commands(unittest.TestCase):
         self.assertIn("EXPORTS.md", pages)
         self.run_pages([(page, 1) for page in pages])
 
+    def test_pictures_of_scenes_are_those_that_are_drawn_now(self):
+        from matplotlib.image import imread
+        page = (DOCS / "SCENE_GALLERY.md").read_text()
+        with tempfile.TemporaryDirectory() as folder:
+            os.makedirs(Path(folder) / "docs/pictures")
+            for scene in ("boxes", "duel", "targets"):
+                line = re.search(rf"^    (lorica snapshot .*scene_{scene}\.png)$", page, re.M)[1]
+                result = self.run_line(line, folder)
+                self.assertEqual(result.returncode, 0, f"{line}\n{result.stdout}")
+                drawn, kept = (imread(Path(where) / f"docs/pictures/scene_{scene}.png")[..., :3] for where in (folder, SOURCE))
+                self.assertEqual(drawn.shape, kept.shape)
+                # Other versions of Mesa round edges otherwise; a limb or a box elsewhere is hundreds of pixels.
+                wrong = (abs(drawn - kept).max(axis=2) > 0.25).mean()
+                self.assertLess(wrong, 0.001, f"scene_{scene}.png: run scripts/gallery")
+
     def test_every_option_is_one_of_its_command(self):
         helps, count = {}, 0
         for page in [SOURCE / "README.md", *sorted(DOCS.glob("*.md"))]:
