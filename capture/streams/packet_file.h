@@ -50,11 +50,11 @@ class PacketFile {
 /// Whether a file has the extension .pcap; case is ignored.
 [[nodiscard]] bool isPacketFile(const std::filesystem::path& file);
 
-/// The bytes that begin such a file, and those of one packet from 127.0.0.1 to 127.0.0.1.
+/// The bytes that begin such a file.
+[[nodiscard]] std::string packetFileHeader();
+/// The bytes of one packet from 127.0.0.1 to 127.0.0.1.
 /// @param microseconds  since 1970
 /// @param fromPort      tells senders apart
-[[nodiscard]] std::string packetFileHeader();
-/// A packet as it stands in the file. @param microseconds  since 1970.
 [[nodiscard]] std::string packetRecord(std::span<const std::byte> payload, std::uint64_t microseconds,
                                        std::uint16_t fromPort, std::uint16_t toPort);
 
