@@ -22,21 +22,22 @@ enum class DecomposePreset : std::uint8_t {
 /// hold more data, so that caches written by older versions are not used.
 inline constexpr std::uint64_t kAlgorithmVersion = 10;
 
+/// How a mesh is cut, and when cutting stops; whichever limit is reached first.
 struct DecomposeSettings {
   /// M: at most as many, fewer if that leaves the hulls as tight. 0 = until no concave edge remains (Algorithm 1) that
   /// is deeper than 1e-5 of the diagonal, the noise of files with 6 digits
   int maxParts = 16;
-  DecomposePreset preset = DecomposePreset::kFast;
+  DecomposePreset preset = DecomposePreset::kFast;  ///< what the zeros below stand for
   int candidateEdges = 0;  ///< C: concave edges tried for each cut, deepest first; 0 = preset's value (paper: 8)
   int planesPerEdge = 0;   ///< R: plane orientations for each edge; 0 = preset's value (paper: 5)
   /// With limits, the number of parts is the smallest that meets all of them in every keyframe, but at most maxParts
   /// unless that is 0. A limit of 0 is no limit. They are about the parts' hulls, see partHull(), and not about larger
   /// ones with fewer vertices.
-  double maxError = 0.0;      ///< (hull volume - mesh volume) / mesh volume
-  double maxDistance = 0.0;   ///< of any point of a part's hull from the part, see hullDistance() [m]
-  double maxConcavity = 0.0;  ///< of any part, see partConcavity() [m]
-  int threads = 0;            ///< 0 = all of the machine's; the result does not depend on it
-  DecomposeProgress progress = {};
+  double maxError = 0.0;            ///< (hull volume - mesh volume) / mesh volume
+  double maxDistance = 0.0;         ///< of any point of a part's hull from the part, see hullDistance() [m]
+  double maxConcavity = 0.0;        ///< of any part, see partConcavity() [m]
+  int threads = 0;                  ///< 0 = all of the machine's; the result does not depend on it
+  DecomposeProgress progress = {};  ///< called as parts are cut; empty = nobody listens
 };
 
 /// Decomposes an animated mesh into parts whose hulls are close to the surface in every keyframe.

@@ -16,18 +16,18 @@ namespace lorica {
 
 /// Share of a part that a bone moves. Bones are names here: this folder knows no skeletons.
 struct BoneShare {
-  std::string bone;
+  std::string bone;    ///< name of the bone
   double share = 0.0;  ///< above 0, at most 1
 };
 
 /// The content of a .lorica file: a decomposition and what is known about it.
 struct DecompositionFile {
-  Decomposition decomposition;
-  std::string source;  ///< what was decomposed: a file name or "mannequin"
+  Decomposition decomposition;  ///< the parts
+  std::string source;           ///< what was decomposed: a file name or "mannequin"
   std::uint64_t meshHash =
       0;  ///< of the mesh's triangles and vertex count: identifies the mesh that the file was made from
-  double meanError = 0.0;  ///< relative volume error, mean over the training keyframes
-  std::vector<double> errorPerKeyframe;
+  double meanError = 0.0;                                ///< relative volume error, mean over the training keyframes
+  std::vector<double> errorPerKeyframe;                  ///< relative volume errors, one for each training keyframe
   std::vector<DetailLevel> detailLevels;                 ///< entry n - 1 is of the first n parts; empty if unknown
   std::vector<std::vector<BoneShare>> bonesOfPart;       ///< for each part, largest share first; empty if unknown
   std::optional<TrainingRange> training = std::nullopt;  ///< the poses that it was made for

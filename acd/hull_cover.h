@@ -8,7 +8,7 @@ namespace lorica {
 
 /// A point of a live hull.
 struct CoverPoint {
-  PointIndex point = 0;
+  PointIndex point = 0;         ///< of the decomposition
   Vec3 outward = Vec3::Zero();  ///< offset from the surface, in the bind pose [m]; rotates with the point's bones
 };
 

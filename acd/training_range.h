@@ -7,7 +7,7 @@
 
 namespace lorica {
 
-inline constexpr std::size_t kMaxProbes = 128;
+inline constexpr std::size_t kMaxProbes = 128;  ///< points that stand for a pose
 
 /// A compact record of the poses that a decomposition was trained on: the positions of a few of its points, the probes,
 /// in each keyframe. Measures how far a pose is from all of them. Outside the training range the hulls still cover the
@@ -18,6 +18,7 @@ struct TrainingRange {
   std::vector<Vec3> positions;     ///< keyframeCount x probes, keyframe-major, relative to each keyframe's centroid [m]
   double knownDistance = 0.0;      ///< poses up to this distance from the nearest keyframe are in range [m]
 
+  /// The probes in training keyframe `k` [m].
   [[nodiscard]] std::span<const Vec3> keyframe(int k) const {
     return std::span(positions).subspan(k * probes.size(), probes.size());
   }

@@ -29,8 +29,10 @@ void transfer(const Decomposition& decomposition, std::span<const Vec3> posed, s
 struct PoseError {
   double meshVolume = 0.0;  ///< [m^3]
   double hullVolume = 0.0;  ///< [m^3]
+  /// 0 = as tight as the mesh
   [[nodiscard]] double relative() const { return (hullVolume - meshVolume) / meshVolume; }
 };
+/// How much larger the hulls are than the mesh in one pose. @param posed  a position for each vertex [m].
 [[nodiscard]] PoseError errorInPose(const Decomposition& decomposition, const TriMesh& mesh,
                                     std::span<const Vec3> posed);
 

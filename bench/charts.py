@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws docs/BENCHMARKS.md and its charts from the CSV files in docs/benchmarks; scripts/benchmarks writes these.
+"""Draws docs/BENCHMARKS.md, its charts and the tables of other pages from the CSV files in docs/benchmarks, which
+scripts/benchmarks writes.
 
 usage: charts.py [FOLDER]                     FOLDER stands for docs/, for a test that compares
        charts.py --compare A B NAME...        the same programs' CSV of two commits, in folders A and B
@@ -147,6 +148,19 @@ class Page:
                 groups.setdefault(row["row"], []).append((row["who"], float(row["value"])))
         return list(groups.items())
 
+    def said(self, name, pattern):
+        """What the comments of a CSV say: the groups of each match."""
+        return re.findall("^# " + pattern, (self.version / f"{name}.csv").read_text(), re.M)
+
+    def table(self, name, after, head, rows):
+        """Puts a table in place of the one that follows these words in a document."""
+        lines = ["| " + " | ".join(row) + " |" for row in (head, *rows)]
+        lines = [re.sub(r"\|  (?=\|)", "| ", re.sub(r"\|  (?=\|)", "| ", line)) for line in lines]
+        lines.insert(1, "|" + "---|" * len(head))
+        text = (self.folder / name).read_text()
+        start = text.index("\n\n| ", text.index(after)) + 2
+        (self.folder / name).write_text(text[:start] + "\n".join(lines) + text[text.index("\n\n", start):])
+
     def compare(self, what, unit, ours, who, theirs, more_is_better=False):
         if (theirs > ours) if more_is_better else (theirs < ours):
             self.worse.append((what, f"{shown(ours)} {unit}".strip(), who, f"{shown(theirs)} {unit}".strip()))
@@ -216,6 +230,50 @@ def score(page):
     page.section("Quality of parts", words, about, score=bars("Score, 1 is best", "", groups, dots=True, low=0.5))
 
 
+def presets(page):
+    """The tables of docs/DECOMPOSITION.md: the same rows as the charts of scores and of growth."""
+    rows, _ = page.read("vhacd")
+    names = ["paper", "fast", "quality"]
+    of = {name: [row for row in rows if row["preset"] == name] for name in names}
+    score_of = {name: {f"{row['mesh']} {row['wanted']}".lower(): row["score17"] for row in of[name]} for name in names}
+    each = lambda shown: [shown(of[name]) for name in names]
+    middle = lambda column: each(lambda own: f"{statistics.median(float(row[column]) for row in own):.2f}")
+    scores = lambda meshes: [", ".join(f"{float(score_of[name][mesh]):.3f}" for mesh in meshes) for name in names]
+    no_worse = lambda own: sum(row["score17"] >= other["score17"] for row, other in zip(own, of["paper"]))
+    groups = [("table 5", "sledge 14", "torus 5", "block 19"), ("octopus 31", "genus 12", "elk_toy 13", "dinosaur 8"), ("bunny 8",)]
+    page.table("DECOMPOSITION.md", "`build/bench/vhacd FOLDER bench/vhacd_counts.csv`", [f"{len(of['fast'])} rows", *names], [
+        ["mean score", *each(lambda own: f"{statistics.fmean(float(row['score17']) for row in own):.4f}")],
+        ["rows at least as good as `paper`", "", *each(lambda own: f"{no_worse(own)} of {len(own)}")[1:]],
+        [f"median seconds, {rows[0]['threads']} threads", *middle("seconds")], ["median CPU seconds", *middle("cpu_seconds")],
+        *([", ".join(group), *scores(group)] for group in groups)])
+    powers = page.said("scaling", r"(\w+): seconds scale with the power (\S+), CPU seconds (\S+)")
+    page.table("DECOMPOSITION.md", "`build/bench/scaling`", ["with the power of", *(name for name, _, _ in powers)], [
+        ["seconds grow", *(wall for _, wall, _ in powers)], ["CPU seconds grow", *(cpu for _, _, cpu in powers)]])
+
+
+def frames(page):
+    """The tables of docs/LIVE_HULLS.md: a frame of a body, its memory, rays."""
+    rows, _ = page.read("live")
+    hz = [row for row in rows if " at 30 Hz: " in row["what"]]
+    page.table("LIVE_HULLS.md", "`build/bench/live` (without", ["", "median", "CPU", "worst", "beside it, in the same run"], [
+        [row["what"], *(f"{float(row[column]):,.1f} us" for column in ("median_us", "cpu_median_us", "worst_us")),
+         f"{row['beside']}: {float(row['beside_median_us']):,.0f} us"] for row in rows if row not in hz])
+    page.table("LIVE_HULLS.md", "where bodies move farther between frames", ["exact hulls at 30 Hz", "median", "worst"], [
+        [row["what"].split(": ")[1].replace("_", " "), *(f"{float(row[column]):,.0f} us" for column in ("median_us", "worst_us"))] for row in hz])
+    memory = page.said("live", r"a body allocates (\S+) MB and uses (\S+) MB of it; all share (\S+) MB")
+    page.table("LIVE_HULLS.md", "certificates: `build/bench/moving_hull`", [
+        "a body's memory, besides the file", "shared by all of a kind", "reserved for any frame", "touched in frames"], [
+        [what, *(f"{float(size):.2f} MB" for size in (shared, reserved, touched))]
+        for what, (reserved, touched, shared) in zip(("exact", "64 points per hull"), memory)])
+    rows, _ = page.read("rays")
+    of = lambda row, column: f"{float(row[column]):,.2f}" if float(row[column]) < 10 else f"{float(row[column]):,.0f}"
+    page.table("LIVE_HULLS.md", "`bench/rays --frames 5`", [
+        "vertices of a hull, avatars", "a frame: here", "skinning + Embree", "a ray: here", "on the skin", "Embree", "Bullet", "a ball: here", "Bullet"], [
+        [f"{row['hull_vertices']}, {row['avatars']}", of(row, "update_us"), f"{of(row, 'skin_us')} + {of(row, 'refit_us')}",
+         *(of(row, column) for column in ("ray_us", "on_skin_us", "embree_us", "bullet_us", "ball_us", "bullet_ball_us"))]
+        for row in rows if row["rays"] == "10000"])
+
+
 def others(page):
     for chart, unit in (("concavity", ""), ("seconds", "s"), ("hulls", "hulls")):
         for label, group in page.from_docs(chart):
@@ -241,9 +299,17 @@ def particles(page):
     page.section("Particles", f"{int(rows[0]['particles']):,} particles pushed out of a body: CPU time of a frame. The plain loop goes "
                  "particle by particle and hull by hull, and leaves some inside ([PARTICLES](PARTICLES.md)).", about,
                  particles=bars("Particles pushed out of a body", "ms", groups))
+    pairs = [row for row in rows if row["threads"] == "1"], [row for row in rows if row["threads"] == "2"]
+    page.table("PARTICLES.md", "`build/bench/particles`", [
+        "particles", "inside", "wall, one thread; two", "CPU", "plain loop, CPU", "deeper than 1 mm after the plain loop", "after this"], [
+        [one["task"], f"{float(one['inside_percent']):.1f} %", f"{float(one['wall_ms']):.0f}; {float(two['wall_ms']):.0f}", f"{float(one['cpu_ms']):.0f}",
+         f"{float(one['reference_cpu_ms']):.0f}", f"{int(one['reference_deeper_than_1mm']):,}", one["deeper_than_1mm"]] for one, two in zip(*pairs)])
     rows, about = page.read("sand")
     if not rows:
         return
+    page.table("PARTICLES.md", "`build/bench/sand`", ["", "particles", "wall", "CPU", "worst frame: wall", "CPU"], [
+        [row["what"], f"{int(row['particles']):,}", *(f"{float(row[column]):.0f}" for column in ("wall ms", "cpu ms", "most wall ms", "most cpu ms"))]
+        for row in rows])
     cost = {row["what"]: row for row in rows}
     own, plain = cost["the same sand"], cost["plain scalar sand without a body"]
     page.compare("simulated sand", "ms", float(own["cpu ms"]), "a plain loop", float(plain["cpu ms"]))
@@ -286,7 +352,7 @@ def serve(page):
 
 def draw(folder):
     page = Page(folder)
-    for section in (live, growth, score, others, particles, rays, serve):
+    for section in (live, frames, growth, score, presets, others, particles, rays, serve):
         section(page)
     worse = [f"| {what} | {ours} | {who}: {theirs} |" for what, ours, who, theirs in page.worse]
     intro = ["# Benchmarks", "", textwrap.fill(f"Made by `scripts/benchmarks` from the CSV files in [benchmarks](benchmarks/{page.version.name}), which the "

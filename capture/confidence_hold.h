@@ -6,6 +6,7 @@
 
 namespace lorica {
 
+/// What becomes of bones that are not seen.
 struct ConfidenceHoldSettings {
   double holdSeconds = 0.5;    ///< how long to keep the last pose
   double easeSeconds = 1.0;    ///< duration of the following ease to the rest rotation
@@ -22,6 +23,7 @@ struct ConfidenceHoldSettings {
 /// because the local rotation of a seen joint depends on the output of its unseen parent.
 class ConfidenceHold {
  public:
+  /// One for each character and person.
   ConfidenceHold(const Skeleton& skeleton, const ConfidenceHoldSettings& settings);
 
   /// @param time  [s]; a step backwards counts as 0, a long step as 0.1 s
@@ -38,7 +40,7 @@ class ConfidenceHold {
 
   /// Time since the previous frame after the limits of beginFrame() [s]; 0 in the first frame.
   [[nodiscard]] double step() const { return step_; }
-  [[nodiscard]] bool inFirstFrame() const { return frameCount_ == 1; }
+  [[nodiscard]] bool inFirstFrame() const { return frameCount_ == 1; }  ///< of this object
 
  private:
   /// Blend state: 1 follows the live value, below 1 blends towards it.

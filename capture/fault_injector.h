@@ -20,6 +20,7 @@ struct FaultSettings {
   double freeze = 0.0;     ///< fraction of frames that repeat an earlier frame, in runs of 15 frames on average
   std::uint64_t seed = 1;  ///< the same seed gives the same faults
 
+  /// Whether it changes anything
   [[nodiscard]] bool any() const { return dropout > 0.0 || jitter > 0.0 || swap > 0.0 || late > 0.0 || freeze > 0.0; }
   /// Whether any fault affects single joints. Skeletal motion has no such faults.
   [[nodiscard]] bool ofJoints() const { return dropout > 0.0 || jitter > 0.0 || swap > 0.0; }
@@ -42,7 +43,7 @@ class FaultRuns {
   FaultRuns(double share, double length, std::uint64_t seed);
   /// Advances to the next frame and returns its state.
   [[nodiscard]] bool next();
-  [[nodiscard]] RandomNumbers& random() { return random_; }
+  [[nodiscard]] RandomNumbers& random() { return random_; }  ///< of this chain, for other choices of the same fault
 
  private:
   RandomNumbers random_;
@@ -54,6 +55,7 @@ class FaultRuns {
 /// Faults of whole frames, for poses as well as joints.
 class FrameFaults {
  public:
+  /// All faults but those of single joints.
   explicit FrameFaults(const FaultSettings& settings);
   /// Delay of the next frame [s]; 0 = on time.
   [[nodiscard]] double lateness();

@@ -31,7 +31,7 @@ enum class BodyJoint : std::uint8_t {
   kLeftFoot,
   kRightFoot,
 };
-inline constexpr int kBodyJointCount = 15;
+inline constexpr int kBodyJointCount = 15;  ///< joints that BodyJoint names
 
 /// Lower snake case: "left_shoulder".
 [[nodiscard]] std::string_view nameOf(BodyJoint joint);
@@ -49,11 +49,13 @@ inline constexpr int kNobody = std::numeric_limits<int>::min();
 
 /// One person at one point in time.
 struct SkeletonFrame {
-  double time = 0.0;  ///< [s], increases from frame to frame
-  int user = 1;       ///< number of the person, from 0; kNobody while there is none
-  std::array<TrackedJoint, kBodyJointCount> joints;
+  double time = 0.0;                                 ///< [s], increases from frame to frame
+  int user = 1;                                      ///< number of the person, from 0; kNobody while there is none
+  std::array<TrackedJoint, kBodyJointCount> joints;  ///< in the order of BodyJoint
 
+  /// A joint by its name.
   [[nodiscard]] TrackedJoint& operator[](BodyJoint j) { return joints[ordinalOf(j)]; }
+  /// The same, to read.
   [[nodiscard]] const TrackedJoint& operator[](BodyJoint j) const { return joints[ordinalOf(j)]; }
 };
 

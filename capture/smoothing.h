@@ -22,8 +22,10 @@ struct OneEuroSettings {
 /// 0.3 m limb. Time steps may vary. A frame that is not later than the previous one repeats the previous output.
 class OneEuroFilter {
  public:
+  /// One for each person.
   explicit OneEuroFilter(const OneEuroSettings& settings = {});
 
+  /// Smooths the positions of a frame; times increase.
   void apply(SkeletonFrame& frame);
 
   /// Lag of the smoothed joints behind the measured ones so far [s]: the time shift at which both agree best, over all

@@ -23,6 +23,7 @@ class StandingLegs {
     kAlways,
     kOnKnownFloor,  ///< always, and heights are right: the body is not moved
   };
+  /// One for each person.
   explicit StandingLegs(Use use) : use_(use) {}
 
   /// Of the hips above the floor, of somebody who stands [lengths of the trunk].

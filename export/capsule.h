@@ -8,10 +8,11 @@ namespace lorica {
 
 /// All points within a radius of a segment; a ball if both ends are equal.
 struct Capsule {
-  Vec3 from = Vec3::Zero(), to = Vec3::Zero();  ///< ends of the segment [m]
-  double radius = 0.0;                          ///< [m]
+  Vec3 from = Vec3::Zero();  ///< one end of the segment [m]
+  Vec3 to = Vec3::Zero();    ///< the other end [m]
+  double radius = 0.0;       ///< [m]
 
-  [[nodiscard]] double volume() const;
+  [[nodiscard]] double volume() const;  ///< [m^3]
   /// Distance of a point outside it [m]; at most 0 inside.
   [[nodiscard]] double outside(const Vec3& p) const;
 };

@@ -17,17 +17,18 @@ namespace lorica {
 /// A convex collider that moves with one bone. Shapes are in model space as in the bind pose: in a pose a point p of
 /// them is at worldFromModel[joint] * p.
 struct RigidCollider {
-  JointIndex joint = 0;
-  PartIndex part = -1;  ///< of the decomposition; -1: of all parts, see perBone
-  TriMesh hull;         ///< convex, counter-clockwise from outside [m]
-  double volume = 0.0;  ///< of the hull [m^3]
-  Capsule capsule;      ///< holds the same surface, for comparison
+  JointIndex joint = 0;  ///< that carries the hull
+  PartIndex part = -1;   ///< of the decomposition; -1: of all parts, see perBone
+  TriMesh hull;          ///< convex, counter-clockwise from outside [m]
+  double volume = 0.0;   ///< of the hull [m^3]
+  Capsule capsule;       ///< holds the same surface, for comparison
 };
 
 /// For each point the first one that moves as it does in every pose: files split vertices for normals and textures, up
 /// to six times.
 [[nodiscard]] std::vector<PointIndex> firstAlike(std::span<const LiftedPoint> lifted);
 
+/// How rigid hulls are fitted to the bones.
 struct RigidColliderSettings {
   int maxVertices = 0;   ///< of a hull, at least 4; 0 = no limit
   bool perBone = false;  ///< one hull for each bone: the skin is cut along weights, and the parts are not used

@@ -22,6 +22,7 @@ struct PrincipalInertia {
   Mat3 axes = Mat3::Identity();  ///< columns, right-handed
   Vec3 moments = Vec3::Zero();   ///< ascending [m^5]
 };
+/// Diagonalizes an inertia tensor; only its lower triangle is read.
 [[nodiscard]] PrincipalInertia principalInertia(const Mat3& inertia);
 
 }  // namespace lorica

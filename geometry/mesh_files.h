@@ -21,8 +21,8 @@ namespace lorica {
 
 /// One object of an OBJ file.
 struct NamedMesh {
-  std::string name;
-  TriMesh mesh;
+  std::string name;  ///< of the object in the file; may be empty
+  TriMesh mesh;      ///< in the file's units
 };
 
 /// Reads an OBJ file as one mesh for each `o` or `g` statement that has faces. Each mesh has only the vertices that its

@@ -15,8 +15,8 @@ enum class PathTrust {
 
 /// Where a file finds the files that it names.
 struct NamedFiles {
-  std::filesystem::path folder = {};  ///< of the file that names them
-  PathTrust trust = PathTrust::kBeneath;
+  std::filesystem::path folder = {};      ///< of the file that names them
+  PathTrust trust = PathTrust::kBeneath;  ///< which paths it may name
 
   /// The path of a file, to be read with NamedBy::kFile. The one rule for every file that names files: the name is
   /// relative, has neither "..", a drive or scheme nor a zero byte, and symbolic links do not lead out of the folder.

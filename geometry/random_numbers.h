@@ -28,6 +28,7 @@ namespace lorica {
 /// The same seed gives the same sequence.
 class RandomNumbers {
  public:
+  /// The same seed gives the same numbers on every machine
   explicit RandomNumbers(std::uint64_t seed) : state_(seed) {}
 
   /// Uniform over all 64-bit numbers.

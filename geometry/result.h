@@ -48,8 +48,8 @@ enum class ErrorCode {
 
 /// A failure caused by data or surroundings: a kind, and one sentence with the numbers in it.
 struct Error {
-  ErrorCode code;
-  std::string message;
+  ErrorCode code;       ///< what kind of failure, for programs
+  std::string message;  ///< a sentence for people, with the file and numbers
 };
 
 /// A value, or the reason why there is none. Asking for the value of a failure stops the program with the failure's
@@ -57,11 +57,13 @@ struct Error {
 template <typename T>
 class [[nodiscard]] Result {
  public:
-  Result(T value) : state_(std::move(value)) {}
-  Result(Error error) : state_(std::move(error)) {}
+  Result(T value) : state_(std::move(value)) {}      ///< a success
+  Result(Error error) : state_(std::move(error)) {}  ///< a failure
 
-  [[nodiscard]] bool ok() const { return state_.index() == 0; }
-  explicit operator bool() const { return ok(); }
+  [[nodiscard]] bool ok() const { return state_.index() == 0; }  ///< whether there is a value
+  explicit operator bool() const { return ok(); }                ///< the same as ok()
+  /// @{
+  /// The value; asking for it without checking ok() first ends the program.
   [[nodiscard]] T& value() & {
     checkOk();
     return *std::get_if<0>(&state_);
@@ -79,10 +81,13 @@ class [[nodiscard]] Result {
   T&& operator*() && { return std::move(*this).value(); }
   T* operator->() { return &value(); }
   const T* operator->() const { return &value(); }
+  /// @}
+  /// Why there is no value; only if not ok().
   [[nodiscard]] const Error& error() const& {
     LORICA_CHECK(!ok(), "a Result that has a value was asked for its error");
     return *std::get_if<1>(&state_);
   }
+  /// Why there is no value; only if not ok().
   [[nodiscard]] Error error() && {
     LORICA_CHECK(!ok(), "a Result that has a value was asked for its error");
     return std::move(*std::get_if<1>(&state_));
@@ -101,13 +106,15 @@ template <>
 class [[nodiscard]] Result<void> {
  public:
   Result() = default;
-  Result(Error error) : error_(std::move(error)) {}
-  [[nodiscard]] bool ok() const { return !error_; }
-  explicit operator bool() const { return ok(); }
+  Result(Error error) : error_(std::move(error)) {}  ///< a failure
+  [[nodiscard]] bool ok() const { return !error_; }  ///< whether it succeeded
+  explicit operator bool() const { return ok(); }    ///< the same as ok()
+  /// Why it failed; only if not ok().
   [[nodiscard]] const Error& error() const& {
     LORICA_CHECK(!ok(), "a Result that succeeded was asked for its error");
     return *error_;
   }
+  /// Why it failed; only if not ok().
   [[nodiscard]] Error error() && {
     LORICA_CHECK(!ok(), "a Result that succeeded was asked for its error");
     return std::move(*error_);

@@ -10,13 +10,13 @@
 
 namespace lorica {
 
-using VertexIndex = std::int32_t;
+using VertexIndex = std::int32_t;             ///< from 0
 using Triangle = std::array<VertexIndex, 3>;  ///< counter-clockwise seen from outside
 
 /// Indexed triangles. Not necessarily closed: see checkClosedTwoManifold().
 struct TriMesh {
-  std::vector<Vec3> vertices;  ///< [m]
-  std::vector<Triangle> triangles;
+  std::vector<Vec3> vertices;       ///< [m]
+  std::vector<Triangle> triangles;  ///< of indices into `vertices`
 };
 
 /// Signed volume by the divergence theorem [m^3]; positive if triangles are counter-clockwise from outside.
@@ -31,9 +31,10 @@ struct TriMesh {
 /// Number of components connected by shared vertices, and the component of each triangle, numbered in order of first
 /// appearance.
 struct Components {
-  int count = 0;
-  std::vector<std::int32_t> componentOfTriangle;
+  int count = 0;                                  ///< number of connected pieces
+  std::vector<std::int32_t> componentOfTriangle;  ///< from 0 to count - 1, one for each triangle
 };
+/// Pieces whose triangles share vertices.
 [[nodiscard]] Components connectedComponents(std::size_t vertexCount, std::span<const Triangle> triangles);
 
 /// Number of edges that belong to exactly one triangle; 0 for a closed mesh. Indices must be in range.

@@ -10,7 +10,7 @@ namespace lorica {
 // files are with their readers.
 
 // Options, and the arguments of C and Python.
-inline constexpr int kMaxThreads = 1024;
+inline constexpr int kMaxThreads = 1024;                    ///< of any command or call
 inline constexpr int kMaxOfAnything = 1'000'000;            ///< parts, vertices of a hull, frames, pictures
 inline constexpr std::size_t kMaxCast = 64;                 ///< avatars that a command sets up
 inline constexpr std::size_t kMaxContactRows = 10'000'000;  ///< of a table of contacts: 960 MB while they wait
@@ -18,14 +18,14 @@ inline constexpr std::size_t kMaxPeople = 6;                ///< before a camera
 inline constexpr std::size_t kMaxRecordedPeople = 64;       ///< in a recording of joints
 
 // Characters: glTF, VRM, FBX, COLLADA.
-inline constexpr std::size_t kMaxGltfElements = 100'000;  ///< of a kind, such as nodes, materials or accessors
-inline constexpr std::size_t kMaxDraws = 200'000;         ///< primitives, each once for every node that draws it
-inline constexpr std::size_t kMaxTriangles = 10'000'000;
+inline constexpr std::size_t kMaxGltfElements = 100'000;   ///< of a kind, such as nodes, materials or accessors
+inline constexpr std::size_t kMaxDraws = 200'000;          ///< primitives, each once for every node that draws it
+inline constexpr std::size_t kMaxTriangles = 10'000'000;   ///< of a mesh
 inline constexpr std::size_t kMaxUnionSteps = 50'000'000;  ///< to unite the pieces of a mesh: two seconds
 inline constexpr std::size_t kMaxLooked = 20'000'000;      ///< triangles, to tell what is inside a surface: a second
 inline constexpr std::size_t kMaxLookedEach = 500;         ///< and as many more for each of them
 inline constexpr std::size_t kMaxJoints = 2'048;  ///< of a file with skins, clips or springs: some steps are quadratic
-inline constexpr std::size_t kMaxClips = 10'000;
+inline constexpr std::size_t kMaxClips = 10'000;  ///< of a file
 inline constexpr double kMaxClipPoses = 8e6;  ///< frames times joints of a clip as a motion: two of them take 1.3 GB
 inline constexpr double kMaxTrainingPoses = 2e6;  ///< of all clips that hulls are fitted to, looked at less often
 inline constexpr int kMaxPictureSide = 16384;     ///< pixels; larger pictures are refused before anything is decoded
@@ -36,12 +36,12 @@ inline constexpr int kMaxMorphTargets = 4'096;               ///< those beyond a
 inline constexpr int kMaxExpressions = 1'024;                ///< those beyond are left out
 inline constexpr int kMaxExpressionBinds = 100'000;          ///< those beyond are left out
 inline constexpr std::size_t kMaxSprings = 10'000;           ///< joints that swing
-inline constexpr std::size_t kMaxSpringColliders = 10'000;
-inline constexpr std::size_t kMaxSpringPairs = 1'000'000;  ///< of a joint that swings and a collider of its chain
-inline constexpr std::size_t kMaxNodeConstraints = 1'000;
+inline constexpr std::size_t kMaxSpringColliders = 10'000;   ///< of a file
+inline constexpr std::size_t kMaxSpringPairs = 1'000'000;    ///< of a joint that swings and a collider of its chain
+inline constexpr std::size_t kMaxNodeConstraints = 1'000;    ///< of a file: joints that follow others
 
 // Scenes.
-inline constexpr std::size_t kMaxSceneProps = 2'000;
+inline constexpr std::size_t kMaxSceneProps = 2'000;       ///< things that move or stand, links of chains counted each
 inline constexpr std::size_t kMaxSceneMeshes = 64;         ///< different ones
 inline constexpr std::size_t kMaxSceneHulls = 4'000;       ///< of all props that are meshes
 inline constexpr std::size_t kMaxSceneNearPairs = 20'000;  ///< props whose boxes overlap

@@ -16,6 +16,7 @@ struct CoverRequest {
   std::optional<double> tolerance;  ///< [m]; 0 = exact
   int hullVertices = 0;             ///< maximum for each hull; 0 = no limit
 
+  /// Whether the user asked for anything
   [[nodiscard]] bool given() const { return tolerance.has_value() || hullVertices > 0; }
   /// Whether every point is kept, so that nothing has to be chosen.
   [[nodiscard]] bool exact() const { return tolerance.value_or(0.0) == 0.0 && hullVertices == 0; }

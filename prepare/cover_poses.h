@@ -11,15 +11,18 @@ namespace lorica {
 
 /// Poses for choosing a cover, and separate poses for measuring it: see chooseCover().
 struct CoverPoses {
-  std::vector<Affine3> sampled, heldOut;  ///< worldFromModel, poses x jointCount, pose-major
-  int jointCount = 0;
-  int randomPoses = 0;  ///< number of random poses at the end of each of the two lists
+  std::vector<Affine3> sampled;  ///< worldFromModel, poses x jointCount, pose-major
+  std::vector<Affine3> heldOut;  ///< the same, of other poses
+  int jointCount = 0;            ///< of the skeleton
+  int randomPoses = 0;           ///< number of random poses at the end of each of the two lists
 
+  /// Those that points are chosen in
   [[nodiscard]] BonePoseView sampledView() const { return {sampled, jointCount}; }
+  /// Those that the choice is judged in
   [[nodiscard]] BonePoseView heldOutView() const { return {heldOut, jointCount}; }
 };
 
-inline constexpr int kCoverPoses = 128;
+inline constexpr int kCoverPoses = 128;  ///< of each kind
 
 /// Half of the poses are frames of motions, taken at even intervals over the concatenated motions and assigned
 /// alternately to the sampled and the held-out poses. If there are fewer frames, each is used once. The other half are

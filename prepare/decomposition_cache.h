@@ -24,10 +24,11 @@ struct DecompositionCache {
 /// $XDG_CACHE_HOME/lorica or ~/.cache/lorica; empty if neither variable holds an absolute path.
 [[nodiscard]] std::filesystem::path userCacheFolder();
 
+/// The parts of a subject, and where they are from.
 struct CachedDecomposition {
-  DecompositionFile file;
-  bool fromCache = false;
-  double seconds = 0.0;  ///< computation time; 0 if it came from the cache
+  DecompositionFile file;  ///< what a `.lorica` file holds
+  bool fromCache = false;  ///< read, not computed
+  double seconds = 0.0;    ///< computation time; 0 if it came from the cache
 };
 
 /// The decomposition that `lorica demo` and `lorica play` use by default: 16 parts from the default keyframes.

@@ -21,10 +21,10 @@ class Host {
   virtual void beginTask(const std::string& /*label*/, const std::string& /*unit*/) {}
   /// How much is done, of a total that is 0 or less if unknown.
   virtual void report(int /*done*/, int /*total*/) {}
-  virtual void endTask() {}
+  virtual void endTask() {}  ///< that of the last beginTask()
   /// What is reported from now on counts from one share of the enclosing stage to another; endStage() ends it.
   virtual void beginStage(double /*from*/, double /*to*/) {}
-  virtual void endStage() {}
+  virtual void endStage() {}  ///< that of the last beginStage()
   /// Whether the work should stop with cancelled().
   [[nodiscard]] virtual bool cancelled() const { return false; }
   /// Whether this is the work of a thread in the background: what cannot be stopped there may be given up.
@@ -45,12 +45,13 @@ class Host {
 /// A task of a host during its lifetime.
 class Task {
  public:
+  /// Begins it; the destructor ends it
   Task(Host& host, const std::string& label, const std::string& unit) : host_(host) { host_.beginTask(label, unit); }
   ~Task() { host_.endTask(); }
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;
-  void update(int done, int total) { host_.report(done, total); }
-  [[nodiscard]] bool cancelled() const { return host_.cancelled(); }
+  void update(int done, int total) { host_.report(done, total); }     ///< see Host::report()
+  [[nodiscard]] bool cancelled() const { return host_.cancelled(); }  ///< see Host::cancelled()
   /// A progress callback that reports and stops when cancelled. The task outlives it.
   [[nodiscard]] std::function<bool(int done, int total)> progress() {
     return [this](int done, int total) {
@@ -66,6 +67,7 @@ class Task {
 /// A stage of a host's work during its lifetime.
 class Stage {
  public:
+  /// Begins it; the destructor ends it
   Stage(Host& host, double from, double to) : host_(host) { host_.beginStage(from, to); }
   ~Stage() { host_.endStage(); }
   Stage(const Stage&) = delete;

@@ -27,11 +27,12 @@ namespace lorica {
 
 /// The frame that a keyframe was taken from.
 struct KeyframeSource {
-  std::size_t motion = 0;
-  std::size_t frame = 0;
-  double time = 0.0;  ///< of the frame, in its motion [s]
+  std::size_t motion = 0;  ///< index of the motion
+  std::size_t frame = 0;   ///< of that motion
+  double time = 0.0;       ///< of the frame, in its motion [s]
 };
 
+/// Poses of a character's mesh that differ as much as possible.
 struct ChosenKeyframes {
   std::vector<Vec3> positions;          ///< [m], count x vertexCount, keyframe-major
   std::vector<KeyframeSource> sources;  ///< one for each keyframe, in the order of the motions

@@ -21,21 +21,21 @@ namespace lorica {
 
 /// What a program sent while it was recorded.
 struct RecordedPackets {
-  std::shared_ptr<const PacketFile> file;
-  std::optional<SenderRest> sender;
-  int steps = 0;  ///< of a session that follows it, pauses included
+  std::shared_ptr<const PacketFile> file;  ///< shared by all that play it
+  std::optional<SenderRest> sender;        ///< how its bones are at rest; none = not known
+  int steps = 0;                           ///< of a session that follows it, pauses included
 };
 
 /// The depth recording that joints were tracked in.
 struct RecordedDepth {
-  std::filesystem::path file;
+  std::filesystem::path file;                   ///< .oni
   std::vector<Isometry3> cameraFromWorld = {};  ///< of each frame
 };
 
 /// A recorded motion before a character performs it: joints, or the motion of a skeleton of its own.
 struct Motion {
-  std::string name;  ///< a file's stem or a shipped name; "hero: Run" for a clip
-  std::vector<SkeletonFrame> joints;
+  std::string name;                             ///< a file's stem or a shipped name; "hero: Run" for a clip
+  std::vector<SkeletonFrame> joints;            ///< of a person, times increasing; empty if there are bones
   std::optional<SkeletalMotion> bones;          ///< if set, there are no joints
   std::optional<RecordedPackets> packets = {};  ///< if set, poses come from these; the bones are the sender's
   std::optional<RecordedDepth> depth = {};      ///< if set, it has a frame for each frame of joints
@@ -46,12 +46,14 @@ struct Motion {
   std::vector<std::string> clips = {};  ///< that its file holds; empty if the file is not that of a character
   std::vector<int> people = {};         ///< that its file holds, by number; empty if that is not known
 
+  /// Of a motion from packets, steps of a session.
   [[nodiscard]] int frameCount() const {
     if (packets) return packets->steps;
     return bones ? bones->frameCount() : countOf(joints);
   }
   /// Of its first seconds, if the frames are at even intervals; at least 1.
   [[nodiscard]] int framesIn(double seconds) const;
+  /// Time stamp of the first frame [s]
   [[nodiscard]] double firstTime() const { return bones ? bones->times.front() : joints.front().time; }
   /// From the first frame to the last [s].
   [[nodiscard]] double seconds() const { return (bones ? bones->times.back() : joints.back().time) - firstTime(); }

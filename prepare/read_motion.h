@@ -21,20 +21,20 @@ inline constexpr int kEveryone = -1;
 
 /// Options for reading and processing a motion.
 struct MotionOptions {
-  std::string format;  ///< of joints; empty = detected from the content
-  int person = 0;      ///< of several in a stream of joints; 0 = the one with the most motion; or kEveryone
-  std::string clip;    ///< in a file with several; empty = the first
-  std::string rest;    ///< pose of a BVH file, see parseBvhRest(); empty = found
-  bool mirror = false;
-  bool upperBody = false;
+  std::string format;          ///< of joints; empty = detected from the content
+  int person = 0;              ///< of several in a stream of joints; 0 = the one with the most motion; or kEveryone
+  std::string clip;            ///< in a file with several; empty = the first
+  std::string rest;            ///< pose of a BVH file, see parseBvhRest(); empty = found
+  bool mirror = false;         ///< left and right exchanged
+  bool upperBody = false;      ///< the legs stand by themselves
   std::string smooth = "off";  ///< or "one-euro"
-  OneEuroSettings oneEuro;
-  bool smoothGiven = false;  ///< one of the options of smoothing was given
-  std::string sender;        ///< model of the sender of recorded packets, see readSenderRest(); empty = none
-  std::string inject;        ///< faults, see parseFaults(); empty = none
+  OneEuroSettings oneEuro;     ///< of `smooth`
+  bool smoothGiven = false;    ///< one of the options of smoothing was given
+  std::string sender;          ///< model of the sender of recorded packets, see readSenderRest(); empty = none
+  std::string inject;          ///< faults, see parseFaults(); empty = none
 
-  [[nodiscard]] JointSettings joints() const;
-  [[nodiscard]] FaultSettings faults() const;
+  [[nodiscard]] JointSettings joints() const;  ///< of a person
+  [[nodiscard]] FaultSettings faults() const;  ///< what is made worse on purpose
 };
 
 /// Reads a motion from a path or, for a name such as `walk`, from the shipped recordings: joints in any known layout,

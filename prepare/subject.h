@@ -33,8 +33,8 @@ enum class WallChoice : std::uint8_t {
 struct CharacterOptions {
   std::string map;              ///< file that assigns humanoid bones to joints; empty = automatic
   double bodyResolution = 0.0;  ///< of the voxels if a closed surface has to be made [m; a mesh's unit]; 0 = automatic
-  BodyChoice body = BodyChoice::kIfNeeded;
-  WallChoice walls = WallChoice::kByReach;
+  BodyChoice body = BodyChoice::kIfNeeded;    ///< whether a closed surface is made
+  WallChoice walls = WallChoice::kByReach;    ///< whether a hollow thing stays hollow
   double thickness = 0.0;                     ///< of thin walls [a mesh's unit]; 0 = automatic
   bool drawn = false;                         ///< the character is drawn: decode the pictures of its materials
   int textureSize = 0;                        ///< largest side of those pictures [pixels]; 0 = as stored
@@ -62,8 +62,8 @@ struct RebuiltMesh {
 /// Something that can be decomposed: a mesh, or a character whose bind pose is `mesh`. A mesh has the file's units and
 /// coordinates; a character is in metres, Y up, facing +Z.
 struct Subject {
-  std::string name;  ///< a file name without its folder, or "mannequin"
-  TriMesh mesh;
+  std::string name;                         ///< a file name without its folder, or "mannequin"
+  TriMesh mesh;                             ///< closed; in the bind pose of a character [m; a mesh's unit]
   std::optional<Character> character;       ///< with a body that can be decomposed
   std::string repaired;                     ///< what was repaired to make the file's mesh closed; empty = nothing
   std::optional<CharacterFile> file;        ///< as read, if the subject comes from a character file

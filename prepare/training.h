@@ -13,8 +13,8 @@ namespace lorica {
 
 /// The motions that a decomposition is trained on, performed by the character.
 struct Training {
-  std::vector<SkeletalMotion> motions;
-  bool ownClips = false;  ///< the character's own are among them
+  std::vector<SkeletalMotion> motions;  ///< that decompositions are made for
+  bool ownClips = false;                ///< the character's own are among them
 };
 
 /// The given motions; if there are none, the character's own clips and, for a humanoid, motions made for any humanoid,
@@ -29,15 +29,15 @@ struct Training {
 
 /// A frame of a motion that was chosen as a keyframe.
 struct ChosenFrame {
-  std::string motion;  ///< its name
-  std::size_t frame = 0;
-  double time = 0.0;  ///< [s]
+  std::string motion;     ///< its name
+  std::size_t frame = 0;  ///< of that motion
+  double time = 0.0;      ///< [s]
 };
 
 /// Keyframes to train a decomposition on.
 struct Keyframes {
-  std::vector<Vec3> positions;  ///< [m], count x vertexCount, keyframe-major
-  int count = 0;
+  std::vector<Vec3> positions;      ///< [m], count x vertexCount, keyframe-major
+  int count = 0;                    ///< keyframes
   std::vector<ChosenFrame> chosen;  ///< one for each keyframe if they were chosen by their differences, else empty
   double farthest = 0.0;            ///< of chosen ones: no frame differs more than this from its nearest keyframe [m]
   std::vector<Affine3> worldFromModel = {};  ///< of the bones, count x jointCount; empty for a mesh

@@ -38,8 +38,8 @@ class AlignedSource {
 
   /// Whether there are no more frames.
   [[nodiscard]] bool ended() const { return ended_; }
-  [[nodiscard]] std::span<const JointTransform> pose() const { return pose_; }
-  [[nodiscard]] const PoseSource& source() const { return *source_; }
+  [[nodiscard]] std::span<const JointTransform> pose() const { return pose_; }  ///< jointCount of the character
+  [[nodiscard]] const PoseSource& source() const { return *source_; }           ///< the one that it was made of
   /// Whether the avatar is there, see PoseSource::present(): from the first frame on.
   [[nodiscard]] bool present() const { return started_ && source_->present(); }
 

@@ -76,6 +76,7 @@ struct JointSettings {
 /// The same for several recordings. Each is retargeted independently, without state from the one before.
 [[nodiscard]] Result<std::vector<SkeletalMotion>> performAll(const Skeleton& skeleton,
                                                              std::span<const std::vector<SkeletonFrame>> recordings);
+/// The poses of several recordings of one character.
 [[nodiscard]] Result<std::vector<SkeletalMotion>> performAll(const Character& character,
                                                              std::span<const std::vector<SkeletonFrame>> recordings);
 

@@ -19,7 +19,11 @@ namespace lorica {
 /// but not the time that the sources waited for joints; springs includes node constraints; springs and particles are 0
 /// if there are none.
 struct StageTimes {
+  /// @{
+  /// Of a stage [s].
   double retarget = 0, springs = 0, motion = 0, points = 0, hulls = 0, physics = 0, particles = 0;
+  /// @}
+  /// [s]
   [[nodiscard]] double total() const { return retarget + springs + motion + points + hulls + physics + particles; }
 };
 
@@ -74,7 +78,9 @@ class Session {
   /// Continues in another world. Queued actions that were not applied yet are dropped.
   void setWorld(World world);
 
+  /// In the order in which they were added
   [[nodiscard]] std::span<const SessionAvatar> avatars() const { return avatars_; }
+  /// @param index  in avatars()
   [[nodiscard]] const SessionAvatar& avatar(int index = 0) const { return avatars_[index]; }
   /// Time of this frame [s].
   [[nodiscard]] double time() const { return time_; }
@@ -83,7 +89,8 @@ class Session {
   /// creates the query, later calls allocate nothing once the most avatars and contacts of a frame have been seen.
   [[nodiscard]] std::span<const BodyContact> avatarContacts() const;
 
-  // Of the first avatar.
+  /// @{
+  /// Of the first avatar, see SessionAvatar.
   [[nodiscard]] const Character& character() const { return avatar().character(); }
   [[nodiscard]] const PoseSource& source() const { return avatar().source(); }
   [[nodiscard]] const SessionSprings* springs() const { return avatar().springs(); }
@@ -95,12 +102,13 @@ class Session {
   [[nodiscard]] bool outsideKnownRange() const { return avatar().outsideKnownRange(); }
   [[nodiscard]] const std::optional<TrainingRange>& training() const { return avatar().training(); }
   [[nodiscard]] std::span<const SelfContact> selfContacts() const { return avatar().selfContacts(); }
+  /// @}
 
-  [[nodiscard]] const World& world() const { return world_; }
-  [[nodiscard]] World& world() { return world_; }
-  [[nodiscard]] const StageTimes& times() const { return times_; }
-  [[nodiscard]] int frameCount() const { return frameCount_; }
-  [[nodiscard]] const SessionHashes& hashes() const { return hashes_; }
+  [[nodiscard]] const World& world() const { return world_; }  ///< props, particles and contacts
+  [[nodiscard]] World& world() { return world_; }              ///< to add props before the first step; later see act()
+  [[nodiscard]] const StageTimes& times() const { return times_; }       ///< of the last step
+  [[nodiscard]] int frameCount() const { return frameCount_; }           ///< steps so far
+  [[nodiscard]] const SessionHashes& hashes() const { return hashes_; }  ///< of all steps so far
   /// One hash of all of hashes().
   [[nodiscard]] std::uint64_t hash() const;
 

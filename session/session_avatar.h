@@ -24,7 +24,10 @@ namespace lorica {
 /// Time of each stage of an avatar's frame [us]; retarget includes smoothing and forward kinematics, but not the time
 /// that the source waited for joints; springs includes node constraints and is 0 if there are none.
 struct AvatarTimes {
+  /// @{
+  /// Of a stage [s].
   double retarget = 0, springs = 0, motion = 0, points = 0, hulls = 0;
+  /// @}
 };
 
 /// One avatar of a session: a character, what moves it, and its body.
@@ -47,19 +50,20 @@ class SessionAvatar {
   /// @param worldFromMotion  rigid: moves and turns the poses of the source
   void setPlace(const Isometry3& worldFromMotion);
 
-  [[nodiscard]] const Character& character() const { return kind_->character; }
-  [[nodiscard]] const PoseSource& source() const { return source_.source(); }
+  [[nodiscard]] const Character& character() const { return kind_->character; }  ///< shared by all avatars of its kind
+  [[nodiscard]] const PoseSource& source() const { return source_.source(); }    ///< where its poses come from
   /// Whether it is there. While it is not, it keeps its last pose, is not drawn and touches nothing.
   [[nodiscard]] bool present() const { return source_.present(); }
   /// Null if there are none.
   [[nodiscard]] const SessionSprings* springs() const { return springs_ ? &*springs_ : nullptr; }
   /// Local transforms of the character's joints, without springs.
   [[nodiscard]] std::span<const JointTransform> pose() const { return source_.pose(); }
+  /// One for each joint, in this frame [m]
   [[nodiscard]] std::span<const Affine3> worldFromJoint() const { return worldFromJoint_; }
   /// The posed mesh vertices and cut points, pointCount() in total [m]. Only rendering needs them; they are computed on
   /// demand.
   [[nodiscard]] std::span<const Vec3> points() const;
-  [[nodiscard]] const LiveBody& body() const { return body_; }
+  [[nodiscard]] const LiveBody& body() const { return body_; }  ///< its parts and their hulls
   /// Its parts in this frame; none while it is not there.
   [[nodiscard]] std::span<const LivePart> partsInWorld() const;
   /// Distance of this frame's pose from the poses that trained the decomposition [m], see acd/training_range.h. None
@@ -68,6 +72,7 @@ class SessionAvatar {
   [[nodiscard]] std::optional<double> trainingDistance() const;
   /// Whether the pose is outside the training range.
   [[nodiscard]] bool outsideKnownRange() const;
+  /// Of the decomposition; none = not known
   [[nodiscard]] const std::optional<TrainingRange>& training() const { return kind_->training; }
   /// Overlapping parts of the body that are not neighbours in the bind pose. Computed on demand; the first call creates
   /// the query, later calls allocate nothing.
@@ -80,7 +85,7 @@ class SessionAvatar {
   [[nodiscard]] int frameCount() const { return frameCount_; }
   /// Chained XXH3 hash of the shapes and poses of its parts in all frames in which it was there.
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
-  [[nodiscard]] const AvatarTimes& times() const { return times_; }
+  [[nodiscard]] const AvatarTimes& times() const { return times_; }  ///< of the last step
 
  private:
   friend class Session;  // moves it through the frames

@@ -23,6 +23,7 @@ enum class SpringMode : std::uint8_t {
 
 /// "none", "file", "body"
 [[nodiscard]] std::string_view nameOf(SpringMode mode);
+/// The inverse of nameOf(); nothing for other names.
 [[nodiscard]] std::optional<SpringMode> springModeNamed(std::string_view name);
 
 /// kFile if the springs have colliders, else kBody.
@@ -52,10 +53,10 @@ class SessionSprings {
                                                         std::span<const Affine3> last, std::span<const LivePart> parts,
                                                         std::span<const Prop> props);
 
-  [[nodiscard]] SpringMode mode() const { return mode_; }
+  [[nodiscard]] SpringMode mode() const { return mode_; }  ///< what hair and clothes collide with
   /// hashOf(SpringBones) of the springs as given.
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
-  [[nodiscard]] const SpringSimulation& simulation() const { return simulation_; }
+  [[nodiscard]] const SpringSimulation& simulation() const { return simulation_; }  ///< the joints that swing
   /// Null unless the mode is kBody.
   [[nodiscard]] const LiveObstacles* obstacles() const { return obstacles_ ? &*obstacles_ : nullptr; }
 

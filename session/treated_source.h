@@ -12,12 +12,13 @@ namespace lorica {
 
 /// Raw joints or poses that were read from a source, before faults, smoothing and retargeting.
 struct SourceLog {
-  std::vector<SkeletonFrame> joints;
+  std::vector<SkeletonFrame> joints;  ///< in their order, before smoothing and faults
   std::vector<double> poseTimes;      ///< [s]
   std::vector<JointTransform> poses;  ///< jointCount per time
   std::vector<double> trust;          ///< jointCount per time; empty if the source has none, see PoseSource::trust()
   ByteWriter expressions;             ///< of each time, as session files hold them, see putExpressions()
 
+  /// Keeps the memory
   void clear() {
     joints.clear();
     poseTimes.clear();
@@ -30,6 +31,7 @@ struct SourceLog {
 /// Passes everything through and appends it to the log; the caller clears the log.
 [[nodiscard]] std::unique_ptr<SkeletonSource> makeLoggedSource(std::unique_ptr<SkeletonSource> source,
                                                                std::shared_ptr<SourceLog> log);
+/// A source that appends the poses that it gives to a log.
 [[nodiscard]] std::unique_ptr<PoseSource> makeLoggedSource(std::unique_ptr<PoseSource> source,
                                                            std::shared_ptr<SourceLog> log);
 
@@ -37,8 +39,8 @@ struct SourceLog {
 /// joints are smoothed and retargeted. The same for recording, playback and replay.
 struct SourceTreatment {
   std::shared_ptr<SourceLog> log;  ///< null = no log
-  FaultSettings faults;
-  JointSettings joints;
+  FaultSettings faults;            ///< what is made worse on purpose
+  JointSettings joints;            ///< how joints are treated before they become a pose
 };
 
 /// @return the source, or an error with the humanoid bones that the character lacks

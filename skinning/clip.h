@@ -17,24 +17,24 @@ enum class KeyInterpolation : std::uint8_t { kStep, kLinear, kCubicSpline };
 /// Keys of one property of one joint. Rotations are stored as in the file; sampling normalises them.
 template <typename Value>
 struct KeyTrack {
-  KeyInterpolation interpolation = KeyInterpolation::kLinear;
-  std::vector<double> times;  ///< [s], strictly increasing, at least one
+  KeyInterpolation interpolation = KeyInterpolation::kLinear;  ///< between two keys
+  std::vector<double> times;                                   ///< [s], strictly increasing, at least one
   std::vector<Value> values;  ///< one per key; three for cubic splines: in-tangent, value, out-tangent
 };
 
 /// The tracks of one joint. Properties without a track stay at rest.
 struct JointTrack {
-  JointIndex joint = 0;
-  std::optional<KeyTrack<Vec3>> translation;
-  std::optional<KeyTrack<Quat>> rotation;
-  std::optional<KeyTrack<Vec3>> scale;
+  JointIndex joint = 0;                       ///< that moves
+  std::optional<KeyTrack<Vec3>> translation;  ///< [m], in the parent's frame; none = the rest pose's
+  std::optional<KeyTrack<Quat>> rotation;     ///< unit quaternions, in the parent's frame; none = the rest pose's
+  std::optional<KeyTrack<Vec3>> scale;        ///< factors; none = the rest pose's
 };
 
 /// An animation of a skeleton.
 struct Clip {
-  std::string name;
-  double seconds = 0.0;  ///< time of the last key
-  std::vector<JointTrack> tracks;
+  std::string name;                ///< in the file; may be empty
+  double seconds = 0.0;            ///< time of the last key
+  std::vector<JointTrack> tracks;  ///< one for each joint that moves
 };
 
 /// Samples the clip at a time. Before its first key a track has the first value, after its last key the last value.
@@ -44,12 +44,13 @@ void sampleClip(const Clip& clip, double time, std::span<JointTransform> pose);
 
 /// A motion of a skeleton as frames: a sampled clip, a BVH file, or a motion retargeted from another skeleton.
 struct SkeletalMotion {
-  std::string name;
-  Skeleton skeleton;
+  std::string name;                   ///< of the clip or file
+  Skeleton skeleton;                  ///< that moves
   std::vector<double> times;          ///< [s], increasing, at least one
   std::vector<JointTransform> poses;  ///< frameCount x jointCount, frame-major
 
-  [[nodiscard]] int frameCount() const { return countOf(times); }
+  [[nodiscard]] int frameCount() const { return countOf(times); }  ///< at least one
+  /// The local transforms of all joints in a frame.
   [[nodiscard]] std::span<const JointTransform> pose(int frame) const {
     const std::size_t joints = skeleton.jointCount();
     return std::span(poses).subspan(static_cast<std::size_t>(frame) * joints, joints);

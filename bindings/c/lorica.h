@@ -42,12 +42,14 @@
 extern "C" {
 #endif
 
+/* In front of everything that the library exports. */
 #if defined(__GNUC__)
 #define LORICA_API __attribute__((visibility("default")))
 #else
 #define LORICA_API
 #endif
 
+/* Whether a call succeeded, or why not. */
 typedef enum lorica_status {
   LORICA_OK = 0,
   LORICA_NOT_FOUND = 1,        /* a file, clip or recording that is not there */
@@ -75,13 +77,14 @@ typedef int (*lorica_progress)(void* user, int32_t done, int32_t wanted);
 
 /* Triangles. Those of the caller need be valid during the call only. */
 typedef struct lorica_mesh {
-  size_t size;
-  const double* vertices; /* x y z for each */
-  size_t vertex_count;
+  size_t size;              /* sizeof this struct, set by the caller */
+  const double* vertices;   /* x y z for each */
+  size_t vertex_count;      /* of the vertices */
   const int32_t* triangles; /* three indices for each */
-  size_t triangle_count;
+  size_t triangle_count;    /* of the triangles */
 } lorica_mesh;
 
+/* How hard it tries. LORICA_PAPER is the algorithm as published. */
 typedef enum lorica_preset { LORICA_FAST = 0, LORICA_PAPER = 1, LORICA_QUALITY = 2 } lorica_preset;
 
 /* When a closed surface is built around a mesh, and takes its place. */
@@ -98,8 +101,9 @@ typedef enum lorica_walls {
   LORICA_WALLS_SHELL = 2 /* a thin wall, also where it is closed */
 } lorica_walls;
 
+/* How a mesh is cut. */
 typedef struct lorica_decompose_options {
-  size_t size;
+  size_t size;      /* sizeof this struct, set by the caller */
   int32_t parts;    /* at most; 0 = 16, or with a limit below as many as it takes; -1 = until no concave edge remains */
   int32_t preset;   /* lorica_preset */
   double max_error; /* stop when the hulls have at most this much more volume, relative to the mesh; 0 = no limit */
@@ -109,22 +113,23 @@ typedef struct lorica_decompose_options {
   int32_t closed_body;      /* lorica_closed_body */
   int32_t threads;          /* 0 = all of the machine's; the result does not depend on it */
   lorica_progress progress; /* parts done and wanted; may be null */
-  void* user;
-  double max_concavity; /* fewest parts whose concavity, as CoACD measures it, is at most this; 0 = no limit */
-  double thickness;     /* of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap */
-  int32_t walls;        /* lorica_walls */
+  void* user;               /* passed to progress */
+  double max_concavity;     /* fewest parts whose concavity, as CoACD measures it, is at most this; 0 = no limit */
+  double thickness;         /* of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap */
+  int32_t walls;            /* lorica_walls */
 } lorica_decompose_options;
 
 /* A convex polyhedron. Filled by the library; see Ownership. */
 typedef struct lorica_hull {
-  size_t size;
-  const double* vertices; /* x y z for each */
-  size_t vertex_count;
+  size_t size;              /* sizeof this struct, set by the caller */
+  const double* vertices;   /* x y z for each */
+  size_t vertex_count;      /* of the vertices */
   const int32_t* triangles; /* three indices for each; none while the hull is flat */
-  size_t triangle_count;
-  double volume; /* in the cubed unit of the vertices */
+  size_t triangle_count;    /* of the triangles */
+  double volume;            /* in the cubed unit of the vertices */
 } lorica_hull;
 
+/* A decomposed mesh. */
 typedef struct lorica_parts lorica_parts;
 
 /* Decomposes a mesh into nearly convex parts. Their hulls together contain every vertex of its surface. There is no
@@ -136,11 +141,15 @@ LORICA_API lorica_status lorica_parts_load(const char* file, const lorica_mesh* 
                                            const lorica_decompose_options* options, lorica_parts** out);
 /* Writes a .lorica file, completely or not at all. It holds no positions. */
 LORICA_API lorica_status lorica_parts_save(const lorica_parts* parts, const char* file);
+/* Null is allowed. */
 LORICA_API void lorica_parts_free(lorica_parts* parts);
+/* At least 1. */
 LORICA_API size_t lorica_parts_count(const lorica_parts* parts);
+/* @param part  below lorica_parts_count() */
 LORICA_API lorica_status lorica_parts_hull(const lorica_parts* parts, size_t part, lorica_hull* out);
 /* Of the mesh, or of the closed surface in its place. */
 LORICA_API double lorica_parts_mesh_volume(const lorica_parts* parts);
+/* Of all hulls together. */
 LORICA_API double lorica_parts_hull_volume(const lorica_parts* parts);
 /* (hull volume - mesh volume) / mesh volume */
 LORICA_API double lorica_parts_error(const lorica_parts* parts);
@@ -154,7 +163,9 @@ typedef struct lorica_character lorica_character;
 /* @param name_or_file  "mannequin", or a .glb, .gltf, .vrm, .fbx or .dae file with a skin or clips. FBX and COLLADA are
  * read in a process of their own: see docs/SECURITY.md */
 LORICA_API lorica_status lorica_character_read(const char* name_or_file, lorica_character** out);
+/* Null is allowed. */
 LORICA_API void lorica_character_free(lorica_character* character);
+/* Of its file, without the ending. */
 LORICA_API const char* lorica_character_name(const lorica_character* character);
 /* What the file was taken to be, in words: rest pose, unit, axes, facing and floor; "" for the mannequin. */
 LORICA_API const char* lorica_character_first_guess(const lorica_character* character);
@@ -168,19 +179,21 @@ LORICA_API const char* lorica_character_joint_name(const lorica_character* chara
 LORICA_API int32_t lorica_character_joint_parent(const lorica_character* character, size_t joint);
 /* Its mesh in the bind pose [m]; of one whose surface is open, the closed body that is decomposed. */
 LORICA_API lorica_status lorica_character_mesh(const lorica_character* character, lorica_mesh* out);
+/* Of the file; 0 for the mannequin. */
 LORICA_API size_t lorica_character_clip_count(const lorica_character* character);
 /* Null if there is no such clip. */
 LORICA_API const char* lorica_character_clip_name(const lorica_character* character, size_t clip);
 
+/* How a character is decomposed. */
 typedef struct lorica_body_options {
-  size_t size;
+  size_t size;           /* sizeof this struct, set by the caller */
   int32_t parts;         /* at most; 0 = the body of `lorica play`, 16 parts, kept in the user's cache */
   int32_t hull_vertices; /* at most this many in each hull and frame, at least 4; 0 = no limit */
   double cover;    /* use fewer points, so that the surface sticks out by at most this before the hulls are enlarged
                       to hold it [m]; 0 = all points */
   int32_t threads; /* 0 = all of the machine's */
   lorica_progress progress; /* parts done and wanted; may be null */
-  void* user;
+  void* user;               /* passed to progress */
 } lorica_body_options;
 
 /* A decomposed character. */
@@ -191,12 +204,16 @@ LORICA_API lorica_status lorica_body_make(const lorica_character* character, con
                                           lorica_body** out);
 /* The body in a .lorica file that was made from this character. */
 LORICA_API lorica_status lorica_body_load(const lorica_character* character, const char* file, lorica_body** out);
+/* Writes a .lorica file, completely or not at all. */
 LORICA_API lorica_status lorica_body_save(const lorica_body* body, const char* file);
+/* Null is allowed. */
 LORICA_API void lorica_body_free(lorica_body* body);
+/* Of its decomposition, at least 1. */
 LORICA_API size_t lorica_body_part_count(const lorica_body* body);
 
+/* How a motion is read. */
 typedef struct lorica_motion_options {
-  size_t size;
+  size_t size;      /* sizeof this struct, set by the caller */
   const char* clip; /* of a character file with several; null or "" = the first */
   int32_t mirror;   /* not 0: left and right are swapped */
 } lorica_motion_options;
@@ -209,9 +226,11 @@ typedef struct lorica_motion lorica_motion;
  * @param options       null = defaults */
 LORICA_API lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
                                             const lorica_motion_options* options, lorica_motion** out);
+/* Null is allowed. */
 LORICA_API void lorica_motion_free(lorica_motion* motion);
 /* What the file was taken to be, in words: rest pose, unit, axes, facing and floor; "" for a shipped recording. */
 LORICA_API const char* lorica_motion_first_guess(const lorica_motion* motion);
+/* At least 1. */
 LORICA_API size_t lorica_motion_frame_count(const lorica_motion* motion);
 /* [s]; of the last frame if there is no such frame */
 LORICA_API double lorica_motion_time(const lorica_motion* motion, size_t frame);
@@ -221,7 +240,9 @@ LORICA_API double lorica_motion_time(const lorica_motion* motion, size_t frame);
 /* A body that is moved. After the first frames nothing is allocated. */
 typedef struct lorica_live lorica_live;
 
+/* In no pose yet: play or pose it first. */
 LORICA_API lorica_status lorica_live_make(const lorica_body* body, lorica_live** out);
+/* Null is allowed. */
 LORICA_API void lorica_live_free(lorica_live* live);
 
 /* Moves it to a frame of a motion of the same character, ... */
@@ -243,7 +264,7 @@ LORICA_API lorica_status lorica_live_support(const lorica_live* live, size_t par
 
 /* How a part moved since the pose before this one; in the first pose, not at all. */
 typedef struct lorica_part_motion {
-  size_t size;
+  size_t size;                         /* sizeof this struct, set by the caller */
   double world_from_part[16];          /* its own frame, which follows the best-fit rigid motion of its points: a matrix
                                           by columns, [m] */
   double previous_world_from_part[16]; /* the same one pose ago */
@@ -285,11 +306,12 @@ LORICA_API lorica_status lorica_live_cast_on_skin(lorica_live* live, const doubl
 
 /* Two overlapping parts of one body that are no neighbours. */
 typedef struct lorica_contact {
-  size_t size;
-  size_t first, second; /* parts, first < second */
-  double position[3];   /* where the overlap is deepest, world [m] */
-  double direction[3];  /* unit, from the first to the second */
-  double depth;         /* how far the second has to move along it [m] */
+  size_t size;         /* sizeof this struct, set by the caller */
+  size_t first;        /* part, smaller than the second */
+  size_t second;       /* part */
+  double position[3];  /* where the overlap is deepest, world [m] */
+  double direction[3]; /* unit, from the first to the second */
+  double depth;        /* how far the second has to move along it [m] */
 } lorica_contact;
 
 /* Finds the overlaps in this pose. The first call prepares the search. @param count  written */
@@ -300,16 +322,16 @@ LORICA_API lorica_status lorica_live_contact(const lorica_live* live, size_t ind
 /* A convex solid of yours: everything within a radius of the convex hull of points. One point makes a ball, two a
  * capsule, eight corners a box. */
 typedef struct lorica_shape {
-  size_t size;
+  size_t size;          /* sizeof this struct, set by the caller */
   const double* points; /* x y z for each, world [m]; at least one */
-  size_t point_count;
-  double radius; /* 0 or more [m] */
+  size_t point_count;   /* of the points */
+  double radius;        /* 0 or more [m] */
 } lorica_shape;
 
 /* A part of the body and a shape that overlap. */
 typedef struct lorica_touch {
-  size_t size;
-  size_t part;
+  size_t size;         /* sizeof this struct, set by the caller */
+  size_t part;         /* of the body */
   double position[3];  /* where the overlap is deepest, world [m] */
   double direction[3]; /* unit, from the part to the shape */
   double depth;        /* how far the shape has to move along it [m] */
@@ -323,11 +345,14 @@ LORICA_API lorica_status lorica_live_touch(const lorica_live* live, size_t index
 
 /* ---- Joints from depth images ---- */
 
+/* The camera, and whom to look for. */
 typedef struct lorica_tracker_options {
-  size_t size;
-  int32_t width, height;               /* of the images [pixels]; 0 = 640, 480 */
-  double horizontal_fov, vertical_fov; /* [rad]; 0 = those of Kinect v1 and Xtion */
-  int32_t max_people;                  /* at once, 1 to 6; 0 = 2 */
+  size_t size;           /* sizeof this struct, set by the caller */
+  int32_t width;         /* of the images [pixels]; 0 = 640 */
+  int32_t height;        /* the same; 0 = 480 */
+  double horizontal_fov; /* [rad]; 0 = that of Kinect v1 and Xtion */
+  double vertical_fov;   /* the same */
+  int32_t max_people;    /* at once, 1 to 6; 0 = 2 */
 } lorica_tracker_options;
 
 /* In the order of NiTE 2. Left and right are the person's own. */
@@ -350,8 +375,9 @@ typedef enum lorica_joint {
   LORICA_JOINT_COUNT
 } lorica_joint;
 
+/* Who is tracked, in one image. */
 typedef struct lorica_person {
-  size_t size;
+  size_t size;             /* sizeof this struct, set by the caller */
   int32_t user;            /* stays while the person is tracked */
   double height;           /* standing [m]; 0 = not yet known */
   double positions[15][3]; /* by lorica_joint: metres, Y up, the floor is y = 0, the camera looks along -Z */
@@ -363,6 +389,7 @@ typedef struct lorica_tracker lorica_tracker;
 
 /* @param options  null = defaults */
 LORICA_API lorica_status lorica_tracker_make(const lorica_tracker_options* options, lorica_tracker** out);
+/* Null is allowed. */
 LORICA_API void lorica_tracker_free(lorica_tracker* tracker);
 /* @param seconds   in the camera's clock, more than that of the last image
  * @param depth_mm  width x height, rows from the top, not mirrored; 0 = not measured

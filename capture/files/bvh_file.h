@@ -24,8 +24,9 @@ struct BvhFile {
 
 /// The pose that the motion's rotations are understood from.
 struct BvhRest {
+  /// Guessed from the file, all rotations zero, a frame of this file, or of another one.
   enum class Kind : std::uint8_t { kFound, kZero, kFrame, kFile };
-  Kind kind = Kind::kFound;
+  Kind kind = Kind::kFound;    ///< which of the members below count
   int frame = 0;               ///< of this file, counted from 0
   std::filesystem::path file;  ///< a BVH file of the same joints: its first frame
 };

@@ -32,6 +32,7 @@ namespace lorica {
 /// The header line and the line of one frame, each with its line end, for writing frames as they arrive. The frame is
 /// not checked.
 [[nodiscard]] std::string jointCsvHeader();
+/// One frame as a line, without its end.
 [[nodiscard]] std::string jointCsvRow(const SkeletonFrame& frame);
 
 /// A SkeletonSource that reads from frames in memory.

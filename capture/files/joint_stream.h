@@ -26,12 +26,15 @@ enum class JointFormat : std::uint8_t {
   kNamedColumns,   ///< a header that names the joints: time, head_x, head_y, head_z, ...
   kAzureJson,      ///< frames of bodies as Azure Kinect's offline_processor writes them
 };
+/// Layouts that JointFormat names
 inline constexpr int kJointFormatCount = static_cast<int>(JointFormat::kAzureJson) + 1;
 
 /// Option value for `--format`: "lorica", "msr-action3d", "utkinect", "kinect2-bodies", ...
 [[nodiscard]] std::string_view nameOf(JointFormat format);
+/// The inverse of nameOf(); nothing for other names.
 [[nodiscard]] std::optional<JointFormat> jointFormatNamed(std::string_view name);
 
+/// How a file of recorded joints is read.
 struct JointStreamSettings {
   std::optional<JointFormat> format = {};  ///< none = detected from the content
   std::optional<int> person = {};          ///< which of several people in one stream; none = the one that moves most
@@ -39,13 +42,13 @@ struct JointStreamSettings {
 
 /// One person's joints from a file, in Lorica's units and axes.
 struct JointStream {
-  std::vector<SkeletonFrame> frames;  ///< at least one, times increasing
-  JointFormat format = JointFormat::kLorica;
-  std::vector<int> people;                   ///< numbers of all people in the file, ascending
-  std::vector<std::string> firstGuess = {};  ///< unit, axes and floor, and what they were taken from
-  std::vector<std::string> notes;            ///< what was repaired or omitted, or is odd: one sentence each
-  Vec3 origin = Vec3::Zero();                ///< of the frames, in the axes of the file's world [m]
-  double start = 0.0;                        ///< time 0 of the frames, in the clock of the file [s]
+  std::vector<SkeletonFrame> frames;          ///< at least one, times increasing
+  JointFormat format = JointFormat::kLorica;  ///< found or given
+  std::vector<int> people;                    ///< numbers of all people in the file, ascending
+  std::vector<std::string> firstGuess = {};   ///< unit, axes and floor, and what they were taken from
+  std::vector<std::string> notes;             ///< what was repaired or omitted, or is odd: one sentence each
+  Vec3 origin = Vec3::Zero();                 ///< of the frames, in the axes of the file's world [m]
+  double start = 0.0;                         ///< time 0 of the frames, in the clock of the file [s]
 };
 
 /// Reads recorded joints in any of the known layouts. Handles decimal commas, repeated or out-of-order frames, gaps,

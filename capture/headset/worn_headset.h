@@ -30,8 +30,9 @@ class WornHeadset {
   void add(double time, const Vec3& position, const Quat& orientation);
   /// The same with the hands; what is not finite is not seen.
   void add(const HeadAndHands& pose);
-  void restart();
+  void restart();  ///< forgets all poses, as when another run begins
 
+  /// The one that was set; none = not known.
   [[nodiscard]] std::optional<Registration> registration() const;
   /// Where the head was that an image shows. @param time  when the image came
   [[nodiscard]] std::optional<WornHead> inImage(double time) const;

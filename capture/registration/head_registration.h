@@ -17,10 +17,10 @@ inline constexpr double kLongestLag = 0.2;  ///< of a camera's joints behind the
 
 /// How the stage frame of a headset (Y up, y = 0 on the floor) lies to the floor frame of a depth camera's tracker.
 struct Registration {
-  double yaw = 0.0;                 ///< of stageFromFloor, about Y [rad]
-  Vec3 translation = Vec3::Zero();  ///< of stageFromFloor [m]
-  Vec3 headInHeadset = kNominalHeadInHeadset;
-  double lag = 0.0;       ///< of the tracked head behind the headset [s], 0 to kLongestLag
+  double yaw = 0.0;                            ///< of stageFromFloor, about Y [rad]
+  Vec3 translation = Vec3::Zero();             ///< of stageFromFloor [m]
+  Vec3 headInHeadset = kNominalHeadInHeadset;  ///< [m]
+  double lag = 0.0;                            ///< of the tracked head behind the headset [s], 0 to kLongestLag
   double residual = 0.0;  ///< median distance of the tracked head from where the headset says it is [m]
 
   // Standard deviations.
@@ -28,6 +28,7 @@ struct Registration {
   double levelDeviation = 0.0;   ///< horizontal distance of a place, over the places that were walked [m]
   double heightDeviation = 0.0;  ///< [m]
 
+  /// The rigid motion that both members above make.
   [[nodiscard]] Isometry3 stageFromFloor() const;
   /// Where the tracker's head joint is, in the floor frame, for a pose of the headset in the stage frame.
   [[nodiscard]] Vec3 headInFloor(const Vec3& position, const Quat& orientation) const;
@@ -64,14 +65,16 @@ class HeadRegistration {
   /// the level more. Allocates.
   [[nodiscard]] bool hasMoved(const Registration& known) const;
 
+  /// The tracker's head joint in an image.
   struct TrackedHead {
-    double time;
-    Vec3 position;
+    double time;    ///< [s]
+    Vec3 position;  ///< floor frame [m]
   };
+  /// What the headset says of itself.
   struct HeadsetPose {
-    double time;
-    Vec3 position;
-    Quat orientation;
+    double time;       ///< [s], of the same clock
+    Vec3 position;     ///< stage frame [m]
+    Quat orientation;  ///< stageFromHeadset
   };
 
  private:

@@ -14,8 +14,8 @@ namespace lorica {
 /// A body's pose by local rotations that are identity in T-pose, facing +Z, whatever the joints' own axes are. VRM
 /// calls such a skeleton normalised; the VMC protocol sends it.
 struct BonePose {
-  Vec3 rootPosition = Vec3::Zero();  ///< of the body's place on the floor [m]
-  Quat rootRotation = Quat::Identity();
+  Vec3 rootPosition = Vec3::Zero();      ///< of the body's place on the floor [m]
+  Quat rootRotation = Quat::Identity();  ///< of that place; the rotation of the hips is relative to it
   /// Relative to the parent bone (parentBone()); a bone that is missing is as in T-pose.
   std::array<std::optional<Quat>, kHumanBoneCount> rotation;
   /// From the parent bone, or from the root for the hips, in the parent's axes [m].

@@ -16,7 +16,7 @@ class MirroredAxes {
   /// @param skeleton  any; most have no negative scale
   explicit MirroredAxes(const Skeleton& skeleton);
 
-  [[nodiscard]] const Skeleton& skeleton() const { return skeleton_; }
+  [[nodiscard]] const Skeleton& skeleton() const { return skeleton_; }  ///< the one that it was made for
   /// Whether there is a negative scale.
   [[nodiscard]] bool any() const { return any_; }
   /// The skeleton without negative scales. If the toes then point backwards by its left and right, these are exchanged:
@@ -37,6 +37,7 @@ class MirroredAxes {
 
 /// The same, of a whole motion and of a character. Without negative scales they are returned as they are.
 [[nodiscard]] SkeletalMotion straightened(SkeletalMotion motion);
+/// The same character, whose skeleton has no negative scales.
 [[nodiscard]] Character straightened(const Character& character);
 
 }  // namespace lorica

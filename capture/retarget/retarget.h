@@ -11,9 +11,10 @@
 
 namespace lorica {
 
+/// How a person's joints become a pose.
 struct RetargetSettings {
-  ConfidenceHoldSettings hold;
-  bool plantFeet = true;  ///< see FootLock; if false, limbs point exactly as the person's
+  ConfidenceHoldSettings hold;  ///< for bones that are not seen
+  bool plantFeet = true;        ///< see FootLock; if false, limbs point exactly as the person's
 };
 
 /// Converts tracked joints to a pose of one character, whatever its rest pose, joint axes and proportions.

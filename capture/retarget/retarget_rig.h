@@ -12,18 +12,19 @@ namespace lorica {
 
 /// An upper and a lower limb bone with hand or foot, and the tracked joints they correspond to.
 struct LimbBones {
-  HumanBone upper;
-  HumanBone lower;
-  HumanBone end;  ///< hand or foot
-  BodyJoint upperJoint;
-  BodyJoint lowerJoint;
-  BodyJoint endJoint;
-  Vec3 axis;   ///< along the limb in T-pose, facing +Z
-  Vec3 hinge;  ///< axis about which elbow or knee bends, in T-pose
+  HumanBone upper;       ///< upper arm or thigh
+  HumanBone lower;       ///< lower arm or shin
+  HumanBone end;         ///< hand or foot
+  BodyJoint upperJoint;  ///< shoulder or hip
+  BodyJoint lowerJoint;  ///< elbow or knee
+  BodyJoint endJoint;    ///< hand or foot
+  Vec3 axis;             ///< along the limb in T-pose, facing +Z
+  Vec3 hinge;            ///< axis about which elbow or knee bends, in T-pose
 };
 inline constexpr int kLimbCount = 4;  ///< left arm, right arm, left leg, right leg
-inline constexpr int kFirstLeg = 2;
+inline constexpr int kFirstLeg = 2;   ///< index of the left leg
 
+/// In the order of kLimbCount.
 [[nodiscard]] const std::array<LimbBones, kLimbCount>& limbs();
 
 /// Rotation whose columns are left, up and forward: exactly along `left`, with `up` as close as possible. Empty if the
@@ -53,22 +54,24 @@ inline constexpr int kFirstLeg = 2;
 /// whatever the legs do; feet that point down at rest are swung flat. The rest pose may be lying or sitting. An
 /// orientation q as defined for TrackedJoint then gives the world rotation q * tposeFromJoint.
 struct RetargetRig {
-  Skeleton skeleton;
-  std::vector<Quat> tposeFromJoint;  ///< one per joint; identity if it is no bone
-  std::vector<double> spineShare;    ///< one per joint: 0 rotates with the hips, 1 with the chest
-  JointIndex hips = kNoJoint;
-  JointIndex chest = kNoJoint;    ///< the uppermost of upperChest, chest and spine
-  Vec3 neckAxis = Vec3::UnitY();  ///< neck to head in T-pose
-  Affine3 hipsParentFromWorld = Affine3::Identity();
-  Vec3 restHips = Vec3::Zero();             ///< world [m]
-  double legLength = 0.0;                   ///< thigh plus shin, mean of both legs [m]
-  std::array<double, 2> restAnkleHeight{};  ///< left, right, above the character's own floor [m]
-  std::array<Vec3, 2> ballFromAnkle;        ///< from the ankle to the sole below the toe joint, in T-pose [m]
+  Skeleton skeleton;                                  ///< of the character
+  std::vector<Quat> tposeFromJoint;                   ///< one per joint; identity if it is no bone
+  std::vector<double> spineShare;                     ///< one per joint: 0 rotates with the hips, 1 with the chest
+  JointIndex hips = kNoJoint;                         ///< joint of HumanBone::kHips
+  JointIndex chest = kNoJoint;                        ///< the uppermost of upperChest, chest and spine
+  Vec3 neckAxis = Vec3::UnitY();                      ///< neck to head in T-pose
+  Affine3 hipsParentFromWorld = Affine3::Identity();  ///< in the rest pose [m]
+  Vec3 restHips = Vec3::Zero();                       ///< world [m]
+  double legLength = 0.0;                             ///< thigh plus shin, mean of both legs [m]
+  std::array<double, 2> restAnkleHeight{};            ///< left, right, above the character's own floor [m]
+  std::array<Vec3, 2> ballFromAnkle;                  ///< from the ankle to the sole below the toe joint, in T-pose [m]
+  /// Points below a foot [m].
   struct Sole {
-    Vec3 heel, ball;  ///< in the foot's joint frame
-    Vec3 tip;         ///< in the toes' joint frame; in the foot's if the skeleton has no toes
+    Vec3 heel;  ///< in the foot's joint frame
+    Vec3 ball;  ///< the same
+    Vec3 tip;   ///< in the toes' joint frame; in the foot's if the skeleton has no toes
   };
-  std::array<Sole, 2> sole;
+  std::array<Sole, 2> sole;  ///< left, right
   /// About +Y: heading of the line from ankle to toe joint in T-pose, relative to straight ahead. Feet are rarely built
   /// straight: this removes the effect of the foot's shape.
   std::array<Quat, 2> toesHeading = {Quat::Identity(), Quat::Identity()};

@@ -18,16 +18,19 @@ struct FootPosition {
 /// A character in a pose: where its hips and feet are, and how they are moved. All retargeters hold one. Allocates
 /// nothing but itself.
 struct PosedBody {
-  explicit PosedBody(RetargetRig rig);
+  explicit PosedBody(RetargetRig rig);  ///< in the rest pose
 
-  RetargetRig rig;
+  RetargetRig rig;                      ///< of the character
   std::vector<Quat> worldRotation;      ///< one per joint, without scale
   std::vector<Affine3> worldFromJoint;  ///< one per joint
 
   /// Computes the two from a pose.
   void evaluate(std::span<const JointTransform> pose);
+  /// World [m]; the bone exists.
   [[nodiscard]] Vec3 positionOf(HumanBone bone) const;
+  /// Between both thighs' joints, world [m].
   [[nodiscard]] Vec3 middleHip() const;
+  /// @param side  0 = left, 1 = right; world [m].
   [[nodiscard]] FootPosition foot(int side) const;
 
   /// Translates the pose of the hips. @param by  world [m]

@@ -13,8 +13,8 @@ namespace lorica {
 /// viewer: everything visible has z < 0. Images are not mirrored: the left hand of a person who faces the camera is on
 /// the right side of the image. The top row comes first.
 struct DepthCamera {
-  int width = 640;
-  int height = 480;
+  int width = 640;                            ///< pixels
+  int height = 480;                           ///< pixels
   double horizontalFov = 1.0144686707507438;  ///< [rad], of the PrimeSense sensor in Kinect v1 and Xtion
   double verticalFov = 0.78980943449644714;   ///< [rad]
 

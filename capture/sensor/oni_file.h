@@ -45,7 +45,7 @@ class OniFile {
   OniFile& operator=(OniFile&&) noexcept;
   ~OniFile();
 
-  [[nodiscard]] const OniInfo& info() const;
+  [[nodiscard]] const OniInfo& info() const;  ///< read when it was opened
   /// Time of a depth frame [s]: in the sensor's clock, increases from frame to frame.
   [[nodiscard]] double timeOf(int frame) const;
   /// Reads one depth frame. All frames cost the same: each is packed independently.

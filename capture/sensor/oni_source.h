@@ -11,13 +11,14 @@ namespace lorica {
 /// The depth frames of an .oni recording, each once, in order, as fast as they are requested.
 class OniSource : public DepthSource {
  public:
+  /// @param name  for messages.
   explicit OniSource(OniFile file, std::string name) : file_(std::move(file)), name_(std::move(name)) {}
 
   [[nodiscard]] const DepthCamera& camera() const override { return file_.info().camera; }
   [[nodiscard]] std::string name() const override { return name_; }
   [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
 
-  [[nodiscard]] const OniInfo& info() const { return file_.info(); }
+  [[nodiscard]] const OniInfo& info() const { return file_.info(); }  ///< of the file
   /// Index of the frame that next() returns now; info().frameCount at the end.
   [[nodiscard]] int position() const { return position_; }
   /// Moves to a frame; costs nothing. @param frame  clamped to 0 .. info().frameCount

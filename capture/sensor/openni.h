@@ -14,21 +14,22 @@ namespace lorica {
 
 /// A depth camera found by OpenNI2.
 struct OpenNiCamera {
-  std::string uri;     ///< argument of open(): "1d27/0609@1/4"
-  std::string vendor;  ///< "PrimeSense"
-  std::string name;    ///< "PS1080"
-  std::uint16_t usbVendor = 0;
-  std::uint16_t usbProduct = 0;
-  std::string driver;  ///< file name of the driver that provides it, as far as known
+  std::string uri;               ///< argument of open(): "1d27/0609@1/4"
+  std::string vendor;            ///< "PrimeSense"
+  std::string name;              ///< "PS1080"
+  std::uint16_t usbVendor = 0;   ///< vendor's number; 0 = unknown
+  std::uint16_t usbProduct = 0;  ///< product's number; 0 = unknown
+  std::string driver;            ///< file name of the driver that provides it, as far as known
 };
 
 /// A driver file that is available to OpenNI2.
 struct OpenNiDriver {
-  std::filesystem::path file;
-  bool packaged = false;  ///< stored beside libOpenNI2; else specified by the user
-  std::string problem;    ///< why it cannot be used; empty if it can
+  std::filesystem::path file;  ///< the shared library
+  bool packaged = false;       ///< stored beside libOpenNI2; else specified by the user
+  std::string problem;         ///< why it cannot be used; empty if it can
 };
 
+/// Where OpenNI2 looks for cameras.
 struct OpenNiSettings {
   /// Driver files in addition to those included with OpenNI2: for Kinects, or from a manufacturer.
   std::vector<std::filesystem::path> drivers;

@@ -11,6 +11,7 @@
 
 namespace lorica {
 
+/// Who is looked for.
 struct TrackerSettings {
   int maxPeople = 2;       ///< at once, 1 to 6; the nearest ones
   bool lowerBody = false;  ///< only waist, legs and feet are in the picture, and only they are looked for
@@ -21,9 +22,9 @@ struct TrackedPerson {
   /// In the floor frame. Of the lower body alone arms and head are unknown, but the head of who wears a headset. `user`
   /// stays while the person is tracked; after that it is reused, counting from 1.
   SkeletonFrame skeleton;
-  double height = 0.0;    ///< standing, current estimate [m]; 0 = not yet known
-  double residual = 0.0;  ///< mean distance of the person's depth points from the fitted body [m]
-  bool proportionsKnown = false;
+  double height = 0.0;            ///< standing, current estimate [m]; 0 = not yet known
+  double residual = 0.0;          ///< mean distance of the person's depth points from the fitted body [m]
+  bool proportionsKnown = false;  ///< measured; before that they are an adult's
 };
 
 /// Finds people in depth images and tracks their 15 joints; no initial pose is required. See docs/TRACKING.md.
@@ -48,8 +49,9 @@ class Tracker {
   /// @return everyone who is tracked, by increasing user number; valid until the next call
   [[nodiscard]] std::span<const TrackedPerson> track(const DepthFrame& frame, const std::optional<WornHead>& worn = {});
 
+  /// Where the camera is, in the floor frame: Y up, the floor at y = 0 [m].
   [[nodiscard]] const Isometry3& floorFromCamera() const;
-  [[nodiscard]] bool floorFound() const;
+  [[nodiscard]] bool floorFound() const;  ///< else the camera counts as level, and the floor is guessed
   /// Whether someone in the last frame is connected to the room, or is seen but not explained by the fitted body: the
   /// room is learned if they step out of the picture for a second.
   [[nodiscard]] bool roomUncertain() const;

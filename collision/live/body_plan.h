@@ -32,7 +32,8 @@ class BodyPlan {
   BodyPlan(const BodyPlan&) = delete;
   BodyPlan& operator=(const BodyPlan&) = delete;
 
-  [[nodiscard]] const Decomposition& decomposition() const { return decomposition_; }
+  [[nodiscard]] const Decomposition& decomposition() const { return decomposition_; }  ///< the parts that move
+  /// How far the surface is guaranteed to be inside the hulls
   [[nodiscard]] const HullCover& coverage() const { return cover_; }
   /// Points that form a part's hull.
   [[nodiscard]] std::span<const PointIndex> candidates(PartIndex part) const;

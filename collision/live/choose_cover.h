@@ -12,15 +12,18 @@ namespace lorica {
 
 /// Bones of a character in several poses, not owned: poseCount x jointCount transforms worldFromModel, pose-major.
 struct BonePoseView {
-  std::span<const Affine3> worldFromModel;
-  int jointCount = 0;
+  std::span<const Affine3> worldFromModel;  ///< poseCount x jointCount, pose-major
+  int jointCount = 0;                       ///< of the skeleton
 
+  /// 0 without joints
   [[nodiscard]] int poseCount() const { return jointCount == 0 ? 0 : countOf(worldFromModel) / jointCount; }
+  /// The bones in pose `p`.
   [[nodiscard]] std::span<const Affine3> pose(int p) const {
     return worldFromModel.subspan(static_cast<std::size_t>(p) * jointCount, jointCount);
   }
 };
 
+/// How many points the hulls may have, and how closely they follow the surface.
 struct CoverSettings {
   double tolerance = 0.0;  ///< max protrusion from the chosen points' hulls before they are enlarged [m]; 0 = exact
   /// Max points per part, which takes precedence over the tolerance; 0 = no limit, else 4 or more.

@@ -10,7 +10,7 @@ namespace lorica {
 
 /// The contribution of one bone to a lifted point: worldFromModel * moment + weight * translation of worldFromModel.
 struct LiftedTerm {
-  JointIndex joint = 0;
+  JointIndex joint = 0;        ///< that moves the point
   Vec3 moment = Vec3::Zero();  ///< sum of (blend weight x bind position) [m], model space
   double weight = 0.0;         ///< sum of blend weights; over all terms of a point they sum to 1
 };

@@ -54,7 +54,8 @@ class LiveBody {
   /// Sets LivePart::trust; it stays until set again.
   void setTrust(PartIndex part, double trust) { parts_[part].trust = trust; }
 
-  [[nodiscard]] const Decomposition& decomposition() const { return plan_->decomposition(); }
+  [[nodiscard]] const Decomposition& decomposition() const { return plan_->decomposition(); }  ///< the parts that move
+  /// In this frame, in the order of the decomposition
   [[nodiscard]] std::span<const LivePart> parts() const { return parts_; }
   /// The hull cover: how far the surface is guaranteed to be inside the hulls. A mesh sequence is covered exactly.
   [[nodiscard]] const HullCover& coverage() const { return plan_->coverage(); }
@@ -72,7 +73,8 @@ class LiveBody {
     double points = 0;  ///< bones or vertices to hull candidates
     double hulls = 0;   ///< candidates to hulls
   };
-  [[nodiscard]] const Timing& timing() const { return timing_; }
+  [[nodiscard]] const Timing& timing() const { return timing_; }  ///< of the last frame
+  /// Shared by all bodies of its kind.
   [[nodiscard]] const std::shared_ptr<const BodyPlan>& plan() const { return plan_; }
   /// Memory in bytes, without the plan. It suffices for any frame; most of it is never touched.
   [[nodiscard]] std::size_t memory() const;

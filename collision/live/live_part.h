@@ -17,7 +17,7 @@ struct LivePart {
   /// flat.
   ConvexHull shape;
   double radius = 0.0;  ///< greatest distance of a vertex of the shape from the part's origin [m]
-  Isometry3 worldFromPart = Isometry3::Identity();
+  Isometry3 worldFromPart = Isometry3::Identity();          ///< rigid motion of the part in this frame [m]
   Isometry3 previousWorldFromPart = Isometry3::Identity();  ///< one frame ago; in the first frame, the same
   bool reshaped = true;                                     ///< the shape differs from the previous frame's
   /// 0 to 1: how certain the part's pose is. A part that is not trusted strikes nothing, see World.

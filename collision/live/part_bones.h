@@ -9,8 +9,8 @@ namespace lorica {
 
 /// Share of a part's surface that a joint moves.
 struct JointShare {
-  JointIndex joint = 0;
-  double share = 0.0;  ///< above 0, at most 1
+  JointIndex joint = 0;  ///< that moves the part
+  double share = 0.0;    ///< above 0, at most 1
 };
 
 /// The joints that move each part of a character. A joint's share is the area of the part's surface in the bind pose,

@@ -14,9 +14,13 @@ namespace lorica {
 
 /// Bounding balls, one array a coordinate, padded with balls that nothing hits. Internal.
 struct BallList {
-  std::vector<double> x, y, z, radius;
-  void resize(std::size_t count);
-  void set(std::size_t i, const Vec3& middle, double r);
+  std::vector<double> x;                                  ///< of the middles [m]
+  std::vector<double> y;                                  ///< the same
+  std::vector<double> z;                                  ///< the same
+  std::vector<double> radius;                             ///< [m]
+  void resize(std::size_t count);                         ///< new balls are hit by nothing
+  void set(std::size_t i, const Vec3& middle, double r);  ///< [m]
+  /// [m]
   [[nodiscard]] Vec3 middle(std::size_t i) const { return {x[i], y[i], z[i]}; }
 };
 
@@ -30,6 +34,7 @@ struct SkinHit {
   Vec3 position = Vec3::Zero();  ///< world [m]
   Vec3 normal = Vec3::Zero();    ///< of the triangle's outside, unit
 
+  /// Whether a skin was met.
   explicit operator bool() const { return triangle >= 0; }
 };
 

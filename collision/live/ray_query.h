@@ -19,18 +19,19 @@ struct HullRay {
   double radius = 0.0;             ///< of a ball or capsule [m]
   Vec3 half = Vec3::Zero();  ///< from the middle of a capsule, which moves along the ray, to an end of its axis [m]
 
+  /// A ball or capsule moves along the ray
   [[nodiscard]] bool swept() const { return radius != 0.0 || half != Vec3::Zero(); }
 };
 
 /// Where a ray enters the hull of a part, or what is swept touches it.
 struct HullHit {
-  int body = -1;  ///< index in RayQuery::update(); -1 = nothing was hit
-  PartIndex part = -1;
+  int body = -1;                 ///< index in RayQuery::update(); -1 = nothing was hit
+  PartIndex part = -1;           ///< -1 = nothing was hit
   double distance = 0.0;         ///< from the origin [m]; 0 if that is inside
   Vec3 position = Vec3::Zero();  ///< on the hull, world [m]; of what begins inside, or touching, where that begins
   Vec3 normal = Vec3::Zero();    ///< of the hull there, outward, unit; against the ray if it begins inside
 
-  explicit operator bool() const { return body >= 0; }
+  explicit operator bool() const { return body >= 0; }  ///< whether something was hit
 };
 
 /// Answers rays against bodies in their present pose, without skinning a mesh. The hulls count, not the skin: see

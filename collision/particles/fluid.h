@@ -11,6 +11,7 @@
 
 namespace lorica {
 
+/// Water: how much, and how it behaves.
 struct FluidSettings {
   std::size_t capacity = 100'000;       ///< max number of particles
   double spacing = 0.02;                ///< of particles at rest: each has the volume of a cube of this side [m]
@@ -31,6 +32,7 @@ struct FluidSettings {
 /// instruction set. Stepping does not allocate after the first frame with a body.
 class Fluid {
  public:
+  /// Empty; memory for the capacity is taken now.
   explicit Fluid(const FluidSettings& settings);
   ~Fluid();
   Fluid(Fluid&&) noexcept;
@@ -46,11 +48,12 @@ class Fluid {
   /// @param bodies   that they meet; see ParticleBody
   void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {});
 
-  [[nodiscard]] std::size_t size() const { return positions().size(); }
+  [[nodiscard]] std::size_t size() const { return positions().size(); }  ///< number of particles so far
   /// In the order in which they were added [m].
   [[nodiscard]] std::span<const Vec3f> positions() const;
+  /// In the same order [m/s].
   [[nodiscard]] std::span<const Vec3f> velocities() const;
-  [[nodiscard]] const FluidSettings& settings() const;
+  [[nodiscard]] const FluidSettings& settings() const;  ///< what it was made with
 
  private:
   struct State;

@@ -11,6 +11,7 @@
 
 namespace lorica {
 
+/// Sand: how much, and how it behaves.
 struct GranularSettings {
   std::size_t capacity = 200'000;       ///< max number of grains
   double radius = 0.01;                 ///< of a grain [m]
@@ -30,6 +31,7 @@ struct GranularSettings {
 /// of threads and on every instruction set. Stepping does not allocate after the first frame with a body.
 class Granular {
  public:
+  /// Empty; memory for the capacity is taken now.
   explicit Granular(const GranularSettings& settings);
   ~Granular();
   Granular(Granular&&) noexcept;
@@ -45,11 +47,12 @@ class Granular {
   /// @param bodies   that they meet; see ParticleBody
   void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {});
 
-  [[nodiscard]] std::size_t size() const { return positions().size(); }
+  [[nodiscard]] std::size_t size() const { return positions().size(); }  ///< number of grains so far
   /// Centres, in the order in which they were added [m].
   [[nodiscard]] std::span<const Vec3f> positions() const;
+  /// In the same order [m/s].
   [[nodiscard]] std::span<const Vec3f> velocities() const;
-  [[nodiscard]] const GranularSettings& settings() const;
+  [[nodiscard]] const GranularSettings& settings() const;  ///< what it was made with
   /// Grains that were not at rest in the last substep.
   [[nodiscard]] std::size_t awakeCount() const;
 

@@ -14,22 +14,26 @@ struct ParticleRow;
 /// A rigid body that meets particles in one frame. Its own frame has its origin at the centre of mass and the principal
 /// axes of inertia.
 struct ParticleBody {
+  /// See Prop.
   enum class Shape : std::uint8_t { kBox, kSphere, kCapsule, kCylinder, kHulls };
   /// Faces of a convex hull: outward normal and distance from the origin, own frame [m].
   using Hull = std::vector<Eigen::Vector4f>;
 
-  Shape shape = Shape::kBox;
-  Vec3 halfExtents = Vec3::Ones();  ///< see Prop [m]
-  std::span<const Hull> hulls;      ///< of kHulls
-  double radius = 1.0;              ///< around the centre of mass [m]
-  double inverseMass = 0.0;         ///< 0 = nothing moves it [1/kg]
-  Vec3 inverseInertia = Vec3::Zero();
+  Shape shape = Shape::kBox;           ///< says what the numbers below mean
+  Vec3 halfExtents = Vec3::Ones();     ///< see Prop [m]
+  std::span<const Hull> hulls;         ///< of kHulls
+  double radius = 1.0;                 ///< around the centre of mass [m]
+  double inverseMass = 0.0;            ///< 0 = nothing moves it [1/kg]
+  Vec3 inverseInertia = Vec3::Zero();  ///< about its own axes [1/(kg m^2)]
 
+  /// Where it is, and how it moves.
   struct Motion {
-    Isometry3 worldFromBody = Isometry3::Identity();
-    Vec3 velocity = Vec3::Zero(), angularVelocity = Vec3::Zero();  ///< world axes [m/s, rad/s]
+    Isometry3 worldFromBody = Isometry3::Identity();  ///< [m]
+    Vec3 velocity = Vec3::Zero();                     ///< of the centre of mass, world axes [m/s]
+    Vec3 angularVelocity = Vec3::Zero();              ///< world axes [rad/s]
   };
-  Motion from, to;      ///< at the frame's begin, and at its end if there were no particles; then with them
+  Motion from;          ///< at the frame's begin
+  Motion to;            ///< at its end if there were no particles; then with them
   bool pushed = false;  ///< whether particles changed `to`
 };
 
@@ -48,17 +52,20 @@ struct ParticleBody {
 /// light body answers within the substep. Allocates only for more bodies or contacts than ever before.
 class ParticleBodies {
  public:
+  /// Begins a frame of `seconds`.
   void begin(std::span<ParticleBody> bodies, double seconds, int substeps);
-  [[nodiscard]] bool empty() const { return bodies_.empty(); }
+  [[nodiscard]] bool empty() const { return bodies_.empty(); }  ///< no bodies in this frame
   /// Moves the bodies to the end of a substep.
   void advance(int substep);
   /// Writes what the particles changed to the bodies.
   void finish();
 
+  /// A particle that is near a body in a substep.
   struct Contact {
-    std::uint32_t particle, body;
-    float distance;  ///< of the particle from the surface [m]
-    Vec3f normal;    ///< out of the body
+    std::uint32_t particle;  ///< index in their simulation
+    std::uint32_t body;      ///< index in begin()
+    float distance;          ///< of the particle from the surface [m]
+    Vec3f normal;            ///< out of the body
   };
   /// Collects the particles that may come within a distance of the bodies in this substep.
   /// @param moved  how far any particle can be from where it was sorted [m]

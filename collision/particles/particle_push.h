@@ -9,6 +9,7 @@
 
 namespace lorica {
 
+/// How particles are kept out of the hulls.
 struct ParticlePushSettings {
   /// Min distance of particles from the hulls [m]: 0 for points, else the radius of a grain. Measured from the planes
   /// of the faces, so it is slightly larger at sharp edges.
@@ -37,6 +38,7 @@ struct ParticleTouch {
 /// number of threads and on every instruction set. Allocates only for more parts, faces or particles than ever before.
 class ParticlePush {
  public:
+  /// Without parts; nothing is pushed before they are set.
   explicit ParticlePush(const ParticlePushSettings& settings = {});
   ~ParticlePush();
   ParticlePush(ParticlePush&&) noexcept;

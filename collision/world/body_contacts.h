@@ -17,8 +17,10 @@ struct BodyInWorld {
 
 /// Two parts of different bodies that overlap.
 struct BodyContact {
-  int firstBody = 0, secondBody = 0;  ///< firstBody < secondBody
-  PartIndex firstPart = 0, secondPart = 0;
+  int firstBody = 0;                     ///< smaller than secondBody
+  int secondBody = 0;                    ///< index in what was asked
+  PartIndex firstPart = 0;               ///< of the first body
+  PartIndex secondPart = 0;              ///< of the second body
   Vec3 position = Vec3::Zero();          ///< centre of the overlap at its deepest point, world [m]
   Vec3 direction = Vec3::UnitX();        ///< unit, from the first part to the second
   double depth = 0.0;                    ///< if the second part moves this far along the direction, they just touch [m]

@@ -10,10 +10,11 @@ namespace lorica {
 
 /// Two non-neighbouring parts of one body that overlap.
 struct SelfContact {
-  PartIndex first = 0, second = 0;  ///< first < second
-  Vec3 position = Vec3::Zero();     ///< centre of the overlap at its deepest point, world [m]
-  Vec3 direction = Vec3::UnitX();   ///< unit, from the first part to the second
-  double depth = 0.0;               ///< if the second part moves this far along the direction, they just touch [m]
+  PartIndex first = 0;             ///< smaller than `second`
+  PartIndex second = 0;            ///< no neighbour of it
+  Vec3 position = Vec3::Zero();    ///< centre of the overlap at its deepest point, world [m]
+  Vec3 direction = Vec3::UnitX();  ///< unit, from the first part to the second
+  double depth = 0.0;              ///< if the second part moves this far along the direction, they just touch [m]
 };
 
 /// Finds parts of a body that overlap but should not: a hand in the thigh, shins through each other.
@@ -30,6 +31,7 @@ class SelfContactQuery {
   SelfContactQuery(SelfContactQuery&&) noexcept;
   SelfContactQuery& operator=(SelfContactQuery&&) noexcept;
 
+  /// Whether overlaps of these two are no contact: they share a point of the decomposition, or touch in the bind pose.
   [[nodiscard]] bool areNeighbours(PartIndex a, PartIndex b) const;
 
   /// The overlaps in a frame, sorted by first, then second part. The depth is the minimum translation that separates

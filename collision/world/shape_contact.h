@@ -16,7 +16,7 @@ struct RoundedShape {
 
 /// A part of a body and a shape that overlap.
 struct ShapeContact {
-  PartIndex part = 0;
+  PartIndex part = 0;              ///< of the body
   Vec3 position = Vec3::Zero();    ///< centre of the overlap at its deepest point, world [m]
   Vec3 direction = Vec3::UnitX();  ///< unit, from the part to the shape
   double depth = 0.0;              ///< if the shape moves this far along the direction, they just touch [m]

@@ -14,13 +14,13 @@
 
 namespace lorica {
 
-inline constexpr int kWorldItself = -1;
+inline constexpr int kWorldItself = -1;  ///< in place of a prop: what stands
 
 /// A point where a part of an avatar touched a prop during the last step, including contacts shorter than the step.
 struct Contact {
-  int avatar = 0;
-  PartIndex part = 0;
-  int prop = 0;
+  int avatar = 0;              ///< index in stepAvatars()
+  PartIndex part = 0;          ///< of that avatar
+  int prop = 0;                ///< index in props()
   JointIndex bone = kNoJoint;  ///< of the character, with the most influence on the point; filled in by Session
   Vec3 point = Vec3::Zero();   ///< world [m]
   Vec3 normal = Vec3::Zero();  ///< from the part to the prop, unit
@@ -28,6 +28,7 @@ struct Contact {
   double impulse = 0.0;        ///< along the normal, summed over the step [N s]
 };
 
+/// A half-line.
 struct Ray {
   Vec3 origin = Vec3::Zero();      ///< world [m]
   Vec3 direction = Vec3::UnitZ();  ///< of any length except 0
@@ -35,14 +36,14 @@ struct Ray {
 
 /// Intersection of a ray with a prop.
 struct PropPick {
-  int prop = 0;
+  int prop = 0;                  ///< index in props()
   Vec3 position = Vec3::Zero();  ///< world [m]
   double distance = 0.0;         ///< from the ray's origin [m]
 };
 
 /// A prop that is held at a point on it.
 struct PropGrab {
-  int prop = 0;
+  int prop = 0;                  ///< index in props()
   Vec3 position = Vec3::Zero();  ///< current position of the held point, world [m]
   Vec3 target = Vec3::Zero();    ///< position that it is pulled to, world [m]
 };
@@ -53,6 +54,7 @@ struct PropGrab {
 /// motion, bit for bit.
 class World {
  public:
+  /// What is set once.
   struct Settings {
     Vec3 gravity{0.0, -9.81, 0.0};        ///< [m/s^2]
     bool floor = true;                    ///< at y = 0
@@ -61,12 +63,13 @@ class World {
     bool resolvesOverlaps = false;
   };
   World();
+  /// Without props and avatars.
   explicit World(const Settings& settings);
   ~World();
   World(World&&) noexcept;
   World& operator=(World&&) noexcept;
 
-  static constexpr int kMaxProps = 4096;
+  static constexpr int kMaxProps = 4096;  ///< of a world, thrown ones included
   /// @param prop  extents above zero; a capsule must be at least as high as wide; at most kMaxProps
   /// @return its index in props() and in Contact::prop; indices count up from 0
   int addProp(const Prop& prop);
@@ -85,7 +88,7 @@ class World {
   /// The first prop that a ray meets within 200 m, including static bodies. The floor blocks the ray, the avatar does
   /// not.
   [[nodiscard]] std::optional<PropPick> pick(const Ray& ray) const;
-  static constexpr int kMaxHands = 16;
+  static constexpr int kMaxHands = 16;  ///< hands that may hold a prop at the same time
   /// Grabs a prop at a point: a soft ball joint pulls that point to the target of moveGrab(), with at most 600 N and
   /// 200 m/s^2, at up to 8 m/s. What this hand held before is released. Several hands may hold one prop: all of them
   /// pull, and share the 200 m/s^2.
@@ -99,7 +102,7 @@ class World {
   /// Releases what a hand holds.
   /// @param velocity  with which the prop leaves the last hand that holds it [m/s]; 0 = with its own
   void release(const Vec3& velocity = Vec3::Zero(), int hand = 0);
-  [[nodiscard]] std::optional<PropGrab> held(int hand = 0) const;
+  [[nodiscard]] std::optional<PropGrab> held(int hand = 0) const;  ///< what a hand holds, if anything
 
   /// Adds sand or water that the parts push, and replaces earlier particles. Props and particles push each other;
   /// none starts in a prop that is there already.
@@ -137,7 +140,7 @@ class World {
   /// The same with one avatar.
   void step(std::span<const LivePart> avatar, double seconds) { stepAvatars(std::span(&avatar, 1), seconds); }
 
-  static constexpr int kMaxParts = 28'000;
+  static constexpr int kMaxParts = 28'000;  ///< of all avatars together
 
   /// Whether there is a floor, at y = 0.
   [[nodiscard]] bool hasFloor() const;

@@ -10,16 +10,19 @@
 
 namespace lorica {
 
+/// What the part touches.
 enum class ContactKind : std::uint8_t { kFloor, kProp, kSelf, kAvatar };
+/// Which foot a bone is of.
 enum class ContactFoot : std::uint8_t { kNone, kLeft, kRight };
+/// Of a foot: in the air, or on something.
 enum class FootPhase : std::uint8_t { kNone, kSwing, kStance };
 
 /// A part of an avatar, and what it touches or nearly touches, in one frame. Plain numbers, for tables.
 struct ContactRow {
-  double time = 0.0;        ///< of the frame [s]
-  std::int32_t frame = 0;   ///< of the session, from 0
-  std::int32_t avatar = 0;  ///< of kAvatar the one with the smaller index
-  std::int32_t part = 0;
+  double time = 0.0;                  ///< of the frame [s]
+  std::int32_t frame = 0;             ///< of the session, from 0
+  std::int32_t avatar = 0;            ///< of kAvatar the one with the smaller index
+  std::int32_t part = 0;              ///< of that avatar
   std::int32_t bone = kNoJoint;       ///< of the avatar's skeleton, see ContactBones
   std::int32_t otherAvatar = -1;      ///< of kSelf the same avatar; -1 = none
   std::int32_t otherPart = -1;        ///< of kSelf and kAvatar
@@ -32,9 +35,9 @@ struct ContactRow {
   std::array<float, 3> velocity{};  ///< of the other as seen from the part, at the point [m/s]
   float strength = 0.0F;            ///< impulse of this frame as in ContactEvents [N s]; 0 if they are apart
   float slip = 0.0F;                ///< share of the velocity's length along the surface [m/s]
-  ContactKind kind = ContactKind::kFloor;
-  ContactFoot foot = ContactFoot::kNone;  ///< whether the bone is of a foot, and of which
-  FootPhase phase = FootPhase::kNone;     ///< of that foot in this frame
+  ContactKind kind = ContactKind::kFloor;  ///< what is touched
+  ContactFoot foot = ContactFoot::kNone;   ///< whether the bone is of a foot, and of which
+  FootPhase phase = FootPhase::kNone;      ///< of that foot in this frame
 };
 
 /// Everything that the avatars of a session touch, or are near to, frame by frame: floor, props, their own parts that

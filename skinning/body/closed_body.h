@@ -11,6 +11,7 @@
 
 namespace lorica {
 
+/// How a closed surface is made for a mesh that may be open or torn.
 struct BodySettings {
   double resolution = 0.0;  ///< voxel edge if a surface has to be built [m]; 0 = from the character's thickness
   bool keepClosed = true;   ///< false: build a surface even if the character's own is closed

@@ -20,6 +20,7 @@
 
 namespace lorica {
 
+/// What of a file is read.
 struct CharacterFileSettings {
   /// Meshes that are left out, such as weapons: names of meshes or of the nodes that carry them; case is ignored.
   std::vector<std::string> hidden = {};
@@ -29,7 +30,7 @@ struct CharacterFileSettings {
 
 /// A mesh and the node that carries it, which often has the better name: "1H_Axe" and "Cube.001".
 struct MeshName {
-  std::string node;
+  std::string node;  ///< that carries the mesh
   std::string mesh;  ///< may be empty
 
   /// "1H_Axe (Cube.001)", or the one name if both are equal.
@@ -48,20 +49,20 @@ struct CharacterFile {
   /// For each joint its node's index in a glTF file; -1 for the first joint and for those added to nodes that are
   /// sheared or have several bind matrices. Of other formats the indices only tell which joints were added.
   std::vector<int> nodeOfJoint;
-  std::vector<Clip> clips;
+  std::vector<Clip> clips;  ///< in the order of the file
   Morphs morphs;            ///< of `character.mesh`; its clips are those above
   Expressions expressions;  ///< of the morph targets
-  LookAt lookAt;
-  SpringBones springs;  ///< of VRM; empty if the file has none. Its joints are among the character's
-  Look look;            ///< of `character.mesh`, as its maker drew it; not given if the file has no materials
+  LookAt lookAt;            ///< how its eyes move
+  SpringBones springs;      ///< of VRM; empty if the file has none. Its joints are among the character's
+  Look look;                ///< of `character.mesh`, as its maker drew it; not given if the file has no materials
 
   std::string format;               ///< "glTF 2.0", "VRM 0.x", "VRM 1.0", "VRM animation 1.0", "FBX", "COLLADA"
   int meshes = 0;                   ///< of the file
   std::vector<MeshName> meshNames;  ///< of those that are not hidden; at most 1,000
-  int primitives = 0;
-  int skins = 0;
-  int morphTargets = 0;
-  int maxInfluences = 0;           ///< of any vertex
+  int primitives = 0;               ///< of all meshes, of which the mesh consists
+  int skins = 0;                    ///< in the file
+  int morphTargets = 0;             ///< in the file
+  int maxInfluences = 0;            ///< of any vertex
   int repairedVertices = 0;        ///< with weights that did not sum to 1, were negative or not finite, or had no joint
   double metresPerUnit = 1.0;      ///< factor by which the file's lengths were multiplied
   std::vector<std::string> notes;  ///< what was repaired, guessed or skipped: one sentence each

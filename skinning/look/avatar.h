@@ -15,9 +15,9 @@ namespace lorica {
 
 /// What moves an avatar's face, see skinning/morphs/face.h.
 struct AvatarFace {
-  Morphs morphs;  ///< of the avatar's mesh
-  Expressions expressions;
-  LookAt lookAt;
+  Morphs morphs;              ///< of the avatar's mesh
+  Expressions expressions;    ///< of the morph targets
+  LookAt lookAt;              ///< how its eyes move
   std::vector<float> chosen;  ///< weight of each expression to begin with
   int clip = -1;              ///< index into morphs.clips of the clip that the character plays; -1 = none
 };
@@ -41,9 +41,10 @@ struct Avatar {
 /// An avatar whose materials have their colours multiplied by another one, linear RGB.
 [[nodiscard]] std::shared_ptr<const Avatar> tinted(const Avatar& avatar, const Vec3f& color);
 
+/// What makeAvatar() returns.
 struct MadeAvatar {
-  std::shared_ptr<const Avatar> avatar;
-  std::vector<std::string> notes;  ///< a sentence for each picture that could not be decoded
+  std::shared_ptr<const Avatar> avatar;  ///< to be drawn; shared by all that show it
+  std::vector<std::string> notes;        ///< a sentence for each picture that could not be decoded
 };
 
 /// Decodes a look's pictures. Move the look in if nothing else needs it, so that its pictures are not copied.

@@ -18,11 +18,11 @@ struct StoredPicture {
 
 /// Consecutive triangles with one material.
 struct LookGroup {
-  std::string mesh;  ///< name of the file's mesh
-  int material = 0;  ///< index into Look::materials
-  std::size_t firstTriangle = 0;
-  std::size_t triangleCount = 0;
-  bool flat = false;  ///< the file has no normals: each triangle is flat
+  std::string mesh;               ///< name of the file's mesh
+  int material = 0;               ///< index into Look::materials
+  std::size_t firstTriangle = 0;  ///< of the mesh
+  std::size_t triangleCount = 0;  ///< consecutive ones
+  bool flat = false;              ///< the file has no normals: each triangle is flat
 };
 
 /// How a character looks, beside its mesh as read from the file. Arrays of vertices are as long as mesh.vertices, or
@@ -34,8 +34,8 @@ struct Look {
   std::vector<Eigen::Vector2f> uv[2];   ///< texture coordinates, (0, 0) is the upper left corner of a picture
   std::vector<Eigen::Vector4f> colors;  ///< factor of the base colour, linear RGBA
   std::vector<LookGroup> groups;        ///< in the order of mesh.triangles, all of them
-  std::vector<Material> materials;
-  std::vector<StoredPicture> pictures;
+  std::vector<Material> materials;      ///< in the order of the file
+  std::vector<StoredPicture> pictures;  ///< as the file has them, undecoded
 
   /// Whether there is anything to draw but the shape: a mesh file, for example, has no materials.
   [[nodiscard]] bool given() const { return !groups.empty(); }

@@ -14,17 +14,20 @@ namespace lorica {
 /// A decoded picture: 8 bits a channel, RGBA interleaved, row 0 at the top, alpha not multiplied into the colours. The
 /// values are the file's: whether they are sRGB or linear is said by what uses the picture.
 struct Picture {
-  int width = 0;   ///< pixels
-  int height = 0;  ///< pixels
-  std::vector<std::uint8_t> rgba;
+  int width = 0;                   ///< pixels
+  int height = 0;                  ///< pixels
+  std::vector<std::uint8_t> rgba;  ///< four bytes a pixel, row by row from the top; sRGB, straight opacity
 };
 
+/// How large pictures may become in memory.
 struct PictureLimits {
   int largestSide = 0;  ///< pixels; a larger picture is reduced to it, keeping its proportions. 0 = as stored
 };
 
+/// What a picture's header says.
 struct PictureSize {
-  int width = 0, height = 0;  ///< pixels
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
 };
 
 /// The size in the same proportions whose largest side is at most `largestSide`, each side at least 1 and rounded to
@@ -56,10 +59,11 @@ struct PictureSize {
 
 /// A picture file in memory that somebody else owns.
 struct EncodedPicture {
-  std::span<const std::byte> bytes;
-  std::string name;  ///< for messages
+  std::span<const std::byte> bytes;  ///< of a PNG, JPEG or WebP file
+  std::string name;                  ///< for messages
 };
 
+/// How pictures are decoded.
 struct DecodeSettings {
   int largestSide = 0;  ///< see PictureLimits
   int threads = 0;      ///< 0 = all hardware threads; the result does not depend on it

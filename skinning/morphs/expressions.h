@@ -28,8 +28,8 @@ enum class ProceduralKind : std::uint8_t {
 
 /// Adds weight x the expression's weight to a morph target's weight.
 struct MorphBind {
-  int target = 0;  ///< index into Morphs::targets
-  float weight = 1.0F;
+  int target = 0;       ///< index into Morphs::targets
+  float weight = 1.0F;  ///< at the expression's full weight
 };
 
 /// The colours of a material that an expression may change.
@@ -37,29 +37,29 @@ enum class MaterialColor : std::uint8_t { kBase, kEmission, kShade, kMatcap, kRi
 
 /// The colour is base + weight x (value - base), summed over all expressions.
 struct MaterialColorBind {
-  int material = 0;  ///< the file's index, not negative
-  MaterialColor color = MaterialColor::kBase;
+  int material = 0;                               ///< the file's index, not negative
+  MaterialColor color = MaterialColor::kBase;     ///< which of its colours
   Eigen::Vector4f value{1.0F, 1.0F, 1.0F, 1.0F};  ///< linear RGBA; colours without opacity ignore the last number
 };
 
 /// Scale and offset of a material's texture coordinates, blended like a colour.
 struct TextureTransformBind {
-  int material = 0;  ///< the file's index, not negative
-  Eigen::Vector2f scale{1.0F, 1.0F};
+  int material = 0;                    ///< the file's index, not negative
+  Eigen::Vector2f scale{1.0F, 1.0F};   ///< factor of texture coordinates
   Eigen::Vector2f offset{0.0F, 0.0F};  ///< (0, 0) is the upper left corner of a picture
 };
 
 /// A named face: what it moves and colours.
 struct Expression {
-  std::string name;     ///< VRM 1.0's name of a preset, else the file's
-  bool binary = false;  ///< weights above 0.5 count as 1, others as 0
-  ExpressionOverride overrideBlink = ExpressionOverride::kNone;
-  ExpressionOverride overrideLookAt = ExpressionOverride::kNone;
-  ExpressionOverride overrideMouth = ExpressionOverride::kNone;
-  ProceduralKind kind = ProceduralKind::kNone;  ///< by the name
-  std::vector<MorphBind> morphs;
-  std::vector<MaterialColorBind> colors;
-  std::vector<TextureTransformBind> textures;
+  std::string name;                                               ///< VRM 1.0's name of a preset, else the file's
+  bool binary = false;                                            ///< weights above 0.5 count as 1, others as 0
+  ExpressionOverride overrideBlink = ExpressionOverride::kNone;   ///< what it does to blinking while it is shown
+  ExpressionOverride overrideLookAt = ExpressionOverride::kNone;  ///< what it does to gaze while it is shown
+  ExpressionOverride overrideMouth = ExpressionOverride::kNone;   ///< what it does to the mouth while it is shown
+  ProceduralKind kind = ProceduralKind::kNone;                    ///< by the name
+  std::vector<MorphBind> morphs;                                  ///< shapes
+  std::vector<MaterialColorBind> colors;                          ///< colours of materials
+  std::vector<TextureTransformBind> textures;                     ///< shifts of textures
 };
 
 /// The expressions of a character.

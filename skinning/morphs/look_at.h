@@ -27,18 +27,18 @@ struct LookAtRange {
 /// https://github.com/vrm-c/vrm-specification: VRMC_vrm-1.0/lookAt.md, and `firstPerson` in 0.0/README.md. Curves of
 /// 0.x are read as straight lines, as three-vrm reads them.
 struct LookAt {
-  LookAtKind kind = LookAtKind::kNone;
-  LookAtRange inner;  ///< horizontally towards the nose; only for bones
-  LookAtRange outer;  ///< horizontally away from it, and both sides of expressions
-  LookAtRange down;
-  LookAtRange up;
-  JointIndex head = kNoJoint;
-  JointIndex leftEye = kNoJoint;
-  JointIndex rightEye = kNoJoint;
-  Vec3 offsetFromHead{0.0, 0.0, 0.0};        ///< the point between the eyes, in the head joint's frame and units
-  Quat modelFromHead = Quat::Identity();     ///< rotation of the head at rest
-  Quat modelFromLeftEye = Quat::Identity();  ///< rotations of the eyes at rest
-  Quat modelFromRightEye = Quat::Identity();
+  LookAtKind kind = LookAtKind::kNone;        ///< by bones, by expressions or not at all
+  LookAtRange inner;                          ///< horizontally towards the nose; only for bones
+  LookAtRange outer;                          ///< horizontally away from it, and both sides of expressions
+  LookAtRange down;                           ///< downwards
+  LookAtRange up;                             ///< upwards
+  JointIndex head = kNoJoint;                 ///< of the character
+  JointIndex leftEye = kNoJoint;              ///< kNoJoint if only expressions move the gaze
+  JointIndex rightEye = kNoJoint;             ///< the same
+  Vec3 offsetFromHead{0.0, 0.0, 0.0};         ///< the point between the eyes, in the head joint's frame and units
+  Quat modelFromHead = Quat::Identity();      ///< rotation of the head at rest
+  Quat modelFromLeftEye = Quat::Identity();   ///< rotations of the eyes at rest
+  Quat modelFromRightEye = Quat::Identity();  ///< rotation of that eye at rest
 };
 
 /// Where a character looks, relative to its head; ahead if both are 0.
@@ -58,11 +58,12 @@ struct Gaze {
 
 /// Weights of lookUp, lookDown, lookLeft and lookRight for a gaze, 0 or more; all 0 unless expressions move the eyes.
 struct GazeWeights {
-  float up = 0.0F;
-  float down = 0.0F;
-  float left = 0.0F;
-  float right = 0.0F;
+  float up = 0.0F;     ///< 0 to 1
+  float down = 0.0F;   ///< 0 to 1
+  float left = 0.0F;   ///< of the character; 0 to 1
+  float right = 0.0F;  ///< of the character; 0 to 1
 };
+/// Weights of the four expressions that look about; 0 unless LookAtKind::kExpression.
 [[nodiscard]] GazeWeights gazeWeights(const LookAt& lookAt, const Gaze& gaze);
 
 /// Rotations of the left and the right eye about the axes of the model; identity unless bones move the eyes.

@@ -20,7 +20,7 @@ namespace lorica {
 
 /// A position in the bind pose that a vertex reaches by morph targets.
 struct ReachedPosition {
-  VertexIndex vertex = 0;
+  VertexIndex vertex = 0;        ///< of the mesh
   Vec3 position{0.0, 0.0, 0.0};  ///< [m], model space
 };
 

@@ -12,14 +12,14 @@ namespace lorica {
 
 /// What a morph target adds to one vertex at weight 1.
 struct MorphOffset {
-  VertexIndex vertex = 0;
+  VertexIndex vertex = 0;            ///< of the mesh
   Vec3f position{0.0F, 0.0F, 0.0F};  ///< [m], model space
   Vec3f normal{0.0F, 0.0F, 0.0F};    ///< added to the vertex' unit normal, which is then normalised again
 };
 
 /// A shape that the mesh can be blended towards.
 struct MorphTarget {
-  std::string name;
+  std::string name;  ///< in the file; may be empty
   /// The weight that the bind pose contains already: a weight w moves the vertices by w - defaultWeight.
   float defaultWeight = 0.0F;
   std::vector<MorphOffset> offsets;  ///< only of vertices that move, in ascending order
@@ -27,10 +27,10 @@ struct MorphTarget {
 
 /// Keys of the weights of consecutive targets in one clip.
 struct MorphWeightTrack {
-  int firstTarget = 0;
-  int targetCount = 0;
-  KeyInterpolation interpolation = KeyInterpolation::kLinear;
-  std::vector<double> times;  ///< [s], strictly increasing, at least one
+  int firstTarget = 0;                                         ///< index into Morphs::targets
+  int targetCount = 0;                                         ///< consecutive ones
+  KeyInterpolation interpolation = KeyInterpolation::kLinear;  ///< between two keys
+  std::vector<double> times;                                   ///< [s], strictly increasing, at least one
   /// keyCount x targetCount; for cubic splines each key has targetCount in-tangents, values and out-tangents, in this
   /// order, as in glTF 2.0 (https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html, appendix C)
   std::vector<float> values;
@@ -38,7 +38,7 @@ struct MorphWeightTrack {
 
 /// Morph targets over the vertices of a character's mesh. What a weight is good for is told by Expressions.
 struct Morphs {
-  std::vector<MorphTarget> targets;
+  std::vector<MorphTarget> targets;  ///< in the order of the file
   std::vector<std::vector<MorphWeightTrack>>
       clips;  ///< one list for each clip of the file, empty if it moves no target
 };

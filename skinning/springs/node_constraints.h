@@ -11,16 +11,17 @@ namespace lorica {
 /// A joint whose rotation follows another joint, see VRMC_node_constraint 1.0
 /// (https://github.com/vrm-c/vrm-specification/blob/master/specification/VRMC_node_constraint-1.0/README.md).
 struct NodeConstraint {
+  /// What the follower takes over.
   enum class Kind : std::uint8_t {
     kRoll,      ///< turns as the source does, about one axis only: twist bones
     kAim,       ///< turns one axis towards the source: sleeves
     kRotation,  ///< turns as the source does, each in its own frame: helper arms
   };
-  Kind kind = Kind::kRotation;
-  JointIndex joint = 0;       ///< that follows
-  JointIndex source = 0;      ///< that it follows
-  Vec3 axis = Vec3::UnitX();  ///< of roll and aim: a unit axis of the joint's frame
-  double weight = 1.0;        ///< from the rest rotation, 0, to the one that follows, 1
+  Kind kind = Kind::kRotation;  ///< what is taken over
+  JointIndex joint = 0;         ///< that follows
+  JointIndex source = 0;        ///< that it follows
+  Vec3 axis = Vec3::UnitX();    ///< of roll and aim: a unit axis of the joint's frame
+  double weight = 1.0;          ///< from the rest rotation, 0, to the one that follows, 1
 };
 
 /// Sorts constraints so that each comes after those that it depends on, and removes those that depend on themselves. An

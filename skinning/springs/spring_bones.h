@@ -14,7 +14,7 @@ namespace lorica {
 /// Terms of VRMC_springBone 1.0; its units are those of the joint's frame: scales at rest make metres of them
 /// (https://github.com/vrm-c/vrm-specification/blob/master/specification/VRMC_springBone-1.0/README.md).
 struct SpringJoint {
-  JointIndex joint = 0;
+  JointIndex joint = 0;  ///< that swings
   /// The end that swings, in the joint's frame: the next joint of the chain at rest, or a virtual one. Not 0.
   Vec3 tail{0.0, 0.1, 0.0};
   double stiffness = 1.0;           ///< pull back to the rest direction [units/s], at least 0; see SpringSimulation
@@ -26,12 +26,13 @@ struct SpringJoint {
 
 /// Joints that swing together, each below the one before it or beside it, such as a strand of hair.
 struct SpringChain {
-  std::string name;
+  std::string name;                 ///< in the file; may be empty
   std::vector<SpringJoint> joints;  ///< at least one; parents precede children
   JointIndex center = kNoJoint;     ///< momentum is relative to this joint; kNoJoint = to the world
   std::vector<int> colliderGroups;  ///< indices into SpringBones::colliderGroups
 };
 
+/// What springs are kept out of.
 enum class SpringColliderShape : std::uint8_t {
   kSphere,
   kCapsule,
@@ -42,8 +43,8 @@ enum class SpringColliderShape : std::uint8_t {
 
 /// A shape on a joint that tails stay out of. Planes and insides come from VRMC_springBone_extended_collider 1.0.
 struct SpringCollider {
-  JointIndex joint = 0;
-  SpringColliderShape shape = SpringColliderShape::kSphere;
+  JointIndex joint = 0;                                      ///< that it moves with
+  SpringColliderShape shape = SpringColliderShape::kSphere;  ///< says what the numbers below mean
   Vec3 offset = Vec3::Zero();   ///< centre, first end of a capsule, or a point of a plane, in the joint's frame
   Vec3 tail = Vec3::Zero();     ///< second end of a capsule, in the joint's frame
   Vec3 normal = Vec3::UnitZ();  ///< of a plane, in the joint's frame
@@ -52,11 +53,12 @@ struct SpringCollider {
 
 /// What moves by itself in a character: springs, what they collide with, and joints that follow others.
 struct SpringBones {
-  std::vector<SpringChain> chains;
-  std::vector<SpringCollider> colliders;
+  std::vector<SpringChain> chains;               ///< strands of hair, tails, skirts
+  std::vector<SpringCollider> colliders;         ///< what they stay out of
   std::vector<std::vector<int>> colliderGroups;  ///< indices into colliders
   std::vector<NodeConstraint> constraints;       ///< in an order in which they can be applied, see orderConstraints()
 
+  /// Nothing swings and nothing follows
   [[nodiscard]] bool empty() const { return chains.empty() && constraints.empty(); }
   /// Number of joints that swing.
   [[nodiscard]] int springCount() const;

@@ -54,7 +54,7 @@ class SpringSimulation {
   /// Starts at rest in the next frame.
   void reset() { started_ = false; }
 
-  [[nodiscard]] const SpringBones& springs() const { return springs_; }
+  [[nodiscard]] const SpringBones& springs() const { return springs_; }  ///< what is simulated
   /// The joints that swing, of all chains in order.
   [[nodiscard]] std::span<const SpringJoint> joints() const { return joints_; }
   /// Their tails in the last frame, world [m].

@@ -10,7 +10,9 @@
 
 namespace lorica {
 
+/// Compressed; the file appears when it is complete.
 [[nodiscard]] Result<void> writePng(const std::filesystem::path& file, const Image& image, NamedBy by = NamedBy::kUser);
+/// Of any PNG, as 8 bits a channel with opacity.
 [[nodiscard]] Result<Image> readPng(const std::filesystem::path& file);
 
 /// Images in rows, each with its label underneath.

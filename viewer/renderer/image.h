@@ -8,12 +8,13 @@ namespace lorica {
 
 /// 8-bit sRGB image, row 0 at the top, RGBA interleaved.
 struct Image {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint8_t> rgba;
+  int width = 0;                   ///< pixels
+  int height = 0;                  ///< pixels
+  std::vector<std::uint8_t> rgba;  ///< four bytes a pixel, row by row from the top; sRGB
 
   /// Of an image of this size.
   [[nodiscard]] std::size_t byteCount() const { return std::size_t{4} * width * height; }
+  /// Four bytes; from the upper left corner.
   [[nodiscard]] std::uint8_t* pixel(int x, int y) { return rgba.data() + 4 * (std::size_t{1} * y * width + x); }
 };
 

@@ -21,8 +21,8 @@ class OffscreenContext {
   OffscreenContext& operator=(OffscreenContext&&) noexcept;
   /// "OSMesa 22.3.6" or "EGL surfaceless, ...".
   [[nodiscard]] std::string description() const;
-  using GetProc = void* (*)(const char*);
-  [[nodiscard]] GetProc getProc() const;
+  using GetProc = void* (*)(const char*);  ///< how OpenGL's functions are found by their names
+  [[nodiscard]] GetProc getProc() const;   ///< of this context
 
  private:
   struct Impl;
@@ -40,7 +40,8 @@ enum class RenderQuality : std::uint8_t {
 /// Draws scenes in the current OpenGL 3.3 core context; the same code is used in a window and off screen.
 class Renderer {
  public:
-  using GetProc = void* (*)(const char*);
+  using GetProc = void* (*)(const char*);  ///< how OpenGL's functions are found by their names
+  /// Needs a current context of OpenGL.
   static Result<Renderer> create(GetProc getProc);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
@@ -48,7 +49,7 @@ class Renderer {
 
   /// Sets the quality from the next draw() on. The default is high.
   void setQuality(RenderQuality quality);
-  [[nodiscard]] RenderQuality quality() const;
+  [[nodiscard]] RenderQuality quality() const;  ///< see setQuality()
 
   /// Draws into the renderer's own framebuffer of this size.
   void draw(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height);

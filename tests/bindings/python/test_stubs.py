@@ -51,6 +51,20 @@ class Stubs(unittest.TestCase):
             if isinstance(node, ast.FunctionDef):
                 self.assertEqual(runtime_arguments(getattr(_lorica, node.name)), arguments_of(node), node.name)
 
+    def test_they_say_what_the_module_says(self):
+        for node in STUBS.body:
+            if not isinstance(node, (ast.ClassDef, ast.FunctionDef)):
+                continue
+            found = getattr(_lorica, node.name)
+            members = [(m, getattr(found, m.name)) for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)]
+            for stub, real in [(node, found), *members]:
+                said = inspect.getdoc(real) or ""
+                if "->" in said.split("\n")[0]:  # a function's own words follow its signature
+                    said = said.partition("\n")[2].strip()
+                if said:
+                    self.assertEqual(ast.get_docstring(stub), said, f"{node.name}: {stub.name}")
+                self.assertTrue(ast.get_docstring(stub), f"{node.name}: {stub.name}")
+
     def test_everything_is_documented(self):
         for name in lorica.__all__:
             thing = getattr(lorica, name)
