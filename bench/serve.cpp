@@ -1,7 +1,7 @@
 // What it costs a session that it is watched on a page, beside the same session that nobody watches, in the same run:
 // CSV on standard output. The clients are sockets in a process of their own, which acknowledge each frame. With
-// --latency instead: how long after a depth image has arrived a client of this process has read the frame that it led
-// to.
+// --latency instead, with --all as well: how long after a depth image has arrived a client of this process has read the
+// frame that it led to.
 
 #include "bench/measure.h"
 #include "geometry/little_endian.h"
@@ -48,6 +48,7 @@ struct Options {
   std::string motion = "punch_and_kick";
   int repeats = 5;
   double latency = 0.0;             // duration of that measurement [s]; 0 = the other one
+  bool all = false;                 // both
   int watchPort = 0, watchers = 0;  // as the process of the clients
 };
 
@@ -383,15 +384,15 @@ int run(const Options& options) {
   fmt::print(
       "clients,session_cpu_us,cpu_ratio,session_us,wall_ratio,all_wall_ratio,server_core_share,session_hz,least_hz,"
       "median_hz,"
-      "avatar_and_props_bytes,most,with_hulls_bytes,most,hash\n");
+      "avatar_and_props_bytes,most,with_hulls_bytes,most,kilobytes_a_second,hash\n");
   const Measured& alone = all[0];
   for (const auto& [count, m] : all) {
     const double frames = std::max(1.0, m.frames);
-    fmt::print("{},{:.1f},{:.3f},{:.1f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.1f},{:.0f},{},{:.0f},{},{:016x}\n", count,
-               medianOfThose(m.cpuUs), ratioOf(m.cpuUs, alone.cpuUs), medianOfThose(m.us), ratioOf(m.us, alone.us),
-               medianOf(m.allUs) / medianOf(alone.allUs), medianOf(m.shares), medianOf(m.sessionHertz),
-               atRank(m.hertz, 0.0), atRank(m.hertz, 0.5), m.plain / frames, m.mostPlain, m.bytes / frames, m.most,
-               m.hash);
+    fmt::print("{},{:.1f},{:.3f},{:.1f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.1f},{:.0f},{},{:.0f},{},{:.0f},{:016x}\n",
+               count, medianOfThose(m.cpuUs), ratioOf(m.cpuUs, alone.cpuUs), medianOfThose(m.us),
+               ratioOf(m.us, alone.us), medianOf(m.allUs) / medianOf(alone.allUs), medianOf(m.shares),
+               medianOf(m.sessionHertz), atRank(m.hertz, 0.0), atRank(m.hertz, 0.5), m.plain / frames, m.mostPlain,
+               m.bytes / frames, m.most, 1e-3 * m.bytes / frames * atRank(m.hertz, 0.5), m.hash);
   }
   return 0;
 }
@@ -452,6 +453,7 @@ int main(int argc, char** argv) {
   CLI::App app("Cost of a session that is watched on a page, beside the same session that nobody watches.");
   app.add_option("--motion", options.motion, "What the mannequin performs, at 60 frames a second");
   app.add_option("--latency", options.latency, "Instead: follow a virtual camera for so long [s]");
+  app.add_flag("--all", options.all, "Both, 15 s of the latter, with a line between them");
   app.add_option("--repeats", options.repeats, "The least time of each frame counts")->check(CLI::PositiveNumber);
   app.add_option("--watch-port", options.watchPort)->group("");
   app.add_option("--watchers", options.watchers)->group("");
@@ -459,7 +461,10 @@ int main(int argc, char** argv) {
   ::setenv("XDG_CONFIG_HOME", "/dev/null", 1);  // no choices that somebody has kept
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   ::setenv("LORICA_RECORDINGS", (here / "../../recordings").c_str(), 0);
-  return options.watchPort > 0   ? lorica::bench::watch(options)
-         : options.latency > 0.0 ? lorica::bench::measureLatency(options)
-                                 : lorica::bench::run(options);
+  if (options.watchPort > 0) return lorica::bench::watch(options);
+  if (options.latency > 0.0) return lorica::bench::measureLatency(options);
+  if (const int failed = lorica::bench::run(options); failed != 0 || !options.all) return failed;
+  fmt::print("\n");
+  options.latency = 15.0;
+  return lorica::bench::measureLatency(options);
 }
