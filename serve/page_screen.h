@@ -46,6 +46,7 @@ class PageScreen final : public Screen {
 
  private:
   void hear();
+  void say(const std::string& sentence, bool problem);
   void obey(const Wish& wish, WindowRequests& requests);
   /// A hand of a client that holds something, or pressed for it.
   struct ClientHand {
