@@ -144,6 +144,51 @@ TEST(PeerServe, ThePageDrawsPlaysDragsAndThrows) {
   EXPECT_TRUE(test::readJson(report).at("same").get<bool>());
 }
 
+/// A link with another token, a browser without WebGL or without WebXR, a session that ends while somebody watches;
+/// over TLS.
+TEST(PeerServe, ThePageSaysWhatIsWrong) {
+  LORICA_REQUIRE_PEERS();
+  LORICA_REQUIRE_PAGE();
+  const test::TemporaryFolder home;
+  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  setenv("LORICA_RECORDINGS", test::recordingsFolder().c_str(), 1);
+  Host host;
+  ServeSetting setting;
+  setting.lan = true;
+  auto server = test::valueOf(PageServer::start(setting));
+  PageScreen screen(*server, nullptr);
+  CastRequest request;
+  request.motion = "walk";
+  request.reading.drawn = true;
+  const auto run = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(request, host)), {}, host));
+  EXPECT_TRUE(test::valueOf(run->session.step()));
+  EXPECT_TRUE(test::valueOf(screen.begin(*run, host)).empty());
+
+  json result;
+  std::atomic<bool> ended = false;
+  std::thread browser([&, link = fmt::format("https://localhost:{}/#{}", server->port(), server->token())] {
+    result = check(link, "wrong");
+    ended = true;
+  });
+  SessionScene scene(run->session);
+  WindowValues values;
+  values.duration = 1.0;
+  while (!ended && !screen.takeRequests().seekTo) {
+    ++values.changes;
+    screen.show(scene.of(run->session, {}, screen.camera().eye), values);
+    screen.rest(0.02);
+  }
+  server.reset();
+  browser.join();
+  if (result.empty()) return;
+  const json& wrong = result.at("wrong");
+  EXPECT_EQ(wrong.at("token"), "This link is not or no longer valid. Please use the one that the program shows now.");
+  EXPECT_EQ(wrong.at("webgl"), "This page needs WebGL 2, which this browser does not have or has switched off.");
+  EXPECT_NE(wrong.at("webxr").get<std::string>().find("This browser has no VR or AR. The one in a headset has."),
+            std::string::npos);
+  EXPECT_EQ(wrong.at("over"), "The session is over. This page continues when another one starts.");
+}
+
 /// By its button, its key and by dropping: what the page sends is opened as what is dropped on a window, and what
 /// cannot be opened is a sentence of the reader.
 TEST(PeerServe, ThePageOpensFilesOfItsOwn) {

@@ -352,6 +352,35 @@ const parts = {
         said: notices.join(' '),
       });
     }
+    result.errors = result.errors.filter((text) => !text.includes('status of 415')); // the browser's words about notes.pdf
+    await page.close();
+  },
+
+  /// What the page says when something is missing, and when the session ends, for which it asks by a restart.
+  async wrong() {
+    const bare = async (to, before) => {
+      const page = await (await browser.createBrowserContext()).newPage();
+      if (before) await page.evaluateOnNewDocument(before);
+      await page.goto(to);
+      return page;
+    };
+    const said = async (page, where, words) => {
+      await until(page, (at, part) => document.querySelector(at)?.textContent.includes(part), where, words);
+      return page.$eval(where, (element) => element.textContent);
+    };
+    const token = await bare(url.replace(/#.*/, `#${'x'.repeat(22)}`));
+    const webgl = await bare(url, 'HTMLCanvasElement.prototype.getContext = () => null;');
+    const webxr = await bare(url, "Object.defineProperty(navigator, 'xr', { value: undefined });");
+    const page = await open(kDesktop);
+    result.wrong = {
+      token: await said(token, '#connection', 'valid'),
+      webgl: await said(webgl, '.lone', 'WebGL'),
+      webxr: await said(webxr, '#panel', 'no VR or AR'),
+    };
+    for (const other of [token, webgl, webxr]) await other.close();
+    await page.keyboard.press('Home');
+    result.wrong.over = await said(page, '#connection', 'over');
+    result.errors = result.errors.filter((text) => !text.includes('WebSocket')); // it tries again
     await page.close();
   },
 
