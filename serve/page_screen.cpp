@@ -74,9 +74,8 @@ Json namesOfChoices(const Choices& choices) {
 
 }  // namespace
 
-Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& host) {
+Result<void> PageScreen::begin(const Run& run, Host& host) {
   const auto cast = std::make_shared<ServedCast>();
-  std::vector<std::string> warnings;
   cast->run = ++run_;
   Json hello = {{"type", "hello"},    {"wire", 1},          {"run", run_},
                 {"name", run.name()}, {"live", run.live()}, {"watched", run.watched()}};
@@ -88,7 +87,7 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
     const std::string licence = vrmLicence(document.writer.document);
     LORICA_TRY(std::string file, document.writer.glb(character.name));
     cast->characters.push_back(std::make_shared<const std::string>(std::move(file)));
-    if (!licence.empty()) warnings.push_back(fmt::format("{}: {}", character.name, licence));
+    if (!licence.empty()) host.warn(fmt::format("{}: {}", character.name, licence));
     Json avatar = {{"name", character.name},
                    {"character", fmt::format("/character/{}.glb", a)},
                    {"plain", character.avatar == nullptr || character.avatar->plain},
@@ -108,7 +107,7 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
   server_.setCast(cast);
   hands_ = {};
   present_ = &run;
-  return warnings;
+  return {};
 }
 
 /// Takes the wishes that came since: what is only about this screen is done at once, the rest waits for its turn.

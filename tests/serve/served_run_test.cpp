@@ -6,6 +6,7 @@
 #include "prepare/cast.h"
 #include "prepare/recorded_cast.h"
 #include "serve/page_screen.h"
+#include "serve/vrm_licence.h"
 #include "skinning/linear_blend.h"
 #include "tests/apps/mannequin_glb.h"
 #include "tests/serve/test_client.h"
@@ -58,7 +59,7 @@ TEST(ServedRun, FramesHoldThePosesOfTheSession) {
   const auto run = valueOf(lorica::Run::start(walkingCast(host), setting, host));
   std::unique_ptr<PageServer> server = valueOf(PageServer::start({}));
   PageScreen screen(*server, nullptr);
-  EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+  EXPECT_TRUE(screen.begin(*run, host));
   std::thread client([&] {
     TestClient watcher(server->port());
     watcher.watch();
@@ -177,7 +178,7 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   WindowChoices choices;
   choices.paused = true;
   screen.setChoices(choices);
-  EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+  EXPECT_TRUE(screen.begin(*run, host));
   std::thread client([&] {
     TestClient watcher(server->port());
     watcher.watch();
@@ -249,6 +250,45 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   EXPECT_EQ(done[Kind::kThrowBall], 1);
 }
 
+TEST(VrmLicence, SaysWhatAFileSaysAgainstBeingGivenToOthers) {
+  using Document = nlohmann::ordered_json;
+  EXPECT_EQ(vrmLicence(Document::object()), "");
+  const auto said = [](const char* extension, const Document& meta) {
+    return vrmLicence(Document{{"extensions", {{extension, {{"meta", meta}}}}}}) != "";
+  };
+  EXPECT_FALSE(said("VRMC_vrm", {{"name", "one"}, {"allowRedistribution", true}}));
+  EXPECT_TRUE(said("VRMC_vrm", {{"name", "one"}, {"allowRedistribution", false}}));
+  EXPECT_TRUE(said("VRMC_vrm", {{"name", "one"}}));
+  EXPECT_FALSE(said("VRM", {{"licenseName", "CC_BY"}}));
+  EXPECT_TRUE(said("VRM", {{"licenseName", "Redistribution_Prohibited"}}));
+}
+
+/// Before anybody can get it.
+TEST(ServedRun, ALicenceIsSaidBeforeTheCharacterIsServed) {
+  const test::TemporaryFolder folder;
+  const auto server = valueOf(PageServer::start({}));
+  const auto statusOf = [&] { return TestClient(server->port()).get("/character/0.glb").substr(9, 3); };
+  struct Warned final : Host {
+    std::function<void()> heard;
+    void warn(const std::string& sentence) override {
+      if (sentence.find("licence") != std::string::npos) heard();
+    }
+  } host;
+  std::vector<std::string> statuses;
+  host.heard = [&] { statuses.push_back(statusOf()); };
+  test::GlbWriter writer = test::mannequinWriter(false);
+  writer.document["extensions"]["VRM"] = {{"meta", {{"licenseName", "Redistribution_Prohibited"}}}};
+  CastRequest request;
+  request.character = folder.write("owned.vrm", writer.glb());
+  request.motion = "walk";
+  request.reading.drawn = true;
+  const auto run = valueOf(lorica::Run::start(valueOf(prepareCast(request, host)), {}, host));
+  PageScreen screen(*server, nullptr);
+  EXPECT_TRUE(screen.begin(*run, host));
+  EXPECT_EQ(statuses, std::vector<std::string>{"404"});
+  EXPECT_TRUE(becomes([&] { return statusOf() == "200"; }));
+}
+
 /// Plays a walk while a client does something, and in turn what is opened meanwhile.
 /// @param recordings  the folder that the command names; empty = none
 /// @param whyNot  nothing else can be opened; empty = it can
@@ -274,7 +314,7 @@ void serveWalk(const std::string& recordings, const std::function<void(TestClien
     setting.record = std::exchange(shown.record, "");
     const auto run = valueOf(lorica::Run::start(std::move(*shown.next), setting, host));
     shown.next.reset();
-    EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+    EXPECT_TRUE(screen.begin(*run, host));
     end = valueOf(play(*run, shown, host));
   }
   client.join();
