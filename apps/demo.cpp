@@ -168,7 +168,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   present.motion = kDemoCharacterMotion;
   present.reading.drawn = true;
   WindowOpener opener(std::move(present), host, options.run.written() ? kWrittenOnce : "");
-  opener.recordInto(options.serve.recordings);
+  opener.recordInto(options.serve.setting.recordings);
   RunSetting setting = options.run;
   setting.sumUp = true;
   setting.allLayers = true;

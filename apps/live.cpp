@@ -107,7 +107,7 @@ Result<void> followInTurn(ShowOptions options, const CommonOptions& common, Host
     return std::move(again.cast);
   };
   WindowOpener opener(options.request, host, options.run.written() ? kWrittenOnce : "", load);
-  opener.recordInto(options.serve.recordings);
+  opener.recordInto(options.serve.setting.recordings);
   std::shared_ptr<LiveSources> sources = cast.sources;
   for (;;) {
     Showing opened;

@@ -173,7 +173,7 @@ Result<void> playOnScreen(const ShowOptions& options, const CommonOptions& commo
   if (!cast) return {};
   screens->announce(host);
   WindowOpener opener(*cast, host, options.run.written() ? kWrittenOnce : "");
-  opener.recordInto(options.serve.recordings);
+  opener.recordInto(options.serve.setting.recordings);
   Showing first;
   first.next = std::move(cast);
   first.record = options.run.record;

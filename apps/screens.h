@@ -15,7 +15,6 @@ namespace lorica {
 struct ServeOptions {
   bool serve = false, vr = false;
   ServeSetting setting;
-  std::string recordings;  ///< folder; empty = nothing can be recorded from the page
   [[nodiscard]] bool any() const { return serve || vr; }
 };
 

@@ -3,14 +3,11 @@
 #include "apps/screens.h"
 #include "apps/show.h"
 #include "apps/standard_streams.h"
-#include "geometry/errors.h"
 #include "serve/link.h"
 #include "serve/page_files.h"
 
 #include <fmt/format.h>
 
-#include <filesystem>
-#include <system_error>
 #include <utility>
 
 namespace lorica {
@@ -40,7 +37,8 @@ void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
            fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
   app.addFlag("--lan", options.setting.lan,
               "Show the page on the network too: with TLS, for those who have the link with its token");
-  app.addOption("--recordings", options.recordings, "Folder that people at the page may record sessions into")
+  app.addOption("--recordings", options.setting.recordings,
+                "Folder that people at the page may record sessions and open files into")
       ->typeName("DIR");
   Option* certificate = app.addOption("--certificate", options.setting.certificate,
                                       "Certificate of the page [default: one that Lorica makes and keeps]")
@@ -59,11 +57,8 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
     screens->window_ = std::make_unique<Window>(std::move(opened));
   }
   if (!serve.serve) return screens;
-  const ServeSetting& setting = serve.setting;
-  if (std::error_code error; !serve.recordings.empty()) {
-    std::filesystem::create_directories(serve.recordings, error);
-    if (error) return unwritable("--recordings: {}: {}", serve.recordings, error.message());
-  }
+  ServeSetting setting = serve.setting;
+  setting.paths = host.paths;
   LORICA_TRY(screens->server_, PageServer::start(setting));
   if (!pageBuilt()) {
     host.warn("this Lorica was built without its page: run scripts/setup --page and build again; programs can watch");

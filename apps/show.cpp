@@ -28,10 +28,7 @@ Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, 
   std::optional<SnapshotSeries> series;
   if (screen != nullptr) {
     prepareScreen(run, *screen, pictures.background);
-    if (page != nullptr) {
-      LORICA_TRY(const std::vector<std::string> licences, page->begin(run, host));
-      for (const std::string& sentence : licences) host.warn(sentence);
-    }
+    if (page != nullptr) LORICA_TRY_DO(page->begin(run, host));
   } else {
     LORICA_TRY(series, SnapshotSeries::create(pictures, run.session));
   }

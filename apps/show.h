@@ -47,9 +47,6 @@ struct Showing {
 [[nodiscard]] Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, WindowOpener* opener,
                                    Host& host);
 
-/// Why nothing else can be opened.
-inline constexpr const char* kWrittenOnce = "what is written or sent is one session: nothing else can be opened";
-
 /// Continues on a screen with what the user opened there, as `lorica play --window` does, until it is closed. Its
 /// report is that of what was played last.
 [[nodiscard]] Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen, WindowOpener& opener,

@@ -1,7 +1,7 @@
 // What it costs a session that it is watched on a page, beside the same session that nobody watches, in the same run:
 // CSV on standard output. The clients are sockets in a process of their own, which acknowledge each frame. With
 // --latency instead: how long after a depth image has arrived a client of this process has read the frame that it led
-// to.
+// to, and what a live session takes for its frames. With --all both, the latter also while nobody and twenty watch.
 
 #include "bench/measure.h"
 #include "geometry/little_endian.h"
@@ -34,6 +34,7 @@
 #include <memory>
 #include <numeric>
 #include <set>
+#include <span>
 #include <string>
 #include <thread>
 #include <vector>
@@ -48,6 +49,7 @@ struct Options {
   std::string motion = "punch_and_kick";
   int repeats = 5;
   double latency = 0.0;             // duration of that measurement [s]; 0 = the other one
+  bool all = false;                 // both
   int watchPort = 0, watchers = 0;  // as the process of the clients
 };
 
@@ -172,7 +174,7 @@ int watch(const Options& options) {
 class Watchers {
  public:
   Watchers(int port, int count) {
-    if (count == 0) return;
+    if (count <= 0) return;
     output_ = ::popen(fmt::format("/proc/{}/exe --watch-port {} --watchers {}", ::getpid(), port, count).c_str(), "r");
   }
   /// What they got, once the server has closed.
@@ -383,21 +385,22 @@ int run(const Options& options) {
   fmt::print(
       "clients,session_cpu_us,cpu_ratio,session_us,wall_ratio,all_wall_ratio,server_core_share,session_hz,least_hz,"
       "median_hz,"
-      "avatar_and_props_bytes,most,with_hulls_bytes,most,hash\n");
+      "avatar_and_props_bytes,most,with_hulls_bytes,most,kilobytes_a_second,hash\n");
   const Measured& alone = all[0];
   for (const auto& [count, m] : all) {
     const double frames = std::max(1.0, m.frames);
-    fmt::print("{},{:.1f},{:.3f},{:.1f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.1f},{:.0f},{},{:.0f},{},{:016x}\n", count,
-               medianOfThose(m.cpuUs), ratioOf(m.cpuUs, alone.cpuUs), medianOfThose(m.us), ratioOf(m.us, alone.us),
-               medianOf(m.allUs) / medianOf(alone.allUs), medianOf(m.shares), medianOf(m.sessionHertz),
-               atRank(m.hertz, 0.0), atRank(m.hertz, 0.5), m.plain / frames, m.mostPlain, m.bytes / frames, m.most,
-               m.hash);
+    fmt::print("{},{:.1f},{:.3f},{:.1f},{:.3f},{:.3f},{:.3f},{:.1f},{:.1f},{:.1f},{:.0f},{},{:.0f},{},{:.0f},{:016x}\n",
+               count, medianOfThose(m.cpuUs), ratioOf(m.cpuUs, alone.cpuUs), medianOfThose(m.us),
+               ratioOf(m.us, alone.us), medianOf(m.allUs) / medianOf(alone.allUs), medianOf(m.shares),
+               medianOf(m.sessionHertz), atRank(m.hertz, 0.0), atRank(m.hertz, 0.5), m.plain / frames, m.mostPlain,
+               m.bytes / frames, m.most, 1e-3 * m.bytes / frames * atRank(m.hertz, 0.5), m.hash);
   }
   return 0;
 }
 
-/// A virtual camera's images until they are read as frames by a client that wants hulls.
-int measureLatency(const Options& options) {
+/// A virtual camera's images until they are read as frames by a client that wants hulls, and what a live session takes
+/// while so many watch. The other clients are in a process of their own.
+int measureLive(const Options& options, int count) {
   Host host;
   LiveRequest live;
   live.depth.virtualCamera = true;
@@ -422,16 +425,24 @@ int measureLatency(const Options& options) {
     arrived.emplace(scene.time, std::chrono::duration<double>(joints.sight().arrived.time_since_epoch()).count());
   };
   Watcher watcher;
-  if (!watcher.connect((*server)->port())) return 1;
-  std::thread client([&] {
-    while (watcher.read()) {
-    }
-    ::close(watcher.socket);
-  });
+  std::thread client;
+  if (count > 0 && !watcher.connect((*server)->port())) return 1;
+  if (count > 0) {
+    client = std::thread([&] {
+      while (watcher.read()) {
+      }
+      ::close(watcher.socket);
+    });
+  }
+  Watchers others((*server)->port(), count - 1);
+  while ((*server)->clients() < count) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   Shown shown{&screen, {}, nullptr, {}};
   const Result<RunEnd> end = play(**run, shown, host);
   server->reset();
-  client.join();
+  if (client.joinable()) client.join();
+  std::vector<double> hertz;
+  if (count > 0) hertz.push_back(static_cast<double>(watcher.frames - 1) / (watcher.last - watcher.first));
+  for (const Watcher& w : others.results()) hertz.push_back(static_cast<double>(w.frames - 1) / w.last);
   if (!end) return fail(end.error());
   std::vector<double> ms, posed;
   for (const auto& [time, at] : watcher.came) {
@@ -439,8 +450,16 @@ int measureLatency(const Options& options) {
   }
   for (const double us : (*run)->log.figures().latency) posed.push_back(1e-3 * us);
   const double mean = std::accumulate(ms.begin(), ms.end(), 0.0) / std::max<std::size_t>(ms.size(), 1);
-  fmt::print("frames,mean_ms,p95_ms,largest_ms,posed_median_ms,posed_p95_ms\n{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f}\n",
-             ms.size(), mean, atRank(ms, 0.95), atRank(ms, 1.0), atRank(posed, 0.5), atRank(posed, 0.95));
+  fmt::print("{},{},{:.2f},{:.2f},{:.2f},{:.2f},{:.2f},{:.1f},{:.1f}\n", count, ms.size(), mean, atRank(ms, 0.95),
+             atRank(ms, 1.0), atRank(posed, 0.5), atRank(posed, 0.95), atRank(screen.cpuUs, 0.5), atRank(hertz, 0.0));
+  return 0;
+}
+
+int measureLatency(const Options& options, std::span<const int> counts) {
+  fmt::print("clients,frames,mean_ms,p95_ms,largest_ms,posed_median_ms,posed_p95_ms,session_cpu_us,least_hz\n");
+  for (const int count : counts) {
+    if (const int failed = measureLive(options, count); failed != 0) return failed;
+  }
   return 0;
 }
 
@@ -452,6 +471,7 @@ int main(int argc, char** argv) {
   CLI::App app("Cost of a session that is watched on a page, beside the same session that nobody watches.");
   app.add_option("--motion", options.motion, "What the mannequin performs, at 60 frames a second");
   app.add_option("--latency", options.latency, "Instead: follow a virtual camera for so long [s]");
+  app.add_flag("--all", options.all, "Both, the latter for each number of clients");
   app.add_option("--repeats", options.repeats, "The least time of each frame counts")->check(CLI::PositiveNumber);
   app.add_option("--watch-port", options.watchPort)->group("");
   app.add_option("--watchers", options.watchers)->group("");
@@ -459,7 +479,11 @@ int main(int argc, char** argv) {
   ::setenv("XDG_CONFIG_HOME", "/dev/null", 1);  // no choices that somebody has kept
   const std::filesystem::path here = std::filesystem::read_symlink("/proc/self/exe").parent_path();
   ::setenv("LORICA_RECORDINGS", (here / "../../recordings").c_str(), 0);
-  return options.watchPort > 0   ? lorica::bench::watch(options)
-         : options.latency > 0.0 ? lorica::bench::measureLatency(options)
-                                 : lorica::bench::run(options);
+  if (options.watchPort > 0) return lorica::bench::watch(options);
+  constexpr int kOne = 1;
+  if (options.latency > 0.0) return lorica::bench::measureLatency(options, {&kOne, 1});
+  if (const int failed = lorica::bench::run(options); failed != 0 || !options.all) return failed;
+  fmt::print("\n");
+  options.latency = 15.0;
+  return lorica::bench::measureLatency(options, lorica::bench::kWatchers);
 }

@@ -108,7 +108,8 @@ void RunLoop::open(const WindowRequests& requests) {
   WindowOpener* opener = shown_.opener;
   if (opener != nullptr && requests.choose) screen_->chooseFiles();
   if (opener == nullptr) {
-    if (!requests.files.empty()) screen_->problem("files can be opened in the window of lorica play");
+    if (!requests.files.empty() || !requests.received.empty())
+      screen_->problem("files can be opened in the window of lorica play");
     return;
   }
   if (!requests.files.empty()) {
@@ -122,8 +123,10 @@ void RunLoop::open(const WindowRequests& requests) {
       opener->list(settings_.recent);
     }
   }
-  for (const Result<void>& begun : {requests.clip ? opener->openClip(*requests.clip) : Result<void>(),
-                                    requests.person ? opener->openPerson(*requests.person) : Result<void>()}) {
+  for (const Result<void>& begun :
+       {requests.received.empty() ? Result<void>() : opener->openReceived(requests.received),
+        requests.clip ? opener->openClip(*requests.clip) : Result<void>(),
+        requests.person ? opener->openPerson(*requests.person) : Result<void>()}) {
     if (!begun) screen_->problem(begun.error().message);
   }
   if (requests.cancel) opener->cancel();

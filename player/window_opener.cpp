@@ -3,17 +3,15 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
+#include "player/dated_file.h"
 #include "player/window_settings.h"
 #include "prepare/file_kinds.h"
-#include "session/recording/session_file.h"
 #include "skinning/import/character_file.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
-#include <ctime>
 #include <filesystem>
 #include <iterator>
 #include <utility>
@@ -25,7 +23,6 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
 constexpr std::size_t kMaxMeshes = 12;  // in one session
-constexpr int kMaxOfADay = 999;         // recordings
 
 /// A file of one, or the one that ships.
 bool isCharacter(const std::string& name) {
@@ -132,22 +129,6 @@ std::vector<std::string> leftOut(const CastRequest& wanted, const CastRequest& m
   return names;
 }
 
-/// A new name of today, such as 2026-03-01_002.lsession. Recordings never fill the disk.
-Result<std::string> freeRecording(const fs::path& folder) {
-  std::error_code error;
-  if (const fs::space_info space = fs::space(folder, error); error || space.available < 2 * kMaxSessionBytes) {
-    return unwritable("{}: {}", folder.string(),
-                      error ? error.message() : fmt::format("less than {} MiB free", 2 * kMaxSessionBytes >> 20));
-  }
-  const std::string day = fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)));
-  for (int number = 1; number <= kMaxOfADay; ++number) {
-    const fs::path file = folder / fmt::format("{}_{:03}.lsession", day, number);
-    if (!fs::exists(file, error) && !fs::exists(fs::path(file).replace_extension(".part.lsession"), error))
-      return file.string();
-  }
-  return unwritable("{}: {} recordings of {}", folder.string(), kMaxOfADay, day);
-}
-
 }  // namespace
 
 WindowOpener::WindowOpener(const Cast& present, Host& host, std::string whyNot)
@@ -216,6 +197,17 @@ Result<WindowOpener::Others> WindowOpener::open(const std::vector<std::string>& 
   return others;
 }
 
+Result<void> WindowOpener::openReceived(const std::string& file) {
+  Result<Others> begun = open({file});
+  if (begun) {
+    arriving_ = file;
+    return {};
+  }
+  std::error_code ignored;
+  fs::remove(file, ignored);
+  return begun.error();
+}
+
 std::string_view WindowOpener::hint() const {
   return dropped_ || !whyNot_.empty() ? "" : "Drop a character, motion, scene or mesh here";
 }
@@ -253,7 +245,7 @@ std::string_view WindowOpener::noRecord() const {
 
 Result<void> WindowOpener::record() {
   if (const std::string_view why = noRecord(); !why.empty()) return invalidArgument("{}", why);
-  LORICA_TRY(std::string file, freeRecording(recordings_));
+  LORICA_TRY(std::string file, newDatedFile(recordings_, ".lsession"));
   load({present_}, {});
   recordTo_ = std::move(file);
   return {};
@@ -267,6 +259,8 @@ void WindowOpener::cancel() {
 void WindowOpener::giveUp() {
   if (loading_) loading_->abandon();
   loading_.reset();
+  std::error_code ignored;
+  if (!arriving_.empty()) fs::remove(std::exchange(arriving_, ""), ignored);
 }
 
 std::optional<Result<Cast>> WindowOpener::take() {
@@ -274,14 +268,17 @@ std::optional<Result<Cast>> WindowOpener::take() {
   if (!loading_) return std::nullopt;
   std::optional<Result<Cast>> result = loading_->take();
   if (!result) return result;
-  loading_.reset();
+  if (*result && !arriving_.empty()) received_.push_back(std::exchange(arriving_, ""));
+  giveUp();
   if (*result) {
     if (const std::vector<std::string> names = leftOut(wanted_, (*result)->request); !names.empty()) {
       host_.warn(fmt::format("{} {} not fit what was opened and {} left out", listed(names),
                              names.size() == 1 ? "does" : "do", names.size() == 1 ? "is" : "are"));
     }
     remember(**result);
-    opened_.insert(opened_.end(), asked_.begin(), asked_.end());
+    std::copy_if(asked_.begin(), asked_.end(), std::back_inserter(opened_), [this](const std::string& file) {
+      return std::find(received_.begin(), received_.end(), file) == received_.end();
+    });
   }
   return result;
 }
@@ -290,6 +287,7 @@ void WindowOpener::list(const std::vector<std::string>& recent) {
   characters_.clear();
   recent_.clear();
   for (const std::string& file : recent) (isCharacter(file) ? characters_ : recent_).push_back(file);
+  std::copy_if(received_.rbegin(), received_.rend(), std::back_inserter(characters_), isCharacter);
   // A character's own file may be the motion.
   const std::string shown = !present_.character.empty()    ? present_.character
                             : isCharacter(present_.motion) ? present_.motion

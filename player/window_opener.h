@@ -14,6 +14,9 @@
 
 namespace lorica {
 
+/// Why nothing else can be opened.
+inline constexpr const char* kWrittenOnce = "what is written or sent is one session: nothing else can be opened";
+
 /// Opens in a window what the user drops on it or picks, while the present session continues.
 class WindowOpener {
  public:
@@ -35,6 +38,9 @@ class WindowOpener {
   /// are of what ships. What was loading is cancelled.
   /// @return the others, or why these files cannot be opened together
   [[nodiscard]] Result<Others> open(const std::vector<std::string>& files);
+  /// The same with a file that somebody who watches sent: it is removed if it cannot be opened, and never one of
+  /// opened().
+  [[nodiscard]] Result<void> openReceived(const std::string& file);
   /// The scene of the present cast was exchanged.
   void choseScene(const std::string& scene) { present_.scene = scene; }
   /// Starts to load the present cast with another clip or person of its motion's file.
@@ -80,6 +86,8 @@ class WindowOpener {
   std::vector<std::string> characters_, recent_;  // to be opened again
   int character_ = -1;                            // the present one of characters_
   std::vector<std::string> asked_;                // files that are loading
+  std::string arriving_;                          // the one of them that somebody sent; empty = none
+  std::vector<std::string> received_;             // those that were opened
   std::vector<std::string> opened_;
   std::string recordings_, recordTo_;
   bool dropped_ = false;    // something was

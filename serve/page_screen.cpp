@@ -2,6 +2,8 @@
 
 #include "geometry/clock.h"
 #include "geometry/counts.h"
+#include "player/window_opener.h"
+#include "serve/sent_file.h"
 #include "serve/vrm_licence.h"
 #include "skinning/clip_files/character_document.h"
 
@@ -72,9 +74,8 @@ Json namesOfChoices(const Choices& choices) {
 
 }  // namespace
 
-Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& host) {
+Result<void> PageScreen::begin(const Run& run, Host& host) {
   const auto cast = std::make_shared<ServedCast>();
-  std::vector<std::string> warnings;
   cast->run = ++run_;
   Json hello = {{"type", "hello"},    {"wire", 1},          {"run", run_},
                 {"name", run.name()}, {"live", run.live()}, {"watched", run.watched()}};
@@ -86,7 +87,7 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
     const std::string licence = vrmLicence(document.writer.document);
     LORICA_TRY(std::string file, document.writer.glb(character.name));
     cast->characters.push_back(std::make_shared<const std::string>(std::move(file)));
-    if (!licence.empty()) warnings.push_back(fmt::format("{}: {}", character.name, licence));
+    if (!licence.empty()) host.warn(fmt::format("{}: {}", character.name, licence));
     Json avatar = {{"name", character.name},
                    {"character", fmt::format("/character/{}.glb", a)},
                    {"plain", character.avatar == nullptr || character.avatar->plain},
@@ -106,7 +107,7 @@ Result<std::vector<std::string>> PageScreen::begin(const Run& run, const Host& h
   server_.setCast(cast);
   hands_ = {};
   present_ = &run;
-  return warnings;
+  return {};
 }
 
 /// Takes the wishes that came since: what is only about this screen is done at once, the rest waits for its turn.
@@ -121,7 +122,8 @@ void PageScreen::hear() {
       continue;
     }
     const std::size_t most = wish.kind == Kind::kThrow ? kMaxWaiting / 2 : kMaxWaiting;
-    if (waiting_.size() < most || wish.kind == Kind::kGone) waiting_.push_back(wish);
+    const bool rare = wish.kind == Kind::kGone || wish.kind == Kind::kOpen;
+    if (waiting_.size() < most || rare) waiting_.push_back(wish);
   }
 }
 
@@ -225,6 +227,9 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
         requests.hands[i].throwsWith = wish.velocity;
       }
       break;
+    case Kind::kOpen:
+      requests.received = wish.file;
+      break;
     case Kind::kUndo:
       requests.undo = true;
       break;
@@ -239,13 +244,15 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
   setChoices(choices);
 }
 
-/// All that waits, but for a second ball.
+/// All that waits, but for a second ball and a second file.
 WindowRequests PageScreen::takeRequests() {
   WindowRequests requests = window_ != nullptr ? window_->takeRequests() : WindowRequests();
   hear();
   std::size_t kept = 0;
   for (const Wish& wish : waiting_) {
-    if (wish.kind == Kind::kThrow && requests.throwBall) {
+    const bool second =
+        wish.kind == Kind::kOpen ? !requests.received.empty() : wish.kind == Kind::kThrow && requests.throwBall;
+    if (second) {
       waiting_[kept++] = wish;
     } else {
       obey(wish, requests);
@@ -259,7 +266,9 @@ bool PageScreen::takeCancel() {
   hear();
   bool cancel = window_ != nullptr && window_->takeCancel();
   for (const Wish& wish : waiting_) cancel = cancel || wish.kind == Kind::kCancel;
-  std::erase_if(waiting_, [](const Wish& wish) { return wish.kind != Kind::kRelease && wish.kind != Kind::kGone; });
+  std::erase_if(waiting_, [](const Wish& wish) {
+    return wish.kind != Kind::kRelease && wish.kind != Kind::kGone && wish.kind != Kind::kOpen;
+  });
   return cancel;
 }
 
@@ -305,13 +314,18 @@ void PageScreen::addTimes(std::span<const TimedStage> stages) {
   if (window_ != nullptr) window_->addTimes(stages);
 }
 
+void PageScreen::say(const std::string& sentence, bool problem) {
+  const std::string text = withoutFolder(sentence, server_.sentFiles());
+  server_.say(textOf({{"type", "notice"}, {"text", text}, {"problem", problem}}));
+}
+
 void PageScreen::notice(std::string sentence, double seconds) {
-  if (!sentence.empty()) server_.say(textOf({{"type", "notice"}, {"text", sentence}, {"problem", false}}));
+  if (!sentence.empty()) say(sentence, false);
   if (window_ != nullptr) window_->notice(std::move(sentence), seconds);
 }
 
 void PageScreen::problem(std::string sentence) {
-  server_.say(textOf({{"type", "notice"}, {"text", sentence}, {"problem", true}}));
+  say(sentence, true);
   if (window_ != nullptr) window_->problem(std::move(sentence));
 }
 
@@ -370,6 +384,7 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                    {"undo", values.noUndo},
                    {"loop", values.noLoop},
                    {"record", values.noRecord},
+                   {"open", values.opens ? server_.noSentFiles() : kWrittenOnce},
                    {"mirror", values.noMirror},
                    {"smoothing", values.noSmoothing},
                    {"gravity", values.noGravity}}},

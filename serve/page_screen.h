@@ -22,8 +22,8 @@ class PageScreen final : public Screen {
 
   /// Tells clients of a run that begins: its characters and where to look from.
   /// @param run  must outlive this screen, or the next call
-  /// @return a sentence about each character whose licence does not let it be given to others
-  [[nodiscard]] Result<std::vector<std::string>> begin(const Run& run, const Host& host);
+  /// @param host  is warned of each character whose licence does not let it be given to others, before it is
+  [[nodiscard]] Result<void> begin(const Run& run, Host& host);
 
   [[nodiscard]] bool open() const override { return window_ == nullptr || window_->open(); }
   [[nodiscard]] bool wantsStep() override;
@@ -46,6 +46,7 @@ class PageScreen final : public Screen {
 
  private:
   void hear();
+  void say(const std::string& sentence, bool problem);
   void obey(const Wish& wish, WindowRequests& requests);
   /// A hand of a client that holds something, or pressed for it.
   struct ClientHand {

@@ -4,6 +4,7 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ssl.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
@@ -16,6 +17,7 @@
 #include "serve/certificate.h"
 #include "serve/link.h"
 #include "serve/page_files.h"
+#include "serve/sent_file.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -27,6 +29,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -55,6 +58,9 @@ constexpr double kSlowAck = 0.15, kQuickAck = 0.06;  // of a frame, where partic
 constexpr std::size_t kFewestParticles = 1'000;
 constexpr const char* kProtocol = "lorica.live.1";
 constexpr const char* kTokenProtocol = "token.";
+constexpr const char* kSentFolder = "opened";
+constexpr std::string_view kOpen = "/open/";  // and the ending of the file that is sent there
+constexpr std::chrono::seconds kUnread(2);    // for what still comes after a request that is refused
 constexpr const char* kPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "connect-src 'self' blob: data:; frame-ancestors 'none'; base-uri 'none'";
@@ -136,6 +142,10 @@ struct Shared {
   bool secure = false;
   std::optional<asio::ssl::context> tls;
   asio::io_context io{1};
+  std::filesystem::path sentFiles;             // of clients; empty = nowhere
+  std::string_view noSentFiles;                // why; empty = they are kept
+  std::optional<asio::thread_pool> writer;     // of them: a disk may be slow
+  const class Connection* receiver = nullptr;  // whose file is coming: memory is for one at a time
 
   // Of the server's thread.
   std::set<class Connection*> connections;
@@ -161,7 +171,8 @@ struct Shared {
   void spread();
   void add(const Wish& wish) {
     const std::lock_guard lock(mutex);
-    if (wishes.size() < kMaxWishes || wish.kind == Wish::Kind::kGone) wishes.push_back(wish);
+    const bool rare = wish.kind == Wish::Kind::kGone || wish.kind == Wish::Kind::kOpen;
+    if (wishes.size() < kMaxWishes || rare) wishes.push_back(wish);
     wished.notify_one();
   }
 };
@@ -176,6 +187,7 @@ class Connection : public std::enable_shared_from_this<Connection> {
   }
   ~Connection() {
     shared_.connections.erase(this);
+    if (shared_.receiver == this) shared_.receiver = nullptr;
     if (pressed_) {
       Wish gone;
       gone.kind = Wish::Kind::kGone;
@@ -235,18 +247,31 @@ class Connection : public std::enable_shared_from_this<Connection> {
   void readRequest() {
     request_.emplace();
     request_->header_limit(static_cast<std::uint32_t>(shared_.limits.headerBytes));
-    request_->body_limit(0);
+    request_->body_limit(std::numeric_limits<std::uint64_t>::max());  // a body is read only where one is wanted
     expireIn(shared_.limits.requestSeconds);
     stream_.emplace(pipe());
-    http::async_read(*stream_, buffer_, *request_, [self = shared_from_this()](error_code error, std::size_t) {
+    http::async_read_header(*stream_, buffer_, *request_, [self = shared_from_this()](error_code error, std::size_t) {
       if (!error) self->answer();
     });
   }
   void answer();
+  void receive(const std::string& path);
+  void keep(std::string ending);
+  void kept(const Result<std::string>& file);
+  [[nodiscard]] bool ownOrigin() const;
   [[nodiscard]] bool allowed() const;
   void send(http::status status, std::string_view type, std::shared_ptr<const std::string> body, bool gzip = false);
-  void refuse(http::status status, const char* sentence) {
-    send(status, "text/plain; charset=utf-8", std::make_shared<const std::string>(std::string(sentence) + "\n"));
+  void refuse(http::status status, const std::string& sentence) {
+    send(status, "text/plain; charset=utf-8", std::make_shared<const std::string>(sentence + "\n"));
+  }
+  /// Takes what still comes for a moment: who sends does not read the answer before, and loses it with the connection.
+  void readTheRest() {
+    buffer_.clear();
+    stream_->async_read_some(buffer_.prepare(buffer_.max_size()),
+                             [self = shared_from_this()](error_code error, std::size_t) {
+                               if (error) return self->pipe().close();
+                               self->readTheRest();
+                             });
   }
   void upgrade();
   void readWishes();
@@ -260,8 +285,11 @@ class Connection : public std::enable_shared_from_this<Connection> {
   std::optional<Pipe> stream_;
   beast::flat_buffer buffer_{16 << 10};
   std::optional<http::request_parser<http::empty_body>> request_;
+  std::optional<http::request_parser<http::string_body>> file_;  // that is sent
   std::optional<http::response<http::span_body<const char>>> response_;
   std::shared_ptr<const std::string> body_;  // of the response
+  unsigned version_ = 11;                    // of HTTP
+  bool head_ = false, keep_ = false, unread_ = false;
 
   // As a client.
   std::optional<websocket::stream<Pipe>> socketOfWeb_;
@@ -296,7 +324,14 @@ void Shared::spread() {
   }
 }
 
-/// Whether the request comes from a page of this server or from no page, and has the token.
+/// Whether the request comes from a page of this server or from no page.
+bool Connection::ownOrigin() const {
+  const auto& request = request_->get();
+  const std::string origin = text(request[http::field::origin]);
+  return origin.empty() || origin == (shared_.secure ? "https://" : "http://") + text(request[http::field::host]);
+}
+
+/// Whether the request has the token.
 bool Connection::allowed() const {
   const auto& request = request_->get();
   if (shared_.token.empty()) return true;
@@ -313,16 +348,22 @@ bool Connection::allowed() const {
 
 void Connection::answer() {
   const auto& request = request_->get();
+  version_ = request.version();
+  head_ = request.method() == http::verb::head;
+  keep_ = request.keep_alive();
+  unread_ = !request_->is_done();
   const std::string host = text(request[http::field::host]);
   // A name that leads here by somebody else's DNS would let their page read what only this machine may.
   if (!shared_.hosts.empty() && !shared_.hosts.contains(host)) {
     return refuse(http::status::misdirected_request, "This server answers to 127.0.0.1 and localhost alone.");
   }
+  const std::string target = text(request.target());
+  const std::string path = target.substr(0, target.find('?'));
+  if (request.method() == http::verb::put && path.starts_with(kOpen)) return receive(path);
+  if (unread_) return pipe().close();  // nothing else has a body
   if (request.method() != http::verb::get && request.method() != http::verb::head) {
     return refuse(http::status::method_not_allowed, "GET and HEAD are all that is answered here.");
   }
-  const std::string target = text(request.target());
-  const std::string path = target.substr(0, target.find('?'));
   if (path == "/live") return upgrade();
   if (const PageFile* file = pageFile(path)) {
     const bool gzip = file->bytes.size() > 2 && file->bytes[0] == 0x1f && file->bytes[1] == 0x8b;
@@ -348,11 +389,61 @@ void Connection::answer() {
   refuse(http::status::not_found, "There is nothing of this name.");
 }
 
+/// A file comes, which is to be opened as if it were dropped on a window. It is written when all of it is there.
+void Connection::receive(const std::string& path) {
+  if (!ownOrigin()) return refuse(http::status::forbidden, "Only the server's own page may open files.");
+  if (!allowed()) return refuse(http::status::unauthorized, "The link's token is missing or another one.");
+  if (!shared_.noSentFiles.empty()) return refuse(http::status::forbidden, std::string(shared_.noSentFiles));
+  const std::string ending = path.substr(kOpen.size());
+  if (!mayBeSent(ending)) {
+    return refuse(http::status::unsupported_media_type,
+                  fmt::format("files that the page opens end in {}", endingsThatMayBeSent()));
+  }
+  const auto length = request_->content_length();
+  if (!length) return refuse(http::status::length_required, "the file's length is missing");
+  if (*length == 0) return refuse(http::status::bad_request, "the file is empty");
+  if (*length > kMaxSentFile) {
+    return refuse(http::status::payload_too_large,
+                  fmt::format("the file has more than {} MiB: open it on the machine that serves", kMaxSentFile >> 20));
+  }
+  if (shared_.receiver != nullptr) {
+    return refuse(http::status::service_unavailable, "another file is just being sent: please try again");
+  }
+  shared_.receiver = this;
+  unread_ = false;
+  file_.emplace(std::move(*request_));
+  file_->body_limit(*length);
+  expireIn(shared_.limits.requestSeconds + static_cast<double>(*length) / shared_.limits.fileBytesASecond);
+  http::async_read(*stream_, buffer_, *file_, [self = shared_from_this(), ending](error_code error, std::size_t) {
+    if (!error) self->keep(ending);
+  });
+}
+
+/// Writes it in another thread, for which the server's own waits before it ends.
+void Connection::keep(std::string ending) {
+  expireNever();
+  asio::post(*shared_.writer, [self = shared_from_this(), ending = std::move(ending),
+                               work = asio::make_work_guard(shared_.io)]() mutable {
+    Result<std::string> file = keepSentFile(self->shared_.sentFiles, ending, self->file_->get().body());
+    asio::io_context& io = self->shared_.io;
+    asio::post(io, [self = std::move(self), file = std::move(file)] { self->kept(file); });
+  });
+}
+
+void Connection::kept(const Result<std::string>& file) {
+  shared_.receiver = nullptr;
+  file_.reset();
+  if (!file) return refuse(http::status::insufficient_storage, file.error().message);
+  Wish open;
+  open.kind = Wish::Kind::kOpen;
+  open.file = *file;
+  shared_.add(open);
+  refuse(http::status::accepted, "The file is being opened.");
+}
+
 void Connection::send(http::status status, std::string_view type, std::shared_ptr<const std::string> body, bool gzip) {
-  const auto& request = request_->get();
   body_ = std::move(body);
-  const bool head = request.method() == http::verb::head;
-  response_.emplace(status, request.version());
+  response_.emplace(status, version_);
   response_->set(http::field::content_type, beast::string_view(type.data(), type.size()));
   response_->set(http::field::cache_control, "no-store");
   response_->set("X-Content-Type-Options", "nosniff");
@@ -360,12 +451,18 @@ void Connection::send(http::status status, std::string_view type, std::shared_pt
   response_->set("Content-Security-Policy", kPolicy);
   response_->set("Cross-Origin-Resource-Policy", "same-origin");
   if (gzip) response_->set(http::field::content_encoding, "gzip");
-  response_->keep_alive(request.keep_alive());
-  response_->body() = beast::span<const char>(body_->data(), head ? 0 : body_->size());
+  response_->keep_alive(keep_ && !unread_);
+  response_->body() = beast::span<const char>(body_->data(), head_ ? 0 : body_->size());
   response_->content_length(body_->size());
   expireIn(shared_.limits.writeSeconds + 1e-6 * static_cast<double>(body_->size()));  // a megabyte a second
   http::async_write(*stream_, *response_, [self = shared_from_this()](error_code error, std::size_t) {
     if (error) return;
+    if (self->unread_) {
+      error_code ignored;
+      if (!self->secure_) self->socket_.shutdown(tcp::socket::shutdown_send, ignored);
+      self->expireIn(secondsOf(kUnread));
+      return self->readTheRest();
+    }
     if (self->response_->need_eof()) return self->pipe().close();
     self->readRequest();
   });
@@ -374,9 +471,7 @@ void Connection::send(http::status status, std::string_view type, std::shared_pt
 void Connection::upgrade() {
   const auto& request = request_->get();
   if (!websocket::is_upgrade(request)) return refuse(http::status::upgrade_required, "A WebSocket is expected here.");
-  const std::string origin = text(request[http::field::origin]);
-  const std::string own = (shared_.secure ? "https://" : "http://") + text(request[http::field::host]);
-  if (!origin.empty() && origin != own) return refuse(http::status::forbidden, "Only the server's own page may watch.");
+  if (!ownOrigin()) return refuse(http::status::forbidden, "Only the server's own page may watch.");
   if (!allowed()) return refuse(http::status::unauthorized, "The link's token is missing or another one.");
   const std::vector<std::string> words = wordsOf(request[http::field::sec_websocket_protocol]);
   if (std::find(words.begin(), words.end(), kProtocol) == words.end()) {
@@ -571,6 +666,18 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const ServeSetting& settin
   std::unique_ptr<PageServer> server(new PageServer);
   Impl& impl = *server->impl_;
   impl.shared.limits = limits;
+  if (std::error_code error; !setting.recordings.empty()) {
+    std::filesystem::create_directories(setting.recordings, error);
+    if (error) return unwritable("--recordings: {}: {}", setting.recordings, error.message());
+  }
+  if (setting.recordings.empty()) {
+    impl.shared.noSentFiles = "files need a folder on the machine that serves: start with --recordings DIR";
+  } else if (setting.paths == PathTrust::kAnywhere) {
+    impl.shared.noSentFiles = "with --trust-paths a file could name any other of the machine that serves";
+  } else {
+    impl.shared.sentFiles = std::filesystem::absolute(setting.recordings) / kSentFolder;
+    impl.shared.writer.emplace(1);
+  }
   LORICA_TRY_DO(impl.listen(setting));
   if (setting.lan) {
     impl.shared.secure = true;
@@ -614,6 +721,14 @@ PageServer::~PageServer() {
 
 const std::vector<std::string>& PageServer::links() const {
   return impl_->links;
+}
+
+const std::filesystem::path& PageServer::sentFiles() const {
+  return impl_->shared.sentFiles;
+}
+
+std::string_view PageServer::noSentFiles() const {
+  return impl_->shared.noSentFiles;
 }
 
 int PageServer::port() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/named_file.h"
 #include "geometry/result.h"
 #include "serve/wire.h"
 #include "serve/wish.h"
@@ -8,6 +9,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -18,6 +20,9 @@ struct ServeSetting {
   bool lan = false;         ///< on all networks, with TLS and a token; else for this machine alone
   std::string certificate;  ///< PEM file of `lan`; empty = Lorica's own, which is made and kept
   std::string key;          ///< its private key
+  std::string recordings;   ///< folder that clients may record sessions into, made if it is missing; empty = none. The
+                            ///< files that they open are kept in a folder in it
+  PathTrust paths = PathTrust::kBeneath;  ///< which files a file may name
 };
 inline constexpr int kUsualPort = 8420;
 
@@ -30,12 +35,13 @@ struct ServedCast {
 
 /// Limits of what clients may take.
 struct ServeLimits {
-  int clients = 32;                ///< that watch at a time
-  int connections = 96;            ///< of all kinds
-  int wishesASecond = 180;         ///< of one client: acknowledgements, two hands, a headset
-  double requestSeconds = 5.0;     ///< until a request, a handshake or an answer is through
-  double writeSeconds = 5.0;       ///< for a message; a client that reads nothing is dropped
-  std::size_t headerBytes = 8192;  ///< of a request
+  int clients = 32;                 ///< that watch at a time
+  int connections = 96;             ///< of all kinds
+  int wishesASecond = 180;          ///< of one client: acknowledgements, two hands, a headset
+  double requestSeconds = 5.0;      ///< until a request, a handshake or an answer is through
+  double writeSeconds = 5.0;        ///< for a message; a client that reads nothing is dropped
+  double fileBytesASecond = 250e3;  ///< that a client sends a file with, at least
+  std::size_t headerBytes = 8192;   ///< of a request
 };
 
 /// The server: HTTP and one WebSocket on one port, in a thread of its own. The session's thread hands frames over and
@@ -54,6 +60,11 @@ class PageServer {
   [[nodiscard]] const std::string& token() const;  ///< empty = none is needed
   /// SHA-256 of the certificate, as browsers show it; empty without TLS.
   [[nodiscard]] const std::string& fingerprint() const;
+
+  /// Where files are kept that clients open; empty = nowhere.
+  [[nodiscard]] const std::filesystem::path& sentFiles() const;
+  /// Why clients cannot open files; empty = they can. With static storage duration.
+  [[nodiscard]] std::string_view noSentFiles() const;
 
   // For the session's thread.
   /// What the clients want to see, together; 0 = there are none or no layers are wanted.

@@ -6,6 +6,7 @@
 #include "viewer/renderer/screen.h"
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 namespace lorica {
@@ -39,7 +40,8 @@ struct Wish {
     kUndo,
     kCancel,
     kHead,
-    kGone  ///< the client left: no message of its own
+    kOpen,  ///< a file, which came over HTTP
+    kGone   ///< the client left: no message of its own
   };
 
   Kind kind = Kind::kAck;
@@ -53,6 +55,7 @@ struct Wish {
   Vec3 origin = Vec3::Zero(), direction = Vec3::UnitZ(), forward = Vec3::UnitZ();  ///< world; unit vectors
   Vec3 target = Vec3::Zero();
   Vec3 velocity = Vec3::Zero();  ///< of what is let go [m/s]; 0 = its own
+  std::string file;              ///< its path, under a name that the server chose
   HeadAndHands pose = {};        ///< of a headset, in its own stage frame, by the client's clock
 
   [[nodiscard]] HandAim aim() const { return {{origin, direction}, forward}; }

@@ -5,6 +5,7 @@
 #include "geometry/mesh_files.h"
 #include "geometry/triangle_tree.h"
 #include "geometry/work_budgets.h"
+#include "serve/sent_file.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
@@ -172,6 +173,8 @@ TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
       {"frames of a recording of packets", kMaxStreamFrames},
       {"expressions of a pose that is sent or recorded, left out", kMaxPoseExpressions},
       {"bytes of the name of such an expression, left out", kMaxExpressionName},
+      {"bytes of a file that somebody at a page opens", kMaxSentFile},
+      {"bytes of all such files in their folder", kMaxSentFiles},
       {"rows of a table of contacts", kMaxContactRows},
       {"files that a robot's file includes", kMaxRobotIncludes},
       {"different collision meshes of a robot", kMaxRobotMeshes},

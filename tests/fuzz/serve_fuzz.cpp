@@ -1,6 +1,7 @@
 // What clients send to `lorica serve`. The first byte chooses: a message, read alone; bytes of a connection; bytes
 // after the handshake of a WebSocket, or messages in right WebSocket frames, each of which begins with its length in a
-// byte. The server lives as long as the process; it must answer after each input.
+// byte; or a file to open, whose kind and whose claimed length are the first two. The server lives as long as the
+// process; it must answer after each input, and have all of a file or nothing.
 #include "serve/server.h"
 #include "serve/wish.h"
 #include "skinning/skeleton.h"
@@ -14,9 +15,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -51,9 +54,10 @@ class Client {
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
   }
+  void endWriting() const { ::shutdown(socket_, SHUT_WR); }
   /// No more is sent. Reads until the server has closed, too.
   void finish() const {
-    ::shutdown(socket_, SHUT_WR);
+    endWriting();
     std::array<char, 16384> part{};
     for (;;) {
       const auto got = ::recv(socket_, part.data(), part.size(), 0);
@@ -96,9 +100,25 @@ class Client {
   int port_, socket_;
 };
 
+/// A folder that goes with the process.
+struct Folder {
+  std::filesystem::path path = std::filesystem::temp_directory_path() / fmt::format("lorica-serve-fuzz-{}", ::getpid());
+  ~Folder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+};
+
+ServeSetting settingIn(const Folder& folder) {
+  ServeSetting setting;
+  setting.recordings = folder.path.string();
+  return setting;
+}
+
 /// The server with a figure and some props, and what it does once in a session's frame.
 struct Stage {
-  std::unique_ptr<PageServer> server = PageServer::start({}).value();
+  Folder folder;
+  std::unique_ptr<PageServer> server = PageServer::start(settingIn(folder)).value();
   Skeleton skeleton = Skeleton::create({Joint{}}).value();
   std::vector<Affine3> joints{static_cast<std::size_t>(skeleton.jointCount()), Affine3::Identity()};
   std::vector<Prop> props{3};
@@ -125,9 +145,22 @@ struct Stage {
     wishes.clear();
     server->takeWishes(wishes);
     for (const Wish& wish : wishes) {
-      LORICA_CHECK(wish.client > 0 && wish.origin.allFinite() && wish.target.allFinite(), "a wish that cannot be");
+      const bool file = wish.kind == Wish::Kind::kOpen;
+      LORICA_CHECK(!file || std::filesystem::path(wish.file).parent_path() == server->sentFiles(), "a file elsewhere");
+      LORICA_CHECK((wish.client > 0 || file) && wish.origin.allFinite() && wish.target.allFinite(),
+                   "a wish that cannot be");
       LORICA_CHECK(std::abs(wish.direction.norm() - 1.0) < 1e-9, "a direction that is no unit vector");
     }
+  }
+  /// Removes them. @return how many there are, half written ones included
+  [[nodiscard]] int files() const {
+    int count = 0;
+    std::error_code none;
+    for (const auto& entry : std::filesystem::directory_iterator(server->sentFiles(), none)) {
+      ++count;
+      LORICA_CHECK(std::filesystem::remove(entry.path()), "a file that cannot be removed");
+    }
+    return count;
   }
 };
 
@@ -143,12 +176,22 @@ void checkAnswers(const Stage& stage) {
   LORICA_CHECK(answer.starts_with("HTTP/1.1 200"), "the server does not answer");
 }
 
+/// The seeds name the first port, which may be taken.
+std::string ownPort(std::string bytes, int port) {
+  constexpr std::string_view kSeed = "127.0.0.1:8420";
+  const std::string own = fmt::format("127.0.0.1:{}", port);
+  for (std::size_t at = 0; (at = bytes.find(kSeed, at)) != std::string::npos; at += own.size()) {
+    bytes.replace(at, kSeed.size(), own);
+  }
+  return bytes;
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return 0;
   const std::string_view bytes(reinterpret_cast<const char*>(data + 1), size - 1);
-  const int mode = data[0] % 4;
+  const int mode = data[0] % 5;
   if (mode == 0) {
     if (const Result<Wish> wish = readWish(bytes)) {
       LORICA_CHECK(wish->origin.allFinite() && wish->target.allFinite() && std::isfinite(wish->to), "a wish nowhere");
@@ -157,11 +200,30 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   static Stage stage;
   stage.frame();
+  if (mode == 4) {
+    if (bytes.size() < 2) return 0;
+    constexpr std::array<const char*, 8> kKinds = {"bvh", "glb", "json", "lorica", "exe", "", "../bvh", "bvh/x"};
+    const std::string_view body = bytes.substr(2);
+    const std::size_t claimed = std::max(0, static_cast<int>(body.size()) + static_cast<signed char>(bytes[1]));
+    std::string answer;
+    {
+      const Client client(stage.server->port());
+      client.write(fmt::format(
+          "PUT /open/{} HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nConnection: close\r\nContent-Length: {}\r\n\r\n{}",
+          kKinds[static_cast<unsigned char>(bytes[0]) % kKinds.size()], stage.server->port(), claimed, body));
+      client.endWriting();
+      answer = client.read("\n\n");
+    }
+    LORICA_CHECK(answer.starts_with("HTTP/1.1 202") == (stage.files() > 0), "a file that is not as its answer says");
+    stage.frame();
+    checkAnswers(stage);
+    return 0;
+  }
   {
     const Client client(stage.server->port());
     if (mode > 1) client.upgrade();
     if (mode < 3) {
-      client.write(bytes);
+      client.write(ownPort(std::string(bytes), stage.server->port()));
     } else {
       for (std::size_t at = 0; at < bytes.size();) {
         const std::size_t length = std::min<std::size_t>(static_cast<unsigned char>(bytes[at]), bytes.size() - at - 1);
@@ -173,5 +235,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     client.finish();
   }
   checkAnswers(stage);
+  (void)stage.files();
   return 0;
 }

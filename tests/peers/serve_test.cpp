@@ -1,6 +1,7 @@
 // The page of `lorica serve` in a browser, as people use it.
 #include "capture/registration/head_registration.h"
 #include "geometry/counts.h"
+#include "geometry/files.h"
 #include "player/headset_link.h"
 #include "player/run.h"
 #include "player/scene_list.h"
@@ -143,6 +144,92 @@ TEST(PeerServe, ThePageDrawsPlaysDragsAndThrows) {
   EXPECT_TRUE(test::readJson(report).at("same").get<bool>());
 }
 
+/// A link with another token, a browser without WebGL or without WebXR, a session that ends while somebody watches;
+/// over TLS.
+TEST(PeerServe, ThePageSaysWhatIsWrong) {
+  LORICA_REQUIRE_PEERS();
+  LORICA_REQUIRE_PAGE();
+  const test::TemporaryFolder home;
+  setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  setenv("LORICA_RECORDINGS", test::recordingsFolder().c_str(), 1);
+  Host host;
+  ServeSetting setting;
+  setting.lan = true;
+  auto server = test::valueOf(PageServer::start(setting));
+  PageScreen screen(*server, nullptr);
+  CastRequest request;
+  request.motion = "walk";
+  request.reading.drawn = true;
+  const auto run = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(request, host)), {}, host));
+  EXPECT_TRUE(test::valueOf(run->session.step()));
+  EXPECT_TRUE(screen.begin(*run, host));
+
+  json result;
+  std::atomic<bool> ended = false;
+  std::thread browser([&, link = fmt::format("https://localhost:{}/#{}", server->port(), server->token())] {
+    result = check(link, "wrong");
+    ended = true;
+  });
+  SessionScene scene(run->session);
+  WindowValues values;
+  values.duration = 1.0;
+  while (!ended && !screen.takeRequests().seekTo) {
+    ++values.changes;
+    screen.show(scene.of(run->session, {}, screen.camera().eye), values);
+    screen.rest(0.02);
+  }
+  server.reset();
+  browser.join();
+  if (result.empty()) return;
+  const json& wrong = result.at("wrong");
+  EXPECT_EQ(wrong.at("token"), "This link is not or no longer valid. Please use the one that the program shows now.");
+  EXPECT_EQ(wrong.at("webgl"), "This page needs WebGL 2, which this browser does not have or has switched off.");
+  EXPECT_NE(wrong.at("webxr").get<std::string>().find("This browser has no VR or AR. The one in a headset has."),
+            std::string::npos);
+  EXPECT_EQ(wrong.at("over"), "The session is over. This page continues when another one starts.");
+}
+
+/// By its button, its key and by dropping: what the page sends is opened as what is dropped on a window, and what
+/// cannot be opened is a sentence of the reader.
+TEST(PeerServe, ThePageOpensFilesOfItsOwn) {
+  LORICA_REQUIRE_PEERS();
+  LORICA_REQUIRE_PAGE();
+  const Served served;
+  const test::TemporaryFolder own;
+  const std::string bvh = test::valueOf(readFile(test::sourceFile("tests/fuzz/corpus/bvh/person.bvh")));
+  const std::vector<std::string> files = {own.write("dance.bvh", bvh), own.write("notes.pdf", "%PDF-1.7"),
+                                          own.write("Own Hero.GLB", test::facesGlb(false)),
+                                          own.write("broken.bvh", bvh.substr(0, bvh.size() / 3))};
+  setenv("FILES", fmt::format("{}", fmt::join(files, ",")).c_str(), 1);
+  const json result = check(served.link(), "files");
+  if (result.empty()) return;
+  const json& opened = result.at("files");
+  ASSERT_EQ(opened.size(), files.size());
+  for (const std::size_t good : {0, 2}) {
+    EXPECT_TRUE(opened[good].at("exchanged").get<bool>()) << opened[good];
+    EXPECT_EQ(opened[good].at("said"), "") << opened[good];
+    ASSERT_EQ(opened[good].at("avatars").size(), 1u);
+    EXPECT_TRUE(opened[good]["avatars"][0].at("loaded").get<bool>()) << opened[good];
+  }
+  EXPECT_TRUE(opened[0].at("title").get<std::string>().find("_001") != std::string::npos) << opened[0];
+  EXPECT_EQ(opened[0]["avatars"][0].at("name"), "mannequin");
+  EXPECT_NE(opened[2]["avatars"][0].at("name"), "mannequin") << "the avatar is another one";
+  EXPECT_EQ(opened[2].at("characters").size(), 2u) << "it is in the list, beside the mannequin";
+  for (const auto& [bad, words] :
+       {std::pair(3, "_002.bvh"), std::pair(1, "notes.pdf: files that the page opens end in")}) {
+    EXPECT_FALSE(opened[bad].at("exchanged").get<bool>()) << opened[bad];
+    EXPECT_NE(opened[bad].at("said").get<std::string>().find(words), std::string::npos) << opened[bad];
+    EXPECT_EQ(opened[bad]["avatars"].at(0).at("name"), opened[bad - 1]["avatars"].at(0).at("name"))
+        << "the run goes on";
+  }
+  std::vector<std::string> kept;
+  for (const auto& entry : fs::directory_iterator(served.recordings() / "opened")) {
+    kept.push_back(test::valueOf(readFile(entry.path())));
+  }
+  EXPECT_EQ(kept.size(), 2u) << "what cannot be opened is not kept";
+  EXPECT_NE(std::find(kept.begin(), kept.end(), bvh), kept.end());
+}
+
 TEST(PeerServe, ThePageFitsAPhone) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();
@@ -192,7 +279,7 @@ TEST(PeerServe, AWalkWithAHeadsetRegistersItThroughThePage) {
   LiveRequest live;
   live.depth.virtualCamera = true;
   const auto run = test::valueOf(lorica::Run::start(test::valueOf(prepareLiveCast(request, live, host)), {}, host));
-  EXPECT_TRUE(test::valueOf(screen.begin(*run, host)).empty());
+  EXPECT_TRUE(screen.begin(*run, host));
   while (run->session.frameCount() < 5 && test::valueOf(run->session.step())) {
   }
 
@@ -237,12 +324,20 @@ TEST(PeerServe, AWalkWithAHeadsetRegistersItThroughThePage) {
   const json& walk = result.at("walk");
   const json& told = walk.at("registration");
   fmt::print("registered after {:.1f} m: {}\n", walk.at("walked").get<double>(), told.dump());
+  fmt::print("and after 8 m: {}\n", walk.at("last").dump());
+  EXPECT_FALSE(walk.at("standing").at("known").get<bool>()) << "who stands is told to walk";
   EXPECT_NEAR(told.at("yaw").get<double>(), kYaw, 0.0174533);
   EXPECT_LT(told.at("degrees").get<double>(), 1.0);
-  const json& at = told.at("translation");
-  const Vec3 off = Vec3(at.at(0), at.at(1), at.at(2)) - floorFromStage.translation();
-  EXPECT_LT(std::hypot(off.x(), off.z()), 0.04);
-  EXPECT_EQ(walk.at("rig").at("yaw"), told.at("yaw")) << "the page turns its room by it";
+  const auto levelError = [&](const json& said) {
+    const json& at = said.at("translation");
+    const Vec3 off = Vec3(at.at(0), at.at(1), at.at(2)) - floorFromStage.translation();
+    return std::hypot(off.x(), off.z());
+  };
+  EXPECT_LT(levelError(told), 0.04);
+  // 10 mm at 95 % of walks of 10 s and 8 m, of which this is one: tests/capture/registration has a hundred.
+  EXPECT_LT(levelError(walk["last"]), 0.015);
+  EXPECT_NEAR(walk["last"].at("yaw").get<double>(), kYaw, 0.5 * 0.0174533);
+  EXPECT_EQ(walk.at("rig").at("yaw"), walk.at("now").at("yaw")) << "the page turns its room by it";
 }
 
 constexpr int kSeen = 50;  // of 255: hulls are translucent
@@ -309,7 +404,7 @@ TEST(PeerServe, EachSceneLooksAsInASnapshot) {
     FollowCamera follow("", 16.0 / 9.0);
     screen.setCamera(follow.still(next->session));
     const Camera camera = screen.camera();
-    EXPECT_TRUE(test::valueOf(screen.begin(*next, host)).empty());
+    EXPECT_TRUE(screen.begin(*next, host));
     run = std::move(next);
 
     SceneOptions show;
@@ -388,7 +483,7 @@ TEST(PeerServe, MorphTargetsOfAPlainFileMoveAsInASnapshot) {
   camera.eye = Vec3(3.0, 1.1, 0.2);  // from the side, where the belly is seen
   camera.target = Vec3(0.0, 1.0, 0.0);
   screen.setCamera(camera);
-  EXPECT_TRUE(test::valueOf(screen.begin(*run, host)).empty());
+  EXPECT_TRUE(screen.begin(*run, host));
   const std::vector<std::string> expressions = {"Belly", "Frown"};
 
   json result;

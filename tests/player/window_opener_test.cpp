@@ -1,11 +1,14 @@
 #include "player/window_opener.h"
 
+#include "geometry/errors.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <thread>
 
 namespace lorica::test {
@@ -50,6 +53,59 @@ TEST(WindowOpener, WhatItDoesNotOpenIsNamed) {
   ASSERT_FALSE(cast);
   EXPECT_NE(cast.error().message.find("found a JPEG picture; Lorica opens characters"), std::string::npos);
   EXPECT_TRUE(host.warnings.empty());
+}
+
+/// Files that somebody sent: one that is given up for another, fails or is cancelled is removed, one that was opened is
+/// in the list of avatars and never among the user's own.
+TEST(WindowOpener, SentFilesAreKeptOnlyIfTheyAreOpened) {
+  const TemporaryFolder folder;
+  Listening host;
+  std::atomic<bool> waits = true, fails = false;
+  WindowOpener opener(CastRequest(), host, "",
+                      [&](const std::vector<CastRequest>& attempts, Host& loading) -> Result<Cast> {
+                        while (waits && !loading.cancelled()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+                        if (fails) return badFormat("no such thing");
+                        Cast cast;
+                        cast.request = attempts.front();
+                        return cast;
+                      });
+  const auto taken = [&] {
+    for (;;) {
+      if (std::optional<Result<Cast>> cast = opener.take()) return cast->ok();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  };
+  const std::filesystem::path first = folder.write("1.glb", "1"), second = folder.write("2.glb", "2"),
+                              third = folder.write("3.bvh", "3"), bad = folder.write("4.bvh", "4"),
+                              late = folder.write("5.bvh", "5"), own = folder.write("own.glb", "own");
+  ASSERT_TRUE(opener.openReceived(first));
+  ASSERT_TRUE(opener.openReceived(second));
+  EXPECT_FALSE(exists(first)) << "another one took its place";
+  waits = false;
+  EXPECT_TRUE(taken());
+  ASSERT_TRUE(opener.openReceived(third));
+  EXPECT_TRUE(taken());
+  fails = true;
+  ASSERT_TRUE(opener.openReceived(bad));
+  EXPECT_FALSE(taken());
+  waits = true;
+  ASSERT_TRUE(opener.openReceived(late));
+  opener.cancel();
+  EXPECT_FALSE(taken());
+  waits = fails = false;
+  ASSERT_TRUE(opener.open({own.string()}));
+  EXPECT_TRUE(taken());
+  ASSERT_TRUE(opener.open({second.string()})) << "again, from the list";
+  EXPECT_TRUE(taken());
+  for (const auto& kept : {second, third, own}) EXPECT_TRUE(exists(kept)) << kept;
+  for (const auto& removed : {bad, late}) EXPECT_FALSE(exists(removed)) << removed;
+  EXPECT_EQ(opener.opened(), std::vector<std::string>{own.string()});
+  opener.list({own.string()});
+  WindowValues values;
+  opener.describe(values);
+  EXPECT_EQ(std::vector<std::string>(values.characters.begin(), values.characters.end()),
+            (std::vector<std::string>{own.string(), second.string(), "mannequin"}));
+  EXPECT_TRUE(values.recent.empty());
 }
 
 }  // namespace

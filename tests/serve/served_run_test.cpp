@@ -1,10 +1,14 @@
+#include "geometry/files.h"
 #include "geometry/little_endian.h"
 #include "player/run.h"
 #include "player/window_opener.h"
+#include "player/window_settings.h"
 #include "prepare/cast.h"
 #include "prepare/recorded_cast.h"
 #include "serve/page_screen.h"
+#include "serve/vrm_licence.h"
 #include "skinning/linear_blend.h"
+#include "tests/apps/mannequin_glb.h"
 #include "tests/serve/test_client.h"
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
@@ -13,6 +17,7 @@
 
 #include <atomic>
 #include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <optional>
@@ -54,7 +59,7 @@ TEST(ServedRun, FramesHoldThePosesOfTheSession) {
   const auto run = valueOf(lorica::Run::start(walkingCast(host), setting, host));
   std::unique_ptr<PageServer> server = valueOf(PageServer::start({}));
   PageScreen screen(*server, nullptr);
-  EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+  EXPECT_TRUE(screen.begin(*run, host));
   std::thread client([&] {
     TestClient watcher(server->port());
     watcher.watch();
@@ -173,7 +178,7 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   WindowChoices choices;
   choices.paused = true;
   screen.setChoices(choices);
-  EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+  EXPECT_TRUE(screen.begin(*run, host));
   std::thread client([&] {
     TestClient watcher(server->port());
     watcher.watch();
@@ -245,14 +250,57 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   EXPECT_EQ(done[Kind::kThrowBall], 1);
 }
 
+TEST(VrmLicence, SaysWhatAFileSaysAgainstBeingGivenToOthers) {
+  using Document = nlohmann::ordered_json;
+  EXPECT_EQ(vrmLicence(Document::object()), "");
+  const auto said = [](const char* extension, const Document& meta) {
+    return vrmLicence(Document{{"extensions", {{extension, {{"meta", meta}}}}}}) != "";
+  };
+  EXPECT_FALSE(said("VRMC_vrm", {{"name", "one"}, {"allowRedistribution", true}}));
+  EXPECT_TRUE(said("VRMC_vrm", {{"name", "one"}, {"allowRedistribution", false}}));
+  EXPECT_TRUE(said("VRMC_vrm", {{"name", "one"}}));
+  EXPECT_FALSE(said("VRM", {{"licenseName", "CC_BY"}}));
+  EXPECT_TRUE(said("VRM", {{"licenseName", "Redistribution_Prohibited"}}));
+}
+
+/// Before anybody can get it.
+TEST(ServedRun, ALicenceIsSaidBeforeTheCharacterIsServed) {
+  const test::TemporaryFolder folder;
+  const auto server = valueOf(PageServer::start({}));
+  const auto statusOf = [&] { return TestClient(server->port()).get("/character/0.glb").substr(9, 3); };
+  struct Warned final : Host {
+    std::function<void()> heard;
+    void warn(const std::string& sentence) override {
+      if (sentence.find("licence") != std::string::npos) heard();
+    }
+  } host;
+  std::vector<std::string> statuses;
+  host.heard = [&] { statuses.push_back(statusOf()); };
+  test::GlbWriter writer = test::mannequinWriter(false);
+  writer.document["extensions"]["VRM"] = {{"meta", {{"licenseName", "Redistribution_Prohibited"}}}};
+  CastRequest request;
+  request.character = folder.write("owned.vrm", writer.glb());
+  request.motion = "walk";
+  request.reading.drawn = true;
+  const auto run = valueOf(lorica::Run::start(valueOf(prepareCast(request, host)), {}, host));
+  PageScreen screen(*server, nullptr);
+  EXPECT_TRUE(screen.begin(*run, host));
+  EXPECT_EQ(statuses, std::vector<std::string>{"404"});
+  EXPECT_TRUE(becomes([&] { return statusOf() == "200"; }));
+}
+
 /// Plays a walk while a client does something, and in turn what is opened meanwhile.
 /// @param recordings  the folder that the command names; empty = none
-void serveWalk(const std::string& recordings, const std::function<void(TestClient&)>& act) {
+/// @param whyNot  nothing else can be opened; empty = it can
+void serveWalk(const std::string& recordings, const std::function<void(TestClient&)>& act,
+               const std::string& whyNot = "") {
   EndingHost host;
-  std::unique_ptr<PageServer> server = valueOf(PageServer::start({}));
+  ServeSetting served;
+  served.recordings = recordings;
+  std::unique_ptr<PageServer> server = valueOf(PageServer::start(served));
   PageScreen screen(*server, nullptr);
   Cast cast = walkingCast(host);
-  WindowOpener opener(cast, host, "");
+  WindowOpener opener(cast, host, whyNot);
   opener.recordInto(recordings);
   std::thread client([&] {
     TestClient watcher(server->port());
@@ -266,7 +314,7 @@ void serveWalk(const std::string& recordings, const std::function<void(TestClien
     setting.record = std::exchange(shown.record, "");
     const auto run = valueOf(lorica::Run::start(std::move(*shown.next), setting, host));
     shown.next.reset();
-    EXPECT_TRUE(valueOf(screen.begin(*run, host)).empty());
+    EXPECT_TRUE(screen.begin(*run, host));
     end = valueOf(play(*run, shown, host));
   }
   client.join();
@@ -300,12 +348,104 @@ TEST(ServedRun, ClientsRecordIntoTheFolderOfTheCommand) {
   EXPECT_TRUE(replayed(home.path() / name).finished);
 }
 
+/// Sends a file as the page does. @return the status of the answer
+std::string sends(const TestClient& watcher, const std::string& ending, const std::string& bytes) {
+  TestClient client(std::stoi(watcher.host.substr(watcher.host.find(':') + 1)));
+  client.write("PUT /open/" + ending + " HTTP/1.1\r\nHost: " + client.host +
+               "\r\nConnection: close\r\nContent-Length: " + std::to_string(bytes.size()) + "\r\n\r\n" + bytes);
+  const std::string answer = client.read();
+  return answer.size() > 12 ? answer.substr(9, 3) : answer;
+}
+
+std::string bvhOfAPerson() {
+  return valueOf(readFile(test::sourceFile("tests/fuzz/corpus/bvh/person.bvh")));
+}
+
+/// What a client sends is opened as what is dropped on a window: a motion is performed by the present character, a
+/// character performs the present motion.
+TEST(ServedRun, ClientsOpenTheirOwnFiles) {
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  serveWalk(home.path(), [&](TestClient& client) {
+    const Json first = messageOf(client, "hello", [](const Json&) { return true; });
+    EXPECT_EQ(first["name"], "walk");
+    const Json before = messageOf(client, "state", [](const Json&) { return true; });
+    EXPECT_EQ(before["no"]["open"], "");
+    EXPECT_EQ(sends(client, "bvh", bvhOfAPerson()), "202");
+    const Json moved = messageOf(client, "hello", [](const Json& hello) { return hello["run"] == 2; });
+    EXPECT_TRUE(moved["name"].get<std::string>().ends_with("_001")) << moved["name"];
+    EXPECT_EQ(moved["avatars"][0]["name"], first["avatars"][0]["name"]);
+    EXPECT_EQ(sends(client, "glb", test::mannequinGlb(false)), "202");
+    const Json other = messageOf(client, "hello", [](const Json& hello) { return hello["run"] == 3; });
+    EXPECT_EQ(other["name"], moved["name"]) << "it performs the present motion";
+    EXPECT_NE(other["avatars"][0]["name"], first["avatars"][0]["name"]);
+    const Json now = messageOf(client, "state", [](const Json& state) { return state["characters"].size() == 2u; });
+    const std::string own = now["characters"][0];
+    EXPECT_TRUE(own.ends_with("_001.glb")) << own;
+    // It stays in the list, and can be chosen again.
+    client.send({{"type", "character"}, {"index", 1}});
+    (void)messageOf(client, "hello", [](const Json& hello) { return hello["run"] == 4; });
+    const Json back = messageOf(client, "state", [](const Json& state) { return state["characters"].size() == 2u; });
+    client.send({{"type", "character"}, {"index", back["characters"][0] == own ? 0 : 1}});
+    (void)messageOf(client, "hello", [](const Json& hello) { return hello["run"] == 5; });
+  });
+  const Result<WindowSettings> kept = readWindowSettings(windowSettingsFile());
+  ASSERT_TRUE(kept.ok());
+  for (const std::string& file : kept->recent) {
+    EXPECT_EQ(file.find(home.path()), std::string::npos) << "it is no recent file of the window";
+  }
+}
+
+/// The sentence of the reader comes to the page without the folder, the run goes on, and nothing is left of the file.
+TEST(ServedRun, BadFilesOfClientsAreASentenceAndAreRemoved) {
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  serveWalk(home.path(), [&](TestClient& client) {
+    const std::string bvh = bvhOfAPerson();
+    const std::vector<std::pair<const char*, std::string>> rows = {{"bvh", bvh.substr(0, bvh.size() / 3)},
+                                                                   {"glb", "glTF and no more"},
+                                                                   {"fbx", "Kaydara FBX Binary"},
+                                                                   {"stl", "solid"},
+                                                                   {"csv", "\x89PNG\r\n"},
+                                                                   {"json", "{"},
+                                                                   {"txt", std::string(1000, '\0')}};
+    for (const auto& [ending, bytes] : rows) {
+      EXPECT_EQ(sends(client, ending, bytes), "202");
+      const Json said = messageOf(client, "notice", [](const Json& notice) { return notice["problem"]; });
+      const std::string text = said["text"];
+      EXPECT_NE(text.find(std::string("_001.") + ending), std::string::npos) << text;
+      EXPECT_NE(text.find("; still playing walk"), std::string::npos) << text;
+      EXPECT_EQ(text.find(home.path().filename()), std::string::npos) << "folders are nobody's business: " << text;
+      EXPECT_TRUE(becomes([&] { return std::filesystem::is_empty(home.path() / "opened"); })) << ending;
+    }
+    const Json state = messageOf(client, "state", [](const Json&) { return true; });
+    EXPECT_EQ(state["title"].get<std::string>().find("2026"), std::string::npos);
+  });
+}
+
+TEST(ServedRun, WhatIsWrittenOnceOpensNothing) {
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  serveWalk(
+      home.path(),
+      [&](TestClient& client) {
+        const Json state = messageOf(client, "state", [](const Json&) { return true; });
+        EXPECT_EQ(state["no"]["open"], kWrittenOnce);
+        EXPECT_EQ(sends(client, "bvh", bvhOfAPerson()), "202");
+        const Json said = messageOf(client, "notice", [](const Json& notice) { return notice["problem"]; });
+        EXPECT_EQ(said["text"], kWrittenOnce);
+        EXPECT_TRUE(becomes([&] { return std::filesystem::is_empty(home.path() / "opened"); }));
+      },
+      kWrittenOnce);
+}
+
 TEST(ServedRun, WithoutAFolderNothingIsRecorded) {
   const test::TemporaryFolder home;
   ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
   serveWalk("", [&](TestClient& client) {
     const Json state = messageOf(client, "state", [](const Json& each) { return each["seconds"] >= 0.0; });
     EXPECT_NE(state["no"]["record"], "");
+    EXPECT_NE(state["no"]["open"].get<std::string>().find("--recordings"), std::string::npos);
     client.send({{"type", "record"}, {"on", true}});
     (void)messageOf(client, "notice", [&](const Json& said) { return said["text"] == state["no"]["record"]; });
   });

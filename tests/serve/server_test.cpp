@@ -1,8 +1,10 @@
 #include "serve/server.h"
 
+#include "geometry/files.h"
 #include "geometry/little_endian.h"
 #include "serve/certificate.h"
 #include "serve/page_files.h"
+#include "serve/sent_file.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/serve/test_client.h"
 #include "tests/support/datasets.h"
@@ -12,6 +14,8 @@
 
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
 #include <thread>
@@ -332,6 +336,193 @@ TEST(Server, ATakenPortIsAnErrorAndTheNextOneIsFound) {
   EXPECT_NE(other.server->port(), stage.server->port());
 }
 
+/// A server that takes files, and where it keeps them.
+struct Receiver {
+  explicit Receiver(const ServeLimits& limits = {}) : stage(settingIn(home.path()), limits) {}
+  static ServeSetting settingIn(const std::filesystem::path& folder) {
+    ServeSetting setting;
+    setting.recordings = folder / "recordings";
+    return setting;
+  }
+  /// All below the folder of the server, with what is half written.
+  [[nodiscard]] std::vector<std::string> files() const {
+    std::vector<std::string> names;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(home.path())) {
+      if (entry.is_regular_file()) names.push_back(entry.path());
+    }
+    return names;
+  }
+  [[nodiscard]] std::vector<Wish> wishes() const {
+    std::vector<Wish> taken;
+    stage.server->takeWishes(taken);
+    return taken;
+  }
+
+  test::TemporaryFolder home;
+  Stage stage;
+};
+
+/// The head of a request that sends a file.
+std::string put(const TestClient& client, const std::string& path, std::size_t length, const std::string& header = "") {
+  return "PUT " + path + " HTTP/1.1\r\nHost: " + client.host + "\r\nContent-Length: " + std::to_string(length) +
+         "\r\n" + header + "\r\n";
+}
+std::string answerTo(int port, const std::string& path, const std::string& bytes, const std::string& header = "") {
+  TestClient client(port);
+  client.write(put(client, path, bytes.size(), "Connection: close\r\n" + header) + bytes);
+  return client.read();
+}
+
+TEST(SentFiles, AreKeptWholeUnderANameOfTheServer) {
+  const Receiver receiver;
+  const int port = receiver.stage.server->port();
+  std::string bytes;
+  for (std::size_t i = 0; i < 1'000'000; ++i) bytes += static_cast<char>(i * 7919 >> 5);
+  EXPECT_EQ(statusOf(answerTo(port, "/open/bvh", bytes)), "202");
+  EXPECT_EQ(statusOf(answerTo(port, "/open/vrm", "another")), "202");
+  EXPECT_EQ(statusOf(answerTo(port, "/open/bvh", "a third")), "202");
+  const std::vector<Wish> wishes = receiver.wishes();
+  ASSERT_EQ(wishes.size(), 3u);
+  const std::vector<std::string> endings = {"_001.bvh", "_001.vrm", "_002.bvh"},
+                                 contents = {bytes, "another", "a third"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(wishes[i].kind, Wish::Kind::kOpen);
+    EXPECT_TRUE(wishes[i].file.ends_with(endings[i])) << wishes[i].file;
+    EXPECT_EQ(std::filesystem::path(wishes[i].file).parent_path(), receiver.stage.server->sentFiles());
+    EXPECT_EQ(valueOf(readFile(wishes[i].file)), contents[i]);
+  }
+  EXPECT_EQ(receiver.files().size(), 3u);
+}
+
+/// The connection goes on after a file, as after any request.
+TEST(SentFiles, OneConnectionSendsSeveral) {
+  const Receiver receiver;
+  TestClient client(receiver.stage.server->port());
+  for (const char* bytes : {"one", "two"}) {
+    client.write(put(client, "/open/obj", 3) + bytes);
+    EXPECT_EQ(statusOf(client.read("opened.\n")), "202");
+  }
+  EXPECT_EQ(statusOf(client.get("/")), "200");
+  EXPECT_EQ(receiver.files().size(), 2u);
+}
+
+/// Nothing is written outside the folder, and nothing of what is refused.
+TEST(SentFiles, HostileNamesAndRequestsLeaveNothing) {
+  const Receiver receiver;
+  const int port = receiver.stage.server->port();
+  for (const char* path : {"/open/", "/open/exe", "/open/lsession", "/open/oni", "/open/BVH", "/open/bvh/",
+                           "/open/../../x.bvh", "/open/%2e%2e%2fx.bvh", "/open/a/b.bvh", "/open//etc/x.bvh",
+                           "/open/bvh%00", "/open/.bvh", "/open/x.bvh", "/open/bvh/../glb", "/open/\\x.bvh"}) {
+    EXPECT_EQ(statusOf(answerTo(port, path, "text")), "415") << path;
+  }
+  EXPECT_EQ(statusOf(answerTo(port, "/open/bvh", "")), "400");
+  for (const char* path : {"/", "/page.js", "/character/0.glb", "/open", "/live"}) {
+    EXPECT_EQ(answerTo(port, path, "text"), "") << path << ": nothing else has a body";
+  }
+  EXPECT_EQ(statusOf(answerTo(port, "/open/bvh", "text", "Origin: http://evil.example\r\n")), "403");
+  EXPECT_EQ(statusOf(answerTo(port, "/open/bvh", "text", "Origin: null\r\n")), "403");
+  {
+    TestClient chunks(port);
+    chunks.write("PUT /open/bvh HTTP/1.1\r\nHost: " + chunks.host +
+                 "\r\nTransfer-Encoding: chunked\r\n\r\n4\r\ntext\r\n");
+    EXPECT_EQ(statusOf(chunks.read("\n\n")), "411");
+  }
+  EXPECT_TRUE(receiver.wishes().empty());
+  EXPECT_TRUE(receiver.files().empty());
+  const std::string own = "Origin: http://" + TestClient(port).host + "\r\n";
+  EXPECT_EQ(statusOf(answerTo(port, "/open/bvh", "text", own)), "202");
+}
+
+/// It is refused by its length, before any of it comes; who sends it anyway reads the sentence.
+TEST(SentFiles, ATooLargeOneIsRefusedWithASentence) {
+  const Receiver receiver;
+  const int port = receiver.stage.server->port();
+  TestClient client(port);
+  client.write(put(client, "/open/glb", kMaxSentFile + 1));
+  for (int i = 0; i < 20; ++i) client.write(std::string(100'000, 'x'));
+  const std::string answer = client.read("serves\n");
+  EXPECT_EQ(statusOf(answer), "413");
+  EXPECT_NE(answer.find("64 MiB"), std::string::npos) << answer;
+  EXPECT_TRUE(receiver.files().empty());
+  EXPECT_EQ(statusOf(answerTo(port, "/open/glb", "small")), "202") << "it holds nobody up";
+}
+
+TEST(SentFiles, ACutConnectionLeavesNothing) {
+  const Receiver receiver;
+  const int port = receiver.stage.server->port();
+  for (const std::size_t sent : {0u, 1u, 999'999u}) {
+    TestClient client(port);
+    client.write(put(client, "/open/bvh", 1'000'000) + std::string(sent, 'x'));
+  }
+  EXPECT_TRUE(becomes([&] { return statusOf(answerTo(port, "/open/bvh", "whole")) == "202"; }));
+  EXPECT_EQ(receiver.files().size(), 1u);
+  EXPECT_EQ(receiver.wishes().size(), 1u);
+}
+
+/// Memory is for one at a time; who sends slowly does not hold the others up for ever.
+TEST(SentFiles, TheSecondWaitsForTheFirst) {
+  ServeLimits limits;
+  limits.requestSeconds = 0.1;
+  limits.fileBytesASecond = 1e6;
+  const Receiver receiver(limits);
+  const int port = receiver.stage.server->port();
+  TestClient slow(port);
+  slow.write(put(slow, "/open/bvh", 200'000) + "the beginning");
+  EXPECT_TRUE(becomes([&] { return statusOf(answerTo(port, "/open/bvh", "whole")) == "503"; }));
+  EXPECT_EQ(slow.read(), "") << "it is cut off";
+  EXPECT_TRUE(becomes([&] { return statusOf(answerTo(port, "/open/bvh", "whole")) == "202"; }));
+  EXPECT_EQ(receiver.files().size(), 1u);
+}
+
+TEST(SentFiles, TheirFolderHasALimit) {
+  const Receiver receiver;
+  const std::filesystem::path folder = receiver.stage.server->sentFiles();
+  EXPECT_EQ(statusOf(answerTo(receiver.stage.server->port(), "/open/bvh", "first")), "202");
+  std::ofstream(folder / "large").put('x');
+  std::filesystem::resize_file(folder / "large", kMaxSentFiles - 5 - 5);  // sparse
+  EXPECT_EQ(statusOf(answerTo(receiver.stage.server->port(), "/open/bvh", "fits.")), "202");
+  const std::string answer = answerTo(receiver.stage.server->port(), "/open/bvh", "x");
+  EXPECT_EQ(statusOf(answer), "507");
+  EXPECT_EQ(answer.find(receiver.home.path()), std::string::npos) << "folders are nobody's business";
+  EXPECT_EQ(receiver.files().size(), 3u);
+}
+
+/// A folder that is not this user's own, or cannot be made, is a sentence without its name.
+TEST(SentFiles, AFolderThatCannotBeUsedIsASentence) {
+  const Receiver receiver;
+  const std::filesystem::path folder = receiver.stage.server->sentFiles();
+  std::ofstream(folder).put('x');
+  const std::string answer = answerTo(receiver.stage.server->port(), "/open/bvh", "text");
+  EXPECT_EQ(statusOf(answer), "507");
+  EXPECT_EQ(answer.find(receiver.home.path()), std::string::npos) << answer;
+}
+
+TEST(SentFiles, AreRefusedWithoutAFolderAndWhereFilesMayNameAny) {
+  const Stage without;
+  std::string answer = answerTo(without.server->port(), "/open/bvh", "text");
+  EXPECT_EQ(statusOf(answer), "403");
+  EXPECT_NE(answer.find("--recordings"), std::string::npos);
+  const test::TemporaryFolder home;
+  ServeSetting setting = Receiver::settingIn(home.path());
+  setting.paths = PathTrust::kAnywhere;
+  const Stage trusting(setting);
+  answer = answerTo(trusting.server->port(), "/open/bvh", "text");
+  EXPECT_EQ(statusOf(answer), "403");
+  EXPECT_NE(answer.find("--trust-paths"), std::string::npos);
+}
+
+/// The server ends while a file comes.
+TEST(SentFiles, TheEndOfTheServerLeavesNothing) {
+  auto receiver = std::make_unique<Receiver>();
+  TestClient client(receiver->stage.server->port());
+  client.write(put(client, "/open/bvh", 1000) + "the beginning");
+  EXPECT_TRUE(
+      becomes([&] { return statusOf(answerTo(receiver->stage.server->port(), "/open/bvh", "whole")) == "503"; }));
+  receiver->stage.server.reset();
+  EXPECT_EQ(client.read(), "");
+  EXPECT_TRUE(receiver->files().empty());
+}
+
 /// With --lan: TLS and a token, with a certificate in a folder of the test.
 TEST(SecureServer, NothingIsSeenWithoutTheToken) {
   const test::TemporaryFolder folder;
@@ -340,6 +531,7 @@ TEST(SecureServer, NothingIsSeenWithoutTheToken) {
   setting.lan = true;
   setting.certificate = folder.write("certificate.pem", made.chain);
   setting.key = folder.write("key.pem", made.key);
+  setting.recordings = folder.path() / "recordings";
   Stage stage(setting);
   const int port = stage.server->port();
   const std::string token = stage.server->token();
@@ -354,6 +546,15 @@ TEST(SecureServer, NothingIsSeenWithoutTheToken) {
   EXPECT_EQ(statusOf(TestClient(port, true).watch()), "401");
   EXPECT_EQ(statusOf(TestClient(port, true).watch("Sec-WebSocket-Protocol: lorica.live.1, token.x" + token + "\r\n")),
             "401");
+  for (const std::string& header : {std::string(), std::string("Authorization: Bearer wrong\r\n")}) {
+    TestClient sender(port, true);
+    sender.write(put(sender, "/open/bvh", 4, header) + "text");
+    EXPECT_EQ(statusOf(sender.read("one.\n")), "401");
+  }
+  EXPECT_FALSE(std::filesystem::exists(stage.server->sentFiles()));
+  TestClient sender(port, true);
+  sender.write(put(sender, "/open/bvh", 4, "Authorization: Bearer " + token + "\r\n") + "text");
+  EXPECT_EQ(statusOf(sender.read("opened.\n")), "202");
   TestClient client(port, true);
   EXPECT_EQ(statusOf(client.watch("Sec-WebSocket-Protocol: lorica.live.1, token." + token + "\r\n")), "101");
   stage.show();

@@ -196,6 +196,7 @@ struct WindowRequests {
   std::optional<int> clip;         ///< another of WindowValues::clips
   std::optional<int> person;       ///< another of WindowValues::people, or -1 = everyone
   std::vector<std::string> files;  ///< open these, which were dropped on the window
+  std::string received;            ///< open this, which somebody sent who watches elsewhere; empty = nothing
   bool choose = false;             ///< let the user choose files to open
   bool cancel = false;             ///< what is loading
   bool throwBall = false;

@@ -1,6 +1,7 @@
 // The WebSocket of docs/WIRE.md: it connects again by itself and never sends more than the server takes.
 const kAckPause = 15; // shortest time between acknowledgements [ms]; with drags below the server's 180 messages a second
 const kDragPause = 30;
+const kLargestFile = 64 * 2 ** 20; // that the server takes [bytes]
 
 /// Sentences for the user, by what happened.
 const kSays = {
@@ -8,6 +9,8 @@ const kSays = {
   lost: 'The connection is lost. Connecting again ...',
   over: 'The session is over. This page continues when another one starts.',
   refused: 'This link is not or no longer valid. Please use the one that the program shows now.',
+  large: 'it has more than 64 MiB: open it on the machine that serves',
+  unsent: 'the connection was lost before all of it was sent',
   broken: 'The server closed the connection',
 };
 
@@ -94,6 +97,22 @@ export class Connection {
     const answer = await fetch(path, { headers: this.#headers() });
     if (!answer.ok) throw new Error(`${path} cannot be read (${answer.status})`);
     return answer.arrayBuffer();
+  };
+
+  /// Sends a file that is to be opened. @return why that cannot be, as a sentence; empty = it is being opened
+  sendFile = async (file) => {
+    if (file.size > kLargestFile) return kSays.large;
+    const ending = file.name.split('.').at(-1).toLowerCase();
+    try {
+      const answer = await fetch(`/open/${encodeURIComponent(ending)}`, {
+        method: 'PUT',
+        headers: this.#headers(),
+        body: file,
+      });
+      return answer.ok ? '' : (await answer.text()).trim();
+    } catch {
+      return kSays.unsent;
+    }
   };
 
   send(type, values = {}) {

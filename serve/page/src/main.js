@@ -35,6 +35,7 @@ const kKeys = [
   ['F', 'f', 'follow', 'the camera follows the avatars, or stays'],
   ['R', 'r', 'reset', 'resets the camera'],
   ['shift + arrows', null, null, 'orbits the camera'],
+  ['O, or drop', 'o', 'open', 'opens a character, motion, scene or mesh'],
   ['P', 'p', 'picture', 'saves a picture'],
   ['M', 'm', 'panel', 'shows and hides the settings'],
   ['H', 'h', 'help', 'help'],
@@ -292,6 +293,7 @@ const actions = {
       }),
     ),
   undo: () => unless('undo', () => connection.send('undo')),
+  open: () => unless('open', () => chosen.click()),
   record: () => unless('record', () => connection.send('record', { on: !panel.state?.recording })),
   expression: () => {
     const { expressions = [], expression } = panel.state ?? {};
@@ -320,6 +322,27 @@ const actions = {
     dirty = true;
   },
 };
+
+const chosen = make('input', { type: 'file', onchange: () => openFiles(chosen.files).finally(() => (chosen.value = '')) });
+
+/// What was chosen or dropped goes to the server, which opens it for all who watch.
+async function openFiles([file, ...more]) {
+  const why = panel.state?.no?.open;
+  if (!file || why) return why && panel.notice(why);
+  if (more.length > 0) panel.notice(`One file at a time: took ${file.name}`);
+  const busy = panel.busy(`sending ${file.name}`);
+  const refused = await connection.sendFile(file);
+  busy.remove();
+  if (refused) panel.notice(`${file.name}: ${refused}`, true);
+}
+for (const type of ['dragenter', 'dragover', 'dragleave', 'drop'])
+  addEventListener(type, (event) => {
+    if (!event.dataTransfer?.types.includes('Files')) return;
+    event.preventDefault();
+    event.dataTransfer.dropEffect = panel.state?.no?.open ? 'none' : 'copy';
+    document.body.classList.toggle('dropping', type === 'dragenter' || type === 'dragover');
+    if (type === 'drop') openFiles(event.dataTransfer.files);
+  });
 
 const help = document.getElementById('help');
 help.append(

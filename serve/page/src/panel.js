@@ -155,6 +155,7 @@ export class Panel {
       return row;
     });
     const [loop, loopRow] = this.#check('start again at the end', 'L', true, (on) => this.#on.send('loop', { on }));
+    f.open = this.#button('open a file ...', 'open', 'O');
     f.throw = this.#button('throw a ball', 'ball', 'B', { className: 'wide strong' });
     f.undo = this.#button('undo', 'undo', 'U');
     f.record = this.#button('record from the start', 'record', '');
@@ -254,6 +255,7 @@ export class Panel {
         'Who and what',
         true,
         ...who,
+        f.open,
         mirrorRow,
         ...treatments,
         loopRow,
@@ -405,6 +407,7 @@ export class Panel {
     for (const button of [f.throw, f.ball]) can(button, no.throw);
     can(f.undo, no.undo);
     can(f.record, no.record);
+    can(f.open, no.open);
     f.record.firstChild.data = state.recording ? 'end the recording' : 'record from the start';
     f.record.setAttribute('aria-pressed', Boolean(state.recording));
     f.watched.hidden = !watched;
@@ -488,6 +491,13 @@ export class Panel {
     list.append(item);
     while (list.children.length > 3) list.firstChild.remove();
     setTimeout(() => item.remove(), problem ? 3 * kNotice : kNotice);
+  }
+
+  /// A notice until it is removed.
+  busy(text) {
+    const item = make('li', { role: 'status' }, text);
+    document.getElementById('notices').append(item);
+    return item;
   }
 
   /// What panels cover at the right and at the bottom [CSS pixels].

@@ -299,6 +299,91 @@ const parts = {
     await page.close();
   },
 
+  /// Opens each of FILES: by the button, by its key, by dropping; then what cannot be opened.
+  async files() {
+    const page = await open(kDesktop);
+    result.files = [];
+    const loaded = () => loricaPage.avatars.length > 0 && loricaPage.avatars.every((a) => a.loaded);
+    await page.evaluate(() => {
+      window.said = []; // notices stay for some seconds only
+      const hear = (records) =>
+        records.forEach(({ addedNodes }) =>
+          addedNodes.forEach((li) => li.className === 'problem' && window.said.push(li.textContent)),
+        );
+      new MutationObserver(hear).observe(document.getElementById('notices'), { childList: true });
+    });
+    const ways = {
+      button: () =>
+        page.evaluate(() => [...document.querySelectorAll('#panel button')].find((b) => b.firstChild.data === 'open a file ...').click()),
+      key: () => page.focus('#view').then(() => page.keyboard.press('o')),
+    };
+    for (const [index, file] of process.env.FILES.split(',').entries()) {
+      const before = await see(page),
+        heard = await page.evaluate(() => window.said.length);
+      const way = ['button', 'key', 'drop'][index % 3];
+      if (way === 'drop') {
+        const bytes = fs.readFileSync(file).toString('base64');
+        await page.evaluate(
+          (name, text) => {
+            const dataTransfer = new DataTransfer();
+            dataTransfer.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], name));
+            for (const type of ['dragenter', 'dragover', 'drop'])
+              document.getElementById('view').dispatchEvent(new DragEvent(type, { dataTransfer, bubbles: true, cancelable: true }));
+          },
+          path.basename(file),
+          bytes,
+        );
+      } else {
+        const [chooser] = await Promise.all([page.waitForFileChooser(), ways[way]()]);
+        await chooser.accept([file]);
+      }
+      await until(page, (run, count) => loricaPage.run !== run || window.said.length > count, before.run, heard);
+      await until(page, loaded);
+      await drawn(page);
+      const { run, avatars, state } = await see(page);
+      const notices = await page.evaluate((count) => window.said.slice(count), heard);
+      await shot(page, `opened_${index}`);
+      result.files.push({
+        way,
+        exchanged: run !== before.run,
+        avatars,
+        title: state.title,
+        characters: state.characters,
+        said: notices.join(' '),
+      });
+    }
+    result.errors = result.errors.filter((text) => !text.includes('status of 415')); // the browser's words about notes.pdf
+    await page.close();
+  },
+
+  /// What the page says when something is missing, and when the session ends, for which it asks by a restart.
+  async wrong() {
+    const bare = async (to, before) => {
+      const page = await (await browser.createBrowserContext()).newPage();
+      if (before) await page.evaluateOnNewDocument(before);
+      await page.goto(to);
+      return page;
+    };
+    const said = async (page, where, words) => {
+      await until(page, (at, part) => document.querySelector(at)?.textContent.includes(part), where, words);
+      return page.$eval(where, (element) => element.textContent);
+    };
+    const token = await bare(url.replace(/#.*/, `#${'x'.repeat(22)}`));
+    const webgl = await bare(url, 'HTMLCanvasElement.prototype.getContext = () => null;');
+    const webxr = await bare(url, "Object.defineProperty(navigator, 'xr', { value: undefined });");
+    const page = await open(kDesktop);
+    result.wrong = {
+      token: await said(token, '#connection', 'valid'),
+      webgl: await said(webgl, '.lone', 'WebGL'),
+      webxr: await said(webxr, '#panel', 'no VR or AR'),
+    };
+    for (const other of [token, webgl, webxr]) await other.close();
+    await page.keyboard.press('Home');
+    result.wrong.over = await said(page, '#connection', 'over');
+    result.errors = result.errors.filter((text) => !text.includes('WebSocket')); // it tries again
+    await page.close();
+  },
+
   async phone() {
     const page = await open(kPhone);
     await shot(page, 'phone_light');
@@ -330,12 +415,15 @@ const parts = {
     await page.close();
   },
 
-  /// The wearer walks along a curve and looks about, until the server says how the headset lies to its camera.
+  /// The wearer stands, until the server says that they have to walk; then walks along a curve and looks about, until it
+  /// says how the headset lies to its camera, and on for 10 s of the walk.
   async walk() {
     const { page, button, placed } = await openWithHeadset();
     await page.select('#panel select:has(option[value=inside])', 'inside');
     await button('Enter VR');
     await placed();
+    await until(page, () => loricaPage.registration?.advice.includes('walk a curve'));
+    const standing = await page.evaluate(() => loricaPage.registration);
     await page.evaluate(() => {
       window.walked = 0;
       const from = loricaPage.pictures;
@@ -355,8 +443,11 @@ const parts = {
     });
     await until(page, () => loricaPage.registration?.known);
     const { walked, registration } = await page.evaluate(() => ({ walked, registration: loricaPage.registration }));
-    await until(page, (yaw) => loricaPage.rig.yaw === yaw, registration.yaw).catch(() => {});
-    result.walk = { walked, registration, rig: (await see(page)).rig };
+    for (const metres of [6, 8]) await until(page, (far) => window.walked > far, metres);
+    const { registration: last } = await see(page);
+    await until(page, () => loricaPage.rig.yaw === loricaPage.registration.yaw).catch(() => {});
+    const { rig, registration: now } = await see(page);
+    result.walk = { standing, walked, registration, last, now, rig };
     await page.evaluate(() => {
       clearInterval(window.walking);
       device.activeSession.end();
