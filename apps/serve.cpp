@@ -53,23 +53,23 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
                                                Host& host) {
   std::unique_ptr<Screens> screens(new Screens);
   if (serve.vr) {
-    LORICA_TRY(screens->window_, HeadsetWindow::create([&] { return openWindow(pictures); }));
+    const auto say = [&host](const std::string& sentence) { host.tell(sentence); };
+    LORICA_TRY(screens->window_, HeadsetWindow::create([&] { return openWindow(pictures); }, say));
   } else if (window) {
     LORICA_TRY(Window opened, openWindow(pictures));
     screens->window_ = std::make_unique<Window>(std::move(opened));
   }
   if (!serve.serve) return screens;
-  const ServeSetting& setting = serve.setting;
   if (std::error_code error; !serve.recordings.empty()) {
     std::filesystem::create_directories(serve.recordings, error);
     if (error) return unwritable("--recordings: {}: {}", serve.recordings, error.message());
   }
-  LORICA_TRY(screens->server_, PageServer::start(setting));
+  LORICA_TRY(screens->server_, PageServer::start(serve.setting));
   if (!pageBuilt()) {
     host.warn("this Lorica was built without its page: run scripts/setup --page and build again; programs can watch");
   }
   screens->page_.emplace(*screens->server_, screens->window_.get());
-  screens->lan_ = setting.lan;
+  screens->lan_ = serve.setting.lan;
   return screens;
 }
 
