@@ -51,7 +51,8 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
                                                Host& host) {
   std::unique_ptr<Screens> screens(new Screens);
   if (serve.vr) {
-    LORICA_TRY(screens->window_, HeadsetWindow::create([&] { return openWindow(pictures); }));
+    const auto say = [&host](const std::string& sentence) { host.tell(sentence); };
+    LORICA_TRY(screens->window_, HeadsetWindow::create([&] { return openWindow(pictures); }, say));
   } else if (window) {
     LORICA_TRY(Window opened, openWindow(pictures));
     screens->window_ = std::make_unique<Window>(std::move(opened));
@@ -64,7 +65,7 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
     host.warn("this Lorica was built without its page: run scripts/setup --page and build again; programs can watch");
   }
   screens->page_.emplace(*screens->server_, screens->window_.get());
-  screens->lan_ = setting.lan;
+  screens->lan_ = serve.setting.lan;
   return screens;
 }
 

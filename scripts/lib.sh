@@ -1,4 +1,4 @@
-# Shared by the scripts beside it: headings with the time so far, quiet commands with a log, builds, the mirror.
+# Shared by the scripts beside it: headings with the time so far, quiet commands with a log, builds, the mirror, Monado.
 # Sourced with the repository's root as the working directory.
 
 started=$SECONDS
@@ -54,4 +54,23 @@ build() {
 mirror_of() {
   apt-get indextargets --format '$(REPO_URI) $(LABEL)' 'Created-By: Packages' 2>/dev/null |
     awk -v label="$1" '$2 == label { print $1; exit }'
+}
+
+# make_monado_root FOLDER LOG: a root of Debian 13 with Monado, an OpenXR runtime that Debian 12 lacks (1 GB). Its packages
+# are unpacked, not configured: nothing of theirs that is used needs more, and it takes a third of the time.
+make_monado_root() {
+  local root=$1 log=$2 mirror
+  mirror=$(mirror_of Debian)
+  mkdir -p "$(dirname "$root")"
+  rm -rf --one-file-system "$root" "$root.part"
+  debootstrap --foreign --variant=minbase \
+    --include=monado-service,libopenxr1-monado,libopenxr-loader1,mesa-vulkan-drivers,libgl1-mesa-dri,libegl1,libgl1,libx11-6 \
+    trixie "$root.part" "${mirror:?no Debian mirror among the sources of apt}" \
+    >"$log" 2>&1 </dev/null || return 1
+  find "$root.part/var/cache/apt/archives" -name '*.deb' -print0 |
+    xargs -0 -n 1 -P "$(nproc)" sh -c 'dpkg-deb --extract "$1" "$0"' "$root.part" >>"$log" 2>&1 || return 1
+  # What their settings would have linked.
+  ln -s blas/libblas.so.3 lapack/liblapack.so.3 "$root.part/usr/lib/x86_64-linux-gnu/"
+  rm -r "$root.part/var/cache/apt/archives"
+  mv "$root.part" "$root"
 }

@@ -8,7 +8,7 @@
 
 namespace lorica::test {
 
-VirtualDisplay::VirtualDisplay() {
+VirtualDisplay::VirtualDisplay(const std::string& pictures) {
   int ends[2];
   if (pipe(ends) != 0) return;
   pid_ = fork();
@@ -16,7 +16,7 @@ VirtualDisplay::VirtualDisplay() {
     close(ends[0]);
     const std::string fd = std::to_string(ends[1]);
     execlp("Xvfb", "Xvfb", "-displayfd", fd.c_str(), "-screen", "0", "1400x900x24", "-nolisten", "tcp", "-noreset",
-           nullptr);
+           pictures.empty() ? nullptr : "-fbdir", pictures.c_str(), nullptr);
     _exit(127);
   }
   close(ends[1]);

@@ -9,7 +9,8 @@ namespace lorica::test {
 /// Runs a virtual X server during its lifetime; DISPLAY refers to it.
 class VirtualDisplay {
  public:
-  VirtualDisplay();
+  /// @param pictures  a folder in whose Xvfb_screen0 (XWD) it keeps what it shows; empty = nowhere
+  explicit VirtualDisplay(const std::string& pictures = {});
   ~VirtualDisplay();
   VirtualDisplay(const VirtualDisplay&) = delete;
   VirtualDisplay& operator=(const VirtualDisplay&) = delete;

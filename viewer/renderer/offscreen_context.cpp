@@ -179,8 +179,8 @@ OffscreenContext::~OffscreenContext() = default;
 OffscreenContext::OffscreenContext(OffscreenContext&&) noexcept = default;
 OffscreenContext& OffscreenContext::operator=(OffscreenContext&&) noexcept = default;
 
-Result<OffscreenContext> OffscreenContext::create() {
-  const char* wish = std::getenv("LORICA_OFFSCREEN");
+Result<OffscreenContext> OffscreenContext::create(bool eglOnly) {
+  const char* wish = eglOnly ? "egl" : std::getenv("LORICA_OFFSCREEN");
   const std::string forced = wish == nullptr ? "" : wish;
   if (!forced.empty() && forced != "osmesa" && forced != "egl") {
     return Error{ErrorCode::kInvalidArgument,
@@ -200,7 +200,9 @@ Result<OffscreenContext> OffscreenContext::create() {
     tried += (tried.empty() ? "" : "; ") + why;
   }
   return Error{ErrorCode::kNoDisplay,
-               fmt::format("no off-screen OpenGL ({}): install the Debian package libosmesa6 or libegl1", tried)};
+               eglOnly
+                   ? fmt::format("no surfaceless OpenGL ({}): install the Debian package libegl1", tried)
+                   : fmt::format("no off-screen OpenGL ({}): install the Debian package libosmesa6 or libegl1", tried)};
 }
 
 std::string OffscreenContext::description() const {

@@ -14,8 +14,9 @@ namespace lorica {
 /// run time. Only one may exist at a time; used only from the thread that created it.
 class OffscreenContext {
  public:
+  /// @param eglOnly  for what is drawn for another program
   /// @return the context, or kNoDisplay with what was tried and which package to install
-  static Result<OffscreenContext> create();
+  static Result<OffscreenContext> create(bool eglOnly = false);
   ~OffscreenContext();
   OffscreenContext(OffscreenContext&&) noexcept;
   OffscreenContext& operator=(OffscreenContext&&) noexcept;

@@ -184,6 +184,7 @@ Result<void> Headset::beginFrame() {
   LORICA_TRY_DO(i.checked(i.BeginFrame(i.session, nullptr), "xrBeginFrame"));
   i.displayTime = state.predictedDisplayTime;
   i.frame.time = 1e-9 * double(state.predictedDisplayTime);
+  i.frame.period = 1e-9 * double(state.predictedDisplayPeriod);
   i.frame.drawn = state.shouldRender != XR_FALSE;
   LORICA_TRY_DO(i.locate());
   return i.readHands();

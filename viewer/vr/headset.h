@@ -33,6 +33,7 @@ struct HeadsetHand {
 };
 struct HeadsetFrame {
   double time = 0.0;     ///< when it is shown, by the runtime's clock [s]
+  double period = 0.0;   ///< until the next picture [s]
   bool drawn = false;    ///< the runtime wants pictures
   bool located = false;  ///< eyes and head are known
   Isometry3 stageFromHead = Isometry3::Identity();

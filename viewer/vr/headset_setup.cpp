@@ -329,7 +329,10 @@ Result<void> Headset::start(Renderer::GetProc getProc) {
   auto info = typed<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
   info.next = context.find(i.egl);
   info.systemId = i.system;
-  if (info.next == nullptr) return noDisplay("{} does not take pictures of this window's OpenGL", i.description);
+  if (info.next == nullptr) {
+    return noDisplay("{} takes no pictures of this OpenGL; without a display it needs XR_MNDX_egl_enable",
+                     i.description);
+  }
   LORICA_TRY_DO(checked(i.CreateSession(i.instance, &info, &i.session), "xrCreateSession"));
   LORICA_TRY_DO(i.createActions());
   LORICA_TRY_DO(i.createSpaces());

@@ -31,6 +31,7 @@ constexpr double kPalmNear = 0.6;                                      // to the
 constexpr double kPalmFaces = 0.8;                                     // the cosine of how far it is turned away
 constexpr double kClick = 0.3;                                         // strength of a pulse
 constexpr double kBetweenLooks = 3.0;                                  // for a headset that was lost [s]
+constexpr double kDrawn = 0.8;  // of the time between two pictures of the headset
 constexpr double kIdle = 0.05;  // between looks at a headset that is not worn [s]
 
 /// The figure of the avatar that is followed, else the first.
@@ -50,11 +51,12 @@ std::optional<Vec3> jointAt(const SceneFigure& figure, HumanBone bone) {
 
 }  // namespace
 
-Result<std::unique_ptr<HeadsetWindow>> HeadsetWindow::create(const std::function<Result<Window>()>& open) {
+Result<std::unique_ptr<HeadsetWindow>> HeadsetWindow::create(const std::function<Result<Window>()>& open,
+                                                             std::function<void(const std::string&)> say) {
   LORICA_TRY(Headset headset, Headset::find());
-  LORICA_TRY(Window window, open());
+  LORICA_TRY(Window window, displayAvailable() ? open() : createUnseen(std::move(say)));
   std::unique_ptr<HeadsetWindow> made(new HeadsetWindow(std::move(headset), std::move(window)));
-  LORICA_TRY_DO(made->headset_->start(glFunction));
+  LORICA_TRY_DO(made->headset_->start(made->glFunctions()));
   return made;
 }
 
@@ -68,7 +70,7 @@ void HeadsetWindow::lose(const Error& why) {
   for (Hold& hold : holds_) {
     hold = Hold{.letGo = hold.asked};
   }
-  ended_ = fmt::format("{}: the session goes on in the window", why.message);
+  ended_ = fmt::format("{}: the session goes on {}", why.message, seen() ? "in the window" : "without it");
   problem(ended_);
   sought_ = now();
   comesBack_ = why.code != ErrorCode::kCancelled;
@@ -84,12 +86,17 @@ void HeadsetWindow::seek() {
   }
   if (finding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   Result<Headset> found = finding_.get();
-  if (!found || !found->start(glFunction)) return;
+  if (!found || !found->start(glFunctions())) return;
   headset_.emplace(std::move(*found));
   ended_.clear();
+  panel_ = {};  // it is drawn again
   inside_.reset();
   stands_ = false;
   notice("the headset is there again");
+}
+
+bool HeadsetWindow::open() const {
+  return Window::open() && (seen() || headset_ || comesBack_);
 }
 
 void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
@@ -110,9 +117,9 @@ void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
     return Window::show(scene, values);
   }
   if (!ran) {
-    drawFor([this](Renderer& renderer, const Scene& drawn, const SceneOptions& options) {
-      return drawEyes(renderer, drawn, options);
-    });
+    drawFor([this](Renderer& renderer, const Scene& drawn,
+                   const SceneOptions& options) { return drawEyes(renderer, drawn, options); },
+            kDrawn * headset_->frame().period);
   }
   const double seconds =
       std::clamp(headset_->frame().time - std::exchange(time_, headset_->frame().time), 0.0, kLongestFrame);

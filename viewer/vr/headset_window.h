@@ -21,12 +21,16 @@ namespace lorica {
 /// headset that was lost is taken again when it comes back.
 class HeadsetWindow final : public Window {
  public:
-  /// @param open  opens the window, once a headset was found
-  static Result<std::unique_ptr<HeadsetWindow>> create(const std::function<Result<Window>()>& open);
+  /// Without a display nothing is mirrored, and it is over when the user ends the session in the headset.
+  /// @param open  opens the window, once a headset was found, where there is a display
+  /// @param say   gets the messages where there is none
+  static Result<std::unique_ptr<HeadsetWindow>> create(const std::function<Result<Window>()>& open,
+                                                       std::function<void(const std::string&)> say);
   ~HeadsetWindow() override;
   HeadsetWindow(HeadsetWindow&&) = delete;
   HeadsetWindow& operator=(HeadsetWindow&&) = delete;
 
+  [[nodiscard]] bool open() const override;
   void show(const Scene& scene, const WindowValues& values) override;
   void rest(double seconds) override;
   [[nodiscard]] WindowRequests takeRequests() override;

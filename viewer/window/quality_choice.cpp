@@ -5,9 +5,8 @@
 namespace lorica {
 namespace {
 
-constexpr double kJudged = 1.0;          // [s]
-constexpr double kTooLong = 1.0 / 25.0;  // per picture [s]
-constexpr double kEasy = 0.010;          // per picture [s]
+constexpr double kJudged = 1.0;  // [s]
+constexpr double kEasy = 0.25;   // of the longest time
 constexpr int kEasySeconds = 3;
 constexpr double kSoon = 5.0;  // a level that is lowered within this time was too slow [s]
 constexpr double kLongestWait = 160.0;
@@ -24,8 +23,8 @@ bool QualityChoice::add(double seconds, double now) {
   begin_ = now;
   sum_ = 0.0;
   pictures_ = 0;
-  easySeconds_ = mean < kEasy ? easySeconds_ + 1 : 0;
-  if (mean > kTooLong && level_ > 0) {
+  easySeconds_ = mean < kEasy * longest_ ? easySeconds_ + 1 : 0;
+  if (mean > longest_ && level_ > 0) {
     --level_;
     if (now - raisedAt_ < kSoon) {
       notBefore_ = now + waitNext_;

@@ -5,9 +5,9 @@ namespace lorica {
 /// Chooses the rendering quality from the measured frame times: lower if the animation stutters, higher if there is
 /// time to spare, with hysteresis.
 ///
-/// Evaluates one second at a time. Below 25 pictures per second the quality is lowered by one level. If a picture takes
-/// less than 10 ms for three seconds, it is raised by one. A level that was too slow is tried again after 10 s, then
-/// after twice that time, and so on.
+/// Evaluates one second at a time. If its pictures take longer than allowed, the quality is lowered by one level. If
+/// they take less than a quarter of that for three seconds, it is raised by one. A level that was too slow is tried
+/// again after 10 s, then after twice that time, and so on.
 class QualityChoice {
  public:
   /// @param levels  0 is the lowest; starts at the highest
@@ -19,10 +19,14 @@ class QualityChoice {
   /// @return whether the level changed
   bool add(double seconds, double now);
   [[nodiscard]] int level() const { return level_; }
+  /// Allows another time for a picture. The default is a window's: 25 pictures per second.
+  void setLongest(double seconds) { longest_ = seconds; }
+  static constexpr double kLongest = 1.0 / 25.0;  ///< [s]
 
  private:
   int highest_;
   int level_;
+  double longest_ = kLongest;
   double begin_ = -1.0;  // start of the evaluated second [s]; below 0 = none yet
   double sum_ = 0.0;     // drawing time of the pictures in it [s]
   int pictures_ = 0;

@@ -12,6 +12,7 @@
 #include <cstdlib>
 #include <initializer_list>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 namespace lorica {
@@ -51,6 +52,7 @@ Window::Impl::~Impl() {
   if (video) endVideo();
   panels.reset();  // their objects belong to the window's context
   renderer.reset();
+  offscreen.reset();
   if (window != nullptr) glfwDestroyWindow(window);
   glfwTerminate();
 }
@@ -104,8 +106,17 @@ Result<Window> Window::create(const std::string& title, int width, int height, b
   return Window(std::move(impl));
 }
 
+Result<Window> Window::createUnseen(std::function<void(const std::string&)> say) {
+  auto impl = std::make_unique<Impl>();
+  impl->say = std::move(say);
+  LORICA_TRY(impl->offscreen, OffscreenContext::create(true));
+  LORICA_TRY(impl->renderer, Renderer::create(impl->offscreen->getProc()));
+  LORICA_TRY(impl->gl, loadGlFunctions(impl->offscreen->getProc()));
+  return Window(std::move(impl));
+}
+
 bool Window::open() const {
-  return !glfwWindowShouldClose(impl_->window);
+  return impl_->window == nullptr || !glfwWindowShouldClose(impl_->window);
 }
 
 bool Window::wantsStep() {
@@ -144,13 +155,14 @@ void Window::problem(std::string sentence) {
   impl_->noticeIsProblem = true;
 }
 void Window::setTitle(const std::string& title) {
-  glfwSetWindowTitle(impl_->window, title.c_str());
+  if (impl_->window != nullptr) glfwSetWindowTitle(impl_->window, title.c_str());
 }
 Camera Window::camera() const {
   return impl_->view();
 }
 HandAim Window::aim(int /*hand*/) const {
   const Camera now = camera();
+  if (impl_->window == nullptr) return {};
   return {impl_->rayThrough(impl_->cursorX, impl_->cursorY), (now.target - now.eye).normalized()};
 }
 WindowRequests Window::takeRequests() {
@@ -163,12 +175,18 @@ bool Window::takeCancel() {
   return requests.cancel;
 }
 
-void* Window::glFunction(const char* name) {
-  return glfwProc(name);
+bool Window::seen() const {
+  return impl_->window != nullptr;
 }
 
-void Window::drawFor(Eyes eyes) {
+Renderer::GetProc Window::glFunctions() const {
+  return impl_->offscreen ? impl_->offscreen->getProc() : glfwProc;
+}
+
+void Window::drawFor(Eyes eyes, double longest) {
+  impl_->choice.setLongest(longest > 0.0 ? longest : QualityChoice::kLongest);
   impl_->eyes = std::move(eyes);
+  if (impl_->window == nullptr) return;
   glfwMakeContextCurrent(impl_->window);
   glfwSwapInterval(impl_->eyes ? 0 : 1);
 }
@@ -179,6 +197,7 @@ void Window::setQuality(std::optional<RenderQuality> quality) {
 }
 
 void Window::Impl::setNotice(std::string sentence, double seconds) {
+  if (say) say(sentence);
   noticeText = std::move(sentence);
   noticeUntil = secondsNow() + seconds;
   noticeIsProblem = false;
@@ -277,6 +296,7 @@ std::uint64_t Window::Impl::printOf(const WindowValues& values, int width, int h
 
 void Window::show(const Scene& scene, const WindowValues& values) {
   Impl& i = *impl_;
+  if (i.window == nullptr) return i.drawUnseen(scene);
   int width = 0, height = 0;
   glfwMakeContextCurrent(i.window);
   glfwGetFramebufferSize(i.window, &width, &height);
@@ -299,6 +319,15 @@ void Window::show(const Scene& scene, const WindowValues& values) {
     (void)i.eyes(*i.renderer, scene, i.choices.show);
   }
   glfwPollEvents();
+}
+
+void Window::Impl::drawUnseen(const Scene& scene) {
+  const double begin = secondsNow();
+  renderer->setQuality(kQualities[choices.quality < 0 ? choice.level() : choices.quality]);
+  if (!eyes || !eyes(*renderer, scene, choices.show)) return;
+  gl.Finish();
+  chooseQuality(secondsNow() - begin);
+  ++pictures;
 }
 
 void Window::Impl::draw(const Scene& scene, const WindowValues& values, int width, int height) {
@@ -350,6 +379,7 @@ void Window::Impl::draw(const Scene& scene, const WindowValues& values, int widt
 }
 
 void Window::rest(double seconds) {
+  if (impl_->window == nullptr) return std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
   glfwWaitEventsTimeout(impl_->picturesDue > 0 ? kShortRest : std::max(seconds, kShortRest));
 }
 

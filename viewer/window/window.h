@@ -23,6 +23,10 @@ class Window : public Screen {
   /// @return the window, or kNoDisplay with advice: run without --window, snapshots need no display
   /// @param transparent  the desktop shows through a transparent background, where the system has such windows
   static Result<Window> create(const std::string& title, int width, int height, bool transparent = false);
+  /// What is shown where nobody sees it, without display, panels, keys and mouse: for a headset.
+  /// @param say  gets the messages
+  /// @return the window, or kNoDisplay if there is no OpenGL by EGL
+  static Result<Window> createUnseen(std::function<void(const std::string&)> say);
   ~Window() override;
   Window(Window&&) noexcept;
   Window& operator=(Window&&) noexcept;
@@ -48,15 +52,18 @@ class Window : public Screen {
   void setQuality(std::optional<RenderQuality> quality);
   /// How many pictures were drawn so far.
   [[nodiscard]] long long pictures() const;
-  /// Finds a function of the window's OpenGL context.
-  [[nodiscard]] static void* glFunction(const char* name);
+  /// Finds functions of the window's OpenGL context.
+  [[nodiscard]] Renderer::GetProc glFunctions() const;
 
  protected:
   /// Draws the scene for somewhere else, and leaves a picture in the renderer for the window.
   /// @return false if it has drawn nothing: then the window draws the scene as its own camera sees it
   using Eyes = std::function<bool(Renderer&, const Scene&, const SceneOptions&)>;
   /// From now on each show() calls this and waits for no display; null = as before.
-  void drawFor(Eyes eyes);
+  /// @param longest  time of a picture, above which the quality is lowered [s]; 0 = that of a window
+  void drawFor(Eyes eyes, double longest = 0.0);
+  /// Whether there is a window on a display.
+  [[nodiscard]] bool seen() const;
 
  private:
   struct Impl;

@@ -68,6 +68,7 @@ struct Window::Impl {
   void touch() { picturesDue = kPanelPictures; }
   [[nodiscard]] std::uint64_t printOf(const WindowValues& values, int width, int height) const;
   void draw(const Scene& scene, const WindowValues& values, int width, int height);
+  void drawUnseen(const Scene& scene);
   void drawScene(Scene scene, const WindowValues& values, int width, int height);
   void countPicture(double seconds);
   void chooseQuality(double seconds);
@@ -77,7 +78,9 @@ struct Window::Impl {
   void endVideo();
   void setNotice(std::string sentence, double seconds = 3.0);
 
-  GLFWwindow* window = nullptr;
+  GLFWwindow* window = nullptr;               ///< null = nobody sees it
+  std::optional<OffscreenContext> offscreen;  ///< of what nobody sees
+  std::function<void(const std::string&)> say;
   GlFunctions gl;
   std::optional<Renderer> renderer;
   std::optional<WindowPanels> panels;

@@ -4,9 +4,9 @@
 #include "capture/tracking/tracker.h"
 #include "capture/virtual_sensor/virtual_body.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
-#include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/capture/registration/virtual_walk.h"
+#include "tests/capture/registration/wandering_walk.h"
 #include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
@@ -25,40 +25,12 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kRate = 30.0;  // [Hz]
 constexpr double kLag = 0.06;   // [s]
 
-/// The walk on the spot, taken along curves in a small room, with a head that looks around.
-/// @param room  at this distance from where they began they turn back [m]
-std::vector<SkeletonFrame> wanderingWalk(double seconds, std::uint64_t seed, double room = 0.8) {
-  RandomNumbers random(seed);
-  const std::vector<SkeletonFrame> steps = synthesizeMotion(SyntheticMotion::kWalk);
-  double heading = random.between(-kPi, kPi), turn = 0.0;
-  Vec3 place = Vec3::Zero();
-  std::vector<SkeletonFrame> frames;
-  for (int f = 0; f < seconds * kRate; ++f) {
-    SkeletonFrame frame = steps[f % steps.size()];
-    const Vec3 hips = 0.5 * (frame[BodyJoint::kLeftHip].position + frame[BodyJoint::kRightHip].position);
-    if (f % 20 == 0) turn = random.between(-1.2, 1.2);
-    heading += turn / kRate;
-    if (place.norm() > room) {
-      heading += 2.5 / kRate * std::sin(std::remainder(std::atan2(-place.x(), -place.z()) - heading, 2.0 * kPi) / 2.0);
-    }
-    place += 0.8 / kRate * Vec3(std::sin(heading), 0.0, std::cos(heading));
-    frame = moved(frame, Eigen::Translation3d(place) * Eigen::AngleAxisd(heading, Vec3::UnitY()) *
-                             Eigen::Translation3d(-hips.x(), 0.0, -hips.z()));
-    frame.time = f / kRate;
-    Quat& head = *frame[BodyJoint::kHead].orientation;
-    head = head * Eigen::AngleAxisd(0.5 * std::sin(1.7 * frame.time), Vec3::UnitY()) *
-           Eigen::AngleAxisd(0.15 * std::sin(2.3 * frame.time), Vec3::UnitX());
-    frames.push_back(frame);
-  }
-  return frames;
-}
-
 // The tracker's own head joints, from noisy depth images, with a headset on the eyes of who is seen.
 TEST(TrackedHead, OfADepthCameraRegistersAHeadset) {
   for (int seed = 1; seed <= 2; ++seed) {
     std::vector<VirtualPerson> people;
     people.push_back({VirtualPerformer::create(withProportions(makeMannequin(), {.height = 0.9 + 0.1 * seed}),
-                                               wanderingWalk(10.0, seed))
+                                               test::wanderingWalk(10.0, seed))
                           .value()});
     people[0].worldFromMotion.translation().z() = 0.3;
     VirtualSensorSettings settings;
@@ -120,7 +92,7 @@ TEST(TrackedHead, AHeadsetTellsOfABodyOfWhichOnlyTheFeetAreSeen) {
   };
   for (const Row& row : {Row{false, false, 0, 0}, Row{true, false, 80, 120}, Row{true, true, 80, 120}}) {
     std::vector<VirtualPerson> people;
-    people.push_back({VirtualPerformer::create(makeMannequin(), wanderingWalk(4.0, 1, 0.3)).value()});
+    people.push_back({VirtualPerformer::create(makeMannequin(), test::wanderingWalk(4.0, 1, 0.3)).value()});
     VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
     Tracker tracker = Tracker::create(sensor.camera(), {.lowerBody = row.lowerBody}).value();
     DepthFrame frame;

@@ -1,13 +1,7 @@
-#include "player/run.h"
 #include "player/snapshots.h"
-#include "prepare/cast.h"
-#include "prepare/live_cast.h"
-#include "prepare/recorded_cast.h"
-#include "tests/support/datasets.h"
-#include "tests/support/value_of.h"
 #include "tests/viewer/renderer/picture_error.h"
 #include "tests/viewer/renderer/pictures.h"
-#include "tests/viewer/vr/monado_headset.h"
+#include "tests/viewer/vr/headsets.h"
 #include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
@@ -17,95 +11,10 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <functional>
 #include <utility>
 
 namespace lorica::test {
 namespace {
-
-constexpr int kPatience = 600;  // pictures
-
-/// Is asked between pictures whether to end.
-struct Asking : Host {
-  std::function<bool()> ends;
-  [[nodiscard]] bool cancelled() const override { return ends && ends(); }
-};
-
-class Headsets : public MonadoHeadset {
- protected:
-  void SetUp() override {
-    MonadoHeadset::SetUp();
-    if (!IsSkipped() && !HasFatalFailure()) start();
-  }
-  /// The mannequin with a red ball that stands in the air and a blue box on a post.
-  [[nodiscard]] CastRequest request() const {
-    CastRequest request;
-    request.reading.drawn = true;
-    request.scene = folder_
-                        .write("ball.json", R"({"format": "lorica scene 1", "props": [
-      {"shape": "sphere", "radius": 0.11, "at": [0.5, 1.3, 0.3], "fixed": true, "color": "#ff0000"},
-      {"shape": "cylinder", "radius": 0.14, "height": 0.9, "at": [-0.7, 0.45, 0.4], "fixed": true, "color": "#808488"},
-      {"shape": "box", "size": [0.2, 0.2, 0.2], "at": [-0.7, 1.0, 0.4], "mass": 0.4, "color": "#2f74b0"}]})")
-                        .string();
-    return request;
-  }
-  /// @param record  the session to a file; empty = not
-  void start(const std::string& record = {}) {
-    RunSetting setting;
-    setting.record = record;
-    setting.atEnd = AtEnd::kRepeat;
-    CastRequest played = request();
-    played.motion = (recordingsFolder() / "squat_and_reach.csv").string();
-    run = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(played, host)), setting, host));
-  }
-  /// The mannequin follows head and hands.
-  void follow(const std::string& record) {
-    RunSetting setting;
-    setting.record = record;
-    LiveRequest live;
-    live.threePoint = true;
-    run = test::valueOf(lorica::Run::start(test::valueOf(prepareLiveCast(request(), live, host)), setting, host));
-  }
-  /// That a recorded session has the same results again, without a headset.
-  void expectReplayed(const std::filesystem::path& file) {
-    RecordedRequest recorded;
-    recorded.file = file.string();
-    host.ends = nullptr;
-    const auto again = test::valueOf(lorica::Run::start(test::valueOf(prepareRecordedCast(recorded, host)), {}, host));
-    Shown unseen;
-    EXPECT_TRUE(play(*again, unseen, host));
-    EXPECT_TRUE(again->comparison->over());
-    EXPECT_GT(again->comparison->steps(), 10);
-    EXPECT_FALSE(again->comparison->difference()) << again->comparison->difference()->what;
-  }
-
-  /// Plays until `done`, which is asked after each picture.
-  void playUntil(const std::function<bool()>& done) {
-    int pictures = 0;
-    bool finished = false;
-    host.ends = [&] {
-      tell(told);
-      finished = finished || done();
-      return finished || ++pictures > kPatience;
-    };
-    Shown shown;
-    shown.screen = window.get();
-    const Result<RunEnd> end = play(*run, shown, host);
-    EXPECT_TRUE(end) << end.error().message;
-    EXPECT_TRUE(finished) << "it has not come to that in " << kPatience << " pictures";
-  }
-  [[nodiscard]] const HeadsetFrame& frame() const { return window->headset()->frame(); }
-  /// Whether the headset is where it was told to be, to a millimetre.
-  [[nodiscard]] bool arrived() const {
-    return window->headset() != nullptr && window->headset()->running() && frame().located && frame().drawn &&
-           (frame().stageFromHead.translation() - told.head.at).norm() < 1e-3 &&
-           frame().stageFromHead.linear().isApprox(told.head.turned.toRotationMatrix(), 1e-3);
-  }
-
-  Asking host;
-  std::unique_ptr<lorica::Run> run;
-  TemporaryFolder folder_;
-};
 
 /// The middle of what is red [pixels].
 Eigen::Vector2d redIn(const Image& image) {
@@ -122,7 +31,13 @@ Eigen::Vector2d redIn(const Image& image) {
   return count > 0 ? Eigen::Vector2d(sum / count) : Eigen::Vector2d(-1e6, 0.0);
 }
 
-TEST_F(Headsets, BothEyesSeeWhatCamerasThereSee) {
+class HeadsetEyes : public Headsets {
+ protected:
+  void expectPicturesOfCameras();
+};
+
+/// What the eyes were shown is what an off-screen picture shows by cameras there.
+void HeadsetEyes::expectPicturesOfCameras() {
   told.head = {{0.3, 1.55, 0.2}, Quat(Eigen::AngleAxisd(0.2, Vec3::UnitY()))};
   told.angles = {-std::atan(0.6 * 4.0 / 3.0), std::atan(0.6 * 4.0 / 3.0), std::atan(0.6), -std::atan(0.6)};
   WindowChoices choices = window->choices();
@@ -188,6 +103,16 @@ TEST_F(Headsets, BothEyesSeeWhatCamerasThereSee) {
   EXPECT_NEAR(ball[0].x() - ball[1].x(), expected[0].x() - expected[1].x(), 0.5);
 }
 
+TEST_F(HeadsetEyes, SeeWhatCamerasThereSee) {
+  expectPicturesOfCameras();
+}
+
+TEST_F(HeadsetEyes, SeeTheSameWithoutADisplay) {
+  openUnseen();
+  ASSERT_EQ(std::getenv("DISPLAY"), nullptr);
+  expectPicturesOfCameras();
+}
+
 TEST_F(Headsets, InsideTheEyesAreThoseOfTheAvatar) {
   WindowChoices choices = window->choices();
   choices.paused = choices.inside = true;
@@ -246,10 +171,9 @@ TEST_F(Headsets, AnAvatarFollowsHeadAndHands) {
     for (Told& hand : told.hands) hand.at.z() -= 0.5;
     return false;
   });
-  for (std::size_t i = 0; i < times.size(); ++i) {
-    std::ranges::nth_element(times[i], times[i].begin() + std::ssize(times[i]) / 2);
-    std::printf("%s %.1f ms%s", window->times()[i].name, times[i][times[i].size() / 2], i < 2 ? ", " : " (median)\n");
-  }
+  for (std::vector<double>& stage : times) std::ranges::nth_element(stage, stage.begin() + std::ssize(stage) / 2);
+  const auto median = [&](int stage) { return times[stage][times[stage].size() / 2]; };
+  std::printf("wait %.1f ms, eyes %.1f ms, hand over %.1f ms (medians)\n", median(0), median(1), median(2));
   EXPECT_TRUE(window->choices().inside);
   std::printf("head within %.2f mm, wrists within %.0f mm of the controllers\n", 1e3 * off, 1e3 * apart);
   EXPECT_LT(off, 1e-3);
@@ -371,6 +295,53 @@ TEST_F(Headsets, WhenTheRuntimeEndsTheSessionGoesOnInTheWindowUntilItIsBack) {
   const int later = run->session.frameCount();
   playUntil([&] { return arrived() && run->session.frameCount() > later; });
   EXPECT_TRUE(window->ended().empty()) << window->ended();
+}
+
+TEST_F(Headsets, WithoutADisplayALostHeadsetIsSaidAndTakenAgain) {
+  openUnseen();
+  int lost = 0;
+  playUntil([&] {
+    if (arrived() && run->session.frameCount() > 2) endService();
+    if (window->headset() == nullptr) ++lost;
+    return lost > 30;
+  });
+  ASSERT_FALSE(said.empty());
+  EXPECT_NE(said.back().find("the session goes on without it"), std::string::npos) << said.back();
+  EXPECT_TRUE(window->open());
+  ASSERT_NO_FATAL_FAILURE(startService());
+  playUntil([&] { return arrived(); });
+  EXPECT_EQ(said.back(), "the headset is there again");
+}
+
+// A run of another kind begins in the same window: what the headset was told of the run before holds no longer.
+TEST_F(Headsets, AnotherRunForgetsWhatTheWearerWasTold) {
+  follow({});
+  playUntil([&] { return arrived() && window->choices().inside; });
+  const Isometry3 worn = window->place().worldFromStage();
+  start();
+  told.head.at.x() += 0.4;
+  int after = 0;
+  playUntil([&] { return arrived() && run->session.frameCount() > 2 && ++after > 5; });
+  EXPECT_FALSE(window->choices().inside) << "a played motion is seen from beside it";
+  const SessionAvatar& avatar = run->session.avatar();
+  const Vec3 joint = avatar.worldFromJoint()[avatar.character().skeleton.jointOf(HumanBone::kHead)].translation();
+  const Vec3 away = window->place().worldFromStage() * frame().stageFromHead.translation() - joint;
+  EXPECT_GT(std::hypot(away.x(), away.z()), 1.0) << worn.translation().transpose();
+}
+
+// A page's clients count from 0: a headset of this machine is none of them, and its clock is learnt when it is heard.
+TEST_F(Headsets, TheWindowsWearerIsNoClientOfAPage) {
+  playUntil([&] { return arrived(); });
+  int heard = 0;
+  host.ends = nullptr;
+  for (int i = 0; i < kPatience && heard == 0; ++i) {
+    window->show(Scene(), WindowValues());
+    for (const HeadsetPose& pose : window->headsets()) {
+      ++heard;
+      EXPECT_EQ(pose.wearer, -1);
+    }
+  }
+  EXPECT_EQ(heard, 1);
 }
 
 }  // namespace

@@ -40,12 +40,25 @@ class Packet {
   std::vector<char> bytes_;
 };
 
-bool waitFor(const std::function<bool()>& there) {
-  for (int i = 0; i < 600; ++i) {
+/// @param patience  [s]
+bool waitFor(const std::function<bool()>& there, int patience = 30) {
+  for (int i = 0; i < 20 * patience; ++i) {
     if (there()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
   }
   return false;
+}
+
+/// To the remote driver; below 0 = nobody listens.
+int connection() {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(kPort);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  const int made = ::socket(AF_INET, SOCK_STREAM, 0);
+  if (::connect(made, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return made;
+  ::close(made);
+  return -1;
 }
 
 }  // namespace
@@ -55,34 +68,59 @@ void MonadoHeadset::SetUp() {
   display_.emplace();
   ASSERT_TRUE(display_->ready());
   ASSERT_NO_FATAL_FAILURE(startService());
-  Result<std::unique_ptr<HeadsetWindow>> opened =
-      HeadsetWindow::create([] { return Window::create("Lorica test", 320, 240); });
+  openWindow();
+}
+
+void MonadoHeadset::openWindow() {
+  Result<std::unique_ptr<HeadsetWindow>> opened = Error{ErrorCode::kNoDisplay, ""};
+  // A service that has just begun does not answer everybody yet.
+  (void)waitFor([&] {
+    opened = HeadsetWindow::create([] { return Window::create("Lorica test", 320, 240); },
+                                   [this](const std::string& sentence) { said.push_back(sentence); });
+    return opened.ok();
+  });
   ASSERT_TRUE(opened) << opened.error().message;
   window = std::move(*opened);
 }
 
-void MonadoHeadset::startService() {
+void MonadoHeadset::openUnseen() {
+  window.reset();
+  display_.reset();
+  openWindow();
+}
+
+void MonadoHeadset::startService(const std::string& shownOn) {
   const char* command = std::getenv("LORICA_MONADO");
   const std::filesystem::path there = std::filesystem::path(std::getenv("XDG_RUNTIME_DIR")) / "monado_comp_ipc";
   std::filesystem::remove(there);
-  service_.emplace([command] { std::exit(std::system(command)); }, there.parent_path() / "service.log");
-  ASSERT_TRUE(waitFor([&] { return std::filesystem::exists(there); }));
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(kPort);
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  ASSERT_TRUE(waitFor([&] {
-    socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
-    if (::connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0) return true;
-    ::close(socket_);
-    return false;
-  }));
+  const auto serve = [&] {
+    if (!shownOn.empty()) {
+      ::unsetenv("XRT_COMPOSITOR_NULL");
+      ::setenv("XRT_COMPOSITOR_FORCE_XCB", "1", 1);
+      ::setenv("DISPLAY", shownOn.c_str(), 1);
+    }
+    std::exit(std::system(command));
+  };
+  // It ends at once while another one, which was killed, is not quite gone.
+  bool begun = false;
+  for (int patience = 4; !begun && patience < 100; patience *= 2) {
+    service_.emplace(serve, there.parent_path() / "service.log");
+    begun = waitFor([&] { return std::filesystem::exists(there); }, patience);
+  }
+  ASSERT_TRUE(begun);
+  ASSERT_TRUE(waitFor([&] { return (socket_ = connection()) >= 0; }));
   tell(told);
 }
 
 void MonadoHeadset::endService() {
   if (socket_ >= 0) ::close(std::exchange(socket_, -1));
   service_.reset();
+  // It was killed, and is gone when nobody listens any more.
+  (void)waitFor([] {
+    const int made = connection();
+    if (made >= 0) ::close(made);
+    return made < 0;
+  });
 }
 
 void MonadoHeadset::TearDown() {
@@ -110,7 +148,10 @@ void MonadoHeadset::tell(const ToldHeadset& now) const {
     packet.zeros(2 * sizeof(float) + 5 * sizeof(float));
     const std::array<char, 2> active = {char(now.bare), char(!now.bare)};
     packet.add(active.data(), active.size());
-    packet.zeros(14);
+    packet.zeros(4);  // the buttons "system" and "a"
+    const char opens = char(now.opens[hand]);
+    packet.add(&opens, 1);
+    packet.zeros(9);
   }
   ASSERT_EQ(packet.bytes().size(), 376u);
   (void)::send(socket_, packet.bytes().data(), packet.bytes().size(), MSG_NOSIGNAL);  // or the service has ended

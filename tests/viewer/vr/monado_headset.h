@@ -9,6 +9,8 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace lorica::test {
 
@@ -23,6 +25,7 @@ struct ToldHeadset {
   EyeAngles angles;
   std::array<Told, 2> hands{Told{{-0.3, 1.2, -0.3}}, Told{{0.3, 1.2, -0.3}}};
   std::array<double, 2> triggers{};
+  std::array<bool, 2> opens{};    ///< the button for the panel is pressed
   bool bare = false;              ///< hands without controllers
   std::array<double, 2> fists{};  ///< how far the fingers of bare hands are bent, 0 to 1
 };
@@ -34,11 +37,16 @@ class MonadoHeadset : public ::testing::Test {
   void SetUp() override;
   void TearDown() override;
   void tell(const ToldHeadset& told) const;
-  void startService();
+  /// @param shownOn  a display, in whose window it shows what the eyes see; empty = nowhere
+  void startService(const std::string& shownOn = {});
   void endService();
+  void openWindow();
+  /// The window and its display go, and nobody sees the next one.
+  void openUnseen();
 
   ToldHeadset told;
   std::unique_ptr<HeadsetWindow> window;
+  std::vector<std::string> said;  ///< by an unseen window
 
  private:
   std::optional<VirtualDisplay> display_;
