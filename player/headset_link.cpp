@@ -27,6 +27,14 @@ void HeadsetLink::begin(const std::string& camera, std::shared_ptr<WornHeadset> 
   know(kept ? std::optional(*kept) : std::nullopt);
 }
 
+void HeadsetLink::forget() {
+  if (worn_ == nullptr || alone_) return;
+  if (solving_.valid()) solving_.get();
+  know(std::nullopt);
+  samples_.clear();
+  place_.reset();
+}
+
 void HeadsetLink::know(const std::optional<Registration>& registration) {
   known_ = registration;
   worn_->setRegistration(registration);
@@ -99,11 +107,7 @@ std::optional<HeadsetNews> HeadsetLink::update(double now, const Vec3& origin) {
   if (solving_.valid()) {
     if (solving_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return std::nullopt;
     const Found found = solving_.get();
-    if (found.moved) {
-      know(std::nullopt);
-      samples_.clear();
-      place_.reset();
-    }
+    if (found.moved) forget();
     if (found.place) place_ = found.place;
     if (found.registration) know(found.registration);
     if (found.registration && !file_.empty()) (void)saveRegistration(file_, *known_);  // else it is found again

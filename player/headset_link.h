@@ -22,6 +22,8 @@ class HeadsetLink {
   /// @param camera  what tells it from others; empty = an avatar follows head and hands, without a camera
   /// @param worn    is told all that is known; null = nobody is followed
   void begin(const std::string& camera, std::shared_ptr<WornHeadset> worn);
+  /// Gives up what is known: it is found again, from what comes from now on.
+  void forget();
   /// A pose of a headset, of one wearer at a time. @param now  when it came [s]
   void addHeadset(const HeadsetPose& heard, double now);
   /// A tracked head joint.

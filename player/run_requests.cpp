@@ -40,6 +40,7 @@ Result<void> RunLoop::answer(WindowRequests requests) {
   if (requests.undo && whyNoUndo().empty()) return undo();
   if (requests.undo) screen_->notice(std::string(whyNoUndo()));
   if (requests.cancel && nextWorld_) nextWorld_->cancel();
+  if (requests.findCamera) headset_.forget();
   if (requests.scene && *requests.scene != scenes_.present) prepareWorld(*requests.scene);
   hands_.take(requests, *screen_, screen_->choices().follow ? focus_.position() : std::nullopt, session_);
   if (requests.parts && *requests.parts != levels_->asked().value_or(countOf(session_.body().parts()))) {

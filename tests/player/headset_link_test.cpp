@@ -120,6 +120,21 @@ TEST(HeadsetLink, AMovedCameraIsNoticedAndFoundAgain) {
   EXPECT_NEAR(std::remainder(change, 2.0 * EIGEN_PI), 0.0, 1.0 * 0.0174533);
 }
 
+TEST(HeadsetLink, WhatIsForgottenIsFoundAgain) {
+  Wearer wearer(9);
+  HeadsetLink link;
+  const auto worn = std::make_shared<WornHeadset>();
+  link.forget();
+  link.begin("camera 1", worn);
+  ASSERT_TRUE(wearer.wear(link).registration);
+  link.forget();
+  EXPECT_FALSE(link.known());
+  EXPECT_FALSE(worn->registration()) << "the tracker is told";
+  EXPECT_FALSE(link.place());
+  EXPECT_TRUE(wearer.wear(link).registration);
+  EXPECT_LT(test::errorsOf(*link.known(), wearer.walk()).level, 0.02);
+}
+
 TEST(HeadsetLink, NothingIsSaidWithoutACameraOrAHeadset) {
   Wearer wearer(8);
   HeadsetLink link;

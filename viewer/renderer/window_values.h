@@ -202,6 +202,7 @@ struct WindowRequests {
   bool throwBall = false;
   std::optional<Camera> thrower;  ///< throws from here at its target; none = the screen's, at what it follows
   std::optional<bool> record;     ///< begin a recording, with the session at its start, or end it
+  bool findCamera = false;        ///< find anew how the headset lies to the depth camera
   bool undo = false;              ///< take back what was thrown or dragged last
   std::optional<Ray> clicked;     ///< the left button was pressed and released at one place, not on a held prop
   std::array<HandRequests, World::kMaxHands> hands;

@@ -59,6 +59,7 @@ bool HeadsetPanel::draw(const WindowValues& values, const WindowChoices& choices
       choices.show.hulls ? "hide the hulls" : "show the hulls",
       choices.inside ? "stand beside the avatar" : "see through the avatar's eyes",
       "come to the avatar again",
+      "find the camera again: walk a curve",
       "close this panel"};
   std::string text;
   for (int row = 0; row < kRows; ++row) {
@@ -84,6 +85,9 @@ void HeadsetPanel::choose(Row row, const WindowValues& values, WindowChoices& ch
       break;
     case Row::kInside:
       choices.inside = !choices.inside;
+      break;
+    case Row::kFindCamera:
+      requests.findCamera = true;
       break;
     case Row::kRecentre:
     case Row::kClose:

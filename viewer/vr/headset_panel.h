@@ -14,8 +14,8 @@ namespace lorica {
 /// which a hand points at and chooses.
 class HeadsetPanel {
  public:
-  enum class Row : std::uint8_t { kPause, kRestart, kScene, kHulls, kInside, kRecentre, kClose };
-  static constexpr int kRows = 7;
+  enum class Row : std::uint8_t { kPause, kRestart, kScene, kHulls, kInside, kRecentre, kFindCamera, kClose };
+  static constexpr int kRows = 8;
 
   /// Opens it before the wearer, facing them.
   void open(const Isometry3& stageFromHead);

@@ -355,6 +355,7 @@ WindowRequests HeadsetWindow::takeRequests() {
   WindowRequests requests = Window::takeRequests();
   if (chosen_.seekTo) requests.seekTo = std::exchange(chosen_.seekTo, std::nullopt);
   if (chosen_.scene) requests.scene = std::exchange(chosen_.scene, std::nullopt);
+  if (std::exchange(chosen_.findCamera, false)) requests.findCamera = true;
   for (std::size_t index = 0; index < holds_.size(); ++index) {
     Hold& hold = holds_[index];
     if (std::exchange(hold.letGo, false)) {

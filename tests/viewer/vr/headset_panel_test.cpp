@@ -82,6 +82,8 @@ TEST_F(HeadsetPanels, RowsChooseAndAsk) {
   EXPECT_EQ(requests.scene, 0);
   HeadsetPanel::choose(Row::kRestart, values, choices, requests);
   EXPECT_EQ(requests.seekTo, 0.0);
+  HeadsetPanel::choose(Row::kFindCamera, values, choices, requests);
+  EXPECT_TRUE(requests.findCamera);
   const WindowChoices before = choices;
   for (const Row row : {Row::kPause, Row::kHulls, Row::kInside}) HeadsetPanel::choose(row, values, choices, requests);
   EXPECT_NE(choices.paused, before.paused);
