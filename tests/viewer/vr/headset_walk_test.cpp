@@ -134,7 +134,7 @@ TEST_F(Headsets, AWalkBeforeADepthCameraRegistersTheHeadset) {
   EXPECT_NEAR(found.yaw, known.yaw, kPi / 180.0);
   EXPECT_LT(level.norm(), 0.05);
 
-  // Its head is where the headset is. Both distances from the truth are of a moment, and say how far behind it was.
+  // Its head is where the headset is. Both distances from the truth are only printed: see "Not done" in docs/VR.md.
   const SessionAvatar& avatar = run->session.avatar();
   const auto jointAt = [&](HumanBone bone) -> Vec3 {
     return avatar.worldFromJoint()[avatar.character().skeleton.jointOf(bone)].translation();
