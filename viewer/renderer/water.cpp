@@ -111,7 +111,8 @@ void Renderer::Impl::drawWater(const Scene& scene) {
   const std::vector<std::uint32_t>& chosen = grains.choose(scene.particles, view, 2.0f * radius);
   if (chosen.empty()) return;
   const FrameUniforms& u = setup.uniforms;
-  const Eigen::Vector2f across(2.0f * u.rayRight.head<3>().norm(), 2.0f * u.rayUp.head<3>().norm());
+  const Eigen::Vector2f across =
+      2.0f * kBeside * Eigen::Vector2f(u.rayRight.head<3>().norm(), u.rayUp.head<3>().norm());
   const std::vector<DropVertex>& drops = waterCells.make(scene.particles, scene.particleVelocities, chosen, grains,
                                                          view, 2.0f * scene.particleRadius, across);
   // The CPU draws half as many pixels in each direction.

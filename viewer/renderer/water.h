@@ -21,7 +21,7 @@ class WaterCells {
   /// @param list        the drops, chosen for this view
   /// @param velocities  of each drop [m/s]; empty = no foam
   /// @param spacing     a drop has the volume of a cube of this side [m]
-  /// @param across      width and height that a picture shows at a depth of 1 m [m]
+  /// @param across      width and height that the cells cover at a depth of 1 m [m]
   /// @return the chosen drops
   const std::vector<DropVertex>& make(std::span<const Vec3f> centers, std::span<const Vec3f> velocities,
                                       std::span<const std::uint32_t> chosen, const GrainList& list,

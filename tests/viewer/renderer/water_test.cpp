@@ -1,3 +1,4 @@
+#include "viewer/renderer/water.h"
 #include "tests/viewer/renderer/pictures.h"
 
 #include <gtest/gtest.h>
@@ -63,6 +64,28 @@ TEST(Water, DimsWhatIsBehindItByItsThickness) {
   const Image image = studio->draw(scene, options, test::frontCamera(), kWidth, kHeight);
   const double near = linear(colorAt(image, {-0.3, 1, -0.2})[0]), far = linear(colorAt(image, {0.3, 1, -0.4})[0]);
   EXPECT_NEAR(far / near, std::exp(-5.0 * 0.2), 0.08) << near << " " << far;
+}
+
+TEST(WaterCells, CountAsMuchWaterAsThereIs) {
+  // 0.4 m of it, 10 m away, before an eye that sees 2 m by 2 m at a depth of 10 m.
+  std::vector<Vec3f> drops;
+  for (float z = 9.82f; z < 10.2f; z += kSpacing) {
+    for (float y = -1.18f; y < 1.2f; y += kSpacing) {
+      for (float x = -1.18f; x < 1.2f; x += kSpacing) drops.emplace_back(x, y, z);
+    }
+  }
+  GrainView view;
+  view.clipFromWorld = Eigen::Vector4f(10, 10, 0, 0).asDiagonal();
+  view.clipFromWorld(3, 2) = 1.0f;
+  view.depthFromWorld << 0.0f, 0.0f, 1.0f, 0.0f;
+  view.columns = view.rows = 30;
+  GrainList list;
+  WaterCells cells;
+  const std::vector<std::uint32_t>& chosen = list.choose(drops, view, 0.1f);
+  cells.make(drops, {}, chosen, list, view, kSpacing, Eigen::Vector2f::Constant(0.2f * kBeside));
+  double mean = 0.0;
+  for (const float thickness : cells.thickness()) mean += thickness / cells.thickness().size();
+  EXPECT_NEAR(mean, 0.4, 0.02);
 }
 
 TEST(Water, IsAsFlatAsItsDrops) {
