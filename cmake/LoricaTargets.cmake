@@ -61,6 +61,9 @@ function(lorica_flags target)
   endif()
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
                                            $<$<BOOL:${LORICA_WERROR}>:-Werror>)
+  if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")  # or Eigen's vectors fuse them, whatever the compiler is told
+    target_compile_options(${target} PRIVATE -U__ARM_FEATURE_FMA)
+  endif()
   # With precompiled headers g++ 12 does not see that code is the standard library's and reports false alarms there.
   target_compile_options(${target} PRIVATE
     $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds -Wno-restrict -Wno-stringop-overflow -Wno-stringop-overread>)
