@@ -54,8 +54,8 @@ Error notWhole(const BakeCollection& collection, std::size_t jobs) {
   if (!collection.damaged.empty()) {
     return badFormat("{}; remove the folder to have it made again", collection.damaged[0]);
   }
-  return notFound("{} of {} are not done yet; `lorica bake` without --collect does them", collection.missing.size(),
-                  counted(jobs, "item"));
+  return notFound("of {} not done yet: {}; `lorica bake` without --collect does the rest", counted(jobs, "item"),
+                  collection.missing.size());
 }
 
 /// Why items failed. @param most  of them
@@ -122,6 +122,10 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
                         BakeStore& store) {
   const fs::path out = options.out;
   const BakeCollection collection = collect(jobs, store, true);
+  if (collection.missing.size() == jobs.size()) {
+    return notFound("{}: nothing is baked there as asked; --collect takes the lists and settings of the bake",
+                    options.out);
+  }
   std::map<std::string, const BakeJob*> byName;
   for (const BakeJob& job : jobs) byName[job.name] = &job;
   Result<BakePictures> pictures = BakePictures::create(howToRun(options, common, 1));

@@ -52,8 +52,9 @@ nlohmann::ordered_json toJson(const ShowOptions& options, const Run& run, const 
 Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
-  Report report(
-      fmt::format("{} followed {}: {}", session.character().name, run.name(), counted(statistics.frames(), "frame")));
+  const bool nobody = run.tracked() && run.log.figures().followed == 0;
+  Report report(fmt::format("{} followed {}: {}", session.character().name, nobody ? "nobody" : run.name(),
+                            counted(statistics.frames(), "frame")));
   if (run.tracked()) addLiveTo(report, run.log);
   for (const VmcInput& stream : run.streams()) addStreamTo(report, stream);
   addSmoothingTo(report, session, "joints lag by another");

@@ -16,29 +16,26 @@ namespace lorica {
 
 std::vector<std::string> withCommand(std::vector<std::string> words, const std::vector<std::string>& commands) {
   if (words.empty()) return words;
-  const bool replayed = words.front() == "replay" && words.size() > 1;
-  const std::string named = words[replayed ? 1 : 0];
-  const bool isCommand = !replayed && std::ranges::find(commands, named) != commands.end();
+  const std::string named = words.front();
+  const bool isCommand = std::ranges::find(commands, named) != commands.end();
   std::error_code ignored;
   const bool found = std::filesystem::is_regular_file(named, ignored);
   const bool ships = named == "mannequin" || (isBareName(named) && !shippedRecording(named).empty());
   if (isCommand || named.starts_with("-") || (!found && !ships && isBareName(named))) return words;
   const FileKind kind = kindOf(named);
-  if (replayed && (kind == FileKind::kSession || !(found || ships))) return words;
   const bool described = kind == FileKind::kDecomposition || (kind == FileKind::kUnknown && !ships) ||
-                         (!found && !ships) || (kind == FileKind::kMesh && !replayed && !displayAvailable());
+                         (!found && !ships) || (kind == FileKind::kMesh && !displayAvailable());
   const auto wantsNone = [](const std::string& word) {
     return word.starts_with("--snapshots") || word.starts_with("--video") || word == "--headless" ||
            word == "--window" || word == "--serve";
   };
-  if (!described && !replayed && std::ranges::none_of(words, wantsNone)) {
+  if (!described && std::ranges::none_of(words, wantsNone)) {
     if (displayAvailable()) {
       words.push_back("--window");
     } else if (kind != FileKind::kSession) {
       say(printable(fmt::format("No display: `lorica snapshot {}` or --snapshots DIR makes pictures.", named)) + "\n");
     }
   }
-  if (replayed) words.erase(words.begin());
   words.insert(words.begin(), described ? "info" : kind == FileKind::kSession ? "replay" : "play");
   return words;
 }

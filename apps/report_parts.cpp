@@ -258,7 +258,8 @@ void addLiveTo(nlohmann::ordered_json& json, const LiveLog& log) {
 void addLiveTo(Report& report, const LiveLog& log) {
   const LiveLog::Figures& figures = log.figures();
   if (figures.followed == 0) {
-    report.line("person", fmt::format("{} in {}", figures.maxPeople > 0 ? "requested person not found" : "not found",
+    report.line("person", fmt::format("{} in {}; stand where the camera sees all of you, or give it more --seconds",
+                                      figures.maxPeople > 0 ? "requested person not found" : "not found",
                                       counted(figures.frames, "depth frame")));
   } else {
     report.line("person",

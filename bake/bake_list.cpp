@@ -196,7 +196,12 @@ Result<std::vector<BakeItem>> readBakeLists(std::span<const std::string> lists, 
   std::vector<BakeItem> items;
   for (const std::string& list : lists) {
     std::error_code ignored;
-    const bool listed = !isModel(list) && !fs::is_directory(list, ignored) && fs::exists(list, ignored);
+    const bool found = fs::exists(list, ignored);
+    const bool listed = !isModel(list) && !fs::is_directory(list, ignored) && found;
+    // A file that is missing costs its own item; a list or a folder is a slip of the keyboard.
+    if (!found && !isModel(list) && list != "mannequin" && list.find_first_of("*?[") == std::string::npos) {
+      return notFound("{}: there is no such file or folder", list);
+    }
     Result<void> added;
     if (!listed) {
       added = addInputs(list, defaults, items);

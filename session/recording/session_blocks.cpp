@@ -39,7 +39,8 @@ Result<Blocks> readBlocks(std::string_view bytes, const std::string& name) {
     return badFormat("{}: byte {}: {}", name, offset, what);
   };
   if (bytes.substr(0, kSessionMagic.size()) != kSessionMagic) {
-    return badFormat("{}: not a session file, expected a file written by `lorica record`", name);
+    return badFormat("{}: not a session file, expected a file written by `lorica record`; `lorica FILE` opens others",
+                     name);
   }
   Blocks read;
   std::uint64_t chain = 0;

@@ -117,7 +117,26 @@ TEST(Bake, ShardsGiveTheSameAsOneProcess) {
   EXPECT_EQ(whole.exitCode, 0) << whole.err;
   EXPECT_EQ(merged.exitCode, 0) << merged.err;
   EXPECT_EQ(merged.json()["hash"], whole.json()["hash"]);
-  EXPECT_TRUE(early.exitCode == 0 || early.err.find(" are not done yet; ") != std::string::npos) << early.err;
+  EXPECT_TRUE(early.exitCode == 0 || early.err.find(" not done yet: ") != std::string::npos) << early.err;
+}
+
+TEST(Bake, CollectWithOtherSettingsLeavesTheReport) {
+  const Library library;
+  EXPECT_EQ(library.run({"list.csv", "--out", "out"}).exitCode, 0);
+  EXPECT_EQ(library.run({"list.csv", "--out", "out", "--collect"}).exitCode, 0);
+  const std::string report = *readFile(library.folder.path() / "out" / "report.html");
+  const CommandResult other = library.run({"list.csv", "--out", "out", "--collect", "--preset", "quality"});
+  EXPECT_EQ(other.exitCode, 2);
+  EXPECT_NE(other.err.find("out: nothing is baked there as asked"), std::string::npos) << other.err;
+  EXPECT_EQ(*readFile(library.folder.path() / "out" / "report.html"), report);
+}
+
+TEST(Bake, AListThatDoesNotExistIsASlip) {
+  const Library library;
+  const CommandResult none = library.run({"nothere", "--out", "none"});
+  EXPECT_EQ(none.exitCode, 2);
+  EXPECT_NE(none.err.find("nothere: there is no such file or folder"), std::string::npos) << none.err;
+  EXPECT_FALSE(fs::exists(library.folder.path() / "none"));
 }
 
 TEST(Bake, CollectChecksEveryFileAndWritesAReport) {
