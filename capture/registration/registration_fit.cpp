@@ -201,12 +201,12 @@ class Fit {
 bool HeadsetPath::covers(double from, double to) const {
   const auto later = [](double time, const HeadsetPose& pose) { return time < pose.time; };
   auto pose = std::upper_bound(poses_.begin(), poses_.end(), from, later);
-  if (pose == poses_.begin()) return false;
+  if (poses_.size() < 2 || pose == poses_.begin()) return false;
   for (; pose != poses_.end(); ++pose) {
     if (pose->time - std::prev(pose)->time > kLongestGap) return false;
     if (pose->time >= to) return true;
   }
-  return false;
+  return poses_.back().time >= to;  // all that is asked for is the last one
 }
 
 Isometry3 HeadsetPath::at(double time) const {

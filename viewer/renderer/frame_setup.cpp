@@ -69,10 +69,40 @@ Aabb subjectOf(const Scene& scene, const SceneOptions& options, const Vec3& targ
   return box;
 }
 
+void setUpLight(const Scene& scene, const SceneOptions& options, const Vec3& target, int shadowSize,
+                FrameSetup& setup) {
+  FrameUniforms& u = setup.uniforms;
+  // The key light is fixed in the world, in front and to the left of a figure that faces +Z.
+  const Aabb subject = subjectOf(scene, options, target);
+  const Vec3 center = subject.center();
+  const Vec3 toLight = Vec3(-0.42, 1.0, 0.52).normalized();
+  const Vec3 lightRight = Vec3::UnitY().cross(toLight).normalized();
+  const Vec3 lightUp = toLight.cross(lightRight);
+  const double radius = std::clamp(std::ceil((0.5 * subject.diagonal() + 0.05) / 0.25) * 0.25, 0.5, 8.0);
+  const double texel = 2.0 * radius / shadowSize;
+  const auto snapped = [&](const Vec3& axis) { return std::round(axis.dot(center) / texel) * texel; };
+  Mat4 shadow = Mat4::Identity();
+  shadow.row(0) << lightRight.transpose() / (2.0 * radius), 0.5 - snapped(lightRight) / (2.0 * radius);
+  shadow.row(1) << lightUp.transpose() / (2.0 * radius), 0.5 - snapped(lightUp) / (2.0 * radius);
+  shadow.row(2) << -toLight.transpose() / (4.0 * radius), 0.5 + toLight.dot(center) / (4.0 * radius);
+  u.shadowFromWorld = shadow.cast<float>();
+  u.toLight << toLight.cast<float>(), 1.0f / shadowSize;
+
+  // The shaded part of the floor contains the contact area and the shadow of the subject's bounding sphere.
+  u.contactArea << center.x(), center.z(), radius, kContactHeight;
+  const Eigen::Vector2d middle(center.x(), center.z());
+  const Vec3 fallen = center - toLight * (center.y() / toLight.y());
+  const Eigen::Vector2d shadowMiddle(fallen.x(), fallen.z());
+  const Eigen::Vector2d half = Eigen::Vector2d::Constant(radius);
+  const Eigen::Vector2d shadowHalf = half / toLight.y();
+  setup.shadedMin = (middle - half).cwiseMin(shadowMiddle - shadowHalf).cast<float>();
+  setup.shadedMax = (middle + half).cwiseMax(shadowMiddle + shadowHalf).cast<float>();
+}
+
 }  // namespace
 
 FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Camera& camera, int width, int height,
-                      int shadowSize) {
+                      int shadowSize, const FrameSetup* first) {
   FrameSetup setup;
   FrameUniforms& u = setup.uniforms;
 
@@ -110,33 +140,17 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
 
   setup.grainPixels = 0.5 * height * cotangent * static_cast<double>(scene.particleRadius) / distance;
 
-  // The key light is fixed in the world, in front and to the left of a figure that faces +Z.
-  const Aabb subject = subjectOf(scene, options, camera.target);
-  const Vec3 center = subject.center();
-  const Vec3 toLight = Vec3(-0.42, 1.0, 0.52).normalized();
-  const Vec3 lightRight = Vec3::UnitY().cross(toLight).normalized();
-  const Vec3 lightUp = toLight.cross(lightRight);
-  const double radius = std::clamp(std::ceil((0.5 * subject.diagonal() + 0.05) / 0.25) * 0.25, 0.5, 8.0);
-  const double texel = 2.0 * radius / shadowSize;
-  const auto snapped = [&](const Vec3& axis) { return std::round(axis.dot(center) / texel) * texel; };
-  Mat4 shadow = Mat4::Identity();
-  shadow.row(0) << lightRight.transpose() / (2.0 * radius), 0.5 - snapped(lightRight) / (2.0 * radius);
-  shadow.row(1) << lightUp.transpose() / (2.0 * radius), 0.5 - snapped(lightUp) / (2.0 * radius);
-  shadow.row(2) << -toLight.transpose() / (4.0 * radius), 0.5 + toLight.dot(center) / (4.0 * radius);
-  u.shadowFromWorld = shadow.cast<float>();
-  u.toLight << toLight.cast<float>(), 1.0f / shadowSize;
-
-  // The shaded part of the floor contains the contact area and the shadow of the subject's bounding sphere.
-  u.contactArea << center.x(), center.z(), radius, kContactHeight;
-  const Eigen::Vector2d middle(center.x(), center.z());
-  const Vec3 fallen = center - toLight * (center.y() / toLight.y());
-  const Eigen::Vector2d shadowMiddle(fallen.x(), fallen.z());
-  const Eigen::Vector2d half = Eigen::Vector2d::Constant(radius);
-  const Eigen::Vector2d shadowHalf = half / toLight.y();
-  setup.shadedMin = (middle - half).cwiseMin(shadowMiddle - shadowHalf).cast<float>();
-  setup.shadedMax = (middle + half).cwiseMax(shadowMiddle + shadowHalf).cast<float>();
-  u.floorFade << center.x(), center.z(), 0.7 * distance + 1.0, floorEnd;
-  setup.floorHalfSide = floorEnd + 2.0 * radius;
+  if (first == nullptr) {
+    setUpLight(scene, options, camera.target, shadowSize, setup);
+  } else {
+    u.shadowFromWorld = first->uniforms.shadowFromWorld;
+    u.toLight = first->uniforms.toLight;
+    u.contactArea = first->uniforms.contactArea;
+    setup.shadedMin = first->shadedMin;
+    setup.shadedMax = first->shadedMax;
+  }
+  u.floorFade << u.contactArea.x(), u.contactArea.y(), 0.7 * distance + 1.0, floorEnd;
+  setup.floorHalfSide = floorEnd + 2.0 * u.contactArea.z();
   return setup;
 }
 

@@ -35,7 +35,8 @@ struct FrameSetup {
 /// Sets up camera and key light. The light's area follows the subject in whole shadow texels and grows in steps, so
 /// that shadows do not crawl when the subject moves.
 /// @param shadowSize  texels per side of the shadow map
+/// @param first       of the same scene from another eye, whose light and shadows are this one's; null = none
 [[nodiscard]] FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Camera& camera, int width,
-                                    int height, int shadowSize);
+                                    int height, int shadowSize, const FrameSetup* first = nullptr);
 
 }  // namespace lorica

@@ -84,11 +84,8 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
 void Renderer::drawAgain(const Scene& scene, const SceneOptions& options, const Camera& camera) {
   Impl& i = *impl_;
   const FrameSetup first = i.setup;
-  i.setup = setUpFrame(scene, options, camera, i.targets.drawnWidth, i.targets.drawnHeight, i.targets.shadowSize);
-  i.setup.uniforms.shadowFromWorld = first.uniforms.shadowFromWorld;
-  i.setup.uniforms.contactArea = first.uniforms.contactArea;
-  i.setup.shadedMin = first.shadedMin;
-  i.setup.shadedMax = first.shadedMax;
+  const Targets& t = i.targets;
+  i.setup = setUpFrame(scene, options, camera, t.drawnWidth, t.drawnHeight, t.shadowSize, &first);
   i.uploadFrame();
   i.drawView(scene, options, camera.eye);
 }

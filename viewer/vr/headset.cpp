@@ -68,6 +68,14 @@ Result<void> Headset::Impl::locate() {
   return {};
 }
 
+/// By the runtime's prediction [s].
+double Headset::Impl::untilShown() const {
+  timespec now{};
+  XrTime then = 0;
+  if (ConvertTimespecTimeToTimeKHR == nullptr || ::clock_gettime(CLOCK_MONOTONIC, &now) != 0) return 0.0;
+  return XR_SUCCEEDED(ConvertTimespecTimeToTimeKHR(instance, &now, &then)) ? 1e-9 * double(displayTime - then) : 0.0;
+}
+
 Result<void> Headset::Impl::readHands() {
   const XrActiveActionSet active = {actions, XR_NULL_PATH};
   auto sync = typed<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
@@ -185,6 +193,7 @@ Result<void> Headset::beginFrame() {
   i.displayTime = state.predictedDisplayTime;
   i.frame.time = 1e-9 * double(state.predictedDisplayTime);
   i.frame.period = 1e-9 * double(state.predictedDisplayPeriod);
+  i.frame.ahead = i.untilShown();
   i.frame.drawn = state.shouldRender != XR_FALSE;
   LORICA_TRY_DO(i.locate());
   return i.readHands();

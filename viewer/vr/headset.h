@@ -34,6 +34,7 @@ struct HeadsetHand {
 struct HeadsetFrame {
   double time = 0.0;     ///< when it is shown, by the runtime's clock [s]
   double period = 0.0;   ///< until the next picture [s]
+  double ahead = 0.0;    ///< how far poses are predicted: from when they were asked for until then; 0 = not known [s]
   bool drawn = false;    ///< the runtime wants pictures
   bool located = false;  ///< eyes and head are known
   Isometry3 stageFromHead = Isometry3::Identity();

@@ -5,6 +5,7 @@
 #include "viewer/vr/headset.h"
 
 #include <array>
+#include <ctime>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,7 @@ using PFNEGLGETPROCADDRESSPROC = void (*(*)(const char*))();
 #define XR_USE_GRAPHICS_API_OPENGL
 #define XR_USE_PLATFORM_XLIB
 #define XR_USE_PLATFORM_EGL
+#define XR_USE_TIMESPEC
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
@@ -101,6 +103,7 @@ struct Headset::Impl {
 #define LORICA_XR_MEMBER(name) PFN_xr##name name = nullptr;
   LORICA_XR_FUNCTIONS(LORICA_XR_MEMBER)
   LORICA_XR_HAND_FUNCTIONS(LORICA_XR_MEMBER)
+  LORICA_XR_MEMBER(ConvertTimespecTimeToTimeKHR)  // null where the runtime does not tell its clock
 #undef LORICA_XR_MEMBER
   GlFunctions gl;
   XrInstance instance = null<XrInstance>();
@@ -157,6 +160,7 @@ struct Headset::Impl {
   [[nodiscard]] Result<void> enter(XrSessionState state);
   [[nodiscard]] Result<void> locate();
   [[nodiscard]] Result<void> readHands();
+  [[nodiscard]] double untilShown() const;
   void readBareHand(std::size_t side);
   [[nodiscard]] bool locateIn(XrSpace space, Isometry3& pose) const;
   [[nodiscard]] XrPath path(const std::string& name) const {

@@ -142,9 +142,11 @@ Result<void> Headset::Impl::load() {
   if (!has(XR_KHR_OPENGL_ENABLE_EXTENSION_NAME)) return noDisplay("the OpenXR runtime takes no pictures of OpenGL");
   egl = has(XR_MNDX_EGL_ENABLE_EXTENSION_NAME);
   handTracking = has(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+  const bool clock = has(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   std::vector<const char*> wanted = {XR_KHR_OPENGL_ENABLE_EXTENSION_NAME};
   if (egl) wanted.push_back(XR_MNDX_EGL_ENABLE_EXTENSION_NAME);
   if (handTracking) wanted.push_back(XR_EXT_HAND_TRACKING_EXTENSION_NAME);
+  if (clock) wanted.push_back(XR_KHR_CONVERT_TIMESPEC_TIME_EXTENSION_NAME);
   auto info = typed<XrInstanceCreateInfo>(XR_TYPE_INSTANCE_CREATE_INFO);
   copyName("Lorica", info.applicationInfo.applicationName);
   info.applicationInfo.apiVersion = XR_MAKE_VERSION(1, 0, 0);
@@ -160,6 +162,9 @@ Result<void> Headset::Impl::load() {
   LORICA_XR_FUNCTIONS(LORICA_XR_LOAD)
   if (handTracking) {
     LORICA_XR_HAND_FUNCTIONS(LORICA_XR_LOAD)
+  }
+  if (clock) {
+    LORICA_XR_LOAD(ConvertTimespecTimeToTimeKHR)
   }
 #undef LORICA_XR_LOAD
   auto runtime = typed<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);

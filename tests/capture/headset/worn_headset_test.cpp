@@ -51,6 +51,21 @@ TEST(WornHeadset, SaysWhereTheHeadIsInAnImageAndNow) {
   EXPECT_LT((latest->ahead() - Vec3(look.x(), 0.0, look.z()).normalized()).norm(), 1e-9);
 }
 
+TEST(WornHeadset, IsWhereItWasLastInAnImageThatCameSince) {
+  Registration known = someRegistration();
+  known.lag = 0.01;
+  WornHeadset headset;
+  headset.setRegistration(known);
+  headset.add(0.0, placeAt(0.0), turnAt(0.0));
+  EXPECT_FALSE(headset.inImage(0.03)) << "one pose is no path";
+  headset.add(0.05, placeAt(0.05), turnAt(0.05));
+  for (const double image : {0.06, 0.08, 0.3}) {
+    const std::optional<WornHead> seen = headset.inImage(image);
+    ASSERT_TRUE(seen) << image;
+    EXPECT_LT((seen->position - headset.latest(image)->position).norm(), 1e-9);
+  }
+}
+
 TEST(WornHeadset, SaysNothingUnregisteredTakenOffOrRestarted) {
   WornHeadset headset;
   wear(headset, 1.0);
