@@ -11,8 +11,10 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "player/parts_picture.h"
 #include "prepare/mesh_subject.h"
 #include "prepare/subject_training.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -52,8 +54,11 @@ Result<void> check(const DecomposeOptions& options, const CommonOptions& common,
     LORICA_TRY_DO(checkNotTaken("--export-obj", options.obj, {options.input}));
     LORICA_TRY_DO(checkOutput(common, "--export-obj", options.obj, ".obj"));
   }
+  if (!options.picture.empty()) {
+    LORICA_TRY_DO(checkOutput(common, "--picture", options.picture, ".png"));
+  }
   std::vector<std::filesystem::path> others(options.motions.begin(), options.motions.end());
-  others.insert(others.end(), {options.input, options.output, options.obj});
+  others.insert(others.end(), {options.input, options.output, options.obj, options.picture});
   return checkJsonOutput(common, others);
 }
 
@@ -116,7 +121,9 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   settings.threads = outcome.threads;
   sayWhatGives(options, settings, host);
   const CoverPoses* posesOfCover = posesToCover && !options.cover.exact() ? &*posesToCover : nullptr;
-  const FitRequest request{subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty(), settings};
+  const FitRequest request{
+      subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty() || !options.picture.empty(),
+      settings};
   LORICA_TRY(Fit found, fitHulls(request, host));
   const Fit& fit = outcome.fit = std::move(found);
   const Decomposition& decomposition = fit.made.decomposition;
@@ -138,6 +145,10 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   if (!options.obj.empty()) {
     LORICA_TRY_DO(writeMeshes(options.obj, fit.exported.objects));
   }
+  if (!options.picture.empty()) {
+    LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(960, 720));
+    LORICA_TRY_DO(writePng(options.picture, drawParts(fit.exported.objects, camera)));
+  }
   return publish(common, toReport(options, subject, outcome), toJson(options, subject, outcome));
 }
 
@@ -151,6 +162,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "      16 parts, and how closely their hulls fit the mesh\n"
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
       "      also write each part's hull as an object (o part_0, ...) for other programs\n"
+      "  lorica decompose bunny.off --picture parts.png\n"
       "  lorica decompose bunny.off --parts 16 --hull-vertices 32 --export-obj hulls.obj\n"
       "      hulls limited to your engine's vertex count: at most 32 vertices each, slightly larger\n"
       "  lorica decompose bunny.off --parts 16 --preset quality\n"
@@ -239,6 +251,7 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
   app->addOption("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
       ->typeName("FILE.lorica");
   app->addOption("--export-obj", options->obj, "Write the parts' hulls")->typeName("FILE.obj");
+  app->addOption("--picture", options->picture, "Draw the parts' hulls, each in its colour")->typeName("FILE.png");
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 

@@ -114,6 +114,7 @@ nlohmann::ordered_json toJson(const DecomposeOptions& options, const Subject& su
   }
   if (!options.output.empty()) json["output"] = options.output;
   if (!options.obj.empty()) json["exportObj"] = options.obj;
+  if (!options.picture.empty()) json["picture"] = options.picture;
   return json;
 }
 
@@ -168,6 +169,10 @@ Report toReport(const DecomposeOptions& options, const Subject& subject, const D
   if (!options.obj.empty()) {
     report.line("hulls", options.obj + (subject.character ? ", in metres, Y up, facing +Z"
                                                           : ", in the units and coordinates of the input"));
+  }
+  if (!options.picture.empty()) report.line("picture", options.picture);
+  if (options.output.empty() && options.obj.empty() && options.picture.empty()) {
+    report.note("Nothing was written: --picture draws the parts, --export-obj and -o write them.");
   }
   if (!keyframes.chosen.empty()) {
     Table table{{"frame", "time [s]", "error", "motion"}, {}, 3};

@@ -34,6 +34,7 @@ struct DecomposeOptions {
   bool heldOut = false;  ///< measure a character's error in other poses too
   std::string output;
   std::string obj;
+  std::string picture;
 };
 
 /// Everything that `lorica decompose` found.

@@ -89,6 +89,9 @@ Result<void> followCast(const ShowOptions& options, const CommonOptions& common,
                         Screen* screen, WindowOpener* opener, Showing& opened) {
   LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), options.run, host));
   if (screen == nullptr) {
+    if (!options.pictures.headless && !options.pictures.any()) {
+      host.tell("No display: --snapshots DIR makes pictures, --serve a page.");
+    }
     host.tell(fmt::format("{} {}; press Ctrl-C to stop.", run->streams().empty() ? "Tracking with" : "Listening for",
                           run->name()));
   }

@@ -222,7 +222,7 @@ std::string verdictOf(const Subject& subject) {
   const CharacterFile& file = *subject.file;
   const std::size_t clips = file.clips.size();
   std::vector<std::string> does;
-  does.push_back(canPerform(*subject.character) ? "walks to all motions"
+  does.push_back(canPerform(*subject.character) ? "performs all motions"
                  : clips == 0                   ? "stands, since it is no humanoid and has no clips"
                                                 : "performs its own " + counted(std::ssize(file.clips), "clip"));
   if (!file.expressions.list.empty()) does.push_back(counted(std::ssize(file.expressions.list), "expression"));

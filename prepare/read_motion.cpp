@@ -275,7 +275,8 @@ std::vector<Motion> makeShippedMotions() {
 
 Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& name, const std::string& source) {
   if (clips.empty()) {
-    return notFound(source + ": found no animation, expected at least one clip");
+    return notFound("{0}: found no animation, expected at least one clip; `lorica info {0}` says what it holds",
+                    source);
   }
   if (name.empty()) return &clips.front();
   std::vector<std::string> names;

@@ -2,10 +2,14 @@
 #include "geometry/files.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
+#include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
 #include <vector>
 
 namespace lorica::test {
@@ -330,6 +334,35 @@ INSTANTIATE_TEST_SUITE_P(VHacd, DecomposeBenchmark,
                                          Benchmark{"vhacd/Bunny.off", "28", 0.95},
                                          Benchmark{"vhacd/Block.off", "19", 0.90},
                                          Benchmark{"vhacd/Horse.off", "10", 0.80}));
+
+/// How many of twelve hues cover at least a thousandth of a picture.
+std::ptrdiff_t huesOf(const std::filesystem::path& file) {
+  const Result<Image> image = readPng(file);
+  if (!image) return -1;
+  std::array<std::size_t, 12> pixels{};
+  for (std::size_t i = 0; i < image->rgba.size(); i += 4) {
+    const double r = image->rgba[i], g = image->rgba[i + 1], b = image->rgba[i + 2];
+    if (std::max({r, g, b}) - std::min({r, g, b}) < 40.0) continue;  // floor and background are grey
+    const double angle = std::atan2(std::sqrt(3.0) * (g - b), 2.0 * r - g - b);
+    ++pixels[static_cast<std::size_t>((angle + std::numbers::pi) / (2.0 * std::numbers::pi) * 11.999)];
+  }
+  const std::size_t enough = image->rgba.size() / 4000;
+  return std::ranges::count_if(pixels, [&](std::size_t count) { return count > enough; });
+}
+
+TEST(Decompose, APictureShowsEachPartInItsColour) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::filesystem::path one = folder.path() / "one.png", two = folder.path() / "two.png";
+  const CommandResult made = runLorica({"decompose", mesh, "--picture", two, "--json", "-"});
+  EXPECT_EQ(made.json()["picture"], two.string()) << made.err;
+  EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "1", "--picture", one}).exitCode, 0);
+  EXPECT_EQ(huesOf(one), 1);
+  EXPECT_EQ(huesOf(two), 2);
+  const CommandResult taken = runLorica({"decompose", mesh, "--picture", one});
+  EXPECT_EQ(taken.exitCode, 2);
+  EXPECT_NE(taken.err.find("--force"), std::string::npos) << taken.err;
+}
 
 }  // namespace
 }  // namespace lorica::test
