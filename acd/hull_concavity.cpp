@@ -3,12 +3,10 @@
 #include "acd/part_concavity.h"
 #include "acd/volume_coverage.h"
 #include "geometry/counts.h"
-#include "geometry/random_numbers.h"
 #include "geometry/triangle_tree.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 namespace lorica {
@@ -34,36 +32,6 @@ void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset, std::ve
 }
 
 }  // namespace
-
-std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles, int count,
-                               std::uint64_t seed) {
-  std::vector<double> areaUpTo;
-  areaUpTo.reserve(triangles.size());
-  double area = 0.0;
-  for (const Triangle& t : triangles) {
-    const Vec3& a = vertices[t[0]];
-    area += 0.5 * (vertices[t[1]] - a).cross(vertices[t[2]] - a).norm();
-    areaUpTo.push_back(area);
-  }
-  if (!(area > 0.0)) return {};
-  // Within a triangle an additive recurrence (with powers of the plastic number) distributes consecutive points evenly.
-  const double offsetR = randomUnit(seed, 0);
-  const double offsetU = randomUnit(seed, 1);
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  std::vector<Vec3> points;
-  points.reserve(count);
-  std::size_t k = 0;
-  for (int i = 0; i < count; ++i) {
-    const double at = (i + randomUnit(seed, 2 + i)) * area / count;
-    while (k + 1 < areaUpTo.size() && areaUpTo[k] <= at) ++k;
-    const Triangle& t = triangles[k];
-    // The square root makes points uniform by area: it maps a uniform number to the distance from a corner.
-    const double r = std::sqrt(fraction(offsetR + i * 0.7548776662466927));
-    const double u = r * fraction(offsetU + i * 0.5698402909980532);
-    points.emplace_back((1.0 - r) * vertices[t[0]] + (r - u) * vertices[t[1]] + u * vertices[t[2]]);
-  }
-  return points;
-}
 
 TriMesh clippedToHull(const TriMesh& solid, const ConvexHull& hull) {
   const Aabb box = boundsOf(hull.vertices);

@@ -9,11 +9,6 @@
 
 namespace lorica {
 
-/// Points spread evenly over triangles, one in each of equally many strips of equal area.
-/// @return none if the triangles have no area
-[[nodiscard]] std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                                             int count, std::uint64_t seed);
-
 /// The surface of a solid that lies in a hull. Internal to score().
 [[nodiscard]] TriMesh clippedToHull(const TriMesh& solid, const ConvexHull& hull);
 

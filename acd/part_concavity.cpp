@@ -4,10 +4,8 @@
 #include "geometry/triangle_tree.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <utility>
 
 namespace lorica {
 namespace {

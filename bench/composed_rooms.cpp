@@ -1,9 +1,9 @@
 #include "bench/composed_rooms.h"
 
 #include "bench/random_people.h"
+#include "bench/virtual_furniture.h"
 #include "capture/sensor/oni_source.h"
 #include "capture/virtual_sensor/depth_noise.h"
-#include "capture/virtual_sensor/virtual_furniture.h"
 #include "capture/virtual_sensor/virtual_room.h"
 #include "geometry/counts.h"
 

@@ -8,8 +8,8 @@
 // All little-endian. The same seed gives the same images.
 
 #include "bench/random_people.h"
+#include "bench/virtual_furniture.h"
 #include "capture/virtual_sensor/depth_noise.h"
-#include "capture/virtual_sensor/virtual_furniture.h"
 #include "capture/virtual_sensor/virtual_room.h"
 
 #include <fmt/format.h>

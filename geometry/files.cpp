@@ -10,7 +10,6 @@
 #include <xxhash.h>
 
 #include <cerrno>
-#include <cstring>
 #include <system_error>
 
 namespace lorica {

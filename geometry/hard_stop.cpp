@@ -1,7 +1,6 @@
 #include "geometry/hard_stop.h"
 
 #include <unistd.h>
-#include <algorithm>
 #include <mutex>
 #include <utility>
 #include <vector>

@@ -3,7 +3,6 @@
 #include "geometry/edge_table.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace lorica {

@@ -5,7 +5,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -155,5 +157,11 @@ void TriangleTree::forEachEntry(Reaches&& reaches, Visit&& visit) const {
     for (int i = node.first; i < node.first + node.count; ++i) visit(i);
   }
 }
+
+/// Points spread evenly over triangles, one in each of equally many strips of equal area: at random in the strip, or in
+/// its middle without a seed.
+/// @return none if the triangles have no area
+[[nodiscard]] std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                                             int count, std::optional<std::uint64_t> seed = {});
 
 }  // namespace lorica

@@ -16,6 +16,7 @@
 #include <limits>
 #include <mutex>
 #include <string>
+#include <tuple>
 #include <utility>
 
 namespace lorica {
@@ -97,44 +98,19 @@ class Live {
 
   py::tuple cast(const py::object& origins, const py::object& directions, double reach, double radius,
                  const std::array<double, 3>& half) {
-    const std::vector<HullRay> rays = raysFrom(origins, directions, reach, radius, Vec3(half.data()));
-    const auto count = static_cast<py::ssize_t>(rays.size());
-    py::array_t<std::int32_t> parts(count);
-    py::array_t<double> distances(count), positions({count, py::ssize_t{3}}), normals({count, py::ssize_t{3}});
-    std::int32_t* part = parts.mutable_data();
-    double *distance = distances.mutable_data(), *position = positions.mutable_data(), *normal = normals.mutable_data();
-    const py::gil_scoped_release released;
-    const std::lock_guard lock(mutex_);
-    const RayQuery& query = live_.rays();
-    for (const HullRay& ray : rays) {
-      const HullHit hit = query.nearest(ray);
-      *part++ = hit.part;
-      *distance++ = hit ? hit.distance : kInfinity;
-      position = std::copy_n((hit ? hit.position : kNowhere).data(), 3, position);
-      normal = std::copy_n((hit ? hit.normal : kNowhere).data(), 3, normal);
-    }
-    const py::gil_scoped_acquire again;
-    return py::make_tuple(parts, distances, positions, normals);
+    return castEach(raysFrom(origins, directions, reach, radius, Vec3(half.data())), [this](const HullRay& ray) {
+      const HullHit hit = live_.rays().nearest(ray);
+      return std::tuple(hit.part, hit ? hit.distance : kInfinity, hit ? hit.position : kNowhere,
+                        hit ? hit.normal : kNowhere);
+    });
   }
 
   py::tuple castOnSkin(const py::object& origins, const py::object& directions, double reach) {
-    const std::vector<HullRay> rays = raysFrom(origins, directions, reach, 0.0, Vec3::Zero());
-    const auto count = static_cast<py::ssize_t>(rays.size());
-    py::array_t<std::int32_t> triangles(count);
-    py::array_t<double> distances(count), weights({count, py::ssize_t{3}}), positions({count, py::ssize_t{3}});
-    std::int32_t* triangle = triangles.mutable_data();
-    double *distance = distances.mutable_data(), *weight = weights.mutable_data(), *position = positions.mutable_data();
-    const py::gil_scoped_release released;
-    const std::lock_guard lock(mutex_);
-    for (const HullRay& ray : rays) {
+    const py::tuple met = castEach(raysFrom(origins, directions, reach, 0.0, Vec3::Zero()), [this](const HullRay& ray) {
       const SkinHit hit = live_.castOnSkin(ray);
-      *triangle++ = hit.triangle;
-      *distance++ = hit.distance;
-      weight = std::copy_n((hit ? hit.weights : kNowhere).data(), 3, weight);
-      position = std::copy_n((hit ? hit.position : kNowhere).data(), 3, position);
-    }
-    const py::gil_scoped_acquire again;
-    return py::make_tuple(triangles, weights, distances, positions);
+      return std::tuple(hit.triangle, hit.distance, hit ? hit.position : kNowhere, hit ? hit.weights : kNowhere);
+    });
+    return py::make_tuple(met[0], met[3], met[1], met[2]);
   }
 
   /// Poses of the parts and their velocities.
@@ -182,6 +158,27 @@ class Live {
   }
 
  private:
+  /// Arrays of an index, a distance, a position and another vector for each ray.
+  template <typename Cast>
+  py::tuple castEach(const std::vector<HullRay>& rays, const Cast& cast) {
+    const auto count = static_cast<py::ssize_t>(rays.size());
+    py::array_t<std::int32_t> indices(count);
+    py::array_t<double> distances(count), positions({count, py::ssize_t{3}}), others({count, py::ssize_t{3}});
+    std::int32_t* index = indices.mutable_data();
+    double *distance = distances.mutable_data(), *position = positions.mutable_data(), *other = others.mutable_data();
+    const py::gil_scoped_release released;
+    const std::lock_guard lock(mutex_);
+    for (const HullRay& ray : rays) {
+      const auto& [itsIndex, itsDistance, itsPosition, itsOther] = cast(ray);
+      *index++ = itsIndex;
+      *distance++ = itsDistance;
+      position = std::copy_n(itsPosition.data(), 3, position);
+      other = std::copy_n(itsOther.data(), 3, other);
+    }
+    const py::gil_scoped_acquire again;
+    return py::make_tuple(indices, distances, positions, others);
+  }
+
   std::mutex mutex_;
   LiveCharacter live_;
 };

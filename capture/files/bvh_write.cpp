@@ -6,9 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <numbers>
-#include <optional>
 #include <set>
 
 namespace lorica {

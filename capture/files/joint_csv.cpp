@@ -3,11 +3,11 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/line_scanner.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <iterator>
 #include <map>
 
 namespace lorica {
@@ -37,18 +37,9 @@ std::string columnName(int column) {
 
 /// The file's text for use in an error message: quoted, short, printable.
 std::string quoted(std::string_view text) {
-  constexpr std::size_t kLongest = 40;
   if (text.empty()) return "an empty field";
-  std::string out = "\"";
-  for (const char c : text.substr(0, kLongest)) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (byte >= 0x20 && byte < 0x7f) {
-      out += c;
-    } else {
-      out += fmt::format("\\x{:02x}", byte);
-    }
-  }
-  out += text.size() > kLongest ? "...\"" : "\"";
+  std::string out = quotedWord(text);
+  out.front() = out.back() = '"';
   return out;
 }
 
@@ -95,6 +86,17 @@ class Reader {
     return badFormat("{}, line {}, column {} ({}): found {}, expected {}", file_, line_, column + 1, columnName(column),
                      found, expected);
   }
+  [[nodiscard]] Error badField(int column, std::string_view expected) const {
+    return badField(column, quoted(field(column)), expected);
+  }
+
+  /// @param range  in words
+  [[nodiscard]] Result<double> number(int column, double min, double max, std::string_view range) const {
+    const std::optional<double> value = parseNumber(field(column));
+    if (!value) return badField(column, "a number");
+    if (*value < min || *value > max) return badField(column, range);
+    return *value;
+  }
 
   Result<void> readHeader(std::string_view row) {
     split(row);
@@ -123,16 +125,10 @@ class Reader {
                        row.empty() ? "an empty line" : fmt::format("{} fields", fields_.size()), kFieldCount);
     }
     SkeletonFrame frame;
-    const std::optional<double> time = parseNumber(field(0));
-    if (!time) return badField(0, quoted(field(0)), "a number");
-    if (std::abs(*time) > kLargestTime) return badField(0, quoted(field(0)), "seconds within +-1e12");
-    frame.time = *time;
-
+    LORICA_TRY(frame.time, number(0, -kLargestTime, kLargestTime, "seconds within +-1e12"));
     const std::string_view user = field(1);
     const auto [end, status] = std::from_chars(user.data(), user.data() + user.size(), frame.user);
-    if (status != std::errc{} || end != user.data() + user.size()) {
-      return badField(1, quoted(user), "a whole number");
-    }
+    if (status != std::errc{} || end != user.data() + user.size()) return badField(1, "a whole number");
     for (int j = 0; j < kBodyJointCount; ++j) {
       LORICA_TRY(frame.joints[j], readJoint(kFieldsBeforeJoints + j * kFieldsPerJoint));
     }
@@ -142,23 +138,11 @@ class Reader {
   Result<TrackedJoint> readJoint(int firstColumn) const {
     TrackedJoint joint;
     for (int axis = 0; axis < 3; ++axis) {
-      const int column = firstColumn + axis;
-      const std::optional<double> value = parseNumber(field(column));
-      if (!value) return badField(column, quoted(field(column)), "a number");
-      if (std::abs(*value) > kLargestCoordinate) {
-        return badField(column, quoted(field(column)), fmt::format("metres within +-{:g}", kLargestCoordinate));
-      }
-      joint.position[axis] = *value;
+      LORICA_TRY(joint.position[axis],
+                 number(firstColumn + axis, -kLargestCoordinate, kLargestCoordinate, "metres within +-100"));
     }
     LORICA_TRY(joint.orientation, readOrientation(firstColumn + 3));
-
-    const int column = firstColumn + kFieldsPerJoint - 1;
-    const std::optional<double> confidence = parseNumber(field(column));
-    if (!confidence) return badField(column, quoted(field(column)), "a number");
-    if (*confidence < 0.0 || *confidence > 1.0) {
-      return badField(column, quoted(field(column)), "a confidence from 0 to 1");
-    }
-    joint.confidence = *confidence;
+    LORICA_TRY(joint.confidence, number(firstColumn + kFieldsPerJoint - 1, 0.0, 1.0, "a confidence from 0 to 1"));
     return joint;
   }
 
@@ -170,12 +154,8 @@ class Reader {
     Quat q;
     for (int i = 0; i < 4; ++i) {
       const int column = firstColumn + i;
-      if (field(column).empty()) {
-        return badField(column, quoted(field(column)), "all four quaternion fields or none");
-      }
-      const std::optional<double> value = parseNumber(field(column));
-      if (!value) return badField(column, quoted(field(column)), "a number");
-      q.coeffs()[i] = *value;
+      if (field(column).empty()) return badField(column, "all four quaternion fields or none");
+      LORICA_TRY(q.coeffs()[i], number(column, -kInfinity, kInfinity, {}));
     }
     const double length = q.coeffs().stableNorm();
     if (!(std::abs(length - 1.0) <= kQuaternionTolerance)) {
@@ -191,9 +171,8 @@ class Reader {
     if (isNew) users_.emplace_back();
     User& user = users_[entry->second];
     if (!user.frames.empty() && frame.time <= user.frames.back().time) {
-      return badField(0, quoted(field(0)),
-                      fmt::format("more than {} (line {}): time must increase for user {}", user.frames.back().time,
-                                  user.lastLine, frame.user));
+      return badField(0, fmt::format("more than {} (line {}): time must increase for user {}", user.frames.back().time,
+                                     user.lastLine, frame.user));
     }
     user.frames.push_back(frame);
     user.lastLine = line_;

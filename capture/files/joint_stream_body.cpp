@@ -30,31 +30,6 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-std::optional<Vec3> middleOf(const SkeletonFrame& frame, std::initializer_list<J> joints, bool all = false) {
-  Vec3 sum = Vec3::Zero();
-  double count = 0.0;
-  for (const J joint : joints) {
-    if (!(frame[joint].confidence > 0.0)) {
-      if (all) return std::nullopt;
-      continue;
-    }
-    sum += frame[joint].position;
-    count += 1.0;
-  }
-  return count > 0.0 ? std::optional<Vec3>(sum / count) : std::nullopt;
-}
-
-/// The median over the frames of a distance; 0 if it is never seen.
-template <typename From, typename To>
-double medianLength(std::span<const Observation> rows, const From& from, const To& to) {
-  std::vector<double> lengths;
-  for (const Observation& row : rows) {
-    const std::optional<Vec3> a = from(row.frame), b = to(row.frame);
-    if (a && b) lengths.push_back((*b - *a).norm());
-  }
-  return median(lengths);
-}
-
 struct Height {
   double value = 0.0;  ///< in the rows' unit; 0: nobody is seen
   bool whole = false;  ///< from head to feet
@@ -62,50 +37,50 @@ struct Height {
 
 /// How tall people are by the lengths between their joints, in whatever pose.
 Height heightOf(std::span<const Observation> rows) {
-  const auto at = [](std::initializer_list<J> joints) {
-    const std::vector<J> all(joints);
-    return [all](const SkeletonFrame& frame) {
-      return all.size() == 1 ? middleOf(frame, {all[0]}, true) : middleOf(frame, {all[0], all[1]}, true);
-    };
+  // The median over the frames; 0 if it is never seen.
+  const auto length = [&](const auto& wayIn) {
+    std::vector<double> lengths;
+    for (const Observation& row : rows) {
+      if (const std::optional<Vec3> way = wayIn(row.frame)) lengths.push_back(way->norm());
+    }
+    return median(lengths);
   };
-  const auto length = [&](auto from, auto to) { return medianLength(rows, from, to); };
-  const auto hips = at({J::kLeftHip, J::kRightHip}), shoulders = at({J::kLeftShoulder, J::kRightShoulder});
-  const auto neck = [&](const SkeletonFrame& frame) {
-    const std::optional<Vec3> own = middleOf(frame, {J::kNeck});
-    return own ? own : shoulders(frame);
+  const auto bone = [&](J from, J to) {
+    return length([&](const SkeletonFrame& frame) { return between(frame, from, to); });
   };
-  const double head = length(at({J::kHead}), neck), trunk = length(neck, hips);
+  const auto limb = [&](J top, J middle, J end) { return bone(top, middle) + bone(middle, end); };
+  const auto overNeck = [](const SkeletonFrame& frame, const std::optional<Vec3>& to) {
+    std::optional<Vec3> neck = seen(frame, J::kNeck);
+    if (!neck) neck = middleOf(frame, {J::kLeftShoulder, J::kRightShoulder}, true);
+    return neck && to ? std::optional<Vec3>(*to - *neck) : std::nullopt;
+  };
+  const double head = length([&](const auto& frame) { return overNeck(frame, seen(frame, J::kHead)); });
+  const double trunk = length([&](const auto& frame) {
+    return overNeck(frame, middleOf(frame, {J::kLeftHip, J::kRightHip}, true));
+  });
   const double leg =
-      std::max(length(at({J::kLeftHip}), at({J::kLeftKnee})) + length(at({J::kLeftKnee}), at({J::kLeftFoot})),
-               length(at({J::kRightHip}), at({J::kRightKnee})) + length(at({J::kRightKnee}), at({J::kRightFoot})));
-  const double straight =
-      std::max(length(at({J::kLeftHip}), at({J::kLeftFoot})), length(at({J::kRightHip}), at({J::kRightFoot})));
-  if (trunk > 0.0 && std::max(leg, straight) > 0.0)
-    return {kHeightByChain * (head + trunk + std::max(leg, straight)), head > 0.0};
+      std::max({limb(J::kLeftHip, J::kLeftKnee, J::kLeftFoot), limb(J::kRightHip, J::kRightKnee, J::kRightFoot),
+                bone(J::kLeftHip, J::kLeftFoot), bone(J::kRightHip, J::kRightFoot)});
+  if (trunk > 0.0 && leg > 0.0) return {kHeightByChain * (head + trunk + leg), head > 0.0};
   if (trunk > 0.0) return {kHeightByTrunk * trunk};
-  const double arm = std::max(
-      length(at({J::kLeftShoulder}), at({J::kLeftElbow})) + length(at({J::kLeftElbow}), at({J::kLeftHand})),
-      length(at({J::kRightShoulder}), at({J::kRightElbow})) + length(at({J::kRightElbow}), at({J::kRightHand})));
-  return {kHeightByArm * arm};
+  return {kHeightByArm * std::max(limb(J::kLeftShoulder, J::kLeftElbow, J::kLeftHand),
+                                  limb(J::kRightShoulder, J::kRightElbow, J::kRightHand))};
 }
 
 /// The sum over the frames of the vectors from the middle of hips, knees and feet to that of head, neck and shoulders.
 Vec3 uprightOf(std::span<const Observation> rows) {
-  Vec3 upright = Vec3::Zero();
-  for (const Observation& row : rows) {
-    const auto upper = middleOf(row.frame, {J::kHead, J::kNeck, J::kLeftShoulder, J::kRightShoulder});
-    const auto lower =
-        middleOf(row.frame, {J::kLeftHip, J::kRightHip, J::kLeftKnee, J::kRightKnee, J::kLeftFoot, J::kRightFoot});
-    if (upper && lower) upright += *upper - *lower;
-  }
-  if (!upright.isZero(0.0)) return upright;
+  const auto sumOf = [&](std::initializer_list<J> upper, std::initializer_list<J> lower) {
+    Vec3 sum = Vec3::Zero();
+    for (const Observation& row : rows) {
+      const auto high = middleOf(row.frame, upper), low = middleOf(row.frame, lower);
+      if (high && low) sum += *high - *low;
+    }
+    return sum;
+  };
+  const Vec3 upright = sumOf({J::kHead, J::kNeck, J::kLeftShoulder, J::kRightShoulder},
+                             {J::kLeftHip, J::kRightHip, J::kLeftKnee, J::kRightKnee, J::kLeftFoot, J::kRightFoot});
   // Heads alone, of those whose hips are not seen.
-  for (const Observation& row : rows) {
-    const auto upper = middleOf(row.frame, {J::kHead}),
-               lower = middleOf(row.frame, {J::kLeftShoulder, J::kRightShoulder});
-    if (upper && lower) upright += *upper - *lower;
-  }
-  return upright;
+  return upright.isZero(0.0) ? sumOf({J::kHead}, {J::kLeftShoulder, J::kRightShoulder}) : upright;
 }
 
 /// The share of the frames in which a test of the hips' middle holds.
@@ -131,7 +106,7 @@ std::pair<double, std::string_view> pictureOf(std::span<const Observation> rows)
     const auto shoulders = middleOf(row.frame, {J::kLeftShoulder, J::kRightShoulder}, true);
     const auto hips = middleOf(row.frame, {J::kLeftHip, J::kRightHip}, true);
     if (!shoulders || !hips) continue;
-    const Vec3 across = row.frame[J::kLeftShoulder].position - row.frame[J::kRightShoulder].position;
+    const Vec3 across = *between(row.frame, J::kRightShoulder, J::kLeftShoulder);
     const Vec3 trunk = *shoulders - *hips;
     const double height = std::pow(std::hypot(across.x(), across.z()) / kShouldersByTrunk, 2) - trunk.x() * trunk.x() -
                           trunk.z() * trunk.z();
@@ -145,12 +120,7 @@ std::pair<double, std::string_view> pictureOf(std::span<const Observation> rows)
 }
 
 void scale(std::vector<Observation>& rows, const Vec3& by) {
-  for (Observation& row : rows) {
-    for (TrackedJoint& joint : row.frame.joints) joint.position = joint.position.cwiseProduct(by);
-    for (std::optional<Vec3>& toe : row.toes) {
-      if (toe) toe = toe->cwiseProduct(by);
-    }
-  }
+  changePositions(rows, [&](const Vec3& position) { return Vec3(position.cwiseProduct(by)); });
 }
 
 /// Landmarks in a picture: x and y are of the picture, z is 0 at the hips. They have no scale of their own.
@@ -213,15 +183,7 @@ void turnUp(std::vector<Observation>& rows, int axis, bool down) {
   if (axis == 0) turn << 0, -1, 0, 1, 0, 0, 0, 0, 1;
   if (axis == 2) turn << 1, 0, 0, 0, 0, 1, 0, -1, 0;
   if (down) turn.topRows<2>() *= -1.0;  // half a turn about Z
-  for (Observation& row : rows) {
-    for (TrackedJoint& joint : row.frame.joints) {
-      joint.position = turn * joint.position;
-      joint.orientation.reset();
-    }
-    for (std::optional<Vec3>& toe : row.toes) {
-      if (toe) toe = turn * *toe;
-    }
-  }
+  changePositions(rows, [&](const Vec3& position) { return Vec3(turn * position); });
 }
 
 /// Which of the file's axes are left, up and ahead of the sensor.

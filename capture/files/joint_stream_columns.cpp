@@ -5,10 +5,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
 #include <string>
-#include <type_traits>
 #include <utility>
 
 /// Finds the fields of a row: by the table, or by the names in a header.
@@ -142,8 +140,7 @@ bool hasPosition(const JointColumns& columns) {
 /// The columns of a header, by what their names say.
 struct Header {
   Columns columns;
-  std::vector<JointColumns> named, world, unnamed;
-  std::vector<std::pair<int, JointColumns>> numbered;
+  std::vector<JointColumns> named, world, numbered, unnamed;
   bool landmarks = false;  ///< numbers are of landmarks
   std::string fields;      ///< of the columns without a joint
   std::vector<std::optional<double>> units;
@@ -152,20 +149,20 @@ struct Header {
 
 /// Puts numbered joints in the order of the sensor that numbers as many.
 void nameNumbered(Header& header) {
-  std::vector<std::pair<int, JointColumns>>& numbered = header.numbered;
+  std::vector<JointColumns>& numbered = header.numbered;
   if (numbered.empty()) return;
   const auto [min, max] = std::minmax_element(numbered.begin(), numbered.end(),
-                                              [](const auto& a, const auto& b) { return a.first < b.first; });
+                                              [](const auto& a, const auto& b) { return a.number < b.number; });
   constexpr int kLandmarks = 33;
-  const int first = header.landmarks || min->first == 0 ? 0 : 1;
-  const bool all = min->first == first && countOf(numbered) == max->first + 1 - first;
-  const JointOrder order = orderOf(header.landmarks && max->first < kLandmarks ? kLandmarks
-                                   : all                                       ? countOf(numbered)
-                                                                               : 0);
+  const int first = header.landmarks || min->number == 0 ? 0 : 1;
+  const bool all = min->number == first && countOf(numbered) == max->number + 1 - first;
+  const JointOrder order = orderOf(header.landmarks && max->number < kLandmarks ? kLandmarks
+                                   : all                                        ? countOf(numbered)
+                                                                                : 0);
   if (order.joints.empty()) return;
-  for (auto& [number, joint] : numbered) {
-    joint.joint = order.joints[number - first];
-    if (joint.joint != SensorJoint::kOther) header.named.push_back(std::move(joint));
+  for (JointColumns& columns : numbered) {
+    columns.joint = order.joints[columns.number - first];
+    if (columns.joint != SensorJoint::kOther) header.named.push_back(std::move(columns));
   }
   header.columns.notes.push_back(
       fmt::format("The columns number joints: they were taken in {}'s order.", order.sensor));
@@ -242,13 +239,10 @@ Header headerOf(const RowReader& row) {
   Columns& columns = header.columns;
   columns.count = row.count();
   std::map<std::string, int> timesSeen;
-  const auto joinedBy = [](auto& all, const auto& isIt, auto fresh) -> JointColumns& {
+  const auto ofJoint = [](std::vector<JointColumns>& all, std::optional<SensorJoint> joint, int number) {
+    const auto isIt = [&](const JointColumns& j) { return j.joint == joint && j.number == number; };
     const auto at = std::find_if(all.begin(), all.end(), isIt);
-    if constexpr (std::is_same_v<decltype(fresh), JointColumns>) {
-      return at != all.end() ? *at : all.emplace_back(std::move(fresh));
-    } else {
-      return at != all.end() ? at->second : all.emplace_back(std::move(fresh)).second;
-    }
+    return at != all.end() ? &*at : &all.emplace_back(JointColumns{joint, number});
   };
   for (int c = 0; c < columns.count; ++c) {
     const Name name = nameOf(row.field(c));
@@ -266,13 +260,9 @@ Header headerOf(const RowReader& row) {
       continue;
     JointColumns* joint = nullptr;
     if (name.joint) {
-      joint = &joinedBy(
-          name.world ? header.world : header.named, [&](const auto& j) { return j.joint == name.joint; },
-          JointColumns{name.joint});
+      joint = ofJoint(name.world ? header.world : header.named, name.joint, -1);
     } else if (name.number >= 0) {
-      joint = &joinedBy(
-          header.numbered, [&](const auto& j) { return j.first == name.number; },
-          std::pair(name.number, JointColumns{}));
+      joint = ofJoint(header.numbered, {}, name.number);
       header.landmarks = header.landmarks || name.landmark;
     } else {
       const int index = timesSeen[plainName(row.field(c))]++;

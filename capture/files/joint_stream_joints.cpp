@@ -44,11 +44,6 @@ constexpr std::array<Names, 22> kNames = {{
 }};
 constexpr int kTrunkNames = 7;  ///< of them, the first
 
-/// Source of each body joint.
-constexpr std::array<SensorJoint, kBodyJointCount> kSources = {
-    kHead,     kNeck,    kShoulderLeft, kShoulderRight, kElbowLeft, kElbowRight, kHandLeft,  kHandRight,
-    kSpineMid, kHipLeft, kHipRight,     kKneeLeft,      kKneeRight, kAnkleLeft,  kAnkleRight};
-
 /// What is used if a source is not seen.
 SensorJoint substituteOf(SensorJoint joint) {
   if (joint == kNeck) return kSpineShoulder;
@@ -123,7 +118,8 @@ Observation observe(const SensorSkeleton& body, double time, int person) {
   row.frame.time = time;
   row.frame.user = person;
   for (int j = 0; j < kBodyJointCount; ++j) {
-    const SensorJoint from = body[kSources[j]].confidence > 0.0 ? kSources[j] : substituteOf(kSources[j]);
+    const SensorJoint usual = kBodyOrder[j];
+    const SensorJoint from = body[usual].confidence > 0.0 ? usual : substituteOf(usual);
     if (body[from].confidence > 0.0) row.frame.joints[j] = body[from];
   }
   if (body[kFootLeft].confidence > 0.0) row.toes[0] = body[kFootLeft].position;
@@ -131,19 +127,34 @@ Observation observe(const SensorSkeleton& body, double time, int person) {
   return row;
 }
 
-std::optional<Vec3> positionOf(const SkeletonFrame& frame) {
-  for (const BodyJoint j : {BodyJoint::kTorso, BodyJoint::kNeck}) {
-    if (frame[j].confidence > 0.0) return frame[j].position;
-  }
+std::optional<Vec3> seen(const SkeletonFrame& frame, BodyJoint joint) {
+  return frame[joint].confidence > 0.0 ? std::optional(frame[joint].position) : std::nullopt;
+}
+
+std::optional<Vec3> between(const SkeletonFrame& frame, BodyJoint from, BodyJoint to) {
+  const std::optional<Vec3> a = seen(frame, from), b = seen(frame, to);
+  return a && b ? std::optional<Vec3>(*b - *a) : std::nullopt;
+}
+
+std::optional<Vec3> middleOf(const SkeletonFrame& frame, std::initializer_list<BodyJoint> joints, bool all) {
   Vec3 sum = Vec3::Zero();
   double count = 0.0;
-  for (const TrackedJoint& joint : frame.joints) {
-    if (!(joint.confidence > 0.0)) continue;
-    sum += joint.position;
+  for (const BodyJoint joint : joints) {
+    const std::optional<Vec3> position = seen(frame, joint);
+    if (!position && all) return std::nullopt;
+    if (!position) continue;
+    sum += *position;
     count += 1.0;
   }
-  if (count == 0.0) return std::nullopt;
-  return Vec3(sum / count);
+  return count > 0.0 ? std::optional<Vec3>(sum / count) : std::nullopt;
+}
+
+std::optional<Vec3> positionOf(const SkeletonFrame& frame) {
+  using enum BodyJoint;
+  if (const std::optional<Vec3> torso = seen(frame, kTorso)) return torso;
+  if (const std::optional<Vec3> neck = seen(frame, kNeck)) return neck;
+  return middleOf(frame, {BodyJoint::kHead, kLeftShoulder, kRightShoulder, kLeftElbow, kRightElbow, kLeftHand,
+                          kRightHand, kLeftHip, kRightHip, kLeftKnee, kRightKnee, kLeftFoot, kRightFoot});
 }
 
 int PersonTracks::personAt(double time, const SkeletonFrame& frame) {

@@ -18,18 +18,15 @@ constexpr std::array<SensorJoint, kKinect1JointCount> kKinect1Order = {
     kSpineBase, kSpineMid,      kSpineShoulder, kHead,       kShoulderLeft, kElbowLeft, kWristLeft,
     kHandLeft,  kShoulderRight, kElbowRight,    kWristRight, kHandRight,    kHipLeft,   kKneeLeft,
     kAnkleLeft, kFootLeft,      kHipRight,      kKneeRight,  kAnkleRight,   kFootRight};
-constexpr std::array<SensorJoint, kKinect2JointCount> kKinect2Order = {
-    kSpineBase,   kSpineMid,      kNeck,         kHead,       kShoulderLeft, kElbowLeft, kWristLeft,
-    kHandLeft,    kShoulderRight, kElbowRight,   kWristRight, kHandRight,    kHipLeft,   kKneeLeft,
-    kAnkleLeft,   kFootLeft,      kHipRight,     kKneeRight,  kAnkleRight,   kFootRight, kSpineShoulder,
-    kHandTipLeft, kThumbLeft,     kHandTipRight, kThumbRight};
+constexpr std::array<SensorJoint, 25> kKinect2Order = [] {
+  std::array<SensorJoint, 25> order{};
+  for (int j = 0; j < 25; ++j) order[j] = static_cast<SensorJoint>(j);
+  return order;
+}();
 constexpr std::array<SensorJoint, kKinect1JointCount> kMsrOrder = {
     kShoulderLeft, kShoulderRight, kSpineShoulder, kSpineMid,   kHipLeft,   kHipRight,  kSpineBase,
     kElbowLeft,    kElbowRight,    kWristLeft,     kWristRight, kHandLeft,  kHandRight, kKneeLeft,
     kKneeRight,    kAnkleLeft,     kAnkleRight,    kFootLeft,   kFootRight, kHead};
-constexpr std::array<SensorJoint, kBodyJointCount> kNiteOrder = {
-    kHead,     kNeck,    kShoulderLeft, kShoulderRight, kElbowLeft, kElbowRight, kHandLeft,  kHandRight,
-    kSpineMid, kHipLeft, kHipRight,     kKneeLeft,      kKneeRight, kAnkleLeft,  kAnkleRight};
 constexpr std::array<SensorJoint, 6> kArmsOrder = {kShoulderLeft,  kElbowLeft,  kHandLeft,
                                                    kShoulderRight, kElbowRight, kHandRight};
 /// Waist, spine, chest, neck, head, head tip; left collar, upper arm, forearm, hand; the same on the right; left upper
@@ -189,7 +186,7 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .before = "tu",
      .fields = "xyzc",
      .more = "qqqq",
-     .order = kNiteOrder,
+     .order = kBodyOrder,
      .unit = 0.001,
      .expectedRow = "62: time, user, 15 x (x y z confidence)",
      .expectedRowWithMore = "62 or 122: time, user, 15 x (x y z confidence [qx qy qz qw])",
@@ -261,10 +258,10 @@ Fit fitOf(const Layout& layout, std::string_view text, std::string_view file) {
   return rows > 0 ? Fit::kAll : Fit::kNone;
 }
 
-std::string listed(const std::vector<JointFormat>& formats, std::string_view last) {
+std::string listed(const std::vector<JointFormat>& formats) {
   std::string text;
   for (int i = 0; i < countOf(formats); ++i) {
-    text += i == 0 ? "" : i + 1 == countOf(formats) ? last : std::string_view(", ");
+    text += i == 0 ? "" : i + 1 == countOf(formats) ? " and " : ", ";
     text += nameOf(formats[i]);
   }
   return text;
@@ -315,7 +312,7 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
         file, text.find('\0') == std::string_view::npos ? "a text" : "data", quotedWord(reader.field(0)));
   }
   return badFormat("{}: found rows that match {}, expected a single match; specify the layout with --format", file,
-                   listed(fitting, " and "));
+                   listed(fitting));
 }
 
 }  // namespace lorica::joints

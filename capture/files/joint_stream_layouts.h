@@ -4,6 +4,7 @@
 
 #include <array>
 #include <functional>
+#include <initializer_list>
 #include <map>
 #include <optional>
 #include <span>
@@ -56,7 +57,6 @@ enum class SensorJoint : std::uint8_t {
 };
 inline constexpr int kSensorJointCount = static_cast<int>(SensorJoint::kOther) + 1;
 inline constexpr int kKinect1JointCount = 20;
-inline constexpr int kKinect2JointCount = 25;
 
 /// Looks up a joint by any usual name: "SpineBase", "HipCenter", "LEFT_SHOULDER", "l. shoulder", "pelvis".
 [[nodiscard]] std::optional<SensorJoint> sensorJointCalled(std::string_view name);
@@ -68,6 +68,12 @@ struct JointOrder {
   std::string_view sensor = {};
 };
 [[nodiscard]] JointOrder orderOf(int count);
+/// The sensor's joints that are the 15 of a body, in their order.
+inline constexpr std::array<SensorJoint, kBodyJointCount> kBodyOrder = {
+    SensorJoint::kHead,      SensorJoint::kNeck,       SensorJoint::kShoulderLeft, SensorJoint::kShoulderRight,
+    SensorJoint::kElbowLeft, SensorJoint::kElbowRight, SensorJoint::kHandLeft,     SensorJoint::kHandRight,
+    SensorJoint::kSpineMid,  SensorJoint::kHipLeft,    SensorJoint::kHipRight,     SensorJoint::kKneeLeft,
+    SensorJoint::kKneeRight, SensorJoint::kAnkleLeft,  SensorJoint::kAnkleRight};
 
 /// One joint as the file holds it.
 struct SensedJoint {
@@ -147,6 +153,7 @@ struct Column {
 /// The columns of one joint.
 struct JointColumns {
   std::optional<SensorJoint> joint = {};  ///< none: the row names it
+  int number = -1;                        ///< in the names of a header that numbers joints
   Column name = {}, state = {}, confidence = {}, turn = {};
   std::array<Column, 3> position = {};
 
@@ -208,6 +215,13 @@ class PersonNumbers {
 [[nodiscard]] Result<RawStream> judged(std::string_view file, std::optional<double> unit,
                                        const std::function<Result<RawStream>(double unit)>& read);
 
+/// The position of a joint, or what leads from one to another; nullopt if one is not seen.
+[[nodiscard]] std::optional<Vec3> seen(const SkeletonFrame& frame, BodyJoint joint);
+[[nodiscard]] std::optional<Vec3> between(const SkeletonFrame& frame, BodyJoint from, BodyJoint to);
+/// The mean of those of some joints that are seen; nullopt if none is. @param all  they must all be seen
+[[nodiscard]] std::optional<Vec3> middleOf(const SkeletonFrame& frame, std::initializer_list<BodyJoint> joints,
+                                           bool all = false);
+
 /// Position of a person: the torso, else the neck, else the mean of the seen joints; nullopt if none is seen.
 [[nodiscard]] std::optional<Vec3> positionOf(const SkeletonFrame& frame);
 
@@ -245,6 +259,16 @@ class WayMeter {
 [[nodiscard]] Result<int> choosePerson(const std::map<int, WayMeter>& ways, std::string_view file,
                                        const JointStreamSettings& settings, JointStream& stream);
 
+/// Changes the positions of all joints and toes.
+template <typename Change>
+void changePositions(std::vector<Observation>& rows, const Change& change) {
+  for (Observation& row : rows) {
+    for (TrackedJoint& joint : row.frame.joints) joint.position = change(joint.position);
+    for (std::optional<Vec3>& toe : row.toes) {
+      if (toe) toe = change(*toe);
+    }
+  }
+}
 /// Multiplies the axes of positions by signs.
 void flip(std::vector<Observation>& rows, const Vec3& signs);
 

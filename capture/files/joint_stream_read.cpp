@@ -56,9 +56,8 @@ std::optional<SensorJoint> jointIn(std::string_view field) {
   double number = 0.0;
   if (readNumber(field, number) != NumberKind::kNumber) return sensorJointCalled(field);
   const std::span<const SensorJoint> order = orderOf(33).joints;
-  if (!(number >= 0.0 && number < static_cast<double>(order.size()) && number == std::floor(number)))
-    return std::nullopt;
-  return order[static_cast<std::size_t>(number)];
+  const bool known = number >= 0.0 && number < static_cast<double>(order.size()) && number == std::floor(number);
+  return known ? std::optional(order[static_cast<std::size_t>(number)]) : std::nullopt;
 }
 
 /// @param from   column that the joint's columns count from

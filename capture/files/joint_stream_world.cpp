@@ -42,46 +42,32 @@ double percentile(std::vector<double>& values, double share) {
   return *nth;
 }
 
-std::optional<Vec3> seen(const SkeletonFrame& frame, J joint) {
-  if (!(frame[joint].confidence > 0.0)) return std::nullopt;
-  return frame[joint].position;
-}
-
-std::optional<Vec3> between(const SkeletonFrame& frame, J from, J to) {
-  const std::optional<Vec3> a = seen(frame, from);
-  const std::optional<Vec3> b = seen(frame, to);
-  if (!a || !b) return std::nullopt;
-  return Vec3(*b - *a);
-}
-
-/// Seconds per tick that make the row rate nearest to 30 per second.
-double guessedTick(std::span<const Observation> rows, std::vector<std::string>& notes) {
+/// The steps by which times increase from row to row.
+std::vector<double> stepsOf(std::span<const Observation> rows) {
   std::vector<double> steps;
   steps.reserve(rows.size());
   for (int i = 1; i < countOf(rows); ++i) {
     const double step = rows[i].frame.time - rows[i - 1].frame.time;
     if (step > 0.0) steps.push_back(step);
   }
+  return steps;
+}
+
+/// Seconds per tick that make the row rate nearest to 30 per second.
+double guessedTick(std::span<const Observation> rows, std::vector<std::string>& notes) {
   struct Unit {
     double seconds;
     std::string_view name;
   };
   constexpr std::array<Unit, 4> kUnits = {
       {{1.0, "seconds"}, {1e-3, "milliseconds"}, {1e-6, "microseconds"}, {1e-7, "100 ns"}}};
-  const Unit* best = kUnits.data();
-  if (!steps.empty()) {
-    const double step = percentile(steps, 0.5);
-    double nearest = std::abs(std::log(step * 30.0));
-    for (const Unit& unit : kUnits) {
-      const double distance = std::abs(std::log(step * unit.seconds * 30.0));
-      if (distance < nearest) {
-        nearest = distance;
-        best = &unit;
-      }
-    }
-  }
-  notes.push_back(fmt::format("Times are assumed to be in {}, based on their spacing.", best->name));
-  return best->seconds;
+  std::vector<double> steps = stepsOf(rows);
+  const double step = steps.empty() ? 1.0 / 30.0 : percentile(steps, 0.5);
+  const auto distance = [&](const Unit& unit) { return std::abs(std::log(step * unit.seconds * 30.0)); };
+  const Unit& best = *std::min_element(kUnits.begin(), kUnits.end(),
+                                       [&](const Unit& a, const Unit& b) { return distance(a) < distance(b); });
+  notes.push_back(fmt::format("Times are assumed to be in {}, based on their spacing.", best.name));
+  return best.seconds;
 }
 
 /// Rows with the same time but different data were read one after the other: distributes them evenly up to the next
@@ -112,15 +98,9 @@ void spreadRepeats(std::vector<Observation>& rows, std::vector<std::string>& not
 
 /// Converts times to increasing seconds from the first row on.
 void repairTimes(std::vector<Observation>& rows, double secondsPerTick, std::vector<std::string>& notes) {
-  std::vector<double> steps;
-  steps.reserve(rows.size());
   const double start = rows.front().frame.time;
-  for (int i = 0; i < countOf(rows); ++i) {
-    rows[i].frame.time = (rows[i].frame.time - start) * secondsPerTick;
-    if (i > 0 && rows[i].frame.time > rows[i - 1].frame.time) {
-      steps.push_back(rows[i].frame.time - rows[i - 1].frame.time);
-    }
-  }
+  for (Observation& row : rows) row.frame.time = (row.frame.time - start) * secondsPerTick;
+  std::vector<double> steps = stepsOf(rows);
   const double usualStep = steps.empty() ? 1.0 / 30.0 : percentile(steps, 0.5);
   double added = 0.0;
   int restarts = 0;
@@ -155,6 +135,8 @@ double frontAgreement(std::span<const Observation> rows) {
   constexpr double kBentKnee = 0.08;
   constexpr double kFoot = 0.05;
   constexpr double kFewest = 5.0;
+  constexpr std::array<std::array<J, 3>, 2> kLegs = {
+      {{J::kLeftHip, J::kLeftKnee, J::kLeftFoot}, {J::kRightHip, J::kRightKnee, J::kRightFoot}}};
   double sum = 0.0;
   double count = 0.0;
   for (const Observation& row : rows) {
@@ -162,9 +144,7 @@ double frontAgreement(std::span<const Observation> rows) {
     if (!left) left = between(row.frame, J::kRightShoulder, J::kLeftShoulder);
     if (!left) continue;
     for (int side = 0; side < 2; ++side) {
-      const J hip = side == 0 ? J::kLeftHip : J::kRightHip;
-      const J knee = side == 0 ? J::kLeftKnee : J::kRightKnee;
-      const J foot = side == 0 ? J::kLeftFoot : J::kRightFoot;
+      const auto [hip, knee, foot] = kLegs[side];
       const std::optional<Vec3> thigh = between(row.frame, knee, hip);
       const std::optional<Vec3> leg = between(row.frame, foot, hip);
       if (!thigh || !leg || leg->norm() < kBentKnee) continue;
@@ -195,14 +175,15 @@ void turnToFront(std::vector<Observation>& rows) {
   if (frontAgreement(rows) < kMirrored) front = -front;
   const long quarters = std::lround(std::atan2(front.x(), front.z()) / (0.5 * std::numbers::pi));
   for (long i = 0; i < (4 - quarters) % 4; ++i) {
-    for (Observation& row : rows) {
-      const auto turn = [](Vec3& p) { p = Vec3(p.z(), p.y(), -p.x()); };
-      for (TrackedJoint& joint : row.frame.joints) turn(joint.position);
-      for (std::optional<Vec3>& toe : row.toes) {
-        if (toe) turn(*toe);
-      }
-    }
+    changePositions(rows, [](const Vec3& p) { return Vec3(p.z(), p.y(), -p.x()); });
   }
+}
+
+/// The height of the lower of two joints; nullopt if none is seen.
+std::optional<double> lowerOf(const SkeletonFrame& frame, J left, J right) {
+  const std::optional<Vec3> a = seen(frame, left), b = seen(frame, right);
+  if (a && b) return std::min(a->y(), b->y());
+  return a ? std::optional(a->y()) : b ? std::optional(b->y()) : std::nullopt;
 }
 
 /// Hips that never move: the body stands on its lower foot in every frame instead.
@@ -210,10 +191,7 @@ void stand(std::vector<Observation>& rows, std::vector<std::string>& notes) {
   double low = 0.0;
   bool stands = false;
   for (Observation& row : rows) {
-    std::optional<double> lower;
-    for (const J foot : {J::kLeftFoot, J::kRightFoot}) {
-      if (const std::optional<Vec3> at = seen(row.frame, foot)) lower = std::min(lower.value_or(at->y()), at->y());
-    }
+    const std::optional<double> lower = lowerOf(row.frame, J::kLeftFoot, J::kRightFoot);
     stands = stands || lower;
     low = lower.value_or(low);
     for (TrackedJoint& joint : row.frame.joints) joint.position.y() -= low;
@@ -266,11 +244,7 @@ double floorHeight(std::span<const Observation> rows, std::vector<std::string>& 
     std::vector<double> heights;
     heights.reserve(rows.size());
     for (const Observation& row : rows) {
-      const std::optional<Vec3> left = seen(row.frame, guess.left);
-      const std::optional<Vec3> right = seen(row.frame, guess.right);
-      if (!left && !right) continue;
-      heights.push_back(
-          std::min(left.value_or(*(left ? left : right)).y(), right.value_or(*(right ? right : left)).y()));
+      if (const auto lower = lowerOf(row.frame, guess.left, guess.right)) heights.push_back(*lower);
     }
     if (heights.empty()) continue;
     const bool ankles = guess.left == J::kLeftFoot;
@@ -315,14 +289,10 @@ void noteLean(std::span<const Observation> rows, std::vector<std::string>& notes
 void flip(std::vector<Observation>& rows, const Vec3& signs) {
   // A rotation mirrored as its axis and angle are: the vector part flips like that of a half turn.
   const Vec3 turn = signs.prod() * signs;
+  changePositions(rows, [&](const Vec3& position) { return Vec3(position.cwiseProduct(signs)); });
   for (Observation& row : rows) {
     for (TrackedJoint& joint : row.frame.joints) {
-      joint.position = joint.position.cwiseProduct(signs);
-      if (!joint.orientation) continue;
-      joint.orientation->vec() = joint.orientation->vec().cwiseProduct(turn);
-    }
-    for (std::optional<Vec3>& toe : row.toes) {
-      if (toe) toe = toe->cwiseProduct(signs);
+      if (joint.orientation) joint.orientation->vec() = joint.orientation->vec().cwiseProduct(turn);
     }
   }
 }

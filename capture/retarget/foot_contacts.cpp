@@ -3,7 +3,6 @@
 #include "geometry/result.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace lorica {

@@ -1,7 +1,6 @@
 #include "capture/retarget/human_rig.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lorica {
 namespace {

@@ -8,9 +8,7 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <limits>
-#include <utility>
 #include <vector>
 
 namespace lorica {

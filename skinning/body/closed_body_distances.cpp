@@ -5,38 +5,12 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace lorica {
 namespace {
 
-constexpr std::size_t kSamples = 4096;
+constexpr int kSamples = 4096;
 constexpr double kInside = 0.5;  // winding number
-
-/// Points spread evenly over a surface: its area is laid out as one strip, with a point in the middle of equal pieces.
-std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
-  const double area = surfaceArea(vertices, triangles);
-  std::vector<Vec3> points;
-  if (!(area > 0.0)) return points;
-  points.reserve(kSamples);
-  const auto fraction = [](double x) { return x - std::floor(x); };
-  double upTo = 0.0;
-  for (const Triangle& t : triangles) {
-    const Vec3& a = vertices[t[0]];
-    const Vec3& b = vertices[t[1]];
-    const Vec3& c = vertices[t[2]];
-    upTo += 0.5 * (b - a).cross(c - a).norm();
-    while (points.size() < kSamples && (points.size() + 0.5) * area / kSamples <= upTo) {
-      // Within a triangle an additive recurrence (with powers of the plastic number) spreads consecutive points; the
-      // square root makes them uniform in area.
-      const double i = points.size();
-      const double r = std::sqrt(fraction(0.5 + i * 0.7548776662466927));
-      const double u = r * fraction(0.5 + i * 0.5698402909980532);
-      points.emplace_back((1.0 - r) * a + (r - u) * b + u * c);
-    }
-  }
-  return points;
-}
 
 std::vector<double> distancesOutside(const TriangleTree& tree, std::span<const Vec3> points) {
   std::vector<double> distances(points.size(), 0.0);
@@ -79,8 +53,8 @@ BodyDistances distancesInPose(const ClosedBody& body, std::span<const Affine3> w
   const TriangleTree bodyTree(posed, character.mesh.triangles);
   const TriangleTree shownTree(posed, character.shown);
   result.farthestOutside = largestOf(distancesOutside(bodyTree, shownVertices));
-  result.meanOutside = meanOf(distancesOutside(bodyTree, spreadPoints(posed, character.shown)));
-  const std::vector<double> spread = distancesTo(shownTree, spreadPoints(posed, character.mesh.triangles));
+  result.meanOutside = meanOf(distancesOutside(bodyTree, spreadPoints(posed, character.shown, kSamples)));
+  const std::vector<double> spread = distancesTo(shownTree, spreadPoints(posed, character.mesh.triangles, kSamples));
   result.meanToOriginal = meanOf(spread);
   result.farthestToOriginal = std::max(largestOf(spread), largestOf(distancesTo(shownTree, bodyVertices)));
   return result;

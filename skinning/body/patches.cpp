@@ -2,7 +2,6 @@
 
 #include "geometry/mesh_pieces.h"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 

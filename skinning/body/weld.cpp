@@ -4,7 +4,6 @@
 #include "geometry/near_positions.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 namespace lorica {

@@ -3,7 +3,6 @@
 #include "capture/tracking/fit/limb_pose.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lorica::fit {
 namespace {

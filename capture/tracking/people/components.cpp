@@ -41,36 +41,16 @@ void FloorPositions::set(const DepthGrid& grid, const Isometry3& floorFromCamera
 
 ComponentFinder::ComponentFinder(const DepthGrid& grid)
     : labels_(grid.cellCount()), step_([](double depth) { return 0.025F + 5.0F * depthNoise(depth); }) {
-  parents_.reserve(grid.cellCount() / 2 + 1);
+  surfaces_.reserve(grid.cellCount() / 2 + 1);
   sizes_.reserve(grid.cellCount() / 2 + 1);
   componentOf_.reserve(grid.cellCount() / 2 + 1);
   components_.reserve(kMaxSurfaces);
 }
 
-std::int32_t ComponentFinder::rootOf(std::int32_t label) {
-  while (parents_[label] != label) {
-    std::int32_t& parent = parents_[label];
-    parent = parents_[parent];
-    label = parent;
-  }
-  return label;
-}
-
-void ComponentFinder::join(std::int32_t a, std::int32_t b) {
-  a = rootOf(a);
-  b = rootOf(b);
-  // The smaller label wins, so that labels follow the order of the image.
-  if (a < b) {
-    parents_[b] = a;
-  } else {
-    parents_[a] = b;
-  }
-}
-
 void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& positions, std::span<const CellKind> kinds,
                            const LastCells& last, std::span<const std::int16_t> evidence) {
   const std::size_t w = grid.width;
-  parents_.clear();
+  surfaces_.clear();
   components_.clear();
 
   // Neighbours to the left and above at about the same depth belong to one surface.
@@ -86,43 +66,40 @@ void ComponentFinder::find(const DepthGrid& grid, const FloorPositions& position
       const bool above = r > 0 && labels_[i - w] >= 0 && std::abs(depth - grid.depthMm[i - w]) < step;
       if (left) {
         labels_[i] = labels_[i - 1];
-        if (above && labels_[i - w] != labels_[i]) join(labels_[i], labels_[i - w]);
+        if (above && labels_[i - w] != labels_[i]) surfaces_.unite(labels_[i], labels_[i - w]);
       } else if (above) {
         labels_[i] = labels_[i - w];
       } else {
-        labels_[i] = countOf(parents_);
-        parents_.push_back(labels_[i]);
+        labels_[i] = surfaces_.add();
       }
     }
   }
 
   // Remove specks; number the rest in image order.
-  for (std::size_t k = 0; k < parents_.size(); ++k) {
-    parents_[k] = rootOf(static_cast<std::int32_t>(k));
-  }
-  sizes_.assign(parents_.size(), 0);
+  sizes_.assign(surfaces_.count(), 0);
   for (const std::int32_t label : labels_) {
-    if (label >= 0) ++sizes_[parents_[label]];
+    if (label >= 0) ++sizes_[label];
   }
-  componentOf_.assign(parents_.size(), -1);
-  for (std::size_t k = 0; k < parents_.size(); ++k) {
-    const std::size_t root = parents_[k];
-    if (root == k && sizes_[k] >= kMinCells && components_.size() < kMaxSurfaces) {
+  for (std::int32_t k = 0; k < countOf(sizes_); ++k) {
+    const std::int32_t smallest = surfaces_.find(k);
+    if (smallest != k) sizes_[smallest] += sizes_[k];
+  }
+  componentOf_.assign(surfaces_.count(), -1);
+  for (std::int32_t k = 0; k < countOf(componentOf_); ++k) {
+    const std::int32_t smallest = surfaces_.find(k);
+    if (smallest == k && sizes_[k] >= kMinCells && components_.size() < kMaxSurfaces) {
       componentOf_[k] = countOf(components_);
       components_.emplace_back();
-    } else if (root != k) {
-      componentOf_[k] = componentOf_[root];
+    } else if (smallest != k) {
+      componentOf_[k] = componentOf_[smallest];
     }
   }
 
-  // Measure each surface.
-  for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      const std::size_t i = grid.index(c, r);
-      if (labels_[i] < 0) continue;
-      labels_[i] = componentOf_[labels_[i]];
-    }
+  for (std::int32_t& label : labels_) {
+    if (label >= 0) label = componentOf_[label];
   }
+
+  // Measure each surface.
   for (int r = 0; r < grid.height; ++r) {
     for (int c = 0; c < grid.width; ++c) {
       const std::size_t i = grid.index(c, r);

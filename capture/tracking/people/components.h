@@ -4,6 +4,7 @@
 #include "capture/tracking/people/depth_grid.h"
 #include "capture/tracking/people/person_slot.h"
 #include "geometry/math.h"
+#include "geometry/union_find.h"
 
 #include <array>
 #include <cstdint>
@@ -74,11 +75,8 @@ class ComponentFinder {
   [[nodiscard]] float step(std::uint16_t depthMm) const { return step_[depthMm]; }
 
  private:
-  std::int32_t rootOf(std::int32_t label);
-  void join(std::int32_t a, std::int32_t b);
-
   std::vector<std::int32_t> labels_;
-  std::vector<std::int32_t> parents_;
+  UnionFind surfaces_;  ///< known by their smallest label, so that they follow the order of the image
   std::vector<std::int32_t> sizes_;
   std::vector<std::int32_t> componentOf_;
   std::vector<DepthComponent> components_;

@@ -1,6 +1,5 @@
 #include "capture/tracking/segmentation/convolution.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>

@@ -1,4 +1,4 @@
-#include "capture/virtual_sensor/virtual_furniture.h"
+#include "bench/virtual_furniture.h"
 
 #include <gtest/gtest.h>
 
