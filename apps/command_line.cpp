@@ -3,6 +3,7 @@
 #include "apps/standard_streams.h"
 #include "geometry/printable.h"
 #include "geometry/similar_name.h"
+#include "prepare/read_motion.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -210,14 +211,20 @@ std::vector<std::string> CommandLine::subcommandNames() const {
   return names;
 }
 
-/// Why an argument that nothing takes is refused.
-std::string CommandLine::unexpected(const std::string& argument) const {
+/// Why an argument that nothing takes is refused. @param opened  `lorica walk` would open what ships under that name
+std::string CommandLine::unexpected(const std::string& argument, bool opened) const {
   const std::vector<CLI::App*> chosen = app_->get_subcommands();
   if (chosen.empty()) {
-    const std::vector<std::string> names = subcommandNames();
+    const std::vector<std::string> commands = subcommandNames();
+    std::vector<std::string> names = commands;
+    if (const Result<std::filesystem::path> folder = recordingsFolder(); opened && folder) {
+      const std::vector<std::string> motions = shippedNames(*folder, {".csv", ".oni"});
+      names.insert(names.end(), motions.begin(), motions.end());
+      names.emplace_back("mannequin");
+    }
     const std::string similar = didYouMean(argument, names);
     return fmt::format("{}: unknown command{}", argument,
-                       similar.empty() ? fmt::format(", expected one of {}", fmt::join(names, ", ")) : similar);
+                       similar.empty() ? fmt::format(", expected one of {}", fmt::join(commands, ", ")) : similar);
   }
   if (argument.rfind("--", 0) != 0) {
     const bool live = chosen.front()->get_name() == "live";
@@ -261,7 +268,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
   if (argc > 1 && std::string_view(argv[1]) == "help") {
     if (argc > 2) {
       const std::vector<std::string> names = subcommandNames();
-      if (std::find(names.begin(), names.end(), argv[2]) == names.end()) return refuse(unexpected(argv[2]));
+      if (std::find(names.begin(), names.end(), argv[2]) == names.end()) return refuse(unexpected(argv[2], false));
       help = {argv[0], argv[2], "--help"};
     }
     argc = std::min(argc, 3);
@@ -271,7 +278,7 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     app_->parse(argc, arguments);
   } catch (const CLI::ExtrasError&) {
     const std::vector<std::string> extras = app_->remaining(true);
-    return refuse(unexpected(extras.empty() ? "?" : extras.front()));
+    return refuse(unexpected(extras.empty() ? "?" : extras.front(), true));
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return printHelp(error);  // --help and --version
     return refuse(error.what());

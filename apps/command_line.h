@@ -74,7 +74,7 @@ class CommandLine {
 
  private:
   explicit CommandLine(CLI::App* app);
-  [[nodiscard]] std::string unexpected(const std::string& argument) const;
+  [[nodiscard]] std::string unexpected(const std::string& argument, bool opened) const;
   [[nodiscard]] std::string helpCommand() const;
   [[nodiscard]] int printHelp(const CLI::ParseError& asked) const;
 

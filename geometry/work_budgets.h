@@ -41,14 +41,16 @@ inline constexpr std::size_t kMaxSpringPairs = 1'000'000;    ///< of a joint tha
 inline constexpr std::size_t kMaxNodeConstraints = 1'000;    ///< of a file: joints that follow others
 
 // Scenes.
-inline constexpr std::size_t kMaxSceneProps = 2'000;       ///< things that move or stand, links of chains counted each
-inline constexpr std::size_t kMaxSceneMeshes = 64;         ///< different ones
-inline constexpr std::size_t kMaxSceneHulls = 4'000;       ///< of all props that are meshes
-inline constexpr std::size_t kMaxSceneNearPairs = 20'000;  ///< props whose boxes overlap
-inline constexpr std::size_t kMaxPropVertices = 20'000;    ///< of a prop that is a mesh
-inline constexpr int kMaxPropParts = 32;                   ///< of a prop that is a mesh
-inline constexpr int kMaxParticles = 300'000;              ///< of water or sand
-inline constexpr std::size_t kMaxParticleSources = 100;    ///< of water or sand: fills and pours
+inline constexpr std::size_t kMaxSceneProps = 2'000;  ///< things that move or stand, links of chains counted each
+inline constexpr std::size_t kMaxSceneMeshes = 64;    ///< different ones
+inline constexpr std::size_t kMaxSceneHulls = 4'000;  ///< of all props that are meshes
+inline constexpr std::size_t kMaxSceneHullVertices = 400'000;  ///< of those hulls, counted for each prop
+inline constexpr std::size_t kMaxSceneNearPairs = 20'000;      ///< props whose boxes overlap
+inline constexpr std::size_t kMaxPropVertices = 20'000;        ///< of a prop that is a mesh
+inline constexpr int kMaxPropParts = 32;                       ///< of a prop that is a mesh
+inline constexpr int kMaxParticles = 300'000;                  ///< of water or sand
+inline constexpr std::size_t kMaxParticleSources = 100;        ///< of water or sand: fills and pours
+inline constexpr std::size_t kMaxParticlePairs = 2'000'000;    ///< of a particle and a prop near it: 112 MB
 
 // Robots: MJCF, URDF.
 inline constexpr std::size_t kMaxRobotIncludes = 100;       ///< files that a robot's file includes

@@ -172,8 +172,7 @@ Result<fs::path> recordingsFolder() {
       program.string());
 }
 
-std::string shippedNames(const fs::path& folder, std::initializer_list<const char*> extensions,
-                         const std::string& asked) {
+std::vector<std::string> shippedNames(const fs::path& folder, std::initializer_list<const char*> extensions) {
   std::vector<std::string> all;
   for (const char* extension : extensions) {
     const auto first = static_cast<std::ptrdiff_t>(all.size());
@@ -183,6 +182,12 @@ std::string shippedNames(const fs::path& folder, std::initializer_list<const cha
     }
     std::sort(all.begin() + first, all.end());
   }
+  return all;
+}
+
+std::string shippedNames(const fs::path& folder, std::initializer_list<const char*> extensions,
+                         const std::string& asked) {
+  const std::vector<std::string> all = shippedNames(folder, extensions);
   return fmt::format("{}{}", fmt::join(all, ", "), didYouMean(asked, all));
 }
 

@@ -59,7 +59,10 @@ struct MotionOptions {
 /// The folder of the shipped recordings: $LORICA_RECORDINGS, or relative to the program, in a build tree or installed.
 [[nodiscard]] Result<std::filesystem::path> recordingsFolder();
 
-/// The names of the files with some extensions in a folder: "jumping_jacks, walk, ...". At its end the one that was
+/// The names of the files with some extensions in a folder.
+[[nodiscard]] std::vector<std::string> shippedNames(const std::filesystem::path& folder,
+                                                    std::initializer_list<const char*> extensions);
+/// The same as a text: "jumping_jacks, walk, ...". At its end the one that was
 /// probably meant by `asked`, if there is one.
 [[nodiscard]] std::string shippedNames(const std::filesystem::path& folder,
                                        std::initializer_list<const char*> extensions, const std::string& asked);

@@ -173,9 +173,7 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
       choices.treatment.mirror = wish.on;
       break;
     case Kind::kSmoothing:
-      if (wish.index >= kSmoothingAsGiven && wish.index < countOf(kSmoothings)) {
-        choices.treatment.smoothing = wish.index;
-      }
+      if (wish.index >= 0 && wish.index < countOf(kSmoothings)) choices.treatment.smoothing = wish.index;
       break;
     case Kind::kGravity:
       if (wish.index >= 0 && wish.index < countOf(kGravities)) choices.treatment.gravity = wish.index;

@@ -58,8 +58,8 @@ std::string withoutFolder(std::string sentence, const fs::path& folder) {
   const std::string name = folder.string();
   if (name.empty()) return sentence;
   for (std::size_t at = 0; (at = sentence.find(name, at)) != std::string::npos;) {
-    const std::size_t slash = at + name.size() < sentence.size() && sentence[at + name.size()] == '/' ? 1 : 0;
-    sentence.erase(at, name.size() + slash);
+    const bool file = at + name.size() < sentence.size() && sentence[at + name.size()] == '/';
+    sentence.replace(at, name.size() + (file ? 1 : 0), file ? "" : "the folder");
   }
   return sentence;
 }

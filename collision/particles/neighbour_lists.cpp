@@ -20,7 +20,8 @@ namespace lorica::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Writes the numbers of the particles within the radius, in order. Not fused, so that every instruction set finds the
-// same ones. `found` has space for one vector more than `max`.
+// same ones. `found` has space for one vector more than `max`. Of a run, which has a dozen particles at rest, the first
+// kMaxLooked are looked at: of what a hostile scene presses together these are enough.
 // @return how many; more than `max` means that there are too many
 int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const float* y, const float* z,
              std::uint32_t self, float radiusSq, int max, std::uint32_t* found) {
@@ -32,7 +33,7 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
   const auto own = hn::Set(u, self);
   std::size_t count = 0;
   for (int r = 0; r < runCount; ++r) {
-    const std::uint32_t last = runs[r].last;
+    const std::uint32_t last = std::min(runs[r].last, runs[r].first + NeighbourLists::kMaxLooked);
     for (std::uint32_t j = runs[r].first; j < last; j += lanes) {
       const auto dx = hn::Sub(hn::LoadU(f, x + j), ownX);
       const auto dy = hn::Sub(hn::LoadU(f, y + j), ownY);

@@ -29,6 +29,8 @@ class NeighbourLists {
   /// @param maxNeighbours  in a list, at most kMaxNeighbours; further ones are left out
   NeighbourLists(std::size_t capacity, int maxNeighbours);
   static constexpr int kMaxNeighbours = 96;
+  /// Of cells above each other, so many particles are compared with one near them.
+  static constexpr std::uint32_t kMaxLooked = 1024;
 
   /// Finds the neighbours. Runs on all threads and does not allocate.
   /// @param x, y, z   in the order of the grid, paddedCount() of them

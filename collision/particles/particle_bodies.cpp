@@ -3,6 +3,7 @@
 #include "collision/particles/particle_grid.h"
 #include "collision/particles/particle_obstacle.h"
 #include "collision/particles/particle_ranges.h"
+#include "geometry/work_budgets.h"
 
 #include <algorithm>
 #include <cmath>
@@ -123,12 +124,15 @@ float distanceFrom(const ParticleBody& body, const Vec3f& point, float reach, Ve
   return fromHulls(body.hulls, point, normal);
 }
 
-bool isWithin(std::span<const ParticleBody> bodies, const Vec3f& point, float away) {
-  return std::any_of(bodies.begin(), bodies.end(), [&](const ParticleBody& body) {
-    const Vec3 own = body.from.worldFromBody.inverse() * point.cast<double>();
-    Vec3f normal;
-    return own.norm() < body.radius + away && distanceFrom(body, own.cast<float>(), away, normal) < away;
-  });
+bool isWithin(const ParticleBody& body, const Vec3f& point, float away) {
+  const Vec3 own = body.from.worldFromBody.inverse() * point.cast<double>();
+  Vec3f normal;
+  return own.norm() < body.radius + away && distanceFrom(body, own.cast<float>(), away, normal) < away;
+}
+
+Vec3f extentOf(const ParticleBody& body, const Eigen::Matrix3f& bodyFromWorld) {
+  if (body.shape == ParticleBody::Shape::kHulls) return Vec3f::Constant(static_cast<float>(body.radius));
+  return bodyFromWorld.transpose().cwiseAbs() * boundsOf(body);
 }
 
 void ParticleBodies::begin(std::span<ParticleBody> bodies, double seconds, int substeps) {
@@ -208,14 +212,12 @@ void ParticleBodies::gather(const ParticleGrid& grid, std::span<const ParticleRo
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ParticleBody& body = bodies_[b];
     const Vec3f center = states_[b].position.cast<float>();
-    const Vec3f extent = body.shape == ParticleBody::Shape::kHulls
-                             ? Vec3f(Vec3f::Constant(static_cast<float>(body.radius)))
-                             : Vec3f(states_[b].bodyFromWorld.transpose().cwiseAbs() * boundsOf(body));
+    const Vec3f extent = extentOf(body, states_[b].bodyFromWorld);
     const Vec3f near = extent.array() + reach, far = near.array() + moved;
     grid.visitRuns({center.x() - far.x(), center.y() - far.y(), center.z() - far.z()},
                    {center.x() + far.x(), center.y() + far.y(), center.z() + far.z()},
                    [&](std::uint32_t first, std::uint32_t last) {
-                     for (std::uint32_t i = first; i < last; ++i) {
+                     for (std::uint32_t i = first; i < last && candidates_.size() < kMaxParticlePairs; ++i) {
                        const ParticleRow& p = positions[i];
                        if (std::abs(p.x - center.x()) > near.x() || std::abs(p.y - center.y()) > near.y() ||
                            std::abs(p.z - center.z()) > near.z()) {

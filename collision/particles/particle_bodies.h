@@ -42,8 +42,11 @@ struct ParticleBody {
 /// @param point   in the body's frame [m]
 /// @param normal  outward there
 [[nodiscard]] float distanceFrom(const ParticleBody& body, const Vec3f& point, float reach, Vec3f& normal);
-/// Whether a point in world space is nearer to one of the bodies, at the frame's begin, than `away` [m].
-[[nodiscard]] bool isWithin(std::span<const ParticleBody> bodies, const Vec3f& point, float away);
+/// Whether a point in world space is nearer to a body, at the frame's begin, than `away` [m].
+[[nodiscard]] bool isWithin(const ParticleBody& body, const Vec3f& point, float away);
+/// Half the sides of a box with the axes of the world around a body's centre of mass [m].
+/// @param bodyFromWorld  its rotation
+[[nodiscard]] Vec3f extentOf(const ParticleBody& body, const Eigen::Matrix3f& bodyFromWorld);
 
 /// The bodies of a frame while particles move in substeps: contacts, and impulses of equal size on both sides. Internal
 /// to the particle simulations.
@@ -67,7 +70,8 @@ class ParticleBodies {
     float distance;          ///< of the particle from the surface [m]
     Vec3f normal;            ///< out of the body
   };
-  /// Collects the particles that may come within a distance of the bodies in this substep.
+  /// Collects the particles that may come within a distance of the bodies in this substep: kMaxParticlePairs in all,
+  /// those of the first bodies.
   /// @param moved  how far any particle can be from where it was sorted [m]
   void gather(const ParticleGrid& grid, std::span<const ParticleRow> positions, float reach, float moved);
   /// Those that are now within a distance, by body.

@@ -56,8 +56,19 @@ ParticleBody::Hull facesOf(const ConvexHull& hull, const Isometry3& massFromProp
   return faces;
 }
 
+std::shared_ptr<const PropHulls> hullsOf(const PropMeshShape& mesh, const Isometry3& massFromProp) {
+  auto hulls = std::make_shared<PropHulls>();
+  hulls->shapes.reserve(mesh.hulls.size());
+  hulls->faces.reserve(mesh.hulls.size());
+  for (const ConvexHull& hull : mesh.hulls) {
+    hulls->shapes.push_back(hullShape(hull, massFromProp));
+    hulls->faces.push_back(facesOf(hull, massFromProp));
+  }
+  return hulls;
+}
+
 /// @return moments of inertia along the axes of the body [kg m^2]
-Vec3 takeMesh(const Prop& prop, PropBody& body) {
+Vec3 takeMesh(const Prop& prop, const PropBody* same, PropBody& body) {
   LORICA_CHECK(prop.mesh != nullptr && !prop.mesh->hulls.empty() && prop.mesh->solid.volume > 0.0,
                "a prop of shape kMesh needs a mesh with hulls and a volume");
   const PropMeshShape& mesh = *prop.mesh;
@@ -69,19 +80,18 @@ Vec3 takeMesh(const Prop& prop, PropBody& body) {
   body.centered = false;
   body.volume = mesh.solid.volume;
   body.radius = 0.0;
-  auto compound = std::make_unique<btCompoundShape>(true, countOf(mesh.hulls));
   for (const ConvexHull& hull : mesh.hulls) {
     for (const Vec3& v : hull.vertices) body.radius = std::max(body.radius, (v - mesh.solid.center).norm());
-    body.hulls.push_back(hullShape(hull, body.massFromProp));
-    body.faces.push_back(facesOf(hull, body.massFromProp));
-    compound->addChildShape(btTransform::getIdentity(), body.hulls.back().get());
   }
+  body.hulls = same != nullptr ? same->hulls : hullsOf(mesh, body.massFromProp);
+  auto compound = std::make_unique<btCompoundShape>(true, countOf(mesh.hulls));
+  for (const auto& shape : body.hulls->shapes) compound->addChildShape(btTransform::getIdentity(), shape.get());
   body.shape = std::move(compound);
   return principal.moments * (prop.mass / mesh.solid.volume);
 }
 
 /// @return moments of inertia along the axes of the body [kg m^2]
-btVector3 takeShape(const Prop& prop, PropBody& body) {
+btVector3 takeShape(const Prop& prop, const PropBody* same, PropBody& body) {
   const btScalar radius = prop.halfExtents.x();
   const double square = std::numbers::pi * prop.halfExtents.x() * prop.halfExtents.x();
   body.radius = boundingRadius(prop);
@@ -108,7 +118,7 @@ btVector3 takeShape(const Prop& prop, PropBody& body) {
           toBullet(Vec3(prop.halfExtents.x(), prop.halfExtents.y(), prop.halfExtents.x())));
       break;
     case PropShape::kMesh:
-      return toBullet(takeMesh(prop, body));
+      return toBullet(takeMesh(prop, same, body));
   }
   btVector3 inertia(0.0f, 0.0f, 0.0f);
   if (prop.mass > 0.0) body.shape->calculateLocalInertia(prop.mass, inertia);
@@ -136,7 +146,7 @@ ParticleBody PropBody::forParticles(const Prop& prop) const {
   ParticleBody result;
   result.shape = kShapes[static_cast<std::size_t>(prop.shape)];
   result.halfExtents = prop.halfExtents;
-  result.hulls = faces;
+  if (hulls) result.hulls = hulls->faces;
   result.radius = radius;
   // What is lighter answers as if it were not: bubbles would be shot out of the water.
   const double lighter = std::min(1.0, prop.mass / (kLightest * volume));
@@ -158,11 +168,11 @@ void PropBody::move(const ParticleBody::Motion& to) {
   body->activate();
 }
 
-PropBody makePropBody(const Prop& prop, int index) {
+PropBody makePropBody(const Prop& prop, int index, const PropBody* same) {
   LORICA_CHECK(prop.mass >= 0.0 && prop.halfExtents.minCoeff() > 0.0,
                "a prop needs extents above zero and a mass of at least zero");
   PropBody body;
-  const btVector3 inertia = takeShape(prop, body);
+  const btVector3 inertia = takeShape(prop, same, body);
   btRigidBody::btRigidBodyConstructionInfo construction(prop.mass, nullptr, body.shape.get(), inertia);
   construction.m_friction = prop.friction;
   construction.m_restitution = prop.restitution;

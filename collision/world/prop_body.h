@@ -12,15 +12,20 @@
 
 namespace lorica {
 
+/// The hulls of a mesh, in the frame of its principal axes. All props of one mesh share them. Internal.
+struct PropHulls {
+  std::vector<std::unique_ptr<PartShape>> shapes;
+  std::vector<ParticleBody::Hull> faces;  ///< for particles
+};
+
 /// A prop's rigid body in Bullet. Internal.
 ///
 /// In Bullet, a body's origin is its centre of mass and its axes are the principal axes. For all props except meshes
 /// this is the prop's own frame.
 struct PropBody {
-  std::vector<std::unique_ptr<PartShape>> hulls;  ///< of a mesh, in the frame of its principal axes
+  std::shared_ptr<const PropHulls> hulls;  ///< of a mesh
   std::unique_ptr<btCollisionShape> shape;
   std::unique_ptr<btRigidBody> body;
-  std::vector<ParticleBody::Hull> faces;  ///< of a mesh's hulls, for particles
   Isometry3 massFromProp = Isometry3::Identity();
   double volume = 0.0;  ///< [m^3]
   double radius = 0.0;  ///< around the centre of mass [m]
@@ -42,6 +47,7 @@ struct PropBody {
 };
 
 /// @param index  of the prop, reported in contacts
-[[nodiscard]] PropBody makePropBody(const Prop& prop, int index);
+/// @param same   of the same mesh, if there is one: a large hull takes a second to make
+[[nodiscard]] PropBody makePropBody(const Prop& prop, int index, const PropBody* same = nullptr);
 
 }  // namespace lorica

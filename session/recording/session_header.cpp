@@ -1,6 +1,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/work_budgets.h"
+#include "geometry/written_json.h"
 #include "session/recording/session_file.h"
 #include "session/scenes/scene_element.h"
 
@@ -203,7 +204,7 @@ std::string textOf(const SessionHeader& header) {
 }
 
 Result<SessionHeader> parseSessionHeader(std::string_view text, const std::string& name) {
-  LORICA_TRY(const SceneJson json, parseSceneJson(text, name));
+  LORICA_TRY(const SceneJson json, parseWrittenJson(text, name));
   std::optional<std::string> error;
   SessionHeader header;
   SceneElement root(json, "", error);

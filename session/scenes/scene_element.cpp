@@ -1,22 +1,15 @@
 #include "session/scenes/scene_element.h"
 
-#include "geometry/errors.h"
-#include "geometry/json.h"
-#include "geometry/line_scanner.h"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 #include <utility>
 #include <vector>
 
 namespace lorica {
 namespace {
-
-constexpr int kDeepest = 16;  // nesting of lists and objects
 
 std::optional<double> numberIn(const SceneJson& json, double min, double max) {
   if (!json.is_number()) return std::nullopt;
@@ -25,83 +18,7 @@ std::optional<double> numberIn(const SceneJson& json, double min, double max) {
   return value;
 }
 
-/// Parser callback that finds errors which JSON allows but scenes do not: duplicate keys and deep nesting.
-class Watch {
- public:
-  bool operator()(int depth, SceneJson::parse_event_t event, const SceneJson& parsed) {
-    switch (event) {
-      case SceneJson::parse_event_t::object_start:
-      case SceneJson::parse_event_t::array_start:
-        if (depth >= kDeepest && error_.empty()) {
-          error_ = fmt::format("{}: lists and objects are nested more than {} levels deep", path(), kDeepest);
-        }
-        if (depth >= kDeepest) return false;
-        next();
-        open_.push_back({event == SceneJson::parse_event_t::array_start, -1, {}, {}});
-        return true;
-      case SceneJson::parse_event_t::object_end:
-      case SceneJson::parse_event_t::array_end:
-        if (!open_.empty() && depth < kDeepest) open_.pop_back();
-        return true;
-      case SceneJson::parse_event_t::key: {
-        if (open_.empty() || depth > kDeepest) return true;
-        open_.back().key = parsed.get<std::string>();
-        if (!open_.back().keys.insert(open_.back().key).second && error_.empty()) {
-          error_ = fmt::format("{}: found twice in one object, expected once", path());
-        }
-        return true;
-      }
-      case SceneJson::parse_event_t::value:
-        if (depth <= kDeepest) next();
-        return true;
-    }
-    return true;
-  }
-  [[nodiscard]] const std::string& error() const { return error_; }
-
- private:
-  struct Open {
-    bool list = false;
-    int index = -1;
-    std::string key;
-    std::set<std::string> keys;
-  };
-  void next() {
-    if (!open_.empty() && open_.back().list) ++open_.back().index;
-  }
-  [[nodiscard]] std::string path() const {
-    std::string path;
-    for (const Open& open : open_) {
-      if (open.list) {
-        if (open.index >= 0) path += fmt::format("[{}]", open.index);
-      } else {
-        if (!path.empty()) path += '.';
-        path += open.key.substr(0, 40);
-      }
-    }
-    return path.empty() ? "the scene" : path;
-  }
-
-  std::vector<Open> open_;
-  std::string error_;
-};
-
 }  // namespace
-
-Result<SceneJson> parseSceneJson(std::string_view text, std::string_view name) {
-  LORICA_TRY_DO(prefixed(name, checkJson(text, kOrderedJson)));
-  Watch watch;
-  SceneJson json;
-  try {
-    json = SceneJson::parse(
-        text, [&](int depth, SceneJson::parse_event_t event, SceneJson& parsed) { return watch(depth, event, parsed); },
-        true, true);
-  } catch (const SceneJson::exception& e) {
-    return badFormat("{}: {}", name, notJson(e.what()));
-  }
-  if (!watch.error().empty()) return badFormat("{}: {}", name, watch.error());
-  return json;
-}
 
 std::string shownInScene(const SceneJson& value) {
   std::string text = value.dump(-1, ' ', false, SceneJson::error_handler_t::replace);

@@ -16,10 +16,6 @@ namespace lorica {
 /// JSON that keeps the order of keys. Internal, like this whole header.
 using SceneJson = nlohmann::ordered_json;
 
-/// Parses JSON. Comments are allowed; duplicate keys in an object and nesting deeper than 16 levels are errors.
-/// @param name  of the text in error messages
-[[nodiscard]] Result<SceneJson> parseSceneJson(std::string_view text, std::string_view name);
-
 /// A value as text, shortened for an error message.
 [[nodiscard]] std::string shownInScene(const SceneJson& value);
 

@@ -4,6 +4,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/work_budgets.h"
+#include "geometry/written_json.h"
 #include "session/scenes/scene_chains.h"
 #include "session/scenes/scene_element.h"
 #include "session/scenes/scene_particles.h"
@@ -243,10 +244,17 @@ void refuseOverlaps(const SceneFile& scene, const PropNames& names, SceneElement
   }
 }
 
-std::size_t hullsOf(const SceneFile& scene) {
-  std::size_t count = 0;
-  for (const Prop& prop : scene.props) count += prop.mesh ? prop.mesh->hulls.size() : 0;
-  return count;
+void refuseLargeMeshes(const SceneFile& scene, SceneElement& root) {
+  std::size_t hulls = 0, vertices = 0;
+  for (const Prop& prop : scene.props) {
+    if (!prop.mesh) continue;
+    hulls += prop.mesh->hulls.size();
+    for (const ConvexHull& hull : prop.mesh->hulls) vertices += hull.vertices.size();
+  }
+  if (hulls > kMaxSceneHulls) root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMaxSceneHulls));
+  if (vertices > kMaxSceneHullVertices) {
+    root.fail("", "more vertices of convex parts of meshes", fmt::format("at most {}", kMaxSceneHullVertices));
+  }
 }
 
 }  // namespace
@@ -254,7 +262,7 @@ std::size_t hullsOf(const SceneFile& scene) {
 Result<SceneFile> parseScene(std::string_view text, std::string_view name, const SceneReading& reading) {
   const auto bad = [&](std::string_view what) { return badFormat("{}: {}", name, what); };
   if (text.size() > kMaxBytes) return bad(fmt::format("{} bytes, expected at most {}", text.size(), kMaxBytes));
-  LORICA_TRY(const SceneJson json, parseSceneJson(text, name));
+  LORICA_TRY(const SceneJson json, parseWrittenJson(text, name));
   MeshShelf meshes(reading);
   std::optional<std::string> error;
   SceneFile scene;
@@ -281,8 +289,7 @@ Result<SceneFile> parseScene(std::string_view text, std::string_view name, const
   particles.floor = scene.world.floor;
   scene.particles = readParticles(root, particles);
   if (scene.props.size() > kMaxSceneProps) root.fail("", "more props", fmt::format("at most {}", kMaxSceneProps));
-  if (hullsOf(scene) > kMaxSceneHulls)
-    root.fail("", "more convex parts of meshes", fmt::format("at most {}", kMaxSceneHulls));
+  refuseLargeMeshes(scene, root);
   if (!error) refuseOverlaps(scene, names, root);
   if (error) return Error{meshes.code(), fmt::format("{}: {}", name, *error)};
   return scene;

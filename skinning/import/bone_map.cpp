@@ -3,9 +3,8 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "geometry/json.h"
-#include "geometry/line_scanner.h"
 #include "geometry/similar_name.h"
+#include "geometry/written_json.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <fmt/format.h>
@@ -15,7 +14,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <vector>
@@ -44,29 +42,6 @@ constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundre
   names.reserve(kHumanBoneCount);
   for (int bone = 0; bone < kHumanBoneCount; ++bone) names.emplace_back(nameOf(static_cast<HumanBone>(bone)));
   return names;
-}
-
-/// Parses, and finds duplicate keys: the library would silently use the last one.
-[[nodiscard]] Result<Json> parse(std::string_view text, std::string_view name) {
-  LORICA_TRY_DO(prefixed(name, checkJson(text, kOrderedJson)));
-  std::vector<std::set<std::string>> open;
-  std::string twice;
-  const auto watch = [&](int, Json::parse_event_t event, Json& value) {
-    if (event == Json::parse_event_t::object_start) open.emplace_back();
-    if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key) {
-      const auto key = value.get<std::string>();
-      if (!open.back().insert(key).second && twice.empty()) twice = key;
-    }
-    return true;
-  };
-  try {
-    Json json = Json::parse(text, watch, true, true);
-    if (!twice.empty()) return bad(name, fmt::format("duplicate key \"{}\"", twice));
-    return json;
-  } catch (const Json::exception& e) {
-    return bad(name, notJson(e.what()));
-  }
 }
 
 /// Names and paths of a skeleton's joints, as a map may write them.
@@ -139,7 +114,7 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
   if (text.size() > kMaxBytes) {
     return bad(name, fmt::format("{} bytes, expected at most {}", text.size(), kMaxBytes));
   }
-  LORICA_TRY(const Json json, parse(text, name));
+  LORICA_TRY(const Json json, parseWrittenJson(text, name));
   if (!json.is_object() || !json.contains("lorica") || !json["lorica"].is_string()) {
     return bad(name, fmt::format("not a bone map, expected an object with \"lorica\": \"{}\"", kFormat));
   }

@@ -84,6 +84,10 @@ TEST(Command, UnknownCommandIsRefused) {
   EXPECT_EQ(result.exitCode, 2);
   EXPECT_NE(result.err.find("decompoes: unknown command; did you mean \"decompose\"?"), std::string::npos)
       << result.err;
+  // What ships can be opened without a command: `lorica walk`.
+  EXPECT_NE(runLorica({"wlak"}).err.find("wlak: unknown command; did you mean \"walk\"?"), std::string::npos);
+  EXPECT_NE(runLorica({"manequin"}).err.find("; did you mean \"mannequin\"?"), std::string::npos);
+  EXPECT_EQ(runLorica({"help", "wlak"}).err.find("walk"), std::string::npos);
   const CommandResult unlike = runLorica({"quarterstaff"});
   EXPECT_NE(unlike.err.find("quarterstaff: unknown command, expected one of demo, play, live, "), std::string::npos)
       << unlike.err;

@@ -1,5 +1,6 @@
 #include "geometry/files.h"
 #include "geometry/sanitizer.h"
+#include "tests/apps/mannequin_glb.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
 
@@ -86,6 +87,17 @@ TEST(HostileFiles, AnArrayIsNotAsLongAsAnFbxFileSays) {
   }
   ASSERT_EQ(changed, 1);
   (void)expectRefused({"info", folder.write("array.fbx", bytes)});
+}
+
+TEST(HostileFiles, ListsOfManyObjectsAreReadOnce) {
+  const TemporaryFolder folder;
+  std::string list = "{}";
+  for (int i = 1; i < 490'000; ++i) list += ",{}";
+  const fs::path scene = folder.write("many.json", R"({"format": "lorica scene 1", "props": [)" + list + "]}");
+  const fs::path character = folder.write("c.glb", mannequinGlb(false));
+  const fs::path map = folder.write("many_bones.json", R"({"lorica": "bone map 2", "bones": [)" + list + "]}");
+  EXPECT_TRUE(contains(expectRefused({"info", scene}), "props[0].shape: found nothing"));
+  EXPECT_TRUE(contains(expectRefused({"info", character, "--map", map}), "lorica is \"bone map 2\""));
 }
 
 TEST(HostileFiles, NamedPipesThatAFileNamesAreNotWaitedFor) {

@@ -16,6 +16,12 @@ TEST(SimilarName, IsFoundThroughInsertionsDeletionsAndChanges) {
   EXPECT_EQ(didYouMean("--WINDOW", kNames), "; did you mean \"--window\"?");
 }
 
+TEST(SimilarName, TwoSwappedLettersAreOneMistake) {
+  const std::vector<std::string> names = {"play", "walk"};
+  EXPECT_EQ(didYouMean("wlak", names), "; did you mean \"walk\"?");
+  EXPECT_EQ(didYouMean("plya", names), "; did you mean \"play\"?");
+}
+
 TEST(SimilarName, OfEquallyNearOnesTheFirstIsTaken) {
   EXPECT_EQ(didYouMean("bat", std::vector<std::string>{"cat", "hat"}), "; did you mean \"cat\"?");
 }

@@ -94,6 +94,7 @@ TEST(PageScreen, WhatIsNotInAListIsNotOpened) {
         Json{{"type", "character"}, {"index", 2}}, Json{{"type", "motion"}, {"index", 0}},
         Json{{"type", "clip"}, {"index", 0}}, Json{{"type", "person"}, {"index", 0}},
         Json{{"type", "gravity"}, {"index", 9}}, Json{{"type", "smoothing"}, {"index", 9}},
+        Json{{"type", "gravity"}, {"index", -1}}, Json{{"type", "smoothing"}, {"index", -1}},
         Json{{"type", "speed"}, {"to", 3.0}}, Json{{"type", "parts"}, {"count", 65}}, Json{{"type", "undo"}}}) {
     client.send(wish);
   }

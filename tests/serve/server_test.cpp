@@ -495,6 +495,7 @@ TEST(SentFiles, AFolderThatCannotBeUsedIsASentence) {
   const std::string answer = answerTo(receiver.stage.server->port(), "/open/bvh", "text");
   EXPECT_EQ(statusOf(answer), "507");
   EXPECT_EQ(answer.find(receiver.home.path()), std::string::npos) << answer;
+  EXPECT_TRUE(answer.ends_with("\r\n\r\nthe folder: Not a directory\n")) << answer;
 }
 
 TEST(SentFiles, AreRefusedWithoutAFolderAndWhereFilesMayNameAny) {

@@ -456,6 +456,7 @@ TEST(SceneFile, BudgetsAreTakenAtTheirLimitsAndRefusedAboveThem) {
     }
   }
   ASSERT_TRUE(writeObjObjects(folder.path() / "three.obj", {{"three", three}}));
+  ASSERT_TRUE(writeObjObjects(folder.path() / "ball.obj", {{"ball", test::makeSphere(1.0, 7, 83)}}));
   const auto points = [&](std::size_t count) {
     std::string off = "OFF\n" + std::to_string(count) + " 4 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n";
     for (std::size_t i = 4; i < count; ++i) off += "0.1 0.1 0.1\n";
@@ -520,6 +521,14 @@ TEST(SceneFile, BudgetsAreTakenAtTheirLimitsAndRefusedAboveThem) {
                 }).substr(1);
        },
        kMaxSceneHulls},
+      {"more vertices of convex parts",
+       [&](std::size_t n) {  // spheres of 500, and then one of 4
+         return R"("props": [{"shape": "mesh", "file": "ball.obj", "size": [0.2, 0.2, 0.2], "at": [-45, 1, 0],
+                              "repeat": {"count": )" +
+                std::to_string(n / 500) + R"(, "step": [0.3, 0, 0]}})" +
+                (n % 500 > 0 ? "," + points(4).substr(10) : std::string("]"));
+       },
+       kMaxSceneHullVertices},
       {"more pairs",
        [&](std::size_t n) {  // 200 bars that all overlap, and boxes that overlap their neighbours
          return R"("props": [{"shape": "box", "size": [20, 0.01, 0.01], "at": [-5, 0, 0], "turn": [0, 45, 45],

@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <cmath>
 #include <optional>
+#include <system_error>
 
 namespace lorica {
 namespace fs = std::filesystem;
@@ -74,9 +76,14 @@ Result<VideoWriter> VideoWriter::create(const fs::path& file, int width, int hei
     std::error_code ignored;
     fs::remove(temporary, ignored);
   });
-  fs::remove(impl->temporary, error);                          // left behind by a killed program of the same number
-  LORICA_TRY(const int created, createPart(impl->temporary));  // FFmpeg would follow a link of that name
+  fs::remove(impl->temporary, error);                            // left behind by a killed program of the same number
+  LORICA_TRY(const int created, createPart(impl->temporary));    // FFmpeg would follow a link of that name
+  const int problem = ::write(created, "", 1) == 1 ? 0 : errno;  // FFmpeg does not say that a disk is full
   ::close(created);
+  if (problem != 0) {
+    return Error{ErrorCode::kUnwritable,
+                 fmt::format("{}: cannot be written: {}", file.string(), std::generic_category().message(problem))};
+  }
   impl->module = static_cast<const VideoModule*>(*module);
   impl->encoder = impl->module->open(impl->temporary, width, height, framesPerSecond);
   if (impl->encoder == nullptr) {

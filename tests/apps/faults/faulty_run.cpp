@@ -6,6 +6,8 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <linux/capability.h>
+#include <sched.h>
+#include <sys/mount.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -15,6 +17,9 @@
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <iostream>
 #include <thread>
 
 namespace lorica::test {
@@ -77,7 +82,8 @@ const char* shimOf(Fault fault) {
   dup2(out[1], STDOUT_FILENO);
   dup2(err[1], STDERR_FILENO);
   for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) std::signal(number, SIG_DFL);
-  if (run.fault == Fault::kDiskFull) {
+  if (chdir(run.folder.c_str()) != 0) _exit(126);
+  if (run.fault == Fault::kDiskFull && access(kFiller, F_OK) != 0) {
     const rlimit limit = {64, 64};
     if (setrlimit(RLIMIT_FSIZE, &limit) != 0) _exit(126);
   }
@@ -87,7 +93,6 @@ const char* shimOf(Fault fault) {
   }
   if (run.fault == Fault::kOutputClosed) close(STDOUT_FILENO);
   if (run.fault == Fault::kErrorsClosed) close(STDERR_FILENO);
-  if (chdir(run.folder.c_str()) != 0) _exit(126);
   execv(arguments[0], arguments);
   _exit(127);
 }
@@ -132,6 +137,45 @@ const char* nameOf(Fault fault) {
 
 bool hasShim() {
   return !kReservesAddresses && fs::exists(built("lib/liblorica_fault_shim.so"));
+}
+
+std::optional<bool> onDiskOfItsOwn(const fs::path& folder, int megabytes, const std::function<void()>& work) {
+  constexpr int kNoDisk = 77;
+  std::cout.flush();
+  const pid_t child = fork();
+  if (child == 0) {
+    const std::string user = "0 " + std::to_string(getuid()) + " 1", group = "0 " + std::to_string(getgid()) + " 1";
+    const std::string size = "size=" + std::to_string(megabytes) + "m";
+    bool made = unshare(CLONE_NEWUSER | CLONE_NEWNS) == 0;
+    if (made) {
+      std::ofstream("/proc/self/setgroups") << "deny";
+      std::ofstream("/proc/self/uid_map") << user;
+      std::ofstream("/proc/self/gid_map") << group;
+      made = mount("lorica", folder.c_str(), "tmpfs", 0, size.c_str()) == 0;
+    }
+    if (!made) {
+      std::cout << "the kernel makes no disk for this test (" << std::strerror(errno)
+                << "): a limit of file sizes stands for a full one" << std::endl;
+      _exit(kNoDisk);
+    }
+    work();
+    std::cout.flush();
+    _exit(testing::Test::HasFailure() ? 1 : 0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == kNoDisk) return std::nullopt;
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+}
+
+void fillDisk(const fs::path& folder) {
+  const int file = open((folder / kFiller).c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  const std::string bytes(1 << 20, '.');
+  for (std::size_t size = bytes.size(); size > 0; size /= 2) {
+    while (write(file, bytes.data(), size) > 0) {
+    }
+  }
+  close(file);
 }
 
 FaultyEnd runWithFault(const FaultyRun& run) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,7 +16,7 @@ enum class Fault {
   kTerminate,
   kHangUp,
   kKill,
-  kDiskFull,
+  kDiskFull,  ///< no file may have more than 64 bytes, unless the folder is on a disk that is full
   kOutputClosed,
   kErrorsClosed,
   kReadOnly,
@@ -46,6 +47,14 @@ struct FaultyEnd {
 
 /// Whether faults of servers and clocks can be made: a library that is loaded first, which sanitizers do not like.
 [[nodiscard]] bool hasShim();
+
+/// Does work in a process of its own that sees a folder as a disk of a few megabytes, which is empty and can be filled.
+/// @return whether what it expected holds; nothing, after the reason was printed, where the kernel makes no such disk
+[[nodiscard]] std::optional<bool> onDiskOfItsOwn(const std::filesystem::path& folder, int megabytes,
+                                                 const std::function<void()>& work);
+/// Fills it to the last byte, with a file of this name.
+inline constexpr const char* kFiller = "filler";
+void fillDisk(const std::filesystem::path& folder);
 
 /// Runs the command with a fault. Its temporary folder is `folder`/tmp.
 [[nodiscard]] FaultyEnd runWithFault(const FaultyRun& run);

@@ -129,7 +129,7 @@ TEST(BoneMap, WrongFilesAreRefusedInSentences) {
            {R"("xyzzyxyzzyxyzzy": null)", R"(bones: "xyzzyxyzzyxyzzy" is not a bone)"},
            {R"("hips": 3)", "bones: hips is a number, expected a joint name or null"},
            {R"("hips": "")", "bones: hips is an empty string, expected a joint name or null"},
-           {R"("hips": "a", "head": null, "hips": "b")", R"(duplicate key "hips")"}}) {
+           {R"("hips": "a", "head": null, "hips": "b")", "bones.hips: found twice in one object, expected once"}}) {
     EXPECT_EQ(readMessage("{\"lorica\": \"bone map 1\", \"bones\": {" + bones + "}}"), ": " + message);
   }
   EXPECT_TRUE(readMessage("").starts_with(": not JSON: parse error at line 1, column 1: ")) << readMessage("");
