@@ -222,8 +222,9 @@ std::string CommandLine::unexpected(const std::string& argument, bool opened) co
       names.insert(names.end(), motions.begin(), motions.end());
       names.emplace_back("mannequin");
     }
+    if (argument.starts_with("-")) names = {"--help", "--version"};
     const std::string similar = didYouMean(argument, names);
-    return fmt::format("{}: unknown command{}", argument,
+    return fmt::format("{}: unknown {}{}", argument, argument.starts_with("-") ? "option" : "command",
                        similar.empty() ? fmt::format(", expected one of {}", fmt::join(commands, ", ")) : similar);
   }
   if (argument.rfind("--", 0) != 0) {
@@ -235,6 +236,10 @@ std::string CommandLine::unexpected(const std::string& argument, bool opened) co
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   const std::string name = argument.substr(0, argument.find('='));
+  if (std::find(names.begin(), names.end(), name) != names.end()) {
+    return fmt::format("{0}: stands before the command, expected `{1} {2} {0}`", name, app_->get_name(),
+                       chosen.front()->get_name());
+  }
   return fmt::format("{}: unknown option{}", name, didYouMean(name, names));
 }
 

@@ -291,9 +291,9 @@ double rampWidth(const std::vector<Images>& all) {
   return widths.empty() ? 0.0 : atRank(widths, 0.5);
 }
 
-void print(const std::string& name, const std::vector<Images>& real, const std::vector<Images>& rendered,
-           const Row& row) {
-  fmt::print("{},{:.3g},{:.3g}\n", name, row(real), row(rendered));
+void print(const std::string& camera, const std::string& name, const std::vector<Images>& real,
+           const std::vector<Images>& rendered, const Row& row) {
+  fmt::print("{},{},{:.3g},{:.3g}\n", csvField(camera), name, row(real), row(rendered));
   std::fflush(stdout);
 }
 
@@ -365,21 +365,21 @@ Result<void> measureKinect(const fs::path& folder) {
     rendered.push_back(renderImages(twin->sensor, images->depth.size()));
     real.push_back(std::move(*images));
   }
-  fmt::print("# Kinect v1: people who are cut out; the same motions rendered\nstatistic,real,rendered\n");
   for (const int lag : {1, 2, 4}) {
-    print(fmt::format("noise against neighbours {} px beside [steps]", lag), real, rendered,
+    print("Kinect v1, people", fmt::format("noise against neighbours {} px beside [steps]", lag), real, rendered,
           [&](const std::vector<Images>& all) { return neighbourNoise(all, lag, 0); });
-    print(fmt::format("noise against neighbours {} px above [steps]", lag), real, rendered,
+    print("Kinect v1, people", fmt::format("noise against neighbours {} px above [steps]", lag), real, rendered,
           [&](const std::vector<Images>& all) { return neighbourNoise(all, 0, lag); });
   }
-  print("pixels that do not change in 10 frames [%]", real, rendered,
+  print("Kinect v1, people", "pixels that do not change in 10 frames [%]", real, rendered,
         [](const std::vector<Images>& all) { return stillPixels(all, true); });
-  print("deviation in 10 frames [steps]", real, rendered,
+  print("Kinect v1, people", "deviation in 10 frames [steps]", real, rendered,
         [](const std::vector<Images>& all) { return stillPixels(all, false); });
-  print("enclosed missing pixels [%]", real, rendered, enclosedHoles);
+  print("Kinect v1, people", "enclosed missing pixels [%]", real, rendered, enclosedHoles);
   for (const bool left : {true, false}) {
     for (const bool inTime : {false, true}) {
-      print(fmt::format("{} outline from {} [px]", left ? "left" : "right", inTime ? "frame to frame" : "row to row"),
+      print("Kinect v1, people",
+            fmt::format("{} outline from {} [px]", left ? "left" : "right", inTime ? "frame to frame" : "row to row"),
             real, rendered, [&](const std::vector<Images>& all) { return outlineJitter(all, left, inTime); });
     }
   }
@@ -410,18 +410,17 @@ Result<void> measureRooms(const fs::path& folder) {
   Result<VirtualSensor> sensor = roomBefore({}, false);
   if (!sensor) return sensor.error();
   rendered.push_back(renderImages(*sensor, 1));
-  fmt::print("# Kinect v1: rooms\nstatistic,real,rendered\n");
   for (const auto& [from, to] : {std::pair{1.5, 2.5}, std::pair{2.5, 3.5}, std::pair{3.5, 5.0}}) {
-    print(fmt::format("deviation from planes {} to {} m away [steps]", from, to), real, rendered,
+    print("Kinect v1, rooms", fmt::format("deviation from planes {} to {} m away [steps]", from, to), real, rendered,
           [from = from, to = to](const std::vector<Images>& all) { return flatness(all, from, to).residual; });
   }
   for (std::size_t lag = 1; lag <= 3; ++lag) {
-    print(fmt::format("its correlation at {} px", lag), real, rendered,
+    print("Kinect v1, rooms", fmt::format("its correlation at {} px", lag), real, rendered,
           [&](const std::vector<Images>& all) { return flatness(all, 1.5, 5.0).correlation[lag - 1]; });
   }
-  print("missing left of near things [parallax]", real, rendered,
+  print("Kinect v1, rooms", "missing left of near things [parallax]", real, rendered,
         [](const std::vector<Images>& all) { return edgeGap(all, true); });
-  print("missing right of near things [px]", real, rendered,
+  print("Kinect v1, rooms", "missing right of near things [px]", real, rendered,
         [](const std::vector<Images>& all) { return edgeGap(all, false); });
   return {};
 }
@@ -433,17 +432,16 @@ Result<void> measureRealSense(const fs::path& folder) {
   if (!sensor) return sensor.error();
   const std::vector<Images> rendered = {renderImages(*sensor, images->depth.size())};
   const std::vector<Images> real = {std::move(*images)};
-  fmt::print("# RealSense: someone in a room\nstatistic,real,rendered\n");
-  print("missing pixels [%]", real, rendered, missing);
+  print("RealSense", "missing pixels [%]", real, rendered, missing);
   for (const auto& [from, to] : {std::pair{1.4, 2.0}, std::pair{2.0, 2.6}, std::pair{2.6, 4.0}}) {
-    print(fmt::format("change of 1/z per frame {} to {} m away [0.001/m]", from, to), real, rendered,
+    print("RealSense", fmt::format("change of 1/z per frame {} to {} m away [0.001/m]", from, to), real, rendered,
           [from = from, to = to](const std::vector<Images>& all) { return changePerFrame(all, from, to); });
   }
   for (const int lag : {1, 2, 4, 8, 12, 16}) {
-    print(fmt::format("its correlation at {} px", lag), real, rendered,
+    print("RealSense", fmt::format("its correlation at {} px", lag), real, rendered,
           [&](const std::vector<Images>& all) { return changeCorrelation(all, lag); });
   }
-  print("width of edges from 15 to 85 % [px]", real, rendered, rampWidth);
+  print("RealSense", "width of edges from 15 to 85 % [px]", real, rendered, rampWidth);
   return {};
 }
 
@@ -456,6 +454,7 @@ int main(int argc, char** argv) {
   CLI::App app{"Compares depth recordings with the virtual sensor."};
   app.add_option("folder", folder, "depth recordings of real people, see tracking --real")->required();
   CLI11_PARSE(app, argc, argv);
+  fmt::print("camera,statistic,real,rendered\n");
   for (const auto& measure : {measureKinect, measureRooms, measureRealSense}) {
     if (lorica::Result<void> done = measure(folder); !done) return fail(done.error());
   }

@@ -85,6 +85,11 @@ TEST(Command, UnknownCommandIsRefused) {
   EXPECT_NE(result.err.find("decompoes: unknown command; did you mean \"decompose\"?"), std::string::npos)
       << result.err;
   // What ships can be opened without a command: `lorica walk`.
+  EXPECT_NE(runLorica({"--versoin"}).err.find("--versoin: unknown option; did you mean \"--version\"?"),
+            std::string::npos);
+  EXPECT_NE(runLorica({"--character", "hero.glb", "play", "walk"})
+                .err.find("--character: stands before the command, expected `lorica play --character`"),
+            std::string::npos);
   EXPECT_NE(runLorica({"wlak"}).err.find("wlak: unknown command; did you mean \"walk\"?"), std::string::npos);
   EXPECT_NE(runLorica({"manequin"}).err.find("; did you mean \"mannequin\"?"), std::string::npos);
   EXPECT_EQ(runLorica({"help", "wlak"}).err.find("walk"), std::string::npos);
