@@ -69,7 +69,7 @@ class PageScreen final : public Screen {
   std::vector<Wish> heard_;
   std::deque<Wish> waiting_;
   std::array<ClientHand, World::kMaxHands> hands_;
-  std::vector<std::string> characters_, motions_;  // as the state listed them
+  std::vector<std::string> characters_, motions_, recents_;  // as the state listed them
   int scenes_ = 0, clips_ = 0, people_ = 0, maxParts_ = 0;
   std::vector<TimedStage> times_;
   std::uint64_t shownChanges_ = 0;
