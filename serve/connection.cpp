@@ -7,7 +7,7 @@
 #include <boost/beast/websocket.hpp>
 
 #include "geometry/errors.h"
-#include "serve/certificate.h"
+#include "serve/link.h"
 #include "serve/page_files.h"
 #include "serve/sent_file.h"
 
