@@ -603,7 +603,7 @@ TEST(SecureServer, NothingIsSeenWithoutTheToken) {
   EXPECT_TRUE(stage.server->links().front().ends_with("/#" + token));
   EXPECT_EQ(stage.server->fingerprint(), fingerprintOf(made.chain));
   // A browser whose user leaves https:// out is sent there, and keeps the part behind #, which no server gets.
-  for (const std::string& path : {"/", "/live", "/character/0.glb", "/none"}) {
+  for (const std::string path : {"/", "/live", "/character/0.glb", "/none"}) {
     const std::string plain = TestClient(port).get(path, "Authorization: Bearer " + token + "\r\n");
     const std::string there = "https://127.0.0.1:" + std::to_string(port) + path;
     EXPECT_EQ(statusOf(plain), "307");
