@@ -3,6 +3,7 @@
 #include "apps/screens.h"
 #include "apps/show.h"
 #include "apps/standard_streams.h"
+#include "geometry/errors.h"
 #include "serve/link.h"
 #include "serve/page_files.h"
 
@@ -14,37 +15,38 @@ namespace lorica {
 namespace {
 
 /// A camera that nobody asked for is followed if there is one.
-bool wantsCamera(const ShowOptions& options, Host& host) {
-  const LiveRequest& live = options.live;
-  if (live.depth.asked() || live.threePoint || !live.vmc.listenAt.empty()) return true;
-  const Result<std::unique_ptr<DepthSource>> camera = openDepth(live.depth);
-  if (!camera) host.tell("No depth camera was found: serving the demo.");
-  return camera.ok();
-}
-
 Result<void> run(const ShowOptions& options, const CommonOptions& common, Host& host) {
-  const bool played = !options.request.motion.empty() || !options.request.scene.empty();
-  if (played) return play(options, common, host);
-  return wantsCamera(options, host) ? follow(options, common, host) : showDemo(options, common, host);
+  const LiveRequest& live = options.live;
+  const std::string& motion = options.request.motion;
+  const bool asked = live.depth.asked() || live.threePoint || !live.vmc.listenAt.empty();
+  if (asked && !motion.empty()) return invalidArgument("{}: expected a motion or who is followed, not both", motion);
+  if (!asked && !(motion.empty() && options.request.scene.empty())) return play(options, common, host);
+  if (asked || openDepth(live.depth).ok()) return follow(options, common, host);
+  host.tell("No depth camera was found: serving the demo.");
+  return showDemo(options, common, host);
 }
 
 }  // namespace
 
 void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
-  if (flag) app.addFlag("--serve", options.serve, "Show it on a page as well, for browsers and headsets");
+  Option* serve =
+      flag ? app.addFlag("--serve", options.serve, "Show it on a page as well, for browsers and headsets") : nullptr;
   if (flag) app.addFlag("--vr", options.vr, "Show it in this machine's headset (OpenXR) and a window; see docs/VR.md");
-  addCount(app, "--port", options.setting.port, 1,
-           fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
-  app.addFlag("--lan", options.setting.lan,
-              "Show the page on the network too: with TLS, for those who have the link with its token");
-  app.addOption("--recordings", options.setting.recordings,
-                "Folder that people at the page may record sessions and open files into")
-      ->typeName("DIR");
+  Option* port = addCount(app, "--port", options.setting.port, 1,
+                          fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
+  Option* lan = app.addFlag("--lan", options.setting.lan,
+                            "Show the page on the network too: with TLS, for those who have the link with its token");
+  Option* recordings = app.addOption("--recordings", options.setting.recordings,
+                                     "Folder that people at the page may record sessions and open files into")
+                           ->typeName("DIR");
   Option* certificate = app.addOption("--certificate", options.setting.certificate,
                                       "Certificate of the page [default: one that Lorica makes and keeps]")
                             ->typeName("FILE.pem");
-  certificate->needs(
+  certificate->needs(lan)->needs(
       app.addOption("--key", options.setting.key, "Its private key")->typeName("FILE.pem")->needs(certificate));
+  for (Option* option : {port, lan, recordings}) {
+    if (flag) option->needs(serve);
+  }
 }
 
 Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& serve, const SnapshotOptions& pictures,

@@ -308,7 +308,7 @@ Result<RunEnd> play(Run& run, Shown& shown, Host& host) {
   RunLoop loop(run, shown, host);
   if (shown.screen != nullptr) loop.recallSettings();
   Result<RunEnd> end = loop.run();
-  if (shown.screen != nullptr) loop.keepSettings();
+  if (shown.screen != nullptr && shown.screen->personal()) loop.keepSettings();
   // What was recorded is kept despite an error or an early end.
   const bool early = !end || *end == RunEnd::kInterrupted || *end == RunEnd::kExchanged;
   if (early && run.recorder) (void)run.recorder->finish();

@@ -23,6 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
 constexpr std::size_t kMaxMeshes = 12;  // in one session
+constexpr const char* kTemporary = ".tmp-";
 
 /// A file of one, or the one that ships.
 bool isCharacter(const std::string& name) {
@@ -85,6 +86,22 @@ std::vector<std::string> shippedMotions() {
     if (entry.path().extension() == ".csv") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// The newest files of a folder, the last one first, but those that are being written.
+std::vector<std::string> newestIn(const fs::path& folder) {
+  std::vector<std::pair<fs::file_time_type, std::string>> found;
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder, ignored)) {
+    if (entry.path().extension().string().starts_with(kTemporary) || !entry.is_regular_file(ignored)) continue;
+    found.emplace_back(entry.last_write_time(ignored), entry.path().string());
+  }
+  std::sort(found.rbegin(), found.rend());
+  found.resize(std::min(found.size(), kMaxRecent));
+  std::vector<std::string> names;
+  names.reserve(found.size());
+  for (const auto& [time, name] : found) names.push_back(name);
   return names;
 }
 
@@ -238,6 +255,12 @@ void WindowOpener::load(std::vector<CastRequest> attempts, std::vector<std::stri
       host_, [attempts = std::move(attempts), load = load_](Host& host) { return load(attempts, host); });
 }
 
+/// A file that people sent could name any other with --trust-paths.
+void WindowOpener::recordInto(const std::string& folder) {
+  recordings_ = folder;
+  if (!folder.empty() && host_.paths != PathTrust::kAnywhere) sent_ = fs::absolute(folder) / kSentFolder;
+}
+
 std::string_view WindowOpener::noRecord() const {
   if (!whyNot_.empty()) return "what is written or sent is as the command says";
   return recordings_.empty() ? "recordings need a folder on the machine that serves: start with --recordings DIR" : "";
@@ -268,7 +291,7 @@ std::optional<Result<Cast>> WindowOpener::take() {
   if (!loading_) return std::nullopt;
   std::optional<Result<Cast>> result = loading_->take();
   if (!result) return result;
-  if (*result && !arriving_.empty()) received_.push_back(std::exchange(arriving_, ""));
+  if (*result) arriving_.clear();
   giveUp();
   if (*result) {
     if (const std::vector<std::string> names = leftOut(wanted_, (*result)->request); !names.empty()) {
@@ -276,9 +299,8 @@ std::optional<Result<Cast>> WindowOpener::take() {
                              names.size() == 1 ? "does" : "do", names.size() == 1 ? "is" : "are"));
     }
     remember(**result);
-    std::copy_if(asked_.begin(), asked_.end(), std::back_inserter(opened_), [this](const std::string& file) {
-      return std::find(received_.begin(), received_.end(), file) == received_.end();
-    });
+    std::copy_if(asked_.begin(), asked_.end(), std::back_inserter(opened_),
+                 [this](const std::string& file) { return !isSent(file); });
   }
   return result;
 }
@@ -286,8 +308,11 @@ std::optional<Result<Cast>> WindowOpener::take() {
 void WindowOpener::list(const std::vector<std::string>& recent) {
   characters_.clear();
   recent_.clear();
-  for (const std::string& file : recent) (isCharacter(file) ? characters_ : recent_).push_back(file);
-  std::copy_if(received_.rbegin(), received_.rend(), std::back_inserter(characters_), isCharacter);
+  for (const std::vector<std::string>& files : {recent, newestIn(sent_)}) {
+    for (const std::string& file : files) {
+      if (file != arriving_) (isCharacter(file) ? characters_ : recent_).push_back(file);
+    }
+  }
   // A character's own file may be the motion.
   const std::string shown = !present_.character.empty()    ? present_.character
                             : isCharacter(present_.motion) ? present_.motion

@@ -4,6 +4,7 @@
 #include "prepare/cast.h"
 #include "viewer/renderer/window_values.h"
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -16,6 +17,9 @@ namespace lorica {
 
 /// Why nothing else can be opened.
 inline constexpr const char* kWrittenOnce = "what is written or sent is one session: nothing else can be opened";
+
+/// In the folder that recordInto() names: the files that people sent who watch.
+inline constexpr const char* kSentFolder = "opened";
 
 /// Opens in a window what the user drops on it or picks, while the present session continues.
 class WindowOpener {
@@ -38,8 +42,8 @@ class WindowOpener {
   /// are of what ships. What was loading is cancelled.
   /// @return the others, or why these files cannot be opened together
   [[nodiscard]] Result<Others> open(const std::vector<std::string>& files);
-  /// The same with a file that somebody who watches sent: it is removed if it cannot be opened, and never one of
-  /// opened().
+  /// The same with a file of kSentFolder that somebody who watches sent now: it is removed if it cannot be opened. None
+  /// of there is one of opened().
   [[nodiscard]] Result<void> openReceived(const std::string& file);
   /// The scene of the present cast was exchanged.
   void choseScene(const std::string& scene) { present_.scene = scene; }
@@ -48,7 +52,7 @@ class WindowOpener {
   [[nodiscard]] Result<void> openClip(int index);
   [[nodiscard]] Result<void> openPerson(int index);
   /// Where record() may write: a folder that the owner of this machine chose.
-  void recordInto(std::string folder) { recordings_ = std::move(folder); }
+  void recordInto(const std::string& folder);
   /// Why it cannot; empty = it can. With static storage duration.
   [[nodiscard]] std::string_view noRecord() const;
   /// Starts to load the present cast once more, to be recorded from its start under a new name in that folder.
@@ -62,7 +66,8 @@ class WindowOpener {
   [[nodiscard]] std::string_view hint() const;
   /// The files that were opened since the start or could have been, see Others; the last one last.
   [[nodiscard]] const std::vector<std::string>& opened() const { return opened_; }
-  /// The files that were opened, now and in earlier runs, the last one first: the lists that describe() gives.
+  /// The files that were opened, now and in earlier runs, the last one first: the lists that describe() gives. Those
+  /// that people sent are behind them.
   void list(const std::vector<std::string>& recent);
   /// What is loaded and how far it is, for the window.
   void describe(WindowValues& values);
@@ -72,6 +77,9 @@ class WindowOpener {
  private:
   void remember(const Cast& loaded);
   void giveUp();
+  [[nodiscard]] bool isSent(const std::filesystem::path& file) const {
+    return !sent_.empty() && file.parent_path() == sent_;
+  }
   void load(std::vector<CastRequest> attempts, std::vector<std::string> files);
 
   CastRequest present_;
@@ -87,11 +95,11 @@ class WindowOpener {
   int character_ = -1;                            // the present one of characters_
   std::vector<std::string> asked_;                // files that are loading
   std::string arriving_;                          // the one of them that somebody sent; empty = none
-  std::vector<std::string> received_;             // those that were opened
   std::vector<std::string> opened_;
   std::string recordings_, recordTo_;
-  bool dropped_ = false;    // something was
-  bool cancelled_ = false;  // what was loading, since the last take()
+  std::filesystem::path sent_;  // the folder of what people sent; empty = nothing of it may be opened
+  bool dropped_ = false;        // something was
+  bool cancelled_ = false;      // what was loading, since the last take()
 };
 
 }  // namespace lorica

@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Watches a session that `lorica serve` shows: prints where each avatar's first joint is. Only Python's own library.
+"""Watches a session that `lorica serve` shows: prints where each avatar's first joint is, and a hash of where all are,
+to compare what two clients got. Only Python's own library.
 
   lorica serve walk &
   python3 watch_session.py [HOST:PORT] [FRAMES]
 """
-import base64, json, os, socket, struct, sys
+import base64, hashlib, json, os, socket, struct, sys
 
 address = sys.argv[1] if len(sys.argv) > 1 else "127.0.0.1:8420"
 wanted = int(sys.argv[2]) if len(sys.argv) > 2 else 100
@@ -48,8 +49,13 @@ while wanted > 0:
     for _ in range(sections):
         section, index, length = struct.unpack_from("<HHI", data, at)
         if section == 1:
-            x, y, z = struct.unpack_from("<3f", data, at + 16)
-            print(f"{time:.3f} s, {len(data)} bytes: avatar {index} at {x:.3f} {y:.3f} {z:.3f}")
+            present, form, joints, opacity = struct.unpack_from("<BBHf", data, at + 8)
+            floats, place = ("12f", slice(3, 12, 4)) if form == 1 else ("3f8x", slice(3))  # a matrix or a pose
+            each = struct.Struct("<" + floats)
+            places = [each.unpack_from(data, at + 16 + each.size * j)[place] for j in range(joints)]
+            hashed = hashlib.sha256(b"".join(struct.pack("<3f", *xyz) for xyz in places)).hexdigest()[:16]
+            x, y, z = places[0]
+            print(f"{time:.3f} s, {len(data)} bytes: avatar {index} at {x:.3f} {y:.3f} {z:.3f}, joints {hashed}")
         at += 8 + (length + 3) // 4 * 4
     send(1, json.dumps({"type": "ack", "frame": number}).encode())
     wanted -= 1

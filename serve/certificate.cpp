@@ -115,6 +115,9 @@ Result<Certificate> ownCertificate(const std::filesystem::path& folder, const st
   if (chain && key && usable({*chain, *key})) return Certificate{*chain, *key};
   LORICA_TRY(Certificate made, makeCertificate(hosts));
   LORICA_TRY_DO(writeFileAtomically(keyFile, made.key, NamedBy::kLorica));
+  std::error_code error;
+  std::filesystem::permissions(keyFile, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write,
+                               error);
   LORICA_TRY_DO(writeFileAtomically(chainFile, made.chain, NamedBy::kLorica));
   return made;
 }

@@ -13,11 +13,13 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <iterator>
 #include <utility>
 
 namespace lorica {
 namespace {
 
+namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Kind = Wish::Kind;
 
@@ -61,7 +63,7 @@ Result<CharacterDocument> documentOf(const PreparedAvatar& avatar, PathTrust pat
 /// File names without their folders, which are nobody's business.
 std::vector<std::string> namesOf(std::span<const std::string> files) {
   std::vector<std::string> names;
-  for (const std::string& file : files) names.push_back(std::filesystem::path(file).filename().string());
+  for (const std::string& file : files) names.push_back(fs::path(file).filename().string());
   return names;
 }
 
@@ -186,6 +188,9 @@ void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
       break;
     case Kind::kMotion:
       file(motions_);
+      break;
+    case Kind::kRecent:
+      file(recents_);
       break;
     case Kind::kExpression:
       chosen(requests.expression);
@@ -362,6 +367,7 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                  {"character", values.character},
                  {"motions", namesOf(values.motions)},
                  {"motion", values.motion},
+                 {"recents", namesOf(recents_)},
                  {"expressions", values.expressions},
                  {"expression", values.expression},
                  {"clips", values.clips},
@@ -374,7 +380,7 @@ std::string PageScreen::stateOf(const WindowValues& values) const {
                  {"times", std::move(times)},
                  {"loading", values.loading},
                  {"loaded", std::round(100.0 * values.loaded) / 100.0},
-                 {"recording", std::filesystem::path(values.recording).filename().string()},
+                 {"recording", fs::path(values.recording).filename().string()},
                  {"outside", values.outsideTraining},
                  {"holds", values.holds != 0},
                  {"no",
@@ -444,6 +450,10 @@ void PageScreen::show(const Scene& scene, const WindowValues& values) {
     shownLayers_ = layers;
   }
   if (clients > 0 && (clients != shownClients_ || now() - stateTime_ >= kBetweenStates)) {
+    recents_.clear();  // the owner's are nobody's business
+    std::copy_if(values.recent.begin(), values.recent.end(), std::back_inserter(recents_), [&](const fs::path& file) {
+      return !server_.sentFiles().empty() && file.parent_path() == server_.sentFiles();
+    });
     server_.setState(stateOf(values));
     stateTime_ = now();
   }

@@ -41,6 +41,7 @@ class PageScreen final : public Screen {
   void notice(std::string sentence, double seconds) override;
   void problem(std::string sentence) override;
   void setTitle(const std::string& title) override;
+  [[nodiscard]] bool personal() const override { return window_ != nullptr; }
   [[nodiscard]] const WindowChoices& choices() const override { return window_ ? window_->choices() : choices_; }
   void setChoices(const WindowChoices& choices) override;
 
@@ -69,7 +70,7 @@ class PageScreen final : public Screen {
   std::vector<Wish> heard_;
   std::deque<Wish> waiting_;
   std::array<ClientHand, World::kMaxHands> hands_;
-  std::vector<std::string> characters_, motions_;  // as the state listed them
+  std::vector<std::string> characters_, motions_, recents_;  // as the state listed them
   int scenes_ = 0, clips_ = 0, people_ = 0, maxParts_ = 0;
   std::vector<TimedStage> times_;
   std::uint64_t shownChanges_ = 0;

@@ -21,7 +21,7 @@ struct Message {
   Kind kind;
   Member member;
 };
-constexpr std::array<Message, 26> kMessages = {{{"ack", Kind::kAck, Member::kFrame},
+constexpr std::array<Message, 27> kMessages = {{{"ack", Kind::kAck, Member::kFrame},
                                                 {"show", Kind::kShow, Member::kLayers},
                                                 {"pause", Kind::kPause, Member::kOn},
                                                 {"step", Kind::kStep, Member::kNone},
@@ -36,6 +36,7 @@ constexpr std::array<Message, 26> kMessages = {{{"ack", Kind::kAck, Member::kFra
                                                 {"scene", Kind::kScene, Member::kIndex},
                                                 {"character", Kind::kCharacter, Member::kIndex},
                                                 {"motion", Kind::kMotion, Member::kIndex},
+                                                {"recent", Kind::kRecent, Member::kIndex},
                                                 {"expression", Kind::kExpression, Member::kIndex},
                                                 {"clip", Kind::kClip, Member::kIndex},
                                                 {"person", Kind::kPerson, Member::kIndex},

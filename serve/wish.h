@@ -29,6 +29,7 @@ struct Wish {
     kScene,
     kCharacter,
     kMotion,
+    kRecent,
     kExpression,
     kClip,
     kPerson,

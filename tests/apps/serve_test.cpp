@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica::test {
@@ -83,9 +84,10 @@ TEST(Serve, TheSampleInCppWatches) {
   EXPECT_EQ(frames, 30);
 }
 
-/// As many frames as are asked for, then the report: of a motion, and of the demo.
+/// As many frames as are asked for, then the report: of a motion, of the demo, and of a virtual camera in a scene.
 TEST(Serve, EndsAfterItsFrames) {
-  for (const std::vector<std::string>& what : {std::vector<std::string>{"serve", "walk"}, {"serve"}}) {
+  for (const std::vector<std::string>& what :
+       {std::vector<std::string>{"serve", "walk"}, {"serve"}, {"serve", "--virtual", "--scene", "bowling"}}) {
     std::vector<std::string> arguments = what;
     arguments.insert(arguments.end(), {"--frames", "5", "--json", "-"});
     const CommandResult served = runLorica(arguments);
@@ -103,6 +105,22 @@ TEST(Serve, SaysWhatIsWrongInsteadOfALink) {
     EXPECT_NE(served.exitCode, 0);
     EXPECT_NE(served.err.find(motion), std::string::npos) << served.err;
     EXPECT_EQ(addressIn(served.err), "") << served.err;
+  }
+}
+
+/// Options that would have no effect.
+TEST(Serve, RefusesWhatDoesNotGoTogether) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> rows = {
+      {{"serve", "walk", "--virtual"}, "walk: expected a motion or who is followed, not both"},
+      {{"serve", "walk", "--certificate", "c.pem", "--key", "k.pem"}, "--certificate requires --lan"},
+      {{"serve", "walk", "--certificate", "c.pem", "--lan"}, "--certificate requires --key"},
+      {{"play", "walk", "--lan"}, "--lan requires --serve"},
+      {{"live", "--virtual", "--port", "8500"}, "--port requires --serve"},
+      {{"demo", "--recordings", "here"}, "--recordings requires --serve"}};
+  for (const auto& [arguments, sentence] : rows) {
+    const CommandResult refused = runLorica(arguments);
+    EXPECT_EQ(refused.exitCode, 2) << sentence;
+    EXPECT_NE(refused.err.find(sentence), std::string::npos) << refused.err;
   }
 }
 

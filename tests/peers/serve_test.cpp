@@ -116,6 +116,11 @@ TEST(PeerServe, ThePageDrawsPlaysDragsAndThrows) {
   EXPECT_GT(desktop.at("frames").get<int>(), 0);
   EXPECT_TRUE(desktop.at("problems").empty()) << desktop["problems"];
 
+  const json& video = result.at("video");
+  EXPECT_EQ(video.at("size"), video.at("canvas"));
+  EXPECT_GT(video.at("seconds").get<double>(), 0.0);
+  EXPECT_GT(video.at("colors").get<int>(), 100);
+
   const json& play = result.at("play");
   EXPECT_LT(play.at("restartedAt").get<double>(), std::max(play.at("pausedAt").get<double>(), 0.2));
 
@@ -144,8 +149,8 @@ TEST(PeerServe, ThePageDrawsPlaysDragsAndThrows) {
   EXPECT_TRUE(test::readJson(report).at("same").get<bool>());
 }
 
-/// A link with another token, a browser without WebGL or without WebXR, a session that ends while somebody watches;
-/// over TLS.
+/// A link with another token or without https, a browser without WebGL or without WebXR, a session that ends while
+/// somebody watches; over TLS.
 TEST(PeerServe, ThePageSaysWhatIsWrong) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();
@@ -186,6 +191,9 @@ TEST(PeerServe, ThePageSaysWhatIsWrong) {
   EXPECT_EQ(wrong.at("webgl"), "This page needs WebGL 2, which this browser does not have or has switched off.");
   EXPECT_NE(wrong.at("webxr").get<std::string>().find("This browser has no VR or AR. The one in a headset has."),
             std::string::npos);
+  EXPECT_NE(wrong.at("http").get<std::string>().find("VR and AR need a link with https."), std::string::npos);
+  EXPECT_FALSE(wrong.at("secure").get<bool>());
+  EXPECT_TRUE(wrong.at("without").get<bool>()) << "http://localhost:PORT/#TOKEN is no way to the page";
   EXPECT_EQ(wrong.at("over"), "The session is over. This page continues when another one starts.");
 }
 
@@ -222,6 +230,9 @@ TEST(PeerServe, ThePageOpensFilesOfItsOwn) {
     EXPECT_EQ(opened[bad]["avatars"].at(0).at("name"), opened[bad - 1]["avatars"].at(0).at("name"))
         << "the run goes on";
   }
+  const json& recents = result.at("recents");
+  ASSERT_EQ(recents.size(), 1u) << recents;
+  EXPECT_TRUE(recents[0].get<std::string>().ends_with("_001.bvh")) << recents;
   std::vector<std::string> kept;
   for (const auto& entry : fs::directory_iterator(served.recordings() / "opened")) {
     kept.push_back(test::valueOf(readFile(entry.path())));

@@ -56,7 +56,7 @@ TEST(WindowOpener, WhatItDoesNotOpenIsNamed) {
 }
 
 /// Files that somebody sent: one that is given up for another, fails or is cancelled is removed, one that was opened is
-/// in the list of avatars and never among the user's own.
+/// listed behind the user's own and never among them.
 TEST(WindowOpener, SentFilesAreKeptOnlyIfTheyAreOpened) {
   const TemporaryFolder folder;
   Listening host;
@@ -75,9 +75,13 @@ TEST(WindowOpener, SentFilesAreKeptOnlyIfTheyAreOpened) {
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   };
-  const std::filesystem::path first = folder.write("1.glb", "1"), second = folder.write("2.glb", "2"),
-                              third = folder.write("3.bvh", "3"), bad = folder.write("4.bvh", "4"),
-                              late = folder.write("5.bvh", "5"), own = folder.write("own.glb", "own");
+  std::filesystem::create_directory(folder.path() / kSentFolder);
+  const auto sent = [&](const std::string& name) {
+    return std::filesystem::path(folder.write(std::string(kSentFolder) + "/" + name, name));
+  };
+  const std::filesystem::path first = sent("1.glb"), second = sent("2.glb"), third = sent("3.bvh"), bad = sent("4.bvh"),
+                              late = sent("5.bvh"), own = folder.write("own.glb", "own");
+  opener.recordInto(folder.path());
   ASSERT_TRUE(opener.openReceived(first));
   ASSERT_TRUE(opener.openReceived(second));
   EXPECT_FALSE(exists(first)) << "another one took its place";
@@ -105,7 +109,27 @@ TEST(WindowOpener, SentFilesAreKeptOnlyIfTheyAreOpened) {
   opener.describe(values);
   EXPECT_EQ(std::vector<std::string>(values.characters.begin(), values.characters.end()),
             (std::vector<std::string>{own.string(), second.string(), "mannequin"}));
-  EXPECT_TRUE(values.recent.empty());
+  EXPECT_EQ(std::vector<std::string>(values.recent.begin(), values.recent.end()),
+            std::vector<std::string>{third.string()});
+}
+
+/// Opened once, a file may name others that only --trust-paths lets it have.
+TEST(WindowOpener, SentFilesAreNotListedWhereTheyMayNameAnyOther) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder.path() / kSentFolder);
+  const std::string file = folder.write(std::string(kSentFolder) + "/1.bvh", "1");
+  folder.write(std::string(kSentFolder) + "/2.bvh.tmp-1-1", "half of it");
+  for (const PathTrust paths : {PathTrust::kBeneath, PathTrust::kAnywhere}) {
+    Host host;
+    host.paths = paths;
+    WindowOpener opener(CastRequest(), host);
+    opener.recordInto(folder.path());
+    opener.list({});
+    WindowValues values;
+    opener.describe(values);
+    EXPECT_EQ(std::vector<std::string>(values.recent.begin(), values.recent.end()),
+              paths == PathTrust::kBeneath ? std::vector<std::string>{file} : std::vector<std::string>());
+  }
 }
 
 }  // namespace

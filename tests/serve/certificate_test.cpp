@@ -43,6 +43,7 @@ TEST(Certificate, IsKeptAndMadeAgainWhenItIsBroken) {
   EXPECT_EQ(fingerprintOf(first.chain).size(), 95u);
   namespace fs = std::filesystem;
   EXPECT_EQ(fs::status(kept).permissions() & (fs::perms::group_all | fs::perms::others_all), fs::perms::none);
+  EXPECT_EQ(fs::status(kept / "key.pem").permissions(), fs::perms::owner_read | fs::perms::owner_write);
   // A key that belongs to another certificate.
   const Certificate other = valueOf(makeCertificate({"localhost"}));
   (void)folder.write("serve/key.pem", other.key);

@@ -13,14 +13,20 @@
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <openssl/sha.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstdlib>
 #include <filesystem>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
+#include <sstream>
 #include <thread>
 #include <vector>
 
@@ -90,6 +96,68 @@ TEST(ServedRun, FramesHoldThePosesOfTheSession) {
   // The client sees the end when the server goes.
   server.reset();
   client.join();
+}
+
+/// The hash that the sample in Python prints of the places of all joints.
+std::string hashOf(const Session& session) {
+  std::vector<Affine3> joints(session.worldFromJoint().size());
+  computeWorldFromModel(session.character(), session.worldFromJoint(), joints);
+  std::vector<Vec3f> places(joints.size());
+  std::transform(joints.begin(), joints.end(), places.begin(),
+                 [](const Affine3& joint) { return Vec3f(joint.translation().cast<float>()); });
+  std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+  SHA256(reinterpret_cast<const unsigned char*>(places.data()), places.size() * sizeof(Vec3f), digest.data());
+  return fmt::format("{:02x}", fmt::join(digest.begin(), digest.begin() + 8, ""));
+}
+
+/// What the sample in Python decodes is what the session records.
+TEST(ServedRun, TheSampleInPythonGetsWhatIsRecorded) {
+  if (std::system("python3 --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "python3 is missing";
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  Host host;
+  RunSetting setting;
+  setting.frames = 60;
+  setting.atEnd = AtEnd::kReturn;
+  setting.record = home.path() / "served.lsession";
+  const auto run = valueOf(lorica::Run::start(walkingCast(host), setting, host));
+  std::unique_ptr<PageServer> server = valueOf(PageServer::start({}));
+  PageScreen screen(*server, nullptr);
+  EXPECT_TRUE(screen.begin(*run, host));
+  const std::string log = home.path() / "log";
+  int status = -1;
+  std::thread client([&] {
+    status = std::system(fmt::format("timeout 300 python3 '{}' 127.0.0.1:{} 1000 >'{}' 2>&1",
+                                     test::sourceFile("samples/watch_session.py").string(), server->port(), log)
+                             .c_str());
+  });
+  EXPECT_TRUE(becomes([&] { return server->clients() == 1; }));
+  Shown shown{&screen, {}, nullptr, {}};
+  EXPECT_EQ(valueOf(play(*run, shown, host)), RunEnd::kOver);
+  server.reset();
+  client.join();
+
+  std::map<std::string, std::string> truth;  // by the session's time
+  RecordedRequest request;
+  request.file = setting.record;
+  const auto again = valueOf(lorica::Run::start(valueOf(prepareRecordedCast(request, host)), RunSetting(), host));
+  while (!again->comparison->over() && valueOf(again->session.step())) {
+    truth[fmt::format("{:.3f}", again->session.time())] = hashOf(again->session);
+  }
+  EXPECT_FALSE(again->comparison->difference());
+  const std::string said = valueOf(readFile(log));
+  EXPECT_EQ(status, 0) << said;
+  std::istringstream lines(said);
+  std::string line;
+  std::getline(lines, line);
+  EXPECT_EQ(line, "hello: walk");
+  int frames = 0;
+  for (; std::getline(lines, line); ++frames) {
+    const auto found = truth.find(line.substr(0, line.find(' ')));
+    ASSERT_NE(found, truth.end()) << line;
+    EXPECT_TRUE(line.ends_with(" joints " + found->second)) << line;
+  }
+  EXPECT_GT(frames, 0);
 }
 
 struct EndingHost final : Host {
@@ -366,11 +434,15 @@ std::string bvhOfAPerson() {
 TEST(ServedRun, ClientsOpenTheirOwnFiles) {
   const test::TemporaryFolder home;
   ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  WindowSettings owner;
+  owner.recent = {home.write("own.bvh", bvhOfAPerson())};
+  ASSERT_TRUE(writeWindowSettings(windowSettingsFile(), owner));
   serveWalk(home.path(), [&](TestClient& client) {
     const Json first = messageOf(client, "hello", [](const Json&) { return true; });
     EXPECT_EQ(first["name"], "walk");
     const Json before = messageOf(client, "state", [](const Json&) { return true; });
     EXPECT_EQ(before["no"]["open"], "");
+    EXPECT_EQ(before["recents"].size(), 0u) << "those of the window are its owner's";
     EXPECT_EQ(sends(client, "bvh", bvhOfAPerson()), "202");
     const Json moved = messageOf(client, "hello", [](const Json& hello) { return hello["run"] == 2; });
     EXPECT_TRUE(moved["name"].get<std::string>().ends_with("_001")) << moved["name"];
@@ -389,6 +461,19 @@ TEST(ServedRun, ClientsOpenTheirOwnFiles) {
     client.send({{"type", "character"}, {"index", back["characters"][0] == own ? 0 : 1}});
     (void)messageOf(client, "hello", [](const Json& hello) { return hello["run"] == 5; });
   });
+  // Another time they are opened by their names.
+  serveWalk(home.path(), [&](TestClient& client) {
+    const Json state = messageOf(client, "state", [](const Json&) { return true; });
+    ASSERT_EQ(state["recents"].size(), 1u) << state["recents"];
+    const std::string again = state["recents"][0];
+    EXPECT_TRUE(again.ends_with("_001.bvh")) << again;
+    EXPECT_EQ(state["characters"].size(), 2u) << state["characters"];
+    client.send({{"type", "recent"}, {"index", 1}});
+    client.send({{"type", "recent"}, {"index", 0}});
+    const Json moved = messageOf(client, "hello", [](const Json& hello) { return hello["run"] == 2; });
+    EXPECT_EQ(moved["name"].get<std::string>() + ".bvh", again);
+  });
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(home.path() / "opened"), {}), 2) << "they are kept";
   const Result<WindowSettings> kept = readWindowSettings(windowSettingsFile());
   ASSERT_TRUE(kept.ok());
   for (const std::string& file : kept->recent) {

@@ -257,6 +257,70 @@ TEST(Server, OneWhoReadsNothingIsDroppedAndTheOthersWatch) {
   EXPECT_TRUE(dropped || becomes([&] { return stage.server->clients() == 1; }));
 }
 
+/// A reader that takes 500 kB in 60 steps of the session, as one at 500 kB/s does, and who keeps little in its kernel.
+/// Nothing here depends on the time: a step ends when the quick reader has got it, and the slow one has read its share.
+TEST(Server, AReaderAt500KilobytesASecondGetsTheNewestFramesAndTheOthersAll) {
+  constexpr std::size_t kShare = 500'000 / 60;
+  constexpr int kSteps = 600;
+  // Frames of 72 kB fit into the buffers of the server's kernel several times, of those of 720 kB not two.
+  for (const int props : {3'000, 30'000}) {
+    SCOPED_TRACE(props);
+    ServeLimits limits;
+    limits.writeSeconds = 600.0;
+    Stage stage({}, limits);
+    TestClient quick(stage.server->port()), slow(stage.server->port(), false, 8 << 10);
+    for (TestClient* client : {&quick, &slow}) client->watch();
+    ASSERT_TRUE(becomes([&] { return stage.server->clients() == 2; }));
+    const auto timeOf = [](const TestClient::Message& frame) {
+      return static_cast<int>(loadLittleEndian<double>(frame.bytes.data() + 24));
+    };
+    const auto acknowledge = [](TestClient& client, const TestClient::Message& frame) {
+      client.send({{"type", "ack"}, {"frame", frame.number()}});
+    };
+    stage.show(props);
+    for (TestClient* client : {&quick, &slow}) {
+      const TestClient::Message first = client->next("frame");
+      ASSERT_EQ(first.kind, 2);
+      acknowledge(*client, first);
+    }
+
+    struct Got {
+      int time = 0, at = 0;  // steps: of the frame, and when all of it was read and acknowledged
+    };
+    std::vector<Got> got;
+    std::size_t bytes = 0;
+    while (stage.time < kSteps) {
+      stage.show(props);
+      const TestClient::Message frame = quick.next("frame");
+      ASSERT_EQ(frame.kind, 2);
+      ASSERT_EQ(timeOf(frame), stage.time) << "the quick one gets each";
+      acknowledge(quick, frame);
+      ASSERT_TRUE(slow.take(kShare));
+      while (const std::optional<TestClient::Message> message = slow.taken()) {
+        ASSERT_EQ(message->kind, 2);
+        bytes = message->bytes.size();
+        got.push_back({timeOf(*message), static_cast<int>(stage.time)});
+        acknowledge(slow, *message);
+      }
+    }
+    ASSERT_GT(bytes, 24u * props);
+    const int stepsAFrame = static_cast<int>(bytes / kShare) + 1;
+    ASSERT_GE(static_cast<int>(got.size()), kSteps / stepsAFrame - 2);
+    for (std::size_t i = 0; i < got.size(); ++i) {
+      EXPECT_LE(got[i].at - got[i].time, 2 * stepsAFrame + 2) << "frame " << i << " is no older than two take to read";
+      if (i >= 1) {
+        EXPECT_GT(got[i].time, got[i - 1].time);
+      }
+      if (i >= 2) {
+        EXPECT_GE(got[i].time, got[i - 2].at) << "frame " << i << ": two are in flight, a third is not begun";
+      }
+      if (i >= 3) {
+        EXPECT_GT(got[i].time, got[i - 1].time + stepsAFrame / 2) << "those between are skipped";
+      }
+    }
+  }
+}
+
 /// Who acknowledges late gets fewer particles, until it is quick again.
 TEST(Server, ASlowReaderGetsFewerParticles) {
   Stage stage;
@@ -539,7 +603,16 @@ TEST(SecureServer, NothingIsSeenWithoutTheToken) {
   ASSERT_EQ(token.size(), 22u);
   EXPECT_TRUE(stage.server->links().front().ends_with("/#" + token));
   EXPECT_EQ(stage.server->fingerprint(), fingerprintOf(made.chain));
-  EXPECT_EQ(TestClient(port).get("/"), "") << "without TLS";
+  // A browser whose user leaves https:// out is sent there, and keeps the part behind #, which no server gets.
+  for (const std::string path : {"/", "/live", "/character/0.glb", "/none"}) {
+    const std::string plain = TestClient(port).get(path, "Authorization: Bearer " + token + "\r\n");
+    const std::string there = "https://127.0.0.1:" + std::to_string(port) + path;
+    EXPECT_EQ(statusOf(plain), "307");
+    EXPECT_NE(plain.find("Location: " + there + "\r\n"), std::string::npos) << plain;
+    EXPECT_TRUE(plain.ends_with("\r\n\r\nThis page needs https: " + there + "\n")) << plain;
+  }
+  EXPECT_EQ(statusOf(TestClient(port).watch("Sec-WebSocket-Protocol: lorica.live.1, token." + token + "\r\n")), "307");
+  for (const char* bytes : {"\x16 no TLS", "\x16\x03\x01", "", "no HTTP\r\n\r\n"}) TestClient(port).write(bytes);
   EXPECT_EQ(statusOf(TestClient(port, true).get("/")), "200");
   EXPECT_EQ(statusOf(TestClient(port, true).get("/character/0.glb")), "401");
   EXPECT_EQ(statusOf(TestClient(port, true).get("/character/0.glb", "Authorization: Bearer wrong\r\n")), "401");

@@ -8,14 +8,17 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <thread>
+#include <utility>
 
 namespace lorica::test {
 
-TestClient::TestClient(int port, bool secure) : host("127.0.0.1:" + std::to_string(port)) {
+TestClient::TestClient(int port, bool secure, int receives) : host("127.0.0.1:" + std::to_string(port)) {
   socket_ = ::socket(AF_INET, SOCK_STREAM, 0);
+  if (receives > 0) (void)::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receives, sizeof receives);
   sockaddr_in address{};
   address.sin_family = AF_INET;
   address.sin_port = htons(static_cast<std::uint16_t>(port));
@@ -56,17 +59,17 @@ std::string TestClient::read(std::string_view until) {
   return all;
 }
 
-std::string TestClient::exactly(std::size_t bytes) {
+bool TestClient::take(std::size_t bytes) {
   std::array<char, 16384> part{};
-  while (buffer_.size() < bytes) {
-    const auto got =
-        secure_ != nullptr ? SSL_read(secure_, part.data(), part.size()) : ::recv(socket_, part.data(), part.size(), 0);
-    if (got <= 0) return "";
+  while (bytes > 0) {
+    const std::size_t most = std::min(bytes, part.size());
+    const auto got = secure_ != nullptr ? SSL_read(secure_, part.data(), static_cast<int>(most))
+                                        : ::recv(socket_, part.data(), most, 0);
+    if (got <= 0) return false;
     buffer_.append(part.data(), static_cast<std::size_t>(got));
+    bytes -= static_cast<std::size_t>(got);
   }
-  std::string taken = buffer_.substr(0, bytes);
-  buffer_.erase(0, bytes);
-  return taken;
+  return true;
 }
 
 std::string TestClient::get(const std::string& path, const std::string& header, const std::string& method) {
@@ -90,19 +93,32 @@ std::uint64_t TestClient::Message::number() const {
   return loadLittleEndian<std::uint64_t>(bytes.data() + 16);
 }
 
-TestClient::Message TestClient::next() {
-  const std::string head = exactly(2);
-  if (head.empty()) return {};
-  std::size_t length = static_cast<unsigned char>(head[1]) & 127;
-  const std::string more = exactly(length == 126 ? 2 : length == 127 ? 8 : 0);
-  if (!more.empty()) {
-    length = 0;
-    for (const char c : more) length = length << 8 | static_cast<unsigned char>(c);
-  }
-  Message message{head[0] & 15, exactly(length)};
+std::pair<std::size_t, std::size_t> TestClient::sizes() const {
+  if (buffer_.size() < 2) return {2, 0};
+  std::size_t length = static_cast<unsigned char>(buffer_[1]) & 127;
+  const std::size_t head = length == 126 ? 4 : length == 127 ? 10 : 2;
+  if (buffer_.size() < head || head == 2) return {head, length};
+  length = 0;
+  for (std::size_t i = 2; i < head; ++i) length = length << 8 | static_cast<unsigned char>(buffer_[i]);
+  return {head, length};
+}
+
+std::optional<TestClient::Message> TestClient::taken() {
+  const auto [head, length] = sizes();
+  if (buffer_.size() < head + length) return std::nullopt;
+  Message message{buffer_[0] & 15, buffer_.substr(head, length)};
+  buffer_.erase(0, head + length);
   if (message.kind != 9) return message;
   sendFrame(0x8a, message.bytes);  // the server asks whether somebody is there
-  return next();
+  return taken();
+}
+
+TestClient::Message TestClient::next() {
+  for (;;) {
+    if (std::optional<Message> message = taken()) return *std::move(message);
+    const auto [head, length] = sizes();
+    if (!take(head + length - buffer_.size())) return {};
+  }
 }
 
 TestClient::Message TestClient::next(std::string_view type) {

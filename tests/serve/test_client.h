@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 struct ssl_st;
@@ -18,7 +19,8 @@ namespace lorica::test {
 /// A client of the server that knows nothing of Boost: sockets, and OpenSSL for TLS.
 class TestClient {
  public:
-  explicit TestClient(int port, bool secure = false);
+  /// @param receives  the kernel keeps about so many bytes that were not read yet; 0 = as many as it likes
+  explicit TestClient(int port, bool secure = false, int receives = 0);
   ~TestClient();
   TestClient(const TestClient&) = delete;
   TestClient& operator=(const TestClient&) = delete;
@@ -43,6 +45,10 @@ class TestClient {
   [[nodiscard]] Message next();
   /// The next message of a type: "frame" or that of a JSON message; others are skipped.
   [[nodiscard]] Message next(std::string_view type);
+  /// Reads so many bytes, and waits for them. @return whether they came
+  [[nodiscard]] bool take(std::size_t bytes);
+  /// The next message, if all of it was read; none is waited for.
+  [[nodiscard]] std::optional<Message> taken();
   void send(const nlohmann::json& message) { sendFrame(0x81, message.dump()); }
   /// @param head  first byte of a WebSocket frame
   void sendFrame(unsigned char head, std::string_view bytes, bool masked = true);
@@ -50,7 +56,8 @@ class TestClient {
   std::string host;
 
  private:
-  [[nodiscard]] std::string exactly(std::size_t bytes);
+  /// Of the message that begins the buffer: bytes of its head and behind it, as far as that is known.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> sizes() const;
 
   int socket_ = -1;
   ssl_ctx_st* context_ = nullptr;

@@ -73,6 +73,8 @@ class Screen {
   virtual void problem(std::string sentence) = 0;
   virtual void setTitle(const std::string& title) = 0;
 
+  /// Whether its user is this machine's, so that what they chose is kept for the next time.
+  [[nodiscard]] virtual bool personal() const { return true; }
   /// What the user chose, by keys or panels.
   [[nodiscard]] virtual const WindowChoices& choices() const = 0;
   virtual void setChoices(const WindowChoices& choices) = 0;

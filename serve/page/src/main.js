@@ -10,6 +10,9 @@ import { View } from './view.js';
 import { FrameError, FrameReader } from './wire.js';
 
 const kSent = ['hulls', 'contacts', 'particles', 'depth']; // layers that cost something to send
+const kVideoRate = 30, // [1/s]
+  kVideoBits = 8e6, // a second
+  kLargestVideo = 2 ** 30; // which the browser keeps until it is saved [bytes]
 const canvas = document.getElementById('view'),
   depth = document.getElementById('depth'),
   connectionText = document.getElementById('connection');
@@ -37,12 +40,15 @@ const kKeys = [
   ['shift + arrows', null, null, 'orbits the camera'],
   ['O, or drop', 'o', 'open', 'opens a character, motion, scene or mesh'],
   ['P', 'p', 'picture', 'saves a picture'],
+  ['V', 'v', 'video', 'starts, stops a video'],
   ['M', 'm', 'panel', 'shows and hides the settings'],
   ['H', 'h', 'help', 'help'],
 ];
 
 let frames = 0,
   pictures = 0,
+  video = null, // that is recorded
+  videos = 0,
   drawnPictures = 0,
   dirty = true,
   newest = 0,
@@ -316,12 +322,49 @@ const actions = {
   vr: () => headset.enter('vr'),
   ar: () => headset.enter('ar'),
   picture: async () => {
-    const url = URL.createObjectURL(await stage.picture());
-    make('a', { href: url, download: `lorica-${String(++pictures).padStart(3, '0')}.png` }).click();
-    setTimeout(() => URL.revokeObjectURL(url), 10000);
+    save(await stage.picture(), ++pictures, 'png');
     dirty = true;
   },
+  video: () => (video ? endVideo() : startVideo()),
 };
+
+function save(blob, number, ending) {
+  const url = URL.createObjectURL(blob);
+  make('a', { href: url, download: `lorica-${String(number).padStart(3, '0')}.${ending}` }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 10000);
+}
+
+const sizeOf = ({ width, height }) => `${width} x ${height}`;
+
+/// A video of the picture without panels. The browser encodes it, and ends it where the window does: when the size changes.
+function startVideo() {
+  const ending = ['webm', 'mp4'].find((one) => window.MediaRecorder?.isTypeSupported(`video/${one}`));
+  if (!ending || !canvas.captureStream) return panel.notice('This browser records no videos.', true);
+  const stream = canvas.captureStream(kVideoRate),
+    parts = [];
+  let bytes = 0;
+  video = new MediaRecorder(stream, { mimeType: `video/${ending}`, videoBitsPerSecond: kVideoBits });
+  video.size = sizeOf(canvas);
+  const busy = panel.busy('a video is recorded, V to stop');
+  video.ondataavailable = ({ data }) => {
+    parts.push(data);
+    bytes += data.size;
+    if (bytes > kLargestVideo) endVideo();
+  };
+  video.onerror = ({ error }) => panel.notice(`The video ends: ${error.message}`, true);
+  video.onstop = () => {
+    video = null;
+    busy.remove();
+    panel.video(false);
+    for (const track of stream.getTracks()) track.stop();
+    if (bytes > 0) save(new Blob(parts, { type: `video/${ending}` }), ++videos, ending);
+  };
+  video.start(1000);
+  panel.video(true);
+}
+function endVideo() {
+  if (video.state === 'recording') video.stop();
+}
 
 const chosen = make('input', { type: 'file', onchange: () => openFiles(chosen.files).finally(() => (chosen.value = '')) });
 
@@ -368,7 +411,7 @@ addEventListener('keydown', (event) => {
   else if (layer) {
     panel.choices.layers[layer] = !panel.shows(layer);
     panel.chose();
-  } else if (action && (!event.repeat || /^(step|back|ahead)$/.test(action))) actions[action]();
+  } else if (action && mayRepeat(event, action)) actions[action]();
   else return;
   event.preventDefault();
 });
@@ -402,7 +445,8 @@ function setHeight(pixels) {
 
 function layout() {
   stage.resize({ width: innerWidth, height: innerHeight, ...panel.covered() });
-  setHeight(stage.renderer.domElement.height);
+  if (video && video.size !== sizeOf(canvas)) endVideo();
+  setHeight(canvas.height);
   dirty = true;
 }
 addEventListener('resize', layout);
@@ -413,7 +457,7 @@ dark.addEventListener('change', applyChoices);
 /// Lower if pictures come slowly for a second, higher after three good ones; a level that was too slow waits twice as long.
 const automatic = { levels: ['low', 'medium', 'high'], since: 0, patience: 3, slow: 0.016 };
 function adapt(seconds, now) {
-  if (panel.choices.quality !== 'automatic' || stage.renderer.xr.isPresenting || seconds > 0.5) return;
+  if (panel.choices.quality !== 'automatic' || video || stage.renderer.xr.isPresenting || seconds > 0.5) return;
   automatic.slow += (seconds - automatic.slow) * 0.05;
   const level = automatic.levels.indexOf(stage.quality),
     waited = now - automatic.since;
@@ -454,7 +498,7 @@ stage.renderer.setAnimationLoop((milliseconds, xrFrame) => {
     const [eye] = stage.renderer.xr.getCamera().cameras;
     if (eye) setHeight(eye.viewport.w);
   }
-  if (view.update(seconds, presents)) dirty = true;
+  if (view.update(seconds, presents) || video) dirty = true;
   if (!dirty && !presents) return; // a paused page costs nothing
   dirty = false;
   for (const avatar of world.avatars) avatar.advance(seconds);
@@ -518,6 +562,9 @@ window.loricaPage = {
   },
   get inHands() {
     return view.held.map((held) => held?.mesh.userData.index ?? -1);
+  },
+  get videos() {
+    return videos;
   },
   get mode() {
     return headset.mode;

@@ -35,6 +35,7 @@ const kLists = [
   ['people', 'person', 'person', 'person', 'everyone'],
   ['expressions', 'expression', 'expression', 'expression', 'none', true],
   ['scenes', 'scene', 'scene', 'scene'],
+  ['recents', '', 'recent', 'recent files', 'open again ...'],
 ];
 const kTreatments = [
   ['smoothings', 'smoothing', 'as given'],
@@ -189,6 +190,7 @@ export class Panel {
       this.chose();
     });
     f.colors = colors;
+    f.video = this.#button('start a video', 'video', 'V');
     f.parts = make('input', {
       type: 'range',
       min: 1,
@@ -277,6 +279,7 @@ export class Panel {
         choose('background', ['as the system', ...Object.keys(kBackgrounds)]),
         choose('quality', ['automatic', 'high', 'medium', 'low']),
         this.#button('save a picture', 'picture', 'P'),
+        f.video,
       ),
       section('VR and AR', false, f.xrRows, f.xr),
       section('Numbers', false, f.times),
@@ -464,6 +467,11 @@ export class Panel {
     loading.hidden = !state.loading;
     loading.firstChild.textContent = state.loading;
     loading.children[1].value = state.loaded ?? 0;
+  }
+
+  video(runs) {
+    this.#fields.video.firstChild.data = runs ? 'stop the video' : 'start a video';
+    this.#fields.video.setAttribute('aria-pressed', runs);
   }
 
   numbers(rows) {

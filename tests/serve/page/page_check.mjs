@@ -4,6 +4,8 @@
 // the browser, PARTS = of the list at the end, to run fewer.
 // It waits for states of the page, never for a time; what does not come within some minutes is an error.
 import fs from 'node:fs';
+import http from 'node:http';
+import https from 'node:https';
 import { createRequire } from 'node:module';
 import path from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
@@ -37,6 +39,7 @@ const browser = await puppeteer.launch({
     '--disable-component-update',
     '--disable-sync',
     '--ignore-certificate-errors',
+    '--host-resolver-rules=MAP plain.test 127.0.0.1',
   ],
   protocolTimeout: 180000,
 });
@@ -64,7 +67,7 @@ async function open(size, { before, layers = { hulls: false } } = {}) {
     }
   }, choices);
   if (before) await page.evaluateOnNewDocument(before);
-  await page.goto(url);
+  await page.goto(url, kWait);
   await until(
     page,
     () => window.loricaPage?.avatars.length > 0 && window.loricaPage.avatars.every((a) => a.loaded || a.failed),
@@ -202,6 +205,40 @@ async function record(page, on) {
   return recording;
 }
 
+/// A video of some pictures, which is saved and which a browser shows: its size, how long it is, and how many colours are in it.
+async function video(page) {
+  const file = path.join(folder, 'lorica-001.webm'),
+    browsers = await page.createCDPSession();
+  fs.rmSync(file, { force: true });
+  await browsers.send('Browser.setDownloadBehavior', {
+    behavior: 'allow',
+    browserContextId: page.browserContext().id,
+    downloadPath: path.resolve(folder),
+  });
+  await page.keyboard.press('v');
+  for (let i = 0; i < 3; ++i) await drawn(page);
+  await shot(page, 'desktop_video');
+  await page.keyboard.press('v');
+  await until(page, () => loricaPage.videos === 1);
+  while (!fs.existsSync(file)) await drawn(page);
+  const other = await (await browser.createBrowserContext()).newPage();
+  const shown = await other.evaluate(async (text) => {
+    const film = document.createElement('video');
+    film.muted = true;
+    film.src = `data:video/webm;base64,${text}`;
+    await film.play();
+    await new Promise((resolve) => film.addEventListener('ended', resolve));
+    const picture = new OffscreenCanvas(film.videoWidth, film.videoHeight).getContext('2d');
+    picture.drawImage(film, 0, 0);
+    const { data } = picture.getImageData(0, 0, film.videoWidth, film.videoHeight);
+    const colors = new Set(new Uint32Array(data.buffer)).size;
+    return { size: [film.videoWidth, film.videoHeight], seconds: film.currentTime, colors };
+  }, fs.readFileSync(file).toString('base64'));
+  await other.close();
+  const canvas = await page.evaluate(() => [document.getElementById('view').width, document.getElementById('view').height]);
+  result.video = { ...shown, canvas };
+}
+
 async function throwBall(page) {
   const { props, state } = await see(page);
   if (state.no.throw) {
@@ -236,6 +273,7 @@ const parts = {
     await page.select('#panel select:has(option[value=automatic])', 'low');
     await page.focus('#view');
     await page.keyboard.press('f'); // the camera stays
+    await video(page);
     await play(page);
     await record(page, true);
     await pause(page, true);
@@ -352,6 +390,19 @@ const parts = {
         said: notices.join(' '),
       });
     }
+    // Another motion, and the file once more, from the list.
+    const chosen = (label) =>
+      page.evaluate((text) => {
+        const select = [...document.querySelectorAll('#panel label')].find((one) => one.textContent.startsWith(text)).querySelector('select');
+        select.value = '0';
+        select.dispatchEvent(new Event('change'));
+      }, label);
+    const { recents, title, motions } = (await see(page)).state;
+    await chosen('motion');
+    await until(page, (name) => loricaPage.state.title.includes(name), motions[0]);
+    await chosen('recent files');
+    await until(page, (before) => loricaPage.state.title === before, title);
+    result.recents = recents;
     result.errors = result.errors.filter((text) => !text.includes('status of 415')); // the browser's words about notes.pdf
     await page.close();
   },
@@ -361,7 +412,7 @@ const parts = {
     const bare = async (to, before) => {
       const page = await (await browser.createBrowserContext()).newPage();
       if (before) await page.evaluateOnNewDocument(before);
-      await page.goto(to);
+      await page.goto(to, kWait);
       return page;
     };
     const said = async (page, where, words) => {
@@ -371,13 +422,29 @@ const parts = {
     const token = await bare(url.replace(/#.*/, `#${'x'.repeat(22)}`));
     const webgl = await bare(url, 'HTMLCanvasElement.prototype.getContext = () => null;');
     const webxr = await bare(url, "Object.defineProperty(navigator, 'xr', { value: undefined });");
+    // An address without https:// leads to the one with it; a page that still comes by http, through another server, says it.
+    const without = await bare(url.replace('https:', 'http:'));
+    await until(without, () => window.loricaPage?.open);
+    const between = http.createServer((request, response) => {
+      const to = new URL(request.url, url);
+      https.get(to, { rejectUnauthorized: false }, (answer) => {
+        response.writeHead(answer.statusCode, answer.headers);
+        answer.pipe(response);
+      });
+    });
+    await new Promise((resolve) => between.listen(0, '127.0.0.1', resolve));
+    const plain = await bare(`http://plain.test:${between.address().port}/`);
     const page = await open(kDesktop);
     result.wrong = {
+      http: await said(plain, '#panel', 'https'),
+      secure: await plain.evaluate(() => window.isSecureContext),
+      without: without.url() === url,
       token: await said(token, '#connection', 'valid'),
       webgl: await said(webgl, '.lone', 'WebGL'),
       webxr: await said(webxr, '#panel', 'no VR or AR'),
     };
-    for (const other of [token, webgl, webxr]) await other.close();
+    for (const other of [token, webgl, webxr, plain, without]) await other.close();
+    between.close();
     await page.keyboard.press('Home');
     result.wrong.over = await said(page, '#connection', 'over');
     result.errors = result.errors.filter((text) => !text.includes('WebSocket')); // it tries again
