@@ -136,6 +136,7 @@ TEST(ServedRun, TheSampleInPythonGetsWhatIsRecorded) {
   EXPECT_EQ(valueOf(play(*run, shown, host)), RunEnd::kOver);
   server.reset();
   client.join();
+  (void)valueOf(run->stopRecording());
 
   std::map<std::string, std::string> truth;  // by the session's time
   RecordedRequest request;
@@ -477,7 +478,7 @@ TEST(ServedRun, ClientsOpenTheirOwnFiles) {
   const Result<WindowSettings> kept = readWindowSettings(windowSettingsFile());
   ASSERT_TRUE(kept.ok());
   for (const std::string& file : kept->recent) {
-    EXPECT_EQ(file.find(home.path()), std::string::npos) << "it is no recent file of the window";
+    EXPECT_EQ(file.find(home.path() / "opened"), std::string::npos) << "it is no recent file of the window";
   }
 }
 
