@@ -44,6 +44,11 @@ void HeadsetPlace::inside(const Isometry3& stageFromHead, const Vec3& eye) {
   worldFromStage_.translation() += eye - worldFromStage_ * stageFromHead.translation();
 }
 
+void HeadsetPlace::along(const Isometry3& followed, const Vec3& known, const Vec3& head) {
+  if (!avatar_ || avatar_->head != head) avatar_ = Avatar{head, head - known};
+  worldFromStage_ = Eigen::Translation3d(avatar_->off) * followed;
+}
+
 void HeadsetPlace::walk(const Isometry3& stageFromHead, const Eigen::Vector2d& stick, double seconds) {
   const Mat3 along =
       Eigen::AngleAxisd(headingOf(worldFromStage_.linear() * -stageFromHead.linear().col(2)), Vec3::UnitY())

@@ -194,6 +194,7 @@ void HeadsetWindow::findPlace(const Scene& scene, const WindowValues& values) {
       place_.stand(stageFromHead, *values.focus + kBeside * ahead, -ahead);
     }
     inside_ = inside;
+    place_.forgetAvatar();
   }
   if (!inside) return;
   if (!news_.alone && !news_.registration) {
@@ -204,8 +205,7 @@ void HeadsetWindow::findPlace(const Scene& scene, const WindowValues& values) {
   const Isometry3& told = told_.front().pose.head;
   const Vec3 known = news_.registration ? Vec3(floorFromStage * (told * news_.registration->headInHeadset))
                                         : Vec3(told * kNominalHeadInHeadset);
-  const Vec3 off = *head - known;
-  place_.set(Eigen::Translation3d(off) * floorFromStage);
+  place_.along(floorFromStage, known, *head);
 }
 
 /// In the frame of what follows the wearer.
@@ -244,6 +244,7 @@ void HeadsetWindow::tell(const HeadsetNews& news) {
   }
   if (!news.advice.empty() && news.advice != news_.advice) notice(news.advice, kNoticeSeconds);
   news_ = news;
+  place_.forgetAvatar();
 }
 
 Ray HeadsetWindow::aimOf(int hand) const {

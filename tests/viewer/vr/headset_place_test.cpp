@@ -79,6 +79,31 @@ TEST(HeadsetPlace, InsideTheHeadIsAtTheEyesAndTurnsFreely) {
   EXPECT_TRUE(place.worldFromStage().linear().isApprox(turned, 1e-12));
 }
 
+TEST(HeadsetPlace, InsideTheWearerWalksOnWhileTheAvatarStandsStill) {
+  const Isometry3 followed = pose({1.0, 0.0, -2.0}, 0.8);
+  const Vec3 off(0.02, -0.1, 0.01);  // a smaller avatar
+  const auto eyes = [&](const HeadsetPlace& place, const Isometry3& head) {
+    return Vec3((place.worldFromStage() * head).translation());
+  };
+  HeadsetPlace place;
+  Isometry3 head = pose({0.1, 1.7, 0.2}, 0.3);
+  Vec3 avatar = followed * head.translation() + off;
+  place.along(followed, followed * head.translation(), avatar);
+  EXPECT_TRUE(eyes(place, head).isApprox(avatar, 1e-12));
+  head.translation() += Vec3(0.4, 0.05, 0.3);  // no image shows it
+  place.along(followed, followed * head.translation(), avatar);
+  EXPECT_TRUE(eyes(place, head).isApprox(avatar + followed.linear() * Vec3(0.4, 0.05, 0.3), 1e-12));
+  // The avatar comes after: the eyes stay where they are.
+  avatar = followed * head.translation() + off;
+  const Vec3 before = eyes(place, head);
+  place.along(followed, followed * head.translation(), avatar);
+  EXPECT_TRUE(eyes(place, head).isApprox(before, 1e-12));
+  // Another avatar has other proportions.
+  place.forgetAvatar();
+  place.along(followed, followed * head.translation(), avatar + Vec3(0.0, 0.3, 0.0));
+  EXPECT_TRUE(eyes(place, head).isApprox(avatar + Vec3(0.0, 0.3, 0.0), 1e-12));
+}
+
 TEST(HeadsetPlace, WalksWhereTheHeadLooks) {
   const Isometry3 head = pose({0.3, 1.6, 0.2}, 0.5 * std::numbers::pi, -0.6);  // to -X, and down
   HeadsetPlace place;
