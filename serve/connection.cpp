@@ -340,7 +340,7 @@ void Connection::answer() {
     return refuse(http::status::misdirected_request, "This server answers to 127.0.0.1 and localhost alone.");
   }
   const std::string target = text(request.target());
-  if (shared_.secure && !secure_) return sendToHttps(host + target);
+  if (shared_.secure && !secure_) return sendToHttps(host + (target.starts_with('/') ? target : "/"));
   const std::string path = target.substr(0, target.find('?'));
   if (request.method() == http::verb::put && path.starts_with(kOpen)) return receive(path);
   if (unread_) return pipe().close();  // nothing else has a body

@@ -64,10 +64,12 @@ World::Impl::~Impl() {
 
 void World::Impl::addProp(const Prop& prop) {
   LORICA_CHECK(props.size() < kMaxProps, "too many props for the broad phase");
-  const auto same =
-      std::find_if(props.begin(), props.end(), [&](const Prop& other) { return prop.mesh && other.mesh == prop.mesh; });
-  const PropBody* body = same == props.end() ? nullptr : &propBodies[same - props.begin()];
-  propBodies.push_back(makePropBody(prop, countOf(props), body));
+  const PropBody* same = nullptr;
+  if (prop.mesh) {
+    const auto found = std::ranges::find(props, prop.mesh, &Prop::mesh);
+    if (found != props.end()) same = &propBodies[found - props.begin()];
+  }
+  propBodies.push_back(makePropBody(prop, countOf(props), same));
   addBody(propBodies.back(), prop.mass == 0.0);
   props.push_back(prop);
 }
