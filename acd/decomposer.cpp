@@ -101,15 +101,17 @@ Decomposition Decomposer::finish() {
   return result;
 }
 
-/// Reports progress, scaled to the requested number of parts if more pieces are cut. Without such a number, to the one
-/// that is expected from how much is done. Returns false to cancel.
+/// Reports progress, scaled to the requested number of parts if more pieces are cut. Without such a number, or with
+/// other limits that may be met earlier, to the one that is expected from how much is done. Returns false to cancel.
 bool Decomposer::goOn(std::size_t pieces, std::size_t limit) const {
   if (!settings_.progress) return true;
-  if (settings_.maxParts > 0) return settings_.progress(pieces * settings_.maxParts / limit, settings_.maxParts);
-  const int parts = std::ceil(pieces / cuts_.overCut);
+  const int most = settings_.maxParts > 0 ? settings_.maxParts : std::numeric_limits<int>::max();
+  if (settings_.maxParts > 0 && !limited()) return settings_.progress(pieces * most / limit, most);
+  const int parts = std::min<int>(std::ceil(pieces / cuts_.overCut), most);
   if (pieces == limit) return settings_.progress(parts, parts);
   const double done = met_ > 0 ? static_cast<double>(pieces) / limit : shareDone() / cuts_.overCut;
-  return settings_.progress(parts, done < 0.01 ? 0 : std::max(parts + 1, static_cast<int>(parts / done)));
+  const int expected = done < 0.01 ? 0 : std::max(parts + 1, static_cast<int>(parts / done));
+  return settings_.progress(parts, std::min(expected, most));
 }
 
 /// How much of the cutting is done in the worst keyframe. On the way to maxError that is told by the logarithm of the

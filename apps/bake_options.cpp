@@ -67,13 +67,10 @@ void addBakeOptions(CommandLine& app, BakeOptions& options) {
   app.addOption("LIST", options.lists,
                 "Meshes, characters, folders, patterns in quotes, or lists of them: a path on each line, .csv with the "
                 "column `input`, .jsonl with \"input\"; other columns are settings, such as `parts`")
-      ->required()
-      ->typeName("");
-  app.addOption("--out", options.out, "Folder of the results; several processes may share it")
-      ->required()
-      ->typeName("DIR");
+      ->required();
+  app.addOption("--out", options.out, "Folder of the results; several processes may share it", "DIR")->required();
   const auto add = [&app](const char* name, std::string& value, const char* description, const char* type) {
-    app.addOption(name, value, description)->typeName(type);
+    app.addOption(name, value, description, type);
   };
   add("--parts", options.parts, "Maximum number of parts of each item, as for `lorica decompose`", "N");
   add("--max-error", options.maxError, "Stop when the hulls have at most this much extra volume", "E");
@@ -89,23 +86,19 @@ void addBakeOptions(CommandLine& app, BakeOptions& options) {
   add("--walls", options.walls, "Open surfaces: auto, solid or shell [default: auto]", "WHAT");
   add("--thickness", options.thickness, "Thickness of thin walls, in the mesh's unit", "LENGTH");
   add("--body", options.body, "Closed bodies: auto, never or always [default: auto]", "WHEN");
-  app.addOption("--motion", options.motions, "Train characters on this motion; may be repeated")
-      ->typeName("FILE")
-      ->repeatable();
+  app.addOption("--motion", options.motions, "Train characters on this motion; may be repeated", "FILE")->repeatable();
   app.addOption("--export", options.exports,
-                "Also write hulls with these endings, separated by commas: obj, stl, ply, xml, urdf, glb, vrm")
-      ->typeName("ENDING,...")
+                "Also write hulls with these endings, separated by commas: obj, stl, ply, xml, urdf, glb, vrm",
+                "ENDING,...")
       ->separatedBy(',');
   add("--engine", options.engine, "Engine of the exports, which limits the vertices of hulls", "NAME");
   app.addOption("--shard", options.shard,
-                "Do the I-th of N shares of the list, which are chosen by content [default: all]")
-      ->typeName("I/N")
+                "Do the I-th of N shares of the list, which are chosen by content [default: all]", "I/N")
       ->check([](std::string& text) -> std::string {
         return shardIn(text) ? "" : fmt::format("found `{}`, expected I/N with I from 1 to N, such as 2/10", text);
       });
   addCount(app, "--jobs", options.jobs, 1, "Items at a time, which share the threads [default: one for each thread]");
-  app.addOption("--memory", options.memory, "Memory for all items at a time [default: what the machine has]")
-      ->typeName("SIZE")
+  app.addOption("--memory", options.memory, "Memory for all items at a time [default: what the machine has]", "SIZE")
       ->check(memorySize());
   addSeconds(app, "--timeout", options.timeout, "Give an item up after this time [default: 3600]");
   addSeconds(app, "--lost-after", options.lostAfter,

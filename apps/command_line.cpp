@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::size_t kColumnWidth = 30;  // of the options' names in the help
 constexpr std::size_t kGap = 2;           // minimum between a name and its description
+constexpr const char* kOwnOptions = "Options";
 
 /// Columns for the help: those of the terminal, else what COLUMNS says, else 100; at least 60 and at most 120, since
 /// longer lines read badly.
@@ -87,6 +88,26 @@ class HelpFormatter : public CLI::Formatter {
     return wrapped(app->get_description(), 0, width_) + "\n";
   }
 
+  /// In the short help of a command, what it shares with others is only named.
+  std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
+    if (mode != CLI::AppFormatMode::Normal || app->get_parent() == nullptr)
+      return Formatter::make_help(app, name, mode);
+    std::string own, more;
+    for (const std::string& group : app->get_groups()) {
+      const auto options = app->get_options(
+          [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
+      if (group == kOwnOptions) {
+        own = make_group(group, false, options);
+      } else if (!group.empty()) {
+        std::string names = options[0]->get_name();
+        for (std::size_t i = 1; i < options.size(); ++i) names += " " + options[i]->get_name();
+        more += fmt::format("  {:{}}{}\n", group, kColumnWidth - 2, wrapped(names, kColumnWidth, width_));
+      }
+    }
+    return make_description(app) + make_usage(app, name) + make_positionals(app) + own +
+           "\nMore, explained by --help:\n" + more + "\n" + make_footer(app);
+  }
+
  private:
   std::size_t width_ = helpWidth();
 };
@@ -112,7 +133,7 @@ std::string groupOf(const std::string& option) {
   for (const auto& [group, names] : kGroups) {
     if (names.find(" " + option + " ") != std::string_view::npos) return std::string(group);
   }
-  return "Options";
+  return kOwnOptions;
 }
 
 CLI::Validator validatorOf(TextCheck check) {
@@ -122,11 +143,6 @@ CLI::Validator validatorOf(TextCheck check) {
 }
 
 }  // namespace
-
-Option* Option::typeName(const std::string& name) {
-  option_->type_name(name);
-  return this;
-}
 
 Option* Option::required() {
   option_->required();
@@ -174,7 +190,8 @@ CommandLine::~CommandLine() = default;
 CommandLine* CommandLine::addSubcommand(const std::string& name, const std::string& description,
                                         const std::string& footer) {
   CLI::App* app = app_->add_subcommand(name, description);
-  app->set_help_flag("-h,--help", "Show this help");
+  app->set_help_flag("-h", "Show the most important options");
+  app->set_help_all_flag("--help", "Show all options");
   app->footer(footer);
   if (!group_.empty()) app->group(group_);
   subcommands_.emplace_back(new CommandLine(app));
@@ -186,16 +203,20 @@ void CommandLine::footer(const std::string& text) {
 }
 
 template <typename Value>
-Option* CommandLine::addOption(const std::string& name, Value& value, const std::string& description) {
-  return &options_.emplace_back(app_->add_option(name, value, description)->group(groupOf(name)));
+Option* CommandLine::addOption(const std::string& name, Value& value, const std::string& description,
+                               const std::string& typeName) {
+  return &options_.emplace_back(app_->add_option(name, value, description)->group(groupOf(name))->type_name(typeName));
 }
-template Option* CommandLine::addOption(const std::string&, std::string&, const std::string&);
-template Option* CommandLine::addOption(const std::string&, int&, const std::string&);
-template Option* CommandLine::addOption(const std::string&, double&, const std::string&);
-template Option* CommandLine::addOption(const std::string&, std::optional<double>&, const std::string&);
-template Option* CommandLine::addOption(const std::string&, std::vector<std::string>&, const std::string&);
-template Option* CommandLine::addOption(const std::string&, std::vector<double>&, const std::string&);
-template Option* CommandLine::addOption(const std::string&, std::vector<int>&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::string&, const std::string&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, int&, const std::string&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, double&, const std::string&, const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::optional<double>&, const std::string&,
+                                        const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::vector<std::string>&, const std::string&,
+                                        const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::vector<double>&, const std::string&,
+                                        const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::vector<int>&, const std::string&, const std::string&);
 
 void CommandLine::group(const std::string& name) {
   group_ = name;
@@ -224,7 +245,8 @@ std::string CommandLine::unexpected(const std::string& argument, bool opened) co
     }
     if (argument.starts_with("-")) names = {"--help", "--version"};
     const std::string similar = didYouMean(argument, names);
-    return fmt::format("{}: unknown {}{}", argument, argument.starts_with("-") ? "option" : "command",
+    return fmt::format("{}: unknown {}{}", argument.empty() ? "\"\"" : argument,
+                       argument.starts_with("-") ? "option" : "command",
                        similar.empty() ? fmt::format(", expected one of {}", fmt::join(commands, ", ")) : similar);
   }
   if (argument.rfind("--", 0) != 0) {
@@ -267,20 +289,19 @@ std::optional<int> CommandLine::parse(int argc, char** argv) {
     say(fmt::format("{}: {}\nTry `{}`.\n", name, printable(sentence), helpCommand()));
     return kBadInputStatus;
   };
+  std::vector<std::string> arguments(argv + 1, argv + argc);
   // `lorica help play` is `lorica play --help`.
-  std::array<const char*, 3> help = {argv[0], "--help", nullptr};
-  const char* const* arguments = argv;
-  if (argc > 1 && std::string_view(argv[1]) == "help") {
-    if (argc > 2) {
-      const std::vector<std::string> names = subcommandNames();
-      if (std::find(names.begin(), names.end(), argv[2]) == names.end()) return refuse(unexpected(argv[2], false));
-      help = {argv[0], argv[2], "--help"};
+  if (!arguments.empty() && arguments[0] == "help") {
+    const std::vector<std::string> names = subcommandNames();
+    const bool one = arguments.size() > 1;
+    if (one && std::find(names.begin(), names.end(), arguments[1]) == names.end()) {
+      return refuse(unexpected(arguments[1], false));
     }
-    argc = std::min(argc, 3);
-    arguments = help.data();
+    arguments = one ? std::vector<std::string>{arguments[1], "--help"} : std::vector<std::string>{"--help"};
   }
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 takes them
   try {
-    app_->parse(argc, arguments);
+    app_->parse(std::move(arguments));
   } catch (const CLI::ExtrasError&) {
     const std::vector<std::string> extras = app_->remaining(true);
     return refuse(unexpected(extras.empty() ? "?" : extras.front(), true));

@@ -28,8 +28,6 @@ class Option {
  public:
   explicit Option(CLI::Option* option) : option_(option) {}
 
-  /// The placeholder of the value in the help; empty for a positional argument, whose name is enough.
-  Option* typeName(const std::string& name);
   Option* required();
   Option* check(TextCheck check);
   Option* excludes(Option* other);
@@ -59,8 +57,10 @@ class CommandLine {
 
   /// @param name  "--long", "-s,--long", or a word without dashes for a positional argument
   /// @param value  text, a number, an optional number, or a list of one of these
+  /// @param typeName  the placeholder of the value in the help; a positional argument's name is enough
   template <typename Value>
-  Option* addOption(const std::string& name, Value& value, const std::string& description);
+  Option* addOption(const std::string& name, Value& value, const std::string& description,
+                    const std::string& typeName = "");
   Option* addFlag(const std::string& name, bool& value, const std::string& description);
 
   /// Parses the arguments; for the whole command only.

@@ -17,10 +17,10 @@ Command addContacts(CommandLine& parent, CommonOptions& common) {
                                    "      two people among boxes\n"
                                    "\nA row a contact and frame: docs/CONTACTS.md has the columns.");
   addMotionOptions(*app, request->cast);
-  app->addOption("-o,--out", *output, "Output file: .npz, .csv or .jsonl")->typeName("FILE");
+  app->addOption("-o,--out", *output, "Output file: .npz, .csv or .jsonl", "FILE");
   addLength(*app, "--near", request->near, "Also pairs that are apart by at most this [default: 0.05]");
   addBodyOptions(*app, request->cast.body);
-  app->addOption("--scene", request->cast.scene, "Scene, as of `lorica play` [default: a floor]")->typeName("SCENE");
+  app->addOption("--scene", request->cast.scene, "Scene, as of `lorica play` [default: a floor]", "SCENE");
   return {app, [request, output](const CommonOptions& given, Host& host) -> Result<void> {
             const CastRequest& cast = request->cast;
             const bool nothing = cast.motion.empty() && cast.character.empty() && cast.scene.empty();

@@ -159,19 +159,18 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
          "IN", options->input,
          "Recorded joints, .bvh, a character file with clips, VMC packets (.pcap), a session (.lsession), or the "
          "name of a shipped recording")
-      ->required()
-      ->typeName("");
-  app->addOption("OUT", options->output, "Output file: .csv, .bvh, or .glb with --character")->required()->typeName("");
+      ->required();
+  app->addOption("OUT", options->output, "Output file: .csv, .bvh, or .glb with --character")->required();
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
   app->addOption(
-         "--character", options->character.name,
-         "Move this character: .glb, .gltf, .vrm, .fbx, .dae or mannequin. OUT.glb is its file with the motion as "
-         "first animation, in its units (of FBX and COLLADA: what Lorica has read, in metres); OUT.bvh has its "
-         "joints, in centimetres")
-      ->typeName("FILE");
-  app->addOption("--map", options->character.map, "Bone map of the character; `lorica info --write-map` creates one")
-      ->typeName("FILE.json");
+      "--character", options->character.name,
+      "Move this character: .glb, .gltf, .vrm, .fbx, .dae or mannequin. OUT.glb is its file with the motion as "
+      "first animation, in its units (of FBX and COLLADA: what Lorica has read, in metres); OUT.bvh has its "
+      "joints, in centimetres",
+      "FILE");
+  app->addOption("--map", options->character.map, "Bone map of the character; `lorica info --write-map` creates one",
+                 "FILE.json");
   app->addFlag("--camera-frame", options->cameraFrame,
                "Of a depth recording, also write the joints of everyone in the camera's frame (OUT.cam.csv) and whose "
                "each pixel is (OUT.lab), to judge the tracker");

@@ -177,8 +177,6 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "      16 parts that stay tight in 12 poses of the shipped recordings\n"
       "  lorica decompose hero.glb -o hero.lorica\n"
       "      your own character, trained on its own clips\n"
-      "  lorica decompose mannequin --parts 24 --motion dance.csv -o dancer.lorica\n"
-      "      trained on your own motion\n"
       "  lorica decompose mannequin --keyframes auto --motion walk --motion dance.csv\n"
       "      trained on the most different poses of both motions\n"
       "  lorica decompose mannequin --hull-vertices 64 -o body.lorica\n"
@@ -191,16 +189,13 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "\nThe hulls contain every vertex of the input's surface. Of a mesh, exports have the units and coordinates of\n"
       "the file (glTF: Y up; COLLADA: converted to metres, Y up); of a character, metres, Y up, facing +Z.\n"
       "For a character, --export-obj writes the hulls of its bind pose; with --hull-vertices they are enlarged to\n"
-      "contain it. Volumes, score, error and distance are those of the hulls that are exported; for a character those "
-      "of\n"
-      "its live hulls, and volumes, score and error are means over the keyframes. The points of the hull cover are "
-      "chosen\n"
-      "in 128 poses, half of them from the motions and half random within joint limits, and measured in 128 other\n"
-      "poses.");
+      "contain it. Volumes, score, error and distance are those of the hulls that are exported; for a character\n"
+      "those of its live hulls, and volumes, score and error are means over the keyframes. The points of the hull\n"
+      "cover are chosen in 128 poses, half of them from the motions and half random within joint limits, and\n"
+      "measured in 128 other poses.");
   app->addOption("INPUT", options->input,
                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), or `mannequin`")
-      ->required()
-      ->typeName("");
+      ->required();
   addCount(*app, "--parts", options->parts, 1,
            "Maximum number of parts; fewer are made if they fit as well [default without limits: 16 for a character, "
            "256 for "
@@ -229,8 +224,8 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
   app->addOption(
          "--motion", options->motions,
          "Take keyframes from this motion; may be repeated [default: the character's own clips, else the shipped "
-         "recordings]")
-      ->typeName("FILE")
+         "recordings]",
+         "FILE")
       ->repeatable();
   addCharacterOptions(*app, options->character);
   addBodyOption(*app, options->body);
@@ -248,10 +243,9 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
            "frame");
   app->addFlag("--held-out", options->heldOut,
                "Also measure the error of a character's hulls in 32 poses that the parts were not trained on");
-  app->addOption("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
-      ->typeName("FILE.lorica");
-  app->addOption("--export-obj", options->obj, "Write the parts' hulls")->typeName("FILE.obj");
-  app->addOption("--picture", options->picture, "Draw the parts' hulls, each in its colour")->typeName("FILE.png");
+  app->addOption("-o,--output", options->output, "Write the decomposition, for use with `lorica play`", "FILE.lorica");
+  app->addOption("--export-obj", options->obj, "Write the parts' hulls", "FILE.obj");
+  app->addOption("--picture", options->picture, "Draw the parts' hulls, each in its colour", "FILE.png");
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 

@@ -214,12 +214,10 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
       "\nThe body has 16 convex parts, trained on 12 keyframes. It is computed on the first run, with progress and\n"
       "Cancel in the window, and cached in $XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
   app->addOption(
-         "CHARACTER", options->character,
-         "A character: a humanoid does all of it, another performs a clip of its own or stands [default: mannequin]")
-      ->typeName("");
+      "CHARACTER", options->character,
+      "A character: a humanoid does all of it, another performs a clip of its own or stands [default: mannequin]");
   addSceneOption(*app, options->scene);
-  app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
-      ->typeName("DIR");
+  app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]", "DIR");
   Option* window = app->addFlag("--window", options->window,
                                 "Open a window and repeat until it is closed; fail if there is no display");
   app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);

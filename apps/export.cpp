@@ -280,25 +280,23 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
   app->addOption("IN", options->source.input,
                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, a "
                  "decomposition (.lorica), or a robot (.xml of MuJoCo, .urdf)")
-      ->required()
-      ->typeName("");
-  app->addOption("OUT", options->output, std::string("Output file: ") + kFormats)->required()->typeName("");
+      ->required();
+  app->addOption("OUT", options->output, std::string("Output file: ") + kFormats)->required();
   app->addOption("--decomposition", options->source.decomposition,
-                 "Decomposition of IN, written by `lorica decompose -o`")
-      ->typeName("FILE.lorica");
+                 "Decomposition of IN, written by `lorica decompose -o`", "FILE.lorica");
   addCount(*app, "--parts", options->source.parts, 1,
            "Number of parts that a mesh is divided into; a character's are those of its decomposition [default: 16]");
   addShare(*app, "--max-concavity", options->source.maxConcavity,
            "Of a robot's meshes: the fewest parts of at most this concavity, see `decompose` [default: 0.05]");
   app->addFlag("--capsules", options->capsules, "Of a robot: a capsule around each hull instead of it");
-  app->addOption("--package", options->packages, "Folder of a ROS package that a robot names; may be repeated")
-      ->typeName("NAME=FOLDER")
+  app->addOption("--package", options->packages, "Folder of a ROS package that a robot names; may be repeated",
+                 "NAME=FOLDER")
       ->repeatable();
   addPresetOption(*app, options->preset);
   app->addOption("--engine", options->engine,
                  "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "
-                 "60, jolt 256; mujoco and godot take any, and get 64")
-      ->typeName("NAME")
+                 "60, jolt 256; mujoco and godot take any, and get 64",
+                 "NAME")
       ->check(oneOf(engineNames()));
   addCount(*app, "--hull-vertices", options->hullVertices, 0,
            "Limit each hull to N vertices, at least 4; it is enlarged to contain the same; 0 = no limit [default: the "
@@ -312,9 +310,9 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
   app->addFlag("--show-colliders", options->showColliders, "In .glb: draw the hulls, translucent, over the character");
   app->addOption("--motion", options->motion,
                  "With --at: recorded joints, .bvh, a character file with clips, or a "
-                 "shipped recording")
-      ->typeName("FILE");
-  app->addOption("--at", options->at, "Export the live hulls of this moment of --motion [s]")->typeName("SECONDS");
+                 "shipped recording",
+                 "FILE");
+  app->addOption("--at", options->at, "Export the live hulls of this moment of --motion [s]", "SECONDS");
   addReadingOptions(*app, options->reading);
   addCharacterOptions(*app, options->source.reading);
   addBodyOption(*app, options->body);

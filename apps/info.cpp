@@ -144,15 +144,14 @@ Command addInfo(CommandLine& parent, CommonOptions& common) {
   Option* file =
       app->addOption("FILE", options->input,
                      "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
-                     "joints), depth (.oni), decomposition (.lorica), or a shipped name")
-          ->typeName("");
+                     "joints), depth (.oni), decomposition (.lorica), or a shipped name");
   Option* devices =
       app->addFlag("--devices", options->devices, "List depth cameras instead of describing a file")->excludes(file);
-  app->addOption("--driver", options->driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE")->needs(devices);
+  app->addOption("--driver", options->driver, "Additional OpenNI2 driver: lib*.so", "FILE")->needs(devices);
   addCharacterOptions(*app, options->character);
   addTextureOption(*app, options->character.textureSize);
-  app->addOption("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone")
-      ->typeName("FILE.json");
+  app->addOption("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone",
+                 "FILE.json");
   addReadingOptions(*app, options->motion);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }

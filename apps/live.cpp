@@ -181,8 +181,7 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
                             "People to follow at once, each with an avatar, at most 6 [default: 1]")
                        ->excludes(person);
   Option* lower = addWearerOptions(*app, options->live);
-  Option* nite = app->addOption("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so")
-                     ->typeName("FILE")
+  Option* nite = app->addOption("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so", "FILE")
                      ->excludes(person)
                      ->excludes(people)
                      ->excludes(lower);
@@ -192,8 +191,8 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
   addEventsOption(*app, options->run.events);
   app->addOption("--character", options->request.character,
                  "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin; with --people one for all or one for each, "
-                 "separated by commas [default: mannequin]")
-      ->typeName("FILE");
+                 "separated by commas [default: mannequin]",
+                 "FILE");
   addPlayingOptions(*app, options->request.performing);
   addCharacterOptions(*app, options->request.reading);
   addSpringOption(*app, options->request.springs);

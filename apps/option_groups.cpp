@@ -33,8 +33,8 @@ void addPersonOption(CommandLine& app, int& person) {
          "Person to use, by number in a stream of joints or a recorded session, or by order of appearance before a "
          "depth camera; "
          "all: an avatar for each, with play and record [default: the one with the most motion; before a "
-         "camera the nearest]")
-      ->typeName("N|all")
+         "camera the nearest]",
+         "N|all")
       ->check(check);
 }
 
@@ -49,10 +49,10 @@ TextCheck isPosition() {
 
 void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
   app.addOption(
-         "--map", options.map,
-         "Bone map: the joint for each humanoid bone, if names and shape are not enough; `lorica info --write-map` "
-         "creates one")
-      ->typeName("FILE.json");
+      "--map", options.map,
+      "Bone map: the joint for each humanoid bone, if names and shape are not enough; `lorica info --write-map` "
+      "creates one",
+      "FILE.json");
   addLength(app, "--body-resolution", options.bodyResolution,
             "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
   addExpressionOption(app, options.expressions);
@@ -63,9 +63,9 @@ void addHideOption(CommandLine& app, std::vector<std::string>& hidden) {
   app.addOption(
          "--hide", hidden,
          "Leave out a mesh of the character, such as a weapon, from pictures and hulls; may be repeated; `lorica "
-         "info` lists the names")
-      ->repeatable()
-      ->typeName("NAME");
+         "info` lists the names",
+         "NAME")
+      ->repeatable();
 }
 
 void addTextureOption(CommandLine& app, int& textureSize) {
@@ -79,16 +79,15 @@ void addReadingOptions(CommandLine& app, MotionOptions& options) {
   for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
   const std::string names = fmt::format("{}", fmt::join(formats, ", "));
   app.addOption("--format", options.format,
-                fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names))
-      ->typeName("NAME")
+                fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names), "NAME")
       ->check(oneOf(std::move(formats)));
   addPersonOption(app, options.person);
-  app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]")->typeName("NAME");
+  app.addOption("--clip", options.clip, "Clip of a file with several clips [default: the first]", "NAME");
   app.addOption(
-         "--rest", options.rest,
-         "Rest pose of a BVH file: zero (all rotations are zero), frame:N (counted from 0), or a BVH file of the "
-         "same joints, whose first frame it is [default: zero if the body stands, else found]")
-      ->typeName("POSE");
+      "--rest", options.rest,
+      "Rest pose of a BVH file: zero (all rotations are zero), frame:N (counted from 0), or a BVH file of the "
+      "same joints, whose first frame it is [default: zero if the body stands, else found]",
+      "POSE");
   addSenderOption(app, options.sender);
 }
 
@@ -99,8 +98,8 @@ void addPlayingOptions(CommandLine& app, MotionOptions& options) {
       "Do not use the person's legs: the character stands, for people who sit and for webcams; motions of bones "
       "keep theirs");
   app.addOption("--smooth", options.smooth,
-                "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
-      ->typeName("NAME")
+                "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]",
+                "NAME")
       ->check(oneOf({"off", "one-euro"}));
   addPositive(
       app, "--min-cutoff", options.oneEuro.minCutoff,
@@ -124,19 +123,17 @@ void addFaultOption(CommandLine& app, MotionOptions& options) {
   app.addOption("--inject", options.inject,
                 "Simulate tracking faults, each with a rate or its default: dropout=0.1 (fraction of joints lost), "
                 "jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (fractions of frames); seed=1. Only late and "
-                "freeze apply to a motion of bones")
-      ->typeName("FAULTS")
+                "freeze apply to a motion of bones",
+                "FAULTS")
       ->check(check);
 }
 
 void addMotionOptions(CommandLine& app, CastRequest& options) {
   app.addOption("MOTION", options.motion,
                 "Recorded joints, .bvh, depth (.oni), a character file with clips, or the name of a shipped "
-                "recording [default: a clip of --character]")
-      ->typeName("");
+                "recording [default: a clip of --character]");
   app.addOption("--character", options.character,
-                "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]")
-      ->typeName("FILE");
+                "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin [default: mannequin]", "FILE");
   addReadingOptions(app, options.performing);
   addPlayingOptions(app, options.performing);
   addCharacterOptions(app, options.reading);
@@ -145,13 +142,13 @@ void addMotionOptions(CommandLine& app, CastRequest& options) {
 
 void addSenderOption(CommandLine& app, std::string& file) {
   app.addOption("--sender", file,
-                "The sender's model, if it is VRM 1.0 and sends its bones' own rotations: then zero is not the T-pose")
-      ->typeName("FILE.vrm");
+                "The sender's model, if it is VRM 1.0 and sends its bones' own rotations: then zero is not the T-pose",
+                "FILE.vrm");
 }
 
 void addBodyOptions(CommandLine& app, BodyOptions& options) {
-  app.addOption("--decomposition", options.decomposition, "Decomposition written by `lorica decompose -o`")
-      ->typeName("FILE.lorica");
+  app.addOption("--decomposition", options.decomposition, "Decomposition written by `lorica decompose -o`",
+                "FILE.lorica");
   addCover(
       app, options.cover.tolerance,
       "Hull cover: `exact` keeps the surface inside the hulls in every pose; a length keeps fewer points, so that the "
@@ -172,15 +169,15 @@ Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::
     if (error == std::errc() && stopped == end && std::isfinite(length) && length > 0.0) return "";
     return fmt::format("found `{}`, expected exact, or a length above 0 in metres such as 0.002", text);
   };
-  return app.addOption("--cover", tolerance, description)->typeName("exact|METRES")->check(check);
+  return app.addOption("--cover", tolerance, description, "exact|METRES")->check(check);
 }
 
 void addBodyOption(CommandLine& app, std::string& body) {
   app.addOption(
          "--body", body,
          "Replace the surface by a closed body: `auto` = if it cannot be repaired, `never` = refuse such a mesh, "
-         "`always` = even a closed one [default: auto]")
-      ->typeName("WHEN")
+         "`always` = even a closed one [default: auto]",
+         "WHEN")
       ->check(oneOf({"auto", "never", "always"}));
 }
 
@@ -188,8 +185,8 @@ void addPresetOption(CommandLine& app, std::string& preset) {
   app.addOption(
          "--preset", preset,
          "paper: the published algorithm; fast: better parts in similar time; quality: even better parts, slower "
-         "[default: fast]")
-      ->typeName("NAME")
+         "[default: fast]",
+         "NAME")
       ->check(oneOf({"paper", "fast", "quality"}));
 }
 
@@ -202,8 +199,8 @@ void addWallOptions(CommandLine& app, std::string& walls, double& thickness) {
   app.addOption(
          "--walls", walls,
          "What an open surface of a mesh is: `auto` = a thin wall, unless nothing outside can reach what is behind it; "
-         "`solid`, whatever its openings; `shell` = a thin wall, also where it is closed [default: auto]")
-      ->typeName("WHAT")
+         "`solid`, whatever its openings; `shell` = a thin wall, also where it is closed [default: auto]",
+         "WHAT")
       ->check(oneOf({"auto", "solid", "shell"}));
   addLength(app, "--thickness", thickness,
             "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, at most half of the "
@@ -220,18 +217,18 @@ BodyChoice bodyChoice(const std::string& name) {
 
 void addSceneOption(CommandLine& app, std::string& scene) {
   app.addOption(
-         "--scene", scene,
-         "Scene: a scene file (.json), or beach, boxes, bowling, bridge, curtain, dominoes, duel, fountain, pool, "
-         "sand or targets [default: boxes and balls of the demo]")
-      ->typeName("SCENE");
+      "--scene", scene,
+      "Scene: a scene file (.json), or beach, boxes, bowling, bridge, curtain, dominoes, duel, fountain, pool, "
+      "sand or targets [default: boxes and balls of the demo]",
+      "SCENE");
 }
 
 void addSpringOption(CommandLine& app, std::string& mode) {
   app.addOption("--springs", mode,
                 "What the character's hair and clothes do, if its file (VRM) has springs: `file` = collide with the "
                 "file's colliders, `body` = with the live hulls of the body and with props, `none` = stay at rest "
-                "[default: file, or body if the file has no colliders]")
-      ->typeName("MODE")
+                "[default: file, or body if the file has no colliders]",
+                "MODE")
       ->check(oneOf({"none", "file", "body"}));
 }
 
@@ -239,27 +236,26 @@ void addExpressionOption(CommandLine& app, std::vector<std::string>& expressions
   app.addOption(
          "--expression", expressions,
          "Expression of the face and its weight from 0 to 1, such as Joy=1; may be repeated; `lorica info` lists "
-         "a character's expressions")
-      ->repeatable()
-      ->typeName("NAME=WEIGHT");
+         "a character's expressions",
+         "NAME=WEIGHT")
+      ->repeatable();
 }
 
 void addRecordOption(CommandLine& app, std::string& file) {
-  app.addOption("--record", file, "Record the session, for `lorica replay`")->typeName("FILE.lsession");
+  app.addOption("--record", file, "Record the session, for `lorica replay`", "FILE.lsession");
 }
 
 void addDepthOptions(CommandLine& app, DepthOptions& options) {
-  Option* device =
-      app.addOption("--device", options.device, "URI of the camera, see `lorica info --devices` [default: the first]")
-          ->typeName("URI");
-  Option* driver = app.addOption("--driver", options.driver, "Additional OpenNI2 driver: lib*.so")->typeName("FILE");
+  Option* device = app.addOption("--device", options.device,
+                                 "URI of the camera, see `lorica info --devices` [default: the first]", "URI");
+  Option* driver = app.addOption("--driver", options.driver, "Additional OpenNI2 driver: lib*.so", "FILE");
   Option* virtualCamera = app.addFlag("--virtual", options.virtualCamera, "Use a virtual camera with a virtual person");
   virtualCamera->excludes(device)->excludes(driver);
   app.addOption("--motion", options.motion,
                 "Motion of the virtual person, repeated: a shipped recording or a joint CSV; two of them, separated by "
                 "a comma, "
-                "for two people [default: from $LORICA_VIRTUAL, else wave]")
-      ->typeName("MOTION")
+                "for two people [default: from $LORICA_VIRTUAL, else wave]",
+                "MOTION")
       ->needs(virtualCamera);
 }
 
@@ -277,11 +273,11 @@ Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
   Option* vmc = app.addOption("--vmc", options.listenAt,
                               "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "
                               "to this machine only; see docs/STREAMS.md. `live` takes several, separated by commas: "
-                              "an avatar for each");
-  vmc->typeName("[HOST:]PORT");
-  addCount(app, "--delay", options.delayMs, 0,
-           "Show what is received so many milliseconds later, at an even pace, if the network is uneven [default: 0]")
-      ->typeName("MS")
+                              "an avatar for each",
+                              "[HOST:]PORT");
+  addCount(
+      app, "--delay", options.delayMs, 0,
+      "Show what is received so many milliseconds later, at an even pace, if the network is uneven [ms; default: 0]")
       ->needs(vmc);
   return vmc;
 }
@@ -289,18 +285,15 @@ Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
 void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
   Option* vmc = app.addOption("--vmc-out", options.vmc,
                               "Send the pose by the VMC protocol, for VSeeFace, Unity, Unreal and others, such as "
-                              "127.0.0.1:39539; see docs/STREAMS.md");
-  vmc->typeName("HOST:PORT");
-  app.addOption("--vmc-bones", options.bones, "Send only these bones: Hips,Head,LeftHand [default: all]")
-      ->typeName("NAME,...")
+                              "127.0.0.1:39539; see docs/STREAMS.md",
+                              "HOST:PORT");
+  app.addOption("--vmc-bones", options.bones, "Send only these bones: Hips,Head,LeftHand [default: all]", "NAME,...")
       ->separatedBy(',')
       ->needs(vmc);
-  Option* vrchat =
-      app.addOption("--vrchat", options.vrchat, "Send the pose as VRChat's OSC trackers [default port: 9000]")
-          ->typeName("HOST[:PORT]");
+  Option* vrchat = app.addOption("--vrchat", options.vrchat,
+                                 "Send the pose as VRChat's OSC trackers [default port: 9000]", "HOST[:PORT]");
   app.addOption("--vrchat-trackers", options.trackers,
-                "Send only these: head,waist,chest,feet,knees,elbows [default: all]")
-      ->typeName("NAME,...")
+                "Send only these: head,waist,chest,feet,knees,elbows [default: all]", "NAME,...")
       ->separatedBy(',')
       ->needs(vrchat);
 }
@@ -308,15 +301,14 @@ void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
 void addEventsOption(CommandLine& app, std::string& to) {
   app.addOption("--events", to,
                 "Write begin, stay and end of each contact as lines of JSON; `-` is standard output, and the report "
-                "goes to standard error; see docs/CONTACTS.md")
-      ->typeName("FILE");
+                "goes to standard error; see docs/CONTACTS.md",
+                "FILE");
 }
 
 void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window) {
-  Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder")->typeName("DIR");
+  Option* snapshots = app.addOption("--snapshots", options.folder, "Write pictures to this folder", "DIR");
   addCount(app, "--every", options.every, 1, "Write a picture every N frames [default: 30]")->needs(snapshots);
-  Option* video =
-      app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second)")->typeName("FILE");
+  Option* video = app.addOption("--video", options.video, "Write a video, as .mp4 (30 frames per second)", "FILE");
   Option* headless = app.addFlag("--headless", options.headless, "Do not open a window, even if there is a display");
   for (Option* option : {snapshots, video, headless}) option->excludes(window);
   addCameraOptions(app, options.camera);
@@ -336,8 +328,7 @@ void addSizeOption(CommandLine& app, std::string& size) {
         kSmallestSide, kLargestSide);
   };
   app.addOption("--size", size,
-                "Width and height in pixels, or portrait (1080x1920), or square (1080x1080) [default: 1280x720]")
-      ->typeName("WxH")
+                "Width and height in pixels, or portrait (1080x1920), or square (1080x1080) [default: 1280x720]", "WxH")
       ->check(check);
 }
 
@@ -349,8 +340,8 @@ void addBackgroundOption(CommandLine& app, std::string& background) {
                        text);
   };
   app.addOption("--background", background,
-                "Instead of the sky and the ground: a colour such as #00ff00, or transparent [default: the sky]")
-      ->typeName("COLOR")
+                "Instead of the sky and the ground: a colour such as #00ff00, or transparent [default: the sky]",
+                "COLOR")
       ->check(check);
 }
 
@@ -359,15 +350,13 @@ void addCameraOptions(CommandLine& app, CameraOptions& options) {
       app.addOption(
              "--camera", options.preset,
              "View of the body, which the camera follows: front, side, back, top, three-quarter (35 degrees from "
-             "where it faces), or face for a portrait [default: three-quarter]")
-          ->typeName("VIEW")
+             "where it faces), or face for a portrait [default: three-quarter]",
+             "VIEW")
           ->check(oneOf({"front", "side", "back", "top", "face", "three-quarter"}));
-  Option* eye = app.addOption("--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3")
-                    ->typeName("X,Y,Z")
+  Option* eye = app.addOption("--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3", "X,Y,Z")
                     ->check(isPosition())
                     ->excludes(camera);
-  Option* target = app.addOption("--target", options.target, "Point that the fixed camera looks at, in metres")
-                       ->typeName("X,Y,Z")
+  Option* target = app.addOption("--target", options.target, "Point that the fixed camera looks at, in metres", "X,Y,Z")
                        ->check(isPosition())
                        ->needs(eye);
   eye->needs(target);

@@ -41,11 +41,10 @@ TextCheck numberAboveZero(const char* what) {
 CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std::string& name,
                            const std::string& description, const std::string& examples) {
   CommandLine* app = parent.addSubcommand(name, description, "Examples:\n" + examples);
-  app->addOption("--json", common.json, "Write the report as JSON; `-` = to standard output, instead of the text")
-      ->typeName("FILE");
+  app->addOption("--json", common.json, "Write the report as JSON; `-` = to standard output, instead of the text",
+                 "FILE");
   app->addOption("--threads", common.threads,
-                 "Number of threads; the result does not depend on it [default: all cores]")
-      ->typeName("N")
+                 "Number of threads; the result does not depend on it [default: all cores]", "N")
       ->check(countBetween(1, kMaxThreads));
   app->addFlag("--force", common.force, "Overwrite files that exist");
   app->addFlag("--trust-paths", common.trustPaths,
@@ -53,8 +52,8 @@ CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std
   if (name != "bake") {  // whose option of that name is for all its processes
     app->addOption("--memory", common.memory,
                    "Memory that the command may take [default: 2G, or 200 bytes for each byte of its files; no limit "
-                   "with --window]")
-        ->typeName("SIZE")
+                   "with --window]",
+                   "SIZE")
         ->check(memorySize(64));  // less does not hold the libraries
   }
   return app;
@@ -62,7 +61,7 @@ CommandLine* addSubcommand(CommandLine& parent, CommonOptions& common, const std
 
 Option* addCount(CommandLine& app, const std::string& name, int& value, int min, const std::string& description,
                  int max) {
-  return app.addOption(name, value, description)->typeName("N")->check(countBetween(min, max));
+  return app.addOption(name, value, description, "N")->check(countBetween(min, max));
 }
 
 Option* addCountOrAuto(CommandLine& app, const std::string& name, int& value, int min, const std::string& description) {
@@ -75,7 +74,7 @@ Option* addCountOrAuto(CommandLine& app, const std::string& name, int& value, in
     }
     return "";
   };
-  return app.addOption(name, value, description)->typeName("N")->check(check);
+  return app.addOption(name, value, description, "N")->check(check);
 }
 
 TextCheck oneOf(std::vector<std::string> words) {
@@ -91,20 +90,20 @@ Option* addMoment(CommandLine& app, const std::string& name, double& value, cons
     if (parseWhole(text, number) && std::isfinite(number) && number >= 0.0) return "";
     return fmt::format("found `{}`, expected 0 seconds or more", text);
   };
-  return app.addOption(name, value, description)->typeName("S")->check(check);
+  return app.addOption(name, value, description, "S")->check(check);
 }
 
 Option* addSeconds(CommandLine& app, const std::string& name, double& value, const std::string& description) {
-  return app.addOption(name, value, description)->typeName("S")->check(numberAboveZero("seconds"));
+  return app.addOption(name, value, description, "S")->check(numberAboveZero("seconds"));
 }
 
 Option* addPositive(CommandLine& app, const std::string& name, double& value, const std::string& description,
                     const std::string& typeName) {
-  return app.addOption(name, value, description)->typeName(typeName)->check(numberAboveZero("a number"));
+  return app.addOption(name, value, description, typeName)->check(numberAboveZero("a number"));
 }
 
 Option* addLength(CommandLine& app, const std::string& name, double& value, const std::string& description) {
-  return app.addOption(name, value, description)->typeName("METRES")->check(numberAboveZero("a length"));
+  return app.addOption(name, value, description, "METRES")->check(numberAboveZero("a length"));
 }
 
 Option* addShare(CommandLine& app, const std::string& name, double& value, const std::string& description) {
@@ -122,7 +121,7 @@ Option* addShare(CommandLine& app, const std::string& name, double& value, const
     if (isPercent) text = fmt::format("{}", number / 100.0);
     return "";
   };
-  return app.addOption(name, value, description)->typeName("E")->check(check);
+  return app.addOption(name, value, description, "E")->check(check);
 }
 
 }  // namespace lorica

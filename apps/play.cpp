@@ -215,8 +215,6 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "      your own motion and character\n"
       "  lorica play hero.glb --clip Run\n"
       "      a character's own clip\n"
-      "  lorica play punch_and_kick --scene bowling\n"
-      "      in another scene: boxes, bowling, curtain, sand, targets, or your own scene file\n"
       "  lorica play --scene duel\n"
       "      a scene with avatars of its own, which perform unless a motion is given\n"
       "  lorica play walk --inject dropout=0.1,swap,seed=7\n"
@@ -232,7 +230,6 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
       "      your own joints and decomposition\n"
       "  lorica play walk --hull-vertices 64\n"
       "      hulls of at most 64 vertices that contain the body in 128 sampled poses\n"
-      "  lorica play wave --json - | jq .stages.total.median\n"
       "\nWithout --decomposition: 16 parts from 12 keyframes, computed on the first run and then cached, as are the\n"
       "body of a character whose surface is open, and the hull covers of --cover and --hull-vertices. Keyframes come\n"
       "from the character's own clips and, of a humanoid, from the shipped recordings.");

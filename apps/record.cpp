@@ -245,9 +245,7 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
                     "\nDuring the recording the files are named body.part.oni, body.part.csv and kick.part.lsession.\n"
                     "They are readable even if the program is killed; the next recording of that name keeps them as "
                     "body.found-1.oni, ...");
-  app->addOption("OUT", options->out, "The recording to write: .oni, .lsession, .bvh, .csv or .pcap")
-      ->required()
-      ->typeName("");
+  app->addOption("OUT", options->out, "The recording to write: .oni, .lsession, .bvh, .csv or .pcap")->required();
   addMotionOptions(*app, options->request);
   addFaultOption(*app, options->request.performing);
   addBodyOptions(*app, options->request.body);

@@ -144,11 +144,10 @@ Command addReplay(CommandLine& parent, CommonOptions& common) {
       "\nExit status: 0 if all steps are identical, 1 if one differs or is missing, 2 if the session cannot be run.\n"
       "The session stores the names and hashes of its character and decomposition; the hashes are checked.");
   app->addOption("SESSION", options->request.file, "Session written by `lorica record` or --record: .lsession")
-      ->required()
-      ->typeName("");
-  app->addOption("--character", options->request.character, "File of the character, if it was moved")->typeName("FILE");
-  app->addOption("--decomposition", options->request.decomposition, "File of the decomposition, if it was moved")
-      ->typeName("FILE.lorica");
+      ->required();
+  app->addOption("--character", options->request.character, "File of the character, if it was moved", "FILE");
+  app->addOption("--decomposition", options->request.decomposition, "File of the decomposition, if it was moved",
+                 "FILE.lorica");
   addPoseOutputOptions(*app, options->run.out);
   addEventsOption(*app, options->run.events);
   Option* window =

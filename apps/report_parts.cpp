@@ -207,15 +207,17 @@ void addTrainingTo(Report& report, const RunStatistics& statistics) {
     report.line("training", "unknown: the decomposition does not store its training range");
     return;
   }
-  const std::string range = fmt::format("({:.2f} m of {:.2f} m)", training->largest, training->knownDistance);
+  const std::string far =
+      fmt::format("at most {:.2f} m away; hulls fit up to {:.2f} m", training->largest, training->knownDistance);
   if (training->framesOutside == 0) {
-    report.line("training", "all poses are within the training range " + range);
+    report.line("training", fmt::format("every pose is like one that the parts were made from ({})", far));
     return;
   }
-  report.line("training", fmt::format("{} of {} outside the training range, first at {:.2f} s (frame {})",
-                                      grouped(training->framesOutside), counted(statistics.frames(), "frame"),
-                                      training->firstTime, training->firstOutside));
-  report.line("", "largest distance from a training keyframe " + range);
+  report.line("training",
+              fmt::format("{} of {} unlike those that the parts were made from, first at {:.2f} s (frame {})",
+                          grouped(training->framesOutside), counted(statistics.frames(), "frame"), training->firstTime,
+                          training->firstOutside));
+  report.line("", far);
 }
 
 void addHitsTo(nlohmann::ordered_json& json, const TargetHits& targets) {

@@ -158,9 +158,8 @@ Command addScore(CommandLine& parent, CommonOptions& common) {
       "file's own surface. Concavity is CoACD's (Wei et al. 2022): of what a hull holds of the mesh, the larger of\n"
       "the Hausdorff distance to the hull and 0.3 times the radius of a ball as large as the volume between them.");
   app->addOption("MESH", options->mesh, "Mesh (.off, .obj, .ply, .stl, .glb), or `mannequin` in its bind pose")
-      ->required()
-      ->typeName("");
-  app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required()->typeName("");
+      ->required();
+  app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required();
   addWallOptions(*app, options->walls, options->reading.thickness);
   addHideOption(*app, options->reading.hidden);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};

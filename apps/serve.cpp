@@ -37,13 +37,11 @@ void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
   Option* lan = app.addFlag("--lan", options.setting.lan,
                             "Show the page on the network too: with TLS, for those who have the link with its token");
   Option* recordings = app.addOption("--recordings", options.setting.recordings,
-                                     "Folder that people at the page may record sessions and open files into")
-                           ->typeName("DIR");
+                                     "Folder that people at the page may record sessions and open files into", "DIR");
   Option* certificate = app.addOption("--certificate", options.setting.certificate,
-                                      "Certificate of the page [default: one that Lorica makes and keeps]")
-                            ->typeName("FILE.pem");
+                                      "Certificate of the page [default: one that Lorica makes and keeps]", "FILE.pem");
   certificate->needs(lan)->needs(
-      app.addOption("--key", options.setting.key, "Its private key")->typeName("FILE.pem")->needs(certificate));
+      app.addOption("--key", options.setting.key, "Its private key", "FILE.pem")->needs(certificate));
   for (Option* option : {port, lan, recordings}) {
     if (flag) option->needs(serve);
   }

@@ -270,16 +270,13 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
                     "      the whole motion from a fixed camera\n"
                     "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes.");
   addMotionOptions(*app, options->request);
-  app->addOption("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]")
-      ->typeName("FILE");
-  app->addOption("--at", options->at, "Times in seconds since the first frame, separated by commas [default: halfway]")
-      ->separatedBy(',')
-      ->typeName("S");
-  app->addOption("--frame", options->frames, "Frames, counted from 0, separated by commas")
-      ->separatedBy(',')
-      ->typeName("N");
-  Option* video =
-      app->addOption("--video", options->video, "Write a real-time video of all frames, as .mp4")->typeName("FILE");
+  app->addOption("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]",
+                 "FILE");
+  app->addOption("--at", options->at, "Times in seconds since the first frame, separated by commas [default: halfway]",
+                 "S")
+      ->separatedBy(',');
+  app->addOption("--frame", options->frames, "Frames, counted from 0, separated by commas", "N")->separatedBy(',');
+  Option* video = app->addOption("--video", options->video, "Write a real-time video of all frames, as .mp4", "FILE");
   addMoment(*app, "--from", options->from, "Start of the video")->needs(video);
   addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
   addSizeOption(*app, options->size);
@@ -288,9 +285,9 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
          "--show", options->show,
          "Draw only these: skin (as the character's maker drew it), parts (its body coloured by part), hulls, bones, "
          "props, particles, contacts, ground, caption [default: all except bones; of a character with materials the "
-         "skin without parts and hulls]")
+         "skin without parts and hulls]",
+         "WHAT")
       ->separatedBy(',')
-      ->typeName("WHAT")
       ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
   addTextureOption(*app, options->request.reading.textureSize);
   app->addFlag("--strip", options->strip, "Combine several pictures side by side in one file");

@@ -92,6 +92,7 @@ std::string histogram(const std::vector<double>& figures, const Axis& axis) {
 }
 
 std::string histograms(const std::vector<const ordered_json*>& results) {
+  if (results.size() < 2) return "";  // one does not spread
   std::vector<double> errors, seconds, parts;
   for (const ordered_json* result : results) {
     errors.push_back(std::max(0.0, errorOf(*result)));
@@ -140,8 +141,9 @@ std::string resultTable(const std::vector<const ordered_json*>& results) {
       "<th class=\"n\">error</th><th class=\"n\">s</th><th class=\"n\">MB</th><th>files</th></tr>";
   for (const ordered_json* result : results) {
     html += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{:.4f}</td><td class=\"n\">{:.1f} %</td><td "
-        "class=\"n\">{:.1f}</td><td class=\"n\">{:.0f}</td><td>items/{}</td></tr>",
+        "<tr><td>{0}</td><td>{1}</td><td class=\"n\">{2}</td><td class=\"n\">{3:.4f}</td><td class=\"n\">{4:.1f} "
+        "%</td><td "
+        "class=\"n\">{5:.1f}</td><td class=\"n\">{6:.0f}</td><td><a href=\"items/{7}\">items/{7}</a></td></tr>",
         escaped(result->value("input", "")), escaped(result->value("settings", "")), result->value("parts", 0),
         result->value("score", 0.0), 100.0 * errorOf(*result), result->value("seconds", 0.0),
         result->value("peakMemory", 0.0) / 1e6, escaped(result->value("item", "")));

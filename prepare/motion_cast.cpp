@@ -283,7 +283,7 @@ CastRequest withPlaces(CastRequest request, std::string& remark) {
   const FileKind kind = kindOf(request.motion);
   if (kind == FileKind::kScene && request.scene.empty()) request.scene = std::exchange(request.motion, "");
   if (kind == FileKind::kMesh) {
-    remark = request.motion + ": is a mesh, so it is a prop";
+    remark = request.motion + ": is a mesh, so it is a prop; `lorica decompose` has pictures of its parts";
     request.meshes.push_back(std::exchange(request.motion, ""));
     if (request.character.empty()) request.character = "mannequin";
   }

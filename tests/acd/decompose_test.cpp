@@ -244,6 +244,21 @@ TEST(Decompose, TellsHowManyPartsThereAreWhenNoneWereAskedFor) {
   EXPECT_EQ(told.back(), countOf(d.parts));
 }
 
+TEST(Decompose, TellsHowManyPartsAreExpectedWhenALimitIsMetBeforeTheirNumber) {
+  int told = 0, last = 0, most = 0;
+  const auto progress = [&](int done, int total) {
+    told = done;
+    last = total;
+    most = std::max(most, total);
+    return true;
+  };
+  const Decomposition d =
+      decomposed(test::makeTorus(1.0, 0.4, 24, 12), {.maxParts = 256, .maxConcavity = 0.2, .progress = progress});
+  ASSERT_LT(countOf(d.parts), 64);
+  EXPECT_EQ(told, last);
+  EXPECT_LT(most, 256);
+}
+
 /// Merges parts from `count` on into the parts that they were split from, in level-of-detail order.
 Decomposition coarser(Decomposition d, std::size_t count) {
   while (d.parts.size() > count) {

@@ -21,6 +21,22 @@ TEST_P(Help, TeachesByExample) {
   EXPECT_NE(result.out.find("--threads"), std::string::npos);
 }
 
+TEST_P(Help, IsThereInShortWithTheNamesOfAllOptions) {
+  const std::string all = runLorica({GetParam(), "--help"}).out;
+  const CommandResult brief = runLorica({GetParam(), "-h"});
+  EXPECT_EQ(brief.exitCode, 0);
+  EXPECT_LT(brief.out.size(), all.size());
+  std::istringstream help(all);
+  int options = 0;
+  for (std::string line; std::getline(help, line) && line != "Examples:";) {
+    const std::size_t at = line.find("--");
+    if (at == std::string::npos || line.substr(0, 3) != "  -") continue;
+    ++options;
+    EXPECT_NE(brief.out.find(line.substr(at, line.find_first_of(" ,", at) - at)), std::string::npos) << line;
+  }
+  EXPECT_GT(options, 5);
+}
+
 INSTANTIATE_TEST_SUITE_P(Command, Help,
                          testing::Values("demo", "decompose", "score", "play", "info", "bake", "contacts"),
                          [](const auto& chosen) { return std::string(chosen.param); });

@@ -126,6 +126,8 @@ TEST(BakeReport, IsOnePageWithSentencesAndPictures) {
   EXPECT_EQ(page.find("a<b>"), std::string::npos);
   EXPECT_NE(page.find("src=\"data:image/png;base64,AQIDBA==\""), std::string::npos);
   EXPECT_NE(page.find("25.0 %"), std::string::npos);
+  EXPECT_NE(page.find("<a href=\"items/"), std::string::npos);
+  EXPECT_EQ(page.find("How they spread"), std::string::npos) << "of one result there is nothing to spread";
   EXPECT_EQ(page.find("http"), std::string::npos) << "the page must need nothing else";
   EXPECT_NE(htmlReport({}, [](const ordered_json&) { return std::string(); }).find("0 baked"), std::string::npos);
 }
