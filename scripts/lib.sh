@@ -53,7 +53,7 @@ build() {
 # lists.
 mirror_of() {
   apt-get indextargets --format '$(REPO_URI) $(LABEL)' 'Created-By: Packages' 2>/dev/null |
-    awk -v label="$1" '$2 == label { print $1; exit }'
+    awk -v label="$1" '$2 == label && !found++ { print $1 }'
 }
 
 # make_monado_root FOLDER LOG: a root of Debian 13 with Monado, an OpenXR runtime that Debian 12 lacks (1 GB). Its packages
