@@ -21,7 +21,8 @@ def rows_of(path):
     """Dicts of a CSV's rows, and what its comments say of version, machine and command."""
     lines = path.read_text().splitlines()
     about = dict(line[2:].split(": ", 1) for line in lines if re.match(r"# (version|machine|command): ", line))
-    return list(csv.DictReader(line for line in lines if line and not line.startswith("#"))), about
+    lines = [line for line in lines if line and not line.startswith("#")]
+    return list(csv.DictReader(line for i, line in enumerate(lines) if i == 0 or line != lines[0])), about  # runs repeat it
 
 
 def color_of(who):
@@ -321,6 +322,32 @@ def measured(page):
              joined(group, "real"), joined(group, "rendered")] for label, group in groups.items()])
 
 
+def tracking(page):
+    """The tables of docs/TRACKING.md: rendered people; real ones, means of four runs, and rooms composed of them."""
+    rows, _ = page.read("tracking")
+    of = {(row["motion"], row["body"]): row for row in rows}
+    cell = lambda row: f"{float(row['mean_mm']):.0f} / {float(row['p95_mm']):.0f}, {row['limb_wrong_percent']}"
+    page.table("TRACKING.md", "**Rendered people**", ["motion", "10 % taller", "25 % heavier"], [
+        [motion.replace("_", " "), *(cell(of[motion, body]) for body in ("tall", "heavy"))] for motion in dict.fromkeys(row["motion"] for row in rows)])
+    kinds = {"cut out": "cutout", "A": "A", "B": "B", "C": "C", "RealSense": "realsense_point", "no ring": "without a ring", "composed": "composed"}
+    rows = page.read("tracking_real")[0] + page.read("tracking_composed")[0]
+    runs = {name: [row for row in rows if row["recording"] == kind] for name, kind in kinds.items()}
+
+    def mean(runs, column, digits):
+        values = [float(row[column]) for row in runs if row[column]]
+        return f"{(max if column == 'first_frame' else statistics.fmean)(values):.{digits}f}" if values else ""
+
+    page.table("TRACKING.md", "**Real people**", ["", *kinds], [
+        [label, *(" / ".join(filter(None, (mean(of, column, digits) for column in columns.split()))) for of in runs.values())]
+        for label, columns, digits in (
+            ("followed after 1 s, %", "after_1s_followed_percent", 0), ("first followed, frame (the latest)", "first_frame", 0),
+            ("false people, frames", "false_frames", 0), ("exchanges", "exchanges", 0), ("facing away, %", "after_1s_back_percent", 1),
+            ("sure joints 10 cm outside the mask, %", "sure_outside_percent", 1), ("jumps in 1,000 pairs of frames", "pops_in_1000", 0),
+            ("overlap of pixels", "overlap", 2), ("off the SDK's, median / p95, mm", "after_1s_median_mm after_1s_p95_mm", 0),
+            ("a limb off the SDK's, % of frames", "after_1s_limb_off_percent", 0),
+            ("sure and off the SDK's, %", "after_1s_sure_off_percent", 1), ("CPU, mean / p99, ms", "cpu_ms_mean cpu_ms_p99", 0))])
+
+
 def others(page):
     for chart, unit in (("concavity", ""), ("seconds", "s"), ("hulls", "hulls")):
         for label, group in page.from_docs(chart):
@@ -399,7 +426,7 @@ def serve(page):
 
 def draw(folder):
     page = Page(folder)
-    for section in (live, frames, growth, score, presets, hulls, measured, others, particles, rays, serve):
+    for section in (live, frames, growth, score, presets, hulls, measured, tracking, others, particles, rays, serve):
         section(page)
     worse = [f"| {what} | {ours} | {who}: {theirs} |" for what, ours, who, theirs in page.worse]
     intro = ["# Benchmarks", "", textwrap.fill(f"Made by `scripts/benchmarks` from the CSV files in [benchmarks](benchmarks/{page.version.name}), which the "

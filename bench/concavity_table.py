@@ -1,43 +1,108 @@
 #!/usr/bin/env python3
-"""The field's table: usage: concavity_table.py LORICA FOLDER [PRESET...]
+"""The field's table: usage: concavity_table.py [--turned N] LORICA FOLDER [PRESET | WHO=COMMAND]...
 
 Decomposes each mesh of a folder at --max-concavity 0.05 and prints a CSV: parts, CoACD's concavity of the worst part and of
-the mean part, CPU seconds of the whole command, and the hash of the result. The last rows are means, and the median of
-the seconds. A mesh that is refused has the sentence instead.
+the mean part, the same as `lorica score` measures it for anybody's hulls, CPU seconds of the whole command, and the hash
+of the result. The last rows are means, and the median of the seconds. A mesh that is refused has the sentence instead.
+
+WHO=COMMAND is another program, which writes hulls as OBJ: {mesh}, {out} and {parts}, as many as the first preset made, are
+put in. With --turned each mesh (.off) is turned N times, seeded: the fewest and the most parts, and how far apart the
+concavities lie.
 """
 import csv
 import json
 import os
+import shlex
 import statistics
 import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
-if len(sys.argv) < 3:
+
+def run(command):
+    """The output of a command, its CPU seconds, and the sentence if it failed."""
+    before = os.times()
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True)
+    after = os.times()
+    said = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1] if done.returncode else ""
+    return done.stdout, after[2] - before[2] + after[3] - before[3], said
+
+
+def decompose(mesh, preset, *more):
+    text, seconds, said = run([lorica, "decompose", mesh, "--preset", preset, "--max-concavity", "0.05", "--json", "-", *more])
+    return json.loads(text) if not said else None, seconds, said
+
+
+def scored(mesh, hulls):
+    text, _, said = run([lorica, "score", mesh, hulls, "--json", "-"])
+    return ["", ""] if said else [json.loads(text)[name] for name in ("concavity", "meanConcavity")]
+
+
+def made_by(who, mesh, parts, hulls):
+    """Parts, the two concavities, seconds, hash, and the concavities that are measured; or a sentence."""
+    name, other, command = who.partition("=")
+    if not other:
+        of, seconds, said = decompose(mesh, name, "--export-obj", hulls, "--force")
+        return said or [of["parts"], of["concavity"], of["meanConcavity"], seconds, of["hash"], *scored(mesh, hulls)]
+    _, seconds, said = run(word.format(mesh=mesh, out=hulls, parts=parts) for word in shlex.split(command))
+    if said or not hulls.exists():
+        return said or "made nothing"
+    count = sum(line.startswith(("o ", "g ")) for line in hulls.read_text().splitlines())
+    return [count, "", "", seconds, "", *scored(mesh, hulls)]
+
+
+def turned(mesh, preset, count, file):
+    """The fewest and the most parts of the turned mesh, and how far apart its concavities lie."""
+    import numpy as np
+    lines = [line for line in (line.split("#")[0].strip() for line in mesh.read_text().splitlines()[1:]) if line]
+    vertices = int(lines[0].split()[0])
+    places = np.array([line.split()[:3] for line in lines[1:vertices + 1]], float)
+    random, results = np.random.default_rng(1), []
+    for _ in range(count):
+        turn, triangle = np.linalg.qr(random.normal(size=(3, 3)))
+        turn = turn * np.sign(np.diag(triangle))
+        turn[:, 0] *= np.linalg.det(turn)
+        moved = [" ".join(map(repr, row)) for row in (places @ turn.T).tolist()]
+        file.write_text("\n".join(["OFF", lines[0], *moved, *lines[vertices + 1:]]) + "\n")
+        of, _, said = decompose(file, preset)
+        if said:
+            return said
+        results.append((of["parts"], of["concavity"]))
+    parts, concavity = zip(*results)
+    return [min(parts), max(parts), max(concavity) - min(concavity)]
+
+
+def shown(row):
+    return [f"{value:.4f}" if isinstance(value, float) else value for value in row]
+
+
+turns = int(sys.argv[2]) if sys.argv[1:2] == ["--turned"] else 0
+arguments = sys.argv[3:] if turns else sys.argv[1:]
+if len(arguments) < 2:
     sys.exit(__doc__)
-lorica, folder, *presets = sys.argv[1:]
-out = csv.writer(sys.stdout)
-out.writerow("mesh preset parts concavity mean_concavity cpu_seconds hash".split())
-for preset in presets or ["fast"]:
-    rows = []
+lorica, folder, *everyone = arguments
+out = csv.writer(sys.stdout, lineterminator="\n")
+out.writerow(("mesh preset fewest_parts most_parts spread" if turns else
+              "mesh preset parts concavity mean_concavity cpu_seconds hash scored scored_mean").split())
+parts = {}
+for who in everyone or ["fast"]:
+    rows, name = [], who.partition("=")[0]
     for mesh in sorted(Path(folder).iterdir(), key=lambda path: path.name.lower()):
         if mesh.suffix not in (".off", ".obj", ".stl", ".ply"):
             continue
-        before = os.times()
-        command = [lorica, "decompose", mesh, "--preset", preset, "--max-concavity", "0.05", "--json", "-"]
-        done = subprocess.run(command, capture_output=True, text=True)
-        after = os.times()
-        if done.returncode:
-            out.writerow([mesh.stem, preset, done.stderr.strip().splitlines()[-1]])
+        with tempfile.TemporaryDirectory() as work:
+            row = (turned(mesh, who, turns, Path(work) / "turned.off") if turns else
+                   made_by(who, mesh, parts.get(mesh, ""), Path(work) / "hulls.obj"))
+        if isinstance(row, str):
+            out.writerow([mesh.stem, name, row])
             continue
-        of = json.loads(done.stdout)
-        seconds = after[2] - before[2] + after[3] - before[3]
-        rows.append([of["parts"], of["concavity"], of["meanConcavity"], seconds])
-        numbers = [f"{x:.4f}" for x in rows[-1][1:3]]
-        out.writerow([mesh.stem, preset, of["parts"], *numbers, f"{seconds:.2f}", of["hash"]])
+        parts.setdefault(mesh, row[0])
+        rows.append(row)
+        out.writerow([mesh.stem, name, *shown(row)])
         sys.stdout.flush()
     if rows:
-        parts, worst, mean, seconds = zip(*rows)
-        means = [f"{statistics.fmean(x):.4f}" for x in (worst, mean)]
-        median = f"{statistics.median(seconds):.2f}"
-        out.writerow([f"mean of {len(rows)}", preset, f"{statistics.fmean(parts):.1f}", *means, median])
+        of = [[value for value in column if value != ""] for column in zip(*rows)]
+        means = [statistics.median(column) if index == 3 else statistics.fmean(column)
+                 if column and not isinstance(column[0], str) else "" for index, column in enumerate(of)]
+        out.writerow([f"mean of {len(rows)}", name, *shown(means)])

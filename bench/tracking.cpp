@@ -36,6 +36,7 @@ struct Options {
   std::string plots;
   bool quick = false;
   std::string real;
+  bool four = false;
   RealOptions realOptions;
 };
 
@@ -364,6 +365,7 @@ int main(int argc, char** argv) {
   app.add_option("--start", options.realOptions.variant.start, "with --real: frames left out at the beginning")
       ->check(CLI::Range(0, 10'000));
   app.add_flag("--mirror", options.realOptions.variant.mirror, "with --real: left and right exchanged");
+  app.add_flag("--four", options.four, "with --real: four runs, from the first frame and two later, both mirrored");
   app.add_option("--composed", options.realOptions.composed,
                  "with --real: so many rooms composed of its people, its empty rooms and rendered furniture instead")
       ->check(CLI::Range(1, 10'000));
@@ -384,9 +386,14 @@ int main(int argc, char** argv) {
   options.realOptions.twinNoise = lorica::DepthNoiseSettings::of(*lorica::depthNoiseNamed(options.noises.front()));
   for (const std::string& name : options.clothes)
     options.realOptions.twinClothes.push_back(*lorica::clothesNamed(name));
-  if (lorica::Result<void> done =
-          options.real.empty() ? measure(options) : measureRealPeople(options.real, options.realOptions);
-      !done)
-    return fail(done.error());
+  std::vector<RealVariant> variants = {options.realOptions.variant};
+  if (options.four) variants = {{0, false}, {0, true}, {2, false}, {2, true}};
+  for (const RealVariant& variant : variants) {
+    options.realOptions.variant = variant;
+    if (lorica::Result<void> done =
+            options.real.empty() ? measure(options) : measureRealPeople(options.real, options.realOptions);
+        !done)
+      return fail(done.error());
+  }
   return 0;
 }
