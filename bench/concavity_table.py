@@ -6,8 +6,8 @@ the mean part, the same as `lorica score` measures it for anybody's hulls, CPU s
 of the result. The last rows are means, and the median of the seconds. A mesh that is refused has the sentence instead.
 
 WHO=COMMAND is another program, which writes hulls as OBJ: {mesh}, {out} and {parts}, as many as the first preset made, are
-put in. With --turned each mesh (.off) is turned N times, seeded: the fewest and the most parts, and how far apart the
-concavities lie.
+put in. With --turned each mesh (.off) is turned N times, seeded, at the same limit in its own unit: the fewest and the
+most parts, and how far apart the concavities lie.
 """
 import csv
 import json
@@ -29,8 +29,8 @@ def run(command):
     return done.stdout, after[2] - before[2] + after[3] - before[3], said
 
 
-def decompose(mesh, preset, *more):
-    text, seconds, said = run([lorica, "decompose", mesh, "--preset", preset, "--max-concavity", "0.05", "--json", "-", *more])
+def decompose(mesh, preset, *more, limit=0.05):
+    text, seconds, said = run([lorica, "decompose", mesh, "--preset", preset, "--max-concavity", limit, "--json", "-", *more])
     return json.loads(text) if not said else None, seconds, said
 
 
@@ -58,17 +58,20 @@ def turned(mesh, preset, count, file):
     lines = [line for line in (line.split("#")[0].strip() for line in mesh.read_text().splitlines()[1:]) if line]
     vertices = int(lines[0].split()[0])
     places = np.array([line.split()[:3] for line in lines[1:vertices + 1]], float)
+    side = lambda points: np.ptp(points, axis=0).max()  # what CoACD divides by, which is another one for a turned mesh
     random, results = np.random.default_rng(1), []
     for _ in range(count):
         turn, triangle = np.linalg.qr(random.normal(size=(3, 3)))
         turn = turn * np.sign(np.diag(triangle))
         turn[:, 0] *= np.linalg.det(turn)
-        moved = [" ".join(map(repr, row)) for row in (places @ turn.T).tolist()]
-        file.write_text("\n".join(["OFF", lines[0], *moved, *lines[vertices + 1:]]) + "\n")
-        of, _, said = decompose(file, preset)
+        moved = places @ turn.T
+        rows = [" ".join(map(repr, row)) for row in moved.tolist()]
+        file.write_text("\n".join(["OFF", lines[0], *rows, *lines[vertices + 1:]]) + "\n")
+        share = side(moved) / side(places)
+        of, _, said = decompose(file, preset, limit=0.05 / share)
         if said:
             return said
-        results.append((of["parts"], of["concavity"]))
+        results.append((of["parts"], of["concavity"] * share))
     parts, concavity = zip(*results)
     return [min(parts), max(parts), max(concavity) - min(concavity)]
 
