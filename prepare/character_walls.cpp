@@ -83,6 +83,7 @@ Result<ClosedBody> bodyWithWalls(const CharacterFile& file, const CharacterOptio
   rest.mesh.triangles.clear();
   TriMesh sheets{character.mesh.vertices, {}};
   std::vector<bool> sheet;
+  sheet.reserve(character.mesh.triangles.size());
   for (const Triangle& t : character.mesh.triangles) {
     const Vec3 middle =
         (character.mesh.vertices[t[0]] + character.mesh.vertices[t[1]] + character.mesh.vertices[t[2]]) / 3.0;
@@ -100,6 +101,8 @@ Result<ClosedBody> bodyWithWalls(const CharacterFile& file, const CharacterOptio
   }
   TriMesh surface{{}, body.character.mesh.triangles};
   std::vector<std::vector<Influence>> weights;
+  surface.vertices.reserve(body.bodyVertices + walls->mesh.vertices.size());
+  weights.reserve(body.bodyVertices + walls->mesh.vertices.size());
   for (VertexIndex v = 0; v < body.bodyVertices; ++v) {
     surface.vertices.push_back(body.character.mesh.vertices[v]);
     weights.push_back(influencesOf(body.character, v));

@@ -50,6 +50,7 @@ double volumeOf(const Character& body, std::span<const Vec3> at) {
 /// The body's points with the shade moved.
 std::vector<Vec3> posed(const Character& body, const Affine3& moving) {
   std::vector<Vec3> points;
+  points.reserve(body.mesh.vertices.size());
   for (std::size_t v = 0; v < body.mesh.vertices.size(); ++v) {
     Vec3 sum = Vec3::Zero();
     for (std::size_t i = body.influenceBegin[v]; i < body.influenceBegin[v + 1]; ++i) {
