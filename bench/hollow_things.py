@@ -18,7 +18,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-SECONDS = 900  # of CPU time, for each program and mesh
+SECONDS = 300  # of CPU time, for each program and mesh
 
 
 def objects_of(path):
@@ -67,13 +67,15 @@ def table(lorica, folder, coacd=None):
     with tempfile.TemporaryDirectory() as work:
         for mesh in sorted(path for path in Path(folder).iterdir() if path.suffix in (".obj", ".stl")):
             points, objects = objects_of(mesh)
-            plain, hulls = Path(work, "plain.obj"), Path(work, "hulls.obj")  # CoACD reads only such
-            plain.write_text("".join("v %r %r %r\n" % p for p in points) + "".join(
-                "f %d %d %d\n" % tuple(v + 1 for v in t) for triangles in objects for t in triangles if len(set(t)) == 3))
+            plain, hulls = Path(work, "plain.obj"), Path(work, "hulls.obj")
+            number = {p: n for n, p in enumerate(dict.fromkeys(points), 1)}  # CoACD reads only OBJ, and does not weld
+            faces = [[number[points[v]] for v in t] for triangles in objects for t in triangles]
+            plain.write_text("".join("v %r %r %r\n" % p for p in number) + "".join("f %d %d %d\n" % (*t,) for t in faces if len(set(t)) == 3))
             programs = {"Lorica": [lorica, "decompose", mesh, "--max-concavity", "0.05", "--export-obj", hulls]}
             if coacd:
                 programs["CoACD"] = [coacd, "-i", plain, "-o", hulls, "-ro", Path(work, "remeshed.obj"), "-t", "0.05", "--seed", "1"]
             for program, command in programs.items():
+                hulls.unlink(missing_ok=True)
                 seconds, _ = run(command)
                 if seconds is None:
                     out.writerow([mesh.stem, program, "", "", "", ""])
