@@ -83,7 +83,7 @@ void addBakeOptions(CommandLine& app, BakeOptions& options) {
   add("--preset", options.preset, "paper, fast or quality [default: fast]", "NAME");
   add("--cover", options.cover, "Hull cover of characters: exact, or a tolerance [default: exact]", "exact|METRES");
   add("--hull-vertices", options.hullVertices, "Hulls of at most N vertices", "N");
-  add("--walls", options.walls, "Open surfaces: auto, solid or shell [default: auto]", "WHAT");
+  add("--walls", options.walls, "Open surfaces: auto, solid or shell [default: auto; of a character solid]", "WHAT");
   add("--thickness", options.thickness, "Thickness of thin walls, in the mesh's unit", "LENGTH");
   add("--body", options.body, "Closed bodies: auto, never or always [default: auto]", "WHEN");
   app.addOption("--motion", options.motions, "Train characters on this motion; may be repeated", "FILE")->repeatable();

@@ -28,7 +28,7 @@ struct Options {
   ExportSourceOptions source;
   std::string preset;
   std::string body = "auto";
-  std::string walls = "auto";
+  std::string walls;
   std::string output;
   std::string motion;
   MotionOptions reading;

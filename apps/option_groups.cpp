@@ -198,16 +198,17 @@ DecomposePreset presetNamed(const std::string& name) {
 void addWallOptions(CommandLine& app, std::string& walls, double& thickness) {
   app.addOption(
          "--walls", walls,
-         "What an open surface of a mesh is: `auto` = a thin wall, unless nothing outside can reach what is behind it; "
-         "`solid`, whatever its openings; `shell` = a thin wall, also where it is closed [default: auto]",
+         "What an open surface is: `auto` = a thin wall, unless nothing outside can reach what is behind it; `solid`, "
+         "whatever its openings; `shell` = a thin wall, also where it is closed [default: auto; of a character solid]",
          "WHAT")
       ->check(oneOf({"auto", "solid", "shell"}));
   addLength(app, "--thickness", thickness,
-            "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, at most half of the "
-            "narrowest gap]");
+            "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, of a character's walls "
+            "of theirs, at most half of the narrowest gap]");
 }
 
-WallChoice wallChoice(const std::string& name) {
+std::optional<WallChoice> wallChoice(const std::string& name) {
+  if (name.empty()) return {};
   return name == "solid" ? WallChoice::kSolid : name == "shell" ? WallChoice::kShell : WallChoice::kByReach;
 }
 

@@ -47,7 +47,7 @@ void addPresetOption(CommandLine& app, std::string& preset);
 [[nodiscard]] DecomposePreset presetNamed(const std::string& name);
 /// --walls and --thickness.
 void addWallOptions(CommandLine& app, std::string& walls, double& thickness);
-[[nodiscard]] WallChoice wallChoice(const std::string& name);
+[[nodiscard]] std::optional<WallChoice> wallChoice(const std::string& name);
 /// @param name  one of these
 [[nodiscard]] BodyChoice bodyChoice(const std::string& name);
 /// --scene.

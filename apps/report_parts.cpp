@@ -112,6 +112,7 @@ void describeSprings(const SpringBones& springs, Report& report, nlohmann::order
 
 void addMeshTo(Report& report, const Subject& subject) {
   if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
+  if (subject.body && !subject.body->walls.empty()) report.line("walls", subject.body->walls);
   if (!subject.rebuilt) return;
   const RebuiltMesh& body = *subject.rebuilt;
   if (body.shells > 0) {
@@ -128,6 +129,7 @@ void addMeshTo(Report& report, const Subject& subject) {
 
 void addMeshTo(nlohmann::ordered_json& json, const Subject& subject) {
   if (!subject.repaired.empty()) json["repaired"] = subject.repaired;
+  if (subject.body && !subject.body->walls.empty()) json["walls"] = subject.body->walls;
   if (!subject.rebuilt) return;
   const RebuiltMesh& body = *subject.rebuilt;
   json["body"] = {{"problem", body.problem.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(body.problem)},

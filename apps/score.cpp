@@ -30,7 +30,7 @@ struct Options {
   std::string mesh;
   std::string parts;
   CharacterOptions reading;  // which meshes are hidden
-  std::string walls = "auto";
+  std::string walls;
 };
 
 bool hasWalls(const Subject& subject) {

@@ -302,6 +302,14 @@ def measured(page):
     page.table("DECOMPOSITION.md", "most of the others are below.", ["", "`fast`: parts, largest concavity, mean of the parts, CPU s", "`quality`"], [
         [mesh.replace("mean of", "mean of the") + "; median CPU s" * mesh.startswith("mean"), cell(row), cell(of["quality"][mesh])]
         for mesh, row in of["fast"].items()])
+    rows, _ = page.read("hollow")
+    of = {program: {row["object"].replace("_", " "): row for row in rows if row["program"] == program} for program in ("Lorica", "CoACD")}
+    cell = lambda row: f"{row['hulls']}, {row['volume']}, {row['distance_percent']} %, {float(row['cpu_seconds']):.1f}" if row["hulls"] else "none"
+    page.table("DECOMPOSITION.md", "`bench/hollow_things.py table", ["", *(f"{program}: hulls, volume of all, distance, CPU s" for program in of)], [
+        [name, cell(row), cell(of["CoACD"][name])] for name, row in of["Lorica"].items()])
+    for name, row in of["CoACD"].items():
+        if row["hulls"]:
+            page.compare(f"{name}, largest concavity 0.05", "hulls", float(of["Lorica"][name]["hulls"]), "CoACD", float(row["hulls"]))
     unseen = page.said("figures", r"unseen motion, (\w+), mean error: (\d+) uniform keyframes (\S+), chosen (\S+), first frame (\S+)")
     page.table("DECOMPOSITION.md", "(`--figures 0`)", ["", f"{unseen[0][1]} keyframes evenly", f"{unseen[0][1]} chosen (`--keyframes auto`)", "first frame only"],
                [[f"`{preset}`", *numbers] for preset, _, *numbers in unseen])

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <utility>
 
 namespace lorica {
@@ -58,12 +57,7 @@ Result<void> rebuild(Subject& subject, const CharacterOptions& options, std::str
 }  // namespace
 
 Result<Subject> meshSubject(const std::string& name, TriMesh mesh, const CharacterOptions& options, Host& host) {
-  constexpr double kThickest = 0.125;  // of the longest side
-  const double size = 2.0 * concavityUnit(mesh.vertices);
-  if (!(options.thickness >= 0.0) || (options.thickness > kThickest * size && std::isfinite(size))) {
-    return invalidArgument("{}: thickness of walls: found {:g}, expected 0 to {:.4g}, an eighth of the longest side",
-                           name, options.thickness, kThickest * size);
-  }
+  LORICA_TRY_DO(checkThickness(name, options.thickness, mesh.vertices));
   Subject subject{name, std::move(mesh), std::nullopt, "", std::nullopt, std::nullopt};
   if (options.body == BodyChoice::kAlways || options.walls == WallChoice::kShell) {
     LORICA_TRY_DO(rebuild(subject, options, "", host));

@@ -1,5 +1,6 @@
 #include "prepare/mesh_walls.h"
 
+#include "acd/part_concavity.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
@@ -37,12 +38,6 @@ TriMesh meshOf(const TriMesh& mesh, std::span<const Triangle> triangles) {
   return own;
 }
 
-void append(TriMesh& mesh, const TriMesh& other) {
-  const VertexIndex first = countOf(mesh.vertices);
-  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
-  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
-}
-
 class WallMaker {
  public:
   WallMaker(const TriMesh& mesh, const CharacterOptions& options, const BodySettings& settings)
@@ -50,7 +45,7 @@ class WallMaker {
 
   Result<std::optional<WallBody>> make() {
     measure();
-    chooseRoles();
+    chooseRoles(true);
     if (std::ranges::find(roles_, Role::kShell) == roles_.end()) return std::optional<WallBody>();
     WallBody body;
     if (manySheets()) return oneShell();
@@ -70,6 +65,17 @@ class WallMaker {
     body.figures.firstOriginal = countOf(body.mesh.vertices);
     LORICA_TRY_DO(checkClosedTwoManifold(body.mesh));
     return std::optional(std::move(body));
+  }
+
+  WallTriangles triangles() {
+    measure();
+    chooseRoles(false);
+    double whole = 0.0;
+    for (const double area : area_) whole += area;
+    for (std::size_t s = 0; s < roles_.size() && options_.walls != WallChoice::kShell; ++s) {
+      if (roles_[s] == Role::kShell && area_[s] < kWorthAWall * whole) roles_[s] = Role::kDropped;
+    }
+    return {mesh_, trianglesWithWalls()};
   }
 
  private:
@@ -99,7 +105,8 @@ class WallMaker {
     }
   }
 
-  void chooseRoles() {
+  /// @param together  very many sheets are left to oneShell()
+  void chooseRoles(bool together) {
     const std::size_t count = members_.size();
     roles_.assign(count, Role::kShell);
     for (std::size_t s = 0; s < count; ++s) {
@@ -115,7 +122,7 @@ class WallMaker {
       roles_[s] = Role::kSolid;
       solids_.push_back(std::move(repair->mesh));
     }
-    if (allSolid || manySheets()) return;
+    if (allSolid || (together && manySheets())) return;
     const std::vector<bool> sealed = aroundSealedSpace(mesh_);
     std::vector<double> sealedArea(count, 0.0);
     for (std::size_t k = 0; k < sealed.size(); ++k) {
@@ -156,17 +163,22 @@ class WallMaker {
     return triangles;
   }
 
-  void addWalls(WallBody& body) const {
+  [[nodiscard]] std::vector<bool> trianglesWithWalls() const {
     std::vector<bool> which(mesh_.triangles.size());
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      which[k] = roles_[sheets_.sheetOfTriangle[k]] == Role::kShell;
+    }
+    return which;
+  }
+
+  void addWalls(WallBody& body) const {
+    const std::vector<bool> which = trianglesWithWalls();
     double whole = 0.0, shell = 0.0;
     for (std::size_t s = 0; s < members_.size(); ++s) {
       whole += area_[s];
       if (roles_[s] != Role::kShell) continue;
       shell += area_[s];
       ++body.figures.shells;
-    }
-    for (std::size_t k = 0; k < which.size(); ++k) {
-      which[k] = roles_[sheets_.sheetOfTriangle[k]] == Role::kShell;
     }
     const Aabb box = surfaceBounds(mesh_);
     const double most = kWallShare * (box.max - box.min).maxCoeff();
@@ -189,10 +201,28 @@ class WallMaker {
 
 }  // namespace
 
+void append(TriMesh& mesh, const TriMesh& other) {
+  const VertexIndex first = countOf(mesh.vertices);
+  mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
+  for (const Triangle& t : other.triangles) mesh.triangles.push_back({t[0] + first, t[1] + first, t[2] + first});
+}
+
 std::string wallsInWords(const RebuiltMesh& body) {
   return fmt::format("{} of {:.4g}, {:.0f} % of the surface; {}{}", counted(body.shells, "thin wall"), body.thickness,
                      100.0 * body.shellShare, counted(body.solids, "piece is", "pieces are"),
                      body.resolution > 0.0 ? " closed, others around space that is closed off" : " solid");
+}
+
+WallTriangles trianglesOfWalls(const TriMesh& mesh, const CharacterOptions& options) {
+  return WallMaker(mesh, options, {}).triangles();
+}
+
+Result<void> checkThickness(const std::string& name, double thickness, std::span<const Vec3> vertices) {
+  constexpr double kThickest = 0.125;  // of the longest side
+  const double size = 2.0 * concavityUnit(vertices);
+  if (thickness >= 0.0 && !(thickness > kThickest * size && std::isfinite(size))) return {};
+  return invalidArgument("{}: thickness of walls: found {:g}, expected 0 to {:.4g}, an eighth of the longest side",
+                         name, thickness, kThickest * size);
 }
 
 Result<std::optional<WallBody>> makeWalls(const TriMesh& mesh, const CharacterOptions& options,

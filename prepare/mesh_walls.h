@@ -4,7 +4,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 namespace lorica {
 
@@ -18,8 +20,25 @@ struct WallBody {
   RebuiltMesh figures;
 };
 
+/// Adds another mesh to a mesh.
+void append(TriMesh& mesh, const TriMesh& other);
+
 /// "3 thin walls of 0.0124, 82 % of the surface; 1 piece is solid"
 [[nodiscard]] std::string wallsInWords(const RebuiltMesh& body);
+
+/// A sheet of a character gets a wall, which takes parts of its own, if it has at least this share of the surface.
+inline constexpr double kWorthAWall = 0.02;
+
+/// The triangles of a character's surface, and which of them get walls: by the rules of makeWalls(), but pieces around
+/// sealed space are told apart however many there are, and small sheets get none unless everything does.
+struct WallTriangles {
+  TriMesh mesh;  ///< without repeats
+  std::vector<bool> which;
+};
+[[nodiscard]] WallTriangles trianglesOfWalls(const TriMesh& mesh, const CharacterOptions& options);
+
+/// An error if the thickness of walls is more than an eighth of the longest side.
+[[nodiscard]] Result<void> checkThickness(const std::string& name, double thickness, std::span<const Vec3> vertices);
 
 /// Makes thin walls of the pieces of a mesh that are sheets; of more than 512 one common shell, see makeShellBody().
 /// Pieces that are closed, or nearly so, stay solid. Those

@@ -4,6 +4,7 @@
 #include "geometry/mesh_files.h"
 #include "prepare/body.h"
 #include "prepare/body_cache.h"
+#include "prepare/character_walls.h"
 #include "prepare/expressions.h"
 #include "prepare/file_kinds.h"
 #include "prepare/mesh_subject.h"
@@ -21,14 +22,17 @@ namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
 
-/// cachedBody() as a task of the host.
-Result<ClosedBody> makeBodyWithProgress(const Character& character, const CharacterOptions& options, Host& host) {
-  Task task(host, "Making a closed body for " + character.name, "steps");
+/// cachedBody(), with thin walls if the options ask for them, as a task of the host.
+Result<ClosedBody> makeBodyWithProgress(const CharacterFile& file, const CharacterOptions& options, Host& host) {
+  const std::string& name = file.character.name;
+  Task task(host, "Making a closed body for " + name, "steps");
   BodySettings settings;
   settings.resolution = options.bodyResolution;
   settings.keepClosed = options.body != BodyChoice::kAlways;
   settings.progress = task.progress();
-  return prefixed(character.name, cachedBody(character, settings, userCache(host)));
+  return bodyWithWalls(file, options, [&](const Character& rest) {
+    return prefixed(name, cachedBody(rest, settings, userCache(host)));
+  });
 }
 
 /// The mannequin's material.
@@ -90,7 +94,7 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
     if (subject) subject->file = std::move(read);
     return subject;
   }
-  LORICA_TRY(ClosedBody body, makeBodyWithProgress(read.character, options, host));
+  LORICA_TRY(ClosedBody body, makeBodyWithProgress(read, options, host));
   const std::vector<float> used = usedWeightSets(read.morphs, read.expressions, expressions);
   (void)coverReached(body, read.character,
                      reachedPositions(read.morphs, used, read.character.mesh.vertices, kReachTolerance));
@@ -114,6 +118,10 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
       return invalidArgument(
           "{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae) and meshes (.off, .obj, .ply, .stl)", input,
           options.bodyResolution > 0.0 ? "--body-resolution" : "--body always");
+    }
+    if (options.walls == WallChoice::kShell || options.thickness > 0.0) {
+      return invalidArgument("{}: is one closed piece, which stays solid: expected no {}", input,
+                             options.thickness > 0.0 ? "--thickness" : "--walls shell");
     }
     Character character = makeMannequin();
     TriMesh mesh = character.mesh;

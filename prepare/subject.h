@@ -22,7 +22,7 @@ enum class BodyChoice : std::uint8_t {
   kAlways  ///< even if it is closed
 };
 
-/// What the surface of a mesh that is no character stands for, where it is not closed.
+/// What a surface stands for where it is not closed.
 enum class WallChoice : std::uint8_t {
   kByReach,  ///< the border of space that cannot be reached from outside, else a thin wall
   kSolid,    ///< the border of a solid, whatever its openings
@@ -34,8 +34,8 @@ struct CharacterOptions {
   std::string map;              ///< file that assigns humanoid bones to joints; empty = automatic
   double bodyResolution = 0.0;  ///< of the voxels if a closed surface has to be made [m; a mesh's unit]; 0 = automatic
   BodyChoice body = BodyChoice::kIfNeeded;    ///< whether a closed surface is made
-  WallChoice walls = WallChoice::kByReach;    ///< whether a hollow thing stays hollow
-  double thickness = 0.0;                     ///< of thin walls [a mesh's unit]; 0 = automatic
+  std::optional<WallChoice> walls = {};       ///< hollow things stay hollow; none: a mesh by reach, a character solid
+  double thickness = 0.0;                     ///< of thin walls [m; a mesh's unit]; 0 = automatic
   bool drawn = false;                         ///< the character is drawn: decode the pictures of its materials
   int textureSize = 0;                        ///< largest side of those pictures [pixels]; 0 = as stored
   std::vector<std::string> expressions = {};  ///< see chosenExpressions()

@@ -42,6 +42,7 @@ struct ClosedBody {
   int openEdges = 0;               ///< of the original, after welding
   int nonManifoldEdges = 0;        ///< of the original: edges with more than two triangles
   BodyDistances distances;         ///< in the bind pose
+  std::string walls;               ///< which pieces are thin walls, in words; empty if none
   std::vector<std::string> notes;  ///< what was welded, repaired, filled or dropped: one sentence each
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -38,7 +39,8 @@ class Carrier {
     for (int round = 0; round < kVoteRounds; ++round) vote();
     const std::vector<std::vector<Influence>> carried = weights_;
     for (int round = 0; round < kSmoothRounds; ++round) smooth(carried);
-    tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) { prune(weights_[v]); });
+    tbb::parallel_for(std::size_t{0}, weights_.size(),
+                      [&](std::size_t v) { weights_[v] = pruned(std::move(weights_[v])); });
     return std::move(weights_);
   }
 
@@ -120,16 +122,6 @@ class Carrier {
     weights_ = std::move(next);
   }
 
-  static void prune(std::vector<Influence>& weights) {
-    std::stable_sort(weights.begin(), weights.end(),
-                     [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
-    if (weights.size() > kMaxInfluences) weights.resize(kMaxInfluences);
-    while (weights.size() > 1 && weights.back().weight < kMinWeight) weights.pop_back();
-    const std::array<const std::vector<Influence>*, 1> one{&weights};
-    const std::array<double, 1> whole{1.0};
-    weights = blended(one, whole);
-  }
-
   const TriMesh& body_;
   const SolidSource& source_;
   double voxel_;
@@ -140,6 +132,16 @@ class Carrier {
 };
 
 }  // namespace
+
+std::vector<Influence> pruned(std::vector<Influence> weights) {
+  std::stable_sort(weights.begin(), weights.end(),
+                   [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
+  if (weights.size() > kMaxInfluences) weights.resize(kMaxInfluences);
+  while (weights.size() > 1 && weights.back().weight < kMinWeight) weights.pop_back();
+  const std::array<const std::vector<Influence>*, 1> one{&weights};
+  const std::array<double, 1> whole{1.0};
+  return blended(one, whole);
+}
 
 std::vector<std::vector<Influence>> transferWeights(const TriMesh& body, const SolidSource& source, double voxel) {
   return Carrier(body, source, voxel).run();

@@ -6,6 +6,9 @@
 
 namespace lorica {
 
+/// The strongest 8 of influences that are at least 0.2 %; they sum to 1.
+[[nodiscard]] std::vector<Influence> pruned(std::vector<Influence> weights);
+
 /// Transfers influences to the vertices of a surface that was built around another one.
 ///
 /// Each vertex gets those of the nearest point of the original that faces the same way, interpolated from the corners

@@ -126,6 +126,8 @@ TEST(Characters, BonesWithoutNamesAreFoundByShapeAndAMapPutsThemRight) {
   expectRefused({"info", studio().nameless, "--map", map}, {"map.json", "leftHand", "bone 999"});
   expectRefused({"play", "walk", "--map", map}, {"mannequin: --map is for character files"});
   expectRefused({"play", "walk", "--body-resolution", "0.02"}, {"mannequin: --body-resolution is for character files"});
+  expectRefused({"decompose", "mannequin", "--walls", "shell"}, {"mannequin: is one closed piece, which stays solid"});
+  expectRefused({"decompose", studio().nameless, "--thickness", "0.01"}, {"expected --walls auto or shell beside it"});
   expectRefused({"info", studio().folder.path() / "whole.off", "--write-map", map}, {"--write-map"});
 }
 

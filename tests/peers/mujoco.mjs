@@ -6,7 +6,8 @@
 //                              that touch at the start; "collides": the number of geoms that can
 //   "floor": height            a floor is added, and the first body starts that much higher [m]
 //   "seconds": s               steps that long: "warnings", "speed" (largest of all velocities) and "moved"
-//                              (farthest that a body moves), both in the last second, "finite", "lowest" (z of a body)
+//                              (farthest that a body moves), both in the last second, "finite", "lowest" (z of a body),
+//                              "places" (of each body by name)
 //   "volumes": true            inertia is taken from the geoms: "masses" of the bodies by name, of density 1000
 //   "mocap": [{"pose": {body: [x, y, z, qw, qx, qy, qz]}, "pairs": [[geom, geom]]}]
 //                              places bodies: "distances" of each pair, at most 10 m
@@ -77,6 +78,8 @@ if (job.seconds) {
   out.warnings = 0;
   for (let w = 0; w < data.warning.size(); ++w) out.warnings += data.warning.get(w).number;
   out.finite = numbers(data.qpos).every(Number.isFinite);
+  out.places = {};
+  for (let b = 1; b < model.nbody; ++b) out.places[mj.mj_id2name(model, mj.mjtObj.mjOBJ_BODY.value, b)] = numbers(data.xpos).slice(3 * b, 3 * b + 3);
   out.lowest = Math.min(...numbers(data.xpos).filter((_, i) => i % 3 === 2 && i > 2));
 }
 if (job.mocap) {

@@ -1,7 +1,5 @@
 #include "prepare/mesh_walls.h"
 
-#include "acd/decompose.h"
-#include "acd/transfer.h"
 #include "collision/world/world.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
@@ -9,6 +7,7 @@
 #include "geometry/random_numbers.h"
 #include "geometry/sheets.h"
 #include "prepare/mesh_subject.h"
+#include "tests/prepare/vessels.h"
 #include "tests/support/allocations.h"
 #include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
@@ -28,40 +27,6 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A sheet of revolution about Y. A point of the profile on the axis closes the sheet there.
-TriMesh revolved(const std::vector<std::pair<double, double>>& profile, int segments) {
-  TriMesh mesh;
-  std::vector<std::vector<VertexIndex>> rings;
-  for (const auto& [radius, y] : profile) {
-    std::vector<VertexIndex>& ring = rings.emplace_back();
-    for (int s = 0; s < segments; ++s) {
-      if (s == 0 || radius > 0.0) {
-        const double angle = 2.0 * kPi * s / segments;
-        mesh.vertices.emplace_back(radius * std::cos(angle), y, radius * std::sin(angle));
-      }
-      ring.push_back(countOf(mesh.vertices) - 1);
-    }
-  }
-  for (std::size_t r = 0; r + 1 < rings.size(); ++r) {
-    for (int s = 0; s < segments; ++s) {
-      const int next = (s + 1) % segments;
-      const VertexIndex a = rings[r][s], b = rings[r][next], c = rings[r + 1][next], d = rings[r + 1][s];
-      if (a != b) mesh.triangles.push_back({a, b, c});
-      if (c != d) mesh.triangles.push_back({a, c, d});
-    }
-  }
-  return mesh;
-}
-
-/// A box without a lid, as a sheet of ten triangles.
-TriMesh openBox(double size) {
-  TriMesh box = makeBox(Vec3::Constant(-size), Vec3::Constant(size));
-  std::erase_if(box.triangles, [&](const Triangle& t) {
-    return box.vertices[t[0]].y() > 0.0 && box.vertices[t[1]].y() > 0.0 && box.vertices[t[2]].y() > 0.0;
-  });
-  return box;
-}
-
 TriMesh bothSides(const TriMesh& mesh) {
   TriMesh back = insideOut(mesh);
   return joined(mesh, back);
@@ -80,7 +45,7 @@ std::vector<Vessel> vessels() {
   for (int i = 0; i <= 15; ++i) arc.emplace_back(std::sin(kPi * i / 18), -std::cos(kPi * i / 18));  // up to 150 degrees
   std::vector<Vessel> all;
   // A bowl of 24 flat sides: frustum.
-  all.push_back({"bowl", revolved({{0, 0}, {0.6, 0}, {1.0, 0.7}}, 24), 0.0,
+  all.push_back({"bowl", makeBowl(), 0.0,
                  [](const Vec3& p) {
                    return p.y() > 0.05 && p.y() < 0.7 && std::hypot(p.x(), p.z()) < 0.6 + 0.4 * p.y() / 0.7 - 0.07;
                  },
@@ -100,27 +65,6 @@ Mat3 turn(int i) {
   Eigen::Vector4d q;
   for (int k = 0; k < 4; ++k) q[k] = randomUnit(7, 4 * i + k) - 0.5;
   return Quat(q.normalized()).toRotationMatrix();
-}
-
-WallBody wallsOf(const TriMesh& mesh, const CharacterOptions& options = {}) {
-  std::optional<WallBody> body = valueOf(makeWalls(mesh, options, {}));
-  if (!body) throw std::runtime_error("the test needs walls");
-  return std::move(*body);
-}
-
-std::vector<ConvexHull> hullsOf(const TriMesh& mesh, int parts) {
-  DecomposeSettings settings;
-  settings.maxParts = parts;
-  const Decomposition made = valueOf(decompose(mesh, {mesh.vertices, countOf(mesh.vertices)}, settings));
-  std::vector<ConvexHull> hulls;
-  std::vector<Vec3> points(made.pointCount());
-  transfer(made, mesh.vertices, points);
-  for (const Part& part : made.parts) {
-    std::vector<Vec3> own;
-    for (const PointIndex p : part.points) own.push_back(points[p]);
-    hulls.push_back(convexHull(own));
-  }
-  return hulls;
 }
 
 bool inside(const ConvexHull& hull, const Vec3& p) {
@@ -238,7 +182,7 @@ Vec3 restOfABall(std::vector<ConvexHull> hulls, const TriMesh& shown) {
 }
 
 TEST(MeshWalls, HoldABallThatIsDroppedIntoABowl) {
-  const TriMesh bowl = revolved({{0, 0}, {0.6, 0}, {1.0, 0.7}}, 24);
+  const TriMesh bowl = makeBowl();
   const TriMesh walls = wallsOf(bowl).mesh;
   const Vec3 held = restOfABall(hullsOf(walls, 32), walls);
   EXPECT_LT(std::hypot(held.x(), held.z()), 0.6);
