@@ -4,6 +4,7 @@
 #include "geometry/printable.h"
 #include "geometry/similar_name.h"
 #include "prepare/read_motion.h"
+#include "prepare/subject.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -118,9 +119,9 @@ std::string groupOf(const std::string& option) {
       {"Motion",
        " --motion --format --person --clip --rest --sender --mirror --upper-body --smooth --min-cutoff --beta "
        "--inject --keyframes "},
-      {"Character", " --character --map --body --body-resolution --expression --hide --springs "},
+      {"Character", " --character --map --body --body-resolution --walls --thickness --expression --hide --springs "},
       {"Hulls",
-       " --decomposition --cover --hull-vertices --walls --thickness --parts --exact --max-error --max-distance "
+       " --decomposition --cover --hull-vertices --parts --exact --max-error --max-distance "
        "--max-concavity --preset --candidates --orientations --held-out --engine --per-bone --self-contacts "},
       {"Cameras and networks",
        " --device --devices --driver --virtual --people --lower-body --nite --vmc --delay --vmc-out "
@@ -211,6 +212,8 @@ template Option* CommandLine::addOption(const std::string&, std::string&, const 
 template Option* CommandLine::addOption(const std::string&, int&, const std::string&, const std::string&);
 template Option* CommandLine::addOption(const std::string&, double&, const std::string&, const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::optional<double>&, const std::string&,
+                                        const std::string&);
+template Option* CommandLine::addOption(const std::string&, std::optional<WallChoice>&, const std::string&,
                                         const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::vector<std::string>&, const std::string&,
                                         const std::string&);

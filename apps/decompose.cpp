@@ -79,7 +79,6 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   // Read the input and check the options.
   CharacterOptions reading = options.character;
   reading.body = bodyChoice(options.body);
-  reading.walls = wallChoice(options.walls);
   LORICA_TRY(const std::vector<Motion> motions, readMotions(options.motions, host));
   reading.suits = [&](const CharacterFile& file) -> Result<void> {
     if (file.isMesh()) return {};
@@ -229,7 +228,6 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       ->repeatable();
   addCharacterOptions(*app, options->character);
   addBodyOption(*app, options->body);
-  addWallOptions(*app, options->walls, options->character.thickness);
   addCount(*app, "--candidates", options->candidates, 1,
            "Concave edges to try for each cut [default: from the preset, 8]");
   addCount(*app, "--orientations", options->orientations, 1,

@@ -26,7 +26,6 @@ struct DecomposeOptions {
   std::vector<std::string> motions;
   CharacterOptions character;
   std::string body = "auto";
-  std::string walls;
   std::string preset = "fast";
   int candidates = 0;    ///< 0 = the preset's
   int orientations = 0;  ///< 0 = the preset's

@@ -28,7 +28,6 @@ struct Options {
   ExportSourceOptions source;
   std::string preset;
   std::string body = "auto";
-  std::string walls;
   std::string output;
   std::string motion;
   MotionOptions reading;
@@ -220,7 +219,6 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(check(options, common));
   ExportSourceOptions reading = options.source;
   reading.reading.body = bodyChoice(options.body);
-  reading.reading.walls = wallChoice(options.walls);
   reading.divided = !options.perBone;
   if (!options.preset.empty()) reading.preset = presetNamed(options.preset);
   const bool robot = isRobotFile(reading.input);
@@ -316,7 +314,6 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
   addReadingOptions(*app, options->reading);
   addCharacterOptions(*app, options->source.reading);
   addBodyOption(*app, options->body);
-  addWallOptions(*app, options->walls, options->source.reading.thickness);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }
 

@@ -55,6 +55,7 @@ void addCharacterOptions(CommandLine& app, CharacterOptions& options) {
       "FILE.json");
   addLength(app, "--body-resolution", options.bodyResolution,
             "Voxel size for the closed body that is made if the surface is open [default: from its thickness]");
+  addWallOptions(app, options);
   addExpressionOption(app, options.expressions);
   addHideOption(app, options.hidden);
 }
@@ -195,21 +196,22 @@ DecomposePreset presetNamed(const std::string& name) {
   return name == "quality" ? DecomposePreset::kQuality : DecomposePreset::kFast;
 }
 
-void addWallOptions(CommandLine& app, std::string& walls, double& thickness) {
+void addWallOptions(CommandLine& app, CharacterOptions& options) {
+  const TextCheck check = [](std::string& text) -> std::string {
+    const std::optional<WallChoice> walls = wallChoiceNamed(text);
+    if (!walls) return fmt::format("found `{}`, expected auto, solid or shell", text);
+    text = std::to_string(static_cast<int>(*walls));
+    return "";
+  };
   app.addOption(
-         "--walls", walls,
+         "--walls", options.walls,
          "What an open surface is: `auto` = a thin wall, unless nothing outside can reach what is behind it; `solid`, "
          "whatever its openings; `shell` = a thin wall, also where it is closed [default: auto; of a character solid]",
          "WHAT")
-      ->check(oneOf({"auto", "solid", "shell"}));
-  addLength(app, "--thickness", thickness,
+      ->check(check);
+  addLength(app, "--thickness", options.thickness,
             "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, of a character's walls "
             "of theirs, at most half of the narrowest gap]");
-}
-
-std::optional<WallChoice> wallChoice(const std::string& name) {
-  if (name.empty()) return {};
-  return name == "solid" ? WallChoice::kSolid : name == "shell" ? WallChoice::kShell : WallChoice::kByReach;
 }
 
 BodyChoice bodyChoice(const std::string& name) {

@@ -18,7 +18,7 @@
 
 namespace lorica {
 
-/// --map, --body-resolution, --expression and --hide.
+/// --map, --body-resolution, --walls, --thickness, --expression and --hide.
 void addCharacterOptions(CommandLine& app, CharacterOptions& options);
 /// --hide NAME, which may be repeated.
 void addHideOption(CommandLine& app, std::vector<std::string>& hidden);
@@ -46,8 +46,7 @@ void addPresetOption(CommandLine& app, std::string& preset);
 /// @param name  as checked by the option
 [[nodiscard]] DecomposePreset presetNamed(const std::string& name);
 /// --walls and --thickness.
-void addWallOptions(CommandLine& app, std::string& walls, double& thickness);
-[[nodiscard]] std::optional<WallChoice> wallChoice(const std::string& name);
+void addWallOptions(CommandLine& app, CharacterOptions& options);
 /// @param name  one of these
 [[nodiscard]] BodyChoice bodyChoice(const std::string& name);
 /// --scene.

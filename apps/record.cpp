@@ -104,10 +104,11 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
 /// Rejects options about the performance: depth images and packets are recorded as they are; these options apply when
 /// they are played.
 Result<void> refuseSessionOptions(const CommandLine& app, const Options& options, const char* what) {
-  for (const char* name : {"MOTION",    "--character",     "--map",    "--body-resolution", "--expression", "--hide",
-                           "--springs", "--decomposition", "--cover",  "--hull-vertices",   "--scene",      "--inject",
-                           "--mirror",  "--upper-body",    "--smooth", "--min-cutoff",      "--beta",       "--clip",
-                           "--format",  "--person",        "--people"}) {
+  for (const char* name :
+       {"MOTION",  "--character", "--map",     "--body-resolution", "--expression", "--hide",
+        "--walls", "--thickness", "--springs", "--decomposition",   "--cover",      "--hull-vertices",
+        "--scene", "--inject",    "--mirror",  "--upper-body",      "--smooth",     "--min-cutoff",
+        "--beta",  "--clip",      "--format",  "--person",          "--people"}) {
     if (!app.given(name)) continue;
     return invalidArgument("{}: {} is for sessions ({}), not for {}", options.out, name, kSessionEnding, what);
   }

@@ -30,7 +30,6 @@ struct Options {
   std::string mesh;
   std::string parts;
   CharacterOptions reading;  // which meshes are hidden
-  std::string walls;
 };
 
 bool hasWalls(const Subject& subject) {
@@ -112,7 +111,6 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
 Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.mesh, options.parts}));
   CharacterOptions reading = options.reading;
-  reading.walls = wallChoice(options.walls);
   LORICA_TRY(const Subject subject, readSubject(options.mesh, reading, host));
   const TriMesh& mesh = subject.mesh;
   if (std::filesystem::path(options.parts).extension() == ".lorica") {
@@ -160,7 +158,7 @@ Command addScore(CommandLine& parent, CommonOptions& common) {
   app->addOption("MESH", options->mesh, "Mesh (.off, .obj, .ply, .stl, .glb), or `mannequin` in its bind pose")
       ->required();
   app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required();
-  addWallOptions(*app, options->walls, options->reading.thickness);
+  addWallOptions(*app, options->reading);
   addHideOption(*app, options->reading.hidden);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
 }

@@ -83,6 +83,8 @@ AvatarRecord recordOf(const std::string& file, const CastRequest& request, const
   record.character = character.empty() ? "mannequin" : isShippedName(character) ? character : nameFrom(file, character);
   record.boneMap = nameFrom(file, request.reading.map);
   record.bodyResolution = request.reading.bodyResolution;
+  if (request.reading.walls) record.walls = nameOf(*request.reading.walls);
+  record.thickness = request.reading.thickness;
   record.expressions = request.reading.expressions;
   record.hidden = request.reading.hidden;
   record.clip = avatar.ownClip;

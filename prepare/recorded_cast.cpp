@@ -31,11 +31,10 @@ class RecordedSources final : public CastSources {
 /// The recorded character, or the one of the request.
 Result<Subject> findCharacter(const RecordedRequest& request, const AvatarRecord& record, const SessionInputs& inputs,
                               Host& host) {
-  CharacterOptions reading{inputs.boneMap, record.bodyResolution};
+  LORICA_TRY(CharacterOptions reading, readingOf(inputs, record));
   reading.drawn = request.drawn;
   reading.textureSize = request.textureSize;
   reading.expressions = record.expressions;
-  reading.hidden = record.hidden;
   reading.ownClip = record.clip;
   Result<Subject> subject = readCharacter(inputs.character, reading, host);
   if (!subject && request.character.empty()) {

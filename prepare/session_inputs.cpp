@@ -58,4 +58,16 @@ Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& s
   return inputs;
 }
 
+Result<CharacterOptions> readingOf(const SessionInputs& inputs, const AvatarRecord& record) {
+  CharacterOptions reading{inputs.boneMap, record.bodyResolution};
+  reading.walls = wallChoiceNamed(record.walls);
+  if (!reading.walls && !record.walls.empty()) {
+    return invalidArgument("walls of the character: found {}, expected auto, solid or shell",
+                           record.walls.substr(0, 40));
+  }
+  reading.thickness = record.thickness;
+  reading.hidden = record.hidden;
+  return reading;
+}
+
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "prepare/scenes.h"
+#include "prepare/subject.h"
 #include "session/recording/session_file.h"
 
 #include <cstddef>
@@ -30,5 +31,8 @@ struct SessionInputs {
 [[nodiscard]] Result<SessionInputs> inputsOf(const SessionFile& recorded, const std::string& session,
                                              std::size_t avatar, const std::string& character,
                                              const std::string& decomposition, const Host& host);
+
+/// How the recorded character was read.
+[[nodiscard]] Result<CharacterOptions> readingOf(const SessionInputs& inputs, const AvatarRecord& record);
 
 }  // namespace lorica

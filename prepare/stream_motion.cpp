@@ -173,8 +173,7 @@ Result<Motion> readSessionMotion(const fs::path& file, int person, Host& host) {
     std::erase_if(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
   } else {
     LORICA_TRY(const SessionInputs inputs, inputsOf(recorded, file.string(), index, "", "", host));
-    CharacterOptions reading{inputs.boneMap, header.bodyResolution};
-    reading.hidden = header.hidden;
+    LORICA_TRY(const CharacterOptions reading, readingOf(inputs, header));
     LORICA_TRY(Subject subject, readCharacter(inputs.character, reading, host));
     const Skeleton& skeleton = subject.character.value().skeleton;
     if (skeleton.jointCount() != header.poseJoints) {

@@ -13,6 +13,8 @@
 #include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 namespace lorica {
@@ -21,6 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
+constexpr std::array<const char*, 3> kWalls = {"auto", "solid", "shell"};  // in the order of WallChoice
 
 /// cachedBody(), with thin walls if the options ask for them, as a task of the host.
 Result<ClosedBody> makeBodyWithProgress(const CharacterFile& file, const CharacterOptions& options, Host& host) {
@@ -110,6 +113,15 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
 }
 
 }  // namespace
+
+std::optional<WallChoice> wallChoiceNamed(std::string_view name) {
+  const auto found = std::find(kWalls.begin(), kWalls.end(), name);
+  return found == kWalls.end() ? std::nullopt : std::optional(static_cast<WallChoice>(found - kWalls.begin()));
+}
+
+const char* nameOf(WallChoice walls) {
+  return kWalls[static_cast<std::size_t>(walls)];
+}
 
 Result<Subject> readSubject(const std::string& input, const CharacterOptions& options, Host& host) {
   if (input == kMannequin) {

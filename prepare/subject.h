@@ -11,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -28,6 +29,10 @@ enum class WallChoice : std::uint8_t {
   kSolid,    ///< the border of a solid, whatever its openings
   kShell     ///< a thin wall, also where it is closed
 };
+
+/// Of a WallChoice: "auto", "solid" or "shell"; nothing for another name.
+[[nodiscard]] std::optional<WallChoice> wallChoiceNamed(std::string_view name);
+[[nodiscard]] const char* nameOf(WallChoice walls);
 
 /// Options for reading a character or a mesh.
 struct CharacterOptions {

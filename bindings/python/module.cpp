@@ -42,9 +42,7 @@ BodyChoice closedNamed(const std::string& name) {
 }
 
 WallChoice wallsNamed(const std::string& name) {
-  if (name == "auto") return WallChoice::kByReach;
-  if (name == "solid") return WallChoice::kSolid;
-  if (name == "shell") return WallChoice::kShell;
+  if (const std::optional<WallChoice> walls = wallChoiceNamed(name)) return *walls;
   throw py::value_error(fmt::format("walls: found {}, expected auto, solid or shell", name));
 }
 

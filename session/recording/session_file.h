@@ -25,6 +25,8 @@ struct AvatarRecord {
   std::string character;                 ///< name or file, as given
   std::string boneMap;                   ///< file; empty = none
   double bodyResolution = 0.0;           ///< [m]; 0 = automatic
+  std::string walls;                     ///< as given: auto, solid or shell; empty = not given
+  double thickness = 0.0;                ///< of thin walls [m]; 0 = automatic
   std::vector<std::string> expressions;  ///< as given, such as "Joy=1": hulls may have grown for them
   std::vector<std::string> hidden;       ///< names of meshes that are left out
   std::optional<std::string> clip;       ///< the character's own clip that it plays, as given; none = another motion

@@ -64,10 +64,12 @@ void readTexts(SceneElement& element, const char* key, const char* example, std:
 }
 
 void readCharacter(SceneElement element, AvatarRecord& header) {
-  element.allow({"name", "map", "body-resolution", "expressions", "hide", "clip", "hash"});
+  element.allow({"name", "map", "body-resolution", "walls", "thickness", "expressions", "hide", "clip", "hash"});
   element.text("name", header.character);
   element.text("map", header.boneMap);
   element.number("body-resolution", 0.0, 1e3, header.bodyResolution);
+  element.text("walls", header.walls);
+  element.number("thickness", 0.0, 1e3, header.thickness);
   readTexts(element, "expressions", "Joy=1", header.expressions);
   readTexts(element, "hide", "Axe", header.hidden);
   if (element.has("clip")) element.text("clip", header.clip.emplace());
@@ -151,6 +153,8 @@ SceneJson jsonOf(const AvatarRecord& header) {
   character["name"] = header.character;
   if (!header.boneMap.empty()) character["map"] = header.boneMap;
   if (header.bodyResolution > 0.0) character["body-resolution"] = header.bodyResolution;
+  if (!header.walls.empty()) character["walls"] = header.walls;
+  if (header.thickness > 0.0) character["thickness"] = header.thickness;
   if (!header.expressions.empty()) character["expressions"] = header.expressions;
   if (!header.hidden.empty()) character["hide"] = header.hidden;
   if (header.clip) character["clip"] = *header.clip;

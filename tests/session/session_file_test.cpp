@@ -72,6 +72,8 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   header.avatar().character = "my hero.glb";
   header.avatar().boneMap = "map.json";
   header.avatar().bodyResolution = 0.1 / 3.0;
+  header.avatar().walls = "auto";
+  header.avatar().thickness = 0.01;
   header.avatar().expressions = {"Joy=1", "A \"b\"=0.5"};
   header.avatar().hidden = {"1H_Axe", "A \"b\""};
   header.avatar().clip = "";
@@ -93,6 +95,8 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(textOf(*again), textOf(header));
   EXPECT_EQ(again->avatar().bodyResolution, header.avatar().bodyResolution);
+  EXPECT_EQ(again->avatar().walls, header.avatar().walls);
+  EXPECT_EQ(again->avatar().thickness, header.avatar().thickness);
   EXPECT_EQ(again->avatar().expressions, header.avatar().expressions);
   EXPECT_EQ(again->avatar().hidden, header.avatar().hidden);
   EXPECT_EQ(again->avatar().clip, header.avatar().clip);
