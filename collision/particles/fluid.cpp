@@ -2,6 +2,7 @@
 
 #include "collision/particles/fluid_kernel.h"
 #include "collision/particles/particle_set.h"
+#include "collision/particles/standing_water.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -18,8 +19,8 @@ constexpr int kRows = 3;               // of the grid: a run has a dozen particl
 constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
 constexpr float kRelaxation = 0.7f;    // fraction of the density error that a pressure corrects
-constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next; the rest is kept as its ...
-constexpr float kLasting = 0.5f;       // ... mean of about so long, and at most as much as there was [s]
+constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next
+constexpr float kHeld = 0.9f;          // of the weight, by the pressures of standing water
 constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
 constexpr float kFastest = 5.0f;       // max motion in a substep, in spacings
 constexpr float kTouching = 0.3f;      // distance that centres keep from rigid bodies, in spacings
@@ -80,6 +81,7 @@ struct Fluid::State {
 
   std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
   void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
+  void holdUp();
   void predict(float seconds, bool sorts);
   void keepVolume(float seconds);
   void findMotions(float seconds);
@@ -98,11 +100,13 @@ struct Fluid::State {
   FluidKernels kernels;
   std::vector<ParticleRow> before;  // positions in the previous substep
   std::vector<float> pressure, nextPressure;
-  std::vector<float> lasting, nextLasting;  // its mean over time
-  float pressureSeconds = 0.0f;             // of the substep that the pressures belong to
-  std::vector<std::uint8_t> none;           // excludes no particle from the lists
-  double mass;                              // of a particle [kg]
-  std::vector<ParticleRow> bodyWalls;       // see BodyTerms; all 0 where no body is near
+  float pressureSeconds = 0.0f;    // of the substep that the pressures belong to
+  std::vector<std::uint8_t> none;  // excludes no particle from the lists
+  StandingWater standing;
+  std::vector<StandingWater::Solid> solids;
+  std::vector<Vec3f> lift, nextLift;   // acceleration by standing water [m/s^2]
+  double mass;                         // of a particle [kg]
+  std::vector<ParticleRow> bodyWalls;  // see BodyTerms; all 0 where no body is near
   std::vector<float> bodyYielding;
   std::span<const ParticleBodies::Contact> contacts;
 };
@@ -116,9 +120,11 @@ Fluid::State::State(const FluidSettings& wanted)
       before(set.position.size()),
       pressure(set.position.size()),
       nextPressure(set.position.size()),
-      lasting(set.position.size()),
-      nextLasting(set.position.size()),
       none(set.position.size()),
+      standing(wanted.capacity, spacing, set.room.min - Vec3f::Constant(0.5f * spacing),
+               set.room.max + Vec3f::Constant(0.5f * spacing)),
+      lift(set.position.size(), Vec3f::Zero()),
+      nextLift(lift),
       mass(wanted.density * std::pow(wanted.spacing, 3.0)),
       bodyWalls(set.position.size()),
       bodyYielding(set.position.size()) {
@@ -133,13 +139,13 @@ std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velo
   const Vec3f speed = velocity.cast<float>();
   const std::size_t added = set.add(positions, speed, speed);
   std::fill_n(pressure.begin() + (set.count - added), added, 0.0f);
-  std::fill_n(lasting.begin() + (set.count - added), added, 0.0f);
   return added;
 }
 
 void Fluid::State::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
   if (set.count == 0) return;
   const ParticleSet::Substeps substeps = set.beginFrame(parts, bodies, seconds, settings.substepSeconds);
+  holdUp();
   for (int substep = 0; substep < substeps.count; ++substep) {
     predict(substeps.seconds, substep % kSubstepsPerSort == 0);
     if (!set.rigid.empty()) {
@@ -158,13 +164,27 @@ void Fluid::State::step(std::span<const LivePart> parts, double seconds, std::sp
   set.publish(1.0f);
 }
 
+// A drop's own pressures cannot hold up a high column in few iterations. So nine tenths of the weight of standing water
+// is taken off it for the frame; what it then lacks or has too much, they correct. All of the weight would leave
+// nothing that brings drops back together.
+void Fluid::State::holdUp() {
+  solids.clear();
+  const auto add = [&](const Vec3f& min, const Vec3f& max) { solids.push_back({min, max}); };
+  for (const ParticleObstacle::Sweep& sweep : set.body.sweeps()) {
+    add({sweep.min[0], sweep.min[1], sweep.min[2]}, {sweep.max[0], sweep.max[1], sweep.max[2]});
+  }
+  set.rigid.forBoxes(add);
+  standing.find({set.position.data(), set.count}, settings.gravity.cast<float>(), solids);
+  set.forEach([&](std::size_t i) { lift[i] = kHeld * standing.lift(i, set.position[i]); });
+}
+
 // Applies gravity and moves the particles. In every second substep, sorts them by their new positions and finds their
 // neighbours there.
 void Fluid::State::predict(float seconds, bool sorts) {
   const Vec3f fall = settings.gravity.cast<float>() * seconds;
   const float fastest = kFastest * spacing / seconds;
   set.forEach([&](std::size_t i) {
-    const Vec3f speed = vectorOf(set.motion[i]) + fall;
+    const Vec3f speed = vectorOf(set.motion[i]) + fall + seconds * lift[i];
     const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
     const float rate = length > fastest ? fastest / length * seconds : seconds;
     set.nextPosition[i] = rowOf(set.room.nearest(vectorOf(set.position[i]) + rate * speed));
@@ -178,29 +198,21 @@ void Fluid::State::predict(float seconds, bool sorts) {
   set.sort(listed, kRows, [&](std::size_t i, std::size_t from) {
     before[i] = set.position[from];
     nextPressure[i] = pressure[from];
-    nextLasting[i] = lasting[from];
+    nextLift[i] = lift[from];
   });
   std::swap(pressure, nextPressure);
-  std::swap(lasting, nextLasting);
+  std::swap(lift, nextLift);
   set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
   set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, none);
 }
 
-// Pressures start from those of the previous substep: the pressure that supports a column of water takes many substeps
-// to build up.
+// Pressures start from those of the previous substep.
 void Fluid::State::keepVolume(float seconds) {
   const ParticleRow min = rowOf(set.room.min), max = rowOf(set.room.max);
   const float rate = pressureSeconds > 0.0f ? seconds / pressureSeconds : 0.0f;
-  const float scale = rate * rate,
-              share = std::min(1.0f, seconds / kLasting);  // pressures are in units of displacement
+  const float kept = kKeptPressure * rate * rate;  // pressures are in units of displacement
   pressureSeconds = seconds;
-  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So the
-  // part that is lost is replaced by what lasts.
-  set.forEach([&](std::size_t i) {
-    const float mean = scale * (lasting[i] + share * (pressure[i] - lasting[i])), now = scale * pressure[i];
-    lasting[i] = std::min(mean, now);
-    pressure[i] = kKeptPressure * now + (1.0f - kKeptPressure) * lasting[i];
-  });
+  set.forEach([&](std::size_t i) { pressure[i] *= kept; });
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;
     BodyTerms terms;
