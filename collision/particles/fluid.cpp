@@ -20,6 +20,7 @@ constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
 constexpr float kRelaxation = 0.7f;    // fraction of the density error that a pressure corrects
 constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next
+constexpr float kLasting = 0.5f;       // the rest is its mean of about so long, at most as much as there was [s]
 constexpr float kHeld = 0.9f;          // of the weight, by the pressures of standing water
 constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
 constexpr float kFastest = 5.0f;       // max motion in a substep, in spacings
@@ -100,13 +101,14 @@ struct Fluid::State {
   FluidKernels kernels;
   std::vector<ParticleRow> before;  // positions in the previous substep
   std::vector<float> pressure, nextPressure;
-  float pressureSeconds = 0.0f;    // of the substep that the pressures belong to
-  std::vector<std::uint8_t> none;  // excludes no particle from the lists
+  std::vector<float> lasting, nextLasting;  // its mean over time
+  float pressureSeconds = 0.0f;             // of the substep that the pressures belong to
+  std::vector<std::uint8_t> none;           // excludes no particle from the lists
   StandingWater standing;
   std::vector<StandingWater::Solid> solids;
-  std::vector<Vec3f> lift, nextLift;   // acceleration by standing water [m/s^2]
-  double mass;                         // of a particle [kg]
-  std::vector<ParticleRow> bodyWalls;  // see BodyTerms; all 0 where no body is near
+  std::vector<ParticleRow> lift, nextLift;  // see StandingWater
+  double mass;                              // of a particle [kg]
+  std::vector<ParticleRow> bodyWalls;       // see BodyTerms; all 0 where no body is near
   std::vector<float> bodyYielding;
   std::span<const ParticleBodies::Contact> contacts;
 };
@@ -120,11 +122,13 @@ Fluid::State::State(const FluidSettings& wanted)
       before(set.position.size()),
       pressure(set.position.size()),
       nextPressure(set.position.size()),
+      lasting(set.position.size()),
+      nextLasting(set.position.size()),
       none(set.position.size()),
       standing(wanted.capacity, spacing, set.room.min - Vec3f::Constant(0.5f * spacing),
                set.room.max + Vec3f::Constant(0.5f * spacing)),
-      lift(set.position.size(), Vec3f::Zero()),
-      nextLift(lift),
+      lift(set.position.size()),
+      nextLift(set.position.size()),
       mass(wanted.density * std::pow(wanted.spacing, 3.0)),
       bodyWalls(set.position.size()),
       bodyYielding(set.position.size()) {
@@ -139,6 +143,7 @@ std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velo
   const Vec3f speed = velocity.cast<float>();
   const std::size_t added = set.add(positions, speed, speed);
   std::fill_n(pressure.begin() + (set.count - added), added, 0.0f);
+  std::fill_n(lasting.begin() + (set.count - added), added, 0.0f);
   return added;
 }
 
@@ -175,7 +180,7 @@ void Fluid::State::holdUp() {
   }
   set.rigid.forBoxes(add);
   standing.find({set.position.data(), set.count}, settings.gravity.cast<float>(), solids);
-  set.forEach([&](std::size_t i) { lift[i] = kHeld * standing.lift(i, set.position[i]); });
+  set.forEach([&](std::size_t i) { lift[i] = standing.lift(i, set.position[i]); });
 }
 
 // Applies gravity and moves the particles. In every second substep, sorts them by their new positions and finds their
@@ -184,7 +189,7 @@ void Fluid::State::predict(float seconds, bool sorts) {
   const Vec3f fall = settings.gravity.cast<float>() * seconds;
   const float fastest = kFastest * spacing / seconds;
   set.forEach([&](std::size_t i) {
-    const Vec3f speed = vectorOf(set.motion[i]) + fall + seconds * lift[i];
+    const Vec3f speed = vectorOf(set.motion[i]) + fall + kHeld * seconds * vectorOf(lift[i]);
     const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
     const float rate = length > fastest ? fastest / length * seconds : seconds;
     set.nextPosition[i] = rowOf(set.room.nearest(vectorOf(set.position[i]) + rate * speed));
@@ -198,9 +203,11 @@ void Fluid::State::predict(float seconds, bool sorts) {
   set.sort(listed, kRows, [&](std::size_t i, std::size_t from) {
     before[i] = set.position[from];
     nextPressure[i] = pressure[from];
+    nextLasting[i] = lasting[from];
     nextLift[i] = lift[from];
   });
   std::swap(pressure, nextPressure);
+  std::swap(lasting, nextLasting);
   std::swap(lift, nextLift);
   set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
   set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, none);
@@ -210,9 +217,16 @@ void Fluid::State::predict(float seconds, bool sorts) {
 void Fluid::State::keepVolume(float seconds) {
   const ParticleRow min = rowOf(set.room.min), max = rowOf(set.room.max);
   const float rate = pressureSeconds > 0.0f ? seconds / pressureSeconds : 0.0f;
-  const float kept = kKeptPressure * rate * rate;  // pressures are in units of displacement
+  const float scale = rate * rate;  // pressures are in units of displacement
+  const float share = std::min(1.0f, seconds / kLasting);
   pressureSeconds = seconds;
-  set.forEach([&](std::size_t i) { pressure[i] *= kept; });
+  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So where
+  // standing water is not held up, the part that is lost is replaced by what lasts.
+  set.forEach([&](std::size_t i) {
+    const float mean = scale * (lasting[i] + share * (pressure[i] - lasting[i])), now = scale * pressure[i];
+    lasting[i] = std::min(mean, now);
+    pressure[i] = kKeptPressure * now + (1.0f - kKeptPressure) * (1.0f - lift[i].w) * lasting[i];
+  });
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;
     BodyTerms terms;

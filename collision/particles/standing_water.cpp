@@ -93,6 +93,7 @@ void StandingWater::find(std::span<const ParticleRow> positions, const Vec3f& gr
     const Row& row = rows_[r];
     Cell& cell = cells_[row.cell];
     const float own = pressureOf(r);
+    cell.share = row.share;
     for (std::size_t c = 0; c < 3; ++c) {
       const float wall = -row.share * gravity[c];
       cell.low[c] = row.wallBefore[c] ? wall : (pressureOf(row.before[c]) - own) * perSize_[c];
@@ -237,15 +238,15 @@ void StandingWater::precondition() {
   }
 }
 
-Vec3f StandingWater::lift(std::size_t drop, const ParticleRow& at) const {
+ParticleRow StandingWater::lift(std::size_t drop, const ParticleRow& at) const {
   const Cell& cell = cells_[cellOf_[drop]];
-  Vec3f sum;
   const Vec3f place = (Vec3f(at.x, at.y, at.z) - origin_).cwiseProduct(perSize_);
+  std::array<float, 3> sum;
   for (std::size_t c = 0; c < 3; ++c) {
     const float share = std::clamp(place[c] - static_cast<float>(cell.at[c]), 0.0f, 1.0f);
     sum[c] = cell.low[c] + share * (cell.high[c] - cell.low[c]);
   }
-  return sum;
+  return {sum[0], sum[1], sum[2], cell.share};
 }
 
 }  // namespace lorica

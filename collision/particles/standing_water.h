@@ -30,8 +30,9 @@ class StandingWater {
   /// @param solids     the water around them is held less, that near them not at all
   void find(std::span<const ParticleRow> positions, const Vec3f& gravity, std::span<const Solid> solids);
 
-  /// The acceleration that this pressure gives one of the drops [m/s^2].
-  [[nodiscard]] Vec3f lift(std::size_t drop, const ParticleRow& at) const;
+  /// The acceleration that this pressure gives one of the drops [m/s^2]; w: how much of the pressure is held here, 0
+  /// to 1.
+  [[nodiscard]] ParticleRow lift(std::size_t drop, const ParticleRow& at) const;
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -39,6 +40,7 @@ class StandingWater {
   struct Cell {
     Place at;
     std::uint32_t drops = 0;
+    float share = 0.0f;                  // see Row
     std::array<float, 3> low{}, high{};  // accelerations on its faces
   };
   // A cell that is full enough, as an equation.
