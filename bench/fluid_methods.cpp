@@ -107,14 +107,14 @@ class Drops : public Method {
   std::vector<Vec3f> positions_, velocities_;
 };
 
-/// Bender and Koschier, Divergence-Free Smoothed Particle Hydrodynamics, 2015. The pressures of both solvers start from
-/// the last ones, and go up and down by half of the error (as in IISPH: Ihmsen et al. 2014). Walls are the integral of
-/// the kernel over the half space behind them (as in Koschier and Bender, Density Maps, 2017). Densities are relative.
+/// Bender and Koschier, Divergence-Free Smoothed Particle Hydrodynamics, 2015. Pressures against density start from the
+/// last ones, and go up and down by half of the error (as in IISPH: Ihmsen et al. 2014). Walls are the integral of the
+/// kernel over the half space behind them (as in Koschier and Bender, Density Maps, 2017). Densities are relative. With
+/// steps twice as long, 30 layers boil.
 class DivergenceFreeSph final : public Drops {
  public:
   explicit DivergenceFreeSph(const Basin& basin) : Drops(basin) {
-    for (std::vector<float>* v : {&density_, &inverse_, &pressing_, &diverging_, &change_})
-      v->resize(positions_.size());
+    for (std::vector<float>* v : {&density_, &inverse_, &pressing_, &change_}) v->resize(positions_.size());
     for (std::vector<Vec3f>* v : {&wall_, &next_}) v->resize(positions_.size(), Vec3f::Zero());
     // The lattice has density 1, inside and next to a wall.
     float half = 0.0f, all = 0.0f;
@@ -263,7 +263,7 @@ class DivergenceFreeSph final : public Drops {
 
   void substep(float dt) {
     findNeighbours();
-    std::fill(diverging_.begin(), diverging_.end(), 0.0f);
+    diverging_.assign(positions_.size(), 0.0f);
     solve(dt, false, diverging_);
     for (std::size_t i = 0; i < positions_.size(); ++i) {
       Vec3f others = Vec3f::Zero();
@@ -289,9 +289,8 @@ class DivergenceFreeSph final : public Drops {
 };
 
 /// Jiang, Schroeder, Selle, Teran and Stomakhin, The Affine Particle-In-Cell Method, 2015: cells of two drops,
-/// pressures by conjugate gradients with an incomplete Cholesky factor (as in Bridson, Fluid Simulation for Computer
-/// Graphics). If wanted, drops are spread evenly by a second solution (Kugelstadt et al., Implicit Density Projection,
-/// 2019).
+/// pressures by conjugate gradients. If wanted, drops are spread evenly by a second solution (Kugelstadt et al.,
+/// Implicit Density Projection, 2019).
 class AffineCells final : public Drops {
  public:
   AffineCells(const Basin& basin, bool spreads) : Drops(basin), spreads_(spreads) {
@@ -513,26 +512,25 @@ class AffineCells final : public Drops {
 
   /// Speeds of two layers of faces around the water; those farther out do not matter.
   void extrapolate() {
-    for (int c = 0; c < 3; ++c) {
-      for (int layer = 2; layer <= 3; ++layer) {
-        const auto known = static_cast<float>(layer);
+    for (const float layer : {2.0f, 3.0f}) {
+      for (int c = 0; c < 3; ++c) {
         for (std::size_t at = 0; at < speed_[c].size(); ++at) {
           if (weight_[c][at] > 0.0f) continue;
           float sum = 0.0f, count = 0.0f;
           for (int axis = 0; axis < 3; ++axis) {
-            const std::size_t step = stride(c, axis);
-            const int place = static_cast<int>(at / step % along(c, axis));
-            const auto take = [&](std::size_t other) {
-              if (weight_[c][other] <= 0.0f || weight_[c][other] >= known) return;
+            const std::size_t step = stride(c, axis), place = at / step % along(c, axis);
+            for (const std::size_t other : {place > 0 ? at - step : at, at + step}) {
+              if ((other > at && place + 1 == static_cast<std::size_t>(along(c, axis))) || weight_[c][other] <= 0.0f ||
+                  weight_[c][other] >= layer) {
+                continue;
+              }
               sum += speed_[c][other];
               count += 1.0f;
-            };
-            if (place > 0) take(at - step);
-            if (place < along(c, axis) - 1) take(at + step);
+            }
           }
           if (count == 0.0f) continue;
           speed_[c][at] = sum / count;
-          weight_[c][at] = known;
+          weight_[c][at] = layer;
         }
       }
     }
@@ -654,7 +652,7 @@ int main(int argc, char** argv) {
   CLI::App app("Compares three methods for water");
   app.add_option("--seconds", options.seconds)->check(CLI::Range(4, 1000));
   app.add_option("--width", options.width, "Of the basin, in drops; even")->check(CLI::Range(4, 100));
-  app.add_option("--only", options.only);
+  app.add_option("--only", options.only, "Methods, by their first letters");
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

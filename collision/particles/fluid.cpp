@@ -19,8 +19,9 @@ constexpr int kRows = 3;               // of the grid: a run has a dozen particl
 constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
 constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
 constexpr float kRelaxation = 0.7f;    // fraction of the density error that a pressure corrects
-constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next
-constexpr float kLasting = 0.5f;       // the rest is its mean of about so long, at most as much as there was [s]
+constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next; the rest is kept as its ...
+constexpr float kLasting = 0.5f;       // ... mean of about so long, and at most as much as there was [s]
+constexpr float kKeptStanding = 0.4f;  // instead, in standing water
 constexpr float kHeld = 0.9f;          // of the weight, by the pressures of standing water
 constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
 constexpr float kFastest = 5.0f;       // max motion in a substep, in spacings
@@ -225,7 +226,8 @@ void Fluid::State::keepVolume(float seconds) {
   set.forEach([&](std::size_t i) {
     const float mean = scale * (lasting[i] + share * (pressure[i] - lasting[i])), now = scale * pressure[i];
     lasting[i] = std::min(mean, now);
-    pressure[i] = kKeptPressure * now + (1.0f - kKeptPressure) * (1.0f - lift[i].w) * lasting[i];
+    const float held = lift[i].w, kept = kKeptPressure + held * (kKeptStanding - kKeptPressure);
+    pressure[i] = kept * now + (1.0f - kKeptPressure) * (1.0f - held) * lasting[i];
   });
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;

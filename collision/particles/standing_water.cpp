@@ -164,7 +164,6 @@ void StandingWater::makeRows(const Vec3f& gravity) {
         (step < 0 ? row.wallBefore : row.wallAfter)[axis] = wall;
       }
     }
-    row.diagonal = 1.0001f * std::max(row.diagonal, weight_.minCoeff());
   }
 }
 
