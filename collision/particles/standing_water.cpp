@@ -27,22 +27,23 @@ StandingWater::StandingWater(std::size_t capacity, float spacing, const Vec3f& m
   cells_.reserve(capacity);
   cellOf_.resize(capacity);
   rowOf_.resize(capacity);
-  rows_.reserve(capacity);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const bool low = min[axis] > -kFar, high = max[axis] < kFar;
     size_[axis] = kDrops * spacing;
-    // Whole cells between two walls.
-    if (low && high) {
-      const float wide = max[axis] - min[axis];
-      size_[axis] = wide / std::max(1.0f, std::round(wide / size_[axis]));
+    int between = 1 << 30;
+    if (low && high) {  // whole cells between two walls
+      const float wide = std::max(spacing, max[axis] - min[axis]);
+      between = std::max(1, static_cast<int>(std::lround(wide / size_[axis])));
+      size_[axis] = wide / static_cast<float>(between);
     }
     perSize_[axis] = 1.0f / size_[axis];
     weight_[axis] = perSize_[axis] * perSize_[axis];
     full_ *= size_[axis] / spacing;
     if (low) origin_[axis] = min[axis];
     first_[axis] = low ? 0 : -(1 << 30);
-    last_[axis] = low && high ? static_cast<int>(std::lround((max[axis] - min[axis]) * perSize_[axis])) - 1 : 1 << 30;
+    last_[axis] = between - 1;
   }
+  rows_.reserve(static_cast<std::size_t>(static_cast<float>(capacity) / std::max(1.0f, kFull * full_)) + 1);
 }
 
 StandingWater::Place StandingWater::cellAt(const ParticleRow& p) const {

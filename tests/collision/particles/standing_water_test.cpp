@@ -60,6 +60,13 @@ TEST(StandingWater, ADamIsPushedTowardsItsOpenSide) {
   }
 }
 
+TEST(StandingWater, WallsCloserThanADropAreOneCell) {
+  const std::vector<ParticleRow> drops(30, {0.0f, 0.01f, 0.0f, 0.0f});
+  StandingWater water(drops.size(), kSpacing, Vec3f::Zero(), Vec3f(0.0f, kFar, 0.001f));
+  water.find(drops, kGravity, {});
+  EXPECT_NEAR(water.lift(7, drops[7]).y, 9.81f, 1e-3f);
+}
+
 TEST(StandingWater, BesideASolidNothingIsHeld) {
   const std::vector<ParticleRow> drops = block({60, 15, 15});
   StandingWater water(drops.size(), kSpacing, Vec3f::Zero(), Vec3f(1.2f, kFar, 0.3f));
