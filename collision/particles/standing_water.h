@@ -14,8 +14,8 @@ namespace lorica {
 /// How much of its own weight water holds up, wherever there is water: pressures on a coarse grid that would keep it
 /// from accelerating if it stood still. Falling water has none. Internal to Fluid.
 ///
-/// Depends on where the drops are, not on how they move: so it cannot feed a motion. Does not allocate. Same bits for
-/// any number of threads and with any compiler.
+/// Depends on where the drops are, not on how they move. Does not allocate. Same bits for any number of threads and
+/// with any compiler.
 class StandingWater {
  public:
   /// @param spacing  of drops at rest [m]
