@@ -13,7 +13,7 @@ namespace lorica {
 namespace {
 
 constexpr double kReach = 1.7;         // of the kernels, in spacings
-constexpr int kSubstepsPerSort = 4;    // during which lists of neighbours stay valid
+constexpr int kSubstepsPerSort = 2;    // during which lists of neighbours stay valid
 constexpr float kListed = 1.06f;       // reach of the lists, as a multiple of the kernels'
 constexpr int kRows = 3;               // of the grid: a run has a dozen particles, which fills most of a vector
 constexpr int kMaxNeighbours = 64;     // at rest there are 18 to 30
@@ -184,7 +184,7 @@ void Fluid::State::holdUp() {
   set.forEach([&](std::size_t i) { lift[i] = standing.lift(i, set.position[i]); });
 }
 
-// Applies gravity and moves the particles. In every fourth substep, sorts them by their new positions and finds their
+// Applies gravity and moves the particles. In every second substep, sorts them by their new positions and finds their
 // neighbours there.
 void Fluid::State::predict(float seconds, bool sorts) {
   const Vec3f fall = settings.gravity.cast<float>() * seconds;
