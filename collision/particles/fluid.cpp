@@ -2,6 +2,7 @@
 
 #include "collision/particles/fluid_kernel.h"
 #include "collision/particles/particle_set.h"
+#include "collision/particles/standing_water.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -20,6 +21,8 @@ constexpr double kSoftening = 0.02;    // of the sum of squared slopes at rest
 constexpr float kRelaxation = 0.7f;    // fraction of the density error that a pressure corrects
 constexpr float kKeptPressure = 0.6f;  // fraction kept from one substep to the next; the rest is kept as its ...
 constexpr float kLasting = 0.5f;       // ... mean of about so long, and at most as much as there was [s]
+constexpr float kKeptStanding = 0.4f;  // instead, in standing water
+constexpr float kHeld = 0.9f;          // of the weight, by the pressures of standing water
 constexpr float kLongestMove = 0.25f;  // of an iteration, in spacings
 constexpr float kFastest = 5.0f;       // max motion in a substep, in spacings
 constexpr float kTouching = 0.3f;      // distance that centres keep from rigid bodies, in spacings
@@ -80,6 +83,7 @@ struct Fluid::State {
 
   std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
   void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
+  void holdUp();
   void predict(float seconds, bool sorts);
   void keepVolume(float seconds);
   void findMotions(float seconds);
@@ -101,6 +105,9 @@ struct Fluid::State {
   std::vector<float> lasting, nextLasting;  // its mean over time
   float pressureSeconds = 0.0f;             // of the substep that the pressures belong to
   std::vector<std::uint8_t> none;           // excludes no particle from the lists
+  StandingWater standing;
+  std::vector<StandingWater::Solid> solids;
+  std::vector<ParticleRow> lift, nextLift;  // see StandingWater
   double mass;                              // of a particle [kg]
   std::vector<ParticleRow> bodyWalls;       // see BodyTerms; all 0 where no body is near
   std::vector<float> bodyYielding;
@@ -119,6 +126,10 @@ Fluid::State::State(const FluidSettings& wanted)
       lasting(set.position.size()),
       nextLasting(set.position.size()),
       none(set.position.size()),
+      standing(wanted.capacity, spacing, set.room.min - Vec3f::Constant(0.5f * spacing),
+               set.room.max + Vec3f::Constant(0.5f * spacing)),
+      lift(set.position.size()),
+      nextLift(set.position.size()),
       mass(wanted.density * std::pow(wanted.spacing, 3.0)),
       bodyWalls(set.position.size()),
       bodyYielding(set.position.size()) {
@@ -140,6 +151,7 @@ std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velo
 void Fluid::State::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
   if (set.count == 0) return;
   const ParticleSet::Substeps substeps = set.beginFrame(parts, bodies, seconds, settings.substepSeconds);
+  holdUp();
   for (int substep = 0; substep < substeps.count; ++substep) {
     predict(substeps.seconds, substep % kSubstepsPerSort == 0);
     if (!set.rigid.empty()) {
@@ -158,13 +170,27 @@ void Fluid::State::step(std::span<const LivePart> parts, double seconds, std::sp
   set.publish(1.0f);
 }
 
+// A drop's own pressures cannot hold up a high column in few iterations. So nine tenths of the weight of standing water
+// is taken off it for the frame; what it then lacks or has too much, they correct. All of the weight would leave
+// nothing that brings drops back together.
+void Fluid::State::holdUp() {
+  solids.clear();
+  const auto add = [&](const Vec3f& min, const Vec3f& max) { solids.push_back({min, max}); };
+  for (const ParticleObstacle::Sweep& sweep : set.body.sweeps()) {
+    add({sweep.min[0], sweep.min[1], sweep.min[2]}, {sweep.max[0], sweep.max[1], sweep.max[2]});
+  }
+  set.rigid.forBoxes(add);
+  standing.find({set.position.data(), set.count}, settings.gravity.cast<float>(), solids);
+  set.forEach([&](std::size_t i) { lift[i] = standing.lift(i, set.position[i]); });
+}
+
 // Applies gravity and moves the particles. In every second substep, sorts them by their new positions and finds their
 // neighbours there.
 void Fluid::State::predict(float seconds, bool sorts) {
   const Vec3f fall = settings.gravity.cast<float>() * seconds;
   const float fastest = kFastest * spacing / seconds;
   set.forEach([&](std::size_t i) {
-    const Vec3f speed = vectorOf(set.motion[i]) + fall;
+    const Vec3f speed = vectorOf(set.motion[i]) + fall + kHeld * seconds * vectorOf(lift[i]);
     const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
     const float rate = length > fastest ? fastest / length * seconds : seconds;
     set.nextPosition[i] = rowOf(set.room.nearest(vectorOf(set.position[i]) + rate * speed));
@@ -179,27 +205,29 @@ void Fluid::State::predict(float seconds, bool sorts) {
     before[i] = set.position[from];
     nextPressure[i] = pressure[from];
     nextLasting[i] = lasting[from];
+    nextLift[i] = lift[from];
   });
   std::swap(pressure, nextPressure);
   std::swap(lasting, nextLasting);
+  std::swap(lift, nextLift);
   set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
   set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, none);
 }
 
-// Pressures start from those of the previous substep: the pressure that supports a column of water takes many substeps
-// to build up.
+// Pressures start from those of the previous substep.
 void Fluid::State::keepVolume(float seconds) {
   const ParticleRow min = rowOf(set.room.min), max = rowOf(set.room.max);
   const float rate = pressureSeconds > 0.0f ? seconds / pressureSeconds : 0.0f;
-  const float scale = rate * rate,
-              share = std::min(1.0f, seconds / kLasting);  // pressures are in units of displacement
+  const float scale = rate * rate;  // pressures are in units of displacement
+  const float share = std::min(1.0f, seconds / kLasting);
   pressureSeconds = seconds;
-  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So the
-  // part that is lost is replaced by what lasts.
+  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So where
+  // standing water is not held up, the part that is lost is replaced by what lasts.
   set.forEach([&](std::size_t i) {
     const float mean = scale * (lasting[i] + share * (pressure[i] - lasting[i])), now = scale * pressure[i];
     lasting[i] = std::min(mean, now);
-    pressure[i] = kKeptPressure * now + (1.0f - kKeptPressure) * lasting[i];
+    const float held = lift[i].w, kept = kKeptPressure + held * (kKeptStanding - kKeptPressure);
+    pressure[i] = kept * now + (1.0f - kKeptPressure) * (1.0f - held) * lasting[i];
   });
   for (int iteration = 0; iteration < settings.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;

@@ -60,6 +60,14 @@ class ParticleBodies {
   [[nodiscard]] bool empty() const { return bodies_.empty(); }  ///< no bodies in this frame
   /// Moves the bodies to the end of a substep.
   void advance(int substep);
+  /// Calls work(min, max) for a box around each, where it is now [m].
+  template <class Work>
+  void forBoxes(const Work& work) const {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      const Vec3f middle = states_[b].position.cast<float>(), half = extentOf(bodies_[b], states_[b].bodyFromWorld);
+      work(Vec3f(middle - half), Vec3f(middle + half));
+    }
+  }
   /// Writes what the particles changed to the bodies.
   void finish();
 

@@ -87,7 +87,7 @@ TEST_P(KnownParticlesTest, AroundAWalkerComeOutAsTheyAlwaysDid) {
 
 INSTANTIATE_TEST_SUITE_P(Kinds, KnownParticlesTest,
                          testing::Values(KnownParticles{ParticleSettings::Kind::kSand, 0x2f356800a61ce4ddu},
-                                         KnownParticles{ParticleSettings::Kind::kWater, 0x3f767c87e1a909f5u}),
+                                         KnownParticles{ParticleSettings::Kind::kWater, 0x553d865e9c1c57a7u}),
                          [](const auto& param) {
                            return param.param.kind == ParticleSettings::Kind::kSand ? "sand" : "water";
                          });

@@ -80,27 +80,29 @@ TEST(Fluid, ADamBreaksSpreadsAndKeepsItsVolume) {
 }
 
 TEST(Fluid, DeepWaterStaysWhereItIs) {
-  FluidSettings settings;
-  settings.capacity = 10 * 10 * 30;
-  const double half = 5.0 * settings.spacing;
-  settings.walls = Aabb{Vec3(-half, 0, -half), Vec3(half, 9, half)};
-  Fluid fluid(settings);
-  std::vector<Vec3f> positions;
-  positions.reserve(settings.capacity);
-  for (int i = 0; i < 3000; ++i) {
-    positions.emplace_back(static_cast<float>(settings.spacing) * Vec3f(static_cast<float>(i % 10) - 4.5f,
-                                                                        static_cast<float>(i / 100) + 0.5f,
-                                                                        static_cast<float>(i / 10 % 10) - 4.5f));
+  for (const int layers : {15, 30, 50}) {
+    FluidSettings settings;
+    settings.capacity = static_cast<std::size_t>(10 * 10 * layers);
+    const double half = 5.0 * settings.spacing;
+    settings.walls = Aabb{Vec3(-half, 0, -half), Vec3(half, 9, half)};
+    Fluid fluid(settings);
+    std::vector<Vec3f> positions;
+    positions.reserve(settings.capacity);
+    for (int i = 0; i < 100 * layers; ++i) {
+      positions.emplace_back(static_cast<float>(settings.spacing) * Vec3f(static_cast<float>(i % 10) - 4.5f,
+                                                                          static_cast<float>(i / 100) + 0.5f,
+                                                                          static_cast<float>(i / 10 % 10) - 4.5f));
+    }
+    fluid.add(positions);
+    for (int i = 0; i < 90; ++i) fluid.step({}, kFrame);
+    const double height = layers * settings.spacing;
+    EXPECT_NEAR(meanHeight(fluid), 0.5 * height, 0.03 * 0.5 * height) << layers;
+    double highest = 0.0, speed = 0.0;
+    for (const Vec3f& p : fluid.positions()) highest = std::max(highest, static_cast<double>(p.y()));
+    for (const Vec3f& v : fluid.velocities()) speed += v.norm() / static_cast<double>(fluid.size());
+    EXPECT_LT(highest, 1.05 * height) << "nothing is thrown up";
+    EXPECT_LT(speed, 0.15) << layers << ": it boils";
   }
-  fluid.add(positions);
-  for (int i = 0; i < 90; ++i) fluid.step({}, kFrame);
-  const double height = 30 * settings.spacing;
-  EXPECT_NEAR(meanHeight(fluid), 0.5 * height, 0.08 * 0.5 * height);
-  double highest = 0.0, speed = 0.0;
-  for (const Vec3f& p : fluid.positions()) highest = std::max(highest, static_cast<double>(p.y()));
-  for (const Vec3f& v : fluid.velocities()) speed += v.norm() / 3000.0;
-  EXPECT_LT(highest, 1.05 * height) << "nothing is thrown up";
-  EXPECT_LT(speed, 0.4);
 }
 
 TEST(Fluid, WithoutForcesMomentumIsKept) {
