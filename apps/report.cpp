@@ -13,8 +13,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <mutex>
 #include <set>
 #include <thread>

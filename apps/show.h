@@ -10,10 +10,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace lorica {
 

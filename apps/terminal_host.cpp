@@ -1,7 +1,6 @@
 #include "apps/terminal_host.h"
 
 #include "apps/interrupt.h"
-#include "apps/report.h"
 #include "apps/standard_streams.h"
 #include "geometry/counts.h"
 #include "geometry/printable.h"
@@ -15,7 +14,6 @@
 #include <chrono>
 #include <cstdio>
 #include <optional>
-#include <string>
 #include <utility>
 
 namespace lorica {

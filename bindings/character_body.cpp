@@ -2,7 +2,6 @@
 
 #include "geometry/errors.h"
 #include "prepare/body.h"
-#include "prepare/cover_choice.h"
 #include "prepare/hull_fit.h"
 #include "prepare/read_motion.h"
 #include "prepare/shipped_motion.h"

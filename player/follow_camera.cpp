@@ -13,9 +13,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <string_view>
-#include <utility>
-#include <vector>
 
 namespace lorica {
 namespace {

@@ -1,6 +1,5 @@
 
 #include "player/run_loop.h"
-#include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "player/framing.h"
 

@@ -1,8 +1,6 @@
 #include "player/run_statistics.h"
 
 #include <algorithm>
-#include <string_view>
-#include <utility>
 
 namespace lorica {
 long long RunStatistics::countNew(std::vector<Pair>& now, std::vector<Pair>& last) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "geometry/text.h"
 #include "player/avatar_fade.h"
 #include "player/follow_camera.h"
 #include "player/session_face.h"

@@ -3,10 +3,7 @@
 #include "prepare/read_motion.h"
 #include "viewer/renderer/window_values.h"
 
-#include <functional>
-#include <memory>
 #include <string_view>
-#include <vector>
 
 namespace lorica {
 

@@ -5,9 +5,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
-#include <memory>
 #include <span>
-#include <string>
 
 namespace lorica {
 

@@ -80,7 +80,4 @@ struct RetargetRig {
   static Result<RetargetRig> create(const Skeleton& skeleton);
 };
 
-/// The bones that every skeleton needs for retargeting, in addition to at least one of spine, chest and upperChest.
-[[nodiscard]] std::span<const HumanBone> bonesNeededToRetarget();
-
 }  // namespace lorica

@@ -13,7 +13,6 @@
 #include <array>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace lorica {
 namespace {

@@ -7,8 +7,6 @@
 
 #include <OniCAPI.h>
 
-#include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <mutex>

@@ -168,12 +168,6 @@ Result<PacketFile> readPacketFile(const std::filesystem::path& file) {
   return PacketFile::parse(std::move(bytes), file.string());
 }
 
-bool isPacketFile(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = std::tolower(static_cast<unsigned char>(c));
-  return extension == ".pcap";
-}
-
 std::string packetFileHeader() {
   constexpr std::uint32_t kLongest = 262144;
   std::string bytes;

@@ -4,10 +4,8 @@
 #include "capture/streams/vmc_axes.h"
 #include "geometry/result.h"
 
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 
 namespace lorica {
 namespace {

@@ -6,7 +6,6 @@
 #include "collision/live/moving_hull.h"
 #include "collision/live/part_plan.h"
 #include "collision/live/rigid_fit.h"
-#include "geometry/result.h"
 
 #include <tbb/parallel_for.h>
 

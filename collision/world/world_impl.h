@@ -11,7 +11,6 @@
 
 #include <btBulletDynamicsCommon.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>

@@ -13,7 +13,6 @@
 
 #include <algorithm>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 namespace lorica {

@@ -1,6 +1,5 @@
 #include "skinning/humanoid/humanoid_names.h"
 
-#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid_tables.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 

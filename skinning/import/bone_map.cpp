@@ -5,7 +5,6 @@
 #include "geometry/files.h"
 #include "geometry/similar_name.h"
 #include "geometry/written_json.h"
-#include "skinning/humanoid/humanoid.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +13,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 namespace lorica {

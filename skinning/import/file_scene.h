@@ -1,7 +1,6 @@
 #pragma once
 
 #include "geometry/tri_mesh.h"
-#include "geometry/work_budgets.h"
 #include "skinning/import/character_file.h"
 #include "skinning/look/look.h"
 #include "skinning/skeleton.h"

@@ -13,10 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstring>
 #include <map>
-#include <string_view>
 
 namespace lorica {
 

@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 #include "skinning/import/gltf_accessor.h"
 #include "skinning/import/gltf_clips.h"
 #include "skinning/import/gltf_document.h"

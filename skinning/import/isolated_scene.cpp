@@ -19,10 +19,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
-#include <optional>
 #include <system_error>
-#include <utility>
 
 extern char** environ;
 

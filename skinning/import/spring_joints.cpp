@@ -1,7 +1,5 @@
 #include "skinning/import/spring_joints.h"
 
-#include <utility>
-
 namespace lorica {
 
 std::vector<int> nodesOfSprings(const SpringBones& springs) {

@@ -3,7 +3,6 @@
 #include "viewer/renderer/text.h"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 #include <utility>
 
