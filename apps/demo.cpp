@@ -6,9 +6,9 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
+#include "player/background_work.h"
 #include "player/demo_pictures.h"
-#include "player/load_on_screen.h"
-#include "player/playback.h"
+#include "player/window_texts.h"
 #include "prepare/demo_motion.h"
 
 #include <fmt/format.h>

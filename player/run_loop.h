@@ -12,7 +12,6 @@
 #include "player/window_opener.h"
 #include "player/window_settings.h"
 #include "player/window_texts.h"
-#include "player/window_warnings.h"
 #include "prepare/detail_levels.h"
 #include "prepare/settling.h"
 

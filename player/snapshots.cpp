@@ -2,9 +2,9 @@
 
 #include "collision/live/attached_vertices.h"
 #include "geometry/errors.h"
-#include "player/part_colors.h"
+#include "player/parts_picture.h"
 #include "player/picture_options.h"
-#include "player/playback.h"
+#include "player/window_texts.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/avatar.h"
 #include "viewer/pictures/image_files.h"

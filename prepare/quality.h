@@ -1,7 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
-#include "prepare/used_hulls.h"
+#include "prepare/file_content.h"
 
 #include <vector>
 

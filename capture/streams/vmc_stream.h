@@ -4,7 +4,6 @@
 #include "capture/streams/frame_pace.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_follower.h"
-#include "capture/streams/waiting_frames.h"
 
 #include <chrono>
 #include <condition_variable>

@@ -7,6 +7,7 @@
 #include "skinning/springs/spring_bones.h"
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <string>
 #include <utility>
@@ -158,5 +159,13 @@ class CountedNotes {
 
 /// "mesh 3 'Body'", or "mesh 3" if it has no name.
 [[nodiscard]] std::string titled(const char* kind, std::size_t index, const std::string& name);
+
+/// The nodes that swing, that tails collide with, that are centres, or that constraints read or turn. Ends of strands
+/// are not among them: a tail is stored with its joint.
+/// @param springs  with nodes instead of joints, see FileScene
+[[nodiscard]] std::vector<int> nodesOfSprings(const SpringBones& springs);
+
+/// Replaces nodes by their joints. All lengths stay in their joints' frames, which keep the file's numbers.
+[[nodiscard]] SpringBones withJoints(SpringBones springs, const std::function<JointIndex(int)>& jointOfNode);
 
 }  // namespace lorica
