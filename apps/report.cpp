@@ -4,7 +4,6 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "geometry/printable.h"
 #include "geometry/text.h"
 
 #include <fmt/format.h>

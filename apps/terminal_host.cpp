@@ -3,7 +3,6 @@
 #include "apps/interrupt.h"
 #include "apps/standard_streams.h"
 #include "geometry/counts.h"
-#include "geometry/printable.h"
 #include "geometry/text.h"
 #include "geometry/time_left.h"
 

@@ -6,7 +6,7 @@
 #include "player/events_output.h"
 #include "player/pose_output.h"
 #include "player/run_statistics.h"
-#include "player/treatment.h"
+#include "player/window_settings.h"
 #include "prepare/cast.h"
 #include "prepare/host.h"
 #include "prepare/live_cast.h"

@@ -5,7 +5,7 @@
 #include "geometry/result.h"
 #include "prepare/host.h"
 #include "session/scenes/hit_counter.h"
-#include "session/scenes/scene_stage.h"
+#include "session/scenes/scene_file.h"
 
 #include <filesystem>
 #include <string>

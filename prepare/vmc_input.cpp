@@ -1,7 +1,7 @@
 #include "prepare/vmc_input.h"
 
 #include "geometry/errors.h"
-#include "geometry/printable.h"
+#include "geometry/text.h"
 #include "prepare/stream_motion.h"
 #include "session/stream_pose_source.h"
 

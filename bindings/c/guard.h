@@ -1,6 +1,8 @@
 #pragma once
 
+#include "acd/decompose.h"
 #include "bindings/c/lorica.h"
+#include "geometry/convex_hull.h"
 #include "geometry/errors.h"
 #include "geometry/result.h"
 
@@ -73,5 +75,11 @@ Result<void> handOut(Struct whole, Struct* out) {
   std::memcpy(out, &whole, out->size);
   return {};
 }
+
+/// Lends a hull to a program.
+[[nodiscard]] Result<void> handOut(const ConvexHull& hull, lorica_hull* out);
+
+/// A function of the program as a callback of the library. @param progress  may be null
+[[nodiscard]] DecomposeProgress progressFrom(lorica_progress progress, void* user);
 
 }  // namespace lorica

@@ -1,6 +1,5 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
-#include "bindings/c/hull.h"
 #include "geometry/errors.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "bindings/live_character.h"
 #include "bindings/python/arrays.h"
-#include "bindings/python/hull.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
 #include "export/contact_export.h"

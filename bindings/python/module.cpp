@@ -1,6 +1,5 @@
 #include "bindings/mesh_parts.h"
 #include "bindings/python/arrays.h"
-#include "bindings/python/hull.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
 #include "geometry/mesh_files.h"

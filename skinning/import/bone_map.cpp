@@ -3,7 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "geometry/similar_name.h"
+#include "geometry/text.h"
 #include "geometry/written_json.h"
 
 #include <fmt/format.h>
