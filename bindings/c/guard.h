@@ -34,10 +34,15 @@ lorica_status guarded(const Body& body) noexcept {
   return LORICA_FAILURE;
 }
 
+inline Result<void> given() {
+  return {};
+}
 /// An error if a pointer is null. @param name  of the argument
-inline Result<void> given(const void* pointer, const char* name) {
-  if (pointer != nullptr) return {};
-  return invalidArgument("{} is null", name);
+/// @param others  likewise
+template <typename... Others>
+Result<void> given(const void* pointer, const char* name, const Others&... others) {
+  if (pointer == nullptr) return invalidArgument("{} is null", name);
+  return given(others...);
 }
 
 /// An error if an index is out of range. @param what  is counted

@@ -36,6 +36,12 @@ struct lorica_live {
   std::vector<lorica::SelfContact> contacts;
   std::vector<lorica::Vec3> points;  ///< scratch
   std::vector<lorica::ShapeContact> touches;
+
+  /// What was found in the last pose.
+  void forget() {
+    contacts.clear();
+    touches.clear();
+  }
 };
 
 struct lorica_tracker {
