@@ -198,7 +198,16 @@ struct Renderer::Impl {
   Result<void> createPrograms();
   void createMeshes();
   void attribute(GLuint index, GLint size, GLenum type, GLboolean normalized, std::size_t stride, std::size_t at);
-  void overlayAttributes(GLuint vertexArray, const StreamBuffer& buffer);
+  /// A vertex's member. Whole numbers stand for -1 or 0 to 1.
+  struct Attribute {
+    GLint size;      ///< number of components
+    std::size_t at;  ///< [bytes]
+    GLenum type = GL_FLOAT;
+  };
+  /// From index 0 on, of the buffer that is bound.
+  void attributes(std::size_t stride, std::initializer_list<Attribute> fields);
+  void createStream(GLuint& vertexArray, StreamBuffer& buffer, std::size_t stride,
+                    std::initializer_list<Attribute> fields);
   void createSky();
   void createPropShape(PropShapeGpu& shape, const PropMesh& mesh);
   void fillPropShape(PropShapeGpu& shape, const PropMesh& mesh);
