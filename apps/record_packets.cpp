@@ -10,7 +10,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 #include "prepare/cast.h"
 
 #include <fmt/format.h>

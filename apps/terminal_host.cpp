@@ -2,9 +2,9 @@
 
 #include "apps/interrupt.h"
 #include "apps/standard_streams.h"
+#include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "geometry/text.h"
-#include "geometry/time_left.h"
 
 #include <fmt/format.h>
 

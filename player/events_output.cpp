@@ -2,7 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 #include "session/contact_events.h"
 
 #include <fmt/format.h>

@@ -6,13 +6,13 @@
 #include "player/hands.h"
 #include "player/headset_link.h"
 #include "player/run.h"
-#include "player/scene_list.h"
 #include "player/snapshots.h"
 #include "player/warning_board.h"
 #include "player/window_opener.h"
 #include "player/window_settings.h"
 #include "player/window_texts.h"
 #include "prepare/detail_levels.h"
+#include "prepare/scenes.h"
 #include "prepare/settling.h"
 
 #include <cstdint>

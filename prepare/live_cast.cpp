@@ -1,7 +1,7 @@
 #include "prepare/live_cast.h"
 
 #include "capture/headset/three_point_joints.h"
-#include "capture/tracking/worn_person.h"
+#include "capture/tracking/people_places.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"

@@ -1,7 +1,7 @@
 #include "prepare/stream_motion.h"
 
 #include "capture/streams/osc.h"
-#include "capture/streams/recorded_stream.h"
+#include "capture/streams/vmc_follower.h"
 #include "geometry/errors.h"
 #include "geometry/line_scanner.h"
 #include "geometry/text.h"

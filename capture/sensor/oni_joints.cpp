@@ -2,7 +2,7 @@
 
 #include "capture/files/joint_csv.h"
 #include "geometry/errors.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 
 #include <unistd.h>
 

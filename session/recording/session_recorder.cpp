@@ -1,7 +1,8 @@
 #include "session/recording/session_recorder.h"
 
 #include "geometry/errors.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
+#include "session/recording/session_blocks.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -3,8 +3,8 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 #include "geometry/text.h"
-#include "geometry/written_json.h"
 
 #include <fmt/format.h>
 
