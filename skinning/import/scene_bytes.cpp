@@ -253,81 +253,64 @@ class Members {
 
   template <typename Scene>
   void scene(Scene& s) {
-    a_.text(s.format);
+    all(s.format);
     a_.list(s.nodes, 80, [&](auto& node) { this->node(node); });
-    a_.list(s.skins, 12, [&](auto& skin) { this->skin(skin); });
+    a_.list(s.skins, 12, [&](auto& skin) { all(skin.name, skin.nodes, skin.jointFromMesh); });
     a_.list(s.meshes, 60, [&](auto& mesh) { this->mesh(mesh); });
     a_.list(s.clips, 12, [&](auto& clip) { this->clip(clip); });
-    a_.list(s.morphTargets, 20, [&](auto& target) { morphTarget(target); });
+    a_.list(s.morphTargets, 20, [&](auto& t) { all(t.name, t.node, t.mesh, t.index, t.defaultWeight); });
     a_.list(s.materials, 190, [&](auto& one) { material(one); });
-    a_.list(s.pictures, 8, [&](auto& picture) {
-      a_.text(picture.name);
-      a_.plain(picture.bytes);
-    });
-    a_.optional(s.metresPerUnit, [&](auto& metres) { a_.number(metres); });
-    numbers(s.modelFromFileAxes.coeffs());
-    a_.number(s.meshCount);
-    a_.number(s.primitiveCount);
-    a_.number(s.morphTargetCount);
-    a_.list(s.notes, 4, [&](auto& note) { a_.text(note); });
+    a_.list(s.pictures, 8, [&](auto& picture) { all(picture.name, picture.bytes); });
+    a_.optional(s.metresPerUnit, [&](auto& metres) { all(metres); });
+    all(s.modelFromFileAxes.coeffs(), s.meshCount, s.primitiveCount, s.morphTargetCount);
+    a_.list(s.notes, 4, [&](auto& note) { all(note); });
   }
 
  private:
-  /// A vector or matrix of fixed size.
-  template <typename Matrix>
-  void numbers(Matrix& matrix) {
-    for (auto& x : matrix.reshaped()) a_.number(x);
+  template <typename... Values>
+  void all(Values&... values) {
+    (one(values), ...);
+  }
+  void one(std::string& text) { a_.text(text); }
+  template <typename Element>
+  void one(std::vector<Element>& values) {
+    a_.plain(values);
+  }
+  template <typename Value>
+  void one(Value& value) {
+    if constexpr (std::is_arithmetic_v<Value>) {
+      a_.number(value);
+    } else {
+      for (auto& x : value.reshaped()) a_.number(x);  // a vector or matrix of fixed size
+    }
   }
 
   template <typename Node>
   void node(Node& n) {
-    a_.text(n.name);
-    a_.number(n.parent);
-    numbers(n.local.translation);
-    numbers(n.local.rotation.coeffs());
-    numbers(n.local.scale);
-    a_.optional(n.inner, [&](auto& turn) { numbers(turn.coeffs()); });
-  }
-
-  template <typename Skin>
-  void skin(Skin& s) {
-    a_.text(s.name);
-    a_.plain(s.nodes);
-    a_.plain(s.jointFromMesh);
+    all(n.name, n.parent, n.local.translation, n.local.rotation.coeffs(), n.local.scale);
+    a_.optional(n.inner, [&](auto& turn) { all(turn.coeffs()); });
   }
 
   template <typename Mesh>
   void mesh(Mesh& m) {
-    a_.text(m.name);
-    a_.number(m.node);
-    a_.number(m.skin);
-    a_.plain(m.positions);
-    a_.plain(m.triangles);
-    a_.plain(m.weights);
-    a_.plain(m.weightBegin);
-    a_.list(m.morphs, 8, [&](auto& morph) {
-      a_.number(morph.target);
-      a_.plain(morph.offsets);
-    });
-    a_.plain(m.normals);
-    a_.plain(m.tangents);
-    for (auto& set : m.uv) a_.plain(set);
-    a_.plain(m.colors);
-    a_.number(m.material);
+    all(m.name, m.node, m.skin, m.positions, m.triangles, m.weights, m.weightBegin);
+    a_.list(m.morphs, 8, [&](auto& morph) { all(morph.target, morph.offsets); });
+    all(m.normals, m.tangents);
+    for (auto& set : m.uv) all(set);
+    all(m.colors, m.material);
   }
 
   template <typename Clip>
   void clip(Clip& c) {
-    a_.text(c.name);
+    all(c.name);
     a_.list(c.tracks, 7, [&](auto& track) {
-      a_.number(track.node);
+      all(track.node);
       a_.optional(track.translation, [&](auto& keys) { this->keys(keys); });
       a_.optional(track.rotation, [&](auto& keys) { this->keys(keys); });
       a_.optional(track.scale, [&](auto& keys) { this->keys(keys); });
     });
     a_.list(c.weights, 17, [&](auto& track) {
-      a_.number(track.firstTarget);
-      a_.number(track.targetCount);
+      all(track.firstTarget, track.targetCount);
       keys(track);
     });
   }
@@ -335,41 +318,28 @@ class Members {
   template <typename Keys>
   void keys(Keys& k) {
     a_.choice(k.interpolation, 3);
-    a_.plain(k.times);
-    a_.plain(k.values);
-  }
-
-  template <typename Target>
-  void morphTarget(Target& t) {
-    a_.text(t.name);
-    a_.number(t.node);
-    a_.number(t.mesh);
-    a_.number(t.index);
-    a_.number(t.defaultWeight);
+    all(k.times, k.values);
   }
 
   template <typename Use>
   void texture(Use& t) {
-    a_.number(t.picture);
-    a_.number(t.uvSet);
+    all(t.picture, t.uvSet);
     a_.choice(t.wrapU, 3);
     a_.choice(t.wrapV, 3);
-    numbers(t.transform);
-    a_.number(t.rotation);
+    all(t.transform, t.rotation);
   }
 
   template <typename Material>
   void material(Material& m) {
-    a_.text(m.name);
+    all(m.name);
     a_.choice(m.shading, 3);
-    numbers(m.baseColor);
+    all(m.baseColor);
     texture(m.base);
-    a_.number(m.metallic);
-    a_.number(m.roughness);
+    all(m.metallic, m.roughness);
     texture(m.normal);
-    a_.number(m.normalScale);
+    all(m.normalScale);
     texture(m.occlusion);
-    numbers(m.emissive);
+    all(m.emissive);
     texture(m.emissiveTexture);
     a_.choice(m.alpha, 3);
     a_.choice(m.doubleSided, 2);
