@@ -3,6 +3,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 #include <glob.h>
@@ -23,28 +24,28 @@ constexpr std::array<std::string_view, 9> kModelEndings = {".off",  ".obj", ".pl
                                                            ".gltf", ".vrm", ".fbx", ".dae"};
 
 std::string endingOf(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return ending;
+  return lowerCase(file.extension().string());
 }
 
 bool isModel(const fs::path& file) {
   return std::ranges::find(kModelEndings, endingOf(file)) != kModelEndings.end();
 }
 
-Error inLine(const std::string& list, std::size_t line, const std::string& message) {
-  return badFormat("{}: line {}: {}", list, line, message);
-}
-
-std::vector<std::string> linesOf(const std::string& text) {
-  std::vector<std::string> lines;
+/// Reads a list line by line. @param read  returns what is wrong with a line
+template <typename Read>
+Result<void> eachLine(const std::string& list, const std::string& text, const Read& read) {
+  std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    if (lines.back().ends_with('\r')) lines.back().pop_back();
+    std::string line = text.substr(begin, end - begin);
+    if (line.ends_with('\r')) line.pop_back();
     begin = end + 1;
+    ++number;
+    if (const Result<void> done = read(line); !done) {
+      return badFormat("{}: line {}: {}", list, number, done.error().message);
+    }
   }
-  return lines;
+  return {};
 }
 
 /// The cells of a line of CSV: "a ""b"", c" in quotes is one cell. @return nothing if a quote stays open
@@ -106,17 +107,13 @@ Result<void> addInputs(const std::string& input, const BakeSettings& settings, s
 Result<void> addPaths(const std::string& list, const std::string& text, const BakeSettings& defaults,
                       std::vector<BakeItem>& items) {
   const std::string folder = fs::path(list).parent_path().string();
-  const std::vector<std::string> lines = linesOf(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].empty() || lines[i].starts_with('#')) continue;
-    if (lines[i].find('\0') != std::string::npos) {
-      return inLine(list, i + 1, "found a zero byte, expected the path of a mesh or character");
+  return eachLine(list, text, [&](const std::string& line) -> Result<void> {
+    if (line.empty() || line.starts_with('#')) return {};
+    if (line.find('\0') != std::string::npos) {
+      return badFormat("found a zero byte, expected the path of a mesh or character");
     }
-    if (Result<void> added = addInputs(relativeTo(folder, lines[i]), defaults, items); !added) {
-      return inLine(list, i + 1, added.error().message);
-    }
-  }
-  return {};
+    return addInputs(relativeTo(folder, line), defaults, items);
+  });
 }
 
 /// Appends the item of one line: its input and its own settings, by name.
@@ -139,28 +136,20 @@ Result<void> addRow(const std::vector<std::pair<std::string, std::string>>& row,
 Result<void> addCsv(const std::string& list, const std::string& text, const BakeSettings& defaults,
                     std::vector<BakeItem>& items) {
   std::vector<std::string> names;
-  const std::vector<std::string> lines = linesOf(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].empty()) continue;
-    const std::optional<std::vector<std::string>> cells = cellsOf(lines[i]);
-    if (!cells) return inLine(list, i + 1, "found a quote that is not closed on this line, expected another \"");
+  return eachLine(list, text, [&](const std::string& line) -> Result<void> {
+    if (line.empty()) return {};
+    const std::optional<std::vector<std::string>> cells = cellsOf(line);
+    if (!cells) return badFormat("found a quote that is not closed on this line, expected another \"");
     if (names.empty()) {
       names = *cells;
-      if (std::ranges::find(names, "input") == names.end()) {
-        return inLine(list, i + 1, fmt::format("found the columns {}, expected `input` among them", lines[i]));
-      }
-      continue;
+      if (std::ranges::find(names, "input") != names.end()) return {};
+      return badFormat("found the columns {}, expected `input` among them", line);
     }
-    if (cells->size() != names.size()) {
-      return inLine(list, i + 1, fmt::format("found {} cells, expected {}", cells->size(), names.size()));
-    }
+    if (cells->size() != names.size()) return badFormat("found {} cells, expected {}", cells->size(), names.size());
     std::vector<std::pair<std::string, std::string>> row;
     for (std::size_t c = 0; c < names.size(); ++c) row.emplace_back(names[c], (*cells)[c]);
-    if (Result<void> added = addRow(row, fs::path(list).parent_path().string(), defaults, items); !added) {
-      return inLine(list, i + 1, added.error().message);
-    }
-  }
-  return {};
+    return addRow(row, fs::path(list).parent_path().string(), defaults, items);
+  });
 }
 
 /// A value of JSON as in CSV: lists separated by semicolons.
@@ -174,20 +163,16 @@ std::string textOf(const nlohmann::json& value) {
 
 Result<void> addJsonLines(const std::string& list, const std::string& text, const BakeSettings& defaults,
                           std::vector<BakeItem>& items) {
-  const std::vector<std::string> lines = linesOf(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].find_first_not_of(" \t") == std::string::npos) continue;
-    const Result<nlohmann::json> json = parseJson(lines[i], list, kLineOfList);
+  return eachLine(list, text, [&](const std::string& line) -> Result<void> {
+    if (line.find_first_not_of(" \t") == std::string::npos) return {};
+    const Result<nlohmann::json> json = parseJson(line, list, kLineOfList);
     if (!json || !json->is_object()) {
-      return inLine(list, i + 1, "found no JSON object, expected {\"input\": \"FILE\", ...}");
+      return badFormat("found no JSON object, expected {\"input\": \"FILE\", ...}");
     }
     std::vector<std::pair<std::string, std::string>> row;
     for (const auto& [name, value] : json->items()) row.emplace_back(name, textOf(value));
-    if (Result<void> added = addRow(row, fs::path(list).parent_path().string(), defaults, items); !added) {
-      return inLine(list, i + 1, added.error().message);
-    }
-  }
-  return {};
+    return addRow(row, fs::path(list).parent_path().string(), defaults, items);
+  });
 }
 
 }  // namespace

@@ -22,19 +22,18 @@ enum class Kind {
   kShare,
   kCover,
   kFlag,
-  kPreset,
-  kBody,
-  kWalls,
+  kChoice,
+  kChoices,
   kFile,
   kWord,
   kMotions,
-  kWords,
-  kExports
+  kWords
 };
 
 struct Known {
   std::string_view name;
   Kind kind;
+  std::string_view choices = {};
 };
 
 constexpr std::array<Known, 18> kKnown = {{{"parts", Kind::kCount},
@@ -42,19 +41,19 @@ constexpr std::array<Known, 18> kKnown = {{{"parts", Kind::kCount},
                                            {"max-distance", Kind::kLength},
                                            {"max-concavity", Kind::kShare},
                                            {"exact", Kind::kFlag},
-                                           {"preset", Kind::kPreset},
+                                           {"preset", Kind::kChoice, "paper, fast, quality"},
                                            {"cover", Kind::kCover},
                                            {"hull-vertices", Kind::kCount},
                                            {"keyframes", Kind::kCountOrAuto},
                                            {"motion", Kind::kMotions},
-                                           {"body", Kind::kBody},
+                                           {"body", Kind::kChoice, "auto, never, always"},
                                            {"body-resolution", Kind::kLength},
-                                           {"walls", Kind::kWalls},
+                                           {"walls", Kind::kChoice, "auto, solid, shell"},
                                            {"thickness", Kind::kLength},
                                            {"map", Kind::kFile},
                                            {"hide", Kind::kWords},
                                            {"engine", Kind::kWord},
-                                           {"export", Kind::kExports}}};
+                                           {"export", Kind::kChoices, "obj, stl, ply, xml, urdf, glb, vrm"}}};
 
 template <typename Number>
 bool above(const std::string& text, Number& number) {
@@ -63,16 +62,22 @@ bool above(const std::string& text, Number& number) {
   return error == std::errc() && stopped == end && std::isfinite(static_cast<double>(number)) && number > Number(0);
 }
 
-bool isOneOf(const std::string& text, std::initializer_list<std::string_view> words) {
-  return std::ranges::find(words, text) != words.end();
+/// @param words  separated by ", "
+bool isOneOf(const std::string& text, std::string_view words) {
+  while (!words.empty()) {
+    const std::size_t end = std::min(words.find(", "), words.size());
+    if (words.substr(0, end) == text) return true;
+    words.remove_prefix(std::min(end + 2, words.size()));
+  }
+  return false;
 }
 
 /// Checks a single value. @return what was expected; empty if it is right
-std::string expectedFor(Kind kind, const std::string& text) {
+std::string expectedFor(const Known& known, const std::string& text) {
   int count = 0;
   double number = 0.0;
   const bool share = text.ends_with('%') && above(text.substr(0, text.size() - 1), number);
-  switch (kind) {
+  switch (known.kind) {
     case Kind::kCount:
       return above(text, count) ? "" : "a whole number above 0";
     case Kind::kCountOrAuto:
@@ -84,16 +89,10 @@ std::string expectedFor(Kind kind, const std::string& text) {
     case Kind::kCover:
       return text == "exact" || above(text, number) ? "" : "exact, or a length above 0 in metres";
     case Kind::kFlag:
-      return isOneOf(text, {"yes", "true"}) ? "" : "yes, or nothing";
-    case Kind::kPreset:
-      return isOneOf(text, {"paper", "fast", "quality"}) ? "" : "paper, fast, quality";
-    case Kind::kBody:
-      return isOneOf(text, {"auto", "never", "always"}) ? "" : "auto, never, always";
-    case Kind::kWalls:
-      return isOneOf(text, {"auto", "solid", "shell"}) ? "" : "auto, solid, shell";
-    case Kind::kExports:
-      return isOneOf(text, {"obj", "stl", "ply", "xml", "urdf", "glb", "vrm"}) ? ""
-                                                                               : "obj, stl, ply, xml, urdf, glb, vrm";
+      return isOneOf(text, "yes, true") ? "" : "yes, or nothing";
+    case Kind::kChoice:
+    case Kind::kChoices:
+      return isOneOf(text, known.choices) ? "" : std::string(known.choices);
     case Kind::kFile:
     case Kind::kWord:
     case Kind::kMotions:
@@ -104,7 +103,7 @@ std::string expectedFor(Kind kind, const std::string& text) {
 }
 
 bool takesSeveral(Kind kind) {
-  return kind == Kind::kMotions || kind == Kind::kWords || kind == Kind::kExports;
+  return kind == Kind::kMotions || kind == Kind::kWords || kind == Kind::kChoices;
 }
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -136,7 +135,7 @@ Result<void> setBakeSetting(BakeSettings& settings, const std::string& name, con
   }
   std::vector<std::string> values = takesSeveral(known->kind) ? split(value, ';') : std::vector{value};
   for (std::string& one : values) {
-    if (const std::string expected = expectedFor(known->kind, one); !expected.empty()) {
+    if (const std::string expected = expectedFor(*known, one); !expected.empty()) {
       return invalidArgument("{}: found `{}`, expected {}", name, one, expected);
     }
     if (known->kind == Kind::kFlag) one = "yes";
