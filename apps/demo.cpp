@@ -6,8 +6,8 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/background_work.h"
 #include "player/demo_pictures.h"
+#include "player/monitored_host.h"
 #include "player/window_texts.h"
 #include "prepare/demo_motion.h"
 

@@ -5,7 +5,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/background_work.h"
+#include "player/monitored_host.h"
 #include "player/window_texts.h"
 #include "prepare/live_cast.h"
 

@@ -6,7 +6,7 @@
 #include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/background_work.h"
+#include "player/monitored_host.h"
 #include "player/window_texts.h"
 
 #include <fmt/format.h>

@@ -2,9 +2,9 @@
 
 #include "geometry/clock.h"
 #include "player/avatar_focus.h"
-#include "player/background_work.h"
 #include "player/hands.h"
 #include "player/headset_link.h"
+#include "player/monitored_host.h"
 #include "player/run.h"
 #include "player/snapshots.h"
 #include "player/warning_board.h"

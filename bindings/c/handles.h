@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bindings/live_character.h"
+#include "bindings/character_body.h"
 #include "bindings/mesh_parts.h"
 #include "capture/sensor/depth_frame.h"
 #include "capture/tracking/tracker.h"

@@ -1,4 +1,4 @@
-#include "bindings/live_character.h"
+#include "bindings/character_body.h"
 #include "bindings/python/arrays.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
