@@ -320,7 +320,7 @@ void ProxyDraft::attachStrays() {
   }
 }
 
-std::vector<JointIndex> ProxyDraft::order() const {
+std::vector<JointIndex> parentsFirst(std::span<const Joint> joints) {
   std::vector<JointIndex> ordered;
   ordered.reserve(joints.size());
   std::vector<bool> placed(joints.size(), false);

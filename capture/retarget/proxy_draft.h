@@ -67,8 +67,6 @@ struct ProxyDraft {
   /// Attaches joints that carry vertices but do not move with their limb to the nearest bone, with all below them:
   /// those outside the hips, and controls on the hips or the trunk that carry the mesh of a hand or foot.
   void attachStrays();
-  /// Joint order: parents before children, otherwise unchanged.
-  [[nodiscard]] std::vector<JointIndex> order() const;
 
  private:
   /// Whether a joint hangs on the hips or the trunk, in no limb, and carries no bone.
@@ -81,5 +79,8 @@ struct ProxyDraft {
   [[nodiscard]] JointIndex nearestBone(const Vec3& point) const;
   [[nodiscard]] JointIndex bareEndNear(JointIndex control, const Vec3& point) const;
 };
+
+/// Joint order: parents before children, otherwise unchanged. @param joints  a parent may come after its child
+[[nodiscard]] std::vector<JointIndex> parentsFirst(std::span<const Joint> joints);
 
 }  // namespace lorica

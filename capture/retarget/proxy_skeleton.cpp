@@ -113,7 +113,7 @@ Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) 
   }
 
   // The joints in the new order; reattached joints are expressed in their new parents' frames.
-  const std::vector<JointIndex> order = draft.order();
+  const std::vector<JointIndex> order = parentsFirst(draft.joints);
   std::vector<JointIndex> newIndex(order.size());
   std::vector<Joint> joints;
   joints.reserve(order.size());
