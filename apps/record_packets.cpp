@@ -1,4 +1,5 @@
 #include "apps/record.h"
+#include "geometry/descriptor.h"
 #include "geometry/text.h"
 
 #include "apps/interrupt.h"
@@ -90,15 +91,8 @@ class PacketWriter {
       : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor) {}
 
   Result<void> write(const std::string& bytes) {
-    std::string_view rest = bytes;
-    while (!rest.empty()) {
-      const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return cannotWrite(part_, errno);
-      rest.remove_prefix(written);
-      bytes_ += written;
-    }
-    return {};
+    const int error = writeAll(descriptor_, bytes, &bytes_);
+    return error == 0 ? Result<void>() : cannotWrite(part_, error);
   }
 
   fs::path file_, part_;

@@ -1,5 +1,6 @@
 #include "geometry/new_file.h"
 
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 
 #include <fmt/format.h>
@@ -30,17 +31,6 @@ int openBeside(const fs::path& target, mode_t mode, std::string& temporary) {
     if (fd >= 0 || errno != EEXIST) return fd;
   }
   return -1;
-}
-
-/// Writes everything, continuing after short writes and interruptions. @return 0, or errno
-int writeAll(int fd, std::string_view content) {
-  while (!content.empty()) {
-    const ssize_t written = ::write(fd, content.data(), content.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    content.remove_prefix(written);
-  }
-  return 0;
 }
 
 namespace fs = std::filesystem;
