@@ -2,7 +2,6 @@
 #include "apps/options.h"
 #include "apps/report_parts.h"
 #include "apps/show.h"
-#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"

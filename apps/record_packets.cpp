@@ -1,17 +1,16 @@
-#include "apps/record.h"
-#include "geometry/descriptor.h"
-#include "geometry/text.h"
-
 #include "apps/interrupt.h"
+#include "apps/record.h"
 #include "apps/report.h"
 #include "apps/standard_streams.h"
 #include "capture/streams/packet_file.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_writer.h"
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
 #include "geometry/new_file.h"
+#include "geometry/text.h"
 #include "prepare/cast.h"
 
 #include <fmt/format.h>

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <optional>
 #include <utility>
 

@@ -3,7 +3,6 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/work_budgets.h"
-#include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_accessor.h"
 #include "skinning/import/gltf_clips.h"
 #include "skinning/import/gltf_document.h"

@@ -2,15 +2,12 @@
 
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"
-#include "skinning/import/file_scene.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <string>
-#include <string_view>
 #include <type_traits>
 #include <utility>
 

@@ -2,7 +2,6 @@
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"
-#include "skinning/import/gltf_document.h"
 #include "skinning/import/vrm_values.h"
 
 #include <fmt/format.h>
