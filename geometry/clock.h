@@ -15,6 +15,11 @@ namespace lorica {
   return secondsOf(std::chrono::steady_clock::now());
 }
 
+[[nodiscard]] inline double microsecondsBetween(std::chrono::steady_clock::time_point begin,
+                                                std::chrono::steady_clock::time_point end) {
+  return std::chrono::duration<double, std::micro>(end - begin).count();
+}
+
 /// How long counted work will take, from what is done. The end that was once expected is never put off, so that the
 /// time left falls with the clock or faster; work that takes longer than that has no estimate.
 class TimeLeft {

@@ -1,5 +1,6 @@
 #include "session/session.h"
 
+#include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "session/part_masses.h"
 
@@ -21,10 +22,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kFirstFrameSeconds = 1.0 / 30.0;
 constexpr double kShortestFrameSeconds = 0.001;
 constexpr double kLongestFrameSeconds = 0.1;
-
-double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double, std::micro>(end - begin).count();
-}
 
 double frameSeconds(double seconds) {
   if (!(seconds > kShortestFrameSeconds)) return kShortestFrameSeconds;
