@@ -3,8 +3,8 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "prepare/recorded_cast.h"
 #include "prepare/scenes.h"
-#include "prepare/session_inputs.h"
 #include "session/scenes/demo_scene.h"
 
 #include <fmt/format.h>

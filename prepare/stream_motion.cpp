@@ -7,7 +7,7 @@
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "prepare/first_guess.h"
-#include "prepare/session_inputs.h"
+#include "prepare/recorded_cast.h"
 #include "prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/character_file.h"

@@ -1,6 +1,6 @@
 #include "capture/retarget/completed_skeleton.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 #include "capture/retarget/proxy_draft.h"
 #include "capture/retarget/retarget_rig.h"
 

@@ -1,6 +1,6 @@
 #include "capture/retarget/proxy_draft.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>

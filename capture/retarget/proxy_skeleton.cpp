@@ -1,6 +1,6 @@
 #include "capture/retarget/proxy_skeleton.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 #include "capture/retarget/proxy_draft.h"
 
 #include <fmt/format.h>
