@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <string_view>
 
@@ -80,35 +81,21 @@ constexpr Rule kRules[] = {
     {"scenes/*/nodes/*", Kind::kReference},
 };
 
-[[nodiscard]] bool is(const Json& value, Kind kind) {
-  switch (kind) {
-    case Kind::kSize:
-      return value.is_number_unsigned();
-    case Kind::kReference:
-      return value.is_number_integer() && value != -1;
-    case Kind::kNumber:
-      return value.is_number();
-    case Kind::kText:
-      return value.is_string();
-    case Kind::kBool:
-      return value.is_boolean();
-  }
-  return false;
-}
+struct KindRule {
+  bool (*holds)(const Json& value);
+  std::string_view expected;
+};
+constexpr std::string_view kFromZero = "a whole number from 0 on";
+/// In the order of Kind.
+constexpr std::array<KindRule, 5> kKinds = {
+    {{[](const Json& value) { return value.is_number_unsigned(); }, kFromZero},
+     {[](const Json& value) { return value.is_number_integer() && value != -1; }, kFromZero},
+     {[](const Json& value) { return value.is_number(); }, "a number"},
+     {[](const Json& value) { return value.is_string(); }, "a text"},
+     {[](const Json& value) { return value.is_boolean(); }, "true or false"}}};
 
-[[nodiscard]] std::string_view describe(Kind kind) {
-  switch (kind) {
-    case Kind::kSize:
-    case Kind::kReference:
-      return "a whole number from 0 on";
-    case Kind::kNumber:
-      return "a number";
-    case Kind::kText:
-      return "a text";
-    case Kind::kBool:
-      return "true or false";
-  }
-  return {};
+[[nodiscard]] const KindRule& ruleOf(Kind kind) {
+  return kKinds[static_cast<std::size_t>(kind)];
 }
 
 /// "a text", "0.5": what stands where something else was expected.
@@ -123,7 +110,7 @@ constexpr Rule kRules[] = {
   const auto fault = [&](std::string_view expected) {
     return fmt::format("{}: {}, expected {}", place, found(value), expected);
   };
-  if (path.empty()) return is(value, rule.kind) ? std::string() : fault(describe(rule.kind));
+  if (path.empty()) return ruleOf(rule.kind).holds(value) ? std::string() : fault(ruleOf(rule.kind).expected);
   const std::size_t slash = std::min(path.find('/'), path.size());
   const std::string_view key = path.substr(0, slash);
   const std::string_view rest = path.substr(std::min(slash + 1, path.size()));
@@ -132,7 +119,7 @@ constexpr Rule kRules[] = {
     std::size_t i = 0;
     for (auto it = value.begin(); it != value.end(); ++it, ++i) {
       // The place costs more than the check: it is written when something is wrong.
-      if (rest.empty() && is(*it, rule.kind)) continue;
+      if (rest.empty() && ruleOf(rule.kind).holds(*it)) continue;
       std::string wrong = faultOf(*it, rest, rule, place + "/" + (value.is_object() ? it.key() : std::to_string(i)));
       if (!wrong.empty()) return wrong;
     }
@@ -141,8 +128,9 @@ constexpr Rule kRules[] = {
   if (!value.is_object()) return fault("an object");
   const auto member = value.find(key);
   if (member == value.end()) {
-    return rest.empty() && rule.required ? fmt::format("{}: has no {}, expected {}", place, key, describe(rule.kind))
-                                         : std::string();
+    return rest.empty() && rule.required
+               ? fmt::format("{}: has no {}, expected {}", place, key, ruleOf(rule.kind).expected)
+               : std::string();
   }
   return faultOf(*member, rest, rule, fmt::format("{}/{}", place, key));
 }
