@@ -3,10 +3,8 @@
 #include "acd/part_concavity.h"
 #include "acd/volume_coverage.h"
 #include "geometry/counts.h"
-#include "geometry/triangle_tree.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace lorica {

@@ -4,8 +4,6 @@
 #include "geometry/triangle_tree.h"
 
 #include <cstdint>
-#include <span>
-#include <vector>
 
 namespace lorica {
 

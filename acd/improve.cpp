@@ -31,7 +31,7 @@ class Improver {
  public:
   Improver(std::vector<Piece>& parts, CutContext& context, const ImproveRound& round)
       : parts_(parts), context_(context), round_(round), own_(parts.size()), paired_(parts.size(), false) {
-    for (const Piece& part : parts) boxes_.push_back(boxesOf(part));
+    for (const Piece& part : parts) boxes_.push_back(boxesOf(part, context_));
     for (const double v : context.meshVolume) worthwhile_ += kWorthwhile * std::abs(v);
   }
 
@@ -141,14 +141,6 @@ class Improver {
     return false;
   }
 
-  [[nodiscard]] std::vector<Aabb> boxesOf(const Piece& part) const {
-    std::vector<Aabb> boxes(context_.keyframeCount());
-    for (std::size_t k = 0; k < boxes.size(); ++k) {
-      for (const PointIndex p : part.hullPoints[k]) boxes[k].extend(context_.points[k][p]);
-    }
-    return boxes;
-  }
-
   [[nodiscard]] bool touch(std::size_t a, std::size_t b) const {
     for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
       const Aabb& one = boxes_[a][k];
@@ -221,7 +213,7 @@ class Improver {
 
   void replace(std::size_t i, Piece piece) {
     parts_[i] = std::move(piece);
-    boxes_[i] = boxesOf(parts_[i]);
+    boxes_[i] = boxesOf(parts_[i], context_);
     own_[i] = {};
     paired_[i] = false;
     std::erase_if(pairs_, [i](const Pair& p) { return p.a == i || p.b == i; });

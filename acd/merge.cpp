@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <set>
 #include <tuple>
@@ -28,6 +27,16 @@ struct Group {
   bool alive = true;
 };
 
+/// Adds the hull of a group in the next keyframe.
+void addHull(std::span<const Vec3> points, double coarse, Group& group) {
+  std::vector<Vec3> outer;
+  const HullOutline outline = convexHullOutline(points, coarse);
+  for (const VertexIndex i : outline.points) outer.push_back(points[i]);
+  group.hullVolume += outline.volume;
+  group.box.push_back(boundsOf(outer));
+  group.hullPoints.push_back(std::move(outer));
+}
+
 Group joined(const Group& a, const Group& b, double coarse) {
   Group g;
   g.pieces = a.pieces;
@@ -36,12 +45,7 @@ Group joined(const Group& a, const Group& b, double coarse) {
   for (std::size_t k = 0; k < a.hullPoints.size(); ++k) {
     std::vector<Vec3> points = a.hullPoints[k];
     points.insert(points.end(), b.hullPoints[k].begin(), b.hullPoints[k].end());
-    std::vector<Vec3> outer;
-    const HullOutline outline = convexHullOutline(points, coarse);
-    for (VertexIndex i : outline.points) outer.push_back(points[i]);
-    g.hullVolume += outline.volume;
-    g.box.push_back(boundsOf(outer));
-    g.hullPoints.push_back(std::move(outer));
+    addHull(points, coarse, g);
   }
   return g;
 }
@@ -77,14 +81,6 @@ struct FreePair {
 
   bool operator<(const FreePair& o) const { return std::tie(cost, a, b) < std::tie(o.cost, o.a, o.b); }
 };
-
-std::vector<Aabb> boxesOf(const Piece& piece, const CutContext& context) {
-  std::vector<Aabb> boxes(context.keyframeCount());
-  for (std::size_t k = 0; k < boxes.size(); ++k) {
-    for (const PointIndex p : piece.hullPoints[k]) boxes[k].extend(context.points[k][p]);
-  }
-  return boxes;
-}
 
 std::shared_ptr<const Piece> commonPart(const Piece& a, const Piece& b, const CutContext& context) {
   const std::array<const Part*, 2> both = {&a.part, &b.part};
@@ -207,13 +203,9 @@ Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const C
     Group& g = groups[i];
     g.pieces = {i};
     for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
-      std::vector<Vec3> own, outer;
+      std::vector<Vec3> own;
       for (PointIndex p : pieces[i]->hullPoints[k]) own.push_back(context.points[k][p]);
-      const HullOutline outline = convexHullOutline(own, coarse);
-      for (VertexIndex v : outline.points) outer.push_back(own[v]);
-      g.hullVolume += outline.volume;
-      g.box.push_back(boundsOf(outer));
-      g.hullPoints.push_back(std::move(outer));
+      addHull(own, coarse, g);
     }
   });
 

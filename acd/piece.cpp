@@ -100,6 +100,14 @@ Piece measure(Part part, const CutContext& context) {
   return w;
 }
 
+std::vector<Aabb> boxesOf(const Piece& piece, const CutContext& context) {
+  std::vector<Aabb> boxes(context.keyframeCount());
+  for (std::size_t k = 0; k < boxes.size(); ++k) {
+    for (const PointIndex p : piece.hullPoints[k]) boxes[k].extend(context.points[k][p]);
+  }
+  return boxes;
+}
+
 Part unite(std::span<const Part* const> parts) {
   // A cap triangle and its reverse cancel one for one: a part may contain one of them twice.
   std::vector<Triangle> caps;

@@ -46,6 +46,9 @@ struct Piece {
 /// Measures a part in every keyframe, keyframes in parallel.
 [[nodiscard]] Piece measure(Part part, const CutContext& context);
 
+/// Of its hull in each keyframe.
+[[nodiscard]] std::vector<Aabb> boxesOf(const Piece& piece, const CutContext& context);
+
 /// Merges the triangles of several parts, without the caps that two of them share.
 [[nodiscard]] Part unite(std::span<const Part* const> parts);
 

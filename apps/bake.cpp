@@ -1,28 +1,86 @@
-#include "bake/baker.h"
-
 #include "apps/bake_options.h"
-#include "apps/bake_pictures.h"
 #include "apps/interrupt.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/standard_streams.h"
 #include "bake/bake_report.h"
+#include "bake/baker.h"
+#include "bake/item_run.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
+#include "geometry/mesh_files.h"
 #include "geometry/text.h"
+#include "player/parts_picture.h"
+#include "player/snapshots.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 #include <nlohmann/json.hpp>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
+#include <filesystem>
 #include <map>
 #include <memory>
+#include <string>
 #include <thread>
+#include <utility>
 
 namespace lorica {
 namespace {
+
+/// Pictures of an item's hulls, each part in its colour.
+class BakePictures {
+ public:
+  /// @param how  the hulls are exported by processes of this program
+  [[nodiscard]] static Result<BakePictures> create(ItemRunSettings how);
+
+  /// The hulls in the pose of the file, as the bytes of a PNG; empty if they cannot be had.
+  /// @param lorica   the item's decomposition
+  /// @param scratch  folder for temporary files, which exists
+  [[nodiscard]] std::string draw(const BakeItem& item, const std::filesystem::path& lorica,
+                                 const std::filesystem::path& scratch);
+
+ private:
+  BakePictures(ItemRunSettings how, SnapshotCamera camera) : how_(std::move(how)), camera_(std::move(camera)) {}
+  ItemRunSettings how_;
+  SnapshotCamera camera_;
+};
+
+namespace fs = std::filesystem;
+
+constexpr int kWidth = 400;
+constexpr int kHeight = 300;
+
+/// Runs the program to its end. @return whether it succeeded; not if Ctrl-C came
+bool runs(const ItemRunSettings& how, std::vector<std::string> arguments, const fs::path& scratch) {
+  Result<ChildProcess> process =
+      ChildProcess::start({how.program, std::move(arguments), {{"XDG_CACHE_HOME", scratch}}, scratch / "log", 0});
+  std::optional<ProcessEnd> end;
+  while (process && !interrupted() && !(end = process->ended())) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(4));
+  }
+  return end && end->exitStatus == 0 && end->signal == 0;
+}
+
+Result<BakePictures> BakePictures::create(ItemRunSettings how) {
+  LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
+  return BakePictures(std::move(how), std::move(camera));
+}
+
+std::string BakePictures::draw(const BakeItem& item, const fs::path& lorica, const fs::path& scratch) {
+  const fs::path hulls = scratch / "hulls.obj";
+  const fs::path png = scratch / "hulls.png";
+  if (!runs(how_, exportArguments(item, lorica, hulls, how_), scratch)) return "";
+  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+  if (!objects) return "";
+  if (!writePng(png, drawParts(*objects, camera_))) return "";
+  const Result<std::string> bytes = readFile(png, NamedBy::kFile);
+  return bytes ? *bytes : "";
+}
 
 namespace fs = std::filesystem;
 using nlohmann::ordered_json;

@@ -1,8 +1,7 @@
 #include "apps/command_line.h"
 
 #include "apps/standard_streams.h"
-#include "geometry/printable.h"
-#include "geometry/similar_name.h"
+#include "geometry/text.h"
 #include "prepare/read_motion.h"
 #include "prepare/subject.h"
 

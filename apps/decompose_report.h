@@ -2,8 +2,8 @@
 
 #include "apps/report.h"
 #include "prepare/cover_choice.h"
-#include "prepare/held_out.h"
 #include "prepare/hull_fit.h"
+#include "prepare/quality.h"
 #include "prepare/subject.h"
 
 #include <nlohmann/json_fwd.hpp>

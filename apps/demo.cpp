@@ -2,13 +2,12 @@
 #include "apps/options.h"
 #include "apps/report_parts.h"
 #include "apps/show.h"
-#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
 #include "player/demo_pictures.h"
-#include "player/load_on_screen.h"
-#include "player/playback.h"
+#include "player/monitored_host.h"
+#include "player/window_texts.h"
 #include "prepare/demo_motion.h"
 
 #include <fmt/format.h>

@@ -6,7 +6,6 @@
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
 #include "export/robot_files.h"
-#include "export/vrm_colliders.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"

@@ -5,8 +5,8 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/load_on_screen.h"
-#include "player/playback.h"
+#include "player/monitored_host.h"
+#include "player/window_texts.h"
 #include "prepare/live_cast.h"
 
 #include <fmt/format.h>

@@ -5,8 +5,7 @@
 #include "apps/report.h"
 #include "apps/standard_streams.h"
 #include "apps/terminal_host.h"
-#include "geometry/error_names.h"
-#include "geometry/printable.h"
+#include "geometry/errors.h"
 #include "geometry/text.h"
 #include "prepare/abandoned_work.h"
 

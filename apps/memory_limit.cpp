@@ -2,7 +2,7 @@
 
 #include "apps/report.h"
 #include "apps/standard_streams.h"
-#include "geometry/error_names.h"
+#include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/sanitizer.h"
 

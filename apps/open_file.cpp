@@ -1,7 +1,7 @@
 #include "apps/open_file.h"
 
 #include "apps/standard_streams.h"
-#include "geometry/printable.h"
+#include "geometry/text.h"
 #include "prepare/file_kinds.h"
 #include "prepare/read_motion.h"
 #include "viewer/window/window.h"

@@ -1,7 +1,6 @@
 #include "apps/options.h"
 
 #include "apps/memory_limit.h"
-#include "geometry/work_budgets.h"
 
 #include <fmt/format.h>
 

@@ -6,8 +6,8 @@
 #include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/load_on_screen.h"
-#include "player/playback.h"
+#include "player/monitored_host.h"
+#include "player/window_texts.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

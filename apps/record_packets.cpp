@@ -1,16 +1,16 @@
-#include "apps/record.h"
-#include "geometry/text.h"
-
 #include "apps/interrupt.h"
+#include "apps/record.h"
 #include "apps/report.h"
 #include "apps/standard_streams.h"
 #include "capture/streams/packet_file.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_writer.h"
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
+#include "geometry/text.h"
 #include "prepare/cast.h"
 
 #include <fmt/format.h>
@@ -90,15 +90,8 @@ class PacketWriter {
       : file_(std::move(file)), part_(std::move(part)), descriptor_(descriptor) {}
 
   Result<void> write(const std::string& bytes) {
-    std::string_view rest = bytes;
-    while (!rest.empty()) {
-      const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) return cannotWrite(part_, errno);
-      rest.remove_prefix(written);
-      bytes_ += written;
-    }
-    return {};
+    const int error = writeAll(descriptor_, bytes, &bytes_);
+    return error == 0 ? Result<void>() : cannotWrite(part_, error);
   }
 
   fs::path file_, part_;

@@ -6,7 +6,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/load_on_screen.h"
+#include "player/monitored_host.h"
 #include "prepare/recorded_cast.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,6 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "geometry/printable.h"
 #include "geometry/text.h"
 
 #include <fmt/format.h>
@@ -13,8 +12,6 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <mutex>
 #include <set>
 #include <thread>

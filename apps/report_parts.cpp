@@ -3,7 +3,7 @@
 #include "geometry/text.h"
 #include "prepare/mesh_walls.h"
 
-#include "player/percentiles.h"
+#include "player/run_statistics.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

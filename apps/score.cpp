@@ -1,7 +1,6 @@
 #include "acd/score.h"
 #include "geometry/text.h"
 
-#include "apps/interrupt.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/report_parts.h"

@@ -1,6 +1,5 @@
 #include "apps/option_groups.h"
 #include "apps/options.h"
-#include "apps/screens.h"
 #include "apps/show.h"
 #include "apps/standard_streams.h"
 #include "geometry/errors.h"

@@ -7,8 +7,8 @@
 #include "geometry/text.h"
 #include "player/follow_camera.h"
 #include "player/picture_options.h"
-#include "player/playback.h"
 #include "player/snapshots.h"
+#include "player/window_texts.h"
 #include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>

@@ -3,27 +3,12 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-#include <cerrno>
 #include <system_error>
 
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 
 namespace lorica {
-namespace {
-
-/// @return 0, or errno
-int writeAll(int descriptor, std::string_view text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(descriptor, text.data(), text.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    text.remove_prefix(written);
-  }
-  return 0;
-}
-
-}  // namespace
-
 void openStandardStreams() {
   // The lowest free number is used, which is that of the missing stream.
   int descriptor = 0;

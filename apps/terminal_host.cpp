@@ -1,12 +1,10 @@
 #include "apps/terminal_host.h"
 
 #include "apps/interrupt.h"
-#include "apps/report.h"
 #include "apps/standard_streams.h"
+#include "geometry/clock.h"
 #include "geometry/counts.h"
-#include "geometry/printable.h"
 #include "geometry/text.h"
-#include "geometry/time_left.h"
 
 #include <fmt/format.h>
 
@@ -15,7 +13,6 @@
 #include <chrono>
 #include <cstdio>
 #include <optional>
-#include <string>
 #include <utility>
 
 namespace lorica {

@@ -3,8 +3,6 @@
 #include "bake/bake_list.h"
 
 #include <cstdint>
-#include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>

@@ -3,17 +3,123 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 #include <glob.h>
 
 #include <algorithm>
 #include <array>
+#include <charconv>
+#include <cmath>
 #include <filesystem>
 #include <utility>
 
 namespace lorica {
 namespace {
+
+namespace fs = std::filesystem;
+
+enum class Kind {
+  kCount,
+  kCountOrAuto,
+  kLength,
+  kShare,
+  kCover,
+  kFlag,
+  kChoice,
+  kChoices,
+  kFile,
+  kWord,
+  kMotions,
+  kWords
+};
+
+struct Known {
+  std::string_view name;
+  Kind kind;
+  std::string_view choices = {};
+};
+
+constexpr std::array<Known, 18> kKnown = {{{"parts", Kind::kCount},
+                                           {"max-error", Kind::kShare},
+                                           {"max-distance", Kind::kLength},
+                                           {"max-concavity", Kind::kShare},
+                                           {"exact", Kind::kFlag},
+                                           {"preset", Kind::kChoice, "paper, fast, quality"},
+                                           {"cover", Kind::kCover},
+                                           {"hull-vertices", Kind::kCount},
+                                           {"keyframes", Kind::kCountOrAuto},
+                                           {"motion", Kind::kMotions},
+                                           {"body", Kind::kChoice, "auto, never, always"},
+                                           {"body-resolution", Kind::kLength},
+                                           {"walls", Kind::kChoice, "auto, solid, shell"},
+                                           {"thickness", Kind::kLength},
+                                           {"map", Kind::kFile},
+                                           {"hide", Kind::kWords},
+                                           {"engine", Kind::kWord},
+                                           {"export", Kind::kChoices, "obj, stl, ply, xml, urdf, glb, vrm"}}};
+
+template <typename Number>
+bool above(const std::string& text, Number& number) {
+  const char* end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stopped == end && std::isfinite(static_cast<double>(number)) && number > Number(0);
+}
+
+/// @param words  separated by ", "
+bool isOneOf(const std::string& text, std::string_view words) {
+  while (!words.empty()) {
+    const std::size_t end = std::min(words.find(", "), words.size());
+    if (words.substr(0, end) == text) return true;
+    words.remove_prefix(std::min(end + 2, words.size()));
+  }
+  return false;
+}
+
+/// Checks a single value. @return what was expected; empty if it is right
+std::string expectedFor(const Known& known, const std::string& text) {
+  int count = 0;
+  double number = 0.0;
+  const bool share = text.ends_with('%') && above(text.substr(0, text.size() - 1), number);
+  switch (known.kind) {
+    case Kind::kCount:
+      return above(text, count) ? "" : "a whole number above 0";
+    case Kind::kCountOrAuto:
+      return text == "auto" || above(text, count) ? "" : "a whole number above 0, or auto";
+    case Kind::kLength:
+      return above(text, number) ? "" : "a length above 0";
+    case Kind::kShare:
+      return share || (above(text, number) && number < 1.0) ? "" : "a fraction between 0 and 1, such as 0.05, or 5%";
+    case Kind::kCover:
+      return text == "exact" || above(text, number) ? "" : "exact, or a length above 0 in metres";
+    case Kind::kFlag:
+      return isOneOf(text, "yes, true") ? "" : "yes, or nothing";
+    case Kind::kChoice:
+    case Kind::kChoices:
+      return isOneOf(text, known.choices) ? "" : std::string(known.choices);
+    case Kind::kFile:
+    case Kind::kWord:
+    case Kind::kMotions:
+    case Kind::kWords:
+      return text.starts_with('-') ? "a name that does not begin with a dash" : "";
+  }
+  return "";
+}
+
+bool takesSeveral(Kind kind) {
+  return kind == Kind::kMotions || kind == Kind::kWords || kind == Kind::kChoices;
+}
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> words;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(separator, begin), text.size());
+    if (end > begin) words.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return words;
+}
 
 namespace fs = std::filesystem;
 
@@ -23,28 +129,28 @@ constexpr std::array<std::string_view, 9> kModelEndings = {".off",  ".obj", ".pl
                                                            ".gltf", ".vrm", ".fbx", ".dae"};
 
 std::string endingOf(const fs::path& file) {
-  std::string ending = file.extension().string();
-  std::ranges::transform(ending, ending.begin(), [](char c) { return c >= 'A' && c <= 'Z' ? char(c - 'A' + 'a') : c; });
-  return ending;
+  return lowerCase(file.extension().string());
 }
 
 bool isModel(const fs::path& file) {
   return std::ranges::find(kModelEndings, endingOf(file)) != kModelEndings.end();
 }
 
-Error inLine(const std::string& list, std::size_t line, const std::string& message) {
-  return badFormat("{}: line {}: {}", list, line, message);
-}
-
-std::vector<std::string> linesOf(const std::string& text) {
-  std::vector<std::string> lines;
+/// Reads a list line by line. @param read  returns what is wrong with a line
+template <typename Read>
+Result<void> eachLine(const std::string& list, const std::string& text, const Read& read) {
+  std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    lines.push_back(text.substr(begin, end - begin));
-    if (lines.back().ends_with('\r')) lines.back().pop_back();
+    std::string line = text.substr(begin, end - begin);
+    if (line.ends_with('\r')) line.pop_back();
     begin = end + 1;
+    ++number;
+    if (const Result<void> done = read(line); !done) {
+      return badFormat("{}: line {}: {}", list, number, done.error().message);
+    }
   }
-  return lines;
+  return {};
 }
 
 /// The cells of a line of CSV: "a ""b"", c" in quotes is one cell. @return nothing if a quote stays open
@@ -106,17 +212,13 @@ Result<void> addInputs(const std::string& input, const BakeSettings& settings, s
 Result<void> addPaths(const std::string& list, const std::string& text, const BakeSettings& defaults,
                       std::vector<BakeItem>& items) {
   const std::string folder = fs::path(list).parent_path().string();
-  const std::vector<std::string> lines = linesOf(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].empty() || lines[i].starts_with('#')) continue;
-    if (lines[i].find('\0') != std::string::npos) {
-      return inLine(list, i + 1, "found a zero byte, expected the path of a mesh or character");
+  return eachLine(list, text, [&](const std::string& line) -> Result<void> {
+    if (line.empty() || line.starts_with('#')) return {};
+    if (line.find('\0') != std::string::npos) {
+      return badFormat("found a zero byte, expected the path of a mesh or character");
     }
-    if (Result<void> added = addInputs(relativeTo(folder, lines[i]), defaults, items); !added) {
-      return inLine(list, i + 1, added.error().message);
-    }
-  }
-  return {};
+    return addInputs(relativeTo(folder, line), defaults, items);
+  });
 }
 
 /// Appends the item of one line: its input and its own settings, by name.
@@ -139,28 +241,20 @@ Result<void> addRow(const std::vector<std::pair<std::string, std::string>>& row,
 Result<void> addCsv(const std::string& list, const std::string& text, const BakeSettings& defaults,
                     std::vector<BakeItem>& items) {
   std::vector<std::string> names;
-  const std::vector<std::string> lines = linesOf(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].empty()) continue;
-    const std::optional<std::vector<std::string>> cells = cellsOf(lines[i]);
-    if (!cells) return inLine(list, i + 1, "found a quote that is not closed on this line, expected another \"");
+  return eachLine(list, text, [&](const std::string& line) -> Result<void> {
+    if (line.empty()) return {};
+    const std::optional<std::vector<std::string>> cells = cellsOf(line);
+    if (!cells) return badFormat("found a quote that is not closed on this line, expected another \"");
     if (names.empty()) {
       names = *cells;
-      if (std::ranges::find(names, "input") == names.end()) {
-        return inLine(list, i + 1, fmt::format("found the columns {}, expected `input` among them", lines[i]));
-      }
-      continue;
+      if (std::ranges::find(names, "input") != names.end()) return {};
+      return badFormat("found the columns {}, expected `input` among them", line);
     }
-    if (cells->size() != names.size()) {
-      return inLine(list, i + 1, fmt::format("found {} cells, expected {}", cells->size(), names.size()));
-    }
+    if (cells->size() != names.size()) return badFormat("found {} cells, expected {}", cells->size(), names.size());
     std::vector<std::pair<std::string, std::string>> row;
     for (std::size_t c = 0; c < names.size(); ++c) row.emplace_back(names[c], (*cells)[c]);
-    if (Result<void> added = addRow(row, fs::path(list).parent_path().string(), defaults, items); !added) {
-      return inLine(list, i + 1, added.error().message);
-    }
-  }
-  return {};
+    return addRow(row, fs::path(list).parent_path().string(), defaults, items);
+  });
 }
 
 /// A value of JSON as in CSV: lists separated by semicolons.
@@ -174,23 +268,61 @@ std::string textOf(const nlohmann::json& value) {
 
 Result<void> addJsonLines(const std::string& list, const std::string& text, const BakeSettings& defaults,
                           std::vector<BakeItem>& items) {
-  const std::vector<std::string> lines = linesOf(text);
-  for (std::size_t i = 0; i < lines.size(); ++i) {
-    if (lines[i].find_first_not_of(" \t") == std::string::npos) continue;
-    const Result<nlohmann::json> json = parseJson(lines[i], list, kLineOfList);
+  return eachLine(list, text, [&](const std::string& line) -> Result<void> {
+    if (line.find_first_not_of(" \t") == std::string::npos) return {};
+    const Result<nlohmann::json> json = parseJson(line, list, kLineOfList);
     if (!json || !json->is_object()) {
-      return inLine(list, i + 1, "found no JSON object, expected {\"input\": \"FILE\", ...}");
+      return badFormat("found no JSON object, expected {\"input\": \"FILE\", ...}");
     }
     std::vector<std::pair<std::string, std::string>> row;
     for (const auto& [name, value] : json->items()) row.emplace_back(name, textOf(value));
-    if (Result<void> added = addRow(row, fs::path(list).parent_path().string(), defaults, items); !added) {
-      return inLine(list, i + 1, added.error().message);
-    }
-  }
-  return {};
+    return addRow(row, fs::path(list).parent_path().string(), defaults, items);
+  });
 }
 
 }  // namespace
+
+std::string relativeTo(const std::string& folder, const std::string& name) {
+  const fs::path path = name;
+  const bool shipped = !path.has_parent_path() && !path.has_extension();
+  if (folder.empty() || path.is_absolute()) return name;
+  std::error_code ignored;
+  const fs::path beside = fs::path(folder) / path;
+  return shipped && !fs::exists(beside, ignored) ? name : beside.lexically_normal().string();
+}
+
+Result<void> setBakeSetting(BakeSettings& settings, const std::string& name, const std::string& value,
+                            const std::string& folder) {
+  const auto* known = std::ranges::find(kKnown, name, &Known::name);
+  if (known == kKnown.end()) {
+    return invalidArgument("found the setting `{}`, expected input or one of {}", name, bakeSettingNames());
+  }
+  std::vector<std::string> values = takesSeveral(known->kind) ? split(value, ';') : std::vector{value};
+  for (std::string& one : values) {
+    if (const std::string expected = expectedFor(*known, one); !expected.empty()) {
+      return invalidArgument("{}: found `{}`, expected {}", name, one, expected);
+    }
+    if (known->kind == Kind::kFlag) one = "yes";
+    if (known->kind == Kind::kFile || known->kind == Kind::kMotions) one = relativeTo(folder, one);
+  }
+  settings[name] = std::move(values);
+  return {};
+}
+
+std::string bakeSettingNames() {
+  std::vector<std::string_view> names;
+  names.reserve(kKnown.size());
+  for (const Known& known : kKnown) names.push_back(known.name);
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::string textOf(const BakeSettings& settings) {
+  std::string text;
+  for (const auto& [name, values] : settings) {
+    text += fmt::format("{}{}={}", text.empty() ? "" : " ", name, fmt::join(values, ";"));
+  }
+  return text;
+}
 
 Result<std::vector<BakeItem>> readBakeLists(std::span<const std::string> lists, const BakeSettings& defaults) {
   std::vector<BakeItem> items;

@@ -7,10 +7,8 @@
 
 #include <array>
 #include <cerrno>
-#include <csignal>
 #include <random>
 #include <sstream>
-#include <string_view>
 #include <utility>
 
 namespace lorica {

@@ -1,5 +1,6 @@
 #include "bake/file_layer.h"
 
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 
@@ -15,15 +16,7 @@ namespace {
 
 /// Writes everything and closes the file: some file systems report a full disk only then. @return 0, or errno
 int writeAndClose(int fd, std::string_view content) {
-  int error = 0;
-  while (error == 0 && !content.empty()) {
-    const ssize_t written = ::write(fd, content.data(), content.size());
-    if (written >= 0) {
-      content.remove_prefix(written);
-    } else if (errno != EINTR) {
-      error = errno;
-    }
-  }
+  int error = writeAll(fd, content);
   if (error == 0 && ::fsync(fd) != 0) error = errno;
   if (::close(fd) != 0 && error == 0) error = errno;
   return error;

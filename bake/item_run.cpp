@@ -1,7 +1,6 @@
 #include "bake/item_run.h"
 
 #include "acd/decompose.h"
-#include "geometry/error_names.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"

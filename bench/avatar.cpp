@@ -232,7 +232,9 @@ struct Costs {
 };
 
 [[nodiscard]] std::size_t gpuBytes(const Avatar& avatar) {
-  return avatar.textureBytes() + avatar.character.mesh.vertices.size() * (sizeof(AvatarShape) + sizeof(AvatarVertex)) +
+  std::size_t textures = 0;
+  for (const Picture& picture : avatar.pictures) textures += picture.rgba.size() / 3 * 4;  // smaller copies add a third
+  return textures + avatar.character.mesh.vertices.size() * (sizeof(AvatarShape) + sizeof(AvatarVertex)) +
          avatar.character.mesh.triangles.size() * 3 * sizeof(std::uint32_t);
 }
 

@@ -4,7 +4,7 @@
 #include "bench/virtual_furniture.h"
 #include "capture/sensor/oni_source.h"
 #include "capture/virtual_sensor/depth_noise.h"
-#include "capture/virtual_sensor/virtual_room.h"
+#include "capture/virtual_sensor/virtual_sensor.h"
 #include "geometry/counts.h"
 
 #include <fmt/format.h>

@@ -1,5 +1,6 @@
 // Writes the recordings that ship with Lorica: all synthetic motions, two of them also with simulated sensor noise.
 
+#include "bench/sensor_noise.h"
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
 

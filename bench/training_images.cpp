@@ -10,7 +10,7 @@
 #include "bench/random_people.h"
 #include "bench/virtual_furniture.h"
 #include "capture/virtual_sensor/depth_noise.h"
-#include "capture/virtual_sensor/virtual_room.h"
+#include "capture/virtual_sensor/virtual_sensor.h"
 
 #include <fmt/format.h>
 

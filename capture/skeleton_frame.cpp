@@ -3,39 +3,11 @@
 namespace lorica {
 
 std::string_view nameOf(BodyJoint joint) {
-  switch (joint) {
-    case BodyJoint::kHead:
-      return "head";
-    case BodyJoint::kNeck:
-      return "neck";
-    case BodyJoint::kLeftShoulder:
-      return "left_shoulder";
-    case BodyJoint::kRightShoulder:
-      return "right_shoulder";
-    case BodyJoint::kLeftElbow:
-      return "left_elbow";
-    case BodyJoint::kRightElbow:
-      return "right_elbow";
-    case BodyJoint::kLeftHand:
-      return "left_hand";
-    case BodyJoint::kRightHand:
-      return "right_hand";
-    case BodyJoint::kTorso:
-      return "torso";
-    case BodyJoint::kLeftHip:
-      return "left_hip";
-    case BodyJoint::kRightHip:
-      return "right_hip";
-    case BodyJoint::kLeftKnee:
-      return "left_knee";
-    case BodyJoint::kRightKnee:
-      return "right_knee";
-    case BodyJoint::kLeftFoot:
-      return "left_foot";
-    case BodyJoint::kRightFoot:
-      return "right_foot";
-  }
-  return "unknown";
+  constexpr std::array<std::string_view, kBodyJointCount> kNames = {
+      "head",  "neck",     "left_shoulder", "right_shoulder", "left_elbow", "right_elbow", "left_hand", "right_hand",
+      "torso", "left_hip", "right_hip",     "left_knee",      "right_knee", "left_foot",   "right_foot"};
+  const auto index = static_cast<std::size_t>(joint);
+  return index < kNames.size() ? kNames[index] : "unknown";
 }
 
 }  // namespace lorica

@@ -15,7 +15,6 @@
 #include <iterator>
 #include <map>
 #include <memory>
-#include <utility>
 
 namespace lorica {
 namespace {

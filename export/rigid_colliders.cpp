@@ -2,7 +2,6 @@
 
 #include "acd/hull_budget.h"
 #include "collision/live/attached_vertices.h"
-#include "collision/live/lifted_point.h"
 #include "geometry/errors.h"
 #include "geometry/parallel_progress.h"
 

@@ -1,14 +1,16 @@
 #pragma once
 
+#include "geometry/result.h"
+
 #include <fmt/format.h>
 
+#include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
-
-#include "geometry/result.h"
 
 // Errors in one call: badFormat("{}:{}: found {}, expected {}", file, line, found, expected). For sources, not for
 // installed headers: it needs fmt.
@@ -49,5 +51,15 @@ template <typename T>
   if (result.ok()) return result;
   return Error{result.error().code, fmt::format("{}: {}", where, result.error().message)};
 }
+
+/// The kinds of errors by their names in reports: "badFormat".
+inline constexpr std::array<std::string_view, 9> kErrorNames = {"notFound",    "unreadable", "unwritable",
+                                                                "badFormat",   "badMesh",    "invalidArgument",
+                                                                "unsupported", "noDisplay",  "cancelled"};
+[[nodiscard]] inline std::string_view nameOf(ErrorCode code) {
+  return kErrorNames[static_cast<std::size_t>(code)];
+}
+
+inline constexpr std::string_view kOutOfMemory = "outOfMemory";  ///< thrown by the standard library, no ErrorCode
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "geometry/files.h"
 
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/new_file.h"
 
@@ -15,22 +16,6 @@
 namespace lorica {
 
 namespace {
-
-/// Owns a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() {
-    if (fd_ >= 0) ::close(fd_);
-  }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-  [[nodiscard]] bool valid() const { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
 
 std::string reason(int error) {
   return std::generic_category().message(error);

@@ -2,10 +2,8 @@
 
 #include "geometry/result.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <span>
 #include <string>
 #include <string_view>
 

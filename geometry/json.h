@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 
 #include <cstddef>
-#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -40,5 +39,10 @@ template <typename Json = nlohmann::json>
     return badFormat("{}: its JSON is broken: {}", name, problem.what());
   }
 }
+
+/// Parses a text that people write: comments are allowed, and keys that occur twice in an object, or more than 16
+/// levels of lists and objects, are errors that name the place. Not by the parser's callback, which would look through
+/// a list again after each object in it. For sources, not for installed headers.
+[[nodiscard]] Result<nlohmann::ordered_json> parseWrittenJson(std::string_view text, std::string_view name);
 
 }  // namespace lorica

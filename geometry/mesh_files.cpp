@@ -1,7 +1,6 @@
 #include "geometry/mesh_files.h"
 
 #include "geometry/errors.h"
-#include "geometry/files.h"
 #include "geometry/mesh_formats.h"
 #include "geometry/work_budgets.h"
 

@@ -1,9 +1,12 @@
 #include "geometry/new_file.h"
 
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
+
+#include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -30,16 +33,7 @@ int openBeside(const fs::path& target, mode_t mode, std::string& temporary) {
   return -1;
 }
 
-/// Writes everything, continuing after short writes and interruptions. @return 0, or errno
-int writeAll(int fd, std::string_view content) {
-  while (!content.empty()) {
-    const ssize_t written = ::write(fd, content.data(), content.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    content.remove_prefix(written);
-  }
-  return 0;
-}
+namespace fs = std::filesystem;
 
 }  // namespace
 
@@ -93,6 +87,35 @@ Result<void> NewFile::finish() {
   temporary_.clear();
   cleaning_.reset();
   return {};
+}
+
+Result<std::optional<fs::path>> keepFound(const fs::path& part) {
+  using Found = std::optional<fs::path>;
+  const int found = ::open(part.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (found < 0 && errno == ENOENT) return Found();
+  if (found < 0) return unwritable(part, errno);
+  const bool isWritten = ::flock(found, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  ::close(found);
+  if (isWritten) {
+    return unwritable("{}: another program is writing to it", part.string());
+  }
+  const fs::path name = part.stem().replace_extension();
+  for (int number = 1;; ++number) {
+    const fs::path kept =
+        part.parent_path() / fmt::format("{}.found-{}{}", name.string(), number, part.extension().string());
+    std::error_code error;
+    if (fs::exists(fs::symlink_status(kept, error))) continue;
+    fs::rename(part, kept, error);
+    if (error) return unwritable(part, error.value());
+    return Found(kept);
+  }
+}
+
+Result<int> createPart(const fs::path& part) {
+  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+  if (descriptor < 0) return unwritable(part, errno);
+  (void)::flock(descriptor, LOCK_EX | LOCK_NB);  // some file systems have no locks
+  return descriptor;
 }
 
 }  // namespace lorica

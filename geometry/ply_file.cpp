@@ -39,17 +39,28 @@ struct Header {
   std::vector<Element> elements;
 };
 
+struct ScalarKind {
+  std::string_view name, newName;
+  std::size_t size;
+  double (*load)(const char* at, std::endian order);
+};
+
+template <typename T>
+constexpr ScalarKind kindOf(std::string_view name, std::string_view newName) {
+  return {name, newName, sizeof(T),
+          [](const char* at, std::endian order) { return static_cast<double>(loadBytes<T>(at, order)); }};
+}
+
+/// In the order of Scalar.
+constexpr std::array<ScalarKind, 8> kScalars = {
+    kindOf<std::int8_t>("char", "int8"),    kindOf<std::uint8_t>("uchar", "uint8"),
+    kindOf<std::int16_t>("short", "int16"), kindOf<std::uint16_t>("ushort", "uint16"),
+    kindOf<std::int32_t>("int", "int32"),   kindOf<std::uint32_t>("uint", "uint32"),
+    kindOf<float>("float", "float32"),      kindOf<double>("double", "float64")};
+
 std::optional<Scalar> scalarNamed(std::string_view name) {
-  constexpr std::array<std::array<std::string_view, 2>, 8> kNames = {{{"char", "int8"},
-                                                                      {"uchar", "uint8"},
-                                                                      {"short", "int16"},
-                                                                      {"ushort", "uint16"},
-                                                                      {"int", "int32"},
-                                                                      {"uint", "uint32"},
-                                                                      {"float", "float32"},
-                                                                      {"double", "float64"}}};
-  for (std::size_t i = 0; i < kNames.size(); ++i) {
-    if (name == kNames[i][0] || name == kNames[i][1]) return static_cast<Scalar>(i);
+  for (std::size_t i = 0; i < kScalars.size(); ++i) {
+    if (name == kScalars[i].name || name == kScalars[i].newName) return static_cast<Scalar>(i);
   }
   return std::nullopt;
 }
@@ -59,8 +70,7 @@ bool isInteger(Scalar type) {
 }
 
 std::size_t sizeOf(Scalar type) {
-  constexpr std::array<std::size_t, 8> kSizes = {1, 1, 2, 2, 4, 4, 4, 8};
-  return kSizes[ordinalOf(type)];
+  return kScalars[ordinalOf(type)].size;
 }
 
 Result<Property> readProperty(LineScanner& scanner) {
@@ -207,33 +217,7 @@ class BinaryElements {
   }
   bool read(Scalar type, double& value) {
     if (sizeOf(type) > bytes_.size()) return false;
-    const char* at = bytes_.data();
-    switch (type) {
-      case Scalar::kInt8:
-        value = loadBytes<std::int8_t>(at, order_);
-        break;
-      case Scalar::kUint8:
-        value = loadBytes<std::uint8_t>(at, order_);
-        break;
-      case Scalar::kInt16:
-        value = loadBytes<std::int16_t>(at, order_);
-        break;
-      case Scalar::kUint16:
-        value = loadBytes<std::uint16_t>(at, order_);
-        break;
-      case Scalar::kInt32:
-        value = loadBytes<std::int32_t>(at, order_);
-        break;
-      case Scalar::kUint32:
-        value = loadBytes<std::uint32_t>(at, order_);
-        break;
-      case Scalar::kFloat32:
-        value = loadBytes<float>(at, order_);
-        break;
-      case Scalar::kFloat64:
-        value = loadBytes<double>(at, order_);
-        break;
-    }
+    value = kScalars[ordinalOf(type)].load(bytes_.data(), order_);
     if (!std::isfinite(value)) return false;
     bytes_.remove_prefix(sizeOf(type));
     return true;

@@ -2,9 +2,74 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <cwchar>
+#include <locale>
+#include <utility>
+#include <vector>
 
 namespace lorica {
+namespace {
+
+constexpr std::size_t kLongestName = 200;
+constexpr std::size_t kMaxCompared = 2000;
+
+[[nodiscard]] std::size_t editDistance(std::string_view a, std::string_view b) {
+  const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
+  std::vector<std::size_t> row(b.size() + 1);
+  std::vector<std::size_t> above(row.size()), twoAbove(row.size());
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  const auto same = [&](std::size_t i, std::size_t j) { return small(a[i - 1]) == small(b[j - 1]); };
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::swap(twoAbove, above);
+    std::swap(above, row);
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      row[j] = std::min({above[j - 1] + (same(i, j) ? 0 : 1), above[j] + 1, row[j - 1] + 1});
+      const bool swapped = i > 1 && j > 1 && same(i, j - 1) && same(i - 1, j);
+      if (swapped) row[j] = std::min(row[j], twoAbove[j - 2] + 1);
+    }
+  }
+  return row.back();
+}
+
+bool continues(char c) {
+  return (static_cast<unsigned char>(c) & 0xC0) == 0x80;
+}
+
+/// Length of the UTF-8 character at the start of the text; 0 if there is none or it is a control character.
+std::size_t printableBytes(std::string_view text) {
+  const unsigned char first = text[0];
+  if (first < 0x80) return first >= 0x20 && first != 0x7F ? 1 : 0;
+  const std::size_t length = first >= 0xC2 && first < 0xE0   ? 2
+                             : first >= 0xE0 && first < 0xF0 ? 3
+                             : first >= 0xF0 && first < 0xF5 ? 4
+                                                             : 0;
+  if (length == 0 || text.size() < length) return 0;
+  for (std::size_t i = 1; i < length; ++i) {
+    if (!continues(text[i])) return 0;
+  }
+  const bool control = first == 0xC2 && static_cast<unsigned char>(text[1]) < 0xA0;
+  return control ? 0 : length;
+}
+
+std::string escaped(std::string_view text) {
+  std::string shown;
+  shown.reserve(text.size());
+  while (!text.empty()) {
+    const std::size_t length = printableBytes(text);
+    if (length > 0) {
+      shown += text.substr(0, length);
+    } else {
+      shown += fmt::format("\\x{:02x}", static_cast<unsigned char>(text[0]));
+    }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+  return shown;
+}
+
+}  // namespace
 
 std::string lowerCase(std::string_view text) {
   std::string lower(text);
@@ -50,6 +115,52 @@ std::string duration(double microseconds) {
 std::string environment(const char* name) {
   const char* value = std::getenv(name);
   return value == nullptr ? std::string() : std::string(value);
+}
+
+std::string didYouMean(std::string_view name, std::span<const std::string> known) {
+  if (name.size() > kLongestName) return "";
+  const std::string* nearest = nullptr;
+  std::size_t min = std::max<std::size_t>(name.size() / 2, 2) + 1;
+  for (const std::string& candidate : known.first(std::min(known.size(), kMaxCompared))) {
+    if (candidate.size() > kLongestName) continue;
+    const std::size_t distance = editDistance(name, candidate);
+    if (distance >= min) continue;
+    min = distance;
+    nearest = &candidate;
+  }
+  return nearest == nullptr ? "" : fmt::format("; did you mean \"{}\"?", *nearest);
+}
+
+std::string printable(std::string_view text, std::size_t longest) {
+  if (text.size() <= longest) return escaped(text);
+  std::size_t head = 2 * longest / 3, tail = text.size() - longest / 3;
+  while (head > 0 && continues(text[head])) --head;
+  while (tail < text.size() && continues(text[tail])) ++tail;
+  return fmt::format("{} ... ({} bytes) ... {}", escaped(text.substr(0, head)), tail - head,
+                     escaped(text.substr(tail)));
+}
+
+std::string asUtf8(std::string bytes) {
+  const auto byte = [&](std::size_t at) -> unsigned { return static_cast<unsigned char>(bytes[at]); };
+  if (bytes.size() < 2) return bytes;
+  const bool little = (byte(0) == 0xff && byte(1) == 0xfe) || (byte(0) != 0 && byte(1) == 0);
+  const bool big = (byte(0) == 0xfe && byte(1) == 0xff) || (byte(0) == 0 && byte(1) != 0);
+  if (!little && !big) return bytes;
+  std::u16string units;
+  units.reserve(bytes.size() / 2);
+  for (std::size_t at = 0; at + 1 < bytes.size(); at += 2) {
+    const unsigned unit = little ? byte(at) | byte(at + 1) << 8 : byte(at) << 8 | byte(at + 1);
+    if (at > 0 || unit != 0xfeff) units += static_cast<char16_t>(unit);
+  }
+  constexpr std::size_t kLongest = 3;  // bytes for a unit; a pair of units takes 4
+  std::u8string text(kLongest * units.size(), u8'\0');
+  std::mbstate_t state{};
+  const char16_t* read = nullptr;
+  char8_t* end = text.data();
+  // Stops at half a pair of units: such a text is cut there.
+  (void)std::use_facet<std::codecvt<char16_t, char8_t, std::mbstate_t>>(std::locale::classic())
+      .out(state, units.data(), units.data() + units.size(), read, text.data(), text.data() + text.size(), end);
+  return {text.data(), end};
 }
 
 }  // namespace lorica

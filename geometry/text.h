@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
@@ -29,5 +30,21 @@ namespace lorica {
 
 /// The value of an environment variable; empty if it is not set.
 [[nodiscard]] std::string environment(const char* name);
+
+/// What a misspelt name probably meant, for the end of a sentence.
+/// Compared by insertions, deletions and changes of letters, and swaps of two neighbours, without regard to case; of
+/// equally near names the first one is taken. Names of more than 200 characters and all after the first 2,000 are not
+/// compared.
+/// @return `; did you mean "hand.l"?`, or empty if more than half of the name would change
+[[nodiscard]] std::string didYouMean(std::string_view name, std::span<const std::string> known);
+
+/// Text from files, arguments and devices for messages, as one line: control characters and bytes that are not UTF-8 as
+/// \x1b, and the middle of long text replaced by its length. The result is printable and stays as it is.
+/// @param longest  [bytes]
+[[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 1000);
+
+/// A text file's bytes as UTF-8. UTF-16, which Windows calls "Unicode", is recognised by its byte order mark, or by a
+/// zero beside the first letter, and converted; everything else is returned as it is.
+[[nodiscard]] std::string asUtf8(std::string bytes);
 
 }  // namespace lorica

@@ -4,10 +4,8 @@
 #include "geometry/random_numbers.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 #include <numeric>
-#include <utility>
 
 namespace lorica {
 namespace {

@@ -6,9 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <span>
 #include <utility>
-#include <vector>
 
 namespace lorica {
 namespace {

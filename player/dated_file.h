@@ -2,7 +2,6 @@
 
 #include "geometry/result.h"
 
-#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>

@@ -1,15 +1,15 @@
 #include "player/events_output.h"
 
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 #include "session/contact_events.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
 #include <nlohmann/json.hpp>
 
-#include <cerrno>
 #include <cmath>
 #include <iterator>
 #include <mutex>
@@ -139,13 +139,10 @@ class EventsWriter final : public EventsOutput {
   }
 
   [[nodiscard]] Result<void> write() {
-    std::string_view left(text_.data(), text_.size());
-    while (!left.empty() && descriptor_ >= 0 && !failed_) {
-      const ssize_t written = ::write(descriptor_, left.data(), left.size());
-      if (written < 0 && errno == EINTR) continue;
-      failed_ = written < 0;
-      if (failed_) return cannotWrite(errno);
-      left.remove_prefix(written);
+    if (descriptor_ >= 0 && !failed_) {
+      const int error = writeAll(descriptor_, {text_.data(), text_.size()});
+      failed_ = error != 0;
+      if (failed_) return cannotWrite(error);
     }
     text_.clear();
     return {};

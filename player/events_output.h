@@ -5,10 +5,8 @@
 #include "session/session.h"
 #include "session/step_watcher.h"
 
-#include <filesystem>
 #include <memory>
 #include <string>
-#include <vector>
 
 namespace lorica {
 

@@ -1,6 +1,6 @@
 #include "player/monitored_host.h"
 
-#include "geometry/printable.h"
+#include "geometry/text.h"
 
 #include <algorithm>
 #include <tuple>

@@ -1,10 +1,23 @@
 #include "player/parts_picture.h"
 
+#include "collision/live/part_bones.h"
+
 #include <algorithm>
-#include <vector>
 
 namespace lorica {
 namespace {
+
+constexpr PartIndex kBones =
+    static_cast<PartIndex>(HumanBone::kRightHand) + 1;  // fingers have the colour of their hand
+
+/// The bone at a joint or above it; of what has none the joint.
+PartIndex colorOf(const Skeleton& skeleton, JointIndex joint) {
+  for (JointIndex j = joint; j != kNoJoint; j = skeleton.joint(j).parent) {
+    const auto bone = skeleton.joint(j).bone;
+    if (bone && *bone <= HumanBone::kRightHand) return static_cast<PartIndex>(*bone);
+  }
+  return joint;
+}
 
 constexpr double kSize = 1.8;  // of the longest diagonal in the picture's world [m]
 
@@ -30,6 +43,16 @@ TriMesh joined(std::span<const NamedMesh> objects, std::vector<PartIndex>& partO
 }
 
 }  // namespace
+
+std::vector<PartIndex> colorsOfParts(const Decomposition& decomposition, const Character& character) {
+  std::vector<PartIndex> colors;
+  for (const std::vector<JointShare>& joints : jointsOfParts(decomposition, character)) {
+    PartIndex color = joints.empty() ? 0 : colorOf(character.skeleton, joints.front().joint);
+    while (std::find(colors.begin(), colors.end(), color) != colors.end()) color += kBones;  // another of the bone
+    colors.push_back(color);
+  }
+  return colors;
+}
 
 Image drawParts(std::span<const NamedMesh> parts, SnapshotCamera& camera) {
   std::vector<PartIndex> partOfTriangle;

@@ -3,7 +3,6 @@
 #include <array>
 #include <charconv>
 #include <cstdint>
-#include <string_view>
 #include <system_error>
 #include <utility>
 

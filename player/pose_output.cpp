@@ -7,7 +7,7 @@
 #include "capture/streams/vrchat_writer.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "player/expression_follower.h"
+#include "player/session_face.h"
 #include "prepare/expressions.h"
 #include "session/contact_events.h"
 

@@ -1,8 +1,7 @@
 
 #include "player/run_loop.h"
-#include "geometry/clock.h"
 #include "geometry/counts.h"
-#include "player/framing.h"
+#include "player/follow_camera.h"
 
 #include <fmt/format.h>
 

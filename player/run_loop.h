@@ -2,18 +2,17 @@
 
 #include "geometry/clock.h"
 #include "player/avatar_focus.h"
-#include "player/background_work.h"
 #include "player/hands.h"
 #include "player/headset_link.h"
+#include "player/monitored_host.h"
 #include "player/run.h"
-#include "player/scene_list.h"
 #include "player/snapshots.h"
 #include "player/warning_board.h"
 #include "player/window_opener.h"
 #include "player/window_settings.h"
 #include "player/window_texts.h"
-#include "player/window_warnings.h"
 #include "prepare/detail_levels.h"
+#include "prepare/scenes.h"
 #include "prepare/settling.h"
 
 #include <cstdint>

@@ -1,10 +1,21 @@
 #include "player/run_statistics.h"
 
-#include <algorithm>
-#include <string_view>
-#include <utility>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <numeric>
 
 namespace lorica {
+namespace {
+
+constexpr const char* kStepOut = "person and furniture are connected: step out of the picture for a second";
+
+int sumOf(const HitCounter::Hits& hits) {
+  return std::accumulate(hits.begin(), hits.end(), 0);
+}
+
+}  // namespace
+
 long long RunStatistics::countNew(std::vector<Pair>& now, std::vector<Pair>& last) {
   // A pair has up to four contact points but is counted once.
   std::sort(now.begin(), now.end());
@@ -75,6 +86,60 @@ void RunStatistics::addSelfContacts(const Session& session) {
 
 int RunStatistics::propsTouched() const {
   return std::count(touched_.begin(), touched_.end(), 1);
+}
+
+void LiveLog::add(const LiveJoints& joints, double seconds, Host& host) {
+  const DepthSight& sight = joints.sight();
+  figures_.frames = joints.frameCount();
+  figures_.followed = joints.followedCount();
+  if (sight.read == DepthRead::kFrame) {
+    const std::chrono::duration<double, std::micro> latency = std::chrono::steady_clock::now() - sight.arrived;
+    figures_.latency.push_back(latency.count());
+    figures_.track.push_back(1e6 * sight.trackSeconds);
+    if (sight.followed && !figures_.firstPose) figures_.firstPose = seconds;
+    figures_.maxPeople = std::max(figures_.maxPeople, sight.people);
+  }
+  const bool unplugged = sight.read == DepthRead::kUnplugged;
+  if (unplugged && !unplugged_) ++figures_.unplugs;
+  const char* news = nullptr;
+  if (unplugged != unplugged_) {
+    news = unplugged ? "the sensor is unplugged; waiting for it" : "the sensor is back";
+  } else if (sight.read == DepthRead::kFrame && sight.followed != wasFollowed_) {
+    news = sight.followed ? "a person is tracked" : "no person is visible";
+  } else if (sight.roomUncertain && !wasUncertain_) {
+    news = kStepOut;
+  }
+  if (news != nullptr) host.tell(fmt::format("{:6.1f} s  {}", seconds, news));
+  unplugged_ = unplugged;
+  if (sight.read == DepthRead::kFrame) {
+    wasFollowed_ = sight.followed;
+    wasUncertain_ = sight.roomUncertain;
+  }
+}
+
+std::string LiveLog::state() const {
+  if (unplugged_) return "the sensor is unplugged";
+  if (wasUncertain_) return kStepOut;
+  return wasFollowed_ ? "" : "no person is visible";
+}
+
+TargetHits::TargetHits(std::vector<HitTarget> targets) : counter_(std::move(targets)) {
+  for (const HitTarget& target : counter_.targets()) scores_.push_back({target.name, 0});
+}
+
+void TargetHits::add(const Session& session) {
+  if (counter_.targets().empty()) return;
+  if (!events_) events_.emplace(session);
+  counter_.add(events_->update(session), session);
+  for (std::size_t i = 0; i < scores_.size(); ++i) scores_[i].hits = sumOf(counter_.hitsOf(i));
+}
+
+std::string TargetHits::caption() const {
+  std::string text;
+  for (std::size_t i = 0; i < counter_.targets().size(); ++i) {
+    text += fmt::format("{}{} {}", i == 0 ? "   hits: " : ", ", counter_.targets()[i].name, sumOf(counter_.hitsOf(i)));
+  }
+  return text;
 }
 
 }  // namespace lorica

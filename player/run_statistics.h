@@ -1,16 +1,42 @@
 #pragma once
 
+#include "capture/tracking/live_joints.h"
 #include "collision/world/self_contact.h"
+#include "prepare/host.h"
+#include "session/contact_events.h"
+#include "session/scenes/hit_counter.h"
 #include "session/session.h"
+#include "viewer/renderer/window_values.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <utility>
 #include <vector>
 
 namespace lorica {
+
+/// Percentiles of a series of measurements.
+struct Percentiles {
+  double median = 0.0;
+  double p95 = 0.0;
+};
+
+/// By the nearest-rank method, so that each figure is a measured value. Zeros if there are no values.
+[[nodiscard]] inline Percentiles percentilesOf(std::vector<double> values) {
+  if (values.empty()) return {};
+  std::sort(values.begin(), values.end());
+  const auto quantile = [&](double share) {
+    const std::size_t rank = std::ceil(share * values.size());
+    return values[std::max<std::size_t>(rank, 1) - 1];
+  };
+  return {quantile(0.5), quantile(0.95)};
+}
 
 /// Counts and times of a running session.
 class RunStatistics {
@@ -82,6 +108,54 @@ class RunStatistics {
   std::optional<Training> training_;
   std::vector<SelfContacts> selfContacts_;  // of each avatar; empty if not requested
   std::optional<double> start_;             // time of the session's first frame [s]
+};
+
+/// Messages and statistics of a live performance.
+class LiveLog {
+ public:
+  /// Adds a frame whose hulls have been posed; tells the host what changes in front of the camera.
+  /// @param seconds  since the first frame [s]
+  void add(const LiveJoints& joints, double seconds, Host& host);
+
+  /// For the caption: "no person is visible", "the sensor is unplugged", what to do where person and room
+  /// cannot be told apart, or empty.
+  [[nodiscard]] std::string state() const;
+
+  struct Figures {
+    std::vector<double> track, latency;  ///< [us], of the images whose joints were used
+    int frames = 0;                      ///< tracked images
+    int followed = 0;                    ///< images with a person
+    int maxPeople = 0;
+    int unplugs = 0;
+    std::optional<double> firstPose;  ///< since the first frame [s]
+  };
+  [[nodiscard]] const Figures& figures() const { return figures_; }
+
+ private:
+  Figures figures_;
+  bool unplugged_ = false;
+  bool wasFollowed_ = false;
+  bool wasUncertain_ = false;
+};
+
+/// The hits of a run's targets, counted frame by frame. Without targets it does nothing.
+class TargetHits {
+ public:
+  explicit TargetHits(std::vector<HitTarget> targets);
+
+  /// Adds the session's last frame.
+  void add(const Session& session);
+
+  /// Of each target.
+  [[nodiscard]] std::span<const TargetScore> scores() const { return scores_; }
+  /// For the caption of a picture: "   hits: bag 5, board 0"; empty without targets.
+  [[nodiscard]] std::string caption() const;
+  [[nodiscard]] const HitCounter& counter() const { return counter_; }
+
+ private:
+  HitCounter counter_;
+  std::vector<TargetScore> scores_;
+  std::optional<ContactEvents> events_;
 };
 
 }  // namespace lorica

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "player/expression_follower.h"
+#include "capture/named_weight.h"
 #include "session/session.h"
 #include "skinning/look/avatar.h"
 #include "skinning/morphs/face.h"
@@ -9,9 +9,32 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lorica {
+
+/// Lets a face show the expressions of a source of motion. Names of VRM 0.x and 1.0 are the same: "Joy" is "happy".
+/// While the source sends a blink of its own, the face does not blink by itself.
+class ExpressionFollower {
+ public:
+  /// Allocates nothing while the names stay the same.
+  /// @param sent         those that the character lacks are left out
+  /// @param expressions  of the face
+  /// @param given        their weights while the source does not name them; missing ones are 0
+  void apply(std::span<const NamedWeight> sent, const Expressions& expressions, std::span<const float> given,
+             Face& face);
+
+ private:
+  struct Known {
+    std::string name;
+    std::optional<std::size_t> expression;
+  };
+  void learn(std::span<const NamedWeight> sent, const Expressions& expressions, std::span<const float> given,
+             Face& face);
+
+  std::vector<Known> known_;
+};
 
 /// The face of a session's avatar: its expressions, those that the session's source sends, the clip that it plays,
 /// blinking, and eyes that follow the picture's camera. It is only drawn; hulls and physics do not depend on it, see

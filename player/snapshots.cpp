@@ -2,9 +2,9 @@
 
 #include "collision/live/attached_vertices.h"
 #include "geometry/errors.h"
-#include "player/part_colors.h"
+#include "player/parts_picture.h"
 #include "player/picture_options.h"
-#include "player/playback.h"
+#include "player/window_texts.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/avatar.h"
 #include "viewer/pictures/image_files.h"
@@ -31,6 +31,24 @@ std::string pictureName(int frame) {
 }
 
 }  // namespace
+
+void AvatarFade::update(const Session& session) {
+  const int last = std::exchange(frame_, session.frameCount());
+  const double seconds = std::max(session.time() - std::exchange(time_, session.time()), 0.0);
+  if (frame_ == last) return;
+  const bool first = last == 0 || frame_ < last;
+  visible_.resize(session.avatars().size(), 0.0);
+  for (std::size_t a = 0; a < visible_.size(); ++a) {
+    const bool present = session.avatars()[a].present();
+    const double change = first ? 1.0 : seconds / kSeconds;
+    visible_[a] = std::clamp(visible_[a] + (present ? change : -change), 0.0, 1.0);
+  }
+}
+
+double AvatarFade::of(const Session& session, std::size_t avatar) const {
+  if (avatar < visible_.size()) return visible_[avatar];
+  return session.avatars()[avatar].present() ? 1.0 : 0.0;
+}
 
 SceneOptions usualView(const Character& character) {
   SceneOptions show;

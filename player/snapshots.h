@@ -1,7 +1,5 @@
 #pragma once
 
-#include "geometry/text.h"
-#include "player/avatar_fade.h"
 #include "player/follow_camera.h"
 #include "player/session_face.h"
 #include "session/session.h"
@@ -10,11 +8,30 @@
 #include "viewer/renderer/renderer.h"
 #include "viewer/renderer/scene.h"
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace lorica {
+
+/// How far the avatars of a session are visible. Who comes or leaves while it runs fades within half a second of the
+/// session's time, so a session that is run again looks the same.
+class AvatarFade {
+ public:
+  static constexpr double kSeconds = 0.5;
+
+  /// Call after each frame of the session. Does nothing if it was called for that frame. In the first frame after its
+  /// creation or after a restart of the session who is there is visible at once.
+  void update(const Session& session);
+  /// 0 to 1; 1 before the first update if the avatar is there.
+  [[nodiscard]] double of(const Session& session, std::size_t avatar) const;
+
+ private:
+  int frame_ = 0;      // of the last update
+  double time_ = 0.0;  // of the last update [s]
+  std::vector<double> visible_;
+};
 
 /// The drawable content of a session: the skin of each visible avatar, coloured by part, and the scene. A body is
 /// cut at the part boundaries. A surface shown instead of the body keeps whole triangles, each coloured by the part

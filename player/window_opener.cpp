@@ -12,9 +12,7 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <filesystem>
 #include <iterator>
-#include <utility>
 
 namespace lorica {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "player/background_work.h"
+#include "player/monitored_host.h"
 #include "prepare/cast.h"
 #include "viewer/renderer/window_values.h"
 

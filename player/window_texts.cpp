@@ -4,12 +4,28 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
+#include <set>
 #include <span>
-#include <vector>
 
 namespace lorica {
+namespace {
+
+std::ptrdiff_t partsOf(const Session& session) {
+  std::ptrdiff_t parts = 0;
+  for (const SessionAvatar& avatar : session.avatars()) {
+    parts += avatar.present() ? std::ssize(avatar.body().parts()) : 0;
+  }
+  return parts;
+}
+
+std::ptrdiff_t touchedProps(const Session& session) {
+  std::set<int> touched;
+  for (const Contact& contact : session.world().contacts()) touched.insert(contact.prop);
+  return std::ssize(touched);
+}
+
+}  // namespace
 
 std::string titleOf(const Session& session, const std::string& source, bool live) {
   const std::size_t count = session.avatars().size();
@@ -22,15 +38,10 @@ std::string titleOf(const Session& session, const std::string& source, bool live
 }
 
 std::string statusOf(const Session& session, bool ended) {
-  std::ptrdiff_t parts = 0;
-  for (const SessionAvatar& avatar : session.avatars())
-    parts += avatar.present() ? std::ssize(avatar.body().parts()) : 0;
-  std::vector<int> touched;
-  for (const Contact& contact : session.world().contacts()) touched.push_back(contact.prop);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  std::string status = counted(parts, "part");
-  if (!touched.empty()) status += ", touching " + counted(std::ssize(touched), "prop");
+  std::string status = counted(partsOf(session), "part");
+  if (const std::ptrdiff_t touched = touchedProps(session); touched > 0) {
+    status += ", touching " + counted(touched, "prop");
+  }
   if (ended) status += ", end of recording";
   return status;
 }
@@ -49,6 +60,14 @@ void addStageTimes(const Session& session, std::optional<double> tracking, Scree
   add("physics", t.physics);
   if (session.world().particles() != nullptr) add("particles", t.particles);
   screen.addTimes(std::span(stages).first(count));
+}
+
+std::string captionOf(const std::string& name, const Session& session, double seconds) {
+  std::string caption = fmt::format("{}   {:.1f} s   {}", name, seconds, counted(partsOf(session), "convex part"));
+  if (const std::ptrdiff_t touched = touchedProps(session); touched > 0) {
+    caption += "   touching " + counted(touched, "prop");
+  }
+  return caption;
 }
 
 }  // namespace lorica

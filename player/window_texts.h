@@ -19,4 +19,11 @@ namespace lorica {
 /// @param tracking  time for tracking the joints [s]; none = not measured
 void addStageTimes(const Session& session, std::optional<double> tracking, Screen& screen);
 
+/// The note about PoseSource::refusedLegs().
+inline constexpr const char* kRefusedLegs =
+    "Legs that cannot be (they run upwards or change their length) were not used; without legs the character stands.";
+
+/// The caption of a picture: name, time, contacts.
+[[nodiscard]] std::string captionOf(const std::string& name, const Session& session, double seconds);
+
 }  // namespace lorica

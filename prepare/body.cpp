@@ -2,7 +2,6 @@
 
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/cover_choice.h"
 #include "prepare/subject_training.h"
 
 #include <utility>

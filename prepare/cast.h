@@ -6,7 +6,7 @@
 #include "prepare/subject.h"
 #include "session/recording/session_recorder.h"
 #include "session/scenes/hit_counter.h"
-#include "session/scenes/scene_stage.h"
+#include "session/scenes/scene_file.h"
 #include "session/session.h"
 
 #include <cstddef>

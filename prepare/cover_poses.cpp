@@ -6,7 +6,6 @@
 #include "skinning/linear_blend.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lorica {
 namespace {

@@ -7,6 +7,8 @@
 #include "prepare/keyframes.h"
 #include "prepare/quality.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -35,6 +37,23 @@ double farthestTrained(const TrainingRange& range, const Decomposition& decompos
 }
 
 }  // namespace
+
+UsedHulls liveHulls(const Character& character, const Decomposition& decomposition, const HullCover& cover,
+                    BonePoseView poses) {
+  const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition);
+  UsedHulls hulls(poses.poseCount());
+  tbb::parallel_for(0, poses.poseCount(), [&](int k) {
+    std::vector<Vec3> positions;
+    for (const std::vector<CoverPoint>& points : cover.points) {
+      positions.clear();
+      for (const CoverPoint& p : points) {
+        positions.push_back(positionOf(pushed(lifted[p.point], p.outward), poses.pose(k)));
+      }
+      hulls[k].push_back(convexHull(positions));
+    }
+  });
+  return hulls;
+}
 
 DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
                               const Training* training, PoseView keyframes, Decomposition decomposition,

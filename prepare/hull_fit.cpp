@@ -4,7 +4,6 @@
 #include "acd/level_of_detail.h"
 #include "collision/live/attached_vertices.h"
 #include "geometry/counts.h"
-#include "prepare/cover_choice.h"
 #include "prepare/file_content.h"
 
 #include <algorithm>

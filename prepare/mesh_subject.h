@@ -1,6 +1,5 @@
 #pragma once
 
-#include "geometry/text.h"
 #include "prepare/subject.h"
 
 #include <string>

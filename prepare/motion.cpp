@@ -3,7 +3,7 @@
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/skeletal_retarget.h"
-#include "capture/streams/recorded_stream.h"
+#include "capture/streams/vmc_follower.h"
 #include "geometry/errors.h"
 #include "geometry/work_budgets.h"
 #include "session/stream_pose_source.h"

@@ -1,8 +1,12 @@
 #pragma once
 
 #include "acd/decomposition.h"
-#include "prepare/used_hulls.h"
+#include "acd/hull_cover.h"
+#include "prepare/cover_poses.h"
+#include "prepare/file_content.h"
+#include "skinning/character.h"
 
+#include <optional>
 #include <vector>
 
 namespace lorica {
@@ -33,5 +37,16 @@ struct Concavity {
 };
 [[nodiscard]] Concavity measureConcavity(const Decomposition& decomposition, PoseView keyframes, const UsedHulls& hulls,
                                          double ignoreBelow);
+
+/// How closely live hulls fit a body in poses that its parts were not trained on.
+struct HeldOutError {
+  double error = 0.0;  ///< mean of (hull volume - body volume) / body volume
+  int poses = 0;
+};
+
+/// Measures it in every fourth held-out pose: half of them from the motions, half random within joint limits.
+/// @param cover  none = exact
+[[nodiscard]] HeldOutError heldOutError(const Character& character, const Decomposition& decomposition,
+                                        const std::optional<HullCover>& cover, const CoverPoses& poses);
 
 }  // namespace lorica

@@ -5,7 +5,6 @@
 #include "capture/files/joint_stream.h"
 #include "capture/retarget/skeletal_retarget.h"
 #include "geometry/errors.h"
-#include "geometry/similar_name.h"
 #include "geometry/text.h"
 #include "prepare/depth_motion.h"
 #include "prepare/file_kinds.h"
@@ -17,9 +16,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <numbers>
 
 namespace lorica {
 namespace {

@@ -8,11 +8,10 @@
 #include "prepare/file_kinds.h"
 #include "prepare/read_motion.h"
 #include "session/scenes/demo_scene.h"
-#include "session/scenes/scene_file.h"
 
 #include <fmt/format.h>
 
-#include <filesystem>
+#include <algorithm>
 #include <utility>
 
 namespace lorica {
@@ -38,6 +37,8 @@ MeshDecomposer decomposerOf(Host& host) {
     return decomposeProp(name, surface, parts, host);
   };
 }
+
+constexpr const char* kDemoScene = "boxes and balls";
 
 }  // namespace
 
@@ -141,6 +142,28 @@ Result<World> openScene(const std::string& scene, double gravity, Host& host, do
   read.world.gravity *= gravity;
   if (read.particles) read.particles->gravity *= gravity;
   return makeWorld(read);
+}
+
+SceneList scenesNextTo(const std::string& present) {
+  SceneList list{{kDemoScene}, {""}};
+  if (const Result<std::filesystem::path> folder = scenesFolder()) {
+    std::error_code ignored;
+    std::vector<std::string> shipped;
+    for (const auto& entry : std::filesystem::directory_iterator(*folder, ignored)) {
+      if (entry.path().extension() == ".json") shipped.push_back(entry.path().stem().string());
+    }
+    std::sort(shipped.begin(), shipped.end());
+    list.names.insert(list.names.end(), shipped.begin(), shipped.end());
+    list.arguments.insert(list.arguments.end(), shipped.begin(), shipped.end());
+  }
+  auto found = std::find(list.arguments.begin(), list.arguments.end(), present);
+  if (found == list.arguments.end()) {
+    list.names.push_back(std::filesystem::path(present).filename().string());
+    list.arguments.push_back(present);
+    found = list.arguments.end() - 1;
+  }
+  list.present = found - list.arguments.begin();
+  return list;
 }
 
 }  // namespace lorica

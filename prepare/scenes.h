@@ -5,7 +5,7 @@
 #include "geometry/result.h"
 #include "prepare/host.h"
 #include "session/scenes/hit_counter.h"
-#include "session/scenes/scene_stage.h"
+#include "session/scenes/scene_file.h"
 
 #include <filesystem>
 #include <string>
@@ -52,5 +52,16 @@ struct OpenedScene {
 [[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name, Host& host);
 /// The targets of a scene text that worldOf() has read.
 [[nodiscard]] std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name, Host& host);
+
+/// The scenes that a window offers.
+struct SceneList {
+  std::vector<std::string> names;
+  std::vector<std::string> arguments;  ///< of openScene()
+  int present = 0;                     ///< index of the current one
+};
+
+/// The scene of the demo, the shipped ones, and the present one if it is the user's own.
+/// @param present  as given to openScene()
+[[nodiscard]] SceneList scenesNextTo(const std::string& present);
 
 }  // namespace lorica

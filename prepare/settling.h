@@ -4,7 +4,6 @@
 #include "prepare/host.h"
 #include "session/session.h"
 
-#include <span>
 #include <vector>
 
 namespace lorica {

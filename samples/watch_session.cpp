@@ -1,7 +1,6 @@
 // Watches a session that `lorica serve` shows: prints for each of its seconds how many bones and props came. Needs
 // Boost's headers and nothing of Lorica; what is read here is described in docs/WIRE.md.
 //   lorica serve walk & watch_session [HOST:PORT] [FRAMES]
-#include <utility>
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>

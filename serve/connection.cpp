@@ -17,9 +17,7 @@
 #include <algorithm>
 #include <charconv>
 #include <chrono>
-#include <deque>
 #include <limits>
-#include <optional>
 
 namespace lorica {
 namespace {

@@ -1,7 +1,6 @@
 #pragma once
 
 // Boost.Asio of Debian 12 needs std::exchange and does not include it.
-#include <utility>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>

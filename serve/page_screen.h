@@ -6,7 +6,6 @@
 
 #include <array>
 #include <deque>
-#include <memory>
 #include <string>
 #include <vector>
 

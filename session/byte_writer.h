@@ -2,7 +2,6 @@
 
 #include "capture/named_weight.h"
 
-#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>

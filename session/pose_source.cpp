@@ -5,7 +5,7 @@
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/standing_legs.h"
 #include "session/joint_trust.h"
-#include "session/proxy_pose_source.h"
+#include "session/stream_pose_source.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,9 @@
 #include "session/session.h"
 
+#include "geometry/clock.h"
+#include "geometry/counts.h"
+#include "session/part_masses.h"
+
 #include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 #include <xxhash.h>
@@ -8,8 +12,6 @@
 #include <bit>
 #include <chrono>
 #include <utility>
-
-#include "geometry/counts.h"
 
 namespace lorica {
 namespace {
@@ -20,10 +22,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kFirstFrameSeconds = 1.0 / 30.0;
 constexpr double kShortestFrameSeconds = 0.001;
 constexpr double kLongestFrameSeconds = 0.1;
-
-double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double, std::micro>(end - begin).count();
-}
 
 double frameSeconds(double seconds) {
   if (!(seconds > kShortestFrameSeconds)) return kShortestFrameSeconds;
@@ -37,6 +35,32 @@ std::uint64_t chainHash(std::uint64_t hash, const Prop& prop) {
 }
 
 }  // namespace
+
+std::span<const BodyContact> AvatarContacts::find(std::span<const SessionAvatar> avatars, double seconds) {
+  weigh(avatars);
+  bodies_.clear();
+  for (std::size_t a = 0; a < avatars.size(); ++a) {
+    const std::span<const LivePart> parts = avatars[a].partsInWorld();
+    bodies_.push_back({parts, std::span(*masses_[a].values).first(parts.size())});
+  }
+  return query_.find(bodies_, seconds);
+}
+
+/// Computes the masses of avatars that are new or have a new body.
+void AvatarContacts::weigh(std::span<const SessionAvatar> avatars) {
+  masses_.resize(avatars.size());
+  for (std::size_t a = 0; a < avatars.size(); ++a) {
+    const std::shared_ptr<const BodyPlan>& plan = avatars[a].body().plan();
+    if (masses_[a].plan == plan) continue;
+    const auto known = std::find_if(masses_.begin(), masses_.end(), [&](const Masses& m) { return m.plan == plan; });
+    if (known != masses_.end()) {
+      masses_[a] = *known;
+    } else {
+      masses_[a] = {
+          plan, std::make_shared<const std::vector<double>>(partMasses(plan->decomposition(), avatars[a].character()))};
+    }
+  }
+}
 
 Result<Session> Session::create(Character character, Decomposition decomposition, std::unique_ptr<PoseSource> source,
                                 World world, std::optional<HullCover> cover, std::optional<TrainingRange> training) {

@@ -1,6 +1,7 @@
 #include "session/session_avatar.h"
 
 #include "acd/transfer.h"
+#include "geometry/clock.h"
 #include "geometry/errors.h"
 #include "skinning/linear_blend.h"
 
@@ -14,10 +15,6 @@ namespace lorica {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double, std::micro>(end - begin).count();
-}
 
 std::uint64_t chainHash(std::uint64_t hash, const LivePart& part) {
   static_assert(sizeof(Vec3) == 3 * sizeof(double), "no padding may be hashed");

@@ -1,16 +1,44 @@
 #include "session/stream_pose_source.h"
 
 #include "capture/retarget/stream_retarget.h"
-#include "session/mirrored_expressions.h"
-#include "session/proxy_pose_source.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <utility>
-#include <vector>
 
 namespace lorica {
 namespace {
+
+class ProxyPoseSource final : public PoseSource {
+ public:
+  ProxyPoseSource(ProxySkeleton proxy, std::unique_ptr<PoseSource> source)
+      : proxy_(std::move(proxy)), source_(std::move(source)), pose_(restPose(proxy_.skeleton())) {}
+
+  Result<std::optional<double>> next(std::span<JointTransform> pose) override {
+    Result<std::optional<double>> time = source_->next(pose_);
+    if (time && time->has_value()) proxy_.mapBack(pose_, pose);
+    const std::span<const double> trust = source_->trust();
+    trust_.resize(trust.empty() ? 0 : pose.size());
+    for (std::size_t j = 0; j < trust_.size(); ++j) {
+      trust_[j] = trust[proxy_.proxyOf(j)];
+    }
+    return time;
+  }
+
+  [[nodiscard]] std::optional<double> smoothingDelay() const override { return source_->smoothingDelay(); }
+  [[nodiscard]] std::span<const double> trust() const override { return trust_; }
+  [[nodiscard]] std::span<const NamedWeight> expressions() const override { return source_->expressions(); }
+  [[nodiscard]] double waited() const override { return source_->waited(); }
+  [[nodiscard]] bool present() const override { return source_->present(); }
+  [[nodiscard]] bool refusedLegs() const override { return source_->refusedLegs(); }
+
+ private:
+  ProxySkeleton proxy_;
+  std::unique_ptr<PoseSource> source_;
+  Pose pose_;                  ///< of the proxy skeleton
+  std::vector<double> trust_;  ///< of the character's joints
+};
 
 /// A session goes on at least this often [s].
 constexpr double kLongestWait = 1.0 / 30.0;
@@ -86,6 +114,39 @@ class StreamPoseSource final : public PoseSource {
 };
 
 }  // namespace
+
+std::string mirroredExpression(std::string_view name) {
+  using Sides = std::pair<std::string_view, std::string_view>;
+  constexpr std::array<Sides, 5> kSides = {
+      {{"Left", "Right"}, {"left", "right"}, {"LEFT", "RIGHT"}, {"_L", "_R"}, {"_l", "_r"}}};
+  const auto swapped = [&](std::string_view side, std::string_view other) {
+    return std::string(name.substr(0, name.size() - side.size())).append(other);
+  };
+  for (const auto& [left, right] : kSides) {
+    if (name.ends_with(left)) return swapped(left, right);
+    if (name.ends_with(right)) return swapped(right, left);
+  }
+  return std::string(name);
+}
+
+std::span<const NamedWeight> MirroredExpressions::of(std::span<const NamedWeight> sent) {
+  const bool same = std::equal(sent.begin(), sent.end(), names_.begin(), names_.end(),
+                               [](const NamedWeight& one, const std::string& name) { return one.name == name; });
+  if (!same) {
+    names_.clear();
+    mirrored_.clear();
+    for (const NamedWeight& one : sent) {
+      names_.push_back(one.name);
+      mirrored_.push_back({mirroredExpression(one.name), 0.0f});
+    }
+  }
+  for (std::size_t i = 0; i < sent.size(); ++i) mirrored_[i].weight = sent[i].weight;
+  return mirrored_;
+}
+
+std::unique_ptr<PoseSource> makeProxyPoseSource(ProxySkeleton proxy, std::unique_ptr<PoseSource> source) {
+  return std::make_unique<ProxyPoseSource>(std::move(proxy), std::move(source));
+}
 
 Result<std::unique_ptr<PoseSource>> makeStreamPoseSource(const Character& character, std::unique_ptr<BoneStream> stream,
                                                          const StreamSettings& settings) {

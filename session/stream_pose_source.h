@@ -1,5 +1,7 @@
 #pragma once
 
+#include "capture/named_weight.h"
+#include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/sender_rest.h"
 #include "capture/streams/bone_stream.h"
 #include "session/pose_source.h"
@@ -7,8 +9,30 @@
 
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace lorica {
+
+/// The expression of the other side: `blinkLeft` is `blinkRight`, `Blink_L` is `Blink_R`, `mouthSmileLeft` is
+/// `mouthSmileRight`. Names that end in no side are their own.
+[[nodiscard]] std::string mirroredExpression(std::string_view name);
+
+/// A face with left and right swapped. Allocates when names change only.
+class MirroredExpressions {
+ public:
+  /// @return the weights of `sent`, in its order, under the names of the other side. Valid until the next call
+  [[nodiscard]] std::span<const NamedWeight> of(std::span<const NamedWeight> sent);
+
+ private:
+  std::vector<std::string> names_;  ///< as sent
+  std::vector<NamedWeight> mirrored_;
+};
+
+/// Maps the poses of a proxy skeleton back to its character.
+[[nodiscard]] std::unique_ptr<PoseSource> makeProxyPoseSource(ProxySkeleton proxy, std::unique_ptr<PoseSource> source);
 
 struct StreamSettings {
   bool mirror = false;                    ///< swaps left and right, in the face too

@@ -4,7 +4,6 @@
 #include "skinning/skeleton.h"
 
 #include <memory>
-#include <span>
 #include <string>
 #include <vector>
 

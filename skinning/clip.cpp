@@ -1,6 +1,5 @@
 #include "skinning/clip.h"
 
-#include "geometry/counts.h"
 #include "skinning/key_times.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "skinning/skeleton.h"
 
-#include "geometry/counts.h"
 #include "geometry/errors.h"
 
 #include <algorithm>

@@ -1,6 +1,5 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
-#include "bindings/c/hull.h"
 #include "geometry/errors.h"
 #include "prepare/first_guess.h"
 
@@ -37,8 +36,7 @@ using namespace lorica;
 
 lorica_status lorica_character_read(const char* name_or_file, lorica_character** out) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(name_or_file, "name_or_file"));
-    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY_DO(given(name_or_file, "name_or_file", out, "out"));
     ProgramHost host;
     LORICA_TRY(CharacterPointer read, openCharacter(name_or_file, host));
     std::string guess = read->file ? firstGuessOf(*read->file) : std::string();
@@ -102,8 +100,7 @@ const char* lorica_character_clip_name(const lorica_character* character, size_t
 lorica_status lorica_body_make(const lorica_character* character, const lorica_body_options* options,
                                lorica_body** out) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(character, "character"));
-    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY_DO(given(character, "character", out, "out"));
     LORICA_TRY(const lorica_body_options wanted, taken(options, "options"));
     LORICA_TRY_DO(check(wanted));
     ProgramHost host(progressFrom(wanted.progress, wanted.user), wanted.threads, wanted.parts);
@@ -117,9 +114,7 @@ lorica_status lorica_body_make(const lorica_character* character, const lorica_b
 
 lorica_status lorica_body_load(const lorica_character* character, const char* file, lorica_body** out) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(character, "character"));
-    LORICA_TRY_DO(given(file, "file"));
-    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY_DO(given(character, "character", file, "file", out, "out"));
     LORICA_TRY(auto read, readCharacterBody(character->owner, file));
     *out = new lorica_body{std::move(read)};
     return {};
@@ -128,8 +123,7 @@ lorica_status lorica_body_load(const lorica_character* character, const char* fi
 
 lorica_status lorica_body_save(const lorica_body* body, const char* file) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(body, "body"));
-    LORICA_TRY_DO(given(file, "file"));
+    LORICA_TRY_DO(given(body, "body", file, "file"));
     return writeDecomposition(file, body->body->content);
   });
 }
@@ -145,9 +139,7 @@ size_t lorica_body_part_count(const lorica_body* body) {
 lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,
                                  const lorica_motion_options* options, lorica_motion** out) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(character, "character"));
-    LORICA_TRY_DO(given(name_or_file, "name_or_file"));
-    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY_DO(given(character, "character", name_or_file, "name_or_file", out, "out"));
     LORICA_TRY(const lorica_motion_options wanted, taken(options, "options"));
     ProgramHost host;
     LORICA_TRY(Performance performed,

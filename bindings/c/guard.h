@@ -1,6 +1,8 @@
 #pragma once
 
+#include "acd/decompose.h"
 #include "bindings/c/lorica.h"
+#include "geometry/convex_hull.h"
 #include "geometry/errors.h"
 #include "geometry/result.h"
 
@@ -32,10 +34,15 @@ lorica_status guarded(const Body& body) noexcept {
   return LORICA_FAILURE;
 }
 
+inline Result<void> given() {
+  return {};
+}
 /// An error if a pointer is null. @param name  of the argument
-inline Result<void> given(const void* pointer, const char* name) {
-  if (pointer != nullptr) return {};
-  return invalidArgument("{} is null", name);
+/// @param others  likewise
+template <typename... Others>
+Result<void> given(const void* pointer, const char* name, const Others&... others) {
+  if (pointer == nullptr) return invalidArgument("{} is null", name);
+  return given(others...);
 }
 
 /// An error if an index is out of range. @param what  is counted
@@ -73,5 +80,11 @@ Result<void> handOut(Struct whole, Struct* out) {
   std::memcpy(out, &whole, out->size);
   return {};
 }
+
+/// Lends a hull to a program.
+[[nodiscard]] Result<void> handOut(const ConvexHull& hull, lorica_hull* out);
+
+/// A function of the program as a callback of the library. @param progress  may be null
+[[nodiscard]] DecomposeProgress progressFrom(lorica_progress progress, void* user);
 
 }  // namespace lorica

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bindings/live_character.h"
+#include "bindings/character_body.h"
 #include "bindings/mesh_parts.h"
 #include "capture/sensor/depth_frame.h"
 #include "capture/tracking/tracker.h"
@@ -36,6 +36,12 @@ struct lorica_live {
   std::vector<lorica::SelfContact> contacts;
   std::vector<lorica::Vec3> points;  ///< scratch
   std::vector<lorica::ShapeContact> touches;
+
+  /// What was found in the last pose.
+  void forget() {
+    contacts.clear();
+    touches.clear();
+  }
 };
 
 struct lorica_tracker {

@@ -1,6 +1,5 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
-#include "bindings/c/hull.h"
 #include "geometry/errors.h"
 
 #include <algorithm>
@@ -11,8 +10,7 @@ namespace {
 
 /// Whether a motion is of the same skeleton as the body.
 Result<void> checkMotion(const lorica_live* live, const lorica_motion* motion) {
-  LORICA_TRY_DO(given(live, "live"));
-  LORICA_TRY_DO(given(motion, "motion"));
+  LORICA_TRY_DO(given(live, "live", motion, "motion"));
   const Skeleton& own = live->live.body().character().skeleton;
   const Skeleton& other = motion->motion.skeleton;
   bool same = own.jointCount() == other.jointCount();
@@ -23,8 +21,7 @@ Result<void> checkMotion(const lorica_live* live, const lorica_motion* motion) {
 }
 
 Result<void> checkJoints(const lorica_live* live, const double* numbers, std::size_t count) {
-  LORICA_TRY_DO(given(live, "live"));
-  LORICA_TRY_DO(given(numbers, "world_from_joint"));
+  LORICA_TRY_DO(given(live, "live", numbers, "world_from_joint"));
   const std::size_t expected = live->live.worldFromJoint().size();
   if (count == expected) return {};
   return invalidArgument("joint_count: found {}, expected {}", count, expected);
@@ -37,8 +34,7 @@ using namespace lorica;
 
 lorica_status lorica_live_make(const lorica_body* body, lorica_live** out) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(body, "body"));
-    LORICA_TRY_DO(given(out, "out"));
+    LORICA_TRY_DO(given(body, "body", out, "out"));
     const Skeleton& skeleton = body->body->character().skeleton;
     *out = new lorica_live{
         LiveCharacter(body->body), restPose(skeleton), std::vector<Affine3>(skeleton.joints().size()), {}, {}, {}};
@@ -55,8 +51,7 @@ lorica_status lorica_live_play(lorica_live* live, const lorica_motion* motion, s
     LORICA_TRY_DO(checkMotion(live, motion));
     LORICA_TRY_DO(inRange(frame, motion->motion.times.size(), "frame"));
     live->live.pose(motion->motion.pose(frame));
-    live->contacts.clear();
-    live->touches.clear();
+    live->forget();
     return {};
   });
 }
@@ -69,8 +64,7 @@ lorica_status lorica_live_play_at(lorica_live* live, const lorica_motion* motion
     }
     poseAt(motion->motion, seconds, live->pose);
     live->live.pose(live->pose);
-    live->contacts.clear();
-    live->touches.clear();
+    live->forget();
     return {};
   });
 }
@@ -88,8 +82,7 @@ lorica_status lorica_live_pose(lorica_live* live, const double* world_from_joint
           joint);
     }
     live->live.place(live->given);
-    live->contacts.clear();
-    live->touches.clear();
+    live->forget();
     return {};
   });
 }
@@ -135,9 +128,7 @@ lorica_status lorica_live_part_motion(lorica_live* live, size_t part, double sec
 
 lorica_status lorica_live_support(const lorica_live* live, size_t part, const double* direction, double* point) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(live, "live"));
-    LORICA_TRY_DO(given(direction, "direction"));
-    LORICA_TRY_DO(given(point, "point"));
+    LORICA_TRY_DO(given(live, "live", direction, "direction", point, "point"));
     LORICA_TRY_DO(inRange(part, live->live.hulls().size(), "part"));
     if (!live->live.posed()) return invalidArgument("the body has no pose yet");
     const Eigen::Map<const Vec3> along(direction);
@@ -157,8 +148,7 @@ lorica_status lorica_live_cast_rays(lorica_live* live, const double* rays, size_
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(live, "live"));
     if (count > 0) {
-      LORICA_TRY_DO(given(rays, "rays"));
-      LORICA_TRY_DO(given(parts, "parts"));
+      LORICA_TRY_DO(given(rays, "rays", parts, "parts"));
     }
     const Vec3 axis = half != nullptr ? Vec3(half) : Vec3(Vec3::Zero());
     LORICA_TRY_DO(checkCast(reach, radius, axis));
@@ -180,8 +170,7 @@ lorica_status lorica_live_cast_on_skin(lorica_live* live, const double* rays, si
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(live, "live"));
     if (count > 0) {
-      LORICA_TRY_DO(given(rays, "rays"));
-      LORICA_TRY_DO(given(triangles, "triangles"));
+      LORICA_TRY_DO(given(rays, "rays", triangles, "triangles"));
     }
     LORICA_TRY_DO(checkCast(reach, 0.0, Vec3::Zero()));
     for (std::size_t i = 0; i < count; ++i) {
@@ -198,8 +187,7 @@ lorica_status lorica_live_cast_on_skin(lorica_live* live, const double* rays, si
 
 lorica_status lorica_live_find_contacts(lorica_live* live, size_t* count) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(live, "live"));
-    LORICA_TRY_DO(given(count, "count"));
+    LORICA_TRY_DO(given(live, "live", count, "count"));
     const std::span<const SelfContact> found = live->live.selfContacts();
     live->contacts.assign(found.begin(), found.end());
     *count = live->contacts.size();
@@ -224,9 +212,7 @@ lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_
 
 lorica_status lorica_live_find_touches(lorica_live* live, const lorica_shape* shape, size_t* count) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(live, "live"));
-    LORICA_TRY_DO(given(shape, "shape"));
-    LORICA_TRY_DO(given(count, "count"));
+    LORICA_TRY_DO(given(live, "live", shape, "shape", count, "count"));
     LORICA_TRY(const lorica_shape whole, taken(shape, "shape"));
     LORICA_TRY_DO(given(whole.points, "shape.points"));
     live->points.clear();

@@ -1,6 +1,5 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
-#include "bindings/c/hull.h"
 #include "geometry/errors.h"
 
 #include <utility>
@@ -146,8 +145,7 @@ lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh, const
 
 lorica_status lorica_parts_save(const lorica_parts* parts, const char* file) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(parts, "parts"));
-    LORICA_TRY_DO(given(file, "file"));
+    LORICA_TRY_DO(given(parts, "parts", file, "file"));
     return writeDecomposition(file, parts->parts.content);
   });
 }

@@ -34,9 +34,7 @@ void lorica_tracker_free(lorica_tracker* tracker) {
 lorica_status lorica_tracker_track(lorica_tracker* tracker, double seconds, const uint16_t* depth_mm,
                                    size_t pixel_count, size_t* people) {
   return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(tracker, "tracker"));
-    LORICA_TRY_DO(given(depth_mm, "depth_mm"));
-    LORICA_TRY_DO(given(people, "people"));
+    LORICA_TRY_DO(given(tracker, "tracker", depth_mm, "depth_mm", people, "people"));
     DepthFrame& frame = tracker->frame;
     if (pixel_count != frame.depthMm.size()) {
       return invalidArgument("pixel_count: found {}, expected {}", pixel_count, frame.depthMm.size());

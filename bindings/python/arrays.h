@@ -7,7 +7,6 @@
 
 #include <memory>
 #include <span>
-#include <string>
 
 namespace lorica {
 
@@ -27,5 +26,16 @@ namespace lorica {
 [[nodiscard]] pybind11::array view(std::span<const Vec3> points, pybind11::handle owner);
 [[nodiscard]] pybind11::array view(std::span<const Triangle> triangles, pybind11::handle owner);
 [[nodiscard]] pybind11::array view(std::span<const Affine3> transforms, pybind11::handle owner);
+
+/// A hull of something that lives as long as one of its hulls does: parts of a mesh, or a frame.
+struct HullView {
+  std::shared_ptr<const ConvexHull> hull;
+};
+
+/// A list of views. @param owner  of the hulls
+[[nodiscard]] pybind11::list hullList(std::span<const ConvexHull> hulls, const std::shared_ptr<const void>& owner);
+
+/// Character, Body, Live, Player, Frame, Contact, play().
+void addCharacters(pybind11::module_& module);
 
 }  // namespace lorica

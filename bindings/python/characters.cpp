@@ -1,6 +1,5 @@
-#include "bindings/live_character.h"
+#include "bindings/character_body.h"
 #include "bindings/python/arrays.h"
-#include "bindings/python/hull.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
 #include "export/contact_export.h"
@@ -371,16 +370,8 @@ void addBody(py::module_& module) {
           "live", [](const BodyHandle& self) { return std::make_shared<Live>(self); },
           "A live body, to be moved by your own skeleton.")
       .def(
-          "save",
-          [](const BodyHandle& self, const fs::path& file) {
-            Result<void> written;
-            {
-              const py::gil_scoped_release released;
-              written = writeDecomposition(file, self.body->content);
-            }
-            if (!written) raise(written.error());
-          },
-          "file"_a, "Write a .lorica file, for load_body() and the command.")
+          "save", [](const BodyHandle& self, const fs::path& file) { save(self.body->content, file); }, "file"_a,
+          "Write a .lorica file, for load_body() and the command.")
       .def("__repr__", [](const BodyHandle& self) {
         return fmt::format("<lorica.Body of {}: {} parts>", self.body->character().name,
                            self.body->content.decomposition.parts.size());
@@ -467,25 +458,46 @@ origins     (n, 3) numbers, or one point for all rays, world [m]
 directions  (n, 3) numbers, of any length above 0
 reach       where the rays end [m])";
 
+Live& liveOf(Live& self) {
+  return self;
+}
+Live& liveOf(const Player& self) {
+  return *self.live;
+}
+
+/// A method of the live body of an object. @param method  such as &Live::motion
+template <typename Self, typename Answer, typename... Given>
+auto ofLive(Answer (Live::*method)(Given...)) {
+  return [method](Self& self, Given... given) { return (liveOf(self).*method)(given...); };
+}
+
+/// What a body in its last pose can be asked.
+template <typename Self>
+void addQueries(py::class_<Self, std::shared_ptr<Self>>& type, const char* contacts) {
+  type.def("motion", ofLive<Self>(&Live::motion), "seconds"_a, kMotion)
+      .def("swept", ofLive<Self>(&Live::swept), kSwept)
+      .def("contacts", ofLive<Self>(&Live::contacts), contacts)
+      .def("touches", ofLive<Self>(&Live::touches), "points"_a, "radius"_a = 0.0, kTouches)
+      .def("cast", ofLive<Self>(&Live::cast), "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0,
+           py::arg_v("half", kNoHalf, "..."), kCast)
+      .def("cast_on_skin", ofLive<Self>(&Live::castOnSkin), "origins"_a, "directions"_a, "reach"_a = kInfinity,
+           kCastOnSkin);
+}
+
 }  // namespace
 
 void addCharacters(py::module_& module) {
   addCharacter(module);
   addBody(module);
   addFrame(module);
-  py::class_<Live, std::shared_ptr<Live>>(module, "Live",
-                                          "A body that is moved. Threads may share it, one call at a time.")
-      .def("pose", &Live::pose, "world_from_joint"_a,
-           "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.")
-      .def("motion", &Live::motion, "seconds"_a, kMotion)
-      .def("swept", &Live::swept, kSwept)
-      .def("contacts", &Live::contacts, "Overlaps of its own parts in the last pose: a list of Contact.")
-      .def("touches", &Live::touches, "points"_a, "radius"_a = 0.0, kTouches)
-      .def("cast", &Live::cast, "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0,
-           py::arg_v("half", kNoHalf, "..."), kCast)
-      .def("cast_on_skin", &Live::castOnSkin, "origins"_a, "directions"_a, "reach"_a = kInfinity, kCastOnSkin);
-  py::class_<Player, std::shared_ptr<Player>>(module, "Player", "A motion on a body: an iterator of Frame.")
-      .def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
+  py::class_<Live, std::shared_ptr<Live>> live(module, "Live",
+                                               "A body that is moved. Threads may share it, one call at a time.");
+  live.def(
+      "pose", &Live::pose, "world_from_joint"_a,
+      "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.");
+  addQueries(live, "Overlaps of its own parts in the last pose: a list of Contact.");
+  py::class_<Player, std::shared_ptr<Player>> player(module, "Player", "A motion on a body: an iterator of Frame.");
+  player.def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
       .def("__next__", &Player::step)
       .def(
           "__len__", [](const Player& self) { return self.motion.frameCount(); }, "Number of frames.")
@@ -495,32 +507,8 @@ void addCharacters(py::module_& module) {
           "times", [](const Player& self) { return self.motion.times; }, "Of the frames [s].")
       .def_property_readonly(
           "first_guess", [](const Player& self) { return self.firstGuess; },
-          "What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words.")
-      .def(
-          "motion", [](const Player& self, double seconds) { return self.live->motion(seconds); }, "seconds"_a, kMotion)
-      .def(
-          "swept", [](const Player& self) { return self.live->swept(); }, kSwept)
-      .def(
-          "contacts", [](const Player& self) { return self.live->contacts(); },
-          "Overlaps of the body's own parts in the last frame: a list of Contact.")
-      .def(
-          "touches",
-          [](const Player& self, const py::object& points, double radius) {
-            return self.live->touches(points, radius);
-          },
-          "points"_a, "radius"_a = 0.0, kTouches)
-      .def(
-          "cast",
-          [](const Player& self, const py::object& origins, const py::object& directions, double reach, double radius,
-             const std::array<double, 3>& half) { return self.live->cast(origins, directions, reach, radius, half); },
-          "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0, py::arg_v("half", kNoHalf, "..."),
-          kCast)
-      .def(
-          "cast_on_skin",
-          [](const Player& self, const py::object& origins, const py::object& directions, double reach) {
-            return self.live->castOnSkin(origins, directions, reach);
-          },
-          "origins"_a, "directions"_a, "reach"_a = kInfinity, kCastOnSkin);
+          "What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words.");
+  addQueries(player, "Overlaps of the body's own parts in the last frame: a list of Contact.");
   module.def("contacts", &contactsOf, "motion"_a, "character"_a = "", py::kw_only(), "scene"_a = "",
              "near"_a = ContactTable::kNear, "clip"_a = "", "mirror"_a = false, "decomposition"_a = "", "threads"_a = 0,
              "progress"_a = py::none(),

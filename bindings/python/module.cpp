@@ -1,6 +1,5 @@
 #include "bindings/mesh_parts.h"
 #include "bindings/python/arrays.h"
-#include "bindings/python/hull.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
 #include "geometry/mesh_files.h"
@@ -9,7 +8,9 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
+#include <array>
 #include <optional>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -27,23 +28,25 @@ struct PartList {
   PartsPointer parts;
 };
 
-DecomposePreset presetNamed(const std::string& name) {
-  if (name == "paper") return DecomposePreset::kPaper;
-  if (name == "fast") return DecomposePreset::kFast;
-  if (name == "quality") return DecomposePreset::kQuality;
-  throw py::value_error(fmt::format("preset: found {}, expected paper, fast or quality", name));
+/// The choice of a name. @param choices  three names, and what they choose
+template <typename Choice>
+Choice choiceOf(const char* argument, const std::string& name,
+                const std::array<std::pair<const char*, Choice>, 3>& choices) {
+  for (const auto& [known, choice] : choices) {
+    if (name == known) return choice;
+  }
+  throw py::value_error(fmt::format("{}: found {}, expected {}, {} or {}", argument, name, choices[0].first,
+                                    choices[1].first, choices[2].first));
 }
 
-BodyChoice closedNamed(const std::string& name) {
-  if (name == "auto") return BodyChoice::kIfNeeded;
-  if (name == "never") return BodyChoice::kNever;
-  if (name == "always") return BodyChoice::kAlways;
-  throw py::value_error(fmt::format("closed_body: found {}, expected auto, never or always", name));
-}
-
-WallChoice wallsNamed(const std::string& name) {
-  if (const std::optional<WallChoice> walls = wallChoiceNamed(name)) return *walls;
-  throw py::value_error(fmt::format("walls: found {}, expected auto, solid or shell", name));
+/// @param make  from a mesh and settings that report progress
+template <typename Make>
+PartList makeParts(TriMesh mesh, MeshPartsSettings settings, const py::object& progress, const Make& make) {
+  MeshParts made = resultAside<MeshParts>(progress, [&](const DecomposeProgress& report) {
+    settings.decompose.progress = report;
+    return make(std::move(mesh), settings);
+  });
+  return {std::make_shared<const MeshParts>(std::move(made))};
 }
 
 PartList decomposeMesh(const py::object& vertices, const py::object& faces, std::optional<int> parts, double maxError,
@@ -55,30 +58,27 @@ PartList decomposeMesh(const py::object& vertices, const py::object& faces, std:
   settings.decompose.maxParts = parts.value_or(limited ? 0 : kUsualParts);
   settings.decompose.maxError = maxError;
   settings.decompose.maxDistance = maxDistance;
-  settings.decompose.preset = presetNamed(preset);
+  settings.decompose.preset = choiceOf<DecomposePreset>(
+      "preset", preset,
+      {{{"paper", DecomposePreset::kPaper}, {"fast", DecomposePreset::kFast}, {"quality", DecomposePreset::kQuality}}});
   settings.decompose.threads = threads;
   settings.hullVertices = hullVertices;
-  settings.closed = closedNamed(closedBody);
-  settings.walls = wallsNamed(walls);
+  settings.closed = choiceOf<BodyChoice>(
+      "closed_body", closedBody,
+      {{{"auto", BodyChoice::kIfNeeded}, {"never", BodyChoice::kNever}, {"always", BodyChoice::kAlways}}});
+  settings.walls = choiceOf<WallChoice>(
+      "walls", walls, {{{"auto", WallChoice::kByReach}, {"solid", WallChoice::kSolid}, {"shell", WallChoice::kShell}}});
   settings.thickness = thickness;
   settings.maxConcavity = maxConcavity;
-  TriMesh mesh = meshFrom(vertices, faces);
-  MeshParts made = resultAside<MeshParts>(progress, [&](const DecomposeProgress& report) {
-    settings.decompose.progress = report;
-    return partsOfMesh(std::move(mesh), settings);
-  });
-  return {std::make_shared<const MeshParts>(std::move(made))};
+  return makeParts(meshFrom(vertices, faces), settings, progress, partsOfMesh);
 }
 
 PartList loadParts(const fs::path& file, const py::object& vertices, const py::object& faces, int hullVertices) {
   MeshPartsSettings settings;
   settings.hullVertices = hullVertices;
-  TriMesh mesh = meshFrom(vertices, faces);
-  MeshParts made = resultAside<MeshParts>(py::none(), [&](const DecomposeProgress& report) {
-    settings.decompose.progress = report;
-    return partsFromFile(file, std::move(mesh), settings);
+  return makeParts(meshFrom(vertices, faces), settings, py::none(), [&](TriMesh mesh, const MeshPartsSettings& given) {
+    return partsFromFile(file, std::move(mesh), given);
   });
-  return {std::make_shared<const MeshParts>(std::move(made))};
 }
 
 py::tuple readMeshFile(const fs::path& file) {
@@ -131,16 +131,8 @@ void addParts(py::module_& module) {
           "repaired", [](const PartList& self) { return self.parts->repaired; },
           "What was done to the mesh first, in words; empty if nothing.")
       .def(
-          "save",
-          [](const PartList& self, const fs::path& file) {
-            Result<void> written;
-            {
-              const py::gil_scoped_release released;
-              written = writeDecomposition(file, self.parts->content);
-            }
-            if (!written) raise(written.error());
-          },
-          "file"_a, "Writes a .lorica file. It holds no positions: load_parts() and the command need the mesh, too.")
+          "save", [](const PartList& self, const fs::path& file) { save(self.parts->content, file); }, "file"_a,
+          "Writes a .lorica file. It holds no positions: load_parts() and the command need the mesh, too.")
       .def("__repr__",
            [](const PartList& self) { return fmt::format("<lorica.Parts: {} hulls>", self.parts->hulls.size()); });
 }

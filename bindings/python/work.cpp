@@ -113,4 +113,13 @@ void runAside(const py::object& progress, const std::function<void(const Decompo
   if (talk.failure) std::rethrow_exception(talk.failure);
 }
 
+void save(const DecompositionFile& content, const std::filesystem::path& file) {
+  Result<void> written;
+  {
+    const py::gil_scoped_release released;
+    written = writeDecomposition(file, content);
+  }
+  if (!written) raise(written.error());
+}
+
 }  // namespace lorica

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "acd/decomposition_file.h"
 #include "geometry/result.h"
 
 #include <pybind11/pybind11.h>
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <utility>
@@ -35,5 +37,8 @@ template <typename T>
   runAside(progress, [&](const DecomposeProgress& report) { result.emplace(work(report)); });
   return valueOf(std::move(*result));
 }
+
+/// Writes a .lorica file, without the interpreter's lock.
+void save(const DecompositionFile& content, const std::filesystem::path& file);
 
 }  // namespace lorica

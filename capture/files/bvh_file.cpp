@@ -6,7 +6,6 @@
 #include "geometry/files.h"
 #include "geometry/line_scanner.h"
 #include "geometry/text.h"
-#include "geometry/utf16.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <fmt/format.h>

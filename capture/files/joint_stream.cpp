@@ -5,7 +5,7 @@
 #include "capture/files/joint_stream_text.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "geometry/utf16.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 
 #include <algorithm>

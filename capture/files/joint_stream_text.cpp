@@ -2,7 +2,6 @@
 
 #include "geometry/errors.h"
 
-#include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>

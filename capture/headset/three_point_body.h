@@ -22,9 +22,6 @@ class ThreePointBody {
   /// @return joints, with the head and the hands that are seen where they are, to the tracker's definition of a head
   [[nodiscard]] SkeletonFrame follow(const HeadAndHands& known);
 
-  /// Of the eyes of the person who stands upright [m].
-  [[nodiscard]] double eyeHeight() const { return eyeHeight_; }
-
  private:
   struct Arm {
     Vec3 hand{0, 0, 0};  ///< in the frame of the chest, below the shoulder [m]
@@ -38,7 +35,7 @@ class ThreePointBody {
 
   StandingLegs legs_{StandingLegs::Use::kOnKnownFloor};
   std::array<Arm, 2> arms_;
-  double eyeHeight_ = 0.0;  // 0 = not seen yet
+  double eyeHeight_ = 0.0;  // of the person who stands upright [m]; 0 = not seen yet
   double reach_ = 1.0;      // length of the arms, times that which follows from the height
   double yaw_ = 0.0;        // of the chest [rad]
   double lean_ = 0.0;       // of the trunk, forward [rad]

@@ -3,8 +3,6 @@
 #include "geometry/math.h"
 #include "geometry/result.h"
 
-#include <cstddef>
-#include <span>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,6 @@
 #include "capture/retarget/bone_pose.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <algorithm>

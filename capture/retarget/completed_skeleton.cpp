@@ -1,6 +1,7 @@
 #include "capture/retarget/completed_skeleton.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
+#include "capture/retarget/proxy_draft.h"
 #include "capture/retarget/retarget_rig.h"
 
 #include <fmt/format.h>
@@ -195,24 +196,6 @@ struct Draft {
         children == 1 && !joints[at(only)].bone && (position(only) - position(lower)).norm() >= kShortestBone;
     add(limb.end, lower, known ? position(only) : Vec3(2.0 * position(lower) - position(limb.upper)));
   }
-
-  /// Joint order: parents before children, otherwise unchanged.
-  [[nodiscard]] std::vector<JointIndex> order() const {
-    std::vector<JointIndex> ordered;
-    ordered.reserve(joints.size());
-    std::vector<bool> placed(joints.size(), false);
-    std::vector<JointIndex> above;
-    for (std::size_t j = 0; j < joints.size(); ++j) {
-      for (auto joint = static_cast<JointIndex>(j); joint != kNoJoint && !placed[at(joint)];
-           joint = joints[at(joint)].parent) {
-        above.push_back(joint);
-        placed[at(joint)] = true;
-      }
-      ordered.insert(ordered.end(), above.rbegin(), above.rend());
-      above.clear();
-    }
-    return ordered;
-  }
 };
 
 }  // namespace
@@ -250,7 +233,7 @@ Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
     }
   }
 
-  const std::vector<JointIndex> order = draft.order();
+  const std::vector<JointIndex> order = parentsFirst(draft.joints);
   std::vector<JointIndex> newIndex(order.size());
   std::vector<Joint> joints;
   joints.reserve(order.size());

@@ -1,12 +1,11 @@
 #include "capture/retarget/proxy_skeleton.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 #include "capture/retarget/proxy_draft.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -114,7 +113,7 @@ Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) 
   }
 
   // The joints in the new order; reattached joints are expressed in their new parents' frames.
-  const std::vector<JointIndex> order = draft.order();
+  const std::vector<JointIndex> order = parentsFirst(draft.joints);
   std::vector<JointIndex> newIndex(order.size());
   std::vector<Joint> joints;
   joints.reserve(order.size());

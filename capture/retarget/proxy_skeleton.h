@@ -6,7 +6,6 @@
 #include "skinning/character.h"
 #include "skinning/clip.h"
 
-#include <array>
 #include <optional>
 #include <span>
 #include <string>

@@ -32,7 +32,7 @@ struct RetargetSettings {
 /// Stateful: use one instance per person. The same frames give the same poses. Allocates nothing per frame.
 class Retargeter {
  public:
-  /// @return the retargeter, or an error with the humanoid bones that the skeleton lacks (bonesNeededToRetarget)
+  /// @return the retargeter, or an error with the humanoid bones that the skeleton lacks
   static Result<Retargeter> create(const Skeleton& skeleton, const RetargetSettings& settings = {});
 
   /// @param pose  jointCount local transforms, written

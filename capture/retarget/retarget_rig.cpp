@@ -219,10 +219,6 @@ HumanBone otherSide(HumanBone bone) {
   return others[static_cast<std::size_t>(bone)];
 }
 
-std::span<const HumanBone> bonesNeededToRetarget() {
-  return kNeeded;
-}
-
 std::optional<Quat> frameAlongLeft(const Vec3& left, const Vec3& up) {
   const Vec3 forward = left.cross(up);
   constexpr double kSmallestSine = 0.1;

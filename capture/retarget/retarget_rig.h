@@ -5,7 +5,6 @@
 
 #include <array>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace lorica {
@@ -79,8 +78,5 @@ struct RetargetRig {
   /// @return the rig, or an error with the humanoid bones that are missing, out of order or of zero length
   static Result<RetargetRig> create(const Skeleton& skeleton);
 };
-
-/// The bones that every skeleton needs for retargeting, in addition to at least one of spine, chest and upperChest.
-[[nodiscard]] std::span<const HumanBone> bonesNeededToRetarget();
 
 }  // namespace lorica

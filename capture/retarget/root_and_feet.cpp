@@ -1,6 +1,6 @@
 #include "capture/retarget/root_and_feet.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 
 #include <algorithm>
 #include <cmath>

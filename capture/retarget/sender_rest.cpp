@@ -1,6 +1,6 @@
 #include "capture/retarget/sender_rest.h"
 
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 
 namespace lorica {
 namespace {

@@ -3,7 +3,6 @@
 #include "capture/retarget/completed_skeleton.h"
 #include "capture/retarget/foot_contacts.h"
 #include "capture/retarget/human_rig.h"
-#include "capture/retarget/leg_reach.h"
 #include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/proxy_skeleton.h"
 
@@ -13,7 +12,6 @@
 #include <array>
 #include <optional>
 #include <span>
-#include <vector>
 
 namespace lorica {
 namespace {

@@ -1,8 +1,9 @@
 #include "capture/sensor/oni_joints.h"
 
 #include "capture/files/joint_csv.h"
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 
 #include <unistd.h>
 
@@ -45,14 +46,9 @@ JointCsvWriter::~JointCsvWriter() {
 
 Result<void> JointCsvWriter::write(const std::string& text) {
   LORICA_CHECK(descriptor_ >= 0, "joints cannot be added to a finished file");
-  std::string_view rest = text;  // usually in one piece, so that a killed program leaves no partial row
-  while (!rest.empty()) {
-    const ssize_t written = ::write(descriptor_, rest.data(), rest.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return unwritable(beside_, errno);
-    rest.remove_prefix(written);
-  }
-  return {};
+  // Usually in one piece, so that a killed program leaves no partial row.
+  const int error = writeAll(descriptor_, text);
+  return error == 0 ? Result<void>() : unwritable(beside_, error);
 }
 
 Result<void> JointCsvWriter::add(const SkeletonFrame& frame) {

@@ -3,7 +3,7 @@
 #include "capture/sensor/oni_depth_stream.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
-#include "geometry/printable.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,6 @@
 #include "capture/sensor/openni_library.h"
 
 #include "capture/sensor/openni_source.h"
-#include "capture/sensor/openni_working_folder.h"
 #include "geometry/errors.h"
 
 #include <dlfcn.h>

@@ -2,7 +2,7 @@
 #include "capture/sensor/openni_source.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -1,7 +1,7 @@
 #include "capture/streams/contact_writer.h"
 
+#include "capture/streams/bone_stream.h"
 #include "capture/streams/osc.h"
-#include "capture/streams/vmc_axes.h"
 
 #include <fmt/format.h>
 

@@ -179,9 +179,4 @@ void OscWriter::endMessage() {
   size_ = end;
 }
 
-void OscWriter::shrinkTo(std::size_t size) {
-  size_ = size;
-  fits_ = true;
-}
-
 }  // namespace lorica

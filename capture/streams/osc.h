@@ -76,8 +76,6 @@ class OscWriter {
   [[nodiscard]] std::span<const std::byte> packet() const { return memory_.first(size_); }
   /// Whether everything fitted so far.
   [[nodiscard]] bool fits() const { return fits_; }
-  /// Removes what was written after `size` bytes, a value of packet().size() between two messages.
-  void shrinkTo(std::size_t size);
 
  private:
   void put(const void* bytes, std::size_t count);

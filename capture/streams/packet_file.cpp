@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cctype>
 #include <optional>
 #include <utility>
 
@@ -166,12 +165,6 @@ Result<PacketFile> PacketFile::parse(std::string bytes, const std::string& name)
 Result<PacketFile> readPacketFile(const std::filesystem::path& file) {
   LORICA_TRY(std::string bytes, readFile(file));
   return PacketFile::parse(std::move(bytes), file.string());
-}
-
-bool isPacketFile(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = std::tolower(static_cast<unsigned char>(c));
-  return extension == ".pcap";
 }
 
 std::string packetFileHeader() {

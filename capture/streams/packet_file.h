@@ -7,7 +7,6 @@
 #include <filesystem>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -47,8 +46,6 @@ class PacketFile {
 
 /// Reads such a file, of at most 256 MiB.
 [[nodiscard]] Result<PacketFile> readPacketFile(const std::filesystem::path& file);
-/// Whether a file has the extension .pcap; case is ignored.
-[[nodiscard]] bool isPacketFile(const std::filesystem::path& file);
 
 /// The bytes that begin such a file.
 [[nodiscard]] std::string packetFileHeader();

@@ -1,9 +1,12 @@
 #pragma once
 
+#include "capture/streams/bone_stream.h"
+#include "capture/streams/packet_file.h"
 #include "capture/streams/vmc_receiver.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -33,6 +36,26 @@ class VmcFollower {
   double lastHeard_ = 0.0;
   std::int64_t packets_ = 0, others_ = 0;
   std::int64_t refusedBefore_ = 0;  ///< of earlier senders
+};
+
+/// Plays recorded VMC packets as VmcStream would have received them: one frame after another, at the times at which
+/// their packets arrived. The same file gives the same frames each time. It waits for nothing.
+class RecordedStream final : public BoneStream {
+ public:
+  explicit RecordedStream(std::shared_ptr<const PacketFile> file) : file_(std::move(file)) {}
+
+  [[nodiscard]] bool wait(double seconds, BoneFrame& frame) override;
+  [[nodiscard]] bool ready() const override { return !ended(); }
+  [[nodiscard]] double now() const override { return now_; }
+  [[nodiscard]] bool ended() const override { return ended_; }
+  [[nodiscard]] const VmcFollower& follower() const { return follower_; }
+
+ private:
+  std::shared_ptr<const PacketFile> file_;
+  VmcFollower follower_;
+  std::size_t next_ = 0;
+  double now_ = 0.0;
+  bool ended_ = false;
 };
 
 }  // namespace lorica

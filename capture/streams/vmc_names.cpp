@@ -3,7 +3,6 @@
 #include "geometry/counts.h"
 
 #include <array>
-#include <string>
 
 namespace lorica {
 namespace {

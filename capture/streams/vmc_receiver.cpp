@@ -1,6 +1,6 @@
 #include "capture/streams/vmc_receiver.h"
 
-#include "capture/streams/vmc_axes.h"
+#include "capture/streams/bone_stream.h"
 #include "capture/streams/vmc_names.h"
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"

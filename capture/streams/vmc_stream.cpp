@@ -2,16 +2,35 @@
 
 #include "capture/streams/vmc_writer.h"
 
-#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace lorica {
 namespace {
 
+constexpr double kMeanShare = 1.0 / 16.0;
+constexpr double kPause = 0.5;  ///< [s]
+
 /// How long the thread waits for a packet before it looks whether to stop, or whether a frame is complete [s].
 constexpr double kPollSeconds = 0.02;
 
 }  // namespace
+
+double FramePace::due(double arrival) {
+  if (!last_ || arrival - *last_ > kPause) {
+    expected_ = arrival;
+  } else {
+    const double step = arrival - *last_;
+    meanStep_ += meanStep_ == 0.0 ? step : kMeanShare * (step - meanStep_);
+    jitter_ += kMeanShare * (std::abs(step - meanStep_) - jitter_);
+    expected_ += meanStep_;
+    expected_ += kMeanShare * (arrival - expected_);
+  }
+  last_ = arrival;
+  if (delay_ > 0.0 && expected_ + delay_ < arrival) ++late_;
+  due_ = std::max({due_, arrival, delay_ > 0.0 ? expected_ + delay_ : arrival});
+  return due_;
+}
 
 VmcStream::VmcStream(UdpSocket socket, double delay)
     : socket_(std::move(socket)), pace_(delay), thread_([this] { run(); }) {}

@@ -1,6 +1,6 @@
 #include "capture/streams/vmc_writer.h"
 
-#include "capture/streams/vmc_axes.h"
+#include "capture/streams/bone_stream.h"
 #include "capture/streams/vmc_names.h"
 
 namespace lorica {

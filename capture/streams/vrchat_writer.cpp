@@ -1,13 +1,11 @@
 #include "capture/streams/vrchat_writer.h"
 
+#include "capture/streams/bone_stream.h"
 #include "capture/streams/osc.h"
-#include "capture/streams/vmc_axes.h"
 #include "geometry/result.h"
 
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <string_view>
 
 namespace lorica {
 namespace {

@@ -15,7 +15,6 @@ inline constexpr double kLeg = kThigh + kShin;
 inline constexpr double kAnkle = 0.085;      ///< height of the foot joint above the sole
 inline constexpr double kHeelBehind = 0.05;  ///< of the foot joint, along the sole
 inline constexpr double kBallAhead = 0.145;  ///< pivot of a rolling foot: between ball and toe tips, because toes bend
-inline constexpr double kToeAhead = 0.185;
 inline constexpr double kHipsToTorso = 0.25;
 inline constexpr double kTorsoToNeck = 0.285;
 inline constexpr double kNeckToHead = 0.165;

@@ -8,12 +8,6 @@
 
 namespace lorica::motion {
 
-double normal(RandomNumbers& random) {
-  double sum = -6.0;
-  for (int i = 0; i < 12; ++i) sum += random.unit();
-  return sum;
-}
-
 double quintic(const CurvePoint& from, const CurvePoint& to, double duration, double u) {
   // Hermite form; the rates and accelerations are first scaled to the unit interval.
   const double u2 = u * u;

@@ -17,10 +17,6 @@ using Curve = std::function<double(double)>;
   return value * 3.14159265358979323846 / 180.0;
 }
 
-/// Approximately normal, mean 0, standard deviation 1: a sum of twelve uniforms, so that the result does not depend on
-/// library functions.
-double normal(RandomNumbers& random);
-
 /// Position, velocity and acceleration of a curve at one time.
 struct CurvePoint {
   double value = 0.0;

@@ -2,26 +2,28 @@
 
 #include "capture/synthetic/motion_clips.h"
 
+#include <array>
 #include <cmath>
 
 namespace lorica {
+namespace {
+
+struct Shipped {
+  std::string_view name;
+  motion::Performance (*make)();
+};
+/// In the order of SyntheticMotion.
+constexpr std::array<Shipped, kSyntheticMotionCount> kShipped = {{{"walk", motion::walk},
+                                                                  {"wave", motion::wave},
+                                                                  {"jumping_jacks", motion::jumpingJacks},
+                                                                  {"squat_and_reach", motion::squatAndReach},
+                                                                  {"punch_and_kick", motion::punchAndKick},
+                                                                  {"turn_around", motion::turnAround}}};
+
+}  // namespace
 
 std::string_view nameOf(SyntheticMotion motion) {
-  switch (motion) {
-    case SyntheticMotion::kWalk:
-      return "walk";
-    case SyntheticMotion::kWave:
-      return "wave";
-    case SyntheticMotion::kJumpingJacks:
-      return "jumping_jacks";
-    case SyntheticMotion::kSquatAndReach:
-      return "squat_and_reach";
-    case SyntheticMotion::kPunchAndKick:
-      return "punch_and_kick";
-    case SyntheticMotion::kTurnAround:
-      return "turn_around";
-  }
-  return {};
+  return kShipped[static_cast<std::size_t>(motion)].name;
 }
 
 void roundForFile(std::vector<SkeletonFrame>& frames) {
@@ -38,21 +40,7 @@ void roundForFile(std::vector<SkeletonFrame>& frames) {
 }
 
 std::vector<SkeletonFrame> synthesizeMotion(SyntheticMotion motion) {
-  switch (motion) {
-    case SyntheticMotion::kWalk:
-      return motion::perform(motion::walk());
-    case SyntheticMotion::kWave:
-      return motion::perform(motion::wave());
-    case SyntheticMotion::kJumpingJacks:
-      return motion::perform(motion::jumpingJacks());
-    case SyntheticMotion::kSquatAndReach:
-      return motion::perform(motion::squatAndReach());
-    case SyntheticMotion::kPunchAndKick:
-      return motion::perform(motion::punchAndKick());
-    case SyntheticMotion::kTurnAround:
-      return motion::perform(motion::turnAround());
-  }
-  return {};
+  return motion::perform(kShipped[static_cast<std::size_t>(motion)].make());
 }
 
 }  // namespace lorica

@@ -3,8 +3,6 @@
 #include "geometry/clock.h"
 #include "geometry/counts.h"
 
-#include <utility>
-
 namespace lorica {
 namespace {
 

@@ -1,7 +1,7 @@
 #include "capture/tracking/track_log.h"
 
 #include "geometry/errors.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

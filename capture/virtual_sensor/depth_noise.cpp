@@ -3,6 +3,7 @@
 #include "geometry/random_numbers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace lorica {
@@ -82,19 +83,8 @@ void sumDown(std::span<const float> image, std::size_t width, std::size_t before
 }  // namespace
 
 std::string_view nameOf(DepthNoiseKind kind) {
-  switch (kind) {
-    case DepthNoiseKind::kKinect:
-      return "kinect";
-    case DepthNoiseKind::kRealSense:
-      return "realsense";
-    case DepthNoiseKind::kTimeOfFlight:
-      return "tof";
-    case DepthNoiseKind::kMild:
-      return "mild";
-    case DepthNoiseKind::kNone:
-      return "none";
-  }
-  return {};
+  constexpr std::array<std::string_view, kDepthNoiseKindCount> kNames = {"kinect", "realsense", "tof", "mild", "none"};
+  return kNames[static_cast<std::size_t>(kind)];
 }
 
 std::optional<DepthNoiseKind> depthNoiseNamed(std::string_view name) {

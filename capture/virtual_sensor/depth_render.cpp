@@ -1,7 +1,6 @@
 #include "capture/virtual_sensor/depth_render.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 

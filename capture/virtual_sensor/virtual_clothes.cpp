@@ -324,17 +324,8 @@ class Tailor {
 }  // namespace
 
 std::string_view nameOf(Clothes piece) {
-  switch (piece) {
-    case Clothes::kTrousers:
-      return "trousers";
-    case Clothes::kSkirt:
-      return "skirt";
-    case Clothes::kCoat:
-      return "coat";
-    case Clothes::kHair:
-      return "hair";
-  }
-  return {};
+  constexpr std::array<std::string_view, kClothesCount> kNames = {"trousers", "skirt", "coat", "hair"};
+  return kNames[static_cast<std::size_t>(piece)];
 }
 
 std::optional<Clothes> clothesNamed(std::string_view name) {

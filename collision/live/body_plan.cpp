@@ -6,7 +6,6 @@
 #include "geometry/errors.h"
 
 #include <algorithm>
-#include <string>
 #include <utility>
 
 namespace lorica {

@@ -7,8 +7,6 @@
 #include <hwy/highway.h>
 
 #include <array>
-#include <cstddef>
-#include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {

@@ -9,7 +9,6 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
-#include <cstddef>
 
 HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {

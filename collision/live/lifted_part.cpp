@@ -3,7 +3,6 @@
 #include "collision/live/lifted_kernel.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <map>
 

@@ -6,7 +6,7 @@
 #include "collision/live/moving_hull.h"
 #include "collision/live/part_plan.h"
 #include "collision/live/rigid_fit.h"
-#include "geometry/result.h"
+#include "geometry/clock.h"
 
 #include <tbb/parallel_for.h>
 
@@ -21,10 +21,6 @@ namespace lorica {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double microsecondsBetween(Clock::time_point begin, Clock::time_point end) {
-  return std::chrono::duration<double, std::micro>(end - begin).count();
-}
 
 // A part extends 2^20 to 2^21 ticks from its mean: a tick is less than a millionth of its size. MovingHull accepts up
 // to 2^22. Coarser ticks would round more points onto each other's planes, which costs time.

@@ -2,7 +2,6 @@
 
 #include "collision/live/point_row.h"
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 

@@ -1,13 +1,11 @@
 #include "collision/live/posed_skin.h"
 
 #include "collision/live/clip_kernel.h"
-#include "geometry/errors.h"
 #include "skinning/linear_blend.h"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 
 namespace lorica {
 namespace {

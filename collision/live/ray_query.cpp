@@ -4,7 +4,6 @@
 #include "collision/live/hull_distance.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
-#include "geometry/errors.h"
 
 #include <algorithm>
 #include <bit>

@@ -5,7 +5,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_formats.h"
-#include "geometry/printable.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 
 #include <algorithm>

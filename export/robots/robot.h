@@ -43,8 +43,6 @@ struct RobotGeom {
   Isometry3 parentFromGeom = Isometry3::Identity();  ///< as the file has it
   Isometry3 linkFromParent = Isometry3::Identity();  ///< of frames between it and the link
   unsigned contype = 1, conaffinity = 1;             ///< two geoms collide if one's type meets the other's affinity
-
-  [[nodiscard]] Affine3 linkFromMesh() const { return linkFromParent * parentFromGeom * geomFromMesh; }
 };
 
 /// What takes the place of collision meshes: hulls, or capsules.

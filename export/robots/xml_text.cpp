@@ -1,7 +1,7 @@
 #include "export/robots/xml_text.h"
 
 #include "geometry/errors.h"
-#include "geometry/printable.h"
+#include "geometry/text.h"
 
 #include <algorithm>
 #include <charconv>

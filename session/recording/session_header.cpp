@@ -1,7 +1,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 #include "geometry/work_budgets.h"
-#include "geometry/written_json.h"
 #include "session/recording/session_file.h"
 #include "session/scenes/scene_element.h"
 

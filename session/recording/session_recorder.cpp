@@ -1,7 +1,9 @@
 #include "session/recording/session_recorder.h"
 
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
+#include "session/recording/session_blocks.h"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -81,13 +83,7 @@ SessionRecorder::~SessionRecorder() {
 }
 
 Result<void> SessionRecorder::write() {
-  std::string_view left = block_;
-  while (!left.empty()) {
-    const ssize_t written = ::write(descriptor_, left.data(), left.size());
-    if (written < 0 && errno != EINTR) return cannotWrite(part_, errno);
-    if (written > 0) left.remove_prefix(written);
-    if (written > 0) bytes_ += written;
-  }
+  if (const int error = writeAll(descriptor_, block_, &bytes_); error != 0) return cannotWrite(part_, error);
   block_.clear();
   return {};
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "geometry/hard_stop.h"
-#include "session/recording/session_blocks.h"
 #include "session/recording/session_file.h"
 #include "session/step_watcher.h"
 #include "session/treated_source.h"

@@ -3,8 +3,8 @@
 #include "collision/world/prop_overlaps.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/json.h"
 #include "geometry/work_budgets.h"
-#include "geometry/written_json.h"
 #include "session/scenes/scene_chains.h"
 #include "session/scenes/scene_element.h"
 #include "session/scenes/scene_particles.h"
@@ -13,15 +13,18 @@
 
 #include <algorithm>
 #include <numbers>
-#include <optional>
 #include <utility>
 
 namespace lorica {
 namespace {
 
+constexpr std::size_t kMaxAvatars = 64;
+constexpr double kFarthest = 50.0;     // maximum of each coordinate [m]
+constexpr double kLongestStart = 1e5;  // [s]
+constexpr double kNearest = 0.1;       // of two places [m]
+
 constexpr std::string_view kFormat = "lorica scene 1";
 constexpr std::size_t kMaxBytes = std::size_t{4} << 20;
-constexpr double kFarthest = 50.0;  // maximum of each coordinate [m]
 constexpr std::size_t kLongestName = 40;
 
 /// Rotation about the world's x, then y, then z axis. @param degrees  three angles
@@ -258,6 +261,30 @@ void refuseLargeMeshes(const SceneFile& scene, SceneElement& root) {
 }
 
 }  // namespace
+
+std::vector<AvatarSetting> readStage(SceneElement& root) {
+  std::vector<AvatarSetting> stage;
+  root.each("avatars", [&](SceneElement& element) {
+    AvatarSetting avatar;
+    element.allow({"character", "motion", "start", "place", "heading", "color"});
+    element.text("character", avatar.character);
+    element.text("motion", avatar.motion);
+    element.number("start", 0.0, kLongestStart, avatar.start);
+    element.vector("place", -kFarthest, kFarthest, avatar.place);
+    element.number("heading", -360.0, 360.0, avatar.heading);
+    if (element.has("color")) element.color("color", avatar.color.emplace());
+    if (stage.size() == kMaxAvatars) {
+      root.fail("avatars", fmt::format("{} avatars", root.at("avatars").size()),
+                fmt::format("at most {}", kMaxAvatars));
+    }
+    for (std::size_t i = 0; i < stage.size() && !root.failed(); ++i) {
+      if ((stage[i].place - avatar.place).norm() >= kNearest) continue;
+      element.fail("place", fmt::format("the place of avatars[{}]", i), "places that are 0.1 m apart or more");
+    }
+    stage.push_back(std::move(avatar));
+  });
+  return stage;
+}
 
 Result<SceneFile> parseScene(std::string_view text, std::string_view name, const SceneReading& reading) {
   const auto bad = [&](std::string_view what) { return badFormat("{}: {}", name, what); };

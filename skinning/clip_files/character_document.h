@@ -3,7 +3,6 @@
 #include "skinning/clip_files/character_clip.h"
 #include "skinning/clip_files/gltf_writer.h"
 
-#include <span>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,5 @@
 #include "skinning/humanoid/humanoid_names.h"
 
-#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid_tables.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 
@@ -46,11 +45,11 @@ using NameRows = std::map<std::string, std::vector<NameRow>>;
 
 [[nodiscard]] NameRows readRows(const NamingConvention& convention) {
   NameRows rows;
-  for (const BoneNames& row : convention.rows) {
-    std::string_view rest = row.names;
+  for (std::size_t b = 0; b < kNamedBones.size(); ++b) {
+    std::string_view rest = convention.names[b];
     for (int rank = 0; !rest.empty(); ++rank) {
       const std::size_t blank = rest.find(' ');
-      rows[std::string(rest.substr(0, blank))].push_back({row.bone, rank});
+      rows[std::string(rest.substr(0, blank))].push_back({kNamedBones[b], rank});
       rest = blank == std::string_view::npos ? std::string_view() : rest.substr(blank + 1);
     }
   }

@@ -1,7 +1,6 @@
 #include "skinning/humanoid/humanoid_pairs.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace lorica {

@@ -4,7 +4,6 @@
 #include "skinning/humanoid/humanoid.h"
 
 #include <array>
-#include <string>
 #include <vector>
 
 namespace lorica {

@@ -3,7 +3,6 @@
 #include "geometry/counts.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>

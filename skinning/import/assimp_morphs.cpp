@@ -2,7 +2,6 @@
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"
-#include "skinning/import/gltf_morphs.h"
 
 #include <assimp/anim.h>
 #include <assimp/mesh.h>

@@ -3,9 +3,8 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "geometry/similar_name.h"
-#include "geometry/written_json.h"
-#include "skinning/humanoid/humanoid.h"
+#include "geometry/json.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +13,6 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <span>
-#include <string>
 #include <vector>
 
 namespace lorica {

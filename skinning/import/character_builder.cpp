@@ -7,8 +7,6 @@
 #include "skinning/import/hidden_meshes.h"
 #include "skinning/import/morph_builder.h"
 #include "skinning/import/scene_bones.h"
-#include "skinning/import/spring_joints.h"
-#include "skinning/import/units.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "geometry/printable.h"
+#include "geometry/text.h"
 #include "skinning/import/assimp_file.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_file.h"

@@ -1,11 +1,7 @@
 #include "skinning/import/contrary_normals.h"
 
-#include "geometry/counts.h"
-
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <numeric>
 #include <tuple>
 #include <utility>
 #include <vector>

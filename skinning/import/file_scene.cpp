@@ -2,17 +2,14 @@
 
 #include "geometry/errors.h"
 #include "geometry/work_budgets.h"
-#include "skinning/import/spring_joints.h"
-
-#include <Eigen/SVD>
 
 #include <fmt/format.h>
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
 
 namespace lorica {
-
 namespace {
 
 constexpr std::size_t kMaxSentences = 4;
@@ -36,6 +33,13 @@ constexpr std::size_t kMaxSentences = 4;
   const std::vector<int> swinging = nodesOfSprings(scene.springs);
   std::for_each(swinging.begin(), swinging.end(), mark);
   return count;
+}
+
+[[nodiscard]] double factorFor(double metres) {
+  if (metres > 1000.0) return 0.001;
+  if (metres > 10.0) return 0.01;
+  if (metres >= 0.02) return 1.0;
+  return metres >= 0.0002 ? 100.0 : 1000.0;
 }
 
 }  // namespace
@@ -129,6 +133,45 @@ std::string grouped(std::uint64_t number) {
 
 std::string titled(const char* kind, std::size_t index, const std::string& name) {
   return name.empty() ? fmt::format("{} {}", kind, index) : fmt::format("{} {} '{}'", kind, index, name);
+}
+
+std::vector<int> nodesOfSprings(const SpringBones& springs) {
+  std::vector<int> nodes;
+  for (const SpringChain& chain : springs.chains) {
+    for (const SpringJoint& joint : chain.joints) nodes.push_back(joint.joint);
+    if (chain.center != kNoJoint) nodes.push_back(chain.center);
+  }
+  for (const SpringCollider& collider : springs.colliders) nodes.push_back(collider.joint);
+  for (const NodeConstraint& constraint : springs.constraints) {
+    nodes.push_back(constraint.joint);
+    nodes.push_back(constraint.source);
+  }
+  return nodes;
+}
+
+SpringBones withJoints(SpringBones springs, const std::function<JointIndex(int)>& jointOfNode) {
+  for (SpringChain& chain : springs.chains) {
+    for (SpringJoint& joint : chain.joints) joint.joint = jointOfNode(joint.joint);
+    if (chain.center != kNoJoint) chain.center = jointOfNode(chain.center);
+  }
+  for (SpringCollider& collider : springs.colliders) collider.joint = jointOfNode(collider.joint);
+  for (NodeConstraint& constraint : springs.constraints) {
+    constraint.joint = jointOfNode(constraint.joint);
+    constraint.source = jointOfNode(constraint.source);
+  }
+  return springs;
+}
+
+UnitGuess guessUnit(double longestSide, std::optional<double> saidByFile) {
+  const double said = saidByFile.value_or(1.0);
+  const double metres = longestSide * said;
+  const double max = saidByFile ? 100.0 : 10.0;
+  if (longestSide <= 0.0 || (metres >= 0.02 && metres <= max)) return {said, ""};
+  const double unit = said * factorFor(metres);
+  return {unit,
+          fmt::format("the bind pose is {:.4g} units long, {:.4g} m in the {}: assuming {:.4g} m per unit, which gives "
+                      "{:.4g} m",
+                      longestSide, metres, saidByFile ? "file's own unit" : "format's unit", unit, longestSide * unit)};
 }
 
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #include "skinning/import/gltf_compression.h"
 
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/json_values.h"
 

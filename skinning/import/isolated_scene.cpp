@@ -1,6 +1,7 @@
 #include "skinning/import/isolated_scene.h"
 
 #include "geometry/byte_reader.h"
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/little_endian.h"
 #include "skinning/import/isolated_protocol.h"
@@ -19,10 +20,7 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
-#include <cstring>
-#include <optional>
 #include <system_error>
-#include <utility>
 
 extern char** environ;
 
@@ -31,23 +29,6 @@ namespace lorica {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-/// Owns a file descriptor.
-class Descriptor {
- public:
-  explicit Descriptor(int fd) : fd_(fd) {}
-  ~Descriptor() { close(); }
-  Descriptor(const Descriptor&) = delete;
-  Descriptor& operator=(const Descriptor&) = delete;
-  [[nodiscard]] int get() const { return fd_; }
-  void close() {
-    if (fd_ >= 0) ::close(fd_);
-    fd_ = -1;
-  }
-
- private:
-  int fd_;
-};
 
 /// A running process, which is ended and waited for at the latest when this goes out of scope.
 class Child {
@@ -73,17 +54,6 @@ class Child {
   pid_t pid_;
   int status_ = 0;
 };
-
-/// @return 0, or errno
-int writeAll(int fd, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(fd, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return errno;
-    bytes.remove_prefix(written);
-  }
-  return 0;
-}
 
 /// Starts the program with these files as standard input and output, and nothing as standard error, in a process group
 /// of its own, so that Ctrl-C reaches this process alone. @return 0, or errno

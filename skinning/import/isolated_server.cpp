@@ -1,4 +1,5 @@
 #include "geometry/byte_reader.h"
+#include "geometry/descriptor.h"
 #include "geometry/sanitizer.h"
 #include "skinning/import/isolated_protocol.h"
 #include "skinning/import/isolated_reader.h"
@@ -65,16 +66,6 @@ bool readAll(std::string& bytes) {
   return true;
 }
 
-bool writeAll(std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(STDOUT_FILENO, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) return false;
-    bytes.remove_prefix(written);
-  }
-  return true;
-}
-
 }  // namespace
 
 int serveIsolatedReader() {
@@ -87,7 +78,7 @@ int serveIsolatedReader() {
   if (!head) return kFailed;
   const Result<FileScene> scene =
       readAssimpScene(std::as_bytes(std::span(question)), head->name, head->format, head->files);
-  return writeAll(isolated::encodeAnswer(scene)) ? 0 : kFailed;
+  return writeAll(STDOUT_FILENO, isolated::encodeAnswer(scene)) == 0 ? 0 : kFailed;
 }
 
 }  // namespace lorica

@@ -6,12 +6,6 @@
 
 namespace lorica {
 
-std::size_t Avatar::textureBytes() const {
-  std::size_t bytes = 0;
-  for (const Picture& picture : pictures) bytes += picture.rgba.size() / 3 * 4;  // the smaller copies add a third
-  return bytes;
-}
-
 std::shared_ptr<const Avatar> makePlainAvatar(const Character& character, const Material& material) {
   auto avatar = std::make_shared<Avatar>();
   avatar->character = character;

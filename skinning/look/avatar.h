@@ -30,9 +30,6 @@ struct Avatar {
   std::vector<Picture> pictures;  ///< look.pictures decoded; 0 x 0 pixels = not available, its materials stay plain
   AvatarFace face;                ///< `chosen` has an element for each expression
   bool plain = false;             ///< nobody made its look: the parts' colours say more
-
-  /// Memory that a renderer needs for the textures, with their smaller copies [bytes].
-  [[nodiscard]] std::size_t textureBytes() const;
 };
 
 /// An avatar of one material with smooth normals, for a character that has none.

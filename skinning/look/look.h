@@ -4,7 +4,6 @@
 #include "skinning/look/material.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <string>
 #include <vector>
 

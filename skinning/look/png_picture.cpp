@@ -7,7 +7,6 @@
 
 #include <csetjmp>
 #include <cstring>
-#include <string_view>
 
 namespace lorica {
 namespace {

@@ -3,7 +3,6 @@
 #include "skinning/mannequin/subdivision.h"
 #include "skinning/skeleton.h"
 
-#include <array>
 #include <utility>
 #include <vector>
 

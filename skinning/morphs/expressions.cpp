@@ -129,12 +129,6 @@ void effectiveWeights(const Expressions& expressions, std::span<const float> wei
   }
 }
 
-void morphWeights(const Expressions& expressions, std::span<const float> effective, std::span<float> targetWeights) {
-  LORICA_CHECK(targetWeights.size() == expressions.baseWeights.size(), "one weight per target");
-  std::copy(expressions.baseWeights.begin(), expressions.baseWeights.end(), targetWeights.begin());
-  addMorphWeights(expressions, effective, targetWeights);
-}
-
 void addMorphWeights(const Expressions& expressions, std::span<const float> effective, std::span<float> targetWeights) {
   LORICA_CHECK(effective.size() == expressions.list.size(), "one weight per expression");
   LORICA_CHECK(targetWeights.size() == expressions.baseWeights.size(), "one weight per target");

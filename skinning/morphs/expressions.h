@@ -92,14 +92,10 @@ bool addExpression(Expressions& expressions, Expression expression);
 /// @param effective  the same number, written
 void effectiveWeights(const Expressions& expressions, std::span<const float> weights, std::span<float> effective);
 
-/// The weights of the morph targets: the base weights and what each expression adds. They are not clamped, like those
-/// of three.js and UniVRM. Does not allocate memory.
+/// Adds what each expression adds to the weights of the morph targets. They are not clamped, like those of three.js and
+/// UniVRM. Does not allocate memory.
 /// @param effective      see effectiveWeights()
-/// @param targetWeights  one for each morph target, written
-void morphWeights(const Expressions& expressions, std::span<const float> effective, std::span<float> targetWeights);
-
-/// The same upon weights that something else has set, such as a clip.
-/// @param targetWeights  one for each morph target, added to
+/// @param targetWeights  one for each morph target, such as the base weights or those of a clip; added to
 void addMorphWeights(const Expressions& expressions, std::span<const float> effective, std::span<float> targetWeights);
 
 }  // namespace lorica

@@ -43,7 +43,6 @@ class Face {
   /// Computes the weights of a frame. Does not allocate memory.
   void update(const FaceInput& input);
 
-  [[nodiscard]] std::span<const float> chosenWeights() const { return chosen_; }
   /// What each expression contributes, after overrides: for its colours and textures.
   [[nodiscard]] std::span<const float> expressionWeights() const { return effective_; }
   /// For applyMorphs().

@@ -3,7 +3,6 @@
 #include "skinning/skeleton.h"
 #include "skinning/springs/node_constraints.h"
 
-#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "export/vrm_colliders.h"
+#include "export/glb_colliders.h"
 
 #include "skinning/springs/spring_collider.h"
 #include "tests/export/stick_figure.h"

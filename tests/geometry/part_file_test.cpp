@@ -1,4 +1,4 @@
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 
 #include "geometry/files.h"
 #include "tests/support/datasets.h"

@@ -1,4 +1,4 @@
-#include "geometry/printable.h"
+#include "geometry/text.h"
 
 #include "geometry/random_numbers.h"
 

@@ -1,4 +1,4 @@
-#include "geometry/similar_name.h"
+#include "geometry/text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "geometry/time_left.h"
+#include "geometry/clock.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "geometry/utf16.h"
+#include "geometry/text.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,6 @@
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
 #include "export/robot_files.h"
-#include "export/vrm_colliders.h"
 #include "geometry/triangle_tree.h"
 #include "skinning/linear_blend.h"
 #include "tests/peers/exported.h"

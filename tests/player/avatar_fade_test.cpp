@@ -1,4 +1,4 @@
-#include "player/avatar_fade.h"
+#include "player/snapshots.h"
 
 #include "capture/files/joint_csv.h"
 #include "session/treated_source.h"

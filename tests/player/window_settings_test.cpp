@@ -1,7 +1,5 @@
 #include "player/window_settings.h"
 
-#include "player/treatment.h"
-
 #include "geometry/files.h"
 #include "tests/support/datasets.h"
 

@@ -1,4 +1,4 @@
-#include "prepare/used_hulls.h"
+#include "prepare/file_content.h"
 
 #include "acd/decompose.h"
 #include "acd/level_of_detail.h"

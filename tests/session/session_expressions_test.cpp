@@ -1,4 +1,3 @@
-#include "session/mirrored_expressions.h"
 #include "session/pose_faults.h"
 #include "session/recording/session_blocks.h"
 #include "session/recording/session_replay.h"

@@ -1,7 +1,6 @@
 #include "viewer/pictures/image_files.h"
 
 #include "geometry/counts.h"
-#include "geometry/files.h"
 #include "viewer/renderer/text.h"
 
 #include <fmt/format.h>

@@ -2,7 +2,7 @@
 
 #include "geometry/hard_stop.h"
 #include "geometry/module.h"
-#include "geometry/part_file.h"
+#include "geometry/new_file.h"
 #include "viewer/pictures/video_module.h"
 
 #include <fmt/format.h>

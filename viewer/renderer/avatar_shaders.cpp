@@ -2,8 +2,6 @@
 
 #include "viewer/renderer/shader_pieces.h"
 
-#include <array>
-
 namespace lorica::shaders {
 namespace {
 

@@ -2,8 +2,6 @@
 
 #include "viewer/renderer/scene.h"
 
-#include <array>
-
 namespace lorica {
 
 /// The uniform block "Frame" of the shaders (std140): camera, light and floor of one picture.

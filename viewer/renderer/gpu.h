@@ -2,7 +2,6 @@
 
 #include "viewer/renderer/gl_functions.h"
 
-#include <span>
 #include <string>
 #include <vector>
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "collision/world/world.h"
+#include "geometry/tri_mesh.h"
 
 #include <cstdint>
 #include <optional>
@@ -55,5 +56,9 @@ struct UnhiddenView {
 /// Instances of all props of one shape; props with non-finite numbers are omitted.
 void makePropInstances(std::span<const Prop> props, PropShape shape, std::vector<PropInstance>& instances,
                        const UnhiddenView& view = {});
+
+/// A mesh to draw with extents 1 and bevel 0. Edges between faces at more than 40 degrees are sharp, other edges have
+/// smooth normals. Three vertices per triangle. Triangles with non-finite coordinates are omitted.
+[[nodiscard]] PropMesh makeCreasedMesh(const TriMesh& mesh);
 
 }  // namespace lorica

@@ -18,37 +18,12 @@ const void* offset(std::size_t bytes) {
 }  // namespace
 
 Result<void> Renderer::Impl::createPrograms() {
-  const auto make = [&](GLuint& program, const char* name, const std::string& vertex, const std::string& fragment) {
-    const Result<GLuint> made = gpu.makeProgram(name, vertex, fragment);
-    if (!made.ok()) return Result<void>(made.error());
-    program = made.value();
-    gl.UseProgram(program);
-    // In the order of their units; the first is the pass's own texture.
-    for (GLint unit = 0;
-         const char* map : {"source", "contactMap", "shadowMap", "behind", "behindDepth", "thickness"}) {
-      if (const GLint i = gl.GetUniformLocation(program, map); i >= 0) gl.Uniform1i(i, unit);
-      ++unit;
-    }
-    return Result<void>();
-  };
-  for (const Pass pass : kPasses) {
-    auto r = make(skinProgram[passIndex(pass)], "skin", shaders::skinVertex(pass, false),
-                  shaders::surfaceFragment(pass, false));
-    if (!r.ok()) return r;
-    r = make(fadingSkinProgram[passIndex(pass)], "fading skin", shaders::skinVertex(pass, true),
-             shaders::fading(shaders::surfaceFragment(pass, true)));
-    if (!r.ok()) return r;
-    const std::string fragment = shaders::surfaceFragment(pass, true);
-    r = make(propProgram[passIndex(pass)], "props", shaders::propVertex(pass),
-             pass == Pass::kLit ? shaders::fading(fragment, "flat in") : fragment);
-    if (!r.ok()) return r;
-  }
   struct Entry {
     GLuint* program;
     const char* name;
     std::string vertex, fragment;
   };
-  const Entry entries[] = {
+  std::vector<Entry> entries = {
       {&coarseSkinProgram, "coarse skin", shaders::skinVertex(Pass::kLit, true),
        shaders::surfaceFragment(Pass::kLit, true)},
       {&skyProgram, "sky", shaders::skyVertex(), shaders::skyFragment()},
@@ -67,8 +42,25 @@ Result<void> Renderer::Impl::createPrograms() {
       {&blurProgram, "blur", shaders::fullVertex(), shaders::blurFragment()},
       {&panelProgram, "panel", shaders::panelVertex(), shaders::panelFragment()},
   };
-  for (const Entry& entry : entries) {
-    if (auto r = make(*entry.program, entry.name, entry.vertex, entry.fragment); !r.ok()) return r;
+  for (const Pass pass : kPasses) {
+    const std::size_t i = passIndex(pass);
+    const std::string fragment = shaders::surfaceFragment(pass, true);
+    entries.push_back(
+        {&skinProgram[i], "skin", shaders::skinVertex(pass, false), shaders::surfaceFragment(pass, false)});
+    entries.push_back(
+        {&fadingSkinProgram[i], "fading skin", shaders::skinVertex(pass, true), shaders::fading(fragment)});
+    entries.push_back({&propProgram[i], "props", shaders::propVertex(pass),
+                       pass == Pass::kLit ? shaders::fading(fragment, "flat in") : fragment});
+  }
+  for (const auto& [program, name, vertex, fragment] : entries) {
+    LORICA_TRY(*program, gpu.makeProgram(name, vertex, fragment));
+    gl.UseProgram(*program);
+    // In the order of their units; the first is the pass's own texture.
+    for (GLint unit = 0;
+         const char* map : {"source", "contactMap", "shadowMap", "behind", "behindDepth", "thickness"}) {
+      if (const GLint i = gl.GetUniformLocation(*program, map); i >= 0) gl.Uniform1i(i, unit);
+      ++unit;
+    }
   }
   blurStride = gl.GetUniformLocation(blurProgram, "stride");
   grainShadowUniform = gl.GetUniformLocation(grainShadowProgram, "grain");
@@ -88,14 +80,19 @@ void Renderer::Impl::attribute(GLuint index, GLint size, GLenum type, GLboolean 
   gl.VertexAttribPointer(index, size, type, normalized, glCount(stride), offset(at));
 }
 
-void Renderer::Impl::overlayAttributes(GLuint vertexArray, const StreamBuffer& buffer) {
+void Renderer::Impl::attributes(std::size_t stride, std::initializer_list<Attribute> fields) {
+  for (GLuint index = 0; const Attribute& field : fields) {
+    attribute(index++, field.size, field.type, field.type == GL_FLOAT ? GL_FALSE : GL_TRUE, stride, field.at);
+  }
+}
+
+void Renderer::Impl::createStream(GLuint& vertexArray, StreamBuffer& buffer, std::size_t stride,
+                                  std::initializer_list<Attribute> fields) {
+  vertexArray = gpu.makeVertexArray();
+  buffer.id = gpu.makeBuffer();
   gl.BindVertexArray(vertexArray);
   gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id);
-  constexpr std::size_t kStride = sizeof(OverlayVertex);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, kStride, offsetof(OverlayVertex, position));
-  attribute(1, 3, GL_FLOAT, GL_FALSE, kStride, offsetof(OverlayVertex, other));
-  attribute(2, 4, GL_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, normal));
-  attribute(3, 4, GL_UNSIGNED_BYTE, GL_TRUE, kStride, offsetof(OverlayVertex, color));
+  attributes(stride, fields);
 }
 
 void Renderer::Impl::fillPropShape(PropShapeGpu& shape, const PropMesh& mesh) {
@@ -114,20 +111,16 @@ void Renderer::Impl::createPropShape(PropShapeGpu& shape, const PropMesh& mesh) 
   shape.indexBuffer = gpu.makeBuffer();
   shape.instanceBuffer.id = gpu.makeBuffer();
   fillPropShape(shape, mesh);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(PropMesh::Vertex), offsetof(PropMesh::Vertex, corner));
-  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(PropMesh::Vertex), offsetof(PropMesh::Vertex, normal));
+  attributes(sizeof(PropMesh::Vertex),
+             {{3, offsetof(PropMesh::Vertex, corner)}, {3, offsetof(PropMesh::Vertex, normal)}});
   gl.BindBuffer(GL_ARRAY_BUFFER, shape.instanceBuffer.id);
-  struct Field {
-    GLint size;
-    std::size_t at;
-  };
-  const Field fields[] = {{3, offsetof(PropInstance, x)},       {3, offsetof(PropInstance, y)},
-                          {3, offsetof(PropInstance, z)},       {3, offsetof(PropInstance, origin)},
-                          {4, offsetof(PropInstance, extents)}, {4, offsetof(PropInstance, color)}};
+  const Attribute fields[] = {{3, offsetof(PropInstance, x)},       {3, offsetof(PropInstance, y)},
+                              {3, offsetof(PropInstance, z)},       {3, offsetof(PropInstance, origin)},
+                              {4, offsetof(PropInstance, extents)}, {4, offsetof(PropInstance, color)}};
   static_assert(offsetof(PropInstance, opacity) == offsetof(PropInstance, color) + 3 * sizeof(float));
   static_assert(offsetof(PropInstance, bevel) == offsetof(PropInstance, extents) + 3 * sizeof(float));
   GLuint index = 2;
-  for (const Field& field : fields) {
+  for (const Attribute& field : fields) {
     attribute(index, field.size, GL_FLOAT, GL_FALSE, sizeof(PropInstance), field.at);
     gl.VertexAttribDivisor(index, 1);
     ++index;
@@ -158,14 +151,10 @@ void Renderer::Impl::createSky() {
 }
 
 void Renderer::Impl::createSkin(SkinGpu& skin) {
-  skin.vertexArray = gpu.makeVertexArray();
-  skin.vertices.id = gpu.makeBuffer();
+  createStream(skin.vertexArray, skin.vertices, sizeof(SkinMesh::Vertex),
+               {{3, offsetof(SkinMesh::Vertex, position)}, {3, offsetof(SkinMesh::Vertex, normal)}});
   skin.colors.id = gpu.makeBuffer();
   skin.indices = gpu.makeBuffer();
-  gl.BindVertexArray(skin.vertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, skin.vertices.id);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(SkinMesh::Vertex), offsetof(SkinMesh::Vertex, position));
-  attribute(1, 3, GL_FLOAT, GL_FALSE, sizeof(SkinMesh::Vertex), offsetof(SkinMesh::Vertex, normal));
   gl.BindBuffer(GL_ARRAY_BUFFER, skin.colors.id);
   attribute(2, 3, GL_FLOAT, GL_FALSE, sizeof(Vec3f), 0);
   gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, skin.indices);
@@ -177,45 +166,26 @@ void Renderer::Impl::createMeshes() {
   gl.BindBuffer(GL_UNIFORM_BUFFER, frameBlock);
   gl.BufferData(GL_UNIFORM_BUFFER, sizeof(FrameUniforms), nullptr, GL_STREAM_DRAW);
 
-  hullVertexArray = gpu.makeVertexArray();
-  hullBuffer.id = gpu.makeBuffer();
-  overlayAttributes(hullVertexArray, hullBuffer);
-  insideVertexArray = gpu.makeVertexArray();
-  insideBuffer.id = gpu.makeBuffer();
-  overlayAttributes(insideVertexArray, insideBuffer);
-  boneVertexArray = gpu.makeVertexArray();
-  boneBuffer.id = gpu.makeBuffer();
-  overlayAttributes(boneVertexArray, boneBuffer);
-
+  for (const auto& [vertexArray, buffer] : {std::pair(&hullVertexArray, &hullBuffer),
+                                            {&insideVertexArray, &insideBuffer},
+                                            {&boneVertexArray, &boneBuffer}}) {
+    createStream(*vertexArray, *buffer, sizeof(OverlayVertex),
+                 {{3, offsetof(OverlayVertex, position)},
+                  {3, offsetof(OverlayVertex, other)},
+                  {4, offsetof(OverlayVertex, normal), GL_BYTE},
+                  {4, offsetof(OverlayVertex, color), GL_UNSIGNED_BYTE}});
+  }
   for (std::size_t shape = 0; shape < propShapes.size(); ++shape) {
     createPropShape(propShapes[shape], makePropMesh(static_cast<PropShape>(shape)));
   }
 
-  floorVertexArray = gpu.makeVertexArray();
-  floorBuffer.id = gpu.makeBuffer();
-  gl.BindVertexArray(floorVertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, floorBuffer.id);
-  attribute(0, 2, GL_FLOAT, GL_FALSE, sizeof(Eigen::Vector2f), 0);
-
-  markerVertexArray = gpu.makeVertexArray();
-  markerBuffer.id = gpu.makeBuffer();
-  gl.BindVertexArray(markerVertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, markerBuffer.id);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(MarkerVertex), offsetof(MarkerVertex, center));
-  attribute(1, 2, GL_FLOAT, GL_FALSE, sizeof(MarkerVertex), offsetof(MarkerVertex, corner));
-
-  grainVertexArray = gpu.makeVertexArray();
-  grainBuffer.id = gpu.makeBuffer();
-  gl.BindVertexArray(grainVertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, grainBuffer.id);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(GrainVertex), offsetof(GrainVertex, center));
-  attribute(1, 4, GL_FLOAT, GL_FALSE, sizeof(GrainVertex), offsetof(GrainVertex, color));
-  dropVertexArray = gpu.makeVertexArray();
-  dropBuffer.id = gpu.makeBuffer();
-  gl.BindVertexArray(dropVertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, dropBuffer.id);
-  attribute(0, 3, GL_FLOAT, GL_FALSE, sizeof(DropVertex), offsetof(DropVertex, center));
-  attribute(1, 2, GL_FLOAT, GL_FALSE, sizeof(DropVertex), offsetof(DropVertex, foam));
+  createStream(floorVertexArray, floorBuffer, sizeof(Eigen::Vector2f), {{2, 0}});
+  createStream(markerVertexArray, markerBuffer, sizeof(MarkerVertex),
+               {{3, offsetof(MarkerVertex, center)}, {2, offsetof(MarkerVertex, corner)}});
+  createStream(grainVertexArray, grainBuffer, sizeof(GrainVertex),
+               {{3, offsetof(GrainVertex, center)}, {4, offsetof(GrainVertex, color)}});
+  createStream(dropVertexArray, dropBuffer, sizeof(DropVertex),
+               {{3, offsetof(DropVertex, center)}, {2, offsetof(DropVertex, foam)}});
   GLfloat pointSizes[2] = {1.0f, 1.0f};
   gl.GetFloatv(GL_POINT_SIZE_RANGE, pointSizes);
   maxPointSize = std::min(pointSizes[1], 256.0f);

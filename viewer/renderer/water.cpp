@@ -3,7 +3,6 @@
 #include "viewer/renderer/renderer_impl.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lorica {
 namespace {

@@ -5,7 +5,6 @@
 #include "viewer/vr/headset.h"
 
 #include <array>
-#include <ctime>
 #include <string>
 #include <vector>
 

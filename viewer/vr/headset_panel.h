@@ -3,10 +3,8 @@
 #include "viewer/renderer/image.h"
 #include "viewer/renderer/window_values.h"
 
-#include <array>
 #include <cstdint>
 #include <optional>
-#include <string>
 
 namespace lorica {
 

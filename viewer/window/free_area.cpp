@@ -3,7 +3,6 @@
 #include "geometry/counts.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace lorica {
 

@@ -1,4 +1,4 @@
-#include "viewer/window/panel_style.h"
+#include "viewer/window/panel_widgets.h"
 
 #include <fmt/format.h>
 

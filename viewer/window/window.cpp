@@ -1,14 +1,16 @@
 #include "viewer/window/window.h"
 
 #include "viewer/window/display_loss.h"
-#include "viewer/window/fingerprint.h"
 #include "viewer/window/first_picture.h"
 #include "viewer/window/window_impl.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <initializer_list>
 #include <string_view>
@@ -17,6 +19,24 @@
 
 namespace lorica {
 namespace {
+
+/// Tells whether values are the same as before, without keeping them: 64 bits of FNV-1a.
+class Fingerprint {
+ public:
+  void add(std::int64_t number) {
+    for (int shift = 0; shift < 64; shift += 8) addByte(static_cast<std::uint64_t>(number) >> shift);
+  }
+  void add(double number) { add(std::bit_cast<std::int64_t>(number)); }
+  void add(std::string_view text) {
+    for (const char c : text) addByte(c);
+    add(static_cast<std::int64_t>(text.size()));
+  }
+  [[nodiscard]] std::uint64_t value() const { return hash_; }
+
+ private:
+  void addByte(std::uint64_t byte) { hash_ = (hash_ ^ (byte & 0xff)) * 0x100000001b3; }
+  std::uint64_t hash_ = 0xcbf29ce484222325;
+};
 
 constexpr std::array<const char*, 3> kQualityNames = {"low", "medium", "high"};
 constexpr std::array<RenderQuality, 3> kQualities = {RenderQuality::kLow, RenderQuality::kMedium, RenderQuality::kHigh};

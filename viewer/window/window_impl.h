@@ -13,7 +13,6 @@
 #include <GLFW/glfw3.h>
 
 #include <array>
-#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <string>

@@ -101,9 +101,33 @@ void Window::Impl::onKeyOfPath(int key, int mods) {
 void Window::Impl::onKey(int key, int mods) {
   if (typed) return onKeyOfPath(key, mods);
   if ((mods & GLFW_MOD_CONTROL) != 0) return onControlKey(key);
+  const std::pair<int, bool*> switches[] = {{GLFW_KEY_SPACE, &choices.paused},
+                                            {GLFW_KEY_1, &choices.show.skin},
+                                            {GLFW_KEY_2, &choices.show.hulls},
+                                            {GLFW_KEY_3, &choices.show.bones},
+                                            {GLFW_KEY_4, &choices.show.props},
+                                            {GLFW_KEY_5, &choices.show.contacts},
+                                            {GLFW_KEY_6, &choices.show.ground},
+                                            {GLFW_KEY_7, &choices.show.particles},
+                                            {GLFW_KEY_C, &choices.show.colorSkinByPart},
+                                            {GLFW_KEY_V, &choices.video},
+                                            {GLFW_KEY_I, &choices.inside},
+                                            {GLFW_KEY_L, &choices.loop},
+                                            {GLFW_KEY_F, &choices.follow},
+                                            {GLFW_KEY_TAB, &choices.panels},
+                                            {GLFW_KEY_H, &choices.help},
+                                            {GLFW_KEY_F1, &choices.help}};
+  for (const auto& [its, flag] : switches) {
+    if (key == its) return toggle(*flag);
+  }
+  const std::pair<int, bool*> wishes[] = {{GLFW_KEY_E, &requests.nextExpression},
+                                          {GLFW_KEY_B, &requests.throwBall},
+                                          {GLFW_KEY_O, &requests.choose},
+                                          {GLFW_KEY_U, &requests.undo}};
+  for (const auto& [its, wish] : wishes) {
+    if (key == its) *wish = true;
+  }
   switch (key) {
-    case GLFW_KEY_SPACE:
-      return toggle(choices.paused);
     case GLFW_KEY_N:
       choices.paused = true;
       ++choices.steps;
@@ -115,45 +139,9 @@ void Window::Impl::onKey(int key, int mods) {
     case GLFW_KEY_HOME:
       if (last.duration > 0.0) requests.seekTo = 0.0;
       return;
-    case GLFW_KEY_1:
-      return toggle(choices.show.skin);
-    case GLFW_KEY_2:
-      return toggle(choices.show.hulls);
-    case GLFW_KEY_3:
-      return toggle(choices.show.bones);
-    case GLFW_KEY_4:
-      return toggle(choices.show.props);
-    case GLFW_KEY_5:
-      return toggle(choices.show.contacts);
-    case GLFW_KEY_6:
-      return toggle(choices.show.ground);
-    case GLFW_KEY_7:
-      return toggle(choices.show.particles);
-    case GLFW_KEY_C:
-      return toggle(choices.show.colorSkinByPart);
-    case GLFW_KEY_E:
-      requests.nextExpression = true;
-      return;
-    case GLFW_KEY_B:
-      requests.throwBall = true;
-      return;
-    case GLFW_KEY_O:
-      requests.choose = true;
-      return;
     case GLFW_KEY_P:
       ((mods & GLFW_MOD_SHIFT) != 0 ? choices.pictureWithPanels : choices.picture) = true;
       return;
-    case GLFW_KEY_V:
-      return toggle(choices.video);
-    case GLFW_KEY_U:
-      requests.undo = true;
-      return;
-    case GLFW_KEY_I:
-      return toggle(choices.inside);
-    case GLFW_KEY_L:
-      return toggle(choices.loop);
-    case GLFW_KEY_F:
-      return toggle(choices.follow);
     case GLFW_KEY_R:
       ownView = clearView = false;
       fitted = 0.0;
@@ -166,11 +154,6 @@ void Window::Impl::onKey(int key, int mods) {
       return lookFrom(std::numbers::pi, kPresetElevation);
     case GLFW_KEY_F5:
       return lookFrom(0.0, 0.5 * std::numbers::pi);
-    case GLFW_KEY_TAB:
-      return toggle(choices.panels);
-    case GLFW_KEY_H:
-    case GLFW_KEY_F1:
-      return toggle(choices.help);
     case GLFW_KEY_ESCAPE:
       if (panels->closeList()) return;
       if (choices.help) return toggle(choices.help);

@@ -1,7 +1,5 @@
 #include "capture/tracking/fit/body_fit.h"
 
-#include "capture/tracking/fit/body_terms.h"
-
 #include <Eigen/Cholesky>
 
 #include <algorithm>

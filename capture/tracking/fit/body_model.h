@@ -7,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 
 /// The body that is fitted to depth: a tree of 18 nodes with 43 degrees of freedom, covered by tapered capsules. Its
 /// dimensions are those of the built-in mannequin, so its joints are those of the humanoid bones. Single precision is

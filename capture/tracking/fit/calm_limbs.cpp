@@ -1,7 +1,6 @@
 #include "capture/tracking/fit/calm_limbs.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace lorica::fit {

@@ -1,7 +1,5 @@
 #include "capture/tracking/fit/joint_confidence.h"
 
-#include "geometry/counts.h"
-
 #include <algorithm>
 #include <initializer_list>
 

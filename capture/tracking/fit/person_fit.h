@@ -7,7 +7,6 @@
 #include "capture/tracking/fit/limb_search.h"
 #include "capture/tracking/fit/person_search.h"
 
-#include <array>
 #include <optional>
 
 namespace lorica::fit {

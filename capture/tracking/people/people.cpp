@@ -8,7 +8,6 @@
 #include "capture/tracking/people/person_evidence.h"
 #include "capture/tracking/people/person_gates.h"
 #include "capture/tracking/people/person_image.h"
-#include "capture/tracking/people/person_moves.h"
 #include "capture/tracking/people/person_owners.h"
 #include "capture/tracking/people/person_slot.h"
 #include "capture/tracking/people/walls.h"

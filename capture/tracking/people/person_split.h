@@ -3,7 +3,6 @@
 #include "capture/tracking/people/components.h"
 #include "capture/tracking/people/depth_grid.h"
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -1,8 +1,6 @@
 #include "capture/tracking/segmentation/convolution.h"
 
 #include <cstddef>
-#include <cstdint>
-#include <span>
 
 namespace lorica {
 namespace {

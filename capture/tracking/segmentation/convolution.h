@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/tracking/segmentation/aligned_numbers.h"
+#include "capture/tracking/segmentation/feature_map.h"
 
 #include <array>
 #include <cstdint>

@@ -1,11 +1,28 @@
 #pragma once
 
-#include "capture/tracking/segmentation/aligned_numbers.h"
-
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace lorica {
+
+/// Numbers of 16 bits, at first 0, that start on a cache line whatever the allocator.
+class AlignedNumbers {
+ public:
+  explicit AlignedNumbers(std::size_t count) : lines_((count + kOfLine - 1) / kOfLine) {}
+
+  [[nodiscard]] std::int16_t* data() { return reinterpret_cast<std::int16_t*>(lines_.data()); }
+  [[nodiscard]] const std::int16_t* data() const { return reinterpret_cast<const std::int16_t*>(lines_.data()); }
+
+ private:
+  static constexpr std::size_t kOfLine = 32;
+  struct alignas(2 * kOfLine) Line {
+    std::array<std::int16_t, kOfLine> numbers{};
+  };
+
+  std::vector<Line> lines_;
+};
 
 /// An image with several numbers for each pixel, its channels, which lie side by side. Around it lies a border of one
 /// pixel that is always 0.

@@ -7,13 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cstddef>
-#include <cstdint>
 #include <cstring>
-#include <span>
 #include <string_view>
-#include <vector>
 
 // The net, with the size of its images. C: 3x3. S: depthwise 3x3, 1x1, and the input added if it has as many channels.
 // R: 1x1, linear. Every 2 x 2 pixels of the input become one with four times as many channels, and back at the end.

@@ -510,77 +510,41 @@ applyChoices();
 headset.offer();
 
 /// For tests: numbers only.
+const told = {
+  frames: () => frames,
+  pictures: () => drawnPictures,
+  newest: () => newest,
+  open: () => connection.open,
+  says: () => connectionText.textContent,
+  run: () => hello?.run ?? 0,
+  state: () => panel.state,
+  quality: () => stage.quality,
+  avatars: () => world.avatars.map((a) => ({
+    name: a.hello.name,
+    loaded: a.loaded,
+    failed: a.failed === true,
+    present: a.present,
+    vrm: a.vrm !== null,
+    center: a.center.toArray(),
+    painted: a.painted,
+  })),
+  props: () => props.list.map((mesh) => ({
+    position: mesh.position.toArray(),
+    fixed: mesh.userData.fixed,
+    visible: mesh.visible && mesh.geometry.attributes.position !== undefined,
+  })),
+  particles: () => ({ all: particles.all, sent: particles.sent }),
+  held: () => told.inHands().find((index) => index >= 0) ?? -1,
+  inHands: () => view.held.map((held) => held?.mesh.userData.index ?? -1),
+  videos: () => videos,
+  mode: () => headset.mode,
+  live: () => world.live(),
+  registration: () => headset.registration,
+  camera: () => new THREE.Vector3().setFromMatrixPosition(stage.camera.matrixWorld).toArray(),
+  rig: () => ({ position: stage.rig.position.toArray(), yaw: stage.rig.rotation.y }),
+};
 window.loricaPage = {
   problems,
-  get frames() {
-    return frames;
-  },
-  get pictures() {
-    return drawnPictures;
-  },
-  get newest() {
-    return newest;
-  },
-  get open() {
-    return connection.open;
-  },
-  get says() {
-    return connectionText.textContent;
-  },
-  get run() {
-    return hello?.run ?? 0;
-  },
-  get state() {
-    return panel.state;
-  },
-  get quality() {
-    return stage.quality;
-  },
-  get avatars() {
-    return world.avatars.map((a) => ({
-      name: a.hello.name,
-      loaded: a.loaded,
-      failed: a.failed === true,
-      present: a.present,
-      vrm: a.vrm !== null,
-      center: a.center.toArray(),
-      painted: a.painted,
-    }));
-  },
-  get props() {
-    return props.list.map((mesh) => ({
-      position: mesh.position.toArray(),
-      fixed: mesh.userData.fixed,
-      visible: mesh.visible && mesh.geometry.attributes.position !== undefined,
-    }));
-  },
-  get particles() {
-    return { all: particles.all, sent: particles.sent };
-  },
-  get held() {
-    return this.inHands.find((index) => index >= 0) ?? -1;
-  },
-  get inHands() {
-    return view.held.map((held) => held?.mesh.userData.index ?? -1);
-  },
-  get videos() {
-    return videos;
-  },
-  get mode() {
-    return headset.mode;
-  },
-  get live() {
-    return world.live();
-  },
-  get registration() {
-    return headset.registration;
-  },
-  get camera() {
-    return new THREE.Vector3().setFromMatrixPosition(stage.camera.matrixWorld).toArray();
-  },
-  get rig() {
-    return { position: stage.rig.position.toArray(), yaw: stage.rig.rotation.y };
-  },
   /// A PNG of some layers, from where the hello says and without panels.
   picture(layers, background) {
     for (const name of Object.keys(panel.choices.layers)) panel.choices.layers[name] = layers.includes(name);
@@ -603,3 +567,4 @@ window.loricaPage = {
     return [((at.x + 1) / 2) * innerWidth, ((1 - at.y) / 2) * innerHeight];
   },
 };
+for (const [name, get] of Object.entries(told)) Object.defineProperty(window.loricaPage, name, { get, enumerable: true });

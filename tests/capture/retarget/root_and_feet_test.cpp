@@ -1,7 +1,7 @@
 #include "capture/retarget/root_and_feet.h"
 
 #include "capture/files/joint_csv.h"
-#include "capture/retarget/leg_reach.h"
+#include "capture/retarget/human_rig.h"
 #include "capture/retarget/retarget.h"
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin.h"

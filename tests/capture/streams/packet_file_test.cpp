@@ -1,6 +1,6 @@
 #include "capture/streams/packet_file.h"
 
-#include "capture/streams/recorded_stream.h"
+#include "capture/streams/vmc_follower.h"
 #include "tests/capture/streams/vmc_packet.h"
 
 #include <gtest/gtest.h>

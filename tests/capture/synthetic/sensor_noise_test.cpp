@@ -1,3 +1,4 @@
+#include "bench/sensor_noise.h"
 #include "capture/files/joint_csv.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "tests/support/datasets.h"

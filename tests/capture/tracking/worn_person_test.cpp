@@ -1,4 +1,4 @@
-#include "capture/tracking/worn_person.h"
+#include "capture/tracking/people_places.h"
 
 #include "capture/synthetic/synthetic_motion.h"
 

@@ -1,6 +1,6 @@
 #include "capture/virtual_sensor/depth_render.h"
 
-#include "capture/virtual_sensor/virtual_room.h"
+#include "capture/virtual_sensor/virtual_sensor.h"
 #include "geometry/random_numbers.h"
 #include "tests/support/allocations.h"
 

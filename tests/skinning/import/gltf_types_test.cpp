@@ -1,4 +1,4 @@
-#include "skinning/import/gltf_types.h"
+#include "skinning/import/gltf_document.h"
 
 #include <gtest/gtest.h>
 

@@ -48,10 +48,9 @@ TEST(VrmExpressions, WithoutVrmTargetsAreExpressionsByTheirNames) {
   ASSERT_EQ(wink.morphs.size(), 2u);  // of both nodes
   EXPECT_EQ(wink.morphs[0].target, 1);
   EXPECT_EQ(wink.morphs[1].target, 4);
-  std::vector<float> targets(6);
-  morphWeights(file.expressions, std::vector<float>{0.0F, 0.0F}, targets);
+  std::vector<float> targets = file.expressions.baseWeights;
   EXPECT_EQ(targets, (std::vector<float>{0, 0.25F, 0.5F, 0, 0.25F, 0.5F}));  // the bind pose
-  morphWeights(file.expressions, std::vector<float>{0.5F, 1.0F}, targets);
+  addMorphWeights(file.expressions, std::vector<float>{0.5F, 1.0F}, targets);
   EXPECT_EQ(targets, (std::vector<float>{0.5F, 1.0F, 0.5F, 0.5F, 1.0F, 0.5F}));
 }
 

@@ -150,8 +150,8 @@ TEST(Expressions, TargetsAreSumsUponTheBaseWeights) {
   addExpression(expressions, happy);
   addExpression(expressions, angry);
   expressions.baseWeights = {0.0F, 0.25F, 0.0F};
-  std::vector<float> targets(3);
-  morphWeights(expressions, std::vector<float>{0.5F, 1.0F}, targets);
+  std::vector<float> targets = expressions.baseWeights;
+  addMorphWeights(expressions, std::vector<float>{0.5F, 1.0F}, targets);
   EXPECT_EQ(targets, (std::vector<float>{0.25F, 0.25F, 1.25F}));
   addMorphWeights(expressions, std::vector<float>{1.0F, 0.0F}, targets);
   EXPECT_EQ(targets, (std::vector<float>{0.75F, 0.25F, 2.25F}));
@@ -169,7 +169,7 @@ TEST(Expressions, AFrameAllocatesNothing) {
   const long before = test::allocationCount();
   ASSERT_GT(before, 0);
   effectiveWeights(expressions, weights, effective);
-  morphWeights(expressions, effective, targets);
+  addMorphWeights(expressions, effective, targets);
   EXPECT_EQ(test::allocationCount() - before, 0);
 }
 

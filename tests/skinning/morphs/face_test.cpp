@@ -109,7 +109,6 @@ TEST_F(FaceTest, ChosenWeightsStayAndOverride) {
   EXPECT_EQ(face.targetWeights()[1], 0.1F);  // chosen: the gaze is ignored
   EXPECT_EQ(face.targetWeights()[2], 0.0F);
   EXPECT_EQ(face.targetWeights()[3], 0.6F);
-  EXPECT_EQ(face.chosenWeights()[3], 0.6F);
   EXPECT_EQ(face.expressionWeights()[3], 0.6F);
   face.set(3, 0.0F);
   face.set(0, 0.2F);

@@ -1,7 +1,7 @@
 #include "tests/support/meshes.h"
 #include "tests/viewer/renderer/pictures.h"
-#include "viewer/renderer/crease_mesh.h"
 #include "viewer/renderer/grain_list.h"
+#include "viewer/renderer/prop_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
-#include "capture/synthetic/motion_track.h"
-#include "capture/synthetic/synthetic_motion.h"
+#include "bench/sensor_noise.h"
+
 #include "geometry/counts.h"
+#include "geometry/random_numbers.h"
 
 #include <array>
 #include <cmath>
@@ -13,13 +14,20 @@ namespace {
 /// Position of the depth sensor of the noisy recordings: in front of the person, at chest height.
 const Vec3 kSensor(0.0, 1.1, 3.2);
 
+/// Approximately normal, mean 0, standard deviation 1: a sum of twelve uniforms, so that the result does not depend on
+/// library functions.
+double normal(RandomNumbers& random) {
+  double sum = -6.0;
+  for (int i = 0; i < 12; ++i) sum += random.unit();
+  return sum;
+}
+
 /// Correlated noise, like noise after a tracker's smoothing: standard deviation 1, correlation `memory` from frame to
 /// frame.
 class Jitter {
  public:
   double next(RandomNumbers& random, double memory) {
-    value_ =
-        started_ ? memory * value_ + std::sqrt(1.0 - memory * memory) * motion::normal(random) : motion::normal(random);
+    value_ = started_ ? memory * value_ + std::sqrt(1.0 - memory * memory) * normal(random) : normal(random);
     started_ = true;
     return value_;
   }
