@@ -35,16 +35,6 @@ template <typename Vector>
 
 using Json = nlohmann::ordered_json;
 
-[[nodiscard]] std::vector<float> floatsOf(std::span<const Vec3> points) {
-  std::vector<float> numbers;
-  numbers.reserve(3 * points.size());
-  for (const Vec3& p : points) {
-    const Vec3f v = p.cast<float>();
-    numbers.insert(numbers.end(), v.data(), v.data() + 3);
-  }
-  return numbers;
-}
-
 /// A node for each joint. @return the topmost
 [[nodiscard]] Json addNodes(GltfWriter& writer, const Skeleton& skeleton) {
   Json roots = Json::array();
