@@ -261,6 +261,14 @@ void LiveObstacles::moveTo(double share) {
   }
 }
 
+std::optional<double> LiveObstacles::distance(std::size_t spring, PartIndex part, const Vec3& point) const {
+  const Solid& solid = solids_[part];
+  if (radii_[spring * solids_.size() + part] == -kInfinity || solid.planes.empty()) {
+    return std::nullopt;
+  }
+  return depthless(solid, solid.worldFromSolid.inverse() * point);
+}
+
 void LiveObstacles::pushOut(std::size_t spring, const Vec3& head, double length, Vec3& tail) {
   const std::span<const double> radii = std::span(radii_).subspan(spring * solids_.size(), solids_.size());
   std::optional<SpringPush> last;

@@ -48,6 +48,10 @@ class LiveObstacles final : public SpringObstacles {
   /// How far a tail is below where obstacles let it be, at most over all of them [m]; 0 or less if it is free.
   [[nodiscard]] double below(std::size_t spring, const Vec3& head, const Vec3& tail) const;
 
+  /// Signed distance of a point from the planes of a part's obstacle as of the last moveTo() [m], negative inside.
+  /// Nothing if the spring ignores the part.
+  [[nodiscard]] std::optional<double> distance(std::size_t spring, PartIndex part, const Vec3& point) const;
+
  private:
   struct Plane {
     Vec3 normal = Vec3::UnitY();  ///< outward, unit
