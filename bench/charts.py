@@ -362,22 +362,25 @@ def others(page):
     for row in rows:
         if row["cpu_seconds"] and not row["mesh"].startswith("mean"):
             of.setdefault(row["preset"], {})[row["mesh"]] = row
-    value = lambda who, meshes, column, mean=statistics.fmean: mean(float(of[who][mesh][column]) for mesh in meshes if of[who][mesh][column])
-    both = lambda who, meshes, columns: "; ".join(f"{value(who, meshes, column):.4f}"[1:] for column in columns)
-    lines, groups = [], {"largest of a mesh": [], "mean of the parts": [], "parts": [], "CPU seconds, median": []}
+    # Of others, what `lorica score` measures.
+    number = lambda row, column: float(row[column] or row[{"concavity": "scored", "mean_concavity": "scored_mean"}[column]])
+    value = lambda who, meshes, column, mean=statistics.fmean: mean(number(of[who][mesh], column) for mesh in meshes)
+    columns = {"largest of a mesh": "concavity", "mean of the parts": "mean_concavity", "parts": "parts", "CPU seconds, median": "cpu_seconds"}
+    means = dict.fromkeys(columns.values(), statistics.fmean) | {"cpu_seconds": statistics.median}
+    lines, groups = [], {name: [] for name in columns}
     for who, meshes in of.items():
         for name in [who] + ["fast"] * (len(meshes) < len(of["fast"])):
-            lines.append([f"`{name}`" + ", the same" * (name != who) if name == "fast" or name == "quality" else name, str(len(meshes)),
-                          f"{value(name, meshes, 'parts'):.1f}", both(name, meshes, ("concavity", "mean_concavity")) if name in ("fast", "quality") else "",
-                          both(name, meshes, ("scored", "scored_mean")), f"{value(name, meshes, 'cpu_seconds', statistics.median):.2f}"])
-        label = (f"Lorica {who}" if who in ("fast", "quality") else who) + f" ({len(meshes)})" * (len(meshes) < len(of["fast"]))
-        for group, column, mean in zip(groups.values(), ("scored", "scored_mean", "parts", "cpu_seconds"), [statistics.fmean] * 3 + [statistics.median]):
-            group.append((label, value(who, meshes, column, mean)))
-            if who not in ("fast", "quality"):
-                page.compare(f"{column.replace('_', ' ')}, {len(meshes)} meshes", "", value("fast", meshes, column, mean), who, value(who, meshes, column, mean))
+            of_all = {column: value(name, meshes, column, mean) for column, mean in means.items()}
+            lines.append([f"`{name}`" + ", the same" * (name != who) if name in ("fast", "quality") else name, str(len(meshes)), f"{of_all['parts']:.1f}",
+                          *(f"{of_all[column]:.4f}"[1:] for column in ("concavity", "mean_concavity")), f"{of_all['cpu_seconds']:.2f}"])
+            if name == who:
+                label = (f"Lorica {who}" if who in ("fast", "quality") else who) + f" ({len(meshes)})" * (len(meshes) < len(of["fast"]))
+                for group, column in columns.items():
+                    groups[group].append((label, of_all[column]))
+                    if who not in ("fast", "quality"):
+                        page.compare(f"{column.replace('_', ' ')}, {len(meshes)} meshes", "", value("fast", meshes, column, means[column]), who, of_all[column])
     lines.append(["CuACD; CoACD, as they report", "61", "33.6; 40.5", ".0488; .0495", "", "0.23 on a GPU; 18.0"])
-    page.table("DECOMPOSITION.md", "**The field's set.**", [
-        "", "meshes", "parts", "largest concavity; mean of the parts", "as `lorica score` measures both", "median CPU s"], lines)
+    page.table("DECOMPOSITION.md", "**The field's set.**", ["", "meshes", "parts", "largest concavity", "mean of the parts", "median CPU s"], lines)
     turned = [row for row in page.read("turned")[0] if row["spread"] and not row["mesh"].startswith("mean")]
     page.table("DECOMPOSITION.md", "**Turned.**", ["meshes", "the same parts in all", "parts apart, most", "concavity apart: median, largest"], [[
         str(len(turned)), str(sum(row["fewest_parts"] == row["most_parts"] for row in turned)),

@@ -75,6 +75,7 @@ int start(const IsolatedReader& reader, int in, int out, pid_t& pid) {
   std::vector<std::string> words = {reader.program.string()};
   words.insert(words.end(), reader.arguments.begin(), reader.arguments.end());
   std::vector<char*> pointers;
+  pointers.reserve(words.size() + 1);
   for (std::string& word : words) pointers.push_back(word.data());
   pointers.push_back(nullptr);
   const int error = ::posix_spawn(&pid, reader.program.c_str(), &files, &attributes, pointers.data(), environ);

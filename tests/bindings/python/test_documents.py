@@ -141,7 +141,7 @@ class Benchmarks(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             shutil.copytree(DOCS / "benchmarks", Path(folder) / "benchmarks")
             (Path(folder) / "pictures").mkdir()
-            pages = ["DECOMPOSITION.md", "LIVE_HULLS.md", "PARTICLES.md", "VIRTUAL_SENSOR.md"]  # some of whose tables come from these figures
+            pages = ["DECOMPOSITION.md", "LIVE_HULLS.md", "PARTICLES.md", "TRACKING.md", "VIRTUAL_SENSOR.md"]  # some of whose tables come from these figures
             for page in pages:
                 shutil.copy(DOCS / page, folder)
             subprocess.run([sys.executable, SOURCE / "bench/charts.py", folder], check=True)
