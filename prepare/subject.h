@@ -32,6 +32,7 @@ enum class WallChoice : std::uint8_t {
 
 /// Of a WallChoice: "auto", "solid" or "shell"; nothing for another name.
 [[nodiscard]] std::optional<WallChoice> wallChoiceNamed(std::string_view name);
+/// "auto", "solid" or "shell".
 [[nodiscard]] const char* nameOf(WallChoice walls);
 
 /// Options for reading a character or a mesh.
