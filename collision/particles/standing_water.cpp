@@ -11,6 +11,7 @@ constexpr float kFull = 0.7f;        // share of its drops with which a cell cou
 constexpr float kApart = 1.0f;       // from a solid, in cells: nearer, nothing is held ...
 constexpr float kBlend = 6.0f;       // ... and so many cells farther, all
 constexpr float kFar = 900.0f;       // a wall out there is none [m]
+constexpr float kMostCells = 1e9f;   // from the origin: what is farther counts as there, so that it is a whole number
 constexpr int kMaxIterations = 60;   // of the solver
 constexpr double kPrecision = 1e-3;  // of the solver's error
 
@@ -47,7 +48,8 @@ StandingWater::StandingWater(std::size_t capacity, float spacing, const Vec3f& m
 }
 
 StandingWater::Place StandingWater::cellAt(const ParticleRow& p) const {
-  const Vec3f scaled = (Vec3f(p.x, p.y, p.z) - origin_).cwiseProduct(perSize_);
+  const Vec3f exact = (Vec3f(p.x, p.y, p.z) - origin_).cwiseProduct(perSize_);
+  const Vec3f scaled = exact.cwiseMax(-kMostCells).cwiseMin(kMostCells);
   Place at;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int whole = scaled[axis];
