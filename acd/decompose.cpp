@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numeric>
 #include <optional>
 
@@ -74,31 +75,49 @@ std::vector<Vec3> inOwnFrame(const TriMesh& mesh, PoseView keyframes) {
   return own;
 }
 
+/// Cuts and merges. From the first cut across on also without such cuts: the one with fewer pieces goes on, until one
+/// meets the limits and the other has more. Returns the better, or nothing if it was cancelled.
+std::unique_ptr<Decomposer> divided(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings,
+                                    const CutPlan& plan) {
+  auto best = std::make_unique<Decomposer>(mesh, keyframes, settings, plan);
+  std::unique_ptr<Decomposer> other;
+  while (best->going() || (other && other->going())) {
+    const bool others = other && other->going() && (!best->going() || other->pieces() < best->pieces());
+    Decomposer& now = others ? *other : *best;
+    if (!now.step()) return nullptr;
+    if (!other && best->cutsAcross()) other = best->withoutCutsAcross();
+    if (other && now.met() > 0) {
+      (others ? *best : *other).giveUpAt(static_cast<std::size_t>(std::ceil(now.met() * plan.overCut)));
+    }
+  }
+  best->merge();
+  if (other) other->merge();
+  return other && other->betterThan(*best) ? std::move(other) : std::move(best);
+}
+
 /// Runs the preset. `quality` also does what `fast` does, improves whichever parts are better, and returns no worse
 /// ones than `fast`.
 Result<Decomposition> cutAndMerge(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings) {
   const Error cancelled{ErrorCode::kCancelled, "decomposition cancelled"};
   const Plan plan = planFor(settings);
-  Decomposer careful(mesh, keyframes, settings, plan.cuts);
-  if (settings.preset != DecomposePreset::kQuality || plan.cuts.overCut <= 1.0) {
-    if (!careful.divide() || !careful.improveParts(plan.rounds)) return cancelled;
-    return careful.finish();
-  }
-  bool atStart = true;  // progress is that of the careful cuts
+  const bool both = settings.preset == DecomposePreset::kQuality && plan.cuts.overCut > 1.0;
   DecomposeSettings fast = settings;
   fast.preset = DecomposePreset::kFast;
-  if (settings.progress) {
-    fast.progress = [&](int done, int wanted) { return settings.progress(atStart ? 0 : done, wanted); };
-  }
   const Plan quickPlan = planFor(fast);
-  Decomposer quick(mesh, keyframes, fast, quickPlan.cuts);
-  if (!quick.divide()) return cancelled;
-  atStart = false;
-  if (!careful.divide()) return cancelled;
+  std::unique_ptr<Decomposer> quick;
+  if (both) {
+    // Progress is that of the careful cuts.
+    if (settings.progress) fast.progress = [&](int, int wanted) { return settings.progress(0, wanted); };
+    quick = divided(mesh, keyframes, fast, quickPlan.cuts);
+    if (!quick) return cancelled;
+  }
+  const std::unique_ptr<Decomposer> careful = divided(mesh, keyframes, settings, plan.cuts);
+  if (!careful) return cancelled;
   // Compared before they are improved: how good improved parts are does not tell where improving leads.
-  Decomposer& better = careful.betterThan(quick) ? careful : quick;
-  if (!quick.improveParts(quickPlan.rounds) || !better.improveParts(plan.rounds)) return cancelled;
-  return quick.betterThan(better) ? quick.finish() : better.finish();
+  Decomposer& better = !quick || careful->betterThan(*quick) ? *careful : *quick;
+  if (quick && !quick->improveParts(quickPlan.rounds)) return cancelled;
+  if (!better.improveParts(plan.rounds)) return cancelled;
+  return quick && quick->betterThan(better) ? quick->finish() : better.finish();
 }
 
 }  // namespace

@@ -63,6 +63,9 @@ Plan planFor(const DecomposeSettings& settings) {
     plan.cuts.overCut = 1.0;
     plan.rounds.clear();
   }
+  // Where limits are for single parts: of a ring every cut gains nothing, but its arcs can be cut further.
+  const bool partsLimited = settings.maxDistance > 0.0 || settings.maxConcavity > 0.0;
+  if (partsLimited && settings.preset != DecomposePreset::kPaper) plan.cuts.effort.acrossBelow = 0.2;
   // Planes that do not pass through concave edges would then cut off endlessly many small pieces.
   if (toTheEnd) {
     plan.cuts.effort.axisPlanes = plan.cuts.effort.diagonalPlanes = plan.cuts.effort.refinedPlanes = 0;

@@ -19,9 +19,12 @@ namespace lorica {
 namespace {
 
 // Stop here if the limits cannot be met with a reasonable number of parts.
-constexpr std::size_t kMaxParts = 4096;
+constexpr std::size_t kMaxPieces = 4096;
 // A piece that no plane improves is worth this share of its error: a handle gains only by the cut after the next.
 constexpr double kStalled = 0.2;
+// A piece is convex where its hull has at most this share of its own volume more. Counting as convex says less of a
+// sliver, whose volume is next to nothing.
+constexpr double kConvex = 1e-3;
 
 // A component with less than this share of the mesh's volume is a sliver and no cavity, whatever the sign.
 constexpr double kNothing = 1e-9;
@@ -36,9 +39,7 @@ double hullVolumeOf(const auto& pieces) {
 }  // namespace
 
 Decomposer::Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const CutPlan& plan)
-    : settings_(settings), cuts_(plan), context_(mesh, keyframes) {}
-
-bool Decomposer::divide() {
+    : settings_(settings), cuts_(plan), context_(mesh, keyframes) {
   Part whole;
   whole.triangles = context_.mesh.triangles;
   whole.sourceTriangle.reserve(whole.triangles.size());
@@ -48,25 +49,52 @@ bool Decomposer::divide() {
   for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
     firstError_.push_back(leaves_[0].piece->error(k) / std::abs(context_.meshVolume[k]));
   }
-  std::vector<std::size_t> counts;
-  if (settings_.maxParts > 0) counts = pieceCounts(settings_.maxParts, cuts_.overCut);
-  std::size_t limit = limited() ? kMaxParts : std::numeric_limits<std::size_t>::max();
-  if (!counts.empty()) limit = counts.back();
-  while (leaves_.size() < limit) {
-    if (!goOn(leaves_.size(), limit)) return false;
-    if (met_ == 0 && limitsMet()) {
-      // Cut further, so that merging has alternatives; merging stops while the limits are still met.
-      met_ = leaves_.size();
-      atLimit_ = piecesNow();
-      limit = std::min(limit, static_cast<std::size_t>(std::ceil(met_ * cuts_.overCut)));
-      continue;
-    }
-    if (std::ranges::find(counts, leaves_.size()) != counts.end()) stages_.push_back(piecesNow());
-    const std::optional<std::size_t> next = cuts_.byGain ? mostGaining() : mostConcave();
-    if (!next && partsLimited() && met_ == 0 && separateComponents()) continue;
-    if (!next) break;
+  if (settings_.maxParts > 0) counts_ = pieceCounts(settings_.maxParts, cuts_.overCut);
+  if (limited()) maxPieces_ = kMaxPieces;
+  if (!counts_.empty()) maxPieces_ = counts_.back();
+}
+
+std::unique_ptr<Decomposer> Decomposer::withoutCutsAcross() const {
+  auto other = std::make_unique<Decomposer>(*this);
+  other->cuts_.effort.acrossBelow = 0.0;
+  for (Leaf& leaf : other->leaves_) {
+    if (leaf.split && leaf.split->across) leaf.searched = false;
+  }
+  return other;
+}
+
+void Decomposer::giveUpAt(std::size_t pieces) {
+  maxPieces_ = std::min(maxPieces_, pieces);
+}
+
+bool Decomposer::step() {
+  if (leaves_.size() >= maxPieces_) {
+    going_ = false;
+    return true;
+  }
+  if (!goOn(leaves_.size(), maxPieces_)) return false;
+  if (met_ == 0 && limitsMet()) {
+    // Cut further, so that merging has alternatives; merging stops while the limits are still met.
+    met_ = leaves_.size();
+    atLimit_ = piecesNow();
+    giveUpAt(static_cast<std::size_t>(std::ceil(met_ * cuts_.overCut)));
+    return true;
+  }
+  if (std::ranges::find(counts_, leaves_.size()) != counts_.end()) stages_.push_back(piecesNow());
+  const std::optional<std::size_t> next = cuts_.byGain ? mostGaining() : mostConcave();
+  if (!next && partsLimited() && met_ == 0 && separateComponents()) return true;
+  going_ = next.has_value();
+  if (!next) return true;
+  const bool across = leaves_[*next].split->across;
+  if (across && !cutsAcross_) {
+    cutsAcross_ = true;  // by the next step
+  } else {
     carryOut(*next);
   }
+  return true;
+}
+
+void Decomposer::merge() {
   if (settings_.maxParts == 0 && !limited()) (void)separateComponents();
   stages_.push_back(piecesNow());
   if (cuts_.overCut <= 1.0) {
@@ -75,10 +103,10 @@ bool Decomposer::divide() {
     const std::size_t wanted = settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : leaves_.size();
     parts_ = met_ > 0 ? mergedWithinLimits(wanted) : bestMerged(wanted);
   }
-  return true;
 }
 
 bool Decomposer::betterThan(const Decomposer& other) const {
+  if ((met_ > 0) != (other.met_ > 0)) return met_ > 0;
   if (parts_.size() != other.parts_.size()) return parts_.size() < other.parts_.size();
   return hullVolumeOf(parts_) < hullVolumeOf(other.parts_);
 }
@@ -150,10 +178,8 @@ bool Decomposer::errorMet(std::span<const SharedPiece> pieces) const {
 /// the limit; whichever is larger. What is below a limit may be reported as up to 1.
 double Decomposer::excessOf(const Piece& piece) const {
   std::vector<double> excess(context_.keyframeCount(), 0.0);
-  // A sliver of no volume counts as convex, but its hull may span the gap between two pieces of it.
-  const bool whole = connectedComponents(context_.pointCount(), piece.part.triangles).count < 2;
   tbb::parallel_for(std::size_t{0}, excess.size(), [&](std::size_t k) {
-    if (piece.convex[k] && whole) return;
+    if (piece.convex[k] && piece.error(k) <= kConvex * piece.hullVolume[k]) return;
     std::vector<Vec3> corners;
     corners.reserve(piece.hullPoints[k].size());
     for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);
@@ -200,13 +226,17 @@ Decomposer::Leaf Decomposer::leafOf(Part part) const {
   return leaf;
 }
 
-/// r*: the keyframe with the largest error among those not exhausted; none if the part is convex.
+/// r*: the keyframe with the largest error among those not exhausted; none if the part is convex. A sliver that counts
+/// as convex is cut as long as it exceeds a limit; several in one part are left to separateComponents().
 std::optional<std::size_t> Decomposer::worstKeyframe(const Leaf& leaf) const {
+  const bool sliver = partsLimited() && met_ == 0 &&
+                      std::ranges::find(leaf.piece->convex, true) != leaf.piece->convex.end() && exceeds(*leaf.piece) &&
+                      connectedComponents(context_.pointCount(), leaf.piece->part.triangles).count < 2;
   std::optional<std::size_t> worst;
   double largest = 0.0;
   for (std::size_t k = 0; k < context_.keyframeCount(); ++k) {
     const double error = leaf.piece->error(k);
-    if (leaf.exhausted[k] || leaf.piece->convex[k] || error <= largest) continue;
+    if (leaf.exhausted[k] || (leaf.piece->convex[k] && !sliver) || error <= largest) continue;
     largest = error;
     worst = k;
   }
@@ -390,8 +420,7 @@ std::vector<Decomposer::SharedPiece> Decomposer::mergedWithinLimits(std::size_t 
 void Decomposer::dropUselessCuts() {
   std::vector<SharedPiece> fewer = parts_;
   std::vector<PartIndex> splitFrom = cuts_.overCut <= 1.0 ? splitFrom_ : std::vector<PartIndex>();
-  mergeForFree(fewer, splitFrom, context_,
-               [&](const Piece& common) { return met_ == 0 || !partsLimited() || !exceeds(common); });
+  mergeForFree(fewer, splitFrom, context_, [&](const Piece& common) { return !partsLimited() || !exceeds(common); });
   if (met_ > 0 && !limitsMet(fewer)) return;
   parts_ = std::move(fewer);
   splitFrom_ = std::move(splitFrom);

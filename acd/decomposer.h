@@ -3,6 +3,7 @@
 #include "acd/decompose_plan.h"
 #include "acd/piece.h"
 
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -12,12 +13,25 @@ namespace lorica {
 /// Cuts a mesh into pieces and merges them to parts: Thul et al. 2018, Algorithm 3; with one keyframe Algorithm 2.
 class Decomposer {
  public:
-  /// @param keyframes  must outlive this object, as must the mesh and the settings
+  /// @param keyframes  must outlive this object, as must the mesh
   Decomposer(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings, const CutPlan& plan);
 
-  /// Cuts the mesh into at most the requested number of parts. Returns false if cancelled.
-  [[nodiscard]] bool divide();
-  /// Whether the parts are fewer than those of another, or as many and with less hull volume.
+  /// Whether step() has more to do.
+  [[nodiscard]] bool going() const { return going_; }
+  /// Cuts a piece, if there are fewer than those to which parts can be merged. Returns false if cancelled.
+  [[nodiscard]] bool step();
+  [[nodiscard]] std::size_t pieces() const { return leaves_.size(); }
+  /// The pieces when the limits were first met; 0 = not yet.
+  [[nodiscard]] std::size_t met() const { return met_; }
+  /// Stops at so many pieces at the latest.
+  void giveUpAt(std::size_t pieces);
+  /// Whether the next step cuts a piece across its longest axis, see SplitEffort::acrossBelow, or one did so before.
+  [[nodiscard]] bool cutsAcross() const { return cutsAcross_; }
+  /// As this one, but from now on no piece is cut so.
+  [[nodiscard]] std::unique_ptr<Decomposer> withoutCutsAcross() const;
+  /// Merges the pieces to at most the requested number of parts.
+  void merge();
+  /// Whether the limits are met that another misses, or the parts are fewer, or as many and with less hull volume.
   [[nodiscard]] bool betterThan(const Decomposer& other) const;
   /// Improves the parts as far as the limits allow. Returns false if cancelled.
   [[nodiscard]] bool improveParts(std::span<const ImproveRound> rounds);
@@ -60,15 +74,18 @@ class Decomposer {
   [[nodiscard]] std::vector<SharedPiece> mergedWithinLimits(std::size_t max) const;
   void dropUselessCuts();
 
-  const DecomposeSettings& settings_;
+  DecomposeSettings settings_;
   CutPlan cuts_;
   CutContext context_;
   std::vector<Leaf> leaves_;
   std::vector<double> firstError_;  // of the whole mesh in each keyframe, relative to its volume
   std::vector<PartIndex> splitFrom_;
   std::vector<std::vector<SharedPiece>> stages_;  // the pieces at each of pieceCounts()
-  bool errorMet_ = false;                         // by the pieces when limitsMet() was last asked
-  std::size_t met_ = 0;                           // pieces when the limits were first met; 0 = not yet
+  bool going_ = true, cutsAcross_ = false;
+  std::vector<std::size_t> counts_;  // of pieces, from which merging is tried
+  std::size_t maxPieces_ = std::numeric_limits<std::size_t>::max();
+  bool errorMet_ = false;  // by the pieces when limitsMet() was last asked
+  std::size_t met_ = 0;    // pieces when the limits were first met; 0 = not yet
   std::vector<SharedPiece>
       atLimit_;  // those pieces: further cuts can increase a hull's distance to its remaining surface
   std::vector<SharedPiece> parts_;

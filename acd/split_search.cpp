@@ -60,9 +60,17 @@ class SplitSearch {
           plane = refined;
         }
       }
+      bool across = false;
+      if (effort_.acrossBelow > 0.0 && piece_.totalHullVolume() - least < effort_.acrossBelow * piece_.totalError()) {
+        std::vector<Plane> middle;
+        addPlanesAcross(principalAxes().col(2), 1, middle);
+        across = !std::isinf(score(middle[0], kInfinity, 0.0, effort_.coarse));
+        if (across) plane = middle[0];
+      }
       // Coarse hulls are no larger than exact ones, and the balance term is at most this.
       if (least - effort_.balance * piece_.totalError() >= toBeat) return std::nullopt;
-      return Split{plane, keyframe_, score(plane, kInfinity, 0.0, effort_.exactVolume ? kExact : effort_.coarse)};
+      return Split{plane, keyframe_, score(plane, kInfinity, 0.0, effort_.exactVolume ? kExact : effort_.coarse),
+                   across};
     }
     return std::nullopt;
   }
@@ -91,19 +99,23 @@ class SplitSearch {
   /// Adds evenly spaced planes perpendicular to the coordinate axes, which are those of the mesh's own
   /// frame, to their diagonals and to the principal axes of the hull points.
   void addAxisPlanes(std::vector<Plane>& planes) const {
-    const std::vector<Vec3>& hullPoints = hullPoints_;
-    Vec3 mean = Vec3::Zero();
-    for (const Vec3& p : hullPoints) mean += p / countOf(hullPoints);
-    Mat3 covariance = Mat3::Zero();
-    for (const Vec3& p : hullPoints) covariance += (p - mean) * (p - mean).transpose();
-    const SymmetricAxes solver = symmetricAxes(covariance);
+    const Mat3 own = principalAxes();
     std::vector<Vec3> axes = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
     for (int i = 0; i < 3; ++i) {
-      const Vec3 axis = solver.vectors.col(i);
+      const Vec3 axis = own.col(i);
       if (axis.cwiseAbs().maxCoeff() < 0.98) axes.push_back(axis);
     }
     for (const Vec3& axis : axes) addPlanesAcross(axis, effort_.axisPlanes, planes);
     for (const Vec3& diagonal : diagonals()) addPlanesAcross(diagonal, effort_.diagonalPlanes, planes);
+  }
+
+  /// Of the hull points, the longest last.
+  [[nodiscard]] Mat3 principalAxes() const {
+    Vec3 mean = Vec3::Zero();
+    for (const Vec3& p : hullPoints_) mean += p / countOf(hullPoints_);
+    Mat3 covariance = Mat3::Zero();
+    for (const Vec3& p : hullPoints_) covariance += (p - mean) * (p - mean).transpose();
+    return symmetricAxes(covariance).vectors;
   }
 
   /// Directions to the middles of a cube's edges and to its corners, one of each opposite pair.

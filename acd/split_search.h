@@ -17,6 +17,7 @@ struct SplitEffort {
   int refineSteps = 0;       ///< steps of the local search around the best planes
   int refinedPlanes = 0;     ///< number of best planes that are refined
   double refineBelow = 1.0;  ///< refine only if the best plane gains less than this share of the part's error
+  double acrossBelow = 0.0;  ///< if the best plane gains less than this share of the error: across the longest axis
   int shortlist = 0;         ///< number of planes, the best by estimate, that are scored exactly; 0 = all
   double balance = 0.0;      ///< weight of equal half volumes, as a fraction of the part's error
   double coarse = 1e-10;     ///< tolerance of the hulls while scoring, see convexHullVolume()
@@ -28,6 +29,7 @@ struct Split {
   Plane plane;
   std::size_t keyframe = 0;  ///< keyframe of the plane
   double hullVolume = 0.0;   ///< of both halves, summed over all keyframes [m^3]
+  bool across = false;       ///< chosen by SplitEffort::acrossBelow
 };
 
 /// Returns the split that minimizes the hull volume of both halves over all keyframes (Eq. 14; the mesh volumes of both

@@ -31,6 +31,7 @@ constexpr double kMuch =
 constexpr std::size_t kMaxPieces = 2'000'000;  // pairs of pieces whose boxes overlap
 constexpr std::size_t kApartSteps = 4;         // of a test of two triangles
 constexpr std::size_t kSamples = 500;
+constexpr std::size_t kManySamples = 20'000;  // where a share is compared with kMuch: of thin things few are inside
 constexpr std::size_t kMinSamples = 64;
 constexpr std::size_t kSampledTriangles = 20'000'000;  // for all samples: of slivers, each sees every triangle
 
@@ -471,10 +472,10 @@ class Union {
 };
 
 /// Calls visit(point) for points that fill the bounds of a surface evenly, but not for those very near to it.
-void forEachSample(const TriMesh& mesh, const TriangleTree& tree, const auto& visit) {
+void forEachSample(const TriMesh& mesh, const TriangleTree& tree, std::size_t samples, const auto& visit) {
   const Aabb box = surfaceBounds(mesh);
   const double near = 1e-4 * box.diagonal();
-  const std::size_t count = std::clamp(kSampledTriangles / mesh.triangles.size(), kMinSamples, kSamples);
+  const std::size_t count = std::clamp(kSampledTriangles / mesh.triangles.size(), kMinSamples, samples);
   for (std::size_t i = 1; i <= count; ++i) {
     // An additive recurrence with powers of a root of x^4 = x + 1.
     const Vec3 at(std::fmod(i * 0.8191725133961645, 1.0), std::fmod(i * 0.6710436067037893, 1.0),
@@ -485,9 +486,9 @@ void forEachSample(const TriMesh& mesh, const TriangleTree& tree, const auto& vi
 }
 
 /// The share of a solid that its surface winds around more than once, as far as samples show.
-double shareTwice(const TriMesh& mesh, const TriangleTree& tree) {
+double shareTwice(const TriMesh& mesh, const TriangleTree& tree, std::size_t samples) {
   int inside = 0, twice = 0;
-  forEachSample(mesh, tree, [&](const Vec3& p) {
+  forEachSample(mesh, tree, samples, [&](const Vec3& p) {
     const double winding = tree.windingNumber(p);
     inside += winding > kInside ? 1 : 0;
     twice += winding > 1.0 + kInside ? 1 : 0;
@@ -499,7 +500,7 @@ double shareTwice(const TriMesh& mesh, const TriangleTree& tree) {
 bool holdsOnce(const TriMesh& whole, const TriMesh& pieces, const TriangleTree& before) {
   const TriangleTree after(whole.vertices, whole.triangles);
   bool same = true;
-  forEachSample(pieces, before, [&](const Vec3& p) {
+  forEachSample(pieces, before, kSamples, [&](const Vec3& p) {
     const double winding = after.windingNumber(p);
     same = same && (before.windingNumber(p) > kInside) == (winding > kInside) && winding < 1.0 + kInside;
   });
@@ -511,8 +512,7 @@ bool holdsOnce(const TriMesh& whole, const TriMesh& pieces, const TriangleTree& 
 Result<std::optional<ShellUnion>> uniteShells(const TriMesh& mesh) {
   const MeshPieces pieces = findPieces(mesh);
   Union shells(mesh, pieces);
-  const double twice = shells.possible() ? 0.0 : shareTwice(mesh, shells.tree());
-  if (!shells.possible() && twice == 0.0) return std::optional<ShellUnion>();
+  if (!shells.possible() && shareTwice(mesh, shells.tree(), kSamples) == 0.0) return std::optional<ShellUnion>();
   const double sum = signedVolume(mesh.vertices, mesh.triangles);
   for (const double tolerance : kTolerances) {
     for (const bool within : {false, true}) {  // pieces that overlap themselves are rare and take longer
@@ -528,7 +528,7 @@ Result<std::optional<ShellUnion>> uniteShells(const TriMesh& mesh) {
     }
   }
   if (shells.tookTooLong()) return badMesh("pieces lie across each other in more places than can be resolved");
-  if ((shells.possible() ? shareTwice(mesh, shells.tree()) : twice) < kMuch) return std::optional<ShellUnion>();
+  if (shareTwice(mesh, shells.tree(), kManySamples) < kMuch) return std::optional<ShellUnion>();
   return badMesh("{} of {} pieces overlap in a way that cannot be resolved", shells.overlapping(),
                  pieces.members.size());
 }

@@ -1,5 +1,7 @@
 #include "acd/decompose.h"
 
+#include "acd/part_concavity.h"
+#include "acd/transfer.h"
 #include "geometry/mesh_files.h"
 #include "geometry/small_faults.h"
 #include "tests/acd/parts.h"
@@ -330,6 +332,24 @@ INSTANTIATE_TEST_SUITE_P(
                     BenchmarkRow{"Bunny.off", 8, kFast, 0.89}, BenchmarkRow{"Block.off", 19, kFast, 0.92},
                     BenchmarkRow{"Horse.off", 10, kFast, 0.84}, BenchmarkRow{"Table.off", 5, kFast, 0.99},
                     BenchmarkRow{"Octopus.off", 31, kFast, 0.70}, BenchmarkRow{"Genus.off", 12, kFast, 0.82}));
+
+/// Of a ring, or of thin walls round a hole, every cut gains next to nothing, and only some lead on.
+TEST(Decompose, MeetsAConcavityWithFewPartsWhereNoCutGains) {
+  const std::vector<std::pair<std::string, std::size_t>> rows = {
+      {"Block.off", 20}, {"Sledge.off", 14}, {"Torus.off", 8}};
+  for (const auto& [name, parts] : rows) {
+    LORICA_REQUIRE_DATASET(file, "vhacd/" + name);
+    const TriMesh mesh = test::valueOf(readMesh(file));
+    const double limit = 0.048 * concavityUnit(mesh.vertices);
+    const Decomposition d = decomposed(mesh, {.maxParts = 0, .maxConcavity = limit});
+    expectSound(mesh, mesh.vertices, d);
+    EXPECT_LE(d.parts.size(), parts) << name;
+    const std::vector<Vec3> points = test::transferred(d, mesh.vertices);
+    for (const Part& part : d.parts) {
+      EXPECT_LE(partConcavity(partHull(part, points), points, part.triangles, limit), 1.01 * limit) << name;
+    }
+  }
+}
 
 }  // namespace
 }  // namespace lorica
