@@ -20,7 +20,7 @@ COLORS = {"Lorica": "#1f5fa8", "quality": "#1f5fa8", "fast": "#5f9fdc", "paper":
 def rows_of(path):
     """Dicts of a CSV's rows, and what its comments say of version, machine and command."""
     lines = path.read_text().splitlines()
-    about = dict(line[2:].split(": ", 1) for line in lines if re.match(r"# (version|machine|command): ", line))
+    about = dict(line[2:].split(": ", 1) for line in lines if re.match(r"# (version|machine|command|table): ", line))
     lines = [line for line in lines if line and not line.startswith("#")]
     return list(csv.DictReader(line for i, line in enumerate(lines) if i == 0 or line != lines[0])), about  # runs repeat it
 
@@ -125,10 +125,7 @@ class Page:
         self.folder, self.parts, self.worse = folder, [], []
         version = lambda path: [int(n) for n in path.name.split(".")]
         self.version = max((path for path in (folder / "benchmarks").iterdir() if path.is_dir()), key=version)
-        self.others = rows_of(folder / "benchmarks/others.csv")[0]
-        for row in self.others:
-            if row["value"].lstrip("0") not in (ROOT / row["source"]).read_text().replace(",", ""):
-                sys.exit(f"others.csv: {row['source']} does not say {row['value']} ({row['who']}, {row['row']})")
+        self.reported = rows_of(folder / "benchmarks/others.csv")[0]
 
     def read(self, name):
         path = self.version / f"{name}.csv"
@@ -141,13 +138,6 @@ class Page:
             self.parts += [f"![{title}](pictures/bench_{name}.svg)", ""]
         if about:
             self.parts += [f"`{about['command']}`; {about['machine']}.", ""]
-
-    def from_docs(self, chart):
-        groups = {}
-        for row in self.others:
-            if row["chart"] == chart:
-                groups.setdefault(row["row"], []).append((row["who"], float(row["value"])))
-        return list(groups.items())
 
     def said(self, name, pattern):
         """What the comments of a CSV say: the groups of each match."""
@@ -211,14 +201,15 @@ def score(page):
             own.setdefault(f"{row['mesh']} {row['wanted']}".lower(), {})[row["preset"]] = float(row["score17"])
             seconds.setdefault(row["preset"], []).append(float(row["cpu_seconds"]))
             scores.setdefault(row["preset"], []).append(float(row["score17"]))
-    groups = []
-    for label, theirs in page.from_docs("score"):
+    groups, coacd = [], {row["mesh, parts"]: float(row["CoACD"]) for row in page.read("rotations")[0] if row["CoACD"]}
+    for label in coacd:
+        theirs = [("CoACD", coacd[label])]
         groups.append((label, [*own[label].items(), *theirs]))
         for preset in ("fast", "quality"):
             for who, value in [*theirs, ("the paper's algorithm", own[label]["paper"])]:
                 page.compare(f"score of {label}, `{preset}`", "", own[label][preset], who, value, True)
     for label, score_of in own.items():
-        if label not in dict(page.from_docs("score")):
+        if label not in coacd:
             page.compare(f"score of {label}, `fast`", "", score_of["fast"], "the paper's algorithm", score_of["paper"], True)
     mean = {preset: statistics.fmean(values) for preset, values in scores.items()}
     median = {preset: statistics.median(values) for preset, values in seconds.items()}
@@ -299,7 +290,7 @@ def measured(page):
     rows, _ = page.read("concavity")
     of = {preset: {row["mesh"]: row for row in rows if row["preset"] == preset} for preset in ("fast", "quality")}
     cell = lambda row: f"{row['parts']}, {row['concavity']}, {row['mean_concavity']}, {float(row['cpu_seconds']):.1f}"
-    page.table("DECOMPOSITION.md", "most of the others are below.", ["", "`fast`: parts, largest concavity, mean of the parts, CPU s", "`quality`"], [
+    page.table("DECOMPOSITION.md", "Most of the set's other meshes are below.", ["", "`fast`: parts, largest concavity, mean of the parts, CPU s", "`quality`"], [
         [mesh.replace("mean of", "mean of the") + "; median CPU s" * mesh.startswith("mean"), cell(row), cell(of["quality"][mesh])]
         for mesh, row in of["fast"].items()])
     rows, _ = page.read("hollow")
@@ -379,23 +370,43 @@ def others(page):
                     groups[group].append((label, of_all[column]))
                     if who not in ("fast", "quality"):
                         page.compare(f"{column.replace('_', ' ')}, {len(meshes)} meshes", "", value("fast", meshes, column, means[column]), who, of_all[column])
-    lines.append(["CuACD; CoACD, as they report", "61", "33.6; 40.5", ".0488; .0495", "", "0.23 on a GPU; 18.0"])
+    lines += [[f"{row['who']}, as reported", row["meshes"], row["parts"], row["concavity"], "", row["seconds"]] for row in page.reported]
     page.table("DECOMPOSITION.md", "**The field's set.**", ["", "meshes", "parts", "largest concavity", "mean of the parts", "median CPU s"], lines)
     turned = [row for row in page.read("turned")[0] if row["spread"] and not row["mesh"].startswith("mean")]
     page.table("DECOMPOSITION.md", "**Turned.**", ["meshes", "the same parts in all", "parts apart, most", "concavity apart: median, largest"], [[
         str(len(turned)), str(sum(row["fewest_parts"] == row["most_parts"] for row in turned)),
         str(max(int(row["most_parts"]) - int(row["fewest_parts"]) for row in turned)),
         ", ".join(f"{mean(float(row['spread']) for row in turned):.4f}" for mean in (statistics.median, max))]])
-    for label, group in page.from_docs("hulls"):
-        for who, hulls in group:
-            page.compare(f"hulls, {label}", "hulls", group[-1][1], who, hulls)
-    groups["CPU seconds, median"] += [(who, seconds) for _, reported in page.from_docs("seconds") for who, seconds in reported]
+    hulls = [(row[""], [("CoACD", float(row["CoACD: hulls"])), ("Lorica fast", float(row["the same call: hulls"]))]) for row in page.read("hollow_examples")[0]]
+    for label, ((who, theirs), (_, ours)) in hulls:
+        page.compare(f"hulls, {label}", "hulls", ours, who, theirs)
+    groups["CPU seconds, median"] += [(f"{row['who']} (reported)", float(row["seconds"])) for row in page.reported]
     page.section("V-HACD, CoACD, CuACD", "The field's set, see [DECOMPOSITION](DECOMPOSITION.md). CuACD and CoACD (reported) are as their authors report of 61 "
                  "meshes; the hulls are of CoACD's own example objects at threshold 0.05.", about,
                  concavity=bars("CoACD's concavity, less is better", "", [(name, groups[name]) for name in list(groups)[:2]]),
                  counts=bars("Parts, fewer are better", "", [("parts", groups["parts"])]),
                  seconds=bars("Median seconds, less is better", "s", [("a mesh", groups["CPU seconds, median"])], log=True),
-                 hulls=bars("Hulls of hollow things, fewer are better", "hulls", page.from_docs("hulls")))
+                 hulls=bars("Hulls of hollow things, fewer are better", "hulls", hulls))
+
+
+def kept(page):
+    """Tables as their CSV has them, of what programs and files of others have a part in: `# table:` says after which words of which
+    page they stand. A column `+name` shares a cell with the one before."""
+    for path in sorted((page.folder / "benchmarks").rglob("*.csv")):
+        about = rows_of(path)[1]
+        if "table" not in about:
+            continue
+        head, *rows = csv.reader(line for line in path.read_text().splitlines() if not line.startswith("#"))
+        table = [[] for _ in (head, *rows)]
+        for cells, row in zip(table, ([name.lstrip("+") for name in head], *rows)):
+            for name, value in zip(head, row):
+                if not name.startswith("+"):
+                    cells.append(value)
+                elif value:
+                    cells[-1] += f", {value}"
+        page.table(*about["table"].split(", after "), table[0], table[1:])
+    of = {row[""]: row for row in page.read("robot_coacd")[0]}
+    page.compare("hulls of H1's 18 meshes, largest concavity 0.05", "hulls", float(of["`lorica export --parts 256`"]["hulls"]), "CoACD", float(of["CoACD"]["hulls"]))
 
 
 def particles(page):
@@ -463,7 +474,7 @@ def serve(page):
 
 def draw(folder):
     page = Page(folder)
-    for section in (live, frames, growth, score, presets, hulls, measured, tracking, others, particles, rays, serve):
+    for section in (live, frames, growth, score, presets, hulls, measured, tracking, others, kept, particles, rays, serve):
         section(page)
     worse = [f"| {what} | {ours} | {who}: {theirs} |" for what, ours, who, theirs in page.worse]
     intro = ["# Benchmarks", "", textwrap.fill(f"Made by `scripts/benchmarks` from the CSV files in [benchmarks](benchmarks/{page.version.name}), which the "

@@ -61,8 +61,10 @@ function(lorica_flags target)
   endif()
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wshadow -Wnon-virtual-dtor -ffp-contract=off
                                            $<$<BOOL:${LORICA_WERROR}>:-Werror>)
-  if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")  # or Eigen's vectors fuse them, whatever the compiler is told
-    target_compile_options(${target} PRIVATE -U__ARM_FEATURE_FMA)
+  if(CMAKE_SYSTEM_PROCESSOR STREQUAL "aarch64")
+    # Or Eigen's vectors fuse them, whatever the compiler is told. g++ 12 crashes on arm_sve.h; NEON is what every arm64 has.
+    target_compile_options(${target} PRIVATE -U__ARM_FEATURE_FMA -Wno-psabi)
+    target_compile_definitions(${target} PRIVATE "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
   endif()
   # With precompiled headers g++ 12 does not see that code is the standard library's and reports false alarms there.
   target_compile_options(${target} PRIVATE

@@ -1,0 +1,15 @@
+# Toolchain file: Debian's compiler for arm64, with the libraries in CMAKE_SYSROOT, a root that tests/arm64/run makes.
+set(CMAKE_SYSTEM_NAME Linux)
+set(CMAKE_SYSTEM_PROCESSOR aarch64)
+set(CMAKE_CXX_COMPILER aarch64-linux-gnu-g++)
+set(CMAKE_INSTALL_LIBDIR lib/aarch64-linux-gnu)
+set(CPACK_DEBIAN_PACKAGE_ARCHITECTURE arm64)
+set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
+foreach(kind LIBRARY INCLUDE PACKAGE)
+  set(CMAKE_FIND_ROOT_PATH_MODE_${kind} ONLY)
+endforeach()
+set(ENV{PKG_CONFIG_LIBDIR} ${CMAKE_SYSROOT}/usr/lib/aarch64-linux-gnu/pkgconfig:${CMAKE_SYSROOT}/usr/share/pkgconfig)
+set(ENV{PKG_CONFIG_SYSROOT_DIR} ${CMAKE_SYSROOT})
+# This machine's Python knows only where its own files are and how they are named.
+file(GLOB Python_INCLUDE_DIR ${CMAKE_SYSROOT}/usr/include/python3.*)
+string(REGEX REPLACE ".*python3\\.(.*)" ".cpython-3\\1-aarch64-linux-gnu.so" PYTHON_MODULE_EXTENSION "${Python_INCLUDE_DIR}")
