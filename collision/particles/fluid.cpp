@@ -104,7 +104,6 @@ struct Fluid::State {
   std::vector<float> pressure, nextPressure;
   std::vector<float> lasting, nextLasting;  // its mean over time
   float pressureSeconds = 0.0f;             // of the substep that the pressures belong to
-  std::vector<std::uint8_t> none;           // excludes no particle from the lists
   StandingWater standing;
   std::vector<StandingWater::Solid> solids;
   std::vector<ParticleRow> lift, nextLift;  // see StandingWater
@@ -125,7 +124,6 @@ Fluid::State::State(const FluidSettings& wanted)
       nextPressure(set.position.size()),
       lasting(set.position.size()),
       nextLasting(set.position.size()),
-      none(set.position.size()),
       standing(wanted.capacity, spacing, set.room.min - Vec3f::Constant(0.5f * spacing),
                set.room.max + Vec3f::Constant(0.5f * spacing)),
       lift(set.position.size()),
@@ -166,7 +164,7 @@ void Fluid::State::step(std::span<const LivePart> parts, double seconds, std::sp
       pushOut(substeps.seconds);
     }
   }
-  set.rigid.finish();
+  set.endFrame(bodies);
   set.publish(1.0f);
 }
 
@@ -201,7 +199,7 @@ void Fluid::State::predict(float seconds, bool sorts) {
     return;
   }
   const float listed = kListed * kernels.reach;
-  set.sort(listed, kRows, [&](std::size_t i, std::size_t from) {
+  set.sort({set.nextPosition.data(), set.count}, listed, kRows, [&](std::size_t i, std::size_t from) {
     before[i] = set.position[from];
     nextPressure[i] = pressure[from];
     nextLasting[i] = lasting[from];
@@ -211,7 +209,7 @@ void Fluid::State::predict(float seconds, bool sorts) {
   std::swap(lasting, nextLasting);
   std::swap(lift, nextLift);
   set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
-  set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, none);
+  set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, {});
 }
 
 // Pressures start from those of the previous substep.

@@ -27,9 +27,8 @@ HWY_INLINE Pairs pairsOf(const Rows& own, const Rows& other, const std::uint32_t
   const Numbers u;
   Pairs pairs{hn::Sub(own.x, other.x), hn::Sub(own.y, other.y), hn::Sub(own.z, other.z), hn::Zero(f), hn::FirstN(f, 0)};
   pairs.distanceSq = dotOf(pairs.dx, pairs.dy, pairs.dz, pairs.dx, pairs.dy, pairs.dz);
-  const auto self = hn::Iota(u, static_cast<std::uint32_t>(i));
-  pairs.near =
-      hn::And(hn::Lt(pairs.distanceSq, hn::Set(f, reach * reach)), hn::RebindMask(f, hn::Ne(hn::LoadU(u, slot), self)));
+  pairs.near = hn::And(hn::Lt(pairs.distanceSq, hn::Set(f, reach * reach)),
+                       hn::RebindMask(f, hn::Ne(hn::LoadU(u, slot), numbersFrom(i))));
   return pairs;
 }
 
@@ -146,7 +145,7 @@ void moves(const FluidKernels& k, const ParticleRow* pressed, const NeighbourLis
       sumX = hn::Add(sumX, hn::Mul(along, pairs.dx));
       sumZ = hn::Add(sumZ, hn::Mul(along, pairs.dz));
       // Two particles in the same position are separated upwards and downwards, by their numbers.
-      const auto first = hn::RebindMask(f, hn::Lt(hn::LoadU(u, slot), hn::Iota(u, static_cast<std::uint32_t>(i))));
+      const auto first = hn::RebindMask(f, hn::Lt(hn::LoadU(u, slot), numbersFrom(i)));
       const auto upOrDown = hn::IfThenElse(first, way, hn::Neg(way));
       sumY = hn::Add(sumY, hn::IfThenElse(hn::Gt(distance, tiny), hn::Mul(along, pairs.dy), upOrDown));
     }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstring>
 #include <numbers>
 
 namespace lorica {
@@ -33,6 +34,11 @@ float quietWay(const GranularSettings& settings, float seconds) {
   return kQuiet * static_cast<float>(settings.gravity.norm()) * seconds * seconds;
 }
 
+/// What gravity adds to a motion in a substep [m].
+ParticleRow fallOf(const GranularSettings& settings, float seconds) {
+  return rowOf(settings.gravity.cast<float>() * (seconds * seconds));
+}
+
 }  // namespace
 
 struct Granular::State {
@@ -41,7 +47,7 @@ struct Granular::State {
   std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
   void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
   void sort(float seconds);
-  void findNeighbours();
+  void findNeighbours(const ParticleRow& fall);
   void stepContacts(float seconds);
   void touchBodies(float seconds);
   void pushOut(float seconds);
@@ -49,15 +55,19 @@ struct Granular::State {
 
   GranularSettings settings;
   ParticleSet set;  // motions are displacements in a substep [m]; for w, see GrainPass
+  std::vector<ParticleRow> goal, nextGoal;
   float diameter;
   float motionSeconds;  // of the substeps that the motions belong to
   std::vector<std::uint8_t> asleep, woken;
+  bool anySleeps = false;
   double mass;  // of a grain [kg]
 };
 
 Granular::State::State(const GranularSettings& wanted)
     : settings(wanted),
       set(wanted.capacity, particleRoom(wanted.floor, wanted.walls, wanted.radius), wanted.radius, kMaxNeighbours),
+      goal(set.position.size()),
+      nextGoal(set.position.size()),
       diameter(2.0f * static_cast<float>(wanted.radius)),
       motionSeconds(static_cast<float>(wanted.substepSeconds)),
       asleep(set.position.size(), std::uint8_t{1}),
@@ -79,10 +89,11 @@ void Granular::State::step(std::span<const LivePart> parts, double seconds, std:
   const ParticleSet::Substeps substeps = set.beginFrame(parts, bodies, seconds, settings.substepSeconds);
   set.markAround(ParticleSet::Parts::kMoving, 2.0f * diameter, woken);
   set.rigid.markAround(set.grid, diameter, woken);
+  const ParticleRow fall = fallOf(settings, substeps.seconds);
   for (int substep = 0; substep < substeps.count; ++substep) {
     if (substep % kSubstepsPerSort == 0) {
       sort(substeps.seconds);
-      findNeighbours();
+      findNeighbours(fall);
     }
     stepContacts(substeps.seconds);
     if (!set.rigid.empty()) {
@@ -95,7 +106,7 @@ void Granular::State::step(std::span<const LivePart> parts, double seconds, std:
     }
     if (substep % kSubstepsPerSort == kSubstepsPerSort - 1 || substep == substeps.count - 1) rouse(substeps.seconds);
   }
-  set.rigid.finish();
+  set.endFrame(bodies);
   set.publish(substeps.seconds);
 }
 
@@ -113,50 +124,49 @@ void Granular::State::sort(float seconds) {
     woken[i] = 0;
     motion = {rate * motion.x, rate * motion.y, rate * motion.z, motion.w};
     constexpr float kAhead = 0.5f * kSubstepsPerSort;
-    set.nextPosition[i] = {position.x + kAhead * motion.x, position.y + kAhead * motion.y,
-                           position.z + kAhead * motion.z, 0.0f};
+    goal[i] = {position.x + kAhead * motion.x, position.y + kAhead * motion.y, position.z + kAhead * motion.z, 0.0f};
   });
-  set.sort(kReach * diameter, 1, [&](std::size_t i, std::size_t from) {
+  set.sort({goal.data(), set.count}, kReach * diameter, 1, [&](std::size_t i, std::size_t from) {
+    set.nextPosition[i] = set.position[from];
     set.nextMotion[i] = set.motion[from];
     asleep[i] = set.nextMotion[i].w >= kAsleep ? 1 : 0;
   });
+  std::swap(set.position, set.nextPosition);
   std::swap(set.motion, set.nextMotion);
-  // Sleeping grains are stored in both of the alternating buffers.
-  const std::uint32_t* order = set.grid.order().data();
-  set.forEach([&](std::size_t i) { set.nextPosition[i] = set.position[order[i]]; });
-  set.forEach([&](std::size_t i) {
-    set.position[i] = set.nextPosition[i];
-    set.nextMotion[i] = set.motion[i];
-  });
 }
 
-void Granular::State::findNeighbours() {
+void Granular::State::findNeighbours(const ParticleRow& fall) {
+  anySleeps = std::memchr(asleep.data(), 1, set.count) != nullptr;
   set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, kReach * diameter, asleep);
 
   // Grains that the body may touch, given the farthest that any can move before the next sorting.
   const float margin = (kSubstepsPerSort * kFastest + 1.0f) * diameter;
-  set.markAround(ParticleSet::Parts::kAll, margin, set.nearBody);
+  const bool anyNear = set.markAround(ParticleSet::Parts::kAll, margin, set.nearBody);
+  set.forEach([&](std::size_t i) {
+    if (asleep[i] == 0 && set.nearBody[i] == 0) set.position[i].w = 0.0f;  // it no longer rests on the body
+    goal[i] = endOf(set.position[i], set.motion[i], asleep[i] != 0, fall);
+    if (asleep[i] == 0) return;
+    // Sleeping grains are stored in both of the alternating buffers.
+    set.nextPosition[i] = set.position[i];
+    set.nextMotion[i] = set.motion[i];
+    nextGoal[i] = goal[i];
+  });
   set.candidateOf.clear();
-  for (std::size_t i = 0; i < set.count; ++i) {
-    if (asleep[i] == 0) {
-      if (set.nearBody[i] != 0) {
-        set.candidateOf.push_back(i);
-      } else {
-        set.position[i].w = 0.0f;  // it no longer rests on the body
-      }
-    }
+  for (std::size_t i = 0; anyNear && i < set.count; ++i) {
+    if (set.nearBody[i] != 0 && asleep[i] == 0) set.candidateOf.push_back(i);
     set.nearBody[i] = 0;
   }
 }
 
 void Granular::State::stepContacts(float seconds) {
-  const Vec3f fall = settings.gravity.cast<float>() * (seconds * seconds);
   const GrainPass pass{set.position.data(),
                        set.motion.data(),
+                       goal.data(),
                        set.nextPosition.data(),
                        set.nextMotion.data(),
+                       nextGoal.data(),
                        asleep.data(),
-                       rowOf(fall),
+                       fallOf(settings, seconds),
                        diameter,
                        static_cast<float>(settings.friction),
                        kRelaxation,
@@ -171,6 +181,7 @@ void Granular::State::stepContacts(float seconds) {
   set.forBlocks([&](std::size_t begin, std::size_t end) { stepGrains(pass, set.lists, begin, end); });
   std::swap(set.position, set.nextPosition);
   std::swap(set.motion, set.nextMotion);
+  std::swap(goal, nextGoal);
 }
 
 // A sleeping grain holds a rigid body as the ground does. One that is pressed down is carried by those below it.
@@ -193,6 +204,7 @@ void Granular::State::touchBodies(float seconds) {
     }
   }
   set.rigid.follow();
+  const ParticleRow fall = fallOf(settings, seconds);
   for (const ParticleBodies::Contact& contact : contacts) {
     if (asleep[contact.particle] != 0) continue;
     ParticleRow &at = set.position[contact.particle], &motion = set.motion[contact.particle];
@@ -200,6 +212,7 @@ void Granular::State::touchBodies(float seconds) {
     const float length = way.norm(), deep = radius - contact.distance;
     if (length > kFastest * diameter) motion = rowOf(kFastest * diameter / length * way, motion.w);
     if (deep > 0.0f) at = rowOf(set.room.nearest(vectorOf(at) + std::min(deep, diameter) * contact.normal), at.w);
+    goal[contact.particle] = endOf(at, motion, false, fall);
   }
 }
 
@@ -219,6 +232,10 @@ void Granular::State::pushOut(float seconds) {
   const std::span<const ParticleTouch> touches = set.body.push(set.candidates, set.room);
   std::size_t next = 0;
   for (std::size_t c = 0; c < set.candidateOf.size(); ++c) {
+    const auto aim = [&] {
+      goal[set.candidateOf[c]] =
+          endOf(set.position[set.candidateOf[c]], set.motion[set.candidateOf[c]], false, rowOf(fall));
+    };
     ParticleRow& row = set.position[set.candidateOf[c]];
     ParticleRow& motion = set.motion[set.candidateOf[c]];
     const Vec3f& position = set.candidates[c];
@@ -229,6 +246,7 @@ void Granular::State::pushOut(float seconds) {
       if (row.w > 0.0f) {
         row = rowOf(set.room.nearest(position));
         motion = rowOf(way);
+        aim();
       }
       continue;
     }
@@ -247,11 +265,13 @@ void Granular::State::pushOut(float seconds) {
     } else {
       row = rowOf(position, count);
     }
+    aim();
   }
 }
 
 // Moving grains wake sleeping neighbours.
 void Granular::State::rouse(float seconds) {
+  if (!anySleeps) return;
   const float rousing = kRousing * quietWay(settings, seconds);
   set.forBlocks([&](std::size_t firstBlock, std::size_t lastBlock) {
     for (std::size_t block = firstBlock; block < lastBlock; ++block) {
@@ -262,8 +282,7 @@ void Granular::State::rouse(float seconds) {
         const std::uint32_t* slots = set.lists.slots(block) + i % kParticleBlock;
         for (int s = 0; s < set.lists.slotCount(block); ++s) {
           const std::uint32_t other = slots[s * kParticleBlock];
-          if ((other & NeighbourLists::kMarked) == 0) continue;
-          std::atomic_ref<std::uint8_t>(woken[other & ~NeighbourLists::kMarked]).store(1, std::memory_order_relaxed);
+          if (asleep[other] != 0) std::atomic_ref<std::uint8_t>(woken[other]).store(1, std::memory_order_relaxed);
         }
       }
     }

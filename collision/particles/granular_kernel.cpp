@@ -27,8 +27,7 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
   const auto diameter = hn::Set(f, p.diameter), diameterSq = hn::Set(f, p.diameter * p.diameter);
   const auto friction = hn::Set(f, p.friction), deepFrom = hn::Set(f, p.deepFrom);
   const auto fallX = hn::Set(f, p.fall.x), fallY = hn::Set(f, p.fall.y), fallZ = hn::Set(f, p.fall.z);
-  const auto self = hn::Iota(u, static_cast<std::uint32_t>(i));
-  const auto marked = hn::Set(u, NeighbourLists::kMarked);
+  const auto self = numbersFrom(i);
 
   const Rows position = loadRows(p.positions + i);
   const Rows motion = loadRows(p.motions + i);
@@ -40,21 +39,18 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
   auto brakeX = zero, brakeY = zero, brakeZ = zero;
   auto touches = zero;
   for (int s = 0; s < slotCount; ++s, slot += kParticleBlock) {
-    const auto listed = hn::LoadU(u, slot);
-    const auto number = hn::AndNot(marked, listed);
-    const auto asleep = hn::RebindMask(f, hn::Ne(number, listed));
-    const Rows other = gatherRows(p.positions, slot);
+    const auto number = hn::LoadU(u, slot);
+    const Rows other = gatherRows(p.ends, slot);
+    const auto dx = hn::Sub(x, other.x), dy = hn::Sub(y, other.y), dz = hn::Sub(z, other.z);
+    const auto distanceSq = dotOf(dx, dy, dz, dx, dy, dz);
+    const auto touching = hn::And(hn::Lt(distanceSq, diameterSq), hn::RebindMask(f, hn::Ne(number, self)));
+    if (hn::AllFalse(f, touching)) continue;
+    const auto asleep = hn::Lt(other.w, zero);
     const auto otherRests = hn::Gt(other.w, zero);
     const Rows otherMotion = gatherRows(p.motions, slot);
     const auto otherWayX = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.x, hn::IfThenZeroElse(otherRests, fallX)));
     const auto otherWayY = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.y, hn::IfThenZeroElse(otherRests, fallY)));
     const auto otherWayZ = hn::IfThenZeroElse(asleep, hn::Add(otherMotion.z, hn::IfThenZeroElse(otherRests, fallZ)));
-    const auto dx = hn::Sub(x, hn::Add(other.x, otherWayX));
-    const auto dy = hn::Sub(y, hn::Add(other.y, otherWayY));
-    const auto dz = hn::Sub(z, hn::Add(other.z, otherWayZ));
-    const auto distanceSq = dotOf(dx, dy, dz, dx, dy, dz);
-    const auto touching = hn::And(hn::Lt(distanceSq, diameterSq), hn::RebindMask(f, hn::Ne(number, self)));
-    if (hn::AllFalse(f, touching)) continue;
     const auto distance = hn::Sqrt(distanceSq);
     const auto overlap = hn::Sub(diameter, distance);
     // Two grains in the same position are separated upwards and downwards, by their numbers.
@@ -120,6 +116,12 @@ HWY_INLINE void stepVector(const GrainPass& p, const std::uint32_t* slot, int sl
   storeRows({hn::IfThenElse(stays, position.x, inX), hn::IfThenElse(stays, position.y, inY),
              hn::IfThenElse(stays, position.z, inZ), position.w},
             p.nextPositions + i);
+  const auto nextX = hn::Add(inX, hn::Add(toX, hn::IfThenZeroElse(rests, fallX)));
+  const auto nextY = hn::Add(inY, hn::Add(toY, hn::IfThenZeroElse(rests, fallY)));
+  const auto nextZ = hn::Add(inZ, hn::Add(toZ, hn::IfThenZeroElse(rests, fallZ)));
+  storeRows({hn::IfThenElse(stays, position.x, nextX), hn::IfThenElse(stays, position.y, nextY),
+             hn::IfThenElse(stays, position.z, nextZ), hn::IfThenElse(stays, hn::Set(f, -1.0f), position.w)},
+            p.nextEnds + i);
   storeRows({hn::IfThenZeroElse(stays, toX), hn::IfThenZeroElse(stays, toY), hn::IfThenZeroElse(stays, toZ),
              hn::IfThenElse(stays, motion.w, quietCount)},
             p.nextMotions + i);

@@ -12,8 +12,8 @@ namespace lorica {
 struct GrainPass {
   const ParticleRow* positions;  ///< [m]; w: above 0 if the grain rests on the body and does not fall
   const ParticleRow* motions;    ///< in the last substep [m]; w: number of substeps for which they have been quiet
-  ParticleRow* nextPositions;
-  ParticleRow* nextMotions;
+  const ParticleRow* ends;       ///< see endOf()
+  ParticleRow *nextPositions, *nextMotions, *nextEnds;
   const std::uint8_t* asleep;  ///< not 0: the grain stays in place
   ParticleRow fall;            ///< what gravity adds to a motion in a substep [m]
   float diameter, friction;
@@ -25,6 +25,15 @@ struct GrainPass {
   float maxQuiet;             ///< max value of w
   ParticleRow min, max;       ///< bounds of positions: floor and walls
 };
+
+/// Where a grain would be after a substep without contacts [m]; w as of its position, but -1 if it is asleep.
+[[nodiscard]] inline ParticleRow endOf(const ParticleRow& position, const ParticleRow& motion, bool asleep,
+                                       const ParticleRow& fall) {
+  if (asleep) return {position.x, position.y, position.z, -1.0f};
+  if (position.w > 0.0f) return {position.x + motion.x, position.y + motion.y, position.z + motion.z, position.w};
+  return {position.x + (motion.x + fall.x), position.y + (motion.y + fall.y), position.z + (motion.z + fall.z),
+          position.w};
+}
 
 /// One substep of some blocks of grains: they move on and fall; contacts remove the approaching motion and the motion
 /// that friction holds, and separate overlapping grains. See docs/PARTICLES.md.

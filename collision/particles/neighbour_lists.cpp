@@ -30,7 +30,7 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
   const std::uint32_t lanes = hn::Lanes(f);
   const auto ownX = hn::Set(f, x[self]), ownY = hn::Set(f, y[self]), ownZ = hn::Set(f, z[self]);
   const auto limit = hn::Set(f, radiusSq);
-  const auto own = hn::Set(u, self);
+  const auto own = hn::Set(u, self), lane = hn::Load(u, kLaneNumbers.data());
   std::size_t count = 0;
   for (int r = 0; r < runCount; ++r) {
     const std::uint32_t last = std::min(runs[r].last, runs[r].first + NeighbourLists::kMaxLooked);
@@ -39,7 +39,7 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
       const auto dy = hn::Sub(hn::LoadU(f, y + j), ownY);
       const auto dz = hn::Sub(hn::LoadU(f, z + j), ownZ);
       const auto distanceSq = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
-      const auto number = hn::Iota(u, j);
+      const auto number = hn::Add(lane, hn::Set(u, j));
       const auto inRun = hn::And(hn::Lt(number, hn::Set(u, last)), hn::Ne(number, own));
       const auto near = hn::And(hn::RebindMask(u, hn::Lt(distanceSq, limit)), inRun);
       // Not a single compress-store: on some machines that takes a hundred cycles.
@@ -51,12 +51,41 @@ int findNear(const ParticleGrid::Run* runs, int runCount, const float* x, const 
   return count;
 }
 
+constexpr auto kRoom = static_cast<std::size_t>(NeighbourLists::kMaxNeighbours) + 1 + kParticleBlock;
+using Found = std::array<std::array<std::uint32_t, kRoom>, kParticleBlock>;
+
+// Stores lists side by side.
+HWY_INLINE void transpose(const Found& found, std::size_t slots, std::uint32_t* out) {
+  std::size_t slot = 0;
+#if HWY_TARGET != HWY_SCALAR
+  const hn::FixedTag<std::uint32_t, 4> u;
+  const hn::RepartitionToWide<decltype(u)> pairs;
+  for (; slot + 4 <= slots; slot += 4, out += 4 * kParticleBlock) {
+    for (std::size_t lane = 0; lane < kParticleBlock; lane += 4) {
+      const auto a = hn::LoadU(u, &found[lane][slot]), b = hn::LoadU(u, &found[lane + 1][slot]);
+      const auto c = hn::LoadU(u, &found[lane + 2][slot]), d = hn::LoadU(u, &found[lane + 3][slot]);
+      const auto ab01 = hn::BitCast(pairs, hn::InterleaveLower(u, a, b));
+      const auto ab23 = hn::BitCast(pairs, hn::InterleaveUpper(u, a, b));
+      const auto cd01 = hn::BitCast(pairs, hn::InterleaveLower(u, c, d));
+      const auto cd23 = hn::BitCast(pairs, hn::InterleaveUpper(u, c, d));
+      std::uint32_t* to = out + lane;
+      hn::StoreU(hn::BitCast(u, hn::InterleaveLower(pairs, ab01, cd01)), u, to);
+      hn::StoreU(hn::BitCast(u, hn::InterleaveUpper(pairs, ab01, cd01)), u, to + kParticleBlock);
+      hn::StoreU(hn::BitCast(u, hn::InterleaveLower(pairs, ab23, cd23)), u, to + 2 * kParticleBlock);
+      hn::StoreU(hn::BitCast(u, hn::InterleaveUpper(pairs, ab23, cd23)), u, to + 3 * kParticleBlock);
+    }
+  }
+#endif
+  for (; slot < slots; ++slot, out += kParticleBlock) {
+    for (std::size_t lane = 0; lane < kParticleBlock; ++lane) out[lane] = found[lane][slot];
+  }
+}
+
 void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
                  float radiusSq, const std::uint8_t* skipped, std::size_t firstBlock, std::size_t lastBlock,
                  int maxNeighbours, std::uint32_t* slots, std::size_t firstSlot, std::size_t* firstSlots,
                  std::uint8_t* slotCounts, std::uint8_t* overflows) {
-  constexpr auto kRoom = static_cast<std::size_t>(NeighbourLists::kMaxNeighbours) + 1 + kParticleBlock;
-  std::array<std::array<std::uint32_t, kRoom>, kParticleBlock> found;
+  Found found;
   std::array<int, kParticleBlock> counts;
   ParticleGrid::Runs runs;
   for (std::size_t block = firstBlock; block < lastBlock; ++block) {
@@ -67,7 +96,7 @@ void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const
       const std::size_t i = block * kParticleBlock + lane;
       counts[lane] = 0;
       if (i >= count) continue;
-      if (skipped[i] != 0) {
+      if (skipped != nullptr && skipped[i] != 0) {
         runsKnown = false;
         continue;
       }
@@ -82,20 +111,13 @@ void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const
       longest = std::max(longest, counts[lane]);
     }
     slotCounts[block] = static_cast<std::uint8_t>(longest);
-    std::uint32_t* out = slots + firstSlot;
+    for (std::size_t lane = 0; lane < kParticleBlock; ++lane) {
+      std::uint32_t* own = found[lane].data();
+      std::fill(own + counts[lane], own + longest, static_cast<std::uint32_t>(block * kParticleBlock + lane));
+    }
+    transpose(found, longest, slots + firstSlot);
     firstSlots[block] = firstSlot;
     firstSlot += longest * kParticleBlock;
-    for (std::size_t lane = 0; lane < kParticleBlock; ++lane) {
-      const std::uint32_t self = block * kParticleBlock + lane;
-      const std::uint32_t* in = found[lane].data();
-      for (int slot = 0; slot < counts[lane]; ++slot) {
-        const std::uint32_t mark = skipped[in[slot]] != 0 ? NeighbourLists::kMarked : 0u;
-        out[slot * kParticleBlock + lane] = in[slot] | mark;
-      }
-      for (int slot = counts[lane]; slot < longest; ++slot) {
-        out[slot * kParticleBlock + lane] = self;
-      }
-    }
   }
 }
 
@@ -127,9 +149,9 @@ void NeighbourLists::build(const ParticleGrid& grid, const float* x, const float
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
     const std::size_t first = chunk * kBlocksInChunk, last = std::min(blocks, first + kBlocksInChunk);
     HWY_DYNAMIC_DISPATCH(buildBlocks)
-    (grid, x, y, z, count, radius * radius, skipped.data(), first, last, maxNeighbours_, slots_.data(),
-     first * kParticleBlock * static_cast<std::size_t>(maxNeighbours_), firstSlots_.data(), slotCounts_.data(),
-     overflows_.data());
+    (grid, x, y, z, count, radius * radius, skipped.empty() ? nullptr : skipped.data(), first, last, maxNeighbours_,
+     slots_.data(), first * kParticleBlock * static_cast<std::size_t>(maxNeighbours_), firstSlots_.data(),
+     slotCounts_.data(), overflows_.data());
   });
 }
 

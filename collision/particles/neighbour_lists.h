@@ -2,6 +2,7 @@
 
 #include "collision/particles/particle_grid.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -19,13 +20,14 @@ inline constexpr std::size_t kParticleBlock = 16;
   return (count + kParticleBlock - 1) / kParticleBlock * kParticleBlock + kParticleBlock;
 }
 
+/// The numbers from 0 on. hn::Iota() of a variable stores each number and then waits for all.
+alignas(64) inline constexpr std::array<std::uint32_t, kParticleBlock> kLaneNumbers = {0, 1, 2,  3,  4,  5,  6,  7,
+                                                                                       8, 9, 10, 11, 12, 13, 14, 15};
+
 /// For each particle of a grid, the other ones near it. A block's lists are stored side by side: slot s of all its
 /// particles, then slot s + 1. A list that is shorter than its block's longest is padded with the particle itself.
 class NeighbourLists {
  public:
-  /// In a slot: the neighbour is marked.
-  static constexpr std::uint32_t kMarked = 0x80000000u;
-
   /// @param maxNeighbours  in a list, at most kMaxNeighbours; further ones are left out
   NeighbourLists(std::size_t capacity, int maxNeighbours);
   static constexpr int kMaxNeighbours = 96;
@@ -35,7 +37,7 @@ class NeighbourLists {
   /// Finds the neighbours. Runs on all threads and does not allocate.
   /// @param x, y, z   in the order of the grid, paddedCount() of them
   /// @param radius    at most the grid's cellSize [m]
-  /// @param skipped   for each particle, paddedCount(): nonzero ones get no list, and are marked in others'
+  /// @param skipped   for each particle: nonzero ones get no list; empty: all are 0
   void build(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count, float radius,
              std::span<const std::uint8_t> skipped);
 

@@ -9,15 +9,14 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <vector>
 
 namespace lorica {
 namespace {
 
-/// Particles processed at once.
-constexpr std::size_t kChunk = 4096;
+/// Particles processed at once: many, so that cells have several, but enough chunks for all threads.
+constexpr std::size_t kSmallestChunk = 4096, kLargestChunk = 32768, kChunks = 16;
 /// Min number of cells in the box of all hulls. More take longer to build; with fewer, each has more planes.
 constexpr double kFewestCells = 500.0;
 constexpr double kMaxCells = 10000.0;
@@ -29,8 +28,6 @@ struct ParticlePush::State {
   explicit State(const ParticlePushSettings& wanted)
       : settings(wanted), arena(wanted.threads > 0 ? wanted.threads : tbb::task_arena::automatic) {}
 
-  std::size_t pushChunk(std::span<Vec3f> positions, std::size_t first, ParticleTouch* out) const;
-
   ParticlePushSettings settings;
   tbb::task_arena arena;
   PushHulls hulls;
@@ -40,6 +37,7 @@ struct ParticlePush::State {
   /// Each chunk writes at the index of its first particle, so only memory that is written is ever touched.
   std::unique_ptr<ParticleTouch[]> touches;
   std::vector<std::size_t> countOfChunk;
+  std::vector<PushScratch> scratch;  ///< of each thread
 };
 
 ParticlePush::ParticlePush(const ParticlePushSettings& settings) : state_(std::make_unique<State>(settings)) {
@@ -55,12 +53,6 @@ void ParticlePush::prepare(std::span<const LivePart> parts, double seconds, bool
   state_->cells = 0.0;
 }
 
-std::size_t ParticlePush::State::pushChunk(std::span<Vec3f> positions, std::size_t first, ParticleTouch* out) const {
-  std::array<std::uint32_t, kChunk + 16> scratch;  // NOLINT: written before it is read
-  return pushParticles(hulls, grid, positions[first].data(), std::min(kChunk, positions.size() - first),
-                       static_cast<std::uint32_t>(first), scratch.data(), out);
-}
-
 std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
   State& s = *state_;
   LORICA_CHECK(positions.size() <= std::numeric_limits<std::uint32_t>::max(),
@@ -71,17 +63,25 @@ std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
     s.cells = cells;
     s.grid.build(s.hulls, cells);
   }
-  const std::size_t chunks = (positions.size() + kChunk - 1) / kChunk;
+  const std::size_t size = std::clamp(positions.size() / kChunks, kSmallestChunk, kLargestChunk);
+  const std::size_t chunks = (positions.size() + size - 1) / size;
   if (s.room < positions.size()) {
     s.room = positions.size();
     s.touches = std::make_unique_for_overwrite<ParticleTouch[]>(s.room);
   }
   s.countOfChunk.resize(std::max(s.countOfChunk.size(), chunks));
 
+  const bool alone = s.settings.threads == 1 || chunks == 1;
+  s.scratch.resize(std::max<std::size_t>(s.scratch.size(), alone ? 1 : s.arena.max_concurrency()));
+  for (PushScratch& own : s.scratch) own.reserveRows(std::min(size, positions.size()), s.grid.lists.size());
   const auto work = [&](std::size_t chunk) {
-    s.countOfChunk[chunk] = s.pushChunk(positions, chunk * kChunk, s.touches.get() + chunk * kChunk);
+    const std::size_t first = chunk * size;
+    s.countOfChunk[chunk] =
+        pushParticles(s.hulls, s.grid, positions[first].data(), std::min(size, positions.size() - first),
+                      static_cast<std::uint32_t>(first),
+                      s.scratch[alone ? 0 : tbb::this_task_arena::current_thread_index()], s.touches.get() + first);
   };
-  if (s.settings.threads == 1 || chunks == 1) {
+  if (alone) {
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) work(chunk);
   } else {
     s.arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, work); });
@@ -89,7 +89,7 @@ std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
 
   std::size_t count = s.countOfChunk[0];
   for (std::size_t chunk = 1; chunk < chunks; ++chunk) {
-    const ParticleTouch* from = s.touches.get() + chunk * kChunk;
+    const ParticleTouch* from = s.touches.get() + chunk * size;
     std::copy(from, from + s.countOfChunk[chunk], s.touches.get() + count);
     count += s.countOfChunk[chunk];
   }

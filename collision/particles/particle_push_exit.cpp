@@ -78,13 +78,8 @@ std::optional<Vec3f> Search::ontoAll(std::span<const Side> sides) const {
 
 /// Whether a point on these planes is on the faces of their hulls.
 bool Search::onSurfaces(const Vec3f& p, std::span<const Side> sides) const {
-  return std::all_of(sides.begin(), sides.end(), [&](const Side& side) {
-    const PushHulls::Hull& hull = hulls_.hulls()[side.hull];
-    for (std::size_t i = hull.firstPlane; i < hull.firstPlane + hull.planeCount; ++i) {
-      if (hulls_.height(i, p) > 8.0F * hulls_.margin()) return false;
-    }
-    return true;
-  });
+  return std::all_of(sides.begin(), sides.end(),
+                     [&](const Side& side) { return !isAbove(hulls_, side.hull, p, 8.0F * hulls_.margin()); });
 }
 
 /// Tries the point of some planes that is nearest to the start, and keeps it if it is the nearest so far.
@@ -179,7 +174,7 @@ PushExit Search::run(const PushDepth& inside) {
 
   std::array<PushDepth, kMaxWays> ways;
   for (std::size_t i = 0; i < held; ++i) {
-    const std::size_t count = waysOut(hulls_, depths[i].hull, start_, ways);
+    const std::size_t count = waysOut(hulls_, depths[i].hull, start_, length_, ways);
     for (std::size_t k = 1; k < count; ++k) {
       const Side side{ways[k].hull, ways[k].plane};
       (void)tryPosition(std::span(&side, 1));

@@ -88,6 +88,7 @@ HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float 
     const auto bestY = hn::Set(f, best.y);
     const auto bestZ = hn::Set(f, best.z);
     const auto atLeast = hn::Set(f, best.height - slack);
+    const auto lane = hn::Iota(n, 0);
     for (std::size_t i = begin; i < end; i += hn::Lanes(f)) {
       const auto x = hn::LoadU(f, in.x + i);
       const auto y = hn::LoadU(f, in.y + i);
@@ -95,8 +96,8 @@ HWY_INLINE bool choose(const Planes& in, const Vec3f& center, float half, float 
       const auto apart = hn::Add(hn::Add(hn::AbsDiff(x, bestX), hn::AbsDiff(y, bestY)), hn::AbsDiff(z, bestZ));
       const auto matters = hn::Ge(hn::Add(hn::LoadU(f, out.height.data() + i), hn::Mul(reach, apart)), atLeast);
       if (hn::AllFalse(f, matters)) continue;
-      const auto index =
-          in.index != nullptr ? hn::LoadU(n, in.index + i) : hn::Iota(n, in.first + static_cast<std::uint32_t>(i));
+      const auto index = in.index != nullptr ? hn::LoadU(n, in.index + i)
+                                             : hn::Add(lane, hn::Set(n, in.first + static_cast<std::uint32_t>(i)));
       hn::CompressStore(x, matters, f, out.x.data() + count);
       hn::CompressStore(y, matters, f, out.y.data() + count);
       hn::CompressStore(z, matters, f, out.z.data() + count);

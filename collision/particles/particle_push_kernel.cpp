@@ -8,8 +8,10 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 HWY_BEFORE_NAMESPACE();
 namespace lorica::HWY_NAMESPACE {
@@ -17,6 +19,7 @@ namespace lorica::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, 16>;
 using Ints = hn::RebindToSigned<Floats>;
+using Indices = hn::RebindToUnsigned<Floats>;
 using PlaneFloats = hn::CappedTag<float, PushGrid::kWidth>;
 
 // Not fused, so that every instruction set rounds alike.
@@ -51,15 +54,14 @@ HWY_INLINE float heightIn(const PushGrid& grid, const PushGrid::List& list, cons
       highest = hn::Max(highest, heights(grid.blocks[b], i, position.x, position.y, position.z));
     }
   }
-  const float height = hn::GetLane(hn::MaxOfLanes(f, highest));
-  if (!(height < 0.0F)) return 0.0F;
   const auto zero = hn::Zero(f);
+  if (!hn::AllTrue(f, hn::Lt(highest, zero))) return 0.0F;
   for (; b < list.firstBlock + list.blockCount; ++b) {
     for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
       if (!hn::AllFalse(f, hn::Ge(heights(grid.blocks[b], i, position.x, position.y, position.z), zero))) return 0.0F;
     }
   }
-  return height;
+  return hn::GetLane(hn::MaxOfLanes(f, highest));
 }
 
 /// The first of a list's planes with this height.
@@ -97,14 +99,39 @@ HWY_INLINE PushDepth deepestInCell(const PushGrid& grid, const Vec3f& p) {
   return found != nullptr ? depthOf(grid, *found, lowest, position) : PushDepth{};
 }
 
-/// @param p  in the box of all hulls
-HWY_INLINE bool insideAny(const PushGrid& grid, const Vec3f& p) {
+HWY_INLINE bool isInside(const PushGrid& grid, const PushGrid::List& list, const Position& position) {
+  const PlaneFloats f;
+  for (std::uint32_t b = list.firstBlock; b < list.firstBlock + list.blockCount; ++b) {
+    for (std::size_t i = 0; i < PushGrid::kWidth; i += hn::Lanes(f)) {
+      const auto height = heights(grid.blocks[b], i, position.x, position.y, position.z);
+      if (!hn::AllTrue(f, hn::Lt(height, hn::Zero(f)))) return false;
+    }
+  }
+  return true;
+}
+
+bool insideAny(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) {
+  if (!isNear(hulls, p)) return false;
   const Position position = positionOf(grid, p);
   if (position.list == nullptr) return false;
   for (const PushGrid::List* list = position.list;; ++list) {
-    if (heightIn(grid, *list, position) < 0.0F) return true;
+    if (isInside(grid, *list, position)) return true;
     if (list->last) return false;
   }
+}
+
+bool aboveOne(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, float by) {
+  const Floats f;
+  const PushHulls::Hull& hull = hulls.hulls()[which];
+  const auto x = hn::Set(f, p.x()), y = hn::Set(f, p.y()), z = hn::Set(f, p.z()), limit = hn::Set(f, by);
+  for (std::size_t i = hull.firstPlane; i < hull.firstPlane + hull.planeCount; i += hn::Lanes(f)) {
+    const auto height =
+        hn::Sub(hn::Add(hn::Add(hn::Mul(hn::LoadU(f, hulls.x() + i), x), hn::Mul(hn::LoadU(f, hulls.y() + i), y)),
+                        hn::Mul(hn::LoadU(f, hulls.z() + i), z)),
+                hn::LoadU(f, hulls.offset() + i));
+    if (!hn::AllFalse(f, hn::Gt(height, limit))) return true;
+  }
+  return false;
 }
 
 PushDepth deepest(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) {
@@ -124,7 +151,8 @@ std::size_t allDepths(const PushHulls& hulls, const PushGrid& grid, const Vec3f&
   return count;
 }
 
-std::size_t waysOutOf(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, std::span<PushDepth> faces) {
+std::size_t waysOutOf(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, float longest,
+                      std::span<PushDepth> faces) {
   constexpr std::size_t kMaxPlanes = 2048;
   constexpr float kSimilar = 0.9F;  // cosine
   const Floats f;
@@ -147,7 +175,7 @@ std::size_t waysOutOf(const PushHulls& hulls, std::uint32_t which, const Vec3f& 
   std::size_t count = 0;
   while (count < faces.size()) {
     const float wanted = hn::GetLane(hn::MaxOfLanes(f, highest));
-    if (!(wanted > -std::numeric_limits<float>::infinity())) break;
+    if (!(wanted > -std::numeric_limits<float>::infinity()) || -wanted > longest) break;
     std::size_t at = 0;
     for (; at < hull.exitCount; at += hn::Lanes(f)) {
       const auto lane = hn::FindFirstTrue(f, hn::Eq(hn::LoadU(f, height.data() + at), hn::Set(f, wanted)));
@@ -199,9 +227,9 @@ PushLeave leaveOne(const PushHulls& hulls, std::uint32_t which, const Vec3f& p, 
   return {infinity, 0};
 }
 
-/// Lists the particles in cells that a hull reaches into.
+/// Lists the particles in cells that a hull reaches into, and these cells.
 HWY_INLINE std::size_t screen(const PushHulls& hulls, const PushGrid& grid, const float* xyz, std::size_t count,
-                              std::uint32_t* listed) {
+                              std::uint32_t* listed, std::uint32_t* cells) {
   const Floats f;
   const Ints n;
   const std::size_t lanes = hn::Lanes(f);
@@ -213,6 +241,7 @@ HWY_INLINE std::size_t screen(const PushHulls& hulls, const PushGrid& grid, cons
   const auto topZ = hn::Set(f, hulls.boxMax().z());
   const auto zero = hn::Zero(f);
   const auto inverse = hn::Set(f, grid.inverseSize);
+  const auto lane = hn::Iota(n, 0);
   const auto countX = hn::Set(n, grid.count[0]);
   const auto countY = hn::Set(n, grid.count[1]);
   const auto* occupied = reinterpret_cast<const std::int32_t*>(grid.occupied.data());
@@ -238,35 +267,115 @@ HWY_INLINE std::size_t screen(const PushHulls& hulls, const PushGrid& grid, cons
     const auto bit = hn::Shl(hn::Set(n, 1), hn::And(cell, hn::Set(n, 31)));
     const auto hit = hn::And(hn::TestBit(word, bit), hn::RebindMask(n, near));
     if (hn::AllFalse(n, hit)) continue;
-    const auto index = hn::Iota(n, static_cast<std::int32_t>(i));
-    found += hn::CompressStore(index, hit, n, reinterpret_cast<std::int32_t*>(listed) + found);
+    const auto index = hn::Add(lane, hn::Set(n, static_cast<std::int32_t>(i)));
+    hn::StoreU(hn::Compress(index, hit), n, reinterpret_cast<std::int32_t*>(listed) + found);
+    hn::StoreU(hn::Compress(cell, hit), n, reinterpret_cast<std::int32_t*>(cells) + found);
+    found += hn::CountTrue(n, hit);
   }
   for (; i < count; ++i) {
     const Vec3f p = Vec3f(xyz[3 * i], xyz[3 * i + 1], xyz[3 * i + 2]) - hulls.origin();
-    if (isNear(hulls, p) && grid.firstList[grid.cellOf(p)] != 0) listed[found++] = i;
+    if (!isNear(hulls, p) || grid.firstList[grid.cellOf(p)] == 0) continue;
+    cells[found] = grid.cellOf(p);
+    listed[found++] = i;
   }
   return found;
 }
 
+/// deepestAt() of particles in one cell, as many as there are lanes.
+HWY_INLINE void deepestOf(const PushGrid& grid, const PushGrid::List* list, const PushScratch::Row* rows,
+                          std::size_t count, PushDepth* depths) {
+  const Floats f;
+  const Indices n;
+  const auto zero = hn::Zero(f);
+  auto x = zero, y = zero, z = zero, which = zero;
+  hn::LoadInterleaved4(f, &rows->x, x, y, z, which);
+  auto lowest = zero;
+  auto lowestPlane = hn::Zero(n), lowestHull = hn::Zero(n);
+  const auto heightAbove = [&](const PushGrid::Block& block, std::size_t i) HWY_ATTR {
+    return hn::Sub(hn::Add(hn::Add(hn::Mul(hn::Set(f, block.x[i]), x), hn::Mul(hn::Set(f, block.y[i]), y)),
+                           hn::Mul(hn::Set(f, block.z[i]), z)),
+                   hn::Set(f, block.offset[i]));
+  };
+  for (;; ++list) {
+    auto highest = hn::Set(f, -std::numeric_limits<float>::infinity());
+    auto plane = hn::Zero(n);
+    std::uint32_t b = list->firstBlock;
+    for (; b < list->firstBlock + list->exitCount; ++b) {
+      for (std::size_t i = 0; i < PushGrid::kWidth; ++i) {
+        const auto height = heightAbove(grid.blocks[b], i);
+        const auto higher = hn::Gt(height, highest);
+        highest = hn::IfThenElse(higher, height, highest);
+        plane = hn::IfThenElse(hn::RebindMask(n, higher),
+                               hn::Set(n, static_cast<std::uint32_t>(b * PushGrid::kWidth + i)), plane);
+      }
+    }
+    auto lower = hn::Lt(highest, lowest);
+    for (; b < list->firstBlock + list->blockCount && !hn::AllFalse(f, lower); ++b) {
+      for (std::size_t i = 0; i < PushGrid::kWidth; ++i) {
+        lower = hn::And(lower, hn::Lt(heightAbove(grid.blocks[b], i), zero));
+      }
+    }
+    lowest = hn::IfThenElse(lower, highest, lowest);
+    lowestPlane = hn::IfThenElse(hn::RebindMask(n, lower), plane, lowestPlane);
+    lowestHull = hn::IfThenElse(hn::RebindMask(n, lower), hn::Set(n, list->hull), lowestHull);
+    if (list->last) break;
+  }
+  alignas(64) std::array<float, 16> height;               // NOLINT: written before it is read
+  alignas(64) std::array<std::uint32_t, 16> plane, hull;  // NOLINT
+  hn::Store(lowest, f, height.data());
+  hn::Store(lowestPlane, n, plane.data());
+  hn::Store(lowestHull, n, hull.data());
+  for (std::size_t k = 0; k < count; ++k) {
+    depths[rows[k].listed] = {height[k], hull[k],
+                              grid.planes[plane[k] / PushGrid::kWidth][plane[k] % PushGrid::kWidth]};
+  }
+}
+
+// The particles are looked at cell by cell: whatever their order, the planes of a cell are then at hand for all of
+// them.
 std::size_t pushAll(const PushHulls& hulls, const PushGrid& grid, float* xyz, std::size_t count, std::uint32_t first,
-                    std::uint32_t* scratch, ParticleTouch* touches) {
-  const std::size_t listed = screen(hulls, grid, xyz, count, scratch);
-  std::size_t touched = 0;
-  for (std::size_t k = 0; k < listed; ++k) {
-    float* at = xyz + 3 * static_cast<std::size_t>(scratch[k]);
-    const Vec3f start = Vec3f(at[0], at[1], at[2]) - hulls.origin();
-    const PushDepth inside = deepestInCell(grid, start);
+                    PushScratch& scratch, ParticleTouch* touches) {
+  std::uint32_t *listed = scratch.listed.data(), *cell = scratch.cell.data(), *starts = scratch.starts.data();
+  PushScratch::Row* rows = scratch.rows.data();
+  const std::size_t near = screen(hulls, grid, xyz, count, listed, cell);
+  if (near == 0) return 0;
+  std::fill_n(starts, grid.lists.size() + 1, 0u);
+  for (std::size_t k = 0; k < near; ++k) {
+    cell[k] = grid.firstList[cell[k]];
+    ++starts[cell[k]];
+  }
+  std::uint32_t sum = 0;
+  for (std::size_t list = 0; list <= grid.lists.size(); ++list) sum += std::exchange(starts[list], sum);
+  for (std::size_t k = 0; k < near; ++k) {
+    const float* at = xyz + 3 * static_cast<std::size_t>(listed[k]);
+    const Vec3f p = Vec3f(at[0], at[1], at[2]) - hulls.origin();
+    rows[starts[cell[k]]++] = {p.x(), p.y(), p.z(), static_cast<std::uint32_t>(k)};
+  }
+  for (std::size_t list = 0, begin = 0; begin < near; begin = starts[list++]) {
+    for (std::size_t r = begin; r < starts[list]; r += hn::Lanes(Floats())) {
+      deepestOf(grid, &grid.lists[list], rows + r, std::min(hn::Lanes(Floats()), starts[list] - r),
+                scratch.depths.data());
+    }
+  }
+  std::uint32_t touched = 0;
+  for (std::size_t k = 0; k < near; ++k) {
+    cell[k] = touched;
+    touched += scratch.depths[k].height < 0.0F ? 1 : 0;
+  }
+  for (std::size_t r = 0; r < near; ++r) {
+    const PushScratch::Row& row = rows[r];
+    const PushDepth& inside = scratch.depths[row.listed];
     if (!(inside.height < 0.0F)) continue;
+    const Vec3f start(row.x, row.y, row.z);
     // The nearest way out of the one hull nearly always leads out of all.
     PushExit exit{start + (hulls.margin() - inside.height) * hulls.normal(inside.plane), inside.hull, inside.plane};
-    if (isNear(hulls, exit.position) && insideAny(grid, exit.position)) exit = findExit(hulls, grid, start, inside);
+    if (insideAny(hulls, grid, exit.position)) exit = findExit(hulls, grid, start, inside);
     const PushHulls::Hull& hull = hulls.hulls()[exit.hull];
     const Vec3f position = exit.position + hulls.origin();
-    at[0] = position.x();
-    at[1] = position.y();
-    at[2] = position.z();
-    touches[touched++] = {first + scratch[k], hull.part, (exit.position - start).norm(), hulls.normal(exit.plane),
-                          hulls.surfaceVelocity(hull, exit.position)};
+    const std::uint32_t particle = listed[row.listed];
+    std::copy_n(position.data(), 3, xyz + 3 * static_cast<std::size_t>(particle));
+    touches[cell[row.listed]] = {first + particle, hull.part, (exit.position - start).norm(), hulls.normal(exit.plane),
+                                 hulls.surfaceVelocity(hull, exit.position)};
   }
   return touched;
 }
@@ -282,6 +391,8 @@ HWY_EXPORT(deepest);
 HWY_EXPORT(allDepths);
 HWY_EXPORT(waysOutOf);
 HWY_EXPORT(leaveOne);
+HWY_EXPORT(insideAny);
+HWY_EXPORT(aboveOne);
 HWY_EXPORT(pushAll);
 }  // namespace
 
@@ -293,16 +404,34 @@ std::size_t depthsAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& 
   return HWY_DYNAMIC_DISPATCH(allDepths)(hulls, grid, p, depths);
 }
 
-std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, std::span<PushDepth> faces) {
-  return HWY_DYNAMIC_DISPATCH(waysOutOf)(hulls, hull, p, faces);
+std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, float longest,
+                    std::span<PushDepth> faces) {
+  return HWY_DYNAMIC_DISPATCH(waysOutOf)(hulls, hull, p, longest, faces);
 }
 
 PushLeave leaveHull(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, const Vec3f& direction) {
   return HWY_DYNAMIC_DISPATCH(leaveOne)(hulls, hull, p, direction);
 }
 
+bool isInsideAny(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p) {
+  return HWY_DYNAMIC_DISPATCH(insideAny)(hulls, grid, p);
+}
+
+bool isAbove(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, float by) {
+  return HWY_DYNAMIC_DISPATCH(aboveOne)(hulls, hull, p, by);
+}
+
+void PushScratch::reserveRows(std::size_t particles, std::size_t lists) {
+  const std::size_t room = particles + 16;  // whole vectors are read and written
+  if (starts.size() < lists + 1) starts.resize(lists + 1);
+  if (rows.size() >= room) return;
+  for (std::vector<std::uint32_t>* v : {&listed, &cell}) v->resize(room);
+  rows.resize(room);
+  depths.resize(room);
+}
+
 std::size_t pushParticles(const PushHulls& hulls, const PushGrid& grid, float* xyz, std::size_t count,
-                          std::uint32_t first, std::uint32_t* scratch, ParticleTouch* touches) {
+                          std::uint32_t first, PushScratch& scratch, ParticleTouch* touches) {
   return HWY_DYNAMIC_DISPATCH(pushAll)(hulls, grid, xyz, count, first, scratch, touches);
 }
 

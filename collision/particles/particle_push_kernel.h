@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 namespace lorica {
 
@@ -30,10 +31,12 @@ std::size_t depthsAt(const PushHulls& hulls, const PushGrid& grid, const Vec3f& 
 
 /// Planes of a hull that may lead out, the nearest to a point first, each with a normal that differs from those before
 /// it.
-/// @param p      local
-/// @param faces  receives as many as it has space for
+/// @param p        local
+/// @param longest  farther ones are of no interest [m]
+/// @param faces    receives as many as it has space for
 /// @return how many; none for a hull with very many planes
-std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, std::span<PushDepth> faces);
+std::size_t waysOut(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, float longest,
+                    std::span<PushDepth> faces);
 
 /// Where a ray leaves a hull.
 struct PushLeave {
@@ -46,12 +49,34 @@ struct PushLeave {
 /// @return the nearest point of the ray that is a margin above a plane
 [[nodiscard]] PushLeave leaveHull(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, const Vec3f& direction);
 
+/// Whether a point is inside a hull.
+/// @param p  local
+[[nodiscard]] bool isInsideAny(const PushHulls& hulls, const PushGrid& grid, const Vec3f& p);
+
+/// Whether a point is more than `by` above one of a hull's planes.
+/// @param p  local
+[[nodiscard]] bool isAbove(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, float by);
+
+/// Working memory of a thread for a chunk of particles.
+struct PushScratch {
+  /// A particle, in the order of cells.
+  struct Row {
+    float x, y, z;  ///< local
+    std::uint32_t listed;
+  };
+  std::vector<std::uint32_t> listed, cell;  ///< particles near a hull, and their cells; then their places in the result
+  std::vector<std::uint32_t> starts;        ///< in `rows`, for each list of the grid
+  std::vector<Row> rows;
+  std::vector<PushDepth> depths;  ///< of the listed ones
+  void reserveRows(std::size_t particles, std::size_t lists);
+};
+
 /// Moves the particles of one chunk that are inside.
 /// @param xyz      `count` particles, world
-/// @param scratch  space for `count` + 16
 /// @param first    added to the indices of the particles
+/// @param touches  by ascending index
 /// @return how many were touched
 std::size_t pushParticles(const PushHulls& hulls, const PushGrid& grid, float* xyz, std::size_t count,
-                          std::uint32_t first, std::uint32_t* scratch, ParticleTouch* touches);
+                          std::uint32_t first, PushScratch& scratch, ParticleTouch* touches);
 
 }  // namespace lorica

@@ -25,6 +25,12 @@ struct Rows {
   Float x, y, z, w;
 };
 
+/// The numbers of a vector of particles, from the first on.
+HWY_INLINE hn::Vec<hn::RebindToUnsigned<Floats>> numbersFrom(std::size_t first) {
+  const hn::RebindToUnsigned<Floats> u;
+  return hn::Add(hn::Load(u, kLaneNumbers.data()), hn::Set(u, static_cast<std::uint32_t>(first)));
+}
+
 // Not fused, so that every instruction set rounds alike.
 HWY_INLINE Float dotOf(Float ax, Float ay, Float az, Float bx, Float by, Float bz) {
   return hn::Add(hn::Add(hn::Mul(ax, bx), hn::Mul(ay, by)), hn::Mul(az, bz));
@@ -58,7 +64,7 @@ HWY_INLINE Rows loadRows(const ParticleRow* from) {
 
 HWY_INLINE Rows gatherRows(const ParticleRow* rows, const std::uint32_t* ids) {
   const Floats f;
-  const ParticleRow& row = rows[*ids & ~NeighbourLists::kMarked];
+  const ParticleRow& row = rows[*ids];
   return {hn::Set(f, row.x), hn::Set(f, row.y), hn::Set(f, row.z), hn::Set(f, row.w)};
 }
 
@@ -68,7 +74,7 @@ HWY_INLINE Rows gatherRows(const ParticleRow* rows, const std::uint32_t* ids) {
 template <class D>
 HWY_INLINE hn::Vec<D> blocksOfRows(D d, const ParticleRow* rows, const std::uint32_t* ids) {
   if constexpr (hn::MaxLanes(d) == 4) {
-    return hn::Load(d, &rows[*ids & ~NeighbourLists::kMarked].x);
+    return hn::Load(d, &rows[*ids].x);
   } else {
     const hn::Half<D> half;
     const auto lower = blocksOfRows(half, rows, ids);
@@ -76,7 +82,7 @@ HWY_INLINE hn::Vec<D> blocksOfRows(D d, const ParticleRow* rows, const std::uint
   }
 }
 
-/// Lane i is the row ids[i], marked or not. Faster than gather instructions.
+/// Lane i is the row ids[i]. Faster than gather instructions.
 HWY_INLINE Rows gatherRows(const ParticleRow* rows, const std::uint32_t* ids) {
   const Floats f;
   hwy::Prefetch(ids + 24 * kParticleBlock);

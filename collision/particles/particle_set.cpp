@@ -54,6 +54,23 @@ ParticleSet::Substeps ParticleSet::beginFrame(std::span<const LivePart> parts, s
   return substeps;
 }
 
+void ParticleSet::endFrame(std::span<ParticleBody> bodies) {
+  rigid.finish();
+  for (ParticleBody& met : bodies) {
+    if (!met.pushed) continue;
+    Isometry3& to = met.to.worldFromBody;
+    const Vec3 half = extentOf(met, to.linear().transpose().cast<float>()).cast<double>();
+    for (const Eigen::Index axis : {0, 2}) {
+      const double from = met.from.worldFromBody.translation()[axis], low = room.min[axis], high = room.max[axis];
+      if (from < low || from > high) continue;
+      double &place = to.translation()[axis], &speed = met.to.velocity[axis];
+      const double held = std::clamp(place, std::min(from, low + half[axis]), std::max(from, high - half[axis]));
+      if (held != place) speed = held > place ? std::max(speed, 0.0) : std::min(speed, 0.0);
+      place = held;
+    }
+  }
+}
+
 bool ParticleSet::markAround(Parts which, float margin, std::vector<std::uint8_t>& flags) const {
   bool any = false;
   for (ParticleObstacle::Sweep box : body.sweeps()) {

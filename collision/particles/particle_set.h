@@ -44,6 +44,10 @@ struct ParticleSet {
   Substeps beginFrame(std::span<const LivePart> parts, std::span<ParticleBody> rigid, double seconds,
                       double maxSubstepSeconds);
 
+  /// Writes what the particles changed to the bodies. One whose centre is between the particles' walls is pushed no
+  /// farther out of these.
+  void endFrame(std::span<ParticleBody> bodies);
+
   /// Calls work(i) for each particle, on all threads.
   template <class Work>
   void forEach(const Work& work) const {
@@ -57,14 +61,14 @@ struct ParticleSet {
     forRanges((count + kParticleBlock - 1) / kParticleBlock, kParticlesAtOnce / kParticleBlock, work);
   }
 
-  /// Sorts by nextPosition, which goes to x, y, z; the ids follow.
+  /// Sorts by positions, which go to x, y, z; the ids follow.
   /// @param take  called as take(i, before): particle i was at `before`; moves along what else belongs to a particle
   template <class Take>
-  void sort(float cellSize, int rows, const Take& take) {
-    grid.sort({nextPosition.data(), count}, cellSize, rows);
+  void sort(std::span<const ParticleRow> by, float cellSize, int rows, const Take& take) {
+    grid.sort(by, cellSize, rows);
     const std::uint32_t* order = grid.order().data();
     forEach([&](std::size_t i) {
-      const ParticleRow& to = nextPosition[order[i]];
+      const ParticleRow& to = by[order[i]];
       x[i] = to.x;
       y[i] = to.y;
       z[i] = to.z;

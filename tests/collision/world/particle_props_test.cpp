@@ -96,6 +96,16 @@ TEST(ParticleProps, AHeavyBallSinksAndALightOneRises) {
   EXPECT_GT(world.props()[1].worldFromProp.translation().y(), 0.2);
 }
 
+TEST(ParticleProps, WallsOfWaterHoldASunkBox) {
+  World world;
+  world.addProp(box({0.06, 0.06, 0.06}, 2000.0, {0.23, 0.07, 0.0}));
+  world.setParticles(pool(0.6, 0.4));
+  run(world, 150);
+  const Vec3 at = world.props()[0].worldFromProp.translation();
+  EXPECT_LT(at.x() + 0.06, 0.3 + 1e-3);
+  EXPECT_NEAR(at.y(), 0.06, 0.01);
+}
+
 TEST(ParticleProps, ATiltedRaftRightsItself) {
   World world;
   Prop raft = box({0.12, 0.03, 0.12}, 400.0, {0.0, 0.3, 0.0});
