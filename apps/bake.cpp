@@ -1,8 +1,8 @@
-#include "apps/bake_options.h"
+#include "apps/command_line.h"
 #include "apps/interrupt.h"
-#include "apps/option_groups.h"
+#include "apps/memory_limit.h"
 #include "apps/options.h"
-#include "apps/standard_streams.h"
+#include "bake/bake_job.h"
 #include "bake/bake_report.h"
 #include "bake/baker.h"
 #include "bake/item_run.h"
@@ -21,39 +21,140 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <charconv>
 #include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
 
-/// Pictures of an item's hulls, each part in its colour.
-class BakePictures {
- public:
-  /// @param how  the hulls are exported by processes of this program
-  [[nodiscard]] static Result<BakePictures> create(ItemRunSettings how);
+/// Options of `lorica bake`.
+struct BakeOptions {
+  std::vector<std::string> lists;
+  std::string out;
+  std::string shard = "1/1";
+  int jobs = 0;              ///< 0 = one for each thread
+  std::string memory;        ///< "8G"; empty = what the machine has
+  double timeout = 3600.0;   ///< of an item [s]
+  double lostAfter = 120.0;  ///< see Claims [s]
+  bool retryFailed = false;
+  bool collect = false;
 
-  /// The hulls in the pose of the file, as the bytes of a PNG; empty if they cannot be had.
-  /// @param lorica   the item's decomposition
-  /// @param scratch  folder for temporary files, which exists
-  [[nodiscard]] std::string draw(const BakeItem& item, const std::filesystem::path& lorica,
-                                 const std::filesystem::path& scratch);
+  // The usual ones of `lorica decompose`.
+  std::string parts, maxError, maxDistance, maxConcavity, preset, cover, hullVertices, body, walls, thickness, engine;
+  std::vector<std::string> motions, exports;
+  bool exact = false;
 
- private:
-  BakePictures(ItemRunSettings how, SnapshotCamera camera) : how_(std::move(how)), camera_(std::move(camera)) {}
-  ItemRunSettings how_;
-  SnapshotCamera camera_;
+  /// The settings of items whose list does not say otherwise; or an error that names the option.
+  [[nodiscard]] Result<BakeSettings> defaults() const;
+  [[nodiscard]] Shard chosenShard() const;
+  /// Memory for all items at a time [bytes].
+  [[nodiscard]] std::uint64_t memoryBytes() const;
 };
+
+/// "2/10" as the second of ten.
+std::optional<Shard> shardIn(const std::string& text) {
+  Shard shard;
+  const char* end = text.data() + text.size();
+  const auto [slash, error] = std::from_chars(text.data(), end, shard.index);
+  if (error != std::errc() || slash == end || *slash != '/') return std::nullopt;
+  const auto [stopped, countError] = std::from_chars(slash + 1, end, shard.count);
+  const bool whole = countError == std::errc() && stopped == end;
+  if (!whole || shard.count < 1 || shard.index < 1 || shard.index > shard.count) return std::nullopt;
+  return shard;
+}
+
+Result<BakeSettings> BakeOptions::defaults() const {
+  BakeSettings settings;
+  const std::pair<const char*, std::string> given[] = {
+      {"parts", parts},
+      {"max-error", maxError},
+      {"max-distance", maxDistance},
+      {"max-concavity", maxConcavity},
+      {"exact", exact ? "yes" : ""},
+      {"preset", preset},
+      {"cover", cover},
+      {"hull-vertices", hullVertices},
+      {"body", body},
+      {"walls", walls},
+      {"thickness", thickness},
+      {"engine", engine},
+      {"motion", fmt::format("{}", fmt::join(motions, ";"))},
+      {"export", fmt::format("{}", fmt::join(exports, ";"))},
+  };
+  for (const auto& [name, value] : given) {
+    if (value.empty()) continue;
+    if (Result<void> set = setBakeSetting(settings, name, value, ""); !set) {
+      return Error{set.error().code, "--" + set.error().message};
+    }
+  }
+  return settings;
+}
+
+Shard BakeOptions::chosenShard() const {
+  return shardIn(shard).value_or(Shard());
+}
+
+std::uint64_t BakeOptions::memoryBytes() const {
+  if (const std::optional<std::uint64_t> given = bytesIn(memory)) return *given;
+  return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
+}
+
+void addBakeOptions(CommandLine& app, BakeOptions& options) {
+  app.addOption("LIST", options.lists,
+                "Meshes, characters, folders, patterns in quotes, or lists of them: a path on each line, .csv with the "
+                "column `input`, .jsonl with \"input\"; other columns are settings, such as `parts`")
+      ->required();
+  app.addOption("--out", options.out, "Folder of the results; several processes may share it", "DIR")->required();
+  const auto add = [&app](const char* name, std::string& value, const char* description, const char* type) {
+    app.addOption(name, value, description, type);
+  };
+  add("--parts", options.parts, "Maximum number of parts of each item, as for `lorica decompose`", "N");
+  add("--max-error", options.maxError, "Stop when the hulls have at most this much extra volume", "E");
+  add("--max-concavity", options.maxConcavity,
+      "Stop when no part is more concave than this, as CoACD measures it [default: 0.05 for meshes without another "
+      "limit]",
+      "C");
+  add("--max-distance", options.maxDistance, "Stop when no point of the hulls is farther from the surface", "METRES");
+  app.addFlag("--exact", options.exact, "Cut until every part is convex: can take thousands of parts");
+  add("--preset", options.preset, "paper, fast or quality [default: fast]", "NAME");
+  add("--cover", options.cover, "Hull cover of characters: exact, or a tolerance [default: exact]", "exact|METRES");
+  add("--hull-vertices", options.hullVertices, "Hulls of at most N vertices", "N");
+  add("--walls", options.walls, "Open surfaces: auto, solid or shell [default: auto; of a character solid]", "WHAT");
+  add("--thickness", options.thickness, "Thickness of thin walls, in the mesh's unit", "LENGTH");
+  add("--body", options.body, "Closed bodies: auto, never or always [default: auto]", "WHEN");
+  app.addOption("--motion", options.motions, "Train characters on this motion; may be repeated", "FILE")->repeatable();
+  app.addOption("--export", options.exports,
+                "Also write hulls with these endings, separated by commas: obj, stl, ply, xml, urdf, glb, vrm",
+                "ENDING,...")
+      ->separatedBy(',');
+  add("--engine", options.engine, "Engine of the exports, which limits the vertices of hulls", "NAME");
+  app.addOption("--shard", options.shard,
+                "Do the I-th of N shares of the list, which are chosen by content [default: all]", "I/N")
+      ->check([](std::string& text) -> std::string {
+        return shardIn(text) ? "" : fmt::format("found `{}`, expected I/N with I from 1 to N, such as 2/10", text);
+      });
+  addCount(app, "--jobs", options.jobs, 1, "Items at a time, which share the threads [default: one for each thread]");
+  app.addOption("--memory", options.memory, "Memory for all items at a time [default: what the machine has]", "SIZE")
+      ->check(memorySize());
+  addSeconds(app, "--timeout", options.timeout, "Give an item up after this time [default: 3600]");
+  addSeconds(app, "--lost-after", options.lostAfter,
+             "Take over the items of a process on another machine that says nothing for so long [default: 120]");
+  app.addFlag("--retry-failed", options.retryFailed, "Do items again that have failed");
+  app.addFlag("--collect", options.collect,
+              "Do nothing; check every file, and write DIR/bake.jsonl and DIR/report.html with pictures");
+}
 
 namespace fs = std::filesystem;
 
-constexpr int kWidth = 400;
-constexpr int kHeight = 300;
+constexpr int kWidth = 400, kHeight = 300;  // of a picture [pixels]
 
 /// Runs the program to its end. @return whether it succeeded; not if Ctrl-C came
 bool runs(const ItemRunSettings& how, std::vector<std::string> arguments, const fs::path& scratch) {
@@ -66,23 +167,33 @@ bool runs(const ItemRunSettings& how, std::vector<std::string> arguments, const 
   return end && end->exitStatus == 0 && end->signal == 0;
 }
 
-Result<BakePictures> BakePictures::create(ItemRunSettings how) {
-  LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
-  return BakePictures(std::move(how), std::move(camera));
-}
+/// Pictures of an item's hulls, each part in its colour.
+class BakePictures {
+ public:
+  /// @param how  the hulls are exported by processes of this program
+  static Result<BakePictures> create(ItemRunSettings how) {
+    LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
+    return BakePictures(std::move(how), std::move(camera));
+  }
 
-std::string BakePictures::draw(const BakeItem& item, const fs::path& lorica, const fs::path& scratch) {
-  const fs::path hulls = scratch / "hulls.obj";
-  const fs::path png = scratch / "hulls.png";
-  if (!runs(how_, exportArguments(item, lorica, hulls, how_), scratch)) return "";
-  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
-  if (!objects) return "";
-  if (!writePng(png, drawParts(*objects, camera_))) return "";
-  const Result<std::string> bytes = readFile(png, NamedBy::kFile);
-  return bytes ? *bytes : "";
-}
+  /// The hulls in the pose of the file, as the bytes of a PNG; empty if they cannot be had.
+  /// @param lorica   the item's decomposition
+  /// @param scratch  folder for temporary files, which exists
+  std::string draw(const BakeItem& item, const fs::path& lorica, const fs::path& scratch) {
+    const fs::path hulls = scratch / "hulls.obj", png = scratch / "hulls.png";
+    if (!runs(how_, exportArguments(item, lorica, hulls, how_), scratch)) return "";
+    const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+    if (!objects || !writePng(png, drawParts(*objects, camera_))) return "";
+    const Result<std::string> bytes = readFile(png, NamedBy::kFile);
+    return bytes ? *bytes : "";
+  }
 
-namespace fs = std::filesystem;
+ private:
+  BakePictures(ItemRunSettings how, SnapshotCamera camera) : how_(std::move(how)), camera_(std::move(camera)) {}
+  ItemRunSettings how_;
+  SnapshotCamera camera_;
+};
+
 using nlohmann::ordered_json;
 
 constexpr std::size_t kFewFailures = 5;  // that are told at the end of a bake

@@ -1,6 +1,6 @@
 #include "apps/command_line.h"
 
-#include "apps/standard_streams.h"
+#include "apps/report.h"
 #include "geometry/text.h"
 #include "prepare/read_motion.h"
 #include "prepare/subject.h"

@@ -1,25 +1,182 @@
-#include "apps/export_report.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
+#include "apps/report.h"
+#include "export/collider_fit.h"
 #include "export/engines.h"
 #include "export/export_source.h"
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
+#include "export/rigid_model.h"
 #include "export/robot_files.h"
+#include "export/robots/robot_hulls.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/mesh_subject.h"
+#include "prepare/hull_export.h"
+#include "prepare/subject.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <string>
+#include <vector>
 
 namespace lorica {
 namespace {
+
+/// Rigid colliders of a character and how well they fit.
+struct RigidExport {
+  std::vector<RigidCollider> colliders;
+  int trainingPoses = 0;
+  int heldOutPoses = 0;  ///< 0: there are none, the fit was measured in the training poses
+  ColliderFits fits;
+};
+
+std::string growthOf(const HullExport& hulls) {
+  if (hulls.maxVertices == hulls.maxVerticesBefore) return fmt::format("at most {}", hulls.maxVertices);
+  return fmt::format("at most {}, before {}; volume +{}", hulls.maxVertices, hulls.maxVerticesBefore,
+                     percent(hulls.totalGrowth - 1.0));
+}
+
+std::vector<std::string> row(const std::string& name, const ColliderFit& fit) {
+  return {name,
+          millimetres(fit.worstOut),
+          millimetres(fit.meanWorstOut),
+          percent(fit.shareOut),
+          millimetres(fit.meanStandOff),
+          millimetres(fit.worstStandOff),
+          fmt::format("{:.1f}", 1e3 * fit.volume)};
+}
+
+nlohmann::ordered_json jsonOf(const ColliderFit& fit) {
+  nlohmann::ordered_json json;
+  json["worstOut"] = fit.worstOut;
+  json["meanWorstOut"] = fit.meanWorstOut;
+  json["shareOut"] = fit.shareOut;
+  json["meanStandOff"] = fit.meanStandOff;
+  json["worstStandOff"] = fit.worstStandOff;
+  json["volume"] = fit.volume;
+  return json;
+}
+
+/// "LeftHand_0", "LeftHand_1": the bone and the number of its hull, unique.
+/// @return in the order of the colliders
+std::vector<std::string> colliderNames(const Character& character, std::span<const RigidCollider> colliders) {
+  std::map<JointIndex, int> count;
+  std::vector<std::string> names;
+  for (const RigidCollider& collider : colliders) {
+    names.push_back(fmt::format("{}_{}", character.skeleton.joint(collider.joint).name, count[collider.joint]++));
+  }
+  return names;
+}
+
+/// The colliders in the bind pose.
+std::vector<NamedMesh> namedHulls(const Character& character, std::span<const RigidCollider> colliders) {
+  const std::vector<std::string> names = colliderNames(character, colliders);
+  std::vector<NamedMesh> meshes;
+  for (std::size_t i = 0; i < colliders.size(); ++i) meshes.push_back({names[i], colliders[i].hull});
+  return meshes;
+}
+
+/// The report of `lorica export`, as text and as JSON.
+struct ExportReport {
+  ExportReport(const Subject& subject, const std::string& output) : text(subject.name) {
+    json["input"] = subject.name;
+    json["output"] = output;
+    text.line("output", output);
+  }
+
+  void add(const HullExport& hulls) {
+    text.line("hulls", std::to_string(hulls.objects.size()));
+    text.line("hull vertices", growthOf(hulls));
+    json["hulls"] = hulls.objects.size();
+    json["maxVertices"] = hulls.maxVertices;
+    json["growth"] = hulls.totalGrowth;
+  }
+
+  void add(const RigidExport& rigid) {
+    std::set<JointIndex> bones;
+    std::size_t most = 0;
+    for (const RigidCollider& collider : rigid.colliders) {
+      bones.insert(collider.joint);
+      most = std::max(most, collider.hull.vertices.size());
+    }
+    text.line("hulls",
+              fmt::format("{} on {}, each rigid on one", rigid.colliders.size(), counted(bones.size(), "bone")));
+    text.line("hull vertices", fmt::format("at most {}", most));
+    text.line("fit", rigid.heldOutPoses > 0 ? fmt::format("measured in {}; made from {} others",
+                                                          counted(rigid.heldOutPoses, "pose"), rigid.trainingPoses)
+                                            : fmt::format("measured in the {} that they were made from",
+                                                          counted(rigid.trainingPoses, "pose")));
+    Table table{{"", "skin out, worst", "mean of poses", "skin out > 1 mm", "stands off, mean", "worst", "litres"}, {}};
+    table.rows.push_back(row("hulls", rigid.fits.hulls));
+    table.rows.push_back(row("capsules", rigid.fits.capsules));
+    text.table(std::move(table));
+    text.note("Capsules: one around the surface of each hull, for comparison.");
+    constexpr double kFarOff = 0.3;  // [m]
+    if (rigid.fits.hulls.worstStandOff > kFarOff) {
+      note(
+          {fmt::format("A hull stands off by {:.2f} m: its part holds what moves apart, such as a cape and a leg. "
+                       "--per-bone, or --hide NAME for what physics need not touch, makes tighter ones.",
+                       rigid.fits.hulls.worstStandOff)});
+    }
+    json["hulls"] = rigid.colliders.size();
+    json["bones"] = bones.size();
+    json["maxVertices"] = most;
+    json["trainingPoses"] = rigid.trainingPoses;
+    json["heldOutPoses"] = rigid.heldOutPoses;
+    json["fit"]["hulls"] = jsonOf(rigid.fits.hulls);
+    json["fit"]["capsules"] = jsonOf(rigid.fits.capsules);
+  }
+
+  void add(const RigidModel& model) {
+    double mass = 0.0;
+    std::size_t hinges = 0;
+    for (const RigidBody& body : model.bodies) {
+      mass += body.mass;
+      hinges += body.hinges.size();
+    }
+    text.line("bodies",
+              fmt::format("{}, {:.4g} kg, {} between them", model.bodies.size(), mass, counted(hinges, "hinge")));
+    note(model.notes);
+    json["bodies"] = model.bodies.size();
+    json["mass"] = mass;
+    json["hinges"] = hinges;
+  }
+
+  void add(const RobotReport& robot) {
+    text.line("written", fmt::format("{} with shapes for {} meshes", counted(robot.files, "file"), robot.meshes));
+    Table table{{kRobotHeadings.begin(), kRobotHeadings.end()}, {}};
+    for (const RobotLinkReport& link : robot.links) {
+      table.rows.push_back(link.cells());
+      json["links"].push_back({{"name", link.name}, {"shapes", link.shapes}, {"volumes", link.volumes}});
+      json["links"].back().update({{"covered", link.covered}, {"standOff", link.standOff}});
+    }
+    text.table(std::move(table));
+    json["newContacts"] = robot.newContacts;
+    note(robot.notes);
+  }
+
+  void addSprings(int shapes, int springs) {
+    text.line("colliders", fmt::format("{} for {}", shapes, counted(springs, "spring")));
+    json["springColliders"] = shapes;
+  }
+
+  void note(const std::vector<std::string>& sentences) {
+    for (const std::string& sentence : sentences) {
+      text.note(sentence);
+      json["notes"].push_back(sentence);
+    }
+  }
+
+  Report text;
+  nlohmann::ordered_json json;
+};
 
 namespace fs = std::filesystem;
 
@@ -57,10 +214,6 @@ std::optional<Format> formatOf(const std::string& file) {
   return std::nullopt;
 }
 
-Error refused(std::string sentence) {
-  return invalidArgument(std::move(sentence));
-}
-
 /// The vertex limit: what was asked for, else the engine's, else what every engine is fine with. 0 = none.
 int vertexLimit(const Options& options) {
   if (options.hullVertices >= 0) return options.hullVertices;
@@ -72,30 +225,30 @@ int vertexLimit(const Options& options) {
 Result<void> check(const Options& options, const CommonOptions& common) {
   const std::optional<Format> format = formatOf(options.output);
   if (!format) {
-    return refused(fmt::format("{}: found the extension `{}`, expected {}", options.output,
-                               fs::path(options.output).extension().string(), kFormats));
+    return invalidArgument("{}: found the extension `{}`, expected {}", options.output,
+                           fs::path(options.output).extension().string(), kFormats);
   }
   if (options.at && format != Format::kMeshes) {
-    return refused(
-        fmt::format("{}: holds hulls for all poses, not those of --at; expected .obj, .stl or .ply", options.output));
+    return invalidArgument("{}: holds hulls for all poses, not those of --at; expected .obj, .stl or .ply",
+                           options.output);
   }
   if (options.mocap && format != Format::kMjcf) {
-    return refused(fmt::format("{}: --mocap is for MuJoCo, expected OUT.xml", options.output));
+    return invalidArgument("{}: --mocap is for MuJoCo, expected OUT.xml", options.output);
   }
   if (options.at.has_value() != !options.motion.empty()) {
-    return refused(options.at ? "--at is a moment of a motion, expected --motion NAME too"
-                              : "--motion needs the moment to export, expected --at SECONDS too");
+    return invalidArgument(options.at ? "--at is a moment of a motion, expected --motion NAME too"
+                                      : "--motion needs the moment to export, expected --at SECONDS too");
   }
-  if (options.at && *options.at < 0.0) return refused(fmt::format("--at {:g}: expected 0 or more", *options.at));
+  if (options.at && *options.at < 0.0) return invalidArgument("--at {:g}: expected 0 or more", *options.at);
   if (options.at && options.perBone) {
-    return refused("--per-bone makes hulls for all poses, but --at exports one: expected one of the two");
+    return invalidArgument("--per-bone makes hulls for all poses, but --at exports one: expected one of the two");
   }
   if (options.hullVertices > 0 && options.hullVertices < 4) {
-    return refused(fmt::format("--hull-vertices {}: expected 4 or more, or 0 for no limit", options.hullVertices));
+    return invalidArgument("--hull-vertices {}: expected 4 or more, or 0 for no limit", options.hullVertices);
   }
   if ((options.khr || options.showColliders) && format != Format::kGlb) {
-    return refused(fmt::format("{}: {}, expected OUT.glb", options.output,
-                               options.khr ? "--khr is an extension of glTF" : "--show-colliders is for glTF"));
+    return invalidArgument("{}: {}, expected OUT.glb", options.output,
+                           options.khr ? "--khr is an extension of glTF" : "--show-colliders is for glTF");
   }
   LORICA_TRY_DO(
       checkNotTaken("OUT", options.output, {options.source.input, options.source.decomposition, options.motion}));
@@ -109,15 +262,15 @@ Result<void> check(const Options& options, const CommonOptions& common) {
 
 Result<void> checkSubject(const Options& options, const Subject& subject) {
   if (formatOf(options.output) == Format::kVrm && !(subject.file && subject.file->format.starts_with("VRM"))) {
-    return refused(
-        fmt::format("{}: a .vrm gets colliders for the springs of a VRM character, but {} is none; expected "
-                    ".glb, .xml, .urdf, .obj, .stl or .ply",
-                    options.output, subject.name));
+    return invalidArgument(
+        "{}: a .vrm gets colliders for the springs of a VRM character, but {} is none; expected "
+        ".glb, .xml, .urdf, .obj, .stl or .ply",
+        options.output, subject.name);
   }
   if (subject.character) return {};
   for (const auto& [given, option] :
        {std::pair(options.perBone, "--per-bone"), std::pair(options.at.has_value(), "--at")}) {
-    if (given) return refused(fmt::format("{} is for characters, but {} is a static mesh", option, subject.name));
+    if (given) return invalidArgument("{} is for characters, but {} is a static mesh", option, subject.name);
   }
   return {};
 }
@@ -223,8 +376,9 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   const bool robot = isRobotFile(reading.input);
   if (robot ? options.perBone || options.mocap || !reading.decomposition.empty()
             : options.capsules || !options.packages.empty() || reading.maxConcavity > 0.0) {
-    return refused(reading.input + (robot ? ": is a robot, expected no --per-bone, --mocap and --decomposition"
-                                          : ": is no robot, expected no --capsules, --max-concavity and --package"));
+    return invalidArgument(reading.input +
+                           (robot ? ": is a robot, expected no --per-bone, --mocap and --decomposition"
+                                  : ": is no robot, expected no --capsules, --max-concavity and --package"));
   }
   if (robot) {
     const int limit = vertexLimit(options);

@@ -1,6 +1,6 @@
 #include "apps/interrupt.h"
 
-#include "apps/standard_streams.h"
+#include "apps/report.h"
 #include "geometry/hard_stop.h"
 
 #include <fcntl.h>

@@ -20,7 +20,7 @@
 namespace lorica {
 namespace {
 
-nlohmann::ordered_json toJson(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
+nlohmann::ordered_json toJson(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   nlohmann::ordered_json json;
   json["source"] = run.name();
@@ -44,12 +44,12 @@ nlohmann::ordered_json toJson(const ShowOptions& options, const Run& run, const 
   }
   addStatisticsTo(json, run.statistics);
   addSmoothingTo(json, session);
-  addDrawnTo(json, options.pictures, drawn);
+  addDrawnTo(json, drawn);
   json["hash"] = hexDigits(session.hash());
   return json;
 }
 
-Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
+Report toReport(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const bool nobody = run.tracked() && run.log.figures().followed == 0;
@@ -68,7 +68,7 @@ Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& dr
   addTrainingTo(report, statistics);
   report.line("contacts", fmt::format("{} with {}", counted(statistics.touches(), "touch", "touches"),
                                       counted(statistics.propsTouched(), "prop")));
-  addDrawnTo(report, options.pictures, drawn);
+  addDrawnTo(report, drawn);
   report.gap();
   report.line("frame time", "median");
   addStatisticsTo(report, statistics);
@@ -97,8 +97,8 @@ Result<void> followCast(const ShowOptions& options, const CommonOptions& common,
   }
   LORICA_TRY(opened, show(*run, options.pictures, screen, opener, host));
   if (opened.next) return {};
-  Report report = toReport(options, *run, opened.drawn);
-  nlohmann::ordered_json json = toJson(options, *run, opened.drawn);
+  Report report = toReport(*run, opened.drawn);
+  nlohmann::ordered_json json = toJson(*run, opened.drawn);
   return finishAndPublish(*run, common, report, json);
 }
 

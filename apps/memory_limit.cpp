@@ -1,7 +1,6 @@
 #include "apps/memory_limit.h"
 
 #include "apps/report.h"
-#include "apps/standard_streams.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/sanitizer.h"

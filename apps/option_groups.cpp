@@ -3,9 +3,6 @@
 #include "apps/options.h"
 #include "capture/fault_injector.h"
 #include "capture/files/joint_stream.h"
-#include "geometry/errors.h"
-#include "player/picture_options.h"
-#include "viewer/window/window.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -14,8 +11,6 @@
 #include <cmath>
 
 namespace lorica {
-
-namespace fs = std::filesystem;
 
 namespace {
 
@@ -319,33 +314,25 @@ void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* wind
 }
 
 void addLookOptions(CommandLine& app, SnapshotOptions& options) {
-  addSizeOption(app, options.size);
-  addBackgroundOption(app, options.background);
-}
-
-void addSizeOption(CommandLine& app, std::string& size) {
-  const TextCheck check = [](std::string& text) -> std::string {
+  const TextCheck checkSize = [](std::string& text) -> std::string {
     if (pictureSizeOf(text)) return "";
     return fmt::format(
         "found `{}`, expected width and height of {} to {} pixels, such as 640x360, or portrait or square", text,
         kSmallestSide, kLargestSide);
   };
-  app.addOption("--size", size,
+  app.addOption("--size", options.size,
                 "Width and height in pixels, or portrait (1080x1920), or square (1080x1080) [default: 1280x720]", "WxH")
-      ->check(check);
-}
-
-void addBackgroundOption(CommandLine& app, std::string& background) {
-  const TextCheck check = [](std::string& text) -> std::string {
+      ->check(checkSize);
+  const TextCheck checkBackground = [](std::string& text) -> std::string {
     SceneOptions show;
     if (setBackground(text, show)) return "";
     return fmt::format("found `{}`, expected transparent, green, blue, white, black, gray or a colour such as #00ff00",
                        text);
   };
-  app.addOption("--background", background,
+  app.addOption("--background", options.background,
                 "Instead of the sky and the ground: a colour such as #00ff00, or transparent [default: the sky]",
                 "COLOR")
-      ->check(check);
+      ->check(checkBackground);
 }
 
 void addCameraOptions(CommandLine& app, CameraOptions& options) {
@@ -363,77 +350,6 @@ void addCameraOptions(CommandLine& app, CameraOptions& options) {
                        ->check(isPosition())
                        ->needs(eye);
   eye->needs(target);
-}
-
-Result<void> checkVideo(const CommonOptions& common, const std::string& option, const std::filesystem::path& file,
-                        const std::string& size, const std::string& background) {
-  if (file.extension() != ".mp4") {
-    return invalidArgument("{} {}: films are MP4 files, expected a name that ends in .mp4", option, file.string());
-  }
-  const CanvasSize pixels = pictureSizeOf(size).value_or(CanvasSize());
-  if (pixels.width % 2 != 0 || pixels.height % 2 != 0) {
-    return invalidArgument("--size {}: width and height of an .mp4 video must be even", size);
-  }
-  if (background == "transparent") {
-    return invalidArgument(
-        "{}: films are not transparent, expected --background with a colour such as green; `lorica play ... "
-        "--background "
-        "transparent --snapshots DIR --every 1` makes a picture of each frame",
-        option);
-  }
-  return checkOutput(common, option, file);
-}
-
-Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file) {
-  return file.empty() ? Result<void>() : checkOutput(common, option, file, ".lsession");
-}
-
-namespace {
-
-/// Rejects a file that cannot be written or that is one of the others, and two uses of standard output.
-/// @param others  inputs and other outputs of the command; empty ones are ignored
-Result<void> checkEvents(const std::string& to, const CommonOptions& common, const std::vector<fs::path>& others) {
-  if (to.empty()) return {};
-  if (to == "-") {
-    if (common.json != "-") return {};
-    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
-  }
-  std::vector<fs::path> all = others;
-  if (common.json != "-") all.emplace_back(common.json);
-  CommonOptions asFile;
-  asFile.json = to;
-  asFile.force = common.force;
-  return checkJsonOutput(asFile, all, "--events");
-}
-
-Result<void> checkSnapshots(const SnapshotOptions& options, const CommonOptions& common) {
-  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
-    return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
-  }
-  if (!options.folder.empty()) {
-    LORICA_TRY_DO(checkOutputFolder(common, "--snapshots", options.folder,
-                                    [&](const std::string& name) { return options.draws(name); }));
-  }
-  return options.video.empty() ? Result<void>()
-                               : checkVideo(common, "--video", options.video, options.size, options.background);
-}
-
-}  // namespace
-
-Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures, const CommonOptions& common,
-                          std::vector<std::filesystem::path> inputs) {
-  LORICA_TRY_DO(checkJsonOutput(common, inputs));
-  LORICA_TRY_DO(checkSnapshots(pictures, common));
-  LORICA_TRY_DO(checkRecord(common, "--record", setting.record));
-  LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
-  LORICA_TRY_DO(checkPoseOutput(setting.out));
-  inputs.emplace_back(setting.record);
-  return checkEvents(setting.events, common, inputs);
-}
-
-Result<void> checkWindow(bool wanted, const std::string& instead) {
-  if (!wanted || displayAvailable()) return {};
-  return noDisplay("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead);
 }
 
 }  // namespace lorica

@@ -3,10 +3,8 @@
 #include "acd/decompose.h"
 #include "apps/command_line.h"
 #include "apps/report.h"
-#include "player/events_output.h"
 #include "player/follow_camera.h"
 #include "player/pose_output.h"
-#include "player/run.h"
 #include "player/snapshots.h"
 #include "prepare/cameras.h"
 #include "prepare/cast.h"
@@ -69,26 +67,8 @@ void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options);
 void addEventsOption(CommandLine& app, std::string& to);
 /// @param window  the option --window, which these exclude
 void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* window);
-
-/// Rejects, before any work, what a run cannot write. @param inputs  files that no output may overwrite
-[[nodiscard]] Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures,
-                                        const CommonOptions& common, std::vector<std::filesystem::path> inputs);
 void addCameraOptions(CommandLine& app, CameraOptions& options);
 /// --size and --background.
 void addLookOptions(CommandLine& app, SnapshotOptions& options);
-void addSizeOption(CommandLine& app, std::string& size);
-void addBackgroundOption(CommandLine& app, std::string& background);
-
-/// Rejects, before any work, a video that cannot be written. @param size,background  of its pictures
-[[nodiscard]] Result<void> checkVideo(const CommonOptions& common, const std::string& option,
-                                      const std::filesystem::path& file, const std::string& size,
-                                      const std::string& background);
-
-/// Rejects an unusable name of a recorded session before any work.
-[[nodiscard]] Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file);
-
-/// Rejects --window if there is no display.
-/// @param instead  alternatives, for the error message
-[[nodiscard]] Result<void> checkWindow(bool wanted, const std::string& instead);
 
 }  // namespace lorica

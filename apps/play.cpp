@@ -36,7 +36,7 @@ void warnOfWalls(Run& run, Host& host) {
   }
 }
 
-nlohmann::ordered_json toJson(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
+nlohmann::ordered_json toJson(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
@@ -69,7 +69,7 @@ nlohmann::ordered_json toJson(const ShowOptions& options, const Run& run, const 
   addStatisticsTo(json, statistics);
   addHitsTo(json, run.hits);
   addSmoothingTo(json, session);
-  addDrawnTo(json, options.pictures, drawn);
+  addDrawnTo(json, drawn);
   json["hash"] = hexDigits(session.hash());
   return json;
 }
@@ -81,7 +81,7 @@ std::string partsLine(const DecompositionFile& file) {
                              counted(countOf(file.errorPerKeyframe), "training keyframe"));
 }
 
-Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& drawn) {
+Report toReport(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
@@ -115,7 +115,7 @@ Report toReport(const ShowOptions& options, const Run& run, const DrawnFiles& dr
   addHitsTo(report, run.hits);
   addSelfContactsTo(report, statistics);
   report.line("hash", hexDigits(session.hash()));
-  addDrawnTo(report, options.pictures, drawn);
+  addDrawnTo(report, drawn);
   report.gap();
   report.line("frame time", "median");
   addStatisticsTo(report, statistics);
@@ -146,8 +146,8 @@ Result<Showing> playCast(const ShowOptions& options, const CommonOptions& common
   LORICA_TRY(Showing showing, show(*run, options.pictures, screen, opener, host));
   if (showing.next) return showing;
   if (showing.end == RunEnd::kInterrupted) return cancelled();
-  Report report = toReport(options, *run, showing.drawn);
-  nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
+  Report report = toReport(*run, showing.drawn);
+  nlohmann::ordered_json json = toJson(*run, showing.drawn);
   LORICA_TRY_DO(finishAndPublish(*run, common, report, json));
   return showing;
 }

@@ -19,15 +19,6 @@ struct SessionRecording {
   double seconds = 0.0;  ///< maximum [s]; 0 = no limit
 };
 
-/// How many avatars the options ask for, as far as is known before anything is read.
-[[nodiscard]] std::size_t avatarsOf(const SessionRecording& options);
-
-/// Plays motions, or follows the people before a camera or programs that send, and records the session without a
-/// window.
-/// @param finished  called when the file is complete
-[[nodiscard]] Result<void> recordSession(const SessionRecording& options, const CommonOptions& common, Host& host,
-                                         const std::function<Result<void>()>& finished = {});
-
 /// Writes the packets that arrive to a .pcap file until Ctrl-C or the limit of seconds. While recording, the file is
 /// called NAME.part.pcap; it is readable at any time.
 /// @param options   of which --vmc and the limit of seconds count

@@ -1,7 +1,6 @@
 #include "apps/interrupt.h"
 #include "apps/record.h"
 #include "apps/report.h"
-#include "apps/standard_streams.h"
 #include "capture/streams/packet_file.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_writer.h"
@@ -114,9 +113,7 @@ Result<void> recordPackets(const SessionRecording& options, const CommonOptions&
   const std::string &out = options.out, &listenAt = options.live.vmc.listenAt;
   LORICA_TRY_DO(checkJsonOutput(common, {out}));
   LORICA_TRY_DO(checkOutput(common, "OUT", out, ".pcap"));
-  if (listenAt.empty()) {
-    return invalidArgument("{}: packets come from a program, expected --vmc PORT", out);
-  }
+  if (listenAt.empty()) return invalidArgument("{}: packets come from a program, expected --vmc PORT", out);
   if (listenAt.find(',') != std::string::npos) {
     return invalidArgument("--vmc {}: a file holds the packets of one program, expected one PORT", listenAt);
   }

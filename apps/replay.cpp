@@ -48,12 +48,12 @@ nlohmann::ordered_json toJson(const Options& options, const Run& run, const Draw
   json["notes"] = recorded.notes;
   addStatisticsTo(json, run.statistics);
   addHitsTo(json, run.hits);
-  addDrawnTo(json, options.pictures, drawn);
+  addDrawnTo(json, drawn);
   json["hash"] = hexDigits(run.session.hash());
   return json;
 }
 
-Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn) {
+Report toReport(const Run& run, const DrawnFiles& drawn) {
   const SessionFile& recorded = run.recorded();
   const std::optional<SessionReplay::Difference>& difference = run.comparison->difference();
   const int steps = run.comparison->steps(), all = countOf(recorded.steps);
@@ -66,7 +66,7 @@ Report toReport(const Options& options, const Run& run, const DrawnFiles& drawn)
   const FaultSettings& faults = recorded.header.avatar().faults;
   if (faults.any()) report.line("faults", textOf(faults));
   addHitsTo(report, run.hits);
-  addDrawnTo(report, options.pictures, drawn);
+  addDrawnTo(report, drawn);
   report.line("hash", hexDigits(run.session.hash()));
   for (const std::string& note : recorded.notes) report.note("Recording: " + note + ".");
   return report;
@@ -100,7 +100,7 @@ Result<void> replay(const Options& options, const CommonOptions& common, Host& h
   if (showing.end == RunEnd::kInterrupted) return cancelled();
   if (showing.next) return playOpened(common, host, *screen, opener, std::move(showing));
   LORICA_TRY_DO(run->finish());
-  Report report = toReport(options, *run, showing.drawn);
+  Report report = toReport(*run, showing.drawn);
   nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
   const SessionFile& recorded = run->recorded();
   // A session whose motion ends early is no proof of the steps that were not made.

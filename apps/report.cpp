@@ -1,19 +1,22 @@
 #include "apps/report.h"
 
-#include "apps/standard_streams.h"
-#include "geometry/counts.h"
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
+#include "player/run.h"
+#include "player/snapshots.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <fcntl.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <algorithm>
 #include <mutex>
 #include <set>
+#include <system_error>
 #include <thread>
 
 namespace lorica {
@@ -84,9 +87,7 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
                      bool outputTaken) {
   // File names may not be valid UTF-8; JSON must be.
   const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
-  if (options.json == "-") {
-    return print(text, "the JSON");
-  }
+  if (options.json == "-") return print(text, "the JSON");
   if (!options.json.empty()) {
     LORICA_TRY_DO(writeFileAtomically(options.json, text));
   }
@@ -166,6 +167,90 @@ Result<void> checkOutputFolder(const CommonOptions& options, const std::string& 
     if (written(there.path().filename().string())) LORICA_TRY_DO(checkOutput(options, option, there.path()));
   }
   return {};
+}
+
+Result<void> checkVideo(const CommonOptions& common, const SnapshotOptions& pictures) {
+  if (pictures.video.empty()) return {};
+  if (std::filesystem::path(pictures.video).extension() != ".mp4") {
+    return invalidArgument("--video {}: films are MP4 files, expected a name that ends in .mp4", pictures.video);
+  }
+  const CanvasSize pixels = pictureSizeOf(pictures.size).value_or(CanvasSize());
+  if (pixels.width % 2 != 0 || pixels.height % 2 != 0) {
+    return invalidArgument("--size {}: width and height of an .mp4 video must be even", pictures.size);
+  }
+  if (pictures.background == "transparent") {
+    return invalidArgument(
+        "--video: films are not transparent, expected --background with a colour such as green; `lorica play ... "
+        "--background transparent --snapshots DIR --every 1` makes a picture of each frame");
+  }
+  return checkOutput(common, "--video", pictures.video);
+}
+
+Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file) {
+  return file.empty() ? Result<void>() : checkOutput(common, option, file, ".lsession");
+}
+
+namespace {
+
+/// Rejects a file that cannot be written or that is one of the others, and two uses of standard output.
+/// @param others  inputs and other outputs of the command; empty ones are ignored
+Result<void> checkEvents(const std::string& to, const CommonOptions& common,
+                         const std::vector<std::filesystem::path>& others) {
+  if (to.empty()) return {};
+  if (to == "-") {
+    if (common.json != "-") return {};
+    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
+  }
+  std::vector<std::filesystem::path> all = others;
+  if (common.json != "-") all.emplace_back(common.json);
+  CommonOptions asFile;
+  asFile.json = to;
+  asFile.force = common.force;
+  return checkJsonOutput(asFile, all, "--events");
+}
+
+Result<void> checkSnapshots(const SnapshotOptions& options, const CommonOptions& common) {
+  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
+    return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
+  }
+  if (!options.folder.empty()) {
+    LORICA_TRY_DO(checkOutputFolder(common, "--snapshots", options.folder,
+                                    [&](const std::string& name) { return options.draws(name); }));
+  }
+  return checkVideo(common, options);
+}
+
+}  // namespace
+
+Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures, const CommonOptions& common,
+                          std::vector<std::filesystem::path> inputs) {
+  LORICA_TRY_DO(checkJsonOutput(common, inputs));
+  LORICA_TRY_DO(checkSnapshots(pictures, common));
+  LORICA_TRY_DO(checkRecord(common, "--record", setting.record));
+  LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
+  LORICA_TRY_DO(checkPoseOutput(setting.out));
+  inputs.emplace_back(setting.record);
+  return checkEvents(setting.events, common, inputs);
+}
+
+void openStandardStreams() {
+  // The lowest free number is used, which is that of the missing stream.
+  int descriptor = 0;
+  while (descriptor <= STDERR_FILENO) {
+    descriptor = ::open("/dev/null", O_RDONLY);
+    if (descriptor < 0) return;
+  }
+  ::close(descriptor);
+}
+
+void say(std::string_view text) {
+  (void)writeAll(STDERR_FILENO, text);
+}
+
+Result<void> print(std::string_view text, std::string_view what) {
+  const int error = writeAll(STDOUT_FILENO, text);
+  if (error == 0) return {};
+  return unwritable("standard output: could not write {}: {}", what, std::generic_category().message(error));
 }
 
 void warn(const std::string& sentence) {

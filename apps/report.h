@@ -14,6 +14,9 @@
 
 namespace lorica {
 
+struct RunSetting;
+struct SnapshotOptions;
+
 /// Options of every subcommand.
 struct CommonOptions {
   std::string json;         ///< file for the report as JSON; "-" = standard output instead of the text; empty = none
@@ -84,6 +87,26 @@ void publishFailure(std::string_view kind, std::string_view message);
 [[nodiscard]] Result<void> checkOutputFolder(const CommonOptions& options, const std::string& option,
                                              const std::filesystem::path& folder,
                                              const std::function<bool(const std::string& name)>& written = nullptr);
+
+/// Rejects, before any work, what a run cannot write. @param inputs  files that no output may overwrite
+[[nodiscard]] Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures,
+                                        const CommonOptions& common, std::vector<std::filesystem::path> inputs);
+
+/// Rejects, before any work, a video that cannot be written.
+[[nodiscard]] Result<void> checkVideo(const CommonOptions& common, const SnapshotOptions& pictures);
+
+/// Rejects an unusable name of a recorded session before any work.
+[[nodiscard]] Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file);
+
+/// Opens standard input, output and error if the program was started without them; otherwise the next file would take
+/// their place, and messages would be written into it. Writing to those that were missing is an error.
+void openStandardStreams();
+
+/// Prints to standard error. What cannot be written there is dropped, for there is no other place to say so.
+void say(std::string_view text);
+
+/// Prints to standard output. @param what  for the error message: "the report"
+[[nodiscard]] Result<void> print(std::string_view text, std::string_view what);
 
 /// Prints a warning to standard error, one line: "lorica: warning: ...". The same sentence is said once in a run.
 void warn(const std::string& sentence);

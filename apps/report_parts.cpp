@@ -115,9 +115,7 @@ void addMeshTo(Report& report, const Subject& subject) {
   if (subject.body && !subject.body->walls.empty()) report.line("walls", subject.body->walls);
   if (!subject.rebuilt) return;
   const RebuiltMesh& body = *subject.rebuilt;
-  if (body.shells > 0) {
-    report.line("walls", wallsInWords(body));
-  }
+  if (body.shells > 0) report.line("walls", wallsInWords(body));
   if (body.resolution <= 0.0) return;
   report.line(
       "closed body",
@@ -307,18 +305,18 @@ void addStreamTo(Report& report, const VmcInput& stream) {
                                      1e-3 * latency.median, 1e-3 * latency.p95));
 }
 
-void addDrawnTo(nlohmann::ordered_json& json, const SnapshotOptions& options, const DrawnFiles& drawn) {
+void addDrawnTo(nlohmann::ordered_json& json, const DrawnFiles& drawn) {
   json["snapshots"] = drawn.snapshots;
-  json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
+  json["video"] = drawn.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(drawn.video);
   json["videoFrames"] = drawn.videoFrames;
 }
 
-void addDrawnTo(Report& report, const SnapshotOptions& options, const DrawnFiles& drawn) {
-  if (!options.folder.empty()) {
-    report.line("pictures", fmt::format("{} in {}", counted(drawn.snapshots, "PNG file"), options.folder));
+void addDrawnTo(Report& report, const DrawnFiles& drawn) {
+  if (!drawn.folder.empty()) {
+    report.line("pictures", fmt::format("{} in {}", counted(drawn.snapshots, "PNG file"), drawn.folder));
   }
-  if (!options.video.empty()) {
-    report.line("video", fmt::format("{}, {}", options.video, counted(drawn.videoFrames, "frame")));
+  if (!drawn.video.empty()) {
+    report.line("video", fmt::format("{}, {}", drawn.video, counted(drawn.videoFrames, "frame")));
   }
 }
 

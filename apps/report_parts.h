@@ -49,8 +49,8 @@ void addLiveTo(Report& report, const LiveLog& log);
 void addStreamTo(nlohmann::ordered_json& json, const VmcInput& stream);
 void addStreamTo(Report& report, const VmcInput& stream);
 /// What was drawn to files.
-void addDrawnTo(nlohmann::ordered_json& json, const SnapshotOptions& options, const DrawnFiles& drawn);
-void addDrawnTo(Report& report, const SnapshotOptions& options, const DrawnFiles& drawn);
+void addDrawnTo(nlohmann::ordered_json& json, const DrawnFiles& drawn);
+void addDrawnTo(Report& report, const DrawnFiles& drawn);
 
 /// Finishes the recording of a run and adds the number of steps. Does nothing without a recorder.
 [[nodiscard]] Result<void> finishRecorder(Run& run, const std::string& file, Report& report,

@@ -6,7 +6,6 @@
 #include "apps/report_parts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
-#include "prepare/mesh_subject.h"
 #include "prepare/subject.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/show.h"
-#include "apps/standard_streams.h"
 #include "geometry/errors.h"
 #include "serve/link.h"
 #include "serve/page_files.h"

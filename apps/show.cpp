@@ -1,13 +1,11 @@
 #include "apps/show.h"
 
 #include "apps/interrupt.h"
-#include "apps/option_groups.h"
 #include "apps/report_parts.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/picture_options.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,6 +14,11 @@
 #include <utility>
 
 namespace lorica {
+
+Result<void> checkWindow(bool wanted, const std::string& instead) {
+  if (!wanted || displayAvailable()) return {};
+  return noDisplay("--window: there is no display (neither DISPLAY nor WAYLAND_DISPLAY is set); {}", instead);
+}
 
 Result<Window> openWindow(const SnapshotOptions& pictures) {
   const CanvasSize size = pictureSizeOf(pictures.size).value_or(CanvasSize());

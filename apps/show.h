@@ -63,6 +63,9 @@ struct ShowOptions {
 /// The demo on the page. @param options  its character and --serve
 [[nodiscard]] Result<void> showDemo(const ShowOptions& options, const CommonOptions& common, Host& host);
 
+/// Rejects --window if there is no display. @param instead  alternatives, for the error message
+[[nodiscard]] Result<void> checkWindow(bool wanted, const std::string& instead);
+
 /// Opens a window before there is a session. @param pictures  its size and background
 [[nodiscard]] Result<Window> openWindow(const SnapshotOptions& pictures);
 

@@ -6,7 +6,6 @@
 #include "geometry/files.h"
 #include "geometry/text.h"
 #include "player/follow_camera.h"
-#include "player/picture_options.h"
 #include "player/snapshots.h"
 #include "player/window_texts.h"
 #include "viewer/pictures/image_files.h"
@@ -30,15 +29,12 @@ constexpr double kSameTime = 1e-6;  // [s]
 
 struct Options {
   CastRequest request;
-  CameraOptions camera;
+  SnapshotOptions pictures;  // without a folder
   std::string out;
-  std::string video;
   std::vector<double> at;   // [s]
   std::vector<int> frames;  // from 0
   double from = 0.0;        // of the video [s]
   double to = 0.0;          // 0 = the end
-  std::string size = "1280x720";
-  std::string background;
   std::vector<std::string> show;
   bool strip = false;
 };
@@ -47,8 +43,8 @@ struct Options {
 SceneOptions shownBy(const Options& options, const Character& character) {
   const std::vector<std::string>& words = options.show;
   SceneOptions show = usualView(character);
-  (void)setBackground(options.background, show);
-  show.props = options.background.empty() || !options.request.scene.empty();
+  (void)setBackground(options.pictures.background, show);
+  show.props = options.pictures.background.empty() || !options.request.scene.empty();
   if (words.empty()) return show;
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   show.colorSkinByPart = has("parts");
@@ -85,24 +81,20 @@ Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion&
     }
     wanted.push_back({0.0, frame});
   }
-  if (wanted.empty() && options.video.empty()) wanted.push_back({0.5 * motion.seconds(), -1});
+  if (wanted.empty() && options.pictures.video.empty()) wanted.push_back({0.5 * motion.seconds(), -1});
   std::sort(wanted.begin(), wanted.end(), [](const Wanted& a, const Wanted& b) {
     return std::pair(a.frame, a.seconds) < std::pair(b.frame, b.seconds);
   });
   return wanted;
 }
 
-/// Results.
 struct Outcome {
-  std::string who, name;          // "hero", "walk and wave"
-  std::string motion, character;  // of the first avatar
-  std::string firstGuess;
-  std::vector<std::string> notes;
+  std::unique_ptr<Run> run;
   std::vector<fs::path> files;
   std::string renderer;
-  int frames = 0;  // played
   int videoFrames = 0;
-  std::uint64_t hash = 0;
+
+  [[nodiscard]] const Motion& motion() const { return *run->cast.avatars.front().motion; }  // of the first avatar
 };
 
 /// Names of so many pictures.
@@ -120,14 +112,13 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
                       Host& host) {
   const Motion& motion = *cast.avatars.front().motion;  // leads
   const double length = motion.seconds();
-  const std::string motionName = motion.name;
-  const CanvasSize size = *pictureSizeOf(options.size);
+  const CanvasSize size = *pictureSizeOf(options.pictures.size);
   LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   Outcome outcome;
   std::optional<VideoWriter> movie;
-  if (!options.video.empty()) {
+  if (!options.pictures.video.empty()) {
     const double rate = length > 0.0 ? (motion.frameCount() - 1) / length : 30.0;
-    LORICA_TRY(VideoWriter made, VideoWriter::create(options.video, size.width, size.height, rate));
+    LORICA_TRY(VideoWriter made, VideoWriter::create(options.pictures.video, size.width, size.height, rate));
     movie.emplace(std::move(made));
   }
   const double end = options.to > 0.0 ? options.to : length;
@@ -139,12 +130,13 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   setting.frames = motion.frameCount();
   setting.expected = 1 + int(std::ceil(share * (motion.frameCount() - 1)));  // estimate
   for (const Wanted& one : wanted) setting.expected = std::max(setting.expected, one.frame + 1);
-  LORICA_TRY(const std::unique_ptr<Run> run, Run::start(std::move(cast), setting, host));
-  const Session& session = run->session;
+  LORICA_TRY(outcome.run, Run::start(std::move(cast), setting, host));
+  Run& run = *outcome.run;
+  const Session& session = run.session;
 
   SessionScene scene(session);
   SceneOptions show = shownBy(options, session.character());
-  const bool caption = (options.show.empty() && options.background.empty()) ||
+  const bool caption = (options.show.empty() && options.pictures.background.empty()) ||
                        std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
   std::vector<bool> taken(wanted.size(), false);
   std::vector<Image> images;
@@ -155,12 +147,12 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   Shown shown;
   shown.picture = [&]() -> Result<bool> {
     const int frame = session.frameCount() - 1;
-    const double seconds = run->seconds();
+    const double seconds = run.seconds();
     scene.follow(session);
     if (movie) camera.update(session, seconds - previous);
     previous = seconds;
     const auto draw = [&](const Camera& from) {
-      if (caption) show.caption = captionOf(run->name() + run->hits.caption(), session, seconds);
+      if (caption) show.caption = captionOf(run.name() + run.hits.caption(), session, seconds);
       return pictures.draw(scene.of(session, show, from.eye), show, from);
     };
     for (std::size_t i = 0; i < wanted.size(); ++i) {
@@ -178,23 +170,15 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     const bool allTaken = std::find(taken.begin(), taken.end(), false) == taken.end();
     return !allTaken || (movie && seconds <= end);
   };
-  LORICA_TRY(const RunEnd ended, play(*run, shown, host));
+  LORICA_TRY(const RunEnd ended, play(run, shown, host));
   if (ended == RunEnd::kInterrupted) return cancelled();
 
-  outcome.who = whoOf(*run);
-  outcome.name = run->name();
-  outcome.frames = session.frameCount();
   outcome.renderer = pictures.rendererName();
-  outcome.hash = session.hash();
-  outcome.notes = run->cast.avatars.front().motion->notes;
-  outcome.firstGuess = run->cast.avatars.front().motion->firstGuess;
-  outcome.motion = motionName;
-  outcome.character = session.character().name;
   if (options.strip && images.size() > 1) {
     const Image sheet = contactSheet(images, labels, countOf(images));
     images.assign(1, sheet);
   }
-  outcome.files = filesOf(options, motionName, images.size());
+  outcome.files = filesOf(options, outcome.motion().name, images.size());
   for (std::size_t i = 0; i < images.size(); ++i) LORICA_TRY_DO(writePng(outcome.files[i], images[i]));
   if (movie) LORICA_TRY_DO(movie->finish());
   return outcome;
@@ -202,16 +186,14 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
 
 Result<void> check(const Options& options, const CommonOptions& common) {
   std::vector<fs::path> others = options.request.files();
-  others.insert(others.end(), {options.out, options.video});
+  others.insert(others.end(), {options.out, options.pictures.video});
   LORICA_TRY_DO(checkJsonOutput(common, others));
   if (!options.out.empty()) {
     CommonOptions name = common;  // several pictures get a number
     name.force = true;
     LORICA_TRY_DO(checkOutput(name, "--out", options.out, ".png"));
   }
-  if (!options.video.empty()) {
-    LORICA_TRY_DO(checkVideo(common, "--video", options.video, options.size, options.background));
-  }
+  LORICA_TRY_DO(checkVideo(common, options.pictures));
   if (options.to > 0.0 && options.to < options.from) {
     return invalidArgument("--to {} is before --from {}", options.to, options.from);
   }
@@ -227,30 +209,32 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   for (const fs::path& file : filesOf(options, cast.avatars.front().motion->name, wanted.size())) {
     LORICA_TRY_DO(checkOutput(common, "--out", file));
   }
-  const CanvasSize size = *pictureSizeOf(options.size);
-  LORICA_TRY(const FollowCamera camera, FollowCamera::create(options.camera, size.width, size.height));
+  const CanvasSize size = *pictureSizeOf(options.pictures.size);
+  LORICA_TRY(const FollowCamera camera, FollowCamera::create(options.pictures.camera, size.width, size.height));
   LORICA_TRY(const Outcome outcome, shoot(options, wanted, camera, std::move(cast), host));
 
   nlohmann::ordered_json json;
-  json["recording"] = outcome.motion;
-  json["character"] = outcome.character;
-  json["frames"] = outcome.frames;
+  json["recording"] = outcome.motion().name;
+  json["character"] = outcome.run->session.character().name;
+  json["frames"] = outcome.run->session.frameCount();
   json["pictures"] = nlohmann::ordered_json::array();
   for (const fs::path& picture : outcome.files) json["pictures"].push_back(picture.string());
-  json["video"] = options.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.video);
+  json["video"] =
+      options.pictures.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.pictures.video);
   json["videoFrames"] = outcome.videoFrames;
-  json["firstGuess"] = outcome.firstGuess;
+  json["firstGuess"] = outcome.motion().firstGuess;
   json["renderer"] = outcome.renderer;
-  json["hash"] = hexDigits(outcome.hash);
-  Report report(fmt::format("{} performed {}: {}", outcome.who, outcome.name, counted(outcome.frames, "frame")));
+  json["hash"] = hexDigits(outcome.run->session.hash());
+  Report report(fmt::format("{} performed {}: {}", whoOf(*outcome.run), outcome.run->name(),
+                            counted(outcome.run->session.frameCount(), "frame")));
   for (const fs::path& picture : outcome.files) report.line("picture", picture.string());
-  if (!options.video.empty()) {
-    report.line("video", fmt::format("{}, {}", options.video, counted(outcome.videoFrames, "frame")));
+  if (!options.pictures.video.empty()) {
+    report.line("video", fmt::format("{}, {}", options.pictures.video, counted(outcome.videoFrames, "frame")));
   }
-  if (!outcome.firstGuess.empty()) report.line("first guess", outcome.firstGuess);
+  if (!outcome.motion().firstGuess.empty()) report.line("first guess", outcome.motion().firstGuess);
   report.line("renderer", outcome.renderer);
-  report.line("hash", hexDigits(outcome.hash));
-  for (const std::string& note : outcome.notes) report.note(note);
+  report.line("hash", hexDigits(outcome.run->session.hash()));
+  for (const std::string& note : outcome.motion().notes) report.note(note);
   return publish(common, report, json);
 }
 
@@ -276,11 +260,11 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
                  "S")
       ->separatedBy(',');
   app->addOption("--frame", options->frames, "Frames, counted from 0, separated by commas", "N")->separatedBy(',');
-  Option* video = app->addOption("--video", options->video, "Write a real-time video of all frames, as .mp4", "FILE");
+  Option* video =
+      app->addOption("--video", options->pictures.video, "Write a real-time video of all frames, as .mp4", "FILE");
   addMoment(*app, "--from", options->from, "Start of the video")->needs(video);
   addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
-  addSizeOption(*app, options->size);
-  addBackgroundOption(*app, options->background);
+  addLookOptions(*app, options->pictures);
   app->addOption(
          "--show", options->show,
          "Draw only these: skin (as the character's maker drew it), parts (its body coloured by part), hulls, bones, "
@@ -291,7 +275,7 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
       ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
   addTextureOption(*app, options->request.reading.textureSize);
   app->addFlag("--strip", options->strip, "Combine several pictures side by side in one file");
-  addCameraOptions(*app, options->camera);
+  addCameraOptions(*app, options->pictures.camera);
   addBodyOptions(*app, options->request.body);
   addSceneOption(*app, options->request.scene);
   return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};

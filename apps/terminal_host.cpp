@@ -1,7 +1,5 @@
 #include "apps/terminal_host.h"
 
-#include "apps/interrupt.h"
-#include "apps/standard_streams.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "geometry/text.h"
@@ -50,11 +48,40 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
 
   /// @param total  0 or less if unknown
-  void update(int done, int total);
+  void update(int done, int total) {
+    const Clock::time_point now = Clock::now();
+    const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    const std::optional<double> left = timeLeft_.update(done, total, seconds);
+    const std::string leftText = left ? fmt::format(", {:.0f} s left", *left) : "";
+    if (terminal_) {
+      if (shown_ && sinceShown < kRedrawSeconds) return;
+      draw(done, total, fmt::format("{:.0f} s{}", seconds, leftText));
+    } else {
+      if (sinceShown < kLineSeconds) return;
+      say(fmt::format("{}: {} after {:.0f} s{}\n", label_, countText(done, total, unit_), seconds, leftText));
+    }
+    lastShown_ = now;
+    shown_ = true;
+  }
 
  private:
   using Clock = std::chrono::steady_clock;
-  void draw(int done, int total, const std::string& time) const;
+
+  void draw(int done, int total, const std::string& time) const {
+    const std::string tail = fmt::format("  {}  {}", countText(done, total, unit_), time);
+    std::string line = label_ + "  ";
+    const int room = terminalWidth(stderr) - 1 - countOf(line) - countOf(tail);
+    const int width = std::min(kWidestBar, room - 2);
+    if (width >= 5 && total > 0) {
+      const int filled = std::clamp(width * done / total, 0, width);
+      line += fmt::format("[{:<{}}]", std::string(filled, '='), width);
+    }
+    line += tail;
+    // A line longer than the terminal would wrap and could not be erased.
+    line.resize(std::min<std::size_t>(line.size(), std::max(terminalWidth(stderr) - 1, 1)));
+    say(fmt::format("\r\x1b[K{}", line));
+  }
 
   std::string label_;
   std::string unit_;
@@ -64,38 +91,6 @@ class ProgressBar {
   TimeLeft timeLeft_;
   bool shown_ = false;
 };
-
-void ProgressBar::update(int done, int total) {
-  const Clock::time_point now = Clock::now();
-  const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
-  const double seconds = std::chrono::duration<double>(now - start_).count();
-  const std::optional<double> left = timeLeft_.update(done, total, seconds);
-  const std::string leftText = left ? fmt::format(", {:.0f} s left", *left) : "";
-  if (terminal_) {
-    if (shown_ && sinceShown < kRedrawSeconds) return;
-    draw(done, total, fmt::format("{:.0f} s{}", seconds, leftText));
-  } else {
-    if (sinceShown < kLineSeconds) return;
-    say(fmt::format("{}: {} after {:.0f} s{}\n", label_, countText(done, total, unit_), seconds, leftText));
-  }
-  lastShown_ = now;
-  shown_ = true;
-}
-
-void ProgressBar::draw(int done, int total, const std::string& time) const {
-  const std::string tail = fmt::format("  {}  {}", countText(done, total, unit_), time);
-  std::string line = label_ + "  ";
-  const int room = terminalWidth(stderr) - 1 - countOf(line) - countOf(tail);
-  const int width = std::min(kWidestBar, room - 2);
-  if (width >= 5 && total > 0) {
-    const int filled = std::clamp(width * done / total, 0, width);
-    line += fmt::format("[{:<{}}]", std::string(filled, '='), width);
-  }
-  line += tail;
-  // A line longer than the terminal would wrap and could not be erased.
-  line.resize(std::min<std::size_t>(line.size(), std::max(terminalWidth(stderr) - 1, 1)));
-  say(fmt::format("\r\x1b[K{}", line));
-}
 
 TerminalHost::TerminalHost(const CommonOptions& common) {
   threads = common.threadCount();
@@ -116,18 +111,6 @@ void TerminalHost::report(int done, int total) {
 
 void TerminalHost::endTask() {
   bars_.pop_back();
-}
-
-bool TerminalHost::cancelled() const {
-  return interrupted();
-}
-
-void TerminalHost::tell(const std::string& sentence) {
-  say(sentence + "\n");
-}
-
-void TerminalHost::warn(const std::string& sentence) {
-  lorica::warn(sentence);
 }
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "apps/interrupt.h"
 #include "apps/report.h"
 #include "prepare/host.h"
 
@@ -27,9 +28,9 @@ class TerminalHost final : public Host {
   void beginTask(const std::string& label, const std::string& unit) override;
   void report(int done, int total) override;
   void endTask() override;
-  [[nodiscard]] bool cancelled() const override;
-  void tell(const std::string& sentence) override;
-  void warn(const std::string& sentence) override;
+  [[nodiscard]] bool cancelled() const override { return interrupted(); }
+  void tell(const std::string& sentence) override { say(sentence + "\n"); }
+  void warn(const std::string& sentence) override { lorica::warn(sentence); }
 
  private:
   std::vector<std::unique_ptr<ProgressBar>> bars_;  // of the tasks that have begun, the inner ones last

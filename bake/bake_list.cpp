@@ -121,8 +121,6 @@ std::vector<std::string> split(const std::string& text, char separator) {
   return words;
 }
 
-namespace fs = std::filesystem;
-
 constexpr JsonLimits kLineOfList{4, 1'000};  // an object with lists
 
 constexpr std::array<std::string_view, 9> kModelEndings = {".off",  ".obj", ".ply", ".stl", ".glb",
@@ -192,9 +190,7 @@ Result<void> addInputs(const std::string& input, const BakeSettings& settings, s
       }
     }
     if (error) return unreadable("{}: cannot be read: {}", input, error.message());
-    if (found.empty()) {
-      return notFound("{}: found no file that ends in {}", input, fmt::join(kModelEndings, ", "));
-    }
+    if (found.empty()) return notFound("{}: found no file that ends in {}", input, fmt::join(kModelEndings, ", "));
   } else if (input.find_first_of("*?[") != std::string::npos && !fs::exists(input, error)) {
     glob_t matches = {};
     if (::glob(input.c_str(), 0, nullptr, &matches) == 0)
@@ -271,9 +267,7 @@ Result<void> addJsonLines(const std::string& list, const std::string& text, cons
   return eachLine(list, text, [&](const std::string& line) -> Result<void> {
     if (line.find_first_not_of(" \t") == std::string::npos) return {};
     const Result<nlohmann::json> json = parseJson(line, list, kLineOfList);
-    if (!json || !json->is_object()) {
-      return badFormat("found no JSON object, expected {\"input\": \"FILE\", ...}");
-    }
+    if (!json || !json->is_object()) return badFormat("found no JSON object, expected {\"input\": \"FILE\", ...}");
     std::vector<std::pair<std::string, std::string>> row;
     for (const auto& [name, value] : json->items()) row.emplace_back(name, textOf(value));
     return addRow(row, fs::path(list).parent_path().string(), defaults, items);

@@ -55,9 +55,7 @@ Result<ordered_json> BakeStore::describe(const std::string& item) {
   const fs::path file = folderOf(item) / kDescription;
   LORICA_TRY(const std::string text, files_->read(file));
   LORICA_TRY(ordered_json json, parseJson<ordered_json>(text, file.string()));
-  if (!isDescription(json)) {
-    return badFormat("{}: found other JSON than the description of a result", file.string());
-  }
+  if (!isDescription(json)) return badFormat("{}: found other JSON than the description of a result", file.string());
   return json;
 }
 
@@ -67,7 +65,7 @@ Result<fs::path> BakeStore::begin(const std::string& item, int earlier) {
   fs::path made = work / fmt::format("{}.{}", item, earlier);
   files_->remove(made);
   for (const fs::path& folder : {made, folder_ / "items"}) {
-    if (const int error = files_->createFolders(folder); error != 0) return cannotWrite(folder, error);
+    if (const int error = files_->createFolders(folder); error != 0) return unwritable(folder, error);
   }
   return made;
 }
@@ -76,7 +74,7 @@ Result<bool> BakeStore::publish(const std::string& item, const fs::path& made, c
   const std::string text = textOf(description);
   if (const int error = files_->create(made / kDescription, text); error != 0) {
     drop(made);
-    return cannotWrite(made / kDescription, error);
+    return unwritable(made / kDescription, error);
   }
   int error = 0;
   for (int attempt = 0; attempt < kTries; ++attempt) {
@@ -91,7 +89,7 @@ Result<bool> BakeStore::publish(const std::string& item, const fs::path& made, c
     return *there == text;
   }
   drop(made);
-  return cannotWrite(folderOf(item), error);
+  return unwritable(folderOf(item), error);
 }
 
 void BakeStore::drop(const fs::path& made) {
@@ -104,7 +102,7 @@ void BakeStore::link(const std::string& item, const std::string& file, const std
 }
 
 Result<void> BakeStore::discard(const std::string& item) {
-  if (const int error = files_->remove(folderOf(item)); error != 0) return cannotWrite(folderOf(item), error);
+  if (const int error = files_->remove(folderOf(item)); error != 0) return unwritable(folderOf(item), error);
   return {};
 }
 
@@ -117,9 +115,7 @@ Result<std::vector<BakedFile>> bakedFiles(const fs::path& folder) {
     files.push_back(
         {entry->path().lexically_relative(folder).generic_string(), hexDigits(contentHash(content)), content.size()});
   }
-  if (error) {
-    return unreadable("{}: cannot be read: {}", folder.string(), error.message());
-  }
+  if (error) return unreadable("{}: cannot be read: {}", folder.string(), error.message());
   std::ranges::sort(files, {}, &BakedFile::name);
   return files;
 }

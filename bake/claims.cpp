@@ -1,5 +1,6 @@
 #include "bake/claims.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fmt/format.h>
@@ -72,10 +73,9 @@ Claims::Claims(FileLayer& files, fs::path folder, double lostAfter, std::functio
 Result<Claims> Claims::open(FileLayer& files, const fs::path& folder, double lostAfter,
                             std::function<Clock::time_point()> now) {
   Claims claims(files, folder, lostAfter, std::move(now));
-  if (const int error = files.createFolders(folder / "claims"); error != 0)
-    return cannotWrite(folder / "claims", error);
+  if (const int error = files.createFolders(folder / "claims"); error != 0) return unwritable(folder / "claims", error);
   const fs::path own = claims.fileOf(claims.worker_);
-  if (const int error = claims.createIn("workers", own, claims.lifeSign()); error != 0) return cannotWrite(own, error);
+  if (const int error = claims.createIn("workers", own, claims.lifeSign()); error != 0) return unwritable(own, error);
   return claims;
 }
 
@@ -104,7 +104,7 @@ Result<std::optional<int>> Claims::claim(const std::string& key) {
     if (!owner && owner.error().code == ErrorCode::kNotFound) {
       const int error = createIn("claims", file, worker_);
       if (error == 0) owner = worker_;
-      if (error != 0 && error != EEXIST) return cannotWrite(file, error);
+      if (error != 0 && error != EEXIST) return unwritable(file, error);
       if (error != 0) owner = files_->read(file);  // somebody was faster, or the server answered twice
     }
     // What is there and cannot be read yet is watched like a claim without a name.

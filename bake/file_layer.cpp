@@ -1,7 +1,6 @@
 #include "bake/file_layer.h"
 
 #include "geometry/descriptor.h"
-#include "geometry/errors.h"
 #include "geometry/files.h"
 
 #include <fcntl.h>
@@ -75,10 +74,6 @@ int FileLayer::remove(const std::filesystem::path& path) {
   std::error_code error;
   std::filesystem::remove_all(path, error);
   return error.value();
-}
-
-Error cannotWrite(const std::filesystem::path& file, int error) {
-  return unwritable("{}: cannot be written: {}", file.string(), std::generic_category().message(error));
 }
 
 }  // namespace lorica

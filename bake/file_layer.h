@@ -34,7 +34,4 @@ class FileLayer {
   virtual int remove(const std::filesystem::path& path);
 };
 
-/// "DIR/x: cannot be written: No space left on device"
-[[nodiscard]] Error cannotWrite(const std::filesystem::path& file, int error);
-
 }  // namespace lorica

@@ -225,7 +225,7 @@ Result<ordered_json> ItemRun::finish(const std::string& failure) {
     fs::remove_all(folder_, error);
     fs::create_directory(folder_, error);
   }
-  if (error) return cannotWrite(folder_, error.value());
+  if (error) return unwritable(folder_, error.value());
   LORICA_TRY(const std::vector<BakedFile> files, bakedFiles(folder_));
   description["files"] = ordered_json::array();
   for (const BakedFile& file : files) {

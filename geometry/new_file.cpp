@@ -33,8 +33,6 @@ int openBeside(const fs::path& target, mode_t mode, std::string& temporary) {
   return -1;
 }
 
-namespace fs = std::filesystem;
-
 }  // namespace
 
 NewFile::NewFile(fs::path file, fs::path target) : file_(std::move(file)), target_(std::move(target)) {}
@@ -59,9 +57,7 @@ Result<std::unique_ptr<NewFile>> NewFile::create(const fs::path& file, NamedBy b
   struct stat status {};
   const bool exists = ::lstat(target.c_str(), &status) == 0 && !S_ISLNK(status.st_mode);
   if (exists && S_ISDIR(status.st_mode)) return unwritable(file, EISDIR);
-  if (exists && !S_ISREG(status.st_mode)) {
-    return unwritable("{}: cannot be written: not a regular file", file.string());
-  }
+  if (exists && !S_ISREG(status.st_mode)) return unwritable("{}: cannot be written: not a regular file", file.string());
 
   std::unique_ptr<NewFile> made(new NewFile(file, target));
   std::string temporary;
@@ -96,9 +92,7 @@ Result<std::optional<fs::path>> keepFound(const fs::path& part) {
   if (found < 0) return unwritable(part, errno);
   const bool isWritten = ::flock(found, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
   ::close(found);
-  if (isWritten) {
-    return unwritable("{}: another program is writing to it", part.string());
-  }
+  if (isWritten) return unwritable("{}: another program is writing to it", part.string());
   const fs::path name = part.stem().replace_extension();
   for (int number = 1;; ++number) {
     const fs::path kept =

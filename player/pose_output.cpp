@@ -1,6 +1,5 @@
 #include "player/pose_output.h"
 
-#include "capture/streams/contact_writer.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_names.h"
 #include "capture/streams/vmc_writer.h"

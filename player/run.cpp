@@ -3,9 +3,7 @@
 #include "geometry/clock.h"
 #include "geometry/errors.h"
 #include "player/depth_picture.h"
-#include "player/picture_options.h"
 #include "player/snapshots.h"
-#include "player/window_texts.h"
 #include "prepare/scenes.h"
 
 #include <algorithm>

@@ -3,7 +3,6 @@
 #include "collision/live/attached_vertices.h"
 #include "geometry/errors.h"
 #include "player/parts_picture.h"
-#include "player/picture_options.h"
 #include "player/window_texts.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/avatar.h"
@@ -12,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <filesystem>
@@ -161,6 +161,39 @@ Image SnapshotCamera::draw(const Scene& scene, const SceneOptions& options, cons
   return renderer_.readBack();
 }
 
+std::optional<CanvasSize> pictureSizeOf(std::string_view text) {
+  if (text == "portrait") return CanvasSize{1080, 1920};
+  if (text == "square") return CanvasSize{1080, 1080};
+  CanvasSize size;
+  const char* end = text.data() + text.size();
+  const auto [cross, first] = std::from_chars(text.data(), end, size.width);
+  if (first != std::errc() || cross == end || *cross != 'x') return std::nullopt;
+  const auto [stopped, second] = std::from_chars(cross + 1, end, size.height);
+  if (second != std::errc() || stopped != end) return std::nullopt;
+  for (const int side : {size.width, size.height}) {
+    if (side < kSmallestSide || side > kLargestSide) return std::nullopt;
+  }
+  return size;
+}
+
+bool setBackground(std::string_view text, SceneOptions& show) {
+  if (text.empty()) return true;
+  show.transparent = text == "transparent";
+  show.ground = false;
+  if (show.transparent) return true;
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kNames = {
+      {{"green", "#00ff00"}, {"blue", "#0000ff"}, {"white", "#ffffff"}, {"black", "#000000"}, {"gray", "#808080"}}};
+  for (const auto& [name, meant] : kNames) {
+    if (text == name) text = meant;
+  }
+  std::uint32_t color = 0;
+  const char* end = text.data() + text.size();
+  const bool written = text.size() == 7 && text[0] == '#';
+  if (!written || std::from_chars(text.data() + 1, end, color, 16).ptr != end) return false;
+  show.background = Vec3f((color >> 16) / 255.0f, (color >> 8 & 0xff) / 255.0f, (color & 0xff) / 255.0f);
+  return true;
+}
+
 bool SnapshotOptions::draws(const std::string& name) const {
   int frame = -1;
   if (name.starts_with(kPictureName))
@@ -176,9 +209,7 @@ Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptio
   if (!options.folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
-    if (error) {
-      return unwritable("--snapshots: {}: {}", options.folder, error.message());
-    }
+    if (error) return unwritable("--snapshots: {}: {}", options.folder, error.message());
   }
   SnapshotSeries series(options, std::move(pictures), follow, session);
   if (!options.video.empty()) {
@@ -190,7 +221,11 @@ Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptio
 
 SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow,
                                const Session& session)
-    : options_(options), pictures_(std::move(pictures)), scene_(session), follow_(std::move(follow)) {}
+    : options_(options),
+      pictures_(std::move(pictures)),
+      scene_(session),
+      follow_(std::move(follow)),
+      drawn_{options.folder, options.video} {}
 
 bool SnapshotSeries::snapshotDue(const Session& session) const {
   return !options_.folder.empty() && (session.frameCount() - 1) % options_.every == 0;

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -92,6 +93,19 @@ class SnapshotCamera {
   int height_;
 };
 
+/// Of a picture or a window [pixels].
+struct CanvasSize {
+  int width = 1280, height = 720;
+};
+inline constexpr int kSmallestSide = 16, kLargestSide = 4096;
+
+/// "640x360", "portrait" (1080x1920) or "square" (1080x1080); none for any other text, or a side that is not possible.
+[[nodiscard]] std::optional<CanvasSize> pictureSizeOf(std::string_view text);
+
+/// Sets what is behind the avatars: "#00ff00" or "transparent", both without the ground; empty = as it is.
+/// @return false for any other text
+[[nodiscard]] bool setBackground(std::string_view text, SceneOptions& show);
+
 /// --snapshots, --every, --video, --headless, the camera, --size and --background. A window has the last two, too.
 struct SnapshotOptions {
   std::string folder;  ///< empty = no pictures
@@ -107,10 +121,10 @@ struct SnapshotOptions {
   [[nodiscard]] bool draws(const std::string& name) const;
 };
 
-/// Number of snapshots and video frames drawn.
+/// What was drawn, where it was asked for.
 struct DrawnFiles {
-  int snapshots = 0;
-  int videoFrames = 0;
+  std::string folder, video;  ///< of the options; empty = none
+  int snapshots = 0, videoFrames = 0;
 };
 
 /// Pictures of a running session (frame_0000.png, ...) and a video, by default from a camera that follows the body.

@@ -1,6 +1,6 @@
 #include "prepare/live_cast.h"
 
-#include "capture/headset/three_point_joints.h"
+#include "capture/headset/three_point_body.h"
 #include "capture/tracking/people_places.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"

@@ -3,7 +3,7 @@
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 #include "prepare/body.h"
-#include "prepare/body_cache.h"
+#include "prepare/cache_entries.h"
 #include "prepare/character_walls.h"
 #include "prepare/expressions.h"
 #include "prepare/file_kinds.h"

@@ -142,108 +142,57 @@ PageScreen::ClientHand* PageScreen::handFor(const Wish& press, const WindowReque
 
 void PageScreen::obey(const Wish& wish, WindowRequests& requests) {
   WindowChoices choices = this->choices();
-  const auto chosen = [&](std::optional<int>& request) { request = wish.index; };
   const auto file = [&](const std::vector<std::string>& files) {
     if (wish.index >= 0 && wish.index < countOf(files)) requests.files = {files[wish.index]};
   };
-  switch (wish.kind) {
-    case Kind::kPause:
-      choices.paused = wish.on;
-      break;
-    case Kind::kStep:
-      choices.paused = true;
-      ++choices.steps;
-      break;
-    case Kind::kRestart:
-      requests.seekTo = 0.0;
-      break;
-    case Kind::kSeek:
-      requests.seekTo = wish.to;
-      break;
-    case Kind::kSpeed:
-      for (const SpeedChoice& speed : kSpeeds) {
-        if (speed.factor == wish.to) choices.speed = wish.to;
-      }
-      break;
-    case Kind::kLoop:
-      choices.loop = wish.on;
-      break;
-    case Kind::kRecord:
-      requests.record = wish.on;
-      break;
-    case Kind::kMirror:
-      choices.treatment.mirror = wish.on;
-      break;
-    case Kind::kSmoothing:
-      if (wish.index >= 0 && wish.index < countOf(kSmoothings)) choices.treatment.smoothing = wish.index;
-      break;
-    case Kind::kGravity:
-      if (wish.index >= 0 && wish.index < countOf(kGravities)) choices.treatment.gravity = wish.index;
-      break;
-    case Kind::kScene:
-      if (wish.index >= 0 && wish.index < scenes_) chosen(requests.scene);
-      break;
-    case Kind::kCharacter:
-      file(characters_);
-      break;
-    case Kind::kMotion:
-      file(motions_);
-      break;
-    case Kind::kRecent:
-      file(recents_);
-      break;
-    case Kind::kExpression:
-      chosen(requests.expression);
-      break;
-    case Kind::kClip:
-      if (wish.index >= 0 && wish.index < clips_) chosen(requests.clip);
-      break;
-    case Kind::kPerson:
-      if (wish.index < people_) chosen(requests.person);
-      break;
-    case Kind::kParts:
-      if (wish.index >= 1 && wish.index <= maxParts_) chosen(requests.parts);
-      break;
-    case Kind::kThrow:
-      requests.throwBall = true;
-      requests.thrower = camera();
-      requests.thrower->eye = wish.origin;
-      requests.thrower->target = wish.target;
-      break;
-    case Kind::kPress:
-      if (ClientHand* hand = handFor(wish, requests)) {
-        *hand = {wish.client, wish.hand, wish.aim()};
-        requests.hands[hand - hands_.data()].pressed = hand->aim.ray;
-      }
-      break;
-    case Kind::kDrag:
-      for (ClientHand& hand : hands_) {
-        if (hand.isOf(wish)) hand.aim = wish.aim();
-      }
-      break;
-    case Kind::kRelease:
-    case Kind::kGone:
-      for (int i = 0; i < countOf(hands_); ++i) {
-        if (wish.kind == Kind::kGone ? hands_[i].client != wish.client : !hands_[i].isOf(wish)) continue;
-        hands_[i].client = 0;
-        requests.hands[i].released = true;
-        requests.hands[i].throwsWith = wish.velocity;
-      }
-      break;
-    case Kind::kOpen:
-      requests.received = wish.file;
-      break;
-    case Kind::kUndo:
-      requests.undo = true;
-      break;
-    case Kind::kCancel:
-      requests.cancel = true;
-      break;
-    case Kind::kAck:
-    case Kind::kShow:
-    case Kind::kHead:
-      break;
+  const auto isIn = [&](int count) { return wish.index >= 0 && wish.index < count; };
+  const Kind kind = wish.kind;
+  if (kind == Kind::kPause) choices.paused = wish.on;
+  if (kind == Kind::kStep) {
+    choices.paused = true;
+    ++choices.steps;
   }
+  if (kind == Kind::kRestart) requests.seekTo = 0.0;
+  if (kind == Kind::kSeek) requests.seekTo = wish.to;
+  if (kind == Kind::kSpeed && std::ranges::find(kSpeeds, wish.to, &SpeedChoice::factor) != std::end(kSpeeds)) {
+    choices.speed = wish.to;
+  }
+  if (kind == Kind::kLoop) choices.loop = wish.on;
+  if (kind == Kind::kRecord) requests.record = wish.on;
+  if (kind == Kind::kMirror) choices.treatment.mirror = wish.on;
+  if (kind == Kind::kSmoothing && isIn(countOf(kSmoothings))) choices.treatment.smoothing = wish.index;
+  if (kind == Kind::kGravity && isIn(countOf(kGravities))) choices.treatment.gravity = wish.index;
+  if (kind == Kind::kScene && isIn(scenes_)) requests.scene = wish.index;
+  if (kind == Kind::kCharacter) file(characters_);
+  if (kind == Kind::kMotion) file(motions_);
+  if (kind == Kind::kRecent) file(recents_);
+  if (kind == Kind::kExpression) requests.expression = wish.index;
+  if (kind == Kind::kClip && isIn(clips_)) requests.clip = wish.index;
+  if (kind == Kind::kPerson && wish.index < people_) requests.person = wish.index;
+  if (kind == Kind::kParts && wish.index >= 1 && wish.index <= maxParts_) requests.parts = wish.index;
+  if (kind == Kind::kThrow) {
+    requests.throwBall = true;
+    requests.thrower = camera();
+    requests.thrower->eye = wish.origin;
+    requests.thrower->target = wish.target;
+  }
+  if (kind == Kind::kPress) {
+    if (ClientHand* hand = handFor(wish, requests)) {
+      *hand = {wish.client, wish.hand, wish.aim()};
+      requests.hands[hand - hands_.data()].pressed = hand->aim.ray;
+    }
+  }
+  for (int i = 0; i < countOf(hands_); ++i) {
+    if (kind == Kind::kDrag && hands_[i].isOf(wish)) hands_[i].aim = wish.aim();
+    const bool leaves = kind == Kind::kGone && hands_[i].client == wish.client;
+    if (!leaves && !(kind == Kind::kRelease && hands_[i].isOf(wish))) continue;
+    hands_[i].client = 0;
+    requests.hands[i].released = true;
+    requests.hands[i].throwsWith = wish.velocity;
+  }
+  if (kind == Kind::kOpen) requests.received = wish.file;
+  if (kind == Kind::kUndo) requests.undo = true;
+  if (kind == Kind::kCancel) requests.cancel = true;
   setChoices(choices);
 }
 

@@ -12,26 +12,11 @@ constexpr int kUsualParts = 16;
 thread_local std::string gLastError;
 
 lorica_status statusOf(ErrorCode code) {
-  switch (code) {
-    case ErrorCode::kNotFound:
-      return LORICA_NOT_FOUND;
-    case ErrorCode::kUnreadable:
-      return LORICA_UNREADABLE;
-    case ErrorCode::kUnwritable:
-      return LORICA_UNWRITABLE;
-    case ErrorCode::kBadFormat:
-      return LORICA_BAD_FORMAT;
-    case ErrorCode::kBadMesh:
-      return LORICA_BAD_MESH;
-    case ErrorCode::kInvalidArgument:
-      return LORICA_INVALID_ARGUMENT;
-    case ErrorCode::kUnsupported:
-    case ErrorCode::kNoDisplay:
-      return LORICA_UNSUPPORTED;
-    case ErrorCode::kCancelled:
-      return LORICA_CANCELLED;
-  }
-  return LORICA_FAILURE;
+  constexpr lorica_status kOf[] = {// in the order of ErrorCode
+                                   LORICA_NOT_FOUND,   LORICA_UNREADABLE,  LORICA_UNWRITABLE,
+                                   LORICA_BAD_FORMAT,  LORICA_BAD_MESH,    LORICA_INVALID_ARGUMENT,
+                                   LORICA_UNSUPPORTED, LORICA_UNSUPPORTED, LORICA_CANCELLED};
+  return kOf[static_cast<std::size_t>(code)];
 }
 
 /// Numbers of an enum from outside.
@@ -45,9 +30,7 @@ Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
   LORICA_TRY_DO(checkChoice(options.preset, LORICA_QUALITY, "preset"));
   LORICA_TRY_DO(checkChoice(options.closed_body, LORICA_CLOSED_ALWAYS, "closed_body"));
   LORICA_TRY_DO(checkChoice(options.walls, LORICA_WALLS_SHELL, "walls"));
-  if (options.parts < -1) {
-    return invalidArgument("parts: found {}, expected -1 or more", options.parts);
-  }
+  if (options.parts < -1) return invalidArgument("parts: found {}, expected -1 or more", options.parts);
   constexpr DecomposePreset kPresets[] = {DecomposePreset::kFast, DecomposePreset::kPaper, DecomposePreset::kQuality};
   constexpr BodyChoice kChoices[] = {BodyChoice::kIfNeeded, BodyChoice::kNever, BodyChoice::kAlways};
   constexpr WallChoice kWalls[] = {WallChoice::kByReach, WallChoice::kSolid, WallChoice::kShell};

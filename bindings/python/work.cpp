@@ -56,20 +56,11 @@ void answer(Talk& talk, bool goOn) {
 }  // namespace
 
 void raise(const Error& error) {
-  switch (error.code) {
-    case ErrorCode::kNotFound:
-      PyErr_SetString(PyExc_FileNotFoundError, error.message.c_str());
-      break;
-    case ErrorCode::kUnreadable:
-    case ErrorCode::kUnwritable:
-      PyErr_SetString(PyExc_OSError, error.message.c_str());
-      break;
-    case ErrorCode::kCancelled:
-      PyErr_SetString(py::module_::import("lorica._lorica").attr("Cancelled").ptr(), error.message.c_str());
-      break;
-    default:
-      PyErr_SetString(PyExc_ValueError, error.message.c_str());
-  }
+  const bool file = error.code == ErrorCode::kUnreadable || error.code == ErrorCode::kUnwritable;
+  py::object type = py::reinterpret_borrow<py::object>(file ? PyExc_OSError : PyExc_ValueError);
+  if (error.code == ErrorCode::kNotFound) type = py::reinterpret_borrow<py::object>(PyExc_FileNotFoundError);
+  if (error.code == ErrorCode::kCancelled) type = py::module_::import("lorica._lorica").attr("Cancelled");
+  PyErr_SetString(type.ptr(), error.message.c_str());
   throw py::error_already_set();
 }
 

@@ -1,10 +1,12 @@
 #pragma once
 
 #include "capture/headset/head_and_hands.h"
+#include "capture/headset/worn_headset.h"
 #include "capture/skeleton_frame.h"
 #include "capture/standing_legs.h"
 
 #include <array>
+#include <memory>
 
 namespace lorica {
 
@@ -41,5 +43,9 @@ class ThreePointBody {
   double lean_ = 0.0;       // of the trunk, forward [rad]
   double time_ = 0.0;       // of the last pose [s]
 };
+
+/// The wearer of a headset as a person, see ThreePointBody: next() takes the newest pose and never waits. Before the
+/// first pose nobody is there; without another one the person stays as they are.
+[[nodiscard]] std::unique_ptr<SkeletonSource> makeThreePointJoints(std::shared_ptr<const WornHeadset> headset);
 
 }  // namespace lorica

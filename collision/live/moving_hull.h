@@ -1,7 +1,6 @@
 #pragma once
 
 #include "collision/live/moving_hull_passes.h"
-#include "collision/live/moving_hull_start.h"
 #include "collision/live/moving_hull_surface.h"
 #include "collision/live/point_row.h"
 #include "geometry/math.h"

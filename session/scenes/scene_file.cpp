@@ -5,9 +5,8 @@
 #include "geometry/files.h"
 #include "geometry/json.h"
 #include "geometry/work_budgets.h"
-#include "session/scenes/scene_chains.h"
 #include "session/scenes/scene_element.h"
-#include "session/scenes/scene_particles.h"
+#include "session/scenes/scene_parts.h"
 
 #include <fmt/format.h>
 

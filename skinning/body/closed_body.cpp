@@ -1,26 +1,79 @@
 #include "skinning/body/closed_body.h"
 
+#include "geometry/convex_hull.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
+#include "geometry/triangle_tree.h"
 #include "skinning/body/body_assembly.h"
 #include "skinning/body/solid_source.h"
 #include "skinning/body/solid_surface.h"
 #include "skinning/body/transfer_weights.h"
 #include "skinning/body/weld.h"
+#include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <utility>
 
 namespace lorica {
 namespace {
+
+constexpr double kInside = 0.5;  // winding number
+
+/// The joint that moves a vertex most.
+JointIndex strongestJoint(const Character& character, std::size_t vertex) {
+  const auto begin = character.influences.begin() + character.influenceBegin[vertex];
+  const auto end = character.influences.begin() + character.influenceBegin[vertex + 1];
+  return std::max_element(begin, end, [](const Influence& a, const Influence& b) { return a.weight < b.weight; })
+      ->joint;
+}
+
+/// The hulls of the vertices that each joint moves most.
+std::map<JointIndex, ConvexHull> hullsOfJoints(const Character& character) {
+  std::map<JointIndex, std::vector<Vec3>> points;
+  for (std::size_t v = 0; v < character.mesh.vertices.size(); ++v) {
+    points[strongestJoint(character, v)].push_back(character.mesh.vertices[v]);
+  }
+  std::map<JointIndex, ConvexHull> hulls;
+  for (const auto& [joint, own] : points) hulls[joint] = convexHull(own);
+  return hulls;
+}
+
+constexpr int kSamples = 4096;
+
+std::vector<double> distancesOutside(const TriangleTree& tree, std::span<const Vec3> points) {
+  std::vector<double> distances(points.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    if (tree.windingNumber(points[i]) < kInside) distances[i] = tree.nearest(points[i]).distance;
+  });
+  return distances;
+}
+
+std::vector<double> distancesTo(const TriangleTree& tree, std::span<const Vec3> points) {
+  std::vector<double> distances(points.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { distances[i] = tree.nearest(points[i]).distance; });
+  return distances;
+}
+
+double meanOf(std::span<const double> values) {
+  double sum = 0.0;
+  for (const double v : values) sum += v;
+  return values.empty() ? 0.0 : sum / values.size();
+}
+
+double largestOf(std::span<const double> values) {
+  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+}
 
 constexpr int kSteps = 5;
 constexpr double kCoarsest = 0.125;  // largest voxel, relative to the character's longest side
@@ -220,6 +273,67 @@ Result<ClosedBody> makeBody(const Character& character, const BodySettings& sett
   std::optional<Result<ClosedBody>> result;
   arena.execute([&] { result.emplace(BodyMaker(character, settings).run()); });
   return std::move(*result);
+}
+
+BodyDistances distancesInPose(const ClosedBody& body, std::span<const Affine3> worldFromModel) {
+  BodyDistances result;
+  if (!body.made) return result;
+  const Character& character = body.character;
+  std::vector<Vec3> posed(character.mesh.vertices.size());
+  skinLinearBlend(character, worldFromModel, posed);
+  const std::size_t bodyCount = body.bodyVertices;
+  const std::span<const Vec3> bodyVertices = std::span(posed).first(bodyCount);
+  const std::size_t shownCount = posed.size() - bodyCount - body.reachedVertices;
+  const std::span<const Vec3> shownVertices = std::span(posed).subspan(bodyCount, shownCount);
+
+  const TriangleTree bodyTree(posed, character.mesh.triangles);
+  const TriangleTree shownTree(posed, character.shown);
+  result.farthestOutside = largestOf(distancesOutside(bodyTree, shownVertices));
+  result.meanOutside = meanOf(distancesOutside(bodyTree, spreadPoints(posed, character.shown, kSamples)));
+  const std::vector<double> spread = distancesTo(shownTree, spreadPoints(posed, character.mesh.triangles, kSamples));
+  result.meanToOriginal = meanOf(spread);
+  result.farthestToOriginal = std::max(largestOf(spread), largestOf(distancesTo(shownTree, bodyVertices)));
+  return result;
+}
+
+int coverReached(ClosedBody& body, const Character& character, std::span<const ReachedPosition> reached) {
+  if (reached.empty()) return 0;
+
+  // 1. How far each position is outside of what holds it anyway.
+  Character& made = body.character;
+  const TriangleTree tree(made.mesh.vertices, made.mesh.triangles);
+  const std::map<JointIndex, ConvexHull> hulls = hullsOfJoints(made);
+  std::vector<double> outside(reached.size(), 0.0);
+  tbb::parallel_for(std::size_t{0}, reached.size(), [&](std::size_t i) {
+    const Vec3& p = reached[i].position;
+    const auto hull = hulls.find(strongestJoint(character, reached[i].vertex));
+    const bool solid = hull != hulls.end() && !hull->second.degenerate();
+    const double ofHull = solid ? largestViolation(hull->second, std::span(&p, 1)) : kInfinity;
+    if (ofHull < kReachTolerance || tree.windingNumber(p) >= kInside) return;
+    outside[i] = std::min(ofHull, tree.nearest(p).distance);
+  });
+
+  // 2. Those that are far enough become vertices.
+  int added = 0;
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    if (outside[i] < kReachTolerance) continue;
+    const std::size_t v = reached[i].vertex;
+    made.mesh.vertices.push_back(reached[i].position);
+    made.influences.insert(made.influences.end(), character.influences.begin() + character.influenceBegin[v],
+                           character.influences.begin() + character.influenceBegin[v + 1]);
+    made.influenceBegin.push_back(made.influences.size());
+    farthest = std::max(farthest, outside[i]);
+    ++added;
+  }
+  body.reachedVertices += added;
+  if (added > 0) {
+    body.notes.push_back(
+        fmt::format("the hulls hold morph targets at their largest weights: {} positions up to {:.0f} mm outside the "
+                    "body were added",
+                    added, 1000.0 * farthest));
+  }
+  return added;
 }
 
 }  // namespace lorica

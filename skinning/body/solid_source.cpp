@@ -1,17 +1,67 @@
 #include "skinning/body/solid_source.h"
 
+#include "geometry/mesh_pieces.h"
+#include "geometry/tri_mesh.h"
 #include "geometry/work_budgets.h"
-#include "skinning/body/patches.h"
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace lorica {
 namespace {
+
+/// Patches of a surface: pieces whose triangles are connected by edges with exactly two triangles.
+struct Patches {
+  MeshPieces pieces;
+  std::vector<double> areas;  ///< of each [m^2]
+  std::size_t turned = 0;     ///< patches that were inside out
+};
+
+// An open patch is inside out if it bulges inward by more than this fraction of the volume of a ball of equal area.
+constexpr double kPlain = 0.05;
+
+double areaOf(const TriMesh& mesh, const Triangle& t) {
+  const Vec3& a = mesh.vertices[t[0]];
+  return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+}
+
+/// Divides a surface into patches and flips triangles so that those of one patch face the same way. Patches that are
+/// clearly inside out are flipped outward: closed ones of negative volume, and open ones that bulge inward.
+Patches orientPatches(TriMesh& mesh) {
+  Patches result{findPieces(mesh), {}, 0};
+  for (const std::vector<std::int32_t>& members : result.pieces.members) {
+    double& area = result.areas.emplace_back(0.0);
+    for (const std::int32_t t : members) area += areaOf(mesh, mesh.triangles[t]);
+  }
+  mesh.triangles = result.pieces.triangles;
+  for (std::size_t p = 0; p < result.areas.size(); ++p) {
+    const std::vector<std::int32_t>& members = result.pieces.members[p];
+    const double area = result.areas[p];
+    Vec3 center = Vec3::Zero();
+    for (const std::int32_t t : members) {
+      const Triangle& corners = mesh.triangles[t];
+      const double share = area > 0.0 ? areaOf(mesh, corners) / (3.0 * area) : 0.0;
+      for (const VertexIndex v : corners) center += share * mesh.vertices[v];
+    }
+    double volume = 0.0;
+    for (const std::int32_t t : members) {
+      const Triangle& c = mesh.triangles[t];
+      const Vec3 a = mesh.vertices[c[0]] - center;
+      const Vec3 b = mesh.vertices[c[1]] - center;
+      volume += a.dot(b.cross(mesh.vertices[c[2]] - center)) / 6.0;
+    }
+    const double ball = area * std::sqrt(area) / (6.0 * std::sqrt(std::numbers::pi));
+    if (volume >= (result.pieces.open[p] ? -kPlain * ball : 0.0)) continue;
+    ++result.turned;
+    for (const std::int32_t t : members) std::swap(mesh.triangles[t][1], mesh.triangles[t][2]);
+  }
+  return result;
+}
 
 constexpr double kAside = 1e-4;   // of the box's diagonal: distance of test points in front of a triangle
 constexpr double kLarge = 0.01;   // of the diagonal: larger triangles have four test points, others one in their middle
@@ -99,10 +149,10 @@ bool SolidSource::crowded() const {
 SolidSource::SolidSource(const Character& character, const Limbs& known, Welded welded)
     : mesh(std::move(welded.mesh)), influences(std::move(welded.influences)), limbs(known) {
   const Patches patches = orientPatches(mesh);
-  openEdges = patches.openEdges;
-  nonManifoldEdges = patches.nonManifoldEdges;
-  turnedPatches = patches.turnedPatches;
-  turnedTriangles = patches.turnedTriangles;
+  openEdges = patches.pieces.openEdges;
+  nonManifoldEdges = patches.pieces.nonManifoldEdges;
+  turnedPatches = patches.turned;
+  turnedTriangles = patches.pieces.turned;
   const std::size_t count = mesh.triangles.size();
   const double diagonal = surfaceBounds(mesh).diagonal();
 
@@ -119,8 +169,8 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
   roles.assign(count, TriangleRole::kSkin);
   std::vector<double> inFront(count, 0.0);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-    const int patch = patches.patchOfTriangle[k];
-    if (!patches.patches[patch].open) return;
+    const int patch = patches.pieces.pieceOfTriangle[k];
+    if (!patches.pieces.open[patch]) return;
     double sum = 0.0;
     int asked = 0;
     askInFront(*this, *tree, corners(k), diagonal, [&](double number) {
@@ -129,24 +179,24 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
     });
     inFront[k] = sum / asked;
   });
-  std::vector<double> meanInFront(patches.patches.size(), 0.0);
+  std::vector<double> meanInFront(patches.areas.size(), 0.0);
   for (std::size_t k = 0; k < count; ++k) {
-    const std::size_t p = patches.patchOfTriangle[k];
-    if (patches.patches[p].area > 0.0) meanInFront[p] += areaOf(corners(k)) / patches.patches[p].area * inFront[k];
+    const std::size_t p = patches.pieces.pieceOfTriangle[k];
+    if (patches.areas[p] > 0.0) meanInFront[p] += areaOf(corners(k)) / patches.areas[p] * inFront[k];
   }
   double area = 0.0;
   double sheetArea = 0.0;
   for (std::size_t p = 0; p < meanInFront.size(); ++p) {
-    area += patches.patches[p].area;
+    area += patches.areas[p];
     if (meanInFront[p] >= kSheet) continue;
-    sheetArea += patches.patches[p].area;
+    sheetArea += patches.areas[p];
     ++sheetPatches;
   }
-  if (sheetPatches == patches.patches.size()) sheetPatches = 0;  // something must remain to build a body from
+  if (sheetPatches == patches.areas.size()) sheetPatches = 0;  // something must remain to build a body from
   if (sheetPatches > 0) {
     sheetShare = sheetArea / area;
     for (std::size_t k = 0; k < count; ++k) {
-      if (meanInFront[patches.patchOfTriangle[k]] < kSheet) roles[k] = TriangleRole::kSheet;
+      if (meanInFront[patches.pieces.pieceOfTriangle[k]] < kSheet) roles[k] = TriangleRole::kSheet;
     }
     std::vector<Triangle> others;
     others.reserve(count);
@@ -165,9 +215,9 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
     if (hidden) roles[k] = TriangleRole::kHidden;
   });
 
-  patchOfTriangle = patches.patchOfTriangle;
+  patchOfTriangle = patches.pieces.pieceOfTriangle;
   ofJoint = thicknesses(*this, jointOfTriangle, character.skeleton.jointCount());
-  ofPatch = thicknesses(*this, patchOfTriangle, patches.patches.size());
+  ofPatch = thicknesses(*this, patchOfTriangle, patches.areas.size());
 }
 
 double chooseResolution(const SolidSource& source) {

@@ -1,8 +1,5 @@
 #include "skinning/humanoid/humanoid_body.h"
 
-#include "skinning/humanoid/humanoid_names.h"
-#include "skinning/mannequin/mannequin_skeleton.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -9,6 +9,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -22,45 +23,21 @@ static_assert(std::endian::native == std::endian::little,
 
 using Bytes = std::span<const std::byte>;
 
-[[nodiscard]] int componentCount(int type) {
-  switch (type) {
-    case TINYGLTF_TYPE_SCALAR:
-      return 1;
-    case TINYGLTF_TYPE_VEC2:
-      return 2;
-    case TINYGLTF_TYPE_VEC3:
-      return 3;
-    case TINYGLTF_TYPE_VEC4:
-    case TINYGLTF_TYPE_MAT2:
-      return 4;
-    case TINYGLTF_TYPE_MAT3:
-      return 9;
-    default:
-      return 16;
-  }
-}
+/// A type of numbers that glTF defines.
+struct Component {
+  int type;
+  std::uint64_t bytes;
+  bool isUnsigned;
+};
+constexpr Component kComponents[] = {
+    {TINYGLTF_COMPONENT_TYPE_BYTE, 1, false},        {TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE, 1, true},
+    {TINYGLTF_COMPONENT_TYPE_SHORT, 2, false},       {TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, 2, true},
+    {TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT, 4, true}, {TINYGLTF_COMPONENT_TYPE_FLOAT, 4, false}};
 
-/// 0 for types that glTF does not define.
-[[nodiscard]] std::uint64_t componentBytes(int componentType) {
-  switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return 1;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
-      return 4;
-    default:
-      return 0;
-  }
-}
-
-[[nodiscard]] bool isUnsigned(int componentType) {
-  return componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-         componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT ||
-         componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+/// Without bytes for types that glTF does not define.
+[[nodiscard]] Component componentOf(int type) {
+  const Component* known = std::ranges::find(kComponents, type, &Component::type);
+  return known == std::end(kComponents) ? Component{} : *known;
 }
 
 /// Reads `count` elements of `components` numbers, `stride` bytes apart, into rows of `out`: element i into row(i).
@@ -88,44 +65,23 @@ void unpack(Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t 
 template <typename Number, typename Row>
 void unpackKind(int componentType, Bytes bytes, std::uint64_t stride, std::uint64_t count, std::size_t components,
                 bool normalized, std::vector<Number>& out, const Row& row) {
-  switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return unpack<std::uint8_t>(bytes, stride, count, components, normalized, out, row);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return unpack<std::uint16_t>(bytes, stride, count, components, normalized, out, row);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return unpack<std::uint32_t>(bytes, stride, count, components, normalized, out, row);
-    default:
-      break;
-  }
+  const auto as = [&]<typename Stored>(Stored) {
+    unpack<Stored>(bytes, stride, count, components, normalized, out, row);
+  };
+  if (componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return as(std::uint8_t());
+  if (componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return as(std::uint16_t());
+  if (componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT) return as(std::uint32_t());
   if constexpr (!std::is_integral_v<Number>) {
-    switch (componentType) {
-      case TINYGLTF_COMPONENT_TYPE_BYTE:
-        return unpack<std::int8_t>(bytes, stride, count, components, normalized, out, row);
-      case TINYGLTF_COMPONENT_TYPE_SHORT:
-        return unpack<std::int16_t>(bytes, stride, count, components, normalized, out, row);
-      case TINYGLTF_COMPONENT_TYPE_FLOAT:
-        return unpack<float>(bytes, stride, count, components, normalized, out, row);
-      default:
-        break;
-    }
+    if (componentType == TINYGLTF_COMPONENT_TYPE_BYTE) return as(std::int8_t());
+    if (componentType == TINYGLTF_COMPONENT_TYPE_SHORT) return as(std::int16_t());
+    if (componentType == TINYGLTF_COMPONENT_TYPE_FLOAT) return as(float());
   }
   LORICA_CHECK(false, "component types are checked before");
 }
 
 [[nodiscard]] std::string_view typeName(int components) {
-  switch (components) {
-    case 1:
-      return "SCALAR";
-    case 2:
-      return "VEC2";
-    case 3:
-      return "VEC3";
-    case 4:
-      return "VEC4";
-    default:
-      return "MAT4";
-  }
+  constexpr std::string_view kNames[] = {"SCALAR", "VEC2", "VEC3", "VEC4"};
+  return components <= std::ssize(kNames) ? kNames[components - 1] : "MAT4";
 }
 
 }  // namespace
@@ -133,9 +89,7 @@ void unpackKind(int componentType, Bytes bytes, std::uint64_t stride, std::uint6
 Result<void> checkIndex(const GltfDocument& document, int index, std::size_t count, const std::string& user,
                         std::string_view kind) {
   if (index >= 0 && std::cmp_less(index, count)) return {};
-  if (count == 0) {
-    return badFormat("{}: {}: refers to {} {}, but the file has none", document.name, user, kind, index);
-  }
+  if (count == 0) return badFormat("{}: {}: refers to {} {}, but the file has none", document.name, user, kind, index);
   return badFormat("{}: {}: refers to {} {}, expected 0 to {}", document.name, user, kind, index, grouped(count - 1));
 }
 
@@ -192,12 +146,13 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
 
   // 1. Its declaration.
   const std::size_t wanted = components;
-  if (componentCount(accessor.type) != components || accessor.type == TINYGLTF_TYPE_MAT2) {
-    return bad(fmt::format("{}: has {} numbers per element, expected {} for {}", who, componentCount(accessor.type),
-                           typeName(components), user));
+  if (tinygltf::GetNumComponentsInType(accessor.type) != components || accessor.type == TINYGLTF_TYPE_MAT2) {
+    return bad(fmt::format("{}: has {} numbers per element, expected {} for {}", who,
+                           tinygltf::GetNumComponentsInType(accessor.type), typeName(components), user));
   }
-  const std::uint64_t numberBytes = componentBytes(accessor.componentType);
-  if (numberBytes == 0 || (wantIntegers && !isUnsigned(accessor.componentType))) {
+  const Component component = componentOf(accessor.componentType);
+  const std::uint64_t numberBytes = component.bytes;
+  if (numberBytes == 0 || (wantIntegers && !component.isUnsigned)) {
     return bad(fmt::format("{}: component type {}, expected {} for {}", who, accessor.componentType,
                            wantIntegers ? "unsigned integers (5121, 5123 or 5125)" : "5120 to 5123, 5125 or 5126",
                            user));
@@ -233,7 +188,7 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   const std::int64_t indicesFrom = sparse.indices.byteOffset;
   const std::int64_t valuesFrom = sparse.values.byteOffset;
   if (sparse.count < 1 || static_cast<std::uint64_t>(sparse.count) > count || indicesFrom < 0 || valuesFrom < 0 ||
-      !isUnsigned(sparse.indices.componentType)) {
+      !componentOf(sparse.indices.componentType).isUnsigned) {
     return bad(
         fmt::format("{}: its sparse part has {} elements at bytes {} and {} with indices of type {}, expected "
                     "1 to {} elements, offsets of 0 or more and unsigned indices",
@@ -242,7 +197,7 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   const std::uint64_t replaced = sparse.count;
   std::uint64_t indexStride = 0;
   LORICA_TRY(const Bytes indexBytes,
-             elements(sparse.indices.bufferView, indicesFrom, replaced, componentBytes(sparse.indices.componentType),
+             elements(sparse.indices.bufferView, indicesFrom, replaced, componentOf(sparse.indices.componentType).bytes,
                       who + ", sparse indices", indexStride));
   std::uint64_t valueStride = 0;
   LORICA_TRY(const Bytes valueBytes, elements(sparse.values.bufferView, valuesFrom, replaced, elementBytes,

@@ -88,20 +88,12 @@ template <typename Number>
 
 [[nodiscard]] bool copyAttribute(const draco::Mesh& mesh, const draco::PointAttribute& attribute, int componentType,
                                  std::string& out) {
-  switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-      return copyAttribute<std::int8_t>(mesh, attribute, out);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-      return copyAttribute<std::uint8_t>(mesh, attribute, out);
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-      return copyAttribute<std::int16_t>(mesh, attribute, out);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-      return copyAttribute<std::uint16_t>(mesh, attribute, out);
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-      return copyAttribute<std::uint32_t>(mesh, attribute, out);
-    default:
-      return copyAttribute<float>(mesh, attribute, out);
-  }
+  const auto as = [&]<typename Stored>(Stored) { return copyAttribute<Stored>(mesh, attribute, out); };
+  if (componentType == TINYGLTF_COMPONENT_TYPE_BYTE) return as(std::int8_t());
+  if (componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE) return as(std::uint8_t());
+  if (componentType == TINYGLTF_COMPONENT_TYPE_SHORT) return as(std::int16_t());
+  if (componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT) return as(std::uint16_t());
+  return componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT ? as(std::uint32_t()) : as(float());
 }
 
 class Decompressor {

@@ -3,9 +3,7 @@
 #include "geometry/byte_reader.h"
 #include "geometry/descriptor.h"
 #include "geometry/errors.h"
-#include "geometry/little_endian.h"
 #include "skinning/import/isolated_protocol.h"
-#include "skinning/import/scene_bytes.h"
 
 #include <fmt/format.h>
 
@@ -93,9 +91,7 @@ std::string causeOf(int status, const IsolationLimits& limits) {
     return fmt::format("its reader failed (exit status {})", WEXITSTATUS(status));
   }
   const int signal = WTERMSIG(status);
-  if (signal == SIGXCPU) {
-    return fmt::format("reading it takes longer than {} s", limits.cpuSeconds);
-  }
+  if (signal == SIGXCPU) return fmt::format("reading it takes longer than {} s", limits.cpuSeconds);
   if (signal == SIGKILL) return "its reader was killed";
   return fmt::format("its reader crashed ({}), as by nodes that contain each other or nest too deeply",
                      signal == SIGSEGV   ? "SIGSEGV"
@@ -146,9 +142,7 @@ Result<FileScene> readIsolatedScene(std::span<const std::byte> bytes, const std:
   // 1. The question, in memory: a pipe could fill up while the other side writes its answer.
   const Descriptor question(::memfd_create("lorica-question", MFD_CLOEXEC));
   int error = question.get() < 0 ? errno : writeAll(question.get(), isolated::encodeHead(format, name, files));
-  if (error == 0) {
-    error = writeAll(question.get(), {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
-  }
+  if (error == 0) error = writeAll(question.get(), {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   if (error == 0 && ::lseek(question.get(), 0, SEEK_SET) != 0) error = errno;
   std::array<int, 2> ends = {-1, -1};
   if (error == 0 && ::pipe2(ends.data(), O_CLOEXEC) != 0) error = errno;

@@ -1,4 +1,3 @@
-#include "geometry/byte_reader.h"
 #include "geometry/descriptor.h"
 #include "geometry/sanitizer.h"
 #include "skinning/import/isolated_protocol.h"

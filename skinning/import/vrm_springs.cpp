@@ -2,7 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"
-#include "skinning/import/vrm_values.h"
+#include "skinning/import/json_values.h"
 
 #include <fmt/format.h>
 

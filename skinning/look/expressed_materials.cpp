@@ -13,18 +13,10 @@ namespace {
 /// A colour without opacity. @tparam M  Material or const Material
 template <typename M>
 [[nodiscard]] auto& rgbOf(M& material, MaterialColor color) {
-  switch (color) {
-    case MaterialColor::kShade:
-      return material.toon.shadeColor;
-    case MaterialColor::kMatcap:
-      return material.toon.matcapFactor;
-    case MaterialColor::kRim:
-      return material.toon.rimColor;
-    case MaterialColor::kOutline:
-      return material.toon.outlineColor;
-    default:
-      return material.emissive;
-  }
+  if (color == MaterialColor::kShade) return material.toon.shadeColor;
+  if (color == MaterialColor::kMatcap) return material.toon.matcapFactor;
+  if (color == MaterialColor::kRim) return material.toon.rimColor;
+  return color == MaterialColor::kOutline ? material.toon.outlineColor : material.emissive;
 }
 
 void add(const MaterialColorBind& bind, float weight, const Material& from, Material& shown) {

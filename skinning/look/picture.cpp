@@ -1,6 +1,5 @@
 #include "skinning/look/picture.h"
 
-#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/parallel_progress.h"
 #include "geometry/work_budgets.h"

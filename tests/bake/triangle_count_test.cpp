@@ -1,4 +1,4 @@
-#include "bake/triangle_count.h"
+#include "bake/bake_job.h"
 
 #include <gtest/gtest.h>
 

@@ -4,7 +4,6 @@
 #include "player/avatar_focus.h"
 #include "player/hands.h"
 #include "player/parts_picture.h"
-#include "player/picture_options.h"
 #include "player/warning_board.h"
 #include "player/window_opener.h"
 #include "prepare/detail_levels.h"

@@ -1,4 +1,4 @@
-#include "prepare/body_cache.h"
+#include "prepare/cache_entries.h"
 
 #include "session/recording/session_file.h"
 #include "tests/skinning/body/hard_characters.h"

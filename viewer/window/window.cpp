@@ -1,5 +1,6 @@
 #include "viewer/window/window.h"
 
+#include "geometry/errors.h"
 #include "viewer/window/display_loss.h"
 #include "viewer/window/first_picture.h"
 #include "viewer/window/window_impl.h"
@@ -53,7 +54,7 @@ void* glfwProc(const char* name) {
   return reinterpret_cast<void*>(glfwGetProcAddress(name));
 }
 
-Error noDisplay(const std::string& why) {
+Error noWindow(const std::string& why) {
   return {ErrorCode::kNoDisplay,
           fmt::format("no window can be opened ({}): run without --window, or on a desktop with DISPLAY set; "
                       "snapshots and videos need no display",
@@ -84,13 +85,12 @@ Window& Window::operator=(Window&&) noexcept = default;
 
 Result<Window> Window::create(const std::string& title, int width, int height, bool transparent) {
   if (width < 1 || height < 1 || width > 16384 || height > 16384) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("window of {} x {} pixels: expected 1 to 16384 each", width, height)};
+    return invalidArgument("window of {} x {} pixels: expected 1 to 16384 each", width, height);
   }
-  if (!displayAvailable()) return noDisplay("neither DISPLAY nor WAYLAND_DISPLAY is set");
+  if (!displayAvailable()) return noWindow("neither DISPLAY nor WAYLAND_DISPLAY is set");
   lastGlfwError().clear();
   glfwSetErrorCallback([](int, const char* text) { lastGlfwError() = text; });
-  if (!glfwInit()) return noDisplay(lastGlfwError().empty() ? "GLFW cannot be initialized" : lastGlfwError());
+  if (!glfwInit()) return noWindow(lastGlfwError().empty() ? "GLFW cannot be initialized" : lastGlfwError());
   endWithDisplay();
 
   auto impl = std::make_unique<Impl>();
@@ -102,22 +102,16 @@ Result<Window> Window::create(const std::string& title, int width, int height, b
   glfwWindowHint(GLFW_STENCIL_BITS, 0);
   glfwWindowHint(GLFW_TRANSPARENT_FRAMEBUFFER, transparent ? GLFW_TRUE : GLFW_FALSE);
   impl->window = glfwCreateWindow(width, height, title.c_str(), nullptr, nullptr);
-  if (impl->window == nullptr) return noDisplay(lastGlfwError());
+  if (impl->window == nullptr) return noWindow(lastGlfwError());
   glfwMakeContextCurrent(impl->window);
   glfwSwapInterval(1);
-  const Result<GlFunctions> functions = loadGlFunctions(glfwProc);
-  if (!functions.ok()) return functions.error();
-  impl->gl = functions.value();
+  LORICA_TRY(impl->gl, loadGlFunctions(glfwProc));
   // To compile the shaders takes longer than to open the window. Keys that are pressed meanwhile wait for listen().
   glfwGetFramebufferSize(impl->window, &width, &height);
   drawFirstPicture(impl->gl, width, height);
   glfwSwapBuffers(impl->window);
-  Result<Renderer> renderer = Renderer::create(glfwProc);
-  if (!renderer.ok()) return renderer.error();
-  impl->renderer.emplace(std::move(renderer).value());
-  Result<WindowPanels> panels = WindowPanels::create();
-  if (!panels.ok()) return panels.error();
-  impl->panels.emplace(std::move(panels).value());
+  LORICA_TRY(impl->renderer, Renderer::create(glfwProc));
+  LORICA_TRY(impl->panels, WindowPanels::create());
   impl->lastShow = secondsNow();
   impl->listen();
   if (transparent && glfwGetWindowAttrib(impl->window, GLFW_TRANSPARENT_FRAMEBUFFER) == GLFW_FALSE) {

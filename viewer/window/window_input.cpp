@@ -127,41 +127,25 @@ void Window::Impl::onKey(int key, int mods) {
   for (const auto& [its, wish] : wishes) {
     if (key == its) *wish = true;
   }
-  switch (key) {
-    case GLFW_KEY_N:
-      choices.paused = true;
-      ++choices.steps;
-      return;
-    case GLFW_KEY_LEFT:
-      return seekBy(-kSeekStep);
-    case GLFW_KEY_RIGHT:
-      return seekBy(kSeekStep);
-    case GLFW_KEY_HOME:
-      if (last.duration > 0.0) requests.seekTo = 0.0;
-      return;
-    case GLFW_KEY_P:
-      ((mods & GLFW_MOD_SHIFT) != 0 ? choices.pictureWithPanels : choices.picture) = true;
-      return;
-    case GLFW_KEY_R:
-      ownView = clearView = false;
-      fitted = 0.0;
-      return camera.reset();
-    case GLFW_KEY_F2:
-      return lookFrom(0.0, kPresetElevation);
-    case GLFW_KEY_F3:
-      return lookFrom(0.5 * std::numbers::pi, kPresetElevation);
-    case GLFW_KEY_F4:
-      return lookFrom(std::numbers::pi, kPresetElevation);
-    case GLFW_KEY_F5:
-      return lookFrom(0.0, 0.5 * std::numbers::pi);
-    case GLFW_KEY_ESCAPE:
-      if (panels->closeList()) return;
-      if (choices.help) return toggle(choices.help);
-      glfwSetWindowShouldClose(window, GLFW_TRUE);
-      return;
-    default:
-      return;
+  if (key == GLFW_KEY_N) {
+    choices.paused = true;
+    ++choices.steps;
   }
+  if (key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT) seekBy(key == GLFW_KEY_LEFT ? -kSeekStep : kSeekStep);
+  if (key == GLFW_KEY_HOME && last.duration > 0.0) requests.seekTo = 0.0;
+  if (key == GLFW_KEY_P) ((mods & GLFW_MOD_SHIFT) != 0 ? choices.pictureWithPanels : choices.picture) = true;
+  if (key == GLFW_KEY_R) {
+    ownView = clearView = false;
+    fitted = 0.0;
+    camera.reset();
+  }
+  if (key == GLFW_KEY_F2) lookFrom(0.0, kPresetElevation);
+  if (key == GLFW_KEY_F3) lookFrom(0.5 * std::numbers::pi, kPresetElevation);
+  if (key == GLFW_KEY_F4) lookFrom(std::numbers::pi, kPresetElevation);
+  if (key == GLFW_KEY_F5) lookFrom(0.0, 0.5 * std::numbers::pi);
+  if (key != GLFW_KEY_ESCAPE || panels->closeList()) return;
+  if (choices.help) return toggle(choices.help);
+  glfwSetWindowShouldClose(window, GLFW_TRUE);
 }
 
 /// The camera looks at the focus and moves with it, as long as the user wants it.
@@ -232,23 +216,11 @@ void Window::Impl::onCharacter(unsigned int code) {
     return;
   }
   const int parts = requests.parts.value_or(last.parts);
-  switch (code) {
-    case '-':
-      if (last.duration > 0.0) stepSpeed(-1);
-      return;
-    case '+':
-    case '=':
-      if (last.duration > 0.0) stepSpeed(1);
-      return;
-    case '[':
-      if (last.maxParts > 0) requests.parts = std::max(parts - 1, 1);
-      return;
-    case ']':
-      if (last.maxParts > 0) requests.parts = std::min(parts + 1, last.maxParts);
-      return;
-    default:
-      return;
-  }
+  const bool faster = code == '+' || code == '=';
+  if ((faster || code == '-') && last.duration > 0.0) stepSpeed(faster ? 1 : -1);
+  if (last.maxParts <= 0) return;
+  if (code == '[') requests.parts = std::max(parts - 1, 1);
+  if (code == ']') requests.parts = std::min(parts + 1, last.maxParts);
 }
 
 bool Window::Impl::overPanels() const {

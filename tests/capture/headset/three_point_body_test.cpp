@@ -1,7 +1,6 @@
 #include "capture/headset/three_point_body.h"
 
 #include "capture/files/bvh_file.h"
-#include "capture/headset/three_point_joints.h"
 #include "capture/retarget/skeletal_retarget.h"
 #include "capture/synthetic/synthetic_motion.h"
 #include "tests/support/allocations.h"

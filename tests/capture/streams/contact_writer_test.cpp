@@ -1,4 +1,4 @@
-#include "capture/streams/contact_writer.h"
+#include "capture/streams/vmc_writer.h"
 
 #include "capture/streams/osc.h"
 
