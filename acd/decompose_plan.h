@@ -13,7 +13,7 @@ namespace lorica {
 struct CutPlan {
   SplitEffort effort;
   double overCut = 1.0;  ///< first cut into at least this multiple of the part count, then merge the cheapest pairs
-  bool byGain = false;           ///< cut the part with the largest gain, not the one with the largest error
+  bool byGain = false;   ///< cut the part with the largest gain, not the one with the largest error
 };
 
 /// What a preset does.

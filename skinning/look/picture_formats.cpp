@@ -1,6 +1,6 @@
+#include "skinning/look/picture_formats.h"
 #include "geometry/errors.h"
 #include "geometry/work_budgets.h"
-#include "skinning/look/picture_formats.h"
 #include "skinning/look/picture_shrink.h"
 
 #include <png.h>
