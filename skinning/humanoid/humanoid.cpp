@@ -30,6 +30,7 @@ constexpr JointIndex kMaxCompared = 1000;
   constexpr double kApart = 0.02;  // of the size: joints in the middle have no other side
   const JointIndex count = std::min<JointIndex>(tree.jointCount(), kMaxCompared);
   std::vector<double> across;
+  across.reserve(count);
   for (JointIndex joint = 0; joint < count; ++joint) across.push_back(tree.position(joint).x());
   std::nth_element(across.begin(), across.begin() + count / 2, across.end());
   const double middle = across[count / 2];
