@@ -25,7 +25,6 @@ constexpr double kStalled = 0.2;
 // A piece is convex where its hull has at most this share of its own volume more. Counting as convex says less of a
 // sliver, whose volume is next to nothing.
 constexpr double kConvex = 1e-3;
-
 // A component with less than this share of the mesh's volume is a sliver and no cavity, whatever the sign.
 constexpr double kNothing = 1e-9;
 
@@ -85,8 +84,7 @@ bool Decomposer::step() {
   if (!next && partsLimited() && met_ == 0 && separateComponents()) return true;
   going_ = next.has_value();
   if (!next) return true;
-  const bool across = leaves_[*next].split->across;
-  if (across && !cutsAcross_) {
+  if (leaves_[*next].split->across && !cutsAcross_) {
     cutsAcross_ = true;  // by the next step
   } else {
     carryOut(*next);
