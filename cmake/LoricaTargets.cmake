@@ -151,7 +151,8 @@ endfunction()
 
 # lorica_tests(acd SOURCES a_test.cpp LINKS lorica::acd): one test program a folder; ctest runs each test by itself.
 #   ALONE Suite.*   tests with windows, cameras or networks: ctest runs one of them at a time, and others in parallel, since
-#                   they wait for what they need to see and never for a time
+#                   they wait for what they need to see and never for a time. It starts with them, so that none is left
+#                   for the end, where nothing runs beside them
 #   SANITIZED *     .ci/run also runs these tests, built by clang under sanitizers (target sanitized_tests, label
 #                   sanitized): those of code that reads data from outside. Sessions use nearly all the rest, which takes as
 #                   long again to build: scripts/check --thorough has them
@@ -208,7 +209,7 @@ function(lorica_tests name)
                        PROPERTIES TIMEOUT ${timeout} LABELS ${label})
   if(alone)
     gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${alone}" TEST_LIST ${name}_tests_alone
-                         PROPERTIES TIMEOUT ${timeout} LABELS ${label} RESOURCE_LOCK devices)
+                         PROPERTIES TIMEOUT ${timeout} LABELS ${label} RESOURCE_LOCK devices COST 100)
   endif()
   if(slow)
     gtest_discover_tests(${name}_tests ${discovery} TEST_FILTER "${slow}" TEST_LIST ${name}_tests_slow
