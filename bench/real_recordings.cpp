@@ -10,7 +10,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <sstream>
 #include <string_view>
 #include <utility>
 
@@ -88,6 +90,36 @@ Isometry3 floorOf(const nlohmann::json& json) {
   return result;
 }
 
+/// The rows of marks.csv that are of a recording: recording, frame, person, joint, x, y, depth_mm, visible.
+Result<void> readMarks(const std::string& text, const Eigen::Vector2d& middle, RealRecording& recording) {
+  std::map<std::string, BodyJoint, std::less<>> joints;
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+    joints.emplace(nameOf(static_cast<BodyJoint>(j)), static_cast<BodyJoint>(j));
+  }
+  std::map<int, std::map<int, std::vector<MarkedJoint>>> people;
+  const std::vector<std::vector<double>> rows = readTable(text);
+  std::istringstream lines(text);
+  std::string line;
+  std::getline(lines, line);
+  for (const std::vector<double>& row : rows) {
+    std::getline(lines, line);
+    if (!line.starts_with(recording.name + ',')) continue;
+    std::istringstream fields(line);
+    std::string field;
+    for (int i = 0; i < 4; ++i) std::getline(fields, field, ',');
+    const auto joint = joints.find(field);
+    if (row.size() < 7 || joint == joints.end()) {
+      return Error{ErrorCode::kBadFormat, fmt::format("marks.csv: no joint or too few numbers: {}", line)};
+    }
+    people[static_cast<int>(row[1])][static_cast<int>(row[2])].push_back(
+        {joint->second, Eigen::Vector2d(row[4], row[5]) - middle, 1e-3 * row[6]});
+  }
+  for (auto& [frame, marked] : people) {
+    for (auto& [person, marks] : marked) recording.marks[frame].push_back(std::move(marks));
+  }
+  return {};
+}
+
 Result<RealRecording> readRecording(const fs::path& json) {
   const Result<nlohmann::json> meta = readJson(json);
   if (!meta) return meta.error();
@@ -107,6 +139,12 @@ Result<RealRecording> readRecording(const fs::path& json) {
     if (!truth) return truth.error();
     recording.people.push_back(std::move(*truth));
   }
+  const fs::path marks = json.parent_path() / "marks.csv";
+  if (!fs::exists(marks)) return recording;
+  const Result<std::string> text = readFile(marks);
+  if (!text) return text.error();
+  const Eigen::Vector2d middle(0.5 * meta->value("width", 0), 0.5 * meta->value("height", 0));
+  if (Result<void> read = readMarks(*text, middle, recording); !read) return read.error();
   return recording;
 }
 
@@ -218,6 +256,7 @@ Result<RenderedTwin> renderedTwin(const RealRecording& recording, const Joints& 
 
   RenderedTwin twin{std::move(*sensor), recording, {}, {}};
   twin.truth.file.clear();
+  twin.truth.marks.clear();
   twin.truth.floorFromCamera = settings.room.worldFromCamera;
   for (std::map<int, Joints>& person : twin.truth.people) person.clear();
   twin.repeated = twin.truth.people;

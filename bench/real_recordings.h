@@ -16,6 +16,13 @@ namespace lorica::bench {
 
 using Joints = std::array<Vec3, kBodyJointCount>;
 
+/// A joint that somebody marked on the depth image.
+struct MarkedJoint {
+  BodyJoint joint{};
+  Eigen::Vector2d fromMiddle;  ///< of the image [px]
+  double depth = 0.0;          ///< measured there [m]; 0 = not
+};
+
 /// A depth recording of real people and what is true in it.
 struct RealRecording {
   std::string name, kind;
@@ -26,9 +33,12 @@ struct RealRecording {
   double gap = 1.0;  ///< from the person's back to what is behind [m]
   Isometry3 floorFromCamera = Isometry3::Identity();
   std::vector<std::map<int, Joints>> people;  ///< by frame, camera frame
+  /// Of some frames, those of each person who is marked.
+  std::map<int, std::vector<std::vector<MarkedJoint>>> marks;
 };
 
-/// Reads what belongs to NAME.oni in a folder, but not its frames: NAME.json, NAME.joints.csv, NAME.joints2.csv.
+/// Reads what belongs to NAME.oni in a folder, but not its frames: NAME.json, NAME.joints.csv, NAME.joints2.csv,
+/// and its rows of marks.csv.
 /// @param names  only recordings whose name starts with one of these; empty = all
 /// @return in the order of their names, at least one, or an error with the file that could not be read
 [[nodiscard]] Result<std::vector<RealRecording>> readRealRecordings(const std::filesystem::path& folder,

@@ -34,6 +34,15 @@ class AlteredSource : public DepthSource {
   int skipped_ = 0;
 };
 
+/// The joint of the other side.
+BodyJoint mirrored(BodyJoint joint) {
+  SkeletonFrame frame;
+  frame[joint].confidence = 1.0;
+  mirror(frame);
+  const auto at = std::ranges::find(frame.joints, 1.0, &TrackedJoint::confidence);
+  return static_cast<BodyJoint>(at - frame.joints.begin());
+}
+
 }  // namespace
 
 Joints altered(const Joints& joints, const RealVariant& variant) {
@@ -55,6 +64,18 @@ RealRecording altered(const RealRecording& recording, const RealVariant& variant
       if (frame >= variant.start) shown[frame - variant.start] = altered(joints, variant);
     }
     person = std::move(shown);
+  }
+  result.marks.clear();
+  for (const auto& [frame, people] : recording.marks) {
+    if (frame < variant.start) continue;
+    auto& shown = result.marks[frame - variant.start] = people;
+    if (!variant.mirror) continue;
+    for (std::vector<MarkedJoint>& marks : shown) {
+      for (MarkedJoint& mark : marks) {
+        mark.fromMiddle.x() *= -1.0;
+        mark.joint = mirrored(mark.joint);
+      }
+    }
   }
   if (variant.mirror) {
     const Eigen::DiagonalMatrix<double, 3> flip(-1.0, 1.0, 1.0);

@@ -31,12 +31,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kOff = 0.15;       ///< a joint with a larger error counts as off [m]
-constexpr double kSamePlace = 0.6;  ///< a tracked person farther than this from every true one is a false person [m]
-constexpr double kOutside = 0.1;    ///< a confident joint seen farther from every true pixel is outside [m]
-constexpr double kJump = 0.15;      ///< a joint that moves more from one frame to the next has jumped [m]
-constexpr double kStill = 0.08;     ///< unless the recorded one moves more than this [m]
-constexpr double kSettled = 1.0;    ///< time after which a person should be followed and false people be gone [s]
+constexpr double kOff = 0.15;        ///< a joint with a larger error counts as off [m]
+constexpr double kSamePlace = 0.6;   ///< a tracked person farther than this from every true one is a false person [m]
+constexpr double kOutside = 0.1;     ///< a confident joint seen farther from every true pixel is outside [m]
+constexpr double kOtherDepth = 0.6;  ///< a mark farther than this from the person's others is on something else [m]
+constexpr double kOtherPlace = 0.5;  ///< a tracked person farther than this from marks is not the marked one [m]
+constexpr double kJump = 0.15;       ///< a joint that moves more from one frame to the next has jumped [m]
+constexpr double kStill = 0.08;      ///< unless the recorded one moves more than this [m]
+constexpr double kSettled = 1.0;     ///< time after which a person should be followed and false people be gone [s]
 
 /// A tracked person in one frame, camera frame.
 struct Seen {
@@ -53,6 +55,13 @@ struct Match {
   std::array<bool, kBodyJointCount> hidden{};  ///< not seen, where masks of all frames tell
 };
 
+/// How far a joint is from where it was marked, in the image plane at the marked depth [m].
+struct MarkError {
+  BodyJoint joint{};
+  Eigen::Vector2d off;
+  bool sure = false;
+};
+
 /// What was measured in one recording, or in several.
 struct Measured {
   int frames = 0;         ///< sum over the true people
@@ -64,6 +73,7 @@ struct Measured {
   std::vector<double> overlaps, ms;
   int sureSeen = 0, sureOutside = 0;   ///< confident joints in frames with a mask; those outside of it
   int steps = 0, pops = 0;             ///< pairs of frames of a person; jumps of a joint that hardly moves
+  std::vector<MarkError> marks;        ///< see readRealRecordings()
   std::vector<Match> againstRepeated;  ///< rendered people, errors from the recorded joints that they repeat
   std::vector<double> twinApart;       ///< see RenderedTwin
   int twinFrames = 0, twinLimbFrames = 0;
@@ -156,6 +166,68 @@ bool isOutside(const DepthCamera& camera, std::span<const std::uint8_t> mask, co
   return true;
 }
 
+/// How far tracked people are from marks. Each marked person takes the nearest tracked one, the nearest pair first.
+void compareMarks(const DepthCamera& camera, std::span<const std::vector<MarkedJoint>> people,
+                  std::span<const Seen> seen, std::vector<MarkError>& errors) {
+  struct Pair {
+    double apart;
+    std::size_t person, one;
+    std::vector<MarkError> errors;
+  };
+  std::vector<Pair> pairs;
+  const Eigen::Vector2d middle(0.5 * camera.width, 0.5 * camera.height);
+  for (std::size_t p = 0; p < people.size(); ++p) {
+    std::vector<double> depths;
+    depths.reserve(people[p].size());
+    for (const MarkedJoint& mark : people[p]) depths.push_back(mark.depth);
+    const double usual = atRank(depths, 0.5);
+    for (std::size_t s = 0; s < seen.size(); ++s) {
+      Pair& pair = pairs.emplace_back(Pair{0.0, p, s, {}});
+      std::vector<double> apart;
+      apart.reserve(people[p].size());
+      pair.errors.reserve(people[p].size());
+      for (const MarkedJoint& mark : people[p]) {
+        const TrackedJoint& joint = seen[s].joints[mark.joint];
+        // What is measured beside a thin limb is behind it.
+        const double depth = std::abs(mark.depth - usual) > kOtherDepth ? usual : mark.depth;
+        const Eigen::Vector2d off = camera.imagePointOf(joint.position) - middle - mark.fromMiddle;
+        pair.errors.push_back({mark.joint, off * depth / camera.focalX(), joint.confidence >= 0.5});
+        apart.push_back(pair.errors.back().off.norm());
+      }
+      pair.apart = atRank(apart, 0.5);
+    }
+  }
+  std::ranges::stable_sort(pairs, {}, &Pair::apart);
+  std::vector<bool> takenPerson(people.size()), takenOne(seen.size());
+  for (const Pair& pair : pairs) {
+    if (pair.apart > kOtherPlace || takenPerson[pair.person] || takenOne[pair.one]) continue;
+    takenPerson[pair.person] = takenOne[pair.one] = true;
+    errors.insert(errors.end(), pair.errors.begin(), pair.errors.end());
+  }
+}
+
+/// Where people mark a joint is not quite where the model has it: subtracts the mean of those who are cut out.
+void subtractDefinitions(std::span<const RealRecording> recordings,
+                         std::span<std::optional<Result<Measured>>> measured) {
+  std::array<Eigen::Vector2d, kBodyJointCount> sum;
+  std::array<int, kBodyJointCount> count{};
+  sum.fill(Eigen::Vector2d::Zero());
+  for (const bool subtract : {false, true}) {
+    for (std::size_t i = 0; i < recordings.size(); ++i) {
+      if (!measured[i] || !*measured[i] || (!subtract && recordings[i].kind != "cutout")) continue;
+      for (MarkError& error : (*measured[i])->marks) {
+        const auto j = static_cast<std::size_t>(error.joint);
+        if (subtract && count[j] > 0) {
+          error.off -= sum[j] / count[j];
+        } else if (!subtract) {
+          sum[j] += error.off;
+          ++count[j];
+        }
+      }
+    }
+  }
+}
+
 /// The masks that lie beside a recording, of every tenth frame.
 MaskOf masksBeside(const RealRecording& recording, const RealVariant& variant) {
   return [&recording, variant, pixels = std::vector<std::uint8_t>()](int frame) mutable {
@@ -231,6 +303,9 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
     const bool settled = (frame - recording.firstFrame) * recording.frameSeconds >= kSettled;
     const std::vector<int> found = matchPeople(recording, frame, seen);
     const std::span<const std::uint8_t> mask = maskOf ? maskOf(frame) : std::span<const std::uint8_t>();
+    if (const auto marks = recording.marks.find(frame); marks != recording.marks.end()) {
+      compareMarks(source.camera(), marks->second, seen, measured.marks);
+    }
     int extra = static_cast<int>(seen.size());
     for (std::size_t b = 0; b < found.size(); ++b) {
       const auto truth = recording.people[b].find(frame);
@@ -340,11 +415,19 @@ Result<Measured> trackTwin(const RealRecording& recording, const Joints& offsets
   return measured;
 }
 
+/// Elbows, hands, knees and feet.
+bool isOnLimb(BodyJoint joint) {
+  using J = BodyJoint;
+  return joint == J::kLeftElbow || joint == J::kRightElbow || joint == J::kLeftHand || joint == J::kRightHand ||
+         joint == J::kLeftKnee || joint == J::kRightKnee || joint == J::kLeftFoot || joint == J::kRightFoot;
+}
+
 constexpr const char* kColumns =
     "recording,frames,followed_percent,first_frame,median_mm,p95_mm,limb_off_percent,sure_percent,sure_off_percent,"
     "back_percent,false_frames,after_1s_followed_percent,after_1s_median_mm,after_1s_p95_mm,after_1s_limb_off_percent,"
     "after_1s_sure_off_percent,after_1s_back_percent,after_1s_false_frames,exchanges,overlap,sure_outside_percent,pops_"
-    "in_1000,cpu_ms_mean,cpu_ms_p99";
+    "in_1000,cpu_ms_mean,cpu_ms_p99,marked_limbs,marked_limbs_off_percent,marked_limbs_sure,marked_limbs_sure_off_"
+    "percent";
 
 void print(const std::string& name, const Measured& m, bool joints) {
   std::string row = fmt::format("{}", name);
@@ -389,11 +472,23 @@ void print(const std::string& name, const Measured& m, bool joints) {
                      m.overlaps.empty() ? std::string() : fmt::format("{:.2f}", meanOf(m.overlaps)),
                      m.sureSeen == 0 ? std::string() : fmt::format("{:.2f}", 100.0 * m.sureOutside / m.sureSeen),
                      1e3 * m.pops / std::max(1, m.steps), meanOf(m.ms), atRank(m.ms, 0.99));
+  std::array<int, 2> marked{}, markedOff{};  // limb joints: all; those that are sure
+  for (const MarkError& error : m.marks) {
+    if (!isOnLimb(error.joint)) continue;
+    for (std::size_t sure = 0; sure <= static_cast<std::size_t>(error.sure); ++sure) {
+      ++marked[sure];
+      markedOff[sure] += static_cast<int>(error.off.norm() > kOff);
+    }
+  }
+  for (std::size_t i = 0; i < marked.size(); ++i) {
+    row += marked[i] == 0 ? ",0," : fmt::format(",{},{:.1f}", marked[i], 100.0 * markedOff[i] / marked[i]);
+  }
   fmt::print("{}\n", row);
   std::fflush(stdout);
 }
 
 void add(const Measured& one, Measured& sum) {
+  sum.marks.insert(sum.marks.end(), one.marks.begin(), one.marks.end());
   sum.frames += one.frames;
   sum.settledFrames += one.settledFrames;
   sum.matches.insert(sum.matches.end(), one.matches.begin(), one.matches.end());
@@ -437,6 +532,7 @@ Result<void> measureRealPeople(const fs::path& folder, const RealOptions& option
     }
   });
   if (options.composed > 0) recordings = std::move(composed);
+  subtractDefinitions(recordings, measured);
   const auto hasJoints = [&](std::size_t i) { return !recordings[i].people.empty(); };
 
   fmt::print("{}\n", kColumns);

@@ -105,6 +105,7 @@ void PersonFit::move(const Eigen::Isometry3f& newFromOld) {
     pose->root = newFromOld * pose->root;
     pose->turn[kPelvis] = turn * pose->turn[kPelvis];
   }
+  calm_.move(newFromOld);
 }
 
 void PersonFit::take(const Figure& figure) {
