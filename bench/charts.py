@@ -150,7 +150,7 @@ class Page:
         lines.insert(1, "|" + "---|" * len(head))
         text = (self.folder / name).read_text()
         start = text.index("\n\n| ", text.index(after)) + 2
-        (self.folder / name).write_text(text[:start] + "\n".join(lines) + text[text.index("\n\n", start):])
+        (self.folder / name).write_text(text[:start] + "\n".join(lines) + text[(text + "\n").index("\n\n", start):])
 
     def compare(self, what, unit, ours, who, theirs, more_is_better=False):
         if (theirs > ours) if more_is_better else (theirs < ours):
