@@ -363,8 +363,8 @@ def others(page):
     columns = {"largest of a mesh": "concavity", "mean of the parts": "mean_concavity", "parts": "parts", "CPU seconds, median": "cpu_seconds"}
     means = dict.fromkeys(columns.values(), statistics.fmean) | {"cpu_seconds": statistics.median}
     lines, groups = [], {name: [] for name in columns}
-    for who, meshes in of.items():
-        for name in [who] + ["fast"] * (len(meshes) < len(of["fast"]) and who == list(of)[-1]):
+    for (who, meshes), after in zip(of.items(), [*list(of.values())[1:], {}]):
+        for name in [who] + ["fast"] * (len(meshes) < len(of["fast"]) and meshes.keys() != after.keys()):
             of_all = {column: value(name, meshes, column, mean) for column, mean in means.items()}
             lines.append([f"`{name}`" + ", the same" * (name != who) if name in ("fast", "quality") else name, str(len(meshes)), f"{of_all['parts']:.1f}",
                           *(f"{of_all[column]:.4f}"[1:] for column in ("concavity", "mean_concavity")), f"{of_all['cpu_seconds']:.2f}"])

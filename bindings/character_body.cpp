@@ -54,9 +54,21 @@ Result<Motion> motionNamed(const std::string& name) {
 
 }  // namespace
 
-Result<CharacterPointer> openCharacter(const std::string& nameOrFile, Host& host) {
-  LORICA_TRY(Subject read, readCharacter(nameOrFile, {}, host));
+Result<CharacterPointer> openCharacter(const std::string& nameOrFile, const CharacterOptions& reading, Host& host) {
+  for (const auto& [length, name] :
+       {std::pair(reading.bodyResolution, "body_resolution"), std::pair(reading.thickness, "thickness")}) {
+    if (!(length >= 0.0 && length < kInfinity))
+      return invalidArgument("{}: found {}, expected 0 m or more", name, length);
+  }
+  LORICA_TRY(Subject read, readCharacter(nameOrFile, reading, host));
   return std::make_shared<const Subject>(std::move(read));
+}
+
+std::vector<std::string> notesOf(const Subject& character) {
+  std::vector<std::string> notes;
+  if (character.file) notes = character.file->notes;
+  if (character.body) notes.insert(notes.end(), character.body->notes.begin(), character.body->notes.end());
+  return notes;
 }
 
 Result<std::shared_ptr<const CharacterBody>> makeCharacterBody(CharacterPointer owner,

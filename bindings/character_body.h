@@ -24,7 +24,11 @@ namespace lorica {
 using CharacterPointer = std::shared_ptr<const Subject>;
 
 /// @param nameOrFile  "mannequin", or a .glb, .gltf, .vrm, .fbx or .dae file with a skin or clips
-[[nodiscard]] Result<CharacterPointer> openCharacter(const std::string& nameOrFile, Host& host);
+[[nodiscard]] Result<CharacterPointer> openCharacter(const std::string& nameOrFile, const CharacterOptions& reading,
+                                                     Host& host);
+
+/// What was repaired, guessed or left out when its file was read: one sentence each.
+[[nodiscard]] std::vector<std::string> notesOf(const Subject& character);
 
 /// A decomposed character, ready to be moved. Immutable.
 struct CharacterBody {

@@ -3,11 +3,14 @@
 #include "geometry/errors.h"
 #include "prepare/first_guess.h"
 
+#include <fmt/ranges.h>
+
 #include <cmath>
 #include <optional>
 #include <span>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -15,6 +18,31 @@ namespace {
 Result<void> check(const lorica_body_options& options) {
   if (std::isfinite(options.cover) && options.cover >= 0.0) return {};
   return invalidArgument("cover: found {}, expected 0 or more", options.cover);
+}
+
+/// @param names  so many, none of them null
+Result<std::vector<std::string>> namesFrom(const char* const* names, std::size_t count, const char* argument) {
+  if (count > 0) {
+    LORICA_TRY_DO(given(names, argument));
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    if (names[i] == nullptr) return invalidArgument("{} {} is null", argument, i);
+  }
+  return std::vector<std::string>(names, names + count);
+}
+
+Result<CharacterOptions> readingFrom(const lorica_character_options* given) {
+  LORICA_TRY(const lorica_character_options options, taken(given, "options"));
+  LORICA_TRY_DO(checkChoice(options.walls, LORICA_CHARACTER_SHELL, "walls"));
+  constexpr WallChoice kWalls[] = {WallChoice::kSolid, WallChoice::kByReach, WallChoice::kShell};
+  CharacterOptions reading;
+  if (options.map != nullptr) reading.map = options.map;
+  reading.bodyResolution = options.body_resolution;
+  reading.walls = kWalls[options.walls];
+  reading.thickness = options.thickness;
+  LORICA_TRY(reading.hidden, namesFrom(options.hidden, options.hidden_count, "hidden"));
+  LORICA_TRY(reading.expressions, namesFrom(options.expressions, options.expression_count, "expressions"));
+  return reading;
 }
 
 /// Its own clips; empty if there is no character.
@@ -35,12 +63,19 @@ std::span<const Joint> jointsOf(const lorica_character* character) {
 using namespace lorica;
 
 lorica_status lorica_character_read(const char* name_or_file, lorica_character** out) {
+  return lorica_character_read_with(name_or_file, nullptr, out);
+}
+
+lorica_status lorica_character_read_with(const char* name_or_file, const lorica_character_options* options,
+                                         lorica_character** out) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(name_or_file, "name_or_file", out, "out"));
+    LORICA_TRY(const CharacterOptions reading, readingFrom(options));
     ProgramHost host;
-    LORICA_TRY(CharacterPointer read, openCharacter(name_or_file, host));
+    LORICA_TRY(CharacterPointer read, openCharacter(name_or_file, reading, host));
     std::string guess = read->file ? firstGuessOf(*read->file) : std::string();
-    *out = new lorica_character{std::move(read), std::move(guess)};
+    std::string notes = fmt::format("{}", fmt::join(notesOf(*read), "\n"));
+    *out = new lorica_character{std::move(read), std::move(guess), std::move(notes)};
     return {};
   });
 }
@@ -59,6 +94,10 @@ double lorica_character_height(const lorica_character* character) {
 
 const char* lorica_character_first_guess(const lorica_character* character) {
   return character == nullptr ? "" : character->firstGuess.c_str();
+}
+
+const char* lorica_character_notes(const lorica_character* character) {
+  return character == nullptr ? "" : character->notes.c_str();
 }
 
 size_t lorica_character_joint_count(const lorica_character* character) {

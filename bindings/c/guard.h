@@ -51,6 +51,12 @@ inline Result<void> inRange(std::size_t index, std::size_t count, const char* wh
   return invalidArgument("{} {}: found {} of them, counted from 0", what, index, count);
 }
 
+/// Checks a number of an enum from outside.
+inline Result<void> checkChoice(int chosen, int last, const char* name) {
+  if (chosen >= 0 && chosen <= last) return {};
+  return invalidArgument("{}: found {}, expected 0 to {}", name, chosen, last);
+}
+
 /// Checks the size that a program gave for a struct.
 template <typename Struct>
 Result<void> checkSize(const Struct& given, const char* name) {

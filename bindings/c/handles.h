@@ -17,7 +17,7 @@ struct lorica_parts {
 
 struct lorica_character {
   lorica::CharacterPointer owner;
-  std::string firstGuess;
+  std::string firstGuess, notes;
 };
 
 struct lorica_body {

@@ -160,9 +160,34 @@ LORICA_API const char* lorica_parts_repaired(const lorica_parts* parts);
 
 typedef struct lorica_character lorica_character;
 
+/* What an open surface of a character is. */
+typedef enum lorica_character_walls {
+  LORICA_CHARACTER_SOLID = 0,
+  LORICA_CHARACTER_AUTO = 1, /* a thin wall, unless nothing outside can reach what is behind it */
+  LORICA_CHARACTER_SHELL = 2 /* a thin wall, also where it is closed */
+} lorica_character_walls;
+
+/* How a character's file is read. */
+typedef struct lorica_character_options {
+  size_t size;                    /* sizeof this struct, set by the caller */
+  const char* map;                /* file that says which joints are the humanoid's bones; null or "" = automatic */
+  const char* const* hidden;      /* names of meshes that are left out, such as a weapon */
+  size_t hidden_count;            /* of these names */
+  const char* const* expressions; /* "NAME=WEIGHT"; the hulls hold what these morph */
+  size_t expression_count;        /* of these */
+  double body_resolution;         /* of the voxels of a closed body, if one has to be made [m]; 0 = automatic */
+  double thickness; /* of thin walls [m]; 0 = 1 % of their longest side, at most half of the narrowest gap */
+  int32_t walls;    /* lorica_character_walls */
+} lorica_character_options;
+
 /* @param name_or_file  "mannequin", or a .glb, .gltf, .vrm, .fbx or .dae file with a skin or clips. FBX and COLLADA are
  * read in a process of their own: see docs/SECURITY.md */
 LORICA_API lorica_status lorica_character_read(const char* name_or_file, lorica_character** out);
+/* The same in other ways. @param options  null = defaults */
+LORICA_API lorica_status lorica_character_read_with(const char* name_or_file, const lorica_character_options* options,
+                                                    lorica_character** out);
+/* What was repaired, guessed or left out when the file was read, and which pieces are thin walls: a sentence a line. */
+LORICA_API const char* lorica_character_notes(const lorica_character* character);
 /* Null is allowed. */
 LORICA_API void lorica_character_free(lorica_character* character);
 /* Of its file, without the ending. */

@@ -19,12 +19,6 @@ lorica_status statusOf(ErrorCode code) {
   return kOf[static_cast<std::size_t>(code)];
 }
 
-/// Numbers of an enum from outside.
-Result<void> checkChoice(int chosen, int last, const char* name) {
-  if (chosen >= 0 && chosen <= last) return {};
-  return invalidArgument("{}: found {}, expected 0 to {}", name, chosen, last);
-}
-
 Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
   LORICA_TRY(const lorica_decompose_options options, taken(given, "options"));
   LORICA_TRY_DO(checkChoice(options.preset, LORICA_QUALITY, "preset"));

@@ -222,20 +222,22 @@ std::string pathFrom(const py::object& file) {
   return py::module_::import("os").attr("fspath")(file).cast<std::string>();
 }
 
-CharacterHandle openNamed(const py::object& file) {
+CharacterHandle openNamed(const py::object& file, const std::optional<py::object>& map, const std::string& walls,
+                          double thickness, double bodyResolution, std::vector<std::string> hidden,
+                          std::vector<std::string> expressions) {
   const std::string name = pathFrom(file);
+  CharacterOptions reading;
+  if (map) reading.map = pathFrom(*map);
+  reading.bodyResolution = bodyResolution;
+  reading.walls = wallChoiceNamed(walls);
+  if (!reading.walls) throw py::value_error(fmt::format("walls: found {}, expected solid, auto or shell", walls));
+  reading.thickness = thickness;
+  reading.hidden = std::move(hidden);
+  reading.expressions = std::move(expressions);
   return {resultAside<CharacterPointer>(py::none(), [&](const DecomposeProgress& report) {
     ProgramHost host(report);
-    return openCharacter(name, host);
+    return openCharacter(name, reading, host);
   })};
-}
-
-/// What was repaired, guessed or left out when the file was read.
-std::vector<std::string> notesOf(const Subject& subject) {
-  std::vector<std::string> notes;
-  if (subject.file) notes = subject.file->notes;
-  if (subject.body) notes.insert(notes.end(), subject.body->notes.begin(), subject.body->notes.end());
-  return notes;
 }
 
 BodyHandle makeBodyOf(const CharacterHandle& character, int parts, std::optional<double> cover, int hullVertices,
@@ -296,9 +298,20 @@ void addCharacter(py::module_& module) {
   py::class_<CharacterHandle>(module, "Character",
                               "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.",
                               py::metaclass(metaclassOfConstructed().ptr()))
-      .def(
-          py::init(&openNamed), "file"_a = "mannequin",
-          "Read .glb, .gltf, .vrm, .fbx or .dae; or the built-in \"mannequin\".\n\nAn open surface gets a closed body.")
+      .def(py::init(&openNamed), "file"_a = "mannequin", py::kw_only(), "map"_a = py::none(), "walls"_a = "solid",
+           "thickness"_a = 0.0, "body_resolution"_a = 0.0, "hidden"_a = std::vector<std::string>(),
+           "expressions"_a = std::vector<std::string>(),
+           R"(Read .glb, .gltf, .vrm, .fbx or .dae; or the built-in "mannequin".
+
+An open surface gets a closed body.
+
+map              file that says which joints are the humanoid's bones; None = automatic
+walls            what an open surface is: "solid"; "auto" = a thin wall, unless nothing outside can reach what is behind
+                 it; "shell" = a thin wall, also where it is closed
+thickness        of thin walls [m]; 0 = 1 % of their longest side, at most half of the narrowest gap
+body_resolution  of the voxels of a closed body, if one has to be made [m]; 0 = automatic
+hidden           names of meshes that are left out, such as a weapon
+expressions      "NAME=WEIGHT" each; the hulls hold what these morph)")
       .def_property_readonly(
           "name", [](const CharacterHandle& self) { return self.character().name; }, "Of the file.")
       .def_property_readonly(

@@ -2,6 +2,7 @@
 //
 //   truth glb OUT.glb                             the mannequin as a user's file: an open surface, two clips
 //   truth faces OUT.glb                           the same, closed, with a clip that moves a morph target out of it
+//   truth bucket OUT.glb                          the same, closed, with a bucket in its hand, a sheet
 //   truth hulls BODY.lorica MOTION FRAMES OUT     the hulls of a session's first frames, in world space: for each part
 //                                                 its counts of vertices and triangles (int32), x y z (float64) and
 //                                                 indices (int32)
@@ -23,6 +24,7 @@
 #include "session/session.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/apps/mannequin_glb.h"
+#include "tests/support/meshes.h"
 
 #include <algorithm>
 #include <array>
@@ -121,6 +123,24 @@ std::string trackedDepth(const std::filesystem::path& recording, int frames) {
   return bytes;
 }
 
+/// A box without its top, of one side only, that hangs from the right hand.
+std::string bucketGlb() {
+  lorica::test::GlbWriter writer = lorica::test::mannequinWriter(false);
+  const JointIndex hand = makeMannequin().skeleton.jointOf(HumanBone::kRightHand);
+  TriMesh box = lorica::test::makeBox(Vec3(-0.5, -0.4, -0.15), Vec3(-0.2, -0.1, 0.15));
+  std::erase_if(box.triangles, [&](const Triangle& t) {
+    return std::ranges::all_of(t, [&](VertexIndex v) { return box.vertices[std::size_t(v)].y() > -0.2; });
+  });
+  const int positions = writer.positions(box.vertices);
+  const int indices = writer.triangles(box.triangles);
+  const int mesh = writer.add(
+      "meshes",
+      {{"name", "Bucket"}, {"primitives", {{{"indices", indices}, {"attributes", {{"POSITION", positions}}}}}}});
+  const int node = writer.add("nodes", {{"name", "Pail"}, {"mesh", mesh}});
+  writer.document["nodes"][static_cast<std::size_t>(hand)]["children"].push_back(node);
+  return writer.glb();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -129,6 +149,8 @@ int main(int argc, char** argv) {
     std::ofstream(argv[2], std::ios::binary) << lorica::test::mannequinGlb(true);
   } else if (what == "faces" && argc == 3) {
     std::ofstream(argv[2], std::ios::binary) << lorica::test::facesGlb(true);
+  } else if (what == "bucket" && argc == 3) {
+    std::ofstream(argv[2], std::ios::binary) << bucketGlb();
   } else if (what == "hulls" && argc == 6) {
     Session session = sessionOf(argv[2], argv[3]);
     std::ofstream(argv[5], std::ios::binary) << inEachFrame(session, std::atoi(argv[4]), hullsOf);

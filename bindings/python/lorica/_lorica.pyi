@@ -52,10 +52,28 @@ class Parts:
 
 class Character:
     """A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z."""
-    def __init__(self, file: Path = "mannequin") -> None:
+    def __init__(
+        self,
+        file: Path = "mannequin",
+        *,
+        map: Optional[Path] = None,
+        walls: str = "solid",
+        thickness: float = 0.0,
+        body_resolution: float = 0.0,
+        hidden: Sequence[str] = (),
+        expressions: Sequence[str] = (),
+    ) -> None:
         """Read .glb, .gltf, .vrm, .fbx or .dae; or the built-in "mannequin".
 
         An open surface gets a closed body.
+
+        map              file that says which joints are the humanoid's bones; None = automatic
+        walls            what an open surface is: "solid"; "auto" = a thin wall, unless nothing outside can reach what is behind
+                         it; "shell" = a thin wall, also where it is closed
+        thickness        of thin walls [m]; 0 = 1 % of their longest side, at most half of the narrowest gap
+        body_resolution  of the voxels of a closed body, if one has to be made [m]; 0 = automatic
+        hidden           names of meshes that are left out, such as a weapon
+        expressions      "NAME=WEIGHT" each; the hulls hold what these morph
         """
     @property
     def name(self) -> str:

@@ -122,6 +122,38 @@ static void test_characters(void) {
   FAILS(LORICA_BAD_FORMAT, "its reader", lorica_character_read(path("cycle.dae"), &hero));
   FAILS(LORICA_INVALID_ARGUMENT, "a mesh without skin", lorica_character_read(path("triangle.dae"), &hero));
 
+  lorica_character *bucket = NULL;
+  lorica_body *pail = NULL;
+  lorica_character_options reading = {.size = sizeof reading, .walls = LORICA_CHARACTER_AUTO, .thickness = 0.02};
+  CHECK(lorica_character_read_with(path("bucket.glb"), &reading, &bucket) == LORICA_OK);
+  CHECK(strstr(lorica_character_notes(bucket), "thin wall of 20.00 mm") != NULL);
+  CHECK(lorica_body_load(bucket, path("bucket.lorica"), &pail) == LORICA_OK);
+  lorica_body_free(pail);
+  lorica_character_free(bucket);
+  CHECK(lorica_character_read(path("bucket.glb"), &bucket) == LORICA_OK);
+  CHECK(strstr(lorica_character_notes(bucket), "thin wall") == NULL);
+  FAILS(LORICA_INVALID_ARGUMENT, "made from", lorica_body_load(bucket, path("bucket.lorica"), &pail));
+  lorica_character_free(bucket);
+  const char *const names[] = {"Pail", NULL};
+  reading = (lorica_character_options){.size = sizeof reading, .hidden = names, .hidden_count = 1};
+  CHECK(lorica_character_read_with(path("bucket.glb"), &reading, &bucket) == LORICA_OK);
+  lorica_mesh bare = {.size = sizeof bare}, whole = {.size = sizeof whole};
+  CHECK(lorica_character_mesh(bucket, &bare) == LORICA_OK && lorica_character_mesh(mannequin, &whole) == LORICA_OK);
+  CHECK(bare.triangle_count == whole.triangle_count);
+  lorica_character_free(bucket);
+  reading.hidden_count = 2;
+  FAILS(LORICA_INVALID_ARGUMENT, "hidden 1 is null", lorica_character_read_with(path("bucket.glb"), &reading, &bucket));
+  reading = (lorica_character_options){.size = sizeof reading, .expression_count = 1};
+  FAILS(LORICA_INVALID_ARGUMENT, "expressions is null",
+        lorica_character_read_with(path("bucket.glb"), &reading, &bucket));
+  reading = (lorica_character_options){.size = sizeof reading, .walls = 3};
+  FAILS(LORICA_INVALID_ARGUMENT, "walls: found 3", lorica_character_read_with(path("bucket.glb"), &reading, &bucket));
+  reading = (lorica_character_options){.size = sizeof reading, .map = "no_map.json"};
+  FAILS(LORICA_NOT_FOUND, "no_map.json", lorica_character_read_with(path("hero.glb"), &reading, &bucket));
+  reading = (lorica_character_options){.size = sizeof reading, .body_resolution = -1};
+  FAILS(LORICA_INVALID_ARGUMENT, "body_resolution: found -1",
+        lorica_character_read_with(path("hero.glb"), &reading, &bucket));
+
   CHECK(lorica_body_load(mannequin, path("body.lorica"), &body) == LORICA_OK);
   CHECK(lorica_body_part_count(body) == 4);
   lorica_body *other = NULL;

@@ -36,6 +36,16 @@ int main(void) {
   FIELD(lorica_hull, triangles);
   FIELD(lorica_hull, triangle_count);
   FIELD(lorica_hull, volume);
+  STRUCT(lorica_character_options);
+  FIELD(lorica_character_options, size);
+  FIELD(lorica_character_options, map);
+  FIELD(lorica_character_options, hidden);
+  FIELD(lorica_character_options, hidden_count);
+  FIELD(lorica_character_options, expressions);
+  FIELD(lorica_character_options, expression_count);
+  FIELD(lorica_character_options, body_resolution);
+  FIELD(lorica_character_options, thickness);
+  FIELD(lorica_character_options, walls);
   STRUCT(lorica_body_options);
   FIELD(lorica_body_options, size);
   FIELD(lorica_body_options, parts);
@@ -104,6 +114,9 @@ int main(void) {
   VALUE(LORICA_CLOSED_IF_NEEDED);
   VALUE(LORICA_CLOSED_NEVER);
   VALUE(LORICA_CLOSED_ALWAYS);
+  VALUE(LORICA_CHARACTER_SOLID);
+  VALUE(LORICA_CHARACTER_AUTO);
+  VALUE(LORICA_CHARACTER_SHELL);
   VALUE(LORICA_HEAD);
   VALUE(LORICA_RIGHT_FOOT);
   VALUE(LORICA_JOINT_COUNT);

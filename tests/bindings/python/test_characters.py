@@ -63,6 +63,41 @@ class Characters(unittest.TestCase):
             breathing.body(2, hull_vertices=64).save(file)
             self.assertEqual(file.read_bytes(), (FILES / "breathing.lorica").read_bytes())
 
+    def test_thin_walls_are_those_of_the_command(self):
+        bucket = lorica.Character(FILES / "bucket.glb", walls="auto", thickness=0.02)
+        self.assertTrue(any("thin wall of 20.00 mm" in note for note in bucket.notes), bucket.notes)
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "again.lorica"
+            bucket.body(3).save(file)
+            self.assertEqual(file.read_bytes(), (FILES / "bucket.lorica").read_bytes())
+        solid = lorica.Character(FILES / "bucket.glb")
+        self.assertFalse(any("thin wall" in note for note in solid.notes), solid.notes)
+        self.assertEqual(len(lorica.Character(FILES / "bucket.glb", walls="solid").vertices), len(solid.vertices))
+        coarse = lorica.Character(FILES / "bucket.glb", body_resolution=0.03)
+        self.assertLess(len(coarse.vertices), len(solid.vertices))
+
+    def test_meshes_can_be_hidden_and_bones_assigned(self):
+        hidden = lorica.Character(FILES / "bucket.glb", hidden=["Pail"])
+        self.assertEqual(len(hidden.faces), len(self.mannequin.faces))
+        with self.assertRaisesRegex(ValueError, "Nothing"):
+            lorica.Character(FILES / "bucket.glb", hidden=["Nothing"])
+        self.assertEqual(lorica.Character(FILES / "hero.glb", map=FILES / "hero_map.json").height,
+                         lorica.Character(FILES / "hero.glb").height)
+        with self.assertRaises(FileNotFoundError):
+            lorica.Character(FILES / "hero.glb", map=FILES / "no_map.json")
+        with self.assertRaisesRegex(ValueError, "Smile"):
+            lorica.Character(FILES / "breathing.glb", expressions=["Smile=1"])
+
+    def test_wrong_options_of_reading_are_named(self):
+        for wrong, sentence in (
+            ({"walls": "thick"}, "walls: found thick, expected solid, auto or shell"),
+            ({"walls": "auto", "thickness": -0.1}, "thickness: found -0.1"),
+            ({"thickness": 0.01}, "a thickness is for thin walls"),
+            ({"body_resolution": float("nan")}, "body_resolution: found nan"),
+        ):
+            with self.assertRaisesRegex(ValueError, sentence):
+                lorica.Character(FILES / "bucket.glb", **wrong)
+
     def test_first_guesses_are_those_of_the_command(self):
         self.assertIn("it faces +Z", lorica.Character(FILES / "hero.glb").first_guess)
         self.assertEqual(self.mannequin.first_guess, "")
