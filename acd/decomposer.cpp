@@ -23,8 +23,8 @@ constexpr std::size_t kMaxPieces = 4096;
 // A piece that no plane improves is worth this share of its error: a handle gains only by the cut after the next.
 constexpr double kStalled = 0.2;
 // A piece is convex where its hull has at most this share of its own volume more. Counting as convex says less of a
-// sliver, whose volume is next to nothing.
-constexpr double kConvex = 1e-3;
+// sliver, whose volume is next to nothing, and of two solids that touch: their walls are far from the hull of both.
+constexpr double kConvex = 1e-5;
 // A component with less than this share of the mesh's volume is a sliver and no cavity, whatever the sign.
 constexpr double kNothing = 1e-9;
 

@@ -351,5 +351,16 @@ TEST(Decompose, MeetsAConcavityWithFewPartsWhereNoCutGains) {
   }
 }
 
+/// Two boxes that touch, one 20 micrometres wider: one hull would hold them, but the wall between them is half a metre
+/// from it.
+TEST(Decompose, MeetsAConcavityWhereSolidsTouch) {
+  constexpr double kWider = 2e-5;
+  const TriMesh mesh = test::joined(test::makeBox({0.0, 0.0, 0.0}, {1.0, 1.0, 1.0}),
+                                    test::makeBox({-kWider, -kWider, 1.0}, {1.0 + kWider, 1.0 + kWider, 2.0}));
+  const Decomposition d = decomposed(mesh, {.maxParts = 0, .maxConcavity = 0.05});
+  expectSound(mesh, mesh.vertices, d);
+  EXPECT_EQ(d.parts.size(), 2u);
+}
+
 }  // namespace
 }  // namespace lorica
