@@ -17,6 +17,13 @@ constexpr float kLowMargin = 0.02F;     ///< from the lowest points seen down to
 constexpr float kFarBlocks = 1e6F;
 constexpr float kOccluderGap = 0.15F;  ///< something nearer than the person beside it by this much may hide more [m]
 constexpr int kOccluderBlocks = 3;     ///< of the eight around a block of something that hides the person
+constexpr int kRampBlocks = 6;         ///< width of the edges that blur makes, at most [blocks]
+constexpr int kRampRows = 4;           ///< every so many rows of the image is looked at
+constexpr int kRampFall = 300;         ///< least difference in depth on both sides of an edge [mm]
+constexpr int kRampFlat = 10;          ///< on either side it changes by less than one of so many parts of that
+constexpr int kStepShare = 3;          ///< a step has one of so many parts of it between two pixels
+constexpr int kRampCount = 20;         ///< least count of places where an edge is a ramp
+constexpr float kRampSlope = 2.0F;     ///< of a ramp, least fall per step aside
 constexpr float kAboveFloor = 0.10F;   ///< what is lower may be the floor [m]
 
 enum Kind : std::uint8_t { kElse, kPerson, kUnknown, kNearer, kOccluder };
@@ -140,6 +147,8 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
       bottom_ = std::max(bottom_, by + 1);
     }
   }
+  smeared_ = isSmeared(depthMm);
+  if (smeared_) dropRamps();
   int border = 0;
   for (int by = 0; by < rows_; ++by) {
     for (const int bx : {0, 1, 2, columns_ - 3, columns_ - 2, columns_ - 1}) {
@@ -157,6 +166,53 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
   top_ = std::max(0, top_ - kMargin);
   right_ = std::min(columns_, right_ + kMargin);
   bottom_ = std::min(rows_, bottom_ + kMargin);
+}
+
+/// Whether the image's depth edges around the person are ramps instead of steps: filters of the camera blurred them.
+bool BodyView::isSmeared(std::span<const std::uint16_t> depthMm) const {
+  const int width = camera_.width, wide = kRampBlocks * block_, flat = block_;
+  const int from = std::max(left_ * block_ - wide, flat), to = std::min(right_ * block_, width - wide - flat);
+  int ramps = 0, steps = 0;
+  for (int y = top_ * block_; y < bottom_ * block_; y += kRampRows) {
+    const std::uint16_t* row = &depthMm[static_cast<std::size_t>(y) * width];
+    for (int x = from; x < to; ++x) {
+      const int near = row[x], far = row[x + wide];
+      const int fall = std::abs(far - near);
+      if (near == 0 || far == 0 || fall < kRampFall) continue;
+      if (std::abs(row[x - flat] - near) * kRampFlat > fall) continue;
+      if (std::abs(row[x + wide + flat] - far) * kRampFlat > fall) continue;
+      int largest = 0;
+      bool whole = true;
+      for (int k = x; k < x + wide; ++k) {
+        largest = std::max(largest, std::abs(row[k + 1] - row[k]));
+        whole = whole && row[k] != 0;
+      }
+      if (!whole) continue;
+      ++(largest * kStepShare > fall ? steps : ramps);
+    }
+  }
+  return ramps > kRampCount && ramps > steps;
+}
+
+/// On a ramp between the person and what is behind nothing is seen of either.
+void BodyView::dropRamps() {
+  for (int y = top_; y < bottom_; ++y) {
+    for (int x = left_; x < right_; ++x) {
+      const std::size_t i = indexOf(x, y);
+      if (blocks_[i].kind != kPerson) continue;
+      const float least = kRampSlope * block_ * blocks_[i].depth / focalX_;
+      const auto falls = [&](bool inside, std::size_t by) {
+        if (!inside) return false;
+        const float before = blocks_[i - by].depth, after = blocks_[i + by].depth;
+        if (before == 0.0F || after == 0.0F) return false;
+        const float first = blocks_[i].depth - before, second = after - blocks_[i].depth;
+        return std::min(first, second) > least || std::max(first, second) < -least;
+      };
+      if (falls(x > 0 && x + 1 < columns_, 1) || falls(y > 0 && y + 1 < rows_, columns_)) {
+        blocks_[i].kind = kUnknown;
+      }
+    }
+  }
 }
 
 /// Visits the blocks twice, each with its neighbours in the direction of the pass (Borgefors 1986).

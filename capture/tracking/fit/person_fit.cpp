@@ -265,6 +265,11 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
                  : views_ < kLearningViews || (learning && !view.cut()) ? kLearning
                  : learning                                             ? kLearningCut
                                                                         : kLearnt);
+  if (view.smeared() && view.cut() && views_ < kLearningViews) {
+    // A blurred outline is too wide, and hides where limbs end.
+    deviation.fill(kLearningCut);
+    deviation[kTrunkGirth] = deviation[kLimbGirth] = kLearning;
+  }
   if (views_ < kLearningViews || learning || views_ % kLearntPause == 0) {
     fitter_.refineProportions(view, deviation, pose_, proportions_);
   }

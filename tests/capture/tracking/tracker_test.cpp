@@ -101,6 +101,28 @@ TEST(Tracker, FollowsJumpingJacksOfATallerBodyThroughNoise) {
   EXPECT_LE(figures.trustedWrong * 50, figures.trusted);
 }
 
+TEST(Tracker, BlurredEdgesDoNotMakeABodyLarger) {
+  std::vector<VirtualPerson> people;
+  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
+  VirtualSensorSettings settings;
+  settings.noise = DepthNoiseSettings::realSense();
+  settings.camera = settings.noise.sensor;
+  VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
+  Tracker tracker = Tracker::create(sensor.camera()).value();
+  DepthFrame frame;
+  int tracked = 0;
+  double height = 0.0;
+  for (std::uint64_t f = 0; f < 60; ++f) {
+    sensor.render(f, frame);
+    for (const TrackedPerson& person : tracker.track(frame)) {
+      ++tracked;
+      height = person.height;
+    }
+  }
+  EXPECT_GT(tracked, 30);
+  EXPECT_NEAR(height, 1.752, 0.09);
+}
+
 TEST(Tracker, TellsABackFromAFront) {
   VirtualSensor sensor = sensorBefore(SyntheticMotion::kWave, std::numbers::pi, 0);
   const Figures figures = follow(sensor, 30);
