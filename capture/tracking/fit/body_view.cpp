@@ -23,6 +23,7 @@ constexpr int kRampFall = 300;         ///< least difference in depth on both si
 constexpr int kRampFlat = 10;          ///< on either side it changes by less than one of so many parts of that
 constexpr int kStepShare = 3;          ///< a step has one of so many parts of it between two pixels
 constexpr int kRampCount = 20;         ///< least count of places where an edge is a ramp
+constexpr int kRampMajority = 4;       ///< so many times the places where it is a step
 constexpr float kRampSlope = 2.0F;     ///< of a ramp, least fall per step aside
 constexpr float kAboveFloor = 0.10F;   ///< what is lower may be the floor [m]
 
@@ -191,7 +192,7 @@ bool BodyView::isSmeared(std::span<const std::uint16_t> depthMm) const {
       ++(largest * kStepShare > fall ? steps : ramps);
     }
   }
-  return ramps > kRampCount && ramps > steps;
+  return ramps > kRampCount + kRampMajority * steps;
 }
 
 /// On a ramp between the person and what is behind nothing is seen of either.
