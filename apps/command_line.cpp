@@ -3,7 +3,6 @@
 #include "apps/report.h"
 #include "geometry/text.h"
 #include "prepare/read_motion.h"
-#include "prepare/subject.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -166,7 +165,7 @@ Option* Option::needs(Option* other) {
 }
 
 Option* Option::separatedBy(char sign) {
-  option_->delimiter(sign);
+  option_->delimiter(sign)->expected(1, CLI::detail::expected_max_vector_size);
   return this;
 }
 
@@ -212,13 +211,19 @@ template Option* CommandLine::addOption(const std::string&, int&, const std::str
 template Option* CommandLine::addOption(const std::string&, double&, const std::string&, const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::optional<double>&, const std::string&,
                                         const std::string&);
-template Option* CommandLine::addOption(const std::string&, std::optional<WallChoice>&, const std::string&,
-                                        const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::vector<std::string>&, const std::string&,
                                         const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::vector<double>&, const std::string&,
                                         const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::vector<int>&, const std::string&, const std::string&);
+
+Option* CommandLine::addOption(const std::string& name, TextReader read, const std::string& description,
+                               const std::string& typeName) {
+  CLI::Option* option = app_->add_option(
+      name, [](const CLI::results_t&) { return true; }, description);
+  option->group(groupOf(name))->type_name(typeName)->transform(validatorOf(std::move(read)));
+  return &options_.emplace_back(option);
+}
 
 void CommandLine::group(const std::string& name) {
   group_ = name;

@@ -8,6 +8,7 @@
 #include "player/snapshots.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <fcntl.h>
@@ -15,6 +16,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <thread>
@@ -169,16 +171,21 @@ Result<void> checkOutputFolder(const CommonOptions& options, const std::string& 
   return {};
 }
 
-Result<void> checkVideo(const CommonOptions& common, const SnapshotOptions& pictures) {
+Result<void> checkPictures(const CommonOptions& common, const SnapshotOptions& pictures) {
+  const std::optional<Vec3>&eye = pictures.camera.eye, &target = pictures.camera.target;
+  if (eye && target && (*eye - *target).norm() < 1e-3) {
+    return invalidArgument("--eye {} --target {}: expected two positions at least 1 mm apart", fmt::join(*eye, ","),
+                           fmt::join(*target, ","));
+  }
   if (pictures.video.empty()) return {};
   if (std::filesystem::path(pictures.video).extension() != ".mp4") {
     return invalidArgument("--video {}: films are MP4 files, expected a name that ends in .mp4", pictures.video);
   }
-  const CanvasSize pixels = pictureSizeOf(pictures.size).value_or(CanvasSize());
-  if (pixels.width % 2 != 0 || pixels.height % 2 != 0) {
-    return invalidArgument("--size {}: width and height of an .mp4 video must be even", pictures.size);
+  const CanvasSize size = pictures.size;
+  if (size.width % 2 != 0 || size.height % 2 != 0) {
+    return invalidArgument("--size {}x{}: width and height of an .mp4 video must be even", size.width, size.height);
   }
-  if (pictures.background == "transparent") {
+  if (pictures.transparent()) {
     return invalidArgument(
         "--video: films are not transparent, expected --background with a colour such as green; `lorica play ... "
         "--background transparent --snapshots DIR --every 1` makes a picture of each frame");
@@ -210,14 +217,14 @@ Result<void> checkEvents(const std::string& to, const CommonOptions& common,
 }
 
 Result<void> checkSnapshots(const SnapshotOptions& options, const CommonOptions& common) {
-  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
+  if (!options.any() && (!options.camera.preset.empty() || options.camera.eye)) {
     return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
   }
   if (!options.folder.empty()) {
     LORICA_TRY_DO(checkOutputFolder(common, "--snapshots", options.folder,
                                     [&](const std::string& name) { return options.draws(name); }));
   }
-  return checkVideo(common, options);
+  return checkPictures(common, options);
 }
 
 }  // namespace
@@ -228,7 +235,6 @@ Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pict
   LORICA_TRY_DO(checkSnapshots(pictures, common));
   LORICA_TRY_DO(checkRecord(common, "--record", setting.record));
   LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
-  LORICA_TRY_DO(checkPoseOutput(setting.out));
   inputs.emplace_back(setting.record);
   return checkEvents(setting.events, common, inputs);
 }

@@ -92,8 +92,8 @@ void publishFailure(std::string_view kind, std::string_view message);
 [[nodiscard]] Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures,
                                         const CommonOptions& common, std::vector<std::filesystem::path> inputs);
 
-/// Rejects, before any work, a video that cannot be written.
-[[nodiscard]] Result<void> checkVideo(const CommonOptions& common, const SnapshotOptions& pictures);
+/// Rejects, before any work, a camera that sees nothing or a video that cannot be written.
+[[nodiscard]] Result<void> checkPictures(const CommonOptions& common, const SnapshotOptions& pictures);
 
 /// Rejects an unusable name of a recorded session before any work.
 [[nodiscard]] Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file);

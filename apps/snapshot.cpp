@@ -43,8 +43,8 @@ struct Options {
 SceneOptions shownBy(const Options& options, const Character& character) {
   const std::vector<std::string>& words = options.show;
   SceneOptions show = usualView(character);
-  (void)setBackground(options.pictures.background, show);
-  show.props = options.pictures.background.empty() || !options.request.scene.empty();
+  setBackground(options.pictures.background, show);
+  show.props = !options.pictures.background || !options.request.scene.empty();
   if (words.empty()) return show;
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   show.colorSkinByPart = has("parts");
@@ -108,11 +108,10 @@ std::vector<fs::path> filesOf(const Options& options, const std::string& motion,
 }
 
 /// Runs the session as far as needed and draws the requested pictures.
-Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera, Cast cast,
-                      Host& host) {
+Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, Cast cast, Host& host) {
   const Motion& motion = *cast.avatars.front().motion;  // leads
   const double length = motion.seconds();
-  const CanvasSize size = *pictureSizeOf(options.pictures.size);
+  const CanvasSize size = options.pictures.size;
   LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   Outcome outcome;
   std::optional<VideoWriter> movie;
@@ -135,8 +134,9 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const Session& session = run.session;
 
   SessionScene scene(session);
+  FollowCamera camera(options.pictures.camera, size.aspect());
   SceneOptions show = shownBy(options, session.character());
-  const bool caption = (options.show.empty() && options.pictures.background.empty()) ||
+  const bool caption = (options.show.empty() && !options.pictures.background) ||
                        std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
   std::vector<bool> taken(wanted.size(), false);
   std::vector<Image> images;
@@ -193,7 +193,7 @@ Result<void> check(const Options& options, const CommonOptions& common) {
     name.force = true;
     LORICA_TRY_DO(checkOutput(name, "--out", options.out, ".png"));
   }
-  LORICA_TRY_DO(checkVideo(common, options.pictures));
+  LORICA_TRY_DO(checkPictures(common, options.pictures));
   if (options.to > 0.0 && options.to < options.from) {
     return invalidArgument("--to {} is before --from {}", options.to, options.from);
   }
@@ -209,9 +209,7 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   for (const fs::path& file : filesOf(options, cast.avatars.front().motion->name, wanted.size())) {
     LORICA_TRY_DO(checkOutput(common, "--out", file));
   }
-  const CanvasSize size = *pictureSizeOf(options.pictures.size);
-  LORICA_TRY(const FollowCamera camera, FollowCamera::create(options.pictures.camera, size.width, size.height));
-  LORICA_TRY(const Outcome outcome, shoot(options, wanted, camera, std::move(cast), host));
+  LORICA_TRY(const Outcome outcome, shoot(options, wanted, std::move(cast), host));
 
   nlohmann::ordered_json json;
   json["recording"] = outcome.motion().name;
