@@ -12,7 +12,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/hull_export.h"
+#include "prepare/part_hulls.h"
 #include "prepare/subject.h"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ struct RigidExport {
   ColliderFits fits;
 };
 
-std::string growthOf(const HullExport& hulls) {
+std::string growthOf(const PartHulls& hulls) {
   if (hulls.maxVertices == hulls.maxVerticesBefore) return fmt::format("at most {}", hulls.maxVertices);
   return fmt::format("at most {}, before {}; volume +{}", hulls.maxVertices, hulls.maxVerticesBefore,
                      percent(hulls.totalGrowth - 1.0));
@@ -91,7 +91,7 @@ struct ExportReport {
     text.line("output", output);
   }
 
-  void add(const HullExport& hulls) {
+  void add(const PartHulls& hulls) {
     text.line("hulls", std::to_string(hulls.objects.size()));
     text.line("hull vertices", growthOf(hulls));
     json["hulls"] = hulls.objects.size();
@@ -295,7 +295,7 @@ Result<RigidExport> makeRigid(const Options& options, const ExportSource& source
 }
 
 /// The hulls of a mesh, or of a character in one pose.
-Result<HullExport> hullsInOnePose(const Options& options, const ExportSource& source, Host& host) {
+Result<PartHulls> hullsInOnePose(const Options& options, const ExportSource& source, Host& host) {
   const int limit = vertexLimit(options);
   return options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit, host)
                     : restHulls(source, limit, host);
@@ -355,7 +355,7 @@ Result<void> exportRigid(const Options& options, const ExportSource& source, Hos
 }
 
 Result<void> exportOnePose(const Options& options, const ExportSource& source, Host& host, ExportReport& report) {
-  LORICA_TRY(HullExport hulls, hullsInOnePose(options, source, host));
+  LORICA_TRY(PartHulls hulls, hullsInOnePose(options, source, host));
   report.add(hulls);
   if (formatOf(options.output) == Format::kMeshes) return writeMeshes(options.output, hulls.objects);
   if (formatOf(options.output) == Format::kGlb) {
