@@ -6,7 +6,7 @@
 #include "session/pose_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
-#include "tests/apps/run_command.h"
+#include "tests/apps/refusals.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 
@@ -109,19 +109,6 @@ TEST(Export, HullsOfAMomentHoldTheSkin) {
   const CommandResult late = runIn(folder, {"export", "body.lorica", "b.obj", "--motion", "walk", "--at", "100"});
   EXPECT_EQ(late.exitCode, 2);
   EXPECT_NE(late.err.find("--at 100: walk lasts"), std::string::npos) << late.err;
-}
-
-void expectRefused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
-                   const std::vector<std::string>& fragments) {
-  const std::vector<std::string> before = filesIn(folder.path());
-  CommandSurroundings surroundings;
-  surroundings.folder = folder.path();
-  const CommandResult result = runLorica(arguments, surroundings);
-  EXPECT_EQ(result.exitCode, 2) << result.err;
-  for (const std::string& fragment : fragments) {
-    EXPECT_NE(result.err.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << result.err;
-  }
-  EXPECT_EQ(filesIn(folder.path()), before);
 }
 
 TEST(Export, WhatCannotBeIsRefusedInASentence) {
