@@ -398,9 +398,8 @@ void expectGoodRolls(const SkeletalMotion& source, double farthest) {
 class RecordedFeet : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RecordedFeet, StandWhereTheyStood) {
-  const auto frames = readJointCsv(test::recordingsFolder() / (std::string(GetParam()) + ".csv"));
-  ASSERT_TRUE(frames) << frames.error().message;
-  SkeletalMotion source = test::valueOf(skeletalMotionOf(*frames));
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / (std::string(GetParam()) + ".csv")));
+  SkeletalMotion source = test::valueOf(skeletalMotionOf(frames));
   source.name = GetParam();
   expectGoodFeet(source, 2);
   expectGoodRolls(source, 0.002);
@@ -606,20 +605,18 @@ TEST(RetargetByJointNames, TooFewNamesAreRefused) {
 TEST(BodyJoints, ASkeletonThatIsMadeOfThemGivesThemBack) {
   for (const char* name : {"walk", "punch_and_kick", "jumping_jacks"}) {
     SCOPED_TRACE(name);
-    const auto frames = readJointCsv(test::recordingsFolder() / (std::string(name) + ".csv"));
-    ASSERT_TRUE(frames) << frames.error().message;
-    const SkeletalMotion motion = test::valueOf(skeletalMotionOf(*frames));
-    const auto back = bodyJointsOf(motion);
-    ASSERT_TRUE(back) << back.error().message;
-    ASSERT_EQ(back->size(), frames->size());
+    const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / (std::string(name) + ".csv")));
+    const SkeletalMotion motion = test::valueOf(skeletalMotionOf(frames));
+    const auto back = test::valueOf(bodyJointsOf(motion));
+    ASSERT_EQ(back.size(), frames.size());
     double worst = 0.0;
     double worstLeg = 0.0;
     double worstTurn = 0.0;
-    for (std::size_t f = 0; f < frames->size(); ++f) {
-      EXPECT_EQ((*back)[f].time, (*frames)[f].time);
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      EXPECT_EQ(back[f].time, frames[f].time);
       for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-        const TrackedJoint& before = (*frames)[f].joints[j];
-        const TrackedJoint& after = (*back)[f].joints[j];
+        const TrackedJoint& before = frames[f].joints[j];
+        const TrackedJoint& after = back[f].joints[j];
         ASSERT_EQ(after.confidence, 1.0);
         if (static_cast<BodyJoint>(j) == BodyJoint::kTorso) continue;
         const double distance = (before.position - after.position).norm();
@@ -640,13 +637,12 @@ TEST(BodyJoints, OfASkeletonAreWhereItsJointsAre) {
   const Figure figure = makeFigure({});
   const std::vector<PersonPose> people = randomPoses(4);
   const SkeletalMotion motion = motionOf(figure, people);
-  const auto frames = bodyJointsOf(motion);
-  ASSERT_TRUE(frames) << frames.error().message;
+  const auto frames = test::valueOf(bodyJointsOf(motion));
   const double shift =
-      (*frames)[0][BodyJoint::kHead].position.y() - positionOf(figure.skeleton, worldOf(motion, 0), B::kHead).y();
+      frames[0][BodyJoint::kHead].position.y() - positionOf(figure.skeleton, worldOf(motion, 0), B::kHead).y();
   for (std::size_t f = 0; f < people.size(); ++f) {
     const std::vector<Affine3> world = worldOf(motion, static_cast<int>(f));
-    const SkeletonFrame& frame = (*frames)[f];
+    const SkeletonFrame& frame = frames[f];
     const Vec3 up(0.0, shift, 0.0);
     EXPECT_LT((frame[BodyJoint::kLeftHand].position - up - positionOf(figure.skeleton, world, B::kLeftHand)).norm(),
               1e-9);
@@ -661,9 +657,8 @@ TEST(BodyJoints, OfASkeletonAreWhereItsJointsAre) {
 }
 
 TEST(BodyJoints, UnseenJointsHoldAndNothingIsNaN) {
-  const auto frames = readJointCsv(test::recordingsFolder() / "punch_and_kick_noisy.csv");
-  ASSERT_TRUE(frames) << frames.error().message;
-  const SkeletalMotion motion = test::valueOf(skeletalMotionOf(*frames));
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / "punch_and_kick_noisy.csv"));
+  const SkeletalMotion motion = test::valueOf(skeletalMotionOf(frames));
   for (const JointTransform& t : motion.poses) {
     ASSERT_TRUE(t.translation.allFinite() && t.rotation.coeffs().allFinite());
   }
