@@ -16,6 +16,7 @@
 #include <cstdlib>
 #include <sstream>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 namespace lorica {
@@ -135,6 +136,14 @@ std::string groupOf(const std::string& option) {
   return kOwnOptions;
 }
 
+/// Why a text is not of a number's type; empty if it is.
+template <typename Number>
+std::string numberError(const std::string& text) {
+  Number parsed{};
+  if (CLI::detail::lexical_cast(text, parsed)) return "";
+  return fmt::format("found `{}`, expected a {}number", text, std::is_integral_v<Number> ? "whole " : "");
+}
+
 CLI::Validator validatorOf(TextCheck check) {
   CLI::Validator validator("");
   validator.operation(std::move(check));
@@ -204,7 +213,13 @@ void CommandLine::footer(const std::string& text) {
 template <typename Value>
 Option* CommandLine::addOption(const std::string& name, Value& value, const std::string& description,
                                const std::string& typeName) {
-  return &options_.emplace_back(app_->add_option(name, value, description)->group(groupOf(name))->type_name(typeName));
+  CLI::Option* option = app_->add_option(name, value, description)->group(groupOf(name))->type_name(typeName);
+  if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, std::vector<int>>) {
+    option->check(numberError<int>);
+  } else if constexpr (!std::is_same_v<Value, std::string> && !std::is_same_v<Value, std::vector<std::string>>) {
+    option->check(numberError<double>);
+  }
+  return &options_.emplace_back(option);
 }
 template Option* CommandLine::addOption(const std::string&, std::string&, const std::string&, const std::string&);
 template Option* CommandLine::addOption(const std::string&, int&, const std::string&, const std::string&);

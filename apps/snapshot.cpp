@@ -18,6 +18,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace lorica {
@@ -65,12 +66,15 @@ struct Wanted {
 };
 
 /// The requested pictures in chronological order.
-Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion& motion) {
+/// @param choices  the other clips of the motion's file
+Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion& motion, const CastChoices& choices) {
   std::vector<Wanted> wanted;
   wanted.reserve(options.at.size() + options.frames.size() + 1);
   for (const double at : options.at) {
     if (!(at >= 0.0 && at <= motion.seconds() + kSameTime)) {
-      return invalidArgument("--at {}: {} lasts from 0 to {:.2f} s", at, motion.name, motion.seconds());
+      return invalidArgument(
+          "--at {}: {} lasts from 0 to {:.2f} s{}", at, motion.name, motion.seconds(),
+          choices.clips.empty() ? "" : fmt::format("; --clip chooses one of {}", fmt::join(choices.clips, ", ")));
     }
     wanted.push_back({at, -1});
   }
@@ -204,11 +208,16 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(check(options, common));
   CastRequest request = options.request;
   request.reading.drawn = true;
+  std::vector<Wanted> wanted;
+  request.check = [&](std::span<const PreparedAvatar> avatars) -> Result<void> {
+    const Motion& motion = *avatars.front().motion;
+    LORICA_TRY(wanted, wantedPictures(options, motion, choicesOf(request, avatars)));
+    for (const fs::path& file : filesOf(options, motion.name, wanted.size())) {
+      LORICA_TRY_DO(checkOutput(common, "--out", file));
+    }
+    return {};
+  };
   LORICA_TRY(Cast cast, prepareCast(request, host));
-  LORICA_TRY(const std::vector<Wanted> wanted, wantedPictures(options, *cast.avatars.front().motion));
-  for (const fs::path& file : filesOf(options, cast.avatars.front().motion->name, wanted.size())) {
-    LORICA_TRY_DO(checkOutput(common, "--out", file));
-  }
   LORICA_TRY(const Outcome outcome, shoot(options, wanted, std::move(cast), host));
 
   nlohmann::ordered_json json;
