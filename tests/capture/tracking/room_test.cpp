@@ -142,6 +142,24 @@ TEST(TrackerInRooms, FindsWhoeverTouchesFurnitureWithNothingMissingBetween) {
   }
 }
 
+TEST(TrackerInRooms, FindsWhoeverStandsFlushWithACupboardAtOnce) {
+  DepthNoiseSettings noise = kinect();
+  noise.baseline = noise.edgeLoss = 0.0;
+  for (const double front : {-0.08, 0.04}) {
+    VirtualRoom room;  // person and cupboard are one surface, most of it the cupboard's
+    room.boxes.push_back({Vec3(-0.95, 0.0, -0.6), Vec3(-0.2, 1.8, front)});
+    for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kPunchAndKick}) {
+      const Followed seen = follow(room, motion, noise, 45);
+      SCOPED_TRACE(std::to_string(front) + ", " + std::string(nameOf(motion)));
+      EXPECT_GE(seen.from, 0);
+      EXPECT_LE(seen.from, 15);
+      EXPECT_GE(seen.overlap, 0.85);
+      EXPECT_LE(seen.error, 0.04);
+      EXPECT_EQ(seen.extra, 0);
+    }
+  }
+}
+
 TEST(TrackerInRooms, FollowsWhoeverStandsBehindADesk) {
   for (const double gap : {0.0, 0.15}) {
     for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kPunchAndKick}) {
