@@ -197,8 +197,7 @@ TEST(StreamFiles, ASessionWhoseCharacterIsElsewhereIsConvertedWithIt) {
     const CommandResult refused = studio().run({"convert", session, takes.path() / name});
     EXPECT_EQ(refused.exitCode, 2);
     EXPECT_NE(refused.err.find("--character gives its file"), std::string::npos) << refused.err;
-    const CommandResult made =
-        studio().run({"convert", session, takes.path() / name, "--character", studio().joyful});
+    const CommandResult made = studio().run({"convert", session, takes.path() / name, "--character", studio().joyful});
     EXPECT_EQ(made.exitCode, 0) << made.err;
   }
   EXPECT_TRUE(readBvh(takes.path() / "take.bvh"));
