@@ -3,7 +3,6 @@
 #include "apps/report.h"
 #include "geometry/text.h"
 #include "prepare/read_motion.h"
-#include "prepare/subject.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -17,6 +16,7 @@
 #include <cstdlib>
 #include <sstream>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 
 namespace lorica {
@@ -136,6 +136,14 @@ std::string groupOf(const std::string& option) {
   return kOwnOptions;
 }
 
+/// Why a text is not of a number's type; empty if it is.
+template <typename Number>
+std::string numberError(const std::string& text) {
+  Number parsed{};
+  if (CLI::detail::lexical_cast(text, parsed)) return "";
+  return fmt::format("found `{}`, expected a {}number", text, std::is_integral_v<Number> ? "whole " : "");
+}
+
 CLI::Validator validatorOf(TextCheck check) {
   CLI::Validator validator("");
   validator.operation(std::move(check));
@@ -166,7 +174,7 @@ Option* Option::needs(Option* other) {
 }
 
 Option* Option::separatedBy(char sign) {
-  option_->delimiter(sign);
+  option_->delimiter(sign)->expected(1, CLI::detail::expected_max_vector_size);
   return this;
 }
 
@@ -205,20 +213,32 @@ void CommandLine::footer(const std::string& text) {
 template <typename Value>
 Option* CommandLine::addOption(const std::string& name, Value& value, const std::string& description,
                                const std::string& typeName) {
-  return &options_.emplace_back(app_->add_option(name, value, description)->group(groupOf(name))->type_name(typeName));
+  CLI::Option* option = app_->add_option(name, value, description)->group(groupOf(name))->type_name(typeName);
+  if constexpr (std::is_same_v<Value, int> || std::is_same_v<Value, std::vector<int>>) {
+    option->check(numberError<int>);
+  } else if constexpr (!std::is_same_v<Value, std::string> && !std::is_same_v<Value, std::vector<std::string>>) {
+    option->check(numberError<double>);
+  }
+  return &options_.emplace_back(option);
 }
 template Option* CommandLine::addOption(const std::string&, std::string&, const std::string&, const std::string&);
 template Option* CommandLine::addOption(const std::string&, int&, const std::string&, const std::string&);
 template Option* CommandLine::addOption(const std::string&, double&, const std::string&, const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::optional<double>&, const std::string&,
                                         const std::string&);
-template Option* CommandLine::addOption(const std::string&, std::optional<WallChoice>&, const std::string&,
-                                        const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::vector<std::string>&, const std::string&,
                                         const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::vector<double>&, const std::string&,
                                         const std::string&);
 template Option* CommandLine::addOption(const std::string&, std::vector<int>&, const std::string&, const std::string&);
+
+Option* CommandLine::addOption(const std::string& name, TextReader read, const std::string& description,
+                               const std::string& typeName) {
+  CLI::Option* option = app_->add_option(
+      name, [](const CLI::results_t&) { return true; }, description);
+  option->group(groupOf(name))->type_name(typeName)->transform(validatorOf(std::move(read)));
+  return &options_.emplace_back(option);
+}
 
 void CommandLine::group(const std::string& name) {
   group_ = name;

@@ -22,6 +22,10 @@ inline constexpr int kBadInputStatus = 2;
 /// @return empty if it is valid, else what was found and what was expected
 using TextCheck = std::function<std::string(std::string&)>;
 
+/// Reads an option's value and puts it where it belongs.
+/// @return as of TextCheck
+using TextReader = std::function<std::string(const std::string&)>;
+
 /// One option, flag or positional argument. A thin wrapper of CLI11, whose headers take longer to compile than a whole
 /// subcommand: only one source file includes them.
 class Option {
@@ -61,6 +65,9 @@ class CommandLine {
   template <typename Value>
   Option* addOption(const std::string& name, Value& value, const std::string& description,
                     const std::string& typeName = "");
+  /// An option of any other type. @param read  is called for each of its values
+  Option* addOption(const std::string& name, TextReader read, const std::string& description,
+                    const std::string& typeName);
   Option* addFlag(const std::string& name, bool& value, const std::string& description);
 
   /// Parses the arguments; for the whole command only.

@@ -25,6 +25,12 @@ struct Options {
   MotionOptions motion;
   ConvertCharacter character;
   bool cameraFrame = false;
+
+  /// Whether the motion is put on a character. Of a session as joints it may be where its own character is.
+  [[nodiscard]] bool onto() const {
+    const bool joints = lowerCase(fs::path(output).extension().string()) == ".csv";
+    return !character.name.empty() && !(joints && kindOf(input) == FileKind::kSession);
+  }
 };
 
 /// room.cam.csv of room.csv.
@@ -48,7 +54,11 @@ Result<void> writeCameraFrame(const Options& options, Report& report, nlohmann::
 
 /// The joints of everyone as one, by time; each has a number.
 Result<Motion> readAll(const Options& options, Host& host) {
-  if (options.motion.person != kEveryone) return readMotion(options.input, options.motion, host);
+  if (options.motion.person != kEveryone) {
+    MotionOptions reading = options.motion;
+    reading.character = options.character.name;
+    return readMotion(options.input, reading, host);
+  }
   LORICA_TRY(std::vector<Motion> motions, readEveryone(options.input, options.motion, host));
   Motion all = motions.front();
   all.joints.clear();
@@ -66,7 +76,7 @@ Result<Motion> readAll(const Options& options, Host& host) {
 
 /// Rejects outputs that nothing can be written to, and those that are an input.
 Result<void> checkFiles(const Options& options, const CommonOptions& common, const std::string& extension) {
-  const bool onCharacter = !options.character.name.empty();
+  const bool onCharacter = options.onto();
   if (options.motion.person == kEveryone && (onCharacter || extension == ".bvh")) {
     return invalidArgument("{}: --person all writes the joints of everyone, expected OUT.csv", options.output);
   }
@@ -98,9 +108,8 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(checkFiles(options, common, extension));
   LORICA_TRY(const Motion motion, readAll(options, host));
   LORICA_TRY(const ConvertedClip made,
-             options.character.name.empty()
-                 ? writeMotion(options.output, motion, options.motion)
-                 : convertOnto(options.character, motion, options.motion, options.output, host));
+             options.onto() ? convertOnto(options.character, motion, options.motion, options.output, host)
+                            : writeMotion(options.output, motion, options.motion));
 
   Report report(fmt::format("{}: {}, {:.2f} s", motion.name, counted(motion.frameCount(), "frame"), motion.seconds()));
   nlohmann::ordered_json json;

@@ -103,7 +103,7 @@ std::string endingSentence(const DecomposeOutcome& outcome) {
 }
 
 /// "at most 32, before 2,023; volume +2.5 %, at most +4.4 % (part 7)"
-std::string sentence(const HullExport& hulls) {
+std::string sentence(const PartHulls& hulls) {
   if (hulls.maxVertices == hulls.maxVerticesBefore) {
     return fmt::format("at most {}, unchanged", grouped(hulls.maxVertices));
   }

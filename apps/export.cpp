@@ -12,7 +12,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/hull_export.h"
+#include "prepare/part_hulls.h"
 #include "prepare/subject.h"
 
 #include <fmt/format.h>
@@ -37,7 +37,7 @@ struct RigidExport {
   ColliderFits fits;
 };
 
-std::string growthOf(const HullExport& hulls) {
+std::string growthOf(const PartHulls& hulls) {
   if (hulls.maxVertices == hulls.maxVerticesBefore) return fmt::format("at most {}", hulls.maxVertices);
   return fmt::format("at most {}, before {}; volume +{}", hulls.maxVertices, hulls.maxVerticesBefore,
                      percent(hulls.totalGrowth - 1.0));
@@ -91,7 +91,7 @@ struct ExportReport {
     text.line("output", output);
   }
 
-  void add(const HullExport& hulls) {
+  void add(const PartHulls& hulls) {
     text.line("hulls", std::to_string(hulls.objects.size()));
     text.line("hull vertices", growthOf(hulls));
     json["hulls"] = hulls.objects.size();
@@ -189,6 +189,7 @@ struct Options {
   MotionOptions reading;
   std::optional<double> at;  // [s]
   std::string engine;
+  std::string up = "y";  // of a mesh
   int hullVertices = -1;  // -1 = the engine's
   bool perBone = false;
   std::vector<std::string> packages;  // NAME=DIR
@@ -261,11 +262,16 @@ Result<void> check(const Options& options, const CommonOptions& common) {
 }
 
 Result<void> checkSubject(const Options& options, const Subject& subject) {
-  if (formatOf(options.output) == Format::kVrm && !(subject.file && subject.file->format.starts_with("VRM"))) {
+  const std::optional<Format> format = formatOf(options.output);
+  if (format == Format::kVrm && !(subject.file && subject.file->format.starts_with("VRM"))) {
     return invalidArgument(
         "{}: a .vrm gets colliders for the springs of a VRM character, but {} is none; expected "
         ".glb, .xml, .urdf, .obj, .stl or .ply",
         options.output, subject.name);
+  }
+  if (options.up == "z" && (subject.character || (format != Format::kMjcf && format != Format::kUrdf))) {
+    return invalidArgument("--up z is for meshes in .xml and .urdf, found {}",
+                           subject.character ? "the character " + subject.name : options.output);
   }
   if (subject.character) return {};
   for (const auto& [given, option] :
@@ -295,7 +301,7 @@ Result<RigidExport> makeRigid(const Options& options, const ExportSource& source
 }
 
 /// The hulls of a mesh, or of a character in one pose.
-Result<HullExport> hullsInOnePose(const Options& options, const ExportSource& source, Host& host) {
+Result<PartHulls> hullsInOnePose(const Options& options, const ExportSource& source, Host& host) {
   const int limit = vertexLimit(options);
   return options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit, host)
                     : restHulls(source, limit, host);
@@ -354,15 +360,30 @@ Result<void> exportRigid(const Options& options, const ExportSource& source, Hos
   return written;
 }
 
+/// Turns what is Z up to Lorica's Y up: the reverse of zUp().
+void yUp(std::vector<Vec3>& points) {
+  for (Vec3& p : points) p = Vec3(p.y(), p.z(), p.x());
+}
+
 Result<void> exportOnePose(const Options& options, const ExportSource& source, Host& host, ExportReport& report) {
-  LORICA_TRY(HullExport hulls, hullsInOnePose(options, source, host));
+  LORICA_TRY(PartHulls hulls, hullsInOnePose(options, source, host));
   report.add(hulls);
   if (formatOf(options.output) == Format::kMeshes) return writeMeshes(options.output, hulls.objects);
   if (formatOf(options.output) == Format::kGlb) {
     return writeGlbHulls(options.output, hulls.objects, glbSettings(options));
   }
   const std::string name = fs::path(source.subject.name).stem().string();
-  const RigidModel model = rigidModelOf(name, source.subject.mesh, std::move(hulls.objects));
+  TriMesh mesh = source.subject.mesh;
+  const Aabb box = boundsOf(mesh.vertices);
+  const Vec3 size = box.max - box.min;
+  if (options.up == "z") {  // what is written turns it back
+    yUp(mesh.vertices);
+    for (NamedMesh& hull : hulls.objects) yUp(hull.mesh.vertices);
+  }
+  report.note({fmt::format("{:.3g} x {:.3g} x {:.3g} of the file, taken as metres, {} up{}", size.x(), size.y(),
+                           size.z(), options.up == "z" ? "Z" : "Y",
+                           options.up == "z" ? "" : ": (x, y, z) is written as (z, x, y); --up z keeps the axes")});
+  const RigidModel model = rigidModelOf(name, mesh, std::move(hulls.objects));
   report.add(model);
   return writeModel(options, model);
 }
@@ -374,10 +395,10 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   reading.divided = !options.perBone;
   if (!options.preset.empty()) reading.preset = presetNamed(options.preset);
   const bool robot = isRobotFile(reading.input);
-  if (robot ? options.perBone || options.mocap || !reading.decomposition.empty()
+  if (robot ? options.perBone || options.mocap || options.up == "z" || !reading.decomposition.empty()
             : options.capsules || !options.packages.empty() || reading.maxConcavity > 0.0) {
     return invalidArgument(reading.input +
-                           (robot ? ": is a robot, expected no --per-bone, --mocap and --decomposition"
+                           (robot ? ": is a robot, expected no --per-bone, --mocap, --up z and --decomposition"
                                   : ": is no robot, expected no --capsules, --max-concavity and --package"));
   }
   if (robot) {
@@ -427,7 +448,7 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
       "  lorica export robot.urdf robot_hulls.urdf --package arm_description=arm_description\n"
       "      the robot with hulls instead of the meshes that it collides with; all else stays\n"
       "\nCoordinates: of a mesh, those of its file; of a character, metres, Y up, facing +Z; in .xml and\n"
-      ".urdf Z up, facing +X. Bodies have the density of water.");
+      ".urdf Z up, facing +X, of a mesh too (--up). Bodies have the density of water.");
   app->addOption("IN", options->source.input,
                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, a "
                  "decomposition (.lorica), or a robot (.xml of MuJoCo, .urdf)")
@@ -459,6 +480,9 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
       "--khr", options->khr,
       std::string("In .glb: also KHR_physics_rigid_bodies, as drafted on ") + kKhrDraft + ", not yet ratified");
   app->addFlag("--show-colliders", options->showColliders, "In .glb: draw the hulls, translucent, over the character");
+  app->addOption("--up", options->up,
+                 "The axis of a mesh that points up; of z, .xml and .urdf keep the mesh's axes [default: y]", "AXIS")
+      ->check(oneOf({"y", "z"}));
   app->addOption("--motion", options->motion,
                  "With --at: recorded joints, .bvh, a character file with clips, or a "
                  "shipped recording",

@@ -3,10 +3,14 @@
 #include "apps/options.h"
 #include "capture/fault_injector.h"
 #include "capture/files/joint_stream.h"
+#include "capture/streams/vmc_names.h"
+#include "geometry/counts.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -14,30 +18,45 @@ namespace lorica {
 
 namespace {
 
+constexpr double kFarthest = 1e4;  // maximum distance of a position from the origin [m]
+constexpr const char* kVrchatPort = ":9000";
+
 void addPersonOption(CommandLine& app, int& person) {
-  const TextCheck check = [](std::string& text) -> std::string {
+  const TextReader read = [&person](const std::string& text) -> std::string {
     const bool whole = !text.empty() && text.size() < 9 && text.find_first_not_of("0123456789") == std::string::npos;
-    if (text != "all" && (!whole || std::stoi(text) == 0)) {
-      return fmt::format("found `{}`, expected a whole number from 1, or all", text);
-    }
-    if (text == "all") text = std::to_string(kEveryone);
-    return "";
+    person = text == "all" ? kEveryone : whole ? std::stoi(text) : 0;
+    return person != 0 ? "" : fmt::format("found `{}`, expected a whole number from 1, or all", text);
   };
-  app.addOption(
-         "--person", person,
-         "Person to use, by number in a stream of joints or a recorded session, or by order of appearance before a "
-         "depth camera; "
-         "all: an avatar for each, with play and record [default: the one with the most motion; before a "
-         "camera the nearest]",
-         "N|all")
-      ->check(check);
+  app.addOption("--person", read,
+                "Person to use, by number in a stream of joints or a recorded session, or by order of appearance "
+                "before a depth camera; "
+                "all: an avatar for each, with play and record [default: the one with the most motion; before a "
+                "camera the nearest]",
+                "N|all");
 }
 
-TextCheck isPosition() {
-  return [](std::string& text) -> std::string {
-    if (positionOf(text)) return "";
-    return fmt::format("found `{}`, expected a position in metres, such as 1.5,1,-3", text);
+/// "1.5,1,-3"; none for any other text.
+std::optional<Vec3> positionOf(const std::string& text) {
+  Vec3 position;
+  const char* at = text.data();
+  const char* end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
+    const auto [stopped, error] = std::from_chars(at, end, position[i]);
+    if (error != std::errc() || !(std::abs(position[i]) <= kFarthest)) return std::nullopt;
+    at = stopped;
+  }
+  if (at != end) return std::nullopt;
+  return position;
+}
+
+Option* addPosition(CommandLine& app, const std::string& name, std::optional<Vec3>& position,
+                    const std::string& description) {
+  const TextReader read = [&position](const std::string& text) -> std::string {
+    position = positionOf(text);
+    return position ? "" : fmt::format("found `{}`, expected a position in metres, such as 1.5,1,-3", text);
   };
+  return app.addOption(name, read, description, "X,Y,Z");
 }
 
 }  // namespace
@@ -154,18 +173,18 @@ void addBodyOptions(CommandLine& app, BodyOptions& options) {
 }
 
 Option* addCover(CommandLine& app, std::optional<double>& tolerance, const std::string& description) {
-  const TextCheck check = [](std::string& text) -> std::string {
-    if (text == "exact") {
-      text = "0";
-      return "";
-    }
+  const TextReader read = [&tolerance](const std::string& text) -> std::string {
     double length = 0.0;
     const char* end = text.data() + text.size();
     const auto [stopped, error] = std::from_chars(text.data(), end, length);
-    if (error == std::errc() && stopped == end && std::isfinite(length) && length > 0.0) return "";
-    return fmt::format("found `{}`, expected exact, or a length above 0 in metres such as 0.002", text);
+    const bool given = error == std::errc() && stopped == end && std::isfinite(length) && length > 0.0;
+    if (!given && text != "exact") {
+      return fmt::format("found `{}`, expected exact, or a length above 0 in metres such as 0.002", text);
+    }
+    tolerance = given ? length : 0.0;
+    return "";
   };
-  return app.addOption("--cover", tolerance, description, "exact|METRES")->check(check);
+  return app.addOption("--cover", read, description, "exact|METRES");
 }
 
 void addBodyOption(CommandLine& app, std::string& body) {
@@ -192,18 +211,15 @@ DecomposePreset presetNamed(const std::string& name) {
 }
 
 void addWallOptions(CommandLine& app, CharacterOptions& options) {
-  const TextCheck check = [](std::string& text) -> std::string {
-    const std::optional<WallChoice> walls = wallChoiceNamed(text);
-    if (!walls) return fmt::format("found `{}`, expected auto, solid or shell", text);
-    text = std::to_string(static_cast<int>(*walls));
-    return "";
+  const TextReader read = [&options](const std::string& text) -> std::string {
+    options.walls = wallChoiceNamed(text);
+    return options.walls ? "" : fmt::format("found `{}`, expected auto, solid or shell", text);
   };
   app.addOption(
-         "--walls", options.walls,
-         "What an open surface is: `auto` = a thin wall, unless nothing outside can reach what is behind it; `solid`, "
-         "whatever its openings; `shell` = a thin wall, also where it is closed [default: auto; of a character solid]",
-         "WHAT")
-      ->check(check);
+      "--walls", read,
+      "What an open surface is: `auto` = a thin wall, unless nothing outside can reach what is behind it; `solid`, "
+      "whatever its openings; `shell` = a thin wall, also where it is closed [default: auto; of a character solid]",
+      "WHAT");
   addLength(app, "--thickness", options.thickness,
             "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, of a character's walls "
             "of theirs, at most half of the narrowest gap]");
@@ -281,17 +297,53 @@ Option* addVmcInputOptions(CommandLine& app, VmcInputOptions& options) {
 }
 
 void addPoseOutputOptions(CommandLine& app, PoseOutputOptions& options) {
-  Option* vmc = app.addOption("--vmc-out", options.vmc,
+  const TextReader readVmc = [&options](const std::string& text) -> std::string {
+    const Result<NetworkAddress> address = parseNetworkAddress(text, true);
+    if (!address) return address.error().message;
+    options.vmc = *address;
+    return "";
+  };
+  Option* vmc = app.addOption("--vmc-out", readVmc,
                               "Send the pose by the VMC protocol, for VSeeFace, Unity, Unreal and others, such as "
                               "127.0.0.1:39539; see docs/STREAMS.md",
                               "HOST:PORT");
-  app.addOption("--vmc-bones", options.bones, "Send only these bones: Hips,Head,LeftHand [default: all]", "NAME,...")
+  const TextReader readBone = [&options](const std::string& text) -> std::string {
+    const std::optional<HumanBone> bone = vmcBoneNamed(text);
+    if (!bone) {
+      return fmt::format(
+          "found '{}', expected names of humanoid bones such as Hips, Head, LeftUpperArm and LeftHand, separated by "
+          "commas",
+          text.substr(0, 40));
+    }
+    if (!options.bones) options.bones.emplace().fill(false);
+    (*options.bones)[ordinalOf(*bone)] = true;
+    return "";
+  };
+  app.addOption("--vmc-bones", readBone, "Send only these bones: Hips,Head,LeftHand [default: all]", "NAME,...")
       ->separatedBy(',')
       ->needs(vmc);
-  Option* vrchat = app.addOption("--vrchat", options.vrchat,
-                                 "Send the pose as VRChat's OSC trackers [default port: 9000]", "HOST[:PORT]");
-  app.addOption("--vrchat-trackers", options.trackers,
-                "Send only these: head,waist,chest,feet,knees,elbows [default: all]", "NAME,...")
+  const TextReader readVrchat = [&options](const std::string& text) -> std::string {
+    const bool hasPort = text.find(':') != std::string::npos && !text.ends_with(']');
+    const Result<NetworkAddress> address = parseNetworkAddress(text + (hasPort ? "" : kVrchatPort), true);
+    if (!address) {
+      return fmt::format("found '{}', expected HOST or HOST:PORT, such as 127.0.0.1", text.substr(0, 100));
+    }
+    options.vrchat = *address;
+    return "";
+  };
+  Option* vrchat = app.addOption("--vrchat", readVrchat, "Send the pose as VRChat's OSC trackers [default port: 9000]",
+                                 "HOST[:PORT]");
+  const TextReader readTracker = [&options](const std::string& text) -> std::string {
+    const auto found = std::ranges::find(kVrchatTrackers, lowerCase(text));
+    if (found == kVrchatTrackers.end()) {
+      return fmt::format("found '{}', expected some of {}, separated by commas", text.substr(0, 40),
+                         fmt::join(kVrchatTrackers, ", "));
+    }
+    options.trackers.set(found - kVrchatTrackers.begin());
+    return "";
+  };
+  app.addOption("--vrchat-trackers", readTracker, "Send only these: head,waist,chest,feet,knees,elbows [default: all]",
+                "NAME,...")
       ->separatedBy(',')
       ->needs(vrchat);
 }
@@ -314,25 +366,26 @@ void addSnapshotOptions(CommandLine& app, SnapshotOptions& options, Option* wind
 }
 
 void addLookOptions(CommandLine& app, SnapshotOptions& options) {
-  const TextCheck checkSize = [](std::string& text) -> std::string {
-    if (pictureSizeOf(text)) return "";
+  const TextReader readSize = [&options](const std::string& text) -> std::string {
+    const std::optional<CanvasSize> size = pictureSizeOf(text);
+    options.size = size.value_or(CanvasSize());
+    if (size) return "";
     return fmt::format(
         "found `{}`, expected width and height of {} to {} pixels, such as 640x360, or portrait or square", text,
         kSmallestSide, kLargestSide);
   };
-  app.addOption("--size", options.size,
-                "Width and height in pixels, or portrait (1080x1920), or square (1080x1080) [default: 1280x720]", "WxH")
-      ->check(checkSize);
-  const TextCheck checkBackground = [](std::string& text) -> std::string {
-    SceneOptions show;
-    if (setBackground(text, show)) return "";
+  app.addOption("--size", readSize,
+                "Width and height in pixels, or portrait (1080x1920), or square (1080x1080) [default: 1280x720]",
+                "WxH");
+  const TextReader readBackground = [&options](const std::string& text) -> std::string {
+    options.background = backgroundNamed(text);
+    if (options.background || text.empty()) return "";
     return fmt::format("found `{}`, expected transparent, green, blue, white, black, gray or a colour such as #00ff00",
                        text);
   };
-  app.addOption("--background", options.background,
+  app.addOption("--background", readBackground,
                 "Instead of the sky and the ground: a colour such as #00ff00, or transparent [default: the sky]",
-                "COLOR")
-      ->check(checkBackground);
+                "COLOR");
 }
 
 void addCameraOptions(CommandLine& app, CameraOptions& options) {
@@ -343,12 +396,10 @@ void addCameraOptions(CommandLine& app, CameraOptions& options) {
              "where it faces), or face for a portrait [default: three-quarter]",
              "VIEW")
           ->check(oneOf({"front", "side", "back", "top", "face", "three-quarter"}));
-  Option* eye = app.addOption("--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3", "X,Y,Z")
-                    ->check(isPosition())
-                    ->excludes(camera);
-  Option* target = app.addOption("--target", options.target, "Point that the fixed camera looks at, in metres", "X,Y,Z")
-                       ->check(isPosition())
-                       ->needs(eye);
+  Option* eye =
+      addPosition(app, "--eye", options.eye, "Fixed camera position instead, in metres: 2,1.5,3")->excludes(camera);
+  Option* target =
+      addPosition(app, "--target", options.target, "Point that the fixed camera looks at, in metres")->needs(eye);
   eye->needs(target);
 }
 

@@ -268,8 +268,8 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common, H
   const auto finished = [&]() -> Result<void> {
     MotionOptions reading;
     reading.sender = options.live.vmc.sender;
-    LORICA_TRY(const Motion motion,
-               sent ? readMotion(first.out, reading, host) : readSessionMotion(first.out, 0, host));
+    host.paths = PathTrust::kAnywhere;  // the session names what the user named
+    LORICA_TRY(const Motion motion, readMotion(first.out, reading, host));
     // Poses of bones are mirrored already in a session.
     LORICA_TRY_DO(
         writeMotion(options.out, motion, motion.bones && !sent ? MotionOptions() : options.request.performing));

@@ -8,6 +8,7 @@
 #include "player/snapshots.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include <fcntl.h>
@@ -15,6 +16,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <system_error>
 #include <thread>
@@ -116,17 +118,25 @@ Result<void> checkNotTaken(const std::string& option, const std::filesystem::pat
   return {};
 }
 
-Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std::filesystem::path>& others,
-                             const std::string& option) {
-  if (options.json.empty() || options.json == "-") return {};
-  const std::filesystem::path json = options.json;
-  LORICA_TRY_DO(checkNotTaken(option, json, others));
+namespace {
+
+/// Rejects a file of text that cannot be written or that is one of the others. @param file  "-" = standard output
+Result<void> checkText(const CommonOptions& options, const std::string& option, const std::filesystem::path& file,
+                       const std::vector<std::filesystem::path>& others) {
+  if (file.empty() || file == "-") return {};
+  LORICA_TRY_DO(checkNotTaken(option, file, others));
   std::error_code ignored;
-  if (std::filesystem::exists(json, ignored) && !std::filesystem::is_directory(json, ignored) &&
-      !std::filesystem::is_regular_file(json, ignored)) {
-    return unwritable("{}: {} is not a regular file; `{} -` writes to standard output", option, json.string(), option);
+  if (std::filesystem::exists(file, ignored) && !std::filesystem::is_directory(file, ignored) &&
+      !std::filesystem::is_regular_file(file, ignored)) {
+    return unwritable("{}: {} is not a regular file; `{} -` writes to standard output", option, file.string(), option);
   }
-  return checkOutput(options, option, json);
+  return checkOutput(options, option, file);
+}
+
+}  // namespace
+
+Result<void> checkJsonOutput(const CommonOptions& options, const std::vector<std::filesystem::path>& others) {
+  return checkText(options, "--json", options.json, others);
 }
 
 Result<void> checkOutput(const CommonOptions& options, const std::string& option, const std::filesystem::path& file,
@@ -169,16 +179,21 @@ Result<void> checkOutputFolder(const CommonOptions& options, const std::string& 
   return {};
 }
 
-Result<void> checkVideo(const CommonOptions& common, const SnapshotOptions& pictures) {
+Result<void> checkPictures(const CommonOptions& common, const SnapshotOptions& pictures) {
+  const std::optional<Vec3>&eye = pictures.camera.eye, &target = pictures.camera.target;
+  if (eye && target && (*eye - *target).norm() < 1e-3) {
+    return invalidArgument("--eye {} --target {}: expected two positions at least 1 mm apart", fmt::join(*eye, ","),
+                           fmt::join(*target, ","));
+  }
   if (pictures.video.empty()) return {};
   if (std::filesystem::path(pictures.video).extension() != ".mp4") {
     return invalidArgument("--video {}: films are MP4 files, expected a name that ends in .mp4", pictures.video);
   }
-  const CanvasSize pixels = pictureSizeOf(pictures.size).value_or(CanvasSize());
-  if (pixels.width % 2 != 0 || pixels.height % 2 != 0) {
-    return invalidArgument("--size {}: width and height of an .mp4 video must be even", pictures.size);
+  const CanvasSize size = pictures.size;
+  if (size.width % 2 != 0 || size.height % 2 != 0) {
+    return invalidArgument("--size {}x{}: width and height of an .mp4 video must be even", size.width, size.height);
   }
-  if (pictures.background == "transparent") {
+  if (pictures.transparent()) {
     return invalidArgument(
         "--video: films are not transparent, expected --background with a colour such as green; `lorica play ... "
         "--background transparent --snapshots DIR --every 1` makes a picture of each frame");
@@ -192,32 +207,15 @@ Result<void> checkRecord(const CommonOptions& common, const std::string& option,
 
 namespace {
 
-/// Rejects a file that cannot be written or that is one of the others, and two uses of standard output.
-/// @param others  inputs and other outputs of the command; empty ones are ignored
-Result<void> checkEvents(const std::string& to, const CommonOptions& common,
-                         const std::vector<std::filesystem::path>& others) {
-  if (to.empty()) return {};
-  if (to == "-") {
-    if (common.json != "-") return {};
-    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
-  }
-  std::vector<std::filesystem::path> all = others;
-  if (common.json != "-") all.emplace_back(common.json);
-  CommonOptions asFile;
-  asFile.json = to;
-  asFile.force = common.force;
-  return checkJsonOutput(asFile, all, "--events");
-}
-
 Result<void> checkSnapshots(const SnapshotOptions& options, const CommonOptions& common) {
-  if (!options.any() && (!options.camera.preset.empty() || !options.camera.eye.empty())) {
+  if (!options.any() && (!options.camera.preset.empty() || options.camera.eye)) {
     return invalidArgument("--camera and --eye have no effect without pictures: expected --snapshots or --video");
   }
   if (!options.folder.empty()) {
     LORICA_TRY_DO(checkOutputFolder(common, "--snapshots", options.folder,
                                     [&](const std::string& name) { return options.draws(name); }));
   }
-  return checkVideo(common, options);
+  return checkPictures(common, options);
 }
 
 }  // namespace
@@ -228,9 +226,12 @@ Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pict
   LORICA_TRY_DO(checkSnapshots(pictures, common));
   LORICA_TRY_DO(checkRecord(common, "--record", setting.record));
   LORICA_TRY_DO(checkNotTaken("--record", setting.record, inputs));
-  LORICA_TRY_DO(checkPoseOutput(setting.out));
+  if (setting.events == "-" && common.json == "-") {
+    return invalidArgument("--events and --json cannot both use standard output: give a file for one of them");
+  }
   inputs.emplace_back(setting.record);
-  return checkEvents(setting.events, common, inputs);
+  if (common.json != "-") inputs.emplace_back(common.json);
+  return checkText(common, "--events", setting.events, inputs);
 }
 
 void openStandardStreams() {

@@ -67,10 +67,8 @@ void publishFailure(std::string_view kind, std::string_view message);
 
 /// Rejects, before any work, a --json file that cannot be written or that is one of the other files.
 /// @param others  inputs and other outputs of the command; empty ones are ignored
-/// @param option  for the error message, of another output that is checked in the same way
 [[nodiscard]] Result<void> checkJsonOutput(const CommonOptions& options,
-                                           const std::vector<std::filesystem::path>& others,
-                                           const std::string& option = "--json");
+                                           const std::vector<std::filesystem::path>& others);
 
 /// Rejects an output that is one of the other files. @param others  empty ones are ignored
 [[nodiscard]] Result<void> checkNotTaken(const std::string& option, const std::filesystem::path& file,
@@ -92,8 +90,8 @@ void publishFailure(std::string_view kind, std::string_view message);
 [[nodiscard]] Result<void> checkOutputs(const RunSetting& setting, const SnapshotOptions& pictures,
                                         const CommonOptions& common, std::vector<std::filesystem::path> inputs);
 
-/// Rejects, before any work, a video that cannot be written.
-[[nodiscard]] Result<void> checkVideo(const CommonOptions& common, const SnapshotOptions& pictures);
+/// Rejects, before any work, a camera that sees nothing or a video that cannot be written.
+[[nodiscard]] Result<void> checkPictures(const CommonOptions& common, const SnapshotOptions& pictures);
 
 /// Rejects an unusable name of a recorded session before any work.
 [[nodiscard]] Result<void> checkRecord(const CommonOptions& common, const std::string& option, const std::string& file);

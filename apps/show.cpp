@@ -21,8 +21,7 @@ Result<void> checkWindow(bool wanted, const std::string& instead) {
 }
 
 Result<Window> openWindow(const SnapshotOptions& pictures) {
-  const CanvasSize size = pictureSizeOf(pictures.size).value_or(CanvasSize());
-  return Window::create("Lorica", size.width, size.height, pictures.background == "transparent");
+  return Window::create("Lorica", pictures.size.width, pictures.size.height, pictures.transparent());
 }
 
 Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, WindowOpener* opener, Host& host) {

@@ -18,6 +18,7 @@
 #include <memory>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace lorica {
@@ -43,8 +44,8 @@ struct Options {
 SceneOptions shownBy(const Options& options, const Character& character) {
   const std::vector<std::string>& words = options.show;
   SceneOptions show = usualView(character);
-  (void)setBackground(options.pictures.background, show);
-  show.props = options.pictures.background.empty() || !options.request.scene.empty();
+  setBackground(options.pictures.background, show);
+  show.props = !options.pictures.background || !options.request.scene.empty();
   if (words.empty()) return show;
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   show.colorSkinByPart = has("parts");
@@ -65,12 +66,15 @@ struct Wanted {
 };
 
 /// The requested pictures in chronological order.
-Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion& motion) {
+/// @param choices  the other clips of the motion's file
+Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion& motion, const CastChoices& choices) {
   std::vector<Wanted> wanted;
   wanted.reserve(options.at.size() + options.frames.size() + 1);
   for (const double at : options.at) {
     if (!(at >= 0.0 && at <= motion.seconds() + kSameTime)) {
-      return invalidArgument("--at {}: {} lasts from 0 to {:.2f} s", at, motion.name, motion.seconds());
+      return invalidArgument(
+          "--at {}: {} lasts from 0 to {:.2f} s{}", at, motion.name, motion.seconds(),
+          choices.clips.empty() ? "" : fmt::format("; --clip chooses one of {}", fmt::join(choices.clips, ", ")));
     }
     wanted.push_back({at, -1});
   }
@@ -108,11 +112,10 @@ std::vector<fs::path> filesOf(const Options& options, const std::string& motion,
 }
 
 /// Runs the session as far as needed and draws the requested pictures.
-Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, FollowCamera camera, Cast cast,
-                      Host& host) {
+Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, Cast cast, Host& host) {
   const Motion& motion = *cast.avatars.front().motion;  // leads
   const double length = motion.seconds();
-  const CanvasSize size = *pictureSizeOf(options.pictures.size);
+  const CanvasSize size = options.pictures.size;
   LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   Outcome outcome;
   std::optional<VideoWriter> movie;
@@ -135,8 +138,9 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
   const Session& session = run.session;
 
   SessionScene scene(session);
+  FollowCamera camera(options.pictures.camera, size.aspect());
   SceneOptions show = shownBy(options, session.character());
-  const bool caption = (options.show.empty() && options.pictures.background.empty()) ||
+  const bool caption = (options.show.empty() && !options.pictures.background) ||
                        std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
   std::vector<bool> taken(wanted.size(), false);
   std::vector<Image> images;
@@ -193,7 +197,7 @@ Result<void> check(const Options& options, const CommonOptions& common) {
     name.force = true;
     LORICA_TRY_DO(checkOutput(name, "--out", options.out, ".png"));
   }
-  LORICA_TRY_DO(checkVideo(common, options.pictures));
+  LORICA_TRY_DO(checkPictures(common, options.pictures));
   if (options.to > 0.0 && options.to < options.from) {
     return invalidArgument("--to {} is before --from {}", options.to, options.from);
   }
@@ -204,14 +208,17 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY_DO(check(options, common));
   CastRequest request = options.request;
   request.reading.drawn = true;
+  std::vector<Wanted> wanted;
+  request.check = [&](std::span<const PreparedAvatar> avatars) -> Result<void> {
+    const Motion& motion = *avatars.front().motion;
+    LORICA_TRY(wanted, wantedPictures(options, motion, choicesOf(request, avatars)));
+    for (const fs::path& file : filesOf(options, motion.name, wanted.size())) {
+      LORICA_TRY_DO(checkOutput(common, "--out", file));
+    }
+    return {};
+  };
   LORICA_TRY(Cast cast, prepareCast(request, host));
-  LORICA_TRY(const std::vector<Wanted> wanted, wantedPictures(options, *cast.avatars.front().motion));
-  for (const fs::path& file : filesOf(options, cast.avatars.front().motion->name, wanted.size())) {
-    LORICA_TRY_DO(checkOutput(common, "--out", file));
-  }
-  const CanvasSize size = *pictureSizeOf(options.pictures.size);
-  LORICA_TRY(const FollowCamera camera, FollowCamera::create(options.pictures.camera, size.width, size.height));
-  LORICA_TRY(const Outcome outcome, shoot(options, wanted, camera, std::move(cast), host));
+  LORICA_TRY(const Outcome outcome, shoot(options, wanted, std::move(cast), host));
 
   nlohmann::ordered_json json;
   json["recording"] = outcome.motion().name;

@@ -32,7 +32,7 @@ std::string repairsOf(const Subject& subject) {
   return fmt::format("closed body built with voxels of {:.4g}{}", subject.rebuilt->resolution, because);
 }
 
-MeshParts partsOf(const Subject& subject, HullExport made, DecompositionFile content) {
+MeshParts partsOf(const Subject& subject, PartHulls made, DecompositionFile content) {
   MeshParts result;
   result.hulls.reserve(made.objects.size());
   for (NamedMesh& object : made.objects) {
@@ -88,7 +88,7 @@ Result<MeshParts> partsFromFile(const std::filesystem::path& file, TriMesh mesh,
   ExportSource source;
   LORICA_TRY(source.subject, subjectOf(std::move(mesh), settings, host));
   LORICA_TRY(source.content, readDecompositionOf(source.subject, file));
-  LORICA_TRY(HullExport made, restHulls(source, settings.hullVertices, host));
+  LORICA_TRY(PartHulls made, restHulls(source, settings.hullVertices, host));
   return partsOf(source.subject, std::move(made), std::move(source.content));
 }
 

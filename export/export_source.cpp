@@ -39,9 +39,9 @@ Result<DecompositionFile> decomposeMesh(const Subject& subject, const ExportSour
 }
 
 /// Hulls of at most so many vertices.
-Result<HullExport> limited(std::span<const ConvexHull> hulls, int maxVertices, Host& host) {
+Result<PartHulls> limited(std::span<const ConvexHull> hulls, int maxVertices, Host& host) {
   Task task(host, "Making hulls", "hulls");
-  HullExport made = exportHulls(hulls, maxVertices, host.threads, task.progress());
+  PartHulls made = simplifyHulls(hulls, maxVertices, host.threads, task.progress());
   if (host.cancelled()) return cancelled();
   return made;
 }
@@ -91,20 +91,20 @@ Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& opti
   return ExportSource{options.input, std::move(subject), std::move(content)};
 }
 
-Result<HullExport> restHulls(const ExportSource& source, int maxVertices, Host& host) {
+Result<PartHulls> restHulls(const ExportSource& source, int maxVertices, Host& host) {
   const Subject& subject = source.subject;
   const Decomposition& decomposition = source.content.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
       subject.character ? attachedVerticesOf(decomposition, liftPoints(*subject.character, decomposition))
                         : assignHeldVertices(decomposition, subject.mesh.vertices, subject.held);
-  LORICA_TRY(HullExport hulls,
+  LORICA_TRY(PartHulls hulls,
              limited(hullsIn(withHeldVertices(decomposition, attached), subject.mesh.vertices), maxVertices, host));
   LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(hulls, subject.mesh.vertices, verticesToHold(subject))));
   return hulls;
 }
 
-Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion, const MotionOptions& reading,
-                           double at, int maxVertices, Host& host) {
+Result<PartHulls> hullsAt(const ExportSource& source, const std::string& motion, const MotionOptions& reading,
+                          double at, int maxVertices, Host& host) {
   const Character& character = *source.subject.character;
   LORICA_TRY(const Motion read, readMotion(motion, reading, host));
   if (!(at <= read.seconds())) {

@@ -4,7 +4,7 @@
 #include "acd/decomposition_file.h"
 #include "export/rigid_colliders.h"
 #include "prepare/cover_poses.h"
-#include "prepare/hull_export.h"
+#include "prepare/part_hulls.h"
 #include "prepare/read_motion.h"
 #include "prepare/subject.h"
 
@@ -39,12 +39,12 @@ inline constexpr int kExportParts = 16;
 [[nodiscard]] Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& options, Host& host);
 
 /// Hulls of a mesh, or of a character's bind pose: they contain every vertex, which is checked.
-[[nodiscard]] Result<HullExport> restHulls(const ExportSource& source, int maxVertices, Host& host);
+[[nodiscard]] Result<PartHulls> restHulls(const ExportSource& source, int maxVertices, Host& host);
 
 /// The live hulls of a character in one frame of a motion.
 /// @param at  seconds after the motion's first frame
-[[nodiscard]] Result<HullExport> hullsAt(const ExportSource& source, const std::string& motion,
-                                         const MotionOptions& reading, double at, int maxVertices, Host& host);
+[[nodiscard]] Result<PartHulls> hullsAt(const ExportSource& source, const std::string& motion,
+                                        const MotionOptions& reading, double at, int maxVertices, Host& host);
 
 /// Poses of the character's default training, and others to measure.
 [[nodiscard]] Result<CoverPoses> exportPoses(const Subject& subject, Host& host);

@@ -204,13 +204,20 @@ Result<void> writeUrdf(const fs::path& file, const RigidModel& model) {
   std::error_code failed;
   const bool made = fs::create_directory(path, failed);
   if (failed) return unwritable("{}: cannot make this folder: {}", path.string(), failed.message());
+  const Result<std::string> earlier = readFile(file);
+  const std::string now = formatUrdf(model, folder);
   Result<void> written;
   for (const UrdfMesh& mesh : urdfMeshes(model, folder)) {
     written = writeFileAtomically(file.parent_path() / mesh.name, mesh.content);
     if (!written) break;
   }
-  if (written) written = writeFileAtomically(file, formatUrdf(model, folder));
+  if (written) written = writeFileAtomically(file, now);
   if (!written && made) fs::remove_all(path, failed);
+  if (!written || !earlier) return written;
+  for (const fs::directory_entry& mesh : fs::directory_iterator(path, failed)) {
+    const std::string name = "\"" + folder + "/" + mesh.path().filename().string() + "\"";
+    if (earlier->find(name) != std::string::npos && now.find(name) == std::string::npos) fs::remove(mesh, failed);
+  }
   return written;
 }
 

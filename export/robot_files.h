@@ -35,7 +35,7 @@ struct UrdfMesh {
 [[nodiscard]] std::filesystem::path urdfFolder(const std::filesystem::path& file);
 
 /// Writes FILE.urdf, and its meshes in FILE_meshes/. If anything cannot be written, a folder that this call made is
-/// removed.
+/// removed. Meshes there that only an earlier FILE.urdf named are removed.
 [[nodiscard]] Result<void> writeUrdf(const std::filesystem::path& file, const RigidModel& model);
 
 }  // namespace lorica

@@ -67,7 +67,7 @@ DemoPictures::DemoPictures(fs::path folder, SnapshotCamera camera, std::optional
     : folder_(std::move(folder)),
       camera_(std::move(camera)),
       video_(std::move(video)),
-      follow_("three-quarter", 1.0 * kWidth / kHeight),
+      follow_({"three-quarter"}, 1.0 * kWidth / kHeight),
       moments_(kMoments) {}
 
 Result<DemoPictures> DemoPictures::create(const fs::path& folder, double framesPerSecond, Host& host) {

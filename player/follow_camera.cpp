@@ -1,13 +1,9 @@
 #include "player/follow_camera.h"
 
-#include "geometry/errors.h"
 #include "player/avatar_focus.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -32,7 +28,6 @@ constexpr double kFaceHeight = 1.9;     // of the width of the chin
 constexpr double kShoulders = 0.5;      // of the height of the face: what a portrait shows below it
 constexpr double kLongLens = 0.3;       // angle of view where near things would look too large [rad]
 constexpr double kEyeLevel = 0.1;       // of a camera at the side [rad]
-constexpr double kFarthest = 1e4;       // maximum distance of a position from the origin [m]
 
 constexpr std::array<HumanBone, 2> kLookingBones = {HumanBone::kHead, HumanBone::kHips};
 
@@ -86,32 +81,8 @@ Camera windowCamera(const Aabb& avatars, double facing, const World& world) {
   return camera;
 }
 
-std::optional<Vec3> positionOf(std::string_view text) {
-  Vec3 position;
-  const char* at = text.data();
-  const char* end = at + text.size();
-  for (int i = 0; i < 3; ++i) {
-    if (i > 0 && (at == end || *at++ != ',')) return std::nullopt;
-    const auto [stopped, error] = std::from_chars(at, end, position[i]);
-    if (error != std::errc() || !(std::abs(position[i]) <= kFarthest)) return std::nullopt;
-    at = stopped;
-  }
-  if (at != end) return std::nullopt;
-  return position;
-}
-
-Result<FollowCamera> FollowCamera::create(const CameraOptions& options, int width, int height) {
-  if (options.eye.empty()) return FollowCamera(options.preset, static_cast<double>(width) / height);
-  const std::optional<Vec3> eye = positionOf(options.eye);
-  const std::optional<Vec3> target = positionOf(options.target);
-  if (!eye || !target || (*eye - *target).norm() < 1e-3) {
-    return invalidArgument("--eye {} --target {}: expected two positions at least 1 mm apart", options.eye,
-                           options.target);
-  }
-  Camera camera;
-  camera.eye = *eye;
-  camera.target = *target;
-  return FollowCamera(camera);
+FollowCamera::FollowCamera(const CameraOptions& options, double aspect) : preset_(options.preset), aspect_(aspect) {
+  if (options.eye && options.target) fixed_ = Camera{*options.eye, *options.target};
 }
 
 /// Points of what is framed: of all bodies, or the head and shoulders of the first.

@@ -1,15 +1,12 @@
 #pragma once
 
 #include "collision/world/world.h"
-#include "geometry/result.h"
 #include "session/session.h"
 #include "viewer/renderer/picture_area.h"
 #include "viewer/renderer/scene.h"
 
 #include <optional>
 #include <string>
-#include <string_view>
-#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -26,25 +23,17 @@ namespace lorica {
 /// --camera, --eye and --target: the camera of pictures.
 struct CameraOptions {
   std::string preset;  ///< front, side, back, top, face or three-quarter; follows the body; empty = three-quarter
-  std::string eye;     ///< "x,y,z" in the world [m]; used with `target`, instead of a preset
-  std::string target;
+  std::optional<Vec3> eye = {};  ///< in the world [m]; used with `target`, instead of a preset
+  std::optional<Vec3> target = {};
 };
-
-/// Parses a position such as "1.5,1,-3"; none for any other text.
-[[nodiscard]] std::optional<Vec3> positionOf(std::string_view text);
 
 /// A fixed camera, or one that follows moving bodies: it looks at their middle smoothly, from one side of them, which
 /// the first picture decides. Its distance is that at which the first picture is filled; it grows with what the bodies
 /// need, and never shrinks.
 class FollowCamera {
  public:
-  /// @param preset  see CameraOptions @param aspect  width per height of the picture
-  explicit FollowCamera(std::string preset, double aspect) : preset_(std::move(preset)), aspect_(aspect) {}
-  explicit FollowCamera(const Camera& fixed) : fixed_(fixed) {}
-
-  /// The requested camera for a picture of this size.
-  /// @return the camera, or an error about the options
-  static Result<FollowCamera> create(const CameraOptions& options, int width, int height);
+  /// @param aspect  width per height of the picture
+  FollowCamera(const CameraOptions& options, double aspect);
 
   /// @param seconds  since the previous frame [s]
   void update(const Session& session, double seconds);
@@ -57,7 +46,7 @@ class FollowCamera {
   void findPoints(const Session& session);
 
   std::string preset_;
-  double aspect_ = 1.0;
+  double aspect_;
   std::optional<Camera> fixed_;
   std::optional<Vec3> direction_;  // from the bodies to the camera, unit; none = not yet
   std::optional<Aabb> face_;       // of the first avatar in the bind pose, for a portrait

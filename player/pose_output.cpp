@@ -1,9 +1,6 @@
 #include "player/pose_output.h"
 
-#include "capture/streams/udp.h"
 #include "capture/streams/vmc_names.h"
-#include "capture/streams/vmc_writer.h"
-#include "capture/streams/vrchat_writer.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "player/session_face.h"
@@ -11,7 +8,6 @@
 #include "session/contact_events.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <chrono>
@@ -22,7 +18,6 @@
 namespace lorica {
 namespace {
 
-constexpr const char* kVrchatPort = ":9000";
 /// Receivers expect at most 60 frames a second; times of recordings are rounded [s].
 constexpr double kLeastStep = 1.0 / 60.0 - 1e-3;
 /// A recording is not delayed further than this at once, so that Ctrl-C is answered [s].
@@ -216,54 +211,6 @@ class PoseOutput final : public StepWatcher {
   std::optional<double> sent_;              ///< time of the last packet, from the first frame on [s]
 };
 
-Result<VmcBones> bonesOf(const std::vector<std::string>& names) {
-  if (names.empty()) return allVmcBones();
-  VmcBones bones{};
-  for (const std::string& name : names) {
-    const std::optional<HumanBone> bone = vmcBoneNamed(name);
-    if (!bone) {
-      return invalidArgument(
-          "--vmc-bones: found '{}', expected names of humanoid bones such as Hips, Head, LeftUpperArm and LeftHand, "
-          "separated by commas",
-          name.substr(0, 40));
-    }
-    bones[std::size_t(*bone)] = true;
-  }
-  return bones;
-}
-
-Result<VrchatTrackers> trackersOf(const std::vector<std::string>& names) {
-  if (names.empty()) return VrchatTrackers().set();
-  VrchatTrackers trackers;
-  for (const std::string& name : names) {
-    const auto found = std::find(kVrchatTrackers.begin(), kVrchatTrackers.end(), lowerCase(name));
-    if (found == kVrchatTrackers.end()) {
-      return invalidArgument("--vrchat-trackers: found '{}', expected some of {}, separated by commas",
-                             name.substr(0, 40), fmt::join(kVrchatTrackers, ", "));
-    }
-    trackers.set(found - kVrchatTrackers.begin());
-  }
-  return trackers;
-}
-
-Result<UdpSocket> openVmc(const PoseOutputOptions& options) {
-  const Result<NetworkAddress> address = parseNetworkAddress(options.vmc, true);
-  return prefixed("--vmc-out", address ? UdpSocket::connect(*address) : address.error());
-}
-
-Result<NetworkAddress> vrchatAddress(const PoseOutputOptions& options) {
-  const bool hasPort = options.vrchat.find(':') != std::string::npos && !options.vrchat.ends_with(']');
-  Result<NetworkAddress> address = parseNetworkAddress(options.vrchat + (hasPort ? "" : kVrchatPort), true);
-  if (address) return address;
-  return Error{address.error().code, fmt::format("--vrchat: found '{}', expected HOST or HOST:PORT, such as 127.0.0.1",
-                                                 options.vrchat.substr(0, 100))};
-}
-
-Result<UdpSocket> openVrchat(const PoseOutputOptions& options) {
-  LORICA_TRY(const NetworkAddress address, vrchatAddress(options));
-  return prefixed("--vrchat", UdpSocket::connect(address));
-}
-
 /// The subject's expressions without what they move.
 Result<std::unique_ptr<SentFace>> faceOf(const Subject& subject, std::span<const std::string> given) {
   if (!subject.file) return std::make_unique<SentFace>(Expressions(), std::vector<float>());
@@ -278,19 +225,12 @@ Result<std::unique_ptr<SentFace>> faceOf(const Subject& subject, std::span<const
 
 std::string inWords(const PosesSent& sent, const PoseOutputOptions& options) {
   std::string text;
-  if (!options.vmc.empty()) {
-    text = fmt::format("{} and {} to {}", counted(sent.vmc, "pose"), counted(sent.contacts, "contact"), options.vmc);
+  if (options.vmc) {
+    text = fmt::format("{} and {} to {}", counted(sent.vmc, "pose"), counted(sent.contacts, "contact"),
+                       textOf(*options.vmc));
   }
-  if (options.vrchat.empty()) return text;
+  if (!options.vrchat) return text;
   return fmt::format("{}{}{} to VRChat", text, text.empty() ? "" : "; ", counted(sent.vrchat, "pose"));
-}
-
-Result<void> checkPoseOutput(const PoseOutputOptions& options) {
-  if (!options.vmc.empty()) LORICA_TRY_DO(prefixed("--vmc-out", parseNetworkAddress(options.vmc, true)));
-  if (!options.vrchat.empty()) LORICA_TRY_DO(vrchatAddress(options));
-  LORICA_TRY_DO(bonesOf(options.bones));
-  LORICA_TRY_DO(trackersOf(options.trackers));
-  return {};
 }
 
 Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options, const Subject& subject,
@@ -298,22 +238,21 @@ Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& opt
                                                     std::shared_ptr<const LiveSources> live,
                                                     std::shared_ptr<StepWatcher> next, PosesSent& sent) {
   if (!options.any()) return next;
-  LORICA_TRY(const VmcBones bones, bonesOf(options.bones));
   Result<BonePoseReader> made = BonePoseReader::create(subject.character->skeleton);
   if (!made) {
-    return Error{made.error().code, fmt::format("{}: {}{}", options.vmc.empty() ? "--vrchat" : "--vmc-out",
+    return Error{made.error().code, fmt::format("{}: {}{}", options.vmc ? "--vmc-out" : "--vrchat",
                                                 made.error().message, mapHint(*subject.character))};
   }
   LORICA_TRY(std::unique_ptr<SentFace> face, faceOf(subject, expressions));
   std::optional<VmcReceiverAt> vmc;
-  if (!options.vmc.empty()) {
-    LORICA_TRY(UdpSocket socket, openVmc(options));
-    vmc.emplace(VmcReceiverAt{std::move(socket), VmcWriter(bones)});
+  if (options.vmc) {
+    LORICA_TRY(UdpSocket socket, prefixed("--vmc-out", UdpSocket::connect(*options.vmc)));
+    vmc.emplace(VmcReceiverAt{std::move(socket), VmcWriter(options.bones.value_or(allVmcBones()))});
   }
   std::optional<VrchatAt> vrchat;
-  if (!options.vrchat.empty()) {
-    LORICA_TRY(UdpSocket socket, openVrchat(options));
-    LORICA_TRY(const VrchatTrackers trackers, trackersOf(options.trackers));
+  if (options.vrchat) {
+    LORICA_TRY(UdpSocket socket, prefixed("--vrchat", UdpSocket::connect(*options.vrchat)));
+    const VrchatTrackers trackers = options.trackers.none() ? VrchatTrackers().set() : options.trackers;
     vrchat.emplace(VrchatAt{std::move(socket), VrchatWriter(subject.character->height, trackers)});
   }
   return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(

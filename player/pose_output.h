@@ -1,5 +1,8 @@
 #pragma once
 
+#include "capture/streams/udp.h"
+#include "capture/streams/vmc_writer.h"
+#include "capture/streams/vrchat_writer.h"
 #include "geometry/result.h"
 #include "prepare/live_cast.h"
 #include "prepare/subject.h"
@@ -7,20 +10,20 @@
 #include "session/step_watcher.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
-#include <vector>
 
 namespace lorica {
 
 /// Where a session's pose is sent.
 struct PoseOutputOptions {
-  std::string vmc;                         ///< HOST:PORT; empty = nowhere
-  std::vector<std::string> bones;          ///< names of the bones that are sent by VMC; empty = all
-  std::string vrchat;                      ///< HOST or HOST:PORT; empty = nowhere
-  std::vector<std::string> trackers = {};  ///< that are sent to VRChat, of kVrchatTrackers; empty = all
+  std::optional<NetworkAddress> vmc;     ///< none = nowhere
+  std::optional<VmcBones> bones;         ///< that are sent by VMC; none = all
+  std::optional<NetworkAddress> vrchat;  ///< none = nowhere
+  VrchatTrackers trackers;               ///< that are sent to VRChat; none = all
 
-  [[nodiscard]] bool any() const { return !vmc.empty() || !vrchat.empty(); }
+  [[nodiscard]] bool any() const { return vmc || vrchat; }
 };
 
 /// What was sent, in packets.
@@ -31,9 +34,6 @@ struct PosesSent {
 /// "60 poses and 12 contacts to 127.0.0.1:39539; 60 poses to VRChat"
 [[nodiscard]] std::string inWords(const PosesSent& sent, const PoseOutputOptions& options);
 
-/// Rejects a bad address or bone before any work.
-[[nodiscard]] Result<void> checkPoseOutput(const PoseOutputOptions& options);
-
 /// Sends a session's pose and face after each step, at most 60 times per second of its own time, by the VMC protocol
 /// and as VRChat's trackers; by VMC also the contacts of each step. A recording is slowed down to real time. A receiver
 /// that is not there is no error. VRChat hears nothing while tracking is lost.
@@ -43,8 +43,8 @@ struct PosesSent {
 /// null
 /// @param next         another watcher of the same session; may be null
 /// @param sent         counts, until the watcher is gone
-/// @return the watcher; `next` itself if nothing is to be sent; or an error: a bad address or bone, or the humanoid
-/// bones that the character lacks
+/// @return the watcher; `next` itself if nothing is to be sent; or an error: an address that cannot be had, or the
+/// humanoid bones that the character lacks
 [[nodiscard]] Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options,
                                                                   const Subject& subject,
                                                                   std::span<const std::string> expressions,

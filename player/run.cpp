@@ -177,13 +177,13 @@ void Run::sceneChosen(const std::string& scene, Host& host) {
   if (live()) hits = TargetHits(targets_);
 }
 
-void prepareScreen(const Run& run, Screen& screen, const std::string& background) {
+void prepareScreen(const Run& run, Screen& screen, const std::optional<Background>& background) {
   const Character& character = run.session.character();
   screen.setTitle(run.name().empty() ? "Lorica" : "Lorica: " + run.name());
   WindowChoices choices = screen.choices();
   choices.show = usualView(character);
   if (run.setting.allLayers) choices.show.hulls = true;
-  (void)setBackground(background, choices.show);
+  setBackground(background, choices.show);
   screen.setChoices(choices);
 }
 

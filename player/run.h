@@ -27,6 +27,7 @@
 namespace lorica {
 
 class WindowOpener;
+struct Background;
 
 /// What happens when a recording is over or its limit is reached.
 enum class AtEnd : std::uint8_t {
@@ -166,6 +167,6 @@ struct Shown {
 [[nodiscard]] Result<RunEnd> play(Run& run, Shown& shown, Host& host);
 
 /// Prepares a screen for a run: its title and what is drawn. @param background  see setBackground()
-void prepareScreen(const Run& run, Screen& screen, const std::string& background = {});
+void prepareScreen(const Run& run, Screen& screen, const std::optional<Background>& background);
 
 }  // namespace lorica

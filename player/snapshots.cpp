@@ -176,11 +176,8 @@ std::optional<CanvasSize> pictureSizeOf(std::string_view text) {
   return size;
 }
 
-bool setBackground(std::string_view text, SceneOptions& show) {
-  if (text.empty()) return true;
-  show.transparent = text == "transparent";
-  show.ground = false;
-  if (show.transparent) return true;
+std::optional<Background> backgroundNamed(std::string_view text) {
+  if (text == "transparent") return Background{Vec3f::Zero(), true};
   constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kNames = {
       {{"green", "#00ff00"}, {"blue", "#0000ff"}, {"white", "#ffffff"}, {"black", "#000000"}, {"gray", "#808080"}}};
   for (const auto& [name, meant] : kNames) {
@@ -189,9 +186,15 @@ bool setBackground(std::string_view text, SceneOptions& show) {
   std::uint32_t color = 0;
   const char* end = text.data() + text.size();
   const bool written = text.size() == 7 && text[0] == '#';
-  if (!written || std::from_chars(text.data() + 1, end, color, 16).ptr != end) return false;
-  show.background = Vec3f((color >> 16) / 255.0f, (color >> 8 & 0xff) / 255.0f, (color & 0xff) / 255.0f);
-  return true;
+  if (!written || std::from_chars(text.data() + 1, end, color, 16).ptr != end) return std::nullopt;
+  return Background{Vec3f((color >> 16) / 255.0f, (color >> 8 & 0xff) / 255.0f, (color & 0xff) / 255.0f)};
+}
+
+void setBackground(const std::optional<Background>& background, SceneOptions& show) {
+  if (!background) return;
+  show.ground = false;
+  show.transparent = background->transparent;
+  if (!show.transparent) show.background = background->color;
 }
 
 bool SnapshotOptions::draws(const std::string& name) const {
@@ -203,15 +206,14 @@ bool SnapshotOptions::draws(const std::string& name) const {
 
 Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptions& options, const Session& session) {
   if (!options.any()) return std::optional<SnapshotSeries>();
-  const CanvasSize size = pictureSizeOf(options.size).value_or(CanvasSize());
-  LORICA_TRY(FollowCamera follow, FollowCamera::create(options.camera, size.width, size.height));
+  const CanvasSize size = options.size;
   LORICA_TRY(SnapshotCamera pictures, SnapshotCamera::create(size.width, size.height));
   if (!options.folder.empty()) {
     std::error_code error;
     std::filesystem::create_directories(options.folder, error);
     if (error) return unwritable("--snapshots: {}: {}", options.folder, error.message());
   }
-  SnapshotSeries series(options, std::move(pictures), follow, session);
+  SnapshotSeries series(options, std::move(pictures), session);
   if (!options.video.empty()) {
     LORICA_TRY(VideoWriter movie, VideoWriter::create(options.video, size.width, size.height, kFilmRate));
     series.movie_.emplace(std::move(movie));
@@ -219,12 +221,11 @@ Result<std::optional<SnapshotSeries>> SnapshotSeries::create(const SnapshotOptio
   return std::optional<SnapshotSeries>(std::move(series));
 }
 
-SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow,
-                               const Session& session)
+SnapshotSeries::SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, const Session& session)
     : options_(options),
       pictures_(std::move(pictures)),
       scene_(session),
-      follow_(std::move(follow)),
+      follow_(options.camera, options.size.aspect()),
       drawn_{options.folder, options.video} {}
 
 bool SnapshotSeries::snapshotDue(const Session& session) const {
@@ -251,8 +252,8 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   previousTime_ = session.time();
   if (film <= 0 && !snapshotDue(session)) return {};
   SceneOptions show = usualView(session.character());
-  if (options_.background.empty()) show.caption = captionOf(name, session, session.time() - *firstTime_);
-  (void)setBackground(options_.background, show);
+  if (!options_.background) show.caption = captionOf(name, session, session.time() - *firstTime_);
+  setBackground(options_.background, show);
   const auto draw = [&](const Camera& from) {
     Scene scene = scene_.of(session, show, from.eye);
     scene.inset = inset;

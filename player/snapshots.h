@@ -96,15 +96,23 @@ class SnapshotCamera {
 /// Of a picture or a window [pixels].
 struct CanvasSize {
   int width = 1280, height = 720;
+
+  [[nodiscard]] double aspect() const { return static_cast<double>(width) / height; }
 };
 inline constexpr int kSmallestSide = 16, kLargestSide = 4096;
 
 /// "640x360", "portrait" (1080x1920) or "square" (1080x1080); none for any other text, or a side that is not possible.
 [[nodiscard]] std::optional<CanvasSize> pictureSizeOf(std::string_view text);
 
-/// Sets what is behind the avatars: "#00ff00" or "transparent", both without the ground; empty = as it is.
-/// @return false for any other text
-[[nodiscard]] bool setBackground(std::string_view text, SceneOptions& show);
+/// What is behind the avatars instead of the sky and the ground.
+struct Background {
+  Vec3f color = Vec3f::Zero();  ///< sRGB
+  bool transparent = false;     ///< instead of a colour
+};
+/// "#00ff00", "green" or "transparent"; none for any other text.
+[[nodiscard]] std::optional<Background> backgroundNamed(std::string_view text);
+/// @param background  none = as it is
+void setBackground(const std::optional<Background>& background, SceneOptions& show);
 
 /// --snapshots, --every, --video, --headless, the camera, --size and --background. A window has the last two, too.
 struct SnapshotOptions {
@@ -112,11 +120,12 @@ struct SnapshotOptions {
   int every = 30;      ///< frames
   std::string video;   ///< file; empty = none
   CameraOptions camera;
-  std::string size = "1280x720";  ///< see pictureSizeOf()
-  std::string background;         ///< see setBackground()
-  bool headless = false;          ///< no window, even if there is a display
+  CanvasSize size;
+  std::optional<Background> background;  ///< none = the sky
+  bool headless = false;                 ///< no window, even if there is a display
 
   [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
+  [[nodiscard]] bool transparent() const { return background && background->transparent; }
   /// Whether a long enough run draws a picture of this name in the folder.
   [[nodiscard]] bool draws(const std::string& name) const;
 };
@@ -144,7 +153,7 @@ class SnapshotSeries {
   [[nodiscard]] Result<DrawnFiles> finish();
 
  private:
-  SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, FollowCamera follow, const Session& session);
+  SnapshotSeries(const SnapshotOptions& options, SnapshotCamera pictures, const Session& session);
   [[nodiscard]] bool snapshotDue(const Session& session) const;
   [[nodiscard]] double filmSeconds(const Session& session) const;
   [[nodiscard]] int filmFrames(const Session& session) const;

@@ -11,6 +11,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -18,6 +19,8 @@
 #include <vector>
 
 namespace lorica {
+
+struct PreparedAvatar;
 
 /// What is asked of a run: motions and characters, one for each avatar, and the world around them.
 struct CastRequest {
@@ -30,6 +33,8 @@ struct CastRequest {
   BodyOptions body;
   std::string scene;                ///< see readSceneText()
   std::vector<std::string> meshes;  ///< files that become props
+  /// Asked about the avatars before their bodies are decomposed, which takes longest; null = all are accepted.
+  std::function<Result<void>(std::span<const PreparedAvatar>)> check = nullptr;
 
   /// The files that it names, which no output may overwrite.
   [[nodiscard]] std::vector<std::filesystem::path> files() const;

@@ -51,7 +51,8 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
   for (const std::vector<PointIndex>& own : attached) fit.attached += own.size();
   fit.held = withHeldVertices(parts, attached);
   if (!subject.character || request.exported) {
-    fit.exported = exportHulls(hullsIn(fit.held, subject.mesh.vertices), request.cover.hullVertices, settings.threads);
+    fit.exported =
+        simplifyHulls(hullsIn(fit.held, subject.mesh.vertices), request.cover.hullVertices, settings.threads);
   }
   if (subject.character) {
     const Character& character = *subject.character;

@@ -3,7 +3,7 @@
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
 #include "prepare/cover_choice.h"
-#include "prepare/hull_export.h"
+#include "prepare/part_hulls.h"
 #include "prepare/quality.h"
 #include "prepare/subject.h"
 #include "prepare/subject_training.h"
@@ -33,7 +33,7 @@ struct Fit {
   TimedDecomposition made;
   std::size_t attached = 0;        ///< vertices that no part contains but its hull does
   Decomposition held;              ///< the parts with those vertices
-  HullExport exported;             ///< of a mesh; of a character's bind pose if they are exported
+  PartHulls exported;              ///< of a mesh; of a character's bind pose if they are exported
   std::optional<HullCover> cover;  ///< of a character, unless it is exact
   UsedHulls hulls;                 ///< in each keyframe
   Quality quality;

@@ -198,6 +198,7 @@ Result<std::vector<PreparedAvatar>> readAvatars(const CastRequest& request, std:
     if (!avatar) return Error{avatar.error().code, role.where + avatar.error().message};
     avatars.push_back(std::move(*avatar));
   }
+  if (request.check) LORICA_TRY_DO(request.check(avatars));
   for (std::size_t i = 0; i < roles.size(); ++i) {
     PreparedAvatar& avatar = avatars[i];
     const Stage stage(host, kReading + (1.0 - kReading) * part(i), kReading + (1.0 - kReading) * part(i + 1));

@@ -96,7 +96,7 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
       refuse(!options.rest.empty() && kind != FileKind::kBvh, "--rest", file.string(), "the rotations of a BVH file"));
   if (packets || kind == FileKind::kSession) {
     LORICA_TRY_DO(refuseReadingOptions(file, options));
-    if (!packets) return readSessionMotion(file, options.person, host);
+    if (!packets) return readSessionMotion(file, options, host);
     LORICA_TRY(Motion motion, readPacketMotion(file, options, host));
     motion.firstGuess = firstGuessOf(
         {options.sender.empty() ? "rest pose: a T-pose, as the protocol says" : "rest pose: that of --sender", "metres",

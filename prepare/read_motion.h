@@ -30,6 +30,7 @@ struct MotionOptions {
   OneEuroSettings oneEuro;     ///< of `smooth`
   bool smoothGiven = false;    ///< one of the options of smoothing was given
   std::string sender;          ///< model of the sender of recorded packets, see readSenderRest(); empty = none
+  std::string character;       ///< of a session, where the recorded name is not found; empty = none
   std::string inject;          ///< faults, see parseFaults(); empty = none
 
   [[nodiscard]] JointSettings joints() const;  ///< of a person

@@ -149,7 +149,8 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
   return motion;
 }
 
-Result<Motion> readSessionMotion(const fs::path& file, int person, Host& host) {
+Result<Motion> readSessionMotion(const fs::path& file, const MotionOptions& options, Host& host) {
+  const int person = options.person;
   LORICA_TRY(SessionFile recorded, readSession(file));
   Motion motion;
   motion.name = file.stem().string();
@@ -172,13 +173,19 @@ Result<Motion> readSessionMotion(const fs::path& file, int person, Host& host) {
     motion.joints = std::move(chosen.joints);
     std::erase_if(motion.joints, [](const SkeletonFrame& frame) { return frame.user == kNobody; });
   } else {
-    LORICA_TRY(const SessionInputs inputs, inputsOf(recorded, file.string(), index, "", "", host));
-    LORICA_TRY(const CharacterOptions reading, readingOf(inputs, header));
-    LORICA_TRY(Subject subject, readCharacter(inputs.character, reading, host));
+    recorded.header.avatars[index].decomposition.clear();  // of no use here
+    recorded.header.scene.clear();
+    Result<SessionInputs> inputs = inputsOf(recorded, file.string(), index, "", "", host);
+    if (!inputs && !options.character.empty()) {
+      inputs = inputsOf(recorded, file.string(), index, options.character, "", host);
+    }
+    if (!inputs) return inputs.error();
+    LORICA_TRY(const CharacterOptions reading, readingOf(*inputs, header));
+    LORICA_TRY(Subject subject, readCharacter(inputs->character, reading, host));
     const Skeleton& skeleton = subject.character.value().skeleton;
     if (skeleton.jointCount() != header.poseJoints) {
       return invalidArgument("{}: poses of {} joints were recorded, {} has {}", file.string(), header.poseJoints,
-                             inputs.character, skeleton.jointCount());
+                             inputs->character, skeleton.jointCount());
     }
     motion.bones = SkeletalMotion{motion.name, skeleton, std::move(chosen.poseTimes), std::move(chosen.poses)};
   }

@@ -17,6 +17,8 @@ namespace {
 constexpr double kForgetSeconds = 2.0;
 /// Something still that the body has not explained for this long is furniture [s].
 constexpr double kDoubtSeconds = 1.0;
+/// Whoever is not believed yet and covers less than this share of what they covered is fitted anew.
+constexpr double kShrunk = 0.75;
 /// A person who covers less than one of so many pixels of the image shows no pose.
 constexpr int kMinShare = 256;
 /// How far the middle of somebody bowed is from below their head [m].
@@ -27,7 +29,8 @@ constexpr std::uint8_t kNotMeasured = 255;
 struct Seat {
   int user = 0;  ///< 0 = free
   double firstTime = 0.0, lastTime = 0.0;
-  bool seen = false;
+  bool seen = false, fitted = false;
+  int mostPixels = 0;  ///< of somebody who is fitted but not believed
   fit::PersonFit fit;
   fit::BodyBelief belief;
 };
@@ -68,6 +71,7 @@ struct Tracker::Impl {
       if (seat.user != 0) continue;
       seat.user = person.user;
       seat.firstTime = seat.lastTime = time;
+      seat.fitted = false;
       seat.fit.forget();
       seat.belief.forget();
       return &seat;
@@ -140,10 +144,20 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame, const std
     if (!seat || people[i].pixelCount * kMinShare < t.camera.width * t.camera.height / 3) continue;
     t.view.look(frame.depthMm, t.finder.labels(), i + 1, floor, t.finder.floorFound());
     t.view.setAttached(people[i].attached);
+    // Furniture was taken for a part of somebody who is not believed yet.
+    if (!seat->belief.believed()) {
+      const int covered = people[i].pixelCount;
+      seat->mostPixels = seat->fitted ? std::max(seat->mostPixels, covered) : covered;
+      if (covered < kShrunk * seat->mostPixels) {
+        seat->fit.forget();
+        seat->fitted = false;
+      }
+    }
     const bool wears = people[i].user == wearer;
     t.view.setWorn(wears ? std::optional(viewOf(*worn)) : std::nullopt);
     seat->seen = seat->fit.follow(t.view, frame.time - seat->lastTime);
     if (!seat->seen) continue;
+    seat->fitted = true;
     seat->lastTime = frame.time;
     seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached,
                          t.view.lowerBody() || t.view.headOutside()});

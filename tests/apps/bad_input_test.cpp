@@ -45,42 +45,30 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return text.replace(at, from.size(), to);
 }
 
-TEST(BadMesh, MissingFileIsNamed) {
+struct Refused {
+  std::string name, content;
+  std::vector<std::string> fragments;  ///< of the sentence, beside the file's name
+};
+
+TEST(BadMesh, IsNamedWithTheLine) {
   const TemporaryFolder folder;
   expectMeshRefused(folder, folder.path() / "missing.off", {});
-}
-
-TEST(BadMesh, WordThatIsNeitherFileNorCharacterIsNamed) {
+  expectRefused(runLorica({"decompose", folder.path()}), {"folder"});
   expectRefused(runLorica({"decompose", "manequin"}), {"manequin", "mannequin"});
-}
-
-TEST(BadMesh, EmptyFileIsNamed) {
-  const TemporaryFolder folder;
-  for (const char* name : {"empty.off", "empty.obj", "empty.ply", "empty.stl"}) {
-    expectMeshRefused(folder, folder.write(name, ""), {});
+  const std::vector<Refused> meshes = {
+      {"empty.off", "", {}},
+      {"empty.obj", "", {}},
+      {"empty.ply", "", {}},
+      {"empty.stl", "", {}},
+      {"body.max", "a scene of another program", {".off"}},
+      {"range.off", replaced(kTetrahedronOff, "3 1 2 3", "3 1 2 4"), {"line 10", "4"}},
+      {"text.off", replaced(kTetrahedronOff, "0 1 0\n", "0 one 0\n"), {"line 5", "one"}},
+      {"nan.off", replaced(kTetrahedronOff, "0 1 0\n", "0 nan 0\n"), {"line 5"}},
+  };
+  for (const Refused& mesh : meshes) {
+    SCOPED_TRACE(mesh.name);
+    expectMeshRefused(folder, folder.write(mesh.name, mesh.content), mesh.fragments);
   }
-}
-
-TEST(BadMesh, UnknownFormatIsNamed) {
-  const TemporaryFolder folder;
-  expectMeshRefused(folder, folder.write("body.max", "a scene of another program"), {".off"});
-}
-
-TEST(BadMesh, IndexOutOfRangeNamesTheLine) {
-  const TemporaryFolder folder;
-  expectMeshRefused(folder, folder.write("range.off", replaced(kTetrahedronOff, "3 1 2 3", "3 1 2 4")),
-                    {"line 10", "4"});
-}
-
-TEST(BadMesh, TextWhereANumberBelongsNamesTheLine) {
-  const TemporaryFolder folder;
-  expectMeshRefused(folder, folder.write("text.off", replaced(kTetrahedronOff, "0 1 0\n", "0 one 0\n")),
-                    {"line 5", "one"});
-}
-
-TEST(BadMesh, NanNamesTheLine) {
-  const TemporaryFolder folder;
-  expectMeshRefused(folder, folder.write("nan.off", replaced(kTetrahedronOff, "0 1 0\n", "0 nan 0\n")), {"line 5"});
 }
 
 // What is open or not a two-manifold gets a closed body, see mesh_input_test.cpp, unless that is forbidden.
@@ -99,18 +87,6 @@ TEST(BadMesh, NonManifoldMeshNamesAnEdgeIfNoBodyMayBeMade) {
   mesh.vertices.emplace_back(3, 3, 3);
   mesh.triangles.push_back({b, a, static_cast<VertexIndex>(mesh.vertices.size() - 1)});
   expectMeshRefused(folder, writeObj(folder, "fin.obj", mesh), {"edge"}, {"--body", "never"});
-}
-
-/// Plays a file with this content and expects the fragments and the file's name in the error message.
-void expectRecordingRefused(const std::string& name, const std::string& content, std::vector<std::string> fragments) {
-  const TemporaryFolder folder;
-  const std::filesystem::path file = folder.write(name, content);
-  const std::vector<std::string> before = filesIn(folder.path());
-  fragments.push_back(name);
-  expectRefused(
-      runLorica({"play", file, "--snapshots", folder.path() / "pictures", "--json", folder.path() / "report.json"}),
-      fragments);
-  EXPECT_EQ(filesIn(folder.path()), before);
 }
 
 /// Four frames of a walk as CSV: a header and four rows.
@@ -143,76 +119,47 @@ TEST(BadRecording, TheUnchangedOneIsFine) {
   EXPECT_EQ(runLorica({"info", folder.write("walk.csv", shortRecording())}).exitCode, 0);
 }
 
-TEST(BadRecording, MissingFileIsNamed) {
+TEST(BadRecording, IsNamedWithLineAndColumn) {
   expectRefused(runLorica({"play", "/nowhere/walk.csv"}), {"/nowhere/walk.csv"});
-}
-
-TEST(BadRecording, UnknownNameListsWhatShips) {
   expectRefused(runLorica({"play", "wlak"}), {"wlak", "walk", "punch_and_kick", "did you mean \"walk\"?"});
+  const std::string good = shortRecording();
+  const auto [begin, end] = lineIn(good, 3);
+  const std::size_t comma = good.rfind(',', end);
+  const std::vector<Refused> recordings = {
+      {"two.csv", "1,2\n3,4\n", {"begins with '1'", "--format"}},
+      {"empty.csv", "", {"empty"}},
+      {"header.csv", withField(good, 1, 2, "person"), {"line 1", "person", "user"}},
+      {"rows.csv", good.substr(0, lineIn(good, 1).second + 1), {"row"}},
+      {"short.csv", std::string(good).erase(comma, end - comma), {"line 3", "121", "122"}},
+      {"text.csv", withField(good, 4, 3, "abc"), {"line 4", "column 3", "abc", "head.x"}},
+      {"nan.csv", withField(good, 2, 4, "nan"), {"line 2", "column 4", "nan"}},
+      {"time.csv", withField(good, 4, 1, "-5"), {"line 4", "-5"}},
+  };
+  for (const Refused& recording : recordings) {
+    SCOPED_TRACE(recording.name);
+    const TemporaryFolder folder;
+    const std::filesystem::path file = folder.write(recording.name, recording.content);
+    const std::vector<std::string> before = filesIn(folder.path());
+    const CommandResult result =
+        runLorica({"play", file, "--snapshots", folder.path() / "pictures", "--json", folder.path() / "report.json"});
+    expectRefused(result, recording.fragments);
+    expectRefused(result, {recording.name});
+    EXPECT_EQ(filesIn(folder.path()), before);
+  }
 }
 
-TEST(BadRecording, OfTwoColumnsNamesTheOption) {
-  expectRecordingRefused("two.csv", "1,2\n3,4\n", {"begins with '1'", "--format"});
-}
-
-TEST(BadRecording, EmptyFileIsNamed) {
-  expectRecordingRefused("empty.csv", "", {"empty"});
-}
-
-TEST(BadRecording, WrongHeaderNamesTheLine) {
-  expectRecordingRefused("header.csv", withField(shortRecording(), 1, 2, "person"), {"line 1", "person", "user"});
-}
-
-TEST(BadRecording, HeaderWithoutRowsIsRefused) {
-  const std::string text = shortRecording();
-  expectRecordingRefused("rows.csv", text.substr(0, lineIn(text, 1).second + 1), {"row"});
-}
-
-TEST(BadRecording, TooFewFieldsNamesTheLine) {
-  std::string text = shortRecording();
-  const auto [begin, end] = lineIn(text, 3);
-  const std::size_t comma = text.rfind(',', end);
-  expectRecordingRefused("short.csv", text.erase(comma, end - comma), {"line 3", "121", "122"});
-}
-
-TEST(BadRecording, TextNamesLineAndColumn) {
-  expectRecordingRefused("text.csv", withField(shortRecording(), 4, 3, "abc"), {"line 4", "column 3", "abc", "head.x"});
-}
-
-TEST(BadRecording, NanNamesLineAndColumn) {
-  expectRecordingRefused("nan.csv", withField(shortRecording(), 2, 4, "nan"), {"line 2", "column 4", "nan"});
-}
-
-TEST(BadRecording, TimeRunningBackwardsNamesTheLine) {
-  expectRecordingRefused("time.csv", withField(shortRecording(), 4, 1, "-5"), {"line 4", "-5"});
-}
-
-TEST(BadDecomposition, OfAnotherMeshIsRefused) {
+TEST(BadDecomposition, OfAnotherMeshDamagedOrInsteadOfHullsIsRefused) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
   const std::filesystem::path file = folder.path() / "l.lorica";
   ASSERT_EQ(runLorica({"decompose", mesh, "-o", file}).exitCode, 0);
   expectRefused(runLorica({"play", "walk", "--decomposition", file}), {"l.lorica", "l.obj", "mannequin"});
-}
-
-TEST(BadDecomposition, DamagedFileIsRefused) {
-  const TemporaryFolder folder;
-  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  const std::filesystem::path file = folder.path() / "l.lorica";
-  ASSERT_EQ(runLorica({"decompose", mesh, "-o", file}).exitCode, 0);
+  expectRefused(runLorica({"score", mesh, file}), {"l.lorica", "decomposition", "--export-obj"});
   std::string content = readFile(file).value();
   content[content.size() / 2] ^= 1;
   const std::filesystem::path damaged = folder.write("damaged.lorica", content);
   expectRefused(runLorica({"info", damaged}), {"damaged.lorica"});
   expectRefused(runLorica({"play", "walk", "--decomposition", damaged}), {"damaged.lorica"});
-}
-
-TEST(BadDecomposition, WhereHullsAreExpectedSaysHowToGetThem) {
-  const TemporaryFolder folder;
-  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  const std::filesystem::path file = folder.path() / "l.lorica";
-  ASSERT_EQ(runLorica({"decompose", mesh, "-o", file}).exitCode, 0);
-  expectRefused(runLorica({"score", mesh, file}), {"l.lorica", "decomposition", "--export-obj"});
 }
 
 struct WrongOption {
@@ -234,17 +181,6 @@ TEST(BadOption, JsonOntoAnotherFileOfTheCommandIsRefused) {
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.lorica"));
 }
 
-TEST(BadOption, UnknownPresetNamesThoseThatAre) {
-  const TemporaryFolder folder;
-  const std::filesystem::path mesh = folder.write("mesh.off", kTetrahedronOff);
-  expectRefused(runLorica({"decompose", mesh, "--preset", "best"}), {"best", "paper, fast, quality"});
-}
-
-TEST(BadMesh, FolderIsNamedAsOne) {
-  const TemporaryFolder folder;
-  expectRefused(runLorica({"decompose", folder.path()}), {"folder"});
-}
-
 TEST(BadOption, IsRefusedInASentence) {
   const TemporaryFolder folder;
   const std::string mesh = writeObj(folder, "l.obj", makeLShape());
@@ -264,6 +200,7 @@ TEST(BadOption, IsRefusedInASentence) {
       {{"decompose", mesh, "--max-error", "inf"}, {"--max-error", "`inf`"}},
       {{"decompose", mesh, "--max-distance", "-1"}, {"--max-distance", "`-1`", "above 0"}},
       {{"decompose", mesh, "--max-distance", "1m"}, {"--max-distance", "`1m`"}},
+      {{"decompose", mesh, "--preset", "best"}, {"best", "paper, fast, quality"}},
       {{"decompose", mesh, "--threads", "0"}, {"--threads", "`0`"}},
       {{"decompose", mesh, "--keyframes", "3"}, {"--keyframes", "l.obj", "characters"}},
       {{"decompose", mesh, "--motion", "walk"}, {"--motion", "l.obj", "characters"}},
@@ -275,6 +212,9 @@ TEST(BadOption, IsRefusedInASentence) {
       {{"decompose", mesh, "--prats", "3"}, {"--prats"}},
       {{"decompose"}, {"INPUT"}},
       {{"score", mesh}, {"PARTS.obj"}},
+      {{"snapshot", "walk", "--at", "1s"}, {"--at", "found `1s`, expected a number"}},
+      {{"snapshot", "walk", "--at", "1,5s"}, {"--at", "found `5s`, expected a number"}},
+      {{"snapshot", "walk", "--frame", "x"}, {"--frame", "found `x`, expected a whole number"}},
       {{"play", "walk", "--character", "godzilla"}, {"godzilla", "mannequin"}},
       {{"play", "walk", "--every", "5"}, {"--every", "--snapshots"}},
       {{"play", "walk", "--frames", "0"}, {"--frames", "`0`"}},

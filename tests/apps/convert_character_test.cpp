@@ -3,7 +3,7 @@
 #include "geometry/files.h"
 #include "skinning/import/character_file.h"
 #include "tests/apps/mannequin_glb.h"
-#include "tests/apps/run_command.h"
+#include "tests/apps/refusals.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
 
@@ -87,19 +87,6 @@ TEST(ConvertCharacter, TheMannequinIsACharacter) {
   const CharacterFile made = readCharacterFile(at(folder, "walk.glb")).value();
   EXPECT_EQ(made.clips.size(), 1U);
   EXPECT_EQ(made.clips.front().name, "walk");
-}
-
-void expectRefused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
-                   const std::vector<std::string>& fragments) {
-  const std::vector<std::string> before = filesIn(folder.path());
-  CommandSurroundings surroundings;
-  surroundings.folder = folder.path();
-  const CommandResult result = runLorica(arguments, surroundings);
-  EXPECT_EQ(result.exitCode, 2) << result.err;
-  for (const std::string& fragment : fragments) {
-    EXPECT_NE(result.err.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << result.err;
-  }
-  EXPECT_EQ(filesIn(folder.path()), before);
 }
 
 TEST(ConvertCharacter, WhatCannotBeIsRefusedInASentence) {

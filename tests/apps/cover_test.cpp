@@ -9,6 +9,7 @@
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
 
 #include <gtest/gtest.h>
 
@@ -100,8 +101,8 @@ TEST(Cover, IsKeptReportedAndStored) {
   EXPECT_EQ(info["pointsPerPart"], figures["pointsPerPart"]);
   EXPECT_EQ(info["heldOutShortfall"], figures["heldOutShortfall"]);
   const std::string text = runLorica({"info", file}).out;
-  EXPECT_NE(text.find("chosen in 128 poses, at most 100 per part"), std::string::npos) << text;
-  EXPECT_NE(text.find("in 128 other poses"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, "chosen in 128 poses, at most 100 per part"));
+  EXPECT_TRUE(has(text, "in 128 other poses"));
 }
 
 TEST(Cover, PlayUsesTheCoverOfTheFileUnlessAnotherIsRequested) {
@@ -169,17 +170,17 @@ TEST(Cover, WrongValuesAreRefusedBeforeAnyWork) {
       const CommandResult result = runLorica({command, what, std::string("--cover=") + bad});
       EXPECT_EQ(result.exitCode, 2) << bad;
       EXPECT_EQ(result.out, "");
-      EXPECT_NE(result.err.find("--cover"), std::string::npos) << bad << ": " << result.err;
+      EXPECT_TRUE(has(result.err, "--cover")) << bad << ": " << result.err;
     }
     const CommandResult large = runLorica({command, what, "--cover", "2"});
     EXPECT_EQ(large.exitCode, 2);
-    EXPECT_NE(large.err.find("found 2 m, expected at most 0.17"), std::string::npos) << large.err;
+    EXPECT_TRUE(has(large.err, "found 2 m, expected at most 0.17"));
     const CommandResult small = runLorica({command, what, "--cover", "1e-9"});
     EXPECT_EQ(small.exitCode, 2);
-    EXPECT_NE(small.err.find("found 1e-09 m, expected exact, or at least 0.00018 m"), std::string::npos) << small.err;
+    EXPECT_TRUE(has(small.err, "found 1e-09 m, expected exact, or at least 0.00018 m"));
     const CommandResult both = runLorica({command, what, "--cover", "exact", "--hull-vertices", "64"});
     EXPECT_EQ(both.exitCode, 2);
-    EXPECT_NE(both.err.find("--hull-vertices 64"), std::string::npos) << both.err;
+    EXPECT_TRUE(has(both.err, "--hull-vertices 64"));
   }
 }
 
@@ -188,13 +189,13 @@ TEST(Cover, AStaticMeshHasNone) {
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
   const CommandResult refused = runLorica({"decompose", mesh, "--cover", "0.01"});
   EXPECT_EQ(refused.exitCode, 2);
-  EXPECT_NE(refused.err.find("--cover is for characters, but l.obj"), std::string::npos) << refused.err;
+  EXPECT_TRUE(has(refused.err, "--cover is for characters, but l.obj"));
   const std::filesystem::path file = folder.path() / "l.lorica";
   const nlohmann::json made = runLorica({"decompose", mesh, "--hull-vertices", "8", "-o", file, "--json", "-"}).json();
   EXPECT_FALSE(made.contains("cover"));
   EXPECT_TRUE(made.contains("hullGrowth"));
   EXPECT_FALSE(readDecomposition(file)->training.has_value());
-  EXPECT_EQ(runLorica({"info", file}).out.find("cover"), std::string::npos);
+  EXPECT_FALSE(has(runLorica({"info", file}).out, "cover"));
 }
 
 TEST(Cover, ExportedHullsOfACharacterHoldTheWholePartInTheBindPose) {
@@ -277,12 +278,9 @@ TEST(Training, PlayReportsPosesOutsideTheTrainingRange) {
   const auto until = [&file](int count) {
     return runLorica({"play", "squat_and_reach", "--decomposition", file, "--frames", std::to_string(count)}).out;
   };
-  EXPECT_NE(until(first).find("every pose is like one that the parts were made from (at most 0."), std::string::npos)
-      << until(first);
-  EXPECT_NE(
-      until(first + 1).find("1 of " + std::to_string(first + 1) + " frames unlike those that the parts were made from"),
-      std::string::npos)
-      << until(first + 1);
+  EXPECT_TRUE(has(until(first), "every pose is like one that the parts were made from (at most 0."));
+  EXPECT_TRUE(has(until(first + 1),
+                  "1 of " + std::to_string(first + 1) + " frames unlike those that the parts were made from"));
 }
 
 }  // namespace

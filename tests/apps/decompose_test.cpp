@@ -2,6 +2,7 @@
 #include "geometry/files.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
+#include "tests/support/value_of.h"
 #include "viewer/pictures/image_files.h"
 
 #include <gtest/gtest.h>
@@ -186,13 +187,12 @@ TEST(Decompose, OverlappingBoxesCountOnce) {
     EXPECT_LE(json["score"].get<double>(), 1.0 + 1e-9);
     EXPECT_GE(json["error"].get<double>(), -1e-9);
     EXPECT_NE(json["repaired"].get<std::string>().find("overlapping pieces united"), std::string::npos);
-    const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
-    ASSERT_TRUE(objects);
+    const std::vector<NamedMesh> objects = valueOf(readObjObjects(hulls));
     if (volume == 7.0) {
-      EXPECT_EQ(objects->size(), 3u);
+      EXPECT_EQ(objects.size(), 3u);
     }
     const Vec3 between(1.5, 2.0, 0.5);
-    for (const NamedMesh& object : *objects) {
+    for (const NamedMesh& object : objects) {
       EXPECT_GT(largestViolation(convexHull(object.mesh.vertices), std::span(&between, 1)), 0.4);
     }
     const nlohmann::json score = runLorica({"score", file, hulls, "--json", "-"}).json();
@@ -237,11 +237,10 @@ TEST(Decompose, ExportedHullsContainTheMesh) {
   const std::filesystem::path hulls = folder.path() / "hulls.obj";
   const CommandResult result = runLorica({"decompose", mesh, "--parts", "9", "--export-obj", hulls});
   EXPECT_EQ(result.exitCode, 0) << result.err;
-  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
-  ASSERT_TRUE(objects);
-  ASSERT_EQ(objects->size(), 9u);
-  for (std::size_t i = 0; i < objects->size(); ++i) EXPECT_EQ((*objects)[i].name, "part_" + std::to_string(i));
-  EXPECT_LE(worstVertex(torus, *objects), 1e-6 * boundsOf(torus.vertices).diagonal());
+  const std::vector<NamedMesh> objects = valueOf(readObjObjects(hulls));
+  ASSERT_EQ(objects.size(), 9u);
+  for (std::size_t i = 0; i < objects.size(); ++i) EXPECT_EQ(objects[i].name, "part_" + std::to_string(i));
+  EXPECT_LE(worstVertex(torus, objects), 1e-6 * boundsOf(torus.vertices).diagonal());
 }
 
 TEST(Decompose, CharacterTrainsOnKeyframes) {
@@ -267,9 +266,8 @@ TEST(Decompose, CharacterTrainsOnKeyframes) {
   EXPECT_EQ(info["error"], json["error"]);
 
   // The bind pose is not a keyframe, but its hulls are exported.
-  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
-  ASSERT_TRUE(objects);
-  EXPECT_EQ(objects->size(), 5u);
+  const std::vector<NamedMesh> objects = valueOf(readObjObjects(hulls));
+  EXPECT_EQ(objects.size(), 5u);
 }
 
 TEST(Decompose, MotionNamesWhatIsTrainedOn) {

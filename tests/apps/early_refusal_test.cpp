@@ -72,6 +72,7 @@ TEST(EarlyRefusal, NothingIsDecomposedForAStageOfWhichOneCannotPerform) {
     {"motion": "walk", "place": [-1, 0, 0]}, {"motion": "wave", "character": "still.glb", "place": [1, 0, 0]}]})");
   studio.expectRefused({"play", "--scene", stage}, "avatars[1]: wave on still: ");
   studio.expectRefused({"play", "walk,wave", "--character", "mannequin," + studio.still.string()}, "wave on still: ");
+  studio.expectRefused({"snapshot", "walk", "--at", "99", "-o", "x.png"}, "--at 99: walk lasts from 0 to ");
   const fs::path cache = studio.surroundings.cache / "lorica";
   EXPECT_TRUE(!fs::exists(cache) || filesIn(cache).empty()) << "something was computed for the first avatar";
 }

@@ -6,9 +6,10 @@
 #include "session/pose_source.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
-#include "tests/apps/run_command.h"
+#include "tests/apps/refusals.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -45,6 +46,28 @@ TEST(Export, AMeshComesInEveryFormat) {
   }
   EXPECT_NE(readFile(folder.path() / "h.xml").value().find("<freejoint"), std::string::npos);
   EXPECT_TRUE(fs::exists(folder.path() / "h_meshes" / "l_hull_1.stl"));
+}
+
+/// (x, y, z) is written as (z, x, y), or as it is.
+TEST(Export, WhichAxisOfAMeshPointsUpIsChosen) {
+  const TemporaryFolder folder;
+  const TriMesh l = valueOf(readMesh(writeL(folder)));
+  const Aabb box = boundsOf(l.vertices);
+  const auto written = [&](const std::string& up) {
+    const CommandResult made = runIn(folder, {"export", "l.obj", up + ".urdf", "--parts", "2", "--up", up});
+    EXPECT_EQ(made.exitCode, 0) << made.err;
+    Aabb all;
+    for (const char* hull : {"l_hull_0.stl", "l_hull_1.stl"}) {
+      const TriMesh mesh = valueOf(readMesh(folder.path() / (up + "_meshes") / hull));
+      for (const Vec3& p : mesh.vertices) all.extend(p);
+    }
+    return all;
+  };
+  const Vec3 size = box.max - box.min;
+  const Aabb kept = written("z"), turned = written("y");
+  EXPECT_LT((kept.min - box.min).norm() + (kept.max - box.max).norm(), 1e-6);
+  EXPECT_LT((turned.max - turned.min - Vec3(size.z(), size.x(), size.y())).norm(), 1e-6);
+  EXPECT_GT(std::abs(size.x() - size.z()), 0.1) << "else the turn would not show";
 }
 
 TEST(Export, OfDecomposeIsTheSame) {
@@ -111,19 +134,6 @@ TEST(Export, HullsOfAMomentHoldTheSkin) {
   EXPECT_NE(late.err.find("--at 100: walk lasts"), std::string::npos) << late.err;
 }
 
-void expectRefused(const TemporaryFolder& folder, const std::vector<std::string>& arguments,
-                   const std::vector<std::string>& fragments) {
-  const std::vector<std::string> before = filesIn(folder.path());
-  CommandSurroundings surroundings;
-  surroundings.folder = folder.path();
-  const CommandResult result = runLorica(arguments, surroundings);
-  EXPECT_EQ(result.exitCode, 2) << result.err;
-  for (const std::string& fragment : fragments) {
-    EXPECT_NE(result.err.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << result.err;
-  }
-  EXPECT_EQ(filesIn(folder.path()), before);
-}
-
 TEST(Export, WhatCannotBeIsRefusedInASentence) {
   const TemporaryFolder folder;
   (void)writeL(folder);
@@ -141,6 +151,8 @@ TEST(Export, WhatCannotBeIsRefusedInASentence) {
   expectRefused(folder, {"export", "l.obj", "h.xml", "--show-colliders"}, {"--show-colliders", ".glb"});
   expectRefused(folder, {"export", "l.obj", "h.xml", "--hull-vertices", "3"}, {"--hull-vertices 3", "0 for no limit"});
   expectRefused(folder, {"export", "l.obj", "h.xml", "--engine", "quake"}, {"quake", "unity", "godot"});
+  expectRefused(folder, {"export", "l.obj", "h.stl", "--up", "z"}, {"--up z", ".urdf", "h.stl"});
+  expectRefused(folder, {"export", "l.obj", "h.xml", "--up", "x"}, {"--up", "y, z"});
   expectRefused(folder, {"export", "l.obj", "no/h.xml"}, {"no"});
   expectRefused(folder, {"export", "mannequin", "h.glb", "--parts", "4"}, {"--parts", "mannequin", "--decomposition"});
   folder.write("r_meshes", "a file");

@@ -1,4 +1,5 @@
 #include "tests/apps/run_command.h"
+#include "tests/support/has.h"
 
 #include <gtest/gtest.h>
 
@@ -15,10 +16,10 @@ TEST_P(Help, TeachesByExample) {
   const CommandResult result = runLorica({GetParam(), "--help"});
   EXPECT_EQ(result.exitCode, 0);
   EXPECT_EQ(result.err, "");
-  EXPECT_NE(result.out.find("Examples:\n  lorica "), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find(std::string("  lorica ") + GetParam()), std::string::npos) << result.out;
-  EXPECT_NE(result.out.find("--json"), std::string::npos);
-  EXPECT_NE(result.out.find("--threads"), std::string::npos);
+  EXPECT_TRUE(has(result.out, "Examples:\n  lorica "));
+  EXPECT_TRUE(has(result.out, std::string("  lorica ") + GetParam()));
+  EXPECT_TRUE(has(result.out, "--json"));
+  EXPECT_TRUE(has(result.out, "--threads"));
 }
 
 TEST_P(Help, IsThereInShortWithTheNamesOfAllOptions) {
@@ -32,7 +33,7 @@ TEST_P(Help, IsThereInShortWithTheNamesOfAllOptions) {
     const std::size_t at = line.find("--");
     if (at == std::string::npos || line.substr(0, 3) != "  -") continue;
     ++options;
-    EXPECT_NE(brief.out.find(line.substr(at, line.find_first_of(" ,", at) - at)), std::string::npos) << line;
+    EXPECT_TRUE(has(brief.out, line.substr(at, line.find_first_of(" ,", at) - at))) << line;
   }
   EXPECT_GT(options, 5);
 }
@@ -45,14 +46,14 @@ TEST(Command, HelpListsEveryCommand) {
   const CommandResult result = runLorica({"--help"});
   EXPECT_EQ(result.exitCode, 0);
   for (const char* name : {"demo", "decompose", "score", "play", "info", "bake", "contacts"}) {
-    EXPECT_NE(result.out.find(std::string("\n  ") + name + " "), std::string::npos) << result.out;
+    EXPECT_TRUE(has(result.out, std::string("\n  ") + name + " "));
   }
 }
 
 TEST(Command, HelpSeparatesOptionsFromTheirDescriptions) {
   const std::string help = runLorica({"snapshot", "--help"}).out;
-  EXPECT_NE(help.find("  --target X,Y,Z Needs: --eye\n"), std::string::npos) << help;
-  EXPECT_NE(help.find("  --strip                     Combine"), std::string::npos) << help;
+  EXPECT_TRUE(has(help, "  --target X,Y,Z Needs: --eye\n"));
+  EXPECT_TRUE(has(help, "  --strip                     Combine"));
 }
 
 TEST(Command, HelpFitsTheWidth) {
@@ -69,7 +70,7 @@ TEST(Command, HelpIsACommandToo) {
   EXPECT_EQ(runLorica({"help"}).out, runLorica({"--help"}).out);
   const CommandResult unknown = runLorica({"help", "plya"});
   EXPECT_EQ(unknown.exitCode, 2);
-  EXPECT_NE(unknown.err.find("plya: unknown command; did you mean \"play\"?"), std::string::npos) << unknown.err;
+  EXPECT_TRUE(has(unknown.err, "plya: unknown command; did you mean \"play\"?"));
 }
 
 TEST(Command, MisspeltOptionsAreRecognised) {
@@ -90,28 +91,22 @@ TEST(Command, WithoutArgumentsListsTheCommands) {
   const CommandResult result = runLorica({});
   EXPECT_EQ(result.exitCode, 2);
   EXPECT_EQ(result.out, "");
-  EXPECT_NE(result.err.find("expected one of demo, play, live, serve, replay, snapshot, decompose, export"),
-            std::string::npos)
-      << result.err;
+  EXPECT_TRUE(has(result.err, "expected one of demo, play, live, serve, replay, snapshot, decompose, export"));
 }
 
 TEST(Command, UnknownCommandIsRefused) {
   const CommandResult result = runLorica({"decompoes", "bunny.off"});
   EXPECT_EQ(result.exitCode, 2);
-  EXPECT_NE(result.err.find("decompoes: unknown command; did you mean \"decompose\"?"), std::string::npos)
-      << result.err;
+  EXPECT_TRUE(has(result.err, "decompoes: unknown command; did you mean \"decompose\"?"));
   // What ships can be opened without a command: `lorica walk`.
-  EXPECT_NE(runLorica({"--versoin"}).err.find("--versoin: unknown option; did you mean \"--version\"?"),
-            std::string::npos);
-  EXPECT_NE(runLorica({"--character", "hero.glb", "play", "walk"})
-                .err.find("--character: stands before the command, expected `lorica play --character`"),
-            std::string::npos);
-  EXPECT_NE(runLorica({"wlak"}).err.find("wlak: unknown command; did you mean \"walk\"?"), std::string::npos);
-  EXPECT_NE(runLorica({"manequin"}).err.find("; did you mean \"mannequin\"?"), std::string::npos);
-  EXPECT_EQ(runLorica({"help", "wlak"}).err.find("walk"), std::string::npos);
+  EXPECT_TRUE(has(runLorica({"--versoin"}).err, "--versoin: unknown option; did you mean \"--version\"?"));
+  EXPECT_TRUE(has(runLorica({"--character", "hero.glb", "play", "walk"}).err,
+                  "--character: stands before the command, expected `lorica play --character`"));
+  EXPECT_TRUE(has(runLorica({"wlak"}).err, "wlak: unknown command; did you mean \"walk\"?"));
+  EXPECT_TRUE(has(runLorica({"manequin"}).err, "; did you mean \"mannequin\"?"));
+  EXPECT_FALSE(has(runLorica({"help", "wlak"}).err, "walk"));
   const CommandResult unlike = runLorica({"quarterstaff"});
-  EXPECT_NE(unlike.err.find("quarterstaff: unknown command, expected one of demo, play, live, "), std::string::npos)
-      << unlike.err;
+  EXPECT_TRUE(has(unlike.err, "quarterstaff: unknown command, expected one of demo, play, live, "));
 }
 
 }  // namespace

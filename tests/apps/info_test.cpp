@@ -1,5 +1,6 @@
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
+#include "tests/support/has.h"
 
 #include <gtest/gtest.h>
 
@@ -33,7 +34,7 @@ TEST(Info, SaysWhatIsWrongWithAnOpenMesh) {
   EXPECT_EQ(result.exitCode, 0) << "describing a broken mesh is not an error: " << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["closed"], false);
-  EXPECT_NE(json["problem"].get<std::string>().find("edge"), std::string::npos) << json["problem"];
+  EXPECT_TRUE(has(json["problem"].get<std::string>(), "edge")) << json["problem"];
 }
 
 TEST(Info, SaysWhatIsMended) {
@@ -88,11 +89,9 @@ TEST(Info, PrintsTheDetailLevelsAndWherePartsCameFrom) {
   EXPECT_EQ(json["partOrigins"][1]["splitFrom"], 0);
 
   const std::string text = runLorica({"info", file}).out;
-  EXPECT_NE(
-      text.find("\n  parts   error  hull vertices\n      1  16.7 %             10\n      2   0.0 %             16\n"),
-      std::string::npos)
-      << text;
-  EXPECT_NE(text.find("\n  part  source triangles  "), std::string::npos) << text;
+  EXPECT_TRUE(
+      has(text, "\n  parts   error  hull vertices\n      1  16.7 %             10\n      2   0.0 %             16\n"));
+  EXPECT_TRUE(has(text, "\n  part  source triangles  "));
 }
 
 TEST(Info, NamesTheBonesOfACharactersParts) {
@@ -118,8 +117,8 @@ TEST(Info, NamesTheBonesOfACharactersParts) {
     EXPECT_NEAR(sum, 1.0, 1e-9);
   }
   const std::string text = runLorica({"info", file}).out;
-  EXPECT_NE(text.find("  worst keyframe  hull vertices\n"), std::string::npos) << text;
-  EXPECT_NE(text.find("  bones, by share of the surface\n"), std::string::npos) << text;
+  EXPECT_TRUE(has(text, "  worst keyframe  hull vertices\n"));
+  EXPECT_TRUE(has(text, "  bones, by share of the surface\n"));
 }
 
 TEST(Info, DescribesARecording) {

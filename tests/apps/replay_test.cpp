@@ -2,6 +2,7 @@
 #include "session/recording/session_blocks.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -129,15 +130,14 @@ TEST_F(Replay, WhatDiffersOrIsMissingIsReported) {
   const fs::path other = folder.path() / "other.lorica";
   ASSERT_EQ(runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", other.string()}).exitCode,
             0);
-  EXPECT_NE(sentence({"--decomposition", other.string()}).find("recorded with another decomposition"),
-            std::string::npos);
-  EXPECT_NE(sentence({"--character", "nobody.glb"}).find("nobody.glb"), std::string::npos);
+  EXPECT_TRUE(has(sentence({"--decomposition", other.string()}), "recorded with another decomposition"));
+  EXPECT_TRUE(has(sentence({"--character", "nobody.glb"}), "nobody.glb"));
   fs::remove(body);
-  EXPECT_NE(sentence({}).find("give its file with --decomposition"), std::string::npos);
+  EXPECT_TRUE(has(sentence({}), "give its file with --decomposition"));
   std::string bytes = readFile(session).value();
   bytes[bytes.size() / 2] ^= 1;
   ASSERT_TRUE(writeFileAtomically(session, bytes).ok());
-  EXPECT_NE(sentence({}).find("checksum is wrong"), std::string::npos);
+  EXPECT_TRUE(has(sentence({}), "checksum is wrong"));
 }
 
 TEST_F(Replay, WrongWordsGetASentence) {
@@ -146,15 +146,12 @@ TEST_F(Replay, WrongWordsGetASentence) {
     EXPECT_EQ(result.exitCode, 2) << result.out;
     return result.err;
   };
-  EXPECT_NE(sentence({"record", "s.txt"}).find("ends in .oni (depth), .lsession (a session), .bvh or .csv"),
-            std::string::npos);
-  EXPECT_NE(sentence({"record", "s.oni", "walk"}).find("MOTION is for sessions"), std::string::npos);
-  EXPECT_NE(sentence({"record", session.string(), "walk", "--virtual"}).find("and a camera, expected only one"),
-            std::string::npos);
-  EXPECT_NE(sentence({"play", "walk", "--record", "s.txt"}).find(".lsession"), std::string::npos);
-  EXPECT_NE(sentence({"play", "walk", "--inject", "late=2"}).find("expected a fraction of frames from 0 to 1"),
-            std::string::npos);
-  EXPECT_NE(sentence({"replay"}).find("SESSION"), std::string::npos);
+  EXPECT_TRUE(has(sentence({"record", "s.txt"}), "ends in .oni (depth), .lsession (a session), .bvh or .csv"));
+  EXPECT_TRUE(has(sentence({"record", "s.oni", "walk"}), "MOTION is for sessions"));
+  EXPECT_TRUE(has(sentence({"record", session.string(), "walk", "--virtual"}), "and a camera, expected only one"));
+  EXPECT_TRUE(has(sentence({"play", "walk", "--record", "s.txt"}), ".lsession"));
+  EXPECT_TRUE(has(sentence({"play", "walk", "--inject", "late=2"}), "expected a fraction of frames from 0 to 1"));
+  EXPECT_TRUE(has(sentence({"replay"}), "SESSION"));
 }
 
 TEST_F(Replay, ASessionWhoseMotionEndsEarlyIsRefused) {
@@ -177,7 +174,7 @@ TEST_F(Replay, ASessionWhoseMotionEndsEarlyIsRefused) {
   const std::string file = folder.write("short.lsession", shortened);
   const CommandResult replayed = runLorica({"replay", file});
   EXPECT_EQ(replayed.exitCode, 2) << replayed.err;
-  EXPECT_NE(replayed.err.find("step 10 comes after the last of 10 frames"), std::string::npos) << replayed.err;
+  EXPECT_TRUE(has(replayed.err, "step 10 comes after the last of 10 frames"));
 }
 
 /// A recorded session with another text in its header, and the right checksums.
@@ -206,7 +203,7 @@ TEST_F(Replay, ACoverThatWouldTakeMinutesIsRefused) {
         folder.write("cover.lsession", withHeader(bytes, "\"cover\": 0.01", "\"cover\": " + std::string(c.cover)));
     const CommandResult replayed = runLorica({"replay", file, "--decomposition", body.string()});
     EXPECT_EQ(replayed.exitCode, 2);
-    EXPECT_NE(replayed.err.find(c.sentence), std::string::npos) << replayed.err;
+    EXPECT_TRUE(has(replayed.err, c.sentence));
   }
 }
 

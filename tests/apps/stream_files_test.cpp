@@ -176,14 +176,32 @@ TEST(StreamFiles, ASessionIsConverted) {
   EXPECT_EQ(motion->motion.frameCount(), converted.json()["frames"].get<int>());
 }
 
+/// The character is in another folder than the take, as it usually is.
 TEST(StreamFiles, AMotionIsRecordedAsBvhAndLeavesNothingElse) {
-  const fs::path bvh = studio().folder.path() / "live.bvh";
+  const TemporaryFolder takes;
+  const fs::path bvh = takes.path() / "live.bvh";
   const CommandResult recorded = studio().run(
       {"record", bvh, studio().swinging, "--character", studio().joyful, "--decomposition", studio().body});
   ASSERT_EQ(recorded.exitCode, 0) << recorded.err;
   EXPECT_TRUE(readBvh(bvh));
-  EXPECT_FALSE(fs::exists(bvh.string() + ".lsession"));
-  EXPECT_FALSE(fs::exists(bvh.string() + ".part.lsession"));
+  EXPECT_EQ(filesIn(takes.path()), std::vector<std::string>{"live.bvh"});
+}
+
+TEST(StreamFiles, ASessionWhoseCharacterIsElsewhereIsConvertedWithIt) {
+  const TemporaryFolder takes;
+  const fs::path session = takes.path() / "take.lsession";
+  const CommandResult recorded = studio().run(
+      {"record", session, studio().swinging, "--character", studio().joyful, "--decomposition", studio().body});
+  ASSERT_EQ(recorded.exitCode, 0) << recorded.err;
+  for (const char* name : {"take.bvh", "take.csv"}) {
+    const CommandResult refused = studio().run({"convert", session, takes.path() / name});
+    EXPECT_EQ(refused.exitCode, 2);
+    EXPECT_NE(refused.err.find("--character gives its file"), std::string::npos) << refused.err;
+    const CommandResult made = studio().run({"convert", session, takes.path() / name, "--character", studio().joyful});
+    EXPECT_EQ(made.exitCode, 0) << made.err;
+  }
+  EXPECT_TRUE(readBvh(takes.path() / "take.bvh"));
+  EXPECT_TRUE(readJointCsv(takes.path() / "take.csv"));
 }
 
 TEST(StreamFiles, WrongUsesAreASentence) {

@@ -6,6 +6,7 @@
 #include "tests/bake/faulty_files.h"
 #include "tests/support/datasets.h"
 #include "tests/support/has.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -90,10 +91,9 @@ TEST(Baker, MakesEachItemOnce) {
   Studio studio;
   studio.add("a.off", "good a", {{"export", {"glb", "urdf"}}});
   studio.add("b.off", "good b");
-  const Result<BakeOutcome> first = studio.bake();
-  ASSERT_TRUE(first.ok()) << first.error().message;
-  EXPECT_EQ(first->made, 2);
-  EXPECT_GT(first->peakMemory, 0u);
+  const BakeOutcome first = valueOf(studio.bake());
+  EXPECT_EQ(first.made, 2);
+  EXPECT_GT(first.peakMemory, 0u);
   EXPECT_EQ(studio.told(0, "score"), "0.5");
   const fs::path result = studio.store().folderOf(bakeJobs(studio.items)[0].name);
   std::vector<std::string> names;
@@ -103,9 +103,8 @@ TEST(Baker, MakesEachItemOnce) {
 
   for (const char* done : {"claims", "workers", "work"}) EXPECT_FALSE(fs::exists(studio.out() / done)) << done;
 
-  const Result<BakeOutcome> second = studio.bake();
-  ASSERT_TRUE(second.ok());
-  EXPECT_EQ(second->there, 2);
+  const BakeOutcome second = valueOf(studio.bake());
+  EXPECT_EQ(second.there, 2);
   EXPECT_EQ(studio.runsOf("a.off"), 1);
   studio.folder.write("a.off", "good, changed");
   EXPECT_EQ(studio.bake()->made, 1);
@@ -120,10 +119,9 @@ TEST(Baker, BadItemsGetASentenceAndCostNoOthers) {
     studio.add(std::string(kind) + ".off", kind);
   }
   studio.items.push_back({"missing.off", {}});
-  const Result<BakeOutcome> outcome = studio.bake();
-  ASSERT_TRUE(outcome.ok()) << outcome.error().message;
-  EXPECT_EQ(outcome->made, 2);
-  EXPECT_EQ(outcome->failed, 6);
+  const BakeOutcome outcome = valueOf(studio.bake());
+  EXPECT_EQ(outcome.made, 2);
+  EXPECT_EQ(outcome.failed, 6);
   const std::string folder = studio.folder.path().string() + "/";
   const std::string crashed = "crash.off: the process that made it was ended by signal 11 (Segmentation fault)";
   EXPECT_EQ(studio.told(1, "failure"), folder + "bad.off: line 1: found no mesh, expected OFF");
@@ -179,11 +177,10 @@ TEST(Baker, ItemsThatDoNotFitTheMemoryAreLeftOut) {
   for (int i = 0; i < 1000; ++i) large += "\nf 1 2 3";
   studio.folder.write("large.obj", large);
   studio.settings.memory = memoryBound(999);
-  const Result<BakeOutcome> outcome = studio.bake();
-  ASSERT_TRUE(outcome.ok());
-  EXPECT_EQ(outcome->made, 1);
-  ASSERT_EQ(outcome->tooLarge.size(), 1u);
-  EXPECT_TRUE(has(outcome->tooLarge.front(), "large.obj: 1000 triangles may take"));
+  const BakeOutcome outcome = valueOf(studio.bake());
+  EXPECT_EQ(outcome.made, 1);
+  ASSERT_EQ(outcome.tooLarge.size(), 1u);
+  EXPECT_TRUE(has(outcome.tooLarge.front(), "large.obj: 1000 triangles may take"));
   EXPECT_EQ(studio.runsOf("large.obj"), 0);
 }
 
@@ -215,10 +212,9 @@ TEST(Baker, StoppingFinishesWhatHasBegun) {
   bool stop = false;
   studio.settings.progress = [&](int, int) { stop = true; };
   studio.settings.stopping = [&] { return stop; };
-  const Result<BakeOutcome> outcome = studio.bake();
-  ASSERT_TRUE(outcome.ok());
-  EXPECT_TRUE(outcome->stopped);
-  EXPECT_EQ(outcome->made, 1);
+  const BakeOutcome outcome = valueOf(studio.bake());
+  EXPECT_TRUE(outcome.stopped);
+  EXPECT_EQ(outcome.made, 1);
   EXPECT_FALSE(fs::exists(studio.out() / "work"));
 }
 
@@ -264,9 +260,8 @@ TEST(Baker, WhatAKilledProcessHadIsDoneByTheOthers) {
   std::string script = *readFile(program);
   script.replace(script.find("hang*) sleep 100"), 16, "hang*)");
   studio.folder.write("program", script);
-  const Result<BakeOutcome> outcome = studio.bake();
-  ASSERT_TRUE(outcome.ok());
-  EXPECT_EQ(outcome->made, 1);
+  const BakeOutcome outcome = valueOf(studio.bake());
+  EXPECT_EQ(outcome.made, 1);
   EXPECT_EQ(studio.runsOf("hang.off"), 2);
   EXPECT_FALSE(fs::exists(studio.out() / "work")) << "the killed process left files";
 }

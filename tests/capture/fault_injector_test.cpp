@@ -2,6 +2,7 @@
 
 #include "capture/files/joint_csv.h"
 #include "tests/support/allocations.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -246,23 +247,20 @@ TEST(FaultInjector, AFrameAllocatesNothing) {
 }
 
 TEST(Faults, TextSaysDosesAndDefaults) {
-  const Result<FaultSettings> some = parseFaults("dropout=0.3,swap,seed=18446744073709551615");
-  ASSERT_TRUE(some.ok());
-  EXPECT_EQ(some->dropout, 0.3);
-  EXPECT_EQ(some->swap, 0.02);
-  EXPECT_EQ(some->jitter, 0.0);
-  EXPECT_EQ(some->seed, 18446744073709551615u);
-  const Result<FaultSettings> defaults = parseFaults("dropout,jitter,swap,late,freeze");
-  ASSERT_TRUE(defaults.ok());
-  EXPECT_EQ(textOf(*defaults), "dropout=0.1,jitter=0.02,swap=0.02,late=0.05,freeze=0.05,seed=1");
+  const FaultSettings some = test::valueOf(parseFaults("dropout=0.3,swap,seed=18446744073709551615"));
+  EXPECT_EQ(some.dropout, 0.3);
+  EXPECT_EQ(some.swap, 0.02);
+  EXPECT_EQ(some.jitter, 0.0);
+  EXPECT_EQ(some.seed, 18446744073709551615u);
+  const FaultSettings defaults = test::valueOf(parseFaults("dropout,jitter,swap,late,freeze"));
+  EXPECT_EQ(textOf(defaults), "dropout=0.1,jitter=0.02,swap=0.02,late=0.05,freeze=0.05,seed=1");
   EXPECT_EQ(textOf(FaultSettings()), "");
   FaultSettings odd;
   odd.jitter = 0.1 / 3.0;
   odd.seed = 12;
-  const Result<FaultSettings> again = parseFaults(textOf(odd));
-  ASSERT_TRUE(again.ok());
-  EXPECT_EQ(again->jitter, odd.jitter);
-  EXPECT_EQ(again->seed, odd.seed);
+  const FaultSettings again = test::valueOf(parseFaults(textOf(odd)));
+  EXPECT_EQ(again.jitter, odd.jitter);
+  EXPECT_EQ(again.seed, odd.seed);
 }
 
 TEST(Faults, WrongTextGetsASentence) {

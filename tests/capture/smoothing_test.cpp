@@ -6,6 +6,7 @@
 #include "tests/capture/figures.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -139,9 +140,8 @@ TEST(OneEuro, TimesThatStandStillOrGoBackShowWhatWasShown) {
 }
 
 TEST(OneEuro, AllocatesNothingPerFrame) {
-  const auto frames = readJointCsv(test::recordingsFolder() / "walk_noisy.csv");
-  ASSERT_TRUE(frames);
-  std::vector<SkeletonFrame> shown = *frames;
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / "walk_noisy.csv"));
+  std::vector<SkeletonFrame> shown = frames;
   OneEuroFilter filter;
   const test::AllocationWatch watch;
   for (SkeletonFrame& frame : shown) {
@@ -192,8 +192,7 @@ TEST(OneEuro, TheDefaultsCalmTheNoisyRecordingsWithinAFrame) {
 }
 
 TEST(OneEuro, ALostJointStillHoldsAndComesBackWithoutAJump) {
-  const auto frames = readJointCsv(test::recordingsFolder() / "walk_noisy.csv");
-  ASSERT_TRUE(frames);
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / "walk_noisy.csv"));
   const Character mannequin = makeMannequin();
   for (const bool smooth : {false, true}) {
     OneEuroFilter filter;
@@ -202,8 +201,8 @@ TEST(OneEuro, ALostJointStillHoldsAndComesBackWithoutAJump) {
     const auto forearm = static_cast<std::size_t>(mannequin.skeleton.jointOf(HumanBone::kLeftLowerArm));
     Quat held = Quat::Identity();
     double largest = 0.0;
-    for (std::size_t f = 0; f < frames->size(); ++f) {
-      SkeletonFrame frame = (*frames)[f];
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      SkeletonFrame frame = frames[f];
       if (f >= 100 && f < 200) frame[J::kLeftHand] = {Vec3(3, 3, 3), std::nullopt, 0.0};
       if (smooth) filter.apply(frame);
       retargeter.apply(frame, pose);

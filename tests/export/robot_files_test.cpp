@@ -106,7 +106,16 @@ TEST(RobotFiles, UrdfIsWrittenWithItsMeshesOrNotAtAll) {
   const fs::path file = folder.path() / "stick.urdf";
   ASSERT_TRUE(writeUrdf(file, stickModel()).ok());
   EXPECT_TRUE(fs::exists(folder.path() / "stick_meshes" / "upper_hull_0.stl"));
-  ASSERT_TRUE(writeUrdf(file, stickModel()).ok());  // again
+  // Again, from another model: what only the earlier file named goes, what somebody else put there stays.
+  RigidModel other = stickModel();
+  other.bodies.back().hulls.back().name = "renamed_hull_0";
+  const fs::path meshes = folder.path() / "stick_meshes";
+  const std::ptrdiff_t before = std::distance(fs::directory_iterator(meshes), {});
+  folder.write("stick_meshes/mine.stl", "mine");
+  ASSERT_TRUE(writeUrdf(file, other).ok());
+  EXPECT_TRUE(fs::exists(meshes / "mine.stl"));
+  EXPECT_TRUE(fs::exists(meshes / "renamed_hull_0.stl"));
+  EXPECT_EQ(std::distance(fs::directory_iterator(meshes), {}), before + 1);
   // A folder where the file should be: the meshes are taken back, but not a folder that was there.
   fs::create_directory(folder.path() / "taken.urdf");
   EXPECT_FALSE(writeUrdf(folder.path() / "taken.urdf", stickModel()).ok());

@@ -14,9 +14,8 @@ namespace fs = std::filesystem;
 
 TEST(PartFile, NothingFoundIsNothing) {
   const test::TemporaryFolder folder;
-  const auto found = keepFound(folder.path() / "a.part.csv");
-  ASSERT_TRUE(found) << found.error().message;
-  EXPECT_FALSE(found->has_value());
+  const auto found = test::valueOf(keepFound(folder.path() / "a.part.csv"));
+  EXPECT_FALSE(found.has_value());
 }
 
 TEST(PartFile, FoundOnesAreKeptUnderFreeNames) {
@@ -24,9 +23,8 @@ TEST(PartFile, FoundOnesAreKeptUnderFreeNames) {
   folder.write("a.found-2.csv", "mine");
   for (const auto& [content, name] :
        {std::pair("one", "a.found-1.csv"), std::pair("two", "a.found-3.csv"), std::pair("three", "a.found-4.csv")}) {
-    const auto found = keepFound(folder.write("a.part.csv", content));
-    ASSERT_TRUE(found) << found.error().message;
-    EXPECT_EQ(*found, folder.path() / name);
+    const auto found = test::valueOf(keepFound(folder.write("a.part.csv", content)));
+    EXPECT_EQ(found, folder.path() / name);
     EXPECT_EQ(readFile(folder.path() / name).value(), content);
     EXPECT_FALSE(fs::exists(folder.path() / "a.part.csv"));
   }

@@ -5,6 +5,7 @@
 #include "tests/peers/bare_picture.h"
 #include "tests/peers/peer.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -29,12 +30,11 @@ std::vector<Vec3> faceOf(const CharacterFile& file, const json& expressions) {
 TEST(PeerExpressions, VerticesAgreeForEachOfGodettesSeventeen) {
   LORICA_REQUIRE_DATASET(path, "characters/godette/Godette_vrm_v4.vrm");
   LORICA_REQUIRE_PEERS();
-  const Result<CharacterFile> file = readCharacterFile(path);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  ASSERT_EQ(file.value().expressions.list.size(), 17U);
+  const CharacterFile file = test::valueOf(readCharacterFile(path));
+  ASSERT_EQ(file.expressions.list.size(), 17U);
   json shots = {{"picture", false}, {"vertices", true}};
   shots["shots"]["none"] = json::object();
-  for (const Expression& expression : file.value().expressions.list) {
+  for (const Expression& expression : file.expressions.list) {
     for (const double weight : {0.4, 1.0}) {
       shots["shots"][expression.name + (weight == 1.0 ? "" : " partly")]["expressions"][expression.name] = weight;
     }
@@ -46,7 +46,7 @@ TEST(PeerExpressions, VerticesAgreeForEachOfGodettesSeventeen) {
   double farthest = 0.0;
   int moving = 0;
   for (const auto& [name, shot] : made) {
-    const std::vector<Vec3> ours = faceOf(file.value(), shots["shots"][name].value("expressions", json::object()));
+    const std::vector<Vec3> ours = faceOf(file, shots["shots"][name].value("expressions", json::object()));
     // The face is the first mesh that both list; the others have no targets.
     const auto count = shot.facts.at("meshes").at(0).at("count").get<std::size_t>();
     ASSERT_LE(count, ours.size());
@@ -54,7 +54,7 @@ TEST(PeerExpressions, VerticesAgreeForEachOfGodettesSeventeen) {
     double apart = 0.0;
     for (std::size_t v = 0; v < count; ++v) {
       apart = std::max(apart, (ours[v] - shot.vertices.at(v).cast<double>()).norm());
-      way = std::max(way, (ours[v] - file.value().character.mesh.vertices[v]).norm());
+      way = std::max(way, (ours[v] - file.character.mesh.vertices[v]).norm());
     }
     EXPECT_LT(apart, 1e-4) << name;
     farthest = std::max(farthest, apart);
@@ -89,11 +89,9 @@ TEST(PeerExpressions, ColoursAndTexturesAgreeOnAnEditedGodette) {
     addMaterialValue(document, "sorrow", "Body", "_MainTex_ST", {1, 1, 0.25, 0.25});
     addMaterialValue(document, "sorrow", "Face", "_MainTex_ST", {2, 1, 0, 0});
   });
-  Result<CharacterFile> file = readCharacterFile(edited);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  Result<MadeAvatar> avatar = makeAvatar(file.value().character, file.value().look);
-  ASSERT_TRUE(avatar.ok()) << avatar.error().message;
-  const test::Sitter sitter = {std::move(file).value(), avatar.value().avatar};
+  CharacterFile file = test::valueOf(readCharacterFile(edited));
+  MadeAvatar avatar = test::valueOf(makeAvatar(file.character, file.look));
+  const test::Sitter sitter = {std::move(file), avatar.avatar};
   json shots = {{"eye", {0.6, 1.2, 2.4}}, {"target", {0, 0.75, 0}}, {"width", 400}, {"height", 400}};
   shots["shots"]["none"] = json::object();
   for (const char* name : {"happy", "angry", "sad"}) shots["shots"][name]["expressions"][name] = 1.0;

@@ -412,7 +412,7 @@ TEST(PeerServe, EachSceneLooksAsInASnapshot) {
     auto next = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(request, host)), {}, host));
     SessionScene scene(next->session);
     while (next->session.frameCount() < 60 && test::valueOf(next->session.step())) scene.follow(next->session);
-    FollowCamera follow("", 16.0 / 9.0);
+    FollowCamera follow({}, 16.0 / 9.0);
     screen.setCamera(follow.still(next->session));
     const Camera camera = screen.camera();
     EXPECT_TRUE(screen.begin(*next, host));

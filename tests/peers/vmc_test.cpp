@@ -11,6 +11,7 @@
 #include "tests/peers/peer.h"
 #include "tests/support/background_process.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 #include "tests/support/virtual_display.h"
 
 #include <fmt/format.h>
@@ -51,10 +52,9 @@ std::span<const std::byte> bytesOf(const std::string& text) {
 
 TEST(PeerVmc, OscsendsMessagesAreUnderstood) {
   LORICA_REQUIRE_LIBLO();
-  Result<UdpSocket> socket = UdpSocket::listen({"127.0.0.1", 0});
-  ASSERT_TRUE(socket);
+  UdpSocket socket = test::valueOf(UdpSocket::listen({"127.0.0.1", 0}));
   const auto send = [&](const std::string& message) {
-    EXPECT_EQ(std::system(fmt::format("oscsend 127.0.0.1 {} {}", socket->port(), message).c_str()), 0);
+    EXPECT_EQ(std::system(fmt::format("oscsend 127.0.0.1 {} {}", socket.port(), message).c_str()), 0);
   };
   send("/VMC/Ext/Bone/Pos sfffffff LeftUpperArm 0.1 0.2 0.3 0 0 0.6 0.8");
   send("/VMC/Ext/Blend/Val sf Joy 0.75");
@@ -64,7 +64,7 @@ TEST(PeerVmc, OscsendsMessagesAreUnderstood) {
   std::vector<std::byte> memory(2048);
   bool complete = false;
   for (int i = 0; i < 4; ++i) {
-    const std::optional<UdpSocket::Packet> packet = socket->receive(memory, 5.0);
+    const std::optional<UdpSocket::Packet> packet = socket.receive(memory, 5.0);
     ASSERT_TRUE(packet);
     complete = receiver.take(std::span(memory).first(packet->size), 0.0) || complete;
   }
@@ -99,22 +99,20 @@ TEST(PeerVmc, OscdumpReadsWhatLoricaSends) {
   ASSERT_TRUE(reader && !poses.empty());
   std::uint16_t port = 0;
   {
-    const Result<UdpSocket> free = UdpSocket::listen({"127.0.0.1", 0});
-    ASSERT_TRUE(free);
-    port = free->port();
+    const UdpSocket free = test::valueOf(UdpSocket::listen({"127.0.0.1", 0}));
+    port = free.port();
   }
   const test::TemporaryFolder folder;
   const fs::path log = folder.write("dump", "");
   const test::BackgroundProcess dump([&] { execlp("oscdump", "oscdump", "-L", std::to_string(port).c_str(), nullptr); },
                                      log);
-  Result<UdpSocket> socket = UdpSocket::connect({"127.0.0.1", port});
-  ASSERT_TRUE(socket);
+  UdpSocket socket = test::valueOf(UdpSocket::connect({"127.0.0.1", port}));
   VmcWriter writer;
   const BonePose pose = reader->read(poses[1]);
   std::string text;
   const std::string end = "/VMC/Ext/T f ";
   for (; text.find(end) == text.rfind(end); text = textOf(log)) {  // until a whole packet is there
-    socket->send(writer.write(pose, {}, 0.5, true));
+    socket.send(writer.write(pose, {}, 0.5, true));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   const Quat& arm = *pose.rotation[static_cast<std::size_t>(B::kLeftUpperArm)];
@@ -281,9 +279,8 @@ TEST(PeerVmc, ThreeVrmPutsWhatLoricaSendsOnMadeUpModels) {
 TEST(PeerVmc, ThreeVrmPutsWhatLoricaSendsOnGodette) {
   LORICA_REQUIRE_DATASET(path, test::readShots("godette").at("character").get<std::string>());
   LORICA_REQUIRE_PEERS();
-  const Result<CharacterFile> file = readCharacterFile(path);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  const Skeleton& skeleton = file->character.skeleton;
+  const CharacterFile file = test::valueOf(readCharacterFile(path));
+  const Skeleton& skeleton = file.character.skeleton;
   for (const char* motion : {"walk", "punch_and_kick"}) {
     const double farthest = farthestBone(path, skeleton, performed(skeleton, motion, 16));
     std::printf("godette, %s: bones within %.2g m\n", motion, farthest);

@@ -50,7 +50,7 @@ TEST(FollowCamera, ShowsTheWholeBodyWhateverTheHeightOfItsFile) {
     SCOPED_TRACE(factor);
     for (const auto& [width, height] : {std::pair(1280, 720), std::pair(400, 400), std::pair(300, 600)}) {
       Session session = walkingSession(factor);
-      FollowCamera camera = test::valueOf(FollowCamera::create({}, width, height));
+      FollowCamera camera({}, 1.0 * width / height);
       while (*session.step()) {
         camera.update(session, 1.0 / 30.0);
         const auto [upward, across] = reach(session, camera.camera(), static_cast<double>(width) / height);
@@ -67,7 +67,7 @@ TEST(FollowCamera, AStillHasTheBodyInItsMiddleAndFillsThePicture) {
     SCOPED_TRACE(preset);
     for (const auto& [width, height] : {std::pair(1280, 720), std::pair(720, 1280)}) {
       Session session = walkingSession(1.0);
-      FollowCamera camera = test::valueOf(FollowCamera::create({preset, "", ""}, width, height));
+      FollowCamera camera({preset}, 1.0 * width / height);
       while (*session.step()) camera.update(session, 1.0 / 30.0);
       const Camera still = camera.still(session);
       Eigen::AlignedBox2d seen;
@@ -100,7 +100,7 @@ TEST(FollowCamera, LooksFromWhereTheAvatarFaces) {
     const double facing = facingOf(session.avatar()) + turn;
     EXPECT_NEAR(std::remainder(facingOf(other.avatar()) - facing, 2.0 * EIGEN_PI), 0.0, 1e-9);
     for (const auto& [preset, off] : {std::pair("front", 0.0), {"three-quarter", 35.0}, {"side", 90.0}}) {
-      FollowCamera camera = test::valueOf(FollowCamera::create({preset, "", ""}, 640, 360));
+      FollowCamera camera({preset}, 640.0 / 360);
       const Camera still = camera.still(other);
       const Vec3 to = still.eye - still.target;
       const double angle = std::remainder(facing - std::atan2(to.x(), to.z()), 2.0 * EIGEN_PI);
@@ -112,7 +112,7 @@ TEST(FollowCamera, LooksFromWhereTheAvatarFaces) {
 TEST(FollowCamera, AFaceIsAPortrait) {
   Session session = walkingSession(1.0);
   ASSERT_TRUE(*session.step());
-  FollowCamera camera = test::valueOf(FollowCamera::create({"face", "", ""}, 640, 360));
+  FollowCamera camera({"face"}, 640.0 / 360);
   const Camera face = camera.still(session);
   const double seen = 2.0 * (face.eye - face.target).norm() * std::tan(0.5 * face.verticalFov);
   EXPECT_GT(seen, 0.25) << "the head";

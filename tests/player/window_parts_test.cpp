@@ -329,17 +329,17 @@ TEST(PictureOptions, AreSizesAndBackgrounds) {
     EXPECT_FALSE(pictureSizeOf(wrong)) << wrong;
   }
   SceneOptions show;
-  ASSERT_TRUE(setBackground("", show));
+  setBackground(std::nullopt, show);
   EXPECT_TRUE(show.ground && !show.background && !show.transparent);
-  ASSERT_TRUE(setBackground("#00ff80", show));
+  setBackground(backgroundNamed("#00ff80"), show);
   EXPECT_LT((*show.background - Vec3f(0.0f, 1.0f, 128 / 255.0f)).norm(), 1e-6f);
   EXPECT_FALSE(show.ground) << "it would not be keyed out";
-  ASSERT_TRUE(setBackground("green", show));
+  setBackground(backgroundNamed("green"), show);
   EXPECT_EQ(*show.background, Vec3f(0.0F, 1.0F, 0.0F));
-  ASSERT_TRUE(setBackground("transparent", show));
+  setBackground(backgroundNamed("transparent"), show);
   EXPECT_TRUE(show.transparent);
-  for (const char* wrong : {"greenish", "#00ff0", "#00ff000", "#00fg00", "00ff00"}) {
-    EXPECT_FALSE(setBackground(wrong, show)) << wrong;
+  for (const char* wrong : {"", "greenish", "#00ff0", "#00ff000", "#00fg00", "00ff00"}) {
+    EXPECT_FALSE(backgroundNamed(wrong)) << wrong;
   }
 }
 

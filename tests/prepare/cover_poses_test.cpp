@@ -6,6 +6,7 @@
 #include "session/session.h"
 #include "skinning/humanoid/joint_limits.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -77,27 +78,25 @@ class CoverPosesOf : public testing::Test {
 };
 
 TEST_F(CoverPosesOf, HalfAreFramesOfSessionsEvenlyAndHeldOutOnesLieHalfway) {
-  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
-  ASSERT_TRUE(poses.ok()) << poses.error().message;
-  EXPECT_EQ(poses->randomPoses, 10);
-  ASSERT_EQ(poses->sampledView().poseCount(), 20);
-  ASSERT_EQ(poses->heldOutView().poseCount(), 20);
+  const CoverPoses poses = test::valueOf(coverPoses(character_, motions(), 20));
+  EXPECT_EQ(poses.randomPoses, 10);
+  ASSERT_EQ(poses.sampledView().poseCount(), 20);
+  ASSERT_EQ(poses.heldOutView().poseCount(), 20);
   const std::vector<std::vector<Affine3>> frames = framesOfSessions();
   ASSERT_EQ(frames.size(), 47u);
   for (int i = 0; i < 20; ++i) {
     const auto frame = static_cast<std::size_t>(std::floor(i * 46.0 / 19.0 + 0.5));
     const std::span<const Affine3> pose =
-        i % 2 == 0 ? poses->sampledView().pose(i / 2) : poses->heldOutView().pose(i / 2);
+        i % 2 == 0 ? poses.sampledView().pose(i / 2) : poses.heldOutView().pose(i / 2);
     EXPECT_LT(difference(pose, frames[frame]), 1e-12) << i;
   }
 }
 
 TEST_F(CoverPosesOf, TheOtherHalfAreWithinJointLimitsAndStandAtTheOrigin) {
-  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
-  ASSERT_TRUE(poses.ok());
+  const CoverPoses poses = test::valueOf(coverPoses(character_, motions(), 20));
   const auto hips = static_cast<std::size_t>(character_.skeleton.jointOf(HumanBone::kHips));
   const Vec3 bindHips = character_.jointFromModel[hips].inverse().translation();
-  for (const BonePoseView view : {poses->sampledView(), poses->heldOutView()}) {
+  for (const BonePoseView view : {poses.sampledView(), poses.heldOutView()}) {
     for (int p = 10; p < 20; ++p) {
       EXPECT_TRUE(withinLimits(character_.skeleton, localPose(view.pose(p)))) << p;
       EXPECT_LT((view.pose(p)[hips] * bindHips - bindHips).norm(), 1e-9) << p;
@@ -124,30 +123,27 @@ TEST_F(CoverPosesOf, NoPoseIsThereTwiceAndTheSameInputGivesTheSame) {
 
 TEST_F(CoverPosesOf, FewFramesAreEachTakenOnce) {
   recordings_ = {firstFrames(SyntheticMotion::kWave, 3)};
-  const Result<CoverPoses> poses = coverPoses(character_, motions(), 20);
-  ASSERT_TRUE(poses.ok());
-  EXPECT_EQ(poses->sampledView().poseCount(), 2 + 10);
-  EXPECT_EQ(poses->heldOutView().poseCount(), 1 + 10);
+  const CoverPoses poses = test::valueOf(coverPoses(character_, motions(), 20));
+  EXPECT_EQ(poses.sampledView().poseCount(), 2 + 10);
+  EXPECT_EQ(poses.heldOutView().poseCount(), 1 + 10);
   recordings_ = {firstFrames(SyntheticMotion::kWave, 1)};
   EXPECT_EQ(coverPoses(character_, motions(), 20)->sampledView().poseCount(), 1 + 10);
   EXPECT_EQ(coverPoses(character_, motions(), 20)->heldOutView().poseCount(), 10);
 }
 
 TEST_F(CoverPosesOf, WhatOneKindCannotGiveTheOtherMakesUpFor) {
-  const Result<CoverPoses> random = coverPoses(character_, {}, 20);
-  ASSERT_TRUE(random.ok()) << random.error().message;
-  EXPECT_EQ(random->randomPoses, 20);
-  EXPECT_EQ(random->sampledView().poseCount(), 20);
+  const CoverPoses random = test::valueOf(coverPoses(character_, {}, 20));
+  EXPECT_EQ(random.randomPoses, 20);
+  EXPECT_EQ(random.sampledView().poseCount(), 20);
 
   // A root with a rest rotation: the axes of the joint limits are not those of the bones.
   std::vector<Joint> joints(character_.skeleton.joints().begin(), character_.skeleton.joints().end());
   joints.front().rest.rotation = Quat(Eigen::AngleAxisd(0.5, Vec3::UnitX()));
   character_.skeleton = *Skeleton::create(joints);
-  const Result<CoverPoses> recorded = coverPoses(character_, motions(), 20);
-  ASSERT_TRUE(recorded.ok()) << recorded.error().message;
-  EXPECT_EQ(recorded->randomPoses, 0);
-  EXPECT_EQ(recorded->sampledView().poseCount(), 20);
-  EXPECT_EQ(recorded->heldOutView().poseCount(), 20);
+  const CoverPoses recorded = test::valueOf(coverPoses(character_, motions(), 20));
+  EXPECT_EQ(recorded.randomPoses, 0);
+  EXPECT_EQ(recorded.sampledView().poseCount(), 20);
+  EXPECT_EQ(recorded.heldOutView().poseCount(), 20);
 
   const Result<CoverPoses> neither = coverPoses(character_, {}, 20);
   ASSERT_FALSE(neither.ok());
@@ -163,11 +159,10 @@ TEST_F(CoverPosesOf, ACharacterWithoutHumanBonesHasThePosesOfItsMotionsAlone) {
   EXPECT_EQ(none.error().code, ErrorCode::kInvalidArgument);
   const std::vector<SkeletalMotion> rest = {{"rest", character_.skeleton, {0.0}, restPose(character_.skeleton)}};
   character_.jointFromModel = {Affine3::Identity()};
-  const Result<CoverPoses> one = coverPoses(character_, rest, 20);
-  ASSERT_TRUE(one.ok()) << one.error().message;
-  EXPECT_EQ(one->randomPoses, 0);
-  EXPECT_EQ(one->sampledView().poseCount(), 1);
-  EXPECT_EQ(one->heldOutView().poseCount(), 0);
+  const CoverPoses one = test::valueOf(coverPoses(character_, rest, 20));
+  EXPECT_EQ(one.randomPoses, 0);
+  EXPECT_EQ(one.sampledView().poseCount(), 1);
+  EXPECT_EQ(one.heldOutView().poseCount(), 0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include "capture/synthetic/synthetic_motion.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -51,14 +52,13 @@ class Keyframes : public testing::Test {
 
 TEST_F(Keyframes, AreUniformOverTheRecordingsLaidEndToEnd) {
   for (int count : {1, 2, 5, 12, 47}) {
-    const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character_, motions_, count);
-    ASSERT_TRUE(keyframes.ok()) << keyframes.error().message;
-    ASSERT_EQ(keyframes->size(), static_cast<std::size_t>(count) * vertexCount_);
+    const std::vector<Vec3> keyframes = test::valueOf(sampleKeyframes(character_, motions_, count));
+    ASSERT_EQ(keyframes.size(), static_cast<std::size_t>(count) * vertexCount_);
     std::vector<int> expected;
     for (int k = 0; k < count; ++k) {
       expected.push_back(count == 1 ? 0 : static_cast<int>(std::floor(k * 46.0 / (count - 1) + 0.5)));
     }
-    EXPECT_EQ(framesOf(*keyframes), expected) << count;
+    EXPECT_EQ(framesOf(keyframes), expected) << count;
   }
 }
 
@@ -81,13 +81,12 @@ TEST_F(Keyframes, ACharacterWithoutHumanBonesIsRefused) {
 }
 
 TEST_F(Keyframes, ChosenOnesAreFramesOfTheRecordingsAndSayWhich) {
-  const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, motions_, 6, 0.0);
-  ASSERT_TRUE(chosen.ok()) << chosen.error().message;
-  ASSERT_EQ(chosen->sources.size(), 6u);
-  const std::vector<int> frames = framesOf(chosen->positions);
+  const ChosenKeyframes chosen = test::valueOf(chooseKeyframes(character_, motions_, 6, 0.0));
+  ASSERT_EQ(chosen.sources.size(), 6u);
+  const std::vector<int> frames = framesOf(chosen.positions);
   ASSERT_EQ(frames.size(), 6u);
   for (std::size_t k = 0; k < 6; ++k) {
-    const KeyframeSource& source = chosen->sources[k];
+    const KeyframeSource& source = chosen.sources[k];
     ASSERT_LT(source.motion, 2u);
     ASSERT_LT(source.frame, recordings_[source.motion].size());
     EXPECT_EQ(source.time, recordings_[source.motion][source.frame].time);
@@ -96,26 +95,23 @@ TEST_F(Keyframes, ChosenOnesAreFramesOfTheRecordingsAndSayWhich) {
   EXPECT_EQ(frames.front(), 0) << "the first frame is always a keyframe";
   EXPECT_TRUE(std::is_sorted(frames.begin(), frames.end()));
   EXPECT_EQ(std::adjacent_find(frames.begin(), frames.end()), frames.end());
-  EXPECT_GT(chosen->farthest, 0.0);
+  EXPECT_GT(chosen.farthest, 0.0);
 }
 
 TEST_F(Keyframes, MoreOfThemLeaveNoFrameFartherAway) {
   double before = std::numeric_limits<double>::infinity();
   for (const int count : {1, 2, 4, 8, 16}) {
-    const Result<ChosenKeyframes> chosen = chooseKeyframes(character_, motions_, count, 0.0);
-    ASSERT_TRUE(chosen.ok());
-    EXPECT_LE(chosen->farthest, before);
-    before = chosen->farthest;
+    const ChosenKeyframes chosen = test::valueOf(chooseKeyframes(character_, motions_, count, 0.0));
+    EXPECT_LE(chosen.farthest, before);
+    before = chosen.farthest;
   }
   // It stops by itself if all frames are keyframes or no frame is more distant than the limit.
-  const Result<ChosenKeyframes> all = chooseKeyframes(character_, motions_, 1000, 0.0);
-  ASSERT_TRUE(all.ok());
-  EXPECT_LE(all->sources.size(), 47u);
-  EXPECT_EQ(all->farthest, 0.0);
-  const Result<ChosenKeyframes> enough = chooseKeyframes(character_, motions_, 1000, 0.05);
-  ASSERT_TRUE(enough.ok());
-  EXPECT_LE(enough->farthest, 0.05);
-  EXPECT_LT(enough->sources.size(), all->sources.size());
+  const ChosenKeyframes all = test::valueOf(chooseKeyframes(character_, motions_, 1000, 0.0));
+  EXPECT_LE(all.sources.size(), 47u);
+  EXPECT_EQ(all.farthest, 0.0);
+  const ChosenKeyframes enough = test::valueOf(chooseKeyframes(character_, motions_, 1000, 0.05));
+  EXPECT_LE(enough.farthest, 0.05);
+  EXPECT_LT(enough.sources.size(), all.sources.size());
 }
 
 TEST_F(Keyframes, WhereTheBodyStandsAndTurnsDoesNotCount) {

@@ -3,6 +3,7 @@
 #include "capture/synthetic/synthetic_motion.h"
 #include "geometry/work_budgets.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -38,27 +39,24 @@ TEST(Training, IsOnTheMotionsThatAreGiven) {
   const Character character = makeMannequin();
   const std::vector<Motion> given = {recorded(SyntheticMotion::kWave)};
   const std::vector<Clip> clips = {stillClip()};
-  const Result<Training> training = trainingMotions(character, given, clips, kNotFound);
-  ASSERT_TRUE(training) << training.error().message;
-  EXPECT_EQ(namesOf(*training), Names{"wave"});
-  EXPECT_FALSE(training->ownClips);
+  const Training training = test::valueOf(trainingMotions(character, given, clips, kNotFound));
+  EXPECT_EQ(namesOf(training), Names{"wave"});
+  EXPECT_FALSE(training.ownClips);
 }
 
 TEST(Training, OfACharacterWithClipsIsOnThemAndOnTheUsualMotions) {
   const Character character = makeMannequin();
   const std::vector<Clip> clips = {stillClip()};
-  const Result<Training> training = trainingMotions(character, {}, clips, kUsual);
-  ASSERT_TRUE(training) << training.error().message;
-  EXPECT_EQ(namesOf(*training), (Names{"Stand", "walk"}));
-  EXPECT_TRUE(training->ownClips);
+  const Training training = test::valueOf(trainingMotions(character, {}, clips, kUsual));
+  EXPECT_EQ(namesOf(training), (Names{"Stand", "walk"}));
+  EXPECT_TRUE(training.ownClips);
 }
 
 TEST(Training, NeedsTheUsualMotionsOnlyWhereThereAreNoClips) {
   const Character character = makeMannequin();
   const std::vector<Clip> clips = {stillClip()};
-  const Result<Training> withClips = trainingMotions(character, {}, clips, kNotFound);
-  ASSERT_TRUE(withClips) << withClips.error().message;
-  EXPECT_EQ(namesOf(*withClips), Names{"Stand"});
+  const Training withClips = test::valueOf(trainingMotions(character, {}, clips, kNotFound));
+  EXPECT_EQ(namesOf(withClips), Names{"Stand"});
   const Result<Training> without = trainingMotions(character, {}, {}, kNotFound);
   ASSERT_FALSE(without);
   EXPECT_EQ(without.error().message, "no recordings");
@@ -69,9 +67,8 @@ TEST(Training, OfWhatIsNoHumanoidAndHasNoClipsIsItsRestPose) {
   std::vector<Joint> joints(character.skeleton.joints().begin(), character.skeleton.joints().end());
   for (Joint& joint : joints) joint.bone.reset();
   character.skeleton = *Skeleton::create(std::move(joints));
-  const Result<Training> training = trainingMotions(character, {}, {}, kNotFound);
-  ASSERT_TRUE(training) << training.error().message;
-  EXPECT_EQ(namesOf(*training), Names{"rest pose"});
+  const Training training = test::valueOf(trainingMotions(character, {}, {}, kNotFound));
+  EXPECT_EQ(namesOf(training), Names{"rest pose"});
 }
 
 TEST(Training, LooksAtLongClipsLessOften) {
@@ -97,9 +94,8 @@ TEST(Motion, AClipOfMorePosesThanTheBudgetIsRefused) {
   ASSERT_FALSE(refused.ok());
   EXPECT_NE(refused.error().message.find("the clip 'Stand' lasts"), std::string::npos) << refused.error().message;
   clip.seconds = longest;
-  const Result<SkeletalMotion> taken = framesOf(skeleton, clip);
-  ASSERT_TRUE(taken.ok());
-  EXPECT_LE(static_cast<double>(taken->times.size() - 1) * skeleton.jointCount(), kMaxClipPoses);
+  const SkeletalMotion taken = test::valueOf(framesOf(skeleton, clip));
+  EXPECT_LE(static_cast<double>(taken.times.size() - 1) * skeleton.jointCount(), kMaxClipPoses);
 }
 
 }  // namespace

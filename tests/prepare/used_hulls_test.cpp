@@ -8,6 +8,7 @@
 #include "prepare/quality.h"
 #include "prepare/training.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -34,29 +35,23 @@ TEST(UsedHulls, AreTheHullsThatPlay) {
   wave.name = "wave";
   wave.joints = synthesizeMotion(SyntheticMotion::kWave);
   const std::vector<Motion> motions = {wave};
-  const Result<Training> training = trainingMotions(character, motions, {}, {});
-  ASSERT_TRUE(training);
+  const Training training = test::valueOf(trainingMotions(character, motions, {}, {}));
   for (const int count : {3, kChooseKeyframes}) {
-    const Result<Keyframes> keyframes = trainingKeyframes(character, *training, count);
-    ASSERT_TRUE(keyframes);
-    const PoseView poses{keyframes->positions, static_cast<int>(character.mesh.vertices.size())};
-    const Result<Decomposition> parts = decompose(character.mesh, poses, {.maxParts = 6});
-    ASSERT_TRUE(parts);
-    const Result<CoverPoses> coverIn = coverPoses(character, training->motions, 8);
-    ASSERT_TRUE(coverIn);
-    const Result<HullCover> few = chooseCover(character, *parts, *coverIn, {std::nullopt, 100}, host);
-    ASSERT_TRUE(few) << few.error().message;
-    const BonePoseView bones{keyframes->worldFromModel, character.skeleton.jointCount()};
-    ASSERT_EQ(bones.poseCount(), keyframes->count);
+    const Keyframes keyframes = test::valueOf(trainingKeyframes(character, training, count));
+    const PoseView poses{keyframes.positions, static_cast<int>(character.mesh.vertices.size())};
+    const Decomposition parts = test::valueOf(decompose(character.mesh, poses, {.maxParts = 6}));
+    const CoverPoses coverIn = test::valueOf(coverPoses(character, training.motions, 8));
+    const HullCover few = test::valueOf(chooseCover(character, parts, coverIn, {std::nullopt, 100}, host));
+    const BonePoseView bones{keyframes.worldFromModel, character.skeleton.jointCount()};
+    ASSERT_EQ(bones.poseCount(), keyframes.count);
     std::vector<double> errors;
-    for (const HullCover& cover : {coverExactly(*parts, liftPoints(character, *parts)), *few}) {
-      const UsedHulls hulls = liveHulls(character, *parts, cover, bones);
-      Result<LiveBody> body = LiveBody::create(*parts, character, cover);
-      ASSERT_TRUE(body);
-      for (int k = 0; k < keyframes->count; ++k) {
-        body->update(bones.pose(k));
-        for (std::size_t i = 0; i < parts->parts.size(); ++i) {
-          const ConvexHull played = worldHull(body->parts()[i]);
+    for (const HullCover& cover : {coverExactly(parts, liftPoints(character, parts)), few}) {
+      const UsedHulls hulls = liveHulls(character, parts, cover, bones);
+      LiveBody body = test::valueOf(LiveBody::create(parts, character, cover));
+      for (int k = 0; k < keyframes.count; ++k) {
+        body.update(bones.pose(k));
+        for (std::size_t i = 0; i < parts.parts.size(); ++i) {
+          const ConvexHull played = worldHull(body.parts()[i]);
           const double volume = signedVolume(played.vertices, played.triangles);
           EXPECT_NEAR(hulls[k][i].volume, volume, 1e-5 * volume) << "keyframe " << k << ", part " << i;
         }
@@ -64,7 +59,7 @@ TEST(UsedHulls, AreTheHullsThatPlay) {
       errors.push_back(measureQuality(character.mesh, poses, hulls).error);
     }
     // Both are larger than the hulls of the parts: one holds the rod, the other has few points too.
-    EXPECT_GT(errors[0], measureQuality(character.mesh, poses, hullsOfParts(*parts, poses)).error + 0.01);
+    EXPECT_GT(errors[0], measureQuality(character.mesh, poses, hullsOfParts(parts, poses)).error + 0.01);
     EXPECT_GT(errors[1], errors[0]);
   }
 }

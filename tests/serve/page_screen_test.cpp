@@ -15,6 +15,7 @@ namespace {
 using test::becomes;
 using test::TestClient;
 using test::valueOf;
+using test::Watcher;
 using Json = nlohmann::json;
 
 struct Watched {
@@ -28,6 +29,13 @@ struct Watched {
     values.characters = characters;
     values.maxParts = 64;
     screen.show(Scene(), values);
+  }
+  /// Whether it becomes so as requests are taken.
+  bool comes(const std::function<bool()>& so) {
+    return becomes([&] {
+      (void)screen.takeRequests();
+      return so();
+    });
   }
   /// The first requests that are any.
   WindowRequests requests(const std::function<bool(const WindowRequests&)>& any) {
@@ -46,28 +54,18 @@ Json ray(const char* type, double x, int hand = 0) {
 
 TEST(PageScreen, ClientsChooseAsPeopleAtAWindowDo) {
   Watched watched;
-  TestClient client(watched.server->port());
-  client.watch();
+  Watcher client(watched.server->port());
   client.send({{"type", "pause"}, {"on", true}});
-  EXPECT_TRUE(becomes([&] {
-    (void)watched.screen.takeRequests();
-    return watched.screen.choices().paused;
-  }));
+  EXPECT_TRUE(watched.comes([&] { return watched.screen.choices().paused; }));
   EXPECT_FALSE(watched.screen.wantsStep());
   client.send({{"type", "step"}});
-  EXPECT_TRUE(becomes([&] {
-    (void)watched.screen.takeRequests();
-    return watched.screen.wantsStep();
-  }));
+  EXPECT_TRUE(watched.comes([&] { return watched.screen.wantsStep(); }));
   EXPECT_FALSE(watched.screen.wantsStep());
   for (const Json& wish : {Json{{"type", "speed"}, {"to", 0.5}}, Json{{"type", "gravity"}, {"index", 1}},
                            Json{{"type", "mirror"}, {"on", true}}, Json{{"type", "loop"}, {"on", false}}}) {
     client.send(wish);
   }
-  EXPECT_TRUE(becomes([&] {
-    (void)watched.screen.takeRequests();
-    return !watched.screen.choices().loop;
-  }));
+  EXPECT_TRUE(watched.comes([&] { return !watched.screen.choices().loop; }));
   EXPECT_EQ(watched.screen.choices().speed, 0.5);
   EXPECT_EQ(watched.screen.choices().treatment.gravity, 1);
   EXPECT_TRUE(watched.screen.choices().treatment.mirror);
@@ -87,8 +85,7 @@ TEST(PageScreen, ClientsChooseAsPeopleAtAWindowDo) {
 
 TEST(PageScreen, WhatIsNotInAListIsNotOpened) {
   Watched watched;
-  TestClient client(watched.server->port());
-  client.watch();
+  Watcher client(watched.server->port());
   for (const Json& wish :
        {Json{{"type", "scene"}, {"index", 2}}, Json{{"type", "scene"}, {"index", -1}},
         Json{{"type", "character"}, {"index", 2}}, Json{{"type", "motion"}, {"index", 0}},
@@ -138,9 +135,7 @@ Vec3 letsGo(Watched& watched, int hand) {
 
 TEST(PageScreen, HandsOfClientsDoNotDisturbEachOther) {
   Watched watched;
-  TestClient one(watched.server->port()), other(watched.server->port());
-  one.watch();
-  other.watch();
+  Watcher one(watched.server->port()), other(watched.server->port());
   std::vector<int> hands;
   for (TestClient* client : {&one, &other}) {
     for (const int hand : {0, 1}) hands.push_back(pressed(watched, *client, 1.0 + std::ssize(hands), hand));
@@ -154,10 +149,7 @@ TEST(PageScreen, HandsOfClientsDoNotDisturbEachOther) {
   EXPECT_EQ(watched.screen.aim(hands[1]).forward, Vec3(0, 0, -1));
   other.send(ray("drag", 30.0, 0));
   one.send(ray("drag", 20.0, 1));
-  EXPECT_TRUE(becomes([&] {
-    (void)watched.screen.takeRequests();
-    return aims() == std::vector<double>{1, 20, 30, 4};
-  }));
+  EXPECT_TRUE(watched.comes([&] { return aims() == std::vector<double>{1, 20, 30, 4}; }));
   one.send({{"type", "release"}, {"hand", 1}, {"velocity", {0, 2, -3}}});
   EXPECT_EQ(letsGo(watched, hands[1]), Vec3(0, 2, -3));
   one.send({{"type", "release"}, {"hand", 1}});  // it holds nothing any more
@@ -171,13 +163,11 @@ TEST(PageScreen, HandsOfClientsDoNotDisturbEachOther) {
 
 TEST(PageScreen, WhatAClientHoldsIsLetGoWhenItLeaves) {
   Watched watched;
-  TestClient stays(watched.server->port());
-  stays.watch();
+  Watcher stays(watched.server->port());
   const int kept = pressed(watched, stays, 1.0, 0);
   std::vector<int> hands;
   {
-    TestClient leaves(watched.server->port());
-    leaves.watch();
+    Watcher leaves(watched.server->port());
     for (const int hand : {0, 1}) hands.push_back(pressed(watched, leaves, 2.0 + hand, hand));
   }
   const WindowRequests requests = watched.requests([&](const WindowRequests& r) { return r.hands[hands[0]].released; });
@@ -185,16 +175,14 @@ TEST(PageScreen, WhatAClientHoldsIsLetGoWhenItLeaves) {
   EXPECT_FALSE(requests.hands[kept].released);
   watched.values.holds = 1u << kept;
   watched.screen.show(Scene(), watched.values);
-  TestClient next(watched.server->port());
-  next.watch();
+  Watcher next(watched.server->port());
   EXPECT_NE(pressed(watched, next, 5.0, 1), kept);
 }
 
 /// What is let go while something loads is not forgotten.
 TEST(PageScreen, AReleaseOutlastsWhatLoads) {
   Watched watched;
-  TestClient client(watched.server->port());
-  client.watch();
+  Watcher client(watched.server->port());
   const int hand = pressed(watched, client, 1.0, 0);
   client.send({{"type", "undo"}});
   client.send({{"type", "release"}});
@@ -207,12 +195,9 @@ TEST(PageScreen, AReleaseOutlastsWhatLoads) {
 
 TEST(PageScreen, NoMoreHandsHoldThanTheWorldHas) {
   Watched watched;
-  std::vector<std::unique_ptr<TestClient>> clients;
+  std::vector<std::unique_ptr<Watcher>> clients;
   for (int i = 0; i <= World::kMaxHands; ++i) {
-    if (i % 2 == 0) {
-      clients.push_back(std::make_unique<TestClient>(watched.server->port()));
-      clients.back()->watch();
-    }
+    if (i % 2 == 0) clients.push_back(std::make_unique<Watcher>(watched.server->port()));
     if (i < World::kMaxHands) pressed(watched, *clients.back(), i, i % 2);
   }
   clients.back()->send(ray("press", 90.0));
@@ -225,8 +210,7 @@ TEST(PageScreen, NoMoreHandsHoldThanTheWorldHas) {
 
 TEST(PageScreen, EachThrowHasItsOwnCamera) {
   Watched watched;
-  TestClient client(watched.server->port());
-  client.watch();
+  Watcher client(watched.server->port());
   for (const double x : {1.0, 2.0}) {
     client.send({{"type", "throw"}, {"origin", {x, 1, 5}}, {"target", {x, 1, 0}}});
   }
@@ -239,8 +223,7 @@ TEST(PageScreen, EachThrowHasItsOwnCamera) {
 
 TEST(PageScreen, TheStateNamesFilesWithoutTheirFolders) {
   Watched watched;
-  TestClient client(watched.server->port());
-  client.watch();
+  Watcher client(watched.server->port());
   EXPECT_TRUE(becomes([&] { return watched.server->clients() == 1; }));
   watched.screen.show(Scene(), watched.values);
   const std::string state = client.next("state").bytes;

@@ -36,7 +36,13 @@ namespace {
 using test::becomes;
 using test::TestClient;
 using test::valueOf;
+using test::Watcher;
 using Json = nlohmann::json;
+
+/// A folder of the test, and no choices that somebody has kept.
+struct Home : test::TemporaryFolder {
+  Home() { ::setenv("XDG_CONFIG_HOME", path().c_str(), 1); }
+};
 
 Cast walkingCast(Host& host) {
   CastRequest request;
@@ -47,8 +53,7 @@ Cast walkingCast(Host& host) {
 
 /// What a client gets is what the same session computes by itself.
 TEST(ServedRun, FramesHoldThePosesOfTheSession) {
-  const test::TemporaryFolder home;  // no choices that somebody has kept
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   Host host;
   RunSetting setting;
   setting.frames = 40;
@@ -67,8 +72,7 @@ TEST(ServedRun, FramesHoldThePosesOfTheSession) {
   PageScreen screen(*server, nullptr);
   EXPECT_TRUE(screen.begin(*run, host));
   std::thread client([&] {
-    TestClient watcher(server->port());
-    watcher.watch();
+    Watcher watcher(server->port());
     const nlohmann::json hello = watcher.next("hello").json();
     EXPECT_EQ(hello["name"], "walk");
     EXPECT_EQ(hello["avatars"][0]["joints"].size(), run->session.character().jointFromModel.size());
@@ -113,8 +117,7 @@ std::string hashOf(const Session& session) {
 /// What the sample in Python decodes is what the session records.
 TEST(ServedRun, TheSampleInPythonGetsWhatIsRecorded) {
   if (std::system("python3 --version >/dev/null 2>&1") != 0) GTEST_SKIP() << "python3 is missing";
-  const test::TemporaryFolder home;
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   Host host;
   RunSetting setting;
   setting.frames = 60;
@@ -213,8 +216,7 @@ SessionFile replayed(const std::filesystem::path& file) {
 /// What clients drag and throw is in the recorded session, which runs the same without them. Two clients hold with both
 /// hands; two of the four hands hold the same prop.
 TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
-  const test::TemporaryFolder home;
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   EndingHost host;
   RunSetting setting;
   setting.record = home.path() / "served.lsession";
@@ -249,10 +251,9 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
   screen.setChoices(choices);
   EXPECT_TRUE(screen.begin(*run, host));
   std::thread client([&] {
-    TestClient watcher(server->port());
-    watcher.watch();
+    Watcher watcher(server->port());
     watcher.send({{"type", "step"}});
-    std::unique_ptr<TestClient> other;
+    std::unique_ptr<Watcher> other;
     const auto steps = [&](const auto& expected) {
       return comes(
           watcher,
@@ -273,8 +274,7 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
       });
     };
     EXPECT_TRUE(steps([](const auto& m) { return m.kind == 2; })) << "no frame came";
-    other = std::make_unique<TestClient>(server->port());
-    other->watch();
+    other = std::make_unique<Watcher>(server->port());
     watcher.send(pointing("press", 0, 0, 0.0));
     watcher.send(pointing("press", 1, 1, 0.0));
     other->send(pointing("press", 0, 2, 0.0));
@@ -284,7 +284,7 @@ TEST(ServedRun, WhatClientsDragAndThrowReplaysTheSame) {
     EXPECT_TRUE(moved(0));
     other->send(pointing("drag", 0, 2, 0.5));
     EXPECT_TRUE(moved(2));
-    for (TestClient* one : {&watcher, other.get()}) one->send(pointing("drag", 1, 1, 0.5));
+    for (Watcher* one : {&watcher, other.get()}) one->send(pointing("drag", 1, 1, 0.5));
     EXPECT_TRUE(moved(1));
     watcher.send({{"type", "release"}, {"hand", 0}, {"velocity", {0, 2, 0}}});
     watcher.send({{"type", "release"}, {"hand", 1}});
@@ -372,8 +372,7 @@ void serveWalk(const std::string& recordings, const std::function<void(TestClien
   WindowOpener opener(cast, host, whyNot);
   opener.recordInto(recordings);
   std::thread client([&] {
-    TestClient watcher(server->port());
-    watcher.watch();
+    Watcher watcher(server->port());
     act(watcher);
     host.ended = true;
   });
@@ -402,8 +401,7 @@ Json messageOf(TestClient& client, const char* type, const std::function<bool(co
 
 /// A recording is begun and ended from the page, into the folder of the command and under a name of the server.
 TEST(ServedRun, ClientsRecordIntoTheFolderOfTheCommand) {
-  const test::TemporaryFolder home;
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   std::string name;
   serveWalk(home.path(), [&](TestClient& client) {
     client.send({{"type", "record"}, {"on", true}});
@@ -433,8 +431,7 @@ std::string bvhOfAPerson() {
 /// What a client sends is opened as what is dropped on a window: a motion is performed by the present character, a
 /// character performs the present motion.
 TEST(ServedRun, ClientsOpenTheirOwnFiles) {
-  const test::TemporaryFolder home;
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   WindowSettings owner;
   owner.recent = {home.write("own.bvh", bvhOfAPerson())};
   ASSERT_TRUE(writeWindowSettings(windowSettingsFile(), owner));
@@ -477,15 +474,13 @@ TEST(ServedRun, ClientsOpenTheirOwnFiles) {
     EXPECT_EQ(moved["name"].get<std::string>() + ".bvh", again);
   });
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(home.path() / "opened"), {}), 2) << "they are kept";
-  const Result<WindowSettings> kept = readWindowSettings(windowSettingsFile());
-  ASSERT_TRUE(kept.ok());
-  EXPECT_TRUE(*kept == owner) << "what others open and choose is not kept for the window";
+  const WindowSettings kept = test::valueOf(readWindowSettings(windowSettingsFile()));
+  EXPECT_TRUE(kept == owner) << "what others open and choose is not kept for the window";
 }
 
 /// The sentence of the reader comes to the page without the folder, the run goes on, and nothing is left of the file.
 TEST(ServedRun, BadFilesOfClientsAreASentenceAndAreRemoved) {
-  const test::TemporaryFolder home;
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   serveWalk(home.path(), [&](TestClient& client) {
     const std::string bvh = bvhOfAPerson();
     const std::vector<std::pair<const char*, std::string>> rows = {{"bvh", bvh.substr(0, bvh.size() / 3)},
@@ -510,8 +505,7 @@ TEST(ServedRun, BadFilesOfClientsAreASentenceAndAreRemoved) {
 }
 
 TEST(ServedRun, WhatIsWrittenOnceOpensNothing) {
-  const test::TemporaryFolder home;
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   serveWalk(
       home.path(),
       [&](TestClient& client) {
@@ -526,8 +520,7 @@ TEST(ServedRun, WhatIsWrittenOnceOpensNothing) {
 }
 
 TEST(ServedRun, WithoutAFolderNothingIsRecorded) {
-  const test::TemporaryFolder home;
-  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  const Home home;
   serveWalk("", [&](TestClient& client) {
     const Json state = messageOf(client, "state", [](const Json& each) { return each["seconds"] >= 0.0; });
     EXPECT_NE(state["no"]["record"], "");

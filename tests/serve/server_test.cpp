@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -28,6 +29,7 @@ namespace {
 using test::becomes;
 using test::TestClient;
 using test::valueOf;
+using test::Watcher;
 using Json = nlohmann::json;
 
 /// A served run of one figure that the test moves.
@@ -49,6 +51,16 @@ struct Stage {
     scene.particles = grains;
     server->next().take(scene, server->layers());
     server->publish();
+  }
+  /// The next ones, as many as come and no more.
+  [[nodiscard]] std::vector<Wish> wishes(std::size_t count) const {
+    std::vector<Wish> taken;
+    EXPECT_TRUE(becomes([&] {
+      server->takeWishes(taken);
+      return taken.size() == count;
+    }));
+    taken.resize(std::max(taken.size(), count));
+    return taken;
   }
 
   Skeleton skeleton = makeMannequin().skeleton;
@@ -141,8 +153,7 @@ TEST(Server, AClientGetsHelloThenPropsThenTheNewestFrames) {
 
 TEST(Server, FramesOfAnotherRunWaitForItsHello) {
   Stage stage;
-  TestClient client(stage.server->port());
-  client.watch();
+  Watcher client(stage.server->port());
   stage.show();
   EXPECT_EQ(client.next("frame").kind, 2);
   const auto other = std::make_shared<ServedCast>(*stage.cast);
@@ -158,25 +169,15 @@ TEST(Server, FramesOfAnotherRunWaitForItsHello) {
 
 TEST(Server, WishesComeInOrderWithTheirClient) {
   Stage stage;
-  TestClient one(stage.server->port()), other(stage.server->port());
-  one.watch();
-  other.watch();
+  Watcher one(stage.server->port()), other(stage.server->port());
   one.send({{"type", "pause"}, {"on", true}});
   one.send({{"type", "seek"}, {"to", 1.5}});
   one.send({{"type", "ack"}, {"frame", 1}});
-  std::vector<Wish> wishes;
-  EXPECT_TRUE(becomes([&] {
-    stage.server->takeWishes(wishes);
-    return wishes.size() == 2;
-  }));
+  std::vector<Wish> wishes = stage.wishes(2);
   EXPECT_EQ(wishes[0].kind, Wish::Kind::kPause);
   EXPECT_EQ(wishes[1].to, 1.5);
   other.send({{"type", "undo"}});
-  EXPECT_TRUE(becomes([&] {
-    stage.server->takeWishes(wishes);
-    return wishes.size() == 3;
-  }));
-  EXPECT_NE(wishes[2].client, wishes[0].client);
+  EXPECT_NE(stage.wishes(1)[0].client, wishes[0].client);
   one.send({{"type", "show"}, {"layers", {"hulls"}}});
   other.send({{"type", "show"}, {"layers", {"depth"}}});
   EXPECT_TRUE(becomes([&] { return stage.server->layers() == (served::kHulls | served::kDepth); }));
@@ -185,29 +186,18 @@ TEST(Server, WishesComeInOrderWithTheirClient) {
 TEST(Server, AClientThatLeavesLetsGo) {
   Stage stage;
   {
-    TestClient client(stage.server->port());
-    client.watch();
+    Watcher client(stage.server->port());
     client.send({{"type", "press"}, {"origin", {0, 1, 0}}, {"direction", {0, 0, 1}}, {"forward", {0, 0, 1}}});
-    EXPECT_TRUE(becomes([&] {
-      std::vector<Wish> wishes;
-      stage.server->takeWishes(wishes);
-      return wishes.size() == 1;
-    }));
+    (void)stage.wishes(1);
   }
-  std::vector<Wish> wishes;
-  EXPECT_TRUE(becomes([&] {
-    stage.server->takeWishes(wishes);
-    return !wishes.empty();
-  }));
-  EXPECT_EQ(wishes[0].kind, Wish::Kind::kGone);
+  EXPECT_EQ(stage.wishes(1)[0].kind, Wish::Kind::kGone);
   EXPECT_TRUE(becomes([&] { return stage.server->clients() == 0; }));
 }
 
 /// A client that misbehaves loses its connection, and nobody else notices.
 TEST(Server, ClientsThatMisbehaveLoseTheirConnection) {
   Stage stage;
-  TestClient good(stage.server->port());
-  good.watch();
+  Watcher good(stage.server->port());
   const std::vector<std::pair<const char*, std::function<void(TestClient&)>>> rows = {
       {"no JSON", [](TestClient& c) { c.sendFrame(0x81, "hello"); }},
       {"an unknown type",
@@ -242,9 +232,7 @@ TEST(Server, OneWhoReadsNothingIsDroppedAndTheOthersWatch) {
   ServeLimits limits;
   limits.writeSeconds = 0.2;
   Stage stage({}, limits);
-  TestClient asleep(stage.server->port()), awake(stage.server->port());
-  asleep.watch();
-  awake.watch();
+  Watcher asleep(stage.server->port()), awake(stage.server->port());
   ASSERT_TRUE(becomes([&] { return stage.server->clients() == 2; }));
   // Messages that it never reads, until the buffers of both kernels are full.
   const std::string text = R"({"type":"notice","text":")" + std::string(200'000, 'x') + R"("})";
@@ -326,8 +314,7 @@ TEST(Server, AReaderAt500KilobytesASecondGetsTheNewestFramesAndTheOthersAll) {
 TEST(Server, ASlowReaderGetsFewerParticles) {
   Stage stage;
   stage.grains.assign(8000, Vec3f::Zero());
-  TestClient client(stage.server->port());
-  client.watch();
+  Watcher client(stage.server->port());
   client.send({{"type", "show"}, {"layers", {"particles"}}});
   ASSERT_TRUE(becomes([&] { return stage.server->layers() == served::kParticles; }));
   const auto sent = [&](int milliseconds) {

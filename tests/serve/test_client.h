@@ -68,4 +68,9 @@ class TestClient {
 /// Waits until something is true, at most a minute. @return whether it is
 [[nodiscard]] bool becomes(const std::function<bool()>& what);
 
+/// A client that watches.
+struct Watcher : TestClient {
+  explicit Watcher(int port) : TestClient(port) { watch(); }
+};
+
 }  // namespace lorica::test

@@ -11,6 +11,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 #include <stdlib.h>
@@ -60,15 +61,15 @@ Session performance(SyntheticMotion motion, const SceneFile& scene) {
 
 void playToTheEnd(Session& session) {
   while (true) {
-    const Result<bool> more = session.step();
-    ASSERT_TRUE(more.ok()) << more.error().message;
-    if (!*more) return;
+    const bool more = test::valueOf(session.step());
+    if (!more) return;
     for (const Prop& prop : session.world().props()) ASSERT_TRUE(prop.worldFromProp.matrix().allFinite());
   }
 }
 
 TEST(SceneFile, EveryFieldIsRead) {
-  const Result<SceneFile> scene = parseScene(sceneWith(R"("name": "all", "gravity": [0, -1.5, 0.5], "floor": false,
+  const SceneFile scene =
+      test::valueOf(parseScene(sceneWith(R"("name": "all", "gravity": [0, -1.5, 0.5], "floor": false,
     "props": [
       {"shape": "box", "size": [0.2, 0.4, 0.6], "at": [1, 2, 3], "turn": [0, 90, 0], "mass": 2.5, "friction": 0.3,
        "restitution": 0.7, "color": "#ff8000", "velocity": [1, 0, -2]},
@@ -77,13 +78,12 @@ TEST(SceneFile, EveryFieldIsRead) {
       {"shape": "cylinder", "radius": 0.1, "height": 0.1, "at": [0, 3, 0], "fixed": true,
        "repeat": {"count": 3, "step": [0.5, 0, 0]}}],
     "chains": [{"from": [0, 5, 0], "to": [0, 4, 0], "links": 4, "radius": 0.02, "hung": "both"}])"),
-                                             "s.json");
-  ASSERT_TRUE(scene.ok()) << scene.error().message;
-  EXPECT_EQ(scene->name, "all");
-  EXPECT_EQ(scene->world.gravity, Vec3(0, -1.5, 0.5));
-  EXPECT_FALSE(scene->world.floor);
-  ASSERT_EQ(scene->props.size(), 3u + 3u + 4u);
-  const Prop& box = scene->props[0];
+                               "s.json"));
+  EXPECT_EQ(scene.name, "all");
+  EXPECT_EQ(scene.world.gravity, Vec3(0, -1.5, 0.5));
+  EXPECT_FALSE(scene.world.floor);
+  ASSERT_EQ(scene.props.size(), 3u + 3u + 4u);
+  const Prop& box = scene.props[0];
   EXPECT_EQ(box.shape, PropShape::kBox);
   EXPECT_LT((box.halfExtents - Vec3(0.1, 0.2, 0.3)).norm(), 1e-12);
   EXPECT_LT((box.worldFromProp * Vec3(0, 0, 1) - Vec3(2, 2, 3)).norm(), 1e-12) << "a quarter turn takes z to x";
@@ -93,16 +93,16 @@ TEST(SceneFile, EveryFieldIsRead) {
   EXPECT_EQ(box.velocity, Vec3(1, 0, -2));
   EXPECT_NEAR(box.color.x(), 1.0, 1e-6);
   EXPECT_NEAR(box.color.y(), 0.2158605, 1e-6) << "sRGB 128 in linear light (IEC 61966-2-1)";
-  EXPECT_EQ(scene->props[1].shape, PropShape::kSphere);
-  EXPECT_EQ(scene->props[2].shape, PropShape::kCapsule);
-  EXPECT_EQ(scene->props[2].halfExtents.y(), 0.25);
-  EXPECT_EQ(scene->props[5].shape, PropShape::kCylinder);
-  EXPECT_EQ(scene->props[5].mass, 0.0);
-  EXPECT_LT((scene->props[5].worldFromProp.translation() - Vec3(1, 3, 0)).norm(), 1e-12);
-  ASSERT_EQ(scene->links.size(), 5u) << "four upper ends and the last lower one";
-  EXPECT_EQ(scene->links[0].b, kWorldItself);
-  EXPECT_EQ(scene->links[4].b, kWorldItself);
-  EXPECT_LT((scene->links[4].position - Vec3(0, 4, 0)).norm(), 1e-12);
+  EXPECT_EQ(scene.props[1].shape, PropShape::kSphere);
+  EXPECT_EQ(scene.props[2].shape, PropShape::kCapsule);
+  EXPECT_EQ(scene.props[2].halfExtents.y(), 0.25);
+  EXPECT_EQ(scene.props[5].shape, PropShape::kCylinder);
+  EXPECT_EQ(scene.props[5].mass, 0.0);
+  EXPECT_LT((scene.props[5].worldFromProp.translation() - Vec3(1, 3, 0)).norm(), 1e-12);
+  ASSERT_EQ(scene.links.size(), 5u) << "four upper ends and the last lower one";
+  EXPECT_EQ(scene.links[0].b, kWorldItself);
+  EXPECT_EQ(scene.links[4].b, kWorldItself);
+  EXPECT_LT((scene.links[4].position - Vec3(0, 4, 0)).norm(), 1e-12);
 }
 
 TEST(SceneFile, WhatIsWrongIsNamed) {
@@ -155,34 +155,33 @@ TEST(SceneFile, WhatIsWrongIsNamed) {
 }
 
 TEST(SceneFile, RowsBendAndChainsSagOrCarryPlanks) {
-  const Result<SceneFile> scene = parseScene(sceneWith(R"("props": [
+  const SceneFile scene = test::valueOf(parseScene(sceneWith(R"("props": [
       {"shape": "box", "size": [0.1, 0.2, 0.3], "at": [1, 0, 0], "turn": [0, 10, 0], "target": "row",
        "repeat": {"count": 4, "step": [0, 0, 1], "turn": 90}}],
     "chains": [{"from": [0, 2, 0], "to": [0, 2, 4], "links": 4, "radius": 0.02, "width": 0.5, "hung": "both"},
                {"from": [0, 1, 0], "to": [0, 1, 4], "links": 4, "radius": 0.02, "sag": 0.5, "target": "rope"},
                {"from": [9, 1, 0], "to": [9, 0, 0], "links": 1, "width": 0.3, "target": "row"}])"),
-                                             "s.json");
-  ASSERT_TRUE(scene.ok()) << scene.error().message;
+                                                   "s.json"));
   // Four copies around a square, each turned by a quarter more.
   const Vec3 corners[] = {{1, 0, 0}, {2, 0, 0}, {2, 0, -1}, {1, 0, -1}};
   for (std::size_t i = 0; i < 4; ++i) {
-    const Isometry3& copy = scene->props[i].worldFromProp;
+    const Isometry3& copy = scene.props[i].worldFromProp;
     EXPECT_LT((copy.translation() - corners[i]).norm(), 1e-12) << i;
     const double angle = (10.0 + 90.0 * static_cast<double>(i)) * M_PI / 180.0;
     EXPECT_LT((copy.linear() * Vec3::UnitZ() - Vec3(std::sin(angle), 0.0, std::cos(angle))).norm(), 1e-12) << i;
   }
-  const Prop& plank = scene->props[4];
+  const Prop& plank = scene.props[4];
   EXPECT_EQ(plank.shape, PropShape::kBox);
   EXPECT_LT((plank.halfExtents - Vec3(0.25, 0.45, 0.02)).norm(), 1e-12) << "gaps of a tenth between planks";
   EXPECT_LT((plank.worldFromProp.linear() * Vec3::UnitY() - Vec3::UnitZ()).norm(), 1e-12);
   EXPECT_NEAR(std::abs((plank.worldFromProp.linear() * Vec3::UnitX()).x()), 1.0, 1e-12);
-  ASSERT_EQ(scene->links.size(), 10u + 4u + 2u) << "planks have two joints, at their sides";
-  EXPECT_NEAR((scene->links[0].position - scene->links[1].position).norm(), 0.5, 1e-12);
-  EXPECT_LT((scene->links[12].position - Vec3(0.0, 0.5, 2.0)).norm(), 1e-12) << "the lowest point of the sag";
-  ASSERT_EQ(scene->targets.size(), 2u);
-  EXPECT_EQ(scene->targets[0].name, "row");
-  EXPECT_EQ(scene->targets[0].props, (std::vector<int>{0, 1, 2, 3, 12}));
-  EXPECT_EQ(scene->targets[1].props, (std::vector<int>{8, 9, 10, 11}));
+  ASSERT_EQ(scene.links.size(), 10u + 4u + 2u) << "planks have two joints, at their sides";
+  EXPECT_NEAR((scene.links[0].position - scene.links[1].position).norm(), 0.5, 1e-12);
+  EXPECT_LT((scene.links[12].position - Vec3(0.0, 0.5, 2.0)).norm(), 1e-12) << "the lowest point of the sag";
+  ASSERT_EQ(scene.targets.size(), 2u);
+  EXPECT_EQ(scene.targets[0].name, "row");
+  EXPECT_EQ(scene.targets[0].props, (std::vector<int>{0, 1, 2, 3, 12}));
+  EXPECT_EQ(scene.targets[1].props, (std::vector<int>{8, 9, 10, 11}));
 }
 
 TEST(SceneFile, EachShapeHasKeysOfItsOwn) {
@@ -213,11 +212,10 @@ TEST(SceneFile, KeysThatStandTwiceAndDeepNestsAreRefused) {
 }
 
 TEST(SceneFile, EveryTruncatedPrefixFailsInASentence) {
-  const Result<std::string> text = readFile(scenesFolder() / "bowling.json");
-  ASSERT_TRUE(text.ok());
-  const std::size_t end = text->find_last_of('}');
+  const std::string text = test::valueOf(readFile(scenesFolder() / "bowling.json"));
+  const std::size_t end = text.find_last_of('}');
   for (std::size_t length = 0; length < end; length += 7) {
-    const Result<SceneFile> scene = parseScene(std::string_view(*text).substr(0, length), "cut.json");
+    const Result<SceneFile> scene = parseScene(std::string_view(text).substr(0, length), "cut.json");
     ASSERT_FALSE(scene.ok()) << length;
     EXPECT_EQ(scene.error().message.rfind("cut.json: ", 0), 0u);
   }
@@ -249,14 +247,13 @@ class SceneMeshes : public testing::Test {
 
 TEST_F(SceneMeshes, AMeshIsItsHullOrItsPartsAboutTheMiddleOfItsBounds) {
   put("l.obj", test::makeLShape());  // 2 x 2 x 1, volume 3, hull 3.5
-  const Result<SceneFile> scene = read(
+  const SceneFile scene = test::valueOf(read(
       R"({"shape": "mesh", "file": "l.obj", "scale": 0.1, "at": [0, 1, 0], "mass": 2},
          {"shape": "mesh", "file": "l.obj", "scale": 0.1, "parts": 4, "at": [1, 1, 0]},
          {"shape": "mesh", "file": "l.obj", "size": [0.4, 0.2, 0.3], "at": [2, 1, 0]},
-         {"shape": "mesh", "file": "l.obj", "scale": 0.1, "parts": 4, "at": [3, 1, 0], "fixed": true})");
-  ASSERT_TRUE(scene.ok()) << scene.error().message;
-  ASSERT_EQ(scene->props.size(), 4u);
-  const Prop& hull = scene->props[0];
+         {"shape": "mesh", "file": "l.obj", "scale": 0.1, "parts": 4, "at": [3, 1, 0], "fixed": true})"));
+  ASSERT_EQ(scene.props.size(), 4u);
+  const Prop& hull = scene.props[0];
   EXPECT_EQ(hull.shape, PropShape::kMesh);
   ASSERT_EQ(hull.mesh->hulls.size(), 1u);
   EXPECT_NEAR(hull.mesh->hulls[0].volume, 3.5e-3, 1e-9);
@@ -265,19 +262,19 @@ TEST_F(SceneMeshes, AMeshIsItsHullOrItsPartsAboutTheMiddleOfItsBounds) {
   std::sort(sides.begin(), sides.end());
   EXPECT_NEAR(sides[0], 0.05, 1e-9);
   EXPECT_NEAR(sides[2], 0.1, 1e-9);
-  const Prop& parts = scene->props[1];
+  const Prop& parts = scene.props[1];
   EXPECT_GE(parts.mesh->hulls.size(), 2u);
   double volume = 0.0;
   for (const ConvexHull& part : parts.mesh->hulls) volume += part.volume;
   EXPECT_NEAR(volume, 3e-3, 1e-6) << "an L is two boxes";
   EXPECT_NEAR(parts.mesh->solid.volume, 3e-3, 1e-9);
-  EXPECT_LT((scene->props[2].halfExtents - Vec3(0.2, 0.1, 0.15)).norm(), 1e-9);
-  EXPECT_EQ(scene->props[3].mesh, parts.mesh) << "made once";
-  for (const Prop& prop : scene->props) {
+  EXPECT_LT((scene.props[2].halfExtents - Vec3(0.2, 0.1, 0.15)).norm(), 1e-9);
+  EXPECT_EQ(scene.props[3].mesh, parts.mesh) << "made once";
+  for (const Prop& prop : scene.props) {
     const Aabb bounds = boundsOf(prop.mesh->shown.vertices);
     EXPECT_LT(bounds.center().norm(), 1e-12);
   }
-  World world = makeWorld(*scene);
+  World world = makeWorld(scene);
   for (int i = 0; i < 30; ++i) world.step({}, 1.0 / 30.0);
 }
 
@@ -434,9 +431,8 @@ TEST(ShippedScenes, TheCurtainIsPartedAndHangsOnItsBarAfterwards) {
     return (positionOn(link.a) - positionOn(link.b)).norm();
   };
   while (true) {
-    const Result<bool> more = session.step();
-    ASSERT_TRUE(more.ok());
-    if (!*more) break;
+    const bool more = test::valueOf(session.step());
+    if (!more) break;
     for (const Contact& contact : session.world().contacts()) touched.insert(contact.prop);
     for (const SceneFile::Link& link : scene.links) widestGap = std::max(widestGap, gapOf(link));
   }

@@ -1,4 +1,5 @@
 #include "session/scenes/scene_file.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -16,15 +17,14 @@ Result<SceneFile> sceneWith(const std::string& particles) {
 }
 
 TEST(SceneParticles, AreReadPouredAndSettle) {
-  const Result<SceneFile> scene = sceneWith(
+  const SceneFile scene = test::valueOf(sceneWith(
       R"("gravity": [0, -5, 0], "grains": {"radius": 0.02, "settle": 0.5, "color": "#ffffff",
          "fill": [{"at": [0, 0.1, 0], "size": [0.4, 0.2, 0.4], "count": 50}],
-         "pour": [{"at": [0, 1, 0], "radius": 0.1, "rate": 300, "count": 200}]})");
-  ASSERT_TRUE(scene.ok()) << scene.error().message;
-  ASSERT_TRUE(scene->particles.has_value());
-  EXPECT_DOUBLE_EQ(scene->particles->gravity.y(), -5.0);
-  EXPECT_EQ(scene->particles->color, Vec3f::Ones());
-  World world = makeWorld(*scene);
+         "pour": [{"at": [0, 1, 0], "radius": 0.1, "rate": 300, "count": 200}]})"));
+  ASSERT_TRUE(scene.particles.has_value());
+  EXPECT_DOUBLE_EQ(scene.particles->gravity.y(), -5.0);
+  EXPECT_EQ(scene.particles->color, Vec3f::Ones());
+  World world = makeWorld(scene);
   ASSERT_NE(world.particles(), nullptr);
   EXPECT_EQ(world.particles()->positions().size(), 50u);
   world.step({}, 1.0 / 30.0);
@@ -54,12 +54,11 @@ std::vector<double> arrivals(World& world, float height, int frames, double fram
 TEST(SceneParticles, APourIsAStreamAtAnyHeight) {
   for (const char* kind : {R"("grains": {"radius": 0.005,)", R"("water": {"spacing": 0.01, "viscosity": 0,)"}) {
     for (const char* velocity : {"[0, -2.5, 0]", "[0, -0.5, 0]"}) {
-      const Result<SceneFile> scene = sceneWith(
+      const SceneFile scene = test::valueOf(sceneWith(
           std::string(kind) + R"("pour": [{"at": [0, 3, 0], "radius": 0.3, "rate": 1000, "count": 1000, "velocity": )" +
-          velocity + "}]}");
-      ASSERT_TRUE(scene.ok()) << scene.error().message;
+          velocity + "}]}"));
       for (const float height : {2.8f, 1.5f}) {
-        World world = makeWorld(*scene);
+        World world = makeWorld(scene);
         const std::vector<double> times = arrivals(world, height, 30, 1.0 / 30.0);
         ASSERT_GE(times.size(), 250u);
         // One in each millisecond; a pour in slabs leaves gaps that are a good part of a frame.
@@ -72,11 +71,10 @@ TEST(SceneParticles, APourIsAStreamAtAnyHeight) {
 }
 
 TEST(SceneParticles, WaterStaysBetweenWalls) {
-  const Result<SceneFile> scene = sceneWith(
+  const SceneFile scene = test::valueOf(sceneWith(
       R"("water": {"spacing": 0.05, "walls": {"from": [-0.3, 0, -0.3], "to": [0.3, 0, 0.3]},
-         "fill": [{"at": [0, 0.3, 0], "size": [0.5, 0.5, 0.5]}]})");
-  ASSERT_TRUE(scene.ok()) << scene.error().message;
-  World world = makeWorld(*scene);
+         "fill": [{"at": [0, 0.3, 0], "size": [0.5, 0.5, 0.5]}]})"));
+  World world = makeWorld(scene);
   for (int i = 0; i < 30; ++i) world.step({}, 1.0 / 30.0);
   EXPECT_GT(world.particles()->positions().size(), 500u);
   for (const Vec3f& p : world.particles()->positions()) {

@@ -8,6 +8,7 @@
 #include "session/pose_source.h"
 #include "session/scenes/demo_scene.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -51,9 +52,8 @@ TEST(Session, RunsARecordingToItsEndAndThePersonTouchesProps) {
   std::size_t contactCount = 0;
   std::set<int> propsTouched;
   while (true) {
-    const Result<bool> more = session.step();
-    ASSERT_TRUE(more.ok()) << more.error().message;
-    if (!*more) break;
+    const bool more = test::valueOf(session.step());
+    if (!more) break;
     contactCount += session.world().contacts().size();
     for (const Contact& contact : session.world().contacts()) propsTouched.insert(contact.prop);
     for (const LivePart& part : session.body().parts()) {
@@ -165,21 +165,19 @@ TEST(Session, HullsOfAFewPointsHoldThePosedMeshInTheFramesThatTheyWereChosenIn) 
   const std::vector<Affine3> bones = bonesOf(frames);
   CoverSettings settings;
   settings.maxHullVertices = 40;
-  const Result<HullCover> cover = chooseCover(eightParts(), liftPoints(character, eightParts()),
-                                              {bones, character.skeleton.jointCount()}, {}, settings);
-  ASSERT_TRUE(cover.ok()) << cover.error().message;
-  Result<Session> session = Session::create(character, eightParts(), performed(frames), World(), *cover);
-  ASSERT_TRUE(session.ok()) << session.error().message;
-  EXPECT_EQ(session->body().coverage().maxHullVertices, 40);
-  EXPECT_EQ(session->body().coverage().growth, cover->growth);
+  const HullCover cover = test::valueOf(chooseCover(eightParts(), liftPoints(character, eightParts()),
+                                                    {bones, character.skeleton.jointCount()}, {}, settings));
+  Session session = test::valueOf(Session::create(character, eightParts(), performed(frames), World(), cover));
+  EXPECT_EQ(session.body().coverage().maxHullVertices, 40);
+  EXPECT_EQ(session.body().coverage().growth, cover.growth);
   int looked = 0;
-  while (*session->step()) {
-    for (std::size_t i = 0; i < session->body().parts().size(); ++i) {
-      const LivePart& part = session->body().parts()[i];
+  while (*session.step()) {
+    for (std::size_t i = 0; i < session.body().parts().size(); ++i) {
+      const LivePart& part = session.body().parts()[i];
       EXPECT_LE(part.shape.vertices.size(), 40u);
       std::vector<Vec3> points;
       for (PointIndex p : eightParts().parts[i].points) {
-        points.push_back(session->points()[p]);
+        points.push_back(session.points()[p]);
       }
       EXPECT_LT(largestViolation(worldHull(part), points), 1e-5 * character.height) << "part " << i;
       ++looked;
@@ -192,33 +190,32 @@ TEST(Session, TrainingDistanceIsThatOfTheSkinnedMesh) {
   std::vector<SkeletonFrame> frames = punches();
   const Character character = makeMannequin();
   const std::vector<SkeletalMotion> motions = {perform(character.skeleton, frames).value()};
-  const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, motions, 2);
-  ASSERT_TRUE(keyframes.ok());
+  const std::vector<Vec3> keyframes = test::valueOf(sampleKeyframes(character, motions, 2));
   TrainingRange range =
-      trainingRange(eightParts(), PoseView{*keyframes, static_cast<int>(character.mesh.vertices.size())});
+      trainingRange(eightParts(), PoseView{keyframes, static_cast<int>(character.mesh.vertices.size())});
   range.knownDistance = 0.05;
-  Result<Session> session = Session::create(character, eightParts(), performed(frames), World(), std::nullopt, range);
-  ASSERT_TRUE(session.ok()) << session.error().message;
-  EXPECT_FALSE(session->trainingDistance().has_value()) << "there is no pose yet";
-  EXPECT_FALSE(session->outsideKnownRange());
+  Session session =
+      test::valueOf(Session::create(character, eightParts(), performed(frames), World(), std::nullopt, range));
+  EXPECT_FALSE(session.trainingDistance().has_value()) << "there is no pose yet";
+  EXPECT_FALSE(session.outsideKnownRange());
   std::vector<Vec3> probes(range.probes.size());
   int outside = 0;
-  while (*session->step()) {
-    gatherProbes(range, session->points(), probes);
+  while (*session.step()) {
+    gatherProbes(range, session.points(), probes);
     const double expected = trainingDistance(range, probes);
-    ASSERT_TRUE(session->trainingDistance().has_value());
-    EXPECT_NEAR(*session->trainingDistance(), expected, 1.1e-6);  // computed in steps of a micrometre
+    ASSERT_TRUE(session.trainingDistance().has_value());
+    EXPECT_NEAR(*session.trainingDistance(), expected, 1.1e-6);  // computed in steps of a micrometre
     if (std::abs(expected - 0.05) > 1e-5) {
-      EXPECT_EQ(session->outsideKnownRange(), expected > 0.05);
+      EXPECT_EQ(session.outsideKnownRange(), expected > 0.05);
     }
-    outside += session->outsideKnownRange() ? 1 : 0;
+    outside += session.outsideKnownRange() ? 1 : 0;
     // The first and the last frame are the keyframes.
-    if (session->frameCount() == 1 || session->frameCount() == static_cast<int>(frames.size())) {
-      EXPECT_LT(*session->trainingDistance(), 2e-6);
+    if (session.frameCount() == 1 || session.frameCount() == static_cast<int>(frames.size())) {
+      EXPECT_LT(*session.trainingDistance(), 2e-6);
     }
   }
   EXPECT_GT(outside, 10) << "kicks are distant from standing";
-  EXPECT_LT(outside, session->frameCount());
+  EXPECT_LT(outside, session.frameCount());
   Session without = makeSession(frames);
   ASSERT_TRUE(*without.step());
   EXPECT_FALSE(without.trainingDistance().has_value());
@@ -257,14 +254,13 @@ TEST(Session, WhatTheSourceComplainsAboutIsHandedOn) {
    public:
     Result<std::optional<SkeletonFrame>> next() override { return Error{ErrorCode::kBadFormat, "line 7 is damaged"}; }
   };
-  Result<Session> session =
+  Session session = test::valueOf(
       Session::create(makeMannequin(), eightParts(),
-                      makeJointPoseSource(makeMannequin().skeleton, std::make_unique<BadSource>()).value(), World());
-  ASSERT_TRUE(session.ok());
-  const Result<bool> more = session->step();
+                      makeJointPoseSource(makeMannequin().skeleton, std::make_unique<BadSource>()).value(), World()));
+  const Result<bool> more = session.step();
   ASSERT_FALSE(more.ok());
   EXPECT_EQ(more.error().message, "line 7 is damaged");
-  EXPECT_EQ(session->frameCount(), 0);
+  EXPECT_EQ(session.frameCount(), 0);
 }
 
 }  // namespace

@@ -184,9 +184,14 @@ const std::vector<OverlayVertex>& OverlayMesh::moreBones(const Skeleton& skeleto
   constexpr std::array<Triangle, 8> kOctahedron = {
       {{2, 3, 1}, {3, 4, 1}, {4, 5, 1}, {5, 2, 1}, {3, 2, 0}, {4, 3, 0}, {5, 4, 0}, {2, 5, 0}}};
   const Look look = {Vec3f(0.055f, 0.085f, 0.15f), Vec3f(0.45f, 0.62f, 0.85f), 1.0, 1.0, 0.9, 0.0};
+  const auto places = [&](JointIndex joint) {  // the hips, or above them
+    JointIndex up = skeleton.jointOf(HumanBone::kHips);
+    while (up != kNoJoint && up != joint) up = skeleton.joint(up).parent;
+    return up == joint;
+  };
   for (JointIndex i = 0; i < skeleton.jointCount(); ++i) {
     const JointIndex parent = skeleton.joint(i).parent;
-    if (parent == kNoJoint) continue;
+    if (parent == kNoJoint || places(i)) continue;
     const Vec3 head = worldFromJoint[parent].translation();
     const Vec3 tail = worldFromJoint[i].translation();
     const double length = (tail - head).norm();

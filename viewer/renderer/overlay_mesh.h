@@ -45,7 +45,7 @@ class OverlayMesh {
   const std::vector<OverlayVertex>& insides(std::span<const HullFigure> figures, std::span<const Prop> props,
                                             const Vec3& eye);
 
-  /// Octahedra from each parent joint to its child.
+  /// Octahedra from each parent joint to its child. Down to the hips there are none: those joints place the character.
   const std::vector<OverlayVertex>& bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
                                           const Vec3& eye, float opacity = 1.0f);
   /// The same of a further figure, added to what bones() gave last.

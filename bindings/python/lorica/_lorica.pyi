@@ -262,7 +262,7 @@ class Player:
     def first_guess(self) -> str:
         """What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words."""
     def at(self, time: float) -> Frame:
-        """The Frame at any time [s], between two frames interpolated. Iteration goes on where it was."""
+        """The Frame at any time [s], between two frames interpolated; before the first and after the last the body keeps their pose. Iteration goes on where it was."""
     def motion(
         self, seconds: float
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

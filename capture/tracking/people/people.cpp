@@ -36,6 +36,7 @@ constexpr double kStillSeconds = 3.0;              // how long furniture may be 
 constexpr float kWholeShare = 0.85F;               // a surface of which the network affirms this share is left whole
 constexpr float kStrange = 0.75F, kKnown = 0.95F;  // share affirmed of a person below and above which the network does
                                                    // not, or does, know what they look like
+constexpr float kMerged = 1.3F;                    // whoever covers so much more than before has merged with the room
 constexpr int kNever = -1024;    // logit below which a cell near the fitted body does not become the person's
 constexpr float kBehind = 0.5F;  // whoever is this near to the line of sight through another is half behind them [m]
 constexpr int kUnlearns = 512;   // logit above which a cell of the background shows somebody
@@ -149,8 +150,9 @@ bool PeopleFinder::Impl::takeFurnitureOff() {
   for (std::size_t i = 0; i < label.size(); ++i) {
     if (label[i] < 0 || kinds[i] != CellKind::kUnknown) continue;
     const DepthComponent& one = all[label[i]];
-    const bool whole = isTooNear(one, grid) || one.affirmed > kWholeShare * one.cells ||
-                       (3 * one.affirmed < one.cells && !isOversize(one));
+    const bool whole =
+        isTooNear(one, grid) || one.affirmed > kWholeShare * one.cells ||
+        (3 * one.affirmed < one.cells && !isOversize(one) && one.area * one.affirmed < kMinVisibleArea * one.cells);
     if (whole || 3 * strange[label[i]] > one.cells || logits[i] >= (lastPerson[i] != 0 ? kLeaves : kJoins)) continue;
     kinds[i] = CellKind::kFurniture;
     any = true;
@@ -185,7 +187,10 @@ void PeopleFinder::Impl::measure() {
     if (!slot.used) continue;
     slot.seen = slot.cells >= kMinCells;
     if (slot.seen) {
-      slot.strange = slot.affirmed < (slot.strange ? kKnown : kStrange) * slot.cells;
+      // Whom no body explains yet, and who suddenly covers more, is not strange but connected to the room.
+      const bool merged = slot.cells > kMerged * slot.knownCells, affirmed = slot.affirmed > kStrange * slot.cells;
+      slot.strange = slot.confirmed && !merged && slot.affirmed < (slot.strange ? kKnown : kStrange) * slot.cells;
+      if (!merged || !slot.confirmed || affirmed) slot.knownCells = slot.cells;
       slot.usualCells = std::max(slot.cells, slot.usualCells - slot.usualCells / kUsualFrames);
       int above = 0, bin = kHeightBins;
       while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[--bin];
@@ -387,7 +392,8 @@ void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
     segment.middle = next->middle.cast<double>();
     segment.topHeight = next->top;
     segment.moved = next->moved;
-    segment.attached = next->attached;
+    // If the network knows somebody connected to the room, it is certain which pixels are theirs.
+    segment.attached = next->attached && (next->strange || next->affirmed < kStrange * next->cells);
     people.push_back(segment);
     numbers[next - slots.data()] = people.size();
   }

@@ -49,7 +49,7 @@ bool mayBePerson(const DepthComponent& one, const DepthGrid& grid, bool floorFou
 }
 
 bool mayBePartOfPerson(const DepthComponent& one) {
-  return one.area > 0.03 && 2 * one.newCells > one.cells && !isOversize(one);
+  return one.area > 0.03 && (2 * one.newCells > one.cells || isAffirmed(one)) && !isOversize(one);
 }
 
 bool hasHeadAndShoulders(const DepthGrid& grid, const FloorPositions& positions, std::span<const std::uint8_t> person,

@@ -181,7 +181,9 @@ void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
     }
     // What was a person's and is not their main piece stays theirs beside the room: a leg beside a chair.
     const bool piece = best >= 0 && 2 * one.overlap[best] > one.cells && !isMainPiece(one, slots[best].cells, best);
-    if (goesOnIntoBackground(one) && !piece && (best < 0 || !slots[best].attached)) {
+    // The network may waver about somebody whom it affirmed before.
+    const bool wavers = best >= 0 && 4 * one.affirmed > one.cells && 2 * one.overlap[best] > one.cells;
+    if (goesOnIntoBackground(one) && !piece && !wavers && (best < 0 || !slots[best].attached)) {
       owner_[i] = kScenery;
       continue;
     }

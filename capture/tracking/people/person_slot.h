@@ -25,6 +25,7 @@ struct PersonSlot {
   int newCells = 0;
   int affirmed = 0;                   ///< cells that the network takes for a person's
   bool strange = false;               ///< the network does not know what they look like
+  int knownCells = 0;                 ///< before they merged with the room
   int usualCells = 0;                 ///< the most cells, fading within seconds
   double born = 0.0, lastSeen = 0.0;  ///< [s]
   Vec3f middle = Vec3f::Zero();       ///< floor frame [m]

@@ -7,6 +7,7 @@
 
 #include <map>
 #include <string>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -15,6 +16,7 @@ using test::contradictions;
 using test::differences;
 using test::namesOf;
 using test::RigNames;
+using test::rigOf;
 using enum HumanBone;
 
 void expectBones(const std::filesystem::path& file, const std::map<HumanBone, std::string>& truth,
@@ -36,17 +38,8 @@ void expectBones(const std::filesystem::path& file, const std::map<HumanBone, st
 
 TEST(BvhBones, JumpingJacks) {
   LORICA_REQUIRE_DATASET(file, "bvh/animated_drawings/jumping_jacks.bvh");
-  const RigNames rig = {"",
-                        "",
-                        "Left",
-                        "Right",
-                        {"Hips", "lowerback", "Chest", "Chest2", "Neck", "Head"},
-                        {"%Hip", "%Knee", "%Ankle", "%Toe"},
-                        {"%Collar", "%Shoulder", "%Elbow", "%Wrist"},
-                        "",
-                        {},
-                        {}};
-  std::map<HumanBone, std::string> truth = namesOf(rig);
+  std::map<HumanBone, std::string> truth = namesOf(rigOf("", "", "Left,Right", "Hips,lowerback,Chest,Chest2,Neck,Head",
+                                                         "%Hip,%Knee,%Ankle,%Toe", "%Collar,%Shoulder,%Elbow,%Wrist"));
   truth[kLeftThumbMetacarpal] = "LThumb";
   truth[kRightThumbMetacarpal] = "RThumb";
   truth[kLeftMiddleProximal] = "LFingers";
@@ -56,49 +49,23 @@ TEST(BvhBones, JumpingJacks) {
 
 TEST(BvhBones, Zombie) {
   LORICA_REQUIRE_DATASET(file, "bvh/animated_drawings/zombie.bvh");
-  const RigNames rig = {"",
-                        "",
-                        "Left",
-                        "Right",
-                        {"Hips", "Spine", "Spine2", "Spine3", "Neck", "Head"},  // of four bones the third is the middle
-                        {"%UpLeg", "%Leg", "%Foot", "%ToeBase"},
-                        {"%Shoulder", "%Arm", "%ForeArm", "%Hand"},
-                        "",
-                        {},
-                        {}};
-  std::map<HumanBone, std::string> truth = namesOf(rig);
+  // Of four bones of the spine the third is the middle.
+  std::map<HumanBone, std::string> truth =
+      namesOf(rigOf("", "", "Left,Right", "Hips,Spine,Spine2,Spine3,Neck,Head", "%UpLeg,%Leg,%Foot,%ToeBase",
+                    "%Shoulder,%Arm,%ForeArm,%Hand"));
   truth[kLeftThumbMetacarpal] = "LeftHandThumb1";
   truth[kRightThumbMetacarpal] = "RightHandThumb1";
   expectBones(file, truth, "names (Mixamo)");
 }
 
-TEST(BvhBones, MakeHumanToday) {
-  LORICA_REQUIRE_DATASET(file, "bvh/makehuman/tpose.bvh");
-  const RigNames rig = {"",
-                        "",
-                        "L",
-                        "R",
-                        {"root", "spine05", "spine03", "spine01", "neck01", "head"},
-                        {"upperleg01.%", "lowerleg01.%", "foot.%", "toe2-1.%"},
-                        {"clavicle.%", "upperarm01.%", "lowerarm01.%", "wrist.%"},
-                        "finger@-#.%",
-                        {"1", "2", "3", "4", "5"},
-                        {"1", "2", "3"}};
-  expectBones(file, namesOf(rig), "names (MakeHuman)");
-}
-
-TEST(BvhBones, MakeHumanBefore) {
-  const RigNames rig = {"",
-                        "",
-                        "L",
-                        "R",
-                        {"Root", "Spine1", "Spine2", "Spine3", "Neck", "Head"},  // its Hips joint carries only the legs
-                        {"UpLeg_%", "LoLeg_%", "Foot_%", "Toe_%"},
-                        {"Clavicle_%", "UpArm_%", "LoArm_%", "Hand_%"},
-                        "@#_%",
-                        {"Thumb", "Index", "Middle", "Ring", "Pinky"},
-                        {"1", "2", "3"}};
-  for (const char* name : {"walk1", "zombieWalk1"}) {
+TEST(BvhBones, MakeHumanTodayAndBefore) {
+  const RigNames today =
+      rigOf("", "", "L,R", "root,spine05,spine03,spine01,neck01,head", "upperleg01.%,lowerleg01.%,foot.%,toe2-1.%",
+            "clavicle.%,upperarm01.%,lowerarm01.%,wrist.%", "finger@-#.%", "1,2,3,4,5");
+  // Its Hips joint carries only the legs.
+  const RigNames before = rigOf("", "", "L,R", "Root,Spine1,Spine2,Spine3,Neck,Head", "UpLeg_%,LoLeg_%,Foot_%,Toe_%",
+                                "Clavicle_%,UpArm_%,LoArm_%,Hand_%", "@#_%", "Thumb,Index,Middle,Ring,Pinky");
+  for (const auto& [name, rig] : {std::pair("tpose", today), {"walk1", before}, {"zombieWalk1", before}}) {
     LORICA_REQUIRE_DATASET(file, std::string("bvh/makehuman/") + name + ".bvh");
     expectBones(file, namesOf(rig), "names (MakeHuman)");
   }

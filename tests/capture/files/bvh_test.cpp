@@ -5,6 +5,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/capture/figures.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -59,14 +60,13 @@ const std::string kMotion = "MOTION\nFrames: 2\nFrame Time: 0.04\n1 2 3 0 0 0 0 
 
 /// Checks that a text gives the motion of kHierarchy + kMotion.
 void expectTheMotion(const std::string& text) {
-  const Result<BvhFile> file = parseBvh(text, "x.bvh");
-  ASSERT_TRUE(file) << file.error().message;
-  ASSERT_EQ(file->motion.frameCount(), 2);
-  EXPECT_DOUBLE_EQ(file->motion.times[1], 0.04);
-  EXPECT_EQ(file->motion.pose(0)[0].translation, Vec3(1, 2, 3));
-  EXPECT_EQ(file->motion.pose(1)[0].translation, Vec3(1.5, 2, 3));
-  EXPECT_EQ(file->motion.pose(1)[1].translation, Vec3(0, 0.75, 0));
-  EXPECT_LT((file->motion.pose(1)[0].rotation * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12);
+  const BvhFile file = test::valueOf(parseBvh(text, "x.bvh"));
+  ASSERT_EQ(file.motion.frameCount(), 2);
+  EXPECT_DOUBLE_EQ(file.motion.times[1], 0.04);
+  EXPECT_EQ(file.motion.pose(0)[0].translation, Vec3(1, 2, 3));
+  EXPECT_EQ(file.motion.pose(1)[0].translation, Vec3(1.5, 2, 3));
+  EXPECT_EQ(file.motion.pose(1)[1].translation, Vec3(0, 0.75, 0));
+  EXPECT_LT((file.motion.pose(1)[0].rotation * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12);
 }
 
 void expectRefused(const std::string& text, const std::string& sentence) {
@@ -115,12 +115,11 @@ TEST(Bvh, WritersHaveTheirOwnWays) {
 }
 
 TEST(Bvh, NamesMayHaveBlanksAndColons) {
-  const Result<BvhFile> file = parseBvh(replaced(with(kMotion), "JOINT Spine", "JOINT  mixamorig:Left Up Leg\t"), "x");
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->motion.skeleton.joint(1).name, "mixamorig:Left Up Leg");
-  const Result<BvhFile> unnamed = parseBvh(replaced(with(kMotion), "JOINT Spine", "JOINT"), "x");
-  ASSERT_TRUE(unnamed) << unnamed.error().message;
-  EXPECT_EQ(unnamed->motion.skeleton.joint(1).name, "joint2");
+  const BvhFile file =
+      test::valueOf(parseBvh(replaced(with(kMotion), "JOINT Spine", "JOINT  mixamorig:Left Up Leg\t"), "x"));
+  EXPECT_EQ(file.motion.skeleton.joint(1).name, "mixamorig:Left Up Leg");
+  const BvhFile unnamed = test::valueOf(parseBvh(replaced(with(kMotion), "JOINT Spine", "JOINT"), "x"));
+  EXPECT_EQ(unnamed.motion.skeleton.joint(1).name, "joint2");
 }
 
 TEST(Bvh, FrameCountsMayBeWrong) {
@@ -139,23 +138,21 @@ TEST(Bvh, FrameCountsMayBeWrong) {
 
 TEST(Bvh, ChannelsThatAreNotKnownStayAsTheyWere) {
   const std::string head = "MOTION\nFrames: 3\nFrame Time: 0.04\n";
-  const Result<BvhFile> file =
-      parseBvh(with(head + "nan 2 3 0 0 0 nan 0 0\n1 NaN 3 90 0 0 nan 0 0\n-nan(ind) 2 4 nan 0 0 NAN 0 0\n"), "x");
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_TRUE(anyNote(*file, "7 numbers are NaN"));
-  ASSERT_EQ(file->motion.frameCount(), 3);
-  EXPECT_EQ(file->motion.pose(0)[0].translation, Vec3(1, 2, 3));
-  EXPECT_EQ(file->motion.pose(1)[0].translation, Vec3(1, 2, 3));
-  EXPECT_EQ(file->motion.pose(2)[0].translation, Vec3(1, 2, 4));
-  EXPECT_EQ(file->motion.pose(2)[0].rotation.coeffs(), file->motion.pose(1)[0].rotation.coeffs());
-  for (int f = 0; f < 3; ++f) EXPECT_EQ(file->motion.pose(f)[1].rotation.coeffs(), Quat::Identity().coeffs());
+  const BvhFile file = test::valueOf(
+      parseBvh(with(head + "nan 2 3 0 0 0 nan 0 0\n1 NaN 3 90 0 0 nan 0 0\n-nan(ind) 2 4 nan 0 0 NAN 0 0\n"), "x"));
+  EXPECT_TRUE(anyNote(file, "7 numbers are NaN"));
+  ASSERT_EQ(file.motion.frameCount(), 3);
+  EXPECT_EQ(file.motion.pose(0)[0].translation, Vec3(1, 2, 3));
+  EXPECT_EQ(file.motion.pose(1)[0].translation, Vec3(1, 2, 3));
+  EXPECT_EQ(file.motion.pose(2)[0].translation, Vec3(1, 2, 4));
+  EXPECT_EQ(file.motion.pose(2)[0].rotation.coeffs(), file.motion.pose(1)[0].rotation.coeffs());
+  for (int f = 0; f < 3; ++f) EXPECT_EQ(file.motion.pose(f)[1].rotation.coeffs(), Quat::Identity().coeffs());
 }
 
 TEST(Bvh, AFrameCutShortIsLeftOut) {
-  const Result<BvhFile> file = parseBvh(with(kMotion) + "1 2 3 4\n", "x");
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->motion.frameCount(), 2);
-  EXPECT_TRUE(anyNote(*file, "line 21: the last frame lacks 5 of 9 numbers and is omitted"));
+  const BvhFile file = test::valueOf(parseBvh(with(kMotion) + "1 2 3 4\n", "x"));
+  EXPECT_EQ(file.motion.frameCount(), 2);
+  EXPECT_TRUE(anyNote(file, "line 21: the last frame lacks 5 of 9 numbers and is omitted"));
 }
 
 TEST(Bvh, FramesMayGoOnOverSeveralLines) {
@@ -166,10 +163,10 @@ TEST(Bvh, FramesMayGoOnOverSeveralLines) {
 
 TEST(Bvh, FrameTimesBeyondBeliefAreThirtiethsOfASecond) {
   for (const char* time : {"0", "0.0", "-1", "1e-9", "33.3", "nan"}) {
-    const Result<BvhFile> file = parseBvh(replaced(with(kMotion), "Time: 0.04", fmt::format("Time: {}", time)), "x");
-    ASSERT_TRUE(file) << file.error().message;
-    EXPECT_DOUBLE_EQ(file->motion.times[1], 1.0 / 30.0) << time;
-    EXPECT_TRUE(anyNote(*file, "is replaced by 1/30 s")) << time;
+    const BvhFile file =
+        test::valueOf(parseBvh(replaced(with(kMotion), "Time: 0.04", fmt::format("Time: {}", time)), "x"));
+    EXPECT_DOUBLE_EQ(file.motion.times[1], 1.0 / 30.0) << time;
+    EXPECT_TRUE(anyNote(file, "is replaced by 1/30 s")) << time;
   }
 }
 
@@ -263,12 +260,11 @@ TEST(Bvh, SeveralRootsAndJointsOfNoLength) {
                   "ROOT Prop\n{\nOFFSET 0 0 0\nCHANNELS 1 Xposition\nJOINT p\n{\nOFFSET 0 0 0\n}\n}\nMOTION\n");
   text = replaced(text, "0 0 0\n1.5", "0 0 0 7\n1.5");
   text.insert(text.size() - 1, " 8");
-  const Result<BvhFile> file = parseBvh(text, "x");
-  ASSERT_TRUE(file) << file.error().message;
-  ASSERT_EQ(file->motion.skeleton.jointCount(), 4);
-  EXPECT_EQ(file->motion.skeleton.joint(2).parent, kNoJoint);
-  EXPECT_EQ(file->motion.pose(1)[2].translation, Vec3(8, 0, 0));
-  EXPECT_EQ(file->motion.pose(1)[3].translation, Vec3(0, 0, 0));
+  const BvhFile file = test::valueOf(parseBvh(text, "x"));
+  ASSERT_EQ(file.motion.skeleton.jointCount(), 4);
+  EXPECT_EQ(file.motion.skeleton.joint(2).parent, kNoJoint);
+  EXPECT_EQ(file.motion.pose(1)[2].translation, Vec3(8, 0, 0));
+  EXPECT_EQ(file.motion.pose(1)[3].translation, Vec3(0, 0, 0));
 }
 
 TEST(Bvh, TheUnitIsTheOneThatMakesAPerson) {
@@ -311,9 +307,8 @@ TEST(Bvh, PositionsBelowTheRootReplaceOffsetsOrAddToThem) {
 TEST(Bvh, ARootThatNeverMovesStaysAtItsOffset) {
   std::string text = replaced(with(kMotion), "Hips\n{\n  OFFSET 0 0 0", "Hips\n{\n  OFFSET 0 0.9 0");
   text = replaced(replaced(text, "1 2 3", "0 0 0"), "1.5 2 3", "0 0 0");
-  const Result<BvhFile> file = parseBvh(text, "x");
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->motion.pose(1)[0].translation, Vec3(0, 0.9, 0));
+  const BvhFile file = test::valueOf(parseBvh(text, "x"));
+  EXPECT_EQ(file.motion.pose(1)[0].translation, Vec3(0, 0.9, 0));
 }
 
 TEST(Bvh, WhatTheFuzzerStartsFromIsReadOrRefused) {
@@ -442,13 +437,12 @@ class SharedBvh : public ::testing::TestWithParam<SharedFile> {};
 TEST_P(SharedBvh, PositionsEqualAProductOfMatrices) {
   const SharedFile& expected = GetParam();
   LORICA_REQUIRE_DATASET(path, expected.path);
-  const Result<BvhFile> file = readBvh(path);
-  ASSERT_TRUE(file) << file.error().message;
-  const SkeletalMotion& motion = file->motion;
+  const BvhFile file = test::valueOf(readBvh(path));
+  const SkeletalMotion& motion = file.motion;
   EXPECT_EQ(motion.skeleton.jointCount(), expected.joints);
   EXPECT_EQ(motion.frameCount(), expected.frames);
-  EXPECT_EQ(file->unit, expected.unit);
-  EXPECT_EQ(file->firstGuess.at(2), expected.zUp ? "Z is up, rotated so that Y is up" : "Y is up");
+  EXPECT_EQ(file.unit, expected.unit);
+  EXPECT_EQ(file.firstGuess.at(2), expected.zUp ? "Z is up, rotated so that Y is up" : "Y is up");
   const SlowBvh slow(path);
   ASSERT_EQ(slow.rows.size(), motion.times.size());
   for (std::size_t f = 0; f < slow.rows.size(); f += 7) {
@@ -457,7 +451,7 @@ TEST_P(SharedBvh, PositionsEqualAProductOfMatrices) {
     const std::vector<Affine3> world = test::worldOf(motion.skeleton, Pose(pose.begin(), pose.end()));
     ASSERT_EQ(positions.size(), world.size());
     for (std::size_t j = 0; j < positions.size(); ++j) {
-      Vec3 position = file->metresPerUnit * positions[j];
+      Vec3 position = file.metresPerUnit * positions[j];
       if (expected.zUp) position = Vec3(position.x(), position.z(), -position.y());
       ASSERT_LT((world[j].translation() - position).norm(), 1e-9) << "frame " << f << " joint " << j;
     }
@@ -525,12 +519,11 @@ TEST(BvhWriter, ReadingWhatWasWrittenGivesTheSamePositions) {
     const std::filesystem::path file = folder.path() / "out.bvh";
     const Result<void> written = writeBvh(file, motion);
     ASSERT_TRUE(written) << written.error().message;
-    const Result<BvhFile> read = readBvh(file);
-    ASSERT_TRUE(read) << read.error().message;
-    EXPECT_EQ(read->unit, "centimetres");
-    ASSERT_EQ(read->motion.frameCount(), motion.frameCount());
-    EXPECT_NEAR(read->motion.times.back(), motion.times.back(), 1e-6);
-    EXPECT_LT(largestDistance(motion, read->motion), 1e-4);
+    const BvhFile read = test::valueOf(readBvh(file));
+    EXPECT_EQ(read.unit, "centimetres");
+    ASSERT_EQ(read.motion.frameCount(), motion.frameCount());
+    EXPECT_NEAR(read.motion.times.back(), motion.times.back(), 1e-6);
+    EXPECT_LT(largestDistance(motion, read.motion), 1e-4);
   }
 }
 
@@ -538,15 +531,13 @@ TEST(BvhWriter, SharedFilesGoRound) {
   for (const char* path : {"bvh/animated_drawings/jumping_jacks.bvh", "bvh/makehuman/zombieWalk1.bvh"}) {
     LORICA_REQUIRE_DATASET(file, path);
     const test::TemporaryFolder folder;
-    const Result<BvhFile> first = readBvh(file);
-    ASSERT_TRUE(first) << first.error().message;
-    ASSERT_TRUE(writeBvh(folder.path() / "out.bvh", first->motion));
-    const Result<BvhFile> second = readBvh(folder.path() / "out.bvh");
-    ASSERT_TRUE(second) << second.error().message;
-    EXPECT_EQ(second->unit, "centimetres");
-    EXPECT_FALSE(anyNote(*second, "rotated"));
-    ASSERT_EQ(second->motion.frameCount(), first->motion.frameCount());
-    EXPECT_LT(largestDistance(first->motion, second->motion), 1e-4);
+    const BvhFile first = test::valueOf(readBvh(file));
+    ASSERT_TRUE(writeBvh(folder.path() / "out.bvh", first.motion));
+    const BvhFile second = test::valueOf(readBvh(folder.path() / "out.bvh"));
+    EXPECT_EQ(second.unit, "centimetres");
+    EXPECT_FALSE(anyNote(second, "rotated"));
+    ASSERT_EQ(second.motion.frameCount(), first.motion.frameCount());
+    EXPECT_LT(largestDistance(first.motion, second.motion), 1e-4);
   }
 }
 
@@ -561,11 +552,10 @@ TEST(BvhWriter, UnevenTimesBecomeEven) {
     motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());
   }
   ASSERT_TRUE(writeBvh(folder.path() / "out.bvh", motion));
-  const Result<BvhFile> read = readBvh(folder.path() / "out.bvh");
-  ASSERT_TRUE(read) << read.error().message;
+  const BvhFile read = test::valueOf(readBvh(folder.path() / "out.bvh"));
   for (int f = 0; f < 4; ++f) {
-    EXPECT_NEAR(read->motion.times[f], 0.1 * f, 1e-9);
-    EXPECT_NEAR(read->motion.pose(f)[0].translation.x(), 0.1 * f, 1e-6);
+    EXPECT_NEAR(read.motion.times[f], 0.1 * f, 1e-9);
+    EXPECT_NEAR(read.motion.pose(f)[0].translation.x(), 0.1 * f, 1e-6);
   }
 }
 

@@ -4,6 +4,7 @@
 #include "geometry/counts.h"
 #include "tests/capture/files/joint_files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -87,15 +88,14 @@ TEST(JointColumns, AreReadByTheirNames) {
   for (const Program& program : programs) {
     const std::string text = fileOf(program, truth);
     SCOPED_TRACE(text.substr(0, 60));
-    const Result<JointStream> stream = parseJointStream(text, "walk.csv");
-    ASSERT_TRUE(stream) << stream.error().message;
-    EXPECT_EQ(stream->format, JointFormat::kNamedColumns);
-    ASSERT_EQ(stream->frames.size(), truth.size());
-    const Vec3 moved = stream->frames[0][J::kHead].position - truth[0][J::kHead].position;
-    for (std::size_t f = 0; f < stream->frames.size(); ++f) {
-      EXPECT_NEAR(stream->frames[f].time, truth[f].time, 2e-4);
+    const JointStream stream = test::valueOf(parseJointStream(text, "walk.csv"));
+    EXPECT_EQ(stream.format, JointFormat::kNamedColumns);
+    ASSERT_EQ(stream.frames.size(), truth.size());
+    const Vec3 moved = stream.frames[0][J::kHead].position - truth[0][J::kHead].position;
+    for (std::size_t f = 0; f < stream.frames.size(); ++f) {
+      EXPECT_NEAR(stream.frames[f].time, truth[f].time, 2e-4);
       for (int j = 0; j < kBodyJointCount; ++j) {
-        const TrackedJoint& joint = stream->frames[f].joints[j];
+        const TrackedJoint& joint = stream.frames[f].joints[j];
         EXPECT_EQ(joint.confidence, 1.0);
         EXPECT_LT((joint.position - truth[f].joints[j].position - moved).norm(), 1e-5) << f << " " << j;
       }
@@ -115,19 +115,17 @@ constexpr std::string_view kLegs = "0.1,0.9,2,-0.1,0.9,2,0.1,0.1,2,-0.1,0.1,2";
 TEST(JointColumns, MayBeFewAndWithoutAnkles) {
   const std::string text =
       fmt::format("{}\n{}{}", kSix, rowOf("1", "0,1.6,2", "0,1.4,2", kLegs), rowOf("2", "0,1.6,2", "0,1.4,2", kLegs));
-  const Result<JointStream> stream = parseJointStream(text, "x");
-  ASSERT_TRUE(stream) << stream.error().message;
-  EXPECT_NEAR(stream->frames[1].time, 1.0, 1e-12);
-  EXPECT_NEAR(stream->frames[0][J::kLeftFoot].position.y(), 0.08, 1e-12);
-  EXPECT_NEAR(stream->frames[0][J::kHead].position.y(), 1.58, 1e-12);
+  const JointStream stream = test::valueOf(parseJointStream(text, "x"));
+  EXPECT_NEAR(stream.frames[1].time, 1.0, 1e-12);
+  EXPECT_NEAR(stream.frames[0][J::kLeftFoot].position.y(), 0.08, 1e-12);
+  EXPECT_NEAR(stream.frames[0][J::kHead].position.y(), 1.58, 1e-12);
 }
 
 TEST(JointColumns, MayStandBelowRemarks) {
   const std::string rows = rowOf("1", "0,1.6,2", "0,1.4,2", kLegs) + rowOf("2", "0,1.6,2", "0,1.4,2", kLegs);
   for (const std::string_view before : {"# ", "Recorded by a program\n\nsubject,7\n", "%rate 30\r\n#"}) {
-    const Result<JointStream> stream = parseJointStream(fmt::format("{}{}\n{}", before, kSix, rows), "x");
-    ASSERT_TRUE(stream) << stream.error().message;
-    EXPECT_EQ(stream->frames.size(), 2u);
+    const JointStream stream = test::valueOf(parseJointStream(fmt::format("{}{}\n{}", before, kSix, rows), "x"));
+    EXPECT_EQ(stream.frames.size(), 2u);
   }
   EXPECT_EQ(parseJointStream(fmt::format("a remark\n#{}\n{}", kSix, "1,2\n" + rows), "x").error().message,
             "x, line 3: found 2 fields, expected 19 as in the header");
@@ -273,12 +271,11 @@ TEST(JointColumns, OfLandmarksAreReadByNameOrNumber) {
       }
     }
     SCOPED_TRACE(text.substr(0, 60));
-    const Result<JointStream> stream = parseJointStream(text + "\n", "walk.csv");
-    ASSERT_TRUE(stream) << stream.error().message;
-    EXPECT_EQ(stream->firstGuess.at(0), exporter.guess);
-    ASSERT_EQ(stream->frames.size(), truth.size());
+    const JointStream stream = test::valueOf(parseJointStream(text + "\n", "walk.csv"));
+    EXPECT_EQ(stream.firstGuess.at(0), exporter.guess);
+    ASSERT_EQ(stream.frames.size(), truth.size());
     for (std::size_t f = 0; f < truth.size(); ++f) {
-      const SkeletonFrame& read = stream->frames[f];
+      const SkeletonFrame& read = stream.frames[f];
       EXPECT_NEAR(read.time, truth[f].time, 1e-3);
       const Vec3 moved = read[J::kRightHip].position - truth[f][J::kRightHip].position;
       for (int j = 0; j < kBodyJointCount; ++j) {
@@ -310,10 +307,9 @@ TEST(JointColumns, MayBeALandmarkPerRow) {
         }
       }
     }
-    const Result<JointStream> stream = parseJointStream(text, "walk.csv");
-    ASSERT_TRUE(stream) << stream.error().message;
-    EXPECT_EQ(stream->people, (std::vector<int>{1, 2}));
-    ASSERT_EQ(stream->frames.size(), truth.size());
+    const JointStream stream = test::valueOf(parseJointStream(text, "walk.csv"));
+    EXPECT_EQ(stream.people, (std::vector<int>{1, 2}));
+    ASSERT_EQ(stream.frames.size(), truth.size());
     const auto arm = [](const SkeletonFrame& frame) {
       return Vec3(frame[J::kLeftElbow].position - frame[J::kLeftShoulder].position);
     };
@@ -333,12 +329,11 @@ TEST(JointColumns, FingersThatAProgramFilledInMoveNoHand) {
       text += fmt::format(",{},{},{}", p.x(), p.y(), p.z());
     }
   }
-  const Result<JointStream> stream = parseJointStream(text + "\n", "walk.csv");
-  ASSERT_TRUE(stream) << stream.error().message;
+  const JointStream stream = test::valueOf(parseJointStream(text + "\n", "walk.csv"));
   const auto arm = [](const SkeletonFrame& frame) {
     return Vec3(frame[J::kLeftHand].position - frame[J::kLeftShoulder].position);
   };
-  EXPECT_LT((arm(stream->frames[10]) - arm(truth[10])).norm(), 1e-5);
+  EXPECT_LT((arm(stream.frames[10]) - arm(truth[10])).norm(), 1e-5);
 }
 
 TEST(JointColumns, UpMayBeAnyAxis) {
@@ -360,10 +355,9 @@ TEST(JointColumns, UpMayBeAnyAxis) {
         text += fmt::format(",{},{},{}", p.x(), p.y(), p.z());
       }
     }
-    const Result<JointStream> stream = parseJointStream(text + "\n", "walk.csv");
-    ASSERT_TRUE(stream) << stream.error().message;
-    EXPECT_TRUE(stream->firstGuess.at(1).starts_with(guess)) << stream->firstGuess.at(1);
-    const SkeletonFrame& read = stream->frames[25];
+    const JointStream stream = test::valueOf(parseJointStream(text + "\n", "walk.csv"));
+    EXPECT_TRUE(stream.firstGuess.at(1).starts_with(guess)) << stream.firstGuess.at(1);
+    const SkeletonFrame& read = stream.frames[25];
     const Vec3 moved = read[J::kTorso].position - truth[25][J::kTorso].position;
     for (int j = 0; j < kBodyJointCount; ++j) {
       EXPECT_LT((read.joints[j].position - truth[25].joints[j].position - moved).norm(), 1e-5) << guess << " " << j;
@@ -393,16 +387,15 @@ TEST(AzureJson, GivesThePerformance) {
       R"("joint_names": ["HEAD", "NECK", "SPINE_NAVEL", "SHOULDER_LEFT", "SHOULDER_RIGHT", "ELBOW_LEFT", "ELBOW_RIGHT",
       "HAND_LEFT", "HAND_RIGHT", "HIP_LEFT", "HIP_RIGHT", "KNEE_LEFT", "KNEE_RIGHT", "ANKLE_LEFT", "ANKLE_RIGHT"], )";
   const std::string text = fileOf(names, "mm");
-  const Result<JointStream> stream = parseJointStream(text, "walk.json");
-  ASSERT_TRUE(stream) << stream.error().message;
-  EXPECT_EQ(stream->format, JointFormat::kAzureJson);
-  EXPECT_EQ(stream->firstGuess.at(0), "millimetres, since the body measures 1740 (1.74 m)");
-  ASSERT_EQ(stream->frames.size(), truth.size());
+  const JointStream stream = test::valueOf(parseJointStream(text, "walk.json"));
+  EXPECT_EQ(stream.format, JointFormat::kAzureJson);
+  EXPECT_EQ(stream.firstGuess.at(0), "millimetres, since the body measures 1740 (1.74 m)");
+  ASSERT_EQ(stream.frames.size(), truth.size());
   for (std::size_t f = 0; f < truth.size(); ++f) {
-    EXPECT_NEAR(stream->frames[f].time, truth[f].time, 2e-6);
-    const Vec3 moved = stream->frames[0][J::kHead].position - truth[0][J::kHead].position;
+    EXPECT_NEAR(stream.frames[f].time, truth[f].time, 2e-6);
+    const Vec3 moved = stream.frames[0][J::kHead].position - truth[0][J::kHead].position;
     for (int j = 0; j < kBodyJointCount; ++j) {
-      EXPECT_LT((stream->frames[f].joints[j].position - truth[f].joints[j].position - moved).norm(), 1e-5);
+      EXPECT_LT((stream.frames[f].joints[j].position - truth[f].joints[j].position - moved).norm(), 1e-5);
     }
   }
   const std::tuple<std::string, std::string_view> cases[] = {
@@ -452,8 +445,7 @@ TEST(JointColumns, DamagedFilesGiveASentenceOrSoundJoints) {
   std::mt19937 random(40);
   constexpr std::string_view kSigns = "0123456789.,;:- \t\n\re+xyzNav{}[]\"#";
   for (const std::string& text : {world + "\n", picture + "\n", rows + "\n", json}) {
-    const Result<JointStream> whole = parseJointStream(text, "x");
-    ASSERT_TRUE(whole) << whole.error().message;
+    const JointStream whole = test::valueOf(parseJointStream(text, "x"));
     for (int round = 0; round < 250; ++round) {
       std::string damaged = text;
       for (unsigned hits = 1 + random() % 3; hits > 0; --hits) {

@@ -3,6 +3,7 @@
 #include "geometry/files.h"
 #include "tests/capture/figures.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -118,33 +119,30 @@ TEST(JointCsv, BadFilesAreRefusedWithLineAndColumn) {
 
 TEST(JointCsv, QuaternionsThatAreNearlyUnitAreNormalised) {
   const TemporaryFolder folder;
-  const auto near = readJointCsv(folder.write("near.csv", header() + "\n" + rowWith("0,0,0,0.995")));
-  ASSERT_TRUE(near) << near.error().message;
-  ASSERT_TRUE((*near)[0][BodyJoint::kHead].orientation);
-  EXPECT_DOUBLE_EQ((*near)[0][BodyJoint::kHead].orientation->w(), 1.0);
-  EXPECT_FALSE((*near)[0][BodyJoint::kNeck].orientation);
+  const auto near = test::valueOf(readJointCsv(folder.write("near.csv", header() + "\n" + rowWith("0,0,0,0.995"))));
+  ASSERT_TRUE(near[0][BodyJoint::kHead].orientation);
+  EXPECT_DOUBLE_EQ(near[0][BodyJoint::kHead].orientation->w(), 1.0);
+  EXPECT_FALSE(near[0][BodyJoint::kNeck].orientation);
 }
 
 TEST(JointCsv, TheUserWithMostFramesIsKept) {
   const TemporaryFolder folder;
-  const auto max = readJointCsv(
-      folder.write("two.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "3") + "\n" + row("2", "3") + "\n"));
-  ASSERT_TRUE(max) << max.error().message;
-  ASSERT_EQ(max->size(), 2u);
-  EXPECT_EQ(max->front().user, 3);
-  const auto tie = readJointCsv(folder.write("tie.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "-3")));
-  ASSERT_TRUE(tie);
-  EXPECT_EQ(tie->front().user, 7);
+  const auto max = test::valueOf(readJointCsv(
+      folder.write("two.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "3") + "\n" + row("2", "3") + "\n")));
+  ASSERT_EQ(max.size(), 2u);
+  EXPECT_EQ(max.front().user, 3);
+  const auto tie =
+      test::valueOf(readJointCsv(folder.write("tie.csv", header() + "\n" + row("5", "7") + "\n" + row("1", "-3"))));
+  EXPECT_EQ(tie.front().user, 7);
 }
 
 TEST(JointCsv, ByteOrderMarkCarriageReturnsAndBlankEndAreAccepted) {
   const TemporaryFolder folder;
-  const auto frames = readJointCsv(folder.write(
-      "walk.csv", "\xef\xbb\xbf" + header() + "\r\n" + row("0", "1") + "\r\n" + row("0.5", "1") + "\r\n\r\n\n"));
-  ASSERT_TRUE(frames) << frames.error().message;
-  EXPECT_EQ(frames->size(), 2u);
-  EXPECT_EQ((*frames)[1].time, 0.5);
-  EXPECT_EQ((*frames)[1][BodyJoint::kRightFoot].position, Vec3::Constant(0.25));
+  const auto frames = test::valueOf(readJointCsv(folder.write(
+      "walk.csv", "\xef\xbb\xbf" + header() + "\r\n" + row("0", "1") + "\r\n" + row("0.5", "1") + "\r\n\r\n\n")));
+  EXPECT_EQ(frames.size(), 2u);
+  EXPECT_EQ(frames[1].time, 0.5);
+  EXPECT_EQ(frames[1][BodyJoint::kRightFoot].position, Vec3::Constant(0.25));
 }
 
 std::vector<SkeletonFrame> awkwardFrames() {
@@ -169,14 +167,13 @@ TEST(JointCsv, RoundTripKeepsEveryBit) {
   const std::filesystem::path file = folder.path() / "round.csv";
   const auto written = writeJointCsv(file, frames);
   ASSERT_TRUE(written) << written.error().message;
-  const auto read = readJointCsv(file);
-  ASSERT_TRUE(read) << read.error().message;
-  ASSERT_EQ(read->size(), frames.size());
+  const auto read = test::valueOf(readJointCsv(file));
+  ASSERT_EQ(read.size(), frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    expectSameBits((*read)[f].time, frames[f].time);
-    EXPECT_EQ((*read)[f].user, 4);
+    expectSameBits(read[f].time, frames[f].time);
+    EXPECT_EQ(read[f].user, 4);
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      const TrackedJoint& a = (*read)[f].joints[j];
+      const TrackedJoint& a = read[f].joints[j];
       const TrackedJoint& b = frames[f].joints[j];
       for (int axis = 0; axis < 3; ++axis) expectSameBits(a.position[axis], b.position[axis]);
       expectSameBits(a.confidence, b.confidence);
@@ -244,14 +241,13 @@ TEST(JointCsv, WriterRefusesWhatTheReaderWould) {
 }
 
 TEST(JointCsv, TheExampleInTheFormatsDescriptionLoads) {
-  const auto text = readFile(test::recordingsFolder() / "FORMAT.md");
-  ASSERT_TRUE(text) << text.error().message;
-  const std::size_t begin = text->find("```csv\n") + 7;
+  const auto text = test::valueOf(readFile(test::recordingsFolder() / "FORMAT.md"));
+  const std::size_t begin = text.find("```csv\n") + 7;
   const TemporaryFolder folder;
-  const auto frames = readJointCsv(folder.write("example.csv", text->substr(begin, text->find("```", begin) - begin)));
-  ASSERT_TRUE(frames) << frames.error().message;
-  ASSERT_EQ(frames->size(), 2u);
-  const SkeletonFrame& lowered = (*frames)[1];
+  const auto frames =
+      test::valueOf(readJointCsv(folder.write("example.csv", text.substr(begin, text.find("```", begin) - begin))));
+  ASSERT_EQ(frames.size(), 2u);
+  const SkeletonFrame& lowered = frames[1];
   EXPECT_EQ(lowered[BodyJoint::kRightHand].confidence, 0.0);
   ASSERT_TRUE(lowered[BodyJoint::kLeftShoulder].orientation);
   const Vec3 upperArm = lowered[BodyJoint::kLeftElbow].position - lowered[BodyJoint::kLeftShoulder].position;
@@ -267,9 +263,8 @@ TEST(RecordedSource, GivesTheFramesThenNothing) {
     EXPECT_EQ((*frame)->time, 0.1 * i - 0.3);
   }
   for (int i = 0; i < 2; ++i) {
-    const auto end = source->next();
-    ASSERT_TRUE(end);
-    EXPECT_FALSE(*end);
+    const auto end = test::valueOf(source->next());
+    EXPECT_FALSE(end);
   }
 }
 

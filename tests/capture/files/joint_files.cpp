@@ -65,9 +65,6 @@ KinectBody kinectBodyOf(const SkeletonFrame& frame) {
   return body;
 }
 
-std::span<const std::string_view> kinect1Names() {
-  return kKinect1Names;
-}
 std::span<const std::string_view> kinect2Names() {
   return kKinect2Names;
 }

@@ -19,8 +19,7 @@ using KinectBody = std::array<Vec3, 25>;
 /// Converts Lorica's point to the sensor's axes.
 [[nodiscard]] Vec3 sensorFromWorld(const Vec3& position);
 
-/// The joint names of Kinect v1 and v2, in their order.
-[[nodiscard]] std::span<const std::string_view> kinect1Names();
+/// The joint names of Kinect v2, in their order.
 [[nodiscard]] std::span<const std::string_view> kinect2Names();
 /// The 20 joints of v1 in its order; its shoulder centre is the neck.
 [[nodiscard]] std::vector<Vec3> kinect1BodyOf(const SkeletonFrame& frame);

@@ -3,6 +3,7 @@
 #include "capture/synthetic/synthetic_motion.h"
 #include "tests/capture/files/joint_files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -123,10 +124,9 @@ TEST(JointStreamBad, AFileThatIsCutOffKeepsWhatIsWhole) {
   }
   std::string text = test::msrFile(frames);
   text.resize(text.rfind('\n', text.size() - 2) + 5);
-  const auto stream = parseJointStream(text, "cut.txt");
-  ASSERT_TRUE(stream) << stream.error().message;
-  EXPECT_EQ(stream->frames.size(), 2u);
-  EXPECT_EQ(stream->notes.at(1), "The last frame, line 60, is truncated and was omitted.");
+  const auto stream = test::valueOf(parseJointStream(text, "cut.txt"));
+  EXPECT_EQ(stream.frames.size(), 2u);
+  EXPECT_EQ(stream.notes.at(1), "The last frame, line 60, is truncated and was omitted.");
 }
 
 TEST(JointStreamBad, DamagedBytesGiveASentenceOrSoundJoints) {
@@ -199,9 +199,8 @@ TEST(JointStreamBad, UiPrmdSaysWhichFileIsMissing) {
   // One row of angles for two rows of positions.
   const auto angles = folder.write("m01_angles.txt", row);
   for (const auto& file : {positions, angles}) {
-    const auto stream = readJointStream(file);
-    ASSERT_TRUE(stream) << stream.error().message;
-    EXPECT_EQ(stream->frames.size(), 1u);
+    const auto stream = test::valueOf(readJointStream(file));
+    EXPECT_EQ(stream.frames.size(), 1u);
   }
 }
 

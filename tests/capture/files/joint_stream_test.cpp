@@ -5,6 +5,7 @@
 #include "geometry/files.h"
 #include "tests/capture/files/joint_files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -97,9 +98,8 @@ TEST(JointStream, NoLayoutIsTakenForAnother) {
         EXPECT_NE(stream.error().message.find("expected"), std::string::npos) << stream.error().message;
       }
     }
-    const auto told = parseJointStream(file.text, "f");
-    ASSERT_TRUE(told) << told.error().message;
-    EXPECT_EQ(told->format, file.format);
+    const auto told = test::valueOf(parseJointStream(file.text, "f"));
+    EXPECT_EQ(told.format, file.format);
   }
 }
 
@@ -504,15 +504,14 @@ TEST(JointStream, LoricaKeepsEveryBitAndLetsThePersonBeChosen) {
   const TemporaryFolder folder;
   const auto file = folder.path() / "two.csv";
   ASSERT_TRUE(writeJointCsv(file, rows));
-  const auto max = readJointStream(file);
-  ASSERT_TRUE(max) << max.error().message;
-  EXPECT_EQ(max->format, JointFormat::kLorica);
-  EXPECT_EQ(max->people, (std::vector<int>{1, 2}));
-  ASSERT_EQ(max->frames.size(), 60u);  // fewer frames than the other, but moving
+  const auto max = test::valueOf(readJointStream(file));
+  EXPECT_EQ(max.format, JointFormat::kLorica);
+  EXPECT_EQ(max.people, (std::vector<int>{1, 2}));
+  ASSERT_EQ(max.frames.size(), 60u);  // fewer frames than the other, but moving
   for (std::size_t f = 0; f < 60; ++f) {
-    EXPECT_EQ(max->frames[f].time, walker[f].time);
+    EXPECT_EQ(max.frames[f].time, walker[f].time);
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      EXPECT_EQ(max->frames[f].joints[j].position, walker[f].joints[j].position);
+      EXPECT_EQ(max.frames[f].joints[j].position, walker[f].joints[j].position);
     }
   }
   EXPECT_EQ(readJointStream(file, {.person = 1})->frames.size(), 90u);

@@ -3,6 +3,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/capture/figures.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -39,37 +40,35 @@ TEST(UiPrmd, ZeroAnglesAreATPoseThatFacesPlusZ) {
   const auto file = folder.write("a_positions.txt", offsetsRow() + offsetsRow() + offsetsRow());
   // Row 2: the left upper arm up by 90 degrees about Z. Row 3: the left thigh 90 degrees forward about X.
   folder.write("a_angles.txt", anglesRow(0, "0,0,0") + anglesRow(7, "0,0,90") + anglesRow(14, "-90,0,0"));
-  const auto stream = readJointStream(file);
-  ASSERT_TRUE(stream) << stream.error().message;
-  EXPECT_EQ(stream->format, JointFormat::kUiPrmd);
-  ASSERT_EQ(stream->frames.size(), 3u);
+  const auto stream = test::valueOf(readJointStream(file));
+  EXPECT_EQ(stream.format, JointFormat::kUiPrmd);
+  ASSERT_EQ(stream.frames.size(), 3u);
   const auto from = [&](std::size_t f, J a, J b) -> Vec3 {
-    return stream->frames[f][b].position - stream->frames[f][a].position;
+    return stream.frames[f][b].position - stream.frames[f][a].position;
   };
   EXPECT_LT((from(0, J::kLeftShoulder, J::kLeftHand) - Vec3(0.53, 0, 0)).norm(), 1e-12);
   EXPECT_LT((from(0, J::kRightShoulder, J::kRightHand) - Vec3(-0.53, 0, 0)).norm(), 1e-12);
   EXPECT_LT((from(0, J::kLeftHip, J::kLeftFoot) - Vec3(0, -0.81, 0)).norm(), 1e-12);
   EXPECT_LT((from(0, J::kTorso, J::kNeck) - Vec3(0, 0.21, 0)).norm(), 1e-12);
   EXPECT_LT((from(0, J::kNeck, J::kHead) - Vec3(0, 0.13, 0)).norm(), 1e-12);
-  EXPECT_NEAR(stream->frames[0][J::kLeftFoot].position.y(), 0.08, 1e-12);
+  EXPECT_NEAR(stream.frames[0][J::kLeftFoot].position.y(), 0.08, 1e-12);
   EXPECT_LT((from(1, J::kLeftShoulder, J::kLeftHand) - Vec3(0, 0.53, 0)).norm(), 1e-12);
   EXPECT_LT((from(2, J::kLeftHip, J::kLeftFoot) - Vec3(0, 0, 0.81)).norm(), 1e-12);
-  EXPECT_LT(stream->frames[0][J::kTorso].orientation->angularDistance(Quat::Identity()), 1e-12);
+  EXPECT_LT(stream.frames[0][J::kTorso].orientation->angularDistance(Quat::Identity()), 1e-12);
 }
 
 TEST(UiPrmd, AnglesTurnAboutYThenXThenZ) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("a_positions.txt", offsetsRow());
   folder.write("a_angles.txt", anglesRow(7, "20,30,40"));
-  const auto stream = readJointStream(file);
-  ASSERT_TRUE(stream) << stream.error().message;
+  const auto stream = test::valueOf(readJointStream(file));
   const auto degrees = [](double d) { return test::degrees(d); };
   // Computed by hand: (1, 0, 0) about Y by 30, then about X by 20, then about Z by 40 degrees.
   const Vec3 y(std::cos(degrees(30)), 0, -std::sin(degrees(30)));
   const Vec3 x(y.x(), -std::sin(degrees(20)) * y.z(), std::cos(degrees(20)) * y.z());
   const Vec3 z(std::cos(degrees(40)) * x.x() - std::sin(degrees(40)) * x.y(),
                std::sin(degrees(40)) * x.x() + std::cos(degrees(40)) * x.y(), x.z());
-  const SkeletonFrame& frame = stream->frames[0];
+  const SkeletonFrame& frame = stream.frames[0];
   EXPECT_LT((frame[J::kLeftHand].position - frame[J::kLeftShoulder].position - 0.53 * z).norm(), 1e-12);
 }
 
@@ -81,13 +80,12 @@ TEST(UiPrmd, JointsThatAreNotKnownAndThoseThatHangOnThemAreNotSeen) {
   const auto file = folder.write("a_positions.txt", offsetsRow() + noElbow + "\n" + offsetsRow());
   // Row 3: the angle of the right knee is missing, so the foot's position is unknown.
   folder.write("a_angles.txt", anglesRow(0, "0,0,0") + anglesRow(0, "0,0,0") + anglesRow(19, "0,,0"));
-  const auto stream = readJointStream(file);
-  ASSERT_TRUE(stream) << stream.error().message;
-  ASSERT_EQ(stream->frames.size(), 3u);
+  const auto stream = test::valueOf(readJointStream(file));
+  ASSERT_EQ(stream.frames.size(), 3u);
   const auto unseen = [&](std::size_t f) {
     std::vector<J> joints;
     for (int j = 0; j < kBodyJointCount; ++j) {
-      const TrackedJoint& joint = stream->frames[f][static_cast<J>(j)];
+      const TrackedJoint& joint = stream.frames[f][static_cast<J>(j)];
       EXPECT_TRUE(joint.position.allFinite());
       if (joint.confidence == 0.0) joints.push_back(static_cast<J>(j));
     }
@@ -104,11 +102,10 @@ double heightOf(const SkeletonFrame& frame, J joint) {
 
 TEST(UiPrmd, ADeepSquatLooksLikeOne) {
   LORICA_REQUIRE_DATASET(file, "joints/ui_prmd/m01_s01_e01_positions.txt");
-  const auto stream = readJointStream(file);
-  ASSERT_TRUE(stream) << stream.error().message;
-  EXPECT_EQ(stream->frames.size(), 73u);
+  const auto stream = test::valueOf(readJointStream(file));
+  EXPECT_EQ(stream.frames.size(), 73u);
   double lowestHead = 9.0, highestHead = 0.0;
-  for (const SkeletonFrame& frame : stream->frames) {
+  for (const SkeletonFrame& frame : stream.frames) {
     lowestHead = std::min(lowestHead, heightOf(frame, J::kHead));
     highestHead = std::max(highestHead, heightOf(frame, J::kHead));
     // The exercise requires arms overhead throughout; feet stay on the floor except for the sensor's noise.
@@ -128,10 +125,9 @@ TEST(UiPrmd, ADeepSquatLooksLikeOne) {
 
 TEST(UiPrmd, AbductionLiftsOneStraightArmOverTheHead) {
   LORICA_REQUIRE_DATASET(file, "joints/ui_prmd/m07_s01_e01_positions.txt");
-  const auto stream = readJointStream(file);
-  ASSERT_TRUE(stream) << stream.error().message;
+  const auto stream = test::valueOf(readJointStream(file));
   double highest = -9.0, lowest = 9.0;
-  for (const SkeletonFrame& frame : stream->frames) {
+  for (const SkeletonFrame& frame : stream.frames) {
     const double hand =
         std::max(heightOf(frame, J::kLeftHand), heightOf(frame, J::kRightHand)) - heightOf(frame, J::kHead);
     highest = std::max(highest, hand);
@@ -147,11 +143,11 @@ TEST(UiPrmd, TheMannequinDoesTheExercises) {
   const Skeleton& skeleton = mannequin.skeleton;
   for (const char* name : {"m01", "m02", "m04", "m07", "m10"}) {
     SCOPED_TRACE(name);
-    const auto stream = readJointStream(squat.parent_path() / fmt::format("{}_s01_e01_positions.txt", name));
-    ASSERT_TRUE(stream) << stream.error().message;
+    const auto stream =
+        test::valueOf(readJointStream(squat.parent_path() / fmt::format("{}_s01_e01_positions.txt", name)));
     Retargeter retargeter = *Retargeter::create(skeleton);
     Pose pose(static_cast<std::size_t>(skeleton.jointCount()));
-    for (const SkeletonFrame& frame : stream->frames) {
+    for (const SkeletonFrame& frame : stream.frames) {
       retargeter.apply(frame, pose);
       const std::vector<Affine3> world = test::worldOf(skeleton, pose);
       const auto at = [&](B bone) -> Vec3 { return world[skeleton.jointOf(bone)].translation(); };

@@ -6,6 +6,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/capture/figures.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -176,10 +177,9 @@ TEST(PartialMotion, OneArmIsEnough) {
 
 TEST(PartialMotion, MirroredTheOtherArmMoves) {
   const SkeletalMotion part = without(recorded("wave"), {B::kRightUpperArm, B::kRightLowerArm, B::kRightHand});
-  const Result<SkeletalMotion> out =
-      retargetMotion(part, makeMannequin().skeleton, {.mirror = true, .plantFeet = true});
-  ASSERT_TRUE(out) << out.error().message;
-  expectAtRest(*out, {B::kLeftUpperArm, B::kLeftLowerArm, B::kLeftHand});
+  const SkeletalMotion out =
+      test::valueOf(retargetMotion(part, makeMannequin().skeleton, {.mirror = true, .plantFeet = true}));
+  expectAtRest(out, {B::kLeftUpperArm, B::kLeftLowerArm, B::kLeftHand});
 }
 
 TEST(PartialMotion, WithoutHandsAndFeetTheLimbsPointAsBeforeIfSomethingIsAtTheirEnds) {
@@ -251,11 +251,10 @@ TEST(PartialMotion, AHeadAloneIsRefused) {
 }
 
 TEST(PartialMotion, JointsThatAreLackingAreUnknownAndEndsAreGuessed) {
-  const Result<std::vector<SkeletonFrame>> upper = bodyJointsOf(without(recorded("wave"), kLegs));
-  ASSERT_TRUE(upper) << upper.error().message;
-  EXPECT_EQ(upper->front()[BodyJoint::kLeftKnee].confidence, 0.0);
-  EXPECT_EQ(upper->front()[BodyJoint::kLeftFoot].confidence, 0.0);
-  EXPECT_EQ(upper->front()[BodyJoint::kLeftHand].confidence, 1.0);
+  const std::vector<SkeletonFrame> upper = test::valueOf(bodyJointsOf(without(recorded("wave"), kLegs)));
+  EXPECT_EQ(upper.front()[BodyJoint::kLeftKnee].confidence, 0.0);
+  EXPECT_EQ(upper.front()[BodyJoint::kLeftFoot].confidence, 0.0);
+  EXPECT_EQ(upper.front()[BodyJoint::kLeftHand].confidence, 1.0);
 
   const SkeletalMotion whole = recorded("jumping_jacks");
   const Result<std::vector<SkeletonFrame>> all = bodyJointsOf(whole);
@@ -325,9 +324,8 @@ Frame Time: 0.05
 )";
 
 TEST(PartialMotion, ABvhOfAnUpperBodyIsReadByItsNamesAndEndSites) {
-  const Result<BvhFile> file = parseBvh(kUpperBodyBvh, "upper.bvh");
-  ASSERT_TRUE(file) << file.error().message;
-  const Skeleton& skeleton = file->motion.skeleton;
+  const BvhFile file = test::valueOf(parseBvh(kUpperBodyBvh, "upper.bvh"));
+  const Skeleton& skeleton = file.motion.skeleton;
   for (const auto& [bone, name] :
        {std::pair(B::kHips, "Hips"), std::pair(B::kSpine, "Spine"), std::pair(B::kHead, "Head"),
         std::pair(B::kLeftLowerArm, "LeftForeArm"), std::pair(B::kRightUpperArm, "RightArm")}) {
@@ -338,10 +336,10 @@ TEST(PartialMotion, ABvhOfAnUpperBodyIsReadByItsNamesAndEndSites) {
   EXPECT_EQ(skeleton.jointCount(), 10);  // the forearms' end sites become joints, that of the head does not
   Bones rest = kLegs;
   rest.insert({B::kLeftHand, B::kRightHand});
-  EXPECT_EQ(restOf(file->motion), rest);
+  EXPECT_EQ(restOf(file.motion), rest);
 
   // The left forearm points straight down in the file.
-  const SkeletalMotion out = onMannequin(file->motion);
+  const SkeletalMotion out = onMannequin(file.motion);
   const std::span<const JointTransform> pose = out.pose(0);
   const std::vector<Affine3> world = test::worldOf(out.skeleton, Pose(pose.begin(), pose.end()));
   const auto position = [&](B bone) -> Vec3 { return world[out.skeleton.jointOf(bone)].translation(); };

@@ -9,6 +9,7 @@
 #include "tests/capture/figures.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <fmt/format.h>
 
@@ -157,14 +158,13 @@ TEST(RetargetMotion, ACharacterWithoutForearmsIsAcceptedThroughItsProxy) {
     source.poses.insert(source.poses.end(), pose.begin(), pose.end());
   }
   EXPECT_FALSE(retargetMotion(source, character.skeleton).ok()) << "its skeleton alone lacks bones";
-  const Result<SkeletalMotion> onto = retargetMotion(source, character);
-  ASSERT_TRUE(onto.ok()) << onto.error().message;
+  const SkeletalMotion onto = test::valueOf(retargetMotion(source, character));
   ProxySkeleton proxy = ProxySkeleton::create(character).value();
   const SkeletalMotion expected = proxy.mapBack(retargetMotion(source, proxy.skeleton()).value());
-  ASSERT_EQ(onto->poses.size(), 2u * static_cast<std::size_t>(character.skeleton.jointCount()));
+  ASSERT_EQ(onto.poses.size(), 2u * static_cast<std::size_t>(character.skeleton.jointCount()));
   for (std::size_t j = 0; j < expected.poses.size(); ++j) {
-    EXPECT_EQ(onto->poses[j].translation, expected.poses[j].translation);
-    EXPECT_EQ(onto->poses[j].rotation.coeffs(), expected.poses[j].rotation.coeffs());
+    EXPECT_EQ(onto.poses[j].translation, expected.poses[j].translation);
+    EXPECT_EQ(onto.poses[j].rotation.coeffs(), expected.poses[j].rotation.coeffs());
   }
 }
 
@@ -526,10 +526,9 @@ TEST(ProxySkeleton, AHandWithoutAMeshIsNowhere) {
 
 TEST(ProxySkeleton, TheRobotsFeetHangOnItsShins) {
   LORICA_REQUIRE_DATASET(file, "characters/raylib_robot/robot.glb");
-  const Result<CharacterFile> robot = readCharacterFile(file);
-  ASSERT_TRUE(robot) << robot.error().message;
-  const Skeleton& own = robot->character.skeleton;
-  const ProxySkeleton proxy = *ProxySkeleton::create(robot->character);
+  const CharacterFile robot = test::valueOf(readCharacterFile(file));
+  const Skeleton& own = robot.character.skeleton;
+  const ProxySkeleton proxy = *ProxySkeleton::create(robot.character);
   ASSERT_EQ(proxy.substitutes().size(), 2U);
   for (const std::size_t i : {0U, 1U}) {
     const ProxySkeleton::Substitute& foot = proxy.substitutes()[i];
@@ -541,21 +540,18 @@ TEST(ProxySkeleton, TheRobotsFeetHangOnItsShins) {
 
 TEST(ProxySkeleton, TheGreenmanGetsElbowsAndKnees) {
   LORICA_REQUIRE_DATASET(file, "characters/greenman/greenman.glb");
-  const Result<CharacterFile> greenman = readCharacterFile(file);
-  ASSERT_TRUE(greenman) << greenman.error().message;
-  const Result<ProxySkeleton> proxy = ProxySkeleton::create(greenman->character);
-  ASSERT_TRUE(proxy) << proxy.error().message;
+  const CharacterFile greenman = test::valueOf(readCharacterFile(file));
+  const ProxySkeleton proxy = test::valueOf(ProxySkeleton::create(greenman.character));
   std::set<B> made;
-  for (const ProxySkeleton::Substitute& substitute : proxy->substitutes()) made.insert(substitute.bone);
+  for (const ProxySkeleton::Substitute& substitute : proxy.substitutes()) made.insert(substitute.bone);
   EXPECT_EQ(made, (std::set<B>{B::kLeftLowerArm, B::kRightLowerArm, B::kLeftHand, B::kRightHand, B::kLeftLowerLeg,
                                B::kRightLowerLeg, B::kLeftFoot, B::kRightFoot}));
 }
 
 TEST(ProxySkeleton, RefusesTheFox) {
   LORICA_REQUIRE_DATASET(file, "characters/fox/Fox.glb");
-  const Result<CharacterFile> fox = readCharacterFile(file);
-  ASSERT_TRUE(fox) << fox.error().message;
-  const Result<ProxySkeleton> proxy = ProxySkeleton::create(fox->character);
+  const CharacterFile fox = test::valueOf(readCharacterFile(file));
+  const Result<ProxySkeleton> proxy = ProxySkeleton::create(fox.character);
   ASSERT_FALSE(proxy);
   EXPECT_NE(proxy.error().message.find("leftUpperArm"), std::string::npos) << proxy.error().message;
 }

@@ -57,14 +57,21 @@ double largestTurn(const Pose& a, const Pose& b) {
   return largest;
 }
 
-TEST(RetargetLoss, ALostJointHoldsEasesAndComesBackWithoutAJump) {
+/// A figure and what moves it.
+struct RetargetLoss : testing::Test {
   const Figure figure = makeFigure({});
+  Retargeter retargeter = *Retargeter::create(figure.skeleton);
+  Pose pose = Pose(figure.tposeRotation.size());
+};
+
+TEST_F(RetargetLoss, ALostJointHoldsEasesAndComesBackWithoutAJump) {
   for (const bool withOrientations : {false, true}) {
     for (int lost = 0; lost < kBodyJointCount; ++lost) {
       SCOPED_TRACE(nameOf(static_cast<J>(lost)));
-      Retargeter retargeter = *Retargeter::create(figure.skeleton);
+      retargeter = *Retargeter::create(figure.skeleton);
+      pose = Pose(pose.size());
       Retargeter reference = *Retargeter::create(figure.skeleton);
-      Pose pose(figure.tposeRotation.size()), live(pose.size()), before;
+      Pose live(pose.size()), before;
       for (int f = 0; f < 150; ++f) {
         SkeletonFrame frame = swayingFrame(f * kFrame, withOrientations);
         reference.apply(frame, live);
@@ -82,10 +89,7 @@ TEST(RetargetLoss, ALostJointHoldsEasesAndComesBackWithoutAJump) {
   }
 }
 
-TEST(RetargetLoss, AnUnknownHandKeepsItsForearmThenRests) {
-  const Figure figure = makeFigure({});
-  Retargeter retargeter = *Retargeter::create(figure.skeleton);
-  Pose pose(figure.tposeRotation.size());
+TEST_F(RetargetLoss, AnUnknownHandKeepsItsForearmThenRests) {
   const auto forearm = static_cast<std::size_t>(figure.skeleton.jointOf(B::kLeftLowerArm));
   Quat last = Quat::Identity();
   for (int f = 0; f < 120; ++f) {
@@ -101,9 +105,8 @@ TEST(RetargetLoss, AnUnknownHandKeepsItsForearmThenRests) {
   EXPECT_LT(pose[forearm].rotation.angularDistance(Quat::Identity()), 1e-6);
 }
 
-TEST(RetargetLoss, UnknownJointsAtTheOriginPullNothing) {
+TEST_F(RetargetLoss, UnknownJointsAtTheOriginPullNothing) {
   // Whatever position an unknown joint reports, the pose is bit-identical.
-  const Figure figure = makeFigure({});
   std::mt19937 random(5);
   Retargeter a = *Retargeter::create(figure.skeleton);
   Retargeter b = *Retargeter::create(figure.skeleton);
@@ -125,11 +128,8 @@ TEST(RetargetLoss, UnknownJointsAtTheOriginPullNothing) {
   }
 }
 
-TEST(RetargetLoss, NobodySeenShowsTheRestPose) {
-  const Figure figure = makeFigure({});
+TEST_F(RetargetLoss, NobodySeenShowsTheRestPose) {
   const Pose rest = restPose(figure.skeleton);
-  Retargeter retargeter = *Retargeter::create(figure.skeleton);
-  Pose pose(rest.size());
   for (int f = 0; f < 60; ++f) {
     SkeletonFrame frame;
     frame.time = f * kFrame;
@@ -139,10 +139,7 @@ TEST(RetargetLoss, NobodySeenShowsTheRestPose) {
   }
 }
 
-TEST(RetargetLoss, AnUpperBodyAloneMovesItsArms) {
-  const Figure figure = makeFigure({});
-  Retargeter retargeter = *Retargeter::create(figure.skeleton);
-  Pose pose(figure.tposeRotation.size());
+TEST_F(RetargetLoss, AnUpperBodyAloneMovesItsArms) {
   for (int f = 0; f < 30; ++f) {
     SkeletonFrame frame = swayingFrame(f * kFrame, false);
     for (const J joint : {J::kTorso, J::kLeftHip, J::kRightHip, J::kLeftKnee, J::kRightKnee, J::kLeftFoot,
@@ -158,11 +155,8 @@ TEST(RetargetLoss, AnUpperBodyAloneMovesItsArms) {
   }
 }
 
-TEST(RetargetLoss, LegsThatEaseToRestStayAboveTheFloor) {
+TEST_F(RetargetLoss, LegsThatEaseToRestStayAboveTheFloor) {
   // A person sits down and the legs are hidden: the character's legs straighten and must raise it.
-  const Figure figure = makeFigure({});
-  Retargeter retargeter = *Retargeter::create(figure.skeleton);
-  Pose pose(figure.tposeRotation.size());
   for (int f = 0; f < 120; ++f) {
     PersonPose person;
     for (std::size_t i = 2; i < 4; ++i) person.upper[i] = Quat(Eigen::AngleAxisd(-degrees(85.0), Vec3::UnitX()));
@@ -178,10 +172,8 @@ TEST(RetargetLoss, LegsThatEaseToRestStayAboveTheFloor) {
   }
 }
 
-TEST(RetargetLoss, OrientationsThatComeAndGoDoNotJump) {
-  const Figure figure = makeFigure({});
-  Retargeter retargeter = *Retargeter::create(figure.skeleton);
-  Pose pose(figure.tposeRotation.size()), before;
+TEST_F(RetargetLoss, OrientationsThatComeAndGoDoNotJump) {
+  Pose before;
   for (int f = 0; f < 200; ++f) {
     SkeletonFrame frame = swayingFrame(f * kFrame, true);
     // The forearms' own orientation is a rotation by 90 degrees; sometimes it is missing.
@@ -200,15 +192,12 @@ TEST(RetargetLoss, OrientationsThatComeAndGoDoNotJump) {
   }
 }
 
-TEST(RetargetLoss, WildNumbersNeverGiveNan) {
-  const Figure figure = makeFigure({});
+TEST_F(RetargetLoss, WildNumbersNeverGiveNan) {
   std::mt19937 random(11);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   const std::array<double, 8> wild = {0.0, 1.0, -1.0, nan, inf, -inf, 1e6, 1e-12};
   const auto pick = [&] { return wild[random() % wild.size()]; };
-  Retargeter retargeter = *Retargeter::create(figure.skeleton);
-  Pose pose(figure.tposeRotation.size());
   for (int f = 0; f < 3000; ++f) {
     SkeletonFrame frame = swayingFrame(f * kFrame, true);
     if (random() % 10 == 0) frame.time = pick();

@@ -8,6 +8,7 @@
 #include "tests/capture/figures.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -189,14 +190,13 @@ INSTANTIATE_TEST_SUITE_P(All, LiveFeet,
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(FootLock, TheSameFramesGiveTheSameBits) {
-  const auto frames = readJointCsv(test::recordingsFolder() / "punch_and_kick_noisy.csv");
-  ASSERT_TRUE(frames) << frames.error().message;
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / "punch_and_kick_noisy.csv"));
   const Skeleton skeleton = mannequinWith(1.2, 0.8, 1.4, 1.0);
   Retargeter a = *Retargeter::create(skeleton);
   Retargeter b = *Retargeter::create(skeleton);
   Pose poseA(skeleton.joints().size());
   Pose poseB(skeleton.joints().size());
-  for (const SkeletonFrame& frame : *frames) {
+  for (const SkeletonFrame& frame : frames) {
     a.apply(frame, poseA);
     b.apply(frame, poseB);
     for (std::size_t j = 0; j < poseA.size(); ++j) {
@@ -208,25 +208,23 @@ TEST(FootLock, TheSameFramesGiveTheSameBits) {
 }
 
 TEST(FootLock, APlayedFrameAllocatesNothing) {
-  const auto frames = readJointCsv(test::recordingsFolder() / "walk_noisy.csv");
-  ASSERT_TRUE(frames) << frames.error().message;
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / "walk_noisy.csv"));
   const Skeleton skeleton = mannequinWith(1.2, 0.8, 1.4, 1.0);
   Retargeter retargeter = *Retargeter::create(skeleton);
   Pose pose(skeleton.joints().size());
   const test::AllocationWatch watch;
-  for (const SkeletonFrame& frame : *frames) retargeter.apply(frame, pose);
+  for (const SkeletonFrame& frame : frames) retargeter.apply(frame, pose);
   EXPECT_EQ(watch.largest(), 0U);
 }
 
 TEST(FootLock, TeleportsAndPausesBreakNothing) {
-  auto frames = readJointCsv(test::recordingsFolder() / "walk.csv");
-  ASSERT_TRUE(frames) << frames.error().message;
+  auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / "walk.csv"));
   const Skeleton skeleton = mannequinWith(1.2, 0.8, 1.4, 1.0);
   Retargeter retargeter = *Retargeter::create(skeleton);
   Pose pose(skeleton.joints().size());
   RandomNumbers random(3);
   double time = 0.0;
-  for (SkeletonFrame& frame : *frames) {
+  for (SkeletonFrame& frame : frames) {
     time += random.unit() < 0.1 ? -0.5 : random.unit() < 0.1 ? 30.0 : 0.033;
     frame.time = time;
     const Vec3 jump = random.unit() < 0.1 ? Vec3(5.0 * randomVector(random)) : Vec3::Zero();

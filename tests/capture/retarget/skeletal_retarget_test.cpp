@@ -7,6 +7,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/capture/figures.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -397,13 +398,11 @@ void expectGoodRolls(const SkeletalMotion& source, double farthest) {
 class RecordedFeet : public ::testing::TestWithParam<const char*> {};
 
 TEST_P(RecordedFeet, StandWhereTheyStood) {
-  const auto frames = readJointCsv(test::recordingsFolder() / (std::string(GetParam()) + ".csv"));
-  ASSERT_TRUE(frames) << frames.error().message;
-  Result<SkeletalMotion> source = skeletalMotionOf(*frames);
-  ASSERT_TRUE(source) << source.error().message;
-  source->name = GetParam();
-  expectGoodFeet(*source, 2);
-  expectGoodRolls(*source, 0.002);
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / (std::string(GetParam()) + ".csv")));
+  SkeletalMotion source = test::valueOf(skeletalMotionOf(frames));
+  source.name = GetParam();
+  expectGoodFeet(source, 2);
+  expectGoodRolls(source, 0.002);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RecordedFeet,
@@ -419,10 +418,9 @@ class SharedBvhOn : public ::testing::TestWithParam<BvhCase> {};
 
 TEST_P(SharedBvhOn, OtherSkeletons) {
   LORICA_REQUIRE_DATASET(path, GetParam().path);
-  const Result<BvhFile> file = readBvh(path);
-  ASSERT_TRUE(file) << file.error().message;
-  expectGoodFeet(file->motion, GetParam().minStances);
-  expectGoodRolls(file->motion, 0.01);
+  const BvhFile file = test::valueOf(readBvh(path));
+  expectGoodFeet(file.motion, GetParam().minStances);
+  expectGoodRolls(file.motion, 0.01);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, SharedBvhOn,
@@ -472,11 +470,10 @@ TEST(MotionRetarget, AJumpIsAsHighAsTheLegsAreLong) {
 TEST(RetargetByJointNames, TheSameSkeletonTakesTheMotionAsItIs) {
   const Figure figure = makeFigure({});
   const SkeletalMotion source = motionOf(figure, randomPoses(1));
-  const Result<SkeletalMotion> out = retargetByJointNames(source, figure.skeleton);
-  ASSERT_TRUE(out) << out.error().message;
+  const SkeletalMotion out = test::valueOf(retargetByJointNames(source, figure.skeleton));
   for (int f = 0; f < source.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(source, f);
-    const std::vector<Affine3> b = worldOf(*out, f);
+    const std::vector<Affine3> b = worldOf(out, f);
     for (std::size_t j = 0; j < a.size(); ++j) EXPECT_TRUE(a[j].isApprox(b[j], 1e-9)) << f << " " << j;
   }
 }
@@ -531,19 +528,17 @@ TEST(RetargetByJointNames, NodesAboveAndBetweenAreSeenThrough) {
     }
     deep.poses.insert(deep.poses.end(), pose.begin(), pose.end());
   }
-  const Result<SkeletalMotion> out = retargetByJointNames(deep, figure.skeleton);
-  ASSERT_TRUE(out) << out.error().message;
+  const SkeletalMotion out = test::valueOf(retargetByJointNames(deep, figure.skeleton));
   for (int f = 0; f < plain.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(plain, f);
-    const std::vector<Affine3> b = worldOf(*out, f);
+    const std::vector<Affine3> b = worldOf(out, f);
     for (std::size_t j = 0; j < a.size(); ++j) EXPECT_TRUE(a[j].isApprox(b[j], 1e-6)) << f << " " << j;
   }
   // The reverse: the motion of the plain skeleton on the skeleton with more joints.
-  const Result<SkeletalMotion> back = retargetByJointNames(plain, deep.skeleton);
-  ASSERT_TRUE(back) << back.error().message;
+  const SkeletalMotion back = test::valueOf(retargetByJointNames(plain, deep.skeleton));
   for (int f = 0; f < plain.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(plain, f);
-    const std::vector<Affine3> b = worldOf(*back, f);
+    const std::vector<Affine3> b = worldOf(back, f);
     for (std::size_t j = 0; j < a.size(); ++j) {
       const Vec3 there = b[moved[j]].translation();
       EXPECT_LT((a[j].translation() - there).norm(), 1e-6) << f << " " << j;
@@ -564,11 +559,10 @@ TEST(RetargetByJointNames, TheRestPoseOfTheClipsFileMayBeAnyPose) {
   }
   for (std::size_t j = 0; j < joints.size(); ++j) joints[j].rest = source.pose(3)[j];
   source.skeleton = *Skeleton::create(std::move(joints));
-  const Result<SkeletalMotion> out = retargetByJointNames(source, figure.skeleton);
-  ASSERT_TRUE(out) << out.error().message;
+  const SkeletalMotion out = test::valueOf(retargetByJointNames(source, figure.skeleton));
   for (int f = 0; f < source.frameCount(); ++f) {
     const std::vector<Affine3> a = worldOf(source, f);
-    const std::vector<Affine3> b = worldOf(*out, f);
+    const std::vector<Affine3> b = worldOf(out, f);
     for (std::size_t j = 0; j < a.size(); ++j) EXPECT_TRUE(a[j].isApprox(b[j], 1e-6)) << f << " " << j;
   }
 }
@@ -583,9 +577,8 @@ TEST(RetargetByJointNames, BonesKeepTheirOwnLengths) {
   usual.upperArm = 0.3;
   const Figure from = makeFigure(usual);
   const Figure to = makeFigure(tall);
-  const Result<SkeletalMotion> out = retargetByJointNames(motionOf(from, randomPoses(2)), to.skeleton);
-  ASSERT_TRUE(out) << out.error().message;
-  const std::vector<Affine3> world = worldOf(*out, 3);
+  const SkeletalMotion out = test::valueOf(retargetByJointNames(motionOf(from, randomPoses(2)), to.skeleton));
+  const std::vector<Affine3> world = worldOf(out, 3);
   EXPECT_NEAR(
       (positionOf(to.skeleton, world, B::kLeftUpperLeg) - positionOf(to.skeleton, world, B::kLeftLowerLeg)).norm(), 0.6,
       1e-9);
@@ -612,21 +605,18 @@ TEST(RetargetByJointNames, TooFewNamesAreRefused) {
 TEST(BodyJoints, ASkeletonThatIsMadeOfThemGivesThemBack) {
   for (const char* name : {"walk", "punch_and_kick", "jumping_jacks"}) {
     SCOPED_TRACE(name);
-    const auto frames = readJointCsv(test::recordingsFolder() / (std::string(name) + ".csv"));
-    ASSERT_TRUE(frames) << frames.error().message;
-    const Result<SkeletalMotion> motion = skeletalMotionOf(*frames);
-    ASSERT_TRUE(motion) << motion.error().message;
-    const auto back = bodyJointsOf(*motion);
-    ASSERT_TRUE(back) << back.error().message;
-    ASSERT_EQ(back->size(), frames->size());
+    const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / (std::string(name) + ".csv")));
+    const SkeletalMotion motion = test::valueOf(skeletalMotionOf(frames));
+    const auto back = test::valueOf(bodyJointsOf(motion));
+    ASSERT_EQ(back.size(), frames.size());
     double worst = 0.0;
     double worstLeg = 0.0;
     double worstTurn = 0.0;
-    for (std::size_t f = 0; f < frames->size(); ++f) {
-      EXPECT_EQ((*back)[f].time, (*frames)[f].time);
+    for (std::size_t f = 0; f < frames.size(); ++f) {
+      EXPECT_EQ(back[f].time, frames[f].time);
       for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-        const TrackedJoint& before = (*frames)[f].joints[j];
-        const TrackedJoint& after = (*back)[f].joints[j];
+        const TrackedJoint& before = frames[f].joints[j];
+        const TrackedJoint& after = back[f].joints[j];
         ASSERT_EQ(after.confidence, 1.0);
         if (static_cast<BodyJoint>(j) == BodyJoint::kTorso) continue;
         const double distance = (before.position - after.position).norm();
@@ -647,13 +637,12 @@ TEST(BodyJoints, OfASkeletonAreWhereItsJointsAre) {
   const Figure figure = makeFigure({});
   const std::vector<PersonPose> people = randomPoses(4);
   const SkeletalMotion motion = motionOf(figure, people);
-  const auto frames = bodyJointsOf(motion);
-  ASSERT_TRUE(frames) << frames.error().message;
+  const auto frames = test::valueOf(bodyJointsOf(motion));
   const double shift =
-      (*frames)[0][BodyJoint::kHead].position.y() - positionOf(figure.skeleton, worldOf(motion, 0), B::kHead).y();
+      frames[0][BodyJoint::kHead].position.y() - positionOf(figure.skeleton, worldOf(motion, 0), B::kHead).y();
   for (std::size_t f = 0; f < people.size(); ++f) {
     const std::vector<Affine3> world = worldOf(motion, static_cast<int>(f));
-    const SkeletonFrame& frame = (*frames)[f];
+    const SkeletonFrame& frame = frames[f];
     const Vec3 up(0.0, shift, 0.0);
     EXPECT_LT((frame[BodyJoint::kLeftHand].position - up - positionOf(figure.skeleton, world, B::kLeftHand)).norm(),
               1e-9);
@@ -668,11 +657,9 @@ TEST(BodyJoints, OfASkeletonAreWhereItsJointsAre) {
 }
 
 TEST(BodyJoints, UnseenJointsHoldAndNothingIsNaN) {
-  const auto frames = readJointCsv(test::recordingsFolder() / "punch_and_kick_noisy.csv");
-  ASSERT_TRUE(frames) << frames.error().message;
-  const Result<SkeletalMotion> motion = skeletalMotionOf(*frames);
-  ASSERT_TRUE(motion) << motion.error().message;
-  for (const JointTransform& t : motion->poses) {
+  const auto frames = test::valueOf(readJointCsv(test::recordingsFolder() / "punch_and_kick_noisy.csv"));
+  const SkeletalMotion motion = test::valueOf(skeletalMotionOf(frames));
+  for (const JointTransform& t : motion.poses) {
     ASSERT_TRUE(t.translation.allFinite() && t.rotation.coeffs().allFinite());
   }
   EXPECT_FALSE(skeletalMotionOf({}));

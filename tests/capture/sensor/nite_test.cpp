@@ -1,6 +1,7 @@
 #include "capture/sensor/nite.h"
 
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <dlfcn.h>
 #include <gtest/gtest.h>
@@ -25,9 +26,8 @@ class NiteTest : public testing::Test {
     fs::create_directory(folder_.path() / "NiTE2");
     (void)folder_.write("NiTE2/data", "of NiTE 2");
     fs::copy_file(test::built("tests/capture/sensor/libnite_test_library.so"), library());
-    Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{kTestDriver}, {}});
-    ASSERT_TRUE(openNi) << openNi.error().message;
-    openNi_ = std::move(*openNi);
+    std::shared_ptr<OpenNi> openNi = test::valueOf(OpenNi::start({{kTestDriver}, {}}));
+    openNi_ = std::move(openNi);
   }
   [[nodiscard]] fs::path library() const { return folder_.path() / "libNiTE2.so"; }
 
@@ -38,12 +38,11 @@ class NiteTest : public testing::Test {
 
 TEST_F(NiteTest, JointsComeInMetresOverTheFloor) {
   const fs::path before = fs::current_path();
-  Result<std::unique_ptr<SkeletonSource>> source = makeNiteSource(openNi_, library());
-  ASSERT_TRUE(source) << source.error().message;
+  std::unique_ptr<SkeletonSource> source = test::valueOf(makeNiteSource(openNi_, library()));
   EXPECT_EQ(fs::current_path(), before);
   std::vector<SkeletonFrame> frames;
   for (int i = 0; i < 10; ++i) {
-    Result<std::optional<SkeletonFrame>> next = (*source)->next();
+    Result<std::optional<SkeletonFrame>> next = source->next();
     ASSERT_TRUE(next && *next);
     frames.push_back(**next);
     EXPECT_NEAR(frames.back().time, 0.1 * (i + 1), 1e-9);
@@ -83,9 +82,8 @@ TEST_F(NiteTest, JointsComeInMetresOverTheFloor) {
 
 TEST_F(NiteTest, WhatIsStartedIsEnded) {
   for (int i = 0; i < 3; ++i) {
-    Result<std::unique_ptr<SkeletonSource>> source = makeNiteSource(openNi_, library());
-    ASSERT_TRUE(source) << source.error().message;
-    for (int k = 0; k < 7; ++k) ASSERT_TRUE((*source)->next());
+    std::unique_ptr<SkeletonSource> source = test::valueOf(makeNiteSource(openNi_, library()));
+    for (int k = 0; k < 7; ++k) ASSERT_TRUE(source->next());
   }
   void* handle = dlopen(library().c_str(), RTLD_NOW | RTLD_NOLOAD);
   ASSERT_NE(handle, nullptr);
@@ -98,8 +96,7 @@ TEST_F(NiteTest, WhatIsStartedIsEnded) {
 }
 
 TEST_F(NiteTest, AnUnpluggedCameraComesBack) {
-  Result<std::unique_ptr<SkeletonSource>> source = makeNiteSource(openNi_, library());
-  ASSERT_TRUE(source) << source.error().message;
+  std::unique_ptr<SkeletonSource> source = test::valueOf(makeNiteSource(openNi_, library()));
   void* handle = dlopen(library().c_str(), RTLD_NOW | RTLD_NOLOAD);
   ASSERT_NE(handle, nullptr);
   const int* calls = static_cast<const int*>(dlsym(handle, "niteTestCalls"));
@@ -109,7 +106,7 @@ TEST_F(NiteTest, AnUnpluggedCameraComesBack) {
   double last = -1.0;
   const auto personAt = [&](int maxFrames, bool wanted) {
     for (int i = 0; i < maxFrames; ++i) {
-      const Result<std::optional<SkeletonFrame>> next = (*source)->next();
+      const Result<std::optional<SkeletonFrame>> next = source->next();
       if (!next || !*next || !((*next)->time > last)) return false;
       last = (*next)->time;
       if (((**next)[BodyJoint::kHead].confidence > 0.0) == wanted) return true;

@@ -5,6 +5,7 @@
 #include "geometry/random_numbers.h"
 #include "tests/capture/sensor/oni_writer.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -53,9 +54,8 @@ TEST(OniFile, WhatWasWrittenIsRead) {
       settings.codec = codec;
       settings.oldVersion = old;
       const std::string bytes = someFile(settings, 5);
-      Result<OniFile> file = OniFile::parse(bytes, "a.oni");
-      ASSERT_TRUE(file) << file.error().message;
-      const OniInfo& info = file->info();
+      OniFile file = test::valueOf(OniFile::parse(bytes, "a.oni"));
+      const OniInfo& info = file.info();
       EXPECT_EQ(info.version, old ? "1.0.0.6" : "1.0.1.0");
       EXPECT_EQ(info.device, "a test's");
       EXPECT_EQ(info.codec, codec);
@@ -65,7 +65,7 @@ TEST(OniFile, WhatWasWrittenIsRead) {
       EXPECT_NEAR(info.duration, 4 * 0.033333, 1e-12);
       EXPECT_FALSE(info.cutOff);
       EXPECT_EQ(info.end, bytes.size());
-      const std::vector<DepthFrame> frames = allFramesOf(*file);
+      const std::vector<DepthFrame> frames = allFramesOf(file);
       for (int i = 0; i < 5; ++i) {
         EXPECT_NEAR(frames[std::size_t(i)].time, 0.001 + 0.033333 * i, 1e-12);
         EXPECT_EQ(frames[std::size_t(i)].depthMm, someFrame(8, 6, i));
@@ -78,10 +78,9 @@ TEST(OniFile, MirroredFramesAreTurnedBack) {
   OniWriterSettings settings;
   settings.mirrored = true;
   const std::string bytes = someFile(settings, 2);
-  Result<OniFile> file = OniFile::parse(bytes, "a.oni");
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_TRUE(file->info().mirrored);
-  const std::vector<DepthFrame> frames = allFramesOf(*file);
+  OniFile file = test::valueOf(OniFile::parse(bytes, "a.oni"));
+  EXPECT_TRUE(file.info().mirrored);
+  const std::vector<DepthFrame> frames = allFramesOf(file);
   const std::vector<std::uint16_t> written = someFrame(8, 6, 1);
   for (std::size_t row = 0; row < 6; ++row) {
     for (std::size_t column = 0; column < 8; ++column) {
@@ -96,9 +95,8 @@ TEST(OniFile, CroppedFramesLieInTheWholeImage) {
   OniWriter writer(settings);
   writer.addFrame(1, someFrame(3, 4, 0));
   const std::string bytes = writer.finished();
-  Result<OniFile> file = OniFile::parse(bytes, "a.oni");
-  ASSERT_TRUE(file) << file.error().message;
-  const std::vector<std::uint16_t> image = allFramesOf(*file)[0].depthMm;
+  OniFile file = test::valueOf(OniFile::parse(bytes, "a.oni"));
+  const std::vector<std::uint16_t> image = allFramesOf(file)[0].depthMm;
   const std::vector<std::uint16_t> part = someFrame(3, 4, 0);
   ASSERT_EQ(image.size(), 48u);
   for (std::size_t row = 0; row < 6; ++row) {
@@ -119,9 +117,8 @@ TEST(OniFile, TenthsOfMillimetresAreRounded) {
   depths[3] = 65535;
   writer.addFrame(1, depths);
   const std::string bytes = writer.finished();
-  Result<OniFile> file = OniFile::parse(bytes, "a.oni");
-  ASSERT_TRUE(file) << file.error().message;
-  const std::vector<std::uint16_t> image = allFramesOf(*file)[0].depthMm;
+  OniFile file = test::valueOf(OniFile::parse(bytes, "a.oni"));
+  const std::vector<std::uint16_t> image = allFramesOf(file)[0].depthMm;
   EXPECT_EQ((std::vector<std::uint16_t>(image.begin(), image.begin() + 4)),
             (std::vector<std::uint16_t>{0, 1234, 1235, 6554}));
 }
@@ -131,11 +128,10 @@ TEST(OniFile, ARecorderThatWasKilledLeavesItsWholeFrames) {
   for (int i = 0; i < 3; ++i) writer.addFrame(100 * std::uint64_t(i), someFrame(8, 6, i));
   for (const std::string& tail : {std::string(), std::string("NIR\0\x0a\0\0", 7), std::string(5000, '\0')}) {
     const std::string bytes = writer.unfinished() + tail;
-    Result<OniFile> file = OniFile::parse(bytes, "a.oni");
-    ASSERT_TRUE(file) << file.error().message;
-    EXPECT_TRUE(file->info().cutOff);
-    EXPECT_EQ(file->info().end, writer.unfinished().size());
-    EXPECT_EQ(allFramesOf(*file).size(), 3u);
+    OniFile file = test::valueOf(OniFile::parse(bytes, "a.oni"));
+    EXPECT_TRUE(file.info().cutOff);
+    EXPECT_EQ(file.info().end, writer.unfinished().size());
+    EXPECT_EQ(allFramesOf(file).size(), 3u);
   }
   const Result<OniFile> rubbish = OniFile::parse(writer.unfinished() + std::string(100, 'x'), "a.oni");
   EXPECT_FALSE(rubbish);
@@ -214,9 +210,8 @@ TEST(OniFile, WhatTheFuzzerStartsFromIsRead) {
   const std::filesystem::path folder = test::recordingsFolder().parent_path() / "tests" / "fuzz" / "corpus" / "oni";
   int files = 0;
   for (const std::filesystem::directory_entry& entry : std::filesystem::directory_iterator(folder)) {
-    Result<OniFile> file = OniFile::open(entry.path());
-    ASSERT_TRUE(file) << file.error().message;
-    EXPECT_EQ(allFramesOf(*file).size(), 2u) << entry.path();
+    OniFile file = test::valueOf(OniFile::open(entry.path()));
+    EXPECT_EQ(allFramesOf(file).size(), 2u) << entry.path();
     ++files;
   }
   EXPECT_GE(files, 9);
@@ -230,11 +225,10 @@ TEST(OniFile, ADamagedFrameIsASentenceAndTheOthersAreThere) {
   const std::size_t at = bytes.find(second);
   ASSERT_NE(at, std::string::npos);
   bytes[at + 2] = '\xf3';
-  Result<OniFile> file = OniFile::parse(bytes, "a.oni");
-  ASSERT_TRUE(file);
+  OniFile file = test::valueOf(OniFile::parse(bytes, "a.oni"));
   DepthFrame frame;
-  EXPECT_TRUE(file->read(0, frame));
-  const Result<void> damaged = file->read(1, frame);
+  EXPECT_TRUE(file.read(0, frame));
+  const Result<void> damaged = file.read(1, frame);
   ASSERT_FALSE(damaged);
   EXPECT_NE(damaged.error().message.find("a.oni, depth frame 1 at byte "), std::string::npos)
       << damaged.error().message;
@@ -255,44 +249,40 @@ TEST(OniFile, FilesThatAreNoneAreSentences) {
 
 TEST(OniSource, GivesEveryFrameOnceInOrder) {
   const test::TemporaryFolder folder;
-  const Result<std::unique_ptr<DepthSource>> source = makeOniSource(folder.write("body.oni", someFile({}, 7)));
-  ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ((*source)->name(), "body.oni");
+  const std::unique_ptr<DepthSource> source = test::valueOf(makeOniSource(folder.write("body.oni", someFile({}, 7))));
+  EXPECT_EQ(source->name(), "body.oni");
   DepthFrame frame;
   for (int i = 0; i < 7; ++i) {
-    const Result<DepthRead> read = (*source)->next(frame);
-    ASSERT_TRUE(read) << read.error().message;
-    ASSERT_EQ(*read, DepthRead::kFrame);
+    const DepthRead read = test::valueOf(source->next(frame));
+    ASSERT_EQ(read, DepthRead::kFrame);
     EXPECT_EQ(frame.depthMm, someFrame(8, 6, i));
   }
   for (int i = 0; i < 2; ++i) {
-    const Result<DepthRead> read = (*source)->next(frame);
-    ASSERT_TRUE(read);
-    EXPECT_EQ(*read, DepthRead::kEnd);
+    const DepthRead read = test::valueOf(source->next(frame));
+    EXPECT_EQ(read, DepthRead::kEnd);
     EXPECT_EQ(frame.depthMm, someFrame(8, 6, 6)) << "unchanged at the end";
   }
 }
 
 TEST(OniSource, SeekingGivesTheFramesOfReadingThrough) {
   const test::TemporaryFolder folder;
-  const Result<std::unique_ptr<OniSource>> source = openOni(folder.write("body.oni", someFile({}, 7)));
-  ASSERT_TRUE(source) << source.error().message;
+  const std::unique_ptr<OniSource> source = test::valueOf(openOni(folder.write("body.oni", someFile({}, 7))));
   DepthFrame frame;
   for (const int wanted : {6, 0, 3, 3, 5}) {
-    (*source)->seek(wanted);
-    const Result<DepthRead> read = (*source)->next(frame);
+    source->seek(wanted);
+    const Result<DepthRead> read = source->next(frame);
     ASSERT_TRUE(read && *read == DepthRead::kFrame);
     EXPECT_EQ(frame.depthMm, someFrame(8, 6, wanted));
-    EXPECT_EQ((*source)->position(), wanted + 1);
+    EXPECT_EQ(source->position(), wanted + 1);
   }
-  (*source)->seekTime(0.0);
-  EXPECT_EQ((*source)->position(), 0);
-  (*source)->seekTime(0.0334);
-  EXPECT_EQ((*source)->position(), 2);
-  (*source)->seekTime(100.0);
-  EXPECT_EQ((*source)->position(), 7);
-  (*source)->seek(-5);
-  EXPECT_EQ((*source)->position(), 0);
+  source->seekTime(0.0);
+  EXPECT_EQ(source->position(), 0);
+  source->seekTime(0.0334);
+  EXPECT_EQ(source->position(), 2);
+  source->seekTime(100.0);
+  EXPECT_EQ(source->position(), 7);
+  source->seek(-5);
+  EXPECT_EQ(source->position(), 0);
 }
 
 TEST(OniSource, ADamagedFrameLeavesTheCallersAlone) {
@@ -301,19 +291,17 @@ TEST(OniSource, ADamagedFrameLeavesTheCallersAlone) {
   settings.codec = OniCodec::kPacked;
   std::string bytes = someFile(settings, 2);
   bytes[bytes.find(test::packOniDepth(OniCodec::kPacked, someFrame(8, 6, 1))) + 2] = '\xf3';
-  const Result<std::unique_ptr<DepthSource>> source = makeOniSource(folder.write("body.oni", bytes));
-  ASSERT_TRUE(source);
+  const std::unique_ptr<DepthSource> source = test::valueOf(makeOniSource(folder.write("body.oni", bytes)));
   DepthFrame frame;
-  ASSERT_TRUE((*source)->next(frame));
-  EXPECT_FALSE((*source)->next(frame));
+  ASSERT_TRUE(source->next(frame));
+  EXPECT_FALSE(source->next(frame));
   EXPECT_EQ(frame.depthMm, someFrame(8, 6, 0));
 }
 
 TEST(OniFile, ARealKinectRecordingIsRead) {
   LORICA_REQUIRE_DATASET(path, "oni/3DJ_Test/test.oni");
-  Result<OniFile> file = OniFile::open(path);
-  ASSERT_TRUE(file) << file.error().message;
-  const OniInfo& info = file->info();
+  OniFile file = test::valueOf(OniFile::open(path));
+  const OniInfo& info = file.info();
   EXPECT_EQ(info.version, "1.0.1.0");
   EXPECT_EQ(info.device, "SensorKinect");
   EXPECT_EQ(info.codec, OniCodec::kTable);
@@ -326,7 +314,7 @@ TEST(OniFile, ARealKinectRecordingIsRead) {
   EXPECT_NEAR(info.camera.horizontalFov, DepthCamera{}.horizontalFov, 1e-6);
   EXPECT_NEAR(info.camera.verticalFov, DepthCamera{}.verticalFov, 1e-6);
   // A Kinect returns 0, or 0.4 to 10 m.
-  for (const DepthFrame& frame : allFramesOf(*file)) {
+  for (const DepthFrame& frame : allFramesOf(file)) {
     const auto seen = std::count_if(frame.depthMm.begin(), frame.depthMm.end(), [](std::uint16_t d) { return d > 0; });
     EXPECT_GT(seen, 640 * 480 / 2);
     for (const std::uint16_t depth : frame.depthMm) ASSERT_TRUE(depth == 0 || (depth > 300 && depth <= 10000)) << depth;
@@ -335,10 +323,9 @@ TEST(OniFile, ARealKinectRecordingIsRead) {
 
 TEST(OniFile, ADamagedRealRecordingGivesFramesOrASentence) {
   LORICA_REQUIRE_DATASET(path, "oni/3DJ_Test/test.oni");
-  const Result<std::string> good = readFile(path);
-  ASSERT_TRUE(good);
+  const std::string good = test::valueOf(readFile(path));
   RandomNumbers random(12);
-  std::string bytes = *good;
+  std::string bytes = good;
   for (int i = 0; i < 300; ++i) {
     // In record headers and properties most flips have an effect.
     const std::size_t at = i % 4 == 0 ? random.bits() % bytes.size() : random.bits() % 32000;

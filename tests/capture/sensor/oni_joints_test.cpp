@@ -2,6 +2,7 @@
 
 #include "capture/files/joint_csv.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -40,52 +41,44 @@ void expectSame(const SkeletonFrame& read, const SkeletonFrame& written) {
 
 TEST(JointCsvWriter, WhatIsWrittenIsReadAtAnyTime) {
   const test::TemporaryFolder folder;
-  Result<JointCsvWriter> writer = JointCsvWriter::create(folder.path() / "body.csv");
-  ASSERT_TRUE(writer) << writer.error().message;
+  JointCsvWriter writer = test::valueOf(JointCsvWriter::create(folder.path() / "body.csv"));
   for (int i = 0; i < 5; ++i) {
-    ASSERT_TRUE(writer->add(someFrame(i)));
-    const Result<std::vector<SkeletonFrame>> now = readJointCsv(folder.path() / "body.part.csv");
-    ASSERT_TRUE(now) << now.error().message;
-    EXPECT_EQ(now->size(), static_cast<std::size_t>(i + 1));
+    ASSERT_TRUE(writer.add(someFrame(i)));
+    const std::vector<SkeletonFrame> now = test::valueOf(readJointCsv(folder.path() / "body.part.csv"));
+    EXPECT_EQ(now.size(), static_cast<std::size_t>(i + 1));
   }
-  ASSERT_TRUE(writer->add(someFrame(2, 7)));
-  const Result<int> rows = writer->finish();
-  ASSERT_TRUE(rows);
-  EXPECT_EQ(*rows, 6);
+  ASSERT_TRUE(writer.add(someFrame(2, 7)));
+  const int rows = test::valueOf(writer.finish());
+  EXPECT_EQ(rows, 6);
   EXPECT_FALSE(std::filesystem::exists(folder.path() / "body.part.csv"));
-  const Result<std::vector<SkeletonFrame>> read = readJointCsv(folder.path() / "body.csv");
-  ASSERT_TRUE(read) << read.error().message;
-  ASSERT_EQ(read->size(), 5u);
-  for (int i = 0; i < 5; ++i) expectSame((*read)[i], someFrame(i));
+  const std::vector<SkeletonFrame> read = test::valueOf(readJointCsv(folder.path() / "body.csv"));
+  ASSERT_EQ(read.size(), 5u);
+  for (int i = 0; i < 5; ++i) expectSame(read[i], someFrame(i));
 }
 
 TEST(JointCsvWriter, FramesThatNobodyCouldReadAreLeftOut) {
   const test::TemporaryFolder folder;
-  Result<JointCsvWriter> writer = JointCsvWriter::create(folder.path() / "body.csv");
-  ASSERT_TRUE(writer);
-  ASSERT_TRUE(writer->add(someFrame(3)));
-  EXPECT_FALSE(writer->add(someFrame(3))) << "the same time again";
-  EXPECT_FALSE(writer->add(someFrame(2))) << "back in time";
+  JointCsvWriter writer = test::valueOf(JointCsvWriter::create(folder.path() / "body.csv"));
+  ASSERT_TRUE(writer.add(someFrame(3)));
+  EXPECT_FALSE(writer.add(someFrame(3))) << "the same time again";
+  EXPECT_FALSE(writer.add(someFrame(2))) << "back in time";
   SkeletonFrame bad = someFrame(4);
   bad.joints[3].position.x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(writer->add(bad));
+  EXPECT_FALSE(writer.add(bad));
   bad = someFrame(4);
   bad.joints[3].position.x() = 2500.0;
-  EXPECT_FALSE(writer->add(bad)) << "millimetres";
-  EXPECT_TRUE(writer->add(someFrame(4)));
-  const Result<int> rows = writer->finish();
-  ASSERT_TRUE(rows);
-  EXPECT_EQ(*rows, 2);
+  EXPECT_FALSE(writer.add(bad)) << "millimetres";
+  EXPECT_TRUE(writer.add(someFrame(4)));
+  const int rows = test::valueOf(writer.finish());
+  EXPECT_EQ(rows, 2);
   EXPECT_TRUE(readJointCsv(folder.path() / "body.csv"));
 }
 
 TEST(JointCsvWriter, WhereNobodyWasSeenThereIsNoFile) {
   const test::TemporaryFolder folder;
-  Result<JointCsvWriter> writer = JointCsvWriter::create(folder.path() / "body.csv");
-  ASSERT_TRUE(writer);
-  const Result<int> rows = writer->finish();
-  ASSERT_TRUE(rows);
-  EXPECT_EQ(*rows, 0);
+  JointCsvWriter writer = test::valueOf(JointCsvWriter::create(folder.path() / "body.csv"));
+  const int rows = test::valueOf(writer.finish());
+  EXPECT_EQ(rows, 0);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
   const Result<JointCsvWriter> nowhere = JointCsvWriter::create(folder.path() / "none" / "body.csv");
   ASSERT_FALSE(nowhere);
@@ -119,10 +112,9 @@ TEST(JointCsvWriter, AKilledProgramLosesNoJoints) {
   waitpid(child, &status, 0);
   close(done[0]);
   ASSERT_TRUE(WIFSIGNALED(status));
-  const Result<std::vector<SkeletonFrame>> frames = readJointCsv(folder.path() / "body.part.csv");
-  ASSERT_TRUE(frames) << frames.error().message;
-  EXPECT_GE(frames->size(), 64u);
-  for (std::size_t i = 0; i < frames->size(); ++i) expectSame((*frames)[i], someFrame(static_cast<int>(i)));
+  const std::vector<SkeletonFrame> frames = test::valueOf(readJointCsv(folder.path() / "body.part.csv"));
+  EXPECT_GE(frames.size(), 64u);
+  for (std::size_t i = 0; i < frames.size(); ++i) expectSame(frames[i], someFrame(static_cast<int>(i)));
 }
 
 }  // namespace

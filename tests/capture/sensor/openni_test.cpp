@@ -4,6 +4,7 @@
 #include "capture/sensor/oni_source.h"
 #include "tests/capture/sensor/openni_test_driver.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -45,11 +46,7 @@ class OpenNiTest : public testing::Test {
   }
   void unplug(const std::string& name) { fs::remove(plug_.path() / name); }
 
-  static std::shared_ptr<OpenNi> start() {
-    Result<std::shared_ptr<OpenNi>> openNi = OpenNi::start({{kTestDriver}, {}});
-    EXPECT_TRUE(openNi) << openNi.error().message;
-    return openNi ? std::move(*openNi) : nullptr;
-  }
+  static std::shared_ptr<OpenNi> start() { return test::valueOf(OpenNi::start({{kTestDriver}, {}})); }
 
   /// Reads until the wanted result. @return whether no error came instead
   static bool readUntil(DepthSource& source, DepthRead wanted, DepthFrame& frame) {
@@ -79,16 +76,14 @@ TEST_F(OpenNiTest, ListsCamerasAndDrivers) {
   plugIn("a");
   const fs::path before = fs::current_path();
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
   EXPECT_EQ(fs::current_path(), before) << "OpenNI2 changes it";
-  Result<std::vector<OpenNiCamera>> cameras = openNi->cameras();
-  ASSERT_TRUE(cameras);
-  ASSERT_EQ(cameras->size(), 1u);
-  EXPECT_EQ((*cameras)[0].uri, "test/a");
-  EXPECT_EQ((*cameras)[0].vendor, "Lorica");
-  EXPECT_EQ((*cameras)[0].name, "Test camera");
-  EXPECT_EQ((*cameras)[0].usbVendor, 0x1209);
-  EXPECT_EQ((*cameras)[0].driver, kTestDriver.filename());
+  std::vector<OpenNiCamera> cameras = test::valueOf(openNi->cameras());
+  ASSERT_EQ(cameras.size(), 1u);
+  EXPECT_EQ(cameras[0].uri, "test/a");
+  EXPECT_EQ(cameras[0].vendor, "Lorica");
+  EXPECT_EQ(cameras[0].name, "Test camera");
+  EXPECT_EQ(cameras[0].usbVendor, 0x1209);
+  EXPECT_EQ(cameras[0].driver, kTestDriver.filename());
   const std::vector<OpenNiDriver>& drivers = openNi->drivers();
   ASSERT_FALSE(drivers.empty());
   EXPECT_EQ(drivers.back().file, fs::canonical(kTestDriver));
@@ -100,16 +95,14 @@ TEST_F(OpenNiTest, ListsCamerasAndDrivers) {
 TEST_F(OpenNiTest, GivesFramesOfTheWantedMode) {
   plugIn("a");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ((*source)->name(), "Lorica, Test camera (test/a)");
-  EXPECT_EQ((*source)->camera(), (DepthCamera{640, 480, 1.0, 0.75}));
+  std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
+  EXPECT_EQ(source->name(), "Lorica, Test camera (test/a)");
+  EXPECT_EQ(source->camera(), (DepthCamera{640, 480, 1.0, 0.75}));
   DepthFrame frame;
   double last = -1.0;
   int lastNumber = -1;
   for (int i = 0; i < 10; ++i) {
-    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
     expectFrame(frame, 640, 480);
     EXPECT_GT(frame.time, last);
     last = frame.time;
@@ -123,13 +116,11 @@ TEST_F(OpenNiTest, GivesFramesOfTheWantedMode) {
 TEST_F(OpenNiTest, WaitsATenthOfASecond) {
   plugIn("a", "slow");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
+  std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
   DepthFrame frame;
-  EXPECT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
-  EXPECT_TRUE(readUntil(**source, DepthRead::kWaiting, frame));
-  EXPECT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  EXPECT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
+  EXPECT_TRUE(readUntil(*source, DepthRead::kWaiting, frame));
+  EXPECT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
 }
 
 TEST_F(OpenNiTest, OddCamerasGiveTheSameKindOfFrames) {
@@ -137,25 +128,21 @@ TEST_F(OpenNiTest, OddCamerasGiveTheSameKindOfFrames) {
   plugIn("small", "small");
   plugIn("tenths", "tenths");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
   DepthFrame frame;
   {
-    const Result<std::unique_ptr<DepthSource>> source = openNi->open("test/mirrored");
-    ASSERT_TRUE(source) << source.error().message;
-    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open("test/mirrored"));
+    ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
     expectFrame(frame, 640, 480, true);
   }
   {
-    const Result<std::unique_ptr<DepthSource>> source = openNi->open("test/small");
-    ASSERT_TRUE(source) << source.error().message;
-    EXPECT_EQ((*source)->camera().width, 320) << "nearer to 640 than 160";
-    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open("test/small"));
+    EXPECT_EQ(source->camera().width, 320) << "nearer to 640 than 160";
+    ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
     expectFrame(frame, 320, 240);
   }
   {
-    const Result<std::unique_ptr<DepthSource>> source = openNi->open("test/tenths");
-    ASSERT_TRUE(source) << source.error().message;
-    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open("test/tenths"));
+    ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
     const int n = (frame.depthMm[0] * 10 - 1000);
     EXPECT_NEAR(frame.depthMm[1000], test::openNiTestDepth(n, 1000) / 10.0, 12.0);
   }
@@ -165,10 +152,8 @@ TEST_F(OpenNiTest, TheFirstCameraThatGivesDepthIsTaken) {
   plugIn("a", "no depth");
   plugIn("b");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
-  EXPECT_EQ((*source)->name(), "Lorica, Test camera (test/b)");
+  const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
+  EXPECT_EQ(source->name(), "Lorica, Test camera (test/b)");
   const Result<std::unique_ptr<DepthSource>> none = openNi->open("test/a");
   ASSERT_FALSE(none);
   EXPECT_NE(none.error().message.find("provides no depth"), std::string::npos) << none.error().message;
@@ -176,7 +161,6 @@ TEST_F(OpenNiTest, TheFirstCameraThatGivesDepthIsTaken) {
 
 TEST_F(OpenNiTest, CamerasThatAreNotThereAreSentences) {
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
   const Result<std::unique_ptr<DepthSource>> any = openNi->open();
   ASSERT_FALSE(any);
   EXPECT_EQ(any.error().code, ErrorCode::kNotFound);
@@ -193,24 +177,21 @@ TEST_F(OpenNiTest, CamerasThatAreNotThereAreSentences) {
 TEST_F(OpenNiTest, AnUnpluggedCameraComesBack) {
   plugIn("a");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
+  const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
   DepthFrame frame;
   double last = -1.0;
   for (const char* back : {"a", "another socket", "a"}) {
-    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
     EXPECT_GT(frame.time, last);
     last = frame.time;
     for (const fs::directory_entry& file : fs::directory_iterator(plug_.path())) fs::remove(file);
-    ASSERT_TRUE(readUntil(**source, DepthRead::kUnplugged, frame));
+    ASSERT_TRUE(readUntil(*source, DepthRead::kUnplugged, frame));
     last = frame.time;
-    const Result<DepthRead> still = (*source)->next(frame);
-    ASSERT_TRUE(still);
-    EXPECT_EQ(*still, DepthRead::kUnplugged);
+    const DepthRead still = test::valueOf(source->next(frame));
+    EXPECT_EQ(still, DepthRead::kUnplugged);
     EXPECT_EQ(frame.time, last) << "unchanged";
     plugIn(back);
-    ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+    ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
     expectFrame(frame, 640, 480);
     EXPECT_GT(frame.time, last + 0.09) << "includes the time without a camera";
     last = frame.time;
@@ -220,16 +201,14 @@ TEST_F(OpenNiTest, AnUnpluggedCameraComesBack) {
 TEST_F(OpenNiTest, ACameraThatReturnsWithOtherImagesIsASentence) {
   plugIn("a");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
+  const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
   DepthFrame frame;
-  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
   unplug("a");
-  ASSERT_TRUE(readUntil(**source, DepthRead::kUnplugged, frame));
+  ASSERT_TRUE(readUntil(*source, DepthRead::kUnplugged, frame));
   plugIn("a", "small");
   Result<DepthRead> read = DepthRead::kUnplugged;
-  while (read) read = (*source)->next(frame);
+  while (read) read = source->next(frame);
   EXPECT_NE(read.error().message.find("returned with images of 320 x 240, expected 640 x 480"), std::string::npos)
       << read.error().message;
 }
@@ -237,17 +216,15 @@ TEST_F(OpenNiTest, ACameraThatReturnsWithOtherImagesIsASentence) {
 TEST_F(OpenNiTest, ARecordingThatDoesNotStartLeavesNoFile) {
   plugIn("a");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
+  const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
   const fs::path folder = beside_.path() / "no folder";
-  EXPECT_FALSE(OpenNiRecorder::start(**source, folder / "body.oni"));
+  EXPECT_FALSE(OpenNiRecorder::start(*source, folder / "body.oni"));
   EXPECT_FALSE(fs::exists(folder));
   // Afterwards another one can start, and it keeps what a killed program left.
   beside_.write("body.part.oni", "found");
-  const Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, beside_.path() / "body.oni");
-  ASSERT_TRUE(recorder) << recorder.error().message;
-  EXPECT_EQ((*recorder)->found(), beside_.path() / "body.found-1.oni");
+  const std::unique_ptr<OpenNiRecorder> recorder =
+      test::valueOf(OpenNiRecorder::start(*source, beside_.path() / "body.oni"));
+  EXPECT_EQ(recorder->found(), beside_.path() / "body.found-1.oni");
   EXPECT_EQ(fs::file_size(beside_.path() / "body.found-1.oni"), 5u);
 }
 
@@ -256,12 +233,10 @@ TEST_F(OpenNiTest, AHundredOpensAndCloses) {
   DepthFrame frame;
   for (int starts = 0; starts < 4; ++starts) {
     const std::shared_ptr<OpenNi> openNi = start();
-    ASSERT_NE(openNi, nullptr);
     for (int i = 0; i < 25; ++i) {
-      const Result<std::unique_ptr<DepthSource>> source = openNi->open();
-      ASSERT_TRUE(source) << source.error().message;
+      const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
       if (i % 2 == 0) {
-        ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+        ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
       }
     }
   }
@@ -280,12 +255,10 @@ TEST_F(OpenNiTest, WithoutTheDriverItsCamerasAreNotSeen) {
   for (int i = 0; i < 2; ++i) {
     {
       const std::shared_ptr<OpenNi> with = start();
-      ASSERT_NE(with, nullptr);
       EXPECT_EQ(with->cameras()->size(), 1u);
     }
-    const Result<std::shared_ptr<OpenNi>> without = OpenNi::start();
-    ASSERT_TRUE(without) << without.error().message;
-    EXPECT_EQ((*without)->cameras()->size(), 0u);
+    const std::shared_ptr<OpenNi> without = test::valueOf(OpenNi::start());
+    EXPECT_EQ(without->cameras()->size(), 0u);
   }
 }
 
@@ -304,30 +277,25 @@ TEST_F(OpenNiTest, DriversThatAreNoneAreSentences) {
 TEST_F(OpenNiTest, RecordsEveryFrameToTheLastBit) {
   plugIn("a");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
+  const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
   DepthFrame frame;
-  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
   const fs::path path = beside_.path() / "body.oni";
   {
-    Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, path);
-    ASSERT_TRUE(recorder) << recorder.error().message;
-    EXPECT_FALSE(OpenNiRecorder::start(**source, path)) << "one at a time";
-    for (int i = 0; i < 8; ++i) ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
-    const Result<int> finished = (*recorder)->finish();
-    ASSERT_TRUE(finished) << finished.error().message;
-    EXPECT_GE(*finished, 5);
+    std::unique_ptr<OpenNiRecorder> recorder = test::valueOf(OpenNiRecorder::start(*source, path));
+    EXPECT_FALSE(OpenNiRecorder::start(*source, path)) << "one at a time";
+    for (int i = 0; i < 8; ++i) ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
+    const int finished = test::valueOf(recorder->finish());
+    EXPECT_GE(finished, 5);
   }
   EXPECT_FALSE(fs::exists(beside_.path() / "body.part.oni"));
-  Result<OniFile> file = OniFile::open(path);
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->info().end, fs::file_size(path)) << "the zeros are removed";
-  EXPECT_EQ(file->info().camera, (DepthCamera{640, 480, 1.0, 0.75}));
-  EXPECT_FALSE(file->info().mirrored);
+  OniFile file = test::valueOf(OniFile::open(path));
+  EXPECT_EQ(file.info().end, fs::file_size(path)) << "the zeros are removed";
+  EXPECT_EQ(file.info().camera, (DepthCamera{640, 480, 1.0, 0.75}));
+  EXPECT_FALSE(file.info().mirrored);
   int lastNumber = -1;
-  for (int i = 0; i < file->info().frameCount; ++i) {
-    ASSERT_TRUE(file->read(i, frame));
+  for (int i = 0; i < file.info().frameCount; ++i) {
+    ASSERT_TRUE(file.read(i, frame));
     expectFrame(frame, 640, 480);
     const int number = frame.depthMm[0] - 1000;
     if (i > 0) {
@@ -336,11 +304,10 @@ TEST_F(OpenNiTest, RecordsEveryFrameToTheLastBit) {
     lastNumber = number;
   }
   // Once more, after a recorder has run. Everything that is read is in the file.
-  Result<std::unique_ptr<OpenNiRecorder>> again = OpenNiRecorder::start(**source, path);
-  ASSERT_TRUE(again) << again.error().message;
-  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
-  ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
-  EXPECT_TRUE((*again)->finish());
+  std::unique_ptr<OpenNiRecorder> again = test::valueOf(OpenNiRecorder::start(*source, path));
+  ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
+  ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
+  EXPECT_TRUE(again->finish());
 }
 
 TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
@@ -367,13 +334,12 @@ TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
   }
   kill(child, SIGKILL);
   waitpid(child, &status, 0);
-  Result<OniFile> file = OniFile::open(beside_.path() / "body.part.oni");
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_TRUE(file->info().cutOff);
-  EXPECT_GT(file->info().frameCount, 5);
+  OniFile file = test::valueOf(OniFile::open(beside_.path() / "body.part.oni"));
+  EXPECT_TRUE(file.info().cutOff);
+  EXPECT_GT(file.info().frameCount, 5);
   DepthFrame frame;
-  for (int i = 0; i < file->info().frameCount; ++i) {
-    ASSERT_TRUE(file->read(i, frame));
+  for (int i = 0; i < file.info().frameCount; ++i) {
+    ASSERT_TRUE(file.read(i, frame));
     expectFrame(frame, 640, 480);
   }
 }
@@ -381,27 +347,22 @@ TEST_F(OpenNiTest, WhatAKilledProgramRecordedCanBePlayed) {
 TEST_F(OpenNiTest, UnpluggingWhileRecordingKeepsWhatWasRecorded) {
   plugIn("a");
   const std::shared_ptr<OpenNi> openNi = start();
-  ASSERT_NE(openNi, nullptr);
-  const Result<std::unique_ptr<DepthSource>> source = openNi->open();
-  ASSERT_TRUE(source) << source.error().message;
-  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, beside_.path() / "body.oni");
-  ASSERT_TRUE(recorder) << recorder.error().message;
+  const std::unique_ptr<DepthSource> source = test::valueOf(openNi->open());
+  std::unique_ptr<OpenNiRecorder> recorder = test::valueOf(OpenNiRecorder::start(*source, beside_.path() / "body.oni"));
   DepthFrame frame;
-  for (int i = 0; i < 5; ++i) ASSERT_TRUE(readUntil(**source, DepthRead::kFrame, frame));
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(readUntil(*source, DepthRead::kFrame, frame));
   unplug("a");
-  ASSERT_TRUE(readUntil(**source, DepthRead::kUnplugged, frame));
-  const Result<std::unique_ptr<OpenNiRecorder>> other = OpenNiRecorder::start(**source, beside_.path() / "b.oni");
+  ASSERT_TRUE(readUntil(*source, DepthRead::kUnplugged, frame));
+  const Result<std::unique_ptr<OpenNiRecorder>> other = OpenNiRecorder::start(*source, beside_.path() / "b.oni");
   EXPECT_FALSE(other);
-  const Result<int> finished = (*recorder)->finish();
-  ASSERT_TRUE(finished) << finished.error().message;
-  EXPECT_GT(*finished, 2);
+  const int finished = test::valueOf(recorder->finish());
+  EXPECT_GT(finished, 2);
 }
 
 TEST_F(OpenNiTest, OnlyCamerasCanBeRecorded) {
   LORICA_REQUIRE_DATASET(path, "oni/3DJ_Test/test.oni");
-  const Result<std::unique_ptr<DepthSource>> source = makeOniSource(path);
-  ASSERT_TRUE(source);
-  const Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(**source, beside_.path() / "b.oni");
+  const std::unique_ptr<DepthSource> source = test::valueOf(makeOniSource(path));
+  const Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(*source, beside_.path() / "b.oni");
   ASSERT_FALSE(recorder);
   EXPECT_EQ(recorder.error().code, ErrorCode::kUnsupported);
 }

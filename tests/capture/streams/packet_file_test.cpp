@@ -2,6 +2,7 @@
 
 #include "capture/streams/vmc_follower.h"
 #include "tests/capture/streams/vmc_packet.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -33,15 +34,14 @@ std::string sentenceFor(const std::string& bytes) {
 
 TEST(PacketFile, HoldsWhatWasWritten) {
   const std::string bytes = packetFileHeader() + hips(0, 1.0f) + hips(16000, 1.1f) + hips(33000, 1.2f, 5001);
-  const Result<PacketFile> file = PacketFile::parse(bytes, "take.pcap");
-  ASSERT_TRUE(file) << file.error().message;
-  ASSERT_EQ(file->packets().size(), 3u);
-  EXPECT_TRUE(file->notes().empty());
-  EXPECT_NEAR(file->packets()[1].time, 0.016, 1e-6);
-  EXPECT_NEAR(file->packets()[2].time, 0.033, 1e-6);
-  EXPECT_EQ(file->packets()[0].sender, file->packets()[1].sender);
-  EXPECT_NE(file->packets()[0].sender, file->packets()[2].sender);
-  const std::span<const std::byte> payload = file->payload(file->packets()[1]);
+  const PacketFile file = test::valueOf(PacketFile::parse(bytes, "take.pcap"));
+  ASSERT_EQ(file.packets().size(), 3u);
+  EXPECT_TRUE(file.notes().empty());
+  EXPECT_NEAR(file.packets()[1].time, 0.016, 1e-6);
+  EXPECT_NEAR(file.packets()[2].time, 0.033, 1e-6);
+  EXPECT_EQ(file.packets()[0].sender, file.packets()[1].sender);
+  EXPECT_NE(file.packets()[0].sender, file.packets()[2].sender);
+  const std::span<const std::byte> payload = file.payload(file.packets()[1]);
   Packet packet;
   packet.bundle().bone("Hips", {0, 1.1f, 0, 0, 0, 0, 1});
   EXPECT_TRUE(std::equal(payload.begin(), payload.end(), packet.bytes().begin(), packet.bytes().end()));
@@ -95,10 +95,9 @@ TEST(PacketFile, SixthVersionOfIpIsRead) {
   std::string ip = "\x60" + std::string(5, '\0') + "\x11" + std::string(1, '\0') + std::string(32, 'a');
   const auto size = static_cast<char>(ip.size() + udp.size());
   const std::string sizes = std::string(3, '\0') + size + std::string(3, '\0') + size;
-  const Result<PacketFile> file =
-      PacketFile::parse(packetFileHeader() + record.substr(0, 8) + sizes + ip + udp, "take.pcap");
-  ASSERT_TRUE(file) << file.error().message;
-  EXPECT_EQ(file->payload(file->packets()[0]).size(), 4u);
+  const PacketFile file =
+      test::valueOf(PacketFile::parse(packetFileHeader() + record.substr(0, 8) + sizes + ip + udp, "take.pcap"));
+  EXPECT_EQ(file.payload(file.packets()[0]).size(), 4u);
 }
 
 TEST(PacketFile, AnythingElseIsASentence) {
@@ -122,12 +121,11 @@ TEST(PacketFile, FragmentsAndOtherTrafficAreLeftOutWithANote) {
   tcp[kRecordHead + 9] = 6;
   std::string cut = hips(0, 1);
   cut[kRecordHead + 24] = 0x7f;  // UDP's length: more than there is
-  const Result<PacketFile> file =
-      PacketFile::parse(packetFileHeader() + fragment + tcp + cut + hips(5, 1), "take.pcap");
-  ASSERT_TRUE(file);
-  EXPECT_EQ(file->packets().size(), 1u);
-  ASSERT_EQ(file->notes().size(), 1u);
-  EXPECT_NE(file->notes()[0].find("3 other packets were left out"), std::string::npos);
+  const PacketFile file =
+      test::valueOf(PacketFile::parse(packetFileHeader() + fragment + tcp + cut + hips(5, 1), "take.pcap"));
+  EXPECT_EQ(file.packets().size(), 1u);
+  ASSERT_EQ(file.notes().size(), 1u);
+  EXPECT_NE(file.notes()[0].find("3 other packets were left out"), std::string::npos);
 }
 
 TEST(PacketFile, EveryTruncationIsNotedOrReported) {
@@ -144,13 +142,12 @@ TEST(PacketFile, EveryTruncationIsNotedOrReported) {
 }
 
 TEST(PacketFile, PausesAreShortenedAndTimeNeverRunsBackwards) {
-  const Result<PacketFile> file =
-      PacketFile::parse(packetFileHeader() + hips(0, 1) + hips(3600e6, 1) + hips(10e6, 1) + hips(11e6, 1), "take.pcap");
-  ASSERT_TRUE(file);
-  EXPECT_EQ(file->packets()[1].time, 2.0);
-  EXPECT_EQ(file->packets()[2].time, 2.0);
-  EXPECT_NEAR(file->packets()[3].time, 3.0, 1e-6);
-  EXPECT_EQ(file->notes().size(), 2u);
+  const PacketFile file = test::valueOf(PacketFile::parse(
+      packetFileHeader() + hips(0, 1) + hips(3600e6, 1) + hips(10e6, 1) + hips(11e6, 1), "take.pcap"));
+  EXPECT_EQ(file.packets()[1].time, 2.0);
+  EXPECT_EQ(file.packets()[2].time, 2.0);
+  EXPECT_NEAR(file.packets()[3].time, 3.0, 1e-6);
+  EXPECT_EQ(file.notes().size(), 2u);
 }
 
 std::vector<BoneFrame> framesOf(const std::string& bytes, int* steps = nullptr) {

@@ -1,4 +1,5 @@
 #include "capture/streams/udp.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -27,25 +28,22 @@ TEST(NetworkAddress, AnythingElseIsASentence) {
 }
 
 TEST(UdpSocket, APacketArrivesWithItsBytes) {
-  Result<UdpSocket> listener = UdpSocket::listen({"127.0.0.1", 0});
-  ASSERT_TRUE(listener) << listener.error().message;
-  Result<UdpSocket> sender = UdpSocket::connect({"127.0.0.1", listener->port()});
-  ASSERT_TRUE(sender) << sender.error().message;
+  UdpSocket listener = test::valueOf(UdpSocket::listen({"127.0.0.1", 0}));
+  UdpSocket sender = test::valueOf(UdpSocket::connect({"127.0.0.1", listener.port()}));
   const std::array<std::byte, 3> sent = {std::byte{1}, std::byte{2}, std::byte{3}};
-  EXPECT_TRUE(sender->send(sent));
+  EXPECT_TRUE(sender.send(sent));
   std::array<std::byte, 16> memory{};
-  const std::optional<UdpSocket::Packet> packet = listener->receive(memory, 100.0);
+  const std::optional<UdpSocket::Packet> packet = listener.receive(memory, 100.0);
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->size, 3u);
   EXPECT_EQ(std::memcmp(memory.data(), sent.data(), 3), 0);
-  EXPECT_FALSE(listener->receive(memory, 0.0));
+  EXPECT_FALSE(listener.receive(memory, 0.0));
 }
 
 TEST(UdpSocket, TwoSendersAreToldApart) {
-  Result<UdpSocket> listener = UdpSocket::listen({"127.0.0.1", 0});
-  ASSERT_TRUE(listener);
-  Result<UdpSocket> a = UdpSocket::connect({"127.0.0.1", listener->port()});
-  Result<UdpSocket> b = UdpSocket::connect({"127.0.0.1", listener->port()});
+  UdpSocket listener = test::valueOf(UdpSocket::listen({"127.0.0.1", 0}));
+  Result<UdpSocket> a = UdpSocket::connect({"127.0.0.1", listener.port()});
+  Result<UdpSocket> b = UdpSocket::connect({"127.0.0.1", listener.port()});
   ASSERT_TRUE(a && b);
   const std::array<std::byte, 1> sent{};
   std::array<std::byte, 16> memory{};
@@ -53,7 +51,7 @@ TEST(UdpSocket, TwoSendersAreToldApart) {
   std::size_t i = 0;
   for (UdpSocket* socket : {&*a, &*b, &*a}) {
     socket->send(sent);
-    const std::optional<UdpSocket::Packet> packet = listener->receive(memory, 100.0);
+    const std::optional<UdpSocket::Packet> packet = listener.receive(memory, 100.0);
     ASSERT_TRUE(packet);
     senders[i++] = packet->sender;
   }
@@ -62,9 +60,8 @@ TEST(UdpSocket, TwoSendersAreToldApart) {
 }
 
 TEST(UdpSocket, APortThatIsTakenIsASentence) {
-  const Result<UdpSocket> first = UdpSocket::listen({"127.0.0.1", 0});
-  ASSERT_TRUE(first);
-  const Result<UdpSocket> second = UdpSocket::listen({"127.0.0.1", first->port()});
+  const UdpSocket first = test::valueOf(UdpSocket::listen({"127.0.0.1", 0}));
+  const Result<UdpSocket> second = UdpSocket::listen({"127.0.0.1", first.port()});
   ASSERT_FALSE(second);
   EXPECT_NE(second.error().message.find("cannot listen there: Address already in use"), std::string::npos)
       << second.error().message;
@@ -79,14 +76,12 @@ TEST(UdpSocket, AHostThatDoesNotResolveIsASentence) {
 TEST(UdpSocket, AReceiverThatIsNotThereIsNoError) {
   std::uint16_t port = 0;
   {
-    const Result<UdpSocket> gone = UdpSocket::listen({"127.0.0.1", 0});
-    ASSERT_TRUE(gone);
-    port = gone->port();
+    const UdpSocket gone = test::valueOf(UdpSocket::listen({"127.0.0.1", 0}));
+    port = gone.port();
   }
-  Result<UdpSocket> sender = UdpSocket::connect({"127.0.0.1", port});
-  ASSERT_TRUE(sender);
+  UdpSocket sender = test::valueOf(UdpSocket::connect({"127.0.0.1", port}));
   const std::array<std::byte, 4> sent{};
-  for (int i = 0; i < 3; ++i) EXPECT_TRUE(sender->send(sent));
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(sender.send(sent));
 }
 
 }  // namespace

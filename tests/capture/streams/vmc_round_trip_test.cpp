@@ -7,6 +7,7 @@
 #include "tests/capture/figures.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -20,21 +21,38 @@ namespace {
 using B = HumanBone;
 using test::angleBetween;
 using test::degrees;
+using test::valueOf;
 
-/// The poses of a skeleton that performs a shipped recording.
-std::vector<Pose> performed(const Skeleton& skeleton, const std::string& name, std::vector<double>& times) {
-  const Result<std::vector<SkeletonFrame>> frames = readJointCsv(test::recordingsFolder() / (name + ".csv"));
-  Result<Retargeter> retargeter = Retargeter::create(skeleton);
-  if (!frames || !retargeter) return {};
-  std::vector<Pose> poses;
-  Pose pose = restPose(skeleton);
-  for (const SkeletonFrame& frame : *frames) {
-    retargeter->apply(frame, pose);
-    poses.push_back(pose);
-    times.push_back(frame.time);
+/// A skeleton that performs a shipped recording, what sends its poses, and what applies them to a character.
+struct Performance {
+  Skeleton skeleton;
+  BonePoseReader reader = valueOf(BonePoseReader::create(skeleton));
+  StreamRetargeter retargeter = valueOf(StreamRetargeter::create(skeleton));
+  Pose pose = restPose(skeleton);  ///< of the character
+  std::vector<Pose> poses = {};
+  std::vector<double> times = {};
+
+  Performance(const Skeleton& performer, const std::string& name) : skeleton(performer) {
+    Retargeter recorded = valueOf(Retargeter::create(skeleton));
+    Pose now = restPose(skeleton);
+    for (const SkeletonFrame& frame : valueOf(readJointCsv(test::recordingsFolder() / (name + ".csv")))) {
+      recorded.apply(frame, now);
+      poses.push_back(now);
+      times.push_back(frame.time);
+    }
   }
-  return poses;
-}
+  explicit Performance(const std::string& name) : Performance(makeMannequin().skeleton, name) {}
+
+  /// The largest distance of a joint of the character from where it should be in a frame.
+  [[nodiscard]] double worstIn(std::size_t frame) const {
+    const std::vector<Affine3> wanted = test::worldOf(skeleton, poses[frame]), got = test::worldOf(skeleton, pose);
+    double worst = 0.0;
+    for (std::size_t j = 0; j < got.size(); ++j) {
+      worst = std::max(worst, (got[j].translation() - wanted[j].translation()).norm());
+    }
+    return worst;
+  }
+};
 
 /// What a receiver makes of a pose that another program sends.
 BonePose sentAndReceived(BonePoseReader& reader, std::span<const JointTransform> pose) {
@@ -54,23 +72,12 @@ TEST(VmcRoundTrip, TheSameCharacterMovesIdentically) {
   crooked.armsDown = degrees(50.0);
   for (const Skeleton& skeleton : {makeMannequin().skeleton, test::makeFigure(crooked).skeleton}) {
     for (const char* name : {"walk", "punch_and_kick"}) {
-      std::vector<double> times;
-      const std::vector<Pose> poses = performed(skeleton, name, times);
-      ASSERT_FALSE(poses.empty());
-      Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
-      Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
-      ASSERT_TRUE(reader && retargeter);
-      Pose pose = restPose(skeleton);
-      double worst = 0.0;
-      for (std::size_t f = 0; f < poses.size(); ++f) {
-        retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], true, pose);
-        const std::vector<Affine3> wanted = test::worldOf(skeleton, poses[f]);
-        const std::vector<Affine3> got = test::worldOf(skeleton, pose);
-        for (std::size_t j = 0; j < got.size(); ++j) {
-          worst = std::max(worst, (got[j].translation() - wanted[j].translation()).norm());
-        }
+      Performance walk(skeleton, name);
+      ASSERT_FALSE(walk.poses.empty());
+      for (std::size_t f = 0; f < walk.poses.size(); ++f) {
+        walk.retargeter.apply(sentAndReceived(walk.reader, walk.poses[f]), walk.times[f], true, walk.pose);
+        EXPECT_LT(walk.worstIn(f), 1e-4) << name;
       }
-      EXPECT_LT(worst, 1e-4) << name;
     }
   }
 }
@@ -85,19 +92,16 @@ TEST(VmcRoundTrip, AnotherCharacterPointsItsLimbsAsTheSender) {
   settings.armsDown = degrees(45.0);
   settings.crookedAxes = true;
   const Skeleton target = test::makeFigure(settings).skeleton;
-  std::vector<double> times;
-  const std::vector<Pose> poses = performed(sender, "jumping_jacks", times);
-  Result<BonePoseReader> reader = BonePoseReader::create(sender);
+  Performance jacks(sender, "jumping_jacks");
   StreamRetargetSettings pure;
   pure.plantFeet = false;
-  Result<StreamRetargeter> retargeter = StreamRetargeter::create(target, pure);
-  ASSERT_TRUE(reader && retargeter);
-  ASSERT_FALSE(poses.empty());
+  StreamRetargeter retargeter = valueOf(StreamRetargeter::create(target, pure));
+  ASSERT_FALSE(jacks.poses.empty());
   Pose pose = restPose(target);
   double worst = 0.0;
-  for (std::size_t f = 0; f < poses.size(); ++f) {
-    retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], true, pose);
-    const std::vector<Affine3> wanted = test::worldOf(sender, poses[f]);
+  for (std::size_t f = 0; f < jacks.poses.size(); ++f) {
+    retargeter.apply(sentAndReceived(jacks.reader, jacks.poses[f]), jacks.times[f], true, pose);
+    const std::vector<Affine3> wanted = test::worldOf(sender, jacks.poses[f]);
     const std::vector<Affine3> got = test::worldOf(target, pose);
     for (const LimbBones& limb : limbs()) {
       for (const auto& [from, to] : {std::pair(limb.upper, limb.lower), std::pair(limb.lower, limb.end)}) {
@@ -115,17 +119,15 @@ TEST(VmcRoundTrip, FeetThatStandKeepTheirPlaceOnLongerLegs) {
   settings.thigh = 0.5;
   settings.shin = 0.3;
   const Skeleton target = test::makeFigure(settings).skeleton;
-  std::vector<double> times;
-  const std::vector<Pose> poses = performed(sender, "walk", times);
-  Result<BonePoseReader> reader = BonePoseReader::create(sender);
-  Result<StreamRetargeter> retargeter = StreamRetargeter::create(target);
-  ASSERT_TRUE(reader && retargeter);
+  Performance walk(sender, "walk");
+  const std::vector<Pose>& poses = walk.poses;
+  StreamRetargeter retargeter = valueOf(StreamRetargeter::create(target));
   Pose pose = restPose(target);
   std::array<std::vector<Vec3>, 2> sent;
   std::array<std::vector<Vec3>, 2> got;
   double lowest = 1.0;
   for (std::size_t f = 0; f < poses.size(); ++f) {
-    retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], true, pose);
+    retargeter.apply(sentAndReceived(walk.reader, poses[f]), walk.times[f], true, pose);
     const std::vector<Affine3> from = test::worldOf(sender, poses[f]);
     const std::vector<Affine3> to = test::worldOf(target, pose);
     for (std::size_t side = 0; side < 2; ++side) {
@@ -149,12 +151,8 @@ TEST(VmcRoundTrip, FeetThatStandKeepTheirPlaceOnLongerLegs) {
 }
 
 TEST(VmcRoundTrip, MirroringTwiceChangesNothing) {
-  const Skeleton skeleton = makeMannequin().skeleton;
-  std::vector<double> times;
-  const std::vector<Pose> poses = performed(skeleton, "wave", times);
-  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
-  ASSERT_TRUE(reader);
-  const BonePose pose = reader->read(poses[poses.size() / 2]);
+  Performance wave("wave");
+  const BonePose pose = wave.reader.read(wave.poses[wave.poses.size() / 2]);
   const BonePose twice = mirrored(mirrored(pose));
   for (std::size_t b = 0; b < pose.rotation.size(); ++b) {
     ASSERT_EQ(pose.rotation[b].has_value(), twice.rotation[b].has_value());
@@ -167,24 +165,14 @@ TEST(VmcRoundTrip, MirroringTwiceChangesNothing) {
 
 /// Some programs send zeros instead of offsets: the character keeps its own proportions.
 TEST(StreamRetarget, ZeroOffsetsDoNotCollapseTheCharacter) {
-  const Skeleton skeleton = makeMannequin().skeleton;
-  std::vector<double> times;
-  const std::vector<Pose> poses = performed(skeleton, "walk", times);
-  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
-  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
-  ASSERT_TRUE(reader && retargeter);
-  Pose pose = restPose(skeleton);
-  for (std::size_t f = 0; f < poses.size(); f += 7) {
-    BonePose sent = sentAndReceived(*reader, poses[f]);
+  Performance walk("walk");
+  for (std::size_t f = 0; f < walk.poses.size(); f += 7) {
+    BonePose sent = sentAndReceived(walk.reader, walk.poses[f]);
     const Vec3 hips = sent.offset[0];
     sent.offset.fill(Vec3::Zero());
     sent.offset[0] = hips;
-    retargeter->apply(sent, times[f], true, pose);
-    const std::vector<Affine3> wanted = test::worldOf(skeleton, poses[f]);
-    const std::vector<Affine3> got = test::worldOf(skeleton, pose);
-    for (std::size_t j = 0; j < got.size(); ++j) {
-      EXPECT_LT((got[j].translation() - wanted[j].translation()).norm(), 1e-4);
-    }
+    walk.retargeter.apply(sent, walk.times[f], true, walk.pose);
+    EXPECT_LT(walk.worstIn(f), 1e-4);
   }
 }
 
@@ -195,8 +183,7 @@ TEST(StreamRetarget, WithoutLegsTheCharacterStands) {
   for (const Skeleton& skeleton : {makeMannequin().skeleton, test::makeFigure(tall).skeleton}) {
     const std::vector<Affine3> rest = test::worldOf(skeleton, restPose(skeleton));
     for (const double hipHeight : {-1.0, 0.0, 0.45, 0.95}) {
-      Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
-      ASSERT_TRUE(retargeter);
+      StreamRetargeter retargeter = valueOf(StreamRetargeter::create(skeleton));
       Pose pose = restPose(skeleton);
       BonePose sent;
       for (const B bone : {B::kSpine, B::kNeck, B::kHead, B::kLeftUpperArm, B::kLeftLowerArm}) {
@@ -207,11 +194,11 @@ TEST(StreamRetarget, WithoutLegsTheCharacterStands) {
         // The first frame of a live stream may lack bones.
         if (hipHeight >= 0.0 && f > 0) sent.rotation[0] = Quat::Identity();
         sent.offset[0] = Vec3(0.0, std::max(0.0, hipHeight), 0.0);
-        retargeter->apply(sent, f / 30.0, true, pose);
+        retargeter.apply(sent, f / 30.0, true, pose);
       }
       for (const B bone : {B::kHips, B::kLeftFoot, B::kRightFoot}) {
         const JointIndex joint = skeleton.jointOf(bone);
-        EXPECT_NEAR(retargeter->worldFromJoint()[joint].translation().y(), rest[joint].translation().y(), 1e-6);
+        EXPECT_NEAR(retargeter.worldFromJoint()[joint].translation().y(), rest[joint].translation().y(), 1e-6);
       }
     }
   }
@@ -219,37 +206,26 @@ TEST(StreamRetarget, WithoutLegsTheCharacterStands) {
 
 /// A sender whose avatar hangs half a metre above the floor.
 TEST(StreamRetarget, NoAvatarFloats) {
-  const Skeleton skeleton = makeMannequin().skeleton;
-  std::vector<double> times;
-  const std::vector<Pose> poses = performed(skeleton, "walk", times);
-  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
-  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
-  ASSERT_TRUE(reader && retargeter);
-  Pose pose = restPose(skeleton);
+  Performance walk("walk");
   for (std::size_t f = 0; f < 60; ++f) {
-    BonePose sent = sentAndReceived(*reader, poses[f]);
+    BonePose sent = sentAndReceived(walk.reader, walk.poses[f]);
     sent.rootPosition.y() = 0.5;
-    retargeter->apply(sent, times[f], true, pose);
+    walk.retargeter.apply(sent, walk.times[f], true, walk.pose);
   }
-  const std::vector<Affine3> wanted = test::worldOf(skeleton, poses[59]);
-  const std::vector<Affine3> got = test::worldOf(skeleton, pose);
-  const JointIndex hips = skeleton.jointOf(B::kHips);
+  const std::vector<Affine3> wanted = test::worldOf(walk.skeleton, walk.poses[59]);
+  const std::vector<Affine3> got = test::worldOf(walk.skeleton, walk.pose);
+  const JointIndex hips = walk.skeleton.jointOf(B::kHips);
   EXPECT_NEAR(got[hips].translation().y(), wanted[hips].translation().y(), 0.06);
 }
 
 TEST(StreamRetarget, SilenceHoldsAndReturnsWithoutAJump) {
-  const Skeleton skeleton = makeMannequin().skeleton;
-  std::vector<double> times;
-  const std::vector<Pose> poses = performed(skeleton, "jumping_jacks", times);
-  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
-  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
-  ASSERT_TRUE(reader && retargeter);
-  Pose pose = restPose(skeleton);
+  Performance jacks("jumping_jacks");
+  const std::vector<double>& times = jacks.times;
   std::vector<Vec3> hands;
-  for (std::size_t f = 0; f < poses.size() && times[f] < 6.0; ++f) {
+  for (std::size_t f = 0; f < times.size() && times[f] < 6.0; ++f) {
     const bool silent = times[f] > 1.0 && times[f] < 3.5;
-    retargeter->apply(sentAndReceived(*reader, poses[f]), times[f], !silent, pose);
-    hands.push_back(test::worldOf(skeleton, pose)[skeleton.jointOf(B::kLeftHand)].translation());
+    jacks.retargeter.apply(sentAndReceived(jacks.reader, jacks.poses[f]), times[f], !silent, jacks.pose);
+    hands.push_back(test::worldOf(jacks.skeleton, jacks.pose)[jacks.skeleton.jointOf(B::kLeftHand)].translation());
   }
   double fastest = 0.0;
   for (std::size_t f = 1; f < hands.size(); ++f) {
@@ -260,17 +236,16 @@ TEST(StreamRetarget, SilenceHoldsAndReturnsWithoutAJump) {
 
 TEST(StreamRetarget, AllocatesNothingPerFrame) {
   const Skeleton skeleton = makeMannequin().skeleton;
-  Result<BonePoseReader> reader = BonePoseReader::create(skeleton);
-  Result<StreamRetargeter> retargeter = StreamRetargeter::create(skeleton);
-  ASSERT_TRUE(reader && retargeter);
+  BonePoseReader reader = valueOf(BonePoseReader::create(skeleton));
+  StreamRetargeter retargeter = valueOf(StreamRetargeter::create(skeleton));
   VmcWriter writer;
   VmcReceiver receiver;
   Pose pose = restPose(skeleton);
-  receiver.take(writer.write(reader->read(pose), {}, 0.0, true), 0.0);  // makes the table of names
+  receiver.take(writer.write(reader.read(pose), {}, 0.0, true), 0.0);  // makes the table of names
   const long before = test::allocationCount();
   for (int i = 0; i < 10; ++i) {
-    receiver.take(writer.write(reader->read(pose), {}, 0.1 * i, true), 0.1 * i);
-    retargeter->apply(receiver.frame().pose, 0.1 * i, true, pose);
+    receiver.take(writer.write(reader.read(pose), {}, 0.1 * i, true), 0.1 * i);
+    retargeter.apply(receiver.frame().pose, 0.1 * i, true, pose);
   }
   EXPECT_EQ(test::allocationCount(), before);
 }

@@ -3,6 +3,7 @@
 #include "capture/streams/osc.h"
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -56,10 +57,9 @@ TEST(VrchatWriter, AnglesAreAppliedInUnitysOrder) {
 
 TEST(VrchatWriter, TheBodyIsScaledToTheUserAndMirrored) {
   const Character mannequin = makeMannequin();
-  Result<BonePoseReader> reader = BonePoseReader::create(mannequin.skeleton);
-  ASSERT_TRUE(reader);
+  BonePoseReader reader = test::valueOf(BonePoseReader::create(mannequin.skeleton));
   const Pose rest = restPose(mannequin.skeleton);
-  const BonePose pose = reader->read(rest);
+  const BonePose pose = reader.read(rest);
   std::vector<Affine3> worldFromJoint(rest.size());
   computeWorldFromJoint(mannequin.skeleton, rest, worldFromJoint);
   VrchatWriter writer(mannequin.height);
@@ -109,9 +109,8 @@ TEST(VrchatWriter, AWearerIsSentInTheirStage) {
 
 TEST(VrchatWriter, OnlyTheTrackersAskedForAreSent) {
   const Character mannequin = makeMannequin();
-  Result<BonePoseReader> reader = BonePoseReader::create(mannequin.skeleton);
-  ASSERT_TRUE(reader);
-  const BonePose pose = reader->read(restPose(mannequin.skeleton));
+  BonePoseReader reader = test::valueOf(BonePoseReader::create(mannequin.skeleton));
+  const BonePose pose = reader.read(restPose(mannequin.skeleton));
   const std::map<std::string_view, std::vector<std::string>> numbers = {{"head", {"head"}},    {"waist", {"1"}},
                                                                         {"chest", {"2"}},      {"feet", {"3", "4"}},
                                                                         {"knees", {"5", "6"}}, {"elbows", {"7", "8"}}};
@@ -129,9 +128,8 @@ TEST(VrchatWriter, OnlyTheTrackersAskedForAreSent) {
 
 /// Turned to its left, towards +X here, the body faces -X in Unity: a yaw of -90 degrees.
 TEST(VrchatWriter, ATurnIsAYaw) {
-  Result<BonePoseReader> reader = BonePoseReader::create(makeMannequin().skeleton);
-  ASSERT_TRUE(reader);
-  BonePose pose = reader->read(restPose(makeMannequin().skeleton));
+  BonePoseReader reader = test::valueOf(BonePoseReader::create(makeMannequin().skeleton));
+  BonePose pose = reader.read(restPose(makeMannequin().skeleton));
   pose.rootRotation = about(Vec3::UnitY(), 90.0);
   VrchatWriter writer(1.7);
   const Vec3 yaw = decoded(writer.write(pose)).at("/tracking/trackers/1/rotation");

@@ -3,6 +3,7 @@
 #include "collision/live/live_body.h"
 #include "tests/collision/dancer.h"
 #include "tests/collision/parts.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -68,10 +69,9 @@ TEST(Cover, ExactKeepsAllCandidatesWhereTheyAre) {
     }
   }
   // No tolerance and no limit request the same.
-  const Result<HullCover> asked = r.choose({});
-  ASSERT_TRUE(asked.ok());
-  EXPECT_EQ(asked->sampledPoses, 0);
-  EXPECT_EQ(asked->points.front().size(), exact.points.front().size());
+  const HullCover asked = test::valueOf(r.choose({}));
+  EXPECT_EQ(asked.sampledPoses, 0);
+  EXPECT_EQ(asked.points.front().size(), exact.points.front().size());
 }
 
 TEST(Cover, CoversTheBodyInSampledPosesAndReportsWhatProtrudesInOthers) {
@@ -80,19 +80,18 @@ TEST(Cover, CoversTheBodyInSampledPosesAndReportsWhatProtrudesInOthers) {
   for (const CoverSettings& settings : {CoverSettings{.tolerance = 0.004}, CoverSettings{.maxHullVertices = 24},
                                         CoverSettings{.tolerance = 0.02, .maxHullVertices = 255}}) {
     SCOPED_TRACE(testing::Message() << settings.tolerance << ", " << settings.maxHullVertices);
-    const Result<HullCover> cover = r.choose(settings);
-    ASSERT_TRUE(cover.ok()) << cover.error().message;
-    EXPECT_EQ(cover->sampledPoses, 20);
-    EXPECT_EQ(cover->heldOutPoses, 10);
-    for (const std::vector<CoverPoint>& points : cover->points) {
+    const HullCover cover = test::valueOf(r.choose(settings));
+    EXPECT_EQ(cover.sampledPoses, 20);
+    EXPECT_EQ(cover.heldOutPoses, 10);
+    for (const std::vector<CoverPoint>& points : cover.points) {
       EXPECT_GE(points.size(), 4u);
       const int max = settings.maxHullVertices > 0 ? settings.maxHullVertices : 100000;
       EXPECT_LE(points.size(), static_cast<std::size_t>(max));
-      for (const CoverPoint& p : points) EXPECT_LE(p.outward.norm(), cover->growth * (1.0 + 1e-12));
+      for (const CoverPoint& p : points) EXPECT_LE(p.outward.norm(), cover.growth * (1.0 + 1e-12));
     }
-    EXPECT_LE(cover->sampledShortfall, settings.maxHullVertices == 0 ? settings.tolerance : 0.1);
-    EXPECT_LT(r.farthestOut(*cover, r.sampled), 1e-6 * height);
-    EXPECT_NEAR(r.farthestOut(*cover, r.heldOut), cover->heldOutShortfall, 1e-6 * height);
+    EXPECT_LE(cover.sampledShortfall, settings.maxHullVertices == 0 ? settings.tolerance : 0.1);
+    EXPECT_LT(r.farthestOut(cover, r.sampled), 1e-6 * height);
+    EXPECT_NEAR(r.farthestOut(cover, r.heldOut), cover.heldOutShortfall, 1e-6 * height);
   }
 }
 
@@ -100,10 +99,9 @@ TEST(Cover, FewerPointsAreNeededForALooserCover) {
   const Rehearsal r;
   std::size_t before = 100000;
   for (const double tolerance : {0.002, 0.005, 0.02}) {
-    const Result<HullCover> cover = r.choose({.tolerance = tolerance});
-    ASSERT_TRUE(cover.ok());
+    const HullCover cover = test::valueOf(r.choose({.tolerance = tolerance}));
     std::size_t count = 0;
-    for (const auto& points : cover->points) count += points.size();
+    for (const auto& points : cover.points) count += points.size();
     EXPECT_LT(count, before);
     before = count;
   }

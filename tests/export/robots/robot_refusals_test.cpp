@@ -3,6 +3,7 @@
 #include "geometry/mesh_files.h"
 #include "geometry/work_budgets.h"
 #include "tests/export/robots/made_robot.h"
+#include "tests/support/has.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
@@ -83,21 +84,21 @@ TEST_F(RobotRefusals, MeshesThatAreNotThereOrNotTheirs) {
 
 TEST_F(RobotRefusals, FilesThatAreNoMeshes) {
   ASSERT_EQ(mkfifo((folder_.path() / "pipe.stl").c_str(), 0600), 0);
-  EXPECT_NE(refusal(mjcf("file=\"pipe.stl\"")).find("robot.xml:1: pipe.stl: "), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(mjcf("file=\"pipe.stl\"")), "robot.xml:1: pipe.stl: "));
   ASSERT_EQ(mkfifo((folder_.path() / "pipe.dae").c_str(), 0600), 0);
-  EXPECT_NE(refusal(mjcf("file=\"pipe.dae\"")).find("robot.xml:1: pipe.dae: "), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(mjcf("file=\"pipe.dae\"")), "robot.xml:1: pipe.dae: "));
   folder_.write("m.3ds", "");
   EXPECT_EQ(refusal(mjcf("file=\"m.3ds\"")),
             "robot.xml:1: m.3ds: found the extension '.3ds', expected .obj, .stl, .ply, .off, .msh or .dae");
   folder_.write("broken.stl", "no mesh at all");
-  EXPECT_NE(refusal(mjcf("file=\"broken.stl\"")).find("robot.xml:1: broken.stl"), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(mjcf("file=\"broken.stl\"")), "robot.xml:1: broken.stl"));
 }
 
 TEST_F(RobotRefusals, MshFilesThatAreNotWhole) {
   const std::string whole = test::mshOf(test::makeLShape());
   for (std::size_t length = 0; length < whole.size(); length += 5) {
     folder_.write("m.msh", whole.substr(0, length));
-    EXPECT_NE(refusal(mjcf("file=\"m.msh\"")).find("robot.xml:1: m.msh: byte "), std::string::npos);
+    EXPECT_TRUE(test::has(refusal(mjcf("file=\"m.msh\"")), "robot.xml:1: m.msh: byte "));
   }
   for (const auto& [from, value, sentence] : {std::tuple(std::size_t{0}, -1, "positions is 4294967295"),
                                               {std::size_t{12}, 0x7fffffff, "triangles is 2147"},
@@ -107,13 +108,13 @@ TEST_F(RobotRefusals, MshFilesThatAreNotWhole) {
     std::string broken = whole;
     std::memcpy(broken.data() + from, &value, sizeof value);
     folder_.write("m.msh", broken);
-    EXPECT_NE(refusal(mjcf("file=\"m.msh\"")).find(sentence), std::string::npos) << sentence;
+    EXPECT_TRUE(test::has(refusal(mjcf("file=\"m.msh\"")), sentence)) << sentence;
   }
 }
 
 TEST_F(RobotRefusals, MeshesWithoutVolumeOrWithTooManyTriangles) {
   folder_.write("line.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-  EXPECT_NE(refusal(mjcf("file=\"line.obj\"")).find("robot.xml:1: line.obj: "), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(mjcf("file=\"line.obj\"")), "robot.xml:1: line.obj: "));
   EXPECT_EQ(refusal(mjcf("file=\"l.obj\" scale=\"1 0 1\"")),
             "robot.xml:1: scale: found a mesh without volume, expected three numbers other than 0");
   EXPECT_EQ(refusal(urdf("filename=\"l.obj\" scale=\"1 0 1\""), "robot.urdf"),
@@ -144,14 +145,14 @@ TEST_F(RobotRefusals, IncludesThatDoNotEnd) {
             "robot.xml:1: 'd.xml' is included twice, expected each file once");
   EXPECT_EQ(refusal(mjcf("file=\"l.obj\"", "<include file=\"e.xml\"/>")),
             "robot.xml:1: e.xml: cannot be read: No such file or directory");
-  EXPECT_NE(refusal(mjcf("file=\"l.obj\"", "<include file=\"/etc/passwd\"/>")).find("outside the file's folder"),
-            std::string::npos);
+  EXPECT_TRUE(
+      test::has(refusal(mjcf("file=\"l.obj\"", "<include file=\"/etc/passwd\"/>")), "outside the file's folder"));
   std::string many;
   for (std::size_t i = 0; i <= kMaxRobotIncludes; ++i) {
     folder_.write("i" + std::to_string(i) + ".xml", "<mujoco/>");
     many += "<include file=\"i" + std::to_string(i) + ".xml\"/>";
   }
-  EXPECT_NE(refusal(mjcf("file=\"l.obj\"", many)).find("found more than 100 included files"), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(mjcf("file=\"l.obj\"", many)), "found more than 100 included files"));
 }
 
 TEST_F(RobotRefusals, HostileXml) {
@@ -167,10 +168,10 @@ TEST_F(RobotRefusals, HostileXml) {
   for (int i = 0; i < 100000; ++i) end += "</body>";
   EXPECT_EQ(refusal("<mujoco><worldbody>" + deep + end + "</worldbody></mujoco>"),
             "robot.xml: found more than 200 levels of elements, expected at most that");
-  EXPECT_NE(refusal("<mujoco>\n<a></b></mujoco>").find("robot.xml:2: found no XML"), std::string::npos);
-  EXPECT_NE(refusal("").find("robot.xml:1: found no XML"), std::string::npos);
+  EXPECT_TRUE(test::has(refusal("<mujoco>\n<a></b></mujoco>"), "robot.xml:2: found no XML"));
+  EXPECT_TRUE(test::has(refusal(""), "robot.xml:1: found no XML"));
   EXPECT_EQ(refusal(std::string("<mujoco>\n\0</mujoco>", 19)), "robot.xml:2: found a zero byte, expected XML in UTF-8");
-  EXPECT_NE(refusal(mjcf() + std::string(std::size_t{17} << 20, ' ')).find("robot.xml: "), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(mjcf() + std::string(std::size_t{17} << 20, ' ')), "robot.xml: "));
   EXPECT_EQ(refusal("<robot/>"), "robot.xml: found the element <robot>, expected <mujoco>");
   EXPECT_EQ(refusal("<mujoco/>", "robot.urdf"), "robot.urdf: found the element <mujoco>, expected <robot>");
 }
@@ -183,9 +184,9 @@ TEST_F(RobotRefusals, LevelsCountThroughIncludes) {
     ends += "</body>";
   }
   folder_.write("b.xml", "<mujoco>" + levels + ends + "</mujoco>");
-  EXPECT_NE(refusal("<mujoco><worldbody>" + levels + "<include file=\"b.xml\"/>" + ends + "</worldbody></mujoco>")
-                .find("found more than 200 levels"),
-            std::string::npos);
+  EXPECT_TRUE(
+      test::has(refusal("<mujoco><worldbody>" + levels + "<include file=\"b.xml\"/>" + ends + "</worldbody></mujoco>"),
+                "found more than 200 levels"));
 }
 
 TEST_F(RobotRefusals, WhatDoesNotFitTogether) {
@@ -198,9 +199,8 @@ TEST_F(RobotRefusals, WhatDoesNotFitTogether) {
   EXPECT_EQ(refusal("<mujoco><default><default class=\"main\"/></default></mujoco>"),
             "robot.xml:1: found the default class 'main' again, expected each once");
   EXPECT_EQ(refusal(mjcf("file=\"l.obj\" scale=\"1 2\"")), "robot.xml:1: scale: found '1 2', expected 3 numbers");
-  EXPECT_NE(refusal(mjcf("vertex=\"0 0 0 1 0 0 0 1 0 0 0 1\" face=\"0 1 2 0 1 3 0 2 3 1 2 9\""))
-                .find("robot.xml:1: face: found vertex 9, expected 0 to 3"),
-            std::string::npos);
+  EXPECT_TRUE(test::has(refusal(mjcf("vertex=\"0 0 0 1 0 0 0 1 0 0 0 1\" face=\"0 1 2 0 1 3 0 2 3 1 2 9\"")),
+                        "robot.xml:1: face: found vertex 9, expected 0 to 3"));
   const std::string joint =
       "<link name=\"b\"/><joint><parent link=\"b\"/><child link=\"a\"/></joint>"
       "<joint><parent link=\"a\"/><child link=\"b\"/></joint>";
@@ -208,23 +208,22 @@ TEST_F(RobotRefusals, WhatDoesNotFitTogether) {
             "robot.urdf: found 2 links in circles of joints, expected a tree");
   EXPECT_EQ(refusal(urdf("filename=\"l.obj\"", "<link name=\"a\"/>"), "robot.urdf"),
             "robot.urdf:1: found the link 'a' again, expected each once");
-  EXPECT_NE(refusal("<robot xmlns:xacro=\"x\"><xacro:arm/></robot>", "robot.urdf").find("found a macro of xacro"),
-            std::string::npos);
+  EXPECT_TRUE(
+      test::has(refusal("<robot xmlns:xacro=\"x\"><xacro:arm/></robot>", "robot.urdf"), "found a macro of xacro"));
 }
 
 TEST_F(RobotRefusals, OutputsThatWouldBreakTheRobot) {
   const fs::path robot = test::writeMadeMjcf(folder_);
   RobotExportOptions options = test::madeOptions(robot, "out.urdf");
-  EXPECT_NE(refusal(options).find("out.urdf: found the extension '.urdf', expected that of robot.xml"),
-            std::string::npos);
+  EXPECT_TRUE(test::has(refusal(options), "out.urdf: found the extension '.urdf', expected that of robot.xml"));
   options = test::madeOptions(robot, "parts/out.xml");
-  EXPECT_NE(refusal(options).find("expected a file in the folder of robot.xml"), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(options), "expected a file in the folder of robot.xml"));
   options = test::madeOptions(robot, "robot.xml");
   options.replace = true;
-  EXPECT_NE(refusal(options).find("robot.xml: would replace a file of the robot"), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(options), "robot.xml: would replace a file of the robot"));
   folder_.write("out_leg.xml", "mine");
   options = test::madeOptions(robot, "out.xml");
-  EXPECT_NE(refusal(options).find("out_leg.xml: exists already"), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(options), "out_leg.xml: exists already"));
   options.packages = {"=x"};
   EXPECT_EQ(refusal(options), "--package =x: expected NAME=FOLDER");
 }
@@ -235,7 +234,7 @@ TEST_F(RobotRefusals, NothingStaysOfWhatCannotBeWritten) {
   RobotExportOptions options = test::madeOptions(robot, "out.urdf");
   options.replace = true;
   fs::create_directories(folder_.path() / "out_meshes" / "torus_hull_0.stl");
-  EXPECT_NE(refusal(options).find("torus_hull_0.stl"), std::string::npos);
+  EXPECT_TRUE(test::has(refusal(options), "torus_hull_0.stl"));
 }
 
 TEST_F(RobotRefusals, PathsOfTheUsersChoiceAreRead) {

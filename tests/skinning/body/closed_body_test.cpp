@@ -4,6 +4,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/skinning/body/hard_characters.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 #include "tests/support/voxels.h"
 
 #include <gtest/gtest.h>
@@ -58,36 +59,34 @@ Character rigid(const TriMesh& mesh) {
 
 TEST(Body, AClosedMeshStaysAsItIs) {
   const Character mannequin = makeMannequin();
-  const Result<ClosedBody> body = makeBody(mannequin);
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  expectSound(*body);
-  EXPECT_FALSE(body->made);
-  EXPECT_EQ(body->shells, 1);
-  EXPECT_EQ(body->resolution, 0.0);
-  EXPECT_TRUE(body->notes.empty());
-  EXPECT_TRUE(body->character.shown.empty());
-  EXPECT_EQ(body->character.mesh.vertices, mannequin.mesh.vertices);
-  EXPECT_EQ(body->character.mesh.triangles, mannequin.mesh.triangles);
-  EXPECT_EQ(body->character.height, mannequin.height);
-  EXPECT_EQ(body->distances.farthestOutside, 0.0);
+  const ClosedBody body = test::valueOf(makeBody(mannequin));
+  expectSound(body);
+  EXPECT_FALSE(body.made);
+  EXPECT_EQ(body.shells, 1);
+  EXPECT_EQ(body.resolution, 0.0);
+  EXPECT_TRUE(body.notes.empty());
+  EXPECT_TRUE(body.character.shown.empty());
+  EXPECT_EQ(body.character.mesh.vertices, mannequin.mesh.vertices);
+  EXPECT_EQ(body.character.mesh.triangles, mannequin.mesh.triangles);
+  EXPECT_EQ(body.character.height, mannequin.height);
+  EXPECT_EQ(body.distances.farthestOutside, 0.0);
 }
 
 TEST(Body, ASeamIsWeldedAndKeepsItsWeights) {
   const Character mannequin = makeMannequin();
-  const Result<ClosedBody> body = makeBody(test::unindexed(mannequin));
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  expectSound(*body);
-  EXPECT_FALSE(body->made);
-  ASSERT_EQ(body->character.mesh.vertices.size(), mannequin.mesh.vertices.size());
-  EXPECT_TRUE(hasNote(*body, "welded"));
-  EXPECT_DOUBLE_EQ(volumeOf(body->character), volumeOf(mannequin));
+  const ClosedBody body = test::valueOf(makeBody(test::unindexed(mannequin)));
+  expectSound(body);
+  EXPECT_FALSE(body.made);
+  ASSERT_EQ(body.character.mesh.vertices.size(), mannequin.mesh.vertices.size());
+  EXPECT_TRUE(hasNote(body, "welded"));
+  EXPECT_DOUBLE_EQ(volumeOf(body.character), volumeOf(mannequin));
   // Vertices are in another order: those of the first triangle come first.
   for (std::size_t k = 0; k < mannequin.mesh.triangles.size(); k += 97) {
     const auto was = static_cast<std::size_t>(mannequin.mesh.triangles[k][0]);
-    const auto is = static_cast<std::size_t>(body->character.mesh.triangles[k][0]);
-    EXPECT_EQ(body->character.mesh.vertices[is], mannequin.mesh.vertices[was]);
+    const auto is = static_cast<std::size_t>(body.character.mesh.triangles[k][0]);
+    EXPECT_EQ(body.character.mesh.vertices[is], mannequin.mesh.vertices[was]);
     double sum = 0.0;
-    for (const Influence& i : influencesOf(body->character, is)) {
+    for (const Influence& i : influencesOf(body.character, is)) {
       for (const Influence& j : influencesOf(mannequin, was)) {
         if (i.joint == j.joint) sum += std::min(i.weight, j.weight);
       }
@@ -104,15 +103,14 @@ TEST(Body, WhereWeldedVerticesDifferTheMeanOfTheirWeightsIsTaken) {
   left.triangles.resize(6);
   test::add(box, left, 0);
   test::add(box, right, 1);
-  const Result<ClosedBody> body = makeBody(test::finished(box));
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  expectSound(*body);
-  EXPECT_FALSE(body->made);
-  EXPECT_EQ(body->bodyVertices, 8);
-  EXPECT_TRUE(hasNote(*body, "their mean is used"));
+  const ClosedBody body = test::valueOf(makeBody(test::finished(box)));
+  expectSound(body);
+  EXPECT_FALSE(body.made);
+  EXPECT_EQ(body.bodyVertices, 8);
+  EXPECT_TRUE(hasNote(body, "their mean is used"));
   int shared = 0;
   for (std::size_t v = 0; v < 8; ++v) {
-    const auto influences = influencesOf(body->character, v);
+    const auto influences = influencesOf(body.character, v);
     if (influences.size() == 1) continue;
     ++shared;
     EXPECT_DOUBLE_EQ(influences[0].weight, 0.5);
@@ -124,44 +122,40 @@ TEST(Body, WhereWeldedVerticesDifferTheMeanOfTheirWeightsIsTaken) {
 TEST(Body, WhatIsInsideOutIsTurned) {
   TriMesh box = test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1));
   for (Triangle& t : box.triangles) std::swap(t[1], t[2]);
-  const Result<ClosedBody> body = makeBody(rigid(box));
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  EXPECT_FALSE(body->made);
-  EXPECT_NEAR(volumeOf(body->character), 1.0, 1e-12);
-  EXPECT_TRUE(hasNote(*body, "inside out"));
+  const ClosedBody body = test::valueOf(makeBody(rigid(box)));
+  EXPECT_FALSE(body.made);
+  EXPECT_NEAR(volumeOf(body.character), 1.0, 1e-12);
+  EXPECT_TRUE(hasNote(body, "inside out"));
 }
 
 TEST(Body, NonManifoldEdgesOfAClosedMeshAreRepaired) {
-  const Result<ClosedBody> body =
-      makeBody(rigid(test::makeVoxelSurface({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 1}, {1, 1, 1}})));
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  expectSound(*body);
-  EXPECT_FALSE(body->made);
-  EXPECT_NEAR(volumeOf(body->character), 5.0, 1e-12);
+  const ClosedBody body =
+      test::valueOf(makeBody(rigid(test::makeVoxelSurface({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 1}, {1, 1, 1}}))));
+  expectSound(body);
+  EXPECT_FALSE(body.made);
+  EXPECT_NEAR(volumeOf(body.character), 5.0, 1e-12);
 }
 
 TEST(Body, ShellsThatAreApartStayAsTheyAre) {
-  const Result<ClosedBody> body = makeBody(
-      rigid(test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)), test::makeBox(Vec3(2, 0, 0), Vec3(3, 1, 1)))));
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  EXPECT_FALSE(body->made);
-  EXPECT_EQ(body->shells, 2);
+  const ClosedBody body = test::valueOf(makeBody(
+      rigid(test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)), test::makeBox(Vec3(2, 0, 0), Vec3(3, 1, 1))))));
+  EXPECT_FALSE(body.made);
+  EXPECT_EQ(body.shells, 2);
 }
 
 // The volumes of these solids are known. Smoothing rounds edges, which costs 2 % at this coarse resolution.
 TEST(Body, OverlappingShellsBecomeOneSurface) {
   const TriMesh two = test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)),
                                    test::makeBox(Vec3(0.5, 0.25, 0.25), Vec3(2, 0.75, 0.75)));
-  const Result<ClosedBody> body = makeBody(rigid(two));
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  expectSound(*body);
-  EXPECT_TRUE(body->made);
-  EXPECT_NEAR(volumeOf(body->character), 1.25, 0.02);
-  EXPECT_EQ(connectedComponents(body->character.mesh.vertices.size(), body->character.mesh.triangles).count, 1);
-  EXPECT_EQ(body->shells, 2);
-  EXPECT_LT(body->distances.farthestToOriginal, body->resolution);
-  EXPECT_LT(body->distances.farthestOutside, std::sqrt(3.0) * body->resolution);  // corners are rounded
-  EXPECT_EQ(body->character.mesh.vertices.size(), static_cast<std::size_t>(body->bodyVertices) + 16);
+  const ClosedBody body = test::valueOf(makeBody(rigid(two)));
+  expectSound(body);
+  EXPECT_TRUE(body.made);
+  EXPECT_NEAR(volumeOf(body.character), 1.25, 0.02);
+  EXPECT_EQ(connectedComponents(body.character.mesh.vertices.size(), body.character.mesh.triangles).count, 1);
+  EXPECT_EQ(body.shells, 2);
+  EXPECT_LT(body.distances.farthestToOriginal, body.resolution);
+  EXPECT_LT(body.distances.farthestOutside, std::sqrt(3.0) * body.resolution);  // corners are rounded
+  EXPECT_EQ(body.character.mesh.vertices.size(), static_cast<std::size_t>(body.bodyVertices) + 16);
 }
 
 TEST(Body, WhatLiesInsideCountsOnce) {
@@ -171,10 +165,9 @@ TEST(Body, WhatLiesInsideCountsOnce) {
       for (Triangle& t : eye.triangles) std::swap(t[1], t[2]);
     }
     const TriMesh head = test::makeSphere(1.0, 24, 32);
-    const Result<ClosedBody> body = makeBody(rigid(test::joined(head, eye)));
-    ASSERT_TRUE(body.ok()) << body.error().message;
-    expectSound(*body);
-    EXPECT_NEAR(volumeOf(body->character), signedVolume(head.vertices, head.triangles), 0.02);
+    const ClosedBody body = test::valueOf(makeBody(rigid(test::joined(head, eye))));
+    expectSound(body);
+    EXPECT_NEAR(volumeOf(body.character), signedVolume(head.vertices, head.triangles), 0.02);
   }
 }
 

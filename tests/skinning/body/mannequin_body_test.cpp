@@ -4,6 +4,7 @@
 #include "skinning/body/closed_body.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/skinning/body/hard_characters.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -28,9 +29,8 @@ double weightOf(std::span<const Influence> influences, JointIndex joint) {
 /// Checks that the body of a degraded mannequin is the mannequin.
 void expectMannequin(const Character& spoilt, double volumeShare) {
   const Character truth = makeMannequin();
-  const Result<ClosedBody> made = makeBody(spoilt);
-  ASSERT_TRUE(made.ok()) << made.error().message;
-  const ClosedBody& body = *made;
+  const ClosedBody made = test::valueOf(makeBody(spoilt));
+  const ClosedBody& body = made;
   EXPECT_TRUE(checkClosedTwoManifold(body.character.mesh).ok());
   EXPECT_TRUE(checkCharacter(body.character).ok());
   EXPECT_TRUE(body.made);
@@ -99,13 +99,12 @@ TEST(MannequinBody, WithACape) {
   const std::size_t skin = dressed.mesh.vertices.size();
   test::addCape(dressed);
   expectMannequin(dressed, 0.02);
-  const Result<ClosedBody> body = makeBody(dressed);
-  ASSERT_TRUE(body.ok());
-  EXPECT_EQ(body->character.mesh.vertices.size(),
-            static_cast<std::size_t>(body->bodyVertices) + dressed.mesh.vertices.size());
+  const ClosedBody body = test::valueOf(makeBody(dressed));
+  EXPECT_EQ(body.character.mesh.vertices.size(),
+            static_cast<std::size_t>(body.bodyVertices) + dressed.mesh.vertices.size());
   EXPECT_GT(dressed.mesh.vertices.size(), skin);
   // The cape protrudes, and the distances report it.
-  EXPECT_GT(body->distances.farthestOutside, 0.1);
+  EXPECT_GT(body.distances.farthestOutside, 0.1);
 }
 
 /// Two legs side by side, closed capsules of 12 cm, one joint each below the hips, and a block of hips.
@@ -157,17 +156,16 @@ Character legs(double gap) {
 TEST(MannequinBody, LegsThatTouchStayTwo) {
   for (const double gap : {0.02, 0.005, 0.0, -0.005}) {
     SCOPED_TRACE(gap);
-    const Result<ClosedBody> body = makeBody(legs(gap), {.resolution = 0.012});
-    ASSERT_TRUE(body.ok()) << body.error().message;
+    const ClosedBody body = test::valueOf(makeBody(legs(gap), {.resolution = 0.012}));
     // Below the hips no triangle joins the two legs.
     int across = 0;
     double mixed = 0.0;
-    const std::vector<Vec3>& at = body->character.mesh.vertices;
-    for (const Triangle& t : body->character.mesh.triangles) {
+    const std::vector<Vec3>& at = body.character.mesh.vertices;
+    for (const Triangle& t : body.character.mesh.triangles) {
       std::array<bool, 2> legs{};
       bool below = true;
       for (const VertexIndex v : t) {
-        const auto own = influencesOf(body->character, static_cast<std::size_t>(v));
+        const auto own = influencesOf(body.character, static_cast<std::size_t>(v));
         below = below && at[v].y() < 0.6;
         legs[0] = legs[0] || weightOf(own, 1) > 0.5;
         legs[1] = legs[1] || weightOf(own, 2) > 0.5;

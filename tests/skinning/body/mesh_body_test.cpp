@@ -2,6 +2,7 @@
 
 #include "tests/support/damaged_meshes.h"
 #include "tests/support/meshes.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -21,29 +22,26 @@ TriMesh bowl() {
 
 TEST(MeshBody, IsClosedAndHasTheVolumeOfWhatIsBelowTheHole) {
   const TriMesh mesh = bowl();
-  const Result<MeshBody> body = makeMeshBody(mesh);
-  ASSERT_TRUE(body) << body.error().message;
-  EXPECT_TRUE(checkClosedTwoManifold(body->mesh));
+  const MeshBody body = valueOf(makeMeshBody(mesh));
+  EXPECT_TRUE(checkClosedTwoManifold(body.mesh));
   const double ball = 4.0 / 3.0 * std::numbers::pi;
   const double cap = std::numbers::pi * 0.04 * (3.0 - 0.2) / 3.0;  // of height 0.2
-  const double volume = signedVolume(body->mesh.vertices, body->mesh.triangles);
+  const double volume = signedVolume(body.mesh.vertices, body.mesh.triangles);
   EXPECT_GT(volume, 0.97 * (ball - cap));
   EXPECT_LT(volume, ball);
-  EXPECT_GT(body->resolution, 0.0);
-  EXPECT_LE(body->distances.meanToOriginal, body->resolution);
-  EXPECT_LE(body->distances.farthestOutside, body->resolution);
+  EXPECT_GT(body.resolution, 0.0);
+  EXPECT_LE(body.distances.meanToOriginal, body.resolution);
+  EXPECT_LE(body.distances.farthestOutside, body.resolution);
 }
 
 TEST(MeshBody, EndsWithTheOriginalVertices) {
   TriMesh mesh = bowl();
   mesh.vertices.emplace_back(1e6, 0, 0);  // that no triangle uses
-  const Result<MeshBody> body = makeMeshBody(mesh);
-  ASSERT_TRUE(body);
-  ASSERT_EQ(body->mesh.vertices.size(), mesh.vertices.size() + static_cast<std::size_t>(body->firstOriginal));
-  EXPECT_TRUE(
-      std::equal(mesh.vertices.begin(), mesh.vertices.end(), body->mesh.vertices.begin() + body->firstOriginal));
-  for (const Triangle& t : body->mesh.triangles) {
-    for (const VertexIndex v : t) EXPECT_LT(v, body->firstOriginal);
+  const MeshBody body = valueOf(makeMeshBody(mesh));
+  ASSERT_EQ(body.mesh.vertices.size(), mesh.vertices.size() + static_cast<std::size_t>(body.firstOriginal));
+  EXPECT_TRUE(std::equal(mesh.vertices.begin(), mesh.vertices.end(), body.mesh.vertices.begin() + body.firstOriginal));
+  for (const Triangle& t : body.mesh.triangles) {
+    for (const VertexIndex v : t) EXPECT_LT(v, body.firstOriginal);
   }
 }
 
@@ -52,12 +50,11 @@ TEST(MeshBody, DoesNotDependOnTheUnit) {
   for (const double scale : {1e-6, 1e-3, 1e3, 1e9}) {
     TriMesh mesh = bowl();
     for (Vec3& p : mesh.vertices) p = scale * p + scale * Vec3(0.3, 0.2, 0.1);
-    const Result<MeshBody> other = makeMeshBody(mesh);
-    ASSERT_TRUE(other) << other.error().message;
-    EXPECT_EQ(other->mesh.triangles, one.mesh.triangles) << scale;
-    EXPECT_NEAR(other->resolution / scale, one.resolution, 1e-9);
-    EXPECT_NEAR(other->distances.meanToOriginal / scale, one.distances.meanToOriginal, 1e-9);
-    EXPECT_NEAR(other->distances.farthestOutside / scale, one.distances.farthestOutside, 1e-9);
+    const MeshBody other = valueOf(makeMeshBody(mesh));
+    EXPECT_EQ(other.mesh.triangles, one.mesh.triangles) << scale;
+    EXPECT_NEAR(other.resolution / scale, one.resolution, 1e-9);
+    EXPECT_NEAR(other.distances.meanToOriginal / scale, one.distances.meanToOriginal, 1e-9);
+    EXPECT_NEAR(other.distances.farthestOutside / scale, one.distances.farthestOutside, 1e-9);
   }
 }
 
@@ -70,10 +67,9 @@ TEST(MeshBody, ResolutionIsInTheMeshsUnit) {
 }
 
 TEST(MeshBody, AClosedMeshIsRebuiltToo) {
-  const Result<MeshBody> body = makeMeshBody(makeLShape());
-  ASSERT_TRUE(body);
-  EXPECT_GT(body->firstOriginal, 12);
-  EXPECT_NEAR(signedVolume(body->mesh.vertices, body->mesh.triangles), 3.0, 0.1);
+  const MeshBody body = valueOf(makeMeshBody(makeLShape()));
+  EXPECT_GT(body.firstOriginal, 12);
+  EXPECT_NEAR(signedVolume(body.mesh.vertices, body.mesh.triangles), 3.0, 0.1);
 }
 
 TEST(MeshBody, EveryDamagedTorusGetsOne) {

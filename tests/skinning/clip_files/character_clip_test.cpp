@@ -5,6 +5,7 @@
 #include "tests/skinning/clip_files/clip_samples.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -149,23 +150,20 @@ TEST(CharacterClip, OfTheMannequinIsWhole) {
   const SkeletalMotion motion = test::randomMotion(file, 5, 3);
   const fs::path out = folder.path() / "mannequin.glb";
   ASSERT_TRUE(writeClip(out, mannequin, motion).ok());
-  const Result<CharacterFile> read = readCharacterFile(out);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_TRUE(read->notes.empty()) << read->notes.front();
-  EXPECT_LT(test::farthestFrom(*read, mannequin, motion), kTolerance);
+  const CharacterFile read = test::valueOf(readCharacterFile(out));
+  EXPECT_TRUE(read.notes.empty()) << read.notes.front();
+  EXPECT_LT(test::farthestFrom(read, mannequin, motion), kTolerance);
 }
 
 TEST(CharacterClip, AMotionThatStandsStillIsAnAnimationToo) {
   const test::TemporaryFolder folder;
   const fs::path from = folder.write("hero.glb", test::smallCharacter().glb());
-  const Result<CharacterFile> file = readCharacterFile(from);
-  ASSERT_TRUE(file.ok());
-  const Pose rest = restPose(file->character.skeleton);
+  const CharacterFile file = test::valueOf(readCharacterFile(from));
+  const Pose rest = restPose(file.character.skeleton);
   const fs::path out = folder.path() / "stand.glb";
-  ASSERT_TRUE(writeClip(out, {from, &*file}, {"stand", file->character.skeleton, {0.0}, rest}).ok());
-  const Result<CharacterFile> read = readCharacterFile(out);
-  ASSERT_TRUE(read.ok());
-  EXPECT_EQ(read->clips.front().name, "stand");
+  ASSERT_TRUE(writeClip(out, {from, &file}, {"stand", file.character.skeleton, {0.0}, rest}).ok());
+  const CharacterFile read = test::valueOf(readCharacterFile(out));
+  EXPECT_EQ(read.clips.front().name, "stand");
 }
 
 TEST(CharacterClip, OfAPosedFileHoldsWhatDiffersFromItsNodes) {
@@ -174,19 +172,17 @@ TEST(CharacterClip, OfAPosedFileHoldsWhatDiffersFromItsNodes) {
   hero.document["nodes"][1]["rotation"] = {0.6, 0.0, 0.0, 0.8};
   hero.document.erase("animations");
   const fs::path from = folder.write("hero.glb", hero.glb());
-  const Result<CharacterFile> file = readCharacterFile(from);
-  ASSERT_TRUE(file.ok());
+  const CharacterFile file = test::valueOf(readCharacterFile(from));
   // At rest, as it was bound: the upper bone is not turned.
-  const Skeleton& skeleton = file->character.skeleton;
+  const Skeleton& skeleton = file.character.skeleton;
   const SkeletalMotion stands{"stand", skeleton, {0.0}, restPose(skeleton)};
   const fs::path out = folder.path() / "stand.glb";
-  ASSERT_TRUE(writeClip(out, {from, &*file}, stands).ok());
+  ASSERT_TRUE(writeClip(out, {from, &file}, stands).ok());
   const json channels = test::documentOf(out)["animations"][0]["channels"];
   ASSERT_EQ(channels.size(), 1U);
   EXPECT_EQ(channels[0]["target"], (json{{"node", 1}, {"path", "rotation"}}));
-  const Result<CharacterFile> read = readCharacterFile(out);
-  ASSERT_TRUE(read.ok());
-  EXPECT_LT(test::farthestFrom(*read, file->character, stands), kTolerance);
+  const CharacterFile read = test::valueOf(readCharacterFile(out));
+  EXPECT_LT(test::farthestFrom(read, file.character, stands), kTolerance);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "skinning/clip_files/character_clip.h"
 #include "tests/skinning/clip_files/clip_samples.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -12,19 +13,16 @@ class SharedClips : public testing::TestWithParam<const char*> {};
 
 TEST_P(SharedClips, GoRound) {
   LORICA_REQUIRE_DATASET(from, std::string("characters/") + GetParam());
-  const Result<CharacterFile> file = readCharacterFile(from);
-  ASSERT_TRUE(file.ok()) << file.error().message;
-  const SkeletalMotion motion = test::randomMotion(*file, 4, 11);
+  const CharacterFile file = test::valueOf(readCharacterFile(from));
+  const SkeletalMotion motion = test::randomMotion(file, 4, 11);
   const test::TemporaryFolder folder;
   const std::filesystem::path out = folder.path() / "clip.glb";
-  const Result<std::vector<std::string>> notes = writeClip(out, {from, &*file}, motion);
-  ASSERT_TRUE(notes.ok()) << notes.error().message;
-  const Result<CharacterFile> read = readCharacterFile(out);
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  const double farthest = test::farthestFrom(*read, file->character, motion);
-  EXPECT_LT(farthest, 1e-5 * std::max(file->character.height, 1.0));
-  EXPECT_EQ(read->look.groups.size(), file->look.groups.size());
-  EXPECT_EQ(read->look.materials.size(), file->look.materials.size());
+  const std::vector<std::string> notes = test::valueOf(writeClip(out, {from, &file}, motion));
+  const CharacterFile read = test::valueOf(readCharacterFile(out));
+  const double farthest = test::farthestFrom(read, file.character, motion);
+  EXPECT_LT(farthest, 1e-5 * std::max(file.character.height, 1.0));
+  EXPECT_EQ(read.look.groups.size(), file.look.groups.size());
+  EXPECT_EQ(read.look.materials.size(), file.look.materials.size());
   std::printf("%s: joints and vertices within %.2g m\n", GetParam(), farthest);
 }
 

@@ -1,5 +1,6 @@
 #include "skinning/look/picture_shrink.h"
 #include "tests/skinning/look/picture_samples.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -49,9 +50,8 @@ TEST(JpegPicture, BaselineAndProgressiveInColour) {
     for (const JpegChroma chroma : {JpegChroma::kFull, JpegChroma::kQuarter}) {
       for (const auto& [width, height] : {std::pair(1, 1), std::pair(64, 64), std::pair(67, 41)}) {
         const Picture original = smoothPicture(width, height);
-        const Result<Picture> picture = decoded(jpegOf(original, kind, chroma));
-        ASSERT_TRUE(picture.ok()) << picture.error().message;
-        EXPECT_LE(colorDifference(*picture, original), 8) << width << " x " << height;
+        const Picture picture = valueOf(decoded(jpegOf(original, kind, chroma)));
+        EXPECT_LE(colorDifference(picture, original), 8) << width << " x " << height;
       }
     }
   }
@@ -66,11 +66,10 @@ TEST(JpegPicture, GrayHasThreeEqualChannels) {
     for (std::size_t c = 0; c < 3; ++c) gray.rgba[i + c] = static_cast<std::uint8_t>(luma + 0.5);
   }
   for (const JpegKind kind : {JpegKind::kBaseline, JpegKind::kProgressive}) {
-    const Result<Picture> picture = decoded(jpegOf(original, kind, JpegChroma::kGray));
-    ASSERT_TRUE(picture.ok()) << picture.error().message;
-    EXPECT_LE(colorDifference(*picture, gray), 3);
-    EXPECT_EQ(picture->rgba[0], picture->rgba[1]);
-    EXPECT_EQ(picture->rgba[0], picture->rgba[2]);
+    const Picture picture = valueOf(decoded(jpegOf(original, kind, JpegChroma::kGray)));
+    EXPECT_LE(colorDifference(picture, gray), 3);
+    EXPECT_EQ(picture.rgba[0], picture.rgba[1]);
+    EXPECT_EQ(picture.rgba[0], picture.rgba[2]);
   }
 }
 
@@ -132,13 +131,11 @@ TEST(JpegPicture, ReducedIsCloseToTheExactMean) {
   for (const auto& [width, height] : {std::pair(128, 64), std::pair(96, 120), std::pair(61, 37)}) {
     for (const JpegChroma chroma : {JpegChroma::kFull, JpegChroma::kQuarter, JpegChroma::kGray}) {
       const std::string file = jpegOf(smoothPicture(width, height), JpegKind::kBaseline, chroma);
-      const Result<Picture> stored = decoded(file);
-      ASSERT_TRUE(stored.ok());
+      const Picture stored = valueOf(decoded(file));
       for (const int side : {1, 7, 8, 16, 20, 31, 60, 64, 200}) {
-        const Result<Picture> small = decoded(file, side);
-        ASSERT_TRUE(small.ok()) << small.error().message;
-        EXPECT_LE(std::max(small->width, small->height), side);
-        EXPECT_LE(colorDifference(*small, shrunk(*stored, side)), 6) << width << " x " << height << " to " << side;
+        const Picture small = valueOf(decoded(file, side));
+        EXPECT_LE(std::max(small.width, small.height), side);
+        EXPECT_LE(colorDifference(small, shrunk(stored, side)), 6) << width << " x " << height << " to " << side;
       }
     }
   }

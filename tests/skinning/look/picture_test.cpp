@@ -5,6 +5,7 @@
 #include "tests/skinning/look/picture_samples.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -70,9 +71,8 @@ TEST(Picture, TheLargestPictureIsRead) {
   sample.samples.resize(std::size_t{8192} * 8192, 1);
   const std::string file = pngOf(sample);
   const AllocationWatch watch;
-  const Result<Picture> picture = decoded(file, 64);
-  ASSERT_TRUE(picture.ok()) << picture.error().message;
-  EXPECT_EQ(picture->rgba, std::vector<std::uint8_t>(64 * 64 * 4, 255));
+  const Picture picture = valueOf(decoded(file, 64));
+  EXPECT_EQ(picture.rgba, std::vector<std::uint8_t>(64 * 64 * 4, 255));
   EXPECT_LE(watch.largest(), 8192U * 4);  // one row
 }
 
@@ -82,9 +82,8 @@ TEST(Picture, CorpusIsReadOrRefused) {
   int read = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
     SCOPED_TRACE(entry.path().string());
-    const Result<std::string> content = readFile(entry.path());
-    ASSERT_TRUE(content.ok());
-    const Result<Picture> picture = decoded(*content);
+    const std::string content = valueOf(readFile(entry.path()));
+    const Result<Picture> picture = decoded(content);
     EXPECT_EQ(picture.ok(), entry.path().filename() != "overflowing-size.png");
     if (picture) ++read;
   }
@@ -215,9 +214,8 @@ TEST(SharedCharacters, EveryPictureIsDecoded) {
        {"godette/Godette_vrm_v4.vrm", "cesiumman/CesiumMan.glb", "fox/Fox.glb", "greenman/greenman.glb",
         "kaykit/Barbarian.glb", "kaykit/Mage.glb", "raylib_robot/robot.glb"}) {
     LORICA_REQUIRE_DATASET(path, std::string("characters/") + name);
-    const Result<std::string> glb = readFile(path);
-    ASSERT_TRUE(glb.ok());
-    for (const std::string_view file : picturesIn(glb.value())) {
+    const std::string glb = valueOf(readFile(path));
+    for (const std::string_view file : picturesIn(glb)) {
       const Result<Picture> picture = decoded(file);
       ASSERT_TRUE(picture.ok()) << name << ": " << picture.error().message;
       EXPECT_GE(std::min(picture->width, picture->height), 8) << name;

@@ -1,6 +1,7 @@
 #include "viewer/pictures/video_writer.h"
 #include "geometry/files.h"
 #include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
 #include "tests/viewer/renderer/pictures.h"
 
 #include <fmt/format.h>
@@ -27,14 +28,13 @@ int filesIn(const std::filesystem::path& folder) {
 TEST(VideoWriter, WritesWhatAReaderFinds) {
   const test::TemporaryFolder folder;
   const auto file = folder.path() / "film.mp4";
-  Result<VideoWriter> writer = VideoWriter::create(file, 160, 120, 30.0);
-  ASSERT_TRUE(writer.ok()) << writer.error().message;
+  VideoWriter writer = test::valueOf(VideoWriter::create(file, 160, 120, 30.0));
   for (int i = 0; i < 20; ++i) {
-    const Result<void> added = writer->add(plain(160, 120, 220, 40 + 5 * i, 30));
+    const Result<void> added = writer.add(plain(160, 120, 220, 40 + 5 * i, 30));
     ASSERT_TRUE(added.ok()) << added.error().message;
     EXPECT_FALSE(std::filesystem::exists(file));
   }
-  const Result<void> finished = writer->finish();
+  const Result<void> finished = writer.finish();
   ASSERT_TRUE(finished.ok()) << finished.error().message;
   EXPECT_EQ(filesIn(folder.path()), 1);
 
@@ -59,9 +59,8 @@ TEST(VideoWriter, NothingRemainsWithoutFinish) {
   const test::TemporaryFolder folder;
   const auto file = folder.write("film.mp4", "an older film");
   {
-    Result<VideoWriter> writer = VideoWriter::create(file, 64, 64, 25.0);
-    ASSERT_TRUE(writer.ok());
-    ASSERT_TRUE(writer->add(plain(64, 64, 1, 2, 3)).ok());
+    VideoWriter writer = test::valueOf(VideoWriter::create(file, 64, 64, 25.0));
+    ASSERT_TRUE(writer.add(plain(64, 64, 1, 2, 3)).ok());
     EXPECT_EQ(filesIn(folder.path()), 2);
   }
   EXPECT_EQ(filesIn(folder.path()), 1);
@@ -72,10 +71,9 @@ TEST(VideoWriter, ALinkOfTheTemporaryNameIsNotFollowed) {
   const test::TemporaryFolder folder;
   const auto victim = folder.write("victim", "to be kept");
   std::filesystem::create_symlink(victim, folder.path() / fmt::format(".film.{}.partial.mp4", ::getpid()));
-  Result<VideoWriter> writer = VideoWriter::create(folder.path() / "film.mp4", 64, 64, 25.0);
-  ASSERT_TRUE(writer.ok()) << writer.error().message;
-  ASSERT_TRUE(writer->add(plain(64, 64, 1, 2, 3)).ok());
-  EXPECT_TRUE(writer->finish().ok());
+  VideoWriter writer = test::valueOf(VideoWriter::create(folder.path() / "film.mp4", 64, 64, 25.0));
+  ASSERT_TRUE(writer.add(plain(64, 64, 1, 2, 3)).ok());
+  EXPECT_TRUE(writer.finish().ok());
   EXPECT_EQ(readFile(victim).value(), "to be kept");
   EXPECT_EQ(filesIn(folder.path()), 2);
 }
@@ -83,18 +81,16 @@ TEST(VideoWriter, ALinkOfTheTemporaryNameIsNotFollowed) {
 TEST(VideoWriter, AFilmWithoutFramesIsAnError) {
   const test::TemporaryFolder folder;
   {
-    Result<VideoWriter> writer = VideoWriter::create(folder.path() / "film.mp4", 64, 64, 25.0);
-    ASSERT_TRUE(writer.ok());
-    EXPECT_FALSE(writer->finish().ok());
+    VideoWriter writer = test::valueOf(VideoWriter::create(folder.path() / "film.mp4", 64, 64, 25.0));
+    EXPECT_FALSE(writer.finish().ok());
   }
   EXPECT_EQ(filesIn(folder.path()), 0);
 }
 
 TEST(VideoWriter, FramesOfAnotherSizeAreRefused) {
   const test::TemporaryFolder folder;
-  Result<VideoWriter> writer = VideoWriter::create(folder.path() / "film.mp4", 64, 48, 25.0);
-  ASSERT_TRUE(writer.ok());
-  const Result<void> added = writer->add(plain(48, 64, 0, 0, 0));
+  VideoWriter writer = test::valueOf(VideoWriter::create(folder.path() / "film.mp4", 64, 48, 25.0));
+  const Result<void> added = writer.add(plain(48, 64, 0, 0, 0));
   ASSERT_FALSE(added.ok());
   EXPECT_NE(added.error().message.find("48 x 64"), std::string::npos) << added.error().message;
 }

@@ -1,4 +1,4 @@
-#include "prepare/hull_export.h"
+#include "prepare/part_hulls.h"
 
 #include "acd/hull_budget.h"
 #include "acd/transfer.h"
@@ -77,8 +77,8 @@ std::vector<ConvexHull> hullsIn(const Decomposition& decomposition, std::span<co
   return partHulls(decomposition, points);
 }
 
-HullExport exportHulls(std::span<const ConvexHull> hulls, int maxVertices, int threads,
-                       const std::function<bool(int done, int hulls)>& progress) {
+PartHulls simplifyHulls(std::span<const ConvexHull> hulls, int maxVertices, int threads,
+                        const std::function<bool(int done, int hulls)>& progress) {
   std::vector<BudgetedHull> exported(hulls.size());
   (void)inParallel(hulls.size(), threads, progress, [&](std::size_t i) {
     const ConvexHull& hull = hulls[i];
@@ -86,7 +86,7 @@ HullExport exportHulls(std::span<const ConvexHull> hulls, int maxVertices, int t
                                   : BudgetedHull{{hull.vertices, hull.triangles}, hull.volume, 1.0};
   });
 
-  HullExport result;
+  PartHulls result;
   result.objects.reserve(hulls.size());
   result.growth.reserve(hulls.size());
   double before = 0.0;
@@ -103,7 +103,7 @@ HullExport exportHulls(std::span<const ConvexHull> hulls, int maxVertices, int t
   return result;
 }
 
-Result<void> checkHullsHold(const HullExport& hulls, std::span<const Vec3> vertices,
+Result<void> checkHullsHold(const PartHulls& hulls, std::span<const Vec3> vertices,
                             std::span<const VertexIndex> which) {
   constexpr double kOutside = 1e-6;  // of the diagonal
   struct Solid {

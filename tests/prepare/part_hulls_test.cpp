@@ -1,4 +1,4 @@
-#include "prepare/hull_export.h"
+#include "prepare/part_hulls.h"
 
 #include "geometry/random_numbers.h"
 #include "tests/support/meshes.h"
@@ -14,8 +14,8 @@ namespace lorica::test {
 namespace {
 
 /// Two balls far from 0, as fine as the planes of a hull are put into groups for.
-HullExport balls(const Vec3& place) {
-  HullExport hulls;
+PartHulls balls(const Vec3& place) {
+  PartHulls hulls;
   for (const double x : {0.0, 3.0}) {
     NamedMesh& ball = hulls.objects.emplace_back(NamedMesh{"ball", makeSphere(1.0, 24, 48)});
     for (Vec3& p : ball.mesh.vertices) p += place + Vec3(x, 0, 0);
@@ -23,9 +23,9 @@ HullExport balls(const Vec3& place) {
   return hulls;
 }
 
-TEST(HullExport, WhatIsFarthestOutsideAllHullsIsNamed) {
+TEST(PartHulls, WhatIsFarthestOutsideAllHullsIsNamed) {
   for (const Vec3& place : {Vec3(0, 0, 0), Vec3(-1000, 500, 2000)}) {
-    const HullExport hulls = balls(place);
+    const PartHulls hulls = balls(place);
     std::vector<Vec3> vertices = hulls.objects[0].mesh.vertices;
     RandomNumbers random(3);
     while (vertices.size() < 3000) {
