@@ -515,7 +515,8 @@ void addCharacters(py::module_& module) {
       .def(
           "__len__", [](const Player& self) { return self.motion.frameCount(); }, "Number of frames.")
       .def("at", &Player::at, "time"_a,
-           "The Frame at any time [s], between two frames interpolated; before the first and after the last the body keeps "
+           "The Frame at any time [s], between two frames interpolated; before the first and after the last the body "
+           "keeps "
            "their pose. Iteration goes on where it was.")
       .def_property_readonly(
           "times", [](const Player& self) { return self.motion.times; }, "Of the frames [s].")
