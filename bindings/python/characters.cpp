@@ -516,8 +516,7 @@ void addCharacters(py::module_& module) {
           "__len__", [](const Player& self) { return self.motion.frameCount(); }, "Number of frames.")
       .def("at", &Player::at, "time"_a,
            "The Frame at any time [s], between two frames interpolated; before the first and after the last the body "
-           "keeps "
-           "their pose. Iteration goes on where it was.")
+           "keeps their pose. Iteration goes on where it was.")
       .def_property_readonly(
           "times", [](const Player& self) { return self.motion.times; }, "Of the frames [s].")
       .def_property_readonly(
