@@ -189,7 +189,7 @@ struct Options {
   MotionOptions reading;
   std::optional<double> at;  // [s]
   std::string engine;
-  std::string up = "y";  // of a mesh
+  std::string up = "y";   // of a mesh
   int hullVertices = -1;  // -1 = the engine's
   bool perBone = false;
   std::vector<std::string> packages;  // NAME=DIR
