@@ -24,7 +24,11 @@ constexpr double kCutOutTilt = 0.096;  ///< of the camera that saw the people wh
 constexpr int kFiner = 3;              ///< points along a pixel's side
 constexpr double kShown = 0.4;         ///< least share of each person's pixels that nothing hides
 constexpr std::uint64_t kAttempts = 50;
-constexpr double kSeated = 0.35;  ///< how much lower than standing hips are on a seat [m]
+constexpr double kThick = 0.15;       ///< of a body behind what the camera sees of it [m]
+constexpr double kInside = 0.08;      ///< of a surface of the room, where a body would be within it [m]
+constexpr double kMostInside = 0.03;  ///< share of a body's pixels
+constexpr double kAboveFloor = 0.3;   ///< what is lower may be as near to the room's floor [m]
+constexpr double kSeated = 0.35;      ///< how much lower than standing hips are on a seat [m]
 
 /// Depth images of a recording, at most kFrames.
 Result<std::vector<std::vector<std::uint16_t>>> readFrames(const RealRecording& recording, DepthCamera& camera) {
@@ -154,7 +158,7 @@ class ComposedSource : public DepthSource {
   std::size_t next_ = 0;
 };
 
-/// @return nothing if furniture or the room hides more of somebody than kShown leaves
+/// @return nothing if furniture or the room hides more of somebody than kShown leaves, or somebody is within a wall
 Result<std::optional<ComposedRoom>> composeOnce(std::span<const RealRecording> recordings, std::uint64_t seed,
                                                 RandomNumbers random) {
   const auto below = [&](int count) { return static_cast<int>(random.unit() * count); };
@@ -190,13 +194,16 @@ Result<std::optional<ComposedRoom>> composeOnce(std::span<const RealRecording> r
 
   // Furniture comes from outside until it touches somebody.
   const Isometry3 cameraFromFloor = room.floorFromCamera.inverse();
+  const Vec3 camera = room.floorFromCamera.translation();
   std::vector<std::vector<Vec3>> points;
   for (const Actor& actor : actors) {
     for (int frame = 0; frame < kFrames; frame += 8) {
       std::vector<Vec3>& some = points.emplace_back();
       int skip = 0;
       actor.eachPoint(actor.frameAt(frame), [&](const Vec3& point) {
-        if (skip++ % 97 == 0) some.push_back(point);
+        if (skip++ % 97 != 0) return;
+        some.push_back(point);
+        some.push_back(point + kThick * (point - camera).normalized());
       });
     }
   }
@@ -242,8 +249,9 @@ Result<std::optional<ComposedRoom>> composeOnce(std::span<const RealRecording> r
   result.truth.people.resize(actors.size());
   const int width = result.camera.width, height = result.camera.height;
   std::vector<std::uint16_t> things(static_cast<std::size_t>(width) * height);
-  std::vector<std::size_t> visible(actors.size()), covered(actors.size());  // pixels that show each, and that would
-  std::vector<std::uint8_t> drawn(things.size());                           // whether somebody was drawn there
+  // Pixels that show each, that would, and those of the latter where the body is within the room's surfaces.
+  std::vector<std::size_t> visible(actors.size()), covered(actors.size()), inside(actors.size());
+  std::vector<std::uint8_t> drawn(things.size());  // whether somebody was drawn there
   for (int frame = 0; frame < kFrames; ++frame) {
     std::vector<std::uint16_t>& image = result.depthMm.emplace_back((*emptyRoom)[frame % kEmptyFrames]);
     std::vector<std::uint8_t>& mask = result.masks.emplace_back(image.size());
@@ -266,8 +274,11 @@ Result<std::optional<ComposedRoom>> composeOnce(std::span<const RealRecording> r
         const double steps = 1.0 / (2.9e-3 * -seen.z());
         const auto depth = static_cast<std::uint16_t>(std::lround(1000.0 / (std::round(steps) * 2.9e-3)));
         const std::size_t i = static_cast<std::size_t>(row) * width + column;
-        covered[p] += static_cast<std::size_t>(drawn[i] == 0);
-        drawn[i] = 1;
+        if (std::exchange(drawn[i], 1) == 0) {
+          const double gap = 0.001 * std::abs(int((*emptyRoom)[frame % kEmptyFrames][i]) - int(depth));
+          ++covered[p];
+          inside[p] += static_cast<std::size_t>(point.y() > kAboveFloor && gap < kInside);
+        }
         if (image[i] != 0 && image[i] <= depth) return;
         image[i] = depth;
         mask[i] = static_cast<std::uint8_t>(p + 1);
@@ -279,8 +290,8 @@ Result<std::optional<ComposedRoom>> composeOnce(std::span<const RealRecording> r
     }
   }
   for (std::size_t p = 0; p < actors.size(); ++p) {
-    if (static_cast<double>(visible[p]) < kShown * static_cast<double>(covered[p]))
-      return std::optional<ComposedRoom>();
+    const auto share = [&](std::size_t count) { return static_cast<double>(count) / static_cast<double>(covered[p]); };
+    if (share(visible[p]) < kShown || share(inside[p]) > kMostInside) return std::optional<ComposedRoom>();
   }
   return std::optional(std::move(result));
 }
@@ -293,7 +304,8 @@ Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std:
     if (!room) return room.error();
     if (*room) return std::move(**room);
   }
-  return Error{ErrorCode::kInvalidArgument, fmt::format("composed room {}: people are hidden in every attempt", seed)};
+  return Error{ErrorCode::kInvalidArgument,
+               fmt::format("composed room {}: people are hidden or within walls in every attempt", seed)};
 }
 
 std::unique_ptr<DepthSource> sourceOf(const ComposedRoom& room) {

@@ -20,7 +20,7 @@ struct ComposedRoom {
 
 /// @param recordings  of the folder: those that are cut out, and those of kind B, whose first second shows their room
 /// @param seed        selects room, people and furniture; every third scene has a second person, who sits;
-///                    nobody is hidden by more than three fifths
+///                    nobody is hidden by more than three fifths, nor within furniture or a wall
 /// @return an error with the file that could not be read
 [[nodiscard]] Result<ComposedRoom> composeRoom(std::span<const RealRecording> recordings, std::uint64_t seed);
 
