@@ -148,8 +148,8 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
       bottom_ = std::max(bottom_, by + 1);
     }
   }
-  smeared_ = isSmeared(depthMm);
-  if (smeared_) dropRamps();
+  blurred_ = isBlurred(depthMm);
+  if (blurred_) dropRamps();
   int border = 0;
   for (int by = 0; by < rows_; ++by) {
     for (const int bx : {0, 1, 2, columns_ - 3, columns_ - 2, columns_ - 1}) {
@@ -170,7 +170,7 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
 }
 
 /// Whether the image's depth edges around the person are ramps instead of steps: filters of the camera blurred them.
-bool BodyView::isSmeared(std::span<const std::uint16_t> depthMm) const {
+bool BodyView::isBlurred(std::span<const std::uint16_t> depthMm) const {
   const int width = camera_.width, wide = kRampBlocks * block_, flat = block_;
   const int from = std::max(left_ * block_ - wide, flat), to = std::min(right_ * block_, width - wide - flat);
   int ramps = 0, steps = 0;

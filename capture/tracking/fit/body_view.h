@@ -50,7 +50,7 @@ class BodyView {
   /// Whether the person clearly touches the image border.
   [[nodiscard]] bool cut() const { return cut_; }
   /// Whether filters of the camera have blurred edges: what is on them is left out.
-  [[nodiscard]] bool smeared() const { return smeared_; }
+  [[nodiscard]] bool blurred() const { return blurred_; }
   /// Whether the person is connected to the room: some points and parts of the outline may be the room's.
   [[nodiscard]] bool attached() const { return attached_; }
   void setAttached(bool attached) { attached_ = attached; }
@@ -89,7 +89,7 @@ class BodyView {
     std::uint8_t kind = 0;
   };
   void gather(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label);
-  [[nodiscard]] bool isSmeared(std::span<const std::uint16_t> depthMm) const;
+  [[nodiscard]] bool isBlurred(std::span<const std::uint16_t> depthMm) const;
   void dropRamps();
   template <typename Relax>
   void sweep(const Relax& relax) const;
@@ -118,7 +118,7 @@ class BodyView {
   V3 middle_ = V3::Zero();
   std::optional<float> ground_;
   bool cut_ = false;
-  bool smeared_ = false;
+  bool blurred_ = false;
   bool attached_ = false;
   std::optional<WornView> worn_;
   bool headOutside_ = false;

@@ -265,7 +265,7 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
                  : views_ < kLearningViews || (learning && !view.cut()) ? kLearning
                  : learning                                             ? kLearningCut
                                                                         : kLearnt);
-  if (view.smeared() && view.cut() && views_ < kLearningViews) {
+  if (view.blurred() && view.cut() && views_ < kLearningViews) {
     // A blurred outline is too wide, and hides where limbs end.
     deviation.fill(kLearningCut);
     deviation[kTrunkGirth] = deviation[kLimbGirth] = kLearning;

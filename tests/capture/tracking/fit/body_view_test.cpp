@@ -38,7 +38,7 @@ float deepest(const BodyView& view) {
 
 TEST(BodyView, AllBlocksOfAPersonWithSharpEdgesArePoints) {
   const BodyView view = viewOf(1.0);
-  EXPECT_FALSE(view.smeared());
+  EXPECT_FALSE(view.blurred());
   EXPECT_EQ(view.points().size(), 160U / 4 * (300 / 4));
   EXPECT_NEAR(deepest(view), 2.0, 1e-3);
 }
@@ -46,7 +46,7 @@ TEST(BodyView, AllBlocksOfAPersonWithSharpEdgesArePoints) {
 TEST(BodyView, TheRampsOfBlurredEdgesAreNoPoints) {
   for (const double ramp : {10.0, 14.0, 18.0}) {
     const BodyView view = viewOf(ramp);
-    EXPECT_TRUE(view.smeared()) << ramp;
+    EXPECT_TRUE(view.blurred()) << ramp;
     EXPECT_LT(deepest(view), 2.07) << ramp;
     EXPECT_GT(view.points().size(), 130U / 4 * (300 / 4)) << ramp;
   }
