@@ -12,7 +12,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numeric>
 #include <optional>
 
@@ -73,51 +72,6 @@ std::vector<Vec3> inOwnFrame(const TriMesh& mesh, PoseView keyframes) {
     for (double& x : p) x = std::round(x / cell) * cell;
   }
   return own;
-}
-
-/// Cuts and merges. From the first cut across on also without such cuts: the one with fewer pieces goes on, until one
-/// meets the limits and the other has more. Returns the better, or nothing if it was cancelled.
-std::unique_ptr<Decomposer> divided(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings,
-                                    const CutPlan& plan) {
-  auto best = std::make_unique<Decomposer>(mesh, keyframes, settings, plan);
-  std::unique_ptr<Decomposer> other;
-  while (best->going() || (other && other->going())) {
-    const bool others = other && other->going() && (!best->going() || other->pieces() < best->pieces());
-    Decomposer& now = others ? *other : *best;
-    if (!now.step()) return nullptr;
-    if (!other && best->cutsAcross()) other = best->withoutCutsAcross();
-    if (other && now.met() > 0) {
-      (others ? *best : *other).giveUpAt(static_cast<std::size_t>(std::ceil(now.met() * plan.overCut)));
-    }
-  }
-  best->merge();
-  if (other) other->merge();
-  return other && other->betterThan(*best) ? std::move(other) : std::move(best);
-}
-
-/// Runs the preset. `quality` also does what `fast` does, improves whichever parts are better, and returns no worse
-/// ones than `fast`.
-Result<Decomposition> cutAndMerge(const TriMesh& mesh, PoseView keyframes, const DecomposeSettings& settings) {
-  const Error cancelled{ErrorCode::kCancelled, "decomposition cancelled"};
-  const Plan plan = planFor(settings);
-  const bool both = settings.preset == DecomposePreset::kQuality && plan.cuts.overCut > 1.0;
-  DecomposeSettings fast = settings;
-  fast.preset = DecomposePreset::kFast;
-  const Plan quickPlan = planFor(fast);
-  std::unique_ptr<Decomposer> quick;
-  if (both) {
-    // Progress is that of the careful cuts.
-    if (settings.progress) fast.progress = [&](int, int wanted) { return settings.progress(0, wanted); };
-    quick = divided(mesh, keyframes, fast, quickPlan.cuts);
-    if (!quick) return cancelled;
-  }
-  const std::unique_ptr<Decomposer> careful = divided(mesh, keyframes, settings, plan.cuts);
-  if (!careful) return cancelled;
-  // Compared before they are improved: how good improved parts are does not tell where improving leads.
-  Decomposer& better = !quick || careful->betterThan(*quick) ? *careful : *quick;
-  if (quick && !quick->improveParts(quickPlan.rounds)) return cancelled;
-  if (!better.improveParts(plan.rounds)) return cancelled;
-  return quick && quick->betterThan(better) ? quick->finish() : better.finish();
 }
 
 }  // namespace

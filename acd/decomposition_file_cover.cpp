@@ -11,7 +11,7 @@
 namespace lorica {
 namespace {
 
-constexpr std::int64_t kLargestIndex = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t kLargestCoverIndex = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kCoverPartBytes = 4 + 1;
 constexpr std::size_t kPackedBytes = 1;  // a packed number takes one or more
 constexpr std::size_t kVectorBytes = 3 * 8;
@@ -185,9 +185,9 @@ HullCover takeCover(ByteReader& reader, const Decomposition& decomposition) {
   const std::span<const Part> parts = decomposition.parts;
   HullCover cover;
   cover.tolerance = takeDistance(reader, "the tolerance of the cover");
-  cover.maxHullVertices = reader.takeIndex("the bound on a hull's vertices", 0, kLargestIndex + 1);
-  cover.sampledPoses = reader.takeIndex("the number of sampled poses", 0, kLargestIndex + 1);
-  cover.heldOutPoses = reader.takeIndex("the number of poses held out", 0, kLargestIndex + 1);
+  cover.maxHullVertices = reader.takeIndex("the bound on a hull's vertices", 0, kLargestCoverIndex + 1);
+  cover.sampledPoses = reader.takeIndex("the number of sampled poses", 0, kLargestCoverIndex + 1);
+  cover.heldOutPoses = reader.takeIndex("the number of poses held out", 0, kLargestCoverIndex + 1);
   cover.growth = takeDistance(reader, "the growth of the cover");
   cover.sampledShortfall = takeDistance(reader, "the shortfall in the sampled poses");
   cover.heldOutShortfall = takeDistance(reader, "the shortfall in the poses held out");

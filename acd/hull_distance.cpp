@@ -16,14 +16,14 @@ constexpr double kRelativeTolerance = 0.01;
 constexpr double kFinest = 1e-3;  // fraction of the hull's diagonal
 
 /// A triangle of the hull, or a part of one.
-struct Piece {
+struct SubHull {
   std::array<Vec3, 3> corners;
   double bound = 0.0;       // upper bound of the distance of all its points
   std::int64_t number = 0;  // order of creation, breaks ties between equal bounds
 };
 
 /// Heap order: the highest bound is at the front.
-bool comesLater(const Piece& a, const Piece& b) {
+bool comesLater(const SubHull& a, const SubHull& b) {
   return a.bound != b.bound ? a.bound < b.bound : a.number > b.number;
 }
 
@@ -66,7 +66,7 @@ class Search {
 
   double run(double ignoreBelow, double enough) {
     while (!pieces_.empty() && reached_ <= enough) {
-      const Piece worst = pieces_.front();
+      const SubHull worst = pieces_.front();
       if (worst.bound <= std::max((1.0 + kRelativeTolerance) * reached_, ignoreBelow)) {
         return std::max(worst.bound, reached_);
       }
@@ -79,8 +79,8 @@ class Search {
 
  private:
   TriangleTree nearest_;
-  std::vector<Piece> pieces_;  // a heap
-  double reached_ = 0.0;       // largest distance of an evaluated point: a lower bound
+  std::vector<SubHull> pieces_;  // a heap
+  double reached_ = 0.0;         // largest distance of an evaluated point: a lower bound
   std::int64_t created_ = 0;
 };
 

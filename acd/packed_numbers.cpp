@@ -12,16 +12,16 @@ namespace {
 constexpr std::array<std::uint32_t, 4> kMask = {0xFF, 0xFFFF, 0xFFFFFF, 0xFFFFFFFF};  // by number of bytes - 1
 
 /// For one control byte: start and bit mask of each of its four numbers, and the total number of bytes.
-struct Group {
+struct NumberGroup {
   std::array<std::uint32_t, 4> mask{};
   std::array<std::uint8_t, 4> begin{};
   std::uint32_t bytes = 0;
 };
 
-constexpr std::array<Group, 256> makeGroups() {
-  std::array<Group, 256> groups{};
+constexpr std::array<NumberGroup, 256> makeGroups() {
+  std::array<NumberGroup, 256> groups{};
   for (unsigned control = 0; control < groups.size(); ++control) {
-    Group& group = groups[control];
+    NumberGroup& group = groups[control];
     for (unsigned slot = 0; slot < 4; ++slot) {
       const unsigned lessOne = control >> (2 * slot) & 3;
       group.mask[slot] = kMask[lessOne];
@@ -32,7 +32,7 @@ constexpr std::array<Group, 256> makeGroups() {
   return groups;
 }
 
-constexpr std::array<Group, 256> kGroups = makeGroups();
+constexpr std::array<NumberGroup, 256> kGroups = makeGroups();
 
 unsigned bytesLessOne(std::uint32_t value) {
   return (value > kMask[0] ? 1u : 0u) + (value > kMask[1] ? 1u : 0u) + (value > kMask[2] ? 1u : 0u);
@@ -72,7 +72,7 @@ std::optional<std::size_t> unpack(std::string_view bytes, std::span<std::uint32_
   std::size_t at = groupCount;
   std::size_t i = 0;
   for (; i + 4 <= values.size() && at + 16 <= bytes.size(); i += 4) {
-    const Group& group = kGroups[controlOf(i / 4)];
+    const NumberGroup& group = kGroups[controlOf(i / 4)];
     for (unsigned slot = 0; slot < 4; ++slot) {
       values[i + slot] = loadLittleEndian<std::uint32_t>(bytes.data() + at + group.begin[slot]) & group.mask[slot];
     }

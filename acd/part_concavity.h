@@ -1,8 +1,10 @@
 #pragma once
 
 #include "geometry/convex_hull.h"
+#include "geometry/triangle_tree.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -48,5 +50,18 @@ class HullPlanes {
 /// @param enough       nor those above this [m]
 [[nodiscard]] double partConcavity(const ConvexHull& hull, std::span<const Vec3> points,
                                    std::span<const Triangle> triangles, double ignoreBelow, double enough = kInfinity);
+
+/// The surface of a solid that lies in a hull. Internal to score().
+[[nodiscard]] TriMesh clippedToHull(const TriMesh& solid, const ConvexHull& hull);
+
+/// How concave the part of a solid in a hull is, as CoACD measures it, see partConcavity(), whichever program made the
+/// hull. The part is the intersection of solid and hull. So where the hull's surface is in the solid, both have the
+/// same surface.
+/// @param solid  closed
+/// @param tree   of its triangles
+/// @param samples  points on each of both surfaces
+/// @return [m]; 0 for a degenerate hull
+[[nodiscard]] double hullConcavity(const TriMesh& solid, const TriangleTree& tree, const ConvexHull& hull, int samples,
+                                   std::uint64_t seed);
 
 }  // namespace lorica

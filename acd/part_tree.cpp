@@ -12,7 +12,7 @@ namespace lorica {
 namespace {
 
 constexpr std::size_t kLeafTriangles = 32;
-constexpr std::size_t kParallel = 4096;  // nodes with at most this many triangles are built by one thread
+constexpr std::size_t kSerialTriangles = 4096;  // nodes with at most this many triangles are built by one thread
 
 /// Number of nodes in the hierarchy over the given number of triangles.
 std::int32_t nodeCount(std::size_t triangles) {
@@ -104,7 +104,7 @@ void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t firs
   here.second = node + 1 + nodeCount(middle);
   const auto lower = [&] { build(items.first(middle), node + 1, first); };
   const auto upper = [&] { build(items.subspan(middle), here.second, first + middle); };
-  if (items.size() > kParallel) {
+  if (items.size() > kSerialTriangles) {
     tbb::parallel_invoke(lower, upper);
   } else {
     lower();

@@ -1,6 +1,5 @@
 #include "acd/score.h"
 
-#include "acd/hull_concavity.h"
 #include "acd/part_concavity.h"
 #include "acd/volume_coverage.h"
 #include "geometry/convex_hull.h"
@@ -24,7 +23,7 @@ namespace lorica {
 namespace {
 
 constexpr double kOnSurface = 1e-6;  // of the diagonal: nearer to a hull's surface is not in the hull
-constexpr double kInside = 0.5;      // winding number
+constexpr double kInsideMesh = 0.5;  // winding number
 
 /// Appends the surface for distances: the hull's faces; for a flat part its triangles, or its points if it has none.
 void appendSurface(const TriMesh& part, const ConvexHull& hull, std::vector<std::array<Vec3, 3>>& surface) {
@@ -73,7 +72,7 @@ Distances distancesToSurface(const TriangleTree& solid, const TriangleTree& surf
   std::vector<double> found(points.size(), -1.0);
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     const Vec3& p = points[i];
-    if (solid.windingNumber(p) > kInside) return;
+    if (solid.windingNumber(p) > kInsideMesh) return;
     for (std::size_t h = 0; h < planes.size(); ++h) {
       if (inside(h, p)) return;
     }

@@ -12,7 +12,7 @@ namespace {
 using Vec2 = Eigen::Vector2d;
 
 constexpr double kTolerance = 1e-11;
-constexpr double kParallel = 1e-12;
+constexpr double kParallelPlanes = 1e-12;
 
 /// The half-plane normal . y >= offset; the normal is not a unit vector.
 struct HalfPlane {
@@ -28,7 +28,7 @@ std::optional<Vec2> minimizeOnLine(const Vec2& objective, std::span<const HalfPl
   for (const HalfPlane& h : halfPlanes) {
     const double slope = h.normal.dot(direction);
     const double missing = h.offset - h.normal.dot(base);
-    if (std::abs(slope) <= kParallel) {
+    if (std::abs(slope) <= kParallelPlanes) {
       if (missing > kTolerance) return std::nullopt;
     } else if (slope > 0.0) {
       low = std::max(low, missing / slope);
@@ -48,7 +48,7 @@ std::optional<Vec2> minimizeOnPlane(const Vec2& objective, std::span<const HalfP
     const HalfPlane& h = halfPlanes[i];
     if (h.normal.dot(best) >= h.offset - kTolerance) continue;
     const double lengthSq = h.normal.squaredNorm();
-    if (lengthSq <= kParallel * kParallel) return std::nullopt;  // parallel to the plane, and violated
+    if (lengthSq <= kParallelPlanes * kParallelPlanes) return std::nullopt;  // parallel to the plane, and violated
     const Vec2 direction = Vec2(-h.normal.y(), h.normal.x()) / std::sqrt(lengthSq);
     const std::optional<Vec2> onLine =
         minimizeOnLine(objective, halfPlanes.first(i), h.normal * (h.offset / lengthSq), direction, 4.0 * reach);

@@ -1,35 +1,30 @@
-#include "apps/command_line.h"
 #include "apps/interrupt.h"
 #include "apps/memory_limit.h"
 #include "apps/options.h"
-#include "bake/bake_job.h"
-#include "bake/bake_report.h"
-#include "bake/baker.h"
-#include "bake/item_run.h"
+#include "export/bake/bake_job.h"
+#include "export/bake/bake_report.h"
+#include "export/bake/baker.h"
+#include "export/bake/child_process.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
 #include "geometry/mesh_files.h"
 #include "geometry/text.h"
-#include "player/parts_picture.h"
-#include "player/snapshots.h"
 #include "viewer/pictures/image_files.h"
+#include "viewer/player/parts_picture.h"
+#include "viewer/player/snapshots.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
-#include <chrono>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
-#include <thread>
-#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -39,22 +34,15 @@ namespace {
 struct BakeOptions {
   std::vector<std::string> lists;
   std::string out;
-  std::string shard = "1/1";
-  int jobs = 0;              ///< 0 = one for each thread
-  std::string memory;        ///< "8G"; empty = what the machine has
-  double timeout = 3600.0;   ///< of an item [s]
-  double lostAfter = 120.0;  ///< see Claims [s]
+  Shard shard;
+  int jobs = 0;             ///< 0 = one for each thread
+  std::string memory;       ///< "8G"; empty = what the machine has
+  double timeout = 3600.0;  ///< of an item [s]
   bool retryFailed = false;
   bool collect = false;
-
-  // The usual ones of `lorica decompose`.
-  std::string parts, maxError, maxDistance, maxConcavity, preset, cover, hullVertices, body, walls, thickness, engine;
-  std::vector<std::string> motions, exports;
   bool exact = false;
+  BakeSettings defaults;  ///< of items whose list does not say otherwise
 
-  /// The settings of items whose list does not say otherwise; or an error that names the option.
-  [[nodiscard]] Result<BakeSettings> defaults() const;
-  [[nodiscard]] Shard chosenShard() const;
   /// Memory for all items at a time [bytes].
   [[nodiscard]] std::uint64_t memoryBytes() const;
 };
@@ -71,130 +59,88 @@ std::optional<Shard> shardIn(const std::string& text) {
   return shard;
 }
 
-Result<BakeSettings> BakeOptions::defaults() const {
-  BakeSettings settings;
-  const std::pair<const char*, std::string> given[] = {
-      {"parts", parts},
-      {"max-error", maxError},
-      {"max-distance", maxDistance},
-      {"max-concavity", maxConcavity},
-      {"exact", exact ? "yes" : ""},
-      {"preset", preset},
-      {"cover", cover},
-      {"hull-vertices", hullVertices},
-      {"body", body},
-      {"walls", walls},
-      {"thickness", thickness},
-      {"engine", engine},
-      {"motion", fmt::format("{}", fmt::join(motions, ";"))},
-      {"export", fmt::format("{}", fmt::join(exports, ";"))},
-  };
-  for (const auto& [name, value] : given) {
-    if (value.empty()) continue;
-    if (Result<void> set = setBakeSetting(settings, name, value, ""); !set) {
-      return Error{set.error().code, "--" + set.error().message};
-    }
-  }
-  return settings;
-}
-
-Shard BakeOptions::chosenShard() const {
-  return shardIn(shard).value_or(Shard());
-}
-
 std::uint64_t BakeOptions::memoryBytes() const {
   if (const std::optional<std::uint64_t> given = bytesIn(memory)) return *given;
   return static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * ::sysconf(_SC_PAGESIZE);
 }
 
-void addBakeOptions(CommandLine& app, BakeOptions& options) {
-  app.addOption("LIST", options.lists,
-                "Meshes, characters, folders, patterns in quotes, or lists of them: a path on each line, .csv with the "
-                "column `input`, .jsonl with \"input\"; other columns are settings, such as `parts`")
+void addBakeOptions(CLI::App& app, BakeOptions& options) {
+  app.add_option(
+         "LIST", options.lists,
+         "Meshes, characters, folders, patterns in quotes, or lists of them: a path on each line, .csv with the "
+         "column `input`, .jsonl with \"input\"; other columns are settings, such as `parts`")
       ->required();
-  app.addOption("--out", options.out, "Folder of the results; several processes may share it", "DIR")->required();
-  const auto add = [&app](const char* name, std::string& value, const char* description, const char* type) {
-    app.addOption(name, value, description, type);
+  app.add_option("--out", options.out, "Folder of the results; several processes may share it")
+      ->type_name("DIR")
+      ->required();
+  // The usual ones of `lorica decompose` and `lorica export`, checked as in a list.
+  const auto add = [&](const std::string& name, const char* description, const char* type) {
+    const auto read = [&options, name](const std::string& text) -> std::string {
+      const Result<std::vector<std::string>> values = bakeSetting(name, text, "");
+      if (!values) return values.error().message.substr(name.size() + 2);  // behind "parts: "
+      std::vector<std::string>& all = options.defaults[name];
+      all.insert(all.end(), values->begin(), values->end());
+      return "";
+    };
+    return addReader(app, "--" + name, read, description, type);
   };
-  add("--parts", options.parts, "Maximum number of parts of each item, as for `lorica decompose`", "N");
-  add("--max-error", options.maxError, "Stop when the hulls have at most this much extra volume", "E");
-  add("--max-concavity", options.maxConcavity,
+  add("parts", "Maximum number of parts of each item, as for `lorica decompose`", "N");
+  add("max-error", "Stop when the hulls have at most this much extra volume", "E");
+  add("max-concavity",
       "Stop when no part is more concave than this, as CoACD measures it [default: 0.05 for meshes without another "
       "limit]",
       "C");
-  add("--max-distance", options.maxDistance, "Stop when no point of the hulls is farther from the surface", "METRES");
-  app.addFlag("--exact", options.exact, "Cut until every part is convex: can take thousands of parts");
-  add("--preset", options.preset, "paper, fast or quality [default: fast]", "NAME");
-  add("--cover", options.cover, "Hull cover of characters: exact, or a tolerance [default: exact]", "exact|METRES");
-  add("--hull-vertices", options.hullVertices, "Hulls of at most N vertices", "N");
-  add("--walls", options.walls, "Open surfaces: auto, solid or shell [default: auto; of a character solid]", "WHAT");
-  add("--thickness", options.thickness, "Thickness of thin walls, in the mesh's unit", "LENGTH");
-  add("--body", options.body, "Closed bodies: auto, never or always [default: auto]", "WHEN");
-  app.addOption("--motion", options.motions, "Train characters on this motion; may be repeated", "FILE")->repeatable();
-  app.addOption("--export", options.exports,
-                "Also write hulls with these endings, separated by commas: obj, stl, ply, xml, urdf, glb, vrm",
-                "ENDING,...")
-      ->separatedBy(',');
-  add("--engine", options.engine, "Engine of the exports, which limits the vertices of hulls", "NAME");
-  app.addOption("--shard", options.shard,
-                "Do the I-th of N shares of the list, which are chosen by content [default: all]", "I/N")
-      ->check([](std::string& text) -> std::string {
-        return shardIn(text) ? "" : fmt::format("found `{}`, expected I/N with I from 1 to N, such as 2/10", text);
-      });
+  add("max-distance", "Stop when no point of the hulls is farther from the surface", "METRES");
+  app.add_flag("--exact", options.exact, "Cut until every part is convex: can take thousands of parts");
+  add("preset", "paper, fast or quality [default: fast]", "NAME");
+  add("cover", "Hull cover of characters: exact, or a tolerance [default: exact]", "exact|METRES");
+  add("hull-vertices", "Hulls of at most N vertices", "N");
+  add("walls", "Open surfaces: auto, solid or shell [default: auto; of a character solid]", "WHAT");
+  add("thickness", "Thickness of thin walls, in the mesh's unit", "LENGTH");
+  add("body", "Closed bodies: auto, never or always [default: auto]", "WHEN");
+  add("motion", "Train characters on this motion; may be repeated", "FILE")->expected(1)->take_all();
+  add("export", "Also write hulls with these endings, separated by commas: obj, stl, ply, xml, urdf, glb, vrm",
+      "ENDING,...")
+      ->delimiter(',')
+      ->expected(1, CLI::detail::expected_max_vector_size);
+  add("engine", "Engine of the exports, which limits the vertices of hulls", "NAME");
+  const auto readShard = [&options](const std::string& text) -> std::string {
+    const std::optional<Shard> shard = shardIn(text);
+    options.shard = shard.value_or(Shard());
+    return shard ? "" : fmt::format("found `{}`, expected I/N with I from 1 to N, such as 2/10", text);
+  };
+  addReader(app, "--shard", readShard,
+            "Do the I-th of N shares of the list, which are chosen by content [default: all]", "I/N");
   addCount(app, "--jobs", options.jobs, 1, "Items at a time, which share the threads [default: one for each thread]");
-  app.addOption("--memory", options.memory, "Memory for all items at a time [default: what the machine has]", "SIZE")
-      ->check(memorySize());
+  app.add_option("--memory", options.memory, "Memory for all items at a time [default: what the machine has]")
+      ->type_name("SIZE")
+      ->transform(memorySize());
   addSeconds(app, "--timeout", options.timeout, "Give an item up after this time [default: 3600]");
-  addSeconds(app, "--lost-after", options.lostAfter,
-             "Take over the items of a process on another machine that says nothing for so long [default: 120]");
-  app.addFlag("--retry-failed", options.retryFailed, "Do items again that have failed");
-  app.addFlag("--collect", options.collect,
-              "Do nothing; check every file, and write DIR/bake.jsonl and DIR/report.html with pictures");
+  app.add_flag("--retry-failed", options.retryFailed, "Do items again that have failed");
+  app.add_flag("--collect", options.collect,
+               "Do nothing; check every file, and write DIR/bake.jsonl and DIR/report.html with pictures");
 }
 
 namespace fs = std::filesystem;
 
 constexpr int kWidth = 400, kHeight = 300;  // of a picture [pixels]
 
-/// Runs the program to its end. @return whether it succeeded; not if Ctrl-C came
-bool runs(const ItemRunSettings& how, std::vector<std::string> arguments, const fs::path& scratch) {
-  Result<ChildProcess> process =
-      ChildProcess::start({how.program, std::move(arguments), {{"XDG_CACHE_HOME", scratch}}, scratch / "log", 0});
-  std::optional<ProcessEnd> end;
-  while (process && !interrupted() && !(end = process->ended())) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(4));
-  }
-  return end && end->exitStatus == 0 && end->signal == 0;
+/// The hulls of an item in the pose of the file, each part in its colour, as the bytes of a PNG; empty if they cannot
+/// be had.
+/// @param lorica   the item's decomposition
+/// @param scratch  folder for temporary files, which exists
+std::string pictureOf(const BakeItem& item, const fs::path& lorica, const fs::path& scratch, const ItemSettings& how,
+                      SnapshotCamera& camera) {
+  const fs::path hulls = scratch / "hulls.obj", png = scratch / "hulls.png";
+  const ProcessOrder order{
+      how.program, exportArguments(item, lorica, hulls, how), {{"XDG_CACHE_HOME", scratch}}, scratch / "log", 0};
+  const Result<ProcessEnd> end = runProgram(order, [] { return !interrupted(); });
+  if (!end || end->exitStatus != 0 || end->signal != 0) return "";
+  const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
+  if (!objects || !writePng(png, drawParts(*objects, camera))) return "";
+  const Result<std::string> bytes = readFile(png, NamedBy::kFile);
+  return bytes ? *bytes : "";
 }
-
-/// Pictures of an item's hulls, each part in its colour.
-class BakePictures {
- public:
-  /// @param how  the hulls are exported by processes of this program
-  static Result<BakePictures> create(ItemRunSettings how) {
-    LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(kWidth, kHeight));
-    return BakePictures(std::move(how), std::move(camera));
-  }
-
-  /// The hulls in the pose of the file, as the bytes of a PNG; empty if they cannot be had.
-  /// @param lorica   the item's decomposition
-  /// @param scratch  folder for temporary files, which exists
-  std::string draw(const BakeItem& item, const fs::path& lorica, const fs::path& scratch) {
-    const fs::path hulls = scratch / "hulls.obj", png = scratch / "hulls.png";
-    if (!runs(how_, exportArguments(item, lorica, hulls, how_), scratch)) return "";
-    const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
-    if (!objects || !writePng(png, drawParts(*objects, camera_))) return "";
-    const Result<std::string> bytes = readFile(png, NamedBy::kFile);
-    return bytes ? *bytes : "";
-  }
-
- private:
-  BakePictures(ItemRunSettings how, SnapshotCamera camera) : how_(std::move(how)), camera_(std::move(camera)) {}
-  ItemRunSettings how_;
-  SnapshotCamera camera_;
-};
-
-using nlohmann::ordered_json;
 
 constexpr std::size_t kFewFailures = 5;  // that are told at the end of a bake
 
@@ -202,11 +148,7 @@ std::string megabytes(std::uint64_t bytes) {
   return grouped((bytes + 999'999) / 1'000'000) + " MB";
 }
 
-void pause(std::chrono::milliseconds time) {
-  std::this_thread::sleep_for(time);
-}
-
-ItemRunSettings howToRun(const BakeOptions& options, const CommonOptions& common, int jobs) {
+ItemSettings howToRun(const BakeOptions& options, const CommonOptions& common, int jobs) {
   std::error_code ignored;
   return {fs::read_symlink("/proc/self/exe", ignored), std::max(1, common.threadCount() / jobs), options.timeout,
           common.trustPaths};
@@ -214,14 +156,15 @@ ItemRunSettings howToRun(const BakeOptions& options, const CommonOptions& common
 
 /// The jobs of the shard; or why a list or a setting is refused.
 Result<std::vector<BakeJob>> readJobs(const BakeOptions& options) {
-  LORICA_TRY(const BakeSettings defaults, options.defaults());
+  BakeSettings defaults = options.defaults;
+  if (options.exact) defaults["exact"] = {"yes"};
   LORICA_TRY(const std::vector<BakeItem> items, readBakeLists(options.lists, defaults));
-  return jobsOf(options.chosenShard(), bakeJobs(items));
+  return jobsOf(options.shard, bakeJobs(items));
 }
 
 Error notWhole(const BakeCollection& collection, std::size_t jobs) {
   if (!collection.damaged.empty()) {
-    return badFormat("{}; remove the folder to have it made again", collection.damaged[0]);
+    return badFormat("{}; `lorica bake` without --collect makes it again", collection.damaged[0]);
   }
   return notFound("of {} not done yet: {}; `lorica bake` without --collect does the rest", counted(jobs, "item"),
                   collection.missing.size());
@@ -232,7 +175,7 @@ void addFailures(const BakeCollection& collection, std::size_t most, Report& rep
   const auto failed = collection.failed();
   if (failed.empty()) return;
   Table table{{"failed because"}, {}, 0};
-  for (const ordered_json* result : failed) table.rows.push_back({result->value("failure", "")});
+  for (const Json* result : failed) table.rows.push_back({result->value("failure", "")});
   if (failed.size() > most) {
     table.rows.resize(most);
     table.rows.push_back({fmt::format("and {} more, see bake.jsonl", failed.size() - most)});
@@ -241,54 +184,24 @@ void addFailures(const BakeCollection& collection, std::size_t most, Report& rep
 }
 
 Report collectionReport(const BakeCollection& collection, std::size_t jobs, const fs::path& out) {
+  const auto some = [](const auto& list) { return list.empty() ? "" : grouped(std::ssize(list)); };
   Report report(fmt::format("{} in {}", counted(jobs, "item"), out.string()));
-  report.line("baked", grouped(std::ssize(collection.worstFirst())));
-  report.line("failed", grouped(std::ssize(collection.failed())));
-  if (!collection.missing.empty()) report.line("not done yet", grouped(std::ssize(collection.missing)));
-  if (!collection.damaged.empty()) report.line("damaged", grouped(std::ssize(collection.damaged)));
-  report.line("hash", collection.hash());
+  report.add("items", jobs);
+  report.add("baked", "baked", collection.worstFirst().size());
+  Json failures = Json::array();
+  for (const Json* result : collection.failed()) failures.push_back(result->value("failure", ""));
+  report.add("failures", "failed", failures, grouped(std::ssize(failures)));
+  report.add("missing", "not done yet", collection.missing, some(collection.missing));
+  report.add("damaged", "damaged", collection.damaged, some(collection.damaged));
+  report.add("hash", "hash", collection.hash());
   report.line("written", fmt::format("{}, {}", (out / "bake.jsonl").string(), (out / "report.html").string()));
-  addFailures(collection, collection.failed().size(), report);
+  addFailures(collection, failures.size(), report);
   return report;
 }
 
-ordered_json toJson(const BakeCollection& collection, std::size_t jobs) {
-  ordered_json json;
-  json["items"] = jobs;
-  json["baked"] = collection.worstFirst().size();
-  json["failures"] = ordered_json::array();
-  for (const ordered_json* result : collection.failed()) json["failures"].push_back(result->value("failure", ""));
-  json["missing"] = collection.missing;
-  json["damaged"] = collection.damaged;
-  json["hash"] = collection.hash();
-  return json;
-}
-
-/// A folder for temporary files that goes with this object, or when the program is ended.
-class Scratch {
- public:
-  explicit Scratch(const fs::path& beside)
-      : folder_(beside / fmt::format("pictures.{}", ::getpid())), cleaning_([this] { remove(); }) {
-    std::error_code ignored;
-    fs::create_directories(folder_, ignored);
-  }
-  ~Scratch() { remove(); }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  [[nodiscard]] const fs::path& folder() const { return folder_; }
-
- private:
-  void remove() const {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  fs::path folder_;
-  AtHardStop cleaning_;
-};
-
 /// --collect: merges, checks and reports.
 Result<void> collectAll(const BakeOptions& options, const CommonOptions& common, const std::vector<BakeJob>& jobs,
-                        BakeStore& store) {
+                        const BakeStore& store) {
   const fs::path out = options.out;
   const BakeCollection collection = collect(jobs, store, true);
   if (collection.missing.size() == jobs.size()) {
@@ -297,54 +210,56 @@ Result<void> collectAll(const BakeOptions& options, const CommonOptions& common,
   }
   std::map<std::string, const BakeJob*> byName;
   for (const BakeJob& job : jobs) byName[job.name] = &job;
-  Result<BakePictures> pictures = BakePictures::create(howToRun(options, common, 1));
-  if (!pictures) warn("the report has no pictures: " + pictures.error().message);
-  const Scratch scratch(out);
-  const auto draw = [&](const ordered_json& result) -> std::string {
-    if (!pictures || interrupted()) return "";
-    const BakeJob& job = *byName.at(result.value("item", ""));
-    return pictures->draw(job.item, store.folderOf(job.name) / (job.stem + ".lorica"), scratch.folder());
+  Result<SnapshotCamera> camera = SnapshotCamera::create(kWidth, kHeight);
+  if (!camera) warn("the report has no pictures: " + camera.error().message);
+  LORICA_TRY(const fs::path scratch, store.begin());
+  const auto clean = [scratch] {
+    std::error_code ignored;
+    fs::remove_all(scratch, ignored);
+  };
+  const AtHardStop cleaning(clean);
+  const auto draw = [&](const Json& result) -> std::string {
+    const auto found = byName.find(result.value("item", ""));
+    if (!camera || found == byName.end() || interrupted()) return "";
+    const auto& [name, job] = *found;
+    return pictureOf(job->item, store.folderOf(name) / (job->stem + ".lorica"), scratch, howToRun(options, common, 1),
+                     *camera);
   };
   const std::string page = htmlReport(collection, draw);
+  clean();
   if (interrupted()) return cancelled();
   LORICA_TRY_DO(writeFileAtomically(out / "bake.jsonl", jsonLines(collection), NamedBy::kLorica));
   LORICA_TRY_DO(writeFileAtomically(out / "report.html", page, NamedBy::kLorica));
-  linkResults(collection, jobs, store);
-  const Result<void> published =
-      publish(common, collectionReport(collection, jobs.size(), out), toJson(collection, jobs.size()));
+  linkResults(collection, jobs, out);
+  const Result<void> published = publish(common, collectionReport(collection, jobs.size(), out));
   if (!published || (collection.missing.empty() && collection.damaged.empty())) return published;
   return notWhole(collection, jobs.size());
 }
 
-Report toReport(const BakeOutcome& outcome, const BakeOptions& options) {
+Report bakeReport(const BakeOutcome& outcome, const BakeOptions& options) {
+  const auto some = [](int count) { return count > 0 ? grouped(count) : ""; };
+  const bool worked = outcome.made + outcome.failed > 0;
   Report report(
-      fmt::format("{} of {} baked into {}", grouped(outcome.made), counted(outcome.items, "item"), options.out));
-  if (outcome.there > 0) report.line("there already", grouped(outcome.there));
-  if (outcome.byOthers > 0) report.line("by other processes", grouped(outcome.byOthers));
-  if (outcome.failed > 0) report.line("failed", grouped(outcome.failed));
-  if (outcome.made + outcome.failed > 0) {
-    report.line("time", fmt::format("{:.1f} s, of processors {:.1f} s; longest item {:.1f} s", outcome.seconds,
-                                    outcome.cpuSeconds, outcome.longest));
-    report.line("memory", fmt::format("at most {} an item, of {} that it may take", megabytes(outcome.peakMemory),
-                                      megabytes(outcome.memoryBound)));
-  }
+      fmt::format("{} of {} baked into {}", grouped(outcome.made), counted(outcome.items, "item"), options.out),
+      "items made failed");
+  report.add("items", outcome.items);
+  report.add("made", outcome.made);
+  report.add("there", "there already", outcome.there, some(outcome.there));
+  report.add("byOthers", "by other processes", outcome.byOthers, some(outcome.byOthers));
+  report.add("failed", "failed", outcome.failed, some(outcome.failed));
+  report.add("tooLarge", outcome.tooLarge);
+  report.add("seconds", "time", outcome.seconds,
+             worked ? fmt::format("{:.1f} s, of processors {:.1f} s; longest item {:.1f} s", outcome.seconds,
+                                  outcome.cpuSeconds, outcome.longest)
+                    : "");
+  report.add("cpuSeconds", outcome.cpuSeconds);
+  report.add("longestItem", outcome.longest);
+  report.add("peakMemory", "memory", outcome.peakMemory,
+             worked ? fmt::format("at most {} an item, of {} that it may take", megabytes(outcome.peakMemory),
+                                  megabytes(outcome.memoryBound))
+                    : "");
+  report.add("memoryBound", outcome.memoryBound);
   return report;
-}
-
-ordered_json toJson(const BakeOutcome& outcome) {
-  ordered_json json;
-  json["items"] = outcome.items;
-  json["made"] = outcome.made;
-  json["failed"] = outcome.failed;
-  json["there"] = outcome.there;
-  json["byOthers"] = outcome.byOthers;
-  json["tooLarge"] = outcome.tooLarge;
-  json["seconds"] = outcome.seconds;
-  json["cpuSeconds"] = outcome.cpuSeconds;
-  json["longestItem"] = outcome.longest;
-  json["peakMemory"] = outcome.peakMemory;
-  json["memoryBound"] = outcome.memoryBound;
-  return json;
 }
 
 BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& common, Task& bar) {
@@ -365,42 +280,40 @@ BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& com
   return settings;
 }
 
-Result<void> run(const BakeOptions& options, const CommonOptions& common, Host& host) {
+Result<void> runBake(const BakeOptions& options, const CommonOptions& common, Host& host) {
+  liftUsualLimit();
   LORICA_TRY_DO(checkOutputFolder(common, "--out", options.out));
   LORICA_TRY_DO(checkJsonOutput(common, {fs::path(options.out) / "bake.jsonl"}));
   LORICA_TRY(const std::vector<BakeJob> jobs, readJobs(options));
-  FileLayer files;
-  BakeStore store(files, options.out, pause);
+  const BakeStore store(options.out);
   if (options.collect) return collectAll(options, common, jobs, store);
-
-  LORICA_TRY(Claims claims, Claims::open(files, options.out, options.lostAfter));
   Result<BakeOutcome> outcome = Error{ErrorCode::kCancelled, ""};
   {
     Task bar(host, "Baking", "items");
-    outcome = bakeAll(jobs, store, claims, bakerSettings(options, common, bar));
+    outcome = bakeAll(jobs, store, bakerSettings(options, common, bar));
   }
   if (!outcome) return outcome.error();
   if (outcome->stopped) return cancelled();
 
-  Report report = toReport(*outcome, options);
+  Report report = bakeReport(*outcome, options);
   // One process of several that share the work cannot merge it.
-  if (options.chosenShard().count == 1) {
+  if (options.shard.count == 1) {
     const BakeCollection collection = collect(jobs, store, false);
     const fs::path merged = fs::path(options.out) / "bake.jsonl";
     LORICA_TRY_DO(writeFileAtomically(merged, jsonLines(collection), NamedBy::kLorica));
-    linkResults(collection, jobs, store);
+    linkResults(collection, jobs, options.out);
     addFailures(collection, kFewFailures, report);
   }
-  LORICA_TRY_DO(publish(common, report, toJson(*outcome)));
+  LORICA_TRY_DO(publish(common, report));
   if (outcome->tooLarge.empty()) return {};
   return invalidArgument("{}; {} left out", outcome->tooLarge.front(), counted(std::ssize(outcome->tooLarge), "item"));
 }
 
 }  // namespace
 
-Command addBake(CommandLine& parent, CommonOptions& common) {
+Command addBake(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<BakeOptions>();
-  CommandLine* app = addSubcommand(
+  CLI::App* app = addSubcommand(
       parent, common, "bake", "Decompose and export a whole library, on one machine or many.",
       "  lorica bake meshes/ --out baked --parts 16\n"
       "      every mesh and character of a folder; run it again to do only what is new or changed\n"
@@ -419,7 +332,7 @@ Command addBake(CommandLine& parent, CommonOptions& common) {
       "status is 0. Ctrl-C finishes the items in progress, a second one drops them. Slurm and other engines: "
       "docs/BAKE.md.");
   addBakeOptions(*app, *options);
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return runBake(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -1,26 +1,55 @@
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "export/contact_export.h"
+#include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
+
+#include <array>
 
 namespace lorica {
+namespace {
 
-Command addContacts(CommandLine& parent, CommonOptions& common) {
+Report contactReport(const ContactLabels& labels, const std::string& output) {
+  Report report(fmt::format("{}: {}, {}, {} of them overlaps", labels.name, counted(countOf(labels.times), "frame"),
+                            counted(std::int64_t(labels.rowCount), "row"), grouped(std::int64_t(labels.overlaps))));
+  report.add("motion", labels.name);
+  report.add("frames", labels.times.size());
+  report.add("rows", labels.rowCount);
+  report.add("overlaps", labels.overlaps);
+  Json avatars = Json::array();
+  for (std::size_t a = 0; a < labels.avatars; ++a) {
+    std::array<std::size_t, 2> stands{};  // frames
+    for (std::size_t i = 0; i < labels.standing.size(); ++i) {
+      if (i / 2 % labels.avatars == a) stands[i % 2] += labels.standing[i];
+    }
+    avatars.push_back({{"leftFootStands", stands[0]}, {"rightFootStands", stands[1]}});
+  }
+  report.add("avatars", std::move(avatars));
+  report.add("notes", labels.notes);
+  report.line("output", output);
+  for (const std::string& note : labels.notes) report.note(note);
+  return report;
+}
+
+}  // namespace
+
+Command addContacts(CLI::App& parent, CommonOptions& common) {
   const auto request = std::make_shared<ContactRequest>();
   const auto output = std::make_shared<std::string>();
-  CommandLine* app = addSubcommand(parent, common, "contacts", "Write a table of all contacts in a motion.",
-                                   "  lorica contacts walk.bvh -o walk.npz\n"
-                                   "      floor and self-contacts, which foot stands; for numpy.load()\n"
-                                   "  lorica contacts a.bvh,b.bvh --character hero.glb --scene boxes -o both.csv\n"
-                                   "      two people among boxes\n"
-                                   "\nA row a contact and frame: docs/CONTACTS.md has the columns.");
+  CLI::App* app = addSubcommand(parent, common, "contacts", "Write a table of all contacts in a motion.",
+                                "  lorica contacts walk.bvh -o walk.npz\n"
+                                "      floor and self-contacts, which foot stands; for numpy.load()\n"
+                                "  lorica contacts a.bvh,b.bvh --character hero.glb --scene boxes -o both.csv\n"
+                                "      two people among boxes\n"
+                                "\nA row a contact and frame: docs/CONTACTS.md has the columns.");
   addMotionOptions(*app, request->cast);
-  app->addOption("-o,--out", *output, "Output file: .npz, .csv or .jsonl", "FILE");
+  app->add_option("-o,--out", *output, "Output file: .npz, .csv or .jsonl")->type_name("FILE");
   addLength(*app, "--near", request->near, "Also pairs that are apart by at most this [default: 0.05]");
   addBodyOptions(*app, request->cast.body);
-  app->addOption("--scene", request->cast.scene, "Scene, as of `lorica play` [default: a floor]", "SCENE");
+  app->add_option("--scene", request->cast.scene, "Scene, as of `lorica play` [default: a floor]")->type_name("SCENE");
   return {app, [request, output](const CommonOptions& given, Host& host) -> Result<void> {
             const CastRequest& cast = request->cast;
             const bool nothing = cast.motion.empty() && cast.character.empty() && cast.scene.empty();
@@ -32,10 +61,7 @@ Command addContacts(CommandLine& parent, CommonOptions& common) {
             LORICA_TRY_DO(checkNotTaken("-o", *output, request->cast.files()));
             LORICA_TRY_DO(checkOutput(given, "-o", *output));
             LORICA_TRY(const ContactLabels labels, writeContacts(*request, *output, host));
-            Report report(labels.inWords());
-            report.line("output", *output);
-            for (const std::string& note : labels.notes) report.note(note);
-            return publish(given, report, labels.summary());
+            return publish(given, contactReport(labels, *output));
           }};
 }
 

@@ -3,12 +3,11 @@
 #include "export/motion_export.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/depth_motion.h"
-#include "prepare/file_kinds.h"
-#include "prepare/read_motion.h"
+#include "session/prepare/depth_motion.h"
+#include "session/prepare/file_kinds.h"
+#include "session/prepare/read_motion.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -19,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ConvertOptions {
   std::string input;
   std::string output;
   MotionOptions motion;
@@ -34,26 +33,26 @@ struct Options {
 };
 
 /// room.cam.csv of room.csv.
-std::string besideOf(const Options& options, const char* ending) {
+std::string besideOf(const ConvertOptions& options, const char* ending) {
   return fs::path(options.output).replace_extension().string() + ending;
 }
 
 /// The file of the input.
-fs::path inputOf(const Options& options) {
+fs::path inputOf(const ConvertOptions& options) {
   const fs::path shipped = shippedRecording(options.input);
   return shipped.empty() ? fs::path(options.input) : shipped;
 }
 
 /// Everyone in a depth recording, where they are in front of the camera, beside the output.
-Result<void> writeCameraFrame(const Options& options, Report& report, nlohmann::ordered_json& json, Host& host) {
+Result<void> writeCameraFrame(const ConvertOptions& options, Report& report, Host& host) {
   LORICA_TRY_DO(writeTrackLog(inputOf(options), besideOf(options, ""), host));
-  json["cameraFrame"] = {{"joints", besideOf(options, ".cam.csv")}, {"labels", besideOf(options, ".lab")}};
-  report.line("camera frame", besideOf(options, ".cam.csv") + ", " + besideOf(options, ".lab"));
+  const std::string joints = besideOf(options, ".cam.csv"), labels = besideOf(options, ".lab");
+  report.add("cameraFrame", "camera frame", {{"joints", joints}, {"labels", labels}}, joints + ", " + labels);
   return {};
 }
 
 /// The joints of everyone as one, by time; each has a number.
-Result<Motion> readAll(const Options& options, Host& host) {
+Result<Motion> readAll(const ConvertOptions& options, Host& host) {
   if (options.motion.person != kEveryone) {
     MotionOptions reading = options.motion;
     reading.character = options.character.name;
@@ -75,7 +74,7 @@ Result<Motion> readAll(const Options& options, Host& host) {
 }
 
 /// Rejects outputs that nothing can be written to, and those that are an input.
-Result<void> checkFiles(const Options& options, const CommonOptions& common, const std::string& extension) {
+Result<void> checkFiles(const ConvertOptions& options, const CommonOptions& common, const std::string& extension) {
   const bool onCharacter = options.onto();
   if (options.motion.person == kEveryone && (onCharacter || extension == ".bvh")) {
     return invalidArgument("{}: --person all writes the joints of everyone, expected OUT.csv", options.output);
@@ -102,7 +101,7 @@ Result<void> checkFiles(const Options& options, const CommonOptions& common, con
   return checkOutput(common, "OUT", options.output);
 }
 
-Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
+Result<void> runConvert(const ConvertOptions& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.output, options.character.name}));
   const std::string extension = lowerCase(fs::path(options.output).extension().string());
   LORICA_TRY_DO(checkFiles(options, common, extension));
@@ -112,39 +111,33 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
                             : writeMotion(options.output, motion, options.motion));
 
   Report report(fmt::format("{}: {}, {:.2f} s", motion.name, counted(motion.frameCount(), "frame"), motion.seconds()));
-  nlohmann::ordered_json json;
-  if (options.cameraFrame) LORICA_TRY_DO(writeCameraFrame(options, report, json, host));
-  report.line("input format", motion.format);
-  if (!motion.firstGuess.empty()) report.line("first guess", motion.firstGuess);
+  if (options.cameraFrame) LORICA_TRY_DO(writeCameraFrame(options, report, host));
+  report.add("input", options.input);
+  report.add("format", "input format", motion.format);
+  report.line("first guess", motion.firstGuess);
+  report.add("frames", motion.frameCount());
+  report.add("seconds", motion.seconds());
+  report.add("smoothingDelay", orNull(made.delay));
   if (made.joints > 0) {
-    report.line("character",
-                fmt::format("{}, {}, {}", options.character.name, counted(made.joints, "joint"), made.units));
+    report.add("character", "character", options.character.name,
+               fmt::format("{}, {}, {}", options.character.name, counted(made.joints, "joint"), made.units));
+    report.add("joints", made.joints);
   }
   if (made.delay) report.line("smoothing", fmt::format("joints lag by {:.0f} ms", 1e3 * *made.delay));
-  report.line("output", options.output);
+  report.add("output", "output", options.output);
   std::vector<std::string> notes = motion.notes;
   notes.insert(notes.end(), made.notes.begin(), made.notes.end());
   for (const std::string& note : notes) report.note(note);
-  json["input"] = options.input;
-  json["format"] = motion.format;
-  json["frames"] = motion.frameCount();
-  json["seconds"] = motion.seconds();
-  json["smoothingDelay"] = made.delay ? nlohmann::ordered_json(*made.delay) : nlohmann::ordered_json();
-  if (made.joints > 0) {
-    json["character"] = options.character.name;
-    json["joints"] = made.joints;
-  }
-  json["output"] = options.output;
-  json["firstGuess"] = motion.firstGuess;
-  json["notes"] = notes;
-  return publish(common, report, json);
+  report.add("firstGuess", motion.firstGuess);
+  report.add("notes", notes);
+  return publish(common, report);
 }
 
 }  // namespace
 
-Command addConvert(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app =
+Command addConvert(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<ConvertOptions>();
+  CLI::App* app =
       addSubcommand(parent, common, "convert",
                     "Convert a motion to Lorica's joint CSV, to BVH, or to an animation of your character.",
                     "  lorica convert kinect.csv joints.csv\n"
@@ -163,26 +156,26 @@ Command addConvert(CommandLine& parent, CommonOptions& common) {
                     "      and everyone as the camera saw them: room.cam.csv and room.lab\n"
                     "  lorica convert room.oni room.csv --person all\n"
                     "      everyone, each with a number");
-  app->addOption(
+  app->add_option(
          "IN", options->input,
          "Recorded joints, .bvh, a character file with clips, VMC packets (.pcap), a session (.lsession), or the "
          "name of a shipped recording")
       ->required();
-  app->addOption("OUT", options->output, "Output file: .csv, .bvh, or .glb with --character")->required();
+  app->add_option("OUT", options->output, "Output file: .csv, .bvh, or .glb with --character")->required();
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
-  app->addOption(
-      "--character", options->character.name,
-      "Move this character: .glb, .gltf, .vrm, .fbx, .dae or mannequin. OUT.glb is its file with the motion as "
-      "first animation, in its units (of FBX and COLLADA: what Lorica has read, in metres); OUT.bvh has its "
-      "joints, in centimetres",
-      "FILE");
-  app->addOption("--map", options->character.map, "Bone map of the character; `lorica info --write-map` creates one",
-                 "FILE.json");
-  app->addFlag("--camera-frame", options->cameraFrame,
-               "Of a depth recording, also write the joints of everyone in the camera's frame (OUT.cam.csv) and whose "
-               "each pixel is (OUT.lab), to judge the tracker");
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  app->add_option(
+         "--character", options->character.name,
+         "Move this character: .glb, .gltf, .vrm, .fbx, .dae or mannequin. OUT.glb is its file with the motion as "
+         "first animation, in its units (of FBX and COLLADA: what Lorica has read, in metres); OUT.bvh has its "
+         "joints, in centimetres")
+      ->type_name("FILE");
+  app->add_option("--map", options->character.map, "Bone map of the character; `lorica info --write-map` creates one")
+      ->type_name("FILE.json");
+  app->add_flag("--camera-frame", options->cameraFrame,
+                "Of a depth recording, also write the joints of everyone in the camera's frame (OUT.cam.csv) and whose "
+                "each pixel is (OUT.lab), to judge the tracker");
+  return {app, [options](const CommonOptions& given, Host& host) { return runConvert(*options, given, host); }};
 }
 
 }  // namespace lorica

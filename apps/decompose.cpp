@@ -1,27 +1,24 @@
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
-#include "apps/report.h"
-#include "apps/report_parts.h"
-#include "geometry/counts.h"
-#include "geometry/text.h"
-
 #include "acd/level_of_detail.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
+#include "apps/report.h"
+#include "apps/report_parts.h"
 #include "export/mesh_export.h"
+#include "geometry/counts.h"
 #include "geometry/errors.h"
-#include "player/parts_picture.h"
-#include "prepare/cover_choice.h"
-#include "prepare/hull_fit.h"
-#include "prepare/mesh_subject.h"
-#include "prepare/quality.h"
-#include "prepare/subject.h"
-#include "prepare/subject_training.h"
+#include "geometry/text.h"
+#include "session/prepare/cover_choice.h"
+#include "session/prepare/hull_fit.h"
+#include "session/prepare/mesh_subject.h"
+#include "session/prepare/quality.h"
+#include "session/prepare/subject.h"
+#include "session/prepare/training.h"
 #include "viewer/pictures/image_files.h"
+#include "viewer/player/parts_picture.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-#include <nlohmann/json_fwd.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -103,7 +100,7 @@ std::string endingSentence(const DecomposeOutcome& outcome) {
 }
 
 /// "at most 32, before 2,023; volume +2.5 %, at most +4.4 % (part 7)"
-std::string sentence(const PartHulls& hulls) {
+std::string growthInWords(const PartHulls& hulls) {
   if (hulls.maxVertices == hulls.maxVerticesBefore) {
     return fmt::format("at most {}, unchanged", grouped(hulls.maxVertices));
   }
@@ -119,119 +116,95 @@ bool boundsHulls(const DecomposeOptions& options, const Subject& subject) {
   return options.cover.hullVertices > 0 && (!subject.character || !options.obj.empty());
 }
 
-/// What the decomposition of a subject is, for machines and for people.
-nlohmann::ordered_json toJson(const DecomposeOptions& options, const Subject& subject,
-                              const DecomposeOutcome& outcome) {
+Report decomposeReport(const DecomposeOptions& options, const Subject& subject, const DecomposeOutcome& outcome) {
   const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
   const auto& [made, attached, held, hulls, cover, used, quality, distance, concavity, stalled] = fit;
-  nlohmann::ordered_json json;
-  json["input"] = subject.name;
-  json["parts"] = made.decomposition.parts.size();
-  json["meshVolume"] = quality.meshVolume;
-  json["hullVolume"] = quality.hullVolume;
-  json["score"] = quality.score;
-  json["error"] = quality.error;
-  json["endedBy"] = endedBy(outcome);
-  if (limits.maxError > 0.0) json["maxError"] = limits.maxError;
-  if (limits.maxDistance > 0.0) json["maxDistance"] = limits.maxDistance;
-  if (concavity) {
-    json["maxConcavity"] = limits.maxConcavity / unit;
-    json["concavity"] = concavity->largest / unit;
-    json["meanConcavity"] = concavity->mean / unit;
-  }
-  if (distance) json["distance"] = *distance;
-  json["seconds"] = made.seconds;
-  json["threads"] = threads;
-  json["vertices"] = subject.mesh.vertices.size();
-  addMeshTo(json, subject);
-  if (!subject.held.empty()) json["attachedVertices"] = attached;
-  json["hash"] = hexDigits(hashOf(made.decomposition));
-  if (subject.character) {
-    json["keyframes"] = quality.errorPerKeyframe.size();
-    json["errorPerKeyframe"] = quality.errorPerKeyframe;
-    for (const ChosenFrame& chosen : keyframes.chosen) {
-      json["chosenKeyframes"].push_back({{"motion", chosen.motion}, {"frame", chosen.frame}, {"time", chosen.time}});
-    }
-  }
-  if (heldOut) json["heldOutError"] = heldOut->error;
-  if (heldOut) json["heldOutPoses"] = heldOut->poses;
-  if (subject.character) addCoverTo(json, cover);
-  if (cover) json["cover"]["volumeGrowth"] = coverVolume;
-  if (options.cover.hullVertices > 0) json["hullVertices"] = options.cover.hullVertices;
-  if (boundsHulls(options, subject)) {
-    json["hullGrowth"] = hulls.totalGrowth;
-    json["hullGrowthPerPart"] = hulls.growth;
-  }
-  if (!options.output.empty()) json["output"] = options.output;
-  if (!options.obj.empty()) json["exportObj"] = options.obj;
-  if (!options.picture.empty()) json["picture"] = options.picture;
-  return json;
-}
-
-Report toReport(const DecomposeOptions& options, const Subject& subject, const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
-  const auto& [made, attached, held, hulls, cover, used, quality, distance, concavity, stalled] = fit;
-  Report report(fmt::format("{}: {}", subject.name, counted(made.decomposition.parts.size(), "convex part")));
-  report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
-                                  grouped(std::ssize(subject.mesh.triangles))));
-  addMeshTo(report, subject);
-  if (attached > 0 && !subject.character) {
+  const bool character = subject.character.has_value();
+  Report report(fmt::format("{}: {}", subject.name, counted(made.decomposition.parts.size(), "convex part")),
+                "input parts meshVolume hullVolume score error endedBy maxError maxDistance maxConcavity concavity "
+                "meanConcavity distance seconds threads vertices repaired walls body attachedVertices hash");
+  report.add("input", subject.name);
+  report.add("parts", made.decomposition.parts.size());
+  report.add("vertices", "mesh", subject.mesh.vertices.size(),
+             fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
+                         grouped(std::ssize(subject.mesh.triangles))));
+  report.add(meshFacts(subject));
+  if (!subject.held.empty()) report.add("attachedVertices", attached);
+  if (attached > 0 && !character) {
     report.line("attached", fmt::format("{} that no part contains: the hulls were enlarged to hold them",
                                         counted(attached, "vertex", "vertices")));
   }
-  const std::string mean = subject.character ? ", mean over the keyframes" : "";
-  report.line("volume", fmt::format("{:.6g}, hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
+  const std::string mean = character ? ", mean over the keyframes" : "";
+  report.add("meshVolume", "volume", quality.meshVolume,
+             fmt::format("{:.6g}, hulls {:.6g}{}", quality.meshVolume, quality.hullVolume, mean));
+  report.add("hullVolume", quality.hullVolume);
   const bool walls = subject.rebuilt && subject.rebuilt->shells > 0;
-  if (!walls) {
-    report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(quality.error), mean));
+  report.add("error", "error", quality.error,
+             walls ? "" : fmt::format("hulls have {} more volume than the mesh{}", percent(quality.error), mean));
+  if (character) {
+    const std::vector<double>& errors = quality.errorPerKeyframe;
+    const auto [best, worst] = std::ranges::minmax(errors);
+    report.add("keyframes", "keyframes", errors.size(),
+               fmt::format("{}, error from {} to {}", errors.size(), percent(best), percent(worst)));
+    report.add("errorPerKeyframe", errors);
   }
-  if (subject.character) {
-    const auto [best, worst] = std::minmax_element(quality.errorPerKeyframe.begin(), quality.errorPerKeyframe.end());
-    report.line("keyframes", fmt::format("{}, error from {} to {}", quality.errorPerKeyframe.size(), percent(*best),
-                                         percent(*worst)));
+  if (!keyframes.chosen.empty()) {
+    Json chosen;
+    Table table{{"frame", "time [s]", "error", "motion"}, {}, 3};
+    for (std::size_t k = 0; k < keyframes.chosen.size(); ++k) {
+      const auto& [motion, frame, time] = keyframes.chosen[k];
+      chosen.push_back({{"motion", motion}, {"frame", frame}, {"time", time}});
+      table.rows.push_back(
+          {std::to_string(frame), fmt::format("{:.2f}", time), percent(quality.errorPerKeyframe[k]), motion});
+    }
+    report.add("chosenKeyframes", std::move(chosen));
+    report.table(std::move(table));
   }
   if (heldOut) {
-    report.line("held-out error", fmt::format("{} in {} that the parts were not trained on", percent(heldOut->error),
-                                              counted(heldOut->poses, "pose")));
+    report.add("heldOutError", "held-out error", heldOut->error,
+               fmt::format("{} in {} that the parts were not trained on", percent(heldOut->error),
+                           counted(heldOut->poses, "pose")));
+    report.add("heldOutPoses", heldOut->poses);
   }
   if (distance) {
-    report.line("distance", fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
-                                        subject.character ? ", in the worst keyframe" : ""));
+    report.add("distance", "distance", *distance,
+               fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
+                           character ? ", in the worst keyframe" : ""));
   }
   if (concavity) {
-    report.line("concavity", fmt::format("at most {:.4f}, mean of the parts {:.4f}, in halves of the longest side",
-                                         concavity->largest / unit, concavity->mean / unit));
+    report.add("maxConcavity", limits.maxConcavity / unit);
+    report.add("concavity", "concavity", concavity->largest / unit,
+               fmt::format("at most {:.4f}, mean of the parts {:.4f}, in halves of the longest side",
+                           concavity->largest / unit, concavity->mean / unit));
+    report.add("meanConcavity", concavity->mean / unit);
   }
-  if (limits.maxError > 0.0 || limits.maxDistance > 0.0 || limits.maxConcavity > 0.0) {
-    report.line("stopped because", endingSentence(outcome));
-  }
-  if (!walls)
-    report.line("score", fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
-  report.line("time", fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
-  report.line("hash", hexDigits(hashOf(made.decomposition)));
-  if (subject.character) addCoverTo(report, cover);
-  if (cover) report.line("cover volume", percent(coverVolume) + " more than exact hulls");
+  const bool limited = limits.maxError > 0.0 || limits.maxDistance > 0.0 || limits.maxConcavity > 0.0;
+  report.add("endedBy", "stopped because", endedBy(outcome), limited ? endingSentence(outcome) : "");
+  if (limits.maxError > 0.0) report.add("maxError", limits.maxError);
+  if (limits.maxDistance > 0.0) report.add("maxDistance", limits.maxDistance);
+  report.add("score", "score", quality.score,
+             walls ? "" : fmt::format("{:.4f} (Eq. 17: mesh volume / hull volume, 1 is perfect)", quality.score));
+  report.add("seconds", "time", made.seconds, fmt::format("{:.2f} s on {}", made.seconds, counted(threads, "thread")));
+  report.add("threads", threads);
+  report.add("hash", "hash", hexDigits(hashOf(made.decomposition)));
+  if (character) report.add(coverFacts(cover, cover ? std::optional(coverVolume) : std::nullopt));
+  if (options.cover.hullVertices > 0) report.add("hullVertices", options.cover.hullVertices);
   if (boundsHulls(options, subject)) {
-    report.line(subject.character ? "exported hulls" : "hull vertices",
-                sentence(hulls) + (subject.character ? ", in the bind pose" : ""));
+    report.add("hullGrowth", character ? "exported hulls" : "hull vertices", hulls.totalGrowth,
+               growthInWords(hulls) + (character ? ", in the bind pose" : ""));
+    report.add("hullGrowthPerPart", hulls.growth);
   }
-  if (!options.output.empty()) report.line("output", options.output);
+  if (!options.output.empty()) report.add("output", "output", options.output);
   if (!options.obj.empty()) {
-    report.line("hulls", options.obj + (subject.character ? ", in metres, Y up, facing +Z"
-                                                          : ", in the units and coordinates of the input"));
+    report.add(
+        "exportObj", "hulls", options.obj,
+        options.obj + (character ? ", in metres, Y up, facing +Z" : ", in the units and coordinates of the input"));
   }
-  if (!options.picture.empty()) report.line("picture", options.picture);
+  if (!options.picture.empty()) report.add("picture", "picture", options.picture);
   if (options.output.empty() && options.obj.empty() && options.picture.empty()) {
     report.note("Nothing was written: --picture draws the parts, --export-obj and -o write them.");
   }
   if (!keyframes.chosen.empty()) {
-    Table table{{"frame", "time [s]", "error", "motion"}, {}, 3};
-    for (std::size_t k = 0; k < keyframes.chosen.size(); ++k) {
-      const auto& [motion, frame, time] = keyframes.chosen[k];
-      table.rows.push_back(
-          {std::to_string(frame), fmt::format("{:.2f}", time), percent(quality.errorPerKeyframe[k]), motion});
-    }
-    report.table(std::move(table));
     report.note(
         fmt::format("These keyframes were chosen: every frame is within {:.2f} m of one of them (root mean square over "
                     "the body).",
@@ -246,7 +219,7 @@ constexpr double kMeshConcavity = 0.05;
 static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is");
 
 /// Rejects, before any work, options that do not fit the input and outputs that cannot be written.
-Result<void> check(const DecomposeOptions& options, const CommonOptions& common, const Subject& subject) {
+Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions& common, const Subject& subject) {
   if (!subject.character && (options.keyframes != 0 || !options.motions.empty())) {
     return invalidArgument("{} is for characters, but {} is a static mesh",
                            options.keyframes != 0 ? "--keyframes" : "--motion", subject.name);
@@ -289,7 +262,7 @@ void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limi
                         fmt::join(kept, " and "), fmt::join(given, " and ")));
 }
 
-Result<void> run(const DecomposeOptions& options, const CommonOptions& common, Host& host) {
+Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& common, Host& host) {
   // Read the input and check the options.
   CharacterOptions reading = options.character;
   reading.body = bodyChoice(options.body);
@@ -302,7 +275,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
     return {};
   };
   LORICA_TRY(const Subject subject, readSubject(options.input, reading, host));
-  LORICA_TRY_DO(check(options, common, subject));
+  LORICA_TRY_DO(checkDecompose(options, common, subject));
 
   // The poses to fit: one for a mesh, keyframes of motions for a character. Then the poses for choosing a cover.
   DecomposeOutcome outcome;
@@ -311,7 +284,7 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
   std::optional<CoverPoses> posesToCover;
   std::optional<Training> training;
   if (subject.character) {
-    LORICA_TRY(training, trainingMotions(subject, motions, host));
+    LORICA_TRY(training, trainingMotions(subject, motions));
     const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
     LORICA_TRY(outcome.keyframes, prefixed("--keyframes", trainingKeyframes(*subject.character, *training, count)));
     if (!options.cover.exact() || options.heldOut) {
@@ -360,14 +333,14 @@ Result<void> run(const DecomposeOptions& options, const CommonOptions& common, H
     LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(960, 720));
     LORICA_TRY_DO(writePng(options.picture, drawParts(fit.exported.objects, camera)));
   }
-  return publish(common, toReport(options, subject, outcome), toJson(options, subject, outcome));
+  return publish(common, decomposeReport(options, subject, outcome));
 }
 
 }  // namespace
 
-Command addDecompose(CommandLine& parent, CommonOptions& common) {
+Command addDecompose(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<DecomposeOptions>();
-  CommandLine* app = addSubcommand(
+  CLI::App* app = addSubcommand(
       parent, common, "decompose", "Decompose a mesh or a moving character into nearly convex parts.",
       "  lorica decompose bunny.off --parts 16\n"
       "      16 parts, and how closely their hulls fit the mesh\n"
@@ -404,27 +377,27 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
       "those of its live hulls, and volumes, score and error are means over the keyframes. The points of the hull\n"
       "cover are chosen in 128 poses, half of them from the motions and half random within joint limits, and\n"
       "measured in 128 other poses.");
-  app->addOption("INPUT", options->input,
-                 "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), or `mannequin`")
+  app->add_option("INPUT", options->input,
+                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), or `mannequin`")
       ->required();
   addCount(*app, "--parts", options->parts, 1,
            "Maximum number of parts; fewer are made if they fit as well [default without limits: 16 for a character, "
            "256 for "
            "a mesh; else none]");
-  Option* maxError =
+  CLI::Option* maxError =
       addShare(*app, "--max-error", options->maxError,
                "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");
-  Option* maxDistance = addLength(
+  CLI::Option* maxDistance = addLength(
       *app, "--max-distance", options->maxDistance,
       "Use the fewest parts with no point of the hulls farther than this from the surface in any keyframe, in "
       "units of the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
-  Option* maxConcavity = addShare(
+  CLI::Option* maxConcavity = addShare(
       *app, "--max-concavity", options->maxConcavity,
       "Use the fewest parts whose concavity, as CoACD measures it, is at most E: how far hull and part are from each "
       "other, as a share of half of the mesh's longest side [default: 0.05 for a mesh without another limit]");
-  app->addFlag("--exact", options->exact,
-               "Cut until every part is convex, but for concave edges less than 0.001 % of the size deep: can take "
-               "thousands of parts")
+  app->add_flag("--exact", options->exact,
+                "Cut until every part is convex, but for concave edges less than 0.001 % of the size deep: can take "
+                "thousands of parts")
       ->excludes(maxError)
       ->excludes(maxDistance)
       ->excludes(maxConcavity);
@@ -432,12 +405,13 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
   addCountOrAuto(*app, "--keyframes", options->keyframes, 1,
                  "Number of poses that a character is trained on, evenly over the motions; `auto` chooses and lists up "
                  "to 12 very different ones [default: 12, or auto for the character's own clips]");
-  app->addOption(
+  app->add_option(
          "--motion", options->motions,
          "Take keyframes from this motion; may be repeated [default: the character's own clips, else the shipped "
-         "recordings]",
-         "FILE")
-      ->repeatable();
+         "recordings]")
+      ->type_name("FILE")
+      ->expected(1)
+      ->take_all();
   addCharacterOptions(*app, options->character);
   addBodyOption(*app, options->body);
   addCount(*app, "--candidates", options->candidates, 1,
@@ -451,12 +425,13 @@ Command addDecompose(CommandLine& parent, CommonOptions& common) {
   addCount(*app, "--hull-vertices", options->cover.hullVertices, 4,
            "Replace each hull by a larger one of at most N vertices, and report the growth; for a character, in every "
            "frame");
-  app->addFlag("--held-out", options->heldOut,
-               "Also measure the error of a character's hulls in 32 poses that the parts were not trained on");
-  app->addOption("-o,--output", options->output, "Write the decomposition, for use with `lorica play`", "FILE.lorica");
-  app->addOption("--export-obj", options->obj, "Write the parts' hulls", "FILE.obj");
-  app->addOption("--picture", options->picture, "Draw the parts' hulls, each in its colour", "FILE.png");
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  app->add_flag("--held-out", options->heldOut,
+                "Also measure the error of a character's hulls in 32 poses that the parts were not trained on");
+  app->add_option("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
+      ->type_name("FILE.lorica");
+  app->add_option("--export-obj", options->obj, "Write the parts' hulls")->type_name("FILE.obj");
+  app->add_option("--picture", options->picture, "Draw the parts' hulls, each in its colour")->type_name("FILE.png");
+  return {app, [options](const CommonOptions& given, Host& host) { return runDecompose(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -5,13 +5,12 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/demo_pictures.h"
-#include "player/monitored_host.h"
-#include "player/window_texts.h"
-#include "prepare/demo_motion.h"
+#include "session/prepare/demo_motion.h"
+#include "viewer/player/demo_pictures.h"
+#include "viewer/player/monitored_host.h"
+#include "viewer/player/window_texts.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <memory>
@@ -22,15 +21,12 @@ namespace lorica {
 namespace {
 
 constexpr double kVideoSeconds = 8.0;
+constexpr const char* kUsualCharacter = "mannequin";
 
-struct Options {
-  std::string character = "mannequin";
-  std::string scene, out = "lorica-demo";
-  bool window = false, headless = false;
-  double seconds = 0.0;           // 0 = not given
-  RunSetting run = {};            // of the page
-  SnapshotOptions pictures = {};  // of the window
-  ServeOptions serve = {};
+struct DemoOptions : ShowOptions {
+  std::string out = "lorica-demo";
+  bool headless = false;
+  double seconds = 0.0;  // 0 = not given
 };
 
 /// The demo that was played.
@@ -43,14 +39,14 @@ struct Show {
   [[nodiscard]] const DecompositionFile& body() const { return run->cast.avatars.front().body; }
 };
 
-Result<Show> start(DemoCast demo, const RunSetting& setting, Host& host) {
+Result<Show> startDemo(DemoCast demo, const RunSetting& setting, Host& host) {
   LORICA_TRY(std::unique_ptr<Run> run, Run::start(std::move(demo.cast), setting, host));
   return Show{std::move(run), demo.fromCache, demo.seconds};
 }
 
 /// Plays once and draws every frame if a renderer is available.
-Result<Show> playForFiles(const Options& options, Host& host) {
-  LORICA_TRY(DemoCast demo, prepareDemo(options.character, options.scene, host));
+Result<Show> playForFiles(const DemoOptions& options, Host& host) {
+  LORICA_TRY(DemoCast demo, prepareDemo(options.request.character, options.request.scene, host));
   const Motion& motion = *demo.cast.avatars.front().motion;
   const double rate = (motion.frameCount() - 1) / std::max(motion.seconds(), 1e-6);
   Result<DemoPictures> pictures = DemoPictures::create(options.out, rate, host);
@@ -60,7 +56,7 @@ Result<Show> playForFiles(const Options& options, Host& host) {
   RunSetting setting;
   setting.doing = pictures ? "Drawing the demo:" : "Running the demo:";
   setting.frames = motion.framesIn(options.seconds > 0.0 ? options.seconds : kVideoSeconds);
-  LORICA_TRY(Show show, start(std::move(demo), setting, host));
+  LORICA_TRY(Show show, startDemo(std::move(demo), setting, host));
   Run& run = *show.run;
   Shown shown;
   if (pictures) {
@@ -78,61 +74,52 @@ Result<Show> playForFiles(const Options& options, Host& host) {
   return show;
 }
 
-nlohmann::ordered_json toJson(const Show& show) {
-  nlohmann::ordered_json json;
-  json["recording"] = show.run->name();
-  json["character"] = show.run->session.character().name;
-  json["seconds"] = show.run->seconds();
-  json["parts"] = show.body().decomposition.parts.size();
-  json["error"] = show.body().meanError;
-  json["keyframes"] = show.body().errorPerKeyframe.size();
-  json["fromCache"] = show.fromCache ? nlohmann::ordered_json(*show.fromCache) : nullptr;
-  json["decompositionSeconds"] = show.decomposing;
-  addStatisticsTo(json, show.run->statistics);
-  json["hash"] = hexDigits(show.run->session.hash());
-  json["renderer"] = show.files ? nlohmann::ordered_json(show.files->renderer) : nlohmann::ordered_json();
-  json["video"] =
-      show.files && show.files->video ? nlohmann::ordered_json(show.files->video->string()) : nlohmann::ordered_json();
-  json["snapshots"] = nlohmann::ordered_json::array();
-  if (show.files) {
-    for (const std::filesystem::path& file : show.files->snapshots) json["snapshots"].push_back(file.string());
-  }
-  json["contactSheet"] =
-      show.files ? nlohmann::ordered_json(show.files->contactSheet.string()) : nlohmann::ordered_json();
-  return json;
-}
-
-Report toReport(const Show& show) {
+Report demoReport(const Show& show) {
   const DecompositionFile& body = show.body();
-  Report report(fmt::format("The {} performed {}: {:.1f} s, {}", show.run->session.character().name, show.run->name(),
-                            show.run->seconds(), counted(show.run->statistics.frames(), "frame")));
+  const std::string& character = show.run->session.character().name;
+  const RunStatistics& statistics = show.run->statistics;
+  Report report(fmt::format("The {} performed {}: {:.1f} s, {}", character, show.run->name(), show.run->seconds(),
+                            counted(statistics.frames(), "frame")));
+  report.add("recording", show.run->name());
+  report.add("character", character);
+  report.add("seconds", show.run->seconds());
   const std::string origin = !show.fromCache   ? ""
                              : *show.fromCache ? ", from the cache"
                                                : fmt::format(", computed in {:.1f} s and cached", show.decomposing);
-  report.line("body", fmt::format("{} trained on {}{}", counted(std::ssize(body.decomposition.parts), "convex part"),
-                                  counted(std::ssize(body.errorPerKeyframe), "keyframe"), origin));
-  report.line("error", fmt::format("the hulls have {} more volume than the body", percent(body.meanError)));
-  addTrainingTo(report, show.run->statistics);
-  report.line("contacts", fmt::format("{} with {} of {} boxes and balls",
-                                      counted(show.run->statistics.touches(), "touch", "touches"),
-                                      show.run->statistics.propsTouched(), show.run->statistics.propCount()));
-  report.gap();
-  report.line("frame time", "  median");
-  addStatisticsTo(report, show.run->statistics);
-  if (show.files) {
-    report.gap();
-    if (show.files->video) report.line("video", show.files->video->string());
-    const std::filesystem::path folder = show.files->contactSheet.parent_path();
-    report.line("pictures", fmt::format("{}, its counterpart hulls_1.png, ... ({} in total)",
-                                        (folder / "snapshot_1.png").string(), show.files->snapshots.size()));
-    report.line("contact sheet", show.files->contactSheet.string());
-  }
+  report.add("parts", "body", body.decomposition.parts.size(),
+             fmt::format("{} trained on {}{}", counted(std::ssize(body.decomposition.parts), "convex part"),
+                         counted(std::ssize(body.errorPerKeyframe), "keyframe"), origin));
+  report.add("error", "error", body.meanError,
+             fmt::format("the hulls have {} more volume than the body", percent(body.meanError)));
+  report.add("keyframes", body.errorPerKeyframe.size());
+  report.add("fromCache", orNull(show.fromCache));
+  report.add("decompositionSeconds", show.decomposing);
+  report.add(contactFacts(statistics));
+  report.add(trainingFacts(statistics));
+  report.line("contacts",
+              fmt::format("{} with {} of {} boxes and balls", counted(statistics.touches(), "touch", "touches"),
+                          statistics.propsTouched(), statistics.propCount()));
+  report.add(stageFacts(statistics, "  median"));
+  report.add("hash", hexDigits(show.run->session.hash()));
+  const DemoFiles files = show.files.value_or(DemoFiles());
+  const std::string video = files.video ? files.video->string() : "", sheet = files.contactSheet.string();
+  Json snapshots = Json::array();
+  for (const std::filesystem::path& file : files.snapshots) snapshots.push_back(file.string());
+  if (show.files) report.gap();
+  report.add("renderer", orNull(files.renderer));
+  report.add("video", "video", orNull(video));
+  report.add("snapshots", "pictures", std::move(snapshots),
+             show.files
+                 ? fmt::format("{}, its counterpart hulls_1.png, ... ({} in total)",
+                               (files.contactSheet.parent_path() / "snapshot_1.png").string(), files.snapshots.size())
+                 : "");
+  report.add("contactSheet", "contact sheet", orNull(sheet));
   for (const std::string& note : show.run->cast.avatars.front().motion->notes) report.note(note);
   return report;
 }
 
 /// The window, if it was requested or a display is available, the page, or both; null if the demo is drawn to files.
-Result<std::unique_ptr<Screens>> chooseScreens(const Options& options, Host& host) {
+Result<std::unique_ptr<Screens>> chooseScreens(const DemoOptions& options, Host& host) {
   const bool inWindow = options.window || (!options.headless && !options.serve.any() && displayAvailable());
   if (!inWindow && !options.serve.any()) {
     if (!options.headless)
@@ -145,7 +132,7 @@ Result<std::unique_ptr<Screens>> chooseScreens(const Options& options, Host& hos
   return std::unique_ptr<Screens>();
 }
 
-Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
+Result<void> runDemo(const DemoOptions& options, const CommonOptions& common, Host& host) {
   // Fail early.
   LORICA_TRY_DO(checkJsonOutput(common, {}));
   LORICA_TRY_DO(checkWindow(options.window, "`lorica demo --headless` draws a video instead"));
@@ -155,11 +142,11 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY(const std::unique_ptr<Screens> screens, chooseScreens(options, host));
   if (screens == nullptr) {
     LORICA_TRY(const Show show, playForFiles(options, host));
-    return publish(common, toReport(show), toJson(show));
+    return publish(common, demoReport(show));
   }
   Screen& screen = screens->screen();
   LORICA_TRY(std::optional<DemoCast> demo, loadOnScreen<DemoCast>(screen, host, [&](Host& loading) {
-               return prepareDemo(options.character, options.scene, loading);
+               return prepareDemo(options.request.character, options.request.scene, loading);
              }));
   if (!demo) return {};
   screens->announce(host);
@@ -174,31 +161,27 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   setting.repeated = options.seconds;
   if (options.seconds > 0.0) setting.atEnd = AtEnd::kRepeat;
   if (setting.frames > 0) setting.atEnd = AtEnd::kReturn;
-  LORICA_TRY(Show show, start(std::move(*demo), setting, host));
+  LORICA_TRY(Show show, startDemo(std::move(*demo), setting, host));
   LORICA_TRY(Showing opened, lorica::show(*show.run, options.pictures, &screen, &opener, host));
   if (opened.end == RunEnd::kInterrupted) return cancelled();
   if (opened.next) return playOpened(common, host, screen, opener, std::move(opened));
-  Report report = toReport(show);
-  nlohmann::ordered_json json = toJson(show);
-  return finishAndPublish(*show.run, common, report, json);
+  Report report = demoReport(show);
+  return finishAndPublish(*show.run, common, report);
 }
 
 }  // namespace
 
 Result<void> showDemo(const ShowOptions& options, const CommonOptions& common, Host& host) {
-  Options demo;
-  if (!options.request.character.empty()) demo.character = options.request.character;
-  demo.window = options.window;
-  demo.serve = options.serve;
-  demo.pictures = options.pictures;
-  demo.run = options.run;
+  DemoOptions demo{options};
+  if (demo.request.character.empty()) demo.request.character = kUsualCharacter;
   LORICA_TRY_DO(checkOutputs(demo.run, demo.pictures, common, {}));
-  return run(demo, common, host);
+  return runDemo(demo, common, host);
 }
 
-Command addDemo(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(
+Command addDemo(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<DemoOptions>();
+  options->request.character = kUsualCharacter;
+  CLI::App* app = addSubcommand(
       parent, common, "demo", "Show a character kicking and walking among boxes and balls.",
       "  lorica demo\n"
       "      a window if there is a display, which opens what is dropped on it; else a video in lorica-demo/\n"
@@ -212,19 +195,20 @@ Command addDemo(CommandLine& parent, CommonOptions& common) {
       "      a short demo, with its figures as JSON\n"
       "\nThe body has 16 convex parts, trained on 12 keyframes. It is computed on the first run, with progress and\n"
       "Cancel in the window, and cached in $XDG_CACHE_HOME/lorica or ~/.cache/lorica.");
-  app->addOption(
-      "CHARACTER", options->character,
+  app->add_option(
+      "CHARACTER", options->request.character,
       "A character: a humanoid does all of it, another performs a clip of its own or stands [default: mannequin]");
-  addSceneOption(*app, options->scene);
-  app->addOption("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]", "DIR");
-  Option* window = app->addFlag("--window", options->window,
-                                "Open a window and repeat until it is closed; fail if there is no display");
-  app->addFlag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
+  addSceneOption(*app, options->request.scene);
+  app->add_option("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
+      ->type_name("DIR");
+  CLI::Option* window = app->add_flag("--window", options->window,
+                                      "Open a window and repeat until it is closed; fail if there is no display");
+  app->add_flag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);
   addServeOptions(*app, options->serve, true);
   addLookOptions(*app, options->pictures);
   addSeconds(*app, "--seconds", options->seconds,
              "Stop after S seconds [default: 8 for a video, no limit in a window]");
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return runDemo(*options, given, host); }};
 }
 
 }  // namespace lorica

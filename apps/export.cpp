@@ -12,11 +12,10 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/part_hulls.h"
-#include "prepare/subject.h"
+#include "session/prepare/part_hulls.h"
+#include "session/prepare/subject.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <map>
@@ -53,15 +52,9 @@ std::vector<std::string> row(const std::string& name, const ColliderFit& fit) {
           fmt::format("{:.1f}", 1e3 * fit.volume)};
 }
 
-nlohmann::ordered_json jsonOf(const ColliderFit& fit) {
-  nlohmann::ordered_json json;
-  json["worstOut"] = fit.worstOut;
-  json["meanWorstOut"] = fit.meanWorstOut;
-  json["shareOut"] = fit.shareOut;
-  json["meanStandOff"] = fit.meanStandOff;
-  json["worstStandOff"] = fit.worstStandOff;
-  json["volume"] = fit.volume;
-  return json;
+Json jsonOf(const ColliderFit& fit) {
+  return {{"worstOut", fit.worstOut},         {"meanWorstOut", fit.meanWorstOut},   {"shareOut", fit.shareOut},
+          {"meanStandOff", fit.meanStandOff}, {"worstStandOff", fit.worstStandOff}, {"volume", fit.volume}};
 }
 
 /// "LeftHand_0", "LeftHand_1": the bone and the number of its hull, unique.
@@ -83,20 +76,18 @@ std::vector<NamedMesh> namedHulls(const Character& character, std::span<const Ri
   return meshes;
 }
 
-/// The report of `lorica export`, as text and as JSON.
-struct ExportReport {
-  ExportReport(const Subject& subject, const std::string& output) : text(subject.name) {
-    json["input"] = subject.name;
-    json["output"] = output;
-    text.line("output", output);
+/// The report of `lorica export`.
+struct ExportReport : Report {
+  ExportReport(const std::string& input, const std::string& output) : Report(input) {
+    add("input", input);
+    add("output", "output", output);
   }
+  using Report::add;
 
   void add(const PartHulls& hulls) {
-    text.line("hulls", std::to_string(hulls.objects.size()));
-    text.line("hull vertices", growthOf(hulls));
-    json["hulls"] = hulls.objects.size();
-    json["maxVertices"] = hulls.maxVertices;
-    json["growth"] = hulls.totalGrowth;
+    add("hulls", "hulls", hulls.objects.size(), std::to_string(hulls.objects.size()));
+    add("maxVertices", "hull vertices", hulls.maxVertices, growthOf(hulls));
+    add("growth", hulls.totalGrowth);
   }
 
   void add(const RigidExport& rigid) {
@@ -106,32 +97,28 @@ struct ExportReport {
       bones.insert(collider.joint);
       most = std::max(most, collider.hull.vertices.size());
     }
-    text.line("hulls",
-              fmt::format("{} on {}, each rigid on one", rigid.colliders.size(), counted(bones.size(), "bone")));
-    text.line("hull vertices", fmt::format("at most {}", most));
-    text.line("fit", rigid.heldOutPoses > 0 ? fmt::format("measured in {}; made from {} others",
-                                                          counted(rigid.heldOutPoses, "pose"), rigid.trainingPoses)
-                                            : fmt::format("measured in the {} that they were made from",
-                                                          counted(rigid.trainingPoses, "pose")));
-    Table table{{"", "skin out, worst", "mean of poses", "skin out > 1 mm", "stands off, mean", "worst", "litres"}, {}};
-    table.rows.push_back(row("hulls", rigid.fits.hulls));
-    table.rows.push_back(row("capsules", rigid.fits.capsules));
-    text.table(std::move(table));
-    text.note("Capsules: one around the surface of each hull, for comparison.");
+    const ColliderFit &hulls = rigid.fits.hulls, &capsules = rigid.fits.capsules;
     constexpr double kFarOff = 0.3;  // [m]
-    if (rigid.fits.hulls.worstStandOff > kFarOff) {
-      note(
+    note("Capsules: one around the surface of each hull, for comparison.");
+    if (hulls.worstStandOff > kFarOff) {
+      notes(
           {fmt::format("A hull stands off by {:.2f} m: its part holds what moves apart, such as a cape and a leg. "
                        "--per-bone, or --hide NAME for what physics need not touch, makes tighter ones.",
-                       rigid.fits.hulls.worstStandOff)});
+                       hulls.worstStandOff)});
     }
-    json["hulls"] = rigid.colliders.size();
-    json["bones"] = bones.size();
-    json["maxVertices"] = most;
-    json["trainingPoses"] = rigid.trainingPoses;
-    json["heldOutPoses"] = rigid.heldOutPoses;
-    json["fit"]["hulls"] = jsonOf(rigid.fits.hulls);
-    json["fit"]["capsules"] = jsonOf(rigid.fits.capsules);
+    add("hulls", "hulls", rigid.colliders.size(),
+        fmt::format("{} on {}, each rigid on one", rigid.colliders.size(), counted(bones.size(), "bone")));
+    add("bones", bones.size());
+    add("maxVertices", "hull vertices", most, fmt::format("at most {}", most));
+    add("trainingPoses", rigid.trainingPoses);
+    add("heldOutPoses", rigid.heldOutPoses);
+    add("fit", "fit", {{"hulls", jsonOf(hulls)}, {"capsules", jsonOf(capsules)}},
+        rigid.heldOutPoses > 0
+            ? fmt::format("measured in {}; made from {} others", counted(rigid.heldOutPoses, "pose"),
+                          rigid.trainingPoses)
+            : fmt::format("measured in the {} that they were made from", counted(rigid.trainingPoses, "pose")));
+    table({{"", "skin out, worst", "mean of poses", "skin out > 1 mm", "stands off, mean", "worst", "litres"},
+           {row("hulls", hulls), row("capsules", capsules)}});
   }
 
   void add(const RigidModel& model) {
@@ -141,46 +128,51 @@ struct ExportReport {
       mass += body.mass;
       hinges += body.hinges.size();
     }
-    text.line("bodies",
-              fmt::format("{}, {:.4g} kg, {} between them", model.bodies.size(), mass, counted(hinges, "hinge")));
-    note(model.notes);
-    json["bodies"] = model.bodies.size();
-    json["mass"] = mass;
-    json["hinges"] = hinges;
+    notes(model.notes);
+    add("bodies", "bodies", model.bodies.size(),
+        fmt::format("{}, {:.4g} kg, {} between them", model.bodies.size(), mass, counted(hinges, "hinge")));
+    add("mass", mass);
+    add("hinges", hinges);
   }
 
   void add(const RobotReport& robot) {
-    text.line("written", fmt::format("{} with shapes for {} meshes", counted(robot.files, "file"), robot.meshes));
-    Table table{{kRobotHeadings.begin(), kRobotHeadings.end()}, {}};
+    line("written", fmt::format("{} with shapes for {} meshes", counted(robot.files, "file"), robot.meshes));
+    Table cells{{kRobotHeadings.begin(), kRobotHeadings.end()}, {}};
+    Json links;
     for (const RobotLinkReport& link : robot.links) {
-      table.rows.push_back(link.cells());
-      json["links"].push_back({{"name", link.name}, {"shapes", link.shapes}, {"volumes", link.volumes}});
-      json["links"].back().update({{"covered", link.covered}, {"standOff", link.standOff}});
+      cells.rows.push_back(link.cells());
+      links.push_back({{"name", link.name},
+                       {"shapes", link.shapes},
+                       {"volumes", link.volumes},
+                       {"covered", link.covered},
+                       {"standOff", link.standOff}});
     }
-    text.table(std::move(table));
-    json["newContacts"] = robot.newContacts;
-    note(robot.notes);
+    table(std::move(cells));
+    if (!links.empty()) add("links", std::move(links));
+    add("newContacts", robot.newContacts);
+    notes(robot.notes);
   }
 
   void addSprings(int shapes, int springs) {
-    text.line("colliders", fmt::format("{} for {}", shapes, counted(springs, "spring")));
-    json["springColliders"] = shapes;
+    add("springColliders", "colliders", shapes, fmt::format("{} for {}", shapes, counted(springs, "spring")));
   }
 
-  void note(const std::vector<std::string>& sentences) {
+  /// Notes that are in the JSON, too.
+  void notes(const std::vector<std::string>& sentences) {
     for (const std::string& sentence : sentences) {
-      text.note(sentence);
-      json["notes"].push_back(sentence);
+      note(sentence);
+      noted_.push_back(sentence);
+      add("notes", noted_);
     }
   }
 
-  Report text;
-  nlohmann::ordered_json json;
+ private:
+  Json noted_;
 };
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ExportOptions {
   ExportSourceOptions source;
   std::string preset;
   std::string body = "auto";
@@ -216,14 +208,14 @@ std::optional<Format> formatOf(const std::string& file) {
 }
 
 /// The vertex limit: what was asked for, else the engine's, else what every engine is fine with. 0 = none.
-int vertexLimit(const Options& options) {
+int vertexLimit(const ExportOptions& options) {
   if (options.hullVertices >= 0) return options.hullVertices;
   const std::optional<Engine> engine = engineNamed(options.engine);
   return engine && engine->maxVertices > 0 ? engine->maxVertices : kUsualVertices;
 }
 
 /// Rejects, before any work, outputs that cannot be written and options that contradict each other.
-Result<void> check(const Options& options, const CommonOptions& common) {
+Result<void> checkExport(const ExportOptions& options, const CommonOptions& common) {
   const std::optional<Format> format = formatOf(options.output);
   if (!format) {
     return invalidArgument("{}: found the extension `{}`, expected {}", options.output,
@@ -261,7 +253,7 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   return checkJsonOutput(common, {options.source.input, options.source.decomposition, options.motion, options.output});
 }
 
-Result<void> checkSubject(const Options& options, const Subject& subject) {
+Result<void> checkSubject(const ExportOptions& options, const Subject& subject) {
   const std::optional<Format> format = formatOf(options.output);
   if (format == Format::kVrm && !(subject.file && subject.file->format.starts_with("VRM"))) {
     return invalidArgument(
@@ -282,9 +274,9 @@ Result<void> checkSubject(const Options& options, const Subject& subject) {
 }
 
 /// Hulls that are rigid on bones, and how well they do in poses that were not used to make them.
-Result<RigidExport> makeRigid(const Options& options, const ExportSource& source, Host& host) {
+Result<RigidExport> makeRigid(const ExportOptions& options, const ExportSource& source, Host& host) {
   const Character& character = *source.subject.character;
-  LORICA_TRY(const CoverPoses poses, exportPoses(source.subject, host));
+  LORICA_TRY(const CoverPoses poses, exportPoses(source.subject));
   RigidExport rigid;
   {
     Task task(host, "Making hulls", "hulls");
@@ -301,13 +293,13 @@ Result<RigidExport> makeRigid(const Options& options, const ExportSource& source
 }
 
 /// The hulls of a mesh, or of a character in one pose.
-Result<PartHulls> hullsInOnePose(const Options& options, const ExportSource& source, Host& host) {
+Result<PartHulls> hullsInOnePose(const ExportOptions& options, const ExportSource& source, Host& host) {
   const int limit = vertexLimit(options);
   return options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit, host)
                     : restHulls(source, limit, host);
 }
 
-GlbColliderSettings glbSettings(const Options& options) {
+GlbColliderSettings glbSettings(const ExportOptions& options) {
   GlbColliderSettings settings;
   if (const std::optional<Engine> engine = engineNamed(options.engine)) {
     settings.prefix = engine->prefix;
@@ -319,13 +311,13 @@ GlbColliderSettings glbSettings(const Options& options) {
 }
 
 /// Writes bodies for a robotics engine.
-Result<void> writeModel(const Options& options, const RigidModel& model) {
+Result<void> writeModel(const ExportOptions& options, const RigidModel& model) {
   if (formatOf(options.output) == Format::kUrdf) return writeUrdf(options.output, model);
   return writeMjcf(options.output, model, options.mocap ? MjcfMotion::kMocap : MjcfMotion::kJoints);
 }
 
 /// The character with hulls below its bones, or a VRM with colliders for its springs.
-Result<void> writeCharacter(const Options& options, const ExportSource& source,
+Result<void> writeCharacter(const ExportOptions& options, const ExportSource& source,
                             std::span<const RigidCollider> colliders, const Host& host, ExportReport& report) {
   const Character& character = *source.subject.character;
   const std::optional<CharacterFile>& file = source.subject.file;
@@ -338,11 +330,11 @@ Result<void> writeCharacter(const Options& options, const ExportSource& source,
   } else {
     addColliders(document, colliders, plainNames(colliderNames(character, colliders)), glbSettings(options));
   }
-  report.note(document.notes);
+  report.notes(document.notes);
   return writeDocument(options.output, document);
 }
 
-Result<void> exportRigid(const Options& options, const ExportSource& source, Host& host, ExportReport& report) {
+Result<void> exportRigid(const ExportOptions& options, const ExportSource& source, Host& host, ExportReport& report) {
   LORICA_TRY(const RigidExport rigid, makeRigid(options, source, host));
   const Character& character = *source.subject.character;
   const std::optional<Format> format = formatOf(options.output);
@@ -365,7 +357,7 @@ void yUp(std::vector<Vec3>& points) {
   for (Vec3& p : points) p = Vec3(p.y(), p.z(), p.x());
 }
 
-Result<void> exportOnePose(const Options& options, const ExportSource& source, Host& host, ExportReport& report) {
+Result<void> exportOnePose(const ExportOptions& options, const ExportSource& source, Host& host, ExportReport& report) {
   LORICA_TRY(PartHulls hulls, hullsInOnePose(options, source, host));
   report.add(hulls);
   if (formatOf(options.output) == Format::kMeshes) return writeMeshes(options.output, hulls.objects);
@@ -380,16 +372,16 @@ Result<void> exportOnePose(const Options& options, const ExportSource& source, H
     yUp(mesh.vertices);
     for (NamedMesh& hull : hulls.objects) yUp(hull.mesh.vertices);
   }
-  report.note({fmt::format("{:.3g} x {:.3g} x {:.3g} of the file, taken as metres, {} up{}", size.x(), size.y(),
-                           size.z(), options.up == "z" ? "Z" : "Y",
-                           options.up == "z" ? "" : ": (x, y, z) is written as (z, x, y); --up z keeps the axes")});
+  report.notes({fmt::format("{:.3g} x {:.3g} x {:.3g} of the file, taken as metres, {} up{}", size.x(), size.y(),
+                            size.z(), options.up == "z" ? "Z" : "Y",
+                            options.up == "z" ? "" : ": (x, y, z) is written as (z, x, y); --up z keeps the axes")});
   const RigidModel model = rigidModelOf(name, mesh, std::move(hulls.objects));
   report.add(model);
   return writeModel(options, model);
 }
 
-Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY_DO(check(options, common));
+Result<void> runExport(const ExportOptions& options, const CommonOptions& common, Host& host) {
+  LORICA_TRY_DO(checkExport(options, common));
   ExportSourceOptions reading = options.source;
   reading.reading.body = bodyChoice(options.body);
   reading.divided = !options.perBone;
@@ -405,16 +397,16 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
     const int limit = vertexLimit(options);
     LORICA_TRY(const RobotReport made,
                exportRobot({reading, options.output, options.packages, limit, options.capsules, common.force}, host));
-    ExportReport report(Subject{fs::path(reading.input).filename().string(), {}, {}, "", {}, {}}, options.output);
+    ExportReport report(fs::path(reading.input).filename().string(), options.output);
     report.add(made);
-    return publish(common, report.text, report.json);
+    return publish(common, report);
   }
   LORICA_TRY(const ExportSource source, readExportSource(reading, host));
   LORICA_TRY_DO(checkSubject(options, source.subject));
   const bool rigid = source.subject.character && (options.perBone || formatOf(options.output) != Format::kMeshes);
-  ExportReport report(source.subject, options.output);
+  ExportReport report(source.subject.name, options.output);
   LORICA_TRY_DO(rigid ? exportRigid(options, source, host, report) : exportOnePose(options, source, host, report));
-  return publish(common, report.text, report.json);
+  return publish(common, report);
 }
 
 std::vector<std::string> engineNames() {
@@ -425,9 +417,9 @@ std::vector<std::string> engineNames() {
 
 }  // namespace
 
-Command addExport(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(
+Command addExport(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<ExportOptions>();
+  CLI::App* app = addSubcommand(
       parent, common, "export", "Export convex hulls of a mesh or a character for other engines.",
       "  lorica export bunny.off hulls.obj --engine unreal\n"
       "      the parts' hulls with at most 32 vertices each\n"
@@ -449,49 +441,54 @@ Command addExport(CommandLine& parent, CommonOptions& common) {
       "      the robot with hulls instead of the meshes that it collides with; all else stays\n"
       "\nCoordinates: of a mesh, those of its file; of a character, metres, Y up, facing +Z; in .xml and\n"
       ".urdf Z up, facing +X, of a mesh too (--up). Bodies have the density of water.");
-  app->addOption("IN", options->source.input,
-                 "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, a "
-                 "decomposition (.lorica), or a robot (.xml of MuJoCo, .urdf)")
+  app->add_option("IN", options->source.input,
+                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, a "
+                  "decomposition (.lorica), or a robot (.xml of MuJoCo, .urdf)")
       ->required();
-  app->addOption("OUT", options->output, std::string("Output file: ") + kFormats)->required();
-  app->addOption("--decomposition", options->source.decomposition,
-                 "Decomposition of IN, written by `lorica decompose -o`", "FILE.lorica");
+  app->add_option("OUT", options->output, std::string("Output file: ") + kFormats)->required();
+  app->add_option("--decomposition", options->source.decomposition,
+                  "Decomposition of IN, written by `lorica decompose -o`")
+      ->type_name("FILE.lorica");
   addCount(*app, "--parts", options->source.parts, 1,
            "Number of parts that a mesh is divided into; a character's are those of its decomposition [default: 16]");
   addShare(*app, "--max-concavity", options->source.maxConcavity,
            "Of a robot's meshes: the fewest parts of at most this concavity, see `decompose` [default: 0.05]");
-  app->addFlag("--capsules", options->capsules, "Of a robot: a capsule around each hull instead of it");
-  app->addOption("--package", options->packages, "Folder of a ROS package that a robot names; may be repeated",
-                 "NAME=FOLDER")
-      ->repeatable();
+  app->add_flag("--capsules", options->capsules, "Of a robot: a capsule around each hull instead of it");
+  app->add_option("--package", options->packages, "Folder of a ROS package that a robot names; may be repeated")
+      ->type_name("NAME=FOLDER")
+      ->expected(1)
+      ->take_all();
   addPresetOption(*app, options->preset);
-  app->addOption("--engine", options->engine,
-                 "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "
-                 "60, jolt 256; mujoco and godot take any, and get 64",
-                 "NAME")
-      ->check(oneOf(engineNames()));
+  app->add_option("--engine", options->engine,
+                  "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "
+                  "60, jolt 256; mujoco and godot take any, and get 64")
+      ->type_name("NAME")
+      ->transform(oneOf(engineNames()));
   addCount(*app, "--hull-vertices", options->hullVertices, 0,
            "Limit each hull to N vertices, at least 4; it is enlarged to contain the same; 0 = no limit [default: the "
            "engine's, else 64]");
-  app->addFlag("--per-bone", options->perBone,
-               "One rigid hull for each bone of a character: the skin is cut along weights");
-  app->addFlag("--mocap", options->mocap, "In .xml: bodies without joints, for poses from outside (mocap_pos)");
-  app->addFlag(
+  app->add_flag("--per-bone", options->perBone,
+                "One rigid hull for each bone of a character: the skin is cut along weights");
+  app->add_flag("--mocap", options->mocap, "In .xml: bodies without joints, for poses from outside (mocap_pos)");
+  app->add_flag(
       "--khr", options->khr,
       std::string("In .glb: also KHR_physics_rigid_bodies, as drafted on ") + kKhrDraft + ", not yet ratified");
-  app->addFlag("--show-colliders", options->showColliders, "In .glb: draw the hulls, translucent, over the character");
-  app->addOption("--up", options->up,
-                 "The axis of a mesh that points up; of z, .xml and .urdf keep the mesh's axes [default: y]", "AXIS")
-      ->check(oneOf({"y", "z"}));
-  app->addOption("--motion", options->motion,
-                 "With --at: recorded joints, .bvh, a character file with clips, or a "
-                 "shipped recording",
-                 "FILE");
-  app->addOption("--at", options->at, "Export the live hulls of this moment of --motion [s]", "SECONDS");
+  app->add_flag("--show-colliders", options->showColliders, "In .glb: draw the hulls, translucent, over the character");
+  app->add_option("--up", options->up,
+                  "The axis of a mesh that points up; of z, .xml and .urdf keep the mesh's axes [default: y]")
+      ->type_name("AXIS")
+      ->transform(oneOf({"y", "z"}));
+  app->add_option("--motion", options->motion,
+                  "With --at: recorded joints, .bvh, a character file with clips, or a "
+                  "shipped recording")
+      ->type_name("FILE");
+  app->add_option("--at", options->at, "Export the live hulls of this moment of --motion [s]")
+      ->type_name("SECONDS")
+      ->check(numberError<double>);
   addReadingOptions(*app, options->reading);
   addCharacterOptions(*app, options->source.reading);
   addBodyOption(*app, options->body);
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return runExport(*options, given, host); }};
 }
 
 }  // namespace lorica

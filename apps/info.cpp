@@ -1,12 +1,17 @@
 #include "apps/file_summary.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
+#include "capture/retarget/skeletal_retarget.h"
+#include "capture/sensor/oni_file.h"
+#include "capture/sensor/openni.h"
+#include "capture/sensor/openni_usb.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/file_kinds.h"
-#include "prepare/read_motion.h"
-#include "prepare/scenes.h"
-#include "prepare/subject.h"
+#include "session/prepare/depth_motion.h"
+#include "session/prepare/file_kinds.h"
+#include "session/prepare/read_motion.h"
+#include "session/prepare/scenes.h"
+#include "session/prepare/subject.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bone_map.h"
 
@@ -21,7 +26,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct InfoOptions {
   std::string input;
   CharacterOptions character;
   MotionOptions motion;
@@ -39,24 +44,161 @@ Error nothingNamed(const std::string& name) {
       name, shippedNames(folder, {".csv", ".oni"}, name));
 }
 
-Result<FileSummary> describeScene(const fs::path& file, Host& host) {
+Result<Report> describeScene(const fs::path& file, Host& host) {
   LORICA_TRY(const OpenedScene scene, openStage(file.string(), host));
-  FileSummary summary{Report(file.filename().string() + ": a scene"), {}};
-  nlohmann::ordered_json& json = summary.json;
-  json["kind"] = "scene";
-  json["props"] = scene.world.props().size();
-  json["targets"] = scene.targets.size();
-  json["avatars"] = nlohmann::ordered_json::array();
-  summary.report.line("props", fmt::format("{}, {} of them targets", scene.world.props().size(), scene.targets.size()));
+  const std::size_t props = scene.world.props().size();
+  Report report(file.filename().string() + ": a scene");
+  report.add("kind", "scene");
+  report.add("props", "props", props, fmt::format("{}, {} of them targets", props, scene.targets.size()));
+  report.add("targets", scene.targets.size());
+  Json avatars = Json::array();
   for (const AvatarSetting& avatar : scene.stage) {
-    json["avatars"].push_back({{"character", avatar.character}, {"motion", avatar.motion}});
-    summary.report.line("avatar", fmt::format("{} performs {}", avatar.character,
-                                              avatar.motion.empty() ? "a clip of its own" : avatar.motion));
+    avatars.push_back({{"character", avatar.character}, {"motion", avatar.motion}});
+    report.line("avatar", fmt::format("{} performs {}", avatar.character,
+                                      avatar.motion.empty() ? "a clip of its own" : avatar.motion));
   }
-  return summary;
+  report.add("avatars", std::move(avatars));
+  return report;
 }
 
-Result<FileSummary> describe(const Options& options, Host& host) {
+void addJoints(const Motion& motion, Report& report) {
+  std::size_t seen = 0, guessed = 0, unknown = 0;
+  for (const SkeletonFrame& frame : motion.joints) {
+    for (const TrackedJoint& joint : frame.joints) {
+      ++(joint.confidence >= 1.0 ? seen : joint.confidence > 0.0 ? guessed : unknown);
+    }
+  }
+  const double all = motion.joints.size() * kBodyJointCount;
+  report.add("user", "user", motion.joints.front().user, std::to_string(motion.joints.front().user));
+  report.add("jointsSeen", "joints", seen / all,
+             fmt::format("{}: {} seen, {} guessed, {} unknown", kBodyJointCount, percent(seen / all),
+                         percent(guessed / all), percent(unknown / all)));
+  report.add("jointsGuessed", guessed / all);
+  report.add("jointsUnknown", unknown / all);
+}
+
+void addBones(const Skeleton& skeleton, Report& report) {
+  const auto bones = std::count_if(skeleton.joints().begin(), skeleton.joints().end(),
+                                   [](const Joint& joint) { return joint.bone.has_value(); });
+  report.add("joints", "joints", skeleton.jointCount(),
+             fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones));
+  report.add("humanoidBones", bones);
+  const Result<std::vector<HumanBone>> atRest = bonesLeftAtRest(skeleton);
+  std::string retargeting = "any humanoid can perform it";
+  if (!atRest) {
+    retargeting = "only for characters with the same joints: " + atRest.error().message;
+  } else if (!atRest->empty()) {
+    std::vector<std::string_view> names;
+    names.reserve(atRest->size());
+    for (const HumanBone bone : *atRest) names.push_back(nameOf(bone));
+    retargeting += fmt::format("; missing bones stay at rest: {}", fmt::join(names, ", "));
+  }
+  report.add("retargetable", "retargeting", atRest.ok(), retargeting);
+}
+
+constexpr double kDegrees = 57.29577951308232;
+
+std::string cameraInWords(const OpenNiCamera& camera) {
+  std::string text = camera.vendor + " " + camera.name;
+  if (camera.usbVendor != 0) text += fmt::format(" (USB {:04x}:{:04x})", camera.usbVendor, camera.usbProduct);
+  if (!camera.driver.empty()) text += ", driver " + camera.driver;
+  return text;
+}
+
+Result<Report> describeDepthRecording(const std::filesystem::path& file) {
+  LORICA_TRY(const OniFile read, OniFile::open(file));
+  const OniInfo& info = read.info();
+  const double rate = info.duration > 0.0 ? (info.frameCount - 1) / info.duration : 0.0;
+  const std::string name = file.filename().string();
+  Report report(name + ": a depth recording");
+  report.add("kind", "depth recording");
+  report.add("name", name);
+  report.add(
+      "version", "format", info.version,
+      fmt::format("OpenNI {}{}", info.version, info.cutOff ? ", truncated: its complete frames are readable" : ""));
+  report.add("device", "device", info.device);
+  report.add("seconds", "length", info.duration, fmt::format("{:.2f} s", info.duration));
+  report.add("frames", "depth frames", info.frameCount,
+             fmt::format("{} at {:.1f} per second", grouped(info.frameCount), rate));
+  report.add("framesPerSecond", rate);
+  report.add("width", "image", info.camera.width,
+             fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees{}", info.camera.width, info.camera.height,
+                         kDegrees * info.camera.horizontalFov, kDegrees * info.camera.verticalFov,
+                         info.mirrored ? "; stored mirrored, unmirrored when read" : ""));
+  report.add("height", info.camera.height);
+  report.add("mirrored", info.mirrored);
+  report.add("cutOff", info.cutOff);
+  const Result<std::string> guess = firstGuessOfDepth(file);
+  report.add("firstGuess", "first guess", guess ? Json(*guess) : Json());
+  if (info.colorFrameCount > 0) report.line("colour", counted(info.colorFrameCount, "frame") + ", ignored");
+  if (info.infraredFrameCount > 0) report.line("infrared", counted(info.infraredFrameCount, "frame") + ", ignored");
+  return report;
+}
+
+/// The depth cameras that OpenNI2 finds and their drivers; if there are none, the reasons.
+/// @param driver  file of an additional driver; empty = none
+Result<Report> describeDevices(const std::string& driver) {
+  OpenNiSettings settings;
+  if (!driver.empty()) settings.drivers.emplace_back(driver);
+  LORICA_TRY(const std::shared_ptr<OpenNi> openNi, OpenNi::start(settings));
+  LORICA_TRY(const std::vector<OpenNiCamera> cameras, openNi->cameras());
+
+  Report report(cameras.empty() ? "No depth camera found" : counted(std::ssize(cameras), "depth camera"));
+  report.add("kind", "devices");
+  Json found = Json::array();
+  for (const OpenNiCamera& camera : cameras) {
+    report.line(camera.uri, cameraInWords(camera));
+    found.push_back({{"uri", camera.uri},
+                     {"vendor", camera.vendor},
+                     {"name", camera.name},
+                     {"usb", fmt::format("{:04x}:{:04x}", camera.usbVendor, camera.usbProduct)},
+                     {"driver", camera.driver}});
+  }
+  report.add("cameras", std::move(found));
+  if (!cameras.empty()) report.gap();
+  Json drivers = Json::array();
+  for (const OpenNiDriver& known : openNi->drivers()) {
+    const std::string origin = known.packaged ? "part of OpenNI2" : "added";
+    report.line(known.file.filename().string(),
+                known.problem.empty() ? origin : origin + ", not usable: " + known.problem);
+    drivers.push_back(
+        {{"file", known.file.string()}, {"packaged", known.packaged}, {"problem", orNull(known.problem)}});
+  }
+  report.add("drivers", std::move(drivers));
+  std::vector<std::string> why;
+  if (cameras.empty()) {
+    why = whyNoCamera(usbDepthCameras(), !driver.empty());
+    for (const std::string& sentence : why) report.note(sentence);
+    report.note("Drivers for each camera: docs/SENSORS.md. Without a camera, try `lorica live --virtual`.");
+  }
+  report.add("why", why);
+  return report;
+}
+
+Report describeMotion(const Motion& motion) {
+  const double seconds = motion.seconds();
+  const double rate = seconds > 0.0 ? (motion.frameCount() - 1) / seconds : 0.0;
+  Report report(fmt::format("{}: {}", motion.name, motion.bones ? "a motion of a skeleton" : "a recording of joints"));
+  report.add("kind", motion.bones ? "motion" : "recording");
+  report.add("name", motion.name);
+  report.add("format", "format", motion.format);
+  report.line("first guess", motion.firstGuess);
+  report.add("seconds", "length", seconds, fmt::format("{:.2f} s", seconds));
+  report.add("frames", "frames", motion.frameCount(),
+             fmt::format("{} at {:.1f} per second", grouped(motion.frameCount()), rate));
+  report.add("framesPerSecond", rate);
+  if (motion.bones) {
+    addBones(motion.bones->skeleton, report);
+  } else {
+    addJoints(motion, report);
+  }
+  for (const std::string& note : motion.notes) report.note(note);
+  report.add("firstGuess", motion.firstGuess);
+  report.add("notes", motion.notes);
+  return report;
+}
+
+Result<Report> describeInput(const InfoOptions& options, Host& host) {
   if (options.devices) return describeDevices(options.driver);
   if (options.input.empty()) {
     return invalidArgument("expected a file or --devices");
@@ -86,7 +228,7 @@ Result<FileSummary> describe(const Options& options, Host& host) {
 }
 
 /// @return how many of its bones may be wrong
-Result<std::size_t> writeMap(const Options& options, const CommonOptions& common, const Host& host) {
+Result<std::size_t> writeMap(const InfoOptions& options, const CommonOptions& common, const Host& host) {
   if (!isCharacterFile(options.input)) {
     return invalidArgument("--write-map is for character files, but {} is not one", options.input);
   }
@@ -110,26 +252,25 @@ Result<std::size_t> writeMap(const Options& options, const CommonOptions& common
   return unsure.size();
 }
 
-Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
+Result<void> runInfo(const InfoOptions& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.character.map, options.writeMap}));
   std::size_t unsure = 0;
   if (!options.writeMap.empty()) {
     LORICA_TRY(unsure, writeMap(options, common, host));
   }
-  LORICA_TRY(FileSummary summary, describe(options, host));
+  LORICA_TRY(Report report, describeInput(options, host));
   if (!options.writeMap.empty()) {
     const std::string check = unsure == 0 ? "" : fmt::format(", {} unsure", counted(unsure, "bone is", "bones are"));
-    summary.report.line("bone map", options.writeMap + check + ": edit it and pass it with --map");
-    summary.json["map"] = options.writeMap;
+    report.add("map", "bone map", options.writeMap, options.writeMap + check + ": edit it and pass it with --map");
   }
-  return publish(common, summary.report, summary.json);
+  return publish(common, report);
 }
 
 }  // namespace
 
-Command addInfo(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(
+Command addInfo(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<InfoOptions>();
+  CLI::App* app = addSubcommand(
       parent, common, "info", "Describe a mesh, character, motion or decomposition.",
       "  lorica info hero.glb           # joints and bones, clips, holes in the surface, the body made from it\n"
       "  lorica info hero.glb --write-map hero.json\n"
@@ -141,19 +282,19 @@ Command addInfo(CommandLine& parent, CommonOptions& common) {
       "  lorica info --devices          # connected depth cameras and their drivers\n"
       "  lorica info walk               # a shipped recording\n"
       "  lorica info mannequin          # the built-in character");
-  Option* file =
-      app->addOption("FILE", options->input,
-                     "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
-                     "joints), depth (.oni), decomposition (.lorica), or a shipped name");
-  Option* devices =
-      app->addFlag("--devices", options->devices, "List depth cameras instead of describing a file")->excludes(file);
-  app->addOption("--driver", options->driver, "Additional OpenNI2 driver: lib*.so", "FILE")->needs(devices);
+  CLI::Option* file = app->add_option(
+      "FILE", options->input,
+      "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
+      "joints), depth (.oni), decomposition (.lorica), or a shipped name");
+  CLI::Option* devices =
+      app->add_flag("--devices", options->devices, "List depth cameras instead of describing a file")->excludes(file);
+  app->add_option("--driver", options->driver, "Additional OpenNI2 driver: lib*.so")->type_name("FILE")->needs(devices);
   addCharacterOptions(*app, options->character);
   addTextureOption(*app, options->character.textureSize);
-  app->addOption("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone",
-                 "FILE.json");
+  app->add_option("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone")
+      ->type_name("FILE.json");
   addReadingOptions(*app, options->motion);
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return runInfo(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -5,12 +5,11 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/monitored_host.h"
-#include "player/window_texts.h"
-#include "prepare/live_cast.h"
+#include "session/prepare/live_cast.h"
+#include "viewer/player/monitored_host.h"
+#include "viewer/player/window_texts.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <memory>
 #include <optional>
@@ -20,58 +19,50 @@
 namespace lorica {
 namespace {
 
-nlohmann::ordered_json toJson(const Run& run, const DrawnFiles& drawn) {
-  const Session& session = run.session;
-  nlohmann::ordered_json json;
-  json["source"] = run.name();
-  json["character"] = session.character().name;
-  json["parts"] = run.cast.avatars.front().body.decomposition.parts.size();
-  json["avatars"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < session.avatars().size(); ++i) {
-    const SessionAvatar& avatar = session.avatars()[i];
-    json["avatars"].push_back({{"character", avatar.character().name},
-                               {"person", i + 1},
-                               {"frames", avatar.frameCount()},
-                               {"contacts", run.statistics.contactsOf(i)},
-                               {"hash", hexDigits(avatar.hash())}});
-  }
-  if (run.tracked()) addLiveTo(json, run.log);
-  for (const VmcInput& stream : run.streams()) {
-    nlohmann::ordered_json one;
-    addStreamTo(one, stream);
-    if (&stream == &run.streams().front()) json.update(one);
-    json["streams"].push_back(one["stream"]);
-  }
-  addStatisticsTo(json, run.statistics);
-  addSmoothingTo(json, session);
-  addDrawnTo(json, drawn);
-  json["hash"] = hexDigits(session.hash());
-  return json;
-}
-
-Report toReport(const Run& run, const DrawnFiles& drawn) {
+Report liveReport(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const bool nobody = run.tracked() && run.log.figures().followed == 0;
-  Report report(fmt::format("{} followed {}: {}", session.character().name, nobody ? "nobody" : run.name(),
-                            counted(statistics.frames(), "frame")));
-  if (run.tracked()) addLiveTo(report, run.log);
-  for (const VmcInput& stream : run.streams()) addStreamTo(report, stream);
-  addSmoothingTo(report, session, "joints lag by another");
-  for (std::size_t i = 0; session.avatars().size() > 1 && i < session.avatars().size(); ++i) {
+  Report report(
+      fmt::format("{} followed {}: {}", session.character().name, nobody ? "nobody" : run.name(),
+                  counted(statistics.frames(), "frame")),
+      "source character parts avatars depthFrames framesWithPerson maxPeople unplugged firstPose tracking stream "
+      "latency streams frames contacts touches propsTouched avatarTouches selfContacts training stages");
+  report.add("source", run.name());
+  report.add("character", session.character().name);
+  report.add("parts", run.cast.avatars.front().body.decomposition.parts.size());
+  if (run.tracked()) report.add(liveFacts(run.log));
+  Json streams;
+  for (const VmcInput& stream : run.streams()) {
+    const Facts facts = streamFacts(stream);
+    report.add(streams.empty() ? facts : facts.textOnly());
+    streams.push_back(facts.list().front().value);
+  }
+  if (!streams.empty()) report.add("streams", std::move(streams));
+  report.add(smoothingFacts(session, "joints lag by another"));
+  Json avatars = Json::array();
+  for (std::size_t i = 0; i < session.avatars().size(); ++i) {
     const SessionAvatar& avatar = session.avatars()[i];
+    const long long contacts = statistics.contactsOf(i);
+    avatars.push_back({{"character", avatar.character().name},
+                       {"person", i + 1},
+                       {"frames", avatar.frameCount()},
+                       {"contacts", contacts},
+                       {"hash", hexDigits(avatar.hash())}});
+    if (session.avatars().size() == 1) break;
     report.line(fmt::format("avatar {}", i + 1),
                 fmt::format("{} was there in {}: {}", avatar.character().name, counted(avatar.frameCount(), "frame"),
-                            counted(statistics.contactsOf(i), "contact point")));
+                            counted(contacts, "contact point")));
   }
-  addHitsTo(report, run.hits);
-  addTrainingTo(report, statistics);
+  report.add("avatars", std::move(avatars));
+  report.add(hitFacts(run.hits).textOnly());
+  report.add(trainingFacts(statistics));
   report.line("contacts", fmt::format("{} with {}", counted(statistics.touches(), "touch", "touches"),
                                       counted(statistics.propsTouched(), "prop")));
-  addDrawnTo(report, drawn);
-  report.gap();
-  report.line("frame time", "median");
-  addStatisticsTo(report, statistics);
+  report.add(contactFacts(statistics));
+  report.add(drawnFacts(drawn));
+  report.add("hash", hexDigits(session.hash()));
+  report.add(stageFacts(statistics));
   if (session.source().refusedLegs()) report.note(kRefusedLegs);
   return report;
 }
@@ -97,9 +88,8 @@ Result<void> followCast(const ShowOptions& options, const CommonOptions& common,
   }
   LORICA_TRY(opened, show(*run, options.pictures, screen, opener, host));
   if (opened.next) return {};
-  Report report = toReport(*run, opened.drawn);
-  nlohmann::ordered_json json = toJson(*run, opened.drawn);
-  return finishAndPublish(*run, common, report, json);
+  Report report = liveReport(*run, opened.drawn);
+  return finishAndPublish(*run, common, report);
 }
 
 /// The camera or the programs that send stay when the user opens another character.
@@ -151,9 +141,9 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
   return cast ? followInTurn(options, common, host, std::move(*cast), screen) : Result<void>();
 }
 
-Command addLive(CommandLine& parent, CommonOptions& common) {
+Command addLive(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ShowOptions>();
-  CommandLine* app = addSubcommand(
+  CLI::App* app = addSubcommand(
       parent, common, "live", "Follow a person before a depth camera: the character copies their motion.",
       "  lorica live\n"
       "      the first OpenNI2 depth camera; a window if there is a display\n"
@@ -175,41 +165,37 @@ Command addLive(CommandLine& parent, CommonOptions& common) {
       "\nThe window opens first and shows how characters, scene and camera are loaded. Ctrl-C stops it and\n"
       "prints a summary. Drivers for each camera: docs/SENSORS.md.");
   addDepthOptions(*app, options->live.depth);
-  Option* person = addCount(*app, "--person", options->live.person, 1,
-                            "Person to follow, numbered by order of appearance [default: the nearest]");
-  Option* people = addCount(*app, "--people", options->live.people, 1,
-                            "People to follow at once, each with an avatar, at most 6 [default: 1]")
-                       ->excludes(person);
-  Option* lower = addWearerOptions(*app, options->live);
-  Option* nite = app->addOption("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so", "FILE")
-                     ->excludes(person)
-                     ->excludes(people)
-                     ->excludes(lower);
+  CLI::Option* person = addCount(*app, "--person", options->live.person, 1,
+                                 "Person to follow, numbered by order of appearance [default: the nearest]");
+  CLI::Option* people = addCount(*app, "--people", options->live.people, 1,
+                                 "People to follow at once, each with an avatar, at most 6 [default: 1]")
+                            ->excludes(person);
+  CLI::Option* lower = addWearerOptions(*app, options->live);
+  CLI::Option* nite = app->add_option("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so")
+                          ->type_name("FILE")
+                          ->excludes(person)
+                          ->excludes(people)
+                          ->excludes(lower);
   addVmcInputOptions(*app, options->live.vmc)->excludes(person)->excludes(people)->excludes(nite)->excludes(lower);
   addSenderOption(*app, options->live.vmc.sender);
-  addPoseOutputOptions(*app, options->run.out);
-  addEventsOption(*app, options->run.events);
-  app->addOption("--character", options->request.character,
-                 "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin; with --people one for all or one for each, "
-                 "separated by commas [default: mannequin]",
-                 "FILE");
+  addOutputOptions(*app, options->run);
+  app->add_option("--character", options->request.character,
+                  "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin; with --people one for all or one for each, "
+                  "separated by commas [default: mannequin]")
+      ->type_name("FILE");
   addPlayingOptions(*app, options->request.performing);
   addCharacterOptions(*app, options->request.reading);
   addSpringOption(*app, options->request.springs);
   addBodyOptions(*app, options->request.body);
   addSceneOption(*app, options->request.scene);
   addFaultOption(*app, options->request.performing);
-  addRecordOption(*app, options->run.record);
-  addCount(*app, "--frames", options->run.frames, 1, "Stop after N frames");
+  addRecordOptions(*app, options->run);
   addSeconds(*app, "--seconds", options->run.seconds, "Stop after S seconds");
-  Option* window = app->addFlag("--window", options->window, "Open a window; fail if there is no display");
+  CLI::Option* window = app->add_flag("--window", options->window, "Open a window; fail if there is no display");
   addServeOptions(*app, options->serve, true);
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->request.reading.textureSize);
-  return {app, [options, app](const CommonOptions& given, Host& host) {
-            options->request.performing.smoothGiven = smoothingGiven(*app);
-            return follow(*options, given, host);
-          }};
+  return {app, [options](const CommonOptions& given, Host& host) { return follow(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -2,28 +2,143 @@
 #include "apps/memory_limit.h"
 #include "apps/options.h"
 #include "apps/report.h"
-#include "apps/terminal_host.h"
+#include "geometry/clock.h"
+#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/abandoned_work.h"
-#include "prepare/file_kinds.h"
-#include "prepare/read_motion.h"
+#include "session/prepare/abandoned_work.h"
+#include "session/prepare/file_kinds.h"
+#include "session/prepare/host.h"
+#include "session/prepare/read_motion.h"
 #include "viewer/window/window.h"
 
 #include <fmt/format.h>
 #include <tbb/global_control.h>
 
+#include <unistd.h>
+
 #include <algorithm>
+#include <chrono>
 #include <exception>
 #include <filesystem>
 #include <initializer_list>
+#include <memory>
 #include <new>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace lorica {
 namespace {
+
+constexpr double kRedrawSeconds = 0.05;
+constexpr double kLineSeconds = 10.0;
+constexpr int kWidestBar = 40;
+constexpr std::size_t kLongestLabel = 100;  // [bytes]
+
+/// "12 of 240 frames", or "12 parts" if the total is unknown.
+std::string countText(int done, int total, const std::string& unit) {
+  return total > 0 ? fmt::format("{} of {} {}", done, total, unit) : fmt::format("{} {}", done, unit);
+}
+
+/// Progress of a task on standard error.
+class ProgressBar {
+ public:
+  /// @param label  the task: "Decomposing mannequin"
+  /// @param unit   the counted items: "parts"
+  ProgressBar(const std::string& label, std::string unit)
+      : label_(printable(label, kLongestLabel)),
+        unit_(std::move(unit)),
+        // A dumb terminal cannot return to the start of a line.
+        terminal_(isatty(STDERR_FILENO) == 1 && environment("TERM") != "dumb"),
+        start_(Clock::now()),
+        lastShown_(start_) {}
+  /// Removes the bar from the terminal.
+  ~ProgressBar() {
+    if (terminal_ && shown_) say("\r\x1b[K");
+  }
+  ProgressBar(const ProgressBar&) = delete;
+  ProgressBar& operator=(const ProgressBar&) = delete;
+
+  /// @param total  0 or less if unknown
+  void update(int done, int total) {
+    const Clock::time_point now = Clock::now();
+    const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
+    const double seconds = std::chrono::duration<double>(now - start_).count();
+    const std::optional<double> left = timeLeft_.update(done, total, seconds);
+    const std::string leftText = left ? fmt::format(", {:.0f} s left", *left) : "";
+    if (terminal_) {
+      if (shown_ && sinceShown < kRedrawSeconds) return;
+      draw(done, total, fmt::format("{:.0f} s{}", seconds, leftText));
+    } else {
+      if (sinceShown < kLineSeconds) return;
+      say(fmt::format("{}: {} after {:.0f} s{}\n", label_, countText(done, total, unit_), seconds, leftText));
+    }
+    lastShown_ = now;
+    shown_ = true;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void draw(int done, int total, const std::string& time) const {
+    const std::string tail = fmt::format("  {}  {}", countText(done, total, unit_), time);
+    std::string line = label_ + "  ";
+    const int columns = terminalWidth(STDERR_FILENO).value_or(80);
+    const int room = columns - 1 - countOf(line) - countOf(tail);
+    const int width = std::min(kWidestBar, room - 2);
+    if (width >= 5 && total > 0) {
+      const int filled = std::clamp(width * done / total, 0, width);
+      line += fmt::format("[{:<{}}]", std::string(filled, '='), width);
+    }
+    line += tail;
+    // A line longer than the terminal would wrap and could not be erased.
+    line.resize(std::min<std::size_t>(line.size(), std::max(columns - 1, 1)));
+    say(fmt::format("\r\x1b[K{}", line));
+  }
+
+  std::string label_;
+  std::string unit_;
+  bool terminal_;
+  Clock::time_point start_;
+  Clock::time_point lastShown_;
+  TimeLeft timeLeft_;
+  bool shown_ = false;
+};
+
+/// The first argument with which this program reads a file for another process of itself, see serveIsolatedReader().
+/// Internal: no subcommand that users see.
+constexpr std::string_view kReadForItself = "--read-character-for-itself";
+
+/// The host of the command: progress and messages on standard error, Ctrl-C cancels. FBX and COLLADA files are read by
+/// a process of this program of their own.
+class TerminalHost final : public Host {
+ public:
+  explicit TerminalHost(const CommonOptions& common) {
+    threads = common.threadCount();
+    if (common.trustPaths) paths = PathTrust::kAnywhere;
+    // The file of this program may have been replaced or moved since it was started; this name still leads to it.
+    reader = IsolatedReader{"/proc/self/exe", {std::string(kReadForItself)}};
+  }
+
+  /// A bar in a terminal, else a line every ten seconds.
+  void beginTask(const std::string& label, const std::string& unit) override {
+    bars_.push_back(std::make_unique<ProgressBar>(label, unit));
+  }
+  void report(int done, int total) override {
+    if (!bars_.empty()) bars_.back()->update(done, total);
+  }
+  void endTask() override { bars_.pop_back(); }
+  [[nodiscard]] bool cancelled() const override { return interrupted(); }
+  void tell(const std::string& sentence) override { say(sentence + "\n"); }
+  void warn(const std::string& sentence) override { lorica::warn(sentence); }
+
+ private:
+  std::vector<std::unique_ptr<ProgressBar>> bars_;  // of the tasks that have begun, the inner ones last
+};
 
 /// `lorica FILE` opens whatever it is: motions, characters, recordings and scenes are played, in a window if there is a
 /// display; sessions are replayed; meshes are props in a window, else described; so is anything else. What ships is
@@ -68,9 +183,10 @@ int fail(const Error& error) {
   return kBadInputStatus;
 }
 
-int run(int argc, char** argv) {
-  CommandLine app("lorica", "Lorica: a live motion-capture avatar that collides.", LORICA_VERSION);
-  app.footer(
+int runCommand(int argc, char** argv) {
+  const std::unique_ptr<CLI::App> app =
+      makeCommandLine("lorica", "Lorica: a live motion-capture avatar that collides.", LORICA_VERSION);
+  app->footer(
       "Examples:\n"
       "  lorica demo                              # a character kicks boxes and balls\n"
       "  lorica decompose mannequin -o body.lorica\n"
@@ -85,34 +201,29 @@ int run(int argc, char** argv) {
   CommonOptions common;
   std::vector<Command> commands;
   const auto add = [&](const char* group, std::initializer_list<AddCommand*> adding) {
-    app.group(group);
-    for (const auto one : adding) commands.push_back(one(app, common));
+    for (const auto one : adding) {
+      commands.push_back(one(*app, common));
+      commands.back().app->group(group);
+    }
   };
   add("See it move", {addDemo, addPlay, addLive, addServe, addReplay, addSnapshot});
   add("Make files", {addDecompose, addExport, addConvert, addRecord, addBake});
   add("Learn what is there", {addInfo, addScore, addContacts});
 
-  std::vector<std::string> words = withCommand({argv + 1, argv + argc}, app.subcommandNames());
+  std::vector<std::string> words = withCommand({argv + 1, argv + argc}, subcommandNames(*app));
   for (std::string& word : words) {  // shells leave --out=~/pictures as it is
     const std::size_t home = word.starts_with("--") ? word.find("=~/") : std::string::npos;
     if (home != std::string::npos && home == word.find('=')) word.replace(home + 1, 1, environment("HOME"));
   }
-  std::vector<char*> arguments = {argv[0]};
-  for (std::string& word : words) arguments.push_back(word.data());
-  if (const std::optional<int> status = app.parse(int(arguments.size()), arguments.data())) return *status;
+  if (const std::optional<int> status = parse(*app, words)) return *status;
   const auto chosen =
       std::find_if(commands.begin(), commands.end(), [](const Command& command) { return command.app->parsed(); });
 
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, common.threadCount());
   TerminalHost host(common);
   Result<void> done;
-  const bool window = std::find(words.begin(), words.end(), "--window") != words.end();
-  const bool bake = std::find(words.begin(), words.end(), "bake") == words.begin();
-  if (const std::optional<std::uint64_t> given = bytesIn(common.memory)) {
-    limitMemory(*given, common.threadCount());
-  } else if (!window && !bake) {
-    limitMemory(usualMemory(words), common.threadCount());
-  }
+  const std::optional<std::uint64_t> given = bytesIn(common.memory);
+  limitMemory(given.value_or(usualMemory(words)), common.threadCount(), given ? LimitOf::kUser : LimitOf::kUsual);
   try {
     done = chosen->run(common, host);
   } catch (const std::bad_alloc&) {
@@ -131,7 +242,7 @@ int main(int argc, char** argv) {
     if (argc == 2 && argv[1] == lorica::kReadForItself) return lorica::serveIsolatedReader();
     lorica::openStandardStreams();
     lorica::watchInterrupt();
-    const int status = lorica::run(argc, argv);
+    const int status = lorica::runCommand(argc, argv);
     if (lorica::workAbandoned()) lorica::endWithoutIt(status);
     return status;
   } catch (const std::exception& error) {

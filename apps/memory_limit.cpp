@@ -11,13 +11,11 @@
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <memory>
 #include <new>
-#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -31,6 +29,7 @@ constexpr std::uint64_t kPerThread = std::uint64_t{9} << 20;  // its stack, and 
 
 std::atomic<std::uint64_t> gAllowed = 0;
 std::atomic<bool> gEnding = false;
+std::optional<rlimit> gBefore;                // the usual limit: what to go back to
 std::unique_ptr<std::vector<char>> gReserve;  // for the sentence
 
 std::uint64_t sizeOf(const fs::path& file) {
@@ -66,34 +65,13 @@ void onTerminate() {
 
 }  // namespace
 
-std::optional<std::uint64_t> bytesIn(const std::string& text) {
-  std::uint64_t number = 0;
-  const char* end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, number);
-  if (error != std::errc() || number == 0 || end - stopped != 1) return std::nullopt;
-  constexpr std::string_view kUnits = "KMGT";
-  const std::size_t unit = kUnits.find(*stopped);
-  constexpr std::uint64_t kMax = std::uint64_t{1} << 20;
-  if (unit == std::string_view::npos || number > kMax) return std::nullopt;
-  return number << (10 * (unit + 1));
-}
-
-TextCheck memorySize(std::uint64_t leastMegabytes) {
-  return [leastMegabytes](std::string& text) -> std::string {
-    const std::optional<std::uint64_t> bytes = bytesIn(text);
-    if (bytes && *bytes >> 20 >= leastMegabytes) return "";
-    const std::string least = leastMegabytes > 0 ? fmt::format(", at least {}M", leastMegabytes) : "";
-    return fmt::format("found `{}`, expected a size such as 500M or 8G{}", text, least);
-  };
-}
-
 std::uint64_t usualMemory(std::span<const std::string> words) {
   std::uint64_t bytes = 0;
   for (const std::string& word : words) bytes += sizeWithNeighbours(word);
   return std::max(kUsual, kPerByte * bytes);
 }
 
-void limitMemory(std::uint64_t bytes, int threads) {
+void limitMemory(std::uint64_t bytes, int threads, LimitOf set) {
   struct rlimit known {};
   if (kReservesAddresses || ::getrlimit(RLIMIT_DATA, &known) != 0) return;
   const std::uint64_t wanted = bytes + kPerThread * static_cast<std::uint64_t>(threads);
@@ -102,8 +80,13 @@ void limitMemory(std::uint64_t bytes, int threads) {
   // Processes that this one starts may set their own.
   const struct rlimit limit = {std::min<rlim_t>(wanted, known.rlim_cur), known.rlim_max};
   if (::setrlimit(RLIMIT_DATA, &limit) != 0) return;
+  if (set == LimitOf::kUsual) gBefore = known;
   std::set_new_handler([] { endWithoutMemory(); });
   std::set_terminate(onTerminate);
+}
+
+void liftUsualLimit() {
+  if (gBefore && ::setrlimit(RLIMIT_DATA, &*gBefore) == 0) gAllowed = gBefore->rlim_cur;
 }
 
 void endWithoutMemory() noexcept {

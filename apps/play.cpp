@@ -6,11 +6,10 @@
 #include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/monitored_host.h"
-#include "player/window_texts.h"
+#include "viewer/player/monitored_host.h"
+#include "viewer/player/window_texts.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -36,44 +35,6 @@ void warnOfWalls(Run& run, Host& host) {
   }
 }
 
-nlohmann::ordered_json toJson(const Run& run, const DrawnFiles& drawn) {
-  const Session& session = run.session;
-  const RunStatistics& statistics = run.statistics;
-  const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
-  const Motion& motion = *avatars.front().motion;
-  const DecompositionFile& file = avatars.front().body;
-  nlohmann::ordered_json json;
-  json["recording"] = motion.name;
-  json["format"] = motion.format;
-  json["firstGuess"] = motion.firstGuess;
-  json["notes"] = motion.notes;
-  json["character"] = session.character().name;
-  json["parts"] = file.decomposition.parts.size();
-  json["error"] = file.errorPerKeyframe.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(file.meanError);
-  addCoverTo(json, file.cover);
-  json["avatars"] = nlohmann::ordered_json::array();
-  for (std::size_t i = 0; i < avatars.size(); ++i) {
-    const SessionAvatar& avatar = session.avatars()[i];
-    nlohmann::ordered_json one;
-    one["character"] = nameOf(run, i);
-    one["recording"] = avatars[i].source;
-    one["firstGuess"] = avatars[i].motion->firstGuess;
-    one["notes"] = avatars[i].motion->notes;
-    one["parts"] = avatar.body().parts().size();
-    one["frames"] = avatar.frameCount();
-    one["contacts"] = statistics.contactsOf(i);
-    one["selfContacts"] = selfContactsOf(statistics, i);
-    one["hash"] = hexDigits(avatar.hash());
-    json["avatars"].push_back(std::move(one));
-  }
-  addStatisticsTo(json, statistics);
-  addHitsTo(json, run.hits);
-  addSmoothingTo(json, session);
-  addDrawnTo(json, drawn);
-  json["hash"] = hexDigits(session.hash());
-  return json;
-}
-
 std::string partsLine(const DecompositionFile& file) {
   std::string parts = std::to_string(file.decomposition.parts.size());
   if (file.errorPerKeyframe.empty()) return parts;
@@ -81,30 +42,51 @@ std::string partsLine(const DecompositionFile& file) {
                              counted(countOf(file.errorPerKeyframe), "training keyframe"));
 }
 
-Report toReport(const Run& run, const DrawnFiles& drawn) {
+Report playReport(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const std::vector<PreparedAvatar>& avatars = run.cast.avatars;
+  const Motion& motion = *avatars.front().motion;
+  const DecompositionFile& file = avatars.front().body;
   const bool one = avatars.size() == 1;
-  Report report(fmt::format("{} performed {}: {}", whoOf(run), run.name(), counted(statistics.frames(), "frame")));
-  if (one) {
-    report.line("parts", partsLine(avatars.front().body));
-    addCoverTo(report, avatars.front().body.cover);
-  }
-  for (std::size_t i = 0; !one && i < avatars.size(); ++i) {
+  Report report(fmt::format("{} performed {}: {}", whoOf(run), run.name(), counted(statistics.frames(), "frame")),
+                "recording format firstGuess notes character parts error cover avatars frames contacts touches "
+                "propsTouched avatarTouches selfContacts training stages targets refusedLegs smoothingDelay snapshots "
+                "video videoFrames hash");
+  report.add("recording", motion.name);
+  report.add("format", motion.format);
+  report.add("firstGuess", motion.firstGuess);
+  report.add("notes", motion.notes);
+  report.add("character", session.character().name);
+  report.add("parts", "parts", file.decomposition.parts.size(), one ? partsLine(file) : "");
+  report.add("error", file.errorPerKeyframe.empty() ? Json() : Json(file.meanError));
+  report.add(one ? coverFacts(file.cover) : coverFacts(file.cover).jsonOnly());
+  Json all = Json::array();
+  for (std::size_t i = 0; i < avatars.size(); ++i) {
     const SessionAvatar& avatar = session.avatars()[i];
+    const std::string name = nameOf(run, i), hash = hexDigits(avatar.hash());
+    const long long contacts = statistics.contactsOf(i);
+    all.push_back({{"character", name},
+                   {"recording", avatars[i].source},
+                   {"firstGuess", avatars[i].motion->firstGuess},
+                   {"notes", avatars[i].motion->notes},
+                   {"parts", avatar.body().parts().size()},
+                   {"frames", avatar.frameCount()},
+                   {"contacts", contacts},
+                   {"selfContacts", selfContactsOf(statistics, i)},
+                   {"hash", hash}});
+    if (one) break;
     report.line(fmt::format("avatar {}", i + 1),
-                fmt::format("{} performs {}: {}, {}, hash {}", nameOf(run, i), avatars[i].source,
-                            counted(countOf(avatar.body().parts()), "part"),
-                            counted(statistics.contactsOf(i), "contact point"), hexDigits(avatar.hash())));
+                fmt::format("{} performs {}: {}, {}, hash {}", name, avatars[i].source,
+                            counted(countOf(avatar.body().parts()), "part"), counted(contacts, "contact point"), hash));
   }
+  report.add("avatars", std::move(all));
   for (std::size_t i = 0; i < avatars.size(); ++i) {
     const std::string& guess = avatars[i].motion->firstGuess;
-    const bool said = i > 0 && guess == avatars[i - 1].motion->firstGuess;
-    if (!guess.empty() && !said) report.line("first guess", guess);
+    if (i == 0 || guess != avatars[i - 1].motion->firstGuess) report.line("first guess", guess);
   }
-  addTrainingTo(report, statistics);
-  addSmoothingTo(report, session, "joints lag by");
+  report.add(trainingFacts(statistics));
+  report.add(smoothingFacts(session, "joints lag by"));
   report.line("contacts",
               fmt::format("{} with {}; {} over all frames", counted(statistics.touches(), "touch", "touches"),
                           counted(statistics.propsTouched(), "prop"), counted(statistics.contacts(), "contact point")));
@@ -112,13 +94,11 @@ Report toReport(const Run& run, const DrawnFiles& drawn) {
     report.line("among avatars",
                 fmt::format("{} of two parts", counted(statistics.avatarTouches(), "touch", "touches")));
   }
-  addHitsTo(report, run.hits);
-  addSelfContactsTo(report, statistics);
-  report.line("hash", hexDigits(session.hash()));
-  addDrawnTo(report, drawn);
-  report.gap();
-  report.line("frame time", "median");
-  addStatisticsTo(report, statistics);
+  report.add(hitFacts(run.hits));
+  report.add(contactFacts(statistics));
+  report.add("hash", "hash", hexDigits(session.hash()));
+  report.add(drawnFacts(drawn));
+  report.add(stageFacts(statistics));
   for (const PreparedAvatar& avatar : avatars) {
     for (const std::string& note : avatar.motion->notes) report.note(note);
   }
@@ -146,9 +126,8 @@ Result<Showing> playCast(const ShowOptions& options, const CommonOptions& common
   LORICA_TRY(Showing showing, show(*run, options.pictures, screen, opener, host));
   if (showing.next) return showing;
   if (showing.end == RunEnd::kInterrupted) return cancelled();
-  Report report = toReport(*run, showing.drawn);
-  nlohmann::ordered_json json = toJson(*run, showing.drawn);
-  LORICA_TRY_DO(finishAndPublish(*run, common, report, json));
+  Report report = playReport(*run, showing.drawn);
+  LORICA_TRY_DO(finishAndPublish(*run, common, report));
   return showing;
 }
 
@@ -198,9 +177,9 @@ Result<void> playOpened(const CommonOptions& common, Host& host, Screen& screen,
   return playInTurn(ShowOptions(), common, host, std::move(opened), screen, opener);
 }
 
-Command addPlay(CommandLine& parent, CommonOptions& common) {
+Command addPlay(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ShowOptions>();
-  CommandLine* app = addSubcommand(
+  CLI::App* app = addSubcommand(
       parent, common, "play",
       "Play a motion: the character moves, its hulls follow, and objects around it collide with them.",
       "  lorica play walk\n"
@@ -237,23 +216,18 @@ Command addPlay(CommandLine& parent, CommonOptions& common) {
   addBodyOptions(*app, options->request.body);
   addSceneOption(*app, options->request.scene);
   addFaultOption(*app, options->request.performing);
-  addPoseOutputOptions(*app, options->run.out);
-  addEventsOption(*app, options->run.events);
-  addRecordOption(*app, options->run.record);
-  addCount(*app, "--frames", options->run.frames, 1, "Stop after N frames");
-  app->addFlag("--as-fast-as-possible", options->run.hurry,
-               "Do not play in real time in a window; without a window this is always so");
-  app->addFlag("--self-contacts", options->run.selfContacts,
-               "Report overlapping parts of the body that are not neighbours");
-  Option* window =
-      app->addFlag("--window", options->window, "Open a window and play in real time; fail if there is no display");
+  addOutputOptions(*app, options->run);
+  addRecordOptions(*app, options->run);
+  app->add_flag("--as-fast-as-possible", options->run.hurry,
+                "Do not play in real time in a window; without a window this is always so");
+  app->add_flag("--self-contacts", options->run.selfContacts,
+                "Report overlapping parts of the body that are not neighbours");
+  CLI::Option* window =
+      app->add_flag("--window", options->window, "Open a window and play in real time; fail if there is no display");
   addServeOptions(*app, options->serve, true);
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->request.reading.textureSize);
-  return {app, [options, app](const CommonOptions& given, Host& host) {
-            options->request.performing.smoothGiven = smoothingGiven(*app);
-            return play(*options, given, host);
-          }};
+  return {app, [options](const CommonOptions& given, Host& host) { return play(*options, given, host); }};
 }
 
 }  // namespace lorica

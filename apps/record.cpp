@@ -1,49 +1,63 @@
-#include "apps/record.h"
 #include "apps/interrupt.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/report_parts.h"
 #include "apps/show.h"
-#include "capture/sensor/oni_joints.h"
+#include "capture/files/joint_csv.h"
 #include "capture/sensor/openni.h"
+#include "capture/streams/packet_file.h"
+#include "capture/streams/udp.h"
 #include "capture/tracking/tracker.h"
 #include "export/motion_export.h"
 #include "geometry/counts.h"
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/hard_stop.h"
+#include "geometry/new_file.h"
 #include "geometry/text.h"
-#include "prepare/stream_motion.h"
+#include "session/prepare/stream_motion.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
+#include <atomic>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
+
+namespace fs = std::filesystem;
+
+/// The options of `lorica record`; a depth recording uses only the file, the camera and the limit.
+struct RecordOptions {
+  std::string out;
+  std::string into = {};  ///< what `finished` makes of it, which reports name; empty = it stays
+  CastRequest request;    ///< no motion = a live camera
+  LiveRequest live;
+  RunSetting limits;  ///< its frames and seconds
+};
 
 bool followsPeople(const CastRequest& request) {
   return request.motion.empty() && request.performing.clip.empty();
 }
 
 /// The people before the camera, or what sends, as `lorica live` follows them.
-LiveRequest liveOf(const SessionRecording& options) {
+LiveRequest liveOf(const RecordOptions& options) {
   LiveRequest live = options.live;
   live.person = options.request.performing.person;
   return live;
 }
 
-Result<std::unique_ptr<Run>> start(const SessionRecording& options, Host& host) {
-  RunSetting setting;
+Result<std::unique_ptr<Run>> startRecorded(const RecordOptions& options, Host& host) {
+  RunSetting setting = options.limits;
   setting.record = options.out;
-  setting.frames = options.frames;
-  setting.seconds = options.seconds;
   setting.doing = "Recording";
   if (followsPeople(options.request)) {
     LORICA_TRY(LiveCast live, prepareLiveCast(options.request, liveOf(options), host));
@@ -53,7 +67,7 @@ Result<std::unique_ptr<Run>> start(const SessionRecording& options, Host& host) 
   return Run::start(std::move(cast), setting, host);
 }
 
-Result<void> checkSource(const SessionRecording& options, const Host& host) {
+Result<void> checkSource(const RecordOptions& options, const Host& host) {
   const CastRequest& request = options.request;
   const LiveRequest& live = options.live;
   if (followsPeople(request) && request.performing.person == kEveryone) {
@@ -70,11 +84,7 @@ Result<void> checkSource(const SessionRecording& options, const Host& host) {
   return checkVmcInput(live.vmc, host);
 }
 
-namespace fs = std::filesystem;
-
-using Options = SessionRecording;  // a depth recording uses only the file, the camera and the limit
-
-constexpr const char *kSessionEnding = ".lsession", *kPacketEnding = ".pcap";
+constexpr const char* kSessionEnding = ".lsession";
 
 struct Recording {
   int frames = 0;  // depth frames in the file
@@ -89,20 +99,19 @@ fs::path jointsBeside(const std::string& out) {
 }
 
 /// The files that the options name, which no report may overwrite.
-std::vector<fs::path> filesOf(const Options& options) {
+std::vector<fs::path> recordFiles(const RecordOptions& options) {
   std::vector<fs::path> files = options.request.files();
   files.emplace_back(options.out);
   return files;
 }
 
 /// Reads until the limit or Ctrl-C; OpenNI2 records the frames that are read.
-Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tracker, OpenNiRecorder& recorder,
+Result<Recording> record(const RecordOptions& options, DepthSource& depth, Tracker& tracker, OpenNiRecorder& recorder,
                          JointCsvWriter& joints, Host& host) {
   Recording recording;
   std::optional<double> firstTime;
   DepthFrame frame;
   int read = 0;
-  const SessionRecording& limit = options;
   std::mutex files;  // the program may be ended while the camera waits
   bool finished = false;
   const auto finish = [&]() -> Result<void> {
@@ -139,29 +148,30 @@ Result<Recording> record(const Options& options, DepthSource& depth, Tracker& tr
     }
     if (!firstTime) firstTime = frame.time;
     recording.seconds = frame.time - *firstTime;
-    if (limit.frames > 0 && read >= limit.frames) break;
-    if (limit.seconds > 0.0 && recording.seconds >= limit.seconds) break;
+    if (options.limits.frames > 0 && read >= options.limits.frames) break;
+    if (options.limits.seconds > 0.0 && recording.seconds >= options.limits.seconds) break;
   }
   answerInterrupt();
   LORICA_TRY_DO(finish());
   return recording;
 }
 
-/// Rejects options about the performance: depth images and packets are recorded as they are; these options apply when
-/// they are played.
-Result<void> refuseSessionOptions(const CommandLine& app, const Options& options, const char* what) {
+/// Rejects options about the performance: depth images are recorded as they are; these options apply when they are
+/// played.
+Result<void> refuseSessionOptions(const CLI::App& app, const RecordOptions& options) {
   for (const char* name :
        {"MOTION",  "--character", "--map",     "--body-resolution", "--expression", "--hide",
         "--walls", "--thickness", "--springs", "--decomposition",   "--cover",      "--hull-vertices",
         "--scene", "--inject",    "--mirror",  "--upper-body",      "--smooth",     "--min-cutoff",
         "--beta",  "--clip",      "--format",  "--person",          "--people"}) {
-    if (!app.given(name)) continue;
-    return invalidArgument("{}: {} is for sessions ({}), not for {}", options.out, name, kSessionEnding, what);
+    if (app.count(name) == 0) continue;
+    return invalidArgument("{}: {} is for sessions ({}), not for depth recordings (.oni)", options.out, name,
+                           kSessionEnding);
   }
   return {};
 }
 
-Result<void> recordDepth(const Options& options, const CommonOptions& common, Host& host) {
+Result<void> recordDepth(const RecordOptions& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.out, jointsBeside(options.out)}));
   LORICA_TRY_DO(checkOutput(common, "OUT", options.out, ".oni"));
   LORICA_TRY_DO(checkOutput(common, "OUT", jointsBeside(options.out)));
@@ -183,35 +193,31 @@ Result<void> recordDepth(const Options& options, const CommonOptions& common, Ho
 
   Report report(
       fmt::format("Recorded {} of {} ({:.1f} s)", counted(made.frames, "depth frame"), depth->name(), made.seconds));
-  report.line("depth", options.out);
-  report.line("joints", made.rows == 0 ? "no person found"
-                                       : fmt::format("{}, {}", jointsBeside(options.out).string(),
-                                                     counted(made.rows, "skeleton")));
+  report.add("source", depth->name());
+  report.add("depth", "depth", options.out);
+  report.add("frames", made.frames);
+  report.add("seconds", made.seconds);
+  const std::string file = made.rows > 0 ? jointsBeside(options.out).string() : "";
+  report.add("joints", "joints", orNull(file),
+             made.rows > 0 ? fmt::format("{}, {}", file, counted(made.rows, "skeleton")) : "no person found");
+  report.add("skeletons", made.rows);
+  report.add("unplugged", made.unplugged);
   if (made.unplugged) report.note("The sensor was unplugged during the recording.");
-  nlohmann::ordered_json json;
-  json["source"] = depth->name();
-  json["depth"] = options.out;
-  json["frames"] = made.frames;
-  json["seconds"] = made.seconds;
-  json["joints"] =
-      made.rows > 0 ? nlohmann::ordered_json(jointsBeside(options.out).string()) : nlohmann::ordered_json();
-  json["skeletons"] = made.rows;
-  json["unplugged"] = made.unplugged;
-  return publish(common, report, json);
+  return publish(common, report);
 }
 
 /// How many avatars the options ask for, as far as is known before anything is read.
-std::size_t avatarsOf(const SessionRecording& options) {
+std::size_t avatarsOf(const RecordOptions& options) {
   return followsPeople(options.request) ? liveOf(options).avatars() : namesIn(options.request.motion).size();
 }
 
 /// Plays motions, or follows the people before a camera or programs that send, and records the session without a
 /// window.
 /// @param finished  called when the file is complete
-Result<void> recordSession(const SessionRecording& options, const CommonOptions& common, Host& host,
+Result<void> recordSession(const RecordOptions& options, const CommonOptions& common, Host& host,
                            const std::function<Result<void>()>& finished = {}) {
   LORICA_TRY_DO(checkSource(options, host));
-  LORICA_TRY(const std::unique_ptr<Run> run, start(options, host));
+  LORICA_TRY(const std::unique_ptr<Run> run, startRecorded(options, host));
   const Session& session = run->session;
   if (run->live()) host.tell(fmt::format("Recording {}; press Ctrl-C to stop.", run->name()));
   Shown shown;
@@ -224,28 +230,95 @@ Result<void> recordSession(const SessionRecording& options, const CommonOptions&
   const int avatars = countOf(session.avatars());
   Report report(fmt::format("Recorded a session of {}{}: {} ({:.1f} s)", run->name(),
                             avatars > 1 ? fmt::format(", {}", counted(avatars, "avatar")) : "",
-                            counted(session.frameCount(), "step"), run->seconds()));
-  nlohmann::ordered_json json;
-  json["source"] = run->name();
-  json["character"] = session.character().name;
-  json["seconds"] = run->seconds();
-  addAvatarsTo(json, session);
-  json["hash"] = hexDigits(session.hash());
-  LORICA_TRY_DO(finishRecorder(*run, options.into.empty() ? options.out : options.into, report, json));
+                            counted(session.frameCount(), "step"), run->seconds()),
+                "source character seconds avatars hash");
+  report.add("source", run->name());
+  report.add("character", session.character().name);
+  report.add("seconds", run->seconds());
+  report.add(avatarFacts(session));
+  LORICA_TRY_DO(finishRecorder(*run, options.into.empty() ? options.out : options.into, report));
   if (!end) return end.error();
   for (const VmcInput& stream : run->streams()) {
-    addStreamTo(report, stream);
-    if (&stream == &run->streams().front()) addStreamTo(json, stream);
+    const Facts facts = streamFacts(stream);
+    report.add(&stream == &run->streams().front() ? facts : facts.textOnly());
   }
   if (finished) LORICA_TRY_DO(finished());
-  report.line("hash", hexDigits(session.hash()));
-  return publish(common, report, json);
+  report.add("hash", "hash", hexDigits(session.hash()));
+  return publish(common, report);
 }
 
-/// A motion while it happens: the session is recorded, and converted at its end. If the program is killed, the session
-/// is left, which `lorica convert` reads.
-Result<void> recordMotion(const Options& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
+/// How long the socket is waited for before Ctrl-C is looked for [s].
+constexpr double kPollSeconds = 0.1;
+
+std::uint64_t microsecondsNow() {
+  const auto since = std::chrono::system_clock::now().time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::microseconds>(since).count();
+}
+
+/// Writes the packets that arrive to a .pcap file until Ctrl-C or the limit of seconds. It is readable at any time.
+/// @param options   of which --vmc, the files and the limit of seconds count
+/// @param finished  called when the file is complete
+Result<void> recordPackets(const RecordOptions& options, const CommonOptions& common, Host& host,
+                           const std::function<Result<void>()>& finished) {
+  const std::string& listenAt = options.live.vmc.listenAt;
+  const Result<NetworkAddress> address = parseNetworkAddress(listenAt, false);
+  LORICA_TRY(UdpSocket socket, prefixed("--vmc", address ? UdpSocket::listen(*address) : address.error()));
+  const fs::path file = options.out;
+  LORICA_TRY(const std::optional<fs::path> found, keepFound(file));
+  warnOfFound(found, host);
+  LORICA_TRY(const int descriptor, createPart(file));
+  const Descriptor written(descriptor);
+  std::atomic<int> packets = 0;
+  const auto removeIfEmpty = [&] {
+    if (std::error_code ignored; packets == 0) fs::remove(file, ignored);
+  };
+  const AtHardStop removing(removeIfEmpty);
+  std::uint64_t bytes = 0;
+  // Each packet is handed to the system at once, so that a killed program loses none.
+  const auto write = [&](const std::string& piece) -> Result<void> {
+    const int error = writeAll(descriptor, piece, &bytes);
+    return error == 0 ? Result<void>() : unwritable(file, error);
+  };
+  LORICA_TRY_DO(write(packetFileHeader()));
+
+  host.tell(fmt::format("Recording what is sent to {}; press Ctrl-C to stop.", textOf(*address)));
+  std::vector<std::byte> memory(kLargestPacket);
+  std::optional<std::uint64_t> first;
+  double seconds = 0.0;
+  bool full = false;
+  while (!host.cancelled()) {
+    const std::optional<UdpSocket::Packet> packet = socket.receive(memory, kPollSeconds);
+    const std::uint64_t now = microsecondsNow();
+    if (packet) {
+      if (!first) first = now;
+      const std::string record = packetRecord(std::span(memory).first(packet->size), now, packet->port, address->port);
+      full = bytes + record.size() > kMaxFileBytes;
+      if (full) break;
+      ++packets;
+      LORICA_TRY_DO(write(record));
+    }
+    seconds = first ? 1e-6 * (now - *first) : 0.0;
+    if (options.limits.seconds > 0.0 && seconds >= options.limits.seconds) break;
+  }
+  answerInterrupt();
+  removeIfEmpty();
+  if (packets == 0) return cancelled();
+  Report report(fmt::format("Recorded {} to {} ({:.1f} s)", counted(packets, "packet"), textOf(*address), seconds));
+  LORICA_TRY_DO(finished());
+  report.add("recording", "motion", options.into);
+  report.add("packets", packets.load());
+  report.add("seconds", seconds);
+  if (full) {
+    report.note(
+        fmt::format("The recording ends where its file reached {} MiB, the most that is read.", kMaxFileBytes >> 20));
+  }
+  return publish(common, report);
+}
+
+/// A motion while it happens: the session, or what is sent, is recorded, and converted at its end. If the program is
+/// killed, that is left, which `lorica convert` reads.
+Result<void> recordMotion(const RecordOptions& options, const CommonOptions& common, Host& host) {
+  LORICA_TRY_DO(checkJsonOutput(common, recordFiles(options)));
   LORICA_TRY_DO(checkOutput(common, "OUT", options.out));
   if (options.request.performing.person == kEveryone) {
     return invalidArgument(
@@ -260,11 +333,11 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common, H
   }
   // What a program sends needs no character: its packets are kept until then.
   const bool sent = !options.live.vmc.listenAt.empty() && options.request.motion.empty() &&
-                    options.request.character.empty() && options.frames == 0;
-  Options first = options;
-  first.out = options.out + (sent ? kPacketEnding : kSessionEnding);
+                    options.request.character.empty() && options.limits.frames == 0;
+  RecordOptions first = options;
+  first.out = options.out + (sent ? ".part.pcap" : kSessionEnding);
   first.into = options.out;
-  LORICA_TRY_DO(checkOutput(common, "OUT", first.out));  // is removed in the end
+  if (!sent) LORICA_TRY_DO(checkOutput(common, "OUT", first.out));  // is removed in the end
   const auto finished = [&]() -> Result<void> {
     MotionOptions reading;
     reading.sender = options.live.vmc.sender;
@@ -280,34 +353,29 @@ Result<void> recordMotion(const Options& options, const CommonOptions& common, H
   return sent ? recordPackets(first, common, host, finished) : recordSession(first, common, host, finished);
 }
 
-Result<void> run(const CommandLine& app, const Options& options, const CommonOptions& common, Host& host) {
+Result<void> runRecord(const CLI::App& app, const RecordOptions& options, const CommonOptions& common, Host& host) {
   const std::string ending = lowerCase(fs::path(options.out).extension().string());
   if (ending == kSessionEnding) {
-    LORICA_TRY_DO(checkJsonOutput(common, filesOf(options)));
+    LORICA_TRY_DO(checkJsonOutput(common, recordFiles(options)));
     LORICA_TRY_DO(checkRecord(common, "OUT", options.out));
     return recordSession(options, common, host);
   }
   if (ending == ".bvh" || ending == ".csv") return recordMotion(options, common, host);
-  if (ending == ".pcap") {
-    LORICA_TRY_DO(refuseSessionOptions(app, options, "packets (.pcap)"));
-    return recordPackets(options, common, host);
-  }
   if (ending != ".oni") {
     return invalidArgument(
-        "OUT: found {}, expected a name that ends in .oni (depth), {} (a session), .bvh or .csv (a motion), or .pcap "
-        "(packets)",
+        "OUT: found {}, expected a name that ends in .oni (depth), {} (a session), .bvh or .csv (a motion)",
         options.out, kSessionEnding);
   }
-  LORICA_TRY_DO(refuseSessionOptions(app, options, "depth recordings (.oni)"));
-  if (app.given("--vmc")) return invalidArgument("{}: --vmc sends no depth images", options.out);
+  LORICA_TRY_DO(refuseSessionOptions(app, options));
+  if (app.count("--vmc") > 0) return invalidArgument("{}: --vmc sends no depth images", options.out);
   return recordDepth(options, common, host);
 }
 
 }  // namespace
 
-Command addRecord(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app =
+Command addRecord(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<RecordOptions>();
+  CLI::App* app =
       addSubcommand(parent, common, "record", "Record a depth camera and the tracked joints, or a session.",
                     "  lorica record body.oni\n"
                     "      depth images to body.oni and tracked joints to body.csv, until Ctrl-C\n"
@@ -327,12 +395,10 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
                     "      run it again and compare the results\n"
                     "  lorica record take.bvh --vmc 39539\n"
                     "      a motion that a program sends by the VMC protocol; or take.csv, or take.lsession\n"
-                    "  lorica record take.pcap --vmc 39539\n"
-                    "      its packets as they are, for `lorica play`, tcpdump and Wireshark\n"
                     "\nDuring the recording the files are named body.part.oni, body.part.csv and kick.part.lsession.\n"
                     "They are readable even if the program is killed; the next recording of that name keeps them as "
                     "body.found-1.oni, ...");
-  app->addOption("OUT", options->out, "The recording to write: .oni, .lsession, .bvh, .csv or .pcap")->required();
+  app->add_option("OUT", options->out, "The recording to write: .oni, .lsession, .bvh or .csv")->required();
   addMotionOptions(*app, options->request);
   addFaultOption(*app, options->request.performing);
   addBodyOptions(*app, options->request.body);
@@ -341,12 +407,12 @@ Command addRecord(CommandLine& parent, CommonOptions& common) {
   addCount(*app, "--people", options->live.people, 1,
            "People before the camera to record, each with an avatar, at most 6; a session only [default: 1]");
   addVmcInputOptions(*app, options->live.vmc);
-  addCount(*app, "--frames", options->frames, 1, "Stop after N frames");
-  addSeconds(*app, "--seconds", options->seconds, "Stop after S seconds");
+  addCount(*app, "--frames", options->limits.frames, 1, "Stop after N frames");
+  addSeconds(*app, "--seconds", options->limits.seconds, "Stop after S seconds");
   return {app, [app, options](const CommonOptions& given, Host& host) {
             const bool live = options->request.motion.empty();
             if (live) options->live.vmc.sender = options->request.performing.sender;
-            return run(*app, *options, given, host);
+            return runRecord(*app, *options, given, host);
           }};
 }
 

@@ -6,11 +6,10 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/monitored_host.h"
-#include "prepare/recorded_cast.h"
+#include "session/prepare/recorded_cast.h"
+#include "viewer/player/monitored_host.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <filesystem>
 #include <memory>
@@ -22,52 +21,43 @@ namespace {
 
 constexpr int kDiffers = 1;  // exit status
 
-struct Options {
+struct ReplayOptions {
   RecordedRequest request;
   RunSetting run;
   SnapshotOptions pictures;
   bool window = false;
 };
 
-nlohmann::ordered_json toJson(const Options& options, const Run& run, const DrawnFiles& drawn) {
-  const SessionFile& recorded = run.recorded();
-  const std::optional<SessionReplay::Difference>& difference = run.comparison->difference();
-  nlohmann::ordered_json json;
-  json["session"] = options.request.file;
-  json["source"] = recorded.header.avatar().source;
-  json["character"] = run.session.character().name;
-  addAvatarsTo(json, run.session);
-  json["steps"] = recorded.steps.size();
-  json["replayed"] = run.comparison->steps();
-  json["finished"] = recorded.finished;
-  json["same"] = run.comparison->steps() == countOf(recorded.steps) && !difference;
-  json["firstDifference"] = nlohmann::ordered_json();
-  if (difference) {
-    json["firstDifference"] = {{"step", difference->step}, {"time", difference->time}, {"what", difference->what}};
-  }
-  json["notes"] = recorded.notes;
-  addStatisticsTo(json, run.statistics);
-  addHitsTo(json, run.hits);
-  addDrawnTo(json, drawn);
-  json["hash"] = hexDigits(run.session.hash());
-  return json;
-}
-
-Report toReport(const Run& run, const DrawnFiles& drawn) {
+Report replayReport(const ReplayOptions& options, const Run& run, const DrawnFiles& drawn) {
   const SessionFile& recorded = run.recorded();
   const std::optional<SessionReplay::Difference>& difference = run.comparison->difference();
   const int steps = run.comparison->steps(), all = countOf(recorded.steps);
   Report report(fmt::format("{} replayed {}: {}", whoOf(run), run.name(), counted(steps, "step")));
-  report.line("result", difference     ? fmt::format("first difference in step {} at {:.3f} s: {}", difference->step,
-                                                     difference->time, difference->what)
-                        : steps == all ? "all steps are bit-identical"
-                                       : fmt::format("identical up to step {} of {}", steps, all));
+  report.add("session", options.request.file);
+  report.add("source", recorded.header.avatar().source);
+  report.add("character", run.session.character().name);
+  report.add(avatarFacts(run.session));
+  report.add("steps", all);
+  report.add("replayed", steps);
+  report.add("finished", recorded.finished);
+  report.add("same", "result", steps == all && !difference,
+             difference ? fmt::format("first difference in step {} at {:.3f} s: {}", difference->step, difference->time,
+                                      difference->what)
+             : steps == all ? "all steps are bit-identical"
+                            : fmt::format("identical up to step {} of {}", steps, all));
+  report.add(
+      "firstDifference",
+      difference ? Json{{"step", difference->step}, {"time", difference->time}, {"what", difference->what}} : Json());
   report.line("user actions", counted(countOf(recorded.actions), "action"));
   const FaultSettings& faults = recorded.header.avatar().faults;
   if (faults.any()) report.line("faults", textOf(faults));
-  addHitsTo(report, run.hits);
-  addDrawnTo(report, drawn);
-  report.line("hash", hexDigits(run.session.hash()));
+  report.add("notes", recorded.notes);
+  report.add(contactFacts(run.statistics).jsonOnly());
+  report.add(trainingFacts(run.statistics).jsonOnly());
+  report.add(stageFacts(run.statistics).jsonOnly());
+  report.add(hitFacts(run.hits));
+  report.add(drawnFacts(drawn));
+  report.add("hash", "hash", hexDigits(run.session.hash()));
   for (const std::string& note : recorded.notes) report.note("Recording: " + note + ".");
   return report;
 }
@@ -86,8 +76,8 @@ CastRequest presentOf(const SessionFile& session) {
 
 /// @param screen   null = none
 /// @param differs  set to whether a step differs
-Result<void> replay(const Options& options, const CommonOptions& common, Host& host, RecordedCast cast, Screen* screen,
-                    bool& differs) {
+Result<void> replay(const ReplayOptions& options, const CommonOptions& common, Host& host, RecordedCast cast,
+                    Screen* screen, bool& differs) {
   RunSetting setting = options.run;
   setting.doing = "Replaying";
   setting.unit = "steps";
@@ -100,17 +90,16 @@ Result<void> replay(const Options& options, const CommonOptions& common, Host& h
   if (showing.end == RunEnd::kInterrupted) return cancelled();
   if (showing.next) return playOpened(common, host, *screen, opener, std::move(showing));
   LORICA_TRY_DO(run->finish());
-  Report report = toReport(*run, showing.drawn);
-  nlohmann::ordered_json json = toJson(options, *run, showing.drawn);
+  Report report = replayReport(options, *run, showing.drawn);
   const SessionFile& recorded = run->recorded();
   // A session whose motion ends early is no proof of the steps that were not made.
   const int steps = run->comparison->steps(), all = countOf(recorded.steps);
   differs = run->comparison->difference().has_value() || (showing.end == RunEnd::kOver && steps < all);
-  return finishAndPublish(*run, common, report, json);
+  return finishAndPublish(*run, common, report);
 }
 
-Result<void> run(const Options& given, const CommonOptions& common, Host& host, bool& differs) {
-  Options options = given;
+Result<void> runReplay(const ReplayOptions& given, const CommonOptions& common, Host& host, bool& differs) {
+  ReplayOptions options = given;
   const RecordedRequest& request = options.request;
   LORICA_TRY_DO(
       checkOutputs(options.run, options.pictures, common, {request.file, request.character, request.decomposition}));
@@ -130,9 +119,9 @@ Result<void> run(const Options& given, const CommonOptions& common, Host& host, 
 
 }  // namespace
 
-Command addReplay(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(
+Command addReplay(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<ReplayOptions>();
+  CLI::App* app = addSubcommand(
       parent, common, "replay", "Run a recorded session again and report the first step that differs, if any.",
       "  lorica record walk.lsession walk\n"
       "      record a session of a shipped recording\n"
@@ -143,21 +132,22 @@ Command addReplay(CommandLine& parent, CommonOptions& common) {
       "      an incomplete recording of a program that was killed\n"
       "\nExit status: 0 if all steps are identical, 1 if one differs or is missing, 2 if the session cannot be run.\n"
       "The session stores the names and hashes of its character and decomposition; the hashes are checked.");
-  app->addOption("SESSION", options->request.file, "Session written by `lorica record` or --record: .lsession")
+  app->add_option("SESSION", options->request.file, "Session written by `lorica record` or --record: .lsession")
       ->required();
-  app->addOption("--character", options->request.character, "File of the character, if it was moved", "FILE");
-  app->addOption("--decomposition", options->request.decomposition, "File of the decomposition, if it was moved",
-                 "FILE.lorica");
-  addPoseOutputOptions(*app, options->run.out);
-  addEventsOption(*app, options->run.events);
-  Option* window =
-      app->addFlag("--window", options->window, "Open a window with a timeline; fail if there is no display");
+  app->add_option("--character", options->request.character, "File of the character, if it was moved")
+      ->type_name("FILE");
+  app->add_option("--decomposition", options->request.decomposition, "File of the decomposition, if it was moved")
+      ->type_name("FILE.lorica");
+  addOutputOptions(*app, options->run);
+  CLI::Option* window =
+      app->add_flag("--window", options->window, "Open a window with a timeline; fail if there is no display");
   addSnapshotOptions(*app, options->pictures, window);
   addTextureOption(*app, options->request.textureSize);
   const auto differs = std::make_shared<bool>(false);
-  return {app,
-          [options, differs](const CommonOptions& given, Host& host) { return run(*options, given, host, *differs); },
-          [differs] { return *differs ? kDiffers : 0; }};
+  return {
+      app,
+      [options, differs](const CommonOptions& given, Host& host) { return runReplay(*options, given, host, *differs); },
+      [differs] { return *differs ? kDiffers : 0; }};
 }
 
 }  // namespace lorica

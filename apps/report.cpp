@@ -4,12 +4,11 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/run.h"
-#include "player/snapshots.h"
+#include "viewer/player/run.h"
+#include "viewer/player/snapshots.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
 #include <fcntl.h>
 #include <sys/ioctl.h>
@@ -62,22 +61,65 @@ void addTable(const Table& table, std::string& text) {
   for (const std::vector<std::string>& row : table.rows) printRow(row);
 }
 
+/// File names may not be valid UTF-8; JSON must be.
+std::string fileText(const Json& json) {
+  return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
 int CommonOptions::threadCount() const {
   return threads > 0 ? threads : std::max<int>(1, std::thread::hardware_concurrency());
 }
 
+void Facts::add(std::string json, std::string label, Json value, std::string words) {
+  list_.push_back({std::move(json), std::move(label), std::move(value), std::move(words)});
+}
+
+void Facts::add(std::string json, std::string label, Json value) {
+  std::string words = value.is_string()           ? value.get<std::string>()
+                      : value.is_number_integer() ? grouped(value.get<std::int64_t>())
+                                                  : "";
+  add(std::move(json), std::move(label), std::move(value), std::move(words));
+}
+
+void Facts::line(std::string label, std::string words) {
+  if (!words.empty()) add("", std::move(label), {}, std::move(words));
+}
+
+Facts Facts::textOnly() const {
+  Facts same = *this;
+  std::erase_if(same.list_, [](const Fact& fact) { return !fact.json.empty() && fact.words.empty(); });
+  for (Fact& fact : same.list_) fact.json.clear();
+  return same;
+}
+
+Facts Facts::jsonOnly() const {
+  Facts same = *this;
+  std::erase_if(same.list_, [](const Fact& fact) { return fact.json.empty(); });
+  for (Fact& fact : same.list_) fact.words.clear();
+  return same;
+}
+
+void Report::table(Table table, std::size_t most, const std::string& rows) {
+  if (table.rows.size() > most) note("The table does not show all " + rows + "; --json does.");
+  table.rows.resize(std::min(table.rows.size(), most));
+  this->table(std::move(table));
+}
+
 std::string Report::text() const {
   const bool bold = isatty(STDOUT_FILENO) == 1 && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
   std::string text = fmt::format("{}{}{}\n", bold ? "\x1b[1m" : "", printable(headline_), bold ? "\x1b[0m" : "");
   std::size_t width = 0;
-  for (const auto& [label, value] : lines_) width = std::max(width, printable(label, kLongestCell).size());
-  for (const auto& [label, value] : lines_) {
-    if (label.empty() && value.empty()) {
+  for (const Fact& fact : list()) {
+    if (!fact.words.empty()) width = std::max(width, printable(fact.label, kLongestCell).size());
+  }
+  for (const Fact& fact : list()) {
+    if (!fact.words.empty()) {
+      text += fmt::format("  {:<{}}  {}\n", printable(fact.label, kLongestCell), width,
+                          printable(fact.words, kLongestValue));
+    } else if (fact.json.empty()) {
       text += "\n";
-    } else {
-      text += fmt::format("  {:<{}}  {}\n", printable(label, kLongestCell), width, printable(value, kLongestValue));
     }
   }
   for (const Table& table : tables_) addTable(shortened(table), text);
@@ -85,10 +127,20 @@ std::string Report::text() const {
   return text;
 }
 
-Result<void> publish(const CommonOptions& options, const Report& report, const nlohmann::ordered_json& json,
-                     bool outputTaken) {
-  // File names may not be valid UTF-8; JSON must be.
-  const std::string text = json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+Json Report::json() const {
+  std::vector<const Fact*> named;
+  for (const Fact& fact : list()) {
+    if (!fact.json.empty()) named.push_back(&fact);
+  }
+  const auto place = [first = " " + order_ + " "](const Fact* fact) { return first.find(" " + fact->json + " "); };
+  std::ranges::stable_sort(named, {}, place);
+  Json json = Json::object();
+  for (const Fact* fact : named) json[fact->json] = fact->value;
+  return json;
+}
+
+Result<void> publish(const CommonOptions& options, const Report& report, bool outputTaken) {
+  const std::string text = fileText(report.json());
   if (options.json == "-") return print(text, "the JSON");
   if (!options.json.empty()) {
     LORICA_TRY_DO(writeFileAtomically(options.json, text));
@@ -101,9 +153,8 @@ Result<void> publish(const CommonOptions& options, const Report& report, const n
 void publishFailure(std::string_view kind, std::string_view message) {
   const std::string file = environment("LORICA_FAILURE_FILE");
   if (file.empty()) return;
-  const nlohmann::ordered_json json = {{"failure", {{"kind", kind}, {"message", message}}}};
-  // Who cannot be told so reads the sentence.
-  (void)writeFileAtomically(file, json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  const Json json = {{"failure", {{"kind", kind}, {"message", message}}}};
+  (void)writeFileAtomically(file, fileText(json));  // who cannot be told so reads the sentence
 }
 
 Result<void> checkNotTaken(const std::string& option, const std::filesystem::path& file,
@@ -261,10 +312,10 @@ void warn(const std::string& sentence) {
   if (said.insert(sentence).second) say(fmt::format("lorica: warning: {}\n", printable(sentence)));
 }
 
-int terminalWidth(std::FILE* stream) {
+std::optional<int> terminalWidth(int descriptor) {
   winsize size = {};
-  if (ioctl(fileno(stream), TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
-  return 80;
+  if (ioctl(descriptor, TIOCGWINSZ, &size) == 0 && size.ws_col > 0) return size.ws_col;
+  return std::nullopt;
 }
 
 }  // namespace lorica

@@ -2,11 +2,11 @@
 
 #include "geometry/result.h"
 
-#include <nlohmann/json_fwd.hpp>
+#include <nlohmann/json.hpp>
 
-#include <cstdio>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,6 +16,9 @@ namespace lorica {
 
 struct RunSetting;
 struct SnapshotOptions;
+
+/// Exit status for rejected arguments or files, and for output that cannot be written.
+inline constexpr int kBadInputStatus = 2;
 
 /// Options of every subcommand.
 struct CommonOptions {
@@ -36,30 +39,73 @@ struct Table {
   std::size_t textFrom = std::string::npos;    ///< columns from this one on hold text and are left-aligned
 };
 
-/// The text output of a command: a headline, then lines of label and value in aligned columns, then tables, then notes.
-class Report {
- public:
-  explicit Report(std::string headline) : headline_(std::move(headline)) {}
+using Json = nlohmann::ordered_json;
 
-  void line(std::string label, std::string value) { lines_.emplace_back(std::move(label), std::move(value)); }
-  void gap() { lines_.emplace_back(); }
+/// JSON of a value that may be missing: null.
+template <typename Value>
+Json orNull(const std::optional<Value>& value) {
+  return value ? Json(*value) : Json();
+}
+inline Json orNull(const std::string& text) {
+  return text.empty() ? Json() : Json(text);
+}
+
+/// One thing that a command has to say.
+struct Fact {
+  std::string json;   ///< its name in JSON; empty = only in the text
+  std::string label;  ///< of its line in the text
+  Json value;         ///< in JSON; null is said too
+  std::string words;  ///< in the text; empty = only in JSON
+};
+
+/// What a command has to say, each thing once, in the order of the text.
+class Facts {
+ public:
+  /// @param words  without them the value speaks: a text, or a whole number
+  void add(std::string json, std::string label, Json value, std::string words);
+  void add(std::string json, std::string label, Json value);
+  void add(std::string json, Json value) { list_.push_back({std::move(json), "", std::move(value), ""}); }
+  /// Only in the text. Without a label it continues the line above; without words it is left out.
+  void line(std::string label, std::string words);
+  void gap() { list_.emplace_back(); }
+  void add(const Facts& others) { list_.insert(list_.end(), others.list_.begin(), others.list_.end()); }
+
+  /// The same for those who print the others elsewhere, or not.
+  [[nodiscard]] Facts textOnly() const;
+  [[nodiscard]] Facts jsonOnly() const;
+  [[nodiscard]] const std::vector<Fact>& list() const { return list_; }
+
+ private:
+  std::vector<Fact> list_;
+};
+
+/// The report of a command. As text: a headline, then the facts' labels and words in aligned columns, then tables, then
+/// notes. As JSON: the facts' names and values.
+class Report : public Facts {
+ public:
+  /// @param order  names that come first in JSON, with spaces between them, where the text has another order
+  explicit Report(std::string headline, std::string order = "")
+      : headline_(std::move(headline)), order_(std::move(order)) {}
+
   void table(Table table) { tables_.push_back(std::move(table)); }
-  /// A sentence at the end of the report.
+  /// Its first rows, and a note if there are more. @param rows  what they are: "clips", which JSON has all of
+  void table(Table table, std::size_t most, const std::string& rows);
+  /// A sentence at the end of the text.
   void note(std::string sentence) { notes_.push_back(std::move(sentence)); }
   /// For standard output; the headline is bold in a terminal unless NO_COLOR is set.
   [[nodiscard]] std::string text() const;
+  [[nodiscard]] Json json() const;
 
  private:
   std::string headline_;
-  std::vector<std::pair<std::string, std::string>> lines_;
+  std::string order_;
   std::vector<Table> tables_;
   std::vector<std::string> notes_;
 };
 
 /// Prints the report and writes the JSON, according to the options.
 /// @param outputTaken  something else was written to standard output: the report goes to standard error
-[[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report,
-                                   const nlohmann::ordered_json& json, bool outputTaken = false);
+[[nodiscard]] Result<void> publish(const CommonOptions& options, const Report& report, bool outputTaken = false);
 
 /// Tells a program that runs this one, such as `lorica bake`, why a command failed: writes {"failure": {"kind":
 /// "badFormat", "message": ...}} to the file that LORICA_FAILURE_FILE in the environment names.
@@ -109,7 +155,7 @@ void say(std::string_view text);
 /// Prints a warning to standard error, one line: "lorica: warning: ...". The same sentence is said once in a run.
 void warn(const std::string& sentence);
 
-/// Width of a stream's terminal in columns; 80 if it is not a terminal.
-[[nodiscard]] int terminalWidth(std::FILE* stream);
+/// Columns of the terminal that a descriptor leads to; none if it is not a terminal.
+[[nodiscard]] std::optional<int> terminalWidth(int descriptor);
 
 }  // namespace lorica

@@ -1,10 +1,8 @@
 #pragma once
 
 #include "apps/report.h"
-#include "player/run.h"
-#include "player/snapshots.h"
-
-#include <nlohmann/json_fwd.hpp>
+#include "viewer/player/run.h"
+#include "viewer/player/snapshots.h"
 
 #include <cstddef>
 #include <optional>
@@ -12,48 +10,38 @@
 
 namespace lorica {
 
-/// Adds one to three lines that describe the cover.
-/// @param cover  none = exact
-void addCoverTo(Report& report, const std::optional<HullCover>& cover);
-/// Adds "cover": its figures, lengths in metres.
-void addCoverTo(nlohmann::ordered_json& json, const std::optional<HullCover>& cover);
+/// Facts that several commands share.
 
-/// The numbers of springs, joints, colliders and constraints for `lorica info`.
-void describeSprings(const SpringBones& springs, Report& report, nlohmann::ordered_json& json);
+/// "cover": one to three lines; lengths in metres.
+/// @param cover         none = exact
+/// @param volumeGrowth  none = not measured
+[[nodiscard]] Facts coverFacts(const std::optional<HullCover>& cover,
+                               const std::optional<double>& volumeGrowth = std::nullopt);
 
 /// What was repaired in a mesh, and the closed body that was made for it: why, and how far it is from the original.
-void addMeshTo(Report& report, const Subject& subject);
-void addMeshTo(nlohmann::ordered_json& json, const Subject& subject);
+[[nodiscard]] Facts meshFacts(const Subject& subject);
 
-/// "frames", "contacts", "touches", "propsTouched", "avatarTouches", "selfContacts" of the first avatar, "training" and
-/// "stages": the median and p95 of each stage [us].
-void addStatisticsTo(nlohmann::ordered_json& json, const RunStatistics& statistics);
-/// A line for each stage.
-void addStatisticsTo(Report& report, const RunStatistics& statistics);
+/// "frames", "contacts", "touches", "propsTouched", "avatarTouches", and "selfContacts" of the first avatar; lines of
+/// the self-contacts of each, if requested.
+[[nodiscard]] Facts contactFacts(const RunStatistics& statistics);
 /// Of an avatar: frames, pairs, and the deepest; null if not requested.
-[[nodiscard]] nlohmann::ordered_json selfContactsOf(const RunStatistics& statistics, std::size_t avatar);
-/// A line on the self-contacts of each avatar, if requested.
-void addSelfContactsTo(Report& report, const RunStatistics& statistics);
-/// A line on the training range; two if poses were outside it.
-void addTrainingTo(Report& report, const RunStatistics& statistics);
+[[nodiscard]] Json selfContactsOf(const RunStatistics& statistics, std::size_t avatar);
+/// The training range: a line; two if poses were outside it.
+[[nodiscard]] Facts trainingFacts(const RunStatistics& statistics);
+/// "stages": the median and p95 of each [us]. Lines below a heading.
+[[nodiscard]] Facts stageFacts(const RunStatistics& statistics, const std::string& heading = "median");
 
-/// "targets": of each its name, "hits", and those of each limb.
-void addHitsTo(nlohmann::ordered_json& json, const TargetHits& targets);
-/// A line for each target.
-void addHitsTo(Report& report, const TargetHits& targets);
+/// "targets": of each its name, "hits", and those of each limb. A line for each target.
+[[nodiscard]] Facts hitFacts(const TargetHits& targets);
 
 /// What was seen by a camera's tracker; times in microseconds.
-void addLiveTo(nlohmann::ordered_json& json, const LiveLog& log);
-void addLiveTo(Report& report, const LiveLog& log);
+[[nodiscard]] Facts liveFacts(const LiveLog& log);
 /// What a program sent.
-void addStreamTo(nlohmann::ordered_json& json, const VmcInput& stream);
-void addStreamTo(Report& report, const VmcInput& stream);
+[[nodiscard]] Facts streamFacts(const VmcInput& stream);
 /// What was drawn to files.
-void addDrawnTo(nlohmann::ordered_json& json, const DrawnFiles& drawn);
-void addDrawnTo(Report& report, const DrawnFiles& drawn);
+[[nodiscard]] Facts drawnFacts(const DrawnFiles& drawn);
 
 /// Finishes the recording of a run and adds the number of steps. Does nothing without a recorder.
-[[nodiscard]] Result<void> finishRecorder(Run& run, const std::string& file, Report& report,
-                                          nlohmann::ordered_json& json);
+[[nodiscard]] Result<void> finishRecorder(Run& run, const std::string& file, Report& report);
 
 }  // namespace lorica

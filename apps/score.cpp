@@ -1,15 +1,13 @@
 #include "acd/score.h"
-#include "geometry/text.h"
-
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/report_parts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
-#include "prepare/subject.h"
+#include "geometry/text.h"
+#include "session/prepare/subject.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <filesystem>
@@ -24,62 +22,46 @@ namespace {
 constexpr double kBoxesApart = 0.2;
 constexpr double kUncovered = 0.5;
 
-struct Options {
+struct ScoreOptions {
   std::string mesh;
   std::string parts;
   CharacterOptions reading;  // which meshes are hidden
 };
 
-bool hasWalls(const Subject& subject) {
-  return subject.rebuilt && subject.rebuilt->shells > 0;
+/// @param label  "surface to hulls"
+void add(Report& report, const char* json, const char* label, const Distances& distances) {
+  report.add(json, label, {{"mean", distances.mean}, {"most", distances.most}, {"largest", distances.largest}},
+             fmt::format("mean {:.4g}, 95 % at most {:.4g}, largest {:.4g}", distances.mean, distances.most,
+                         distances.largest));
 }
 
-nlohmann::ordered_json toJson(const Distances& distances) {
-  return {{"mean", distances.mean}, {"most", distances.most}, {"largest", distances.largest}};
-}
-
-std::string inWords(const Distances& distances) {
-  return fmt::format("mean {:.4g}, 95 % at most {:.4g}, largest {:.4g}", distances.mean, distances.most,
-                     distances.largest);
-}
-
-nlohmann::ordered_json toJson(const Subject& subject, std::size_t partCount, const Score& score) {
-  nlohmann::ordered_json json;
-  addMeshTo(json, subject);
-  json["parts"] = partCount;
-  const bool solid = !hasWalls(subject);
-  json["score16"] = solid ? nlohmann::ordered_json(score.score16) : nullptr;
-  json["score16StandardError"] = solid ? nlohmann::ordered_json(score.score16StandardError) : nullptr;
-  json["score17"] = solid ? nlohmann::ordered_json(score.score17) : nullptr;
-  json["distance"] = score.distance;
-  json["distancePercentDiagonal"] = score.distancePercentDiagonal;
-  json["uncoveredFraction"] = score.uncoveredFraction;
-  json["surfaceToHulls"] = toJson(score.toHulls);
-  json["hullsToSurface"] = toJson(score.toSurface);
-  json["concavity"] = score.concavity;
-  json["meanConcavity"] = score.meanConcavity;
-  return json;
-}
-
-Report toReport(const Options& options, const Subject& subject, std::size_t partCount, const Score& score) {
+Report scoreReport(const ScoreOptions& options, const Subject& subject, std::size_t partCount, const Score& score) {
   Report report(fmt::format("{} in {}", options.mesh, counted(partCount, "part")));
-  addMeshTo(report, subject);
-  if (hasWalls(subject)) {
+  report.add(meshFacts(subject));
+  report.add("parts", partCount);
+  if (subject.rebuilt && subject.rebuilt->shells > 0) {
+    for (const char* name : {"score16", "score16StandardError", "score17"}) report.add(name, nullptr);
     report.line("score", "Eq. 16 and 17 are for solids; the distances tell how well thin walls are held");
   } else {
-    const char* of = subject.rebuilt ? "; of the closed body that was made" : "";
-    report.line("score, Eq. 16",
-                fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted repeatedly{})", score.score16,
-                            score.score16StandardError, of));
-    report.line("score, Eq. 17", fmt::format("{:.4f} (mesh volume / sum of hull volumes{})", score.score17, of));
+    const char* body = subject.rebuilt ? "; of the closed body that was made" : "";
+    report.add("score16", "score, Eq. 16", score.score16,
+               fmt::format("{:.4f} +- {:.4f} (intersection over union, overlaps counted repeatedly{})", score.score16,
+                           score.score16StandardError, body));
+    report.add("score16StandardError", score.score16StandardError);
+    report.add("score17", "score, Eq. 17", score.score17,
+               fmt::format("{:.4f} (mesh volume / sum of hull volumes{})", score.score17, body));
   }
-  report.line("distance, Eq. 18", fmt::format("{:.6g}, {:.3f} % of the diagonal (surface to the nearest hull)",
-                                              score.distance, score.distancePercentDiagonal));
-  report.line("surface to hulls", inWords(score.toHulls));
-  report.line("hulls to surface", inWords(score.toSurface));
-  report.line("concavity", fmt::format("at most {:.4f}, mean of the parts {:.4f} (CoACD's, in halves of the longest "
-                                       "side)",
-                                       score.concavity, score.meanConcavity));
+  report.add("distance", "distance, Eq. 18", score.distance,
+             fmt::format("{:.6g}, {:.3f} % of the diagonal (surface to the nearest hull)", score.distance,
+                         score.distancePercentDiagonal));
+  report.add("distancePercentDiagonal", score.distancePercentDiagonal);
+  report.add("uncoveredFraction", score.uncoveredFraction);
+  add(report, "surfaceToHulls", "surface to hulls", score.toHulls);
+  add(report, "hullsToSurface", "hulls to surface", score.toSurface);
+  report.add("concavity", "concavity", score.concavity,
+             fmt::format("at most {:.4f}, mean of the parts {:.4f} (CoACD's, in halves of the longest side)",
+                         score.concavity, score.meanConcavity));
+  report.add("meanConcavity", score.meanConcavity);
   report.line("uncovered",
               fmt::format("{:.2f} % of the mesh's volume is outside all hulls", 100 * score.uncoveredFraction));
   return report;
@@ -106,7 +88,7 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
       text(partsBox), text(meshBox), percent(score.uncoveredFraction));
 }
 
-Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
+Result<void> runScore(const ScoreOptions& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.mesh, options.parts}));
   CharacterOptions reading = options.reading;
   LORICA_TRY(const Subject subject, readSubject(options.mesh, reading, host));
@@ -130,19 +112,19 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   }
   LORICA_TRY(const Score judged, prefixed(file, score(mesh, parts, ScoreSettings(), surface ? &*surface : nullptr)));
   if (host.cancelled()) return cancelled();
-  nlohmann::ordered_json json = toJson(subject, parts.size(), judged);
+  Report report = scoreReport(options, subject, parts.size(), judged);
   if (const std::string doubt = doubtAbout(mesh, parts, judged); !doubt.empty()) {
     host.warn(options.parts + ": " + doubt);
-    json["warning"] = doubt;
+    report.add("warning", doubt);
   }
-  return publish(common, toReport(options, subject, parts.size(), judged), json);
+  return publish(common, report);
 }
 
 }  // namespace
 
-Command addScore(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app = addSubcommand(
+Command addScore(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<ScoreOptions>();
+  CLI::App* app = addSubcommand(
       parent, common, "score", "Score convex parts of any program against the original mesh.",
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
       "  lorica score bunny.off hulls.obj\n"
@@ -153,12 +135,12 @@ Command addScore(CommandLine& parent, CommonOptions& common) {
       "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect. Distances are measured to the\n"
       "file's own surface. Concavity is CoACD's (Wei et al. 2022): of what a hull holds of the mesh, the larger of\n"
       "the Hausdorff distance to the hull and 0.3 times the radius of a ball as large as the volume between them.");
-  app->addOption("MESH", options->mesh, "Mesh (.off, .obj, .ply, .stl, .glb), or `mannequin` in its bind pose")
+  app->add_option("MESH", options->mesh, "Mesh (.off, .obj, .ply, .stl, .glb), or `mannequin` in its bind pose")
       ->required();
-  app->addOption("PARTS.obj", options->parts, "Parts, one object each")->required();
+  app->add_option("PARTS.obj", options->parts, "Parts, one object each")->required();
   addWallOptions(*app, options->reading);
   addHideOption(*app, options->reading.hidden);
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return runScore(*options, given, host); }};
 }
 
 }  // namespace lorica

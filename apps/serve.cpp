@@ -1,9 +1,10 @@
+#include "apps/memory_limit.h"
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/show.h"
 #include "geometry/errors.h"
-#include "serve/link.h"
-#include "serve/page_files.h"
+#include "viewer/page/link.h"
+#include "viewer/page/page_files.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +14,7 @@ namespace lorica {
 namespace {
 
 /// A camera that nobody asked for is followed if there is one.
-Result<void> run(const ShowOptions& options, const CommonOptions& common, Host& host) {
+Result<void> runServe(const ShowOptions& options, const CommonOptions& common, Host& host) {
   const LiveRequest& live = options.live;
   const std::string& motion = options.request.motion;
   const bool asked = live.depth.asked() || live.threePoint || !live.vmc.listenAt.empty();
@@ -26,21 +27,25 @@ Result<void> run(const ShowOptions& options, const CommonOptions& common, Host& 
 
 }  // namespace
 
-void addServeOptions(CommandLine& app, ServeOptions& options, bool flag) {
-  Option* serve =
-      flag ? app.addFlag("--serve", options.serve, "Show it on a page as well, for browsers and headsets") : nullptr;
-  if (flag) app.addFlag("--vr", options.vr, "Show it in this machine's headset (OpenXR) and a window; see docs/VR.md");
-  Option* port = addCount(app, "--port", options.setting.port, 1,
-                          fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
-  Option* lan = app.addFlag("--lan", options.setting.lan,
-                            "Show the page on the network too: with TLS, for those who have the link with its token");
-  Option* recordings = app.addOption("--recordings", options.setting.recordings,
-                                     "Folder that people at the page may record sessions and open files into", "DIR");
-  Option* certificate = app.addOption("--certificate", options.setting.certificate,
-                                      "Certificate of the page [default: one that Lorica makes and keeps]", "FILE.pem");
+void addServeOptions(CLI::App& app, ServeOptions& options, bool flag) {
+  CLI::Option* serve =
+      flag ? app.add_flag("--serve", options.serve, "Show it on a page as well, for browsers and headsets") : nullptr;
+  if (flag) app.add_flag("--vr", options.vr, "Show it in this machine's headset (OpenXR) and a window; see docs/VR.md");
+  CLI::Option* port =
+      addCount(app, "--port", options.setting.port, 1,
+               fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
+  CLI::Option* lan =
+      app.add_flag("--lan", options.setting.lan,
+                   "Show the page on the network too: with TLS, for those who have the link with its token");
+  CLI::Option* recordings = app.add_option("--recordings", options.setting.recordings,
+                                           "Folder that people at the page may record sessions and open files into")
+                                ->type_name("DIR");
+  CLI::Option* certificate = app.add_option("--certificate", options.setting.certificate,
+                                            "Certificate of the page [default: one that Lorica makes and keeps]")
+                                 ->type_name("FILE.pem");
   certificate->needs(lan)->needs(
-      app.addOption("--key", options.setting.key, "Its private key", "FILE.pem")->needs(certificate));
-  for (Option* option : {port, lan, recordings}) {
+      app.add_option("--key", options.setting.key, "Its private key")->type_name("FILE.pem")->needs(certificate));
+  for (CLI::Option* option : {port, lan, recordings}) {
     if (flag) option->needs(serve);
   }
 }
@@ -56,6 +61,7 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
     screens->window_ = std::make_unique<Window>(std::move(opened));
   }
   if (!serve.serve) return screens;
+  liftUsualLimit();
   ServeSetting setting = serve.setting;
   setting.paths = host.paths;
   LORICA_TRY(screens->server_, PageServer::start(setting));
@@ -71,14 +77,18 @@ void Screens::announce(Host& host) const {
   if (!server_) return;
   for (const std::string& link : server_->links()) host.tell("Watch at " + link);
   if (lan_) {
+    if (server_->certificateRenewed()) {
+      host.tell(
+          "This machine has another address than before, so its certificate is new: phones that had it ask again.");
+    }
     host.tell("Browsers warn of a certificate that they do not know: its SHA-256 is\n  " + server_->fingerprint());
     say(qrCode(server_->links().front()));
   }
 }
 
-Command addServe(CommandLine& parent, CommonOptions& common) {
+Command addServe(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ShowOptions>();
-  CommandLine* app = addSubcommand(
+  CLI::App* app = addSubcommand(
       parent, common, "serve", "Show a session on a page: for browsers, phones and headsets.",
       "  lorica serve\n"
       "      the person before the depth camera, or the demo without one; open the link in a browser\n"
@@ -96,21 +106,16 @@ Command addServe(CommandLine& parent, CommonOptions& common) {
   addDepthOptions(*app, options->live.depth);
   addVmcInputOptions(*app, options->live.vmc)->excludes(addWearerOptions(*app, options->live));
   addCount(*app, "--people", options->live.people, 1, "People to follow at once, each with an avatar, at most 6");
-  addPoseOutputOptions(*app, options->run.out);
-  addEventsOption(*app, options->run.events);
+  addOutputOptions(*app, options->run);
   addBodyOptions(*app, options->request.body);
   addSceneOption(*app, options->request.scene);
   addFaultOption(*app, options->request.performing);
-  addRecordOption(*app, options->run.record);
-  addCount(*app, "--frames", options->run.frames, 1, "Stop after N frames");
+  addRecordOptions(*app, options->run);
   addTextureOption(*app, options->request.reading.textureSize);
   options->serve.serve = true;
   addServeOptions(*app, options->serve, false);
-  app->addFlag("--window", options->window, "Open a window beside the page; fail if there is no display");
-  return {app, [options, app](const CommonOptions& given, Host& host) {
-            options->request.performing.smoothGiven = smoothingGiven(*app);
-            return run(*options, given, host);
-          }};
+  app->add_flag("--window", options->window, "Open a window beside the page; fail if there is no display");
+  return {app, [options](const CommonOptions& given, Host& host) { return runServe(*options, given, host); }};
 }
 
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #include "apps/show.h"
 
 #include "apps/interrupt.h"
+#include "apps/memory_limit.h"
 #include "apps/report_parts.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -8,7 +9,6 @@
 #include "geometry/text.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -21,6 +21,7 @@ Result<void> checkWindow(bool wanted, const std::string& instead) {
 }
 
 Result<Window> openWindow(const SnapshotOptions& pictures) {
+  liftUsualLimit();
   return Window::create("Lorica", pictures.size.width, pictures.size.height, pictures.transparent());
 }
 
@@ -68,34 +69,33 @@ std::string whoOf(const Run& run) {
   return avatars == 1 ? run.session.character().name : counted(avatars, "avatar");
 }
 
-void addAvatarsTo(nlohmann::ordered_json& json, const Session& session) {
-  json["avatars"] = nlohmann::ordered_json::array();
+Facts avatarFacts(const Session& session) {
+  Json avatars = Json::array();
   for (const SessionAvatar& avatar : session.avatars()) {
-    json["avatars"].push_back(
+    avatars.push_back(
         {{"character", avatar.character().name}, {"frames", avatar.frameCount()}, {"hash", hexDigits(avatar.hash())}});
   }
+  Facts facts;
+  facts.add("avatars", std::move(avatars));
+  return facts;
 }
 
-void addSmoothingTo(nlohmann::ordered_json& json, const Session& session) {
+Facts smoothingFacts(const Session& session, const std::string& lag) {
   const std::optional<double> delay = session.source().smoothingDelay();
-  json["refusedLegs"] = session.source().refusedLegs();
-  json["smoothingDelay"] = delay ? nlohmann::ordered_json(*delay) : nlohmann::ordered_json();
+  Facts facts;
+  facts.add("refusedLegs", session.source().refusedLegs());
+  facts.add("smoothingDelay", "smoothing", orNull(delay), delay ? fmt::format("{} {:.0f} ms", lag, 1e3 * *delay) : "");
+  return facts;
 }
 
-void addSmoothingTo(Report& report, const Session& session, const std::string& lag) {
-  if (const std::optional<double> delay = session.source().smoothingDelay()) {
-    report.line("smoothing", fmt::format("{} {:.0f} ms", lag, 1e3 * *delay));
-  }
-}
-
-Result<void> finishAndPublish(Run& run, const CommonOptions& common, Report& report, nlohmann::ordered_json& json) {
+Result<void> finishAndPublish(Run& run, const CommonOptions& common, Report& report) {
   LORICA_TRY_DO(run.finish());
-  LORICA_TRY_DO(finishRecorder(run, run.setting.record, report, json));
+  LORICA_TRY_DO(finishRecorder(run, run.setting.record, report));
   if (run.setting.out.any()) {
-    json["sent"] = {{"poses", run.sent.vmc}, {"contacts", run.sent.contacts}, {"vrchat", run.sent.vrchat}};
-    report.line("sent", inWords(run.sent, run.setting.out));
+    report.add("sent", "sent", {{"poses", run.sent.vmc}, {"contacts", run.sent.contacts}, {"vrchat", run.sent.vrchat}},
+               inWords(run.sent, run.setting.out));
   }
-  return publish(common, report, json, run.setting.events == "-");
+  return publish(common, report, run.setting.events == "-");
 }
 
 }  // namespace lorica

@@ -1,17 +1,15 @@
 #pragma once
 
-#include "apps/command_line.h"
+#include "apps/options.h"
 #include "apps/report.h"
-#include "player/run.h"
-#include "player/snapshots.h"
-#include "player/window_opener.h"
-#include "prepare/live_cast.h"
-#include "serve/page_screen.h"
-#include "serve/server.h"
+#include "session/prepare/live_cast.h"
+#include "viewer/page/page_screen.h"
+#include "viewer/page/server.h"
+#include "viewer/player/run.h"
+#include "viewer/player/snapshots.h"
+#include "viewer/player/window_opener.h"
 #include "viewer/vr/headset_window.h"
 #include "viewer/window/window.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <memory>
 #include <optional>
@@ -28,7 +26,7 @@ struct ServeOptions {
 
 /// --vr, --serve, --port, --lan, --recordings, --certificate and --key. @param flag  whether the first two are asked
 /// for; else it is served anyway
-void addServeOptions(CommandLine& app, ServeOptions& options, bool flag);
+void addServeOptions(CLI::App& app, ServeOptions& options, bool flag);
 
 /// What people watch: a window, a page, or both.
 class Screens {
@@ -93,14 +91,11 @@ struct Showing {
 [[nodiscard]] std::string whoOf(const Run& run);
 
 /// "avatars": character, frames and hash of each.
-void addAvatarsTo(nlohmann::ordered_json& json, const Session& session);
-/// "refusedLegs" and "smoothingDelay" of the first avatar.
-void addSmoothingTo(nlohmann::ordered_json& json, const Session& session);
-/// @param lag  "joints lag by"
-void addSmoothingTo(Report& report, const Session& session, const std::string& lag);
+[[nodiscard]] Facts avatarFacts(const Session& session);
+/// "refusedLegs" and "smoothingDelay" of the first avatar. @param lag  "joints lag by"
+[[nodiscard]] Facts smoothingFacts(const Session& session, const std::string& lag);
 
 /// Completes the files of a run and prints its report.
-[[nodiscard]] Result<void> finishAndPublish(Run& run, const CommonOptions& common, Report& report,
-                                            nlohmann::ordered_json& json);
+[[nodiscard]] Result<void> finishAndPublish(Run& run, const CommonOptions& common, Report& report);
 
 }  // namespace lorica

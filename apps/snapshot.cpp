@@ -5,13 +5,12 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "player/follow_camera.h"
-#include "player/snapshots.h"
-#include "player/window_texts.h"
 #include "viewer/pictures/image_files.h"
+#include "viewer/player/follow_camera.h"
+#include "viewer/player/snapshots.h"
+#include "viewer/player/window_texts.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -28,7 +27,7 @@ namespace fs = std::filesystem;
 
 constexpr double kSameTime = 1e-6;  // [s]
 
-struct Options {
+struct PictureOptions {
   CastRequest request;
   SnapshotOptions pictures;  // without a folder
   std::string out;
@@ -41,7 +40,7 @@ struct Options {
 };
 
 /// Before a background of the user's own the avatar is alone, unless a scene is asked for.
-SceneOptions shownBy(const Options& options, const Character& character) {
+SceneOptions shownBy(const PictureOptions& options, const Character& character) {
   const std::vector<std::string>& words = options.show;
   SceneOptions show = usualView(character);
   setBackground(options.pictures.background, show);
@@ -67,7 +66,8 @@ struct Wanted {
 
 /// The requested pictures in chronological order.
 /// @param choices  the other clips of the motion's file
-Result<std::vector<Wanted>> wantedPictures(const Options& options, const Motion& motion, const CastChoices& choices) {
+Result<std::vector<Wanted>> wantedPictures(const PictureOptions& options, const Motion& motion,
+                                           const CastChoices& choices) {
   std::vector<Wanted> wanted;
   wanted.reserve(options.at.size() + options.frames.size() + 1);
   for (const double at : options.at) {
@@ -102,7 +102,7 @@ struct Outcome {
 };
 
 /// Names of so many pictures.
-std::vector<fs::path> filesOf(const Options& options, const std::string& motion, std::size_t count) {
+std::vector<fs::path> pictureFiles(const PictureOptions& options, const std::string& motion, std::size_t count) {
   const fs::path out = options.out.empty() ? fs::path(motion + ".png") : fs::path(options.out);
   if (options.strip || count < 2) return std::vector<fs::path>(std::min<std::size_t>(count, 1), out);
   std::vector<fs::path> files(count, out);
@@ -112,7 +112,7 @@ std::vector<fs::path> filesOf(const Options& options, const std::string& motion,
 }
 
 /// Runs the session as far as needed and draws the requested pictures.
-Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted, Cast cast, Host& host) {
+Result<Outcome> shoot(const PictureOptions& options, const std::vector<Wanted>& wanted, Cast cast, Host& host) {
   const Motion& motion = *cast.avatars.front().motion;  // leads
   const double length = motion.seconds();
   const CanvasSize size = options.pictures.size;
@@ -182,13 +182,13 @@ Result<Outcome> shoot(const Options& options, const std::vector<Wanted>& wanted,
     const Image sheet = contactSheet(images, labels, countOf(images));
     images.assign(1, sheet);
   }
-  outcome.files = filesOf(options, outcome.motion().name, images.size());
+  outcome.files = pictureFiles(options, outcome.motion().name, images.size());
   for (std::size_t i = 0; i < images.size(); ++i) LORICA_TRY_DO(writePng(outcome.files[i], images[i]));
   if (movie) LORICA_TRY_DO(movie->finish());
   return outcome;
 }
 
-Result<void> check(const Options& options, const CommonOptions& common) {
+Result<void> checkSnapshot(const PictureOptions& options, const CommonOptions& common) {
   std::vector<fs::path> others = options.request.files();
   others.insert(others.end(), {options.out, options.pictures.video});
   LORICA_TRY_DO(checkJsonOutput(common, others));
@@ -204,15 +204,15 @@ Result<void> check(const Options& options, const CommonOptions& common) {
   return {};
 }
 
-Result<void> run(const Options& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY_DO(check(options, common));
+Result<void> runSnapshot(const PictureOptions& options, const CommonOptions& common, Host& host) {
+  LORICA_TRY_DO(checkSnapshot(options, common));
   CastRequest request = options.request;
   request.reading.drawn = true;
   std::vector<Wanted> wanted;
   request.check = [&](std::span<const PreparedAvatar> avatars) -> Result<void> {
     const Motion& motion = *avatars.front().motion;
     LORICA_TRY(wanted, wantedPictures(options, motion, choicesOf(request, avatars)));
-    for (const fs::path& file : filesOf(options, motion.name, wanted.size())) {
+    for (const fs::path& file : pictureFiles(options, motion.name, wanted.size())) {
       LORICA_TRY_DO(checkOutput(common, "--out", file));
     }
     return {};
@@ -220,36 +220,35 @@ Result<void> run(const Options& options, const CommonOptions& common, Host& host
   LORICA_TRY(Cast cast, prepareCast(request, host));
   LORICA_TRY(const Outcome outcome, shoot(options, wanted, std::move(cast), host));
 
-  nlohmann::ordered_json json;
-  json["recording"] = outcome.motion().name;
-  json["character"] = outcome.run->session.character().name;
-  json["frames"] = outcome.run->session.frameCount();
-  json["pictures"] = nlohmann::ordered_json::array();
-  for (const fs::path& picture : outcome.files) json["pictures"].push_back(picture.string());
-  json["video"] =
-      options.pictures.video.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(options.pictures.video);
-  json["videoFrames"] = outcome.videoFrames;
-  json["firstGuess"] = outcome.motion().firstGuess;
-  json["renderer"] = outcome.renderer;
-  json["hash"] = hexDigits(outcome.run->session.hash());
+  const Session& session = outcome.run->session;
+  const Motion& motion = outcome.motion();
   Report report(fmt::format("{} performed {}: {}", whoOf(*outcome.run), outcome.run->name(),
-                            counted(outcome.run->session.frameCount(), "frame")));
-  for (const fs::path& picture : outcome.files) report.line("picture", picture.string());
-  if (!options.pictures.video.empty()) {
-    report.line("video", fmt::format("{}, {}", options.pictures.video, counted(outcome.videoFrames, "frame")));
+                            counted(session.frameCount(), "frame")));
+  report.add("recording", motion.name);
+  report.add("character", session.character().name);
+  report.add("frames", session.frameCount());
+  Json pictures = Json::array();
+  for (const fs::path& picture : outcome.files) {
+    pictures.push_back(picture.string());
+    report.line("picture", picture.string());
   }
-  if (!outcome.motion().firstGuess.empty()) report.line("first guess", outcome.motion().firstGuess);
-  report.line("renderer", outcome.renderer);
-  report.line("hash", hexDigits(outcome.run->session.hash()));
-  for (const std::string& note : outcome.motion().notes) report.note(note);
-  return publish(common, report, json);
+  report.add("pictures", std::move(pictures));
+  const std::string& video = options.pictures.video;
+  report.add("video", "video", orNull(video),
+             video.empty() ? "" : fmt::format("{}, {}", video, counted(outcome.videoFrames, "frame")));
+  report.add("videoFrames", outcome.videoFrames);
+  report.add("firstGuess", "first guess", motion.firstGuess);
+  report.add("renderer", "renderer", outcome.renderer);
+  report.add("hash", "hash", hexDigits(session.hash()));
+  for (const std::string& note : motion.notes) report.note(note);
+  return publish(common, report);
 }
 
 }  // namespace
 
-Command addSnapshot(CommandLine& parent, CommonOptions& common) {
-  const auto options = std::make_shared<Options>();
-  CommandLine* app =
+Command addSnapshot(CLI::App& parent, CommonOptions& common) {
+  const auto options = std::make_shared<PictureOptions>();
+  CLI::App* app =
       addSubcommand(parent, common, "snapshot", "Render pictures or a video of a motion, without a display.",
                     "  lorica snapshot walk --at 1.5 -o walk.png\n"
                     "      the pose 1.5 s after the start\n"
@@ -261,31 +260,36 @@ Command addSnapshot(CommandLine& parent, CommonOptions& common) {
                     "      the whole motion from a fixed camera\n"
                     "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes.");
   addMotionOptions(*app, options->request);
-  app->addOption("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]",
-                 "FILE");
-  app->addOption("--at", options->at, "Times in seconds since the first frame, separated by commas [default: halfway]",
-                 "S")
-      ->separatedBy(',');
-  app->addOption("--frame", options->frames, "Frames, counted from 0, separated by commas", "N")->separatedBy(',');
-  Option* video =
-      app->addOption("--video", options->pictures.video, "Write a real-time video of all frames, as .mp4", "FILE");
+  app->add_option("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]")
+      ->type_name("FILE");
+  app->add_option("--at", options->at, "Times in seconds since the first frame, separated by commas [default: halfway]")
+      ->type_name("S")
+      ->delimiter(',')
+      ->check(numberError<double>);
+  app->add_option("--frame", options->frames, "Frames, counted from 0, separated by commas")
+      ->type_name("N")
+      ->delimiter(',')
+      ->check(numberError<int>);
+  CLI::Option* video =
+      app->add_option("--video", options->pictures.video, "Write a real-time video of all frames, as .mp4")
+          ->type_name("FILE");
   addMoment(*app, "--from", options->from, "Start of the video")->needs(video);
   addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
   addLookOptions(*app, options->pictures);
-  app->addOption(
+  app->add_option(
          "--show", options->show,
          "Draw only these: skin (as the character's maker drew it), parts (its body coloured by part), hulls, bones, "
          "props, particles, contacts, ground, caption [default: all except bones; of a character with materials the "
-         "skin without parts and hulls]",
-         "WHAT")
-      ->separatedBy(',')
-      ->check(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
+         "skin without parts and hulls]")
+      ->type_name("WHAT")
+      ->delimiter(',')
+      ->transform(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
   addTextureOption(*app, options->request.reading.textureSize);
-  app->addFlag("--strip", options->strip, "Combine several pictures side by side in one file");
+  app->add_flag("--strip", options->strip, "Combine several pictures side by side in one file");
   addCameraOptions(*app, options->pictures.camera);
   addBodyOptions(*app, options->request.body);
   addSceneOption(*app, options->request.scene);
-  return {app, [options](const CommonOptions& given, Host& host) { return run(*options, given, host); }};
+  return {app, [options](const CommonOptions& given, Host& host) { return runSnapshot(*options, given, host); }};
 }
 
 }  // namespace lorica

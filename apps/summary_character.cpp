@@ -2,8 +2,8 @@
 #include "apps/report_parts.h"
 #include "capture/retarget/proxy_skeleton.h"
 #include "geometry/text.h"
-#include "prepare/cast.h"
-#include "prepare/first_guess.h"
+#include "session/prepare/cast.h"
+#include "session/prepare/first_guess.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/picture.h"
 
@@ -18,8 +18,6 @@
 
 namespace lorica {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kRowsShown = 12;
 constexpr std::size_t kNamesShown = 24;
@@ -54,38 +52,35 @@ std::size_t bytesOf(PictureSize size, int textureSize) {
   return static_cast<std::size_t>(limited.width) * limited.height * 4 / 3 * 4;
 }
 
-std::string megabytes(std::size_t bytes) {
+std::string textureSizeInWords(std::size_t bytes) {
   return fmt::format("{:.1f} MB", bytes * 1e-6);
 }
 
-void describeMaterials(const Look& look, Report& report, Json& json) {
+void addMaterials(const Look& look, Report& report) {
   std::vector<std::size_t> triangles(look.materials.size(), 0);
   for (const LookGroup& group : look.groups) triangles[group.material] += group.triangleCount;
   Table table{{"triangles", "material", "kind", "alpha", "textures"}, {}, 1};
-  std::size_t count = 0;
-  json["materials"] = Json::array();
+  Json json = Json::array();
   for (std::size_t m = 0; m < look.materials.size(); ++m) {
     if (triangles[m] == 0) continue;
     const Material& material = look.materials[m];
     const std::vector<std::string> textures = texturesOf(material);
-    json["materials"].push_back({{"name", material.name},
-                                 {"kind", nameOf(material.shading)},
-                                 {"alpha", nameOf(material.alpha)},
-                                 {"doubleSided", material.doubleSided},
-                                 {"triangles", triangles[m]},
-                                 {"textures", textures}});
-    if (count++ >= kRowsShown) continue;
+    json.push_back({{"name", material.name},
+                    {"kind", nameOf(material.shading)},
+                    {"alpha", nameOf(material.alpha)},
+                    {"doubleSided", material.doubleSided},
+                    {"triangles", triangles[m]},
+                    {"textures", textures}});
     table.rows.push_back({grouped(triangles[m]), material.name, nameOf(material.shading), nameOf(material.alpha),
                           fmt::format("{}", fmt::join(textures, ", "))});
   }
-  report.line("materials", fmt::format("{}", count));
-  report.table(std::move(table));
-  if (count > kRowsShown) report.note("The table does not show all materials; --json does.");
+  report.add("materials", "materials", std::move(json), std::to_string(table.rows.size()));
+  report.table(std::move(table), kRowsShown, "materials");
 }
 
-void describePictures(const Look& look, int textureSize, Report& report, Json& json) {
-  json["pictures"] = Json::array();
-  if (look.pictures.empty()) return;
+void addPictures(const Look& look, int textureSize, Report& report) {
+  Json json = Json::array();
+  if (look.pictures.empty()) return report.add("pictures", std::move(json));
   Table table{{"width", "height", "kB in the file", "picture"}, {}, 3};
   const int reduced = textureSize > 0 ? textureSize : kSuggestedSize;
   std::size_t stored = 0;
@@ -103,21 +98,61 @@ void describePictures(const Look& look, int textureSize, Report& report, Json& j
       one["problem"] = size.error().message;
       if (++broken <= 3) report.note(size.error().message + ".");
     }
-    json["pictures"].push_back(std::move(one));
-    if (!size || table.rows.size() >= kRowsShown) continue;
+    json.push_back(std::move(one));
+    if (!size) continue;
     table.rows.push_back({fmt::format("{}", size->width), fmt::format("{}", size->height),
                           fmt::format("{:.0f}", picture.bytes.size() * 1e-3), picture.name});
   }
-  json["textureBytes"] = stored;
-  json["reducedTextureBytes"] = {{"textureSize", reduced}, {"bytes", limited}};
   std::string memory =
-      fmt::format("{}, {} on the GPU", counted(std::ssize(look.pictures), "picture"), megabytes(stored));
-  if (limited < stored) memory += fmt::format(", {} with --texture-size {}", megabytes(limited), reduced);
-  report.line("textures", memory);
-  const std::size_t readable = look.pictures.size() - broken;
-  if (!table.rows.empty()) report.table(std::move(table));
-  if (readable > kRowsShown) report.note("The table does not show all pictures; --json does.");
+      fmt::format("{}, {} on the GPU", counted(std::ssize(look.pictures), "picture"), textureSizeInWords(stored));
+  if (limited < stored) memory += fmt::format(", {} with --texture-size {}", textureSizeInWords(limited), reduced);
+  report.add("pictures", std::move(json));
+  report.add("textureBytes", "textures", stored, memory);
+  report.add("reducedTextureBytes", {{"textureSize", reduced}, {"bytes", limited}});
+  if (!table.rows.empty()) report.table(std::move(table), kRowsShown, "pictures");
   if (broken > 3) report.note(fmt::format("{} pictures cannot be read; --json says why.", broken));
+}
+
+/// Materials and pictures, and the memory of the textures.
+/// @param textureSize  largest side of textures [pixels]; 0 = as stored
+void addLook(const Look& look, int textureSize, Report& report) {
+  if (!look.given()) {
+    report.add("materials", "materials", Json::array(), "none: drawn in plain grey");
+    report.add("pictures", Json::array());
+    return;
+  }
+  addMaterials(look, report);
+  addPictures(look, textureSize, report);
+}
+
+/// Names of meshes, as --hide takes them.
+void addMeshNames(std::span<const MeshName> meshes, Report& report) {
+  Json json = Json::array();
+  std::vector<std::string> names;
+  for (const MeshName& mesh : meshes) {
+    json.push_back({{"node", mesh.node}, {"mesh", mesh.mesh}});
+    names.push_back(mesh.text());
+  }
+  const std::size_t more = names.size() - std::min(names.size(), kNamesShown);
+  names.resize(names.size() - more);
+  report.add("meshNames", "mesh names", std::move(json),
+             fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : ""));
+}
+
+void addSprings(const SpringBones& springs, Report& report) {
+  report.add("springs", "springs",
+             {{"chains", springs.chains.size()},
+              {"joints", springs.springCount()},
+              {"colliders", springs.colliders.size()},
+              {"constraints", springs.constraints.size()}},
+             springs.chains.empty() ? ""
+                                    : fmt::format("{} with {}, {}", counted(std::ssize(springs.chains), "strand"),
+                                                  counted(springs.springCount(), "joint"),
+                                                  counted(std::ssize(springs.colliders), "collider")));
+  if (!springs.constraints.empty()) {
+    report.line("constraints",
+                counted(std::ssize(springs.constraints), "joint follows another", "joints follow others"));
+  }
 }
 
 constexpr std::size_t kClipsShown = 24;
@@ -151,7 +186,7 @@ std::string inWords(const Skeleton& skeleton, const ProxySkeleton::Substitute& s
   return fmt::format("{}: half of {}, which stays straight", bone, on);
 }
 
-void addSkeleton(const Character& character, FileSummary& summary) {
+void addSkeleton(const Character& character, Report& report) {
   const Skeleton& skeleton = character.skeleton;
   const Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
   Json bones = Json::object();
@@ -164,93 +199,81 @@ void addSkeleton(const Character& character, FileSummary& summary) {
     if (proxy && proxy->skeleton().jointOf(bone) != kNoJoint) continue;
     lacking.push_back(inWords(nameOf(bone)));
   }
-  summary.report.line("joints", fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones.size()));
+  report.add("joints", "joints", skeleton.jointCount(),
+             fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones.size()));
+  report.add("humanoidBones", bones.size());
   if (!bones.empty() && !lacking.empty()) {
-    summary.report.line("missing bones", fmt::format("{} (they stay at rest)", fmt::join(lacking, ", ")));
+    report.line("missing bones", fmt::format("{} (they stay at rest)", fmt::join(lacking, ", ")));
   }
-  summary.report.line("motion", proxy ? "accepts any humanoid motion" : "accepts only motions of its own joints");
+  report.add("bones", std::move(bones));
+  report.add("retargetable", "motion", proxy.ok(),
+             proxy ? "accepts any humanoid motion" : "accepts only motions of its own joints");
   Json substitutes = Json::array();
   if (proxy && !proxy->substitutes().empty()) {
     std::vector<std::string> words;
     words.reserve(proxy->substitutes().size());
     for (const ProxySkeleton::Substitute& substitute : proxy->substitutes()) {
       words.push_back(inWords(skeleton, substitute));
-      Json json = Json::object();
-      json["bone"] = std::string(nameOf(substitute.bone));
+      Json json = {{"bone", nameOf(substitute.bone)}};
       if (substitute.joint != kNoJoint) json["joint"] = skeleton.joint(substitute.joint).name;
       json["on"] = skeleton.joint(substitute.on).name;
       substitutes.push_back(std::move(json));
     }
-    summary.report.note(
+    report.note(
         fmt::format("Substitutes for bones that are missing or attached elsewhere: {}.", fmt::join(words, "; ")));
   }
-  for (const std::string& sentence : leftBehind(character)) summary.report.note(sentence);
-  summary.json["joints"] = skeleton.jointCount();
-  summary.json["humanoidBones"] = bones.size();
-  summary.json["bones"] = std::move(bones);
-  summary.json["retargetable"] = proxy.ok();
-  summary.json["substitutes"] = std::move(substitutes);
+  for (const std::string& sentence : leftBehind(character)) report.note(sentence);
+  report.add("substitutes", std::move(substitutes));
 }
 
-void addFile(const CharacterFile& file, FileSummary& summary) {
-  Report& report = summary.report;
-  report.line("format", fmt::format("{}: {}, {}, {}", file.format, counted(file.meshes, "mesh", "meshes"),
-                                    counted(file.primitives, "primitive"), counted(file.skins, "skin")));
-  report.line("unit", file.metresPerUnit == 1.0 ? "metres" : fmt::format("{:g} m, converted", file.metresPerUnit));
-  report.line("weights", fmt::format("at most {} per vertex, {}", counted(file.maxInfluences, "bone"),
-                                     file.repairedVertices == 0
-                                         ? "all valid"
-                                         : counted(file.repairedVertices, "vertex", "vertices") + " repaired"));
-  Json& json = summary.json;
-  json["format"] = file.format;
-  json["meshes"] = file.meshes;
-  json["primitives"] = file.primitives;
-  json["skins"] = file.skins;
-  json["metresPerUnit"] = file.metresPerUnit;
-  json["maxInfluences"] = file.maxInfluences;
-  json["repairedVertices"] = file.repairedVertices;
+void addFile(const CharacterFile& file, Report& report) {
+  report.add("format", "format", file.format,
+             fmt::format("{}: {}, {}, {}", file.format, counted(file.meshes, "mesh", "meshes"),
+                         counted(file.primitives, "primitive"), counted(file.skins, "skin")));
+  report.add("meshes", file.meshes);
+  report.add("primitives", file.primitives);
+  report.add("skins", file.skins);
+  report.add("metresPerUnit", "unit", file.metresPerUnit,
+             file.metresPerUnit == 1.0 ? "metres" : fmt::format("{:g} m, converted", file.metresPerUnit));
+  report.add(
+      "maxInfluences", "weights", file.maxInfluences,
+      fmt::format("at most {} per vertex, {}", counted(file.maxInfluences, "bone"),
+                  file.repairedVertices == 0 ? "all valid"
+                                             : counted(file.repairedVertices, "vertex", "vertices") + " repaired"));
+  report.add("repairedVertices", file.repairedVertices);
 }
 
-void addFace(const CharacterFile& file, FileSummary& summary) {
-  Report& report = summary.report;
-  Json& json = summary.json;
+void addFace(const CharacterFile& file, Report& report) {
   const std::vector<MorphTarget>& targets = file.morphs.targets;
-  json["morphTargets"] = file.morphTargets;
-  json["expressions"] = Json::array();
+  const auto clips = std::ranges::count_if(file.morphs.clips, [](const auto& tracks) { return !tracks.empty(); });
+  const auto moving = std::ranges::count_if(targets, [](const auto& target) { return !target.offsets.empty(); });
+  report.add("morphTargets", "morph targets", file.morphTargets,
+             file.morphTargets == 0
+                 ? ""
+                 : fmt::format("{}, {} of them move something{}", file.morphTargets, moving,
+                               clips == 0 ? "" : fmt::format("; {} move them", counted(clips, "clip"))));
+  Json expressions = Json::array();
   for (const Expression& expression : file.expressions.list) {
     Json one = {{"name", expression.name}, {"targets", Json::object()}};
     for (const MorphBind& bind : expression.morphs) one["targets"][targets[bind.target].name] = bind.weight;
-    json["expressions"].push_back(std::move(one));
+    expressions.push_back(std::move(one));
   }
+  report.add("expressions", "expressions", std::move(expressions),
+             file.expressions.list.empty() ? "" : namesOf(file.expressions, kExpressionsShown));
   const LookAtKind looks = file.lookAt.kind;
   const char* gaze = looks == LookAtKind::kBone ? "bones" : looks == LookAtKind::kExpression ? "expressions" : "none";
-  json["lookAt"] = gaze;
-  if (file.morphTargets > 0) {
-    const auto clips = std::count_if(file.morphs.clips.begin(), file.morphs.clips.end(),
-                                     [](const auto& tracks) { return !tracks.empty(); });
-    std::size_t moving = 0;
-    for (const MorphTarget& target : targets) moving += target.offsets.empty() ? 0 : 1;
-    report.line("morph targets", fmt::format("{}, {} of them move something{}", file.morphTargets, moving,
-                                             clips == 0 ? "" : fmt::format("; {} move them", counted(clips, "clip"))));
-  }
-  if (!file.expressions.list.empty()) report.line("expressions", namesOf(file.expressions, kExpressionsShown));
-  if (looks != LookAtKind::kNone) report.line("look-at", fmt::format("by {}", gaze));
+  report.add("lookAt", "look-at", gaze, looks == LookAtKind::kNone ? "" : fmt::format("by {}", gaze));
 }
 
-void addClips(const std::vector<Clip>& clips, FileSummary& summary) {
-  summary.json["clips"] = Json::array();
-  for (const Clip& clip : clips) summary.json["clips"].push_back({{"name", clip.name}, {"seconds", clip.seconds}});
-  if (clips.empty()) {
-    summary.report.line("clips", "none");
-    return;
-  }
-  summary.report.line("clips", fmt::format("{}", clips.size()));
+void addClips(const std::vector<Clip>& clips, Report& report) {
+  Json json = Json::array();
   Table table{{"seconds", "clip"}, {}, 1};
-  for (std::size_t i = 0; i < std::min(clips.size(), kClipsShown); ++i) {
-    table.rows.push_back({fmt::format("{:.2f}", clips[i].seconds), clips[i].name});
+  for (const Clip& clip : clips) {
+    json.push_back({{"name", clip.name}, {"seconds", clip.seconds}});
+    table.rows.push_back({fmt::format("{:.2f}", clip.seconds), clip.name});
   }
-  summary.report.table(std::move(table));
-  if (clips.size() > kClipsShown) summary.report.note("The table does not show all clips; --json does.");
+  report.add("clips", "clips", std::move(json), clips.empty() ? "none" : std::to_string(clips.size()));
+  if (!clips.empty()) report.table(std::move(table), kClipsShown, "clips");
 }
 
 /// Distances between the visible surface and the body, in both directions.
@@ -292,10 +315,9 @@ std::optional<BodyDistances> distancesOverClips(const Subject& subject) {
   return worst;
 }
 
-void addBody(const Subject& subject, FileSummary& summary) {
+void addBody(const Subject& subject, Report& report) {
   const ClosedBody& body = *subject.body;
   const std::optional<BodyDistances> posed = distancesOverClips(subject);
-  Report& report = summary.report;
   report.line("surface", fmt::format("{}, {}, {}", counted(body.shells, "shell"), counted(body.openEdges, "open edge"),
                                      counted(body.nonManifoldEdges, "non-manifold edge")));
   if (body.made) {
@@ -308,16 +330,15 @@ void addBody(const Subject& subject, FileSummary& summary) {
     report.line("body", "the surface itself, which is closed");
   }
   for (const std::string& note : body.notes) report.note(note);
-  Json& json = summary.json["body"];
-  json["made"] = body.made;
-  json["vertices"] = body.bodyVertices;
-  json["resolution"] = body.made ? Json(body.resolution) : Json();
-  json["shells"] = body.shells;
-  json["openEdges"] = body.openEdges;
-  json["nonManifoldEdges"] = body.nonManifoldEdges;
-  json["bindPose"] = toJson(body.distances);
-  json["clips"] = posed ? toJson(*posed) : Json();
-  json["notes"] = body.notes;
+  report.add("body", {{"made", body.made},
+                      {"vertices", body.bodyVertices},
+                      {"resolution", body.made ? Json(body.resolution) : Json()},
+                      {"shells", body.shells},
+                      {"openEdges", body.openEdges},
+                      {"nonManifoldEdges", body.nonManifoldEdges},
+                      {"bindPose", toJson(body.distances)},
+                      {"clips", posed ? toJson(*posed) : Json()},
+                      {"notes", body.notes}});
 }
 
 /// What the character does, in one line.
@@ -336,73 +357,43 @@ std::string verdictOf(const Subject& subject) {
 
 }  // namespace
 
-FileSummary describeCharacter(const Subject& subject, int textureSize) {
+Report describeCharacter(const Subject& subject, int textureSize) {
   const Character& character = *subject.character;
+  const std::string height = fmt::format("{:.3f} m", character.height);
   if (!subject.file) {
-    FileSummary summary = describeMesh(subject);
+    Report report = describeMesh(subject);
     std::uint32_t max = 0;
     for (std::size_t v = 0; v + 1 < character.influenceBegin.size(); ++v) {
       max = std::max(max, character.influenceBegin[v + 1] - character.influenceBegin[v]);
     }
-    summary.report.line("height", fmt::format("{:.3f} m", character.height));
-    summary.report.line("influences", fmt::format("at most {} per vertex", max));
-    summary.json["height"] = character.height;
-    summary.json["maxInfluences"] = max;
-    addSkeleton(character, summary);
-    return summary;
+    report.add("height", "height", character.height, height);
+    report.add("maxInfluences", "influences", max, fmt::format("at most {} per vertex", max));
+    addSkeleton(character, report);
+    return report;
   }
   const CharacterFile& file = *subject.file;
   const TriMesh& mesh = file.character.mesh;
-  FileSummary summary{Report(subject.name + ": a character"), {}};
-  Json& json = summary.json;
-  json["kind"] = "character";
-  json["name"] = subject.name;
-  json["vertices"] = mesh.vertices.size();
-  json["triangles"] = mesh.triangles.size();
-  json["height"] = character.height;
-  json["verdict"] = verdictOf(subject);
-  summary.report.line("verdict", json["verdict"].get<std::string>());
-  addFile(file, summary);
-  summary.report.line("mesh", fmt::format("{} vertices, {} triangles", grouped(std::ssize(mesh.vertices)),
-                                          grouped(std::ssize(mesh.triangles))));
-  summary.report.line("height", fmt::format("{:.3f} m", character.height));
-  json["firstGuess"] = firstGuessOf(file);
-  summary.report.line("first guess", json["firstGuess"].get<std::string>());
-  addSkeleton(character, summary);
-  addBody(subject, summary);
-  describeSprings(file.springs, summary.report, json);
-  addFace(file, summary);
-  describeMeshNames(file.meshNames, summary.report, json);
-  describeLook(file.look, textureSize, summary.report, json);
-  addClips(file.clips, summary);
-  for (const std::string& note : file.notes) summary.report.note(note);
-  json["notes"] = file.notes;
-  return summary;
-}
-
-void describeMeshNames(std::span<const MeshName> meshes, Report& report, Json& json) {
-  json["meshNames"] = Json::array();
-  std::vector<std::string> names;
-  for (const MeshName& mesh : meshes) {
-    json["meshNames"].push_back({{"node", mesh.node}, {"mesh", mesh.mesh}});
-    names.push_back(mesh.text());
-  }
-  if (names.empty()) return;
-  const std::size_t more = names.size() - std::min(names.size(), kNamesShown);
-  names.resize(names.size() - more);
-  report.line("mesh names",
-              fmt::format("{}{}", fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : ""));
-}
-
-void describeLook(const Look& look, int textureSize, Report& report, Json& json) {
-  if (!look.given()) {
-    report.line("materials", "none: drawn in plain grey");
-    json["materials"] = Json::array();
-    json["pictures"] = Json::array();
-    return;
-  }
-  describeMaterials(look, report, json);
-  describePictures(look, textureSize, report, json);
+  Report report(subject.name + ": a character", "kind name vertices triangles height");
+  report.add("kind", "character");
+  report.add("name", subject.name);
+  report.add("verdict", "verdict", verdictOf(subject));
+  addFile(file, report);
+  report.add("vertices", "mesh", mesh.vertices.size(),
+             fmt::format("{} vertices, {} triangles", grouped(std::ssize(mesh.vertices)),
+                         grouped(std::ssize(mesh.triangles))));
+  report.add("triangles", mesh.triangles.size());
+  report.add("height", "height", character.height, height);
+  report.add("firstGuess", "first guess", firstGuessOf(file));
+  addSkeleton(character, report);
+  addBody(subject, report);
+  addSprings(file.springs, report);
+  addFace(file, report);
+  addMeshNames(file.meshNames, report);
+  addLook(file.look, textureSize, report);
+  addClips(file.clips, report);
+  for (const std::string& note : file.notes) report.note(note);
+  report.add("notes", file.notes);
+  return report;
 }
 
 }  // namespace lorica

@@ -5,7 +5,7 @@
 #include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "prepare/cover_choice.h"
+#include "session/prepare/cover_choice.h"
 
 #include <fmt/format.h>
 
@@ -14,8 +14,6 @@
 
 namespace lorica {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string point(const Vec3& p) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g})", p.x(), p.y(), p.z());
@@ -102,120 +100,106 @@ Json partsToJson(const DecompositionFile& content) {
   return parts;
 }
 
-/// Adds the hull cover and the training range of an animated decomposition.
-void addCoverAndTraining(const DecompositionFile& content, FileSummary& summary) {
-  addCoverTo(summary.report, content.cover);
-  addCoverTo(summary.json, content.cover);
-  summary.json["training"] = nullptr;
+/// The hull cover and the training range of an animated decomposition.
+void addCoverAndTraining(const DecompositionFile& content, Report& report) {
+  report.add(coverFacts(content.cover));
   if (!content.training) {
-    summary.report.line("training", "not in the file");
+    report.add("training", "training", {}, "not in the file");
     return;
   }
   const TrainingRange& training = *content.training;
-  summary.report.line("training", fmt::format("{}, {}; training range {:.2f} m around each keyframe",
-                                              counted(std::ssize(training.probes), "probe"),
-                                              counted(training.keyframeCount, "keyframe"), training.knownDistance));
-  summary.json["training"] = {{"probes", training.probes.size()},
-                              {"keyframes", training.keyframeCount},
-                              {"knownDistance", training.knownDistance}};
+  report.add(
+      "training", "training",
+      {{"probes", training.probes.size()},
+       {"keyframes", training.keyframeCount},
+       {"knownDistance", training.knownDistance}},
+      fmt::format("{}, {}; training range {:.2f} m around each keyframe", counted(std::ssize(training.probes), "probe"),
+                  counted(training.keyframeCount, "keyframe"), training.knownDistance));
 }
 
 }  // namespace
 
-Result<FileSummary> describeDecomposition(const fs::path& file) {
+Result<Report> describeDecomposition(const fs::path& file) {
   LORICA_TRY(const DecompositionFile content, readDecomposition(file));
   const Decomposition& made = content.decomposition;
   std::error_code ignored;
   const std::uintmax_t bytes = fs::file_size(file, ignored);
   const bool animated = content.errorPerKeyframe.size() > 1;
+  const std::string name = file.filename().string();
 
-  FileSummary summary{Report(file.filename().string() + ": a decomposition"), {}};
-  Report& report = summary.report;
-  report.line("source mesh", fmt::format("{}: {} vertices, {} triangles", content.source, grouped(made.vertexCount),
-                                         grouped(made.triangleCount)));
-  report.line("parts", grouped(std::ssize(made.parts)));
-  report.line("cut points", grouped(std::ssize(made.cutPoints)));
-  report.line("keyframes", grouped(std::ssize(content.errorPerKeyframe)));
-  report.line("error", fmt::format("hulls have {} more volume than the mesh{}", percent(content.meanError),
-                                   animated ? ", mean over the keyframes" : ""));
-  report.line("hash", hexDigits(hashOf(made)));
-  report.line("file", fmt::format("{} bytes", grouped(bytes)));
-  if (content.detailLevels.empty()) {
-    report.line("levels of detail", "not in the file");
-  } else {
-    report.table(levelTable(content.detailLevels, animated));
-  }
-  report.table(originTable(content));
-  if (made.parts.size() > kRowsInFull) report.note("The tables do not show all rows; --json does.");
-
-  Json& json = summary.json;
-  json["kind"] = "decomposition";
-  json["name"] = file.filename().string();
-  json["source"] = content.source;
-  json["meshHash"] = hexDigits(content.meshHash);
-  json["vertices"] = made.vertexCount;
-  json["triangles"] = made.triangleCount;
-  json["parts"] = made.parts.size();
-  json["cutPoints"] = made.cutPoints.size();
-  json["error"] = content.meanError;
-  json["errorPerKeyframe"] = content.errorPerKeyframe;
-  if (animated || content.training || content.cover || !content.bonesOfPart.empty())
-    addCoverAndTraining(content, summary);
-  json["hash"] = hexDigits(hashOf(made));
-  json["bytes"] = bytes;
-  json["detailLevels"] = Json::array();
+  Report report(name + ": a decomposition",
+                "kind name source meshHash vertices triangles parts cutPoints error errorPerKeyframe cover training");
+  report.add("kind", "decomposition");
+  report.add("name", name);
+  report.add("source", "source mesh", content.source,
+             fmt::format("{}: {} vertices, {} triangles", content.source, grouped(made.vertexCount),
+                         grouped(made.triangleCount)));
+  report.add("meshHash", hexDigits(content.meshHash));
+  report.add("vertices", made.vertexCount);
+  report.add("triangles", made.triangleCount);
+  report.add("parts", "parts", made.parts.size());
+  report.add("cutPoints", "cut points", made.cutPoints.size());
+  report.add("errorPerKeyframe", "keyframes", content.errorPerKeyframe, grouped(std::ssize(content.errorPerKeyframe)));
+  report.add("error", "error", content.meanError,
+             fmt::format("hulls have {} more volume than the mesh{}", percent(content.meanError),
+                         animated ? ", mean over the keyframes" : ""));
+  report.add("hash", "hash", hexDigits(hashOf(made)));
+  report.add("bytes", "file", bytes, fmt::format("{} bytes", grouped(bytes)));
+  Json levels = Json::array();
   for (std::size_t i = 0; i < content.detailLevels.size(); ++i) {
     const DetailLevel& level = content.detailLevels[i];
-    json["detailLevels"].push_back({{"parts", i + 1},
-                                    {"error", level.meanError},
-                                    {"worstError", level.worstError},
-                                    {"hullVertices", level.hullVertices}});
+    levels.push_back({{"parts", i + 1},
+                      {"error", level.meanError},
+                      {"worstError", level.worstError},
+                      {"hullVertices", level.hullVertices}});
   }
-  json["partOrigins"] = partsToJson(content);
-  return summary;
+  if (!levels.empty()) report.table(levelTable(content.detailLevels, animated));
+  report.add("detailLevels", "levels of detail", levels, levels.empty() ? "not in the file" : "");
+  report.add("partOrigins", partsToJson(content));
+  report.table(originTable(content));
+  if (made.parts.size() > kRowsInFull) report.note("The tables do not show all rows; --json does.");
+  if (animated || content.training || content.cover || !content.bonesOfPart.empty()) {
+    addCoverAndTraining(content, report);
+  }
+  return report;
 }
 
-FileSummary describeMesh(const Subject& subject) {
+Report describeMesh(const Subject& subject) {
   const TriMesh& mesh = subject.mesh;
   const Aabb box = boundsOf(mesh.vertices);
   const double volume = signedVolume(mesh.vertices, mesh.triangles);
   const double hullVolume = convexHullVolume(mesh.vertices, 1e-7);
-  const int components = connectedComponents(mesh.vertices.size(), mesh.triangles).count;
   const Result<void> closed = checkClosedTwoManifold(mesh);
 
-  FileSummary summary{Report(subject.name + (subject.character ? ": a character" : ": a mesh")), {}};
-  Report& report = summary.report;
-  report.line("vertices", grouped(std::ssize(mesh.vertices)));
-  report.line("triangles", grouped(std::ssize(mesh.triangles)));
-  report.line("components", grouped(components));
-  if (!subject.repaired.empty()) report.line("repaired", subject.repaired);
+  const char* kind = subject.character ? "character" : "mesh";
+  Report report(fmt::format("{}: a {}", subject.name, kind), "kind name vertices triangles components closed");
+  report.add("kind", kind);
+  report.add("name", subject.name);
+  report.add("vertices", "vertices", mesh.vertices.size());
+  report.add("triangles", "triangles", mesh.triangles.size());
+  report.add("components", "components", connectedComponents(mesh.vertices.size(), mesh.triangles).count);
+  report.add("repaired", "repaired", orNull(subject.repaired));
   const bool measurable = std::isfinite(volume) && std::isfinite(hullVolume) && std::isfinite(box.diagonal());
+  const std::string problem = closed ? "" : closed.error().message;
   const char* remedy = measurable ? "; `lorica decompose` builds a closed body around it" : "";
-  report.line("closed", closed ? "yes, it can be decomposed" : "no: " + closed.error().message + remedy);
-  report.line("volume", volumeText(volume));
-  report.line("hull volume", measurable ? volumeText(hullVolume) : "too large to be measured");
-  const double convexity = hullVolume > 0.0 ? volume / hullVolume : 0.0;
-  if (closed && hullVolume > 0.0) report.line("convexity", fmt::format("{:.4f} (volume / hull volume)", convexity));
-  if (!box.empty()) {
-    report.line("bounding box", fmt::format("{} to {}", point(box.min), point(box.max)));
+  report.add("closed", "closed", closed.ok(), closed ? "yes, it can be decomposed" : "no: " + problem + remedy);
+  report.add("problem", orNull(problem));
+  report.add("volume", "volume", finite(volume), volumeText(volume));
+  report.add("hullVolume", "hull volume", measurable ? Json(hullVolume) : Json(),
+             measurable ? volumeText(hullVolume) : "too large to be measured");
+  const bool compared = closed && hullVolume > 0.0;
+  const double convexity = compared ? volume / hullVolume : 0.0;
+  report.add("convexity", "convexity", compared ? Json(convexity) : Json(),
+             compared ? fmt::format("{:.4f} (volume / hull volume)", convexity) : "");
+  if (box.empty()) {
+    report.add("boundingBox", nullptr);
+  } else {
+    report.add("boundingBox", "bounding box",
+               {{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}},
+               fmt::format("{} to {}", point(box.min), point(box.max)));
     if (std::isfinite(box.diagonal())) report.line("diagonal", fmt::format("{:.6g}", box.diagonal()));
   }
-
-  Json& json = summary.json;
-  json["kind"] = subject.character ? "character" : "mesh";
-  json["name"] = subject.name;
-  json["vertices"] = mesh.vertices.size();
-  json["triangles"] = mesh.triangles.size();
-  json["components"] = components;
-  json["closed"] = closed.ok();
-  json["repaired"] = subject.repaired.empty() ? Json() : Json(subject.repaired);
-  json["problem"] = closed ? Json() : Json(closed.error().message);
-  json["volume"] = finite(volume);
-  json["hullVolume"] = measurable ? Json(hullVolume) : Json();
-  json["convexity"] = closed && hullVolume > 0.0 ? Json(convexity) : Json();
-  json["boundingBox"] =
-      box.empty() ? Json() : Json{{box.min.x(), box.min.y(), box.min.z()}, {box.max.x(), box.max.y(), box.max.z()}};
-  return summary;
+  return report;
 }
 
 }  // namespace lorica

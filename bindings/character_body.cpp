@@ -1,10 +1,10 @@
 #include "bindings/character_body.h"
 
+#include "capture/files/joint_csv.h"
 #include "geometry/errors.h"
-#include "prepare/body.h"
-#include "prepare/hull_fit.h"
-#include "prepare/read_motion.h"
-#include "prepare/shipped_motion.h"
+#include "session/prepare/body.h"
+#include "session/prepare/hull_fit.h"
+#include "session/prepare/read_motion.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/ranges.h>
@@ -20,7 +20,7 @@ namespace {
 
 /// The body of `lorica decompose --parts N`.
 Result<DecompositionFile> decomposed(const Subject& subject, const CharacterBodySettings& settings, Host& host) {
-  LORICA_TRY(const Training training, trainingMotions(subject, {}, host));
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
   LORICA_TRY(const Keyframes keyframes, trainingKeyframes(*subject.character, training, std::nullopt));
   CoverPoses poses;
   if (!settings.cover.exact()) {
@@ -43,13 +43,11 @@ Result<std::shared_ptr<const CharacterBody>> bodyOf(CharacterPointer owner, Deco
 
 /// A shipped recording by its name, without its file, which a program may not have.
 Result<Motion> motionNamed(const std::string& name) {
-  if (std::optional<Motion> made = shippedMotion(name)) return *std::move(made);
-  std::array<std::string_view, kSyntheticMotionCount> names;
-  for (int m = 0; m < kSyntheticMotionCount; ++m) names[std::size_t(m)] = nameOf(static_cast<SyntheticMotion>(m));
+  if (std::optional<Motion> shipped = shippedMotion(name)) return *std::move(shipped);
   return notFound(
       "{}: no such file and no shipped recording with that name, expected a motion (joints, .bvh, .oni, .glb, .vrm, "
       ".fbx, .dae) or one of {}",
-      name, fmt::join(names, ", "));
+      name, fmt::join(kShippedMotions, ", "));
 }
 
 }  // namespace

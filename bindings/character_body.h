@@ -7,8 +7,8 @@
 #include "collision/live/ray_query.h"
 #include "collision/world/self_contact.h"
 #include "collision/world/shape_contact.h"
-#include "prepare/cover_choice.h"
-#include "prepare/subject.h"
+#include "session/prepare/cover_choice.h"
+#include "session/prepare/subject.h"
 #include "skinning/clip.h"
 
 #include <filesystem>

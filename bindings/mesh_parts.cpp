@@ -3,10 +3,10 @@
 #include "bindings/program_host.h"
 #include "export/export_source.h"
 #include "geometry/errors.h"
-#include "prepare/body.h"
-#include "prepare/hull_fit.h"
-#include "prepare/mesh_subject.h"
-#include "prepare/mesh_walls.h"
+#include "session/prepare/body.h"
+#include "session/prepare/hull_fit.h"
+#include "session/prepare/mesh_subject.h"
+#include "session/prepare/mesh_walls.h"
 
 #include <fmt/format.h>
 

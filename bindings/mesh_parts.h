@@ -3,7 +3,7 @@
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
 #include "geometry/convex_hull.h"
-#include "prepare/subject.h"
+#include "session/prepare/subject.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -2,7 +2,7 @@
 
 #include "acd/decompose.h"
 #include "geometry/result.h"
-#include "prepare/host.h"
+#include "session/prepare/host.h"
 
 #include <atomic>
 #include <string>

@@ -7,7 +7,7 @@ namespace lorica {
 namespace {
 
 /// Limits the step so that a pause in the stream does not turn a blend into a jump.
-constexpr double kLongestStep = 0.1;
+constexpr double kLongestHoldStep = 0.1;
 /// Sums of frame times reach 1 only up to rounding.
 constexpr double kWholeTrust = 1.0 - 1e-6;
 
@@ -28,7 +28,7 @@ ConfidenceHold::ConfidenceHold(const Skeleton& skeleton, const ConfidenceHoldSet
 
 void ConfidenceHold::beginFrame(double time) {
   const double passed = frameCount_ == 0 ? 0.0 : time - lastTime_;
-  step_ = passed > 0.0 ? std::min(passed, kLongestStep) : 0.0;  // also false for NaN
+  step_ = passed > 0.0 ? std::min(passed, kLongestHoldStep) : 0.0;  // also false for NaN
   if (std::isfinite(time)) lastTime_ = time;
   ++frameCount_;
 }

@@ -86,7 +86,7 @@ double normalFrom(RandomNumbers& random) {
 using J = BodyJoint;
 constexpr std::array<std::pair<J, J>, 3> kArms = {
     {{J::kLeftShoulder, J::kRightShoulder}, {J::kLeftElbow, J::kRightElbow}, {J::kLeftHand, J::kRightHand}}};
-constexpr std::array<std::pair<J, J>, 3> kLegs = {
+constexpr std::array<std::pair<J, J>, 3> kLegPairs = {
     {{J::kLeftHip, J::kRightHip}, {J::kLeftKnee, J::kRightKnee}, {J::kLeftFoot, J::kRightFoot}}};
 
 void exchange(const std::array<std::pair<J, J>, 3>& limbs, SkeletonFrame& frame) {
@@ -159,7 +159,7 @@ class FaultInjector final : public SkeletonSource {
     if (!swapping_) which_ = 3.0 * swap_.random().unit();  // arms, legs or both
     swapping_ = true;
     if (which_ != 1) exchange(kArms, frame);
-    if (which_ != 0) exchange(kLegs, frame);
+    if (which_ != 0) exchange(kLegPairs, frame);
   }
 
   void shake(SkeletonFrame& frame) {

@@ -7,7 +7,6 @@
 #include "geometry/text.h"
 
 #include <fmt/format.h>
-#include <zlib.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
@@ -66,9 +65,12 @@ T at(const ContactRow& row, std::size_t offset) {
   return value;
 }
 
-/// A name without bytes that are no UTF-8, in quotes.
-std::string quoted(const std::string& name) {
-  return nlohmann::json(name).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+/// Text in quotes, and without bytes that are no UTF-8.
+std::string quoted(const std::string& text) {
+  return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+std::string utf8Of(const std::string& text) {
+  return nlohmann::json::parse(quoted(text));
 }
 
 /// A name as a cell of .csv: in quotes if it has to be.
@@ -144,7 +146,7 @@ class BoneNames {
     for (const SessionAvatar& avatar : session.avatars()) {
       std::vector<std::int32_t>& indices = indices_.emplace_back();
       for (const Joint& joint : avatar.character().skeleton.joints()) {
-        const auto [found, added] = known.emplace(nlohmann::json::parse(quoted(joint.name)), countOf(names));
+        const auto [found, added] = known.emplace(utf8Of(joint.name), countOf(names));
         if (added) names.push_back(found->first);
         indices.push_back(found->second);
       }
@@ -187,8 +189,8 @@ void append(const ContactLabels& labels, std::size_t offset, std::string& bytes)
   for (const ContactRow& row : labels.rows) appendLittleEndian(at<T>(row, offset), bytes);
 }
 
-LabelArray arrayOf(const ContactLabels& labels, const Column& column) {
-  LabelArray array{column.name, "<i4", {labels.rows.size()}, {}};
+NamedArray arrayOf(const ContactLabels& labels, const Column& column) {
+  NamedArray array{column.name, "<i4", {labels.rows.size()}, {}};
   switch (column.type) {
     case Column::kDouble:
       array.type = "<f8";
@@ -218,14 +220,14 @@ LabelArray arrayOf(const ContactLabels& labels, const Column& column) {
 }
 
 template <typename Words>
-LabelArray arrayOf(const char* name, const Words& words) {
+NamedArray arrayOf(const char* name, const Words& words) {
   std::vector<std::u32string> texts;
   std::size_t longest = 1;
-  for (const std::string_view word : words) {
-    texts.push_back(fs::path(std::u8string(word.begin(), word.end())).u32string());
+  for (const auto& word : words) {
+    texts.push_back(fs::path(reinterpret_cast<const char8_t*>(utf8Of(word).c_str())).u32string());
     longest = std::max(longest, texts.back().size());
   }
-  LabelArray array{name, fmt::format("<U{}", longest), {texts.size()}, {}};
+  NamedArray array{name, fmt::format("<U{}", longest), {texts.size()}, {}};
   for (std::u32string& text : texts) {
     text.resize(longest, U'\0');
     for (const char32_t letter : text) appendLittleEndian(static_cast<std::uint32_t>(letter), array.bytes);
@@ -233,86 +235,7 @@ LabelArray arrayOf(const char* name, const Words& words) {
   return array;
 }
 
-/// An array as a file of numpy: format 1.0.
-std::string npyOf(const LabelArray& array) {
-  std::string shape;
-  for (const std::size_t count : array.shape) shape += fmt::format("{},", count);
-  std::string header = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}", array.type, shape);
-  constexpr std::size_t kBefore = 10, kAligned = 64;
-  header.resize((kBefore + header.size() + 1 + kAligned - 1) / kAligned * kAligned - kBefore, ' ');
-  header.back() = '\n';
-  std::string bytes("\x93NUMPY\x01\x00", 8);
-  appendLittleEndian(static_cast<std::uint16_t>(header.size()), bytes);
-  return bytes + header + array.bytes;
-}
-
-/// A zip archive whose files are stored as they are, all of 1 January 1980: the least that numpy reads.
-class Archive {
- public:
-  explicit Archive(NewFile& file) : file_(file) {}
-
-  Result<void> add(const std::string& name, const std::string& bytes) {
-    const auto size = static_cast<std::uint32_t>(bytes.size());
-    const auto crc =
-        static_cast<std::uint32_t>(::crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
-    std::string about("\x14\0\0\0\0\0\0\0\x21\0", 10);  // version 2.0, no flags, stored, midnight, the date
-    for (const std::uint32_t number : {crc, size, size, static_cast<std::uint32_t>(name.size())}) {
-      appendLittleEndian(number, about);  // the last one is of 16 bits, before an empty extra field
-    }
-    directory_ += std::string("PK\x01\x02\x14\0", 6) + about + std::string(10, '\0');
-    appendLittleEndian(static_cast<std::uint32_t>(written_), directory_);
-    directory_ += name;
-    ++count_;
-    LORICA_TRY_DO(write("PK\x03\x04" + about + name));
-    return write(bytes);
-  }
-
-  Result<void> finish() {
-    std::string end("PK\x05\x06\0\0\0\0", 8);
-    appendLittleEndian(count_, end);
-    appendLittleEndian(count_, end);
-    appendLittleEndian(static_cast<std::uint32_t>(directory_.size()), end);
-    appendLittleEndian(static_cast<std::uint32_t>(written_), end);
-    LORICA_TRY_DO(write(directory_));
-    return write(end + std::string(2, '\0'));
-  }
-
- private:
-  Result<void> write(const std::string& bytes) {
-    written_ += bytes.size();
-    return file_.write(bytes);
-  }
-
-  NewFile& file_;
-  std::size_t written_ = 0;  // fits 32 bits: kMaxContactRows
-  std::uint16_t count_ = 0;
-  std::string directory_;
-};
-
 }  // namespace
-
-std::string ContactLabels::inWords() const {
-  return fmt::format("{}: {}, {}, {} of them overlaps", name, counted(countOf(times), "frame"),
-                     counted(static_cast<long long>(rowCount), "row"), grouped(static_cast<long long>(overlaps)));
-}
-
-nlohmann::ordered_json ContactLabels::summary() const {
-  nlohmann::ordered_json json;
-  json["motion"] = name;
-  json["frames"] = times.size();
-  json["rows"] = rowCount;
-  json["overlaps"] = overlaps;
-  json["avatars"] = nlohmann::ordered_json::array();
-  for (std::size_t a = 0; a < avatars; ++a) {
-    std::array<std::size_t, 2> stands{};
-    for (std::size_t i = 0; i < standing.size(); ++i) {
-      if (i / 2 % avatars == a) stands[i % 2] += standing[i];
-    }
-    json["avatars"].push_back({{"leftFootStands", stands[0]}, {"rightFootStands", stands[1]}});
-  }
-  json["notes"] = notes;
-  return json;
-}
 
 Result<ContactLabels> findContacts(
     const ContactRequest& request, Host& host,
@@ -370,9 +293,9 @@ Result<ContactLabels> findContacts(
 }
 
 Result<void> forEachArray(const ContactLabels& labels,
-                          const std::function<Result<void>(const LabelArray& array)>& visit) {
+                          const std::function<Result<void>(const NamedArray& array)>& visit) {
   for (const Column& column : kColumns) LORICA_TRY_DO(visit(arrayOf(labels, column)));
-  LabelArray times{"frame_time", "<f8", {labels.times.size()}, {}};
+  NamedArray times{"frame_time", "<f8", {labels.times.size()}, {}};
   for (const double time : labels.times) appendLittleEndian(time, times.bytes);
   LORICA_TRY_DO(visit(times));
   LORICA_TRY_DO(visit({"frame_standing",
@@ -394,11 +317,14 @@ Result<ContactLabels> writeContacts(const ContactRequest& request, const std::st
   }
   LORICA_TRY(const std::unique_ptr<NewFile> out, NewFile::create(file));
   if (extension == ".npz") {
-    LORICA_TRY(const ContactLabels labels, findContacts(request, host));
-    Archive archive(*out);
-    LORICA_TRY_DO(
-        forEachArray(labels, [&](const LabelArray& array) { return archive.add(array.name + ".npy", npyOf(array)); }));
-    LORICA_TRY_DO(archive.finish());
+    LORICA_TRY(ContactLabels labels, findContacts(request, host));
+    std::vector<NamedArray> arrays;
+    LORICA_TRY_DO(forEachArray(labels, [&](NamedArray array) {
+      arrays.push_back(std::move(array));
+      return Result<void>();
+    }));
+    labels.rows = {};
+    LORICA_TRY_DO(writeArrays(arrays, *out));
     LORICA_TRY_DO(out->finish());
     return labels;
   }

@@ -1,11 +1,10 @@
 #pragma once
 
+#include "geometry/arrays/array_file.h"
 #include "geometry/result.h"
 #include "geometry/work_budgets.h"
-#include "prepare/cast.h"
+#include "session/prepare/cast.h"
 #include "session/scenes/contact_table.h"
-
-#include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -34,11 +33,6 @@ struct ContactLabels {
   std::vector<std::string> bones;      ///< names; ContactRow::bone and otherBone are indices of it here
   std::vector<std::string> notes;      ///< one sentence each, such as that a motion is nowhere near the floor
   std::deque<ContactRow> rows;         ///< if they were not taken
-
-  /// "walk: 180 frames, 4,210 rows, 390 of them overlaps".
-  [[nodiscard]] std::string inWords() const;
-  /// Counts, the share of time that each foot stands, and notes.
-  [[nodiscard]] nlohmann::ordered_json summary() const;
 };
 
 /// Plays motions as `lorica play` does and finds all contacts. Without a scene the world has a floor only.
@@ -48,22 +42,14 @@ struct ContactLabels {
     const ContactRequest& request, Host& host,
     const std::function<Result<void>(const ContactRow& row, std::span<const std::string> bones)>& take = nullptr);
 
-/// An array of numpy.
-struct LabelArray {
-  std::string name;                ///< "depth"
-  std::string type;                ///< of its elements: "<f4"
-  std::vector<std::size_t> shape;  ///< of all rows, frames or names
-  std::string bytes;               ///< rows first, little-endian
-};
-
 /// The labels as arrays, one at a time: a column of the rows each, then frame_time, frame_standing, bones, and the
 /// words of kind, foot and phase.
 [[nodiscard]] Result<void> forEachArray(const ContactLabels& labels,
-                                        const std::function<Result<void>(const LabelArray& array)>& visit);
+                                        const std::function<Result<void>(const NamedArray& array)>& visit);
 
 /// findContacts() into a file, which is written completely or not at all: .csv and .jsonl row by row, .npz (an
 /// uncompressed archive of arrays for numpy) at the end. The same input gives the same bytes.
-/// @return the labels, of a .csv or .jsonl without rows
+/// @return the labels without rows
 [[nodiscard]] Result<ContactLabels> writeContacts(const ContactRequest& request, const std::string& file, Host& host);
 
 }  // namespace lorica

@@ -6,9 +6,9 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "prepare/body.h"
-#include "prepare/mesh_subject.h"
-#include "prepare/subject_training.h"
+#include "session/prepare/body.h"
+#include "session/prepare/mesh_subject.h"
+#include "session/prepare/training.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
@@ -21,21 +21,6 @@ namespace fs = std::filesystem;
 /// What a .lorica file was made from: a built-in character, or a file next to it.
 std::string sourceNextTo(const fs::path& lorica, const std::string& source) {
   return isBareName(source) ? source : (lorica.parent_path() / fs::path(source).filename()).string();
-}
-
-Result<DecompositionFile> decomposeMesh(const Subject& subject, const ExportSourceOptions& options, Host& host) {
-  Task task(host, "Decomposing " + subject.name, "parts");
-  DecomposeSettings settings;
-  settings.maxParts = options.parts > 0 ? options.parts : kExportParts;
-  // Hulls that hold every vertex may be larger than their parts.
-  settings.maxConcavity = 0.96 * options.maxConcavity * concavityUnitOf(subject);
-  if (options.preset) settings.preset = *options.preset;
-  settings.threads = host.threads;
-  settings.progress = task.progress();
-  Result<CachedDecomposition> made = meshDecomposition(subject.name, subject.mesh, settings, userCache(host));
-  if (host.cancelled()) return cancelled();
-  if (!made) return made.error();
-  return std::move(made->file);
 }
 
 /// Hulls of at most so many vertices.
@@ -87,8 +72,14 @@ Result<ExportSource> readExportSource(const ExportSourceOptions& options, Host& 
 }
 
 Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& options, Host& host) {
-  LORICA_TRY(DecompositionFile content, decomposeMesh(subject, options, host));
-  return ExportSource{options.input, std::move(subject), std::move(content)};
+  DecomposeSettings settings;
+  settings.maxParts = options.parts > 0 ? options.parts : kExportParts;
+  // Hulls that hold every vertex may be larger than their parts.
+  settings.maxConcavity = 0.96 * options.maxConcavity * concavityUnitOf(subject);
+  if (options.preset) settings.preset = *options.preset;
+  settings.threads = host.threads;
+  LORICA_TRY(CachedDecomposition made, meshDecomposition(subject.name, subject.mesh, settings, host));
+  return ExportSource{options.input, std::move(subject), std::move(made.file)};
 }
 
 Result<PartHulls> restHulls(const ExportSource& source, int maxVertices, Host& host) {
@@ -124,8 +115,8 @@ Result<PartHulls> hullsAt(const ExportSource& source, const std::string& motion,
   return limited(hulls, maxVertices, host);
 }
 
-Result<CoverPoses> exportPoses(const Subject& subject, Host& host) {
-  LORICA_TRY(const Training training, trainingMotions(subject, {}, host));
+Result<CoverPoses> exportPoses(const Subject& subject) {
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
   return coverPoses(*subject.character, training.motions);
 }
 

@@ -3,10 +3,10 @@
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
 #include "export/rigid_colliders.h"
-#include "prepare/cover_poses.h"
-#include "prepare/part_hulls.h"
-#include "prepare/read_motion.h"
-#include "prepare/subject.h"
+#include "session/prepare/cover_choice.h"
+#include "session/prepare/part_hulls.h"
+#include "session/prepare/read_motion.h"
+#include "session/prepare/subject.h"
 
 #include <optional>
 #include <string>
@@ -47,6 +47,6 @@ inline constexpr int kExportParts = 16;
                                         const MotionOptions& reading, double at, int maxVertices, Host& host);
 
 /// Poses of the character's default training, and others to measure.
-[[nodiscard]] Result<CoverPoses> exportPoses(const Subject& subject, Host& host);
+[[nodiscard]] Result<CoverPoses> exportPoses(const Subject& subject);
 
 }  // namespace lorica

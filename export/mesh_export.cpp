@@ -3,6 +3,7 @@
 #include "geometry/files.h"
 #include "geometry/little_endian.h"
 #include "geometry/mesh_formats.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -72,8 +73,7 @@ std::string formatMeshes(const std::vector<NamedMesh>& meshes, const std::string
 }
 
 Result<void> writeMeshes(const std::filesystem::path& file, const std::vector<NamedMesh>& meshes) {
-  std::string extension = file.extension().string();
-  for (char& c : extension) c = c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c;
+  const std::string extension = lowerCase(file.extension().string());
   if (extension == ".obj") return writeObjObjects(file, meshes, digitsFor(meshes));
   return writeFileAtomically(file, formatMeshes(meshes, extension));
 }

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "geometry/result.h"
-#include "prepare/host.h"
-#include "prepare/motion.h"
-#include "prepare/read_motion.h"
+#include "session/prepare/host.h"
+#include "session/prepare/motion.h"
+#include "session/prepare/read_motion.h"
 
 #include <optional>
 #include <string>

@@ -1,6 +1,7 @@
 #include "export/rigid_colliders.h"
 
 #include "acd/hull_budget.h"
+#include "capture/retarget/proxy_skeleton.h"
 #include "collision/live/attached_vertices.h"
 #include "geometry/errors.h"
 #include "geometry/parallel_progress.h"
@@ -46,9 +47,9 @@ JointIndex strongestOf(const Facet& facet, std::span<const LiftedPoint> lifted, 
 }
 
 /// Divides the facets of a part among its bones.
-std::vector<Group> groupByBone(const Skeleton& skeleton, PartIndex part, std::span<const Facet> facets,
+std::vector<Group> groupByBone(std::span<const JointIndex> parents, PartIndex part, std::span<const Facet> facets,
                                std::span<const LiftedPoint> lifted, double leastShare) {
-  std::vector<double> scratch(skeleton.jointCount());
+  std::vector<double> scratch(parents.size());
   std::vector<JointIndex> boneOf;
   std::vector<double> area(scratch.size(), 0.0);
   double all = 0.0;
@@ -60,7 +61,7 @@ std::vector<Group> groupByBone(const Skeleton& skeleton, PartIndex part, std::sp
   const JointIndex largest = std::max_element(area.begin(), area.end()) - area.begin();
   const auto kept = [&](JointIndex j) { return j == largest || area[j] >= std::max(leastShare * all, 1e-300); };
   const auto ownerOf = [&](JointIndex j) {
-    while (j != kNoJoint && !kept(j)) j = skeleton.joint(j).parent;
+    while (j != kNoJoint && !kept(j)) j = parents[j];
     return j == kNoJoint ? largest : j;
   };
   std::vector<Group> groups(area.size());
@@ -88,6 +89,7 @@ Facet facetOf(const Triangle& t, std::span<const Vec3> bind) {
 std::vector<Group> groupsOfParts(const Character& character, const Decomposition& decomposition,
                                  std::span<const LiftedPoint> lifted, std::span<const Vec3> bind) {
   const std::vector<std::vector<PointIndex>> attached = attachedVerticesOf(decomposition, lifted);
+  const std::vector<JointIndex> parents = parentsOf(character);
   std::vector<Group> groups;
   for (std::size_t i = 0; i < decomposition.parts.size(); ++i) {
     const Part& part = decomposition.parts[i];
@@ -96,7 +98,7 @@ std::vector<Group> groupsOfParts(const Character& character, const Decomposition
       if (part.sourceTriangle[t] >= 0) facets.push_back(facetOf(part.triangles[t], bind));
     }
     for (const PointIndex p : attached[i]) facets.push_back({{p}, 0.0});
-    for (Group& group : groupByBone(character.skeleton, i, facets, lifted, kShareOfPart)) {
+    for (Group& group : groupByBone(parents, i, facets, lifted, kShareOfPart)) {
       groups.push_back(std::move(group));
     }
   }
@@ -111,7 +113,7 @@ std::vector<Group> groupsOfBody(const Character& character, std::span<const Lift
   for (const std::span triangles : {std::span(character.mesh.triangles), std::span(character.shown)}) {
     for (const Triangle& t : triangles) facets.push_back(facetOf({first[t[0]], first[t[1]], first[t[2]]}, bind));
   }
-  return groupByBone(character.skeleton, -1, facets, lifted, kShareOfBody);
+  return groupByBone(parentsOf(character), -1, facets, lifted, kShareOfBody);
 }
 
 /// Those of the group's points in all poses that are on the hull of what one bone carries back to the bind pose.

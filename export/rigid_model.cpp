@@ -1,6 +1,7 @@
 #include "export/rigid_model.h"
 
 #include "acd/separating_plane.h"
+#include "capture/retarget/proxy_skeleton.h"
 #include "export/mesh_export.h"
 #include "geometry/counts.h"
 #include "skinning/humanoid/joint_limits.h"
@@ -8,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <map>
 #include <numbers>
 
@@ -109,16 +111,19 @@ RigidModel rigidModelOf(const Character& character, std::span<const RigidCollide
   std::map<JointIndex, int> bodyOf;
   int unknown = 0;
   double volume = 0.0;
-  for (const auto& [joint, own] : ofJoint) {
+  const std::vector<JointIndex> parents = parentsOf(character);
+  const std::function<void(JointIndex)> add = [&](JointIndex joint) {
+    if (bodyOf.contains(joint)) return;
+    JointIndex above = parents[joint];
+    while (above != kNoJoint && !ofJoint.contains(above)) above = parents[above];
+    if (above != kNoJoint) add(above);
     RigidBody body;
     body.name = skeleton.joint(joint).name;
     body.joint = joint;
     body.origin = character.jointFromModel[joint].inverse().translation();
-    JointIndex above = skeleton.joint(joint).parent;
-    while (above != kNoJoint && !bodyOf.contains(above)) above = skeleton.joint(above).parent;
     // Without a bone above it that has hulls, a body hangs on the first one, so that all stay together.
     body.parent = above != kNoJoint ? bodyOf.at(above) : model.bodies.empty() ? -1 : 0;
-    for (const RigidCollider* collider : own) {
+    for (const RigidCollider* collider : ofJoint.at(joint)) {
       NamedMesh hull{"", collider->hull};
       for (Vec3& p : hull.mesh.vertices) p -= body.origin;
       body.hulls.push_back(std::move(hull));
@@ -126,7 +131,8 @@ RigidModel rigidModelOf(const Character& character, std::span<const RigidCollide
     }
     bodyOf[joint] = countOf(model.bodies);
     model.bodies.push_back(std::move(body));
-  }
+  };
+  for (const auto& [joint, own] : ofJoint) add(joint);
   const int renamed = nameBodies(model.bodies);
   const double mass = kDensity * signedVolume(character.mesh.vertices, character.mesh.triangles);
   for (RigidBody& body : model.bodies) {

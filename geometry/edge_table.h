@@ -1,7 +1,8 @@
 #pragma once
 
-/// The edges of a mesh, each with its triangles. Internal to geometry/.
+/// The edges of a mesh, each with its triangles, and what repairs ask of triangles. Internal to geometry/.
 
+#include "geometry/counts.h"
 #include "geometry/tri_mesh.h"
 
 #include <algorithm>
@@ -11,6 +12,19 @@
 #include <vector>
 
 namespace lorica {
+
+[[nodiscard]] inline Triangle sortedCorners(Triangle t) {
+  std::sort(t.begin(), t.end());
+  return t;
+}
+
+/// Whether corners are vertices of the mesh and positions are numbers.
+[[nodiscard]] inline bool isReadable(const TriMesh& mesh) {
+  const auto inRange = [&](VertexIndex v) { return v >= 0 && v < countOf(mesh.vertices); };
+  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
+                     [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), inRange); }) &&
+         std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return p.allFinite(); });
+}
 
 /// One side of a triangle, stored under the smaller of its two vertex indices.
 struct TriangleSide {

@@ -74,19 +74,29 @@ Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_
   return made->finish();
 }
 
+Result<void> checkOwnFolder(const std::filesystem::path& folder) {
+  const auto refused = [](const std::filesystem::path& place, const char* why) {
+    return unwritable("{}: {}", place.string(), why);
+  };
+  struct stat own {
+  }, around{};
+  const std::filesystem::path parent = folder.has_parent_path() ? folder.parent_path() : ".";
+  if (::stat(folder.c_str(), &own) != 0 || ::stat(parent.c_str(), &around) != 0) {
+    return refused(folder, std::generic_category().message(errno).c_str());
+  }
+  if (!S_ISDIR(own.st_mode)) return refused(folder, std::generic_category().message(ENOTDIR).c_str());
+  if (own.st_uid != ::geteuid()) return refused(folder, "belongs to another user");
+  if ((own.st_mode & S_IWOTH) != 0) return refused(folder, "everybody may write into it");
+  const bool renamed = (around.st_mode & S_IWOTH) != 0 && (around.st_mode & S_ISVTX) == 0;
+  return renamed ? Result<void>(refused(parent, "everybody may write into it")) : Result<void>();
+}
+
 Result<void> makeOwnFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder.parent_path(), error);
   if (!error && ::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) error.assign(errno, std::generic_category());
-  struct stat status {};
-  if (!error && ::stat(folder.c_str(), &status) != 0) error.assign(errno, std::generic_category());
-  if (!error && !S_ISDIR(status.st_mode)) error.assign(ENOTDIR, std::generic_category());
   if (error) return unwritable("{}: {}", folder.string(), error.message());
-  if (status.st_uid != ::geteuid() || (status.st_mode & S_IWOTH) != 0) {
-    return unwritable("{}: {}", folder.string(),
-                      status.st_uid != ::geteuid() ? "belongs to another user" : "everybody may write into it");
-  }
-  return {};
+  return checkOwnFolder(folder);
 }
 
 std::uint64_t contentHash(std::string_view bytes, std::uint64_t seed) {

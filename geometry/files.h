@@ -11,9 +11,10 @@ namespace lorica {
 
 /// Who named a file.
 enum class NamedBy {
-  kUser,   ///< on the command line: pipes are read to their end, and links are followed when it is written
-  kFile,   ///< in another file: it must be a regular file, and opening it never waits
-  kLorica  ///< Lorica itself, in a folder of its own or one that the user named: as kFile, and a link is replaced
+  kUser,    ///< on the command line: pipes are read to their end, and links are followed when it is written
+  kFile,    ///< in another file: it must be a regular file, and opening it never waits
+  kLorica,  ///< Lorica itself, in a folder of its own or one that the user named: as kFile, and a link is replaced
+  kSecret   ///< as kLorica, and from its first byte only this user may read it
 };
 
 /// Limit of most formats [bytes]. A table of all limits is in docs/SECURITY.md.
@@ -30,8 +31,12 @@ inline constexpr std::uint64_t kMaxFileBytes = std::uint64_t{256} << 20;
 [[nodiscard]] Result<void> writeFileAtomically(const std::filesystem::path& file, std::string_view content,
                                                NamedBy by = NamedBy::kUser);
 
-/// Makes a folder for files that Lorica names itself, open to this user alone, and what it lies in. One that is there
-/// must belong to this user, and others must not be able to replace files in it.
+/// Whether a folder holds what Lorica wrote: it belongs to this user, and not everybody may write into it or rename it.
+/// What is in another one is neither read nor replaced.
+[[nodiscard]] Result<void> checkOwnFolder(const std::filesystem::path& folder);
+
+/// Makes a folder for files that Lorica names itself, open to this user alone, and what it lies in; checks one that is
+/// there.
 [[nodiscard]] Result<void> makeOwnFolder(const std::filesystem::path& folder);
 
 /// Returns a 64-bit content hash (XXH3), the same on every machine.

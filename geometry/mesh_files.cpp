@@ -2,9 +2,8 @@
 
 #include "geometry/errors.h"
 #include "geometry/mesh_formats.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
-
-#include <algorithm>
 
 namespace lorica {
 
@@ -12,9 +11,7 @@ namespace {
 
 using Parser = Result<TriMesh> (*)(std::string_view content, const std::string& fileName);
 
-Parser parserFor(std::string extension) {
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+Parser parserFor(const std::string& extension) {
   if (extension == ".off") return parseOff;
   if (extension == ".obj") return parseObj;
   if (extension == ".ply") return parsePly;
@@ -34,7 +31,7 @@ void weldIfThatClosesEdges(TriMesh& mesh) {
 }  // namespace
 
 Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by) {
-  const Parser parse = parserFor(file.extension().string());
+  const Parser parse = parserFor(lowerCase(file.extension().string()));
   if (parse == nullptr) {
     std::error_code ignored;
     if (std::filesystem::is_directory(file, ignored)) {

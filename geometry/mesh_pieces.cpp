@@ -27,11 +27,6 @@ struct Neighbours {
   }
 };
 
-double doubleAreaOf(const TriMesh& mesh, const Triangle& t) {
-  const Vec3& a = mesh.vertices[t[0]];
-  return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
-}
-
 /// One piece of a closed surface.
 struct Shell {
   std::vector<Triangle> triangles;
@@ -57,7 +52,7 @@ std::vector<Shell> shellsOf(const TriMesh& mesh, const MeshPieces& pieces) {
     const Triangle& t = mesh.triangles[k];
     shells[s].triangles.push_back(t);
     for (const VertexIndex v : t) shells[s].box.extend(mesh.vertices[v]);
-    if (const double area = doubleAreaOf(mesh, t); area > largest[s]) {
+    if (const double area = areaNormal(mesh.vertices, t).norm(); area > largest[s]) {
       largest[s] = area;
       shells[s].sample = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
     }
@@ -118,7 +113,7 @@ MeshPieces findPieces(const TriMesh& mesh) {
     double turnedArea = 0.0;
     for (std::size_t next = 0; next < walk.size(); ++next) {
       const std::size_t k = walk[next];
-      const double own = doubleAreaOf(mesh, mesh.triangles[k]);
+      const double own = areaNormal(mesh.vertices, mesh.triangles[k]).norm();
       area += own;
       if (turned[k]) turnedArea += own;
       open = open || border[k];

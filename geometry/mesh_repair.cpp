@@ -2,6 +2,8 @@
 
 #include "geometry/counts.h"
 #include "geometry/edge_table.h"
+#include "geometry/text.h"
+#include "geometry/union_find.h"
 
 #include <fmt/format.h>
 
@@ -15,15 +17,6 @@
 namespace lorica {
 
 namespace {
-
-bool hasRepeatedCorner(const Triangle& t) {
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-}
-
-Triangle sorted(Triangle t) {
-  std::sort(t.begin(), t.end());
-  return t;
-}
 
 /// Whether the corners are an even permutation of the sorted corners.
 bool isEven(const Triangle& t) {
@@ -43,9 +36,9 @@ struct Seam {
   std::int32_t up, down;
 };
 
-class Repairer {
+class ManifoldRepairer {
  public:
-  explicit Repairer(const TriMesh& mesh) : input_(mesh) {
+  explicit ManifoldRepairer(const TriMesh& mesh) : input_(mesh) {
     alive_.assign(mesh.triangles.size(), true);
     repair_.mesh.vertices = mesh.vertices;
     repair_.origin.reserve(mesh.vertices.size());
@@ -109,11 +102,13 @@ class Repairer {
     };
     std::vector<std::size_t> order(triangles().size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return sorted(triangles()[a]) < sorted(triangles()[b]); });
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return sortedCorners(triangles()[a]) < sortedCorners(triangles()[b]);
+    });
     for (std::size_t from = 0; from < order.size();) {
       std::size_t to = from + 1;
-      while (to < order.size() && sorted(triangles()[order[to]]) == sorted(triangles()[order[from]])) ++to;
+      while (to < order.size() && sortedCorners(triangles()[order[to]]) == sortedCorners(triangles()[order[from]]))
+        ++to;
       std::array<std::vector<std::size_t>, 2> facing;
       for (std::size_t i = from; i < to; ++i) facing[isEven(triangles()[order[i]]) ? 1 : 0].push_back(order[i]);
       while (!facing[0].empty() && !facing[1].empty() && nonManifold[facing[0].back()]) {
@@ -150,8 +145,7 @@ class Repairer {
   // Finds, for each side of a triangle, the side that it stays joined to. Corners at a vertex that are connected across
   // such seams form a fan.
   bool joinTriangles() {
-    fan_.resize(3 * triangles().size());
-    std::iota(fan_.begin(), fan_.end(), std::size_t{0});
+    fans_ = UnionFind(3 * triangles().size());
     bool closed = true;
     EdgeTable table(input_.vertices.size(), triangles());
     table.forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
@@ -179,23 +173,12 @@ class Repairer {
   void join(VertexIndex v, VertexIndex w, const Seam& seam) {
     const std::size_t up = edgeOf(triangles()[seam.up], v, w);
     const std::size_t down = edgeOf(triangles()[seam.down], w, v);
-    unite(cornerIndex(seam.up, up), cornerIndex(seam.down, down + 1));
-    unite(cornerIndex(seam.up, up + 1), cornerIndex(seam.down, down));
+    fans_.unite(cornerIndex(seam.up, up), cornerIndex(seam.down, down + 1));
+    fans_.unite(cornerIndex(seam.up, up + 1), cornerIndex(seam.down, down));
   }
 
   static std::size_t cornerIndex(std::int32_t triangle, std::size_t corner) {
     return 3 * static_cast<std::size_t>(triangle) + corner % 3;
-  }
-
-  std::size_t fanOf(std::size_t corner) {
-    while (fan_[corner] != corner) corner = fan_[corner] = fan_[fan_[corner]];
-    return corner;
-  }
-
-  void unite(std::size_t a, std::size_t b) {
-    a = fanOf(a);
-    b = fanOf(b);
-    fan_[std::max(a, b)] = std::min(a, b);
   }
 
   // A counter-clockwise sweep about v -> w leaves the solid at a triangle that runs v -> w and enters it at a triangle
@@ -257,12 +240,12 @@ class Repairer {
     std::vector<bool> isEnd(input_.vertices.size(), false);
     for (const NonManifoldSeam& c : nonManifoldSeams_) isEnd[c.v] = isEnd[c.w] = true;
     std::vector<std::size_t> firstFan(input_.vertices.size(), kNone);
-    std::vector<VertexIndex> vertexOfFan(fan_.size(), -1);
+    std::vector<VertexIndex> vertexOfFan(fans_.count(), -1);
     for (std::size_t t = 0; t < triangles().size(); ++t) {
       for (std::size_t corner = 0; corner < 3; ++corner) {
         VertexIndex& v = triangles()[t][corner];
         if (!isEnd[v]) continue;
-        const std::size_t fan = fanOf(3 * t + corner);
+        const std::size_t fan = fans_.find(cornerIndex(t, corner));
         std::size_t& first = firstFan[v];
         if (first == kNone) first = fan;
         if (first == fan) continue;
@@ -333,20 +316,9 @@ class Repairer {
   const TriMesh& input_;
   MeshRepair repair_;
   std::vector<bool> alive_;
-  std::vector<std::size_t> fan_;  // union-find over corners
+  UnionFind fans_;  // of corners
   std::vector<NonManifoldSeam> nonManifoldSeams_;
 };
-
-std::string counted(std::size_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
-bool isReadable(const TriMesh& mesh) {
-  const auto inRange = [&](VertexIndex v) { return v >= 0 && v < countOf(mesh.vertices); };
-  return std::all_of(mesh.triangles.begin(), mesh.triangles.end(),
-                     [&](const Triangle& t) { return std::all_of(t.begin(), t.end(), inRange); }) &&
-         std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return p.allFinite(); });
-}
 
 }  // namespace
 
@@ -384,7 +356,7 @@ std::vector<Vec3> MeshRepair::carried(std::span<const Vec3> posed) const {
 Result<MeshRepair> repairClosedMesh(const TriMesh& mesh) {
   const Result<void> checked = checkClosedTwoManifold(mesh);
   if (!checked && !isReadable(mesh)) return checked.error();
-  Repairer repairer(mesh);
+  ManifoldRepairer repairer(mesh);
   if (checked) return repairer.unchanged();
   std::optional<MeshRepair> repair = repairer.run();
   if (!repair) return checked.error();

@@ -8,8 +8,8 @@
 namespace lorica {
 
 /// Loads one of Lorica's shared libraries on first use, because its dependencies load slowly or may not be installed.
-/// The library stays loaded. It is found by the program's run path, which `lorica_module` in cmake/LoricaTargets.cmake
-/// sets.
+/// The library stays loaded. It is found by the program's run path, which `lorica_module` in
+/// tools/cmake/LoricaTargets.cmake sets.
 /// @param name     of the library, as given to lorica_module()
 /// @param symbol   a constant in the library, of a type that caller and library agree on
 /// @param purpose  the feature that needs the library, as the start of the error message: "writing MP4"

@@ -61,11 +61,12 @@ Result<std::unique_ptr<NewFile>> NewFile::create(const fs::path& file, NamedBy b
 
   std::unique_ptr<NewFile> made(new NewFile(file, target));
   std::string temporary;
-  made->descriptor_ = openBeside(target, 0666, temporary);
+  made->descriptor_ = openBeside(target, by == NamedBy::kSecret ? S_IRUSR | S_IWUSR : 0666, temporary);
   if (made->descriptor_ < 0) return made->failed(errno);
   made->temporary_ = temporary;
   made->cleaning_ = std::make_unique<AtHardStop>([temporary] { ::unlink(temporary.c_str()); });
-  if (exists && ::fchmod(made->descriptor_, status.st_mode & 07777) != 0) return made->failed(errno);
+  if (exists && by != NamedBy::kSecret && ::fchmod(made->descriptor_, status.st_mode & 07777) != 0)
+    return made->failed(errno);
   return made;
 }
 

@@ -12,12 +12,12 @@ namespace {
 constexpr std::int64_t kLargestCount = std::numeric_limits<VertexIndex>::max();
 
 /// The letters of [ST][C][N][4][n]OFF before OFF, and the text directly after it.
-struct Header {
+struct OffHeader {
   bool extraVertexData = false;  ///< texture coordinates, colour or normal after x y z
   std::string_view restOfWord;   ///< some data sets write "OFF8 6 12" without a blank
 };
 
-Result<Header> readHeader(LineScanner& scanner) {
+Result<OffHeader> readOffHeader(LineScanner& scanner) {
   if (!scanner.nextLine()) return scanner.failAtEnd("expected the word OFF");
   const std::string_view word = scanner.word();
   const std::size_t at = word.find("OFF");
@@ -30,14 +30,14 @@ Result<Header> readHeader(LineScanner& scanner) {
     error.code = ErrorCode::kUnsupported;
     return error;
   }
-  return Header{!letters.empty(), word.substr(at + 3)};
+  return OffHeader{!letters.empty(), word.substr(at + 3)};
 }
 
 }  // namespace
 
 Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) {
   LineScanner scanner(content, fileName, '#');
-  LORICA_TRY(const Header header, readHeader(scanner));
+  LORICA_TRY(const OffHeader header, readOffHeader(scanner));
 
   // The counts are on the header's line or the next. The third, of edges, is often wrong or missing and is not used.
   std::int64_t vertexCount = 0;

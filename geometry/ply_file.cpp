@@ -34,7 +34,7 @@ struct Element {
 
 enum class Encoding { kAscii, kLittleEndian, kBigEndian };
 
-struct Header {
+struct PlyHeader {
   std::optional<Encoding> encoding;
   std::vector<Element> elements;
 };
@@ -94,12 +94,12 @@ Result<Property> readProperty(LineScanner& scanner) {
 }
 
 /// Reads up to and including the line end_header.
-Result<Header> readHeader(LineScanner& scanner) {
+Result<PlyHeader> readPlyHeader(LineScanner& scanner) {
   if (!scanner.nextLine()) return scanner.failAtEnd("expected the word ply");
   if (const std::string_view word = scanner.word(); word != "ply") {
     return scanner.fail(fmt::format("found {}, expected the word ply", quotedWord(word)));
   }
-  Header header;
+  PlyHeader header;
   while (true) {
     if (!scanner.nextLine()) return scanner.failAtEnd("expected end_header");
     const std::string_view keyword = scanner.word();
@@ -326,7 +326,7 @@ std::optional<Error> readFaces(Body& body, const Element& element, std::int64_t 
 }
 
 template <typename Body>
-Result<TriMesh> readBody(Body body, const Header& header, std::int64_t vertexCount) {
+Result<TriMesh> readBody(Body body, const PlyHeader& header, std::int64_t vertexCount) {
   TriMesh mesh;
   for (const Element& element : header.elements) {
     if (element.properties.empty()) continue;  // occupies no bytes, whatever its count
@@ -351,7 +351,7 @@ Result<TriMesh> readBody(Body body, const Header& header, std::int64_t vertexCou
 
 /// Checks that the header declares vertices with x, y, z and faces with a list of corners.
 /// @return what is missing, or nothing
-std::optional<std::string> missingInHeader(const Header& header) {
+std::optional<std::string> missingInHeader(const PlyHeader& header) {
   const auto find = [&](std::string_view name) {
     return std::find_if(header.elements.begin(), header.elements.end(),
                         [&](const Element& e) { return e.name == name; });
@@ -384,7 +384,7 @@ std::optional<std::string> missingInHeader(const Header& header) {
 
 Result<TriMesh> parsePly(std::string_view content, const std::string& fileName) {
   LineScanner scanner(content, fileName, 0);
-  LORICA_TRY(const Header header, readHeader(scanner));
+  LORICA_TRY(const PlyHeader header, readPlyHeader(scanner));
   if (const auto missing = missingInHeader(header)) return scanner.fail(*missing);
   std::int64_t vertexCount = 0;
   for (const Element& element : header.elements) {

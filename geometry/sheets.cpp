@@ -19,11 +19,6 @@ constexpr double kFoldedFlat = 0.03;   // radians between two triangles that lie
 constexpr double kWeakNormals = 0.03;  // of the strongest: directions in which normals do not fix an offset
 constexpr double kMaxMiter = 2.0;      // of the offset of a face
 
-Vec3 areaNormal(const TriMesh& mesh, const Triangle& t) {
-  const Vec3& a = mesh.vertices[t[0]];
-  return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
-}
-
 /// A triangle at an edge.
 struct Wing {
   std::int32_t triangle = 0;
@@ -143,7 +138,7 @@ Sheets findSheets(const TriMesh& mesh) {
     std::vector<std::int32_t> walk{static_cast<std::int32_t>(start)};
     for (std::size_t next = 0; next < walk.size(); ++next) {
       const std::int32_t k = walk[next];
-      const double area = areaNormal(mesh, mesh.triangles[k]).norm();
+      const double area = areaNormal(mesh.vertices, mesh.triangles[k]).norm();
       facing += sheets.triangles[k] == mesh.triangles[k] ? area : -area;
       for (std::size_t i = 0; i < 3; ++i) {
         const std::int32_t other = sheets.across[k][i];
@@ -196,7 +191,7 @@ TriMesh wallsAround(const TriMesh& mesh, const Sheets& sheets, const std::vector
   for (std::size_t k = 0; k < count; ++k) {
     if (!which[k]) continue;
     const Triangle& t = sheets.triangles[k];
-    const Vec3 normal = areaNormal(mesh, t).stableNormalized();
+    const Vec3 normal = areaNormal(mesh.vertices, t).stableNormalized();
     for (std::size_t i = 0; i < 3; ++i) {
       VertexIndex& corner = cornerOf(k, i);
       if (corner < 0) {
@@ -249,7 +244,7 @@ double narrowestGap(const TriMesh& mesh, const std::vector<bool>& which, double 
   const auto forEachTriangle = [&](auto&& visit) {
     for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
       const Triangle& t = mesh.triangles[k];
-      const Vec3 normal = areaNormal(mesh, t).stableNormalized();
+      const Vec3 normal = areaNormal(mesh.vertices, t).stableNormalized();
       if (!which[k] || normal.isZero()) continue;
       const std::array<Vec3, 3> p{mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
       const double longest = std::max({(p[1] - p[0]).norm(), (p[2] - p[1]).norm(), (p[0] - p[2]).norm()});
@@ -261,7 +256,7 @@ double narrowestGap(const TriMesh& mesh, const std::vector<bool>& which, double 
   double area = 0.0;
   forEachTriangle([&](std::size_t k, const auto&, const Vec3&, int rows) {
     all += rows * (rows + 1) / 2;
-    area += 0.5 * areaNormal(mesh, mesh.triangles[k]).norm();
+    area += 0.5 * areaNormal(mesh.vertices, mesh.triangles[k]).norm();
   });
   if (all == 0) return upTo;
   const std::size_t stride = (all + kMaxSamples - 1) / kMaxSamples;
@@ -269,7 +264,7 @@ double narrowestGap(const TriMesh& mesh, const std::vector<bool>& which, double 
   samples.reserve(all / stride + 1);
   int left = 0;  // samples before the next one that is taken, from the start of a row
   forEachTriangle([&](std::size_t k, const std::array<Vec3, 3>& p, const Vec3& normal, int rows) {
-    const double share = areaNormal(mesh, mesh.triangles[k]).norm() / (rows * (rows + 1));
+    const double share = areaNormal(mesh.vertices, mesh.triangles[k]).norm() / (rows * (rows + 1));
     for (int i = 0; i < rows; ++i) {
       for (; left < rows - i; left += static_cast<int>(stride)) {
         const double a = (i + 1.0 / 3.0) / rows, b = (left + 1.0 / 3.0) / rows;
@@ -407,7 +402,7 @@ std::vector<bool> aroundSealedSpace(const TriMesh& mesh) {
   for (std::size_t k = 0; k < sealed.size(); ++k) {
     const Triangle& t = mesh.triangles[k];
     const Vec3 middle = (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) / 3.0;
-    const Vec3 normal = areaNormal(mesh, t).stableNormalized();
+    const Vec3 normal = areaNormal(mesh.vertices, t).stableNormalized();
     for (const double side : {1.0, -1.0}) {
       for (int step = 1; step <= 6; ++step) {
         const CellGrid::State state = grid.at(middle + side * 0.5 * step * grid.edge() * normal);

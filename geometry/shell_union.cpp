@@ -44,7 +44,7 @@ struct Facet {
   Aabb box = boundsOf(corners);
 };
 
-Vec3 areaNormal(std::span<const Vec3> polygon) {
+Vec3 polygonNormal(std::span<const Vec3> polygon) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = 1; i + 1 < polygon.size(); ++i) {
     sum += (polygon[i] - polygon[0]).cross(polygon[i + 1] - polygon[0]);
@@ -81,7 +81,7 @@ bool apart(std::span<const Vec3> a, std::span<const Vec3> b, double tolerance) {
   const auto edge = [](std::span<const Vec3> polygon, std::size_t i) -> Vec3 {
     return polygon[i + 1 < polygon.size() ? i + 1 : 0] - polygon[i];
   };
-  const Vec3 normalA = areaNormal(a), normalB = areaNormal(b);
+  const Vec3 normalA = polygonNormal(a), normalB = polygonNormal(b);
   const double sizeA = normalA.squaredNorm(), sizeB = normalB.squaredNorm();
   if (separates(normalA, sizeA) || separates(normalB, sizeB)) return true;
   for (std::size_t i = 0; i < a.size(); ++i) {
@@ -288,7 +288,7 @@ class Union {
   }
 
   [[nodiscard]] bool coplanar(std::int32_t a, std::int32_t b) const {
-    const Vec3 normal = areaNormal(cornersOf(a)).normalized();
+    const Vec3 normal = polygonNormal(cornersOf(a)).normalized();
     return std::ranges::all_of(cornersOf(b), [&, corner = cornersOf(a)[0]](const Vec3& p) {
       return std::abs(normal.dot(p - corner)) <= tolerance_;
     });
@@ -297,7 +297,7 @@ class Union {
   /// Cuts a triangle where the others pass through it. One in the same plane cuts along its edges.
   [[nodiscard]] std::vector<Facet> facetsOf(std::int32_t k) {
     std::vector<Facet> facets = {facetOf(k)};
-    const Vec3 own = areaNormal(facets[0].corners).normalized();
+    const Vec3 own = polygonNormal(facets[0].corners).normalized();
     for (const std::int32_t other : partners_[k]) {
       const std::array<Vec3, 3> corners = cornersOf(other);
       const Aabb box = grown(boundsOf(corners), tolerance_);
@@ -308,7 +308,7 @@ class Union {
           planes.emplace_back(across, across.dot(corners[i]));
         }
       } else {
-        const Vec3 normal = areaNormal(corners).normalized();
+        const Vec3 normal = polygonNormal(corners).normalized();
         planes.emplace_back(normal, normal.dot(corners[0]));
       }
       for (const auto& [normal, offset] : planes) {
@@ -330,7 +330,7 @@ class Union {
   /// Whether a facet is on the surface of the union: there is nothing in front of it and something behind. Of several
   /// in the same plane, the one of the first piece.
   [[nodiscard]] bool onSurface(const Facet& facet) {
-    const Vec3 area = areaNormal(facet.corners);
+    const Vec3 area = polygonNormal(facet.corners);
     Vec3 center = Vec3::Zero();
     double around = 0.0;
     for (std::size_t i = 0; i < facet.corners.size(); ++i) {
@@ -351,7 +351,7 @@ class Union {
     return std::ranges::none_of(inPlane, [&](std::int32_t other) {
       const std::array<Vec3, 3> corners = cornersOf(other);
       return std::pair(pieceOf_[other], other) < std::pair(pieceOf_[facet.triangle], facet.triangle) &&
-             areaNormal(corners).dot(area) > 0.0 &&
+             polygonNormal(corners).dot(area) > 0.0 &&
              std::sqrt(nearestOnTriangle(center, {corners[0], corners[1], corners[2]}).first) <= 2.0 * tolerance_;
     });
   }
@@ -367,7 +367,7 @@ class Union {
         });
     cut_.assign(pieceBoxes_.size(), false);
     std::vector<std::int32_t> largest(mesh_.triangles.size(), -1);  // of a group, at its root
-    const auto areaOf = [&](std::int32_t k) { return areaNormal(cornersOf(k)).norm(); };
+    const auto areaOf = [&](std::int32_t k) { return polygonNormal(cornersOf(k)).norm(); };
     for (std::int32_t k = 0; k < countOf(mesh_.triangles); ++k) {
       std::int32_t& shown = largest[groups.find(k)];
       if (shown < 0 || areaOf(k) > areaOf(shown)) shown = k;

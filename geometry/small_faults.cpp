@@ -1,17 +1,19 @@
 #include "geometry/small_faults.h"
 
 #include "geometry/counts.h"
+#include "geometry/edge_table.h"
 #include "geometry/mesh_pieces.h"
 #include "geometry/mesh_repair.h"
 #include "geometry/near_positions.h"
-#include "geometry/pinholes.h"
 #include "geometry/shell_union.h"
+#include "geometry/text.h"
 #include "geometry/triangle_tree.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -19,21 +21,185 @@
 namespace lorica {
 namespace {
 
-constexpr double kSamePosition = 1e-6;  // of the diagonal
+/// A hole is a pinhole if it has at most this many edges, ...
+constexpr std::size_t kPinholeEdges = 64;
+/// ... its longest extent is at most this share of the surface's diagonal (any size if it has three edges: one triangle
+/// is missing), ...
+constexpr double kPinholeExtent = 0.05;
+/// ... or its cap has at most this share of the connected piece's area: a slit, ...
+constexpr double kSlitArea = 0.002;
+/// ... and all holes of a connected piece have at most this share of the piece's area. A flat card is not a pinhole's
+/// surroundings.
+constexpr double kPinholeArea = 0.5;
+/// Fins, triangles that a cap would close into a body without volume, have at most this share of their piece's area.
+constexpr double kFinArea = 0.01;
 
-bool hasRepeatedCorner(const Triangle& t) {
-  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+struct Pinholes {
+  std::size_t count = 0;
+  std::vector<Triangle> caps;  ///< to be added to the mesh
+};
+
+constexpr double kFold = -0.5;     // cosine of the largest angle between normals in a cap
+constexpr double kNoArea = 1e-12;  // of the hole's extent squared: such a triangle has no direction
+
+using Loop = std::vector<VertexIndex>;
+
+struct HalfEdge {
+  VertexIndex from, to;
+};
+
+/// The directed edges that caps need, by start: the reverse of those that lack a partner.
+std::vector<HalfEdge> missingHalfEdges(const TriMesh& mesh) {
+  std::vector<HalfEdge> missing;
+  EdgeTable(mesh.vertices.size(), mesh.triangles).forEachEdge([&](VertexIndex v, std::span<const TriangleSide> sides) {
+    int excess = 0;  // of triangles that run v -> larger
+    for (const TriangleSide& s : sides) excess += s.ascending ? 1 : -1;
+    for (; excess > 0; --excess) missing.push_back({sides[0].larger, v});
+    for (; excess < 0; ++excess) missing.push_back({v, sides[0].larger});
+  });
+  std::stable_sort(missing.begin(), missing.end(),
+                   [](const HalfEdge& a, const HalfEdge& b) { return a.from < b.from; });
+  return missing;
 }
+
+/// Loops that pass no vertex twice. Nothing if one has more than kPinholeEdges edges.
+std::optional<std::vector<Loop>> loopsOf(const std::vector<HalfEdge>& edges, std::size_t vertexCount) {
+  std::vector<std::size_t> next(vertexCount + 1, 0);
+  for (const HalfEdge& e : edges) ++next[e.from + 1];
+  for (std::size_t v = 0; v < vertexCount; ++v) next[v + 1] += next[v];
+  std::vector<std::size_t> end(next.begin() + 1, next.end());
+  std::vector<Loop> loops;
+  std::vector<std::ptrdiff_t> positionInPath(vertexCount, -1);
+  Loop path;
+  for (const HalfEdge& start : edges) {
+    VertexIndex at = start.from;
+    while (next[at] < end[at]) {
+      positionInPath[at] = std::ssize(path);
+      path.push_back(at);
+      at = edges[next[at]++].to;
+      if (positionInPath[at] < 0) continue;
+      // Back at a vertex of the path: what lies between is a loop.
+      const auto first = path.begin() + positionInPath[at];
+      loops.emplace_back(first, path.end());
+      for (const VertexIndex v : loops.back()) positionInPath[v] = -1;
+      path.erase(first, path.end());
+      if (loops.back().size() > kPinholeEdges) return std::nullopt;
+    }
+    LORICA_CHECK(path.empty(), "as many edges of holes must end at a vertex as start there");
+  }
+  return loops;
+}
+
+/// The triangulation of a loop with the least area, by dynamic programming: best[i][j] is that of the polygon from i to
+/// j. Each triangle's second corner lies between its first and third one in the loop.
+std::vector<Triangle> leastArea(const TriMesh& mesh, const Loop& loop) {
+  const std::size_t n = loop.size();
+  std::vector<double> best(n * n, 0.0);
+  std::vector<std::size_t> middle(n * n, 0);
+  for (std::size_t length = 2; length < n; ++length) {
+    for (std::size_t i = 0; i + length < n; ++i) {
+      const std::size_t j = i + length;
+      double& least = best[i * n + j];
+      least = std::numeric_limits<double>::infinity();
+      for (std::size_t k = i + 1; k < j; ++k) {
+        const double area =
+            best[i * n + k] + best[k * n + j] + areaNormal(mesh.vertices, {loop[i], loop[k], loop[j]}).norm();
+        if (area >= least) continue;
+        least = area;
+        middle[i * n + j] = k;
+      }
+    }
+  }
+  std::vector<Triangle> caps;
+  std::vector<std::pair<std::size_t, std::size_t>> open{{0, n - 1}};
+  while (!open.empty()) {
+    const auto [i, j] = open.back();
+    open.pop_back();
+    if (j - i < 2) continue;
+    const std::size_t k = middle[i * n + j];
+    caps.push_back({loop[i], loop[k], loop[j]});
+    open.emplace_back(i, k);
+    open.emplace_back(k, j);
+  }
+  return caps;
+}
+
+bool shareAnEdge(const Triangle& a, const Triangle& b) {
+  int shared = 0;
+  for (const VertexIndex v : a) shared += std::find(b.begin(), b.end(), v) != b.end() ? 1 : 0;
+  return shared == 2;
+}
+
+bool folds(const TriMesh& mesh, std::span<const Triangle> caps, double extent) {
+  for (std::size_t i = 0; i < caps.size(); ++i) {
+    const Vec3 own = areaNormal(mesh.vertices, caps[i]);
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!shareAnEdge(caps[i], caps[j])) continue;
+      const Vec3 other = areaNormal(mesh.vertices, caps[j]);
+      if (std::min(own.norm(), other.norm()) <= kNoArea * extent * extent) continue;
+      if (own.dot(other) < kFold * own.norm() * other.norm()) return true;
+    }
+  }
+  return false;
+}
+
+/// Finds the holes of a surface and triangles that close them: those with the least area in total. They add no vertex.
+/// Where a cap is the reverse of a triangle that is there, that one is a fin: repairClosedMesh() drops both.
+/// @param mesh  triangles of one piece must face the same way
+/// @return nothing if a hole is not a pinhole, if fins have too much area, or if a hole cannot be closed without
+/// folding:
+///         if two neighbouring triangles of its cap would face away from each other by more than 120 degrees
+[[nodiscard]] std::optional<Pinholes> closePinholes(const TriMesh& mesh) {
+  const std::vector<HalfEdge> missing = missingHalfEdges(mesh);
+  Pinholes result;
+  if (missing.empty()) return result;
+  const std::optional<std::vector<Loop>> loops = loopsOf(missing, mesh.vertices.size());
+  if (!loops) return std::nullopt;
+
+  const double largest = kPinholeExtent * surfaceBounds(mesh).diagonal();
+  const Components components = connectedComponents(mesh.vertices.size(), mesh.triangles);
+  std::vector<double> area(components.count, 0.0);
+  std::vector<double> capArea(area.size(), 0.0), finArea(area.size(), 0.0);
+  std::vector<std::int32_t> componentOf(mesh.vertices.size(), -1);
+  for (std::size_t k = 0; k < mesh.triangles.size(); ++k) {
+    const std::int32_t c = components.componentOfTriangle[k];
+    area[c] += areaNormal(mesh.vertices, mesh.triangles[k]).norm();
+    for (const VertexIndex v : mesh.triangles[k]) componentOf[v] = c;
+  }
+  std::vector<Triangle> known;
+  known.reserve(mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles) known.push_back(sortedCorners(t));
+  std::sort(known.begin(), known.end());
+  for (const Loop& loop : *loops) {
+    if (loop.size() < 3) return std::nullopt;
+    Aabb box;
+    for (const VertexIndex v : loop) box.extend(mesh.vertices[v]);
+    const std::vector<Triangle> caps = leastArea(mesh, loop);
+    if (folds(mesh, caps, box.diagonal())) return std::nullopt;
+    const std::int32_t piece = componentOf[loop.front()];
+    double own = 0.0;
+    for (const Triangle& cap : caps) {
+      const bool fin = std::binary_search(known.begin(), known.end(), sortedCorners(cap));
+      (fin ? finArea[piece] : own) += areaNormal(mesh.vertices, cap).norm();
+    }
+    const bool small = loop.size() == 3 || (box.max - box.min).maxCoeff() <= largest;
+    if (!small && own > kSlitArea * area[piece]) return std::nullopt;
+    capArea[piece] += own;
+    result.caps.insert(result.caps.end(), caps.begin(), caps.end());
+    ++result.count;
+  }
+  for (std::size_t c = 0; c < area.size(); ++c) {
+    if (capArea[c] > kPinholeArea * area[c] || finArea[c] > kFinArea * area[c]) return std::nullopt;
+  }
+  return result;
+}
+
+constexpr double kSamePosition = 1e-6;  // of the diagonal
 
 /// The triangle with its smallest corner first, facing as before.
 Triangle rotated(const Triangle& t) {
   const std::size_t first = std::min_element(t.begin(), t.end()) - t.begin();
   return {t[first], t[(first + 1) % 3], t[(first + 2) % 3]};
-}
-
-Triangle sorted(Triangle t) {
-  std::sort(t.begin(), t.end());
-  return t;
 }
 
 /// Keeps the first of triangles with equal keys. @return the number of dropped ones
@@ -77,16 +243,16 @@ std::vector<VertexIndex> leftOutOf(const TriMesh& input, const TriMesh& repaired
   return leftOut;
 }
 
-class Repairer {
+class FaultRepairer {
  public:
-  explicit Repairer(const TriMesh& mesh) : input_(mesh) { repair_.mesh = mesh; }
+  explicit FaultRepairer(const TriMesh& mesh) : input_(mesh) { repair_.mesh = mesh; }
 
   /// Returns nothing if the result is not a closed two-manifold.
   std::optional<FaultRepair> run(Repeats repeats) {
     weld();
     repair_.repeatedCorners = std::erase_if(triangles(), hasRepeatedCorner);
     repair_.repeatedTriangles =
-        repeats == Repeats::kSameWay ? dropRepeated(triangles(), rotated) : dropRepeated(triangles(), sorted);
+        repeats == Repeats::kSameWay ? dropRepeated(triangles(), rotated) : dropRepeated(triangles(), sortedCorners);
     if (triangles().empty()) return std::nullopt;
     dropSpecks();
     MeshPieces pieces = findPieces(repair_.mesh);
@@ -104,7 +270,7 @@ class Repairer {
   TriMesh withoutRepeats() {
     weld();
     std::erase_if(triangles(), hasRepeatedCorner);
-    dropRepeated(triangles(), sorted);
+    dropRepeated(triangles(), sortedCorners);
     return std::move(repair_.mesh);
   }
 
@@ -144,10 +310,7 @@ class Repairer {
     if (open == 0) return;
     const Aabb box = surfaceBounds(repair_.mesh);
     NearPositions positions(kSamePosition * box.diagonal(), box.min);
-    std::vector<bool> used(input_.vertices.size(), false);
-    for (const Triangle& t : input_.triangles) {
-      for (const VertexIndex v : t) used[v] = true;
-    }
+    const std::vector<bool> used = usedVertices(input_.vertices.size(), input_.triangles);
     std::vector<VertexIndex> first(used.size(), -1);
     std::size_t welded = 0;
     for (std::size_t v = 0; v < used.size(); ++v) {
@@ -200,18 +363,11 @@ class Repairer {
   FaultRepair repair_;
 };
 
-std::string counted(std::size_t count, const char* one, const char* many) {
-  return fmt::format("{} {}", count, count == 1 ? one : many);
-}
-
-bool isReadable(const TriMesh& mesh) {
-  const auto inRange = [&](VertexIndex v) { return v >= 0 && v < countOf(mesh.vertices); };
-  return !mesh.triangles.empty() && std::all_of(mesh.triangles.begin(), mesh.triangles.end(), [&](const Triangle& t) {
-    return std::all_of(t.begin(), t.end(), inRange);
-  }) && std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vec3& p) { return p.allFinite(); });
-}
-
 }  // namespace
+
+std::size_t dropDuplicates(std::vector<Triangle>& triangles) {
+  return dropRepeated(triangles, sortedCorners);
+}
 
 bool FaultRepair::changed() const {
   return weldedVertices + repeatedCorners + repeatedTriangles + specks + turnedTriangles + pinholes + reversedPieces +
@@ -249,17 +405,17 @@ std::string FaultRepair::summary() const {
 }
 
 TriMesh withoutRepeats(const TriMesh& mesh) {
-  return Repairer(mesh).withoutRepeats();
+  return FaultRepairer(mesh).withoutRepeats();
 }
 
 Result<FaultRepair> repairSmallFaults(const TriMesh& mesh) {
   const Result<void> checked = checkClosedTwoManifold(mesh);
-  if (!checked && !isReadable(mesh)) return checked.error();
-  std::optional<FaultRepair> repair = Repairer(mesh).finish();
+  if (!checked && (mesh.triangles.empty() || !isReadable(mesh))) return checked.error();
+  std::optional<FaultRepair> repair = FaultRepairer(mesh).finish();
   const double diagonal = surfaceBounds(mesh).diagonal();
   if (!repair && !std::isfinite(diagonal * diagonal * diagonal)) return checked.error();
-  if (!repair) repair = Repairer(mesh).run(Repeats::kSameWay);
-  if (!repair) repair = Repairer(mesh).run(Repeats::kEitherWay);
+  if (!repair) repair = FaultRepairer(mesh).run(Repeats::kSameWay);
+  if (!repair) repair = FaultRepairer(mesh).run(Repeats::kEitherWay);
   if (!repair) return checked.error();
   LORICA_TRY(std::optional<ShellUnion> united, uniteShells(repair->mesh));
   if (!united) return std::move(*repair);

@@ -69,4 +69,9 @@ inline constexpr double kSpeckArea = 0.01;
 ///         overlap in a way that cannot be resolved
 [[nodiscard]] Result<FaultRepair> repairSmallFaults(const TriMesh& mesh);
 
+/// Keeps the first of triangles with the same three corners, whichever way they face: two-sided triangles enclose
+/// nothing.
+/// @return the number of dropped triangles
+std::size_t dropDuplicates(std::vector<Triangle>& triangles);
+
 }  // namespace lorica

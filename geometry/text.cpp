@@ -77,11 +77,10 @@ std::string lowerCase(std::string_view text) {
   return lower;
 }
 
-std::string grouped(long long number) {
-  std::string text = std::to_string(number);
-  const int firstDigit = number < 0 ? 1 : 0;
-  for (int at = int(text.size()) - 3; at > firstDigit; at -= 3) text.insert(at, 1, ',');
-  return text;
+std::string groupedDigits(std::string number) {
+  const int firstDigit = number.starts_with('-') ? 1 : 0;
+  for (int at = int(number.size()) - 3; at > firstDigit; at -= 3) number.insert(at, 1, ',');
+  return number;
 }
 
 std::string counted(long long number, std::string_view noun, std::string_view plural) {

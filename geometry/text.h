@@ -1,5 +1,6 @@
 #pragma once
 
+#include <concepts>
 #include <cstddef>
 #include <span>
 #include <string>
@@ -11,7 +12,11 @@ namespace lorica {
 [[nodiscard]] std::string lowerCase(std::string_view text);
 
 /// 12345 as "12,345".
-[[nodiscard]] std::string grouped(long long number);
+[[nodiscard]] std::string groupedDigits(std::string number);
+template <std::integral Number>
+[[nodiscard]] std::string grouped(Number number) {
+  return groupedDigits(std::to_string(number));
+}
 
 /// A number, or a count with its noun: "1 part", "12 parts".
 [[nodiscard]] std::string counted(long long number, std::string_view noun, std::string_view plural = "");

@@ -54,7 +54,7 @@ Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
                                     v, static_cast<std::int64_t>(vertexCount) - 1, vertexCount);
       }
     }
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+    if (hasRepeatedCorner(t)) {
       if (repeated.count++ == 0) {
         repeated.first =
             fmt::format("triangle {}: vertices {}, {}, {}, expected three different ones", k, t[0], t[1], t[2]);
@@ -172,6 +172,14 @@ std::vector<VertexIndex> firstAtSamePosition(std::span<const Vec3> vertices) {
 
 }  // namespace
 
+std::vector<bool> usedVertices(std::size_t vertexCount, std::span<const Triangle> triangles) {
+  std::vector<bool> used(vertexCount, false);
+  for (const Triangle& t : triangles) {
+    for (const VertexIndex v : t) used[v] = true;
+  }
+  return used;
+}
+
 double signedVolume(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
   if (triangles.empty()) return 0.0;
   // Tetrahedra from a vertex of the mesh rather than the origin, to avoid cancellation far from the origin.
@@ -188,10 +196,7 @@ double signedVolume(std::span<const Vec3> vertices, std::span<const Triangle> tr
 
 double surfaceArea(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
   double twofold = 0.0;
-  for (const Triangle& t : triangles) {
-    const Vec3& a = vertices[t[0]];
-    twofold += (vertices[t[1]] - a).cross(vertices[t[2]] - a).norm();
-  }
+  for (const Triangle& t : triangles) twofold += areaNormal(vertices, t).norm();
   return 0.5 * twofold;
 }
 
@@ -245,7 +250,7 @@ std::size_t weldEqualVertices(TriMesh& mesh) {
   for (Triangle& t : mesh.triangles) {
     for (VertexIndex& v : t) v = renumbered[v];
   }
-  std::erase_if(mesh.triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+  std::erase_if(mesh.triangles, hasRepeatedCorner);
   return removed;
 }
 

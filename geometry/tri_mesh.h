@@ -19,6 +19,20 @@ struct TriMesh {
   std::vector<Triangle> triangles;  ///< of indices into `vertices`
 };
 
+/// Twice a triangle's area along its normal, by the right-hand rule [m^2].
+[[nodiscard]] inline Vec3 areaNormal(std::span<const Vec3> vertices, const Triangle& t) {
+  const Vec3& a = vertices[t[0]];
+  return (vertices[t[1]] - a).cross(vertices[t[2]] - a);
+}
+
+/// Whether two of a triangle's corners are one vertex, so that it has no area.
+[[nodiscard]] inline bool hasRepeatedCorner(const Triangle& t) {
+  return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
+}
+
+/// For each of so many vertices, whether a triangle uses it.
+[[nodiscard]] std::vector<bool> usedVertices(std::size_t vertexCount, std::span<const Triangle> triangles);
+
 /// Signed volume by the divergence theorem [m^3]; positive if triangles are counter-clockwise from outside.
 [[nodiscard]] double signedVolume(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
 

@@ -161,8 +161,7 @@ std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const T
   areaUpTo.reserve(triangles.size());
   double area = 0.0;
   for (const Triangle& t : triangles) {
-    const Vec3& a = vertices[t[0]];
-    area += 0.5 * (vertices[t[1]] - a).cross(vertices[t[2]] - a).norm();
+    area += 0.5 * areaNormal(vertices, t).norm();
     areaUpTo.push_back(area);
   }
   if (!(area > 0.0)) return {};

@@ -1,8 +1,5 @@
 #pragma once
 
-#include "capture/named_weight.h"
-
-#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -26,9 +23,5 @@ class ByteWriter {
  private:
   std::string bytes_;
 };
-
-/// Appends the expressions of one pose: their number in two bytes; for each the length of its name in one byte, the
-/// name, and the weight. Those beyond the budgets are left out.
-void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes);
 
 }  // namespace lorica

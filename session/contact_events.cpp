@@ -11,7 +11,7 @@ namespace lorica {
 namespace {
 
 // Frames that are closer in time are repeated ones.
-constexpr double kShortestFrameSeconds = 0.001;
+constexpr double kShortestEventSeconds = 0.001;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ ContactEvents::ContactEvents(const Session& session) : time_(session.time()) {
 }
 
 std::span<const ContactEvent> ContactEvents::update(const Session& session) {
-  const double seconds = std::max(session.time() - time_, kShortestFrameSeconds);
+  const double seconds = std::max(session.time() - time_, kShortestEventSeconds);
   time_ = session.time();
   touches_.clear();
   addPropTouches(session);

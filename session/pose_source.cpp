@@ -1,8 +1,8 @@
 #include "session/pose_source.h"
 
 #include "capture/files/joint_csv.h"
-#include "capture/leg_judge.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "capture/retarget/retarget.h"
 #include "capture/standing_legs.h"
 #include "session/joint_trust.h"
 #include "session/stream_pose_source.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "capture/named_weight.h"
-#include "capture/retarget/retarget.h"
 #include "capture/skeleton_frame.h"
 #include "capture/smoothing.h"
 #include "skinning/character.h"

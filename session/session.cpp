@@ -1,5 +1,6 @@
 #include "session/session.h"
 
+#include "collision/particles/particles.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "session/part_masses.h"

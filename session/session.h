@@ -3,8 +3,8 @@
 #include "collision/live/body_plan.h"
 #include "collision/world/body_contacts.h"
 #include "collision/world/world.h"
+#include "geometry/result.h"
 #include "session/session_avatar.h"
-#include "session/step_watcher.h"
 #include "session/world_action.h"
 #include "skinning/character.h"
 
@@ -56,6 +56,22 @@ struct SessionHashes {
   std::uint64_t particles = 0;  ///< positions; 0 if there are none
 
   [[nodiscard]] bool operator==(const SessionHashes&) const = default;
+};
+
+class Session;
+
+/// Observes the steps of a session, to record or to replay it. See Session::watch().
+class StepWatcher {
+ public:
+  virtual ~StepWatcher() = default;
+
+  /// Called before a step; may call Session::act().
+  virtual void beforeStep(Session& session) = 0;
+  /// Called after a step. @param done  the actions that were applied in it, in order
+  /// @return an error is returned by Session::step()
+  [[nodiscard]] virtual Result<void> afterStep(const Session& session, std::span<const WorldAction> done) = 0;
+  /// Called when the session restarts or continues with another body or world: the watched run has ended.
+  virtual void sessionChanged() = 0;
 };
 
 /// The pipeline of a frame without rendering: sources -> poses -> hulls -> contacts, for any number of avatars in one

@@ -3,6 +3,7 @@
 #include "acd/transfer.h"
 #include "geometry/clock.h"
 #include "geometry/errors.h"
+#include "session/session_springs.h"
 #include "skinning/linear_blend.h"
 
 #include <xxhash.h>
@@ -76,6 +77,10 @@ SessionAvatar::SessionAvatar(std::shared_ptr<const Kind> kind, LiveBody body, Jo
       worldFromJoint_(kind_->character.skeleton.jointCount(), Affine3::Identity()),
       worldFromModel_(worldFromJoint_.size()) {}
 
+SessionAvatar::~SessionAvatar() = default;
+SessionAvatar::SessionAvatar(SessionAvatar&&) noexcept = default;
+SessionAvatar& SessionAvatar::operator=(SessionAvatar&&) noexcept = default;
+
 void SessionAvatar::setPlace(const Isometry3& worldFromMotion) {
   place_ = worldFromMotion;
   source_.setPlace(worldFromMotion);
@@ -143,7 +148,8 @@ void SessionAvatar::setBody(std::shared_ptr<const BodyPlan> plan) {
 }
 
 Result<void> SessionAvatar::setSprings(const SpringBones& springs, SpringMode mode) {
-  LORICA_TRY(springs_, SessionSprings::create(character(), springs, mode, body_));
+  LORICA_TRY(SessionSprings made, SessionSprings::create(character(), springs, mode, body_));
+  springs_ = std::make_unique<SessionSprings>(std::move(made));
   return {};
 }
 

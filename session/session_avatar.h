@@ -10,7 +10,6 @@
 #include "session/aligned_source.h"
 #include "session/contact_bones.h"
 #include "session/pose_source.h"
-#include "session/session_springs.h"
 #include "skinning/character.h"
 
 #include <cstdint>
@@ -20,6 +19,10 @@
 #include <vector>
 
 namespace lorica {
+
+class SessionSprings;
+struct SpringBones;
+enum class SpringMode : std::uint8_t;
 
 /// Time of each stage of an avatar's frame [us]; retarget includes smoothing and forward kinematics, but not the time
 /// that the source waited for joints; springs includes node constraints and is 0 if there are none.
@@ -33,6 +36,9 @@ struct AvatarTimes {
 /// One avatar of a session: a character, what moves it, and its body.
 class SessionAvatar {
  public:
+  ~SessionAvatar();
+  SessionAvatar(SessionAvatar&&) noexcept;
+  SessionAvatar& operator=(SessionAvatar&&) noexcept;
   /// @param source    poses of the character's skeleton
   /// @param cover     made from the same decomposition and character; without one the hulls cover the body exactly
   /// @param training  of the same decomposition, for trainingDistance()
@@ -55,7 +61,7 @@ class SessionAvatar {
   /// Whether it is there. While it is not, it keeps its last pose, is not drawn and touches nothing.
   [[nodiscard]] bool present() const { return source_.present(); }
   /// Null if there are none.
-  [[nodiscard]] const SessionSprings* springs() const { return springs_ ? &*springs_ : nullptr; }
+  [[nodiscard]] const SessionSprings* springs() const { return springs_.get(); }
   /// Local transforms of the character's joints, without springs.
   [[nodiscard]] std::span<const JointTransform> pose() const { return source_.pose(); }
   /// One for each joint, in this frame [m]
@@ -118,7 +124,7 @@ class SessionAvatar {
   mutable ContactBones contactBones_;  // has scratch
   mutable std::optional<SelfContactQuery> selfContacts_;
   mutable std::vector<Vec3> probePositions_;  // scratch
-  std::optional<SessionSprings> springs_;
+  std::unique_ptr<SessionSprings> springs_;
   std::vector<Affine3> worldFromJoint_, worldFromModel_;
   mutable std::vector<Vec3> points_;  // of the frame pointsFrame_
   mutable int pointsFrame_ = -1;

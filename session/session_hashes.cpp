@@ -1,4 +1,5 @@
 #include "session/session_hashes.h"
+#include "collision/particles/particles.h"
 #include "geometry/files.h"
 
 #include <span>

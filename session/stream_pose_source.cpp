@@ -56,20 +56,19 @@ class StreamPoseSource final : public PoseSource {
         trust_(skeleton.jointCount(), 0.0) {}
 
   Result<std::optional<double>> next(std::span<JointTransform> pose) override {
-    using Clock = std::chrono::steady_clock;
-    const Clock::time_point begin = Clock::now();
+    const auto begin = std::chrono::steady_clock::now();
     const bool isNew = stream_->wait(settings_.waits ? kLongestWait : 0.0, frame_);
-    waited_ = std::chrono::duration<double>(Clock::now() - begin).count();
+    waited_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (!isNew && stream_->ended()) return std::optional<double>();
     const double now = stream_->now();
     if (isNew) {
-      heard_ = true;
+      received_ = true;
       if (settings_.sender) settings_.sender->apply(frame_.pose);
       if (settings_.mirror) frame_.pose = mirrored(frame_.pose);
       expressions_ = settings_.mirror ? mirroredExpressions_.of(frame_.expressions) : frame_.expressions;
     }
     const double time = std::max(isNew ? frame_.time : now, time_);
-    const bool known = heard_ && frame_.tracking && now - frame_.time < kSilentSeconds;
+    const bool known = received_ && frame_.tracking && now - frame_.time < kSilentSeconds;
     retargeter_.apply(frame_.pose, time, known, pose);
     updateTrust(known, time - time_);
     time_ = time;
@@ -107,7 +106,7 @@ class StreamPoseSource final : public PoseSource {
   BoneFrame frame_;
   MirroredExpressions mirroredExpressions_;
   std::span<const NamedWeight> expressions_;  ///< of the last frame
-  bool heard_ = false;
+  bool received_ = false;
   double time_ = 0.0;
   double waited_ = 0.0;
   std::vector<double> trust_;  ///< one per joint

@@ -1,7 +1,10 @@
 #include "session/treated_source.h"
 
+#include "geometry/work_budgets.h"
 #include "session/pose_faults.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <utility>
 
 namespace lorica {
@@ -50,6 +53,21 @@ class LoggedPoses final : public PoseSource {
 };
 
 }  // namespace
+
+void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes) {
+  const auto fits = [](const NamedWeight& one) { return one.name.size() <= kMaxExpressionName; };
+  const auto fitting = static_cast<std::size_t>(std::count_if(expressions.begin(), expressions.end(), fits));
+  std::size_t left = std::min(fitting, kMaxPoseExpressions);
+  bytes.put(static_cast<std::uint16_t>(left));
+  for (const NamedWeight& one : expressions) {
+    if (left == 0) return;
+    if (!fits(one)) continue;
+    bytes.put(static_cast<std::uint8_t>(one.name.size()));
+    bytes.put(std::string_view(one.name));
+    bytes.put(one.weight);
+    --left;
+  }
+}
 
 std::unique_ptr<SkeletonSource> makeLoggedSource(std::unique_ptr<SkeletonSource> source,
                                                  std::shared_ptr<SourceLog> log) {

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "capture/fault_injector.h"
+#include "capture/named_weight.h"
 #include "capture/skeleton_frame.h"
 #include "session/byte_writer.h"
 #include "session/pose_source.h"
 
 #include <memory>
+#include <span>
 #include <vector>
 
 namespace lorica {
@@ -27,6 +29,10 @@ struct SourceLog {
     expressions.clear();
   }
 };
+
+/// Appends the expressions of one pose: their number in two bytes; for each the length of its name in one byte, the
+/// name, and the weight. Those beyond the budgets are left out.
+void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes);
 
 /// Passes everything through and appends it to the log; the caller clears the log.
 [[nodiscard]] std::unique_ptr<SkeletonSource> makeLoggedSource(std::unique_ptr<SkeletonSource> source,

@@ -1,7 +1,7 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
 #include "geometry/errors.h"
-#include "prepare/first_guess.h"
+#include "session/prepare/first_guess.h"
 
 #include <fmt/ranges.h>
 

@@ -1,9 +1,8 @@
 #include "bindings/character_body.h"
 #include "bindings/python/arrays.h"
-#include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
 #include "export/contact_export.h"
-#include "prepare/first_guess.h"
+#include "session/prepare/first_guess.h"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -219,7 +218,7 @@ std::vector<int> jointParents(const Character& character) {
 }
 
 std::string pathFrom(const py::object& file) {
-  return py::module_::import("os").attr("fspath")(file).cast<std::string>();
+  return py::module_::import("os").attr("fsencode")(file).cast<std::string>();
 }
 
 CharacterHandle openNamed(const py::object& file, const std::optional<py::object>& map, const std::string& walls,
@@ -275,7 +274,7 @@ py::dict contactsOf(const py::object& motion, const py::object& character, const
     return findContacts(request, host);
   });
   py::dict arrays;
-  const Result<void> done = forEachArray(labels, [&](const LabelArray& array) -> Result<void> {
+  const Result<void> done = forEachArray(labels, [&](const NamedArray& array) -> Result<void> {
     const std::vector<py::ssize_t> shape(array.shape.begin(), array.shape.end());
     arrays[array.name.c_str()] = py::array(py::dtype(array.type), shape, array.bytes.data());
     return {};
@@ -296,8 +295,7 @@ std::shared_ptr<Player> play(const py::object& motion, const BodyHandle& body, c
 
 void addCharacter(py::module_& module) {
   py::class_<CharacterHandle>(module, "Character",
-                              "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.",
-                              py::metaclass(metaclassOfConstructed().ptr()))
+                              "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.")
       .def(py::init(&openNamed), "file"_a = "mannequin", py::kw_only(), "map"_a = py::none(), "walls"_a = "solid",
            "thickness"_a = 0.0, "body_resolution"_a = 0.0, "hidden"_a = std::vector<std::string>(),
            "expressions"_a = std::vector<std::string>(),
@@ -313,7 +311,7 @@ body_resolution  of the voxels of a closed body, if one has to be made [m]; 0 = 
 hidden           names of meshes that are left out, such as a weapon
 expressions      "NAME=WEIGHT" each; the hulls hold what these morph)")
       .def_property_readonly(
-          "name", [](const CharacterHandle& self) { return self.character().name; }, "Of the file.")
+          "name", [](const CharacterHandle& self) { return textFrom(self.character().name); }, "Of the file.")
       .def_property_readonly(
           "height", [](const CharacterHandle& self) { return self.character().height; }, "In the bind pose [m].")
       .def_property_readonly(
@@ -363,8 +361,8 @@ threads        0 = all of the machine's
 progress       called with the numbers of parts done and wanted; return False to cancel)")
       .def("load_body", &loadBody, "file"_a, "The body in a .lorica file that was made from this character.")
       .def("__repr__", [](const CharacterHandle& self) {
-        return fmt::format("<lorica.Character {} with {} joints>", self.character().name,
-                           self.character().skeleton.jointCount());
+        return textFrom(fmt::format("<lorica.Character {} with {} joints>", self.character().name,
+                                    self.character().skeleton.jointCount()));
       });
 }
 
@@ -386,8 +384,8 @@ void addBody(py::module_& module) {
           "save", [](const BodyHandle& self, const fs::path& file) { save(self.body->content, file); }, "file"_a,
           "Write a .lorica file, for load_body() and the command.")
       .def("__repr__", [](const BodyHandle& self) {
-        return fmt::format("<lorica.Body of {}: {} parts>", self.body->character().name,
-                           self.body->content.decomposition.parts.size());
+        return textFrom(fmt::format("<lorica.Body of {}: {} parts>", self.body->character().name,
+                                    self.body->content.decomposition.parts.size()));
       });
 }
 

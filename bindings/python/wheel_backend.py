@@ -68,7 +68,7 @@ def package(folder, stage, settings, info):
         shutil.copy(file, found)
         subprocess.run(["strip", "--strip-unneeded", str(found / file.name)], check=True)
     if bundles(settings):
-        sys.path.insert(0, str(ROOT / "packaging"))
+        sys.path.insert(0, str(ROOT / "tools/packaging"))
         from bundle import bundle
 
         programs = [*found.glob("*.so"), found / READER]

@@ -55,12 +55,18 @@ void answer(Talk& talk, bool goOn) {
 
 }  // namespace
 
+py::str textFrom(std::string_view bytes) {
+  PyObject* text = PyUnicode_DecodeFSDefaultAndSize(bytes.data(), static_cast<py::ssize_t>(bytes.size()));
+  if (text == nullptr) throw py::error_already_set();
+  return py::reinterpret_steal<py::str>(text);
+}
+
 void raise(const Error& error) {
   const bool file = error.code == ErrorCode::kUnreadable || error.code == ErrorCode::kUnwritable;
   py::object type = py::reinterpret_borrow<py::object>(file ? PyExc_OSError : PyExc_ValueError);
   if (error.code == ErrorCode::kNotFound) type = py::reinterpret_borrow<py::object>(PyExc_FileNotFoundError);
   if (error.code == ErrorCode::kCancelled) type = py::module_::import("lorica._lorica").attr("Cancelled");
-  PyErr_SetString(type.ptr(), error.message.c_str());
+  PyErr_SetObject(type.ptr(), textFrom(error.message).ptr());
   throw py::error_already_set();
 }
 

@@ -9,9 +9,13 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
+
+/// Text that may hold the names of files, which need not be UTF-8: as os.fsdecode() gives them.
+[[nodiscard]] pybind11::str textFrom(std::string_view bytes);
 
 /// Raises the exception for an error: FileNotFoundError, OSError, lorica.Cancelled, or ValueError.
 [[noreturn]] void raise(const Error& error);

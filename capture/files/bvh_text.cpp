@@ -1,6 +1,7 @@
 #include "capture/files/bvh_text.h"
 
 #include "geometry/line_scanner.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -29,20 +30,13 @@ bool isBlank(char c) {
 bool isLineEnd(char c) {
   return c == '\n' || c == '\r';
 }
-char lower(char c) {
-  return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-}
 bool isDigit(char c) {
   return c >= '0' && c <= '9';
 }
 
 /// @param expected  in lower case
 bool sameWord(std::string_view word, std::string_view expected) {
-  if (word.size() != expected.size()) return false;
-  for (std::size_t i = 0; i < word.size(); ++i) {
-    if (lower(word[i]) != expected[i]) return false;
-  }
-  return true;
+  return word.size() == expected.size() && lowerCase(word) == expected;
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -252,11 +246,9 @@ class Parser {
         out_.endSites.emplace_back(open.back(), Vec3::Zero());
         open.push_back(kEndSite);
       } else if (inside && sameWord(word, "offset")) {
-        const Result<Vec3> offset = parseOffset();
-        if (!offset) return offset.error();
-        (inEndSite ? out_.endSites.back().second : out_.joints[open.back()].offset) = *offset;
+        LORICA_TRY((inEndSite ? out_.endSites.back().second : out_.joints[open.back()].offset), parseOffset());
       } else if (inside && !inEndSite && sameWord(word, "channels")) {
-        if (Result<void> done = parseChannels(out_.joints[open.back()]); !done) return done;
+        LORICA_TRY_DO(parseChannels(out_.joints[open.back()]));
       } else if (inside && word == "}") {
         open.pop_back();
       } else if (inEndSite) {

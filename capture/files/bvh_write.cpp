@@ -15,7 +15,7 @@ namespace {
 constexpr double kUnitsPerMetre = 100.0;
 /// Joints that translate less than this relative to their parent need no position channels [m].
 constexpr double kStill = 1e-6;
-constexpr double kUsualFrame = 1.0 / 30.0;
+constexpr double kUsualStep = 1.0 / 30.0;
 
 std::string wordOf(const std::string& name) {
   std::string out = name.empty() ? "joint" : name;
@@ -183,7 +183,7 @@ class Writer {
   void writeFrames() {
     const int frames = motion_.frameCount();
     const double first = motion_.times.front();
-    const double step = frames > 1 ? (motion_.times.back() - first) / (frames - 1) : kUsualFrame;
+    const double step = frames > 1 ? (motion_.times.back() - first) / (frames - 1) : kUsualStep;
     print("MOTION\nFrames: {}\nFrame Time: {:.9f}\n", frames, step);
     int at = 0;
     for (int f = 0; f < frames; ++f) {

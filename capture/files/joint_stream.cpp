@@ -3,7 +3,6 @@
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream_layouts.h"
 #include "capture/files/joint_stream_text.h"
-#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/text.h"

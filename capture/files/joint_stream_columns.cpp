@@ -1,7 +1,8 @@
 #include "capture/files/joint_stream_layouts.h"
 #include "capture/files/joint_stream_text.h"
 #include "geometry/counts.h"
-#include "geometry/errors.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
@@ -101,6 +102,8 @@ std::optional<double> unitOfTime(std::string_view plain) {
 }
 
 Name nameOf(std::string_view column) {
+  constexpr std::size_t kLongestName = 100;  // of a joint in any log; what is longer would be searched again and again
+  if (column.size() > kLongestName) return {};
   std::string whole = plainName(column);
   Name name;
   for (const Words& alone : kAlone) {

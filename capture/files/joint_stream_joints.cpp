@@ -18,7 +18,7 @@ struct Names {
   std::string_view words;
   SensorJoint left, right;  ///< of the trunk the same
 };
-constexpr std::array<Names, 22> kNames = {{
+constexpr std::array<Names, 22> kStreamNames = {{
     {"spinebase hipcenter hipcentre hipscenter midhip pelvis hips hip root", kSpineBase, kSpineBase},
     {"spinemid spine spinenavel torso abdomen", kSpineMid, kSpineMid},
     {"spineshoulder shouldercenter shouldercentre midshoulder spinechest chest thorax", kSpineShoulder, kSpineShoulder},
@@ -56,17 +56,18 @@ SensorJoint substituteOf(SensorJoint joint) {
 std::optional<SensorJoint> sensorJointCalled(std::string_view name) {
   const std::string plain = plainName(name);
   for (int n = 0; n < kTrunkNames; ++n) {
-    if (!firstWord(kNames[n].words, [&](std::string_view word) { return plain == word; }).empty())
-      return kNames[n].left;
+    if (!firstWord(kStreamNames[n].words, [&](std::string_view word) { return plain == word; }).empty())
+      return kStreamNames[n].left;
   }
   for (const std::string_view side : {"left", "right", "l", "r"}) {
     // The side comes first or last.
-    for (int n = kTrunkNames; n < countOf(kNames); ++n) {
+    for (int n = kTrunkNames; n < countOf(kStreamNames); ++n) {
       const auto fits = [&](std::string_view word) {
         return plain.size() == side.size() + word.size() && ((plain.starts_with(side) && plain.ends_with(word)) ||
                                                              (plain.ends_with(side) && plain.starts_with(word)));
       };
-      if (!firstWord(kNames[n].words, fits).empty()) return side[0] == 'l' ? kNames[n].left : kNames[n].right;
+      if (!firstWord(kStreamNames[n].words, fits).empty())
+        return side[0] == 'l' ? kStreamNames[n].left : kStreamNames[n].right;
     }
   }
   return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <chrono>
@@ -247,51 +248,100 @@ Result<double> RowReader::number(int column, std::string_view name, double large
   return value;
 }
 
-std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens, int count) {
-  constexpr int kMaxNumbers = 16;
-  const int joins = countOf(tokens) - count;
-  if (count == 0 || count > kMaxNumbers || joins < 0 || joins > count) return std::nullopt;
-  std::optional<std::vector<std::string_view>> best;
-  double bestCost = 0.0;
-  std::vector<std::string_view> numbers(count);
-  std::array<double, kMaxNumbers> values{};
+namespace {
 
-  // Bit n means that number n has a fraction. Counts down from the highest value, so that on a tie the first numbers
-  // get the fractions.
-  for (std::uint32_t joined = 1u << count; joined-- > 0;) {
-    if (std::popcount(joined) != joins) continue;
-    double cost = 0.0;
-    bool fits = true;
-    int token = 0;
-    for (int n = 0; n < count && fits; ++n) {
-      const std::string_view whole = tokens[token++];
-      numbers[n] = whole;
-      if ((joined >> (count - 1 - n) & 1u) != 0) {
-        const std::string_view fraction = tokens[token++];
-        numbers[n] = spanning(whole, fraction);
-        fits = isWhole(whole) && isFraction(fraction);
-        if (fraction.find_first_not_of('0') == std::string_view::npos) cost += 0.5;  // "1,0" would be written "1"
-      } else {
-        fits = isNumberWithoutFraction(whole);
-        if (whole != "0" && !isMissing(whole)) cost += 0.1;
-      }
-      const NumberKind kind = fits ? readNumber(numbers[n], values[n]) : NumberKind::kBad;
-      fits = kind != NumberKind::kBad;
-      if (kind == NumberKind::kMissing) values[n] = 0.0;
-      if (fits && (n < 3 ? std::abs(values[n]) > 10.0 : std::abs(values[n]) > 1.001)) cost += 1.0;
+constexpr int kMaxJoined = 16;   // numbers of one run
+constexpr int kNoWay = 1 << 20;  // a cost beyond all others
+constexpr int kOfPose = 7;       // numbers of a position and a quaternion, which are judged together
+
+/// One number of a run, joined of two fields or one field alone.
+struct Joined {
+  std::string_view text;
+  double value = 0.0;
+  int cost = kNoWay;  // how unlike a coordinate or a component of a quaternion it is
+};
+
+Joined joinedAt(std::span<const std::string_view> tokens, int n, int token, bool joined) {
+  Joined number;
+  if (token + (joined ? 1 : 0) >= countOf(tokens)) return number;
+  const std::string_view whole = tokens[token];
+  int cost = 0;
+  number.text = whole;
+  if (joined) {
+    const std::string_view fraction = tokens[token + 1];
+    if (!isWhole(whole) || !isFraction(fraction)) return number;
+    number.text = spanning(whole, fraction);
+    if (fraction.find_first_not_of('0') == std::string_view::npos) cost += 5;  // "1,0" would be written "1"
+  } else {
+    if (!isNumberWithoutFraction(whole)) return number;
+    if (whole != "0" && !isMissing(whole)) cost += 1;
+  }
+  const NumberKind kind = readNumber(number.text, number.value);
+  if (kind == NumberKind::kBad) return number;
+  if (kind == NumberKind::kMissing) number.value = 0.0;
+  if (std::abs(number.value) > (n < 3 ? 10.0 : 1.001)) cost += 10;
+  number.cost = cost;
+  return number;
+}
+
+/// The way to join a position and a quaternion whose cost is least, of all; bit n - 1 - i is of number i.
+std::pair<int, unsigned> joinedPose(std::span<const std::string_view> tokens, int joins) {
+  std::pair<int, unsigned> best{kNoWay, 0};
+  for (unsigned mask = 1u << kOfPose; mask-- > 0;) {
+    if (std::popcount(mask) != joins) continue;
+    int cost = 0, token = 0;
+    double lengthSq = 0.0;
+    for (int n = 0; n < kOfPose && cost < best.first; ++n) {
+      const bool joined = (mask >> (kOfPose - 1 - n) & 1u) != 0;
+      const Joined number = joinedAt(tokens, n, token, joined);
+      token += joined ? 2 : 1;
+      cost += number.cost;
+      if (n >= 3) lengthSq += number.value * number.value;
     }
-    if (!fits) continue;
-    if (count == 7) {
-      const double length = std::hypot(std::hypot(values[3], values[4]), std::hypot(values[5], values[6]));
-      if (length != 0.0 && std::abs(length - 1.0) > 0.01) cost += 10.0;
-    }
-    if (cost == 0.0) return numbers;
-    if (!best || cost < bestCost) {
-      best = numbers;
-      bestCost = cost;
-    }
+    if (lengthSq != 0.0 && std::abs(std::sqrt(lengthSq) - 1.0) > 0.01) cost += 100;
+    if (cost < best.first) best = {cost, mask};
   }
   return best;
+}
+
+/// The same of any numbers, each judged alone: the work grows with their square.
+std::pair<int, unsigned> joinedNumbers(std::span<const std::string_view> tokens, int count, int joins) {
+  // least[n][j]: of the numbers from n on, if j before them were joined; and whether number n is then joined.
+  std::array<std::array<int, kMaxJoined + 2>, kMaxJoined + 1> least{};
+  std::array<std::array<bool, kMaxJoined + 2>, kMaxJoined + 1> joined{};
+  for (int j = 0; j <= joins + 1; ++j) least[count][j] = j == joins ? 0 : kNoWay;
+  for (int n = count; n-- > 0;) {
+    least[n][joins + 1] = kNoWay;
+    for (int j = 0; j <= std::min(joins, n); ++j) {
+      const int two = joinedAt(tokens, n, n + j, true).cost + least[n + 1][j + 1];
+      const int one = joinedAt(tokens, n, n + j, false).cost + least[n + 1][j];
+      joined[n][j] = two <= one;
+      least[n][j] = std::min({two, one, kNoWay});
+    }
+  }
+  unsigned mask = 0;
+  for (int n = 0, j = 0; n < count; ++n) {
+    mask = mask << 1 | (joined[n][j] ? 1u : 0u);
+    j += joined[n][j] ? 1 : 0;
+  }
+  return {least[0][0], mask};
+}
+
+}  // namespace
+
+std::optional<std::vector<std::string_view>> joinDecimalCommas(std::span<const std::string_view> tokens, int count) {
+  const int joins = countOf(tokens) - count;
+  if (count == 0 || count > kMaxJoined || joins < 0 || joins > count) return std::nullopt;
+  // On a tie the first numbers get the fractions.
+  const auto [cost, mask] = count == kOfPose ? joinedPose(tokens, joins) : joinedNumbers(tokens, count, joins);
+  if (cost >= kNoWay) return std::nullopt;
+  std::vector<std::string_view> numbers;
+  for (int n = 0, token = 0; n < count; ++n) {
+    const bool joined = (mask >> (count - 1 - n) & 1u) != 0;
+    numbers.push_back(joined ? spanning(tokens[token], tokens[token + 1]) : tokens[token]);
+    token += joined ? 2 : 1;
+  }
+  return numbers;
 }
 
 }  // namespace lorica::joints

@@ -19,16 +19,19 @@ constexpr double kZeroStands = 50.0 * kDegree;
 constexpr double kFrameStands = 35.0 * kDegree;
 constexpr double kFirstFrameBonus = 10.0 * kDegree;
 constexpr double kBetterThanZero = 20.0 * kDegree;
+constexpr double kShape = 20.0 * kDegree;      // by which feet and hands differ
+constexpr double kEndTurned = 10.0 * kDegree;  // a foot or hand that is not at rest, where another frame has it so
 constexpr int kSamples = 256;
 
 struct Limb {
   HumanBone collar, upper, lower, end, tip;
 };
 constexpr int kFirstLeg = 2;
-constexpr std::array<Limb, 4> kLimbs = {{{kLeftShoulder, kLeftUpperArm, kLeftLowerArm, kLeftHand, kLeftHand},
-                                         {kRightShoulder, kRightUpperArm, kRightLowerArm, kRightHand, kRightHand},
-                                         {kLeftUpperLeg, kLeftUpperLeg, kLeftLowerLeg, kLeftFoot, kLeftToes},
-                                         {kRightUpperLeg, kRightUpperLeg, kRightLowerLeg, kRightFoot, kRightToes}}};
+constexpr std::array<Limb, 4> kLimbs = {
+    {{kLeftShoulder, kLeftUpperArm, kLeftLowerArm, kLeftHand, kLeftMiddleProximal},
+     {kRightShoulder, kRightUpperArm, kRightLowerArm, kRightHand, kRightMiddleProximal},
+     {kLeftUpperLeg, kLeftUpperLeg, kLeftLowerLeg, kLeftFoot, kLeftToes},
+     {kRightUpperLeg, kRightUpperLeg, kRightLowerLeg, kRightFoot, kRightToes}}};
 
 double angleBetween(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -38,9 +41,10 @@ double angleBetween(const Vec3& a, const Vec3& b) {
 struct Posture {
   double trunk = 0.0;
   std::array<double, kLimbs.size()> limb{};
-  std::optional<double> armsBelowLevel;  ///< mean of the arms that are known
-  std::optional<Vec3> up;                ///< of the trunk; none if the skeleton does not tell it
-  Vec3 left = Vec3::Zero();              ///< at a right angle to it
+  std::array<double, kLimbs.size()> end{};  ///< of the hand or foot alone, beyond what shapes differ
+  std::optional<double> armsBelowLevel;     ///< mean of the arms that are known
+  std::optional<Vec3> up;                   ///< of the trunk; none if the skeleton does not tell it
+  Vec3 left = Vec3::Zero();                 ///< at a right angle to it
 
   [[nodiscard]] double strain() const { return std::max(trunk, *std::max_element(limb.begin(), limb.end())); }
   [[nodiscard]] double sum() const {
@@ -84,12 +88,15 @@ class PostureReader {
       if (i >= kFirstLeg) {
         strain = std::max(angleBetween(*upper, -up), lower ? angleBetween(*lower, -up) : 0.0);
         // Feet differ in shape, and those that point down are set flat by whoever reads the rest pose.
-        constexpr double kSlope = 23.0 * kDegree, kShape = 20.0 * kDegree;
+        constexpr double kSlope = 23.0 * kDegree;
         const Vec3 usual = std::cos(kSlope) * ahead - std::sin(kSlope) * up;
         const std::optional<Vec3> foot = between(limb.end, limb.tip);
-        if (foot) strain = std::max(strain, 0.5 * (angleBetween(*foot, usual) - kShape));
+        if (foot) posture.end[i] = std::max(0.0, angleBetween(*foot, usual) - kShape);
+        strain = std::max(strain, 0.5 * posture.end[i]);
         continue;
       }
+      const std::optional<Vec3> hand = between(limb.end, limb.tip);
+      if (hand && lower) posture.end[i] = std::max(0.0, angleBetween(*hand, *lower) - kShape);
       constexpr double kRaised = 15.0 * kDegree, kCrossed = 100.0 * kDegree;
       const double outwards = (i == 0 ? 1.0 : -1.0) * upper->dot(left);
       const double below = std::atan2(-upper->dot(up), outwards);
@@ -153,6 +160,35 @@ std::string nameOf(const Posture& posture, double limit) {
   return *posture.armsBelowLevel < kTPose ? "a T-pose" : *posture.armsBelowLevel < kAPose ? "an A-pose" : "an I-pose";
 }
 
+bool isBelow(const Skeleton& skeleton, JointIndex joint, JointIndex top) {
+  while (joint != kNoJoint && joint != top) joint = skeleton.joint(joint).parent;
+  return joint == top;
+}
+
+/// In a walk no frame has both feet at rest: one that swings and points down would be taken as level, and the body
+/// would float on its toes. So each foot and hand is turned as in the frame in which its limb and itself are
+/// straightest.
+/// @return words for the guess, empty if all of them stay
+std::string straightenEnds(const SkeletalMotion& motion, std::span<const int> frames, std::span<const Posture> postures,
+                           const Posture& found, Pose& pose) {
+  const Skeleton& skeleton = motion.skeleton;
+  std::string words;
+  for (std::size_t i = 0; i < kLimbs.size(); ++i) {
+    const JointIndex end = skeleton.jointOf(kLimbs[i].end);
+    if (end == kNoJoint || found.end[i] < kEndTurned) continue;
+    const auto worst = [&](const Posture& posture) { return std::max(posture.limb[i], posture.end[i]); };
+    const auto best = std::ranges::min_element(postures, {}, worst);
+    if (best->end[i] > found.end[i] - kEndTurned) continue;
+    const int frame = frames[best - postures.begin()];
+    for (JointIndex j = end; j < skeleton.jointCount(); ++j) {
+      if (isBelow(skeleton, j, end)) pose[j] = motion.pose(frame)[j];
+    }
+    words +=
+        fmt::format(", its {} {} from frame {}", i % 2 == 0 ? "left" : "right", i < kFirstLeg ? "hand" : "foot", frame);
+  }
+  return words;
+}
+
 }  // namespace
 
 std::string namePose(const Skeleton& skeleton, std::span<const JointTransform> pose) {
@@ -202,10 +238,8 @@ RestPose findRestPose(const SkeletalMotion& motion) {
       const JointIndex collar = skeleton.jointOf(kLimbs[i].collar);
       const JointIndex top = collar == kNoJoint ? skeleton.jointOf(kLimbs[i].upper) : collar;
       if (top == kNoJoint) continue;
-      std::vector<bool> below(pose.size(), false);
       for (JointIndex j = top; j < skeleton.jointCount(); ++j) {
-        below[j] = j == top || (skeleton.joint(j).parent >= top && below[skeleton.joint(j).parent]);
-        if (below[j]) pose[j] = motion.pose(frames[straightest])[j];
+        if (isBelow(skeleton, j, top)) pose[j] = motion.pose(frames[straightest])[j];
       }
     }
     found = reader.read(pose);
@@ -214,6 +248,7 @@ RestPose findRestPose(const SkeletalMotion& motion) {
     words = "each limb from the frame in which it is straightest";
   }
   if (found.strain() > zero.strain() - kBetterThanZero) return rest;
+  words += straightenEnds(motion, frames, postures, found, pose);
   // Where the body stands says nothing of its pose.
   for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
     if (skeleton.joint(j).parent == kNoJoint) pose[j].translation = skeleton.joint(j).rest.translation;

@@ -1,12 +1,10 @@
 #include "capture/retarget/skeletal_retarget.h"
 
 #include "capture/retarget/completed_skeleton.h"
-#include "capture/retarget/foot_contacts.h"
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/retarget.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <array>
@@ -155,25 +153,17 @@ Result<Skeleton> skeletonFrom(const Lengths& lengths) {
 }  // namespace
 
 Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
-  const auto joints = static_cast<std::size_t>(motion.skeleton.jointCount());
-  if (motion.times.empty() || motion.poses.size() != motion.times.size() * joints) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
-                             motion.name, motion.poses.size(), motion.times.size(), joints)};
-  }
+  LORICA_TRY_DO(checkFrames(motion));
   if (MirroredAxes(motion.skeleton).any()) return bodyJointsOf(straightened(motion));
-  const Result<CompletedSkeleton> completed = CompletedSkeleton::create(motion.skeleton);
-  if (!completed) {
-    return Error{completed.error().code, fmt::format("the motion {}: {}", motion.name, completed.error().message)};
-  }
-  if (!completed->isWhole()) {
-    Result<std::vector<SkeletonFrame>> frames = bodyJointsOf(completed->complete(motion));
-    if (!frames) return frames;
-    for (SkeletonFrame& frame : *frames) {
+  const std::string named = "the motion " + motion.name;
+  LORICA_TRY(const CompletedSkeleton completed, prefixed(named, CompletedSkeleton::create(motion.skeleton)));
+  if (!completed.isWhole()) {
+    LORICA_TRY(std::vector<SkeletonFrame> frames, bodyJointsOf(completed.complete(motion)));
+    for (SkeletonFrame& frame : frames) {
       for (const TrackedBone& tracked : kTracked) {
         TrackedJoint& joint = frame[tracked.joint];
-        if (!completed->knowsPositionOf(tracked.bone)) joint = {};
-        if (!completed->speaksOf(tracked.bone)) {
+        if (!completed.knowsPositionOf(tracked.bone)) joint = {};
+        if (!completed.speaksOf(tracked.bone)) {
           joint.orientation.reset();
           joint.confidence *= 0.5;
         }
@@ -181,25 +171,24 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
     }
     return frames;
   }
-  Result<HumanRig> body = HumanRig::create(motion.skeleton);
-  if (!body) return Error{body.error().code, fmt::format("the motion {}: {}", motion.name, body.error().message)};
+  LORICA_TRY(HumanRig body, prefixed(named, HumanRig::create(motion.skeleton)));
   const auto has = [&](B bone) { return motion.skeleton.jointOf(bone) != kNoJoint; };
   std::vector<SkeletonFrame> frames(motion.times.size());
   std::array<std::vector<FootPosition>, 2> feet;
   for (std::size_t f = 0; f < frames.size(); ++f) {
     SkeletonFrame& frame = frames[f];
     frame.time = motion.times[f];
-    const HumanPose human = body->read(motion.pose(static_cast<int>(f)));
+    const HumanPose human = body.read(motion.pose(static_cast<int>(f)));
     for (const TrackedBone& tracked : kTracked) {
-      if (has(tracked.bone)) frame[tracked.joint] = {body->positionOf(tracked.bone), human[tracked.bone], 1.0};
+      if (has(tracked.bone)) frame[tracked.joint] = {body.positionOf(tracked.bone), human[tracked.bone], 1.0};
     }
     const Vec3 neck = has(B::kNeck)
-                          ? body->positionOf(B::kNeck)
-                          : Vec3(0.5 * (body->positionOf(B::kLeftUpperArm) + body->positionOf(B::kRightUpperArm)));
-    frame[J::kTorso] = {0.5 * (human.middleHip + neck), body->spineTurnsOf(human).back(), 1.0};
+                          ? body.positionOf(B::kNeck)
+                          : Vec3(0.5 * (body.positionOf(B::kLeftUpperArm) + body.positionOf(B::kRightUpperArm)));
+    frame[J::kTorso] = {0.5 * (human.middleHip + neck), body.spineTurnsOf(human).back(), 1.0};
     for (std::size_t side = 0; side < 2; ++side) feet[side].push_back(human.foot[side]);
   }
-  const double floor = floorUnder(feet[0], feet[1]);
+  const double floor = floorUnder(feet, motion.times, body.rig.legLength);
   if (std::abs(floor) < kFloorIsZero) return frames;
   for (SkeletonFrame& frame : frames) {
     for (TrackedJoint& joint : frame.joints) joint.position.y() -= joint.confidence > 0.0 ? floor : 0.0;
@@ -208,19 +197,16 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
 }
 
 Result<SkeletalMotion> skeletalMotionOf(const std::vector<SkeletonFrame>& frames) {
-  if (frames.empty()) return Error{ErrorCode::kInvalidArgument, "found no joint frames, expected at least one"};
+  if (frames.empty()) return invalidArgument("found no joint frames, expected at least one");
   SkeletalMotion motion;
-  Result<Skeleton> skeleton = skeletonFrom(Lengths(frames));
-  if (!skeleton) return skeleton.error();
-  motion.skeleton = std::move(*skeleton);
-  Result<Retargeter> retargeter = Retargeter::create(motion.skeleton, {.hold = {}, .plantFeet = false});
-  if (!retargeter) return retargeter.error();
+  LORICA_TRY(motion.skeleton, skeletonFrom(Lengths(frames)));
+  LORICA_TRY(Retargeter retargeter, Retargeter::create(motion.skeleton, {.hold = {}, .plantFeet = false}));
   Pose pose = restPose(motion.skeleton);
   motion.times.reserve(frames.size());
   motion.poses.reserve(frames.size() * pose.size());
   Vec3 middleHip = pose[0].translation;
   for (const SkeletonFrame& frame : frames) {
-    retargeter->apply(frame, pose);
+    retargeter.apply(frame, pose);
     // The retargeter puts feet on the floor; here the body stays at the position where it was seen.
     if (Lengths::seen(frame, J::kLeftHip) && Lengths::seen(frame, J::kRightHip)) {
       middleHip = 0.5 * (frame[J::kLeftHip].position + frame[J::kRightHip].position);

@@ -1,6 +1,7 @@
 #include "capture/retarget/bone_pose.h"
 
 #include "capture/retarget/human_rig.h"
+#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <algorithm>
@@ -12,22 +13,8 @@ namespace {
 /// Limbs of a T-pose may deviate this much [rad].
 constexpr double kTposeTolerance = 0.44;
 
-std::size_t index(HumanBone bone) {
-  return static_cast<std::size_t>(bone);
-}
-std::size_t index(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
-
-Vec3 mirrored(const Vec3& p) {
-  return {-p.x(), p.y(), p.z()};
-}
-Quat mirrored(const Quat& q) {
-  return {q.w(), q.x(), -q.y(), -q.z()};
-}
-
 bool restsInTpose(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint) {
-  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[index(skeleton.jointOf(bone))].translation(); };
+  const auto at = [&](HumanBone bone) -> Vec3 { return worldFromJoint[skeleton.jointOf(bone)].translation(); };
   const auto along = [&](HumanBone from, HumanBone to, const Vec3& axis) {
     return (at(to) - at(from)).normalized().dot(axis) >= std::cos(kTposeTolerance);
   };
@@ -36,6 +23,9 @@ bool restsInTpose(const Skeleton& skeleton, std::span<const Affine3> worldFromJo
   });
 }
 
+/// A position nearer to zero than this was not sent [m].
+constexpr double kNowhere = 1e-6;
+
 }  // namespace
 
 BonePose mirrored(const BonePose& pose) {
@@ -43,7 +33,7 @@ BonePose mirrored(const BonePose& pose) {
   out.rootPosition = mirrored(pose.rootPosition);
   out.rootRotation = mirrored(pose.rootRotation);
   for (std::size_t b = 0; b < pose.rotation.size(); ++b) {
-    const std::size_t other = index(otherSide(static_cast<HumanBone>(b)));
+    const std::size_t other = ordinalOf(otherSide(static_cast<HumanBone>(b)));
     if (pose.rotation[other]) out.rotation[b] = mirrored(*pose.rotation[other]);
     out.offset[b] = mirrored(pose.offset[other]);
   }
@@ -54,8 +44,8 @@ WorldBones worldOf(const BonePose& pose) {
   WorldBones world;
   for (std::size_t b = 0; b < world.turn.size(); ++b) {
     const std::optional<HumanBone> parent = parentBone(static_cast<HumanBone>(b));
-    const Quat above = parent ? world.turn[index(*parent)] : pose.rootRotation;
-    const Vec3 from = parent ? world.position[index(*parent)] : pose.rootPosition;
+    const Quat above = parent ? world.turn[ordinalOf(*parent)] : pose.rootRotation;
+    const Vec3 from = parent ? world.position[ordinalOf(*parent)] : pose.rootPosition;
     world.turn[b] = pose.rotation[b] ? (above * *pose.rotation[b]).normalized() : above;
     world.position[b] = from + above * pose.offset[b];
   }
@@ -100,13 +90,13 @@ BonePose BonePoseReader::read(std::span<const JointTransform> pose) {
   }
   body_.evaluate(pose);
   const auto turnOf = [&](JointIndex joint) -> Quat {
-    return body_.worldRotation[index(joint)] * referenceFromJoint_[index(joint)].conjugate();
+    return body_.worldRotation[joint] * referenceFromJoint_[joint].conjugate();
   };
   BonePose out;
   for (std::size_t b = 0; b < out.rotation.size(); ++b) {
     const JointIndex joint = skeleton.jointOf(static_cast<HumanBone>(b));
     if (joint == kNoJoint) continue;
-    const Vec3 position = body_.worldFromJoint[index(joint)].translation();
+    const Vec3 position = body_.worldFromJoint[joint].translation();
     if (!parent_[b]) {
       out.rotation[b] = turnOf(joint).normalized();
       out.offset[b] = position;
@@ -115,9 +105,43 @@ BonePose BonePoseReader::read(std::span<const JointTransform> pose) {
     const JointIndex parent = skeleton.jointOf(*parent_[b]);
     const Quat parentFromWorld = turnOf(parent).conjugate();
     out.rotation[b] = (parentFromWorld * turnOf(joint)).normalized();
-    out.offset[b] = parentFromWorld * (position - body_.worldFromJoint[index(parent)].translation());
+    out.offset[b] = parentFromWorld * (position - body_.worldFromJoint[parent].translation());
   }
   return out;
+}
+
+Result<SenderRest> SenderRest::create(const Skeleton& skeleton) {
+  LORICA_TRY(const RetargetRig rig, RetargetRig::create(skeleton));
+  const std::vector<Quat> reference = boneReference(rig);
+  SenderRest out;
+  for (std::size_t b = 0; b < out.bones_.size(); ++b) {
+    const JointIndex joint = skeleton.jointOf(static_cast<HumanBone>(b));
+    if (joint == kNoJoint) continue;
+    // From the joint above up to the bone above, or to the world.
+    Affine3 fromParent = Affine3::Identity();
+    Quat turn = Quat::Identity();
+    JointIndex above = skeleton.joint(joint).parent;
+    while (above != kNoJoint && !skeleton.joint(above).bone) {
+      const JointTransform& rest = skeleton.joint(above).rest;
+      fromParent = rest.matrix() * fromParent;
+      turn = rest.rotation * turn;
+      above = skeleton.joint(above).parent;
+    }
+    const Quat bone = above == kNoJoint ? Quat::Identity() : reference[above];
+    out.bones_[b] = Bone{(bone * turn).normalized(), bone * fromParent.translation(), reference[joint].conjugate(),
+                         skeleton.joint(joint).rest.translation};
+  }
+  return out;
+}
+
+void SenderRest::apply(BonePose& pose) const {
+  for (std::size_t b = 0; b < bones_.size(); ++b) {
+    if (!bones_[b] || !pose.rotation[b]) continue;
+    const Bone& bone = *bones_[b];
+    const Vec3 sent = pose.offset[b].norm() > kNowhere ? pose.offset[b] : bone.rest;
+    pose.offset[b] = bone.parentInReference + bone.referenceFromParent * sent;
+    pose.rotation[b] = (bone.referenceFromParent * *pose.rotation[b] * bone.jointFromReference).normalized();
+  }
 }
 
 }  // namespace lorica

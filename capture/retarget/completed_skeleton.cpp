@@ -3,8 +3,8 @@
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/proxy_draft.h"
 #include "capture/retarget/retarget_rig.h"
-
-#include <fmt/format.h>
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,11 +27,7 @@ constexpr double kHipsBelowSpine = 0.1;  // below the lowest bone of the spine
 constexpr double kTrunk = 0.5;
 
 /// Bones shorter than this have no direction [m].
-constexpr double kShortestBone = 1e-3;
-
-std::size_t at(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
+constexpr double kShortestJoined = 1e-3;
 
 double sideOf(std::size_t limb) {
   return limb % 2 == 0 ? 1.0 : -1.0;
@@ -57,33 +53,33 @@ struct Draft {
 
   [[nodiscard]] JointIndex operator[](B bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
   [[nodiscard]] bool has(B bone) const { return (*this)[bone] != kNoJoint; }
-  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[at(joint)].translation(); }
+  [[nodiscard]] Vec3 position(JointIndex joint) const { return world[joint].translation(); }
   [[nodiscard]] Vec3 position(B bone) const { return position((*this)[bone]); }
 
   [[nodiscard]] bool isBelow(JointIndex joint, JointIndex ancestor) const {
     do {
-      joint = joints[at(joint)].parent;
+      joint = joints[joint].parent;
     } while (joint != kNoJoint && joint != ancestor);
     return joint == ancestor;
   }
   /// Whether a bone descends from another and is not of zero length.
   [[nodiscard]] bool hangsOn(B bone, B above) const {
     return has(bone) && has(above) && isBelow((*this)[bone], (*this)[above]) &&
-           (position(bone) - position(above)).norm() >= kShortestBone;
+           (position(bone) - position(above)).norm() >= kShortestJoined;
   }
 
   void forget(B bone) {
     JointIndex& joint = jointOf[static_cast<std::size_t>(bone)];
-    if (joint != kNoJoint) joints[at(joint)].bone.reset();
+    if (joint != kNoJoint) joints[joint].bone.reset();
     joint = kNoJoint;
   }
 
   JointIndex add(B bone, JointIndex parent, const Vec3& where) {
     const auto joint = static_cast<JointIndex>(joints.size());
     JointTransform rest;
-    rest.translation = parent == kNoJoint ? where : Vec3(world[at(parent)].inverse() * where);
-    rotation.push_back(parent == kNoJoint ? Quat::Identity() : rotation[at(parent)]);
-    world.push_back(parent == kNoJoint ? Affine3::Identity() : world[at(parent)]);
+    rest.translation = parent == kNoJoint ? where : Vec3(world[parent].inverse() * where);
+    rotation.push_back(parent == kNoJoint ? Quat::Identity() : rotation[parent]);
+    world.push_back(parent == kNoJoint ? Affine3::Identity() : world[parent]);
     world.back().translation() = where;
     joints.push_back({fmt::format("{} (added)", nameOf(bone)), parent, rest, bone});
     jointOf[static_cast<std::size_t>(bone)] = joint;
@@ -123,28 +119,28 @@ struct Draft {
     const std::optional<Vec3> shoulders = middleOf(0);
     const JointIndex neck = firstOf({B::kNeck, B::kHead});
     const std::optional<Vec3> top = neck != kNoJoint ? std::optional<Vec3>(position(neck)) : shoulders;
-    if (top && (*top - low).norm() >= kShortestBone) up = (*top - low).normalized();
+    if (top && (*top - low).norm() >= kShortestJoined) up = (*top - low).normalized();
     high = top.value_or(Vec3(low + kTrunk * size * up));
 
     Vec3 across = Vec3::Zero();
     for (const std::size_t limb : {std::size_t{kFirstLeg}, std::size_t{0}}) {
-      if (across.norm() < kShortestBone && middleOf(limb)) {
+      if (across.norm() < kShortestJoined && middleOf(limb)) {
         across = position(limbs()[limb].upper) - position(limbs()[limb + 1].upper);
       }
     }
-    for (std::size_t limb = 0; limb < kLimbCount && across.norm() < kShortestBone; ++limb) {
+    for (std::size_t limb = 0; limb < kLimbCount && across.norm() < kShortestJoined; ++limb) {
       if (known[limb]) across = sideOf(limb) * (position(limbs()[limb].upper) - low);
     }
     across -= across.dot(up) * up;
-    if (across.norm() < kShortestBone) return false;
+    if (across.norm() < kShortestJoined) return false;
     left = across.normalized();
     return true;
   }
 
   void addHips() {
     const JointIndex hips = add(B::kHips, kNoJoint, low - kHipsBelowSpine * size * up);
-    const Affine3 hipsFromWorld = world[at(hips)].inverse();
-    for (std::size_t j = 0; j < at(hips); ++j) {
+    const Affine3 hipsFromWorld = world[hips].inverse();
+    for (JointIndex j = 0; j < hips; ++j) {
       if (joints[j].parent != kNoJoint) continue;
       joints[j].parent = hips;
       joints[j].rest.translation = hipsFromWorld * joints[j].rest.translation;
@@ -160,11 +156,11 @@ struct Draft {
       });
     };
     for (JointIndex j = 0; j < spine; ++j) {
-      if (joints[at(j)].parent != hips || carries(j, {B::kLeftUpperLeg, B::kRightUpperLeg})) continue;
+      if (joints[j].parent != hips || carries(j, {B::kLeftUpperLeg, B::kRightUpperLeg})) continue;
       if (!carries(j, {B::kNeck, B::kHead, B::kLeftShoulder, B::kRightShoulder, B::kLeftUpperArm, B::kRightUpperArm})) {
         continue;
       }
-      joints[at(j)].parent = spine;
+      joints[j].parent = spine;
     }
   }
 
@@ -193,7 +189,7 @@ struct Draft {
       ++children;
     }
     const bool known =
-        children == 1 && !joints[at(only)].bone && (position(only) - position(lower)).norm() >= kShortestBone;
+        children == 1 && !joints[only].bone && (position(only) - position(lower)).norm() >= kShortestJoined;
     add(limb.end, lower, known ? position(only) : Vec3(2.0 * position(lower) - position(limb.upper)));
   }
 };
@@ -202,11 +198,9 @@ struct Draft {
 
 Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
   CompletedSkeleton made;
+  made.skeleton_ = skeleton;
   const Result<RetargetRig> own = RetargetRig::create(skeleton);
-  if (own) {
-    made.skeleton_ = skeleton;
-    return made;
-  }
+  if (own) return made;
   Draft draft(skeleton);
   for (const Affine3& world : draft.world) {
     if (!(std::abs(world.linear().determinant()) > 1e-18)) return own.error();
@@ -238,16 +232,14 @@ Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
   std::vector<Joint> joints;
   joints.reserve(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    newIndex[at(order[k])] = static_cast<JointIndex>(k);
-    Joint joint = draft.joints[at(order[k])];
-    if (joint.parent != kNoJoint) joint.parent = newIndex[at(joint.parent)];
+    newIndex[order[k]] = static_cast<JointIndex>(k);
+    Joint joint = draft.joints[order[k]];
+    if (joint.parent != kNoJoint) joint.parent = newIndex[joint.parent];
     joints.push_back(std::move(joint));
   }
-  Result<Skeleton> whole = Skeleton::create(std::move(joints));
-  if (!whole) return whole.error();
+  LORICA_TRY(made.skeleton_, Skeleton::create(std::move(joints)));
   // Adding bones cannot fix other errors, for example limbs that do not descend from the hips.
-  if (const Result<RetargetRig> rig = RetargetRig::create(*whole); !rig) return own.error();
-  made.skeleton_ = std::move(*whole);
+  if (!RetargetRig::create(made.skeleton_)) return own.error();
   made.indexOf_.assign(newIndex.begin(), newIndex.begin() + skeleton.jointCount());
   if (addsHips) made.addedHips_ = made.skeleton_.jointOf(B::kHips);
   return made;
@@ -255,7 +247,7 @@ Result<CompletedSkeleton> CompletedSkeleton::create(const Skeleton& skeleton) {
 
 SkeletalMotion CompletedSkeleton::complete(const SkeletalMotion& motion) const {
   if (isWhole()) return motion;
-  LORICA_CHECK(indexOf_.size() == at(motion.skeleton.jointCount()), "the motion must match the skeleton");
+  LORICA_CHECK(countOf(indexOf_) == motion.skeleton.jointCount(), "the motion must match the skeleton");
   SkeletalMotion out{motion.name, skeleton_, motion.times, {}};
   const Pose rest = restPose(skeleton_);
   out.poses.reserve(motion.times.size() * rest.size());
@@ -264,22 +256,29 @@ SkeletalMotion CompletedSkeleton::complete(const SkeletalMotion& motion) const {
   for (int f = 0; f < motion.frameCount(); ++f) {
     Pose pose = rest;
     const std::span<const JointTransform> from = motion.pose(f);
-    for (std::size_t j = 0; j < indexOf_.size(); ++j) pose[at(indexOf_[j])] = from[j];
+    for (std::size_t j = 0; j < indexOf_.size(); ++j) pose[indexOf_[j]] = from[j];
     if (addedHips_ != kNoJoint) {
       computeWorldFromJoint(motion.skeleton, from, world);
-      const Vec3 position = world[at(trunk_)].translation();
+      const Vec3 position = world[trunk_].translation();
       if (f == 0) start = position;
-      JointTransform& hips = pose[at(addedHips_)];
+      JointTransform& hips = pose[addedHips_];
       hips.translation += Vec3(position.x() - start.x(), 0.0, position.z() - start.z());
       for (std::size_t j = 0; j < indexOf_.size(); ++j) {
         if (motion.skeleton.joint(static_cast<JointIndex>(j)).parent == kNoJoint) {
-          pose[at(indexOf_[j])].translation -= hips.translation;
+          pose[indexOf_[j]].translation -= hips.translation;
         }
       }
     }
     out.poses.insert(out.poses.end(), pose.begin(), pose.end());
   }
   return out;
+}
+
+Result<void> checkFrames(const SkeletalMotion& motion) {
+  const std::size_t joints = motion.skeleton.jointCount();
+  if (!motion.times.empty() && motion.poses.size() == motion.times.size() * joints) return {};
+  return invalidArgument("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
+                         motion.name, motion.poses.size(), motion.times.size(), joints);
 }
 
 }  // namespace lorica

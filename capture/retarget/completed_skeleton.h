@@ -43,4 +43,7 @@ class CompletedSkeleton {
   JointIndex trunk_ = kNoJoint;  ///< joint of the original skeleton that added hips follow
 };
 
+/// Whether a motion has frames, each with one transform per joint; else an error with the counts.
+[[nodiscard]] Result<void> checkFrames(const SkeletalMotion& motion);
+
 }  // namespace lorica

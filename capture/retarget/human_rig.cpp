@@ -1,20 +1,37 @@
 #include "capture/retarget/human_rig.h"
 
+#include "geometry/result.h"
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace lorica {
 namespace {
 
 /// Max reach as a fraction of leg length. There the knee is bent by 5 degrees.
 constexpr double kLongestReach = 0.999;
-constexpr double kShortest = 1e-6;
+constexpr double kNoDirection = 1e-6;
 
 double reachOfLeg(double thigh, double shin) {
   return kLongestReach * (thigh + shin);
 }
 
-constexpr double kShortestLimb = 1e-4;
+constexpr double kShortestRigLimb = 1e-4;
+
+constexpr double kUsualLeg = 0.85;
+/// Speed limits of ankle or ball to start and to continue standing [m/s].
+constexpr double kSlow = 0.30;
+constexpr double kStillSlow = 0.45;
+/// Limits for the height of the sole's lowest point above the floor, likewise [m].
+constexpr double kLow = 0.06;
+constexpr double kStillLow = 0.09;
+/// A foot at rest in the air: max speed [m/s], min duration [s].
+constexpr double kResting = 0.08;
+constexpr double kRestSeconds = 0.25;
+/// Shorter contacts are no stance, shorter gaps no step [s].
+constexpr double kShortestStance = 0.06;
+constexpr double kShortestStep = 0.06;
 
 }  // namespace
 
@@ -43,7 +60,7 @@ LegTurns reachWithLeg(const Vec3& hip, const Vec3& knee, const Vec3& ankle, cons
   const double shin = (ankle - knee).norm();
   const double before = (ankle - hip).norm();
   const double away = (wanted - hip).norm();
-  if (thigh < kShortest || shin < kShortest || before < kShortest || away < kShortest) return turns;
+  if (thigh < kNoDirection || shin < kNoDirection || before < kNoDirection || away < kNoDirection) return turns;
   const Vec3 thighBefore = (knee - hip) / thigh;
   const Vec3 shinBefore = (ankle - knee) / shin;
   const Vec3 lineBefore = (ankle - hip) / before;
@@ -58,7 +75,7 @@ LegTurns reachWithLeg(const Vec3& hip, const Vec3& knee, const Vec3& ankle, cons
   const Quat swing = swingBetween(lineBefore, line, hinge);
   Vec3 turned = swing * axis;
   turned -= turned.dot(line) * line;
-  if (turned.norm() < kShortest) return turns;
+  if (turned.norm() < kNoDirection) return turns;
   // A leg that is already longer than the usual reach may stay so: nothing moves if the target is the current ankle
   // position.
   const double longest = std::max(reachOfLeg(thigh, shin), std::min(before, (1.0 - 1e-9) * (thigh + shin)));
@@ -115,7 +132,7 @@ HumanPose HumanRig::read(std::span<const JointTransform> pose) {
     const auto point = [&](HumanBone bone, HumanBone next) {
       const Vec3 along = positionOf(next) - positionOf(bone);
       const double length = along.norm();
-      if (length < kShortestLimb) return;
+      if (length < kShortestRigLimb) return;
       turnOf(bone) = pointed(*turnOf(bone), limb.axis, along / length, limb.hinge);
     };
     point(limb.upper, limb.lower);
@@ -162,6 +179,112 @@ void HumanRig::pose(const HumanPose& human, std::span<const Quat> spineTurns, st
     worldRotation[j] = (above * pose[j].rotation).normalized();
   }
   computeWorldFromJoint(skeleton, pose, worldFromJoint);
+}
+
+namespace {
+
+/// Speeds of a foot, for each frame the lower one of the two adjacent steps [m/s of a usual leg].
+struct FootSpeeds {
+  std::vector<double> slower;  ///< of ankle or ball
+  std::vector<double> faster;
+};
+
+FootSpeeds speedsOf(std::span<const FootPosition> positions, std::span<const double> times, double scale) {
+  const double none = positions.size() == 1 ? 0.0 : std::numeric_limits<double>::infinity();
+  FootSpeeds speeds{std::vector<double>(positions.size(), none), std::vector<double>(positions.size(), none)};
+  for (std::size_t f = 1; f < positions.size(); ++f) {
+    const double step = std::max(times[f] - times[f - 1], 1e-4) * scale;
+    const double ankle = (positions[f].ankle - positions[f - 1].ankle).norm() / step;
+    const double ball = (positions[f].ball - positions[f - 1].ball).norm() / step;
+    for (const std::size_t frame : {f - 1, f}) {
+      speeds.slower[frame] = std::min(speeds.slower[frame], std::min(ankle, ball));
+      speeds.faster[frame] = std::min(speeds.faster[frame], std::max(ankle, ball));
+    }
+  }
+  return speeds;
+}
+
+/// A value that few of these are below.
+double seldomBelow(std::vector<double>& values) {
+  constexpr double kSeldom = 0.05;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(kSeldom * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+double floorUnder(const std::array<std::vector<FootPosition>, 2>& feet, std::span<const double> times,
+                  double legLength) {
+  const auto& [left, right] = feet;
+  LORICA_CHECK(left.size() == right.size() && !left.empty(), "one position per frame and foot is required");
+  std::vector<double> lowest;
+  lowest.reserve(left.size());
+  for (std::size_t f = 0; f < left.size(); ++f) lowest.push_back(std::min(left[f].lowest, right[f].lowest));
+  const double below = seldomBelow(lowest);
+
+  constexpr double kPlanted = 0.1;   // share of the frames in which a foot must be planted
+  constexpr double kClearly = 0.05;  // soles of planted feet above what toes reach [m]
+  const double scale = legLength / kUsualLeg;
+  std::vector<double> planted;
+  for (const std::vector<FootPosition>& foot : feet) {
+    const FootSpeeds speeds = speedsOf(foot, times, scale);
+    for (std::size_t f = 0; f < foot.size(); ++f) {
+      if (speeds.faster[f] < kSlow) planted.push_back(foot[f].lowest);
+    }
+  }
+  if (static_cast<double>(planted.size()) < kPlanted * static_cast<double>(lowest.size())) return below;
+  const double stands = seldomBelow(planted);
+  return stands > below + kClearly * scale ? stands : below;
+}
+
+std::vector<FootContact> contactsOf(std::span<const FootPosition> positions, std::span<const double> times,
+                                    double floor, double legLength) {
+  LORICA_CHECK(positions.size() == times.size(), "one position per frame is required");
+  const double scale = legLength / kUsualLeg;
+  const auto count = static_cast<int>(positions.size());
+  const auto [slower, resting] = speedsOf(positions, times, scale);
+
+  const auto secondsOf = [&](int first, int last) { return times[last] - times[first]; };
+  std::vector<bool> stands(positions.size(), false);
+  bool standing = false;
+  for (int f = 0; f < count; ++f) {
+    const double height = (positions[f].lowest - floor) / scale;
+    standing = standing ? slower[f] < kStillSlow && height < kStillLow : slower[f] < kSlow && height < kLow;
+    stands[f] = standing;
+  }
+  // Backward pass: frames before a stance that meet the limits for continuing also belong to it.
+  standing = false;
+  for (int f = count - 1; f >= 0; --f) {
+    const double height = (positions[f].lowest - floor) / scale;
+    standing = (stands[f] || standing) && slower[f] < kStillSlow && height < kStillLow;
+    stands[f] = stands[f] || standing;
+  }
+  for (int f = 0; f < count; ++f) {
+    int last = f;
+    while (last + 1 < count && resting[last + 1] < kResting) ++last;
+    if (resting[f] < kResting && secondsOf(f, last) >= kRestSeconds) {
+      std::fill(stands.begin() + f, stands.begin() + last + 1, true);
+    }
+    f = last;
+  }
+
+  std::vector<FootContact> contacts;
+  for (int f = 0; f < count; ++f) {
+    if (!stands[f]) continue;
+    int last = f;
+    while (last + 1 < count && stands[last + 1]) ++last;
+    if (!contacts.empty() && secondsOf(contacts.back().last, f) < kShortestStep &&
+        (positions[f].ankle - positions[contacts.back().last].ankle).norm() < 0.02 * scale) {
+      contacts.back().last = last;
+    } else {
+      contacts.push_back({f, last});
+    }
+    f = last;
+  }
+  std::erase_if(contacts,
+                [&](const FootContact& c) { return secondsOf(c.first, c.last) < kShortestStance && count > 1; });
+  return contacts;
 }
 
 }  // namespace lorica

@@ -1,7 +1,6 @@
 #include "capture/retarget/mirrored_axes.h"
 
 #include "capture/retarget/retarget_rig.h"
-#include "geometry/counts.h"
 #include "skinning/humanoid/humanoid.h"
 
 #include <utility>

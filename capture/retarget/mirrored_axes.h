@@ -8,6 +8,16 @@
 
 namespace lorica {
 
+/// A position as a mirror at x = 0 shows it. So it is also between our axes and Unity's, in which the VMC protocol
+/// speaks: Unity is left-handed, with Y up, a body facing +Z and its left at -X.
+[[nodiscard]] inline Vec3 mirrored(const Vec3& p) {
+  return {-p.x(), p.y(), p.z()};
+}
+/// A rotation, likewise.
+[[nodiscard]] inline Quat mirrored(const Quat& q) {
+  return {q.w(), q.x(), -q.y(), -q.z()};
+}
+
 /// Negative scales mirror the axes of the joints below them, and with these what a rotation does. Retargeting works on
 /// the same body without them: in each joint's frame the axes that the scales above it turned round are turned back.
 /// Every point keeps its position. Internal to motion retargeting.

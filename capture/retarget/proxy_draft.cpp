@@ -36,10 +36,6 @@ constexpr std::array<std::string_view, 4> kHandWords = {"hand", "palm", "wrist",
 constexpr std::array<std::string_view, 3> kFootWords = {"foot", "feet", "ankle"};
 constexpr std::array<std::string_view, 3> kToesWords = {"toe", "toes", "ball"};
 
-std::size_t at(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
-
 bool hasWord(const JointName& name, std::span<const std::string_view> words) {
   return std::any_of(name.words.begin(), name.words.end(), [&](const std::string& word) {
     return std::find(words.begin(), words.end(), word) != words.end();
@@ -136,40 +132,40 @@ std::vector<Vec3> solePoints(std::span<const Vec3> points) {
   return sole;
 }
 
-ProxyDraft::ProxyDraft(const Character& of)
-    : character(of),
-      mesh(of),
-      names(readJointNames(of.skeleton)),
-      joints(of.skeleton.joints().begin(), of.skeleton.joints().end()),
+ProxyDraft::ProxyDraft(const Character& made)
+    : character(made),
+      mesh(made),
+      names(readJointNames(made.skeleton)),
+      joints(made.skeleton.joints().begin(), made.skeleton.joints().end()),
       rotation(joints.size()),
       world(joints.size()) {
-  evaluatePose(of.skeleton, restPose(of.skeleton), rotation, world);
-  for (std::size_t b = 0; b < jointOf.size(); ++b) jointOf[b] = of.skeleton.jointOf(static_cast<HumanBone>(b));
+  evaluatePose(made.skeleton, restPose(made.skeleton), rotation, world);
+  for (std::size_t b = 0; b < jointOf.size(); ++b) jointOf[b] = made.skeleton.jointOf(static_cast<HumanBone>(b));
 }
 
 bool ProxyDraft::isBelowOrSame(JointIndex joint, JointIndex ancestor) const {
-  while (joint != kNoJoint && joint != ancestor) joint = joints[at(joint)].parent;
+  while (joint != kNoJoint && joint != ancestor) joint = joints[joint].parent;
   return joint == ancestor;
 }
 
 void ProxyDraft::name(HumanBone bone, JointIndex joint) {
   jointOf[static_cast<std::size_t>(bone)] = joint;
-  joints[at(joint)].bone = bone;
+  joints[joint].bone = bone;
 }
 
 JointIndex ProxyDraft::add(HumanBone bone, JointIndex parent, const Vec3& where) {
   const auto joint = static_cast<JointIndex>(joints.size());
   joints.push_back({fmt::format("{} (added)", nameOf(bone)), parent, {}, {}});
-  rotation.push_back(rotation[at(parent)]);
-  world.push_back(world[at(parent)]);
+  rotation.push_back(rotation[parent]);
+  world.push_back(world[parent]);
   world.back().translation() = where;
   name(bone, joint);
   return joint;
 }
 
 std::vector<Vec3> ProxyDraft::pointsOf(JointIndex joint) const {
-  std::vector<bool> only(at(character.skeleton.jointCount()), false);
-  only[at(joint)] = true;
+  std::vector<bool> only(character.skeleton.jointCount(), false);
+  only[joint] = true;
   return mesh.pointsOf(only);
 }
 
@@ -184,7 +180,7 @@ bool ProxyDraft::isOnTrunk(JointIndex joint) const {
 
 /// The vertices of a joint of the character and of its descendants.
 std::vector<Vec3> ProxyDraft::pointsBelow(JointIndex top) const {
-  std::vector<bool> marked(at(character.skeleton.jointCount()));
+  std::vector<bool> marked(character.skeleton.jointCount());
   for (std::size_t j = 0; j < marked.size(); ++j) marked[j] = isBelowOrSame(static_cast<JointIndex>(j), top);
   return mesh.pointsOf(marked);
 }
@@ -198,8 +194,8 @@ JointIndex ProxyDraft::findEnd(std::size_t limb, JointIndex last, const std::opt
   double nearest = (meshEnd ? kNamedNear : 1.0) * character.height;
   JointIndex found = kNoJoint;
   for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
-    if (joints[at(j)].bone || isBelowOrSame(last, j)) continue;
-    const JointName& its = names[at(j)];
+    if (joints[j].bone || isBelowOrSame(last, j)) continue;
+    const JointName& its = names[j];
     const bool named = its.side == side && !isHelper(its) &&
                        hasWord(its, leg ? std::span<const std::string_view>(kFootWords)
                                         : std::span<const std::string_view>(kHandWords));
@@ -247,7 +243,7 @@ bool ProxyDraft::complete(std::size_t i) {
     substitutes.push_back({limb.end, kNoJoint, last});
   } else if (!isBelowOrSame(end, lower)) {
     if (!isBelowOrSame(end, last)) substitutes.push_back({limb.end, end, last});
-    joints[at(end)].parent = lower;
+    joints[end].parent = lower;
   }
   return true;
 }
@@ -255,8 +251,8 @@ bool ProxyDraft::complete(std::size_t i) {
 void ProxyDraft::nameToes(HumanBone toes, JointIndex foot) {
   if ((*this)[toes] != kNoJoint) return;
   for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
-    if (j == foot || joints[at(j)].bone || isHelper(names[at(j)])) continue;
-    if (!isBelowOrSame(j, foot) || !hasWord(names[at(j)], kToesWords)) continue;
+    if (j == foot || joints[j].bone || isHelper(names[j])) continue;
+    if (!isBelowOrSame(j, foot) || !hasWord(names[j], kToesWords)) continue;
     name(toes, j);
     return;
   }
@@ -271,7 +267,7 @@ JointIndex ProxyDraft::nearestBone(const Vec3& point) const {
     if (bone == kNoJoint) continue;
     double away = (point - position(bone)).norm();
     for (std::size_t next = 0; next <= static_cast<std::size_t>(HumanBone::kRightHand); ++next) {
-      if (jointOf[next] == kNoJoint || joints[at(jointOf[next])].parent != bone) continue;
+      if (jointOf[next] == kNoJoint || joints[jointOf[next]].parent != bone) continue;
       const Vec3 line = position(jointOf[next]) - position(bone);
       const double along = std::clamp(line.dot(point - position(bone)) / line.squaredNorm(), 0.0, 1.0);
       if (std::isfinite(along)) away = std::min(away, (point - position(bone) - along * line).norm());
@@ -316,7 +312,7 @@ void ProxyDraft::attachStrays() {
     const JointIndex bone = onTrunk ? bareEndNear(j, middle) : nearestBone(middle);
     if (onTrunk && bone == kNoJoint) continue;
     strays.push_back({j, bone});
-    if (bone != kNoJoint) joints[at(j)].parent = bone;
+    if (bone != kNoJoint) joints[j].parent = bone;
   }
 }
 
@@ -326,9 +322,9 @@ std::vector<JointIndex> parentsFirst(std::span<const Joint> joints) {
   std::vector<bool> placed(joints.size(), false);
   std::vector<JointIndex> above;
   for (std::size_t j = 0; j < joints.size(); ++j) {
-    for (auto up = static_cast<JointIndex>(j); up != kNoJoint && !placed[at(up)]; up = joints[at(up)].parent) {
+    for (auto up = static_cast<JointIndex>(j); up != kNoJoint && !placed[up]; up = joints[up].parent) {
       above.push_back(up);
-      placed[at(up)] = true;
+      placed[up] = true;
     }
     ordered.insert(ordered.end(), above.rbegin(), above.rend());
     above.clear();

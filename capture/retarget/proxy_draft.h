@@ -54,7 +54,7 @@ struct ProxyDraft {
   std::vector<ProxySkeleton::Substitute> substitutes;
   std::vector<ProxySkeleton::Stray> strays;
 
-  explicit ProxyDraft(const Character& of);
+  explicit ProxyDraft(const Character& made);
 
   [[nodiscard]] JointIndex operator[](HumanBone bone) const { return jointOf[static_cast<std::size_t>(bone)]; }
   [[nodiscard]] Vec3 position(JointIndex joint) const { return world[static_cast<std::size_t>(joint)].translation(); }

@@ -2,8 +2,8 @@
 
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/proxy_draft.h"
-
-#include <fmt/format.h>
+#include "geometry/counts.h"
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,10 +12,6 @@
 
 namespace lorica {
 namespace {
-
-std::size_t at(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
 
 /// Local transform of a joint relative to another. Both are given by world rotation, without scale, and world
 /// transform.
@@ -40,22 +36,22 @@ std::vector<ProxySkeleton::Foot> ProxySkeleton::longFeet(const ProxyDraft& draft
     const JointIndex joint = draft[limbs()[kFirstLeg + side].end];
     if (joint == kNoJoint) continue;
     Foot foot;
-    foot.joint = proxyOf[at(joint)];
-    foot.level = draft.rotation[at(joint)];
+    foot.joint = proxyOf[joint];
+    foot.level = draft.rotation[joint];
     std::vector<Vec3> reached;
     for (JointIndex j = 0; j < draft.character.skeleton.jointCount(); ++j) {
       if (!draft.isBelowOrSame(j, joint)) continue;
       for (const Vec3& point : solePoints(draft.pointsOf(j))) {
-        foot.points.push_back({proxyOf[at(j)], draft.world[at(j)].inverse() * point});
+        foot.points.push_back({proxyOf[j], draft.world[j].inverse() * point});
         foot.floor = std::min(foot.floor, point.y());
         reached.push_back(point);
       }
     }
     const JointIndex toes = draft[side == 0 ? HumanBone::kLeftToes : HumanBone::kRightToes];
     const RetargetRig::Sole& sole = rig.sole[side];
-    const Affine3& worldFromFoot = draft.world[at(joint)];
+    const Affine3& worldFromFoot = draft.world[joint];
     const std::array<Vec3, 3> estimated = {worldFromFoot * sole.heel, worldFromFoot * sole.ball,
-                                           (toes == kNoJoint ? worldFromFoot : draft.world[at(toes)]) * sole.tip};
+                                           (toes == kNoJoint ? worldFromFoot : draft.world[toes]) * sole.tip};
     const Vec3 ankle = draft.position(joint);
     const auto lowest = [&](std::span<const Vec3> points, const Quat& turn) {
       double y = std::numeric_limits<double>::infinity();
@@ -75,7 +71,7 @@ Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
   MirroredAxes mirrored(character.skeleton);
   if (!mirrored.any()) return createStraight(character);
   LORICA_TRY(ProxySkeleton made, createStraight(straightened(character)));
-  const auto count = at(character.skeleton.jointCount());
+  const std::size_t count = character.skeleton.jointCount();
   if (made.isOwn()) {
     made.proxyOf_.resize(count);
     std::iota(made.proxyOf_.begin(), made.proxyOf_.end(), 0);
@@ -90,7 +86,7 @@ Result<ProxySkeleton> ProxySkeleton::create(const Character& character) {
 Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) {
   ProxySkeleton made;
   made.own_ = character.skeleton;
-  const auto ownCount = at(character.skeleton.jointCount());
+  const std::size_t ownCount = character.skeleton.jointCount();
   const Result<RetargetRig> own = RetargetRig::create(character.skeleton);
   const auto lacks = [&](HumanBone bone) { return character.skeleton.jointOf(bone) == kNoJoint; };
   bool lacking = lacks(HumanBone::kHips);
@@ -118,7 +114,7 @@ Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) 
   std::vector<Joint> joints;
   joints.reserve(order.size());
   for (std::size_t k = 0; k < order.size(); ++k) {
-    const std::size_t j = at(order[k]);
+    const std::size_t j = order[k];
     newIndex[j] = static_cast<JointIndex>(k);
     Joint joint = draft.joints[j];
     const JointIndex parent = joint.parent;
@@ -127,21 +123,17 @@ Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) 
       // Must be invertible both ways: into the new parent now, and back into the old one in each frame.
       const JointIndex before = j < ownCount ? character.skeleton.joint(order[k]).parent : kNoJoint;
       for (const JointIndex above : {parent, before}) {
-        if (above == kNoJoint || std::abs(draft.world[at(above)].linear().determinant()) > 1e-18) continue;
-        return Error{ErrorCode::kInvalidArgument,
-                     fmt::format("the joint {} has zero scale", draft.joints[at(above)].name)};
+        if (above == kNoJoint || std::abs(draft.world[above].linear().determinant()) > 1e-18) continue;
+        return invalidArgument("the joint {} has zero scale", draft.joints[above].name);
       }
-      joint.rest = relative(draft.rotation[at(parent)], draft.world[at(parent)], draft.rotation[j], draft.world[j]);
+      joint.rest = relative(draft.rotation[parent], draft.world[parent], draft.rotation[j], draft.world[j]);
     }
-    if (parent != kNoJoint) joint.parent = newIndex[at(parent)];
+    if (parent != kNoJoint) joint.parent = newIndex[parent];
     joints.push_back(std::move(joint));
   }
-  Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
-  if (!skeleton) return skeleton.error();
-  const Result<RetargetRig> rig = RetargetRig::create(*skeleton);
-  if (!rig) return rig.error();
-  made.skeleton_ = std::move(*skeleton);
-  made.hipsParentFromWorld_ = rig->hipsParentFromWorld;
+  LORICA_TRY(made.skeleton_, Skeleton::create(std::move(joints)));
+  LORICA_TRY(const RetargetRig rig, RetargetRig::create(made.skeleton_));
+  made.hipsParentFromWorld_ = rig.hipsParentFromWorld;
   made.substitutes_ = std::move(draft.substitutes);
 
   made.proxyOf_.assign(newIndex.begin(), newIndex.begin() + static_cast<std::ptrdiff_t>(ownCount));
@@ -157,8 +149,8 @@ Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) 
     const JointIndex end = draft[limb.end];
     if (isAdded(lower)) {
       const Vec3 along = draft.position(end) - draft.position(upper);
-      made.stiff_.push_back({newIndex[at(upper)], newIndex[at(lower)], newIndex[at(end)],
-                             draft.rotation[at(upper)].conjugate() * along.normalized()});
+      made.stiff_.push_back(
+          {newIndex[upper], newIndex[lower], newIndex[end], draft.rotation[upper].conjugate() * along.normalized()});
     }
     if (i < kFirstLeg || !(isAdded(lower) || isAdded(end))) continue;
     for (std::size_t j = 0; j < ownCount; ++j) {
@@ -168,7 +160,7 @@ Result<ProxySkeleton> ProxySkeleton::createStraight(const Character& character) 
       }
     }
   }
-  if (made.soles_.empty()) made.feet_ = longFeet(draft, *rig, newIndex);
+  if (made.soles_.empty()) made.feet_ = longFeet(draft, rig, newIndex);
   made.makeBuffers();
   return made;
 }
@@ -186,18 +178,18 @@ void ProxySkeleton::stiffen(std::span<const JointTransform> proxyPose) {
   std::copy(proxyPose.begin(), proxyPose.end(), shown_.begin());
   evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
   for (const StiffLimb& limb : stiff_) {
-    const Vec3 toEnd = worldFromProxy_[at(limb.end)].translation() - worldFromProxy_[at(limb.upper)].translation();
-    const Quat upper = proxyRotation_[at(limb.upper)];
+    const Vec3 toEnd = worldFromProxy_[limb.end].translation() - worldFromProxy_[limb.upper].translation();
+    const Quat upper = proxyRotation_[limb.upper];
     const Vec3 along = upper * limb.along;
     const double length = toEnd.norm();
     const Quat swung =
         length < 1e-9 ? upper : (swingBetween(along, toEnd / length, along.unitOrthogonal()) * upper).normalized();
     const JointIndex parent = skeleton_.joint(limb.upper).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : proxyRotation_[at(parent)];
-    shown_[at(limb.upper)].rotation = (above.conjugate() * swung).normalized();
-    shown_[at(limb.lower)].rotation = skeleton_.joint(limb.lower).rest.rotation;
-    const Quat lower = swung * shown_[at(limb.lower)].rotation;
-    shown_[at(limb.end)].rotation = (lower.conjugate() * proxyRotation_[at(limb.end)]).normalized();
+    const Quat above = parent == kNoJoint ? Quat::Identity() : proxyRotation_[parent];
+    shown_[limb.upper].rotation = (above.conjugate() * swung).normalized();
+    shown_[limb.lower].rotation = skeleton_.joint(limb.lower).rest.rotation;
+    const Quat lower = swung * shown_[limb.lower].rotation;
+    shown_[limb.end].rotation = (lower.conjugate() * proxyRotation_[limb.end]).normalized();
   }
   if (!stiff_.empty()) evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
 
@@ -210,15 +202,15 @@ void ProxySkeleton::levelFeet() {
   constexpr int kHalvings = 12;
   bool any = false;
   for (const Foot& foot : feet_) {
-    const Vec3 ankle = worldFromProxy_[at(foot.joint)].translation();
+    const Vec3 ankle = worldFromProxy_[foot.joint].translation();
     const auto isAbove = [&](const Quat& turn) {
       return std::all_of(foot.points.begin(), foot.points.end(), [&](const SolePoint& point) {
-        const Vec3 fromAnkle = worldFromProxy_[at(point.joint)] * point.position - ankle;
+        const Vec3 fromAnkle = worldFromProxy_[point.joint] * point.position - ankle;
         return ankle.y() + (turn * fromAnkle).y() >= foot.floor;
       });
     };
     if (isAbove(Quat::Identity())) continue;
-    const Quat& current = proxyRotation_[at(foot.joint)];
+    const Quat& current = proxyRotation_[foot.joint];
     const Quat turned = current * foot.level.conjugate();
     Quat heading(turned.w(), 0.0, turned.y(), 0.0);
     if (heading.norm() < 1e-6) continue;  // upside down
@@ -231,9 +223,8 @@ void ProxySkeleton::levelFeet() {
       (isAbove(Quat::Identity().slerp(middle, level)) ? enough : least) = middle;
     }
     const JointIndex parent = skeleton_.joint(foot.joint).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : proxyRotation_[at(parent)];
-    shown_[at(foot.joint)].rotation =
-        (above.conjugate() * Quat::Identity().slerp(enough, level) * current).normalized();
+    const Quat above = parent == kNoJoint ? Quat::Identity() : proxyRotation_[parent];
+    shown_[foot.joint].rotation = (above.conjugate() * Quat::Identity().slerp(enough, level) * current).normalized();
     any = true;
   }
   if (any) evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
@@ -241,23 +232,21 @@ void ProxySkeleton::levelFeet() {
 
 void ProxySkeleton::raiseHips() {
   double lowest = 0.0;
-  for (const SolePoint& sole : soles_) {
-    lowest = std::min(lowest, (worldFromProxy_[at(sole.joint)] * sole.position).y());
-  }
+  for (const SolePoint& sole : soles_) lowest = std::min(lowest, (worldFromProxy_[sole.joint] * sole.position).y());
   for (const Foot& foot : feet_) {
     for (const SolePoint& sole : foot.points) {
-      lowest = std::min(lowest, (worldFromProxy_[at(sole.joint)] * sole.position).y() - foot.floor);
+      lowest = std::min(lowest, (worldFromProxy_[sole.joint] * sole.position).y() - foot.floor);
     }
   }
   if (lowest >= 0.0) return;
   const JointIndex hips = skeleton_.jointOf(HumanBone::kHips);
-  shown_[at(hips)].translation += hipsParentFromWorld_.linear() * Vec3(0.0, -lowest, 0.0);
+  shown_[hips].translation += hipsParentFromWorld_.linear() * Vec3(0.0, -lowest, 0.0);
   evaluatePose(skeleton_, shown_, proxyRotation_, worldFromProxy_);
 }
 
 void ProxySkeleton::mapBack(std::span<const JointTransform> proxyPose, std::span<JointTransform> pose) {
-  LORICA_CHECK(at(skeleton_.jointCount()) == proxyPose.size(), "the pose must match the proxy skeleton");
-  LORICA_CHECK(at(own_.jointCount()) == pose.size(), "the pose needs one transform per joint of the character");
+  LORICA_CHECK(skeleton_.jointCount() == countOf(proxyPose), "the pose must match the proxy skeleton");
+  LORICA_CHECK(own_.jointCount() == countOf(pose), "the pose needs one transform per joint of the character");
   if (proxyOf_.empty()) {
     std::copy(proxyPose.begin(), proxyPose.end(), pose.begin());
     return;
@@ -266,9 +255,9 @@ void ProxySkeleton::mapBack(std::span<const JointTransform> proxyPose, std::span
   for (std::size_t j = 0; j < pose.size(); ++j) {
     const Joint& joint = own_.joint(static_cast<JointIndex>(j));
     const JointIndex parent = joint.parent;
-    const std::size_t proxy = at(proxyOf_[j]);
-    const Quat above = parent == kNoJoint ? Quat::Identity() : ownRotation_[at(parent)];
-    const Affine3 worldFromParent = parent == kNoJoint ? Affine3::Identity() : worldFromOwn_[at(parent)];
+    const std::size_t proxy = proxyOf_[j];
+    const Quat above = parent == kNoJoint ? Quat::Identity() : ownRotation_[parent];
+    const Affine3 worldFromParent = parent == kNoJoint ? Affine3::Identity() : worldFromOwn_[parent];
     if (sameParent_[j]) {
       pose[j] = shown_[proxy];
     } else {
@@ -283,8 +272,8 @@ void ProxySkeleton::mapBack(std::span<const JointTransform> proxyPose, std::span
 
 SkeletalMotion ProxySkeleton::mapBack(SkeletalMotion motion) {
   SkeletalMotion carried{std::move(motion.name), mirrored_ ? mirrored_->skeleton() : own_, std::move(motion.times), {}};
-  const auto proxyCount = at(skeleton_.jointCount());
-  const auto ownCount = at(own_.jointCount());
+  const std::size_t proxyCount = skeleton_.jointCount();
+  const std::size_t ownCount = own_.jointCount();
   carried.poses.resize(carried.times.size() * ownCount);
   for (std::size_t f = 0; f < carried.times.size(); ++f) {
     mapBack(std::span(motion.poses).subspan(f * proxyCount, proxyCount),
@@ -305,6 +294,24 @@ std::vector<std::string> leftBehind(const Character& character) {
                     character.skeleton.joint(stray.joint).name));
   }
   return sentences;
+}
+
+std::vector<JointIndex> parentsOf(const Character& character) {
+  const Result<ProxySkeleton> proxy = ProxySkeleton::create(character);
+  std::vector<JointIndex> parents;
+  if (!proxy || proxy->isOwn()) {
+    for (const Joint& joint : character.skeleton.joints()) parents.push_back(joint.parent);
+    return parents;
+  }
+  const Skeleton& skeleton = proxy->skeleton();
+  std::vector<JointIndex> ownOf(skeleton.jointCount(), kNoJoint);
+  for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) ownOf[proxy->proxyOf(j)] = j;
+  for (JointIndex j = 0; j < character.skeleton.jointCount(); ++j) {
+    JointIndex above = skeleton.joint(proxy->proxyOf(j)).parent;
+    while (above != kNoJoint && ownOf[above] == kNoJoint) above = skeleton.joint(above).parent;
+    parents.push_back(above == kNoJoint ? kNoJoint : ownOf[above]);
+  }
+  return parents;
 }
 
 bool canPerform(const Character& character) {

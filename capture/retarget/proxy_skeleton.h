@@ -123,6 +123,10 @@ class ProxySkeleton {
 /// mesh.
 [[nodiscard]] std::vector<std::string> leftBehind(const Character& character);
 
+/// The joint above each of a character's: in its proxy if it needs one, where hands and feet hang on their limbs;
+/// kNoJoint = none. What moves or weighs a body part by part uses these.
+[[nodiscard]] std::vector<JointIndex> parentsOf(const Character& character);
+
 /// Whether a character can perform any humanoid's motion, if necessary through a proxy skeleton.
 [[nodiscard]] bool canPerform(const Character& character);
 

@@ -81,10 +81,12 @@ void Retargeter::apply(const SkeletonFrame& frame, std::span<JointTransform> pos
     const Quat worldFromParent = parent == kNoJoint ? Quat::Identity() : body_.worldRotation[parent];
     pose[j] = joints[j].rest;
     if (joints[j].bone && *joints[j].bone <= HumanBone::kRightHand) {
-      body_.worldRotation[j] = worldFromParent * joints[j].rest.rotation;  // solve() reads the bone at rest from here
-      const std::optional<Quat> world = solve(*joints[j].bone, joint, person);
-      const Quat local = world ? (worldFromParent.conjugate() * *world).normalized() : joints[j].rest.rotation;
-      pose[j].rotation = hold_.rotation(joint, world.has_value(), local);
+      body_.worldRotation[j] =
+          worldFromParent * joints[j].rest.rotation;  // orientationOf() reads the bone at rest from here
+      const std::optional<Quat> turn = orientationOf(*joints[j].bone, joint, person);
+      const Quat local = turn ? (worldFromParent.conjugate() * (*turn * body_.rig.tposeFromJoint[j])).normalized()
+                              : joints[j].rest.rotation;
+      pose[j].rotation = hold_.rotation(joint, turn.has_value(), local);
     }
     body_.worldRotation[j] = (worldFromParent * pose[j].rotation).normalized();
   }
@@ -135,54 +137,41 @@ Quat Retargeter::shown(JointIndex joint) const {
   return body_.worldRotation[joint] * body_.rig.tposeFromJoint[joint].conjugate();
 }
 
-/// The world rotation of a bone according to the person; nullopt if its joints are unknown.
-std::optional<Quat> Retargeter::solve(HumanBone bone, JointIndex joint, const Person& person) {
+/// The orientation of a bone according to the person; nullopt if its joints are unknown.
+std::optional<Quat> Retargeter::orientationOf(HumanBone bone, JointIndex joint, const Person& person) {
   using B = HumanBone;
-  std::optional<Quat> orientation;
   switch (bone) {
     case B::kHips:
-      orientation = person.hips;
-      break;
+      return person.hips;
     case B::kSpine:
     case B::kChest:
     case B::kUpperChest:
-      orientation = solveSpine(joint, person);
-      break;
+      return solveSpine(joint, person);
     case B::kNeck:
-      orientation = solveNeck(person);
-      break;
+      return solveNeck(person);
     case B::kHead:
-      orientation = solveHead(person);
-      break;
+      return solveHead(person);
     case B::kLeftShoulder:
-      orientation = solveClavicle(0, person);
-      break;
+      return solveClavicle(0, person);
     case B::kRightShoulder:
-      orientation = solveClavicle(1, person);
-      break;
+      return solveClavicle(1, person);
     case B::kLeftToes:
-      orientation = solveToes(0, person);
-      break;
+      return solveToes(0, person);
     case B::kRightToes:
-      orientation = solveToes(1, person);
-      break;
+      return solveToes(1, person);
     default:
-      for (std::size_t i = 0; i < kLimbCount; ++i) {
-        const LimbBones& limb = limbs()[i];
-        if (bone == limb.upper) orientation = solveUpper(i, person);
-        if (bone == limb.lower) orientation = solveLower(i, person);
-        if (bone != limb.end) continue;
-        if (person.turnOf(limb.endJoint)) {
-          orientation = person.turnOf(limb.endJoint);
-        } else if (i >= kFirstLeg) {
-          orientation = solveFoot(i, person);
-        } else if (person.direction(limb.lowerJoint, limb.endJoint)) {
-          orientation = shown(joint);  // at rest relative to the forearm
-        }
-      }
+      break;
   }
-  if (!orientation) return std::nullopt;
-  return *orientation * body_.rig.tposeFromJoint[joint];
+  for (std::size_t i = 0; i < kLimbCount; ++i) {
+    const LimbBones& limb = limbs()[i];
+    if (bone == limb.upper) return solveUpper(i, person);
+    if (bone == limb.lower) return solveLower(i, person);
+    if (bone != limb.end) continue;
+    if (person.turnOf(limb.endJoint)) return person.turnOf(limb.endJoint);
+    if (i >= kFirstLeg) return solveFoot(i, person);
+    if (person.direction(limb.lowerJoint, limb.endJoint)) return shown(joint);  // at rest relative to the forearm
+  }
+  return std::nullopt;
 }
 
 std::optional<Quat> Retargeter::solveSpine(JointIndex joint, const Person& person) const {
@@ -308,9 +297,7 @@ std::optional<Quat> Retargeter::solveLower(std::size_t limb, const Person& perso
   }
   // Radius and ulna cross: half of the hand's rotation is already visible in the forearm.
   const std::optional<Quat>& hand = person.turnOf(l.endJoint);
-  if (limb < kFirstLeg && hand) {
-    return twisted(min, *direction, 0.5 * twistOf(*hand), TwistSource::kHinge, twist);
-  }
+  if (limb < kFirstLeg && hand) return twisted(min, *direction, 0.5 * twistOf(*hand), TwistSource::kHinge, twist);
   return twisted(min, *direction, 0.0, TwistSource::kMin, twist);
 }
 

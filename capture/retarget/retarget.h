@@ -71,7 +71,7 @@ class Retargeter {
   Retargeter(RetargetRig rig, const RetargetSettings& settings);
 
   [[nodiscard]] static Person readPerson(const SkeletonFrame& frame);
-  [[nodiscard]] std::optional<Quat> solve(HumanBone bone, JointIndex joint, const Person& person);
+  [[nodiscard]] std::optional<Quat> orientationOf(HumanBone bone, JointIndex joint, const Person& person);
   [[nodiscard]] std::optional<Quat> solveSpine(JointIndex joint, const Person& person) const;
   [[nodiscard]] std::optional<Quat> solveNeck(const Person& person) const;
   [[nodiscard]] std::optional<Quat> solveHead(const Person& person) const;

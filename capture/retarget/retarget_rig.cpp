@@ -1,8 +1,8 @@
 #include "capture/retarget/retarget_rig.h"
 
+#include "capture/retarget/human_rig.h"
+#include "geometry/errors.h"
 #include "geometry/text.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,10 +30,6 @@ bool descends(const Skeleton& skeleton, JointIndex joint, JointIndex ancestor) {
   return joint == ancestor;
 }
 
-Error refused(std::string message) {
-  return {ErrorCode::kInvalidArgument, std::move(message)};
-}
-
 Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> position) {
   std::string missing;
   for (const HumanBone bone : kNeeded) {
@@ -44,29 +40,29 @@ Result<void> checkBones(const Skeleton& skeleton, std::span<const Vec3> position
   for (const HumanBone bone : kSpineBones) hasSpine = hasSpine || skeleton.jointOf(bone) != kNoJoint;
   if (!hasSpine) missing += (missing.empty() ? "" : ", ") + std::string("spine (or chest)");
   if (!missing.empty()) {
-    return refused(fmt::format("the skeleton lacks humanoid bones that retargeting needs: {}", missing));
+    return invalidArgument("the skeleton lacks humanoid bones that retargeting needs: {}", missing);
   }
 
   const auto checkPair = [&](HumanBone child, HumanBone parent) -> Result<void> {
     if (!descends(skeleton, skeleton.jointOf(child), skeleton.jointOf(parent))) {
-      return refused(fmt::format("the bone {} does not descend from {}", nameOf(child), nameOf(parent)));
+      return invalidArgument("the bone {} does not descend from {}", nameOf(child), nameOf(parent));
     }
     return {};
   };
   const auto checkLength = [&](HumanBone child, HumanBone parent) -> Result<void> {
     const double length = (position[skeleton.jointOf(child)] - position[skeleton.jointOf(parent)]).norm();
     if (!(length >= kShortestBone)) {
-      return refused(fmt::format("the bone {} is {:.3g} m long in the rest pose, expected at least {} m",
-                                 nameOf(parent), length, kShortestBone));
+      return invalidArgument("the bone {} is {:.3g} m long in the rest pose, expected at least {} m", nameOf(parent),
+                             length, kShortestBone);
     }
     return {};
   };
   for (const LimbBones& limb : limbs()) {
-    for (const Result<void>& result :
-         {checkPair(limb.upper, HumanBone::kHips), checkPair(limb.lower, limb.upper), checkPair(limb.end, limb.lower),
-          checkLength(limb.lower, limb.upper), checkLength(limb.end, limb.lower)}) {
-      if (!result) return result.error();
-    }
+    LORICA_TRY_DO(checkPair(limb.upper, HumanBone::kHips));
+    LORICA_TRY_DO(checkPair(limb.lower, limb.upper));
+    LORICA_TRY_DO(checkPair(limb.end, limb.lower));
+    LORICA_TRY_DO(checkLength(limb.lower, limb.upper));
+    LORICA_TRY_DO(checkLength(limb.end, limb.lower));
   }
   return {};
 }
@@ -259,16 +255,11 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   const auto count = static_cast<std::size_t>(skeleton.jointCount());
   const Pose rest = restPose(skeleton);
   std::vector<Affine3> worldFromJoint(count);
-  computeWorldFromJoint(skeleton, rest, worldFromJoint);
   std::vector<Vec3> position(count);
   std::vector<Quat> worldRotation(count);
-  for (std::size_t j = 0; j < count; ++j) {
-    const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
-    const Quat above = parent == kNoJoint ? Quat::Identity() : worldRotation[parent];
-    worldRotation[j] = (above * rest[j].rotation).normalized();
-    position[j] = worldFromJoint[j].translation();
-  }
-  if (Result<void> checked = checkBones(skeleton, position); !checked) return checked.error();
+  evaluatePose(skeleton, rest, worldRotation, worldFromJoint);
+  for (std::size_t j = 0; j < count; ++j) position[j] = worldFromJoint[j].translation();
+  LORICA_TRY_DO(checkBones(skeleton, position));
 
   const auto has = [&](HumanBone bone) { return skeleton.jointOf(bone) != kNoJoint; };
   const auto at = [&](HumanBone bone) -> const Vec3& { return position[skeleton.jointOf(bone)]; };
@@ -287,7 +278,8 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   const bool stands = up.y() > kUpright * up.norm();
   const std::optional<Quat> groundFrame = stands ? frameAlongUp(hipLine, Vec3::UnitY()) : hipsFrame;
   if (!hipsFrame || !chestFrame || !groundFrame) {
-    return refused("the skeleton's rest pose does not define a trunk frame: hips, shoulders and neck are collinear");
+    return invalidArgument(
+        "the skeleton's rest pose does not define a trunk frame: hips, shoulders and neck are collinear");
   }
 
   RetargetRig rig;
@@ -374,7 +366,7 @@ Result<RetargetRig> RetargetRig::create(const Skeleton& skeleton) {
   if (hipsParent != kNoJoint) {
     const Affine3& worldFromParent = worldFromJoint[hipsParent];
     if (!(std::abs(worldFromParent.linear().determinant()) > 1e-18)) {
-      return refused(fmt::format("the joints above {} have zero scale", skeleton.joint(rig.hips).name));
+      return invalidArgument("the joints above {} have zero scale", skeleton.joint(rig.hips).name);
     }
     rig.hipsParentFromWorld = worldFromParent.inverse();
   }

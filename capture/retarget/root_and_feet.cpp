@@ -9,13 +9,13 @@ namespace lorica {
 namespace {
 
 /// Limits are for a person with 0.85 m long legs and scale with leg length.
-constexpr double kUsualLeg = 0.85;
+constexpr double kUsualLegLength = 0.85;
 /// A foot locks below the first speed and stays locked below the second [m/s].
-constexpr double kSlow = 0.25;
-constexpr double kStillSlow = 0.45;
+constexpr double kSlowRoot = 0.25;
+constexpr double kStillSlowRoot = 0.45;
 /// Likewise for the ankle height above its standing height [m].
-constexpr double kLow = 0.05;
-constexpr double kStillLow = 0.09;
+constexpr double kLowRoot = 0.05;
+constexpr double kStillLowRoot = 0.09;
 /// A sensor's jitter is faster than this and has no preferred direction [s].
 constexpr double kSmoothing = 0.07;
 /// Max distance of an ankle from its anchor: a nearly straight leg bends by degrees for millimetres [m].
@@ -25,7 +25,7 @@ constexpr double kComesBack = 0.5;
 constexpr double kReleaseSeconds = 0.08;
 constexpr double kReleaseSpeed = 0.5;  // max, for a leg of the usual length [m/s]
 /// The root follows the locked feet with this time constant, and the other feet only a little [s].
-constexpr double kShiftSeconds = 0.08;
+constexpr double kRootShiftSeconds = 0.08;
 constexpr double kWeightInAir = 0.02;
 constexpr double kSettleSeconds = 0.08;
 /// A lock that has to pull a foot further than this fraction of the leg is released.
@@ -115,8 +115,8 @@ void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed,
     const double speed = std::min(velocity.norm(), foot.velocity.norm()) / size;
     const double above = tracked.above / size;
     locked = foot.unsettled > 0.0 ? false
-             : foot.locked        ? speed < kStillSlow && above < kStillLow
-                                  : speed < kSlow && above < kLow;
+             : foot.locked        ? speed < kStillSlowRoot && above < kStillLowRoot
+                                  : speed < kSlowRoot && above < kLowRoot;
   } else if (tracked.seen) {
     foot.velocity.setZero();
   }
@@ -125,7 +125,7 @@ void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed,
     // since then.
     foot.anchor = (foot.locked ? foot.anchor : foot.shown) + ratio * moved;
     const Vec3 pull = foot.anchor - posed;
-    locked = std::hypot(pull.x(), pull.z()) < kLongestPull * kUsualLeg * size * ratio;
+    locked = std::hypot(pull.x(), pull.z()) < kLongestPull * kUsualLegLength * size * ratio;
   }
   foot.locked = locked;
   foot.seen = tracked.seen;
@@ -135,9 +135,9 @@ void FootLock::follow(Foot& foot, const TrackedFoot& tracked, const Vec3& posed,
 void FootLock::apply(PosedBody& body, const std::array<TrackedFoot, 2>& feet, double ratio, double step,
                      std::span<JointTransform> pose) {
   const RetargetRig& rig = body.rig;
-  const double size = rig.legLength / (ratio * kUsualLeg);  // of the person
+  const double size = rig.legLength / (ratio * kUsualLegLength);  // of the person
   const auto at = [&](HumanBone bone) { return body.positionOf(bone); };
-  const double tolerance = kTolerance * std::min(1.0, rig.legLength / kUsualLeg);
+  const double tolerance = kTolerance * std::min(1.0, rig.legLength / kUsualLegLength);
   std::array<Vec3, 2> posed;
   Vec3 asked = Vec3::Zero();
   double weights = 0.0;
@@ -150,7 +150,7 @@ void FootLock::apply(PosedBody& body, const std::array<TrackedFoot, 2>& feet, do
     weights += weight;
   }
   asked.y() = 0.0;
-  shift_ += shareWithin(step, kShiftSeconds) * (asked / weights - shift_);
+  shift_ += shareWithin(step, kRootShiftSeconds) * (asked / weights - shift_);
 
   std::array<Vec3, 2> wanted;
   double need = 0.0;
@@ -172,7 +172,7 @@ void FootLock::apply(PosedBody& body, const std::array<TrackedFoot, 2>& feet, do
       // Each step takes back a part of the root's shift, so that it does not accumulate.
       const Vec3 rest = beyond(shift_, std::max(tolerance, 0.4 * shift_.norm())) - foot.correction;
       const double length = std::max(std::hypot(rest.x(), rest.z()), kNothing);
-      const double fastest = kReleaseSpeed * step * rig.legLength / kUsualLeg;
+      const double fastest = kReleaseSpeed * step * rig.legLength / kUsualLegLength;
       const double share = std::min(shareWithin(step, kReleaseSeconds), fastest / length);
       foot.correction.x() += share * rest.x();
       foot.correction.z() += share * rest.z();

@@ -1,6 +1,8 @@
 #include "capture/retarget/skeletal_retarget.h"
 
-#include <fmt/format.h>
+#include "capture/retarget/completed_skeleton.h"
+#include "capture/retarget/human_rig.h"
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,10 +17,6 @@ constexpr double kStillTurn = 1e-3;
 constexpr double kStillShift = 1e-4;
 /// Skeletons whose sizes differ by less count as equally large.
 constexpr double kSameSize = 0.02;
-
-std::size_t index(JointIndex joint) {
-  return static_cast<std::size_t>(joint);
-}
 
 /// "mixamorig:Hips" is "Hips": exporters prepend the scene name.
 std::string_view ownName(std::string_view name) {
@@ -66,12 +64,7 @@ struct World {
   void compute(const Skeleton& skeleton, std::span<const JointTransform> pose) {
     matrix.resize(pose.size());
     rotation.resize(pose.size());
-    computeWorldFromJoint(skeleton, pose, matrix);
-    for (std::size_t j = 0; j < pose.size(); ++j) {
-      const JointIndex parent = skeleton.joint(static_cast<JointIndex>(j)).parent;
-      const Quat above = parent == kNoJoint ? Quat::Identity() : rotation[index(parent)];
-      rotation[j] = (above * pose[j].rotation).normalized();
-    }
+    evaluatePose(skeleton, pose, rotation, matrix);
   }
 };
 
@@ -94,7 +87,7 @@ std::vector<bool> shiftingJoints(const SkeletalMotion& motion) {
 double metresAbove(const World& rest, const Skeleton& skeleton, JointIndex joint) {
   const JointIndex parent = skeleton.joint(joint).parent;
   if (parent == kNoJoint) return 1.0;
-  return std::max(1e-9, std::cbrt(std::abs(rest.matrix[index(parent)].linear().determinant())));
+  return std::max(1e-9, std::cbrt(std::abs(rest.matrix[parent].linear().determinant())));
 }
 
 class Renamer {
@@ -119,10 +112,9 @@ class Renamer {
       if (std::find(namesake_.begin(), namesake_.end(), static_cast<JointIndex>(s)) != namesake_.end()) ++found;
     }
     if (2 * found >= moving) return {};
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the motion {}: {} of its {} moving joints match the character by name, expected at least "
-                             "half",
-                             source_.name, found, moving)};
+    return invalidArgument(
+        "the motion {}: {} of its {} moving joints match the character by name, expected at least half", source_.name,
+        found, moving);
   }
 
   SkeletalMotion run() {
@@ -147,19 +139,19 @@ class Renamer {
  private:
   /// The nearest matched ancestor whose source joint is an ancestor of this joint's source joint.
   [[nodiscard]] JointIndex namedAbove(JointIndex joint) const {
-    if (namesake_[index(joint)] == kNoJoint) return kNoJoint;
+    if (namesake_[joint] == kNoJoint) return kNoJoint;
     for (JointIndex up = target_.joint(joint).parent; up != kNoJoint; up = target_.joint(up).parent) {
-      JointIndex s = namesake_[index(joint)];
-      while (s != kNoJoint && s != namesake_[index(up)]) s = source_.skeleton.joint(s).parent;
-      if (s != kNoJoint && namesake_[index(up)] != kNoJoint) return up;
+      JointIndex s = namesake_[joint];
+      while (s != kNoJoint && s != namesake_[up]) s = source_.skeleton.joint(s).parent;
+      if (s != kNoJoint && namesake_[up] != kNoJoint) return up;
     }
     return kNoJoint;
   }
 
   [[nodiscard]] bool directlyBelow(JointIndex joint) const {
-    const JointIndex up = above_[index(joint)];
+    const JointIndex up = above_[joint];
     return up != kNoJoint && target_.joint(joint).parent == up &&
-           source_.skeleton.joint(namesake_[index(joint)]).parent == namesake_[index(up)];
+           source_.skeleton.joint(namesake_[joint]).parent == namesake_[up];
   }
 
   /// The target's size over the source's, measured on shared joints; 1 if they differ little.
@@ -168,27 +160,26 @@ class Renamer {
     double source = 0.0;
     for (std::size_t j = 0; j < namesake_.size(); ++j) {
       if (above_[j] == kNoJoint) continue;
-      const auto up = index(above_[j]);
+      const auto up = above_[j];
       target += (targetRest_.matrix[j].translation() - targetRest_.matrix[up].translation()).norm();
-      source += (sourceRest_.matrix[index(namesake_[j])].translation() -
-                 sourceRest_.matrix[index(namesake_[up])].translation())
-                    .norm();
+      source +=
+          (sourceRest_.matrix[namesake_[j]].translation() - sourceRest_.matrix[namesake_[up]].translation()).norm();
     }
     if (!(target > 0.0 && source > 0.0) || std::abs(target / source - 1.0) < kSameSize) return 1.0;
     return target / source;
   }
 
   void takeFrom(JointIndex joint, Pose& pose) const {
-    const JointIndex from = namesake_[index(joint)];
+    const JointIndex from = namesake_[joint];
     const Joint& mine = target_.joint(joint);
     const JointTransform& rest = source_.skeleton.joint(from).rest;
-    JointTransform& local = pose[index(joint)];
+    JointTransform& local = pose[joint];
     if (directlyBelow(joint)) {
-      const JointTransform& theirs = sourcePose_[index(from)];
+      const JointTransform& theirs = sourcePose_[from];
       local.rotation = theirs.rotation.normalized();
       // A character of other proportions keeps its bone lengths; hips, and joints that translate relative to their
       // parents, take the source's positions. The rest pose of a file with a clip may be any pose of the clip.
-      if (mine.bone == HumanBone::kHips || shifts_[index(from)]) {
+      if (mine.bone == HumanBone::kHips || shifts_[from]) {
         const double unit = metresAbove(sourceRest_, source_.skeleton, from) / metresAbove(targetRest_, target_, joint);
         local.translation = sizeRatio_ * unit * theirs.translation;
       }
@@ -198,11 +189,11 @@ class Renamer {
     }
     // One of the skeletons has extra joints in between, or this is the topmost joint: use the transform relative to the
     // shared ancestor, or in the world.
-    const JointIndex up = above_[index(joint)];
-    Quat rotation = sourceWorld_.rotation[index(from)];
-    Vec3 position = sourceWorld_.matrix[index(from)].translation();
+    const JointIndex up = above_[joint];
+    Quat rotation = sourceWorld_.rotation[from];
+    Vec3 position = sourceWorld_.matrix[from].translation();
     if (up != kNoJoint) {
-      const auto theirUp = index(namesake_[index(up)]);
+      const JointIndex theirUp = namesake_[up];
       rotation = sourceWorld_.rotation[theirUp].conjugate() * rotation;
       position = sourceWorld_.rotation[theirUp].conjugate() * (position - sourceWorld_.matrix[theirUp].translation());
     }
@@ -210,7 +201,7 @@ class Renamer {
     Affine3 upFromParent = Affine3::Identity();
     Quat upTurn = Quat::Identity();
     for (JointIndex between = mine.parent; between != up; between = target_.joint(between).parent) {
-      const JointTransform& step = pose[index(between)];
+      const JointTransform& step = pose[between];
       upFromParent = step.matrix() * upFromParent;
       upTurn = step.rotation * upTurn;
     }
@@ -239,14 +230,9 @@ class Renamer {
 }  // namespace
 
 Result<SkeletalMotion> retargetByJointNames(const SkeletalMotion& source, const Skeleton& target) {
-  const auto joints = static_cast<std::size_t>(source.skeleton.jointCount());
-  if (source.times.empty() || source.poses.size() != source.times.size() * joints) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
-                             source.name, source.poses.size(), source.times.size(), joints)};
-  }
+  LORICA_TRY_DO(checkFrames(source));
   Renamer renamer(source, target);
-  if (Result<void> enough = renamer.check(); !enough) return enough.error();
+  LORICA_TRY_DO(renamer.check());
   return renamer.run();
 }
 

@@ -1,12 +1,10 @@
 #include "capture/retarget/skeletal_retarget.h"
 
 #include "capture/retarget/completed_skeleton.h"
-#include "capture/retarget/foot_contacts.h"
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/proxy_skeleton.h"
-
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <array>
@@ -34,12 +32,7 @@ constexpr double kLargestNudge = 0.15;
 constexpr double kFeetSayHeight = 0.3;
 constexpr double kFeetSayNothing = 0.8;
 
-Vec3 mirrored(const Vec3& v) {
-  return {-v.x(), v.y(), v.z()};
-}
-Quat mirrored(const Quat& q) {
-  return {q.w(), q.x(), -q.y(), -q.z()};
-}
+using lorica::mirrored;  // positions and rotations
 
 FootPosition mirrored(const FootPosition& foot) {
   return {mirrored(foot.ankle), mirrored(foot.ball), foot.lowest};
@@ -108,7 +101,7 @@ class SkeletalRetargeter {
       positions[side].reserve(frameCount());
       for (const Feet& feet : sourceFeet_) positions[side].push_back(feet[side]);
     }
-    floor_ = floorUnder(positions[0], positions[1]);
+    floor_ = floorUnder(positions, source_.times, from_.rig.legLength);
     for (std::size_t side = 0; side < 2; ++side) {
       contacts_[side] = contactsOf(positions[side], source_.times, floor_, from_.rig.legLength);
     }
@@ -353,42 +346,28 @@ class SkeletalRetargeter {
 
 Result<SkeletalMotion> retargetMotion(const SkeletalMotion& source, const Skeleton& target,
                                       const SkeletalRetargetSettings& settings) {
-  const auto joints = static_cast<std::size_t>(source.skeleton.jointCount());
-  if (source.times.empty() || source.poses.size() != source.times.size() * joints) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("the motion {} has {} joint transforms, expected {} frames of {}, and at least one frame",
-                             source.name, source.poses.size(), source.times.size(), joints)};
-  }
+  LORICA_TRY_DO(checkFrames(source));
   if (MirroredAxes(source.skeleton).any()) return retargetMotion(straightened(source), target, settings);
-  const Result<CompletedSkeleton> completed = CompletedSkeleton::create(source.skeleton);
-  if (!completed) {
-    return Error{completed.error().code, fmt::format("the motion {}: {}", source.name, completed.error().message)};
-  }
-  Result<HumanRig> from = HumanRig::create(completed->skeleton());
-  if (!from) return Error{from.error().code, fmt::format("the motion {}: {}", source.name, from.error().message)};
-  Result<HumanRig> to = HumanRig::create(target);
-  if (!to) return Error{to.error().code, fmt::format("the character: {}", to.error().message)};
-  if (completed->isWhole()) {
-    return SkeletalRetargeter(source, *completed, std::move(*from), std::move(*to), settings).run();
-  }
-  return SkeletalRetargeter(completed->complete(source), *completed, std::move(*from), std::move(*to), settings).run();
+  const std::string named = "the motion " + source.name;
+  LORICA_TRY(const CompletedSkeleton completed, prefixed(named, CompletedSkeleton::create(source.skeleton)));
+  LORICA_TRY(HumanRig from, prefixed(named, HumanRig::create(completed.skeleton())));
+  LORICA_TRY(HumanRig to, prefixed("the character", HumanRig::create(target)));
+  if (completed.isWhole()) return SkeletalRetargeter(source, completed, std::move(from), std::move(to), settings).run();
+  return SkeletalRetargeter(completed.complete(source), completed, std::move(from), std::move(to), settings).run();
 }
 
 Result<SkeletalMotion> retargetMotion(const SkeletalMotion& source, const Character& target,
                                       const SkeletalRetargetSettings& settings) {
-  Result<ProxySkeleton> proxy = ProxySkeleton::create(target);
-  if (!proxy) return proxy.error();
-  Result<SkeletalMotion> performed = retargetMotion(source, proxy->skeleton(), settings);
-  if (!performed) return performed.error();
-  return proxy->mapBack(std::move(*performed));
+  LORICA_TRY(ProxySkeleton proxy, ProxySkeleton::create(target));
+  LORICA_TRY(SkeletalMotion performed, retargetMotion(source, proxy.skeleton(), settings));
+  return proxy.mapBack(std::move(performed));
 }
 
 Result<std::vector<HumanBone>> bonesLeftAtRest(const Skeleton& source) {
-  const Result<CompletedSkeleton> completed = CompletedSkeleton::create(source);
-  if (!completed) return completed.error();
+  LORICA_TRY(const CompletedSkeleton completed, CompletedSkeleton::create(source));
   std::vector<HumanBone> bones;
   for (int b = 0; b < kHumanBoneCount; ++b) {
-    if (!completed->speaksOf(static_cast<HumanBone>(b))) bones.push_back(static_cast<HumanBone>(b));
+    if (!completed.speaksOf(static_cast<HumanBone>(b))) bones.push_back(static_cast<HumanBone>(b));
   }
   return bones;
 }

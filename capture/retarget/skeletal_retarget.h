@@ -26,7 +26,7 @@ struct SkeletalRetargetSettings {
 /// is the height that its soles rarely go below; the target's floor is y = 0, and its lower foot is as high above it as
 /// the source's, scaled.
 ///
-/// During a stance (foot_contacts.h) the foot follows the source's scaled path, offset to its mean position from the
+/// During a stance (contactsOf()) the foot follows the source's scaled path, offset to its mean position from the
 /// limb directions over the stance; before and after, the offset blends in and out within 0.15 s. The root follows the
 /// mean correction of both feet; hip and knee bend for the rest, in their current plane of bending, knees forwards. If
 /// a leg is too short, the root is lowered smoothly.

@@ -11,16 +11,12 @@ namespace lorica {
 namespace {
 
 /// A sender's thigh or shin shorter than this is taken as missing [m].
-constexpr double kShortestBone = 0.02;
+constexpr double kShortestSent = 0.02;
 /// Hips nearer to the root than this came without a position [m].
-constexpr double kNowhere = 1e-4;
+constexpr double kNoLength = 1e-4;
 /// A sender's floor is measured over this time [s] and corrected if it is off by more than this [m].
 constexpr double kFloorSeconds = 1.0;
 constexpr double kFloorTolerance = 0.05;
-
-std::size_t index(HumanBone bone) {
-  return static_cast<std::size_t>(bone);
-}
 
 }  // namespace
 
@@ -47,19 +43,19 @@ void StreamRetargeter::apply(const BonePose& sent, double time, bool known, std:
 
 StreamRetargeter::Sender StreamRetargeter::readSender(const BonePose& sent) const {
   Sender sender{worldOf(sent)};
-  sender.middleHip =
-      0.5 * (sender.position[index(HumanBone::kLeftUpperLeg)] + sender.position[index(HumanBone::kRightUpperLeg)]);
+  sender.middleHip = 0.5 * (sender.position[ordinalOf(HumanBone::kLeftUpperLeg)] +
+                            sender.position[ordinalOf(HumanBone::kRightUpperLeg)]);
   double length = 0.0;
   double shortest = std::numeric_limits<double>::infinity();
   for (int side = 0; side < 2; ++side) {
     const LimbBones& leg = limbs()[kFirstLeg + side];
     for (const HumanBone bone : {leg.lower, leg.end}) {
-      const double bone_length = sent.offset[index(bone)].norm();
+      const double bone_length = sent.offset[ordinalOf(bone)].norm();
       length += 0.5 * bone_length;
       shortest = std::min(shortest, bone_length);
     }
   }
-  if (shortest >= kShortestBone) sender.legLength = length;
+  if (shortest >= kShortestSent) sender.legLength = length;
   return sender;
 }
 
@@ -74,7 +70,7 @@ void StreamRetargeter::measure(const Sender& sender, double time) {
   if (!hasLegs_ || time - *firstTime_ > kFloorSeconds) return;
   for (int side = 0; side < 2; ++side) {
     const double standing = body_.rig.restAnkleHeight[side] / legRatio_;
-    lowestAnkle_ = std::min(lowestAnkle_, sender.position[index(limbs()[kFirstLeg + side].end)].y() - standing);
+    lowestAnkle_ = std::min(lowestAnkle_, sender.position[ordinalOf(limbs()[kFirstLeg + side].end)].y() - standing);
   }
   floor_ = std::abs(lowestAnkle_) > kFloorTolerance ? lowestAnkle_ : 0.0;
 }
@@ -87,7 +83,7 @@ void StreamRetargeter::turnBones(const BonePose& sent, const Sender& sender, boo
     const Quat above = parent == kNoJoint ? Quat::Identity() : body_.worldRotation[parent];
     pose[j] = joints[j].rest;
     if (joints[j].bone) {
-      const std::size_t bone = index(*joints[j].bone);
+      const std::size_t bone = ordinalOf(*joints[j].bone);
       const Quat world = sender.turn[bone] * referenceFromJoint_[j];
       const bool given = known && sent.rotation[bone].has_value();
       pose[j].rotation = hold_.rotation(j, given, (above.conjugate() * world).normalized());
@@ -103,15 +99,15 @@ void StreamRetargeter::placeRoot(const BonePose& sent, const Sender& sender, boo
   Vec3 wanted = middleHip;
   if (known) {
     const bool hipsCome =
-        sent.rotation[index(HumanBone::kHips)] && sent.offset[index(HumanBone::kHips)].norm() > kNowhere;
+        sent.rotation[ordinalOf(HumanBone::kHips)] && sent.offset[ordinalOf(HumanBone::kHips)].norm() > kNoLength;
     const Vec3 hip =
         hasLegs_ ? sender.middleHip
-                 : Vec3(sender.position[index(HumanBone::kHips)] + middleHip - body_.positionOf(HumanBone::kHips));
+                 : Vec3(sender.position[ordinalOf(HumanBone::kHips)] + middleHip - body_.positionOf(HumanBone::kHips));
     if (!firstHip_) firstHip_ = hip;
     wanted = scaledPath(*firstHip_, hip, legRatio_, floor_);
     if (hipsCome && !firstHipHeight_) firstHipHeight_ = hip.y();
     // Hips above legs that do not come tell only how they move: the body stood at first.
-    const bool legsCome = sent.rotation[index(HumanBone::kLeftUpperLeg)].has_value();
+    const bool legsCome = sent.rotation[ordinalOf(HumanBone::kLeftUpperLeg)].has_value();
     if (!hasLegs_ && !(hipsCome && legsCome)) {
       wanted.y() = middleHip.y() + (hipsCome ? hip.y() - *firstHipHeight_ : 0.0);
     }
@@ -121,7 +117,7 @@ void StreamRetargeter::placeRoot(const BonePose& sent, const Sender& sender, boo
       double own = std::numeric_limits<double>::infinity();
       for (int side = 0; side < 2; ++side) {
         const HumanBone foot = limbs()[kFirstLeg + side].end;
-        above = std::min(above, legRatio_ * (sender.position[index(foot)].y() - floor_));
+        above = std::min(above, legRatio_ * (sender.position[ordinalOf(foot)].y() - floor_));
         own = std::min(own, body_.positionOf(foot).y() - middleHip.y() + wanted.y());
       }
       wanted.y() += above - own;
@@ -136,7 +132,7 @@ void StreamRetargeter::plantFeet(const Sender& sender, bool known, std::span<Joi
   std::array<TrackedFoot, 2> feet;
   for (int side = 0; side < 2; ++side) {
     feet[side].seen = known;
-    feet[side].position = sender.position[index(limbs()[kFirstLeg + side].end)];
+    feet[side].position = sender.position[ordinalOf(limbs()[kFirstLeg + side].end)];
     feet[side].above = feet[side].position.y() - floor_ - body_.rig.restAnkleHeight[side] / legRatio_;
   }
   footLock_.apply(body_, feet, legRatio_, hold_.step(), pose);

@@ -1,4 +1,4 @@
-#include "capture/sensor/nite.h"
+#include "capture/sensor/openni.h"
 
 #include "capture/sensor/openni_library.h"
 #include "geometry/errors.h"
@@ -115,12 +115,6 @@ constexpr float kSure = 0.5F;
 constexpr std::chrono::milliseconds kPause(100);    ///< between checks for an unplugged camera
 constexpr std::chrono::milliseconds kSilence(500);  ///< after this time without a frame, nobody is assumed to be there
 
-template <typename Function>
-bool load(void* handle, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(::dlsym(handle, name));
-  return function != nullptr;
-}
-
 /// NiTE 2 looks from behind the camera: x to the left, y up, z away from it. Converted by half a turn about y.
 Vec3 positionOf(const nite::Vector& p) {
   return kMillimetre * Vec3(-p.x, p.y, -p.z);
@@ -147,19 +141,16 @@ class NiteSource final : public SkeletonSource {
     const fs::path file = fs::canonical(library, error);
     if (error) return notFound("{}: found no such file, expected libNiTE2.so", name_);
     void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
-    if (handle == nullptr) {
-      const char* why = dlerror();
-      return unreadable("{}: cannot be loaded: {}", name_, why == nullptr ? "unknown" : why);
-    }
-    if (!load(handle, "niteInitialize", api_.initialize) || !load(handle, "niteShutdown", api_.shutdown) ||
-        !load(handle, "niteInitializeUserTrackerByDevice", api_.createTracker) ||
-        !load(handle, "niteShutdownUserTracker", api_.destroyTracker) ||
-        !load(handle, "niteStartSkeletonTracking", api_.startSkeleton) ||
-        !load(handle, "niteStopSkeletonTracking", api_.stopSkeleton) ||
-        !load(handle, "niteRegisterUserTrackerCallbacks", api_.addCallbacks) ||
-        !load(handle, "niteUnregisterUserTrackerCallbacks", api_.removeCallbacks) ||
-        !load(handle, "niteReadUserTrackerFrame", api_.readFrame) ||
-        !load(handle, "niteUserTrackerFrameRelease", api_.releaseFrame)) {
+    if (handle == nullptr) return unreadable("{}: cannot be loaded: {}", name_, loaderProblem());
+    const auto load = [&](const char* name, auto& function) { return loadSymbol(handle, name, function); };
+    if (!load("niteInitialize", api_.initialize) || !load("niteShutdown", api_.shutdown) ||
+        !load("niteInitializeUserTrackerByDevice", api_.createTracker) ||
+        !load("niteShutdownUserTracker", api_.destroyTracker) ||
+        !load("niteStartSkeletonTracking", api_.startSkeleton) ||
+        !load("niteStopSkeletonTracking", api_.stopSkeleton) ||
+        !load("niteRegisterUserTrackerCallbacks", api_.addCallbacks) ||
+        !load("niteUnregisterUserTrackerCallbacks", api_.removeCallbacks) ||
+        !load("niteReadUserTrackerFrame", api_.readFrame) || !load("niteUserTrackerFrameRelease", api_.releaseFrame)) {
       ::dlclose(handle);
       return unsupported("{}: not a NiTE 2 library: some of its functions are missing", name_);
     }
@@ -228,7 +219,7 @@ class NiteSource final : public SkeletonSource {
       (void)api_.destroyTracker(std::exchange(tracker_, nullptr));
       return unreadable("{}: cannot report when a frame is ready", name_);
     }
-    clockIsNew_ = true;
+    clock_.restart();
     return {};
   }
 
@@ -264,13 +255,9 @@ class NiteSource final : public SkeletonSource {
 
   /// A frame in which nobody is tracked, at the current time.
   SkeletonFrame nobody() {
-    const auto now = std::chrono::steady_clock::now();
     SkeletonFrame skeleton;
-    skeleton.time = std::max(0.0, lastTime_) + std::chrono::duration<double>(now - lastRead_).count();
+    skeleton.time = clock_.timeWithout();
     skeleton.user = std::max<int>(person_, 1);
-    lastTime_ = skeleton.time;
-    lastRead_ = now;
-    clockIsNew_ = true;
     return skeleton;
   }
 
@@ -290,15 +277,7 @@ class NiteSource final : public SkeletonSource {
     std::erase_if(asked_, [&](std::int16_t user) { return here.count(user) == 0; });  // numbers are reused
 
     SkeletonFrame skeleton;
-    const auto now = std::chrono::steady_clock::now();
-    const double sensorTime = 1e-6 * frame.timeUs;
-    if (clockIsNew_ && lastTime_ >= 0.0) {
-      timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
-    }
-    clockIsNew_ = false;
-    skeleton.time = std::max(sensorTime + timeOffset_, std::nextafter(lastTime_, 1e300));
-    lastTime_ = skeleton.time;
-    lastRead_ = now;
+    skeleton.time = clock_.timeOf(1e-6 * frame.timeUs);
     if (chosen == nullptr) {
       skeleton.user = std::max<int>(person_, 1);
       return skeleton;
@@ -366,10 +345,7 @@ class NiteSource final : public SkeletonSource {
   bool frameIsReady_ = false;
   std::set<std::int16_t> asked_;  ///< users whose skeletons were requested
   std::int16_t person_ = 0;
-  double lastTime_ = -1.0;
-  double timeOffset_ = 0.0;  ///< a restarted tracker may count from 0
-  bool clockIsNew_ = false;
-  std::chrono::steady_clock::time_point lastRead_ = std::chrono::steady_clock::now();
+  CameraClock clock_;  ///< a restarted tracker may count from 0
   Isometry3 floorFromCamera_ = Isometry3::Identity();
   bool floorKnown_ = false;
   double lowestFoot_ = std::numeric_limits<double>::max();

@@ -55,9 +55,7 @@ class MemoryBytes : public OniBytes {
   std::string_view bytes_;
 };
 
-}  // namespace
-
-Result<std::unique_ptr<OniBytes>> openOniBytes(const std::filesystem::path& file) {
+Result<std::unique_ptr<OniBytes>> openBytes(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
     const int why = errno;
@@ -72,9 +70,7 @@ Result<std::unique_ptr<OniBytes>> openOniBytes(const std::filesystem::path& file
   return std::unique_ptr<OniBytes>(std::make_unique<FileBytes>(descriptor, std::max<off_t>(status.st_size, 0)));
 }
 
-std::unique_ptr<OniBytes> oniBytesOf(std::string_view bytes) {
-  return std::make_unique<MemoryBytes>(bytes);
-}
+}  // namespace
 
 struct OniFile::Contents {
   std::string name;
@@ -90,23 +86,21 @@ OniFile::OniFile(OniFile&&) noexcept = default;
 OniFile& OniFile::operator=(OniFile&&) noexcept = default;
 OniFile::~OniFile() = default;
 
-Result<OniFile> OniFile::open(const std::filesystem::path& file) {
-  LORICA_TRY(std::unique_ptr<OniBytes> bytes, openOniBytes(file));
+Result<OniFile> OniFile::indexed(std::unique_ptr<OniBytes> bytes, std::string name) {
   auto contents = std::make_unique<Contents>();
-  contents->name = file.string();
+  contents->name = std::move(name);
   contents->bytes = std::move(bytes);
-  LORICA_TRY(OniIndex index, indexOni(*contents->bytes, contents->name));
-  contents->index = std::move(index);
+  LORICA_TRY(contents->index, indexOni(*contents->bytes, contents->name));
   return OniFile(std::move(contents));
 }
 
+Result<OniFile> OniFile::open(const std::filesystem::path& file) {
+  LORICA_TRY(std::unique_ptr<OniBytes> bytes, openBytes(file));
+  return indexed(std::move(bytes), file.string());
+}
+
 Result<OniFile> OniFile::parse(std::string_view bytes, std::string name) {
-  auto contents = std::make_unique<Contents>();
-  contents->name = std::move(name);
-  contents->bytes = oniBytesOf(bytes);
-  LORICA_TRY(OniIndex index, indexOni(*contents->bytes, contents->name));
-  contents->index = std::move(index);
-  return OniFile(std::move(contents));
+  return indexed(std::make_unique<MemoryBytes>(bytes), std::move(name));
 }
 
 const OniInfo& OniFile::info() const {
@@ -133,8 +127,7 @@ Result<void> OniFile::read(int frame, DepthFrame& out) {
   }
   c.depths.resize(recorded);
   if (const Result<void> decoded = c.decoder.decode(c.index.info.codec, c.packed, c.depths); !decoded) {
-    return Error{decoded.error().code, fmt::format("{}, depth frame {} at byte {}: {}", c.name, frame, entry.payload,
-                                                   decoded.error().message)};
+    return prefixed(fmt::format("{}, depth frame {} at byte {}", c.name, frame, entry.payload), decoded);
   }
   if (c.index.tenths) {
     for (std::uint16_t& depth : c.depths) depth = (depth + 5) / 10;
@@ -156,6 +149,39 @@ Result<void> OniFile::read(int frame, DepthFrame& out) {
     }
   }
   return {};
+}
+
+Result<DepthRead> OniSource::next(DepthFrame& frame) {
+  if (position_ >= info().frameCount) return DepthRead::kEnd;
+  // A damaged frame must not be written partially to the caller's frame, so it is read into another one first.
+  LORICA_TRY_DO(file_.read(position_, scratch_));
+  std::swap(frame, scratch_);
+  ++position_;
+  return DepthRead::kFrame;
+}
+
+void OniSource::seek(int frame) {
+  position_ = std::clamp(frame, 0, info().frameCount);
+}
+
+void OniSource::seekTime(double seconds) {
+  const double wanted = file_.timeOf(0) + seconds;
+  int first = 0;
+  int last = info().frameCount;
+  while (first < last) {
+    const int middle = first + (last - first) / 2;
+    if (file_.timeOf(middle) < wanted) {
+      first = middle + 1;
+    } else {
+      last = middle;
+    }
+  }
+  position_ = first;
+}
+
+Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file) {
+  LORICA_TRY(OniFile opened, OniFile::open(file));
+  return std::make_unique<OniSource>(std::move(opened), file.filename().string());
 }
 
 }  // namespace lorica

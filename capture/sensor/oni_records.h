@@ -5,11 +5,8 @@
 #include "capture/sensor/oni_file.h"
 
 #include <cstdint>
-#include <filesystem>
-#include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -22,10 +19,6 @@ class OniBytes {
   /// @return whether all of `out` was filled
   [[nodiscard]] virtual bool read(std::uint64_t at, std::span<std::uint8_t> out) const = 0;
 };
-
-[[nodiscard]] Result<std::unique_ptr<OniBytes>> openOniBytes(const std::filesystem::path& file);
-/// @param bytes  must outlive the result
-[[nodiscard]] std::unique_ptr<OniBytes> oniBytesOf(std::string_view bytes);
 
 /// Index entry of a depth frame in the file.
 struct OniFrameEntry {

@@ -1,4 +1,3 @@
-#include "capture/sensor/nite.h"
 #include "capture/sensor/openni.h"
 #include "geometry/errors.h"
 

@@ -1,20 +1,134 @@
 #include "capture/sensor/openni_library.h"
 
-#include "capture/sensor/openni_source.h"
 #include "geometry/errors.h"
+#include "geometry/hard_stop.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
 #include <sstream>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr const char* kDriverFolder = "OpenNI2/Drivers";
+
+/// lib*.so.0, the only names that OpenNI2 accepts.
+bool isDriverName(const std::string& name) {
+  return name.size() > 8 && name.compare(0, 3, "lib") == 0 && name.compare(name.size() - 5, 5, ".so.0") == 0;
+}
+
+/// "FreenectDriver.so.1.2" becomes "libFreenectDriver.so.0".
+std::string driverName(const fs::path& file) {
+  std::string name = file.filename().string();
+  if (isDriverName(name)) return name;
+  name = name.substr(0, name.find(".so"));
+  return (name.compare(0, 3, "lib") == 0 ? name : "lib" + name) + ".so.0";
+}
+
+/// OpenNI2 looks for drivers, files named lib*.so.0, in OpenNI2/Drivers beside the path from which it was itself
+/// loaded, without following links. A private folder with links to the library, its own drivers and the user's drivers
+/// therefore makes it find all of them, without an environment variable and without changes to the system.
+class OpenNiStage {
+ public:
+  /// Creates the folder in the temporary directory. The user's drivers are loaded once, so that problems can be
+  /// reported, and so that they find their own libraries beside their real files.
+  /// @param library  libOpenNI2.so.0
+  [[nodiscard]] static Result<std::unique_ptr<OpenNiStage>> make(const std::filesystem::path& library,
+                                                                 const std::vector<std::filesystem::path>& drivers);
+  /// Removes the folder, but only in the process that created it.
+  ~OpenNiStage();
+  OpenNiStage(const OpenNiStage&) = delete;
+  OpenNiStage& operator=(const OpenNiStage&) = delete;
+
+  [[nodiscard]] std::filesystem::path library() const { return folder_ / "libOpenNI2.so.0"; }
+  [[nodiscard]] const std::vector<OpenNiDriver>& drivers() const { return drivers_; }
+
+ private:
+  OpenNiStage() = default;
+  Result<void> link(const std::filesystem::path& from, const std::filesystem::path& to) const;
+
+  std::filesystem::path folder_;
+  int owner_ = 0;  ///< process ID
+  std::vector<OpenNiDriver> drivers_;
+  std::optional<AtHardStop> cleaning_;
+};
+
+Result<void> OpenNiStage::link(const fs::path& from, const fs::path& to) const {
+  std::error_code error;
+  fs::create_symlink(from, to, error);
+  if (error) {
+    return unwritable("{}: cannot link to {}: {}", to.string(), from.string(), error.message());
+  }
+  return {};
+}
+
+Result<std::unique_ptr<OpenNiStage>> OpenNiStage::make(const fs::path& library, const std::vector<fs::path>& drivers) {
+  std::error_code error;
+  const fs::path temporary = fs::temp_directory_path(error);
+  std::string folder = ((error ? fs::path("/tmp") : temporary) / "lorica-openni-XXXXXX").string();
+  if (::mkdtemp(folder.data()) == nullptr) {  // accessible only to this user: its content is executed
+    return unwritable("{}: cannot be created, expected a folder for links to drivers", folder);
+  }
+  std::unique_ptr<OpenNiStage> stage(new OpenNiStage);
+  stage->folder_ = folder;
+  stage->owner_ = ::getpid();
+  stage->cleaning_.emplace([folder = stage->folder_] {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  });
+  fs::create_directories(stage->folder_ / kDriverFolder, error);
+  LORICA_TRY_DO(stage->link(library, stage->library()));
+
+  std::map<std::string, OpenNiDriver> packaged;  // by link name; sorted, so that the order is always the same
+  for (fs::directory_iterator file(library.parent_path() / kDriverFolder, error), end; !error && file != end;
+       file.increment(error)) {
+    const std::string name = file->path().filename().string();
+    if (isDriverName(name)) packaged[name] = {file->path(), true, {}};
+  }
+  std::vector<OpenNiDriver> users;
+  users.reserve(drivers.size());
+  for (const fs::path& driver : drivers) {
+    const fs::path file = fs::canonical(driver, error);
+    if (error || !fs::is_regular_file(file, error)) {
+      return notFound("{}: found no such file, expected an OpenNI2 driver", driver.string());
+    }
+    // It stays loaded: its threads may need its code after OpenNI2 has shut down.
+    void* handle = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (handle == nullptr) {
+      return unreadable("{}: the driver cannot be loaded: {}", driver.string(), loaderProblem());
+    }
+    if (::dlsym(handle, "oniDriverCreate") == nullptr) {
+      return unsupported("{}: found a library without oniDriverCreate, expected an OpenNI2 driver", driver.string());
+    }
+    const std::string name = driverName(file);
+    packaged.erase(name);  // the user's driver replaces one of the same name
+    LORICA_TRY_DO(stage->link(file, stage->folder_ / kDriverFolder / name));
+    users.push_back({file, false, {}});
+  }
+  for (auto& [name, driver] : packaged) {
+    const fs::path to = stage->folder_ / kDriverFolder / name;
+    LORICA_TRY_DO(stage->link(driver.file, to));
+    stage->drivers_.push_back(std::move(driver));
+  }
+  stage->drivers_.insert(stage->drivers_.end(), users.begin(), users.end());
+  return stage;
+}
+
+OpenNiStage::~OpenNiStage() {
+  if (owner_ != ::getpid()) return;  // a fork()ed child has the parent's folder
+  std::error_code error;
+  std::filesystem::remove_all(folder_, error);
+}
 
 /// A loaded libOpenNI2, with the folder that it was loaded from. It stays loaded after OpenNI2 is shut down, because
 /// its threads may need its code a little longer, and is unloaded only when other drivers are requested.
@@ -34,9 +148,7 @@ bool same(const OpenNiSettings& a, const OpenNiSettings& b) {
 }
 
 Error notInstalled() {
-  const char* why = dlerror();
-  return notFound("OpenNI2 cannot be loaded, expected libOpenNI2.so.0 (package libopenni2-0): {}",
-                  why == nullptr ? "unknown" : why);
+  return notFound("OpenNI2 cannot be loaded, expected libOpenNI2.so.0 (package libopenni2-0): {}", loaderProblem());
 }
 
 /// Finds the system's libOpenNI2.
@@ -54,30 +166,21 @@ Result<fs::path> findLibrary() {
   return whole;
 }
 
-template <typename Function>
-bool load(void* handle, const char* name, Function& function) {
-  function = reinterpret_cast<Function>(::dlsym(handle, name));
-  return function != nullptr;
-}
-
 bool loadAll(void* handle, OpenNiApi& api) {
-  return load(handle, "oniInitialize", api.initialize) && load(handle, "oniShutdown", api.shutdown) &&
-         load(handle, "oniGetExtendedError", api.extendedError) && load(handle, "oniGetDeviceList", api.deviceList) &&
-         load(handle, "oniReleaseDeviceList", api.releaseDeviceList) &&
-         load(handle, "oniRegisterDeviceCallbacks", api.registerCallbacks) &&
-         load(handle, "oniUnregisterDeviceCallbacks", api.unregisterCallbacks) &&
-         load(handle, "oniDeviceOpen", api.deviceOpen) && load(handle, "oniDeviceClose", api.deviceClose) &&
-         load(handle, "oniDeviceGetSensorInfo", api.sensorInfo) &&
-         load(handle, "oniDeviceCreateStream", api.createStream) &&
-         load(handle, "oniStreamDestroy", api.streamDestroy) && load(handle, "oniStreamStart", api.streamStart) &&
-         load(handle, "oniStreamStop", api.streamStop) && load(handle, "oniStreamReadFrame", api.readFrame) &&
-         load(handle, "oniFrameRelease", api.frameRelease) && load(handle, "oniWaitForAnyStream", api.wait) &&
-         load(handle, "oniStreamSetProperty", api.setProperty) &&
-         load(handle, "oniStreamGetProperty", api.getProperty) &&
-         load(handle, "oniCreateRecorder", api.createRecorder) &&
-         load(handle, "oniRecorderAttachStream", api.recorderAttach) &&
-         load(handle, "oniRecorderStart", api.recorderStart) && load(handle, "oniRecorderStop", api.recorderStop) &&
-         load(handle, "oniRecorderDestroy", api.recorderDestroy);
+  const auto load = [&](const char* name, auto& function) { return loadSymbol(handle, name, function); };
+  return load("oniInitialize", api.initialize) && load("oniShutdown", api.shutdown) &&
+         load("oniGetExtendedError", api.extendedError) && load("oniGetDeviceList", api.deviceList) &&
+         load("oniReleaseDeviceList", api.releaseDeviceList) &&
+         load("oniRegisterDeviceCallbacks", api.registerCallbacks) &&
+         load("oniUnregisterDeviceCallbacks", api.unregisterCallbacks) && load("oniDeviceOpen", api.deviceOpen) &&
+         load("oniDeviceClose", api.deviceClose) && load("oniDeviceGetSensorInfo", api.sensorInfo) &&
+         load("oniDeviceCreateStream", api.createStream) && load("oniStreamDestroy", api.streamDestroy) &&
+         load("oniStreamStart", api.streamStart) && load("oniStreamStop", api.streamStop) &&
+         load("oniStreamReadFrame", api.readFrame) && load("oniFrameRelease", api.frameRelease) &&
+         load("oniWaitForAnyStream", api.wait) && load("oniStreamSetProperty", api.setProperty) &&
+         load("oniStreamGetProperty", api.getProperty) && load("oniCreateRecorder", api.createRecorder) &&
+         load("oniRecorderAttachStream", api.recorderAttach) && load("oniRecorderStart", api.recorderStart) &&
+         load("oniRecorderStop", api.recorderStop) && load("oniRecorderDestroy", api.recorderDestroy);
 }
 
 Result<std::unique_ptr<Loaded>> loadLibrary(const OpenNiSettings& settings) {
@@ -147,6 +250,32 @@ std::weak_ptr<OpenNiLibrary> g_running;
 std::unique_ptr<Loaded> g_loaded;
 
 }  // namespace
+
+std::string loaderProblem() {
+  const char* text = dlerror();
+  return text == nullptr ? "unknown" : text;
+}
+
+double CameraClock::passed(std::chrono::steady_clock::time_point now) const {
+  return std::chrono::duration<double>(now - given_).count();
+}
+
+double CameraClock::timeOf(double sensorTime) {
+  const auto now = std::chrono::steady_clock::now();
+  if (isNew_ && last_ >= 0.0) offset_ = last_ + passed(now) - sensorTime;
+  isNew_ = false;
+  last_ = std::max(sensorTime + offset_, std::nextafter(last_, 1e300));
+  given_ = now;
+  return last_;
+}
+
+double CameraClock::timeWithout() {
+  const auto now = std::chrono::steady_clock::now();
+  last_ = std::max(0.0, last_) + passed(now);
+  given_ = now;
+  isNew_ = true;
+  return last_;
+}
 
 Result<std::shared_ptr<OpenNi>> OpenNi::start(const OpenNiSettings& settings) {
   const std::lock_guard<std::mutex> lock(g_mutex);

@@ -1,5 +1,5 @@
 #include "capture/sensor/oni_file.h"
-#include "capture/sensor/openni_source.h"
+#include "capture/sensor/openni_library.h"
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
 #include "geometry/new_file.h"

@@ -1,11 +1,10 @@
-#include "capture/sensor/openni_source.h"
+#include "capture/sensor/openni_library.h"
 
 #include "geometry/errors.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <thread>
@@ -15,7 +14,7 @@ namespace lorica {
 namespace {
 
 constexpr int kWaitMs = 100;
-constexpr int kLargestSide = 2048;
+constexpr int kLargestMode = 2048;
 
 bool isDepth(OniPixelFormat format) {
   return format == ONI_PIXEL_FORMAT_DEPTH_1_MM || format == ONI_PIXEL_FORMAT_DEPTH_100_UM;
@@ -67,7 +66,7 @@ Result<void> OpenNiSource::open() {
   }
   camera_ = *camera;
   known_ = true;
-  clockIsNew_ = true;
+  clock_.restart();
   return {};
 }
 
@@ -90,8 +89,8 @@ Result<DepthCamera> OpenNiSource::setUp() {
   OniVideoMode mode{};
   int size = sizeof mode;
   const bool known = api.getProperty(stream_, ONI_STREAM_PROPERTY_VIDEO_MODE, &mode, &size) == ONI_STATUS_OK;
-  if (!known || !isDepth(mode.pixelFormat) || mode.resolutionX < 1 || mode.resolutionX > kLargestSide ||
-      mode.resolutionY < 1 || mode.resolutionY > kLargestSide) {
+  if (!known || !isDepth(mode.pixelFormat) || mode.resolutionX < 1 || mode.resolutionX > kLargestMode ||
+      mode.resolutionY < 1 || mode.resolutionY > kLargestMode) {
     return unsupported("{}: found images of {} x {} in pixel format {}, expected depth of up to 2048 x 2048", name(),
                        mode.resolutionX, mode.resolutionY, static_cast<int>(mode.pixelFormat));
   }
@@ -201,16 +200,7 @@ Result<void> OpenNiSource::copy(const OniFrame& from, DepthFrame& to) {
     for (std::uint16_t& depth : to.depthMm) depth = (depth + 5) / 10;
   }
 
-  const auto now = std::chrono::steady_clock::now();
-  const double sensorTime = 1e-6 * from.timestamp;
-  if (clockIsNew_ && lastTime_ >= 0.0) {
-    timeOffset_ = lastTime_ + std::chrono::duration<double>(now - lastRead_).count() - sensorTime;
-  }
-  clockIsNew_ = false;
-  // Some drivers repeat a time; it must increase anyway.
-  to.time = std::max(sensorTime + timeOffset_, std::nextafter(lastTime_, 1e300));
-  lastTime_ = to.time;
-  lastRead_ = now;
+  to.time = clock_.timeOf(1e-6 * from.timestamp);
   return {};
 }
 

@@ -1,6 +1,5 @@
 #include "capture/streams/vmc_receiver.h"
 
-#include "capture/streams/bone_stream.h"
 #include "capture/streams/vmc_names.h"
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"
@@ -26,7 +25,7 @@ std::optional<Vec3> position(OscArguments& arguments) {
     if (!number || std::abs(*number) > kFarthest) return std::nullopt;
     value = *number;
   }
-  return mirrorX(p);
+  return mirrored(p);
 }
 
 std::optional<Quat> rotation(OscArguments& arguments) {
@@ -39,8 +38,11 @@ std::optional<Quat> rotation(OscArguments& arguments) {
   const Quat q(xyzw[3], xyzw[0], xyzw[1], xyzw[2]);
   const double length = q.norm();
   if (!(length > 0.5 && length < 2.0)) return std::nullopt;
-  return mirrorX(q.normalized());
+  return mirrored(q.normalized());
 }
+
+/// A sender that is silent for this time gives way to another one [s].
+constexpr double kSilentSeconds = 0.5;
 
 }  // namespace
 
@@ -88,10 +90,6 @@ VmcReceiver::Taken VmcReceiver::takeExpression(OscArguments arguments) {
   return Taken::kState;
 }
 
-void VmcReceiver::applyExpressions() {
-  for (std::size_t i = 0; i < expressions_.size(); ++i) expressions_[i].weight = wanted_[i];
-}
-
 /// loaded [calibration state, calibration mode [, tracking]], see the protocol's versions 2.5 and 2.7.
 VmcReceiver::Taken VmcReceiver::takeState(OscArguments arguments) {
   constexpr double kCalibrated = 3.0;
@@ -114,7 +112,7 @@ VmcReceiver::Taken VmcReceiver::takeMessage(const OscMessage& message, double se
   if (address == "/VMC/Ext/Root/Pos") return takeRoot(arguments);
   if (address == "/VMC/Ext/Blend/Val") return takeExpression(arguments);
   if (address == "/VMC/Ext/Blend/Apply") {
-    applyExpressions();
+    for (std::size_t i = 0; i < expressions_.size(); ++i) expressions_[i].weight = wanted_[i];
     return Taken::kState;
   }
   if (address == "/VMC/Ext/OK" || address == "/VMC/Ext/T") {
@@ -167,6 +165,42 @@ void VmcReceiver::complete() {
   fresh_.fill(false);
   freshCount_ = 0;
   completed_ = true;
+}
+
+bool VmcFollower::take(std::span<const std::byte> packet, std::uint64_t sender, double seconds) {
+  const bool silent = seconds - lastHeard_ > kSilentSeconds;
+  if (!followed_ || (silent && *followed_ != sender)) {
+    followed_ = sender;
+    refusedBefore_ += receiver_.refusedCount();
+    receiver_ = {};
+  }
+  if (*followed_ != sender) {
+    ++others_;
+    return receiver_.wait(seconds);
+  }
+  ++packets_;
+  const std::int64_t refused = receiver_.refusedCount();
+  const bool isNew = receiver_.take(packet, seconds);
+  if (receiver_.refusedCount() == refused) lastHeard_ = seconds;  // noise holds no place
+  return isNew;
+}
+
+bool RecordedStream::wait(double seconds, BoneFrame& frame) {
+  const double until = now_ + seconds;
+  const std::span<const RecordedPacket> packets = file_->packets();
+  bool isNew = false;
+  while (!isNew && next_ < packets.size() && packets[next_].time <= until) {
+    const RecordedPacket& packet = packets[next_++];
+    now_ = packet.time;
+    isNew = follower_.take(file_->payload(packet), packet.sender, now_);
+  }
+  if (!isNew) {
+    now_ = until;
+    isNew = follower_.wait(now_);
+    ended_ = !isNew && next_ == packets.size();
+  }
+  if (isNew) frame = follower_.receiver().frame();
+  return isNew;
 }
 
 }  // namespace lorica

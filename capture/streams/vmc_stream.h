@@ -2,7 +2,7 @@
 
 #include "capture/streams/bone_stream.h"
 #include "capture/streams/udp.h"
-#include "capture/streams/vmc_follower.h"
+#include "capture/streams/vmc_receiver.h"
 #include "geometry/work_budgets.h"
 
 #include <algorithm>

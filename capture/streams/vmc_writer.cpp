@@ -1,6 +1,5 @@
 #include "capture/streams/vmc_writer.h"
 
-#include "capture/streams/bone_stream.h"
 #include "capture/streams/vmc_names.h"
 
 #include <fmt/format.h>
@@ -14,8 +13,8 @@ constexpr std::string_view kPlace = "sfffffff";
 
 /// A name, a position and a rotation.
 void addPlace(OscWriter& writer, std::string_view name, const Vec3& position, const Quat& rotation) {
-  const Vec3 p = mirrorX(position);
-  const Quat q = mirrorX(rotation);
+  const Vec3 p = mirrored(position);
+  const Quat q = mirrored(rotation);
   writer.add(name);
   for (const double value : {p.x(), p.y(), p.z(), q.x(), q.y(), q.z(), q.w()}) writer.add(static_cast<float>(value));
 }
@@ -39,7 +38,7 @@ std::span<const std::byte> ContactWriter::write(const SentContact& contact) {
   };
   const std::size_t addressSize =
       fmt::format_to_n(address.data(), address.size(), "/VMC/Thru/lorica/contact/{}", contact.phase).size;
-  const Vec3 p = mirrorX(contact.point);
+  const Vec3 p = mirrored(contact.point);
   const std::size_t textSize =
       (contact.other.empty() ? fmt::format_to_n(text.data(), text.size(), "{} prop:{} {:.3f} {:.3f} {:.3f}",
                                                 contact.bone, contact.prop, p.x(), p.y(), p.z())

@@ -1,6 +1,5 @@
 #include "capture/streams/vrchat_writer.h"
 
-#include "capture/streams/bone_stream.h"
 #include "capture/streams/osc.h"
 #include "geometry/result.h"
 
@@ -82,8 +81,8 @@ std::span<const std::byte> VrchatWriter::write(const BonePose& pose, const Stage
       if (joint.confidence <= 0.0 || other.confidence <= 0.0) continue;
       position = person->stageFromWorld * (0.5 * (joint.position + other.position));
     }
-    addVector(writer, tracker.position, mirrorX(position));
-    addVector(writer, tracker.rotation, unityAngles(mirrorX(stageFromWorld * world.turn[turn])));
+    addVector(writer, tracker.position, mirrored(position));
+    addVector(writer, tracker.rotation, unityAngles(mirrored(stageFromWorld * world.turn[turn])));
   }
   LORICA_CHECK(writer.fits(), "the packet is too small");
   return writer.packet();

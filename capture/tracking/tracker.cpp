@@ -1,6 +1,5 @@
 #include "capture/tracking/tracker.h"
 
-#include "capture/tracking/fit/body_belief.h"
 #include "capture/tracking/fit/person_fit.h"
 #include "capture/tracking/people/people.h"
 #include "geometry/errors.h"

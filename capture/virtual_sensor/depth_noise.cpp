@@ -83,7 +83,7 @@ void sumDown(std::span<const float> image, std::size_t width, std::size_t before
 }  // namespace
 
 std::string_view nameOf(DepthNoiseKind kind) {
-  constexpr std::array<std::string_view, kDepthNoiseKindCount> kNames = {"kinect", "realsense", "tof", "mild", "none"};
+  constexpr std::array<std::string_view, kDepthNoiseKindCount> kNames = {"kinect", "mild", "none"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -98,10 +98,6 @@ DepthNoiseSettings DepthNoiseSettings::of(DepthNoiseKind kind) {
   switch (kind) {
     case DepthNoiseKind::kKinect:
       break;
-    case DepthNoiseKind::kRealSense:
-      return realSense();
-    case DepthNoiseKind::kTimeOfFlight:
-      return timeOfFlight();
     case DepthNoiseKind::kMild:
       return mild();
     case DepthNoiseKind::kNone:
@@ -125,36 +121,6 @@ DepthNoiseSettings DepthNoiseSettings::mild() {
   settings.smoothness = 4.0;
   settings.edgeLoss = 0.0;
   settings.dropout = 0.004;
-  return settings;
-}
-
-DepthNoiseSettings DepthNoiseSettings::realSense() {
-  DepthNoiseSettings settings;
-  settings.sensor.horizontalFov = 0.9566291926;  // focal length 617.25 pixels
-  settings.sensor.verticalFov = 0.7412824526;
-  settings.axialNoise = {.base = 0.0005, .quadratic = 0.0074, .nearest = 0.9, .angle = 0.0, .angleFar = 0.0};
-  settings.lasting = 0.3;
-  settings.shared = 0.64;
-  settings.smoothness = 20.0;
-  settings.lateral = 0.5;
-  settings.smear = 12.0;
-  settings.baseline = settings.edgeLoss = settings.steps = 0.0;
-  settings.dropout = 0.0005;
-  settings.grazing = false;
-  settings.min = 0.3;
-  return settings;
-}
-
-DepthNoiseSettings DepthNoiseSettings::timeOfFlight() {
-  DepthNoiseSettings settings;
-  settings.sensor = {512, 424, 1.2223, 1.0514};  // focal length 365.5 pixels
-  settings.axialNoise = {.base = 0.0012917, .quadratic = 0.0003, .nearest = 0.83333, .angle = 0.0, .angleFar = 0.0001};
-  settings.lasting = settings.shared = 0.0;
-  settings.lateral = 0.25;
-  settings.smear = 2.0;
-  settings.baseline = settings.edgeLoss = settings.steps = 0.0;
-  settings.dropout = 0.001;
-  settings.max = 4.5;
   return settings;
 }
 
@@ -212,9 +178,7 @@ DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& sett
   smoothRow_.assign(camera.width, 0.0F);
   lastingRow_ = clumpsRow_ = rayX_ = smoothRow_;
   if (smearWidth_ > 1) weight_ = sums_ = lit_;
-  for (int column = 0; column < camera.width; ++column) {
-    rayX_[column] = camera.positionOf(column, 0.0, 1.0).x();
-  }
+  for (int column = 0; column < camera.width; ++column) rayX_[column] = camera.positionOf(column, 0.0, 1.0).x();
   jitter_.assign(static_cast<std::size_t>(camera.width / jitterCell_ + 1) * (camera.height / jitterCell_ + 1) * 2, 0);
   // Without steps depth is still stored as a disparity, in steps so small that none exceeds 0.1 mm.
   const double steps = settings.steps > 0.0 ? settings.steps : 1e-4 / (2.9e-3 * settings.max * settings.max);
@@ -224,9 +188,7 @@ DepthNoise::DepthNoise(const DepthCamera& camera, const DepthNoiseSettings& sett
   millimetres_.resize(static_cast<std::size_t>(whole / settings.min) + 2, 0);
   for (std::size_t step = 1; step < millimetres_.size(); ++step) {
     const double depth = whole / step;
-    if (depth >= settings.min && depth <= settings.max) {
-      millimetres_[step] = std::lround(1000.0 * depth);
-    }
+    if (depth >= settings.min && depth <= settings.max) millimetres_[step] = std::lround(1000.0 * depth);
   }
 }
 

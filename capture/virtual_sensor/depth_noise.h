@@ -12,15 +12,13 @@ namespace lorica {
 
 /// The named error models, see docs/VIRTUAL_SENSOR.md.
 enum class DepthNoiseKind : std::uint8_t {
-  kKinect,        ///< structured light, Kinect v1: set from recordings
-  kRealSense,     ///< filtered stereo, RealSense D400: set from a recording
-  kTimeOfFlight,  ///< Kinect v2: published figures
-  kMild,          ///< a fifth of the axial noise and of the missing pixels of 2012's models of a Kinect v1
-  kNone,          ///< whole millimetres
+  kKinect,  ///< structured light, Kinect v1: set from recordings
+  kMild,    ///< a fifth of the axial noise and of the missing pixels of 2012's models of a Kinect v1
+  kNone,    ///< whole millimetres
 };
-inline constexpr int kDepthNoiseKindCount = 5;
+inline constexpr int kDepthNoiseKindCount = 3;
 
-/// "kinect", "realsense", "tof", "mild", "none".
+/// "kinect", "mild", "none".
 [[nodiscard]] std::string_view nameOf(DepthNoiseKind kind);
 [[nodiscard]] std::optional<DepthNoiseKind> depthNoiseNamed(std::string_view name);
 
@@ -62,8 +60,6 @@ struct DepthNoiseSettings {
   [[nodiscard]] static DepthNoiseSettings clean();
   /// All kinds of errors, but little axial noise, new in each frame, and few missing pixels: compresses well.
   [[nodiscard]] static DepthNoiseSettings mild();
-  [[nodiscard]] static DepthNoiseSettings realSense();
-  [[nodiscard]] static DepthNoiseSettings timeOfFlight();
 
   friend bool operator==(const DepthNoiseSettings&, const DepthNoiseSettings&) = default;
 };

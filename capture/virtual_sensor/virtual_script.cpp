@@ -1,12 +1,12 @@
 #include "capture/virtual_sensor/virtual_script.h"
 
 #include "capture/files/joint_csv.h"
-#include "capture/synthetic/synthetic_motion.h"
-#include "capture/virtual_sensor/virtual_body.h"
+#include "capture/virtual_sensor/virtual_performer.h"
 #include "geometry/errors.h"
 #include "skinning/mannequin/mannequin.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <charconv>
@@ -52,23 +52,6 @@ std::optional<TimeSpan> spanOf(std::string_view text) {
   return TimeSpan{*from, *to};
 }
 
-std::optional<SyntheticMotion> motionNamed(std::string_view name) {
-  for (int m = 0; m < kSyntheticMotionCount; ++m) {
-    if (nameOf(static_cast<SyntheticMotion>(m)) == name) return static_cast<SyntheticMotion>(m);
-  }
-  return std::nullopt;
-}
-
-/// "kinect, realsense, tof, mild or none"
-template <typename Kind>
-std::string namesOf(int count) {
-  std::string names;
-  for (int k = 0; k < count; ++k) {
-    names += fmt::format("{}{}", k == 0 ? "" : k + 1 < count ? ", " : " or ", nameOf(static_cast<Kind>(k)));
-  }
-  return names;
-}
-
 /// Applies one setting. @return what was expected if the value is wrong
 std::optional<std::string> apply(std::string_view key, std::string_view value, VirtualScript& script) {
   VirtualSensorSettings& settings = script.settings;
@@ -93,20 +76,16 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
     const std::vector<std::string_view> names = split(value, ',');
     script.motions.assign(names.begin(), names.end());
     const bool known = std::all_of(names.begin(), names.end(), [](std::string_view name) {
-      return motionNamed(name) || (name.size() > 4 && name.ends_with(".csv"));
+      return !shippedText(name).empty() || (name.size() > 4 && name.ends_with(".csv"));
     });
     if (known && names.size() <= 2) return std::nullopt;
-    std::string shipped;
-    for (int m = 0; m < kSyntheticMotionCount; ++m) {
-      shipped += fmt::format("{}{}", m > 0 ? ", " : "", nameOf(static_cast<SyntheticMotion>(m)));
-    }
-    return fmt::format("one or two of {}, or files that end in .csv", shipped);
+    return fmt::format("one or two of {}, or files that end in .csv", fmt::join(kShippedMotions, ", "));
   }
   if (key == "loop") return choice(settings.loop, "yes", "no");
   if (key == "pace") return choice(settings.live, "live", "fast");
   if (key == "noise") {
     const std::optional<DepthNoiseKind> kind = depthNoiseNamed(value);
-    if (!kind) return namesOf<DepthNoiseKind>(kDepthNoiseKindCount);
+    if (!kind) return "kinect, mild or none";
     const std::uint64_t seed = settings.noise.seed;
     settings.noise = DepthNoiseSettings::of(*kind);
     settings.noise.seed = seed;
@@ -122,16 +101,6 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   if (key == "start") return number(script.start, 0.0, 1e6);
   if (key == "height") return number(script.height, 0.5, 2.0);
   if (key == "girth") return number(script.girth, 0.5, 2.0);
-  if (key == "clothes") {
-    for (const std::string_view name : split(value, ',')) {
-      const std::optional<Clothes> piece = clothesNamed(name);
-      if (!piece || std::find(script.clothes.begin(), script.clothes.end(), *piece) != script.clothes.end()) {
-        return fmt::format("{}, or several of them separated by commas", namesOf<Clothes>(kClothesCount));
-      }
-      script.clothes.push_back(*piece);
-    }
-    return std::nullopt;
-  }
   if (key == "distance") {
     Vec3 position = settings.room.worldFromCamera.translation();
     std::optional<std::string> expected = number(position.z(), 1.0, 7.0);
@@ -140,7 +109,7 @@ std::optional<std::string> apply(std::string_view key, std::string_view value, V
   }
   if (key == "unplug") return span(settings.unplugged);
   if (key == "absent") return span(script.absent);
-  return "one of the keys motion, start, loop, pace, noise, size, seed, height, girth, clothes, distance, unplug, "
+  return "one of the keys motion, start, loop, pace, noise, size, seed, height, girth, distance, unplug, "
          "absent";
 }
 
@@ -172,18 +141,13 @@ Result<VirtualScript> parseVirtualScript(std::string_view text) {
 }
 
 Result<VirtualSensor> makeVirtualSensor(const VirtualScript& script) {
-  const Character bare = withProportions(makeMannequin(), {.height = script.height, .girth = script.girth});
-  const Character body = withClothes(bare, script.clothes);
+  const Character body = withProportions(makeMannequin(), {.height = script.height, .girth = script.girth});
   std::vector<VirtualPerson> people;
   people.reserve(script.motions.size());
   for (const std::string& motion : script.motions) {
-    std::vector<SkeletonFrame> frames;
-    if (const std::optional<SyntheticMotion> shipped = motionNamed(motion)) {
-      frames = synthesizeMotion(*shipped);
-    } else {
-      LORICA_TRY(std::vector<SkeletonFrame> read, readJointCsv(motion));
-      frames = std::move(read);
-    }
+    const std::string_view shipped = shippedText(motion);
+    LORICA_TRY(const std::vector<SkeletonFrame> frames,
+               shipped.empty() ? readJointCsv(motion) : parseJointCsv(shipped, motion));
     LORICA_TRY(VirtualPerformer performer, VirtualPerformer::create(body, frames));
     VirtualPerson person{std::move(performer)};
     const auto position = people.size() - 0.5 * (script.motions.size() - 1);

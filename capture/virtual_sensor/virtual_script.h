@@ -1,6 +1,5 @@
 #pragma once
 
-#include "capture/virtual_sensor/virtual_clothes.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 
 #include <string>
@@ -13,7 +12,7 @@ namespace lorica {
 ///
 /// Settings are `key=value`, separated by blanks, each at most once:
 ///
-/// - `motion`: a shipped motion (nameOf(SyntheticMotion)) or a joint CSV file that ends in .csv; two of them, separated
+/// - `motion`: a shipped motion (kShippedMotions) or a joint CSV file that ends in .csv; two of them, separated
 ///   by a comma, for two people side by side [wave]
 /// - `loop`: yes or no [yes]
 /// - `pace`: live or fast [live]
@@ -21,7 +20,6 @@ namespace lorica {
 /// - `size`: full or half of its pixels along each side [full]
 /// - `seed`: of the noise, from 0 [2026]
 /// - `height`, `girth`: of the people, 0.5 to 2 [1]
-/// - `clothes`: what they wear, nameOf(Clothes), separated by commas [nothing]
 /// - `start`: time in the motions at the sensor's time 0 [0 s]
 /// - `distance`: of the camera from the people, 1 to 7 [3 m]
 /// - `unplug`, `absent`: from:to, when the sensor is unplugged or the people are away [never, s]
@@ -29,7 +27,6 @@ struct VirtualScript {
   std::vector<std::string> motions = {"wave"};
   double height = 1.0;
   double girth = 1.0;
-  std::vector<Clothes> clothes;
   bool halfSize = false;  ///< already applied to `settings.camera`
   double start = 0.0;     ///< time in the motions at the sensor's time 0 [s]
   std::vector<TimeSpan> absent;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/sensor/depth_source.h"
+#include "capture/sensor/depth_frame.h"
 #include "capture/virtual_sensor/depth_noise.h"
 #include "capture/virtual_sensor/depth_render.h"
 #include "capture/virtual_sensor/virtual_performer.h"
@@ -85,7 +85,7 @@ struct VirtualTruth {
 /// Depth is rendered, then degraded like that of a real camera, by default a Kinect v1; the ground truth is known.
 ///
 ///     std::vector<VirtualPerson> people;
-///     people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
+///     people.push_back({VirtualPerformer::create(makeMannequin(), shippedFrames("wave")).value()});
 ///     VirtualSensorSettings settings;
 ///     settings.noise.seed = 3;
 ///     VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
@@ -95,10 +95,9 @@ struct VirtualTruth {
 ///       const SkeletonFrame truth = moved(sensor.truth()[0].joints, sensor.floorFromCamera());
 ///     }
 ///
-/// Other bodies: withProportions(makeMannequin(), {.height = 1.1}), {.girth = 1.25}, withClothes(). Clean depth:
-/// settings.noise = DepthNoiseSettings::clean(). Other cameras: settings.noise = DepthNoiseSettings::realSense(),
-/// settings.camera = settings.noise.sensor. The same settings give the same frames. If not live, next() allocates
-/// nothing after the first frame.
+/// Other bodies: withProportions(makeMannequin(), {.height = 1.1}), {.girth = 1.25}. Clean depth: settings.noise =
+/// DepthNoiseSettings::clean(). The same settings give the same frames. If not live, next() allocates nothing after the
+/// first frame.
 class VirtualSensor final : public DepthSource {
  public:
   /// @param people  up to 6; may be empty

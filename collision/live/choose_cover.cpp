@@ -15,12 +15,12 @@
 namespace lorica {
 namespace {
 
-constexpr int kSweeps = 60;         // over all sampled poses, while pushing points outward
-constexpr double kTurn = 0.05;      // per sweep, the rotation of pushes from the faces' normals to outward
-constexpr int kShortSweeps = 10;    // with pushes along the faces' normals only
-constexpr int kPushes = 20;         // in one pose, before the next one is processed
-constexpr double kFarthest = 10.0;  // times the part's size: longer pushes diverge
-constexpr double kHeld = 1e-7;      // times the part's size: protruding by more than this counts as outside
+constexpr int kSweeps = 60;             // over all sampled poses, while pushing points outward
+constexpr double kTurn = 0.05;          // per sweep, the rotation of pushes from the faces' normals to outward
+constexpr int kShortSweeps = 10;        // with pushes along the faces' normals only
+constexpr int kPushes = 20;             // in one pose, before the next one is processed
+constexpr double kFarthestLift = 10.0;  // times the part's size: longer pushes diverge
+constexpr double kHeld = 1e-7;          // times the part's size: protruding by more than this counts as outside
 // Min cosine of the angle between a push and a face's normal that is used in the push length.
 constexpr double kSteepest = 0.2;
 constexpr double kMore = 1.0 / 64;  // relative extra length of pushes, so that the iteration ends
@@ -95,12 +95,8 @@ class PartCover {
       const int pose = poses.top().pose;
       poses.pop();
       const auto [distance, candidate] = farthestOut(pose);
-      if (distance > tolerance && (poses.empty() || distance >= poses.top().bound)) {
-        take(candidate);
-        poses.push({distance, pose});
-      } else {
-        poses.push({distance, pose});
-      }
+      if (distance > tolerance && (poses.empty() || distance >= poses.top().bound)) take(candidate);
+      poses.push({distance, pose});
     }
   }
 
@@ -205,9 +201,7 @@ class PartCover {
       for (std::size_t i = 1; i < at.size(); ++i) {
         if (distance(at[i]) > distance(at[best])) best = i;
       }
-      const bool known =
-          std::any_of(chosen_.begin(), chosen_.end(), [&](const Chosen& c) { return c.candidate == best; });
-      if (!known) take(best);
+      if (!isChosen(best)) take(best);
       return at[best];
     };
     const Vec3 middle = boundsOf(at).center();
@@ -297,7 +291,7 @@ class PartCover {
     for (const Chosen& c : chosen_) turns.push_back(turnOf(point(c.candidate), sampled_.pose(pose)));
     std::vector<Vec3> moves(chosen_.size());
     for (int push = 0; push < kPushes; ++push) {
-      if (!(longestPush() <= kFarthest * size_)) return false;
+      if (!(longestPush() <= kFarthestLift * size_)) return false;
       const ConvexHull hull = convexHull(chosenPositions(sampled_, pose));
       if (hull.degenerate()) return convexHull(positions(sampled_, pose)).degenerate();  // a plane covers no volume
       const Planes planes = planesOf(hull);

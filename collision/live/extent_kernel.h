@@ -18,4 +18,9 @@ inline void fetch(std::span<const Vec3> points) {
   fetch(std::as_bytes(points));
 }
 
+/// Whether two boxes are farther from each other than this along an axis.
+[[nodiscard]] inline bool apart(const Aabb& a, const Aabb& b, double gap = 0.0) {
+  return (a.min.array() > b.max.array() + gap).any() || (b.min.array() > a.max.array() + gap).any();
+}
+
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "collision/live/part_bones.h"
 
+#include "acd/decomposition_file.h"
 #include "acd/transfer.h"
 #include "geometry/counts.h"
 

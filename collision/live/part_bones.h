@@ -1,11 +1,13 @@
 #pragma once
 
-#include "acd/decomposition_file.h"
+#include "acd/decomposition.h"
 #include "skinning/character.h"
 
 #include <vector>
 
 namespace lorica {
+
+struct BoneShare;
 
 /// Share of a part's surface that a joint moves.
 struct JointShare {
@@ -21,7 +23,7 @@ struct JointShare {
 [[nodiscard]] std::vector<std::vector<JointShare>> jointsOfParts(const Decomposition& decomposition,
                                                                  const Character& character);
 
-/// The same with the names of the joints, as stored in .lorica files.
+/// The same with the names of the joints, as stored in .lorica files: see acd/decomposition_file.h.
 [[nodiscard]] std::vector<std::vector<BoneShare>> bonesOfParts(const Decomposition& decomposition,
                                                                const Character& character);
 

@@ -13,21 +13,21 @@
 namespace lorica {
 namespace {
 
-constexpr int kSubstepsPerSort = 4;  // during which lists of neighbours stay valid
-constexpr float kReach = 1.15f;      // of a list, in diameters
-constexpr int kMaxNeighbours = 24;   // at most twelve equal spheres touch one
-constexpr float kRelaxation = 2.0f;  // multiple of the mean correction
-constexpr float kOpening = 0.12f;    // speed at which overlaps open [m/s]
-constexpr float kDeep = 0.1f;        // overlap beyond which it opens faster, in diameters; and that share per substep
-constexpr float kFastest = 1.0f;     // max motion in a substep, in diameters
-constexpr float kQuiet = 0.7f;       // of the displacement by gravity in a substep from rest
-constexpr float kRousing = 2.5f;     // multiple of that displacement that wakes sleeping neighbours
-constexpr float kAsleep = 24.0f;     // quiet substeps until a grain sleeps
-constexpr float kRoused = 16.0f;     // quiet count after something near has moved
-constexpr float kTouching = 1.15f;   // distance at which rigid bodies are met, in radii
-constexpr double kCarrying = 30.0;   // a grain that is pressed down counts as this many: others carry it
-constexpr int kSweeps = 4;           // over the contacts with rigid bodies
-constexpr float kHeldOnBody = 0.0006f;  // a grain resting on the body stays if it is pushed by less than this [m]
+constexpr int kGrainSubstepsPerSort = 4;  // during which lists of neighbours stay valid
+constexpr float kGrainReach = 1.15f;      // of a list, in diameters
+constexpr int kMaxGrains = 24;            // at most twelve equal spheres touch one
+constexpr float kGrainRelaxation = 2.0f;  // multiple of the mean correction
+constexpr float kOpening = 0.12f;         // speed at which overlaps open [m/s]
+constexpr float kDeep = 0.1f;          // overlap beyond which it opens faster, in diameters; and that share per substep
+constexpr float kFastestGrain = 1.0f;  // max motion in a substep, in diameters
+constexpr float kQuiet = 0.7f;         // of the displacement by gravity in a substep from rest
+constexpr float kRousing = 2.5f;       // multiple of that displacement that wakes sleeping neighbours
+constexpr float kAsleep = 24.0f;       // quiet substeps until a grain sleeps
+constexpr float kRoused = 16.0f;       // quiet count after something near has moved
+constexpr float kGrainTouching = 1.15f;  // distance at which rigid bodies are met, in radii
+constexpr double kCarrying = 30.0;       // a grain that is pressed down counts as this many: others carry it
+constexpr int kSweeps = 4;               // over the contacts with rigid bodies
+constexpr float kHeldOnBody = 0.0006f;   // a grain resting on the body stays if it is pushed by less than this [m]
 
 /// A grain that moves less in a substep is held [m].
 float quietWay(const GranularSettings& settings, float seconds) {
@@ -65,7 +65,7 @@ struct Granular::State {
 
 Granular::State::State(const GranularSettings& wanted)
     : settings(wanted),
-      set(wanted.capacity, particleRoom(wanted.floor, wanted.walls, wanted.radius), wanted.radius, kMaxNeighbours),
+      set(wanted.capacity, particleRoom(wanted.floor, wanted.walls, wanted.radius), wanted.radius, kMaxGrains),
       goal(set.position.size()),
       nextGoal(set.position.size()),
       diameter(2.0f * static_cast<float>(wanted.radius)),
@@ -91,7 +91,7 @@ void Granular::State::step(std::span<const LivePart> parts, double seconds, std:
   set.rigid.markAround(set.grid, diameter, woken);
   const ParticleRow fall = fallOf(settings, substeps.seconds);
   for (int substep = 0; substep < substeps.count; ++substep) {
-    if (substep % kSubstepsPerSort == 0) {
+    if (substep % kGrainSubstepsPerSort == 0) {
       sort(substeps.seconds);
       findNeighbours(fall);
     }
@@ -104,7 +104,8 @@ void Granular::State::step(std::span<const LivePart> parts, double seconds, std:
       set.body.advance(substep);
       pushOut(substeps.seconds);
     }
-    if (substep % kSubstepsPerSort == kSubstepsPerSort - 1 || substep == substeps.count - 1) rouse(substeps.seconds);
+    if (substep % kGrainSubstepsPerSort == kGrainSubstepsPerSort - 1 || substep == substeps.count - 1)
+      rouse(substeps.seconds);
   }
   set.endFrame(bodies);
   set.publish(substeps.seconds);
@@ -123,10 +124,10 @@ void Granular::State::sort(float seconds) {
     }
     woken[i] = 0;
     motion = {rate * motion.x, rate * motion.y, rate * motion.z, motion.w};
-    constexpr float kAhead = 0.5f * kSubstepsPerSort;
+    constexpr float kAhead = 0.5f * kGrainSubstepsPerSort;
     goal[i] = {position.x + kAhead * motion.x, position.y + kAhead * motion.y, position.z + kAhead * motion.z, 0.0f};
   });
-  set.sort({goal.data(), set.count}, kReach * diameter, 1, [&](std::size_t i, std::size_t from) {
+  set.sort({goal.data(), set.count}, kGrainReach * diameter, 1, [&](std::size_t i, std::size_t from) {
     set.nextPosition[i] = set.position[from];
     set.nextMotion[i] = set.motion[from];
     asleep[i] = set.nextMotion[i].w >= kAsleep ? 1 : 0;
@@ -137,10 +138,10 @@ void Granular::State::sort(float seconds) {
 
 void Granular::State::findNeighbours(const ParticleRow& fall) {
   anySleeps = std::memchr(asleep.data(), 1, set.count) != nullptr;
-  set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, kReach * diameter, asleep);
+  set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, kGrainReach * diameter, asleep);
 
   // Grains that the body may touch, given the farthest that any can move before the next sorting.
-  const float margin = (kSubstepsPerSort * kFastest + 1.0f) * diameter;
+  const float margin = (kGrainSubstepsPerSort * kFastestGrain + 1.0f) * diameter;
   const bool anyNear = set.markAround(ParticleSet::Parts::kAll, margin, set.nearBody);
   set.forEach([&](std::size_t i) {
     if (asleep[i] == 0 && set.nearBody[i] == 0) set.position[i].w = 0.0f;  // it no longer rests on the body
@@ -169,11 +170,11 @@ void Granular::State::stepContacts(float seconds) {
                        fallOf(settings, seconds),
                        diameter,
                        static_cast<float>(settings.friction),
-                       kRelaxation,
+                       kGrainRelaxation,
                        kOpening * seconds,
                        kDeep * diameter,
                        kDeep,
-                       kFastest * diameter,
+                       kFastestGrain * diameter,
                        quietWay(settings, seconds),
                        kAsleep,
                        rowOf(set.room.min),
@@ -187,8 +188,8 @@ void Granular::State::stepContacts(float seconds) {
 // A sleeping grain holds a rigid body as the ground does. One that is pressed down is carried by those below it.
 void Granular::State::touchBodies(float seconds) {
   const auto radius = static_cast<float>(settings.radius);
-  set.rigid.gather(set.grid, set.position, 2.0f * radius, (kSubstepsPerSort * kFastest + 1.0f) * diameter);
-  const std::span<const ParticleBodies::Contact> contacts = set.rigid.find(set.position, kTouching * radius);
+  set.rigid.gather(set.grid, set.position, 2.0f * radius, (kGrainSubstepsPerSort * kFastestGrain + 1.0f) * diameter);
+  const std::span<const ParticleBodies::Contact> contacts = set.rigid.find(set.position, kGrainTouching * radius);
   for (int sweep = 0; sweep < kSweeps; ++sweep) {
     for (const ParticleBodies::Contact& contact : contacts) {
       const ParticleRow& at = set.position[contact.particle];
@@ -210,7 +211,7 @@ void Granular::State::touchBodies(float seconds) {
     ParticleRow &at = set.position[contact.particle], &motion = set.motion[contact.particle];
     const Vec3f way = vectorOf(motion);
     const float length = way.norm(), deep = radius - contact.distance;
-    if (length > kFastest * diameter) motion = rowOf(kFastest * diameter / length * way, motion.w);
+    if (length > kFastestGrain * diameter) motion = rowOf(kFastestGrain * diameter / length * way, motion.w);
     if (deep > 0.0f) at = rowOf(set.room.nearest(vectorOf(at) + std::min(deep, diameter) * contact.normal), at.w);
     goal[contact.particle] = endOf(at, motion, false, fall);
   }
@@ -253,7 +254,7 @@ void Granular::State::pushOut(float seconds) {
     const Vec3f velocity = way / seconds;
     way = (velocity + velocityChange(touches[next++], velocity, static_cast<float>(settings.friction))) * seconds;
     const float length = way.norm();
-    if (length > kFastest * diameter) way *= kFastest * diameter / length;
+    if (length > kFastestGrain * diameter) way *= kFastestGrain * diameter / length;
     const bool rests = length < quiet;
     const float count = rests ? std::min(row.w + ParticleSet::Substeps::kPerPush, kAsleep) : 0.0f;
     if (rests) way.setZero();

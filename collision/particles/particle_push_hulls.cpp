@@ -106,11 +106,11 @@ void PushHulls::findCovered() {
   const float before = 2.5e-3F * size;
   const float rough = 1.5e-3F * size;
   coveredVertices_.assign(vertices_.size(), false);
-  for (const Raw& of : raw_) {
+  for (const Raw& hull : raw_) {
     for (const Raw& by : raw_) {
       const Vec3f lower = by.boxMin.array() - rough;
       const Vec3f upper = by.boxMax.array() + rough;
-      if (&of == &by || (of.boxMin.array() > upper.array()).any() || (lower.array() > of.boxMax.array()).any())
+      if (&hull == &by || (hull.boxMin.array() > upper.array()).any() || (lower.array() > hull.boxMax.array()).any())
         continue;
       std::size_t above = by.firstFace;  // the face above which the last point was: usually true for the next one too
       const auto isAbove = [&](std::size_t f, const Vec3f& p) {
@@ -125,8 +125,8 @@ void PushHulls::findCovered() {
         }
         return true;
       };
-      for (std::size_t v = of.firstVertex; v < of.endVertex; ++v) coveredVertices_[v] = nearlyInside(vertices_[v]);
-      for (std::size_t f = of.firstFace; f < of.endFace; ++f) {
+      for (std::size_t v = hull.firstVertex; v < hull.endVertex; ++v) coveredVertices_[v] = nearlyInside(vertices_[v]);
+      for (std::size_t f = hull.firstFace; f < hull.endFace; ++f) {
         Face& face = faces_[f];
         const auto corner = [&](std::size_t i) -> std::size_t { return face.corners[i]; };
         const auto hidden = [&](std::size_t i) { return nearlyInside(vertices_[corner(i)] + before * face.normal); };
@@ -135,8 +135,8 @@ void PushHulls::findCovered() {
       }
     }
     // A hull that is wholly inside others keeps its ways out, so that each hull has some.
-    const auto first = faces_.begin() + of.firstFace;
-    const auto end = faces_.begin() + of.endFace;
+    const auto first = faces_.begin() + hull.firstFace;
+    const auto end = faces_.begin() + hull.endFace;
     if (std::all_of(first, end, [](const Face& face) { return face.covered; })) {
       std::for_each(first, end, [](Face& face) { face.covered = false; });
     }

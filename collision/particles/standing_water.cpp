@@ -8,7 +8,7 @@ namespace {
 
 constexpr float kDrops = 3.0f;       // along the edge of a cell
 constexpr float kFull = 0.7f;        // share of its drops with which a cell counts as water
-constexpr float kApart = 1.0f;       // from a solid, in cells: nearer, nothing is held ...
+constexpr float kWaterApart = 1.0f;  // from a solid, in cells: nearer, nothing is held ...
 constexpr float kBlend = 6.0f;       // ... and so many cells farther, all
 constexpr float kFar = 900.0f;       // a wall out there is none [m]
 constexpr float kMostCells = 1e9f;   // from the origin: what is farther counts as there, so that it is a whole number
@@ -114,7 +114,7 @@ void StandingWater::findShares(std::span<const Solid> solids, Eigen::Index up) {
     max = max.cwiseMax(middle);
     row.share = 1.0f;
   }
-  const Vec3f far = (kApart + kBlend) * size_;
+  const Vec3f far = (kWaterApart + kBlend) * size_;
   for (const Solid& solid : solids) {
     Vec3f reach = far;
     reach[up] = size_[up];
@@ -124,7 +124,7 @@ void StandingWater::findShares(std::span<const Solid> solids, Eigen::Index up) {
       const Vec3f middle = middleOf(row);
       Vec3f away = (solid.min - middle).cwiseMax(middle - solid.max).cwiseMax(0.0f).cwiseProduct(perSize_);
       away[up] = 0.0f;
-      row.share = std::min(row.share, std::max(0.0f, (away.maxCoeff() - kApart) * (1.0f / kBlend)));
+      row.share = std::min(row.share, std::max(0.0f, (away.maxCoeff() - kWaterApart) * (1.0f / kBlend)));
     }
   }
 }

@@ -30,10 +30,6 @@ struct Outline {
   Aabb bounds;  ///< of all solids
 };
 
-bool apart(const Aabb& a, const Aabb& b) {
-  return (a.min.array() > b.max.array()).any() || (b.min.array() > a.max.array()).any();
-}
-
 }  // namespace
 
 struct BodyContactQuery::Impl {

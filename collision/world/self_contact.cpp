@@ -1,6 +1,7 @@
 #include "collision/world/self_contact.h"
 
 #include "acd/transfer.h"
+#include "collision/live/extent_kernel.h"
 #include "collision/world/bullet_math.h"
 #include "collision/world/part_overlap.h"
 #include "collision/world/part_shape.h"
@@ -19,14 +20,10 @@ namespace {
 constexpr btScalar kRestGap = 0.005f;  // hulls closer than this in the rest pose are neighbours [m]
 
 /// A part's shape in Bullet.
-struct Solid {
+struct SelfSolid {
   PartShape shape{0.0f};
   Aabb bounds;  ///< world [m]
 };
-
-bool apart(const Aabb& a, const Aabb& b) {
-  return (a.min.array() > b.max.array()).any() || (b.min.array() > a.max.array()).any();
-}
 
 /// Whether two parts have points in common. @param a,b  with points in ascending order
 bool sharePoints(const Part& a, const Part& b) {
@@ -46,7 +43,7 @@ bool sharePoints(const Part& a, const Part& b) {
 }  // namespace
 
 struct SelfContactQuery::Impl {
-  std::vector<Solid> solids;
+  std::vector<SelfSolid> solids;
   std::vector<std::uint8_t> neighbours;  ///< matrix of parts, 1 = neighbours
   std::vector<SelfContact> contacts;
   std::vector<std::pair<double, PartIndex>> order;  ///< parts by the lower bound of x
@@ -96,7 +93,7 @@ bool SelfContactQuery::areNeighbours(PartIndex a, PartIndex b) const {
 
 std::span<const SelfContact> SelfContactQuery::find(std::span<const LivePart> parts) {
   LORICA_CHECK(parts.size() == impl_->solids.size(), "the parts must be those of the query's body");
-  std::vector<Solid>& solids = impl_->solids;
+  std::vector<SelfSolid>& solids = impl_->solids;
   impl_->contacts.clear();
   impl_->order.clear();
   for (std::size_t i = 0; i < parts.size(); ++i) {

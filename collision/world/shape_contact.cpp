@@ -1,5 +1,6 @@
 #include "collision/world/shape_contact.h"
 
+#include "collision/live/extent_kernel.h"
 #include "collision/world/part_overlap.h"
 #include "geometry/result.h"
 
@@ -14,10 +15,6 @@ Aabb boundsOf(const LivePart& part) {
   Aabb bounds;
   for (const Vec3& v : part.shape.vertices) bounds.extend(part.worldFromPart * v);
   return bounds;
-}
-
-bool apart(const Aabb& a, const Aabb& b, double gap) {
-  return (a.min.array() > b.max.array() + gap).any() || (b.min.array() > a.max.array() + gap).any();
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
 #include "collision/world/world.h"
 
+#include "collision/particles/particles.h"
 #include "collision/world/bullet_math.h"
-#include "collision/world/resolve_overlaps.h"
+#include "collision/world/prop_overlaps.h"
 #include "collision/world/strike_limit.h"
 #include "collision/world/world_impl.h"
 #include "geometry/counts.h"
@@ -274,7 +275,7 @@ void World::settle(std::span<const std::span<const LivePart>> avatars) {
   if (particles_) particles_->settle(partsForParticles(avatars), impl_->bodiesBefore());
 }
 
-void World::watchSettling(Particles::SettlingWatch watch) {
+void World::watchSettling(std::function<bool(int frame, int frames)> watch) {
   if (particles_) particles_->watchSettling(std::move(watch));
 }
 

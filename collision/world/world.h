@@ -2,17 +2,20 @@
 
 #include "acd/decomposition.h"
 #include "collision/live/live_part.h"
-#include "collision/particles/particles.h"
 #include "collision/world/prop.h"
 #include "geometry/math.h"
 #include "skinning/skeleton.h"
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 namespace lorica {
+
+class Particles;
+struct ParticleSettings;
 
 inline constexpr int kWorldItself = -1;  ///< in place of a prop: what stands
 
@@ -113,7 +116,7 @@ class World {
   /// @param avatars  see stepAvatars()
   void settle(std::span<const std::span<const LivePart>> avatars);
   /// Particles::watchSettling() of the present ones.
-  void watchSettling(Particles::SettlingWatch watch);
+  void watchSettling(std::function<bool(int frame, int frames)> watch);
   /// Time that the particles took in the last step [s].
   [[nodiscard]] double particleSeconds() const { return particleSeconds_; }
 

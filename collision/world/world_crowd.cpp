@@ -27,19 +27,20 @@ constexpr double kStillSeconds = 0.1;
 constexpr btScalar kStillSpeed = 0.003f;
 constexpr btScalar kStillSpin = 0.01f;
 // A sleeping prop wakes if another that touches it is nearer than this, or faster [m], [m/s].
-constexpr btScalar kTouching = 0.002f;
+constexpr btScalar kTouchingDistance = 0.002f;
 constexpr double kWakingSpeed = 0.5;
 // Contacts are solved until none changes a speed by more than 0.1 mm/s [m^2/s^2]. Most islands have few, and need a
 // fraction of the iterations.
 constexpr btScalar kSolvedTo = 1e-8f;
 
-btCollisionObject* objectOf(const btBroadphaseProxy* proxy) {
+btCollisionObject* collisionObject(const btBroadphaseProxy* proxy) {
   return static_cast<btCollisionObject*>(proxy->m_clientObject);
 }
 
 /// The two bodies of a pair: a prop that can move comes first if there is one.
 struct PairBodies {
-  explicit PairBodies(const btBroadphasePair& pair) : prop(objectOf(pair.m_pProxy0)), other(objectOf(pair.m_pProxy1)) {
+  explicit PairBodies(const btBroadphasePair& pair)
+      : prop(collisionObject(pair.m_pProxy0)), other(collisionObject(pair.m_pProxy1)) {
     if (prop->isStaticOrKinematicObject()) std::swap(prop, other);
   }
   btCollisionObject* prop;
@@ -54,7 +55,7 @@ bool isTouching(const btBroadphasePair& pair, btManifoldArray& manifolds) {
   if (pair.m_algorithm != nullptr) pair.m_algorithm->getAllContactManifolds(manifolds);
   for (int m = 0; m < manifolds.size(); ++m) {
     for (int i = 0; i < manifolds[m]->getNumContacts(); ++i) {
-      if (manifolds[m]->getContactPoint(i).getDistance() < kTouching) return true;
+      if (manifolds[m]->getContactPoint(i).getDistance() < kTouchingDistance) return true;
     }
   }
   return false;

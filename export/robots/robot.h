@@ -73,6 +73,9 @@ class RobotFile {
   [[nodiscard]] virtual Result<std::vector<RobotOutput>> replaced(const std::filesystem::path& out,
                                                                   const RobotShapes& shapes) = 0;
 
+  /// Counts what is written of the robot's own text, or says that it is too much.
+  [[nodiscard]] Result<void> write(std::size_t copies, std::size_t bytes, const std::string& where);
+
  protected:
   /// The index of a mesh file in `meshes`, which gets it if it is new; or that there are too many.
   [[nodiscard]] Result<int> meshOf(const std::filesystem::path& file, const std::string& where);
@@ -80,8 +83,6 @@ class RobotFile {
   [[nodiscard]] Result<void> add(const RobotGeom& geom, const std::string& where);
   /// Fills in RobotLink::weld.
   void weldLinks();
-  /// Counts what is written of the robot's own text, or says that it is too much.
-  [[nodiscard]] Result<void> write(std::size_t copies, std::size_t bytes, const std::string& where);
 
  private:
   std::map<std::filesystem::path, int> meshOfFile_;

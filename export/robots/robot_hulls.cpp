@@ -1,8 +1,8 @@
 #include "export/robots/robot_hulls.h"
 
 #include "acd/score.h"
+#include "acd/separating_plane.h"
 #include "export/robot_files.h"
-#include "export/robots/rest_contacts.h"
 #include "export/robots/robot.h"
 #include "geometry/byte_reader.h"
 #include "geometry/convex_hull.h"
@@ -11,8 +11,9 @@
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "geometry/text.h"
+#include "geometry/triangle_tree.h"
 #include "geometry/work_budgets.h"
-#include "prepare/mesh_subject.h"
+#include "session/prepare/mesh_subject.h"
 #include "skinning/import/character_file.h"
 
 #include <fmt/format.h>
@@ -21,9 +22,119 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <span>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 namespace {
+
+/// A geom's mesh and what replaces it, in the geom's frame.
+struct GeomShapes {
+  const TriMesh* surface = nullptr;
+  const std::vector<TriMesh>* shapes = nullptr;  ///< convex
+};
+
+struct NewContacts {
+  std::vector<std::pair<int, int>> links;  ///< ascending
+  bool all = true;                         ///< false: there was too much to look at
+};
+
+constexpr int kMostNear = 20'000;                   // pairs of geoms whose boxes overlap
+constexpr std::size_t kMostTriangles = 50'000'000;  // of all pairs of meshes that are compared
+
+TriMesh placed(const TriMesh& mesh, const Affine3& place) {
+  TriMesh moved = mesh;
+  for (Vec3& p : moved.vertices) p = place * p;
+  if (place.linear().determinant() < 0.0) {
+    for (Triangle& t : moved.triangles) std::swap(t[1], t[2]);
+  }
+  return moved;
+}
+
+bool touch(std::span<const TriMesh> a, std::span<const TriMesh> b) {
+  for (const TriMesh& first : a) {
+    const Aabb box = boundsOf(first.vertices);
+    for (const TriMesh& second : b) {
+      if (overlap(box, boundsOf(second.vertices)) && !separatingPlane(first.vertices, second.vertices)) return true;
+    }
+  }
+  return false;
+}
+
+/// Whether two surfaces meet, or one is inside the other.
+bool meet(const TriMesh& a, const TriMesh& b) {
+  const TriangleTree tree(b.vertices, b.triangles);
+  const TriangleTree other(a.vertices, a.triangles);
+  if (tree.windingNumber(a.vertices[a.triangles[0][0]]) > 0.5) return true;
+  if (other.windingNumber(b.vertices[b.triangles[0][0]]) > 0.5) return true;
+  const Aabb box = boundsOf(b.vertices);
+  for (const Triangle& t : a.triangles) {
+    const std::array<Vec3, 3> corners{a.vertices[t[0]], a.vertices[t[1]], a.vertices[t[2]]};
+    if (!overlap(boundsOf(corners), box)) continue;
+    const Vec3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+    double radius = 0.0;
+    for (const Vec3& p : corners) radius = std::max(radius, (p - middle).norm());
+    bool found = false;
+    tree.forEachWithin(middle, radius, [&](std::int32_t i, double) {
+      if (found) return;
+      const Triangle& s = b.triangles[i];
+      const std::array<Vec3, 3> theirs{b.vertices[s[0]], b.vertices[s[1]], b.vertices[s[2]]};
+      found = !separatingPlane(corners, theirs);
+    });
+    if (found) return true;
+  }
+  return false;
+}
+
+/// Pairs of links of which shapes touch in the rest pose though their meshes do not. Links that move as one, or of
+/// which one hangs on the other, are left out, as are those that the file lets pass through each other. Other shapes
+/// of the links, such as boxes, are not looked at. Internal: not installed.
+/// @param geoms  as those of the robot
+NewContacts newContacts(const RobotFile& robot, std::span<const GeomShapes> geoms) {
+  std::vector<Isometry3> poses;
+  std::vector<Aabb> boxes;
+  for (std::size_t g = 0; g < robot.geoms.size(); ++g) {
+    const RobotGeom& geom = robot.geoms[g];
+    poses.push_back(robot.links[geom.link].worldFromLink * geom.linkFromParent * geom.parentFromGeom);
+    boxes.emplace_back();
+    for (const TriMesh& shape : *geoms[g].shapes) {
+      for (const Vec3& p : shape.vertices) boxes.back().extend(poses.back() * p);
+    }
+  }
+  const auto shapesOf = [&](std::size_t g) {
+    std::vector<TriMesh> there;
+    for (const TriMesh& shape : *geoms[g].shapes) there.push_back(placed(shape, Affine3(poses[g])));
+    return there;
+  };
+  const auto weldOf = [&](int link) { return robot.links[link].weld; };
+  const auto hangsOn = [&](int a, int b) {
+    const int parent = robot.links[weldOf(a)].parent;
+    return parent >= 0 && weldOf(parent) == weldOf(b);
+  };
+  NewContacts found;
+  std::set<std::pair<int, int>> touching, meeting;
+  int near = 0;
+  std::size_t triangles = 0;
+  for (std::size_t i = 0; i < robot.geoms.size() && found.all; ++i) {
+    for (std::size_t j = i + 1; j < robot.geoms.size() && found.all; ++j) {
+      const RobotGeom& a = robot.geoms[i];
+      const RobotGeom& b = robot.geoms[j];
+      const std::pair<int, int> pair = std::minmax(a.link, b.link);
+      if (weldOf(a.link) == weldOf(b.link) || hangsOn(a.link, b.link) || hangsOn(b.link, a.link)) continue;
+      if ((a.contype & b.conaffinity) == 0 && (b.contype & a.conaffinity) == 0) continue;
+      if (robot.excluded.contains(pair) || meeting.contains(pair) || !overlap(boxes[i], boxes[j])) continue;
+      found.all = ++near <= kMostNear && triangles <= kMostTriangles;
+      if (!found.all || !touch(shapesOf(i), shapesOf(j))) continue;
+      touching.insert(pair);
+      triangles += geoms[i].surface->triangles.size() + geoms[j].surface->triangles.size();
+      if (meet(placed(*geoms[i].surface, Affine3(poses[i])), placed(*geoms[j].surface, Affine3(poses[j]))))
+        meeting.insert(pair);
+    }
+  }
+  std::ranges::set_difference(touching, meeting, std::back_inserter(found.links));
+  return found;
+}
 
 namespace fs = std::filesystem;
 
@@ -125,15 +236,6 @@ Result<Divided> divide(const RobotMesh& mesh, const RobotExportOptions& options,
   if (divided.hulls.empty()) return badMesh("{}: found a mesh without volume, expected a solid", name);
   divided.closed = source.subject.mesh;
   return divided;
-}
-
-TriMesh placed(const TriMesh& mesh, const Affine3& place) {
-  TriMesh moved = mesh;
-  for (Vec3& p : moved.vertices) p = place * p;
-  if (place.linear().determinant() < 0.0) {
-    for (Triangle& t : moved.triangles) std::swap(t[1], t[2]);
-  }
-  return moved;
 }
 
 /// A polyhedron around a capsule, larger by less than half a percent of its radius.

@@ -2,7 +2,7 @@
 
 #include "export/export_source.h"
 #include "geometry/result.h"
-#include "prepare/host.h"
+#include "session/prepare/host.h"
 
 #include <array>
 #include <filesystem>

@@ -4,18 +4,26 @@
 #include "export/robots/xml_text.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/files.h"
 #include "geometry/mesh_formats.h"
+#include "geometry/named_file.h"
 #include "geometry/text.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <system_error>
+#include <utility>
 
 namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDigits = 9;
+constexpr int kUrdfDigits = 9;
+constexpr std::size_t kMaxPackageXml = std::size_t{1} << 20;
 
 Mat3 turnedBy(double roll, double pitch, double yaw) {
   return (Eigen::AngleAxisd(yaw, Vec3::UnitZ()) * Eigen::AngleAxisd(pitch, Vec3::UnitY()) *
@@ -45,15 +53,33 @@ std::string writtenOrigin(const Isometry3& pose) {
   const bool upright = std::abs(m(2, 0)) < 1.0 - 1e-12;  // else roll and yaw are one
   const double roll = upright ? std::atan2(m(2, 1), m(2, 2)) : 0.0;
   const double yaw = upright ? std::atan2(m(1, 0), m(0, 0)) : std::atan2(-m(0, 1), m(1, 1));
-  return fmt::format("<origin xyz=\"{}\" rpy=\"{:.9g} {:.9g} {:.9g}\"/>", written(Vec3(pose.translation()), kDigits),
-                     roll, pitch, yaw);
+  return fmt::format("<origin xyz=\"{}\" rpy=\"{:.9g} {:.9g} {:.9g}\"/>",
+                     written(Vec3(pose.translation()), kUrdfDigits), roll, pitch, yaw);
+}
+
+/// The ROS package that a folder is in, by the nearest package.xml above: its name and root; empty if there is none.
+std::pair<std::string, fs::path> packageAround(const fs::path& folder) {
+  constexpr int kLevels = 16;
+  std::error_code failed;
+  fs::path root = fs::canonical(folder.empty() ? fs::path(".") : folder, failed);
+  for (int level = 0; !failed && level < kLevels; ++level, root = root.parent_path()) {
+    const Result<std::string> text = readFile(root / "package.xml", NamedBy::kFile, kMaxPackageXml);
+    pugi::xml_document document;
+    if (text && document.load_buffer(text->data(), text->size(), pugi::parse_trim_pcdata)) {
+      if (const auto name = document.child("package").child("name")) return {name.child_value(), root};
+    }
+    if (root == root.root_path()) break;
+  }
+  return {};
 }
 
 class UrdfFile final : public RobotFile {
  public:
   UrdfFile(XmlText xml, const fs::path& file, const RobotReading& reading)
-      : xml_(std::move(xml)), folder_(file.parent_path()), reading_(reading) {
+      : xml_(std::move(xml)), folder_(file.parent_path()), reading_(reading), packages_(reading.packages) {
     sources.push_back(file);
+    const auto [name, root] = packageAround(folder_);
+    if (!name.empty()) packages_.emplace(name, around_ = root);
   }
 
   Result<void> read() {
@@ -77,9 +103,9 @@ class UrdfFile final : public RobotFile {
   }
 
   Result<std::vector<RobotOutput>> replaced(const fs::path& out, const RobotShapes& shapes) override {
-    std::vector<std::string> wishes;
-    for (const RobotMesh& mesh : meshes) wishes.push_back(mesh.name);
-    const std::vector<std::string> names = plainNames(wishes);
+    std::vector<std::string> given;
+    for (const RobotMesh& mesh : meshes) given.push_back(mesh.name);
+    const std::vector<std::string> names = plainNames(given);
     const fs::path folder = urdfFolder(out);
     std::vector<RobotOutput> made;
     for (std::size_t m = 0; m < meshes.size() && shapes.capsules.empty(); ++m) {
@@ -187,15 +213,25 @@ class UrdfFile final : public RobotFile {
     return {};
   }
 
+  /// A file of the robot's folder, of the package around it, or of one that is given.
   Result<fs::path> fileOf(const std::string& name) const {
+    if (name.find("$(") != std::string::npos) {
+      return badFormat("'{}' has a substitution of xacro left: `xacro {} > robot.urdf` makes it", printable(name, 120),
+                       xml_.shown());
+    }
     const auto [package, rest] = packageOf(name);
     if (package.empty()) {
       constexpr std::string_view kFile = "file://";
       const bool absolute = name.starts_with(kFile) && reading_.trust == PathTrust::kAnywhere;
+      if (name.starts_with("../") && !around_.empty() && reading_.trust == PathTrust::kBeneath) {
+        std::error_code failed;  // a mistake leads out of the package, which find() refuses
+        const fs::path here = fs::canonical(folder_.empty() ? fs::path(".") : folder_, failed);
+        return NamedFiles{around_}.find((here.lexically_relative(around_) / name).lexically_normal().string());
+      }
       return NamedFiles{folder_, reading_.trust}.find(absolute ? name.substr(kFile.size()) : name);
     }
-    const auto found = reading_.packages.find(package);
-    if (found == reading_.packages.end()) {
+    const auto found = packages_.find(package);
+    if (found == packages_.end()) {
       return badFormat("'{}' is in the package '{}', expected --package {}=FOLDER", printable(name, 120),
                        printable(package, 60), printable(package, 60));
     }
@@ -208,7 +244,7 @@ class UrdfFile final : public RobotFile {
     const std::string package = packageOf(old).first;
     if (package.empty()) return file;
     std::error_code failed;
-    const fs::path root = fs::weakly_canonical(reading_.packages.at(package), failed);
+    const fs::path root = fs::weakly_canonical(packages_.at(package), failed);
     const fs::path here = fs::weakly_canonical(out.parent_path().empty() ? fs::path(".") : out.parent_path(), failed);
     const fs::path between = here.lexically_relative(root);
     if (failed || between.empty() || *between.begin() == "..") return file;
@@ -257,6 +293,8 @@ class UrdfFile final : public RobotFile {
   XmlText xml_;
   fs::path folder_;
   const RobotReading& reading_;
+  std::map<std::string, fs::path> packages_;  ///< root by name: those that are given, then the one around the file
+  fs::path around_;                           ///< root of that one; empty if there is none
   std::map<std::string, int> byName_;
   std::vector<pugi::xml_node> collisions_;  ///< as geoms
 };

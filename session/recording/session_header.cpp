@@ -4,6 +4,7 @@
 #include "geometry/work_budgets.h"
 #include "session/recording/session_file.h"
 #include "session/scenes/scene_element.h"
+#include "session/session_springs.h"
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 
 #include "geometry/hard_stop.h"
 #include "session/recording/session_file.h"
-#include "session/step_watcher.h"
+#include "session/session.h"
 #include "session/treated_source.h"
 
 #include <filesystem>

@@ -2,6 +2,7 @@
 
 #include "capture/files/joint_csv.h"
 #include "geometry/errors.h"
+#include "session/session_springs.h"
 #include "session/treated_source.h"
 
 #include <fmt/format.h>

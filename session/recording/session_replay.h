@@ -1,7 +1,7 @@
 #pragma once
 
 #include "session/recording/session_file.h"
-#include "session/step_watcher.h"
+#include "session/session.h"
 
 #include <memory>
 #include <optional>

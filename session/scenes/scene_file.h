@@ -1,5 +1,6 @@
 #pragma once
 
+#include "collision/particles/particles.h"
 #include "collision/world/prop_meshes.h"
 #include "collision/world/world.h"
 #include "geometry/math.h"

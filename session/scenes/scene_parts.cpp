@@ -9,14 +9,14 @@
 namespace lorica {
 namespace {
 
-constexpr double kFarthest = 50.0;  // maximum of each coordinate [m]
+constexpr double kFarthestFill = 50.0;  // maximum of each coordinate [m]
 
 void readFill(SceneElement& element, ParticleSettings& settings) {
   element.allow({"at", "size", "count"});
   ParticleSettings::Fill fill;
   element.need("at", "the position of its centre in metres");
   element.need("size", "width, height and depth in metres");
-  element.vector("at", -kFarthest, kFarthest, fill.middle);
+  element.vector("at", -kFarthestFill, kFarthestFill, fill.middle);
   element.vector("size", 0.01, 20.0, fill.size);
   element.integer("count", 1, kMaxParticles, fill.max);
   settings.fills.push_back(fill);
@@ -27,7 +27,7 @@ void readPour(SceneElement& element, ParticleSettings& settings) {
   ParticleSettings::Pour pour;
   element.need("at", "the position of its centre in metres");
   element.need("count", "the number of particles");
-  element.vector("at", -kFarthest, kFarthest, pour.middle);
+  element.vector("at", -kFarthestFill, kFarthestFill, pour.middle);
   element.number("radius", 0.01, 5.0, pour.radius);
   element.number("rate", 1.0, 1e6, pour.rate);
   element.integer("count", 1, kMaxParticles, pour.count);
@@ -40,7 +40,7 @@ void readWalls(SceneElement element, ParticleSettings& settings) {
   Vec3 from = Vec3::Constant(-1.0), to = Vec3::Constant(1.0);
   for (const char* key : {"from", "to"}) {
     element.need(key, "a corner in metres");
-    element.vector(key, -kFarthest, kFarthest, key[0] == 'f' ? from : to);
+    element.vector(key, -kFarthestFill, kFarthestFill, key[0] == 'f' ? from : to);
   }
   for (const Eigen::Index axis : {0, 2}) {
     if (to[axis] - from[axis] >= 4.0 * settings.radius) continue;
@@ -72,8 +72,8 @@ Chain readChainShape(SceneElement& element) {
   Chain chain;
   for (const char* key : {"from", "to"}) element.need(key, "a position in metres");
   element.need("links", "the number of links");
-  element.vector("from", -kFarthest, kFarthest, chain.from);
-  element.vector("to", -kFarthest, kFarthest, chain.to);
+  element.vector("from", -kFarthestFill, kFarthestFill, chain.from);
+  element.vector("to", -kFarthestFill, kFarthestFill, chain.to);
   element.integer("links", 1, 200, chain.links);
   element.number("radius", 0.005, 1.0, chain.radius);
   element.number("width", 0.01, 20.0, chain.width);

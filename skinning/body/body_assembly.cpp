@@ -27,10 +27,7 @@ Character assembleBody(const Character& character, const TriMesh& surface,
   made.mesh.triangles = surface.triangles;
 
   std::vector<VertexIndex> numberOf(character.mesh.vertices.size(), -1);
-  std::vector<bool> used(numberOf.size(), false);
-  for (const Triangle& t : character.mesh.triangles) {
-    for (const VertexIndex v : t) used[v] = true;
-  }
+  const std::vector<bool> used = usedVertices(numberOf.size(), character.mesh.triangles);
   for (std::size_t v = 0; v < numberOf.size(); ++v) {
     if (!used[v]) continue;
     numberOf[v] = countOf(made.mesh.vertices);

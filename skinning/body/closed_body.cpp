@@ -4,6 +4,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
+#include "geometry/small_faults.h"
 #include "geometry/triangle_tree.h"
 #include "skinning/body/body_assembly.h"
 #include "skinning/body/solid_source.h"

@@ -2,7 +2,7 @@
 
 #include "geometry/result.h"
 #include "skinning/character.h"
-#include "skinning/morphs/morph_extremes.h"
+#include "skinning/morphs/morphs.h"
 
 #include <functional>
 #include <span>

@@ -1,7 +1,6 @@
 #include "skinning/body/level_set.h"
 
 #include "geometry/module.h"
-#include "skinning/body/level_set_module.h"
 
 namespace lorica {
 namespace {

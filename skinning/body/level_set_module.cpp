@@ -1,4 +1,4 @@
-#include "skinning/body/level_set_module.h"
+#include "skinning/body/level_set.h"
 
 #include "geometry/errors.h"
 

@@ -59,10 +59,7 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
   }
   TriMesh scaled = mesh;
   // Vertices that no triangle uses may be anywhere; they have no effect but on the box.
-  std::vector<bool> used(mesh.vertices.size(), false);
-  for (const Triangle& t : mesh.triangles) {
-    for (const VertexIndex v : t) used[v] = true;
-  }
+  const std::vector<bool> used = usedVertices(mesh.vertices.size(), mesh.triangles);
   const Vec3 center = box.min + 0.5 * (box.max - box.min);
   for (std::size_t v = 0; v < used.size(); ++v) {
     Vec3& p = scaled.vertices[v];

@@ -26,8 +26,7 @@ struct Patches {
 constexpr double kPlain = 0.05;
 
 double areaOf(const TriMesh& mesh, const Triangle& t) {
-  const Vec3& a = mesh.vertices[t[0]];
-  return 0.5 * (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).norm();
+  return 0.5 * areaNormal(mesh.vertices, t).norm();
 }
 
 /// Divides a surface into patches and flips triangles so that those of one patch face the same way. Patches that are
@@ -134,10 +133,10 @@ std::array<Vec3, 3> SolidSource::corners(std::size_t triangle) const {
   return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
-double SolidSource::windingAt(const TriangleTree& of, const Vec3& p) const {
+double SolidSource::windingAt(const TriangleTree& solid, const Vec3& p) const {
   if (crowded()) return 0.0;
   std::size_t looked = 0;
-  const double number = of.windingNumber(p, &looked);
+  const double number = solid.windingNumber(p, &looked);
   looked_.fetch_add(looked, std::memory_order_relaxed);
   return number;
 }

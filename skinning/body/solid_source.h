@@ -52,7 +52,7 @@ class SolidSource {
   double sheetShare = 0.0;  ///< fraction of the area
 
   /// The winding number of one of the two trees.
-  [[nodiscard]] double windingAt(const TriangleTree& of, const Vec3& p) const;
+  [[nodiscard]] double windingAt(const TriangleTree& solid, const Vec3& p) const;
   /// Whether winding numbers took too much work, because everything lies around everything: they are 0 from then on.
   [[nodiscard]] bool crowded() const;
 

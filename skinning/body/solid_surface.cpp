@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kBand = 3;                       // voxels around the triangles in which distances are computed
 constexpr std::size_t kMaxVoxels = 48u << 20;  // 200 MB of distances
-constexpr float kInside = 0.5f;                // winding number
+constexpr float kInsideLevel = 0.5f;           // winding number
 constexpr float kBlocked = 0.6f;               // voxels: points nearer to a triangle than this block the flood fill
 constexpr float kCore = 0.45f;                 // voxels: solid geometry has a point this deep nearby
 constexpr int kLayer = 9;                      // voxels of 27 that a layer of one voxel fills
@@ -27,7 +27,7 @@ constexpr double kTouch = 1.1;                 // voxels: limbs touch where the 
 constexpr float kRemoved = 0.3f;               // voxels: distance stored for a removed voxel
 constexpr float kSlope = 8.0f;                 // voxels of distance per unit of winding number, across holes
 constexpr double kCrumb = 2e-3;                // of the volume: smaller pieces are dropped
-constexpr int kSmoothRounds = 8;               // of smoothing; each has a step inward and one outward (Taubin 1995)
+constexpr int kSurfaceRounds = 8;              // of smoothing; each has a step inward and one outward (Taubin 1995)
 constexpr double kStepIn = 0.5;
 constexpr double kStepOut = -0.53;
 constexpr int kBlock = 4;  // voxels: far from triangles, winding numbers are computed per block
@@ -112,7 +112,7 @@ class Solid {
     if (!near) {
       const Vec3 at = 0.5 * (positionOf(begin[0], begin[1], begin[2]) + positionOf(end[0] - 1, end[1] - 1, end[2] - 1));
       middle = source_.windingAt(*source_.winding, at);
-      near = std::abs(middle - kInside) < 0.3f;
+      near = std::abs(middle - kInsideLevel) < 0.3f;
     }
     each([&](int x, int y, int z) {
       winding_[grid_.index(x, y, z)] =
@@ -135,7 +135,7 @@ class Solid {
           to[axis] += step;
           if (to[axis] < 0 || to[axis] >= grid_.size[axis]) continue;
           const std::size_t i = grid_.index(to[0], to[1], to[2]);
-          if (reached[i] != 0 || grid_.values[i] < kBlocked || winding_[i] > kInside) continue;
+          if (reached[i] != 0 || grid_.values[i] < kBlocked || winding_[i] > kInsideLevel) continue;
           reached[i] = 1;
           walk.push_back(to);
         }
@@ -143,14 +143,14 @@ class Solid {
     }
     for (std::size_t i = 0; i < grid_.values.size(); ++i) {
       const float distance = grid_.values[i];
-      const bool wound = winding_[i] > kInside;
+      const bool wound = winding_[i] > kInsideLevel;
       const bool enclosed = !wound && distance >= kBlocked && reached[i] == 0;
       if (enclosed) {
         ++result_.enclosedVoxels;
         grid_.values[i] = -distance;
       } else {
         // Across a hole no triangle is near; there the winding number defines the surface.
-        const float held = std::min(distance, kSlope * std::abs(winding_[i] - kInside));
+        const float held = std::min(distance, kSlope * std::abs(winding_[i] - kInsideLevel));
         grid_.values[i] = wound ? -held : held;
       }
     }
@@ -331,7 +331,7 @@ class Solid {
   static void smooth(TriMesh& mesh) {
     std::vector<Vec3> sum(mesh.vertices.size());
     std::vector<int> count(mesh.vertices.size());
-    for (int round = 0; round < 2 * kSmoothRounds; ++round) {
+    for (int round = 0; round < 2 * kSurfaceRounds; ++round) {
       std::fill(sum.begin(), sum.end(), Vec3::Zero());
       std::fill(count.begin(), count.end(), 0);
       for (const Triangle& t : mesh.triangles) {

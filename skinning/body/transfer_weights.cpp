@@ -12,7 +12,7 @@ namespace {
 constexpr int kVoteRounds = 3;
 constexpr int kSmoothRounds = 3;
 constexpr double kReach = 4.0;  // voxels: farther triangles are used whichever way they face
-constexpr std::size_t kMaxInfluences = 8;
+constexpr std::size_t kKeptInfluences = 8;
 constexpr double kMinWeight = 2e-3;
 
 class Carrier {
@@ -45,11 +45,6 @@ class Carrier {
   }
 
  private:
-  static Vec3 areaNormal(std::span<const Vec3> vertices, const Triangle& t) {
-    const Vec3& a = vertices[t[0]];
-    return (vertices[t[1]] - a).cross(vertices[t[2]] - a);
-  }
-
   [[nodiscard]] TriangleTree::Hit nearestTo(std::size_t v, const auto& accept) const {
     const auto faces = [&](std::int32_t t) { return originalNormals_[t].dot(normals_[v]) >= 0.0; };
     const auto solid = [&](std::int32_t t) { return source_.isSkin(t); };
@@ -136,7 +131,7 @@ class Carrier {
 std::vector<Influence> pruned(std::vector<Influence> weights) {
   std::stable_sort(weights.begin(), weights.end(),
                    [](const Influence& a, const Influence& b) { return a.weight > b.weight; });
-  if (weights.size() > kMaxInfluences) weights.resize(kMaxInfluences);
+  if (weights.size() > kKeptInfluences) weights.resize(kKeptInfluences);
   while (weights.size() > 1 && weights.back().weight < kMinWeight) weights.pop_back();
   const std::array<const std::vector<Influence>*, 1> one{&weights};
   const std::array<double, 1> whole{1.0};

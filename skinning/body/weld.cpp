@@ -60,11 +60,7 @@ std::vector<Influence> blended(std::span<const std::vector<Influence>* const> li
 Welded weld(const Character& character, const Limbs& limbs) {
   Welded welded;
   const std::span<const Vec3> vertices = character.mesh.vertices;
-  std::vector<bool> used(vertices.size(), false);
-  for (const Triangle& t : character.mesh.triangles) {
-    for (const VertexIndex v : t) used[v] = true;
-  }
-
+  const std::vector<bool> used = usedVertices(vertices.size(), character.mesh.triangles);
   const Aabb box = surfaceBounds(character.mesh);
   NearPositions positions(kSamePosition * box.diagonal(), box.min);
   const auto jointOf = [&](VertexIndex v) {
@@ -122,35 +118,13 @@ Welded weld(const Character& character, const Limbs& limbs) {
   for (const Triangle& old : character.mesh.triangles) {
     Triangle t{};
     for (std::size_t i = 0; i < 3; ++i) t[i] = numberOf[old[i]];
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+    if (hasRepeatedCorner(t)) {
       ++welded.droppedTriangles;
     } else {
       welded.mesh.triangles.push_back(t);
     }
   }
   return welded;
-}
-
-std::size_t dropDuplicates(std::vector<Triangle>& triangles) {
-  std::vector<std::pair<Triangle, std::size_t>> sorted;
-  sorted.reserve(triangles.size());
-  for (std::size_t k = 0; k < triangles.size(); ++k) {
-    Triangle t = triangles[k];
-    std::sort(t.begin(), t.end());
-    sorted.emplace_back(t, k);
-  }
-  std::sort(sorted.begin(), sorted.end());
-  std::vector<bool> duplicate(triangles.size(), false);
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    duplicate[sorted[i].second] = sorted[i].first == sorted[i - 1].first;
-  }
-  std::size_t kept = 0;
-  for (std::size_t k = 0; k < triangles.size(); ++k) {
-    if (!duplicate[k]) triangles[kept++] = triangles[k];
-  }
-  const std::size_t dropped = triangles.size() - kept;
-  triangles.resize(kept);
-  return dropped;
 }
 
 }  // namespace lorica

@@ -24,11 +24,6 @@ struct Welded {
 /// welded together.
 [[nodiscard]] Welded weld(const Character& character, const Limbs& limbs);
 
-/// Keeps the first of triangles with the same three corners, whichever way they face: two-sided triangles enclose
-/// nothing.
-/// @return the number of dropped triangles
-std::size_t dropDuplicates(std::vector<Triangle>& triangles);
-
 /// The mean of several lists of influences, joints ascending.
 /// @param shares  one per list, summing to 1
 [[nodiscard]] std::vector<Influence> blended(std::span<const std::vector<Influence>* const> lists,

@@ -52,13 +52,16 @@ Result<CharacterDocument> ownDocument(const ClipCharacter& from) {
 
 }  // namespace
 
+bool isOfGltf(const CharacterFile& file) {
+  return file.format.starts_with("glTF") || file.format.starts_with("VRM");
+}
+
 Result<CharacterDocument> characterDocument(const ClipCharacter& from) {
-  const std::string& format = from.file->format;
-  if (format.starts_with("glTF") || format.starts_with("VRM")) return ownDocument(from);
+  if (isOfGltf(*from.file)) return ownDocument(from);
   const Character& character = from.file->character;
   const Pose rest = restPose(character.skeleton);
   const OwnMotion own = inMetres(*from.file, {"", character.skeleton, {0.0}, rest});
-  // Joints of the output do not shrink what hangs on them, as in writeClip().
+  // Joints of the output do not shrink what hangs on them.
   const double metresPerUnit = character.skeleton.joint(0).rest.scale.x();
   std::vector<Affine3> jointFromModel;
   for (std::size_t j = 1; j < character.jointFromModel.size(); ++j) {

@@ -18,6 +18,9 @@ struct CharacterDocument {
   std::vector<std::string> notes;      ///< a sentence for each picture that was not found
 };
 
+/// Whether a file is glTF, GLB or VRM, so that the output is that file with something more.
+[[nodiscard]] bool isOfGltf(const CharacterFile& file);
+
 /// The file of a glTF, GLB or VRM character, complete and in its own units; of any other character what Lorica has
 /// read, in metres, Y up. See writeClip().
 [[nodiscard]] Result<CharacterDocument> characterDocument(const ClipCharacter& from);

@@ -38,12 +38,9 @@ int GltfWriter::add(const char* list, Json element) {
 
 int GltfWriter::addView(std::string_view bytes) {
   padTo4(binary, '\0');
-  Json view;
-  view["buffer"] = 0;
-  view["byteOffset"] = binary.size();
-  view["byteLength"] = bytes.size();
+  const std::size_t offset = binary.size();
   binary += bytes;
-  return add("bufferViews", std::move(view));
+  return add("bufferViews", {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", bytes.size()}});
 }
 
 template <typename Number>
@@ -51,12 +48,11 @@ int GltfWriter::addAccessor(std::span<const Number> numbers, const char* type, i
   std::string bytes;
   bytes.reserve(numbers.size_bytes());
   for (const Number number : numbers) appendLittleEndian(number, bytes);
-  Json accessor;
-  accessor["bufferView"] = addView(bytes);
-  accessor["componentType"] = componentType;
-  accessor["count"] = numbers.size() / componentsOf(type);
-  accessor["type"] = type;
-  return add("accessors", std::move(accessor));
+  const int view = addView(bytes);
+  return add("accessors", {{"bufferView", view},
+                           {"componentType", componentType},
+                           {"count", numbers.size() / componentsOf(type)},
+                           {"type", type}});
 }
 
 int GltfWriter::addNumbers(std::span<const float> numbers, const char* type, bool bounded) {
@@ -94,9 +90,8 @@ Result<std::string> GltfWriter::glb(const std::string& name) {
   constexpr std::uint32_t kJsonChunk = 0x4E4F534A;
   constexpr std::uint32_t kBinaryChunk = 0x004E4942;
   padTo4(binary, '\0');
-  Json buffer;
-  buffer["byteLength"] = binary.size();
-  document["buffers"] = Json::array({std::move(buffer)});
+  document["buffers"] = Json::array();
+  document["buffers"][0]["byteLength"] = binary.size();
   std::string text = document.dump(-1, ' ', false, Json::error_handler_t::replace);
   padTo4(text, ' ');
   const std::uint64_t length = 12 + 8 + text.size() + 8 + binary.size();

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "skinning/humanoid/humanoid.h"
-#include "skinning/humanoid/humanoid_pairs.h"
+#include "skinning/humanoid/humanoid_tree.h"
 #include "skinning/humanoid/humanoid_words.h"
 
 #include <array>
@@ -10,6 +10,15 @@
 #include <vector>
 
 namespace lorica {
+
+/// Two limbs that may be legs or arms.
+struct LimbPair {
+  JointIndex branch = kNoJoint;  ///< the lowest joint that carries both
+  std::array<JointIndex, 2> tops{};
+  std::array<std::vector<JointIndex>, 2> ways;  ///< down the limbs; of matched pairs as long as each other
+  double length = 0.0;                          ///< of the shorter, or of what both have [m]
+  bool matched = false;                         ///< the ways have the same distances from joint to joint
+};
 
 /// Legs and arms of a skeleton, found by the shape of its rest pose.
 struct BodyShape {

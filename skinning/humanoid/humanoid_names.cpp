@@ -172,6 +172,10 @@ class ChainSearch {
   return std::find(bones.begin(), bones.end(), joint) != bones.end();
 }
 
+[[nodiscard]] bool isAmong(const Candidates& named, JointIndex joint) {
+  return std::ranges::find(named, joint, &Candidate::joint) != named.end();
+}
+
 /// The joint with the best name that carries legs and trunk, on ties the lowest; else the joint where these meet.
 [[nodiscard]] JointIndex findHips(const JointTree& tree, const Candidates& named, JointIndex meeting) {
   Candidate best;
@@ -245,8 +249,7 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   hips = given[ordinalOf(kHips)];
   if (hips == kNoJoint) hips = findHips(tree, match.of(kHips), meeting);
   if (!tree.isBelowOrSame(meeting, hips) || hips == leftLeg || hips == rightLeg) return 0;
-  weight += std::any_of(match.of(kHips).begin(), match.of(kHips).end(),
-                        [&](const Candidate& candidate) { return candidate.joint == hips; });
+  weight += isAmong(match.of(kHips), hips) ? 1 : 0;
   // Rigify's hips are named spine as well: a joint may be only one bone.
   removeUnless(jointOf(bones, kNeck) != hips, kNeck, bones);
   removeUnless(jointOf(bones, kHead) != hips, kHead, bones);
@@ -259,11 +262,7 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   } else if (const JointIndex last = lastOfTrunk(tree, match.of(kSpine), hips); last != kNoJoint) {
     trunk = tree.pathBelow(hips, last);
   }
-  const auto isNamed = [&](JointIndex joint) {
-    return std::any_of(match.of(kSpine).begin(), match.of(kSpine).end(),
-                       [&](const Candidate& candidate) { return candidate.joint == joint; });
-  };
-  std::erase_if(trunk, [&](JointIndex joint) { return !isNamed(joint) || isUsed(bones, joint); });
+  std::erase_if(trunk, [&](JointIndex joint) { return !isAmong(match.of(kSpine), joint) || isUsed(bones, joint); });
   const bool trunkGiven = given[ordinalOf(kSpine)] != kNoJoint || given[ordinalOf(kChest)] != kNoJoint ||
                           given[ordinalOf(kUpperChest)] != kNoJoint;
   if (!trunkGiven) assignTrunk(trunk, bones);
@@ -308,9 +307,7 @@ void removeUnless(bool keep, HumanBone bone, BoneJoints& bones) {
   jointOf(bones, kHips) = best(kHips);
   std::vector<JointIndex> trunk;
   for (JointIndex joint = top; joint != kNoJoint && joint != jointOf(bones, kHips); joint = tree.parent(joint)) {
-    const bool named = std::any_of(match.of(kSpine).begin(), match.of(kSpine).end(),
-                                   [&](const Candidate& candidate) { return candidate.joint == joint; });
-    if (named) trunk.insert(trunk.begin(), joint);
+    if (isAmong(match.of(kSpine), joint)) trunk.insert(trunk.begin(), joint);
   }
   weight += countOf(trunk);
   if (trunk.empty() && !has(bones, kHips)) trunk.push_back(top);
@@ -357,14 +354,18 @@ void assignTrunk(std::span<const JointIndex> fromHipsUp, BoneJoints& bones) {
   jointOf(bones, kUpperChest) = fromHipsUp.back();
 }
 
-NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names, const BoneJoints& given) {
+namespace {
+
+/// The bones by the convention that gives them the largest weight.
+/// @param solve  finds the bones by one convention. @return their weight
+[[nodiscard]] NamedBones byBestConvention(std::span<const JointName> names, const BoneJoints& given,
+                                          const auto& solve) {
   NamedBones best;
   best.jointOf = given;
   int bestWeight = 0;
   for (std::size_t c = 0; c < namingConventions().size(); ++c) {
-    const ConventionMatch match(rowsOfConventions()[c], names, given);
     BoneJoints bones;
-    const int weight = solve(tree, names, match, given, bones);
+    const int weight = solve(ConventionMatch(rowsOfConventions()[c], names, given), bones);
     if (weight <= bestWeight) continue;
     bestWeight = weight;
     best.jointOf = bones;
@@ -373,21 +374,24 @@ NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names,
   return best;
 }
 
-NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> names) {
-  NamedBones best;
-  best.jointOf.fill(kNoJoint);
+[[nodiscard]] BoneJoints noBones() {
   BoneJoints none;
   none.fill(kNoJoint);
-  int bestWeight = 0;
-  for (std::size_t c = 0; c < namingConventions().size(); ++c) {
-    BoneJoints bones;
-    const int weight = solveWithoutLegs(tree, ConventionMatch(rowsOfConventions()[c], names, none), bones);
-    if (weight <= bestWeight) continue;
-    bestWeight = weight;
-    best.jointOf = bones;
-    best.convention = namingConventions()[c].name;
-  }
-  return best;
+  return none;
+}
+
+}  // namespace
+
+NamedBones bonesByNames(const JointTree& tree, std::span<const JointName> names, const BoneJoints& given) {
+  return byBestConvention(names, given, [&](const ConventionMatch& match, BoneJoints& bones) {
+    return solve(tree, names, match, given, bones);
+  });
+}
+
+NamedBones upperBodyByNames(const JointTree& tree, std::span<const JointName> names) {
+  return byBestConvention(names, noBones(), [&](const ConventionMatch& match, BoneJoints& bones) {
+    return solveWithoutLegs(tree, match, bones);
+  });
 }
 
 namespace {
@@ -445,11 +449,9 @@ struct FlatBones {
 
 std::vector<JointIndex> parentsByNames(const JointTree& tree, std::span<const JointName> names,
                                        std::span<const JointIndex> flat) {
-  BoneJoints none;
-  none.fill(kNoJoint);
   FlatBones best;
   for (const NameRows& rows : rowsOfConventions()) {
-    FlatBones bones = flatBones(tree, ConventionMatch(rows, names, none), flat);
+    FlatBones bones = flatBones(tree, ConventionMatch(rows, names, noBones()), flat);
     if (bones.count > best.count) best = std::move(bones);
   }
   constexpr int kFewest = 8;

@@ -2,9 +2,9 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
-#include "skinning/import/assimp_materials.h"
-#include "skinning/import/assimp_morphs.h"
-#include "skinning/import/collada_check.h"
+#include "geometry/little_endian.h"
+#include "geometry/result.h"
+#include "skinning/import/assimp_parts.h"
 
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
@@ -21,11 +21,147 @@
 #include <charconv>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace lorica {
 
 namespace {
+
+constexpr std::string_view kBlanks = " \t\r\n";
+
+/// A start tag: "accessor" and "source="#a" count="4"".
+struct Tag {
+  std::string_view name;
+  std::string_view attributes;
+};
+
+[[nodiscard]] Tag tagOf(std::string_view inside) {
+  const std::size_t end = std::min(inside.find_first_of(" \t\r\n/"), inside.size());
+  std::string_view name = inside.substr(0, end);
+  if (const std::size_t colon = name.find(':'); colon != std::string_view::npos) name.remove_prefix(colon + 1);
+  return {name, inside.substr(end)};
+}
+
+/// An attribute's text; none if the tag lacks it.
+[[nodiscard]] std::optional<std::string_view> attribute(const Tag& tag, std::string_view name) {
+  for (std::size_t at = tag.attributes.find(name); at != std::string_view::npos;
+       at = tag.attributes.find(name, at + 1)) {
+    if (at == 0 || kBlanks.find(tag.attributes[at - 1]) == std::string_view::npos) continue;
+    std::string_view rest = tag.attributes.substr(at + name.size());
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+    if (!rest.starts_with('=')) continue;
+    rest.remove_prefix(1);
+    rest.remove_prefix(std::min(rest.find_first_not_of(kBlanks), rest.size()));
+    if (rest.empty() || (rest.front() != '"' && rest.front() != '\'')) continue;
+    const std::size_t end = rest.find(rest.front(), 1);
+    if (end == std::string_view::npos) return std::nullopt;
+    return rest.substr(1, end - 1);
+  }
+  return std::nullopt;
+}
+
+[[nodiscard]] std::optional<std::uint64_t> wholeNumber(std::optional<std::string_view> text) {
+  if (!text) return std::nullopt;
+  std::uint32_t value = 0;  // so that the products below fit into 64 bits
+  const auto [end, error] = std::from_chars(text->data(), text->data() + text->size(), value);
+  if (error != std::errc{} || end != text->data() + text->size()) return std::nullopt;
+  return value;
+}
+
+class ColladaCheck {
+ public:
+  ColladaCheck(std::string_view text, const std::string& name) : text_(text), name_(name) {}
+
+  [[nodiscard]] Result<void> run() {
+    for (std::size_t open = text_.find('<'); open != std::string_view::npos; open = text_.find('<', open + 1)) {
+      if (text_.substr(open).starts_with("<!--")) {
+        const std::size_t end = text_.find("-->", open);
+        if (end == std::string_view::npos) return {};  // left to assimp to reject
+        open = end;
+        continue;
+      }
+      const std::size_t close = text_.find('>', open);
+      if (close == std::string_view::npos) return {};
+      const Tag tag = tagOf(text_.substr(open + 1, close - open - 1));
+      const std::size_t end = std::min(text_.find('<', close), text_.size());
+      LORICA_TRY_DO(checkTag(tag, close + 1, end, open));
+    }
+    return checkAccessors();
+  }
+
+ private:
+  struct Accessor {
+    std::string_view source;
+    std::uint64_t end = 0;  ///< one past the last number that it reads
+    std::size_t at = 0;
+  };
+
+  [[nodiscard]] Error bad(std::size_t at, const std::string& what) const {
+    const auto line = 1 + std::count(text_.begin(), text_.begin() + at, '\n');
+    return badFormat("{}: line {}: {}", name_, line, what);
+  }
+
+  [[nodiscard]] Result<void> checkTag(const Tag& tag, std::size_t begin, std::size_t end, std::size_t at) {
+    constexpr std::array<std::string_view, 5> kWholeNumbers = {"p", "h", "v", "vcount", "int_array"};
+    if (std::find(kWholeNumbers.begin(), kWholeNumbers.end(), tag.name) != kWholeNumbers.end()) {
+      const std::size_t odd = text_.substr(0, end).find_first_not_of("0123456789+- \t\r\n", begin);
+      if (odd != std::string_view::npos) {
+        return bad(odd, fmt::format("<{}> contains byte {}, expected whole numbers", tag.name,
+                                    static_cast<int>(static_cast<unsigned char>(text_[odd]))));
+      }
+    }
+    if (tag.name == "float_array" || tag.name == "Name_array" || tag.name == "IDREF_array") {
+      const std::optional<std::uint64_t> count = wholeNumber(attribute(tag, "count"));
+      if (!count) return bad(at, fmt::format("<{}> has no count, expected a whole number", tag.name));
+      // Each needs at least one character, with a blank between.
+      if (*count > (end - begin + 1) / 2) {
+        return bad(at,
+                   fmt::format("<{}> declares {} values in {} bytes", tag.name, grouped(*count), grouped(end - begin)));
+      }
+      if (const auto id = attribute(tag, "id")) counts_[*id] = *count;
+    }
+    if (tag.name == "accessor") {
+      const std::optional<std::string_view> source = attribute(tag, "source");
+      const std::optional<std::uint64_t> count = wholeNumber(attribute(tag, "count"));
+      const std::optional<std::uint64_t> stride = wholeNumber(attribute(tag, "stride").value_or("1"));
+      const std::optional<std::uint64_t> offset = wholeNumber(attribute(tag, "offset").value_or("0"));
+      if (!source || !source->starts_with('#') || !count || !stride || !offset) {
+        return bad(at, "<accessor> needs a source in this file and whole numbers for count, stride and offset");
+      }
+      accessors_.push_back({source->substr(1), *offset + *count * *stride, at});
+    }
+    return {};
+  }
+
+  [[nodiscard]] Result<void> checkAccessors() const {
+    for (const Accessor& accessor : accessors_) {
+      const auto array = counts_.find(accessor.source);
+      if (array == counts_.end()) {
+        return bad(accessor.at, fmt::format("<accessor> reads from '{}', which does not exist", accessor.source));
+      }
+      if (accessor.end > array->second) {
+        return bad(accessor.at, fmt::format("<accessor> reads {} values of '{}', which has {}", grouped(accessor.end),
+                                            accessor.source, grouped(array->second)));
+      }
+    }
+    return {};
+  }
+
+  std::string_view text_;
+  const std::string& name_;
+  std::map<std::string_view, std::uint64_t> counts_;  // number of values of each array, by its id
+  std::vector<Accessor> accessors_;
+};
+
+/// Rejects COLLADA files that assimp 5.2 cannot handle: lists of whole numbers with other content cause an endless
+/// loop, and accessors that reach beyond their array terminate the program.
+/// @param text  of the file in UTF-8
+[[nodiscard]] Result<void> checkCollada(std::string_view text, const std::string& name) {
+  return ColladaCheck(text, name).run();
+}
 
 /// Prevents assimp from reading any other file.
 class NoOtherFiles : public Assimp::IOSystem {
@@ -56,10 +192,6 @@ class NoOtherFiles : public Assimp::IOSystem {
   Eigen::Matrix<double, 3, 4> rows;
   rows << m.a1, m.a2, m.a3, m.a4, m.b1, m.b2, m.b3, m.b4, m.c1, m.c2, m.c3, m.c4;
   return Affine3(rows);
-}
-
-[[nodiscard]] std::string asText(const aiString& text) {
-  return {text.data, std::min<std::size_t>(text.length, sizeof text.data)};
 }
 
 /// A number from the scene's metadata, whatever its stored type.
@@ -103,7 +235,7 @@ class AssimpSceneReader {
       scene_.metresPerUnit = 0.01 * (usable ? centimetres : 1.0);
       scene_.modelFromFileAxes = fbxAxes(from_);
     }
-    if (from_.mRootNode == nullptr) return bad("has no nodes");
+    if (from_.mRootNode == nullptr) return badFormat("{}: has no nodes", name_);
     LORICA_TRY_DO(readNodes());
     addAssimpMaterials(from_, files_, scene_);
     LORICA_TRY_DO(readMeshes());
@@ -112,8 +244,6 @@ class AssimpSceneReader {
   }
 
  private:
-  [[nodiscard]] Error bad(const std::string& what) const { return badFormat(name_ + ": " + what); }
-
   [[nodiscard]] Result<void> readNodes() {
     std::vector<std::pair<const aiNode*, int>> stack = {{from_.mRootNode, -1}};
     while (!stack.empty()) {
@@ -121,14 +251,14 @@ class AssimpSceneReader {
       stack.pop_back();
       const int index = countOf(scene_.nodes);
       FileNode made;
-      made.name = asText(node->mName);
+      made.name = textOf(node->mName);
       if (made.name.empty()) made.name = fmt::format("node {}", index);
       made.parent = parent;
       // FBX has no root node. assimp makes one, and from 5.4 on it holds the file's axes, for which we have fbxAxes().
       const bool madeUp = parent < 0 && scene_.format == "FBX";
       const Affine3 parentFromNode = madeUp ? Affine3::Identity() : asAffine(node->mTransformation);
       if (!parentFromNode.matrix().allFinite()) {
-        return bad(fmt::format("node '{}': contains a non-finite number", made.name));
+        return badFormat("{}: node '{}': contains a non-finite number", name_, made.name);
       }
       setMatrix(made, parentFromNode);
       nodeOfName_.emplace(made.name, index);
@@ -155,38 +285,36 @@ class AssimpSceneReader {
       for (unsigned i = 0; i < nodes_[n]->mNumMeshes; ++i) {
         const unsigned m = nodes_[n]->mMeshes[i];
         if (m >= from_.mNumMeshes) {
-          return bad(fmt::format("node '{}': refers to mesh {}, expected 0 to {}", scene_.nodes[n].name, m,
-                                 static_cast<int>(from_.mNumMeshes) - 1));
+          return badFormat("{}: node '{}': refers to mesh {}, expected 0 to {}", name_, scene_.nodes[n].name, m,
+                           static_cast<int>(from_.mNumMeshes) - 1);
         }
         LORICA_TRY_DO(addMesh(*from_.mMeshes[m], n, skinOfMesh[m]));
       }
     }
-    const auto note = [&](std::uint64_t count, const char* what) {
-      if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
-    };
-    note(otherFaces_, "faces are points, lines or use a vertex twice: skipped");
-    note(notFinite_, "numbers of normals, tangents or texture coordinates are not finite: replaced by 0");
-    note(lostBones_, "bones refer to no node: their vertices follow the other bones of the mesh");
+    scene_.note(otherFaces_, "faces are points, lines or use a vertex twice: skipped");
+    scene_.note(notFinite_, "numbers of normals, tangents or texture coordinates are not finite: replaced by 0");
+    scene_.note(lostBones_, "bones refer to no node: their vertices follow the other bones of the mesh");
     return {};
   }
 
   /// Adds the bones of a mesh as a skin. @return whether the mesh has bones
   [[nodiscard]] Result<bool> addSkin(const aiMesh& mesh) {
     FileSkin skin;
-    skin.name = asText(mesh.mName);
+    skin.name = textOf(mesh.mName);
     skin.nodes.reserve(mesh.mNumBones);
     skin.jointFromMesh.reserve(mesh.mNumBones);
     std::vector<std::int64_t> positions(mesh.mNumBones, -1);
     for (unsigned b = 0; b < mesh.mNumBones; ++b) {
       const aiBone& bone = *mesh.mBones[b];
-      const auto node = nodeOfName_.find(asText(bone.mName));
+      const auto node = nodeOfName_.find(textOf(bone.mName));
       if (node == nodeOfName_.end()) {
         ++lostBones_;
         continue;
       }
       const Affine3 offset = asAffine(bone.mOffsetMatrix);
       if (!offset.matrix().allFinite()) {
-        return bad(fmt::format("mesh '{}', bone '{}': contains a non-finite number", skin.name, asText(bone.mName)));
+        return badFormat("{}: mesh '{}', bone '{}': contains a non-finite number", name_, skin.name,
+                         textOf(bone.mName));
       }
       positions[b] = skin.nodes.size();
       skin.nodes.push_back(node->second);
@@ -200,14 +328,14 @@ class AssimpSceneReader {
 
   [[nodiscard]] Result<void> addMesh(const aiMesh& from, int node, int skin) {
     FileMesh mesh;
-    mesh.name = asText(from.mName);
+    mesh.name = textOf(from.mName);
     mesh.node = node;
     mesh.skin = skin;
     mesh.positions.reserve(from.mNumVertices);
     for (unsigned v = 0; v < from.mNumVertices; ++v) {
       mesh.positions.push_back(asVec3(from.mVertices[v]));
       if (!mesh.positions.back().allFinite()) {
-        return bad(fmt::format("mesh '{}': position {} is not finite", mesh.name, v));
+        return badFormat("{}: mesh '{}': position {} is not finite", name_, mesh.name, v);
       }
     }
     mesh.triangles.reserve(from.mNumFaces);
@@ -215,8 +343,8 @@ class AssimpSceneReader {
       const aiFace& face = from.mFaces[f];
       const std::span<const unsigned> corners(face.mIndices, face.mNumIndices);
       if (std::any_of(corners.begin(), corners.end(), [&](unsigned v) { return v >= from.mNumVertices; })) {
-        return bad(fmt::format("mesh '{}': face {} refers to a vertex out of range, the mesh has {}", mesh.name, f,
-                               from.mNumVertices));
+        return badFormat("{}: mesh '{}': face {} refers to a vertex out of range, the mesh has {}", name_, mesh.name, f,
+                         from.mNumVertices);
       }
       if (corners.size() != 3 || corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0]) {
         ++otherFaces_;
@@ -280,12 +408,12 @@ class AssimpSceneReader {
     for (unsigned a = 0; a < from_.mNumAnimations; ++a) {
       const aiAnimation& from = *from_.mAnimations[a];
       FileClip clip;
-      clip.name = asText(from.mName);
+      clip.name = textOf(from.mName);
       if (clip.name.empty()) clip.name = fmt::format("clip {}", a);
       const double secondsPerTick = 1.0 / (from.mTicksPerSecond > 0.0 ? from.mTicksPerSecond : 25.0);
       for (unsigned c = 0; c < from.mNumChannels; ++c) {
         const aiNodeAnim& channel = *from.mChannels[c];
-        const auto node = nodeOfName_.find(asText(channel.mNodeName));
+        const auto node = nodeOfName_.find(textOf(channel.mNodeName));
         if (node == nodeOfName_.end()) {
           ++lostChannels;
           continue;
@@ -300,13 +428,8 @@ class AssimpSceneReader {
       morphs_.addWeights(from, secondsPerTick, nodeOfName_, clip);
       scene_.clips.push_back(std::move(clip));
     }
-    if (lostChannels > 0) {
-      scene_.notes.push_back(fmt::format("{} animation channels refer to no node: skipped", grouped(lostChannels)));
-    }
-    if (lateKeys_ > 0) {
-      scene_.notes.push_back(fmt::format("{} animation keys are not finite or not later than the previous key: skipped",
-                                         grouped(lateKeys_)));
-    }
+    scene_.note(lostChannels, "animation channels refer to no node: skipped");
+    scene_.note(lateKeys_, "animation keys are not finite or not later than the previous key: skipped");
     morphs_.finish();
     return {};
   }
@@ -329,10 +452,7 @@ class AssimpSceneReader {
 [[nodiscard]] int fbxVersionOf(std::string_view text) {
   if (text.starts_with("Kaydara FBX Binary")) {
     constexpr std::size_t kAt = 23;
-    std::uint32_t version = 0;
-    for (std::size_t i = 0; i < 4 && kAt + 4 <= text.size(); ++i) {
-      version |= static_cast<std::uint32_t>(static_cast<unsigned char>(text[kAt + i])) << (8 * i);
-    }
+    const auto version = kAt + 4 <= text.size() ? loadLittleEndian<std::uint32_t>(text.data() + kAt) : 0;
     return version < 100'000 ? static_cast<int>(version) : 0;
   }
   constexpr std::string_view kKey = "FBXVersion:";

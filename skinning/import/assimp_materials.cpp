@@ -1,4 +1,4 @@
-#include "skinning/import/assimp_materials.h"
+#include "skinning/import/assimp_parts.h"
 
 #include "skinning/import/picture_store.h"
 
@@ -17,12 +17,8 @@ namespace lorica {
 
 namespace {
 
-[[nodiscard]] std::string asText(const aiString& text) {
-  return {text.data, std::min<std::size_t>(text.length, sizeof text.data)};
-}
-
 /// IEC 61966-2-1, channels limited to 0 and 1.
-[[nodiscard]] float linear(float encoded) {
+[[nodiscard]] float linearFromSrgb(float encoded) {
   const float c = std::isfinite(encoded) ? std::clamp(encoded, 0.0f, 1.0f) : 0.0f;
   return c <= 0.04045f ? c / 12.92f : std::pow((c + 0.055f) / 1.055f, 2.4f);
 }
@@ -30,10 +26,11 @@ namespace {
 [[nodiscard]] std::optional<Vec3f> colorOf(const aiMaterial& from, const char* key, unsigned type, unsigned index) {
   aiColor3D color;
   if (from.Get(key, type, index, color) != aiReturn_SUCCESS) return std::nullopt;
-  return Vec3f(linear(color.r), linear(color.g), linear(color.b));
+  return Vec3f(linearFromSrgb(color.r), linearFromSrgb(color.g), linearFromSrgb(color.b));
 }
 
-[[nodiscard]] std::optional<float> numberOf(const aiMaterial& from, const char* key, unsigned type, unsigned index) {
+[[nodiscard]] std::optional<float> materialNumber(const aiMaterial& from, const char* key, unsigned type,
+                                                  unsigned index) {
   float number = 0.0f;
   if (from.Get(key, type, index, number) != aiReturn_SUCCESS || !std::isfinite(number)) return std::nullopt;
   return number;
@@ -69,13 +66,13 @@ namespace {
 /// What a mesh without a material gets from assimp: its grey says nothing about the character.
 [[nodiscard]] bool isDefault(const aiMaterial& from) {
   aiString name;
-  return from.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS && asText(name) == AI_DEFAULT_MATERIAL_NAME &&
+  return from.Get(AI_MATKEY_NAME, name) == aiReturn_SUCCESS && textOf(name) == AI_DEFAULT_MATERIAL_NAME &&
          from.GetTextureCount(aiTextureType_DIFFUSE) == 0;
 }
 
-class MaterialReader {
+class AssimpMaterialReader {
  public:
-  MaterialReader(const aiScene& from, const NamedFiles& files, FileScene& scene)
+  AssimpMaterialReader(const aiScene& from, const NamedFiles& files, FileScene& scene)
       : from_(from), scene_(scene), pictures_(files, std::numeric_limits<std::size_t>::max(), scene, notes_) {}
 
   void read() {
@@ -93,7 +90,7 @@ class MaterialReader {
       aiString name;
       from_.mMaterials[m]->Get(AI_MATKEY_NAME, name);
       Material& material = scene_.materials[m];
-      material.name = name.length > 0 ? asText(name) : fmt::format("material {}", m);
+      material.name = name.length > 0 ? textOf(name) : fmt::format("material {}", m);
       if (used[m]) readMaterial(*from_.mMaterials[m], material);
     }
     notes_.appendTo(scene_.notes);
@@ -108,7 +105,7 @@ class MaterialReader {
     } else if (const auto diffuse = colorOf(from, AI_MATKEY_COLOR_DIFFUSE)) {
       material.baseColor.head<3>() = *diffuse;
     }
-    material.metallic = std::clamp(numberOf(from, AI_MATKEY_METALLIC_FACTOR).value_or(0.0f), 0.0f, 1.0f);
+    material.metallic = std::clamp(materialNumber(from, AI_MATKEY_METALLIC_FACTOR).value_or(0.0f), 0.0f, 1.0f);
     material.emissive = colorOf(from, AI_MATKEY_COLOR_EMISSIVE).value_or(Vec3f(Vec3f::Zero()));
     int flag = 0;
     material.doubleSided = from.Get(AI_MATKEY_TWOSIDED, flag) == aiReturn_SUCCESS && flag != 0;
@@ -119,11 +116,11 @@ class MaterialReader {
     material.emissiveTexture = firstOf(from, {aiTextureType_EMISSION_COLOR, aiTextureType_EMISSIVE});
     if (material.emissiveTexture.given() && material.emissive.isZero()) material.emissive.setOnes();
     material.normal = firstOf(from, {aiTextureType_NORMAL_CAMERA, aiTextureType_NORMALS});
-    material.normalScale = numberOf(from, AI_MATKEY_BUMPSCALING).value_or(1.0f);
+    material.normalScale = materialNumber(from, AI_MATKEY_BUMPSCALING).value_or(1.0f);
     material.occlusion = firstOf(from, {aiTextureType_AMBIENT_OCCLUSION});
 
     // 3. Opacity. Files that write 0 for "opaque" are common, invisible characters are not.
-    const float opacity = std::clamp(numberOf(from, AI_MATKEY_OPACITY).value_or(1.0f), 0.0f, 1.0f);
+    const float opacity = std::clamp(materialNumber(from, AI_MATKEY_OPACITY).value_or(1.0f), 0.0f, 1.0f);
     if (opacity > 0.0f) {
       material.baseColor.w() = opacity;
     } else {
@@ -153,11 +150,11 @@ class MaterialReader {
   }
 
   [[nodiscard]] static float roughnessOf(const aiMaterial& from) {
-    const std::optional<float> exponent = numberOf(from, AI_MATKEY_SHININESS);
-    if (!exponent) return std::clamp(numberOf(from, AI_MATKEY_ROUGHNESS_FACTOR).value_or(1.0f), 0.0f, 1.0f);
+    const std::optional<float> exponent = materialNumber(from, AI_MATKEY_SHININESS);
+    if (!exponent) return std::clamp(materialNumber(from, AI_MATKEY_ROUGHNESS_FACTOR).value_or(1.0f), 0.0f, 1.0f);
     aiColor3D specular(0.0f, 0.0f, 0.0f);
     from.Get(AI_MATKEY_COLOR_SPECULAR, specular);
-    const float strength = numberOf(from, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
+    const float strength = materialNumber(from, AI_MATKEY_SHININESS_STRENGTH).value_or(1.0f);
     const float s = strength * std::max({specular.r, specular.g, specular.b});
     const float shine = std::isfinite(s) ? std::clamp(s, 0.0f, 1.0f) : 0.0f;
     return 1.0f - shine * (1.0f - std::pow(2.0f / (std::max(*exponent, 0.0f) + 2.0f), 0.25f));
@@ -165,7 +162,7 @@ class MaterialReader {
 
   [[nodiscard]] static std::string pathOf(const aiMaterial& from, aiTextureType type) {
     aiString path;
-    return from.Get(AI_MATKEY_TEXTURE(type, 0), path) == aiReturn_SUCCESS ? asText(path) : std::string();
+    return from.Get(AI_MATKEY_TEXTURE(type, 0), path) == aiReturn_SUCCESS ? textOf(path) : std::string();
   }
 
   /// The first of these kinds of texture that the material has.
@@ -216,8 +213,12 @@ class MaterialReader {
 
 }  // namespace
 
+std::string textOf(const aiString& text) {
+  return {text.data, std::min<std::size_t>(text.length, sizeof text.data)};
+}
+
 void addAssimpMaterials(const aiScene& from, const NamedFiles& files, FileScene& scene) {
-  MaterialReader(from, files, scene).read();
+  AssimpMaterialReader(from, files, scene).read();
 }
 
 void addAssimpLook(const aiMesh& from, const FileScene& scene, FileMesh& mesh, std::uint64_t& notFinite) {
@@ -256,7 +257,8 @@ void addAssimpLook(const aiMesh& from, const FileScene& scene, FileMesh& mesh, s
   if (!from.HasVertexColors(0)) return;
   mesh.colors.reserve(count);
   for (const aiColor4D& c : std::span(from.mColors[0], count)) {
-    mesh.colors.emplace_back(linear(c.r), linear(c.g), linear(c.b), std::clamp(finite(c.a), 0.0f, 1.0f));
+    mesh.colors.emplace_back(linearFromSrgb(c.r), linearFromSrgb(c.g), linearFromSrgb(c.b),
+                             std::clamp(finite(c.a), 0.0f, 1.0f));
   }
 }
 

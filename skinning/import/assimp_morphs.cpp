@@ -1,4 +1,4 @@
-#include "skinning/import/assimp_morphs.h"
+#include "skinning/import/assimp_parts.h"
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"
@@ -74,7 +74,7 @@ class WeightKeys {
 void AssimpMorphs::add(const aiMesh& from, FileMesh& mesh) {
   for (unsigned t = 0; t < from.mNumAnimMeshes; ++t) {
     const aiAnimMesh& target = *from.mAnimMeshes[t];
-    std::string name(target.mName.data, std::min<std::size_t>(target.mName.length, sizeof target.mName.data));
+    std::string name = textOf(target.mName);
     if (name.empty()) name = fmt::format("{} {}", mesh.name.empty() ? "target" : mesh.name, t);
     const auto known = known_.find({mesh.node, name});
     if (known == known_.end() && scene_.morphTargets.size() >= kMaxMorphTargets) {
@@ -122,20 +122,10 @@ void AssimpMorphs::addWeights(const aiAnimation& from, double secondsPerTick,
 }
 
 void AssimpMorphs::finish() {
-  if (broken_ > 0) {
-    scene_.notes.push_back(
-        fmt::format("{} morph targets have numbers that are not finite, or not the vertices of their mesh: skipped",
-                    grouped(broken_)));
-  }
-  if (lostWeights_ > 0) {
-    scene_.notes.push_back(fmt::format(
-        "{} keys of weights refer to no morph target, are not finite or not later than the previous key: skipped",
-        grouped(lostWeights_)));
-  }
-  if (beyondLimit_ > 0) {
-    scene_.notes.push_back(fmt::format("{} morph targets are beyond the first {}: skipped", grouped(beyondLimit_),
-                                       grouped(kMaxMorphTargets)));
-  }
+  scene_.note(broken_, "morph targets have numbers that are not finite, or not the vertices of their mesh: skipped");
+  scene_.note(lostWeights_,
+              "keys of weights refer to no morph target, are not finite or not later than the previous key: skipped");
+  scene_.note(beyondLimit_, fmt::format("morph targets are beyond the first {}: skipped", grouped(kMaxMorphTargets)));
 }
 
 }  // namespace lorica

@@ -19,7 +19,7 @@ namespace lorica {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using MapJson = nlohmann::ordered_json;
 
 constexpr std::string_view kFormat = "bone map 1";
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundred thousand joints is smaller
@@ -29,9 +29,9 @@ constexpr std::size_t kMaxBytes = std::size_t{16} << 20;  ///< a map of a hundre
 }
 
 /// Text that JSON can store: bytes that are not UTF-8 become U+FFFD.
-[[nodiscard]] std::string asText(const std::string& bytes) {
-  const std::string quoted = Json(bytes).dump(-1, ' ', false, Json::error_handler_t::replace);
-  return Json::parse(quoted).get<std::string>();
+[[nodiscard]] std::string validUtf8(const std::string& bytes) {
+  const std::string quoted = MapJson(bytes).dump(-1, ' ', false, MapJson::error_handler_t::replace);
+  return MapJson::parse(quoted).get<std::string>();
 }
 
 [[nodiscard]] std::vector<std::string> boneNames() {
@@ -46,7 +46,7 @@ class JointNames {
  public:
   explicit JointNames(const Skeleton& skeleton) : skeleton_(skeleton) {
     names_.reserve(skeleton.joints().size());
-    for (const Joint& joint : skeleton.joints()) names_.push_back(asText(joint.name));
+    for (const Joint& joint : skeleton.joints()) names_.push_back(validUtf8(joint.name));
     for (std::size_t i = 0; i < names_.size(); ++i) jointsOf_[names_[i]].push_back(i);
   }
 
@@ -111,7 +111,7 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
   if (text.size() > kMaxBytes) {
     return bad(name, fmt::format("{} bytes, expected at most {}", text.size(), kMaxBytes));
   }
-  LORICA_TRY(const Json json, parseWrittenJson(text, name));
+  LORICA_TRY(const MapJson json, parseWrittenJson(text, name));
   if (!json.is_object() || !json.contains("lorica") || !json["lorica"].is_string()) {
     return bad(name, fmt::format("not a bone map, expected an object with \"lorica\": \"{}\"", kFormat));
   }
@@ -147,23 +147,23 @@ Result<BoneMap> parseBoneMap(std::string_view text, std::string_view name) {
 Result<void> writeBoneMap(const std::filesystem::path& file, const Skeleton& skeleton, std::string_view character,
                           std::span<const BoneDoubt> doubts) {
   const JointNames names(skeleton);
-  Json json;
+  MapJson json;
   json["lorica"] = kFormat;
-  json["character"] = asText(std::string(character));
-  json["bones"] = Json::object();
+  json["character"] = validUtf8(std::string(character));
+  json["bones"] = MapJson::object();
   for (int i = 0; i < kHumanBoneCount; ++i) {
     const auto bone = static_cast<HumanBone>(i);
     const JointIndex joint = skeleton.jointOf(bone);
-    Json& slot = json["bones"][std::string(nameOf(bone))];
+    MapJson& slot = json["bones"][std::string(nameOf(bone))];
     if (joint != kNoJoint) slot = names.textFor(joint);
   }
   for (const BoneDoubt& doubt : doubts) {
     for (const HumanBone bone : doubt.bones) {
-      Json& reason = json["unsure"][std::string(nameOf(bone))];
+      MapJson& reason = json["unsure"][std::string(nameOf(bone))];
       reason = reason.is_null() ? doubt.reason : reason.get<std::string>() + "; " + doubt.reason;
     }
   }
-  json["unusedJoints"] = Json::array();
+  json["unusedJoints"] = MapJson::array();
   for (JointIndex joint = 0; joint < skeleton.jointCount(); ++joint) {
     if (!skeleton.joint(joint).bone) json["unusedJoints"].push_back(names.textFor(joint));
   }

@@ -2,11 +2,9 @@
 #include "geometry/errors.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
-#include "skinning/import/contrary_normals.h"
+#include "skinning/import/character_parts.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/hidden_meshes.h"
-#include "skinning/import/morph_builder.h"
-#include "skinning/import/scene_bones.h"
 
 #include <fmt/format.h>
 
@@ -14,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -24,10 +23,6 @@ namespace {
 
 constexpr double kSecondsInADay = 86400.0;
 constexpr std::size_t kMaxKept = 100'000;  // tracks of joints that a clip does not move, of 0.5 kB each
-
-[[nodiscard]] JointIndex asJoint(std::size_t index) {
-  return index;
-}
 
 /// Converts a FileScene to a CharacterFile, phase by phase.
 class CharacterBuilder {
@@ -47,7 +42,7 @@ class CharacterBuilder {
     out_.character.name = std::filesystem::path(fileName_).stem().string();
 
     placeMeshes();
-    chooseNodes();
+    chosen_ = movingNodes(scene_);
     LORICA_TRY_DO(chooseUnits());
     addJoints();
     addVertices();
@@ -91,26 +86,7 @@ class CharacterBuilder {
     box_ = boundsOf(all.vertices);
   }
 
-  // 2. Nodes that move something, and their ancestors; every node if the file has only motion.
-  void chooseNodes() {
-    const bool all = scene_.meshes.empty() && scene_.skins.empty();
-    chosen_.assign(scene_.nodes.size(), all ? 1 : 0);
-    const auto choose = [&](int node) {
-      for (; node != -1 && chosen_[node] == 0; node = scene_.nodes[node].parent) {
-        chosen_[node] = 1;
-      }
-    };
-    for (const FileSkin& skin : scene_.skins) {
-      for (const int node : skin.nodes) choose(node);
-    }
-    for (const FileMesh& mesh : scene_.meshes) {
-      if (mesh.skin == -1) choose(mesh.node);
-    }
-    for (const auto& [bone, node] : scene_.bones) choose(node);
-    for (const int node : nodesOfSprings(scene_.springs)) choose(node);
-  }
-
-  // 3. The file's unit, by the size of its mesh, or of its skeleton.
+  // 2. The file's unit, by the size of its mesh, or of its skeleton.
   [[nodiscard]] Result<void> chooseUnits() {
     Aabb box = box_;
     for (const FileMesh& mesh : hidden_) {
@@ -150,7 +126,7 @@ class CharacterBuilder {
     return moving.empty() ? all : moving;
   }
 
-  // 4. A joint for each chosen node.
+  // 3. A joint for each chosen node.
   void addJoints() {
     const std::size_t chosenCount = std::count(chosen_.begin(), chosen_.end(), 1);
     joints_.reserve(chosenCount + 1);
@@ -173,11 +149,11 @@ class CharacterBuilder {
         ++sheared;
         joints_.push_back({node.name + " (sheared)", parent, local, std::nullopt});
         jointFromFile_.push_back(*node.inner * frames_.fileFromNode[i].inverse());
-        parent = asJoint(joints_.size() - 1);
+        parent = countOf(joints_) - 1;
         local = {};
         local.rotation = *node.inner;
       }
-      jointsOfNode_[i].push_back(asJoint(joints_.size()));
+      jointsOfNode_[i].push_back(countOf(joints_));
       joints_.push_back({node.name, parent, local, std::nullopt});
       jointFromFile_.push_back(frames_.fileFromNode[i].inverse());
     }
@@ -199,7 +175,7 @@ class CharacterBuilder {
     }
     const JointIndex own = jointsOfNode_[n].front();
     const std::string name = fmt::format("{} (bind {})", joints_[own].name, jointsOfNode_[n].size() + 1);
-    const JointIndex copy = asJoint(joints_.size());
+    const JointIndex copy = countOf(joints_);
     joints_.push_back({name, own, {}, std::nullopt});
     jointFromFile_.push_back(jointFromFile);
     jointsOfNode_[n].push_back(copy);
@@ -219,7 +195,7 @@ class CharacterBuilder {
     return true;
   }
 
-  // 5. Vertices and their weights.
+  // 4. Vertices and their weights.
   void addVertices() {
     Character& character = out_.character;
     const Affine3 modelFromFile(joints_.front().rest.matrix());
@@ -305,7 +281,7 @@ class CharacterBuilder {
     }
   }
 
-  // 6. What the surface looks like. A file without materials has no look.
+  // 5. What the surface looks like. A file without materials has no look.
   void addLook() {
     if (scene_.materials.empty() || scene_.meshes.empty()) return;
     LORICA_CHECK(std::all_of(scene_.meshes.begin(), scene_.meshes.end(),
@@ -316,21 +292,16 @@ class CharacterBuilder {
     look.pictures = std::move(scene_.pictures);
     const std::size_t vertexCount = out_.character.mesh.vertices.size();
     const auto any = [&](const auto& list) {
-      return std::any_of(scene_.meshes.begin(), scene_.meshes.end(),
-                         [&](const FileMesh& m) { return !list(m).empty(); });
+      return std::ranges::any_of(scene_.meshes, [&](const FileMesh& m) { return !std::invoke(list, m).empty(); });
     };
-    if (any([](const FileMesh& m) { return std::span(m.normals); })) look.normals.assign(vertexCount, Vec3f::Zero());
-    if (any([](const FileMesh& m) { return std::span(m.tangents); })) {
-      look.tangents.assign(vertexCount, Eigen::Vector4f::Zero());
-    }
+    if (any(&FileMesh::normals)) look.normals.assign(vertexCount, Vec3f::Zero());
+    if (any(&FileMesh::tangents)) look.tangents.assign(vertexCount, Eigen::Vector4f::Zero());
     for (std::size_t set = 0; set < 2; ++set) {
       if (any([&](const FileMesh& m) { return std::span(m.uv[set]); })) {
         look.uv[set].assign(vertexCount, Eigen::Vector2f::Zero());
       }
     }
-    if (any([](const FileMesh& m) { return std::span(m.colors); })) {
-      look.colors.assign(vertexCount, Eigen::Vector4f::Ones());
-    }
+    if (any(&FileMesh::colors)) look.colors.assign(vertexCount, Eigen::Vector4f::Ones());
 
     const Mat3 modelFromFile = joints_.front().rest.matrix().linear();
     std::size_t vertex = 0;
@@ -404,9 +375,7 @@ class CharacterBuilder {
     for (const Triangle& t : triangles) {
       for (const VertexIndex v : t) {
         if (!out_.look.normals[v].isZero()) continue;
-        const Vec3& a = mesh.vertices[t[0]];
-        Vec3& sum = mended.emplace(v, Vec3::Zero()).first->second;
-        sum += (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
+        mended.emplace(v, Vec3::Zero()).first->second += areaNormal(mesh.vertices, t);
       }
     }
     for (const auto& [v, sum] : mended) {
@@ -436,7 +405,7 @@ class CharacterBuilder {
     }
   }
 
-  // 7. Clips of the existing joints.
+  // 6. Clips of the existing joints.
   void addClips() {
     int tooLong = 0;
     std::size_t kept = 0;
@@ -469,7 +438,7 @@ class CharacterBuilder {
     if (tooLong > 0) out_.notes.push_back(fmt::format("{} clips last longer than a day: skipped", tooLong));
   }
 
-  // 8. Humanoid bones, size, and the final check.
+  // 7. Humanoid bones, size, and the final check.
   [[nodiscard]] Result<void> finish() {
     Character& character = out_.character;
     if (character.mesh.triangles.empty() && out_.clips.empty() && scene_.skins.empty()) {

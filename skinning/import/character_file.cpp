@@ -20,21 +20,21 @@ namespace lorica {
 
 namespace {
 
-enum class Kind { kUnknown, kGltf, kFbx, kCollada };
+enum class FileKind { kUnknown, kGltf, kFbx, kCollada };
 
 /// Detected from the content: the extensions .vrm and .glb are often wrong.
-[[nodiscard]] Kind kindOf(std::string_view content) {
-  if (content.starts_with("glTF")) return Kind::kGltf;
-  if (content.starts_with("Kaydara FBX Binary")) return Kind::kFbx;
-  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) return Kind::kCollada;  // UTF-16
+[[nodiscard]] FileKind kindOf(std::string_view content) {
+  if (content.starts_with("glTF")) return FileKind::kGltf;
+  if (content.starts_with("Kaydara FBX Binary")) return FileKind::kFbx;
+  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) return FileKind::kCollada;  // UTF-16
   const std::string_view start = content.substr(0, 4096);
   const std::size_t first = start.find_first_not_of("\xEF\xBB\xBF \t\r\n");
-  if (first == std::string_view::npos) return Kind::kUnknown;
-  if (start[first] == '{') return Kind::kGltf;
-  if (start[first] == '<' && start.find("<COLLADA") != std::string_view::npos) return Kind::kCollada;
+  if (first == std::string_view::npos) return FileKind::kUnknown;
+  if (start[first] == '{') return FileKind::kGltf;
+  if (start[first] == '<' && start.find("<COLLADA") != std::string_view::npos) return FileKind::kCollada;
   const bool comment = start[first] == ';' && start.find("FBX") != std::string_view::npos;
-  if (comment || start.substr(first).starts_with("FBXHeaderExtension")) return Kind::kFbx;
-  return Kind::kUnknown;
+  if (comment || start.substr(first).starts_with("FBXHeaderExtension")) return FileKind::kFbx;
+  return FileKind::kUnknown;
 }
 
 /// FBX or COLLADA, in this process or in another one.
@@ -53,16 +53,16 @@ enum class Kind { kUnknown, kGltf, kFbx, kCollada };
   if (bytes.empty()) return badFormat(name + ": is empty, expected a character");
   Result<FileScene> scene = unsupported(name + ": unknown format, expected glTF, VRM, FBX or COLLADA");
   switch (kindOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
-    case Kind::kGltf:
+    case FileKind::kGltf:
       scene = readGltfScene(bytes, name, files);
       break;
-    case Kind::kFbx:
+    case FileKind::kFbx:
       scene = readForeignScene(bytes, name, AssimpFormat::kFbx, files, settings);
       break;
-    case Kind::kCollada:
+    case FileKind::kCollada:
       scene = readForeignScene(bytes, name, AssimpFormat::kCollada, files, settings);
       break;
-    case Kind::kUnknown:
+    case FileKind::kUnknown:
       break;
   }
   if (!scene) return scene.error();
@@ -90,9 +90,7 @@ Result<CharacterFile> parseCharacterFile(std::span<const std::byte> bytes, const
 }
 
 bool isCharacterFile(const std::filesystem::path& file) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+  const std::string extension = lowerCase(file.extension().string());
   constexpr std::array<std::string_view, 6> kExtensions = {".gltf", ".glb", ".vrm", ".vrma", ".fbx", ".dae"};
   return std::find(kExtensions.begin(), kExtensions.end(), extension) != kExtensions.end();
 }

@@ -4,7 +4,6 @@
 #include "geometry/result.h"
 #include "skinning/character.h"
 #include "skinning/clip.h"
-#include "skinning/import/isolated_reader.h"
 #include "skinning/look/look.h"
 #include "skinning/morphs/expressions.h"
 #include "skinning/morphs/look_at.h"
@@ -13,12 +12,22 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 namespace lorica {
+
+/// A process of its own that reads FBX and COLLADA files, whose reader (assimp) can be made to crash, to hang and to
+/// take all memory. It gets the file's bytes, has limits of time, memory and stack (docs/SECURITY.md), and its result
+/// is checked before it is used. What happens in there is one error here. It leaves no process and no file behind.
+struct IsolatedReader {
+  std::filesystem::path program;       ///< calls serveIsolatedReader() when it is run with these arguments
+  std::vector<std::string> arguments;  ///< without the program
+  std::function<bool()> cancelled{};   ///< asked about every 20 ms; true ends the process, the error is kCancelled
+};
 
 /// What of a file is read.
 struct CharacterFileSettings {
@@ -87,5 +96,9 @@ struct CharacterFile {
 
 /// Whether a file has the extension of a character: .gltf, .glb, .vrm, .vrma, .fbx, .dae; case is ignored.
 [[nodiscard]] bool isCharacterFile(const std::filesystem::path& file);
+
+/// The other side of IsolatedReader: reads one file from standard input and writes the result to standard output, both
+/// as IsolatedReader's process gets them. @return the exit status of the process
+[[nodiscard]] int serveIsolatedReader();
 
 }  // namespace lorica

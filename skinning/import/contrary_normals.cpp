@@ -1,4 +1,4 @@
-#include "skinning/import/contrary_normals.h"
+#include "skinning/import/character_parts.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -13,10 +13,6 @@ namespace {
 constexpr double kShare = 0.1;    ///< of the area
 constexpr double kCrease = 0.5;   ///< cosine of the sharpest angle that is drawn smooth
 constexpr double kAgainst = 0.1;  ///< sine by which normals are behind their triangle
-
-[[nodiscard]] Vec3 areaOf(std::span<const Vec3> vertices, const Triangle& t) {
-  return (vertices[t[1]] - vertices[t[0]]).cross(vertices[t[2]] - vertices[t[0]]);
-}
 
 /// A number for each position, from 0 on, the same for vertices at the same position; -1 for those of no triangle.
 [[nodiscard]] std::vector<int> positionsOf(std::span<const Vec3> vertices, std::span<const Triangle> triangles) {
@@ -59,7 +55,7 @@ constexpr double kAgainst = 0.1;  ///< sine by which normals are behind their tr
   std::vector<Vec3> own(vertices.size(), Vec3::Zero());
   std::vector<double> sizes(vertices.size(), 0.0);
   for (const Triangle& t : triangles) {
-    const Vec3 area = areaOf(vertices, t);
+    const Vec3 area = areaNormal(vertices, t);
     for (const VertexIndex v : t) {
       own[v] += area;
       sizes[v] += area.norm();
@@ -94,7 +90,7 @@ ContraryNormals mendContraryNormals(std::span<const Vec3> vertices, std::span<Tr
   std::vector<char> contrary(triangles.size(), 0);
   double area = 0.0, contraryArea = 0.0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
-    const Vec3 face = areaOf(vertices, triangles[t]);
+    const Vec3 face = areaNormal(vertices, triangles[t]);
     const double size = face.norm();
     const bool away = std::all_of(triangles[t].begin(), triangles[t].end(), [&](VertexIndex v) {
       return face.dot(normals[v].cast<double>()) < -kAgainst * size;

@@ -7,6 +7,7 @@
 #include <Eigen/SVD>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace lorica {
@@ -14,32 +15,13 @@ namespace {
 
 constexpr std::size_t kMaxSentences = 4;
 
-/// Nodes that move something, and their ancestors; every node of a scene with only motion.
-[[nodiscard]] std::uint64_t countMovers(const FileScene& scene) {
-  if (scene.meshes.empty() && scene.skins.empty()) return scene.nodes.size();
-  std::vector<char> moves(scene.nodes.size(), 0);
-  std::uint64_t count = 0;
-  const auto mark = [&](int node) {
-    for (; node != -1 && moves[node] == 0; node = scene.nodes[node].parent) {
-      moves[node] = 1;
-      ++count;
-    }
-  };
-  for (const FileSkin& skin : scene.skins) std::for_each(skin.nodes.begin(), skin.nodes.end(), mark);
-  for (const FileMesh& mesh : scene.meshes) {
-    if (mesh.skin == -1) mark(mesh.node);
-  }
-  for (const auto& [bone, node] : scene.bones) mark(node);
-  const std::vector<int> swinging = nodesOfSprings(scene.springs);
-  std::for_each(swinging.begin(), swinging.end(), mark);
-  return count;
-}
+constexpr double kHuman = 1.7;  ///< [m]
 
+/// @return the unit that brings a size nearest to a human's, as a ratio; metres if none is nearer
 [[nodiscard]] double factorFor(double metres) {
-  if (metres > 1000.0) return 0.001;
-  if (metres > 10.0) return 0.01;
-  if (metres >= 0.02) return 1.0;
-  return metres >= 0.0002 ? 100.0 : 1000.0;
+  const auto away = [&](double factor) { return std::abs(std::log(metres * factor / kHuman)); };
+  constexpr std::array kFactors = {1.0, 0.01, 0.001, 100.0, 1000.0};
+  return *std::ranges::min_element(kFactors, {}, away);
 }
 
 }  // namespace
@@ -80,6 +62,26 @@ void setMatrix(FileNode& node, const Affine3& parentFromNode) {
   node.inner = Quat(Mat3(v.transpose())).normalized();
 }
 
+void FileScene::note(std::uint64_t count, std::string_view what) {
+  if (count > 0) notes.push_back(fmt::format("{} {}", grouped(count), what));
+}
+
+std::vector<char> movingNodes(const FileScene& scene) {
+  const bool all = scene.meshes.empty() && scene.skins.empty();
+  std::vector<char> moves(scene.nodes.size(), all ? 1 : 0);
+  const auto mark = [&](int node) {
+    for (; node != -1 && moves[node] == 0; node = scene.nodes[node].parent) moves[node] = 1;
+  };
+  for (const FileSkin& skin : scene.skins) std::for_each(skin.nodes.begin(), skin.nodes.end(), mark);
+  for (const FileMesh& mesh : scene.meshes) {
+    if (mesh.skin == -1) mark(mesh.node);
+  }
+  for (const auto& [bone, node] : scene.bones) mark(node);
+  const std::vector<int> swinging = nodesOfSprings(scene.springs);
+  std::for_each(swinging.begin(), swinging.end(), mark);
+  return moves;
+}
+
 Result<void> checkWork(const FileScene& scene, const std::string& fileName) {
   const auto beyond = [&](std::uint64_t count, const char* what, std::uint64_t most) {
     return unsupported("{}: {} {}, expected at most {}", fileName, grouped(count), what, grouped(most));
@@ -89,7 +91,8 @@ Result<void> checkWork(const FileScene& scene, const std::string& fileName) {
   if (triangles > kMaxTriangles) return beyond(triangles, "triangles", kMaxTriangles);
   if (scene.clips.size() > kMaxClips) return beyond(scene.clips.size(), "clips", kMaxClips);
   if (scene.skins.empty() && scene.clips.empty() && scene.springs.empty()) return {};
-  const std::uint64_t joints = countMovers(scene);
+  const std::vector<char> moves = movingNodes(scene);
+  const std::uint64_t joints = std::count(moves.begin(), moves.end(), 1);
   return joints > kMaxJoints ? Result<void>(beyond(joints, "joints", kMaxJoints)) : Result<void>();
 }
 
@@ -119,16 +122,6 @@ void CountedNotes::appendTo(std::vector<std::string>& notes) const {
       notes.push_back(fmt::format("{} {}; the first: {}", grouped(kind.count), kind.name, kind.sentences.front()));
     }
   }
-}
-
-std::string grouped(std::uint64_t number) {
-  const std::string digits = std::to_string(number);
-  std::string text;
-  for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) text.push_back(',');
-    text.push_back(digits[i]);
-  }
-  return text;
 }
 
 std::string titled(const char* kind, std::size_t index, const std::string& name) {
@@ -165,13 +158,12 @@ SpringBones withJoints(SpringBones springs, const std::function<JointIndex(int)>
 UnitGuess guessUnit(double longestSide, std::optional<double> saidByFile) {
   const double said = saidByFile.value_or(1.0);
   const double metres = longestSide * said;
-  const double max = saidByFile ? 100.0 : 10.0;
-  if (longestSide <= 0.0 || (metres >= 0.02 && metres <= max)) return {said, ""};
-  const double unit = said * factorFor(metres);
-  return {unit,
-          fmt::format("the bind pose is {:.4g} units long, {:.4g} m in the {}: assuming {:.4g} m per unit, which gives "
-                      "{:.4g} m",
-                      longestSide, metres, saidByFile ? "file's own unit" : "format's unit", unit, longestSide * unit)};
+  if (longestSide <= 0.0 || (metres >= 0.02 && metres <= (saidByFile ? 100.0 : 10.0))) return {said, ""};
+  const double unit = metres >= 0.02 && metres <= 55.0 ? said : said * factorFor(metres);
+  return {unit, fmt::format("the bind pose is {:.4g} units long, {:.4g} m in the {}: {} {:.4g} m per unit, which gives "
+                            "{:.4g} m",
+                            longestSide, metres, saidByFile ? "file's own unit" : "format's unit",
+                            unit == said ? "it stays at" : "assuming", unit, longestSide * unit)};
 }
 
 }  // namespace lorica

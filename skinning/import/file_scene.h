@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/text.h"
 #include "geometry/tri_mesh.h"
 #include "skinning/import/character_file.h"
 #include "skinning/look/look.h"
@@ -10,6 +11,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -117,7 +119,14 @@ struct FileScene {
   int primitiveCount = 0;
   int morphTargetCount = 0;
   std::vector<std::string> notes;
+
+  /// Adds the note "1,234 faces are points", unless the count is 0.
+  void note(std::uint64_t count, std::string_view what);
 };
+
+/// For each node whether it, or one below it, is a bone, carries a rigid mesh or swings; all nodes of a scene with only
+/// motion.
+[[nodiscard]] std::vector<char> movingNodes(const FileScene& scene);
 
 /// Refuses a scene beyond these limits. @param fileName  for messages
 [[nodiscard]] Result<void> checkWork(const FileScene& scene, const std::string& fileName);
@@ -154,9 +163,6 @@ class CountedNotes {
   std::vector<Kind> kinds_;
 };
 
-/// 1234567 as "1,234,567".
-[[nodiscard]] std::string grouped(std::uint64_t number);
-
 /// "mesh 3 'Body'", or "mesh 3" if it has no name.
 [[nodiscard]] std::string titled(const char* kind, std::size_t index, const std::string& name);
 
@@ -175,13 +181,10 @@ struct UnitGuess {
 
 /// Guesses the length of a file's unit from the size of its character in the bind pose.
 ///
-/// glTF specifies metres, but many files contain centimetres, or were scaled by an extra factor of 100. The longest
-/// side of a character is assumed to be 2 cm to 10 m:
-/// - above 10 and up to 1,000 units: centimetres; above that: millimetres
-/// - below 0.02 and down to 0.0002 units: a unit of 100 m; below that: of 1,000 m
-/// - else metres.
-/// If the file specifies its unit, sizes up to 100 m are accepted, since they may be intended; beyond that, and below
-/// 2 cm, the same rule is applied to the size in the file's unit.
+/// glTF specifies metres, but many files contain centimetres, or were scaled by an extra factor. Between 2 cm and 55 m
+/// the size is what the format says, with a note above 10 m; outside, the unit is the one of 1 mm, 1 cm, 1 m, 100 m and
+/// 1 km that brings the longest side nearest to 1.7 m, so that no guess leads away from a human. If the file specifies
+/// its unit, sizes up to 100 m are accepted, since they may be intended.
 /// @param longestSide   of the bind pose [units of the file]; 0 if unknown
 /// @param saidByFile    unit specified by the file [m]
 [[nodiscard]] UnitGuess guessUnit(double longestSide, std::optional<double> saidByFile);

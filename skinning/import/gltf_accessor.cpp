@@ -102,10 +102,6 @@ bool GltfAccessors::spend(std::uint64_t numbers) {
   return true;
 }
 
-Error GltfAccessors::bad(const std::string& what) const {
-  return badFormat(document_.name + ": " + what);
-}
-
 Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::uint64_t count,
                                       std::uint64_t elementBytes, const std::string& who, std::uint64_t& stride) const {
   LORICA_TRY_DO(checkIndex(document_, viewIndex, document_.model.bufferViews.size(), who, "buffer view"));
@@ -114,16 +110,17 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
   LORICA_TRY_DO(checkIndex(document_, view.buffer, document_.buffers.size(), viewName, "buffer"));
   const Bytes buffer = document_.buffers[view.buffer];
   if (buffer.empty()) {
-    return bad(fmt::format("{}: buffer {} has no data, neither embedded nor in another file", viewName, view.buffer));
+    return badFormat("{}: {}: buffer {} has no data, neither embedded nor in another file", document_.name, viewName,
+                     view.buffer);
   }
   if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) {
-    return bad(fmt::format("{}: {} bytes from byte {}, but buffer {} has {}", viewName, grouped(view.byteLength),
-                           grouped(view.byteOffset), view.buffer, grouped(buffer.size())));
+    return badFormat("{}: {}: {} bytes from byte {}, but buffer {} has {}", document_.name, viewName,
+                     grouped(view.byteLength), grouped(view.byteOffset), view.buffer, grouped(buffer.size()));
   }
   stride = view.byteStride == 0 ? elementBytes : view.byteStride;
   if (stride < elementBytes) {
-    return bad(fmt::format("{}: elements of {} bytes, but the stride of buffer view {} is {}", who, elementBytes,
-                           viewIndex, stride));
+    return badFormat("{}: {}: elements of {} bytes, but the stride of buffer view {} is {}", document_.name, who,
+                     elementBytes, viewIndex, stride);
   }
   // Written with a division, so that nothing can overflow.
   const std::uint64_t bytes = view.byteLength;
@@ -131,9 +128,10 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
                     (count == 0 || count - 1 <= (bytes - offset - elementBytes) / stride);
   if (!fits) {
     const double end = offset + (count - 1) * static_cast<double>(stride) + elementBytes;
-    const std::string endText = end < 9e15 ? "byte " + grouped(end) : fmt::format("byte {:.3g}", end);
-    return bad(fmt::format("{}: {} elements of {} bytes end at {}, but buffer view {} has {}", who, grouped(count),
-                           elementBytes, endText, viewIndex, grouped(bytes)));
+    const std::string endText =
+        end < 9e15 ? "byte " + grouped(static_cast<std::uint64_t>(end)) : fmt::format("byte {:.3g}", end);
+    return badFormat("{}: {}: {} elements of {} bytes end at {}, but buffer view {} has {}", document_.name, who,
+                     grouped(count), elementBytes, endText, viewIndex, grouped(bytes));
   }
   return buffer.subspan(view.byteOffset + offset, (count - 1) * stride + elementBytes);
 }
@@ -147,18 +145,17 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   // 1. Its declaration.
   const std::size_t wanted = components;
   if (tinygltf::GetNumComponentsInType(accessor.type) != components || accessor.type == TINYGLTF_TYPE_MAT2) {
-    return bad(fmt::format("{}: has {} numbers per element, expected {} for {}", who,
-                           tinygltf::GetNumComponentsInType(accessor.type), typeName(components), user));
+    return badFormat("{}: {}: has {} numbers per element, expected {} for {}", document_.name, who,
+                     tinygltf::GetNumComponentsInType(accessor.type), typeName(components), user);
   }
   const Component component = componentOf(accessor.componentType);
   const std::uint64_t numberBytes = component.bytes;
   if (numberBytes == 0 || (wantIntegers && !component.isUnsigned)) {
-    return bad(fmt::format("{}: component type {}, expected {} for {}", who, accessor.componentType,
-                           wantIntegers ? "unsigned integers (5121, 5123 or 5125)" : "5120 to 5123, 5125 or 5126",
-                           user));
+    return badFormat("{}: {}: component type {}, expected {} for {}", document_.name, who, accessor.componentType,
+                     wantIntegers ? "unsigned integers (5121, 5123 or 5125)" : "5120 to 5123, 5125 or 5126", user);
   }
   const std::uint64_t count = accessor.count;
-  if (count == 0) return bad(fmt::format("{}: has no elements, expected at least one for {}", who, user));
+  if (count == 0) return badFormat("{}: {}: has no elements, expected at least one for {}", document_.name, who, user);
 
   // 2. The location of its numbers, checked before any allocation.
   const std::uint64_t elementBytes = numberBytes * wanted;
@@ -170,8 +167,8 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
     bytes = found;
   }
   if (count > budget_ / wanted) {
-    return bad(fmt::format("{}: {} elements, too many for a file of {} bytes", who, grouped(count),
-                           grouped(document_.fileBytes)));
+    return badFormat("{}: {}: {} elements, too many for a file of {} bytes", document_.name, who, grouped(count),
+                     grouped(document_.fileBytes));
   }
   budget_ -= count * wanted;
 
@@ -189,10 +186,10 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
   const std::int64_t valuesFrom = sparse.values.byteOffset;
   if (sparse.count < 1 || static_cast<std::uint64_t>(sparse.count) > count || indicesFrom < 0 || valuesFrom < 0 ||
       !componentOf(sparse.indices.componentType).isUnsigned) {
-    return bad(
-        fmt::format("{}: its sparse part has {} elements at bytes {} and {} with indices of type {}, expected "
-                    "1 to {} elements, offsets of 0 or more and unsigned indices",
-                    who, sparse.count, indicesFrom, valuesFrom, sparse.indices.componentType, grouped(count)));
+    return badFormat(
+        "{}: {}: its sparse part has {} elements at bytes {} and {} with indices of type {}, expected "
+        "1 to {} elements, offsets of 0 or more and unsigned indices",
+        document_.name, who, sparse.count, indicesFrom, valuesFrom, sparse.indices.componentType, grouped(count));
   }
   const std::uint64_t replaced = sparse.count;
   std::uint64_t indexStride = 0;
@@ -208,7 +205,8 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
              [](std::uint64_t i) { return i; });
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (rows[i] >= count) {
-      return bad(fmt::format("{}: sparse index {} is {}, expected 0 to {}", who, i, rows[i], grouped(count - 1)));
+      return badFormat("{}: {}: sparse index {} is {}, expected 0 to {}", document_.name, who, i, rows[i],
+                       grouped(count - 1));
     }
   }
   unpackKind(accessor.componentType, valueBytes, valueStride, replaced, wanted, accessor.normalized, numbers,
@@ -224,12 +222,30 @@ Result<std::vector<std::uint32_t>> GltfAccessors::integers(int accessor, int com
   return read<std::uint32_t>(accessor, components, user, true);
 }
 
+Result<GltfKeys> GltfAccessors::keys(const tinygltf::Animation& animation, int index, int components,
+                                     const std::string& user) {
+  LORICA_TRY_DO(checkIndex(document_, index, animation.samplers.size(), user, "sampler"));
+  const tinygltf::AnimationSampler& sampler = animation.samplers[index];
+  GltfKeys keys;
+  if (sampler.interpolation == "STEP") {
+    keys.interpolation = KeyInterpolation::kStep;
+  } else if (sampler.interpolation == "CUBICSPLINE") {
+    keys.interpolation = KeyInterpolation::kCubicSpline;
+  } else if (sampler.interpolation != "LINEAR") {
+    return badFormat("{}: {}: interpolation '{}', expected STEP, LINEAR or CUBICSPLINE", document_.name, user,
+                     sampler.interpolation);
+  }
+  LORICA_TRY(keys.times, numbers(sampler.input, 1, user + ": times"));
+  LORICA_TRY(keys.values, numbers(sampler.output, components, user + ": values"));
+  return keys;
+}
+
 Result<std::vector<double>> GltfAccessors::numbers(int accessor, int components, const std::string& user) {
   LORICA_TRY(std::vector<double> all, read<double>(accessor, components, user, false));
   const auto broken = std::find_if(all.begin(), all.end(), [](double x) { return !std::isfinite(x); });
   if (broken != all.end()) {
-    return bad(fmt::format("accessor {}: element {} has {}, expected finite numbers for {}", accessor,
-                           grouped((broken - all.begin()) / components), *broken, user));
+    return badFormat("{}: accessor {}: element {} has {}, expected finite numbers for {}", document_.name, accessor,
+                     grouped((broken - all.begin()) / components), *broken, user);
   }
   return all;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "skinning/clip.h"
 #include "skinning/import/gltf_document.h"
 
 #include <cstdint>
@@ -8,6 +9,14 @@
 #include <vector>
 
 namespace lorica {
+
+/// The keys of an animation's sampler.
+struct GltfKeys {
+  KeyInterpolation interpolation = KeyInterpolation::kLinear;
+  std::vector<double> times;
+  std::vector<double> values;
+  [[nodiscard]] std::size_t listsPerKey() const { return interpolation == KeyInterpolation::kCubicSpline ? 3 : 1; }
+};
 
 /// Reads accessors after checking everything that they refer to. Numbers are returned as doubles, normalised ones in
 /// [-1, 1].
@@ -30,6 +39,11 @@ class GltfAccessors {
   /// Like numbers(), but non-finite numbers are allowed, for the caller to repair.
   [[nodiscard]] Result<std::vector<double>> anyNumbers(int accessor, int components, const std::string& user);
 
+  /// @param sampler  index, not yet checked. @param components  of a value
+  /// @return the sampler's content; the number of values is not yet checked
+  [[nodiscard]] Result<GltfKeys> keys(const tinygltf::Animation& animation, int sampler, int components,
+                                      const std::string& user);
+
   /// Takes numbers that a caller keeps beside those that it read from the same limit. @return false if it is exhausted
   [[nodiscard]] bool spend(std::uint64_t numbers);
 
@@ -40,7 +54,6 @@ class GltfAccessors {
   template <typename Number>
   [[nodiscard]] Result<std::vector<Number>> read(int accessor, int components, const std::string& user,
                                                  bool wantIntegers);
-  [[nodiscard]] Error bad(const std::string& what) const;
 
   const GltfDocument& document_;
   std::uint64_t budget_;

@@ -35,11 +35,6 @@ constexpr const char* kDraco = "KHR_draco_mesh_compression";
   return value.get<std::uint64_t>();
 }
 
-[[nodiscard]] std::string textOf(const Json& object, const char* key) {
-  const Json& value = memberOf(object, key);
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-
 /// The number of faces that Draco data claims, or why the data is not read: Draco reserves memory for what it claims.
 /// https://google.github.io/draco/spec/ : header, and the heads of both connectivities.
 [[nodiscard]] Result<std::uint64_t> dracoFaces(Bytes bytes) {

@@ -3,10 +3,11 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"
+#include "geometry/little_endian.h"
 #include "geometry/work_budgets.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/gltf_compression.h"
-#include "skinning/import/gltf_parts.h"
+#include "skinning/import/json_values.h"
 #include "skinning/import/uri.h"
 
 #include <fmt/format.h>
@@ -20,8 +21,60 @@ namespace lorica {
 namespace {
 
 using Json = nlohmann::json;
+using Bytes = std::span<const std::byte>;
 
-enum class Kind {
+[[nodiscard]] std::string_view textIn(Bytes bytes) {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+[[nodiscard]] Result<GltfParts> splitGlb(Bytes bytes, const std::string& name) {
+  constexpr std::size_t kHeaderBytes = 12;
+  constexpr std::size_t kChunkHeaderBytes = 8;
+  constexpr std::uint32_t kJson = 0x4E4F534A;
+  constexpr std::uint32_t kBinary = 0x004E4942;
+  const auto numberAt = [&](std::size_t at) { return loadLittleEndian<std::uint32_t>(textIn(bytes).data() + at); };
+
+  if (bytes.size() < kHeaderBytes) {
+    return badFormat("{}: {} bytes, expected at least {} for a GLB header: the file is truncated", name, bytes.size(),
+                     kHeaderBytes);
+  }
+  const std::uint32_t version = numberAt(4);
+  if (version != 2) {
+    return unsupported("{}: GLB version {}, expected 2", name, version);
+  }
+  const std::uint32_t length = numberAt(8);
+  if (length > bytes.size()) {
+    return badFormat("{}: its header declares {} bytes, the file has {}: it is truncated", name, grouped(length),
+                     grouped(bytes.size()));
+  }
+  bytes = bytes.first(length);
+
+  GltfParts parts;
+  std::size_t at = kHeaderBytes;
+  for (int chunk = 0; at < bytes.size(); ++chunk) {
+    if (bytes.size() - at < kChunkHeaderBytes) {
+      if (chunk >= 1) break;  // padding that some writers leave behind
+      return badFormat("{}: chunk {} starts at byte {} of {}, which leaves no room for its header", name, chunk,
+                       grouped(at), grouped(bytes.size()));
+    }
+    const std::uint32_t chunkBytes = numberAt(at);
+    const std::uint32_t kind = numberAt(at + 4);
+    at += kChunkHeaderBytes;
+    if (chunkBytes > bytes.size() - at) {
+      return badFormat("{}: chunk {} of {} bytes starts at byte {} and ends past the file's {}", name, chunk,
+                       grouped(chunkBytes), grouped(at), grouped(bytes.size()));
+    }
+    const Bytes content = bytes.subspan(at, chunkBytes);
+    if (chunk == 0 && kind != kJson) return badFormat("{}: chunk 0 has type {:#x}, expected JSON", name, kind);
+    if (chunk == 0) parts.json = textIn(content);
+    if (chunk > 0 && kind == kBinary && !parts.binary) parts.binary = content;
+    at += chunkBytes;
+  }
+  if (parts.json.empty()) return badFormat("{}: the GLB has no JSON chunk", name);
+  return parts;
+}
+
+enum class FieldKind {
   kSize,       ///< a whole number from 0 on
   kReference,  ///< a whole number; whether that element exists is checked where it is used, but -1 means none in
                ///< tinygltf
@@ -32,53 +85,53 @@ enum class Kind {
 
 struct Rule {
   std::string_view path;  ///< keys; * stands for each element or member
-  Kind kind;
+  FieldKind kind;
   bool required = false;  ///< in each object that the path leads to
 };
 
 // Properties that are not listed are of no use here or are checked elsewhere. Each list comes with the path of its
 // elements, which makes it a list.
 constexpr Rule kRules[] = {
-    {"scene", Kind::kReference},
-    {"bufferViews/*/buffer", Kind::kReference},
-    {"bufferViews/*/byteOffset", Kind::kSize},
-    {"bufferViews/*/byteLength", Kind::kSize},
-    {"bufferViews/*/byteStride", Kind::kSize},
-    {"accessors/*/bufferView", Kind::kReference},
-    {"accessors/*/byteOffset", Kind::kSize},
-    {"accessors/*/componentType", Kind::kReference},
-    {"accessors/*/count", Kind::kSize},
-    {"accessors/*/type", Kind::kText},
-    {"accessors/*/normalized", Kind::kBool},
-    {"accessors/*/sparse/count", Kind::kSize},
-    {"accessors/*/sparse/indices/bufferView", Kind::kReference},
-    {"accessors/*/sparse/indices/byteOffset", Kind::kSize},
-    {"accessors/*/sparse/indices/componentType", Kind::kReference},
-    {"accessors/*/sparse/values/bufferView", Kind::kReference},
-    {"accessors/*/sparse/values/byteOffset", Kind::kSize},
-    {"meshes/*/primitives/*/attributes/*", Kind::kReference},
-    {"meshes/*/primitives/*/targets/*/*", Kind::kReference},
-    {"meshes/*/primitives/*/indices", Kind::kReference},
-    {"meshes/*/primitives/*/material", Kind::kReference},
-    {"meshes/*/primitives/*/mode", Kind::kReference},
-    {"meshes/*/weights/*", Kind::kNumber},
-    {"nodes/*/children/*", Kind::kReference},
-    {"nodes/*/mesh", Kind::kReference},
-    {"nodes/*/skin", Kind::kReference},
-    {"nodes/*/matrix/*", Kind::kNumber},
-    {"nodes/*/translation/*", Kind::kNumber},
-    {"nodes/*/rotation/*", Kind::kNumber},
-    {"nodes/*/scale/*", Kind::kNumber},
-    {"nodes/*/weights/*", Kind::kNumber},
-    {"skins/*/inverseBindMatrices", Kind::kReference},
-    {"skins/*/joints/*", Kind::kReference},
-    {"animations/*/channels/*/sampler", Kind::kReference, true},
-    {"animations/*/channels/*/target/node", Kind::kReference},
-    {"animations/*/channels/*/target/path", Kind::kText, true},
-    {"animations/*/samplers/*/input", Kind::kReference, true},
-    {"animations/*/samplers/*/output", Kind::kReference, true},
-    {"animations/*/samplers/*/interpolation", Kind::kText},
-    {"scenes/*/nodes/*", Kind::kReference},
+    {"scene", FieldKind::kReference},
+    {"bufferViews/*/buffer", FieldKind::kReference},
+    {"bufferViews/*/byteOffset", FieldKind::kSize},
+    {"bufferViews/*/byteLength", FieldKind::kSize},
+    {"bufferViews/*/byteStride", FieldKind::kSize},
+    {"accessors/*/bufferView", FieldKind::kReference},
+    {"accessors/*/byteOffset", FieldKind::kSize},
+    {"accessors/*/componentType", FieldKind::kReference},
+    {"accessors/*/count", FieldKind::kSize},
+    {"accessors/*/type", FieldKind::kText},
+    {"accessors/*/normalized", FieldKind::kBool},
+    {"accessors/*/sparse/count", FieldKind::kSize},
+    {"accessors/*/sparse/indices/bufferView", FieldKind::kReference},
+    {"accessors/*/sparse/indices/byteOffset", FieldKind::kSize},
+    {"accessors/*/sparse/indices/componentType", FieldKind::kReference},
+    {"accessors/*/sparse/values/bufferView", FieldKind::kReference},
+    {"accessors/*/sparse/values/byteOffset", FieldKind::kSize},
+    {"meshes/*/primitives/*/attributes/*", FieldKind::kReference},
+    {"meshes/*/primitives/*/targets/*/*", FieldKind::kReference},
+    {"meshes/*/primitives/*/indices", FieldKind::kReference},
+    {"meshes/*/primitives/*/material", FieldKind::kReference},
+    {"meshes/*/primitives/*/mode", FieldKind::kReference},
+    {"meshes/*/weights/*", FieldKind::kNumber},
+    {"nodes/*/children/*", FieldKind::kReference},
+    {"nodes/*/mesh", FieldKind::kReference},
+    {"nodes/*/skin", FieldKind::kReference},
+    {"nodes/*/matrix/*", FieldKind::kNumber},
+    {"nodes/*/translation/*", FieldKind::kNumber},
+    {"nodes/*/rotation/*", FieldKind::kNumber},
+    {"nodes/*/scale/*", FieldKind::kNumber},
+    {"nodes/*/weights/*", FieldKind::kNumber},
+    {"skins/*/inverseBindMatrices", FieldKind::kReference},
+    {"skins/*/joints/*", FieldKind::kReference},
+    {"animations/*/channels/*/sampler", FieldKind::kReference, true},
+    {"animations/*/channels/*/target/node", FieldKind::kReference},
+    {"animations/*/channels/*/target/path", FieldKind::kText, true},
+    {"animations/*/samplers/*/input", FieldKind::kReference, true},
+    {"animations/*/samplers/*/output", FieldKind::kReference, true},
+    {"animations/*/samplers/*/interpolation", FieldKind::kText},
+    {"scenes/*/nodes/*", FieldKind::kReference},
 };
 
 struct KindRule {
@@ -86,7 +139,7 @@ struct KindRule {
   std::string_view expected;
 };
 constexpr std::string_view kFromZero = "a whole number from 0 on";
-/// In the order of Kind.
+/// In the order of FieldKind.
 constexpr std::array<KindRule, 5> kKinds = {
     {{[](const Json& value) { return value.is_number_unsigned(); }, kFromZero},
      {[](const Json& value) { return value.is_number_integer() && value != -1; }, kFromZero},
@@ -94,7 +147,7 @@ constexpr std::array<KindRule, 5> kKinds = {
      {[](const Json& value) { return value.is_string(); }, "a text"},
      {[](const Json& value) { return value.is_boolean(); }, "true or false"}}};
 
-[[nodiscard]] const KindRule& ruleOf(Kind kind) {
+[[nodiscard]] const KindRule& ruleOf(FieldKind kind) {
   return kKinds[static_cast<std::size_t>(kind)];
 }
 
@@ -135,9 +188,6 @@ constexpr std::array<KindRule, 5> kKinds = {
   return faultOf(*member, rest, rule, fmt::format("{}/{}", place, key));
 }
 
-using Json = nlohmann::json;
-using Bytes = std::span<const std::byte>;
-
 /// Moves the constraints out of the nodes.
 [[nodiscard]] std::vector<std::pair<std::size_t, Json>> takeNodeConstraints(Json& document) {
   std::vector<std::pair<std::size_t, Json>> taken;
@@ -157,13 +207,12 @@ using Bytes = std::span<const std::byte>;
 /// primitive.
 [[nodiscard]] std::vector<std::vector<std::string>> targetNamesOf(const Json& document) {
   std::vector<std::vector<std::string>> all;
-  const auto meshes = document.find("meshes");
-  if (meshes == document.end() || !meshes->is_array()) return all;
+  const Json& meshes = listOf(document, "meshes");
   const Json::json_pointer inMesh("/extras/targetNames");
   const Json::json_pointer inPrimitive("/primitives/0/extras/targetNames");
-  all.resize(meshes->size());
-  for (std::size_t m = 0; m < meshes->size(); ++m) {
-    const Json& mesh = (*meshes)[m];
+  all.resize(meshes.size());
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const Json& mesh = meshes[m];
     if (!mesh.is_object()) continue;
     for (const Json::json_pointer& place : {inMesh, inPrimitive}) {
       if (!all[m].empty() || !mesh.contains(place) || !mesh.at(place).is_array()) continue;
@@ -197,12 +246,10 @@ class BufferFinder {
     document_.buffers.reserve(buffers.size());
     for (std::size_t i = 0; i < buffers.size(); ++i) {
       const Json& buffer = buffers[i];
-      const auto length = buffer.is_object() ? buffer.find("byteLength") : buffer.end();
-      if (!buffer.is_object() || length == buffer.end() || !length->is_number_unsigned()) {
-        return bad(i, "has no byteLength, expected a whole number");
-      }
+      const Json& length = memberOf(buffer, "byteLength");
+      if (!length.is_number_unsigned()) return bad(i, "has no byteLength, expected a whole number");
       LORICA_TRY(Bytes bytes, bytesOf(buffer, i));
-      const auto expected = length->get<std::uint64_t>();
+      const auto expected = length.get<std::uint64_t>();
       // An empty buffer is rejected when something reads from it.
       if (!bytes.empty() && bytes.size() < expected) {
         return bad(i,
@@ -259,6 +306,18 @@ class BufferFinder {
 
 }  // namespace
 
+Result<GltfParts> splitGltf(Bytes bytes, const std::string& name) {
+  GltfParts parts;
+  if (bytes.size() >= 4 && textIn(bytes.first(4)) == "glTF") {
+    LORICA_TRY(const GltfParts split, splitGlb(bytes, name));
+    parts = split;
+  } else {
+    parts.json = textIn(bytes);
+  }
+  while (parts.json.ends_with('\0')) parts.json.remove_suffix(1);  // some writers pad with zeros
+  return parts;
+}
+
 Result<void> checkGltfTypes(const Json& document, const std::string& name) {
   for (const Rule& rule : kRules) {
     std::string fault = faultOf(document, rule.path, rule, {});
@@ -279,10 +338,7 @@ Result<GltfDocument> parseGltf(Bytes bytes, const std::string& name, const Named
   if (!json.is_object()) return badFormat("{}: its JSON is not an object, expected a glTF object", name);
 
   // 2. Content that is not supported.
-  const auto asset = json.find("asset");
-  const bool hasVersion =
-      asset != json.end() && asset->is_object() && asset->contains("version") && (*asset)["version"].is_string();
-  const std::string version = hasVersion ? (*asset)["version"].get<std::string>() : std::string();
+  const std::string version = textOf(memberOf(json, "asset"), "version");
   if (!version.starts_with("2.")) {
     return Error{version.empty() ? ErrorCode::kBadFormat : ErrorCode::kUnsupported,
                  fmt::format("{}: glTF version '{}', expected 2.0", name, version)};

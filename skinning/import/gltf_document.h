@@ -8,8 +8,10 @@
 
 #include <cstddef>
 #include <deque>
+#include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -39,6 +41,15 @@ struct GltfDocument {
   std::deque<std::string> owned;
   std::size_t fileBytes = 0;  ///< of the file and everything that it embeds or refers to
 };
+
+/// The two parts of a GLB, or the text of a .gltf alone. Both refer to the bytes of the file.
+struct GltfParts {
+  std::string_view json;
+  std::optional<std::span<const std::byte>> binary;
+};
+
+/// Splits a .glb, .vrm or .gltf, detected from the content. The JSON is not parsed.
+[[nodiscard]] Result<GltfParts> splitGltf(std::span<const std::byte> bytes, const std::string& name);
 
 /// Reads a .gltf, .glb or .vrm. Only what is needed is passed to tinygltf, so images may be broken or absent.
 ///

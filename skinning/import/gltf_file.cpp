@@ -4,14 +4,10 @@
 #include "geometry/errors.h"
 #include "geometry/work_budgets.h"
 #include "skinning/import/gltf_accessor.h"
-#include "skinning/import/gltf_clips.h"
 #include "skinning/import/gltf_document.h"
-#include "skinning/import/gltf_materials.h"
-#include "skinning/import/gltf_mesh.h"
-#include "skinning/import/gltf_morphs.h"
+#include "skinning/import/gltf_parts.h"
 #include "skinning/import/json_values.h"
 #include "skinning/import/vrm_expressions.h"
-#include "skinning/import/vrm_springs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -19,10 +15,116 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <map>
 #include <utility>
 
 namespace lorica {
 namespace {
+
+[[nodiscard]] Vec3 valueAt(const std::vector<double>& numbers, std::size_t i, const Vec3*) {
+  return {numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]};
+}
+
+[[nodiscard]] Quat valueAt(const std::vector<double>& numbers, std::size_t i, const Quat*) {
+  return Quat(numbers[4 * i + 3], numbers[4 * i], numbers[4 * i + 1], numbers[4 * i + 2]);
+}
+
+class ClipReader {
+ public:
+  ClipReader(const GltfDocument& document, GltfAccessors& accessors, std::size_t animation)
+      : document_(document),
+        accessors_(accessors),
+        animation_(document.model.animations[animation]),
+        who_(titled("animation", animation, animation_.name)) {
+    clip.name = animation_.name.empty() ? fmt::format("clip {}", animation) : animation_.name;
+  }
+
+  [[nodiscard]] Result<void> addChannel(std::size_t index) {
+    const tinygltf::AnimationChannel& channel = animation_.channels[index];
+    const std::string user = fmt::format("{}, channel {}", who_, index);
+    if (channel.target_path == "weights") return {};  // see addGltfMorphs()
+    const bool moves =
+        channel.target_path == "translation" || channel.target_path == "rotation" || channel.target_path == "scale";
+    if (channel.target_node == -1 || !moves) {
+      ++unknownChannels;
+      return {};
+    }
+    LORICA_TRY_DO(checkIndex(document_, channel.target_node, document_.model.nodes.size(), user, "node"));
+    const auto [position, isNew] = trackOfNode_.emplace(channel.target_node, clip.tracks.size());
+    if (isNew) clip.tracks.push_back({channel.target_node, std::nullopt, std::nullopt, std::nullopt});
+    FileTrack& track = clip.tracks[position->second];
+    if (channel.target_path == "translation") return readTrack(channel, 3, user, track.translation);
+    if (channel.target_path == "scale") return readTrack(channel, 3, user, track.scale);
+    return readTrack(channel, 4, user, track.rotation);
+  }
+
+  FileClip clip;
+  int unknownChannels = 0;   ///< with a path or node that glTF 2.0 does not define
+  int doubledChannels = 0;   ///< with a node and path that another channel already animates
+  std::size_t lateKeys = 0;  ///< not later than the previous key
+
+ private:
+  template <typename Value>
+  [[nodiscard]] Result<void> readTrack(const tinygltf::AnimationChannel& channel, int components,
+                                       const std::string& user, std::optional<KeyTrack<Value>>& out) {
+    if (out) {
+      ++doubledChannels;
+      return {};
+    }
+    LORICA_TRY(const GltfKeys keys, accessors_.keys(animation_, channel.sampler, components, user));
+    const auto& [interpolation, times, values] = keys;
+    KeyTrack<Value> track;
+    track.interpolation = interpolation;
+    const std::size_t perKey = keys.listsPerKey();
+    const std::size_t valueCount = values.size() / components;
+    if (valueCount != perKey * times.size()) {
+      return badFormat("{}: {}: {} values for {} keys, expected {}", document_.name, user, grouped(valueCount),
+                       grouped(times.size()), grouped(perKey * times.size()));
+    }
+    track.times.reserve(times.size());
+    track.values.reserve(valueCount);
+    for (std::size_t key = 0; key < times.size(); ++key) {
+      if (!track.times.empty() && times[key] <= track.times.back()) {
+        ++lateKeys;
+        continue;
+      }
+      track.times.push_back(times[key]);
+      for (std::size_t v = perKey * key; v < perKey * (key + 1); ++v) {
+        track.values.push_back(valueAt(values, v, static_cast<const Value*>(nullptr)));
+      }
+    }
+    out = std::move(track);
+    return {};
+  }
+
+  const GltfDocument& document_;
+  GltfAccessors& accessors_;
+  const tinygltf::Animation& animation_;
+  std::string who_;
+  std::map<int, std::size_t> trackOfNode_;
+};
+
+/// Adds the file's animations of nodes, one clip each. Those of morph weights are added by addGltfMorphs().
+[[nodiscard]] Result<void> addGltfClips(const GltfDocument& document, GltfAccessors& accessors, FileScene& scene) {
+  int unknownChannels = 0;
+  int doubledChannels = 0;
+  std::size_t lateKeys = 0;
+  for (std::size_t a = 0; a < document.model.animations.size(); ++a) {
+    ClipReader reader(document, accessors, a);
+    for (std::size_t c = 0; c < document.model.animations[a].channels.size(); ++c) {
+      LORICA_TRY_DO(reader.addChannel(c));
+    }
+    unknownChannels += reader.unknownChannels;
+    doubledChannels += reader.doubledChannels;
+    lateKeys += reader.lateKeys;
+    scene.clips.push_back(std::move(reader.clip));
+  }
+  scene.note(unknownChannels, "animation channels animate something other than nodes: skipped");
+  scene.note(doubledChannels, "animation channels animate what another already animates: skipped");
+  scene.note(lateKeys, "animation keys are not later than the previous key: skipped");
+  return {};
+}
 
 using Json = nlohmann::json;
 
@@ -91,9 +193,7 @@ void readVrm(const Json& extensions, FileScene& scene) {
     scene.format = "VRM 0.x";
     scene.modelFromFileAxes = Quat(0.0, 0.0, 1.0, 0.0);  // 180 degrees about Y
     scene.notes.emplace_back("VRM 0.x faces -Z: rotated to face +Z");
-    const Json& list = memberOf(memberOf(vrm, "humanoid"), "humanBones");
-    if (!list.is_array()) return;
-    for (const Json& bone : list) {
+    for (const Json& bone : listOf(memberOf(vrm, "humanoid"), "humanBones")) {
       const Json& name = memberOf(bone, "bone");
       if (name.is_string()) bones.add(nameIn1(name.get<std::string>()), memberOf(bone, "node"));
     }
@@ -129,14 +229,13 @@ class GltfSceneReader {
   }
 
  private:
-  [[nodiscard]] Error bad(const std::string& what) const { return badFormat(document_.name + ": " + what); }
-
   /// Copies the numbers of a node's property, if it has them.
   [[nodiscard]] Result<void> readProperty(const std::vector<double>& from, std::size_t node, const char* property,
                                           std::span<double> to) const {
     if (from.empty()) return {};
     if (from.size() != to.size()) {
-      return bad(fmt::format("node {}: {} has {} numbers, expected {}", node, property, from.size(), to.size()));
+      return badFormat("{}: node {}: {} has {} numbers, expected {}", document_.name, node, property, from.size(),
+                       to.size());
     }
     std::copy(from.begin(), from.end(), to.begin());
     return {};
@@ -160,7 +259,7 @@ class GltfSceneReader {
       const double norm = rotation.norm();
       if (!matrix.allFinite() || !node.local.translation.allFinite() || !node.local.scale.allFinite() ||
           !std::isfinite(norm)) {
-        return bad(fmt::format("node {} '{}': contains a non-finite number", i, node.name));
+        return badFormat("{}: node {} '{}': contains a non-finite number", document_.name, i, node.name);
       }
       if (std::abs(norm - 1.0) > 1e-3) ++unturned;
       if (norm > 1e-12) node.local.rotation = Quat(Eigen::Vector4d(rotation / norm));
@@ -180,8 +279,8 @@ class GltfSceneReader {
         LORICA_TRY_DO(checkIndex(document_, child, count, fmt::format("node {}", i), "child node"));
         FileNode& node = scene_.nodes[child];
         if (node.parent != -1) {
-          return bad(fmt::format("node {} '{}': is a child of node {} and of node {}, expected one parent", child,
-                                 node.name, node.parent, i));
+          return badFormat("{}: node {} '{}': is a child of node {} and of node {}, expected one parent",
+                           document_.name, child, node.name, node.parent, i);
         }
         node.parent = i;
       }
@@ -195,7 +294,8 @@ class GltfSceneReader {
     const std::vector<int> roots = below;
     markBelow(below);
     for (std::size_t i = 0; i < count; ++i) {
-      if (inScene_[i] == 0) return bad(fmt::format("node {} '{}': is its own ancestor", i, scene_.nodes[i].name));
+      if (inScene_[i] == 0)
+        return badFormat("{}: node {} '{}': is its own ancestor", document_.name, i, scene_.nodes[i].name);
     }
 
     // The nodes that the default scene draws.
@@ -228,7 +328,7 @@ class GltfSceneReader {
     for (std::size_t s = 0; s < document_.model.skins.size(); ++s) {
       const tinygltf::Skin& from = document_.model.skins[s];
       const std::string who = titled("skin", s, from.name);
-      if (from.joints.empty()) return bad(who + ": has no joints, expected at least one");
+      if (from.joints.empty()) return badFormat("{}: {}: has no joints, expected at least one", document_.name, who);
       for (const int joint : from.joints) {
         LORICA_TRY_DO(checkIndex(document_, joint, scene_.nodes.size(), who, "joint node"));
       }
@@ -238,8 +338,8 @@ class GltfSceneReader {
         LORICA_TRY(const std::vector<double> numbers,
                    accessors_.numbers(from.inverseBindMatrices, 16, who + ": inverse bind matrices"));
         if (numbers.size() < 16 * from.joints.size()) {
-          return bad(
-              fmt::format("{}: {} inverse bind matrices for {} joints", who, numbers.size() / 16, from.joints.size()));
+          return badFormat("{}: {}: {} inverse bind matrices for {} joints", document_.name, who, numbers.size() / 16,
+                           from.joints.size());
         }
         for (std::size_t j = 0; j < from.joints.size(); ++j) {
           Mat4 matrix = Eigen::Map<const Mat4>(numbers.data() + 16 * j);
@@ -297,17 +397,14 @@ class GltfSceneReader {
       }
       scene_.morphTargetCount += targets;
     }
-    const auto note = [&](std::uint64_t count, const char* what) {
-      if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
-    };
-    note(undrawn, "nodes with a mesh are not in the drawn scene: skipped");
-    note(statistics.pointsAndLines, "primitives are points or lines: skipped");
-    note(statistics.withoutPositions, "primitives have no positions: skipped");
-    note(statistics.rigidOnSkin, "primitives of nodes with a skin have no joints: attached to their nodes");
-    note(statistics.degenerate, "triangles use a vertex twice: skipped");
-    note(statistics.leftOver, "indices do not form a complete triangle: skipped");
-    note(statistics.notFinite,
-         "numbers of normals, tangents, texture coordinates or colours are not finite: replaced by 0");
+    scene_.note(undrawn, "nodes with a mesh are not in the drawn scene: skipped");
+    scene_.note(statistics.pointsAndLines, "primitives are points or lines: skipped");
+    scene_.note(statistics.withoutPositions, "primitives have no positions: skipped");
+    scene_.note(statistics.rigidOnSkin, "primitives of nodes with a skin have no joints: attached to their nodes");
+    scene_.note(statistics.degenerate, "triangles use a vertex twice: skipped");
+    scene_.note(statistics.leftOver, "indices do not form a complete triangle: skipped");
+    scene_.note(statistics.notFinite,
+                "numbers of normals, tangents, texture coordinates or colours are not finite: replaced by 0");
     notes.appendTo(scene_.notes);
     spendLook();
     return {};
@@ -317,17 +414,16 @@ class GltfSceneReader {
   void spendLook() {
     std::uint64_t vertices = 0;
     std::uint64_t numbers = 0;
-    const auto count = [&](auto list, std::uint64_t components) {
-      const bool any = std::any_of(scene_.meshes.begin(), scene_.meshes.end(),
-                                   [&](const FileMesh& mesh) { return !list(mesh).empty(); });
-      numbers += any ? components : 0;
+    const auto count = [&](const auto& list, std::uint64_t components) {
+      const auto has = [&](const FileMesh& mesh) { return !std::invoke(list, mesh).empty(); };
+      if (std::ranges::any_of(scene_.meshes, has)) numbers += components;
     };
     for (const FileMesh& mesh : scene_.meshes) vertices += mesh.positions.size();
-    count([](const FileMesh& mesh) { return std::span(mesh.normals); }, 3);
-    count([](const FileMesh& mesh) { return std::span(mesh.tangents); }, 4);
+    count(&FileMesh::normals, 3);
+    count(&FileMesh::tangents, 4);
     count([](const FileMesh& mesh) { return std::span(mesh.uv[0]); }, 2);
     count([](const FileMesh& mesh) { return std::span(mesh.uv[1]); }, 2);
-    count([](const FileMesh& mesh) { return std::span(mesh.colors); }, 4);
+    count(&FileMesh::colors, 4);
     if (lookAccessors_.spend(vertices * numbers)) return;
     for (FileMesh& mesh : scene_.meshes) {
       mesh.normals = {};

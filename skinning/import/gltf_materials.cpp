@@ -1,4 +1,4 @@
-#include "skinning/import/gltf_materials.h"
+#include "skinning/import/gltf_parts.h"
 
 #include "geometry/counts.h"
 #include "skinning/import/json_values.h"
@@ -20,18 +20,6 @@ namespace {
 using Json = nlohmann::json;
 
 constexpr std::size_t kSharedBytes = 2;  // pictures may have this many times the bytes of the file
-
-/// A list of the document; empty if it is something else.
-[[nodiscard]] const Json& listOf(const Json& look, const char* name) {
-  static const Json kEmpty = Json::array();
-  const Json& list = memberOf(look, name);
-  return list.is_array() ? list : kEmpty;
-}
-
-[[nodiscard]] std::string nameOf(const Json& element) {
-  const Json& name = memberOf(element, "name");
-  return name.is_string() ? name.get<std::string>() : std::string();
-}
 
 [[nodiscard]] int uvSetOf(const Json& info, int otherwise) {
   return std::clamp(numberOf(info, "texCoord", static_cast<float>(otherwise)), -1.0f, 9.0f);
@@ -59,7 +47,7 @@ class MaterialReader {
     scene_.materials.resize(list_.size());
     for (std::size_t m = 0; m < list_.size(); ++m) {
       Material& material = scene_.materials[m];
-      material.name = nameOf(list_[m]);
+      material.name = textOf(list_[m], "name");
       if (material.name.empty()) material.name = fmt::format("material {}", m);
       if (used[m]) readMaterial(m, material);
     }
@@ -86,7 +74,7 @@ class MaterialReader {
   }
 
   void readMaterial(std::size_t index, Material& material) {
-    who_ = titled("material", index, nameOf(list_[index]));
+    who_ = titled("material", index, textOf(list_[index], "name"));
     MemberReader members;
     if (list_[index].is_object()) {
       readCore(list_[index], material, members);
@@ -197,7 +185,7 @@ class MaterialReader {
     }
     if (!image) {
       if (!refusedTextures_.insert(textureIndex).second) return -1;
-      return pictures_.refuse(titled("texture", textureIndex, nameOf(texture)), whyWithoutPicture(texture));
+      return pictures_.refuse(titled("texture", textureIndex, textOf(texture, "name")), whyWithoutPicture(texture));
     }
     const auto [known, isNew] = pictureOfImage_.emplace(*image, -1);
     if (isNew) known->second = readPicture(*image);
@@ -218,7 +206,7 @@ class MaterialReader {
 
   [[nodiscard]] int readPicture(std::size_t image) {
     const Json& json = images_[image];
-    const std::string name = titled("image", image, nameOf(json));
+    const std::string name = titled("image", image, textOf(json, "name"));
     if (const Json& uri = memberOf(json, "uri"); uri.is_string()) {
       return pictures_.addUri(name, uri.get_ref<const std::string&>());
     }

@@ -1,4 +1,4 @@
-#include "skinning/import/gltf_mesh.h"
+#include "skinning/import/gltf_parts.h"
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -21,7 +21,7 @@ namespace {
   const auto add = [&](std::size_t a, std::size_t b, std::size_t c) {
     const Triangle t = {static_cast<VertexIndex>(indices[a]), static_cast<VertexIndex>(indices[b]),
                         static_cast<VertexIndex>(indices[c])};
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) {
+    if (hasRepeatedCorner(t)) {
       ++statistics.degenerate;
     } else {
       triangles.push_back(t);

@@ -1,4 +1,4 @@
-#include "skinning/import/gltf_morphs.h"
+#include "skinning/import/gltf_parts.h"
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -45,10 +45,7 @@ class MorphReader {
     }
     note(badTargets_, "parts of morph targets could not be read");
     note(badChannels_, "animation channels of morph weights could not be read");
-    if (lateKeys_ > 0) {
-      scene_.notes.push_back(
-          fmt::format("{} keys of morph weights are not later than the previous key: skipped", grouped(lateKeys_)));
-    }
+    scene_.note(lateKeys_, "keys of morph weights are not later than the previous key: skipped");
   }
 
  private:
@@ -205,27 +202,18 @@ class MorphReader {
   [[nodiscard]] Result<MorphWeightTrack> readTrack(const tinygltf::Animation& animation,
                                                    const tinygltf::AnimationChannel& channel,
                                                    const NodeTargets& targets, const std::string& who) {
-    LORICA_TRY_DO(checkIndex(document_, channel.sampler, animation.samplers.size(), who, "sampler"));
-    const tinygltf::AnimationSampler& sampler = animation.samplers[channel.sampler];
+    LORICA_TRY(const GltfKeys keys, accessors_.keys(animation, channel.sampler, 1, who));
+    const auto& [interpolation, times, values] = keys;
     MorphWeightTrack track;
     track.firstTarget = targets.first;
     track.targetCount = targets.listed;
-    if (sampler.interpolation == "STEP") {
-      track.interpolation = KeyInterpolation::kStep;
-    } else if (sampler.interpolation == "CUBICSPLINE") {
-      track.interpolation = KeyInterpolation::kCubicSpline;
-    } else if (sampler.interpolation != "LINEAR") {
-      return bad(
-          fmt::format("{}: interpolation '{}', expected STEP, LINEAR or CUBICSPLINE", who, sampler.interpolation));
-    }
-    LORICA_TRY(const std::vector<double> times, accessors_.numbers(sampler.input, 1, who + ": times"));
-    LORICA_TRY(const std::vector<double> values, accessors_.numbers(sampler.output, 1, who + ": values"));
-    const std::size_t lists = track.interpolation == KeyInterpolation::kCubicSpline ? 3 : 1;
+    track.interpolation = interpolation;
+    const std::size_t lists = keys.listsPerKey();
     const std::size_t declared = targets.declared;
     const std::size_t listed = targets.listed;
     if (values.size() != lists * declared * times.size()) {
-      return bad(fmt::format("{}: {} values for {} keys of {} morph targets, expected {}", who, grouped(values.size()),
-                             grouped(times.size()), grouped(declared), grouped(lists * declared * times.size())));
+      return badFormat("{}: {} values for {} keys of {} morph targets, expected {}", who, grouped(values.size()),
+                       grouped(times.size()), grouped(declared), grouped(lists * declared * times.size()));
     }
     track.times.reserve(times.size());
     track.values.reserve(lists * listed * times.size());
@@ -242,8 +230,6 @@ class MorphReader {
     }
     return track;
   }
-
-  [[nodiscard]] Error bad(const std::string& what) const { return badFormat(what); }
 
   const GltfDocument& document_;
   GltfAccessors& accessors_;

@@ -1,6 +1,7 @@
 #include "skinning/import/hidden_meshes.h"
 
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -18,8 +19,7 @@ constexpr std::size_t kMaxNames = 1000;
 constexpr std::size_t kMaxNamesInMessages = 40;
 
 [[nodiscard]] bool sameName(const std::string& a, const std::string& b) {
-  const auto lower = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; };
-  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+  return lowerCase(a) == lowerCase(b);
 }
 
 [[nodiscard]] const std::string& nodeOf(const FileScene& scene, const FileMesh& mesh) {

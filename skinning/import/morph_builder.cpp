@@ -1,4 +1,4 @@
-#include "skinning/import/morph_builder.h"
+#include "skinning/import/character_parts.h"
 
 #include "geometry/counts.h"
 

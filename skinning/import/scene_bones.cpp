@@ -1,4 +1,4 @@
-#include "skinning/import/scene_bones.h"
+#include "skinning/import/character_parts.h"
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"

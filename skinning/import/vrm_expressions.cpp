@@ -21,17 +21,6 @@ using Json = nlohmann::json;
 
 constexpr float kDegree = std::numbers::pi_v<float> / 180.0F;
 
-/// The text of a string, else none.
-[[nodiscard]] std::string textOf(const Json& object, const char* key) {
-  const Json& value = memberOf(object, key);
-  return value.is_string() ? value.get<std::string>() : std::string();
-}
-
-[[nodiscard]] bool isTrue(const Json& object, const char* key) {
-  const Json& value = memberOf(object, key);
-  return value.is_boolean() && value.get<bool>();
-}
-
 [[nodiscard]] ExpressionOverride overrideOf(const Json& expression, const char* key) {
   const std::string text = textOf(expression, key);
   if (text == "block") return ExpressionOverride::kBlock;
@@ -71,29 +60,21 @@ class ExpressionReader {
         if (!hasRoom()) continue;
         Expression expression;
         expression.name = name;
-        expression.binary = isTrue(from, "isBinary");
+        expression.binary = memberOf(from, "isBinary") == true;
         expression.overrideBlink = overrideOf(from, "overrideBlink");
         expression.overrideLookAt = overrideOf(from, "overrideLookAt");
         expression.overrideMouth = overrideOf(from, "overrideMouth");
-        forEach(memberOf(from, "morphTargetBinds"), [&](const Json& bind) {
+        for (const Json& bind : listOf(from, "morphTargetBinds")) {
           addMorph(targetsOfNode_, bind, "node", numberOf(bind, "weight", 0.0F), expression);
-        });
-        forEach(memberOf(from, "materialColorBinds"), [&](const Json& bind) { addColor(bind, expression); });
-        forEach(memberOf(from, "textureTransformBinds"), [&](const Json& bind) { addTexture(bind, expression); });
+        }
+        for (const Json& bind : listOf(from, "materialColorBinds")) addColor(bind, expression);
+        for (const Json& bind : listOf(from, "textureTransformBinds")) addTexture(bind, expression);
         add(std::move(expression));
       }
     }
     const Json& lookAt = memberOf(vrm, "lookAt");
     if (!lookAt.is_object()) return;
-    const bool bones = textOf(lookAt, "type") != "expression";
-    scene_.lookAt.kind = bones ? LookAtKind::kBone : LookAtKind::kExpression;
-    const auto range = [&](const char* key) {
-      return rangeOf(memberOf(lookAt, key), "inputMaxValue", "outputScale", bones);
-    };
-    scene_.lookAt.inner = range("rangeMapHorizontalInner");
-    scene_.lookAt.outer = range("rangeMapHorizontalOuter");
-    scene_.lookAt.down = range("rangeMapVerticalDown");
-    scene_.lookAt.up = range("rangeMapVerticalUp");
+    readRanges(lookAt, textOf(lookAt, "type") != "expression", "rangeMap", "inputMaxValue", "outputScale");
     std::array<float, 3> offset = {0.0F, 0.06F, 0.0F};
     numbersOf(lookAt, "offsetFromHeadBone", offset);
     scene_.lookAt.offsetFromHead = Vec3(offset[0], offset[1], offset[2]);
@@ -103,36 +84,30 @@ class ExpressionReader {
   }
 
   void readVrm0(const Json& vrm) {
-    forEach(memberOf(memberOf(vrm, "blendShapeMaster"), "blendShapeGroups"), [&](const Json& group) {
+    for (const Json& group : listOf(memberOf(vrm, "blendShapeMaster"), "blendShapeGroups")) {
       const std::string preset = textOf(group, "presetName");
       Expression expression;
       expression.name = preset.empty() || preset == "unknown" ? textOf(group, "name") : presetName(preset);
-      if (expression.name.empty() || !hasRoom()) return;
-      expression.binary = isTrue(group, "isBinary");
-      forEach(memberOf(group, "binds"), [&](const Json& bind) {
+      if (expression.name.empty() || !hasRoom()) continue;
+      expression.binary = memberOf(group, "isBinary") == true;
+      for (const Json& bind : listOf(group, "binds")) {
         addMorph(targetsOfMesh_, bind, "mesh", 0.01F * numberOf(bind, "weight", 100.0F), expression);
-      });
-      forEach(memberOf(group, "materialValues"), [&](const Json& value) { addMaterialValue(value, expression); });
+      }
+      for (const Json& value : listOf(group, "materialValues")) addMaterialValue(value, expression);
       add(std::move(expression));
-    });
+    }
     const Json& firstPerson = memberOf(vrm, "firstPerson");
     if (!firstPerson.is_object()) return;
-    const bool bones = textOf(firstPerson, "lookAtTypeName") != "BlendShape";
-    scene_.lookAt.kind = bones ? LookAtKind::kBone : LookAtKind::kExpression;
-    const auto range = [&](const char* key) { return rangeOf(memberOf(firstPerson, key), "xRange", "yRange", bones); };
-    scene_.lookAt.inner = range("lookAtHorizontalInner");
-    scene_.lookAt.outer = range("lookAtHorizontalOuter");
-    scene_.lookAt.down = range("lookAtVerticalDown");
-    scene_.lookAt.up = range("lookAtVerticalUp");
+    readRanges(firstPerson, textOf(firstPerson, "lookAtTypeName") != "BlendShape", "lookAt", "xRange", "yRange");
     // Unity's Z points forward, the file's backward.
     const Json& offset = memberOf(firstPerson, "firstPersonBoneOffset");
     scene_.lookAt.offsetFromHead =
         Vec3(numberOf(offset, "x", 0.0F), numberOf(offset, "y", 0.06F), -numberOf(offset, "z", 0.0F));
-    forEach(memberOf(memberOf(vrm, "humanoid"), "humanBones"), [&](const Json& bone) {
+    for (const Json& bone : listOf(memberOf(vrm, "humanoid"), "humanBones")) {
       const std::string name = textOf(bone, "bone");
       if (name == "leftEye") scene_.leftEye = nodeOf(bone);
       if (name == "rightEye") scene_.rightEye = nodeOf(bone);
-    });
+    }
   }
 
   /// As VRM defines, targets that an expression moves are at 0 without it.
@@ -165,23 +140,16 @@ class ExpressionReader {
   }
 
   void tell() {
-    const auto note = [&](std::uint64_t count, const std::string& what) {
-      if (count > 0) scene_.notes.push_back(fmt::format("{} {}", grouped(count), what));
-    };
-    note(full_, fmt::format("expressions or their binds are beyond the first {} expressions and {} binds: skipped",
+    scene_.note(full_,
+                fmt::format("expressions or their binds are beyond the first {} expressions and {} binds: skipped",
                             grouped(kMaxExpressions), grouped(kMaxExpressionBinds)));
-    note(doubled_, "expressions have a name that another one has: skipped");
-    note(lost_, fmt::format("binds of expressions refer to what does not exist: skipped (the first: {})", firstLost_));
+    scene_.note(doubled_, "expressions have a name that another one has: skipped");
+    scene_.note(lost_,
+                fmt::format("binds of expressions refer to what does not exist: skipped (the first: {})", firstLost_));
   }
 
  private:
   using Targets = std::map<std::pair<int, int>, std::vector<int>>;
-
-  template <typename Use>
-  static void forEach(const Json& list, const Use& use) {
-    if (!list.is_array()) return;
-    for (const Json& element : list) use(element);
-  }
 
   [[nodiscard]] bool hasRoom() {
     if (scene_.expressions.list.size() < kMaxExpressions && binds_ < kMaxExpressionBinds) {
@@ -266,12 +234,18 @@ class ExpressionReader {
   [[nodiscard]] int nodeOf(const Json& bone) const { return indexOf(bone, "node", scene_.nodes.size()).value_or(-1); }
 
   /// Angles are in degrees. Without a range the eyes move as three-vrm lets them.
-  [[nodiscard]] static LookAtRange rangeOf(const Json& map, const char* input, const char* output, bool bones) {
-    LookAtRange range;
-    range.inputMax = kDegree * std::max(numberOf(map, input, 90.0F), 0.01F);
-    const float scale = numberOf(map, output, bones ? 10.0F : 1.0F);
-    range.output = bones ? kDegree * scale : scale;
-    return range;
+  /// @param prefix,input,output  of the names of members
+  void readRanges(const Json& from, bool bones, const std::string& prefix, const char* input, const char* output) {
+    LookAt& lookAt = scene_.lookAt;
+    lookAt.kind = bones ? LookAtKind::kBone : LookAtKind::kExpression;
+    for (const auto& [key, range] :
+         {std::pair("HorizontalInner", &lookAt.inner), std::pair("HorizontalOuter", &lookAt.outer),
+          std::pair("VerticalDown", &lookAt.down), std::pair("VerticalUp", &lookAt.up)}) {
+      const Json& map = memberOf(from, (prefix + key).c_str());
+      const float scale = numberOf(map, output, bones ? 10.0F : 1.0F);
+      range->inputMax = kDegree * std::max(numberOf(map, input, 90.0F), 0.01F);
+      range->output = bones ? kDegree * scale : scale;
+    }
   }
 
   FileScene& scene_;

@@ -1,4 +1,4 @@
-#include "skinning/import/vrm_springs.h"
+#include "skinning/import/gltf_parts.h"
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"
@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -14,6 +15,87 @@ namespace lorica {
 namespace {
 
 using Json = nlohmann::json;
+
+constexpr double kLargestNumber = 1e6;  // of lengths and forces in a file
+
+/// Values of springs and constraints, brought into their ranges, and what was wrong with them. In all of these `who`
+/// names the object that they belong to.
+class VrmValues {
+ public:
+  explicit VrmValues(const FileScene& scene) : scene_(scene) {}
+
+  /// Keeps one sentence for each kind of fault, with the number of them.
+  void addFault(const std::string& kind, const std::string& sentence) {
+    const auto found =
+        std::find_if(faults_.begin(), faults_.end(), [&](const Fault& fault) { return fault.kind == kind; });
+    if (found != faults_.end()) {
+      ++found->count;
+    } else {
+      faults_.push_back({kind, sentence});
+    }
+  }
+
+  void writeFaultsTo(std::vector<std::string>& notes) const {
+    for (const Fault& fault : faults_) {
+      notes.push_back(fault.count == 1 ? "springs: " + fault.sentence
+                                       : fmt::format("springs: {} ({} more of this kind)", fault.sentence,
+                                                     grouped(fault.count - 1)));
+    }
+  }
+
+  /// For messages.
+  [[nodiscard]] static std::string shown(const Json& value) {
+    return value.is_structured() ? std::string(value.type_name()) : value.dump().substr(0, 24);
+  }
+
+  [[nodiscard]] std::optional<int> nodeIn(const Json& index, const std::string& who) {
+    const std::optional<int> node = indexIn(index, scene_.nodes.size());
+    if (!node) addFault("node", fmt::format("{} refers to node {}, which does not exist: skipped", who, shown(index)));
+    return node;
+  }
+
+  [[nodiscard]] double number(const Json& object, const char* key, double otherwise, double min, double max,
+                              const std::string& who) {
+    const Json& value = memberOf(object, key);
+    if (value.is_null()) return otherwise;
+    const double given = value.is_number() ? value.get<double>() : kInfinity;
+    if (given >= min && given <= max) return given;
+    const double used = value.is_number() && !std::isnan(given) ? std::clamp(given, min, max) : otherwise;
+    addFault("number",
+             fmt::format("{}: {} is {}, expected {} to {}: {} is used", who, key, shown(value), min, max, used));
+    return used;
+  }
+
+  [[nodiscard]] Vec3 vectorOf(const Json& list, const char* key, const Vec3& otherwise, const std::string& who) {
+    const Json& value = memberOf(list, key);
+    if (value.is_null()) return otherwise;
+    Vec3 v = otherwise;
+    bool sound = value.is_array() && value.size() == 3;
+    for (int i = 0; i < 3 && sound; ++i) {
+      sound = value[i].is_number();
+      if (sound) v[i] = value[i].get<double>();
+    }
+    if (sound && v.cwiseAbs().maxCoeff() <= kLargestNumber) return v;
+    addFault("vector", fmt::format("{}: {} is not three numbers of at most {:g}: ignored", who, key, kLargestNumber));
+    return otherwise;
+  }
+
+  /// Vectors of VRM 0.x have Unity's axes, whose z is opposite to glTF's.
+  [[nodiscard]] Vec3 unityVectorOf(const Json& object, const char* key, const Vec3& otherwise, const std::string& who) {
+    const Json& value = memberOf(object, key);
+    if (value.is_null()) return otherwise;
+    const auto part = [&](const char* axis) { return number(value, axis, 0.0, -kLargestNumber, kLargestNumber, who); };
+    return {part("x"), part("y"), -part("z")};
+  }
+
+ private:
+  struct Fault {
+    std::string kind, sentence;
+    std::uint64_t count = 1;
+  };
+  const FileScene& scene_;
+  std::vector<Fault> faults_;
+};
 
 /// "X", "PositiveX" or "NegativeX"; nothing leaves the axis as it is.
 [[nodiscard]] bool readAxis(const Json& name, Vec3& axis) {
@@ -75,7 +157,6 @@ void readVrmConstraints(const GltfDocument& document, VrmValues& values, std::ve
   }
 }
 
-constexpr double kLargestNumber = VrmValues::kLargestNumber;
 constexpr int kMaxSkippedNodes = 1000;           // between two joints of a strand
 constexpr double kVirtualTail = 0.07;            // of the last joint of a strand in VRM 0.x
 constexpr int kMaxCenterSteps = 1'000'000;       // from centres up to their roots, in all
@@ -121,13 +202,13 @@ class SpringReader {
   }
 
   void readColliders0(const Json& springs) {
-    const Json& groups = VrmValues::listOf(springs, "colliderGroups");
+    const Json& groups = listOf(springs, "colliderGroups");
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::string who = fmt::format("collider group {}", g);
       std::vector<int>& group = out_.colliderGroups.emplace_back();
       const std::optional<int> node = values_.nodeIn(memberOf(groups[g], "node"), who);
       if (!node) continue;
-      for (const Json& from : VrmValues::listOf(groups[g], "colliders")) {
+      for (const Json& from : listOf(groups[g], "colliders")) {
         if (!mayAddCollider() || !mayAddReference()) return;
         SpringCollider collider;
         collider.joint = *node;
@@ -140,7 +221,7 @@ class SpringReader {
   }
 
   void readColliders1(const Json& springs) {
-    const Json& colliders = VrmValues::listOf(springs, "colliders");
+    const Json& colliders = listOf(springs, "colliders");
     std::vector<int> newIndex(colliders.size(), -1);
     for (std::size_t c = 0; c < colliders.size(); ++c) {
       const std::string who = fmt::format("collider {}", c);
@@ -158,12 +239,12 @@ class SpringReader {
       newIndex[c] = countOf(out_.colliders);
       out_.colliders.push_back(collider);
     }
-    for (const Json& from : VrmValues::listOf(springs, "colliderGroups")) {
+    for (const Json& from : listOf(springs, "colliderGroups")) {
       const std::string who = fmt::format("collider group {}", out_.colliderGroups.size());
       std::vector<int>& group = out_.colliderGroups.emplace_back();
-      for (const Json& index : VrmValues::listOf(from, "colliders")) {
+      for (const Json& index : listOf(from, "colliders")) {
         if (!mayAddReference()) return;
-        const std::optional<int> collider = VrmValues::indexIn(index, newIndex.size());
+        const std::optional<int> collider = indexIn(index, newIndex.size());
         if (!collider) {
           values_.addFault("collider", fmt::format("{} refers to collider {}, which does not exist: skipped", who,
                                                    VrmValues::shown(index)));
@@ -208,7 +289,7 @@ class SpringReader {
   }
 
   void readChains0(const Json& springs) {
-    const Json& groups = VrmValues::listOf(springs, "boneGroups");
+    const Json& groups = listOf(springs, "boneGroups");
     for (std::size_t g = 0; g < groups.size(); ++g) {
       const std::string who = fmt::format("spring group {}", g);
       SpringJoint settings = settingsOf(groups[g], "stiffiness", who);  // the format's own spelling
@@ -220,7 +301,7 @@ class SpringReader {
         chain.center = values_.nodeIn(center, who + ": its centre").value_or(kNoJoint);
       }
       readGroupsOf(groups[g], who, chain);
-      for (const Json& root : VrmValues::listOf(groups[g], "bones")) {
+      for (const Json& root : listOf(groups[g], "bones")) {
         const std::optional<int> node = values_.nodeIn(root, who);
         if (!node) continue;
         chain.name = scene_.nodes[*node].name;
@@ -248,7 +329,7 @@ class SpringReader {
   }
 
   void readChains1(const Json& springs) {
-    for (const Json& spring : VrmValues::listOf(springs, "springs")) {
+    for (const Json& spring : listOf(springs, "springs")) {
       const std::string who = fmt::format("spring {}", springCount_++);
       SpringChain chain;
       if (const Json& name = memberOf(spring, "name"); name.is_string()) chain.name = name.get<std::string>();
@@ -256,7 +337,7 @@ class SpringReader {
         chain.center = values_.nodeIn(center, who + ": its centre").value_or(kNoJoint);
       }
       readGroupsOf(spring, who, chain);
-      const Json& joints = VrmValues::listOf(spring, "joints");
+      const Json& joints = listOf(spring, "joints");
       for (std::size_t j = 0; j + 1 < joints.size(); ++j) {
         const std::optional<int> head = values_.nodeIn(memberOf(joints[j], "node"), who);
         const std::optional<int> end = values_.nodeIn(memberOf(joints[j + 1], "node"), who);
@@ -289,9 +370,9 @@ class SpringReader {
   }
 
   void readGroupsOf(const Json& from, const std::string& who, SpringChain& chain) {
-    for (const Json& index : VrmValues::listOf(from, "colliderGroups")) {
+    for (const Json& index : listOf(from, "colliderGroups")) {
       if (!mayAddReference()) return;
-      if (const std::optional<int> group = VrmValues::indexIn(index, out_.colliderGroups.size())) {
+      if (const std::optional<int> group = indexIn(index, out_.colliderGroups.size())) {
         chain.colliderGroups.push_back(*group);
       } else {
         values_.addFault("group", fmt::format("{} refers to collider group {}, which does not exist: skipped", who,

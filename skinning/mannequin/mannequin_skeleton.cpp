@@ -2,6 +2,8 @@
 
 #include "geometry/counts.h"
 
+#include <array>
+
 namespace lorica {
 
 namespace {
@@ -50,29 +52,21 @@ constexpr Placement kPlacements[] = {
     {kLeftLittleDistal, kLeftLittleIntermediate, 0.8261, 1.4021, -0.0528},
 };
 
-[[nodiscard]] int indexOf(HumanBone bone) {
-  return static_cast<int>(bone);
-}
-
-[[nodiscard]] bool isBetween(HumanBone bone, HumanBone first, HumanBone last) {
-  return bone >= first && bone <= last;
-}
+/// The first and the last bone of each limb on the left, and the first on the right, where they have the same order.
+constexpr std::array<std::array<HumanBone, 3>, 3> kLimbs = {
+    {{kLeftUpperLeg, kLeftToes, kRightUpperLeg},
+     {kLeftShoulder, kLeftHand, kRightShoulder},
+     {kLeftThumbMetacarpal, kLeftLittleDistal, kRightThumbMetacarpal}}};
 
 }  // namespace
 
 HumanBone mirrored(HumanBone bone) {
-  const auto shifted = [&](HumanBone from, HumanBone to) {
-    return static_cast<HumanBone>(indexOf(bone) - indexOf(from) + indexOf(to));
-  };
-  if (isBetween(bone, kLeftUpperLeg, kLeftToes)) return shifted(kLeftUpperLeg, kRightUpperLeg);
-  if (isBetween(bone, kRightUpperLeg, kRightToes)) return shifted(kRightUpperLeg, kLeftUpperLeg);
-  if (isBetween(bone, kLeftShoulder, kLeftHand)) return shifted(kLeftShoulder, kRightShoulder);
-  if (isBetween(bone, kRightShoulder, kRightHand)) return shifted(kRightShoulder, kLeftShoulder);
-  if (isBetween(bone, kLeftThumbMetacarpal, kLeftLittleDistal)) {
-    return shifted(kLeftThumbMetacarpal, kRightThumbMetacarpal);
-  }
-  if (isBetween(bone, kRightThumbMetacarpal, kRightLittleDistal)) {
-    return shifted(kRightThumbMetacarpal, kLeftThumbMetacarpal);
+  const auto own = static_cast<int>(bone);
+  for (const auto& [left, lastLeft, right] : kLimbs) {
+    const int first = static_cast<int>(left), last = static_cast<int>(lastLeft),
+              apart = static_cast<int>(right) - first;
+    if (own >= first && own <= last) return static_cast<HumanBone>(own + apart);
+    if (own - apart >= first && own - apart <= last) return static_cast<HumanBone>(own - apart);
   }
   return bone;
 }

@@ -1,5 +1,10 @@
 #include "acd/cut.h"
 
+#include "acd/half_volumes.h"
+#include "acd/separating_plane.h"
+#include "acd/small_lp.h"
+#include "geometry/convex_hull.h"
+#include "geometry/random_numbers.h"
 #include "tests/acd/hard_meshes.h"
 #include "tests/acd/parts.h"
 #include "tests/support/meshes.h"
@@ -8,7 +13,10 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
+#include <random>
 #include <set>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -231,6 +239,177 @@ TEST(Cut, EighthsOfABoxKeepTheirShareInEveryAffinePose) {
     EXPECT_NEAR(signedVolume(points, part.triangles), volume, 1e-12);
     EXPECT_NEAR(signedVolume(mapped, part.triangles), 25.0 * volume, 1e-11);
   }
+}
+
+TEST(SeparatingPlane, LiesBetweenBoxesHoweverCloseTheyAre) {
+  const TriMesh below = test::makeBox({0, 0, 0}, {1, 1, 1});
+  for (const double gap : {1.0, 0.1, 1e-2, 1e-4, 1e-6}) {
+    for (const Vec3& shift : {Vec3(0, 0, 0), Vec3(0, 0.3, -0.2), Vec3(0, 0.9, 0.9)}) {
+      const TriMesh above = test::makeBox(Vec3(1 + gap, 0, 0) + shift, Vec3(2 + gap, 1, 1) + shift);
+      const auto plane = separatingPlane(above.vertices, below.vertices);
+      ASSERT_TRUE(plane) << gap;
+      for (const Vec3& v : above.vertices) EXPECT_GE(plane->normal.dot(v) - plane->offset, 0.2 * gap) << gap;
+      for (const Vec3& v : below.vertices) EXPECT_LE(plane->normal.dot(v) - plane->offset, -0.2 * gap) << gap;
+    }
+  }
+}
+
+TEST(SeparatingPlane, IsNoneForHullsThatTouchOrOverlap) {
+  const TriMesh box = test::makeBox({0, 0, 0}, {1, 1, 1});
+  for (const auto& [low, high] : {std::pair{Vec3(0, 0, 0), Vec3(1, 1, 1)},
+                                  {Vec3(1, 0, 0), Vec3(2, 1, 1)},
+                                  {Vec3(1, 1, 1), Vec3(2, 2, 2)},
+                                  {Vec3(0.2, 0.2, 0.2), Vec3(0.4, 0.4, 0.4)}}) {
+    EXPECT_FALSE(separatingPlane(test::makeBox(low, high).vertices, box.vertices)) << low.transpose();
+  }
+}
+
+TEST(SeparatingPlane, AgreesWithTheSideOfRandomHulls) {
+  // Hulls of random points on two sides of a random plane are apart; with a point of the other side they are not.
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    RandomNumbers random(seed);
+    const auto point = [&] {
+      Vec3 p;
+      for (double& x : p) x = random.between(-1.0, 1.0);
+      return p;
+    };
+    const Vec3 normal = point().normalized();
+    std::vector<Vec3> above, below;
+    while (above.size() < 12 || below.size() < 12) {
+      const Vec3 p = point();
+      if (std::abs(normal.dot(p)) > 1e-3) (normal.dot(p) > 0.0 ? above : below).push_back(p);
+    }
+    EXPECT_TRUE(separatingPlane(above, below)) << "seed " << seed;
+    Vec3 mean = Vec3::Zero();
+    for (const Vec3& p : below) mean += p / static_cast<double>(below.size());
+    above.push_back(mean);
+    EXPECT_FALSE(separatingPlane(above, below)) << "seed " << seed;
+  }
+}
+
+/// A torus in two keyframes, with planes through vertices, along faces, and at arbitrary positions.
+struct Halves : ::testing::Test {
+  Halves() : mesh(test::makeTorus(1.0, 0.4, 120, 60)), keyframes(2, mesh.vertices), whole(test::wholeOf(mesh)) {
+    for (Vec3& v : keyframes[1]) v.y() += 0.3 * std::sin(2.0 * v.x());
+  }
+  /// Hull volumes of the halves that the cut actually produces.
+  std::pair<double, double> truth(const Plane& plane, std::size_t k) const {
+    const CutResult cut = cutPart(whole, mesh.vertices, plane, 1e-9, countOf(mesh.vertices));
+    std::vector<Vec3> all = keyframes[k];
+    test::append(cut.newPoints, all);
+    return {partHull(cut.above, all).volume, partHull(cut.below, all).volume};
+  }
+
+  TriMesh mesh;
+  std::vector<std::vector<Vec3>> keyframes;
+  Part whole;
+  const std::vector<Plane> planes = {{Vec3::UnitX(), 0.0}, {Vec3::UnitY(), 0.0}, {Vec3(1, 2, 3).normalized(), 0.1}};
+};
+
+TEST_F(Halves, VolumesEqualThoseOfTheCut) {
+  const PartTree tree(whole, keyframes, 0);
+  for (const bool reduce : {false, true}) {
+    const HalfVolumes volumes(tree, reduce);
+    for (const Plane& plane : planes) {
+      PartTree::Sketch sketch;
+      ASSERT_TRUE(tree.sketch(plane, 1e-9, sketch));
+      for (std::size_t k = 0; k < keyframes.size(); ++k) {
+        const auto [above, below] = truth(plane, k);
+        EXPECT_NEAR(volumes.above(sketch, k, 1e-10), above, 1e-9);
+        EXPECT_NEAR(volumes.below(sketch, k, 1e-10), below, 1e-9);
+      }
+    }
+  }
+}
+
+TEST_F(Halves, EstimatesAreALittleSmall) {
+  const PartTree tree(whole, keyframes, 0);
+  const HalfEstimates estimates(tree);
+  for (const Plane& plane : planes) {
+    PartTree::Sketch sketch;
+    ASSERT_TRUE(tree.sketch(plane, 1e-9, sketch));
+    const auto [above, below] = estimates.volumes(sketch);
+    const auto first = truth(plane, 0), second = truth(plane, 1);
+    EXPECT_LE(above, (first.first + second.first) * (1.0 + 1e-5));
+    EXPECT_LE(below, (first.second + second.second) * (1.0 + 1e-5));
+    EXPECT_GT(above, (first.first + second.first) * 0.88);
+    EXPECT_GT(below, (first.second + second.second) * 0.88);
+  }
+}
+
+TEST_F(Halves, APlaneBesideThePartDoesNotDivideIt) {
+  const PartTree tree(whole, keyframes, 0);
+  PartTree::Sketch sketch;
+  EXPECT_FALSE(tree.sketch({Vec3::UnitX(), 5.0}, 1e-9, sketch));
+}
+
+constexpr double kReach = 50.0;
+
+/// Slow reference: the minimum objective over all intersections of three planes.
+double byCorners(const Vec3& objective, std::vector<HalfSpace> halfSpaces) {
+  for (int axis = 0; axis < 3; ++axis) {
+    halfSpaces.push_back({Vec3::Unit(axis), -kReach});
+    halfSpaces.push_back({-Vec3::Unit(axis), -kReach});
+  }
+  double best = std::numeric_limits<double>::infinity();
+  const std::size_t n = halfSpaces.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = i + 1; j < n; ++j) {
+      for (std::size_t k = j + 1; k < n; ++k) {
+        Mat3 rows;
+        rows << halfSpaces[i].normal.transpose(), halfSpaces[j].normal.transpose(), halfSpaces[k].normal.transpose();
+        if (std::abs(rows.determinant()) < 1e-9) continue;
+        const Vec3 corner = rows.inverse() * Vec3(halfSpaces[i].offset, halfSpaces[j].offset, halfSpaces[k].offset);
+        bool inside = true;
+        for (const HalfSpace& h : halfSpaces) inside &= h.normal.dot(corner) >= h.offset - 1e-8;
+        if (inside) best = std::min(best, objective.dot(corner));
+      }
+    }
+  }
+  return best;
+}
+
+TEST(SmallLp, AgreesWithAllCornersOneByOne) {
+  std::mt19937 random(21);
+  std::normal_distribution<double> normal;
+  const auto vector = [&] { return Vec3{normal(random), normal(random), normal(random)}; };
+  int feasible = 0, infeasible = 0;
+  for (int run = 0; run < 300; ++run) {
+    SCOPED_TRACE(run);
+    std::vector<HalfSpace> halfSpaces;
+    const int count = run % 14;
+    // Mostly around a common point, sometimes not.
+    const Vec3 common = vector();
+    const double room = run % 3 == 0 ? -0.5 : 0.5;
+    for (int i = 0; i < count; ++i) {
+      const Vec3 n = vector().normalized();
+      halfSpaces.push_back({n, n.dot(common) - room * std::abs(normal(random))});
+    }
+    const Vec3 objective = vector();
+    const std::optional<Vec3> found = minimizeLinear(objective, halfSpaces, kReach);
+    const double truth = byCorners(objective, halfSpaces);
+    if (!found) {
+      EXPECT_EQ(truth, std::numeric_limits<double>::infinity());
+      ++infeasible;
+      continue;
+    }
+    ++feasible;
+    EXPECT_NEAR(objective.dot(*found), truth, 1e-6);
+    for (const HalfSpace& h : halfSpaces) EXPECT_GE(h.normal.dot(*found), h.offset - 1e-9);
+    EXPECT_LE(found->cwiseAbs().maxCoeff(), kReach * (1.0 + 1e-12));
+  }
+  EXPECT_GT(feasible, 100);
+  EXPECT_GT(infeasible, 20);
+}
+
+TEST(SmallLp, OppositeHalfSpacesShareNothing) {
+  const std::vector<HalfSpace> apart = {{Vec3::UnitX(), 1.0}, {-Vec3::UnitX(), 1.0}};
+  EXPECT_FALSE(minimizeLinear(Vec3::UnitY(), apart, kReach));
+  const std::vector<HalfSpace> touching = {{Vec3::UnitX(), 1.0}, {-Vec3::UnitX(), -1.0}};
+  const std::optional<Vec3> found = minimizeLinear(Vec3(1, 1, 1), touching, kReach);
+  ASSERT_TRUE(found);
+  EXPECT_NEAR(found->x(), 1.0, 1e-12);
+  EXPECT_NEAR(found->y(), -kReach, 1e-9);
 }
 
 }  // namespace

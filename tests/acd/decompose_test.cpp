@@ -1,7 +1,9 @@
 #include "acd/decompose.h"
 
+#include "acd/improve.h"
 #include "acd/part_concavity.h"
 #include "acd/transfer.h"
+#include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "geometry/small_faults.h"
 #include "tests/acd/parts.h"
@@ -13,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace lorica {
 namespace {
@@ -361,6 +364,105 @@ TEST(Decompose, MeetsAConcavityWhereSolidsTouch) {
   expectSound(mesh, mesh.vertices, d);
   EXPECT_EQ(d.parts.size(), 2u);
 }
+
+/// A torus cut badly into four parts: in half, then a small slice off each half.
+struct CutTorus {
+  CutTorus() : mesh(test::makeTorus(1.0, 0.4, 48, 16)), context(mesh, test::poseOf(mesh)) {
+    std::vector<Part> pieces = {test::wholeOf(mesh)};
+    for (const Plane& plane : {Plane{Vec3::UnitX(), 0.0}, Plane{Vec3::UnitZ(), 0.9}}) {
+      std::vector<Part> next;
+      for (const Part& piece : pieces) {
+        CutResult cut = cutPart(piece, context.points[0], plane, context.onPlane[0], context.pointCount());
+        context.addCutPoints(cut.newPoints);
+        next.push_back(std::move(cut.above));
+        next.push_back(std::move(cut.below));
+      }
+      pieces = std::move(next);
+    }
+    for (Part& piece : pieces) parts.push_back(measure(std::move(piece), context));
+  }
+  TriMesh mesh;
+  CutContext context;
+  std::vector<Piece> parts;
+};
+
+double hullVolume(const std::vector<Piece>& parts) {
+  double sum = 0.0;
+  for (const Piece& part : parts) sum += part.totalHullVolume();
+  return sum;
+}
+
+ImproveRound someRound() {
+  SplitEffort effort;
+  effort.shortlist = 2;
+  effort.axisPlanes = 6;
+  return {effort, 6};
+}
+
+TEST(Improve, SavesHullVolumeAndLosesNothing) {
+  CutTorus torus;
+  const double before = hullVolume(torus.parts);
+  ASSERT_TRUE(improve(torus.parts, torus.context, someRound(), [] { return true; }));
+  EXPECT_EQ(torus.parts.size(), 4u);
+  EXPECT_LT(hullVolume(torus.parts), 0.95 * before);
+  double volume = 0.0;
+  for (const Piece& part : torus.parts) {
+    volume += part.volume[0];
+    EXPECT_NEAR(partHull(part.part, torus.context.points[0]).volume, part.hullVolume[0], 1e-9);
+    EXPECT_TRUE(test::isClosed(part.part.triangles));
+  }
+  EXPECT_NEAR(volume, torus.context.meshVolume[0], 1e-9);
+}
+
+TEST(Improve, CanBeCancelled) {
+  CutTorus torus;
+  EXPECT_FALSE(improve(torus.parts, torus.context, someRound(), [] { return false; }));
+}
+
+TEST(Improve, WithoutPatienceOnlyExchangesAreMade) {
+  CutTorus torus;
+  const double before = hullVolume(torus.parts);
+  ImproveRound round = someRound();
+  round.patience = 0;
+  ASSERT_TRUE(improve(torus.parts, torus.context, round, [] { return true; }));
+  EXPECT_LT(hullVolume(torus.parts), before);
+}
+
+/// A torus in two keyframes, the second deformed. Positions are on a coarse grid, so that they do not depend on the
+/// math library.
+struct Subject {
+  Subject() : mesh(test::makeTorus(1.0, 0.4, 40, 20)) {
+    for (Vec3& v : mesh.vertices) v = snapped(v);
+    for (int k = 0; k < 2; ++k) {
+      for (const Vec3& v : mesh.vertices) keyframes.push_back(snapped(v + Vec3(0.0, 0.0, k * v.x() * v.x() * 0.3)));
+    }
+  }
+  static Vec3 snapped(const Vec3& v) {
+    return {std::round(v.x() * 1024.0) / 1024.0, std::round(v.y() * 1024.0) / 1024.0,
+            std::round(v.z() * 1024.0) / 1024.0};
+  }
+  TriMesh mesh;
+  std::vector<Vec3> keyframes;
+};
+
+/// Expected hashes for every compiler, optimization level and number of threads. If the algorithm changes, update them
+/// and increase kAlgorithmVersion in acd/decompose.h.
+class SameEverywhere : public ::testing::TestWithParam<std::tuple<DecomposePreset, const char*>> {};
+
+TEST_P(SameEverywhere, HashOfTheResult) {
+  const Subject subject;
+  const auto [preset, expected] = GetParam();
+  for (const int threads : {1, 2, 3, 8}) {
+    const Decomposition d = test::decomposed(subject.mesh, {subject.keyframes, countOf(subject.mesh.vertices)},
+                                             {.maxParts = 7, .preset = preset, .threads = threads});
+    EXPECT_EQ(hexDigits(hashOf(d)), expected) << threads << " threads";
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Presets, SameEverywhere,
+                         ::testing::Values(std::tuple(DecomposePreset::kPaper, "c792b853036b8116"),
+                                           std::tuple(DecomposePreset::kFast, "2bf1589230d92d3e"),
+                                           std::tuple(DecomposePreset::kQuality, "d563b875ec9165c9")));
 
 }  // namespace
 }  // namespace lorica

@@ -2,7 +2,6 @@
 
 #include "geometry/mesh_repair.h"
 #include "tests/support/meshes.h"
-#include "tests/support/voxels.h"
 
 #include <array>
 #include <cmath>

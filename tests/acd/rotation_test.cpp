@@ -7,7 +7,6 @@
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
-#include "tests/support/voxels.h"
 
 #include <array>
 

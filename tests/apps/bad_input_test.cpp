@@ -1,16 +1,22 @@
 #include "capture/files/joint_csv.h"
-#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
+#include "tests/skinning/import/small_character.h"
+#include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
+#include <iterator>
+#include <sstream>
 
 namespace lorica::test {
 namespace {
+
+namespace fs = std::filesystem;
 
 /// Expects one error message that starts with the program's name, exit code 2, and no standard output.
 void expectRefused(const CommandResult& result, const std::vector<std::string>& fragments) {
@@ -92,7 +98,7 @@ TEST(BadMesh, NonManifoldMeshNamesAnEdgeIfNoBodyMayBeMade) {
 /// Four frames of a walk as CSV: a header and four rows.
 std::string shortRecording() {
   const TemporaryFolder folder;
-  std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWalk);
+  std::vector<SkeletonFrame> frames = shippedFrames("walk");
   frames.resize(4);
   const std::filesystem::path file = folder.path() / "walk.csv";
   EXPECT_TRUE(writeJointCsv(file, frames));
@@ -162,80 +168,6 @@ TEST(BadDecomposition, OfAnotherMeshDamagedOrInsteadOfHullsIsRefused) {
   expectRefused(runLorica({"play", "walk", "--decomposition", damaged}), {"damaged.lorica"});
 }
 
-struct WrongOption {
-  std::vector<std::string> arguments;
-  std::vector<std::string> fragments;
-};
-
-TEST(BadOption, JsonOntoAnotherFileOfTheCommandIsRefused) {
-  const TemporaryFolder folder;
-  const std::filesystem::path mesh = folder.write("mesh.off", kTetrahedronOff);
-  expectRefused(runLorica({"decompose", mesh, "--json", folder.path() / "." / "mesh.off"}), {"--json", "overwritten"});
-  expectRefused(runLorica({"info", mesh, "--json", mesh}), {"--json", "overwritten"});
-  expectRefused(runLorica({"score", mesh, folder.path() / "parts.obj", "--json", mesh}), {"--json", "overwritten"});
-  expectRefused(runLorica({"decompose", mesh, "-o", folder.path() / "a.lorica", "--json", folder.path() / "a.lorica"}),
-                {"--json", "overwritten"});
-  expectRefused(runLorica({"decompose", mesh, "-o", folder.path() / "a.lorica", "--json", "/dev/null"}),
-                {"--json", "/dev/null"});
-  EXPECT_EQ(*readFile(mesh), kTetrahedronOff);
-  EXPECT_FALSE(std::filesystem::exists(folder.path() / "a.lorica"));
-}
-
-TEST(BadOption, IsRefusedInASentence) {
-  const TemporaryFolder folder;
-  const std::string mesh = writeObj(folder, "l.obj", makeLShape());
-  const std::vector<WrongOption> wrong = {
-      {{"decompose", mesh, "--parts", "0"}, {"--parts", "`0`", "from 1"}},
-      {{"decompose", mesh, "--parts", "-3"}, {"--parts", "`-3`", "from 1"}},
-      {{"decompose", mesh, "--parts", "many"}, {"--parts", "`many`"}},
-      {{"decompose", mesh, "--parts", "3.5"}, {"--parts", "`3.5`"}},
-      {{"decompose", mesh, "--parts", "99999999999"}, {"--parts", "`99999999999`"}},
-      {{"decompose", mesh, "--candidates", "0"}, {"--candidates", "`0`"}},
-      {{"decompose", mesh, "--orientations", "0"}, {"--orientations", "`0`"}},
-      {{"decompose", mesh, "--max-error", "0"}, {"--max-error", "`0`", "above 0", "5%"}},
-      {{"decompose", mesh, "--max-error", "5"}, {"--max-error", "`5`", "below 1", "did you mean \"5%\"?"}},
-      {{"decompose", mesh, "--max-concavity", "1"}, {"--max-concavity", "`1`", "below 1"}},
-      {{"decompose", mesh, "--max-error", "%"}, {"--max-error", "`%`"}},
-      {{"decompose", mesh, "--max-error", "5%%"}, {"--max-error", "`5%%`"}},
-      {{"decompose", mesh, "--max-error", "inf"}, {"--max-error", "`inf`"}},
-      {{"decompose", mesh, "--max-distance", "-1"}, {"--max-distance", "`-1`", "above 0"}},
-      {{"decompose", mesh, "--max-distance", "1m"}, {"--max-distance", "`1m`"}},
-      {{"decompose", mesh, "--preset", "best"}, {"best", "paper, fast, quality"}},
-      {{"decompose", mesh, "--threads", "0"}, {"--threads", "`0`"}},
-      {{"decompose", mesh, "--keyframes", "3"}, {"--keyframes", "l.obj", "characters"}},
-      {{"decompose", mesh, "--motion", "walk"}, {"--motion", "l.obj", "characters"}},
-      {{"decompose", "mannequin", "--keyframes", "100000"}, {"--keyframes", "100000"}},
-      {{"decompose", mesh, "-o", "/nowhere/l.lorica"}, {"--output", "/nowhere"}},
-      {{"decompose", mesh, "-o", "l.obj"}, {"--output", ".lorica"}},
-      {{"decompose", mesh, "--export-obj", mesh}, {"--export-obj", "overwritten"}},
-      {{"decompose", mesh, "--json", "/nowhere/l.json"}, {"--json", "/nowhere"}},
-      {{"decompose", mesh, "--prats", "3"}, {"--prats"}},
-      {{"decompose"}, {"INPUT"}},
-      {{"score", mesh}, {"PARTS.obj"}},
-      {{"snapshot", "walk", "--at", "1s"}, {"--at", "found `1s`, expected a number"}},
-      {{"snapshot", "walk", "--at", "1,5s"}, {"--at", "found `5s`, expected a number"}},
-      {{"snapshot", "walk", "--frame", "x"}, {"--frame", "found `x`, expected a whole number"}},
-      {{"play", "walk", "--character", "godzilla"}, {"godzilla", "mannequin"}},
-      {{"play", "walk", "--every", "5"}, {"--every", "--snapshots"}},
-      {{"play", "walk", "--frames", "0"}, {"--frames", "`0`"}},
-      {{"demo", "--seconds", "-1"}, {"--seconds", "`-1`"}},
-      {{"demo", "--seconds", "nan"}, {"--seconds", "`nan`"}},
-      {{"demo", "--window", "--headless"}, {"--window", "--headless"}},
-      {{"info", "nothing.txt"}, {"nothing.txt"}},
-      {{"info", "wlak"}, {"wlak", "did you mean \"walk\"?"}},
-      {{"play", "walk", "--scene", "bowlin"}, {"bowlin", "did you mean \"bowling\"?"}},
-      {{"contacts"}, {"the motion is missing", "lorica contacts walk.bvh -o walk.npz"}},
-      {{"contacts", "walk"}, {"-o FILE is missing"}},
-      {{"live", "me.oni"}, {"me.oni: unexpected argument; `lorica play me.oni`"}},
-      {{"serve", "walk", "--key", "none.pem"}, {"--key requires --certificate"}},
-  };
-  for (const WrongOption& option : wrong) {
-    SCOPED_TRACE(option.arguments.front() + " ... " + option.arguments.back());
-    expectRefused(runLorica(option.arguments), option.fragments);
-  }
-  EXPECT_EQ(filesIn(folder.path()), std::vector<std::string>{"l.obj"});
-}
-
 /// Shells do not expand a home folder inside a word.
 TEST(Options, AHomeFolderInAValueIsTheUsers) {
   const TemporaryFolder folder;
@@ -245,6 +177,108 @@ TEST(Options, AHomeFolderInAValueIsTheUsers) {
   setenv("HOME", before.c_str(), 1);
   EXPECT_EQ(result.exitCode, 0) << result.err;
   EXPECT_EQ(filesIn(folder.path()), std::vector<std::string>{"report.json"});
+}
+
+// What a character can do is found out before a closed body is made for it. A body that was made is in the cache, so
+// that an empty cache shows that none was.
+
+/// The box of two bones, without one triangle; with its clip, or without.
+std::string tornGlb(bool clip) {
+  GlbWriter writer = smallCharacter();
+  nlohmann::json& count = writer.document["accessors"][1]["count"];
+  count = count.get<int>() - 3;
+  if (!clip) writer.document.erase("animations");
+  return writer.glb();
+}
+
+struct Studio {
+  TemporaryFolder folder;
+  fs::path torn = folder.write("torn.glb", tornGlb(true));
+  fs::path still = folder.write("still.glb", tornGlb(false));
+  CommandSurroundings surroundings{folder.path(), folder.path() / "cache", 0};
+
+  [[nodiscard]] CommandResult run(const std::vector<std::string>& arguments) const {
+    return runLorica(arguments, surroundings);
+  }
+  [[nodiscard]] std::ptrdiff_t bodies() const {
+    const fs::path cache = surroundings.cache / "lorica";
+    if (!fs::exists(cache)) return 0;
+    const std::vector<std::string> names = filesIn(cache);
+    return std::count_if(names.begin(), names.end(), [](const std::string& n) { return n.ends_with(".body"); });
+  }
+  void expectRefused(const std::vector<std::string>& arguments, const std::string& fragment) const {
+    const CommandResult result = run(arguments);
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_NE(result.err.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << result.err;
+    EXPECT_EQ(bodies(), 0) << arguments.front() << " made a body before it was refused";
+  }
+};
+
+TEST(EarlyRefusal, NoBodyIsMadeForWhatTheCharacterCannotDo) {
+  const Studio studio;
+  const std::string torn = studio.torn;
+  const std::string still = studio.still;
+  studio.expectRefused({"play", "wave", "--character", torn}, "one of the character's own clips, bend");
+  studio.expectRefused({"snapshot", "wave", "--character", torn, "-o", "x.png"}, "own clips");
+  studio.expectRefused({"play", "wave", "--character", still}, "wave on still: ");
+  studio.expectRefused({"play", torn, "--clip", "jump"}, "no clip named jump, expected one of bend");
+  studio.expectRefused({"play", still, "--clip", "jump"}, "found no animation");
+  studio.expectRefused({"decompose", still, "--motion", "wave"}, "wave on still: ");
+  studio.expectRefused({"live", "--virtual", "--headless", "--character", torn}, "a person on torn: ");
+  studio.expectRefused({"live", "--virtual", "--headless", "--character", torn}, "pass it with --map");
+  studio.expectRefused({"record", "x.lsession", "--virtual", "--character", still}, "a person on still: ");
+  studio.expectRefused({"play", torn, "--expression", "Joy=1"}, "has no expressions");
+  EXPECT_FALSE(fs::exists(studio.folder.path() / "x.lsession"));
+}
+
+TEST(EarlyRefusal, NothingIsDecomposedForAStageOfWhichOneCannotPerform) {
+  const Studio studio;
+  const std::string stage = studio.folder.write("stage.json", R"({"format": "lorica scene 1", "avatars": [
+    {"motion": "walk", "place": [-1, 0, 0]}, {"motion": "wave", "character": "still.glb", "place": [1, 0, 0]}]})");
+  studio.expectRefused({"play", "--scene", stage}, "avatars[1]: wave on still: ");
+  studio.expectRefused({"play", "walk,wave", "--character", "mannequin," + studio.still.string()}, "wave on still: ");
+  studio.expectRefused({"snapshot", "walk", "--at", "99", "-o", "x.png"}, "--at 99: walk lasts from 0 to ");
+  const fs::path cache = studio.surroundings.cache / "lorica";
+  EXPECT_TRUE(!fs::exists(cache) || filesIn(cache).empty()) << "something was computed for the first avatar";
+}
+
+TEST(EarlyRefusal, WithoutARuntimeOfHeadsetsNothingIsLoadedForOne) {
+  setenv("XR_RUNTIME_JSON", "/nonexistent/runtime.json", 1);
+  for (const char* command : {"play walk", "live --virtual", "demo"}) {
+    const Studio studio;
+    std::istringstream words(command);
+    std::vector<std::string> arguments(std::istream_iterator<std::string>(words), {});
+    arguments.emplace_back("--vr");
+    const CommandResult refused = studio.run(arguments);
+    EXPECT_EQ(refused.exitCode, 2) << command;
+    EXPECT_NE(refused.err.find("OpenXR"), std::string::npos) << refused.err;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    EXPECT_FALSE(fs::exists(studio.surroundings.cache / "lorica")) << command;
+  }
+  unsetenv("XR_RUNTIME_JSON");
+}
+
+TEST(EarlyRefusal, ABodyIsMadeOnceForWhatItCanDo) {
+  const Studio studio;
+  const CommandResult first = studio.run({"play", studio.torn, "--frames", "5", "--json", "-"});
+  ASSERT_EQ(first.exitCode, 0) << first.err;
+  EXPECT_EQ(studio.bodies(), 1);
+  EXPECT_EQ(first.err.find("warning"), std::string::npos) << first.err;
+  const CommandResult second = studio.run({"play", studio.torn, "--frames", "5", "--json", "-"});
+  EXPECT_EQ(second.json()["hash"], first.json()["hash"]);
+  const CommandResult info = studio.run({"info", studio.torn, "--json", "-"});
+  EXPECT_EQ(info.json()["body"]["made"], true);
+  EXPECT_EQ(studio.bodies(), 1) << "the same body";
+  CommandSurroundings without = studio.surroundings;
+  without.cache = studio.folder.path() / "another";
+  EXPECT_EQ(jsonOf({"info", studio.torn}, without), info.json());
+}
+
+TEST(EarlyRefusal, TheMannequinIsNotDecomposedForAMotionThatItCannotPerform) {
+  const Studio studio;
+  studio.expectRefused({"play", studio.torn, "--character", "mannequin"}, "on mannequin: ");
+  const fs::path cache = studio.surroundings.cache / "lorica";
+  EXPECT_EQ(fs::exists(cache) ? filesIn(cache) : std::vector<std::string>(), std::vector<std::string>());
 }
 
 }  // namespace

@@ -1,15 +1,18 @@
 #include "acd/decomposition_file.h"
+
 #include "capture/files/joint_csv.h"
 #include "collision/live/choose_cover.h"
 #include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
-#include "prepare/cover_poses.h"
 #include "session/pose_source.h"
+#include "session/prepare/cover_choice.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/apps/mesh_text.h"
+#include "tests/apps/refusals.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
 #include "tests/support/has.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
@@ -79,30 +82,28 @@ TEST(Cover, IsKeptReportedAndStored) {
   EXPECT_EQ(figures["heldOutPoses"], 128);
   EXPECT_GT(figures["volumeGrowth"].get<double>(), 0.0);
 
-  const Result<DecompositionFile> body = readDecomposition(file);
-  ASSERT_TRUE(body.ok()) << body.error().message;
-  ASSERT_TRUE(body->cover.has_value());
-  ASSERT_EQ(body->cover->points.size(), 8u);
+  const DecompositionFile body = valueOf(readDecomposition(file));
+  ASSERT_TRUE(body.cover.has_value());
+  ASSERT_EQ(body.cover->points.size(), 8u);
   for (std::size_t i = 0; i < 8; ++i) {
-    EXPECT_LE(body->cover->points[i].size(), 100u);
-    EXPECT_EQ(figures["pointsPerPart"][i], body->cover->points[i].size());
+    EXPECT_LE(body.cover->points[i].size(), 100u);
+    EXPECT_EQ(figures["pointsPerPart"][i], body.cover->points[i].size());
   }
-  EXPECT_EQ(figures["growth"], body->cover->growth);
-  EXPECT_EQ(figures["heldOutShortfall"], body->cover->heldOutShortfall);
+  EXPECT_EQ(figures["growth"], body.cover->growth);
+  EXPECT_EQ(figures["heldOutShortfall"], body.cover->heldOutShortfall);
 
   const Character character = makeMannequin();
   const CoverPoses poses = posesOfTheCommand(character);
-  const std::vector<LiftedPoint> lifted = liftPoints(character, body->decomposition);
-  EXPECT_LT(farthestOut(*body, lifted, poses.sampledView(), 4), 1e-5 * character.height);
-  EXPECT_NEAR(farthestOut(*body, lifted, poses.heldOutView(), 1), body->cover->heldOutShortfall, 1e-6);
+  const std::vector<LiftedPoint> lifted = liftPoints(character, body.decomposition);
+  EXPECT_LT(farthestOut(body, lifted, poses.sampledView(), 4), 1e-5 * character.height);
+  EXPECT_NEAR(farthestOut(body, lifted, poses.heldOutView(), 1), body.cover->heldOutShortfall, 1e-6);
 
   // `lorica info` reports the same.
-  nlohmann::json info = runLorica({"info", file, "--json", "-"}).json()["cover"];
+  nlohmann::json info = jsonOf({"info", file})["cover"];
   EXPECT_EQ(info["pointsPerPart"], figures["pointsPerPart"]);
   EXPECT_EQ(info["heldOutShortfall"], figures["heldOutShortfall"]);
   const std::string text = runLorica({"info", file}).out;
-  EXPECT_TRUE(has(text, "chosen in 128 poses, at most 100 per part"));
-  EXPECT_TRUE(has(text, "in 128 other poses"));
+  expectAll(text, {"chosen in 128 poses, at most 100 per part", "in 128 other poses"});
 }
 
 TEST(Cover, PlayUsesTheCoverOfTheFileUnlessAnotherIsRequested) {
@@ -172,26 +173,19 @@ TEST(Cover, WrongValuesAreRefusedBeforeAnyWork) {
       EXPECT_EQ(result.out, "");
       EXPECT_TRUE(has(result.err, "--cover")) << bad << ": " << result.err;
     }
-    const CommandResult large = runLorica({command, what, "--cover", "2"});
-    EXPECT_EQ(large.exitCode, 2);
-    EXPECT_TRUE(has(large.err, "found 2 m, expected at most 0.17"));
-    const CommandResult small = runLorica({command, what, "--cover", "1e-9"});
-    EXPECT_EQ(small.exitCode, 2);
-    EXPECT_TRUE(has(small.err, "found 1e-09 m, expected exact, or at least 0.00018 m"));
-    const CommandResult both = runLorica({command, what, "--cover", "exact", "--hull-vertices", "64"});
-    EXPECT_EQ(both.exitCode, 2);
-    EXPECT_TRUE(has(both.err, "--hull-vertices 64"));
+    expectRefused(runLorica({command, what, "--cover", "2"}), {"found 2 m, expected at most 0.17"});
+    expectRefused(runLorica({command, what, "--cover", "1e-9"}),
+                  {"found 1e-09 m, expected exact, or at least 0.00018 m"});
+    expectRefused(runLorica({command, what, "--cover", "exact", "--hull-vertices", "64"}), {"--hull-vertices 64"});
   }
 }
 
 TEST(Cover, AStaticMeshHasNone) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  const CommandResult refused = runLorica({"decompose", mesh, "--cover", "0.01"});
-  EXPECT_EQ(refused.exitCode, 2);
-  EXPECT_TRUE(has(refused.err, "--cover is for characters, but l.obj"));
+  expectRefused(runLorica({"decompose", mesh, "--cover", "0.01"}), {"--cover is for characters, but l.obj"});
   const std::filesystem::path file = folder.path() / "l.lorica";
-  const nlohmann::json made = runLorica({"decompose", mesh, "--hull-vertices", "8", "-o", file, "--json", "-"}).json();
+  const nlohmann::json made = jsonOf({"decompose", mesh, "--hull-vertices", "8", "-o", file});
   EXPECT_FALSE(made.contains("cover"));
   EXPECT_TRUE(made.contains("hullGrowth"));
   EXPECT_FALSE(readDecomposition(file)->training.has_value());
@@ -234,12 +228,10 @@ TEST(Cover, CtrlCCancelsTheChoice) {
 TEST(Training, EveryFrameOfTheTrainingIsKnownHoweverFewKeyframesThereAre) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "reacher.lorica";
-  const CommandResult made = runLorica({"decompose", "mannequin", "--parts", "5", "--motion", "squat_and_reach",
-                                        "--keyframes", "1", "-o", file, "--json", "-"});
-  ASSERT_EQ(made.exitCode, 0) << made.err;
-  const double known = runLorica({"info", file, "--json", "-"}).json()["training"]["knownDistance"];
-  const nlohmann::json trained =
-      runLorica({"play", "squat_and_reach", "--decomposition", file, "--json", "-"}).json()["training"];
+  const nlohmann::json made =
+      jsonOf({"decompose", "mannequin", "--parts", "5", "--motion", "squat_and_reach", "--keyframes", "1", "-o", file});
+  const double known = jsonOf({"info", file})["training"]["knownDistance"];
+  const nlohmann::json trained = jsonOf({"play", "squat_and_reach", "--decomposition", file})["training"];
   EXPECT_EQ(trained["framesOutside"], 0);
   EXPECT_NEAR(trained["largestDistance"].get<double>(), known, 1e-3 * known);
   EXPECT_GT(known, 0.2) << "greater than the default rule";
@@ -251,7 +243,7 @@ TEST(Training, PlayReportsPosesOutsideTheTrainingRange) {
   const CommandResult made = runLorica(
       {"decompose", "mannequin", "--parts", "5", "--motion", "wave", "--keyframes", "12", "-o", file, "--json", "-"});
   ASSERT_EQ(made.exitCode, 0) << made.err;
-  const nlohmann::json known = runLorica({"info", file, "--json", "-"}).json()["training"];
+  const nlohmann::json known = jsonOf({"info", file})["training"];
   EXPECT_EQ(known["keyframes"], 12);
   EXPECT_EQ(known["probes"], 32);
   const double knownDistance = known["knownDistance"];
@@ -260,14 +252,13 @@ TEST(Training, PlayReportsPosesOutsideTheTrainingRange) {
   for (const Vec3& p : range.positions) sumSq += p.squaredNorm();
   EXPECT_NEAR(knownDistance, 0.3 * std::sqrt(sumSq / static_cast<double>(range.positions.size())), 1e-12);
 
-  const nlohmann::json inside = runLorica({"play", "wave", "--decomposition", file, "--json", "-"}).json()["training"];
+  const nlohmann::json inside = jsonOf({"play", "wave", "--decomposition", file})["training"];
   EXPECT_EQ(inside["framesOutside"], 0);
   EXPECT_TRUE(inside["firstOutside"].is_null());
   EXPECT_LE(inside["largestDistance"].get<double>(), knownDistance);
   EXPECT_GT(inside["largestDistance"].get<double>(), 0.0);
 
-  const nlohmann::json outside =
-      runLorica({"play", "squat_and_reach", "--decomposition", file, "--json", "-"}).json()["training"];
+  const nlohmann::json outside = jsonOf({"play", "squat_and_reach", "--decomposition", file})["training"];
   EXPECT_EQ(outside["knownDistance"], knownDistance);
   EXPECT_GT(outside["largestDistance"].get<double>(), knownDistance);
   const int frames = outside["framesOutside"];
@@ -281,6 +272,75 @@ TEST(Training, PlayReportsPosesOutsideTheTrainingRange) {
   EXPECT_TRUE(has(until(first), "every pose is like one that the parts were made from (at most 0."));
   EXPECT_TRUE(has(until(first + 1),
                   "1 of " + std::to_string(first + 1) + " frames unlike those that the parts were made from"));
+}
+
+TEST(HullVertices, ExportedHullsKeepTheBudgetAndHoldTheMesh) {
+  const TemporaryFolder folder;
+  const TriMesh ball = makeSphere(1.0, 12, 18);
+  const std::filesystem::path mesh = writeObj(folder, "ball.obj", ball);
+  const std::filesystem::path hulls = folder.path() / "hulls.obj";
+  const nlohmann::json json =
+      jsonOf({"decompose", mesh, "--parts", "1", "--hull-vertices", "24", "--export-obj", hulls});
+  const std::vector<NamedMesh> objects = valueOf(readObjObjects(hulls));
+  ASSERT_EQ(objects.size(), 1u);
+  const ConvexHull exported = convexHull(objects.front().mesh.vertices);
+  EXPECT_LE(exported.vertices.size(), 24u);
+  EXPECT_LE(largestViolation(exported, ball.vertices), 1e-8);  // numbers in the file have nine digits
+  EXPECT_EQ(json["hullVertices"], 24);
+  const double growth = exported.volume / convexHull(ball.vertices).volume;
+  EXPECT_NEAR(json["hullGrowth"].get<double>(), growth, 1e-8);
+  ASSERT_EQ(json["hullGrowthPerPart"].size(), 1u);
+  EXPECT_NEAR(json["hullGrowthPerPart"][0].get<double>(), growth, 1e-8);
+  EXPECT_GT(growth, 1.0);
+  EXPECT_LT(growth, 1.2);
+}
+
+TEST(HullVertices, GrowthIsReportedWithoutAnExportToo) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "ball.obj", makeSphere(1.0, 12, 18));
+  const CommandResult result = runLorica({"decompose", mesh, "--parts", "1", "--hull-vertices", "24"});
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_TRUE(has(result.out, "at most 24, before 200"));
+  const CommandResult without = runLorica({"decompose", mesh, "--parts", "1", "--json", "-"});
+  EXPECT_FALSE(without.json().contains("hullGrowth"));
+}
+
+TEST(HullVertices, BoxesNeedNoMore) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const nlohmann::json result = jsonOf({"decompose", mesh, "--hull-vertices", "32"});
+  EXPECT_EQ(result["hullGrowth"], 1.0);
+}
+
+TEST(HullVertices, TooFewForACharacterSayWhatHelps) {
+  expectRefused(runLorica({"decompose", "mannequin", "--parts", "2", "--hull-vertices", "4"}),
+                {"allow more vertices\n"});
+}
+
+TEST(KeyframesAuto, SaysWhichFramesOfWhichRecording) {
+  const std::vector<std::string> command = {"decompose", "mannequin", "--parts", "1",        "--keyframes",
+                                            "auto",      "--motion",  "wave",    "--motion", "walk"};
+  std::vector<std::string> asJson = command;
+  asJson.insert(asJson.end(), {"--json", "-"});
+  const CommandResult result = runLorica(asJson);
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  const nlohmann::json json = result.json();
+  const nlohmann::json& chosen = json["chosenKeyframes"];
+  ASSERT_GT(chosen.size(), 1u);
+  ASSERT_LE(chosen.size(), 12u);
+  EXPECT_EQ(json["keyframes"], chosen.size());
+  EXPECT_EQ(chosen[0]["motion"], "wave");
+  EXPECT_EQ(chosen[0]["frame"], 0);
+  bool fromWalk = false;
+  for (const nlohmann::json& frame : chosen) {
+    fromWalk |= frame["motion"] == "walk";
+    EXPECT_TRUE(frame["motion"] == "walk" || frame["motion"] == "wave") << frame;
+    // Both were recorded at 30 frames a second.
+    EXPECT_NEAR(frame["time"].get<double>(), frame["frame"].get<int>() / 30.0, 1e-3);
+  }
+  EXPECT_TRUE(fromWalk);
+  const CommandResult text = runLorica(command);
+  EXPECT_TRUE(has(text.out, "These keyframes were chosen"));
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 #include "geometry/convex_hull.h"
 #include "geometry/files.h"
 #include "tests/apps/mesh_text.h"
+#include "tests/apps/refusals.h"
 #include "tests/apps/run_command.h"
+#include "tests/support/has.h"
 #include "tests/support/value_of.h"
 #include "viewer/pictures/image_files.h"
 
@@ -20,11 +22,9 @@ TEST(Decompose, LShapeFallsIntoTwoBoxes) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
   // One concave edge: Algorithm 1 stops at two parts, both convex. Without options, so does a concavity of 0.05.
-  const CommandResult result = runLorica({"decompose", mesh, "--exact", "--json", "-"});
-  EXPECT_EQ(result.exitCode, 0) << result.err;
-  const nlohmann::json json = result.json();
+  const nlohmann::json json = jsonOf({"decompose", mesh, "--exact"});
   EXPECT_EQ(json["endedBy"], "convex");
-  const nlohmann::json byDefault = runLorica({"decompose", mesh, "--json", "-"}).json();
+  const nlohmann::json byDefault = jsonOf({"decompose", mesh});
   EXPECT_EQ(byDefault["hash"], json["hash"]);
   EXPECT_NEAR(byDefault["maxConcavity"].get<double>(), 0.05, 1e-12);
   EXPECT_EQ(byDefault["endedBy"], "concavity");
@@ -39,7 +39,7 @@ TEST(Decompose, LShapeFallsIntoTwoBoxes) {
 TEST(Decompose, OnePartIsTheConvexHull) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  const nlohmann::json json = runLorica({"decompose", mesh, "--parts", "1", "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"decompose", mesh, "--parts", "1"});
   EXPECT_EQ(json["parts"], 1);
   // The hull of the L: a 2 x 2 x 1 box less the prism over the triangle (2,1) (2,2) (1,2).
   EXPECT_NEAR(json["hullVolume"].get<double>(), 3.5, 1e-9);
@@ -49,7 +49,7 @@ TEST(Decompose, OnePartIsTheConvexHull) {
 TEST(Decompose, JsonHasItsKeysAndTypes) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  const nlohmann::json json = runLorica({"decompose", mesh, "--threads", "1", "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"decompose", mesh, "--threads", "1"});
   for (const char* key : {"parts", "threads", "vertices"}) EXPECT_TRUE(json[key].is_number_integer()) << key;
   for (const char* key : {"meshVolume", "hullVolume", "score", "error", "seconds"}) {
     EXPECT_TRUE(json[key].is_number()) << key;
@@ -70,7 +70,7 @@ TEST(Decompose, JsonFileHoldsTheSameAndTheReportIsForPeople) {
   EXPECT_EQ(result.out.rfind("l.obj: 2 convex parts", 0), 0u) << result.out;
   CommandResult file;
   file.out = readFile(report).value();
-  EXPECT_EQ(file.json()["hash"], runLorica({"decompose", mesh, "--json", "-"}).json()["hash"]);
+  EXPECT_EQ(file.json()["hash"], jsonOf({"decompose", mesh})["hash"]);
 }
 
 TEST(Decompose, WhatIsWrittenIsNamed) {
@@ -78,13 +78,12 @@ TEST(Decompose, WhatIsWrittenIsNamed) {
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
   const std::string file = folder.path() / "l.lorica";
   const std::string hulls = folder.path() / "hulls.obj";
-  const nlohmann::json json = runLorica({"decompose", mesh, "-o", file, "--export-obj", hulls, "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"decompose", mesh, "-o", file, "--export-obj", hulls});
   EXPECT_EQ(json["output"], file);
   EXPECT_EQ(json["exportObj"], hulls);
   const CommandResult text = runLorica({"decompose", "--force", mesh, "-o", file, "--export-obj", hulls});
-  EXPECT_NE(text.out.find(file), std::string::npos) << text.out;
-  EXPECT_NE(text.out.find(hulls), std::string::npos) << text.out;
-  const nlohmann::json neither = runLorica({"decompose", mesh, "--json", "-"}).json();
+  expectAll(text.out, {file, hulls});
+  const nlohmann::json neither = jsonOf({"decompose", mesh});
   EXPECT_FALSE(neither.contains("output"));
   EXPECT_FALSE(neither.contains("exportObj"));
 }
@@ -92,16 +91,14 @@ TEST(Decompose, WhatIsWrittenIsNamed) {
 TEST(Decompose, StopsAtTheRequestedError) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
-  const nlohmann::json json =
-      runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "20%", "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "20%"});
   EXPECT_EQ(json["endedBy"], "error");
   EXPECT_EQ(json["maxError"], 0.2);
   EXPECT_LE(json["error"].get<double>(), 0.2);
   // More cuts would reduce the error: it stopped long before no concave edge was left.
   EXPECT_GT(json["error"].get<double>(), 0.05);
   EXPECT_LT(json["parts"].get<int>(), 20);
-  EXPECT_EQ(runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "0.2", "--json", "-"})
-                .json()["hash"],
+  EXPECT_EQ(jsonOf({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-error", "0.2"})["hash"],
             json["hash"]);
 }
 
@@ -109,8 +106,7 @@ TEST(Decompose, StopsAtTheRequestedDistance) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const nlohmann::json json =
-      runLorica({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-distance", "0.1", "--json", "-"})
-          .json();
+      jsonOf({"decompose", mesh, "--preset", "paper", "--parts", "60", "--max-distance", "0.1"});
   EXPECT_EQ(json["endedBy"], "distance");
   EXPECT_LE(json["distance"].get<double>(), 0.1);
   EXPECT_LT(json["parts"].get<int>(), 30);
@@ -122,9 +118,7 @@ TEST(Decompose, ReportsALimitThatCouldNotBeMet) {
   const std::vector<std::string> arguments = {"decompose",   mesh,     "--parts",        "3",
                                               "--max-error", "0.0001", "--max-distance", "0.0001"};
   const CommandResult text = runLorica(arguments);
-  EXPECT_NE(text.out.find("the limit of 3 parts was reached; an error of 0.0 % and a distance of 0.0001 were not"),
-            std::string::npos)
-      << text.out;
+  EXPECT_TRUE(has(text.out, "the limit of 3 parts was reached; an error of 0.0 % and a distance of 0.0001 were not"));
   std::vector<std::string> withJson = arguments;
   withJson.insert(withJson.end(), {"--json", "-"});
   const nlohmann::json json = runLorica(withJson).json();
@@ -145,31 +139,28 @@ TEST(Decompose, EdgeOfFourTrianglesIsRepairedAndReported) {
   }
   for (const Triangle& t : other.triangles) mesh.triangles.push_back({index[t[0]], index[t[1]], index[t[2]]});
   const std::filesystem::path file = writeObj(folder, "fan.obj", mesh);
-  const nlohmann::json json = runLorica({"decompose", file, "--parts", "2", "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"decompose", file, "--parts", "2"});
   EXPECT_NEAR(json["meshVolume"].get<double>(), 2.0, 1e-12);
-  EXPECT_NE(json["repaired"].get<std::string>().find("1 non-manifold edge"), std::string::npos) << json["repaired"];
+  EXPECT_TRUE(has(json["repaired"].get<std::string>(), "1 non-manifold edge")) << json["repaired"];
 }
 
 TEST(Decompose, ConvexMeshIsNotCut) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {2, 1, 1}));
   const nlohmann::json json =
-      runLorica({"decompose", mesh, "--parts", "9", "--max-error", "1%", "--max-distance", "0.001", "--json", "-"})
-          .json();
+      jsonOf({"decompose", mesh, "--parts", "9", "--max-error", "1%", "--max-distance", "0.001"});
   EXPECT_EQ(json["parts"], 1);
   EXPECT_EQ(json["endedBy"], "limits");
-  EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "9", "--json", "-"}).json()["endedBy"], "convex");
+  EXPECT_EQ(jsonOf({"decompose", mesh, "--parts", "9"})["endedBy"], "convex");
 }
 
 TEST(Decompose, ATorusIsHardlyConcaveByDefault) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.3, 48, 24));
   const CommandResult result = runLorica({"decompose", mesh});
-  EXPECT_NE(result.out.find("a concavity of 0.05 was reached"), std::string::npos) << result.out;
+  EXPECT_TRUE(has(result.out, "a concavity of 0.05 was reached"));
   for (const char* limit : {"--max-error", "--max-concavity"}) {
-    const CommandResult refused = runLorica({"decompose", mesh, "--exact", limit, "1%"});
-    EXPECT_EQ(refused.exitCode, 2);
-    EXPECT_NE(refused.err.find("--exact"), std::string::npos) << refused.err;
+    expectRefused(runLorica({"decompose", mesh, "--exact", limit, "1%"}), {"--exact"});
   }
 }
 
@@ -181,12 +172,11 @@ TEST(Decompose, OverlappingBoxesCountOnce) {
   for (const auto& [mesh, volume] : {std::pair(u, 7.0), std::pair(joined(u, shifted(u, {0, 0.002, 0})), 7.006)}) {
     const std::filesystem::path hulls = folder.path() / "hulls.obj";
     const std::filesystem::path file = writeObj(folder, "u.obj", mesh);
-    const nlohmann::json json =
-        runLorica({"decompose", "--force", file, "--parts", "8", "--export-obj", hulls, "--json", "-"}).json();
+    const nlohmann::json json = jsonOf({"decompose", "--force", file, "--parts", "8", "--export-obj", hulls});
     EXPECT_NEAR(json["meshVolume"].get<double>(), volume, 1e-9);
     EXPECT_LE(json["score"].get<double>(), 1.0 + 1e-9);
     EXPECT_GE(json["error"].get<double>(), -1e-9);
-    EXPECT_NE(json["repaired"].get<std::string>().find("overlapping pieces united"), std::string::npos);
+    EXPECT_TRUE(has(json["repaired"].get<std::string>(), "overlapping pieces united"));
     const std::vector<NamedMesh> objects = valueOf(readObjObjects(hulls));
     if (volume == 7.0) {
       EXPECT_EQ(objects.size(), 3u);
@@ -195,7 +185,7 @@ TEST(Decompose, OverlappingBoxesCountOnce) {
     for (const NamedMesh& object : objects) {
       EXPECT_GT(largestViolation(convexHull(object.mesh.vertices), std::span(&between, 1)), 0.4);
     }
-    const nlohmann::json score = runLorica({"score", file, hulls, "--json", "-"}).json();
+    const nlohmann::json score = jsonOf({"score", file, hulls});
     EXPECT_NEAR(score["score17"].get<double>(), 1.0, 1e-3);
     EXPECT_LE(score["score17"].get<double>(), 1.0 + 1e-9);
   }
@@ -205,7 +195,7 @@ TEST(Decompose, ThreadsAndRunsAgree) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "torus.obj", makeTorus(1.0, 0.4, 48, 24));
   const auto hashWith = [&mesh](const char* threads) {
-    return runLorica({"decompose", mesh, "--parts", "12", "--threads", threads, "--json", "-"}).json()["hash"];
+    return jsonOf({"decompose", mesh, "--parts", "12", "--threads", threads})["hash"];
   };
   const nlohmann::json one = hashWith("1");
   EXPECT_TRUE(one.is_string());
@@ -247,10 +237,8 @@ TEST(Decompose, CharacterTrainsOnKeyframes) {
   const TemporaryFolder folder;
   const std::filesystem::path output = folder.path() / "body.lorica";
   const std::filesystem::path hulls = folder.path() / "hulls.obj";
-  const CommandResult result = runLorica({"decompose", "mannequin", "--parts", "5", "--keyframes", "3", "-o", output,
-                                          "--export-obj", hulls, "--json", "-"});
-  EXPECT_EQ(result.exitCode, 0) << result.err;
-  const nlohmann::json json = result.json();
+  const nlohmann::json json =
+      jsonOf({"decompose", "mannequin", "--parts", "5", "--keyframes", "3", "-o", output, "--export-obj", hulls});
   EXPECT_EQ(json["parts"], 5);
   EXPECT_EQ(json["keyframes"], 3);
   ASSERT_EQ(json["errorPerKeyframe"].size(), 3u);
@@ -259,7 +247,7 @@ TEST(Decompose, CharacterTrainsOnKeyframes) {
   EXPECT_NEAR(json["error"].get<double>(), mean, 1e-12);
   EXPECT_GT(mean, 0.0);
 
-  const nlohmann::json info = runLorica({"info", output, "--json", "-"}).json();
+  const nlohmann::json info = jsonOf({"info", output});
   EXPECT_EQ(info["kind"], "decomposition");
   EXPECT_EQ(info["source"], "mannequin");
   EXPECT_EQ(info["hash"], json["hash"]);
@@ -272,8 +260,7 @@ TEST(Decompose, CharacterTrainsOnKeyframes) {
 
 TEST(Decompose, MotionNamesWhatIsTrainedOn) {
   const auto hashOn = [](const char* motion) {
-    return runLorica({"decompose", "mannequin", "--parts", "3", "--keyframes", "2", "--motion", motion, "--json", "-"})
-        .json()["hash"];
+    return jsonOf({"decompose", "mannequin", "--parts", "3", "--keyframes", "2", "--motion", motion})["hash"];
   };
   const nlohmann::json walk = hashOn("walk");
   EXPECT_TRUE(walk.is_string());
@@ -293,7 +280,7 @@ TEST(Decompose, InterruptLeavesNothingBehind) {
                    return hasWorked(command, 1.5);
                  }});
   EXPECT_EQ(result.exitCode, 130) << result.err;
-  EXPECT_NE(result.err.find("lorica: cancelled"), std::string::npos) << result.err;
+  EXPECT_TRUE(has(result.err, "lorica: cancelled"));
   EXPECT_EQ(result.out, "");
   EXPECT_EQ(filesIn(folder.path()), before);
 }
@@ -314,10 +301,8 @@ TEST_P(DecomposeBenchmark, ReachesItsScoreAndCoversTheMesh) {
   LORICA_REQUIRE_DATASET(file, GetParam().file);
   const TemporaryFolder folder;
   const std::filesystem::path hulls = folder.path() / "hulls.obj";
-  const CommandResult result =
-      runLorica({"decompose", "--force", file, "--parts", GetParam().parts, "--export-obj", hulls, "--json", "-"});
-  EXPECT_EQ(result.exitCode, 0) << result.err;
-  const nlohmann::json json = result.json();
+  const nlohmann::json json =
+      jsonOf({"decompose", "--force", file, "--parts", GetParam().parts, "--export-obj", hulls});
   EXPECT_EQ(json["parts"], std::atoi(GetParam().parts));
   EXPECT_GE(json["score"].get<double>(), GetParam().score);
 
@@ -357,9 +342,72 @@ TEST(Decompose, APictureShowsEachPartInItsColour) {
   EXPECT_EQ(runLorica({"decompose", mesh, "--parts", "1", "--picture", one}).exitCode, 0);
   EXPECT_EQ(huesOf(one), 1);
   EXPECT_EQ(huesOf(two), 2);
-  const CommandResult taken = runLorica({"decompose", mesh, "--picture", one});
-  EXPECT_EQ(taken.exitCode, 2);
-  EXPECT_NE(taken.err.find("--force"), std::string::npos) << taken.err;
+  expectRefused(runLorica({"decompose", mesh, "--picture", one}), {"--force"});
+}
+
+TEST(Score, DecomposedLShapeIsPerfect) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  const std::filesystem::path hulls = folder.path() / "hulls.obj";
+  ASSERT_EQ(runLorica({"decompose", mesh, "--parts", "2", "--export-obj", hulls}).exitCode, 0);
+  const nlohmann::json json = jsonOf({"score", mesh, hulls});
+  EXPECT_EQ(json["parts"], 2);
+  EXPECT_NEAR(json["score16"].get<double>(), 1.0, 1e-6 + 3 * json["score16StandardError"].get<double>());
+  EXPECT_NEAR(json["score17"].get<double>(), 1.0, 1e-6);
+  EXPECT_NEAR(json["distance"].get<double>(), 0.0, 1e-6);
+  EXPECT_NEAR(json["distancePercentDiagonal"].get<double>(), 0.0, 1e-4);
+  EXPECT_NEAR(json["uncoveredFraction"].get<double>(), 0.0, 1e-4);
+}
+
+TEST(Score, OneHullOfTheLShapeHasItsClosedForm) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
+  // The mesh as its own single part: its hull has volume 3.5, the mesh 3.
+  const nlohmann::json json = jsonOf({"score", mesh, mesh});
+  EXPECT_EQ(json["parts"], 1);
+  EXPECT_NEAR(json["score17"].get<double>(), 3.0 / 3.5, 1e-9);
+  // No sample of the mesh can be outside its own hull: the estimate is exact.
+  EXPECT_NEAR(json["score16"].get<double>(), 3.0 / 3.5, 1e-9);
+  EXPECT_EQ(json["score16StandardError"], 0.0);
+  EXPECT_NEAR(json["uncoveredFraction"].get<double>(), 0.0, 1e-4);
+}
+
+TEST(Score, HalfOfABoxLeavesHalfUncovered) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {2, 1, 1}));
+  const std::filesystem::path half = writeObj(folder, "half.obj", makeBox({0, 0, 0}, {1, 1, 1}));
+  const nlohmann::json json = jsonOf({"score", mesh, half});
+  EXPECT_NEAR(json["score16"].get<double>(), 0.5, 5 * json["score16StandardError"].get<double>());
+  EXPECT_GT(json["score16StandardError"].get<double>(), 0.0);
+  EXPECT_NEAR(json["score17"].get<double>(), 2.0, 1e-9);
+  EXPECT_NEAR(json["uncoveredFraction"].get<double>(), 0.5, 0.01);
+}
+
+TEST(Score, PartsOfAnotherMeshCauseAWarning) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {1, 1, 1}));
+  // At another position; in another unit, so that they cover everything; too small.
+  for (const TriMesh& other : {makeBox({5, 0, 0}, {6, 1, 1}), makeBox({-500, -500, -500}, {500, 500, 500}),
+                               makeBox({0.4, 0.4, 0.4}, {0.6, 0.6, 0.6})}) {
+    const CommandResult result = runLorica({"score", mesh, writeObj(folder, "other.obj", other), "--json", "-"});
+    EXPECT_EQ(result.exitCode, 0);
+    EXPECT_EQ(result.err.rfind("lorica: warning: ", 0), 0u) << result.err;
+    EXPECT_TRUE(has(result.err, "other.obj: these may be parts of another mesh"));
+    EXPECT_TRUE(result.json().contains("warning"));
+  }
+  const CommandResult own = runLorica({"score", mesh, mesh, "--json", "-"});
+  EXPECT_EQ(own.err, "");
+  EXPECT_FALSE(own.json().contains("warning"));
+}
+
+TEST(Score, PartsWithoutVolumeAreRefusedByFile) {
+  const TemporaryFolder folder;
+  const std::filesystem::path mesh = writeObj(folder, "box.obj", makeBox({0, 0, 0}, {1, 1, 1}));
+  const std::filesystem::path flat = folder.write("flat.obj", "o flat\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+  const CommandResult result = runLorica({"score", mesh, flat, "--json", "-"});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_TRUE(has(result.err, "flat.obj"));
 }
 
 }  // namespace

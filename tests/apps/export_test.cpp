@@ -1,4 +1,3 @@
-// `lorica export`: what is written, and what is refused in a sentence.
 #include "capture/files/joint_csv.h"
 #include "geometry/convex_hull.h"
 #include "geometry/files.h"
@@ -7,16 +6,26 @@
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/apps/refusals.h"
+#include "tests/apps/run_command.h"
+#include "tests/skinning/import/small_character.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
 #include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <set>
+#include <tuple>
+
 namespace lorica::test {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
+
+// `lorica export`: what is written, and what is refused in a sentence.
 
 std::string writeL(const TemporaryFolder& folder) {
   const fs::path file = folder.path() / "l.obj";
@@ -44,7 +53,7 @@ TEST(Export, AMeshComesInEveryFormat) {
     const TriMesh hulls = readMesh(folder.path() / mesh).value();
     EXPECT_NEAR(signedVolume(hulls.vertices, hulls.triangles), 3.0, 1e-9) << mesh;
   }
-  EXPECT_NE(readFile(folder.path() / "h.xml").value().find("<freejoint"), std::string::npos);
+  EXPECT_TRUE(has(readFile(folder.path() / "h.xml").value(), "<freejoint"));
   EXPECT_TRUE(fs::exists(folder.path() / "h_meshes" / "l_hull_1.stl"));
 }
 
@@ -90,7 +99,7 @@ TEST(Export, EnginesLimitTheVertices) {
       runIn(folder, {"export", "ball.obj", "h.glb", "--engine", "unreal", "--parts", "1", "--json", "-"});
   ASSERT_EQ(unreal.exitCode, 0) << unreal.err;
   EXPECT_EQ(unreal.json()["maxVertices"], 32);
-  EXPECT_NE(readFile(folder.path() / "h.glb").value().find("\"UCX_part_0\""), std::string::npos);
+  EXPECT_TRUE(has(readFile(folder.path() / "h.glb").value(), "\"UCX_part_0\""));
   const auto most = [&](std::vector<std::string> given) {
     given.insert(given.begin(), {"export", "ball.obj", "h.obj", "--parts", "1", "--force", "--json", "-"});
     return runIn(folder, given).json()["maxVertices"];
@@ -129,35 +138,8 @@ TEST(Export, HullsOfAMomentHoldTheSkin) {
     farthest = std::max(farthest, std::min(largestViolation(hulls[0], one), largestViolation(hulls[1], one)));
   }
   EXPECT_LT(farthest, 1e-5);
-  const CommandResult late = runIn(folder, {"export", "body.lorica", "b.obj", "--motion", "walk", "--at", "100"});
-  EXPECT_EQ(late.exitCode, 2);
-  EXPECT_NE(late.err.find("--at 100: walk lasts"), std::string::npos) << late.err;
-}
-
-TEST(Export, WhatCannotBeIsRefusedInASentence) {
-  const TemporaryFolder folder;
-  (void)writeL(folder);
-  expectRefused(folder, {"export", "l.obj", "l.obj"}, {"l.obj", "overwritten"});
-  expectRefused(folder, {"export", "l.obj", "l.usd"}, {"`.usd`", ".obj", ".glb"});
-  expectRefused(folder, {"export", "l.obj", "l"}, {"extension ``", ".xml"});
-  expectRefused(folder, {"export", "l.obj", "h.vrm"}, {"h.vrm", "springs", "l.obj", ".glb"});
-  expectRefused(folder, {"export", "l.obj", "h.stl", "--per-bone"}, {"--per-bone", "static mesh"});
-  expectRefused(folder, {"export", "l.obj", "h.stl", "--motion", "walk", "--at", "1"}, {"--at", "static mesh"});
-  expectRefused(folder, {"export", "l.obj", "h.xml", "--motion", "walk", "--at", "1"}, {"h.xml", "--at", ".ply"});
-  expectRefused(folder, {"export", "mannequin", "h.stl", "--at", "1"}, {"--at", "--motion"});
-  expectRefused(folder, {"export", "mannequin", "h.stl", "--motion", "walk"}, {"--motion", "--at"});
-  expectRefused(folder, {"export", "l.obj", "h.stl", "--mocap"}, {"--mocap", ".xml"});
-  expectRefused(folder, {"export", "l.obj", "h.xml", "--khr"}, {"--khr", ".glb"});
-  expectRefused(folder, {"export", "l.obj", "h.xml", "--show-colliders"}, {"--show-colliders", ".glb"});
-  expectRefused(folder, {"export", "l.obj", "h.xml", "--hull-vertices", "3"}, {"--hull-vertices 3", "0 for no limit"});
-  expectRefused(folder, {"export", "l.obj", "h.xml", "--engine", "quake"}, {"quake", "unity", "godot"});
-  expectRefused(folder, {"export", "l.obj", "h.stl", "--up", "z"}, {"--up z", ".urdf", "h.stl"});
-  expectRefused(folder, {"export", "l.obj", "h.xml", "--up", "x"}, {"--up", "y, z"});
-  expectRefused(folder, {"export", "l.obj", "no/h.xml"}, {"no"});
-  expectRefused(folder, {"export", "mannequin", "h.glb", "--parts", "4"}, {"--parts", "mannequin", "--decomposition"});
-  folder.write("r_meshes", "a file");
-  expectRefused(folder, {"export", "l.obj", "r.urdf"}, {"r_meshes is a file, expected a folder"});
-  expectRefused(folder, {"export", "gone.lorica", "h.glb"}, {"gone.lorica"});
+  expectRefused(runIn(folder, {"export", "body.lorica", "b.obj", "--motion", "walk", "--at", "100"}),
+                {"--at 100: walk lasts"});
 }
 
 TEST(Export, ADecompositionNeedsWhatItWasMadeFrom) {
@@ -169,6 +151,152 @@ TEST(Export, ADecompositionNeedsWhatItWasMadeFrom) {
   EXPECT_EQ(runIn(folder, {"export", "m.obj", "h.ply", "--decomposition", "l.lorica"}).exitCode, 0);
   ASSERT_TRUE(writeObjObjects(folder.path() / "t.obj", {{"t", makeTetrahedron()}}).ok());
   expectRefused(folder, {"export", "t.obj", "i.ply", "--decomposition", "l.lorica"}, {"l.lorica", "t.obj"});
+}
+
+// `lorica export` of characters that formats and folders cannot take as they are.
+
+class ExportInput : public testing::Test {
+ protected:
+  void write(const GlbWriter& writer) { folder_.write("hero.glb", writer.glb()); }
+
+  CommandResult exportTo(const std::string& out, std::vector<std::string> options = {}) {
+    CommandSurroundings surroundings;
+    surroundings.folder = folder_.path();
+    options.insert(options.begin(), {"export", "hero.glb", out, "--body", "never"});
+    return runLorica(options, surroundings);
+  }
+
+  void expectRefused(const std::string& out, const std::string& sentence,
+                     const std::vector<std::string>& options = {}) {
+    const CommandResult result = exportTo(out, options);
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_EQ(result.err, "lorica: " + sentence + "\n");
+    EXPECT_FALSE(fs::exists(folder_.path() / out));
+  }
+
+  std::string text(const std::string& file) { return readFile(folder_.path() / file).value(); }
+
+  TemporaryFolder folder_;
+};
+
+/// The small character with more joints, all below the first one.
+GlbWriter withJoints(int count) {
+  GlbWriter writer = smallCharacter();
+  std::vector<Affine3> inverseBinds(static_cast<std::size_t>(count), Affine3::Identity());
+  inverseBinds[1] = Affine3(Eigen::Translation3d(0.0, -1.0, 0.0));
+  for (int i = 2; i < count; ++i) {
+    const int node = writer.add("nodes", json::object());
+    writer.document["nodes"][0]["children"].push_back(node);
+    writer.document["skins"][0]["joints"].push_back(node);
+  }
+  writer.document["skins"][0]["inverseBindMatrices"] = writer.matrices(inverseBinds);
+  return writer;
+}
+
+TEST_F(ExportInput, NamesThatCollideOrAreInvalidBecomePlain) {
+  GlbWriter writer = smallCharacter();
+  writer.document["nodes"][0]["name"] = "a\"b<";
+  writer.document["nodes"][1]["name"] = "a\"b>";
+  write(writer);
+  for (const auto& [out, second] : {std::pair("hero.xml", "\"a_b__2\""), std::pair("hero.urdf", "\"a_b__2\""),
+                                    std::pair("bones.glb", "\"a_b__0_2\"")}) {
+    const CommandResult result = exportTo(out, {"--per-bone"});
+    EXPECT_EQ(result.exitCode, 0) << out << result.err;
+    EXPECT_TRUE(has(text(out), second)) << out;
+  }
+  EXPECT_FALSE(has(text("hero.xml"), "a\"b"));
+  ASSERT_EQ(exportTo("bones.obj", {"--per-bone"}).exitCode, 0);
+  std::set<std::string> names;
+  const std::vector<NamedMesh> hulls = readObjObjects(folder_.path() / "bones.obj").value();
+  for (const NamedMesh& hull : hulls) names.insert(hull.name);
+  EXPECT_EQ(names.size(), 2U);
+}
+
+TEST_F(ExportInput, EqualNamesOfBonesStayApart) {
+  GlbWriter writer = smallCharacter();
+  writer.document["nodes"][0]["name"] = "bone";
+  writer.document["nodes"][1]["name"] = "bone";
+  write(writer);
+  ASSERT_EQ(exportTo("hero.xml", {"--per-bone"}).exitCode, 0);
+  expectAll(text("hero.xml"), {"<body name=\"bone\"", "<body name=\"bone_2\""});
+}
+
+TEST_F(ExportInput, ACharacterWithoutBonesIsAMesh) {
+  GlbWriter writer = smallCharacter();
+  writer.document.erase("skins");
+  writer.document.erase("animations");
+  writer.document["nodes"][2].erase("skin");
+  write(writer);
+  expectRefused("bones.glb", "--per-bone is for characters, but hero is a static mesh", {"--per-bone"});
+  ASSERT_EQ(exportTo("hero.xml").exitCode, 0);
+  EXPECT_TRUE(has(text("hero.xml"), "<freejoint"));
+}
+
+TEST_F(ExportInput, MoreBonesThanAnyCharacterHasAreRefused) {
+  write(withJoints(2049));
+  expectRefused("hero.xml", "hero.glb: 2,049 joints, expected at most 2,048");
+  GlbWriter writer = smallCharacter();
+  const json bone = {{"name", "bone"}};
+  for (int i = 3; i <= 100'000; ++i) writer.document["nodes"].push_back(bone);
+  write(writer);
+  expectRefused("hero.glb.xml", "hero.glb: 100,001 nodes, expected at most 100,000");
+}
+
+TEST_F(ExportInput, AsManyBonesAsAllowedAreExported) {
+  write(withJoints(2048));
+  const CommandResult result = exportTo("hero.xml", {"--per-bone", "--json", "-"});
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_EQ(result.json()["bones"], 2);  // those with skin
+}
+
+TEST_F(ExportInput, FoldersThatTakeNoFileAreRefused) {
+  write(smallCharacter());
+  expectRefused("/proc/self/hero.xml", "OUT: /proc/self/hero.xml: the folder /proc/self is not writable");
+  expectRefused("/proc/self/hero.urdf", "OUT: /proc/self/hero.urdf: the folder /proc/self is not writable");
+  expectRefused("hero.glb/hero.xml", "OUT: hero.glb/hero.xml: no such folder: hero.glb");
+  expectRefused("gone/hero.xml", "OUT: gone/hero.xml: no such folder: gone");
+}
+
+TEST(ExportRobot, WhatIsWrongIsOneSentenceAndNothingIsWritten) {
+  const TemporaryFolder folder;
+  CommandSurroundings surroundings;
+  surroundings.folder = folder.path();
+  folder.write("t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
+  folder.write("flat.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
+  const auto robot = [](const std::string& attributes, bool mjcf) {
+    return mjcf ? "<mujoco><asset><mesh name=\"m\" " + attributes +
+                      "/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/></worldbody></mujoco>"
+                : "<robot name=\"r\"><link name=\"a\"><collision><geometry><mesh " + attributes +
+                      "/></geometry></collision></link></robot>";
+  };
+  const std::string outside = " is outside the file's folder, expected a file in it (or --trust-paths)";
+  for (const auto& [mesh, mjcf, sentence] :
+       {std::tuple("file=\"none.obj\"", true, std::string("none.obj: cannot be read: No such file or directory")),
+        {"file=\"/etc/passwd\"", true, "'/etc/passwd'" + outside},
+        {"file=\"../t.obj\"", true, "'../t.obj'" + outside},
+        {"file=\"t.max\"", true, "t.max: found the extension '.max', expected .obj, .stl, .ply, .off, .msh or .dae"},
+        {"file=\"flat.obj\"", true, "flat.obj: "},
+        {"file=\"t.obj\" scale=\"1 0 1\"", true,
+         "scale: found a mesh without volume, expected three numbers other than 0"},
+        {"filename=\"none.obj\"", false, "none.obj: cannot be read: No such file or directory"},
+        {"filename=\"package://arm/t.obj\"", false,
+         "'package://arm/t.obj' is in the package 'arm', expected --package arm=FOLDER"},
+        {"filename=\"file:///etc/passwd\"", false, "'file:///etc/passwd'" + outside}}) {
+    const std::string in = mjcf ? "robot.xml" : "robot.urdf", out = mjcf ? "out.xml" : "out.urdf";
+    folder.write(in, robot(mesh, mjcf));
+    if (std::string(mesh).find("t.max") != std::string::npos) folder.write("t.max", "");
+    const std::vector<std::string> before = filesIn(folder.path());
+    const CommandResult result = runLorica({"export", in, out}, surroundings);
+    EXPECT_EQ(result.exitCode, 2) << mesh;
+    EXPECT_EQ(result.err.rfind("lorica: " + in + ":1: " + sentence, 0), 0U) << result.err;
+    EXPECT_EQ(std::ranges::count(result.err, '\n'), 1) << result.err;
+    EXPECT_EQ(filesIn(folder.path()), before) << mesh;
+  }
+  // A mirrored mesh is no mistake: its hull is mirrored alike.
+  folder.write("robot.xml", robot("file=\"t.obj\" scale=\"-1 1 1\"", true));
+  const CommandResult mirrored = runLorica({"export", "robot.xml", "out.xml"}, surroundings);
+  EXPECT_EQ(mirrored.exitCode, 0) << mirrored.err;
+  EXPECT_TRUE(has(readFile(folder.path() / "out.xml").value(), "scale=\"-1 1 1\""));
 }
 
 }  // namespace

@@ -12,9 +12,7 @@ namespace {
 TEST(Info, DescribesAClosedMesh) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
-  const CommandResult result = runLorica({"info", mesh, "--json", "-"});
-  EXPECT_EQ(result.exitCode, 0) << result.err;
-  const nlohmann::json json = result.json();
+  const nlohmann::json json = jsonOf({"info", mesh});
   EXPECT_EQ(json["kind"], "mesh");
   EXPECT_EQ(json["vertices"], 12);
   EXPECT_EQ(json["triangles"], 20);
@@ -41,7 +39,7 @@ TEST(Info, SaysWhatIsMended) {
   const TemporaryFolder folder;
   TriMesh mesh = makeBox({0, 0, 0}, {1, 1, 1});
   mesh.triangles.pop_back();
-  const nlohmann::json json = runLorica({"info", writeObj(folder, "open.obj", mesh), "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"info", writeObj(folder, "open.obj", mesh)});
   EXPECT_EQ(json["closed"], true);
   EXPECT_EQ(json["repaired"], "1 pinhole closed with 1 triangle");
 }
@@ -49,11 +47,11 @@ TEST(Info, SaysWhatIsMended) {
 TEST(Info, CountsComponents) {
   const TemporaryFolder folder;
   const TriMesh mesh = joined(makeBox({0, 0, 0}, {1, 1, 1}), makeBox({2, 0, 0}, {3, 1, 1}));
-  EXPECT_EQ(runLorica({"info", writeObj(folder, "two.obj", mesh), "--json", "-"}).json()["components"], 2);
+  EXPECT_EQ(jsonOf({"info", writeObj(folder, "two.obj", mesh)})["components"], 2);
 }
 
 TEST(Info, DescribesTheMannequin) {
-  const nlohmann::json json = runLorica({"info", "mannequin", "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"info", "mannequin"});
   EXPECT_EQ(json["kind"], "character");
   EXPECT_EQ(json["closed"], true) << json["problem"];
   EXPECT_GE(json["joints"].get<int>(), 22);
@@ -66,7 +64,7 @@ TEST(Info, PrintsTheDetailLevelsAndWherePartsCameFrom) {
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());
   const std::filesystem::path file = folder.path() / "l.lorica";
   ASSERT_EQ(runLorica({"decompose", mesh, "--parts", "2", "-o", file}).exitCode, 0);
-  const nlohmann::json json = runLorica({"info", file, "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"info", file});
   // One part: the hull is a pentagonal prism of volume 3.5, the mesh has 3. Two parts: boxes.
   ASSERT_EQ(json["detailLevels"].size(), 2u);
   EXPECT_EQ(json["detailLevels"][0]["parts"], 1);
@@ -97,9 +95,8 @@ TEST(Info, PrintsTheDetailLevelsAndWherePartsCameFrom) {
 TEST(Info, NamesTheBonesOfACharactersParts) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "body.lorica";
-  const nlohmann::json made =
-      runLorica({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", file, "--json", "-"}).json();
-  const nlohmann::json json = runLorica({"info", file, "--json", "-"}).json();
+  const nlohmann::json made = jsonOf({"decompose", "mannequin", "--parts", "4", "--keyframes", "2", "-o", file});
+  const nlohmann::json json = jsonOf({"info", file});
   ASSERT_EQ(json["detailLevels"].size(), 4u);
   EXPECT_NEAR(json["detailLevels"][3]["error"].get<double>(), made["error"].get<double>(), 1e-7);
   EXPECT_GE(json["detailLevels"][3]["worstError"].get<double>(), json["detailLevels"][3]["error"].get<double>());
@@ -122,14 +119,14 @@ TEST(Info, NamesTheBonesOfACharactersParts) {
 }
 
 TEST(Info, DescribesARecording) {
-  const nlohmann::json byName = runLorica({"info", "walk", "--json", "-"}).json();
+  const nlohmann::json byName = jsonOf({"info", "walk"});
   EXPECT_EQ(byName["kind"], "recording");
   EXPECT_NEAR(byName["framesPerSecond"].get<double>(), 30.0, 0.1);
   EXPECT_GE(byName["seconds"].get<double>(), 5.0);
   EXPECT_NEAR(byName["jointsSeen"].get<double>() + byName["jointsGuessed"].get<double>() +
                   byName["jointsUnknown"].get<double>(),
               1.0, 1e-12);
-  EXPECT_EQ(runLorica({"info", recordingsFolder() / "walk.csv", "--json", "-"}).json(), byName);
+  EXPECT_EQ(jsonOf({"info", recordingsFolder() / "walk.csv"}), byName);
 }
 
 }  // namespace

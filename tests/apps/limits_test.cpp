@@ -5,10 +5,10 @@
 #include "geometry/mesh_files.h"
 #include "geometry/triangle_tree.h"
 #include "geometry/work_budgets.h"
-#include "serve/sent_file.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
+#include "viewer/page/sent_file.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,8 +1,27 @@
+#include "capture/streams/osc.h"
+#include "capture/streams/udp.h"
 #include "geometry/files.h"
+#include "skinning/skeleton.h"
+#include "tests/apps/refusals.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
+#include "tests/support/value_of.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+
+#include <atomic>
+#include <cctype>
+#include <chrono>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -15,10 +34,8 @@ CommandSurroundings before(const std::string& virtualCamera) {
 
 TEST(Live, AVirtualPersonIsFollowed) {
   const TemporaryFolder folder;
-  const CommandResult result = runLorica({"live", "--virtual", "--motion", "wave", "--decomposition",
-                                          mannequinBody(folder), "--frames", "30", "--headless", "--json", "-"});
-  ASSERT_EQ(result.exitCode, 0) << result.err;
-  const nlohmann::json json = result.json();
+  const nlohmann::json json = jsonOf({"live", "--virtual", "--motion", "wave", "--decomposition", mannequinBody(folder),
+                                      "--frames", "30", "--headless"});
   EXPECT_GT(json["depthFrames"].get<int>(), 20);
   EXPECT_GT(json["framesWithPerson"].get<int>(), 20);
   EXPECT_EQ(json["maxPeople"], 1);
@@ -28,19 +45,15 @@ TEST(Live, AVirtualPersonIsFollowed) {
   EXPECT_GE(json["latency"]["median"].get<double>(), json["tracking"]["median"].get<double>());
 }
 
-TEST(Live, AwayFromTheRecordingsItTrainsOnTheSameMotionsMadeAnew) {
+TEST(Live, AwayFromTheRecordingsItTrainsOnTheSameMotions) {
   const TemporaryFolder folder;
   CommandSurroundings moved;
   moved.recordings = "/nowhere";
-  const CommandResult live =
-      runLorica({"live", "--virtual", "--motion", "wave", "--frames", "3", "--headless", "--json", "-"}, moved);
-  ASSERT_EQ(live.exitCode, 0) << live.err;
-  EXPECT_EQ(live.json()["parts"], 16);
+  const nlohmann::json live = jsonOf({"live", "--virtual", "--motion", "wave", "--frames", "3", "--headless"}, moved);
+  EXPECT_EQ(live["parts"], 16);
   const auto hashOf = [](const CommandSurroundings& surroundings) {
-    const CommandResult made =
-        runLorica({"decompose", "mannequin", "--parts", "3", "--keyframes", "4", "--json", "-"}, surroundings);
-    EXPECT_EQ(made.exitCode, 0) << made.err;
-    return made.json()["hash"];
+    const nlohmann::json made = jsonOf({"decompose", "mannequin", "--parts", "3", "--keyframes", "4"}, surroundings);
+    return made["hash"];
   };
   EXPECT_EQ(hashOf(moved), hashOf({}));
 }
@@ -57,7 +70,7 @@ TEST(Live, AnUnpluggedSensorIsSurvivedAndComesBack) {
   ASSERT_EQ(result.exitCode, 0) << result.err;
   const nlohmann::json json = result.json();
   EXPECT_EQ(json["unplugged"], 1) << result.err;
-  EXPECT_NE(result.err.find("the sensor is back"), std::string::npos) << result.err;
+  EXPECT_TRUE(has(result.err, "the sensor is back"));
   EXPECT_GT(json["framesWithPerson"].get<int>(), 0);
 }
 
@@ -70,19 +83,13 @@ TEST(Live, CtrlCEndsItWithASummary) {
   const CommandResult result =
       runLorica({"live", "--virtual", "--decomposition", mannequinBody(folder), "--headless"}, surroundings);
   EXPECT_EQ(result.exitCode, 0) << result.err;
-  EXPECT_NE(result.out.find("latency"), std::string::npos) << result.out;
+  EXPECT_TRUE(has(result.out, "latency"));
 }
 
 TEST(Live, WrongSourcesAreRefusedInASentence) {
-  const CommandResult noCamera = runLorica({"live", "--headless", "--frames", "5"});
-  EXPECT_EQ(noCamera.exitCode, 2);
-  EXPECT_NE(noCamera.err.find("--virtual"), std::string::npos) << noCamera.err;
-  const CommandResult noMotion = runLorica({"live", "--virtual", "--motion", "flying", "--headless", "--frames", "5"});
-  EXPECT_EQ(noMotion.exitCode, 2);
-  EXPECT_NE(noMotion.err.find("flying"), std::string::npos) << noMotion.err;
-  const CommandResult noDriver = runLorica({"live", "--driver", "nowhere/libX.so.0", "--headless", "--frames", "5"});
-  EXPECT_EQ(noDriver.exitCode, 2);
-  EXPECT_NE(noDriver.err.find("libX.so.0"), std::string::npos) << noDriver.err;
+  expectRefused(runLorica({"live", "--headless", "--frames", "5"}), {"--virtual"});
+  expectRefused(runLorica({"live", "--virtual", "--motion", "flying", "--headless", "--frames", "5"}), {"flying"});
+  expectRefused(runLorica({"live", "--driver", "nowhere/libX.so.0", "--headless", "--frames", "5"}), {"libX.so.0"});
   EXPECT_EQ(runLorica({"live", "--motion", "walk"}).exitCode, 2) << "--motion is for the virtual camera";
 }
 
@@ -98,30 +105,25 @@ TEST(Record, WhatAVirtualCameraSawCanBePlayed) {
   EXPECT_GT(recorded.json()["skeletons"].get<int>(), 10);
   EXPECT_EQ(filesIn(folder.path()), (std::vector<std::string>{"seen.csv", "seen.oni"}));
 
-  EXPECT_EQ(runLorica({"info", out, "--json", "-"}).json()["frames"], frames);
+  EXPECT_EQ(jsonOf({"info", out})["frames"], frames);
   const std::string body = mannequinBody(folder);
-  const CommandResult played = runLorica({"play", out, "--decomposition", body, "--json", "-"});
-  ASSERT_EQ(played.exitCode, 0) << played.err;
-  EXPECT_EQ(played.json()["frames"], frames) << "every frame once";
+  const nlohmann::json played = jsonOf({"play", out, "--decomposition", body});
+  EXPECT_EQ(played["frames"], frames) << "every frame once";
   const CommandResult again = runLorica({"play", out, "--decomposition", body, "--json", "-"});
-  EXPECT_EQ(again.json()["hash"], played.json()["hash"]);
-  EXPECT_EQ(runLorica({"info", folder.path() / "seen.csv", "--json", "-"}).json()["kind"], "recording");
+  EXPECT_EQ(again.json()["hash"], played["hash"]);
+  EXPECT_EQ(jsonOf({"info", folder.path() / "seen.csv"})["kind"], "recording");
 }
 
 TEST(Record, TheShippedRecordingIsPlayedByItsName) {
   const TemporaryFolder folder;
-  const CommandResult result =
-      runLorica({"play", "wave_depth", "--decomposition", mannequinBody(folder), "--json", "-"});
-  ASSERT_EQ(result.exitCode, 0) << result.err;
-  EXPECT_EQ(result.json()["frames"], runLorica({"info", "wave_depth", "--json", "-"}).json()["frames"]);
+  const nlohmann::json result = jsonOf({"play", "wave_depth", "--decomposition", mannequinBody(folder)});
+  EXPECT_EQ(result["frames"], jsonOf({"info", "wave_depth"})["frames"]);
 }
 
 TEST(Record, JointsOfAnotherOriginAreNotOverwritten) {
   const TemporaryFolder folder;
   const std::filesystem::path mine = folder.write("body.csv", "mine");
-  const CommandResult result = runLorica({"record", folder.path() / "body.oni", "--virtual", "--frames", "3"});
-  EXPECT_EQ(result.exitCode, 2);
-  EXPECT_NE(result.err.find("body.csv"), std::string::npos) << result.err;
+  expectRefused(runLorica({"record", folder.path() / "body.oni", "--virtual", "--frames", "3"}), {"body.csv"});
   EXPECT_EQ(readFile(mine).value(), "mine");
 }
 
@@ -132,8 +134,173 @@ TEST(Record, ADamagedRecordingIsASentence) {
   for (const char* command : {"play", "info"}) {
     const CommandResult result = runLorica({command, file});
     EXPECT_EQ(result.exitCode, 2) << command;
-    EXPECT_NE(result.err.find("broken.oni"), std::string::npos) << result.err;
+    EXPECT_TRUE(has(result.err, "broken.oni"));
   }
+}
+
+std::string freePort() {
+  const Result<UdpSocket> socket = UdpSocket::listen({"127.0.0.1", 0});
+  return socket ? std::to_string(socket->port()) : "";
+}
+
+/// Waits until a program listens there.
+void awaitListener(const std::string& port) {
+  const std::string address = fmt::format("0100007F:{:04X} ", std::stoi(port));
+  for (;;) {
+    std::ifstream table("/proc/net/udp");
+    const std::string text{std::istreambuf_iterator<char>(table), {}};
+    if (text.find(address) != std::string::npos) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+}
+
+/// Interrupts a receiver when nothing more is sent to it.
+CommandSurroundings untilNobodySends(const std::atomic<bool>& sent) {
+  CommandSurroundings surroundings;
+  surroundings.interruptWhen = [&sent](const RunningCommand& command) {
+    return sent && command.err.find("No program is sending any more.") != std::string::npos;
+  };
+  return surroundings;
+}
+
+/// Two Loricas: one sends a recording, the other one follows it and records a session, which replays exactly.
+TEST(LiveStream, OneLoricaFollowsAnother) {
+  const TemporaryFolder folder;
+  const std::string body = mannequinBody(folder);
+  const std::string session = folder.path() / "take.lsession";
+  const std::string port = freePort();
+  CommandResult live;
+  std::atomic<bool> over = false;
+  std::thread receiver([&] {
+    live = runLorica({"live", "--vmc", port, "--decomposition", body, "--headless", "--record", session, "--json", "-"},
+                     untilNobodySends(over));
+  });
+  awaitListener(port);
+  const CommandResult sent =
+      runLorica({"play", "wave", "--decomposition", body, "--frames", "90", "--vmc-out", "127.0.0.1:" + port});
+  over = true;
+  receiver.join();
+  EXPECT_EQ(sent.exitCode, 0) << sent.err;
+  ASSERT_EQ(live.exitCode, 0) << live.err;
+  const nlohmann::json json = live.json();
+  EXPECT_GT(json["stream"]["frames"].get<int>(), 20);
+  EXPECT_EQ(json["stream"]["refusedPackets"], 0);
+  expectAll(live.err, {"A program is sending.", "No program is sending any more."});
+  const nlohmann::json replayed = jsonOf({"replay", session});
+  EXPECT_TRUE(replayed["same"].get<bool>());
+  EXPECT_EQ(replayed["hash"], json["hash"]);
+}
+
+/// The mannequin's name of a bone that VMC names; other words as they are.
+std::string humanBoneName(const std::string& word) {
+  const std::optional<HumanBone> bone =
+      humanBoneNamed(std::string(1, static_cast<char>(std::tolower(word[0]))) + word.substr(1));
+  return bone ? std::string(nameOf(*bone)) : word;
+}
+
+/// What is sent under /VMC/Thru is what --events writes: of each contact the begin and the end.
+TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
+  const TemporaryFolder folder;
+  const std::string body = mannequinBody(folder);
+  UdpSocket socket = valueOf(UdpSocket::listen({"127.0.0.1", 0}));
+  const std::string events = folder.path() / "events.jsonl";
+  CommandResult sent;
+  std::atomic<bool> ended = false;
+  std::thread sender([&] {
+    sent =
+        runLorica({"play", "punch_and_kick", "--decomposition", body, "--frames", "60", "--events", events, "--vmc-out",
+                   "127.0.0.1:" + std::to_string(socket.port()), "--vrchat", "127.0.0.1:" + freePort(), "--json", "-"});
+    ended = true;
+  });
+  std::multiset<std::string> heard;
+  int contacts = 0, poses = 0;
+  std::vector<std::byte> memory(65536);
+  for (;;) {
+    const bool last = ended;
+    const std::optional<UdpSocket::Packet> packet = socket.receive(memory, 0.1);
+    if (!packet && last) break;
+    if (!packet) continue;
+    OscPacket osc(std::span<const std::byte>(memory.data(), packet->size));
+    const std::string_view bytes(reinterpret_cast<const char*>(memory.data()), packet->size);
+    ++(bytes.find("/lorica/contact/") != std::string_view::npos ? contacts : poses);
+    while (const std::optional<OscMessage> message = osc.next()) {
+      if (!message->address.starts_with("/VMC/Thru/lorica/contact/") || message->address.ends_with("/stay")) continue;
+      OscArguments arguments(*message);
+      std::istringstream text{std::string(arguments.text().value())};
+      std::string bone, other;
+      text >> bone >> other;
+      heard.insert(fmt::format("{} {} {}", message->address.substr(25), humanBoneName(bone), humanBoneName(other)));
+    }
+  }
+  sender.join();
+  ASSERT_EQ(sent.exitCode, 0) << sent.err;
+  const nlohmann::json counts = sent.json()["sent"];
+  EXPECT_EQ(counts["poses"], poses);
+  EXPECT_EQ(counts["vrchat"], poses);
+  EXPECT_GE(contacts, counts["contacts"].get<int>());  // those that still touch end with the session
+  EXPECT_GT(counts["contacts"].get<int>(), 0);
+  std::multiset<std::string> written;
+  std::istringstream lines(readFile(events).value());
+  for (std::string line; std::getline(lines, line);) {
+    const nlohmann::json event = nlohmann::json::parse(line);
+    if (event["event"] == "stay") continue;
+    const std::string other =
+        event["kind"] == "prop" ? "prop:" + event["prop"].dump() : event["otherBone"].get<std::string>();
+    written.insert(fmt::format("{} {} {}", event["event"].get<std::string>(), event["bone"].get<std::string>(), other));
+  }
+  EXPECT_GE(written.size(), 4u);
+  EXPECT_EQ(heard, written);
+}
+
+TEST(LiveStream, TwoProgramsAreTwoAvatars) {
+  const TemporaryFolder folder;
+  const std::string body = mannequinBody(folder);
+  const std::string session = folder.path() / "two.lsession";
+  const std::vector<std::string> ports{freePort(), freePort()};
+  CommandResult live;
+  std::atomic<bool> over = false;
+  std::thread receiver([&] {
+    live = runLorica({"live", "--vmc", ports[0] + "," + ports[1], "--decomposition", body, "--headless", "--record",
+                      session, "--json", "-"},
+                     untilNobodySends(over));
+  });
+  for (const std::string& port : ports) awaitListener(port);
+  std::vector<std::thread> senders;
+  for (int i = 0; i < 2; ++i) {
+    senders.emplace_back([&, i] {
+      (void)runLorica({"play", i == 0 ? "wave" : "walk", "--decomposition", body, "--frames", "60", "--vmc-out",
+                       "127.0.0.1:" + ports[static_cast<std::size_t>(i)]});
+    });
+  }
+  for (std::thread& sender : senders) sender.join();
+  over = true;
+  receiver.join();
+  ASSERT_EQ(live.exitCode, 0) << live.err;
+  const nlohmann::json json = live.json();
+  ASSERT_EQ(json["streams"].size(), 2u);
+  for (const nlohmann::json& stream : json["streams"]) EXPECT_GT(stream["frames"].get<int>(), 10);
+  ASSERT_EQ(json["avatars"].size(), 2u);
+  EXPECT_NE(json["avatars"][0]["hash"], json["avatars"][1]["hash"]);
+  const nlohmann::json replayed = jsonOf({"replay", session});
+  EXPECT_EQ(replayed["hash"], json["hash"]);
+}
+
+TEST(LiveStream, WithoutASenderTheAvatarStandsAndStrikesNothing) {
+  const CommandResult live = runLorica({"live", "--vmc", freePort(), "--headless", "--frames", "40", "--json", "-"});
+  ASSERT_EQ(live.exitCode, 0) << live.err;
+  EXPECT_EQ(live.json()["frames"], 40);
+  EXPECT_EQ(live.json()["stream"]["frames"], 0);
+  const std::string port = freePort();
+  const CommandResult report = runLorica({"live", "--vmc", port, "--headless", "--frames", "2"});
+  EXPECT_TRUE(has(report.out, "nothing came: no program sent VMC on 127.0.0.1:" + port));
+}
+
+TEST(LiveStream, APortThatIsTakenIsASentence) {
+  const Result<UdpSocket> taken = UdpSocket::listen({"127.0.0.1", 0});
+  ASSERT_TRUE(taken);
+  const std::string port = std::to_string(taken->port());
+  expectRefused(runLorica({"live", "--vmc", port, "--headless", "--frames", "1"}),
+                {"--vmc: 127.0.0.1:" + port + ": cannot listen there"});
 }
 
 }  // namespace

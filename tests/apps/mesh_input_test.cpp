@@ -4,14 +4,15 @@
 #include "skinning/import/character_file.h"
 #include "tests/apps/mannequin_glb.h"
 #include "tests/apps/mesh_text.h"
+#include "tests/apps/refusals.h"
 #include "tests/apps/run_command.h"
 #include "tests/skinning/import/glb_writer.h"
+#include "tests/support/has.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <limits>
-#include <span>
 
 namespace lorica::test {
 namespace {
@@ -85,21 +86,20 @@ TEST(MeshInput, SmallFaultsAreMendedAndSaid) {
   mesh.triangles.push_back(mesh.triangles[7]);
   mesh.triangles.erase(mesh.triangles.begin() + 12);
   const fs::path file = writeObj(folder, "l.obj", mesh);
-  const nlohmann::json json = runLorica({"decompose", file, "--json", "-"}).json();
+  const nlohmann::json json = jsonOf({"decompose", file});
   EXPECT_NEAR(json["meshVolume"].get<double>(), 3.0, 1e-12);
   EXPECT_EQ(json["repaired"], "1 repeated triangle dropped, 1 triangle turned, 1 pinhole closed with 1 triangle");
   EXPECT_FALSE(json.contains("body"));
   const CommandResult text = runLorica({"decompose", file});
-  EXPECT_NE(text.out.find("repaired "), std::string::npos) << text.out;
-  EXPECT_NE(text.out.find("1 triangle turned"), std::string::npos) << text.out;
+  expectAll(text.out, {"repaired ", "1 triangle turned"});
 }
 
 TEST(MeshInput, InsideOutIsReversed) {
   const TemporaryFolder folder;
   TriMesh mesh = makeLShape();
-  const auto whole = runLorica({"decompose", writeObj(folder, "l.obj", mesh), "--json", "-"}).json();
+  const auto whole = jsonOf({"decompose", writeObj(folder, "l.obj", mesh)});
   for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);
-  const auto json = runLorica({"decompose", writeObj(folder, "out.obj", mesh), "--json", "-"}).json();
+  const auto json = jsonOf({"decompose", writeObj(folder, "out.obj", mesh)});
   EXPECT_EQ(json["parts"], whole["parts"]);
   EXPECT_NEAR(json["hullVolume"].get<double>(), whole["hullVolume"].get<double>(), 1e-12);
 }
@@ -110,12 +110,10 @@ TEST(MeshInput, AnOpenMeshGetsABodyThatHoldsItsVertices) {
   const fs::path file = writeObj(folder, "open.obj", mesh);
   const fs::path hulls = folder.path() / "hulls.obj";
   const fs::path parts = folder.path() / "open.lorica";
-  const CommandResult run = runLorica({"decompose", "--force", file, "--parts", "8", "--walls", "solid", "--export-obj",
-                                       hulls, "-o", parts, "--json", "-"});
-  ASSERT_EQ(run.exitCode, 0) << run.err;
-  const nlohmann::json json = run.json();
+  const nlohmann::json json =
+      jsonOf({"decompose", "--force", file, "--parts", "8", "--walls", "solid", "--export-obj", hulls, "-o", parts});
   const nlohmann::json& body = json["body"];
-  EXPECT_NE(body["problem"].get<std::string>().find("belongs to one triangle"), std::string::npos) << body;
+  EXPECT_TRUE(has(body["problem"].get<std::string>(), "belongs to one triangle")) << body;
   EXPECT_GT(body["voxel"].get<double>(), 0.0);
   EXPECT_LT(body["voxel"].get<double>(), 0.2);
   EXPECT_LT(body["meanDistance"].get<double>(), body["farthestDistance"].get<double>());
@@ -125,14 +123,13 @@ TEST(MeshInput, AnOpenMeshGetsABodyThatHoldsItsVertices) {
   EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * diagonal);
   // All figures are of these hulls: report, export and file.
   EXPECT_NEAR(json["hullVolume"].get<double>(), hullVolume(hulls), 1e-6 * hullVolume(hulls));
-  const nlohmann::json info = runLorica({"info", parts, "--json", "-"}).json();
+  const nlohmann::json info = jsonOf({"info", parts});
   EXPECT_EQ(info["error"], json["error"]);
   EXPECT_NEAR(info["detailLevels"].back()["error"].get<double>(), json["error"].get<double>(), 1e-7);
   EXPECT_EQ(info["hash"], json["hash"]);
 
   const CommandResult text = runLorica({"decompose", file, "--parts", "8", "--walls", "solid"});
-  EXPECT_NE(text.out.find("closed body"), std::string::npos) << text.out;
-  EXPECT_NE(text.out.find("from its surface to the original"), std::string::npos) << text.out;
+  expectAll(text.out, {"closed body", "from its surface to the original"});
 }
 
 TEST(MeshInput, AnOpenMeshIsAThinWall) {
@@ -140,9 +137,7 @@ TEST(MeshInput, AnOpenMeshIsAThinWall) {
   const TriMesh mesh = openTorus();
   const fs::path file = writeObj(folder, "open.obj", mesh);
   const fs::path hulls = folder.path() / "hulls.obj";
-  const CommandResult run = runLorica({"decompose", file, "--export-obj", hulls, "--thickness", "0.02", "--json", "-"});
-  ASSERT_EQ(run.exitCode, 0) << run.err;
-  const nlohmann::json json = run.json();
+  const nlohmann::json json = jsonOf({"decompose", file, "--export-obj", hulls, "--thickness", "0.02"});
   EXPECT_EQ(json["body"]["shells"], 1);
   EXPECT_EQ(json["body"]["thickness"], 0.02);
   EXPECT_EQ(json["endedBy"], "concavity");
@@ -153,8 +148,8 @@ TEST(MeshInput, AnOpenMeshIsAThinWall) {
   EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
   // The score is of the file's own surface, and its concavity much the same.
   const CommandResult text = runLorica({"score", file, hulls, "--thickness", "0.02"});
-  EXPECT_NE(text.out.find("1 thin wall of 0.02, 100 % of the surface"), std::string::npos) << text.out;
-  const nlohmann::json score = runLorica({"score", file, hulls, "--thickness", "0.02", "--json", "-"}).json();
+  EXPECT_TRUE(has(text.out, "1 thin wall of 0.02, 100 % of the surface"));
+  const nlohmann::json score = jsonOf({"score", file, hulls, "--thickness", "0.02"});
   EXPECT_TRUE(score["score17"].is_null());
   EXPECT_NEAR(score["concavity"].get<double>(), json["concavity"].get<double>(), 0.01);
   EXPECT_LT(score["surfaceToHulls"]["largest"].get<double>(), 0.1);
@@ -167,9 +162,8 @@ TEST(MeshInput, LimitedHullsHoldEveryVertexToo) {
   const TemporaryFolder folder;
   const TriMesh mesh = openTorus();
   const fs::path hulls = folder.path() / "hulls.obj";
-  const CommandResult run = runLorica({"decompose", writeObj(folder, "open.obj", mesh), "--parts", "6",
-                                       "--hull-vertices", "12", "--export-obj", hulls, "--json", "-"});
-  ASSERT_EQ(run.exitCode, 0) << run.err;
+  const nlohmann::json run = jsonOf({"decompose", writeObj(folder, "open.obj", mesh), "--parts", "6", "--hull-vertices",
+                                     "12", "--export-obj", hulls});
   EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
   const std::vector<NamedMesh> objects = readObjObjects(hulls).value();
   for (const NamedMesh& object : objects) EXPECT_LE(object.mesh.vertices.size(), 12u);
@@ -182,9 +176,8 @@ TEST(MeshInput, ASheetFarOutsideTheBodyIsInTheHulls) {
   mesh.vertices.emplace_back(3, 3, 3);
   mesh.triangles.push_back({b, a, static_cast<VertexIndex>(mesh.vertices.size() - 1)});
   const fs::path hulls = folder.path() / "hulls.obj";
-  const CommandResult run =
-      runLorica({"decompose", writeObj(folder, "fin.obj", mesh), "--parts", "2", "--export-obj", hulls, "--json", "-"});
-  ASSERT_EQ(run.exitCode, 0) << run.err;
+  const nlohmann::json run =
+      jsonOf({"decompose", writeObj(folder, "fin.obj", mesh), "--parts", "2", "--export-obj", hulls});
   EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
 }
 
@@ -193,7 +186,7 @@ TEST(MeshInput, TheUnitDoesNotMatter) {
   std::vector<nlohmann::json> results;
   for (const double scale : {1.0, 1e-3, 1e3}) {
     const fs::path file = writeObj(folder, "open.obj", openTorus(scale));
-    nlohmann::json json = runLorica({"decompose", file, "--parts", "8", "--walls", "solid", "--json", "-"}).json();
+    nlohmann::json json = jsonOf({"decompose", file, "--parts", "8", "--walls", "solid"});
     for (const char* key : {"voxel", "meanDistance", "farthestDistance"}) {
       json["body"][key] = json["body"][key].get<double>() / scale;
     }
@@ -213,24 +206,17 @@ TEST(MeshInput, TheUnitDoesNotMatter) {
 
 TEST(MeshInput, NeverRefusesWithTheReason) {
   const TemporaryFolder folder;
-  const CommandResult run =
-      runLorica({"decompose", writeObj(folder, "open.obj", openTorus()), "--parts", "4", "--body", "never"});
-  EXPECT_EQ(run.exitCode, 2);
-  EXPECT_NE(run.err.find("open.obj"), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("belongs to one triangle"), std::string::npos) << run.err;
+  expectRefused(runLorica({"decompose", writeObj(folder, "open.obj", openTorus()), "--parts", "4", "--body", "never"}),
+                {"open.obj", "belongs to one triangle"});
   const fs::path torn = folder.write("torn.glb", mannequinGlb(true));
-  const CommandResult character = runLorica({"decompose", torn, "--parts", "4", "--body", "never"});
-  EXPECT_EQ(character.exitCode, 2);
-  EXPECT_NE(character.err.find("--body never"), std::string::npos) << character.err;
-  EXPECT_EQ(runLorica({"decompose", "mannequin", "--body", "always"}).exitCode, 2);
+  expectRefused(runLorica({"decompose", torn, "--parts", "4", "--body", "never"}), {"--body never"});
 }
 
 TEST(MeshInput, AlwaysBuildsABodyForAClosedMesh) {
   const TemporaryFolder folder;
   const fs::path file = writeObj(folder, "l.obj", makeLShape());
   const nlohmann::json json =
-      runLorica({"decompose", file, "--parts", "2", "--body", "always", "--body-resolution", "0.05", "--json", "-"})
-          .json();
+      jsonOf({"decompose", file, "--parts", "2", "--body", "always", "--body-resolution", "0.05"});
   EXPECT_TRUE(json["body"]["problem"].is_null());
   EXPECT_DOUBLE_EQ(json["body"]["voxel"].get<double>(), 0.05);
   EXPECT_NEAR(json["meshVolume"].get<double>(), 3.0, 0.1);
@@ -247,9 +233,8 @@ TEST(MeshInput, AStaticGlbIsExportedWhereItsVerticesAre) {
     worldFromMesh.scale(0.5 * size);  // two units long
     const fs::path file = folder.write("l.glb", staticGlb(mesh, worldFromMesh));
     const fs::path hulls = folder.path() / "hulls.obj";
-    const CommandResult run = runLorica({"decompose", "--force", file, "--export-obj", hulls, "--json", "-"});
-    ASSERT_EQ(run.exitCode, 0) << run.err;
-    EXPECT_NEAR(run.json()["meshVolume"].get<double>(), 3.0 * std::pow(0.5 * size, 3), 1e-5 * std::pow(size, 3));
+    const nlohmann::json run = jsonOf({"decompose", "--force", file, "--export-obj", hulls});
+    EXPECT_NEAR(run["meshVolume"].get<double>(), 3.0 * std::pow(0.5 * size, 3), 1e-5 * std::pow(size, 3));
     // An L cut into boxes: the hulls have the mesh's own corners.
     const std::vector<NamedMesh> objects = readObjObjects(hulls).value();
     for (const NamedMesh& object : objects) {
@@ -272,8 +257,8 @@ TEST(MeshInput, AllFormatsGiveTheSameParts) {
   for (Vec3& p : mesh.vertices) p = p.cast<float>().cast<double>();
   const fs::path obj = writeObj(folder, "open.obj", mesh);
   const fs::path glb = folder.write("open.glb", staticGlb(mesh, Affine3::Identity()));
-  const auto first = runLorica({"decompose", obj, "--parts", "6", "--json", "-"}).json();
-  const auto second = runLorica({"decompose", glb, "--parts", "6", "--json", "-"}).json();
+  const auto first = jsonOf({"decompose", obj, "--parts", "6"});
+  const auto second = jsonOf({"decompose", glb, "--parts", "6"});
   EXPECT_EQ(first["hash"], second["hash"]);
   EXPECT_EQ(first["body"], second["body"]);
   EXPECT_EQ(first["error"], second["error"]);
@@ -284,19 +269,15 @@ TEST(MeshInput, WhatEnclosesNothingIsAWallOrRefusedWithBothReasons) {
   const fs::path file = folder.write("flat.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 2 1\n");
   const CommandResult wall = runLorica({"decompose", file});
   EXPECT_EQ(wall.exitCode, 0) << wall.err;
-  EXPECT_NE(wall.out.find("1 thin wall of 0.01"), std::string::npos) << wall.out;
-  const CommandResult run = runLorica({"decompose", file, "--walls", "solid"});
-  EXPECT_EQ(run.exitCode, 2);
-  EXPECT_NE(run.err.find("volume"), std::string::npos) << run.err;
-  EXPECT_NE(run.err.find("no closed body can be made"), std::string::npos) << run.err;
+  EXPECT_TRUE(has(wall.out, "1 thin wall of 0.01"));
+  expectRefused(runLorica({"decompose", file, "--walls", "solid"}), {"volume", "no closed body can be made"});
 }
 
 TEST(MeshInput, AMeshThatIsThereIsNoMissingCharacter) {
   const TemporaryFolder folder;
   const fs::path mesh = writeObj(folder, "l.obj", makeLShape());
-  const CommandResult run = runLorica({"record", folder.path() / "o.bvh", "walk", "--character", mesh});
-  EXPECT_EQ(run.exitCode, 2);
-  EXPECT_NE(run.err.find("l.obj: is a mesh without bones"), std::string::npos) << run.err;
+  expectRefused(runLorica({"record", folder.path() / "o.bvh", "walk", "--character", mesh}),
+                {"l.obj: is a mesh without bones"});
 }
 
 TEST(MeshInput, ATornCharactersExportHoldsItsVertices) {
@@ -305,7 +286,7 @@ TEST(MeshInput, ATornCharactersExportHoldsItsVertices) {
   const fs::path hulls = folder.path() / "hulls.obj";
   const CommandResult run = runLorica({"decompose", torn, "--parts", "8", "--keyframes", "2", "--export-obj", hulls});
   ASSERT_EQ(run.exitCode, 0) << run.err;
-  EXPECT_NE(run.out.find("metres, Y up, facing +Z"), std::string::npos) << run.out;
+  EXPECT_TRUE(has(run.out, "metres, Y up, facing +Z"));
   const TriMesh mesh = readCharacterFile(torn).value().character.mesh;
   EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * boundsOf(mesh.vertices).diagonal());
 }
@@ -315,10 +296,9 @@ TEST(MeshInput, ScoreTakesAnOpenMesh) {
   const fs::path file = writeObj(folder, "open.obj", openTorus());
   const fs::path hulls = folder.path() / "hulls.obj";
   ASSERT_EQ(runLorica({"decompose", file, "--parts", "8", "--export-obj", hulls}).exitCode, 0);
-  const CommandResult run = runLorica({"score", file, hulls, "--json", "-"});
-  ASSERT_EQ(run.exitCode, 0) << run.err;
-  EXPECT_TRUE(run.json().contains("body"));
-  EXPECT_LT(run.json()["uncoveredFraction"].get<double>(), 1e-3);
+  const nlohmann::json run = jsonOf({"score", file, hulls});
+  EXPECT_TRUE(run.contains("body"));
+  EXPECT_LT(run["uncoveredFraction"].get<double>(), 1e-3);
 }
 
 }  // namespace

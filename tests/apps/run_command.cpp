@@ -112,6 +112,13 @@ CommandResult runLorica(const std::vector<std::string>& arguments, const Command
   return result;
 }
 
+nlohmann::json jsonOf(std::vector<std::string> arguments, const CommandSurroundings& surroundings) {
+  arguments.insert(arguments.end(), {"--json", "-"});
+  const CommandResult result = runLorica(arguments, surroundings);
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  return result.json();
+}
+
 std::filesystem::path mannequinBody(const TemporaryFolder& folder, int parts) {
   std::filesystem::path body = folder.path() / "body.lorica";
   const std::filesystem::path shared = sharedCache() / ("mannequin_" + std::to_string(parts) + ".lorica");

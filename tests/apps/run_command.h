@@ -45,6 +45,9 @@ struct CommandSurroundings {
 [[nodiscard]] CommandResult runLorica(const std::vector<std::string>& arguments,
                                       const CommandSurroundings& surroundings = {});
 
+/// What a command reports with `--json -`. It must end well; else the test fails.
+[[nodiscard]] nlohmann::json jsonOf(std::vector<std::string> arguments, const CommandSurroundings& surroundings = {});
+
 /// body.lorica in a folder: of the mannequin, of few parts from two keyframes, which tests of this build share.
 [[nodiscard]] std::filesystem::path mannequinBody(const TemporaryFolder& folder, int parts = 5);
 

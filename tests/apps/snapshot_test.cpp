@@ -87,28 +87,5 @@ TEST_F(Snapshot, AVideoHasTheRequestedFrames) {
   EXPECT_EQ(filesIn(out.path()), (std::vector<std::string>{"film.mp4"}));
 }
 
-TEST_F(Snapshot, BadRequestsAreSentences) {
-  const TemporaryFolder out;
-  const auto expectRefused = [&](std::vector<std::string> arguments, const std::string& word) {
-    arguments.insert(arguments.end(), {"--force", "-o", out.path() / "a.png"});
-    const CommandResult result = snapshot(arguments);
-    EXPECT_EQ(result.exitCode, 2) << word;
-    EXPECT_NE(result.err.find(word), std::string::npos) << result.err;
-    EXPECT_TRUE(filesIn(out.path()).empty());
-  };
-  expectRefused({"--at", "1000"}, "lasts from 0");
-  expectRefused({"--at", "-1"}, "--at");
-  expectRefused({"--frame", "100000"}, "from 0 to");
-  expectRefused({"--camera", "below"}, "three-quarter");
-  expectRefused({"--eye", "1,2"}, "1.5,1,-3");
-  expectRefused({"--eye", "1,2,nan", "--target", "0,0,0"}, "1.5,1,-3");
-  expectRefused({"--eye", "1,2,3"}, "--target");
-  expectRefused({"--eye", "1,2,3", "--target", "1,2,3"}, "apart");
-  expectRefused({"--show", "skin,wings"}, "wings");
-  for (const char* name : {"a.avi", "a.gif"}) expectRefused({"--video", out.path() / name}, "films are MP4 files");
-  expectRefused({"--from", "1"}, "--video");
-  EXPECT_EQ(runLorica({"snapshot", "wave", "--size", "99999x10"}).exitCode, 2);
-}
-
 }  // namespace
 }  // namespace lorica::test

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
 #include <string>
 #include <utility>
@@ -59,6 +60,10 @@ TEST(Strangers, GetTheRightValueOrASentence) {
        {": 3 convex parts", "volume 7, together 9", "0.0 %", "1.0000"}},
       {"chair_boxes.obj", {"decompose"}, {"--parts", "8"}, 0, {"volume 0.0449, together", "0.0 %", "1.0000"}},
       {"U_twice.obj", {"decompose"}, {"--parts", "8"}, 0, {"volume 7.02996, together", "0.0 %", "1.0000"}},
+      {"round2/walk_swing_foot_points_down.bvh", {"info"}, {}, 0, {"the floor is y = 0, since soles come down to it"}},
+      {"round2/walk_swing_foot_level.bvh", {"info"}, {}, 0, {"the floor is y = 0, since soles come down to it"}},
+      {"round2/human_10_56_metres.glb", {"info"}, {}, 0, {"10.56 m", "it stays at 1 m per unit"}},
+      {"round2/human_1_76_millimetres.glb", {"info"}, {}, 0, {"1.760 m", "assuming 1000 m per unit"}},
       {"U_once.obj", {"decompose"}, {"--parts", "8"}, 0, {"7", "1.0000"}},
   };
   for (const Row& row : rows) {
@@ -114,6 +119,29 @@ TEST(Strangers, BonesAlongAnyAxisPerformTheFilesOwnPositions) {
     }
     std::filesystem::remove(csv);
   }
+}
+
+/// Feet that hang at the armature, as rigs with inverse kinematics have them, are on the legs of a ragdoll.
+TEST(Strangers, FeetHangOnTheLegsOfARagdoll) {
+  LORICA_REQUIRE_DATASET(file, "strangers/round2/human_ik_feet.glb");
+  const TemporaryFolder folder;
+  const std::string out = folder.path() / "ragdoll.xml";
+  const CommandResult result = runLorica({"export", file, out, "--per-bone"});
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  std::map<std::string, std::string> above;
+  std::vector<std::string> open;
+  for (const std::string& line : linesOf(out)) {
+    if (const std::size_t at = line.find("<body name=\""); at != std::string::npos) {
+      const std::string name = line.substr(at + 12, line.find('"', at + 12) - at - 12);
+      above[name] = open.empty() ? "" : open.back();
+      open.push_back(name);
+    }
+    if (line.find("</body>") != std::string::npos) open.pop_back();
+  }
+  EXPECT_EQ(above["LeftFoot"], "LeftLowerLeg");
+  EXPECT_EQ(above["RightFoot"], "RightLowerLeg");
+  EXPECT_EQ(std::count_if(above.begin(), above.end(), [](const auto& each) { return each.second.empty(); }), 1);
+  EXPECT_EQ(above["Hips"], "");
 }
 
 TEST(Strangers, AStreamWithoutHipsStands) {

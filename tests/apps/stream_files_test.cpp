@@ -6,15 +6,24 @@
 #include "capture/streams/vmc_receiver.h"
 #include "capture/streams/vmc_writer.h"
 #include "geometry/files.h"
+#include "skinning/import/character_file.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/apps/mannequin_glb.h"
+#include "tests/apps/refusals.h"
 #include "tests/apps/run_command.h"
+#include "tests/skinning/import/small_character.h"
+#include "tests/support/background_process.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <map>
 #include <string>
 #include <thread>
 #include <vector>
@@ -23,6 +32,7 @@ namespace lorica::test {
 namespace {
 
 namespace fs = std::filesystem;
+using Positions = std::map<std::string, Vec3>;
 
 /// The mannequin with a material and one target, "happy".
 std::string joyfulGlb() {
@@ -176,6 +186,36 @@ TEST(StreamFiles, ASessionIsConverted) {
   EXPECT_EQ(motion->motion.frameCount(), converted.json()["frames"].get<int>());
 }
 
+/// Packets are kept until the motion is written; a killed program leaves them.
+TEST(StreamFiles, WhatIsSentIsRecordedAndSurvivesAKill) {
+  const TemporaryFolder takes;
+  const fs::path bvh = takes.path() / "take.bvh", part = takes.path() / "take.bvh.part.pcap";
+  const std::string port = std::to_string(UdpSocket::listen({"127.0.0.1", 0})->port());  // is free again
+  UdpSocket sender = UdpSocket::connect({"127.0.0.1", static_cast<std::uint16_t>(std::stoi(port))}).value();
+  const PacketFile packets = PacketFile::parse(swing(), "swing").value();
+  std::size_t sent = 0;
+  const auto isRecorded = [&](const RunningCommand& = {}) {
+    sender.send(packets.payload(packets.packets()[sent++ % packets.packets().size()]));
+    std::error_code none;
+    return fs::file_size(part, none) > 40'000 && !none;
+  };
+  const CommandResult ended = runLorica({"record", bvh, "--vmc", port, "--json", "-"}, {takes.path(), {}, isRecorded});
+  ASSERT_EQ(ended.exitCode, 0) << ended.err;
+  EXPECT_EQ(ended.json()["recording"], bvh.string());
+  EXPECT_GT(ended.json()["packets"].get<int>(), 5);
+  EXPECT_TRUE(readBvh(bvh));
+  EXPECT_EQ(filesIn(takes.path()), std::vector<std::string>{"take.bvh"});
+  fs::remove(bvh);
+  {
+    const BackgroundProcess killed(
+        [&] { execl(built("lorica").c_str(), "lorica", "record", bvh.c_str(), "--vmc", port.c_str(), nullptr); });
+    while (!isRecorded()) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  EXPECT_EQ(filesIn(takes.path()), std::vector<std::string>{"take.bvh.part.pcap"});
+  EXPECT_EQ(studio().run({"convert", part, bvh}).exitCode, 0);
+  EXPECT_TRUE(readBvh(bvh));
+}
+
 /// The character is in another folder than the take, as it usually is.
 TEST(StreamFiles, AMotionIsRecordedAsBvhAndLeavesNothingElse) {
   const TemporaryFolder takes;
@@ -194,9 +234,7 @@ TEST(StreamFiles, ASessionWhoseCharacterIsElsewhereIsConvertedWithIt) {
       {"record", session, studio().swinging, "--character", studio().joyful, "--decomposition", studio().body});
   ASSERT_EQ(recorded.exitCode, 0) << recorded.err;
   for (const char* name : {"take.bvh", "take.csv"}) {
-    const CommandResult refused = studio().run({"convert", session, takes.path() / name});
-    EXPECT_EQ(refused.exitCode, 2);
-    EXPECT_NE(refused.err.find("--character gives its file"), std::string::npos) << refused.err;
+    expectRefused(studio().run({"convert", session, takes.path() / name}), {"--character gives its file"});
     const CommandResult made = studio().run({"convert", session, takes.path() / name, "--character", studio().joyful});
     EXPECT_EQ(made.exitCode, 0) << made.err;
   }
@@ -206,13 +244,10 @@ TEST(StreamFiles, ASessionWhoseCharacterIsElsewhereIsConvertedWithIt) {
 
 TEST(StreamFiles, WrongUsesAreASentence) {
   const auto refused = [](const std::vector<std::string>& arguments, const std::string& found) {
-    const CommandResult result = studio().run(arguments);
-    EXPECT_EQ(result.exitCode, 2);
-    EXPECT_NE(result.err.find(found), std::string::npos) << result.err;
+    expectRefused(studio().run(arguments), {found});
   };
-  refused({"record", "x.pcap"}, "x.pcap: packets come from a program, expected --vmc PORT");
-  refused({"record", "x.pcap", "--vmc", "39539,39540"},
-          "--vmc 39539,39540: a file holds the packets of one program, expected one PORT");
+  refused({"record", "x.pcap", "--vmc", "39539"}, "OUT: found x.pcap, expected a name that ends in .oni (depth)");
+  refused({"record", "x.bvh", "--vmc", "39539,39540"}, "x.bvh: found 2 avatars, expected one");
   refused({"record", "x.oni", "--vmc", "39539"}, "x.oni: --vmc sends no depth images");
   refused({"record", "x.lsession", "walk", "--vmc", "39539"}, "found a motion and --vmc, expected only one");
   refused({"live", "--headless", "--delay", "10"}, "--delay requires --vmc");
@@ -222,6 +257,78 @@ TEST(StreamFiles, WrongUsesAreASentence) {
   refused({"play", "walk", "--vrchat", "1:2:3"}, "--vrchat: found '1:2:3', expected HOST or HOST:PORT");
   studio().folder.write("bad.pcap", "no packets at all, only text");
   refused({"play", "bad.pcap"}, "bad.pcap: found ");
+}
+
+// `lorica convert MOTION OUT --character HERO`: the motion on the user's own joints.
+
+std::string at(const TemporaryFolder& folder, const char* name) {
+  return folder.path() / name;
+}
+
+Positions positionsOf(const Skeleton& skeleton, std::span<const JointTransform> pose) {
+  std::vector<Affine3> worldFromJoint(pose.size());
+  computeWorldFromJoint(skeleton, pose, worldFromJoint);
+  Positions positions;
+  for (JointIndex j = 0; j < skeleton.jointCount(); ++j) {
+    std::string name = skeleton.joint(j).name;
+    std::replace(name.begin(), name.end(), ' ', '_');  // as in BVH
+    positions[name] = worldFromJoint[j].translation();
+  }
+  return positions;
+}
+
+/// Converts a motion to a .glb and a .bvh of a character: both have its joints at the same places.
+void expectSameJoints(const std::string& motion, bool torn, bool named, const std::vector<std::string>& options = {}) {
+  const TemporaryFolder folder;
+  const std::string hero = folder.write("hero.glb", mannequinGlb(torn, named));
+  for (const char* out : {"walk.glb", "walk.bvh"}) {
+    std::vector<std::string> arguments = {"convert", "--force", motion, at(folder, out), "--character", hero};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    arguments.insert(arguments.end(), {"--json", "-"});
+    const CommandResult result = runLorica(arguments);
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_EQ(result.json()["character"], hero);
+    EXPECT_GE(result.json()["joints"].get<int>(), 52);
+  }
+  const CharacterFile before = readCharacterFile(hero).value();
+  const CharacterFile glb = readCharacterFile(at(folder, "walk.glb")).value();
+  const SkeletalMotion bvh = readBvh(at(folder, "walk.bvh")).value().motion;
+  ASSERT_EQ(glb.clips.size(), before.clips.size() + 1);
+  EXPECT_EQ(glb.character.mesh.vertices, before.character.mesh.vertices);
+  EXPECT_NEAR(glb.clips.front().seconds, bvh.times.back() - bvh.times.front(), 1e-3);
+  double moved = 0.0;
+  for (int f = 0; f < bvh.frameCount(); f += 11) {
+    Pose pose = restPose(glb.character.skeleton);
+    const Positions atRest = positionsOf(glb.character.skeleton, pose);
+    sampleClip(glb.clips.front(), bvh.times[f] - bvh.times.front(), pose);
+    const Positions inGlb = positionsOf(glb.character.skeleton, pose);
+    for (const auto& [name, position] : positionsOf(bvh.skeleton, bvh.pose(f))) {
+      ASSERT_TRUE(inGlb.contains(name)) << name;
+      EXPECT_LT((inGlb.at(name) - position).norm(), 1e-5) << name << ", frame " << f;
+      moved = std::max(moved, (position - atRest.at(name)).norm());
+    }
+  }
+  EXPECT_GT(moved, 0.3);
+}
+
+TEST(ConvertCharacter, JointsAreAtTheSamePlacesInGlbAndBvh) {
+  expectSameJoints("walk", false, true);
+}
+
+TEST(ConvertCharacter, TornCharactersInCentimetresToo) {
+  expectSameJoints("wave", true, false, {"--mirror"});
+}
+
+TEST(ConvertCharacter, DepthRecordingsAreASourceToo) {
+  expectSameJoints("wave_depth", false, true, {"--smooth", "one-euro"});
+}
+
+TEST(ConvertCharacter, TheMannequinIsACharacter) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(runLorica({"convert", "walk", at(folder, "walk.glb"), "--character", "mannequin"}).exitCode, 0);
+  const CharacterFile made = readCharacterFile(at(folder, "walk.glb")).value();
+  EXPECT_EQ(made.clips.size(), 1U);
+  EXPECT_EQ(made.clips.front().name, "walk");
 }
 
 }  // namespace

@@ -19,7 +19,7 @@
 #include "capture/sensor/oni_file.h"
 #include "capture/tracking/tracker.h"
 #include "collision/world/shape_contact.h"
-#include "prepare/motion.h"
+#include "session/prepare/motion.h"
 #include "session/scenes/demo_scene.h"
 #include "session/session.h"
 #include "skinning/mannequin/mannequin.h"

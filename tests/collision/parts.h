@@ -1,11 +1,29 @@
 #pragma once
 
+#include "acd/decomposition.h"
 #include "collision/live/live_body.h"
+#include "skinning/character.h"
 
 #include <random>
 #include <span>
+#include <vector>
 
 namespace lorica::test {
+
+/// The mannequin cut into eight parts in its bind pose, and poses to move them to.
+struct Dancer {
+  Dancer();
+
+  Character character;
+  Decomposition decomposition;
+  std::vector<Affine3> worldFromModel;  ///< of the present pose
+
+  /// Rotates every joint by up to `max` [rad] and puts the whole body at a random position within 5 m.
+  void dance(std::mt19937_64& random, double max);
+
+  /// Mesh vertices and cut points, by skinning and the recursion: the slow reference.
+  [[nodiscard]] std::vector<Vec3> points() const;
+};
 
 /// A box-shaped live part about its own origin, at rest in `worldFromPart`.
 [[nodiscard]] LivePart makeBoxPart(const Vec3& halfExtents, const Isometry3& worldFromPart);

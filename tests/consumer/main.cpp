@@ -1,5 +1,5 @@
-// Uses the installed library from outside where samples/ do not: steps a world, draws a label, and reads the installed
-// recordings.
+// Uses the installed library from outside where docs/samples/ do not: steps a world, draws a label, and reads the
+// installed recordings.
 
 #include <lorica/capture/files/joint_csv.h>
 #include <lorica/collision/world/world.h>

@@ -29,7 +29,7 @@ foreach(project consumer samples)
   set(source ${CMAKE_CURRENT_LIST_DIR})
   set(without)
   if(project STREQUAL "samples")
-    set(source ${CMAKE_CURRENT_LIST_DIR}/../../samples)
+    set(source ${CMAKE_CURRENT_LIST_DIR}/../../docs/samples)
     set(without -DCMAKE_DISABLE_FIND_PACKAGE_glfw3=ON)  # the components that it asks for show nothing
   endif()
   run(${CMAKE_COMMAND} -G Ninja -S ${source} -B ${trial}/${project} -DCMAKE_CXX_COMPILER=${CXX}
@@ -49,7 +49,7 @@ run(${CMAKE_COMMAND} -G Ninja -S ${trial}/lean -B ${trial}/lean/build -DCMAKE_CX
 file(READ ${CMAKE_CURRENT_LIST_DIR}/../../docs/LIBRARY.md page)
 string(REGEX MATCH "```cmake\n(include\\(FetchContent[^`]+)```" found "${page}")
 file(WRITE ${trial}/fetched/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)\nproject(fetched LANGUAGES CXX)\n"
-     "add_executable(game ${CMAKE_CURRENT_LIST_DIR}/../../samples/decompose_mesh.cpp)\n${CMAKE_MATCH_1}")
+     "add_executable(game ${CMAKE_CURRENT_LIST_DIR}/../../docs/samples/decompose_mesh.cpp)\n${CMAKE_MATCH_1}")
 run(${CMAKE_COMMAND} -G Ninja -S ${trial}/fetched -B ${trial}/fetched/build -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_BUILD_TYPE=Debug
     -DFETCHCONTENT_SOURCE_DIR_LORICA=${CMAKE_CURRENT_LIST_DIR}/../..)
 execute_process(COMMAND ninja -C ${trial}/fetched/build -t targets all OUTPUT_VARIABLE targets)

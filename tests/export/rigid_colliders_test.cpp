@@ -1,20 +1,24 @@
-// Rigid colliders against what they promise: in the poses that they are made from they hold the whole surface.
 #include "export/rigid_colliders.h"
 
+#include "export/capsule.h"
 #include "export/collider_fit.h"
-
 #include "geometry/counts.h"
+#include "geometry/random_numbers.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/export/stick_figure.h"
 #include "tests/support/has.h"
+#include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <numbers>
 
 namespace lorica {
 namespace {
+
+// Rigid colliders against what they promise: in the poses that they are made from they hold the whole surface.
 
 const std::vector<double> kBends = {0.0, 0.9, -0.4, 1.4};
 
@@ -169,6 +173,92 @@ TEST(RigidColliders, AreStoppedWhereTheirProgressSays) {
   EXPECT_EQ(made.error().code, ErrorCode::kCancelled);
   const std::vector<RigidCollider> colliders = collidersOf(figure, poses);
   EXPECT_EQ(measureFit(figure, colliders, {poses, 2}, 1, stop).error().code, ErrorCode::kCancelled);
+}
+
+// The measured fit against boxes whose distances are known.
+
+/// A figure that follows one bone, and a box around it or inside it as its collider.
+ColliderFits fitOfBox(double grown) {
+  Character figure = test::stickFigure();
+  for (Influence& influence : figure.influences) influence.joint = 0;
+  RigidCollider collider;
+  collider.hull = test::makeBox(Vec3(-0.1 - grown, -grown, -0.1 - grown), Vec3(0.1 + grown, 2.0 + grown, 0.1 + grown));
+  collider.volume = signedVolume(collider.hull.vertices, collider.hull.triangles);
+  collider.capsule = capsuleAround(collider.hull.vertices);
+  const std::vector<Affine3> poses = test::bentPoses(figure, {0.3, -0.8, 0.0});
+  return measureFit(figure, std::span(&collider, 1), {poses, 2}, 1).value();
+}
+
+TEST(ColliderFit, IsZeroForTheSkinItselfAndMeasuresLargerAndSmallerBoxes) {
+  const ColliderFits own = fitOfBox(0.0);
+  EXPECT_NEAR(own.hulls.worstOut, 0.0, 1e-9);
+  EXPECT_NEAR(own.hulls.worstStandOff, 0.0, 1e-9);
+  EXPECT_NEAR(own.hulls.shareOut, 0.0, 1e-12);
+  EXPECT_NEAR(own.hulls.volume, 0.08, 1e-12);
+  EXPECT_GT(own.capsules.meanStandOff, 0.01);
+  const ColliderFits larger = fitOfBox(0.03);
+  EXPECT_EQ(larger.hulls.worstOut, 0.0);
+  EXPECT_GE(larger.hulls.meanStandOff, 0.0299);
+  EXPECT_LE(larger.hulls.worstStandOff, 0.03 * std::sqrt(3.0) + 1e-9);
+  EXPECT_GE(larger.hulls.worstStandOff, larger.hulls.meanStandOff);
+  const ColliderFits smaller = fitOfBox(-0.02);
+  EXPECT_NEAR(smaller.hulls.worstOut, 0.02 * std::sqrt(3.0), 1e-9);  // the corners of the bar
+  EXPECT_NEAR(smaller.hulls.meanWorstOut, 0.02 * std::sqrt(3.0), 1e-9);
+  EXPECT_NEAR(smaller.hulls.shareOut, 1.0, 1e-12);
+  EXPECT_EQ(smaller.hulls.worstStandOff, 0.0);
+}
+
+constexpr double kPi = std::numbers::pi;
+
+std::vector<Vec3> pointsOn(const Capsule& capsule, int count) {
+  RandomNumbers random(1);
+  std::vector<Vec3> points;
+  for (int i = 0; i < count; ++i) {
+    const double x = random.between(-1.0, 1.0), y = random.between(-1.0, 1.0), z = random.between(-1.0, 1.0);
+    const Vec3 direction = Vec3(x, y, z).normalized();
+    const bool up = direction.dot(capsule.to - capsule.from) > 0.0;
+    points.push_back((up ? capsule.to : capsule.from) + capsule.radius * direction);
+  }
+  return points;
+}
+
+TEST(Capsule, HasTheVolumeOfABallAndACylinderAndTheDistancesOfItsSegment) {
+  EXPECT_NEAR((Capsule{Vec3::Zero(), Vec3::Zero(), 0.5}.volume()), 4.0 / 3.0 * kPi * 0.125, 1e-12);
+  EXPECT_NEAR((Capsule{Vec3::Zero(), Vec3(0, 2, 0), 0.5}.volume()), 4.0 / 3.0 * kPi * 0.125 + 2.0 * kPi * 0.25, 1e-12);
+  const Capsule capsule{Vec3(1, 0, 0), Vec3(3, 0, 0), 0.5};
+  EXPECT_NEAR(capsule.outside(Vec3(2, 2, 0)), 1.5, 1e-12);
+  EXPECT_NEAR(capsule.outside(Vec3(6, 0, 4)), 4.5, 1e-12);
+  EXPECT_NEAR(capsule.outside(Vec3(2, 0.1, 0)), -0.4, 1e-12);
+}
+
+TEST(Capsule, AroundPointsOfACapsuleIsNearlyThatCapsule) {
+  const Capsule truth{Vec3(0.1, 0.2, 0.3), Vec3(0.5, 1.4, 0.2), 0.2};
+  const std::vector<Vec3> points = pointsOn(truth, 2000);
+  const Capsule found = capsuleAround(points);
+  for (const Vec3& p : points) EXPECT_LE(found.outside(p), 1e-9);
+  EXPECT_LT(found.volume(), 1.15 * truth.volume());
+}
+
+TEST(Capsule, HoldsAnyPointsAndNeverMuchMoreThanTheirBall) {
+  RandomNumbers random(7);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<Vec3> points;
+    for (int i = 0; i < 1 + trial % 9; ++i) {
+      const double x = random.unit(), y = random.unit(), z = random.unit();
+      points.emplace_back(x, 0.1 * y, 3.0 * z);
+    }
+    const Capsule capsule = capsuleAround(points);
+    for (const Vec3& p : points) EXPECT_LE(capsule.outside(p), 1e-9) << "trial " << trial;
+    EXPECT_LT(capsule.radius, 3.2);
+  }
+}
+
+TEST(Capsule, KeepsItsMiddleWithAnotherVolume) {
+  const Capsule capsule{Vec3(0, 0, 0), Vec3(0, 2, 0), 0.5};
+  const Capsule small = withVolume(capsule, 0.125 * capsule.volume());
+  EXPECT_NEAR(small.volume(), 0.125 * capsule.volume(), 1e-12);
+  EXPECT_NEAR(small.radius, 0.25, 1e-12);
+  EXPECT_NEAR((0.5 * (small.from + small.to) - Vec3(0, 1, 0)).norm(), 0.0, 1e-12);
 }
 
 }  // namespace

@@ -1,14 +1,13 @@
 // What `lorica bake` reads of others: lists of inputs, and the descriptions of results in its folder. The first byte
 // says which. Names of files cannot leave an empty folder.
-#include "bake/bake_list.h"
-#include "bake/bake_store.h"
+#include "export/bake/bake_list.h"
+#include "export/bake/bake_store.h"
 #include "geometry/errors.h"
 
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -21,24 +20,26 @@ namespace {
 
 using namespace lorica;
 
-/// A shared folder that holds one file.
-class OneFile final : public FileLayer {
- public:
-  explicit OneFile(std::string content) : content_(std::move(content)) {}
-  [[nodiscard]] Result<std::string> read(const std::filesystem::path& /*file*/) override { return content_; }
+/// A folder of this process.
+const std::filesystem::path& folder() {
+  static const std::filesystem::path made = [] {
+    std::string name = std::filesystem::temp_directory_path() / "lorica_fuzz_XXXXXX";
+    LORICA_CHECK(::mkdtemp(name.data()) != nullptr, "no folder for files");
+    return std::filesystem::path(name);
+  }();
+  return made;
+}
 
- private:
-  std::string content_;
-};
-
-void describe(std::string content) {
-  OneFile files(std::move(content));
-  BakeStore store(files, "fuzz", [](std::chrono::milliseconds) {});
+void describe(const std::string& content) {
+  const BakeStore store(folder());
+  std::filesystem::create_directories(store.folderOf("item"));
+  std::ofstream(store.folderOf("item") / kBakeDescription, std::ios::binary) << content;
   const auto description = store.describe("item");
   if (!description) {
-    LORICA_CHECK(description.error().message.starts_with("fuzz"), "an error that does not name the file");
+    LORICA_CHECK(description.error().message.starts_with(folder().string()), "an error that does not name the file");
     return;
   }
+  (void)store.damageOf("item", *description);
   // What the report reads of it.
   (void)description->value("failure", "");
   (void)description->value("seconds", 0.0);
@@ -46,14 +47,9 @@ void describe(std::string content) {
 }
 
 void list(const std::string& ending, std::string content) {
-  static const std::filesystem::path folder = [] {
-    std::string name = std::filesystem::temp_directory_path() / "lorica_fuzz_XXXXXX";
-    LORICA_CHECK(::mkdtemp(name.data()) != nullptr, "no folder for lists");
-    return std::filesystem::path(name);
-  }();
   std::replace(content.begin(), content.end(), '/', '_');
   for (std::size_t at = 0; (at = content.find("..", at)) != std::string::npos;) content[at] = '_';
-  const std::string file = folder / ("list" + ending);
+  const std::string file = folder() / ("list" + ending);
   std::ofstream(file, std::ios::binary) << content;
   const std::array<std::string, 1> lists = {file};
   const Result<std::vector<BakeItem>> items = readBakeLists(lists, {});
@@ -70,7 +66,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (kind < endings.size()) {
     list(endings[kind], std::move(content));
   } else {
-    describe(std::move(content));
+    describe(content);
   }
   return 0;
 }

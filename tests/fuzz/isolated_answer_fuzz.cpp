@@ -1,4 +1,4 @@
-#include "skinning/import/isolated_protocol.h"
+#include "skinning/import/isolated_scene.h"
 
 #include <cstddef>
 #include <cstdint>

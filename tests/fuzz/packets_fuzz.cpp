@@ -1,5 +1,5 @@
 // Recordings of network traffic (.pcap), and the frames of VMC in them.
-#include "capture/streams/vmc_follower.h"
+#include "capture/streams/vmc_receiver.h"
 
 #include <cstddef>
 #include <cstdint>

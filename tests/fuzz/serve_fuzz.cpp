@@ -2,9 +2,9 @@
 // after the handshake of a WebSocket, or messages in right WebSocket frames, each of which begins with its length in a
 // byte; or a file to open, whose kind and whose claimed length are the first two. The server lives as long as the
 // process; it must answer after each input, and have all of a file or nothing.
-#include "serve/server.h"
-#include "serve/wish.h"
 #include "skinning/skeleton.h"
+#include "viewer/page/client_message.h"
+#include "viewer/page/server.h"
 
 #include <fmt/format.h>
 #include <netinet/in.h>
@@ -122,7 +122,7 @@ struct Stage {
   Skeleton skeleton = Skeleton::create({Joint{}}).value();
   std::vector<Affine3> joints{static_cast<std::size_t>(skeleton.jointCount()), Affine3::Identity()};
   std::vector<Prop> props{3};
-  std::vector<Wish> wishes;
+  std::vector<ClientMessage> messages;
   Scene scene;
   double time = 0.0;
 
@@ -142,14 +142,16 @@ struct Stage {
     scene.props = props;
     server->next().take(scene, server->layers());
     server->publish();
-    wishes.clear();
-    server->takeWishes(wishes);
-    for (const Wish& wish : wishes) {
-      const bool file = wish.kind == Wish::Kind::kOpen;
-      LORICA_CHECK(!file || std::filesystem::path(wish.file).parent_path() == server->sentFiles(), "a file elsewhere");
-      LORICA_CHECK((wish.client > 0 || file) && wish.origin.allFinite() && wish.target.allFinite(),
-                   "a wish that cannot be");
-      LORICA_CHECK(std::abs(wish.direction.norm() - 1.0) < 1e-9, "a direction that is no unit vector");
+    messages.clear();
+    server->takeMessages(messages);
+    for (const ClientMessage& message : messages) {
+      const Change& change = message.change;
+      for (const std::string& file : change.files) {
+        LORICA_CHECK(std::filesystem::path(file).parent_path() == server->sentFiles(), "a file elsewhere");
+      }
+      LORICA_CHECK(message.client > 0 || !change.files.empty(), "a message of nobody");
+      LORICA_CHECK(change.ray.origin.allFinite() && change.velocity.allFinite(), "a change that cannot be");
+      LORICA_CHECK(std::abs(message.aim.ray.direction.norm() - 1.0) < 1e-9, "a direction that is no unit vector");
     }
   }
   /// Removes them. @return how many there are, half written ones included
@@ -193,8 +195,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view bytes(reinterpret_cast<const char*>(data + 1), size - 1);
   const int mode = data[0] % 5;
   if (mode == 0) {
-    if (const Result<Wish> wish = readWish(bytes)) {
-      LORICA_CHECK(wish->origin.allFinite() && wish->target.allFinite() && std::isfinite(wish->to), "a wish nowhere");
+    if (const Result<ClientMessage> message = readClientMessage(bytes)) {
+      const Change& change = message->change;
+      LORICA_CHECK(change.ray.origin.allFinite() && std::isfinite(change.to.value_or(change.by)), "a change nowhere");
     }
     return 0;
   }

@@ -2,7 +2,7 @@
 // with a byte that names its sender and the time since the one before, and its length in two bytes.
 #include "acd/decompose.h"
 #include "capture/streams/bone_stream.h"
-#include "capture/streams/vmc_follower.h"
+#include "capture/streams/vmc_receiver.h"
 #include "session/scenes/demo_scene.h"
 #include "session/session.h"
 #include "session/stream_pose_source.h"

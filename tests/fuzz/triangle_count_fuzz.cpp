@@ -1,4 +1,4 @@
-#include "bake/bake_job.h"
+#include "export/bake/bake_job.h"
 
 #include <array>
 #include <cstddef>

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "prepare/motion.h"
+#include "session/prepare/motion.h"
 #include "skinning/clip_files/character_clip.h"
 
 #include <iosfwd>

@@ -1,5 +1,5 @@
 // usage: node engine_colliders.mjs FILE.glb OUT.json
-// What samples/engines/three_colliders.mjs makes of a GLB: {"colliders", "low", "high"}: their number, and the lowest and
+// What docs/samples/engines/three_colliders.mjs makes of a GLB: {"colliders", "low", "high"}: their number, and the lowest and
 // highest corner in Rapier.
 import fs from 'node:fs';
 import RAPIER from '@dimforge/rapier3d-compat';

@@ -1,25 +1,104 @@
-// Exported colliders as the engines and viewers of others have them.
 #include "acd/separating_plane.h"
 #include "export/glb_colliders.h"
 #include "export/mesh_export.h"
+#include "export/rigid_model.h"
 #include "export/robot_files.h"
+#include "geometry/files.h"
 #include "geometry/triangle_tree.h"
+#include "session/prepare/cover_choice.h"
+#include "skinning/body/closed_body.h"
+#include "skinning/clip_files/character_document.h"
 #include "skinning/linear_blend.h"
-#include "tests/peers/exported.h"
+#include "tests/peers/animated.h"
+#include "tests/peers/blender.h"
 #include "tests/peers/peer.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <map>
+#include <optional>
+#include <string>
+#include <vector>
 
-namespace lorica {
+namespace lorica::test {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+/// The characters whose exports are tested.
+inline constexpr Animated kExported[] = {
+    {"mannequin", "", "walk"},
+    {"cesiumman", "characters/cesiumman/CesiumMan.glb", "walk"},
+    {"godette", "characters/godette/Godette_vrm_v4.vrm", "punch_and_kick"},
+    {"arnaud", "characters/arnaud/arnaud.fbx", "walk"},
+};
+
+/// A character with a rigid hull of 32 vertices for each bone.
+struct Exported {
+  Animated animated;
+  std::optional<CharacterFile> file;
+  Character character;
+  SkeletalMotion motion;
+  CoverPoses poses;
+  std::vector<RigidCollider> colliders;
+  RigidModel model;
+};
+
+/// Makes the character of a parametrised test, or skips the test with the reason.
+#define LORICA_REQUIRE_EXPORT(name)                                                                 \
+  LORICA_REQUIRE_PEERS();                                                                           \
+  if (!::lorica::test::available(GetParam())) GTEST_SKIP() << GetParam().character << " is absent"; \
+  const std::optional<::lorica::test::Exported> name = ::lorica::test::exported(GetParam());        \
+  ASSERT_TRUE(name)
+
+constexpr int kVertices = 32;  // of a hull
+
+/// The whole mesh as one part: hulls for each bone do not use parts.
+Decomposition undivided(const Character& character) {
+  Decomposition one;
+  one.vertexCount = static_cast<int>(character.mesh.vertices.size());
+  one.triangleCount = static_cast<int>(character.mesh.triangles.size());
+  return one;
+}
+
+/// Makes it. Fails the test, and returns none, if that fails.
+std::optional<Exported> exported(const Animated& animated) {
+  std::optional<Performance> performance = performanceOf(animated);
+  if (!performance) return std::nullopt;
+  Exported made{
+      animated, std::move(performance->file), std::move(performance->character), std::move(performance->motion), {}, {},
+      {}};
+  Result<ClosedBody> body = makeBody(made.character);
+  EXPECT_TRUE(body.ok());
+  if (!body.ok()) return std::nullopt;
+  made.character = body->character;
+  made.poses = coverPoses(made.character, std::span(&made.motion, 1)).value();
+  made.colliders =
+      makeRigidColliders(made.character, undivided(made.character), made.poses.sampledView(), {kVertices, true, 0})
+          .value();
+  made.model = rigidModelOf(made.character, made.colliders);
+  return made;
+}
+
+/// Its file with nothing added, or what a file of it would hold.
+CharacterDocument documentOf(const Exported& made) {
+  if (!made.file) return characterDocument(made.character);
+  return characterDocument({dataset(made.animated.character), &*made.file}).value();
+}
+
+/// Names of its hulls, in their order.
+std::vector<std::string> namesOf(const Exported& made) {
+  std::vector<std::string> names;
+  for (const RigidCollider& each : made.colliders) {
+    names.push_back(made.character.skeleton.joint(each.joint).name + "_hull");
+  }
+  return plainNames(names);
+}
+
+// Exported colliders as the engines and viewers of others have them.
 
 json runMujoco(const test::TemporaryFolder& folder, const json& job) {
   const fs::path out = folder.path() / "mujoco.json";
@@ -310,5 +389,129 @@ TEST(PeerExportsOfVrm, KeepPointsOutOfTheBody) {
               made->file->springs.chains.size(), radii.size());
 }
 
+// The volumes of exported hulls in physics engines, and the physics extensions of exported GLB files against schemas.
+
+Vec3 normalOf(const TriMesh& mesh, const Triangle& t) {
+  const Vec3& a = mesh.vertices[t[0]];
+  return (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).normalized();
+}
+
+/// Whether two triangles with a common edge are so nearly in a plane that Rapier makes one face of them and so cuts a
+/// little off: the dot product of their normals is within the root of single precision of 1 (ConvexPolyhedron of
+/// parry).
+bool hasFlatEdges(const TriMesh& hull) {
+  const double limit = 1.0 - std::sqrt(static_cast<double>(std::numeric_limits<float>::epsilon()));
+  std::map<std::pair<std::uint32_t, std::uint32_t>, Vec3> normals;
+  for (const Triangle& t : hull.triangles) {
+    for (int i = 0; i < 3; ++i) normals[{t[i], t[(i + 1) % 3]}] = normalOf(hull, t);
+  }
+  return std::any_of(normals.begin(), normals.end(), [&](const auto& edge) {
+    return edge.second.dot(normals.at({edge.first.second, edge.first.first})) > limit;
+  });
+}
+
+class PeerColliderFiles : public testing::TestWithParam<test::Animated> {};
+
+TEST_P(PeerColliderFiles, HaveTheirVolumesInRapierAndJolt) {
+  LORICA_REQUIRE_EXPORT(made);
+  const std::vector<std::string> names = test::namesOf(*made);
+  std::vector<NamedMesh> hulls;
+  for (std::size_t i = 0; i < names.size(); ++i) hulls.push_back({names[i], made->colliders[i].hull});
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "hero.obj", out = folder.path() / "out.json";
+  ASSERT_TRUE(writeMeshes(file, hulls).ok());
+  ASSERT_TRUE(test::runPeer("hull_volumes.mjs", {file.string(), out.string()}));
+  const json found = test::readJson(out);
+  ASSERT_EQ(found.size(), hulls.size());
+  double jolt = 0.0, rapier = 0.0, flattened = 0.0;
+  int flat = 0;
+  for (const NamedMesh& hull : hulls) {
+    const std::string& name = hull.name;
+    const double volume = signedVolume(hull.mesh.vertices, hull.mesh.triangles);
+    const auto error = [&](const char* engine) { return std::abs(found[name][engine].get<double>() / volume - 1.0); };
+    EXPECT_LT(error("jolt"), 1e-3) << name;
+    jolt = std::max(jolt, error("jolt"));
+    const bool isFlat = hasFlatEdges(hull.mesh);
+    EXPECT_LT(error("rapier"), isFlat ? 1e-2 : 1e-3) << name;
+    flat += isFlat ? 1 : 0;
+    (isFlat ? flattened : rapier) = std::max(isFlat ? flattened : rapier, error("rapier"));
+  }
+  std::printf(
+      "%s: volumes within %.2g %% of Jolt's, %.2g %% of Rapier's; %.2g %% for %d of %zu hulls with flat edges\n",
+      GetParam().name, 100.0 * jolt, 100.0 * rapier, 100.0 * flattened, flat, hulls.size());
+}
+
+json checkedBySchemas(const fs::path& glb, const test::TemporaryFolder& folder) {
+  const fs::path out = folder.path() / "schemas.json";
+  if (!test::runPeer("collider_schemas.mjs",
+                     {glb.string(), out.string(), test::sourceFile("tests/peers/schemas").string()}))
+    return {};
+  return test::readJson(out);
+}
+
+TEST_P(PeerColliderFiles, FollowTheSchemasOfTheirExtensions) {
+  LORICA_REQUIRE_EXPORT(made);
+  CharacterDocument document = test::documentOf(*made);
+  addColliders(document, made->colliders, test::namesOf(*made), {"", "", true});
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "hero.glb";
+  ASSERT_TRUE(writeDocument(file, document).ok());
+  const json found = checkedBySchemas(file, folder);
+  EXPECT_EQ(found["errors"], json::array());
+  const std::size_t count = made->colliders.size();
+  EXPECT_EQ(found["checked"],
+            (json{{"OMI_physics_shape", 1}, {"OMI_physics_body", count}, {"KHR_physics_rigid_bodies", count}}));
+}
+
+TEST_P(PeerColliderFiles, AreFoundByTheScriptsForEngines) {
+  LORICA_REQUIRE_EXPORT(made);
+  CharacterDocument document = test::documentOf(*made);
+  addColliders(document, made->colliders, test::namesOf(*made), {"", "", false, false});
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "hero.glb", out = folder.path() / "engine.json", log = folder.path() / "log";
+  ASSERT_TRUE(writeDocument(file, document).ok());
+  ASSERT_TRUE(test::runPeer("engine_colliders.mjs", {file.string(), out.string()}));
+  const json found = test::readJson(out);
+  EXPECT_EQ(found["colliders"], made->colliders.size());
+  EXPECT_NEAR(found["low"].get<double>(), 0.0, 0.2);
+  EXPECT_NEAR(found["high"].get<double>(), made->character.height, 0.2);
+  const fs::path model = folder.path() / "hero.xml";
+  ASSERT_TRUE(writeMjcf(model, made->model, MjcfMotion::kJoints).ok());
+  EXPECT_TRUE(test::runPeer("mujoco_bodies.mjs", {model.string()}));
+  if (!test::missingForBlender().empty()) return;
+  const std::string command = "blender -b --factory-startup --python-exit-code 1 --python '" +
+                              test::sourceFile("docs/samples/engines/blender_colliders.py").string() + "' -- '" +
+                              file.string() + "' >'" + log.string() + "' 2>&1";
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  EXPECT_NE(readFile(log).value().find(std::to_string(made->colliders.size()) + " colliders on "), std::string::npos);
+}
+
+INSTANTIATE_TEST_SUITE_P(, PeerColliderFiles, testing::ValuesIn(test::kExported),
+                         [](const auto& each) { return std::string(each.param.name); });
+
+TEST(PeerColliderSchemas, AcceptTheHullsOfAMeshAndFindEachFault) {
+  LORICA_REQUIRE_PEERS();
+  const test::TemporaryFolder folder;
+  const fs::path file = folder.path() / "mesh.glb", wrong = folder.path() / "wrong.glb";
+  const TriMesh tetrahedron{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  ASSERT_TRUE(writeGlbHulls(file, {{"a", tetrahedron}, {"b", tetrahedron}}, {"", "", true}).ok());
+  EXPECT_EQ(checkedBySchemas(file, folder)["errors"], json::array());
+  const auto errorsWith = [&](const std::function<void(json&)>& edit) {
+    test::writeEdited(file, wrong, edit);
+    return checkedBySchemas(wrong, folder)["errors"];
+  };
+  const auto omi = [](json& d) -> json& { return d["nodes"][1]["extensions"]["OMI_physics_body"]; };
+  const auto khr = [](json& d) -> json& { return d["nodes"][1]["extensions"]["KHR_physics_rigid_bodies"]; };
+  EXPECT_EQ(errorsWith([&](json& d) { omi(d)["collider"]["shape"] = 2; }), json::array({"node 1: shape 2 of 2"}));
+  EXPECT_EQ(errorsWith([&](json& d) { khr(d)["collider"]["geometry"]["mesh"] = 9; }),
+            json::array({"node 1: mesh 9 of 2"}));
+  EXPECT_EQ(errorsWith([&](json& d) { d["extensions"]["OMI_physics_shape"]["shapes"][0]["convex"]["mesh"] = 2; }),
+            json::array({"shape 0: mesh 2 of 2"}));
+  EXPECT_EQ(errorsWith([&](json& d) { d["extensionsUsed"].erase(0); }).size(), 2U);
+  EXPECT_FALSE(errorsWith([&](json& d) { omi(d)["motion"]["type"] = "rigid"; }).empty());
+  EXPECT_FALSE(errorsWith([&](json& d) { khr(d)["collider"].erase("geometry"); }).empty());
+  EXPECT_FALSE(errorsWith([&](json& d) { d["extensions"]["OMI_physics_shape"]["shapes"][0].erase("type"); }).empty());
+}
+
 }  // namespace
-}  // namespace lorica
+}  // namespace lorica::test

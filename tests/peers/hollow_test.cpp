@@ -1,7 +1,7 @@
-// A ball that is dropped into a vessel of hulls stays in, in MuJoCo; tests/prepare/mesh_walls_test.cpp has the same in
-// Bullet.
+// A ball that is dropped into a vessel of hulls stays in, in MuJoCo; tests/session/prepare/mesh_walls_test.cpp has the
+// same in Bullet.
 #include "tests/peers/peer.h"
-#include "tests/prepare/vessels.h"
+#include "tests/session/prepare/vessels.h"
 #include "tests/support/datasets.h"
 
 #include <fmt/format.h>

@@ -1,6 +1,6 @@
 #include "tests/peers/peer.h"
 
-#include "skinning/import/gltf_parts.h"
+#include "skinning/import/gltf_document.h"
 #include "tests/support/datasets.h"
 #include "viewer/pictures/image_files.h"
 

@@ -2,14 +2,9 @@
 #include "capture/registration/head_registration.h"
 #include "geometry/counts.h"
 #include "geometry/files.h"
-#include "player/headset_link.h"
-#include "player/run.h"
-#include "player/snapshots.h"
-#include "prepare/cast.h"
-#include "prepare/live_cast.h"
-#include "prepare/scenes.h"
-#include "serve/page_files.h"
-#include "serve/page_screen.h"
+#include "session/prepare/cast.h"
+#include "session/prepare/live_cast.h"
+#include "session/prepare/scenes.h"
 #include "session/recording/session_file.h"
 #include "tests/apps/mannequin_glb.h"
 #include "tests/peers/likeness.h"
@@ -17,7 +12,12 @@
 #include "tests/support/background_process.h"
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
+#include "viewer/page/page_files.h"
+#include "viewer/page/page_screen.h"
 #include "viewer/pictures/image_files.h"
+#include "viewer/player/headset_link.h"
+#include "viewer/player/run.h"
+#include "viewer/player/snapshots.h"
 
 #include <gtest/gtest.h>
 
@@ -83,6 +83,23 @@ class Served {
 };
 
 const fs::path kPictures = test::built("peers") / "pictures" / "page";
+
+/// Whether one of the changes that came asks for the start of the recording.
+bool restarts(Screen& screen) {
+  const std::vector<Change> changes = screen.takeChanges();
+  return std::ranges::find(changes, ControlId::kRestart, &Change::id) != changes.end();
+}
+
+/// The controls of a screen that shows a recording of a second.
+Controls controlsOf(Screen& screen) {
+  Controls controls;
+  listChoices(screen.choices(), controls);
+  controls.offer(ControlId::kRestart);
+  controls.offer(ControlId::kSeek).most = 1.0;
+  controls.offer(ControlId::kThrow);
+  controls.offer(ControlId::kParts).absent = true;
+  return controls;
+}
 
 /// What page_check.mjs finds out. Fails the test, and returns nothing, if it finds a fault.
 json check(const std::string& link, const char* part) {
@@ -177,8 +194,10 @@ TEST(PeerServe, ThePageSaysWhatIsWrong) {
   });
   SessionScene scene(run->session);
   WindowValues values;
+  const Controls controls = controlsOf(screen);
+  values.controls = &controls;
   values.duration = 1.0;
-  while (!ended && !screen.takeRequests().seekTo) {
+  while (!ended && !restarts(screen)) {
     ++values.changes;
     screen.show(scene.of(run->session, {}, screen.camera().eye), values);
     screen.rest(0.02);
@@ -306,24 +325,26 @@ TEST(PeerServe, AWalkWithAHeadsetRegistersItThroughThePage) {
   std::normal_distribution<double> noise(0.0, 0.015);
   SessionScene scene(run->session);
   WindowValues values;
-  std::vector<Wish> wishes;
+  const Controls controls = controlsOf(screen);
+  values.controls = &controls;
+  std::vector<ClientMessage> messages;
   int poses = 0;
   while (!ended) {
-    wishes.clear();
-    server->takeWishes(wishes);
-    for (Wish& wish : wishes) {
-      if (wish.kind != Wish::Kind::kHead) continue;
+    messages.clear();
+    server->takeMessages(messages);
+    for (const ClientMessage& message : messages) {
+      if (message.kind != ClientMessage::Kind::kHead) continue;
       const double time = ++poses / 30.0;
-      HeadsetPose heard;
-      heard.pose = wish.pose;
-      heard.pose.time = time;
-      link.addHeadset(heard, time);
-      const Vec3 head = wish.pose.head * kNominalHeadInHeadset;
+      HeadsetPose pose;
+      pose.pose = message.pose;
+      pose.pose.time = time;
+      link.addHeadset(pose, time);
+      const Vec3 head = message.pose.head * kNominalHeadInHeadset;
       const Vec3 off(noise(random), noise(random), noise(random));
       if (random() % 8 != 0) link.addTracked(0, floorFromStage * head + off, time + kLag);
-      std::optional<HeadsetNews> told = link.update(time);
-      while (link.solving()) told = link.update(time);
-      if (told) screen.tell(*told);
+      std::optional<WearerState> state = link.update(time);
+      while (link.solving()) state = link.update(time);
+      if (state) screen.setWearer(*state);
     }
     ++values.changes;
     SceneOptions sent;
@@ -401,13 +422,16 @@ TEST(PeerServe, EachSceneLooksAsInASnapshot) {
                                         {"contacts", &SceneOptions::contacts}}};
   std::vector<std::map<std::string, Image>> drawn;
   WindowValues values;
-  values.scenes = scenes.names;
+  Controls controls = controlsOf(screen);
+  controls.offer(ControlId::kScene).choices = scenes.names;
+  values.controls = &controls;
   values.duration = 1.0;
   std::unique_ptr<lorica::Run> run;
-  for (; values.scene < countOf(scenes.names) && !ended; ++values.scene) {
+  for (int index = 0; index < countOf(scenes.names) && !ended; ++index) {
+    controls[ControlId::kScene].value = index;
     CastRequest request;
     request.motion = "punch_and_kick";
-    request.scene = scenes.arguments[values.scene];
+    request.scene = scenes.arguments[index];
     request.reading.drawn = true;
     auto next = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(request, host)), {}, host));
     SessionScene scene(next->session);
@@ -436,7 +460,7 @@ TEST(PeerServe, EachSceneLooksAsInASnapshot) {
       ++values.changes;
       screen.show(scene.of(run->session, sent, camera.eye), values);
       screen.rest(0.02);
-    } while (!ended && !screen.takeRequests().seekTo);
+    } while (!ended && !restarts(screen));
   }
   browser.join();
   if (result.empty()) return;
@@ -504,12 +528,17 @@ TEST(PeerServe, MorphTargetsOfAPlainFileMoveAsInASnapshot) {
     ended = true;
   });
   WindowValues values;
-  values.expressions = expressions;
+  Controls controls = controlsOf(screen);
+  Control& expression = controls.offer(ControlId::kExpression);
+  expression.choices = expressions;
+  expression.least = expression.value = -1.0;
+  values.controls = &controls;
   SceneOptions sent;
   while (!ended) {
-    if (const std::optional<int> chosen = screen.takeRequests().expression) {
-      values.expression = *chosen;
-      scene.chooseExpression(*chosen);
+    for (const Change& change : screen.takeChanges()) {
+      if (change.id != ControlId::kExpression) continue;
+      expression.value = valueAfter(expression, change).value_or(-1.0);
+      scene.chooseExpression(static_cast<int>(expression.value));
     }
     ++values.changes;
     screen.show(scene.of(run->session, sent, screen.camera().eye), values);

@@ -1,16 +1,15 @@
-// The guarantee: in every pose, the posed surface is inside the hulls.
-
 #include "acd/decompose.h"
 #include "acd/transfer.h"
-#include "capture/synthetic/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
 #include "collision/live/choose_cover.h"
 #include "collision/live/live_body.h"
-#include "prepare/cover_poses.h"
-#include "prepare/keyframes.h"
 #include "session/pose_source.h"
+#include "session/prepare/cover_choice.h"
+#include "session/prepare/keyframes.h"
 #include "skinning/humanoid/joint_limits.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 #include <tbb/parallel_for.h>
@@ -24,6 +23,8 @@
 
 namespace lorica {
 namespace {
+
+// The guarantee: in every pose, the posed surface is inside the hulls.
 
 /// Number of random poses: as stated in the documentation if LORICA_LONG_TESTS is set, otherwise a fifth of it.
 int poseCount() {
@@ -58,8 +59,8 @@ std::vector<PointIndex> sortedByPosition(std::vector<PointIndex> points, std::sp
 const Subject& subject() {
   static const Subject made = [] {
     Subject s;
-    for (int m = 0; m < kSyntheticMotionCount; ++m) {
-      s.motions.push_back(perform(s.character.skeleton, synthesizeMotion(static_cast<SyntheticMotion>(m))).value());
+    for (const std::string_view name : kShippedMotions) {
+      s.motions.push_back(perform(s.character.skeleton, shippedFrames(name)).value());
     }
     const Result<std::vector<Vec3>> keyframes = sampleKeyframes(s.character, s.motions, 12);
     LORICA_CHECK(keyframes.ok(), "the mannequin is humanoid");
@@ -278,34 +279,93 @@ Outside inPoses(LiveBody body, BonePoseView poses, double limit) {
 TEST(GuaranteeOfFewPoints, CoversAllSampledPosesAndReportsTheShortfallInOthers) {
   const Subject& s = subject();
   const double height = s.character.height;
-  const Result<CoverPoses> poses = coverPoses(s.character, s.motions);
-  ASSERT_TRUE(poses.ok()) << poses.error().message;
+  const CoverPoses poses = test::valueOf(coverPoses(s.character, s.motions));
   const std::vector<LiftedPoint> lifted = liftPoints(s.character, s.decomposition);
   for (const CoverSettings& settings : {CoverSettings{.tolerance = 0.005}, CoverSettings{.maxHullVertices = 64},
                                         CoverSettings{.maxHullVertices = 16}}) {
     SCOPED_TRACE(testing::Message() << settings.tolerance << " m, " << settings.maxHullVertices << " vertices");
-    const Result<HullCover> cover =
-        chooseCover(s.decomposition, lifted, poses->sampledView(), poses->heldOutView(), settings);
-    ASSERT_TRUE(cover.ok()) << cover.error().message;
-    const LiveBody body = LiveBody::create(s.decomposition, s.character, *cover).value();
+    const HullCover cover =
+        test::valueOf(chooseCover(s.decomposition, lifted, poses.sampledView(), poses.heldOutView(), settings));
+    const LiveBody body = LiveBody::create(s.decomposition, s.character, cover).value();
     std::size_t max = 0;
     std::size_t points = 0;
-    for (const std::vector<CoverPoint>& part : cover->points) {
+    for (const std::vector<CoverPoint>& part : cover.points) {
       max = std::max(max, part.size());
       points += part.size();
     }
     if (settings.maxHullVertices > 0) {
       EXPECT_LE(max, static_cast<std::size_t>(settings.maxHullVertices));
     } else {
-      EXPECT_LE(cover->sampledShortfall, settings.tolerance);
+      EXPECT_LE(cover.sampledShortfall, settings.tolerance);
     }
-    EXPECT_EQ(inPoses(body, poses->sampledView(), 1e-5 * height).count, 0);
-    EXPECT_NEAR(inPoses(body, poses->heldOutView(), 1e-5 * height).farthest, cover->heldOutShortfall, 2e-6 * height);
+    EXPECT_EQ(inPoses(body, poses.sampledView(), 1e-5 * height).count, 0);
+    EXPECT_NEAR(inPoses(body, poses.heldOutView(), 1e-5 * height).farthest, cover.heldOutShortfall, 2e-6 * height);
     const Outside outside = throwPoses(body, 0, poseCount() / 20, 1e-5 * height);
-    std::cout << points << " points, at most " << max << " per part: protruded by " << 1e3 * cover->sampledShortfall
-              << " mm, enlarged by up to " << 1e3 * cover->growth << " mm; held out " << 1e3 * cover->heldOutShortfall
+    std::cout << points << " points, at most " << max << " per part: protruded by " << 1e3 * cover.sampledShortfall
+              << " mm, enlarged by up to " << 1e3 * cover.growth << " mm; held out " << 1e3 * cover.heldOutShortfall
               << " mm; worst of " << poseCount() / 20 << " random poses " << 1e3 * outside.farthest << " mm\n";
   }
+}
+
+// Extends Thul et al. 2018, Fig. 9: a decomposition trained on several poses fits an unseen motion better than one
+// trained on a single pose.
+
+struct Spread {
+  double mean = 0.0;
+  double deviation = 0.0;
+};
+
+/// Relative volume error of a decomposition over every `stride`-th frame of posed positions.
+Spread errorOver(const Decomposition& decomposition, const TriMesh& mesh, PoseView poses, int stride) {
+  double sum = 0.0, sumSq = 0.0;
+  int count = 0;
+  for (int k = 0; k < poses.keyframeCount(); k += stride, ++count) {
+    const double e = errorInPose(decomposition, mesh, poses.keyframe(k)).relative();
+    sum += e;
+    sumSq += e * e;
+  }
+  const double mean = sum / count;
+  return {mean, std::sqrt(std::max(0.0, sumSq / count - mean * mean))};
+}
+
+Decomposition sixteenParts(const TriMesh& mesh, std::span<const Vec3> keyframes) {
+  const PoseView poses{keyframes, static_cast<int>(mesh.vertices.size())};
+  Result<Decomposition> made = decompose(mesh, poses, {.maxParts = 16});
+  LORICA_CHECK(made.ok(), "the mannequin is a closed two-manifold");
+  LORICA_CHECK(made->parts.size() == 16, "a body has more than 16 concave regions");
+  return std::move(made).value();
+}
+
+TEST(UnseenMotion, TwelveKeyframesFollowAMotionThatTheyNeverSawBetterThanTheFirstFrameAlone) {
+  // Each motion in turn is held out. The other five train two decompositions with default settings: one with twelve
+  // frames at even intervals, one with only the first of these frames.
+  const Character character = makeMannequin();
+  std::vector<SkeletalMotion> motions;
+  for (const std::string_view name : kShippedMotions) {
+    motions.push_back(perform(character.skeleton, shippedFrames(name)).value());
+  }
+
+  double meanOfTwelve = 0.0, meanOfFirst = 0.0;
+  for (int unseen = 0; unseen < countOf(kShippedMotions); ++unseen) {
+    std::vector<SkeletalMotion> training = motions;
+    training.erase(training.begin() + unseen);
+    const Result<std::vector<Vec3>> keyframes = sampleKeyframes(character, training, 12);
+    const std::vector<Vec3> posed = poseAllFrames(character, motions[unseen]);
+    ASSERT_TRUE(keyframes.ok());
+    const PoseView poses{posed, static_cast<int>(character.mesh.vertices.size())};
+    const Spread twelve = errorOver(sixteenParts(character.mesh, *keyframes), character.mesh, poses, 10);
+    const std::span<const Vec3> firstFrame = std::span(*keyframes).first(character.mesh.vertices.size());
+    const Spread first = errorOver(sixteenParts(character.mesh, firstFrame), character.mesh, poses, 10);
+    std::cout << kShippedMotions[unseen] << " unseen, 16 parts, relative volume error: 12 keyframes " << twelve.mean
+              << " +- " << twelve.deviation << ", first frame only " << first.mean << " +- " << first.deviation << '\n';
+    EXPECT_GT(twelve.mean, 0.0) << "hulls cover the surface";
+    meanOfTwelve += twelve.mean / countOf(kShippedMotions);
+    meanOfFirst += first.mean / countOf(kShippedMotions);
+  }
+  std::cout << "mean: 12 keyframes " << meanOfTwelve << ", first frame only " << meanOfFirst << '\n';
+  RecordProperty("meanErrorTwelveKeyframes", std::to_string(meanOfTwelve));
+  RecordProperty("meanErrorFirstFrame", std::to_string(meanOfFirst));
+  EXPECT_LT(meanOfTwelve, meanOfFirst);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"
-#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "geometry/work_budgets.h"
@@ -26,7 +25,7 @@ namespace lorica {
 namespace {
 
 std::filesystem::path scenesFolder() {
-  return test::recordingsFolder().parent_path() / "scenes";
+  return test::recordingsFolder() / "scenes";
 }
 
 SceneFile shipped(const std::string& name) {
@@ -45,7 +44,7 @@ std::string errorOf(const std::string& text) {
 }
 
 /// The mannequin in six parts, performing in a scene.
-Session performance(SyntheticMotion motion, const SceneFile& scene) {
+Session performance(std::string_view motion, const SceneFile& scene) {
   static const Decomposition parts = [] {
     const Character character = makeMannequin();
     DecomposeSettings settings;
@@ -55,7 +54,7 @@ Session performance(SyntheticMotion motion, const SceneFile& scene) {
         .value();
   }();
   std::unique_ptr<PoseSource> source =
-      makeJointPoseSource(makeMannequin().skeleton, makeRecordedSource(synthesizeMotion(motion))).value();
+      makeJointPoseSource(makeMannequin().skeleton, makeRecordedSource(shippedFrames(motion))).value();
   return Session::create(makeMannequin(), parts, std::move(source), makeWorld(scene)).value();
 }
 
@@ -362,7 +361,7 @@ TEST(ShippedScenes, TheFountainRisesAndWhatFloatsStaysInItsBasin) {
 /// Grains lie where a foot has pressed no longer.
 TEST(ShippedScenes, OnTheBeachFootprintsStay) {
   const SceneFile scene = shipped("beach");
-  Session session = performance(SyntheticMotion::kWalk, scene);
+  Session session = performance("walk", scene);
   const auto lowAt = [&](const Vec3& foot) {
     float top = 0.0f;
     for (const Vec3f& p : session.world().particles()->positions()) {
@@ -392,7 +391,7 @@ TEST(ShippedScenes, OnTheBeachFootprintsStay) {
 }
 
 TEST(ShippedScenes, FistsAndFeetBreakTheWallOfBoxes) {
-  Session session = performance(SyntheticMotion::kPunchAndKick, shipped("boxes"));
+  Session session = performance("punch_and_kick", shipped("boxes"));
   const std::size_t count = session.world().props().size();
   std::vector<Vec3> before(count);
   for (std::size_t p = 0; p < count; ++p) before[p] = session.world().props()[p].worldFromProp.translation();
@@ -406,7 +405,7 @@ TEST(ShippedScenes, FistsAndFeetBreakTheWallOfBoxes) {
 
 TEST(ShippedScenes, AKickBowls) {
   const SceneFile scene = shipped("bowling");
-  Session session = performance(SyntheticMotion::kPunchAndKick, scene);
+  Session session = performance("punch_and_kick", scene);
   playToTheEnd(session);
   int fallen = 0;
   for (std::size_t p = 0; p < scene.props.size(); ++p) {
@@ -419,7 +418,7 @@ TEST(ShippedScenes, AKickBowls) {
 
 TEST(ShippedScenes, TheCurtainIsPartedAndHangsOnItsBarAfterwards) {
   const SceneFile scene = shipped("curtain");
-  Session session = performance(SyntheticMotion::kPunchAndKick, scene);
+  Session session = performance("punch_and_kick", scene);
   std::set<int> touched;
   double widestGap = 0.0;
   const auto gapOf = [&](const SceneFile::Link& link) {

@@ -6,10 +6,11 @@
 #include "session/recording/session_blocks.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
+#include "tests/support/has.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <string>
 
 namespace lorica {
@@ -35,21 +36,20 @@ std::string sentenceFor(const std::string& bytes) {
 
 TEST(SessionFile, HoldsWhatWasTakenBitForBit) {
   const std::vector<SkeletonFrame> frames = test::shippedFrames("punch_and_kick", 24, 3.0);
-  const Result<SessionFile> read = parseSession(sessionBytes(), "s.lsession");
-  ASSERT_TRUE(read.ok()) << read.error().message;
-  EXPECT_TRUE(read->finished);
-  EXPECT_TRUE(read->notes.empty());
+  const SessionFile read = test::valueOf(parseSession(sessionBytes(), "s.lsession"));
+  EXPECT_TRUE(read.finished);
+  EXPECT_TRUE(read.notes.empty());
   // Frames that a late one overtook are recorded too; frames after the last step were never shown.
-  ASSERT_EQ(read->motions[0].joints.size(), frames.size());
-  EXPECT_LT(read->steps.size(), frames.size());
+  ASSERT_EQ(read.motions[0].joints.size(), frames.size());
+  EXPECT_LT(read.steps.size(), frames.size());
   std::size_t taken = 0;
-  for (const SessionStep& step : read->steps) taken += step.frames;
+  for (const SessionStep& step : read.steps) taken += step.frames;
   EXPECT_EQ(taken, frames.size());
   for (std::size_t f = 0; f < frames.size(); ++f) {
-    EXPECT_EQ(read->motions[0].joints[f].time, frames[f].time);
-    EXPECT_EQ(read->motions[0].joints[f].user, frames[f].user);
+    EXPECT_EQ(read.motions[0].joints[f].time, frames[f].time);
+    EXPECT_EQ(read.motions[0].joints[f].user, frames[f].user);
     for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      const TrackedJoint &a = read->motions[0].joints[f].joints[j], &b = frames[f].joints[j];
+      const TrackedJoint &a = read.motions[0].joints[f].joints[j], &b = frames[f].joints[j];
       EXPECT_EQ(a.position, b.position);
       EXPECT_EQ(a.confidence, b.confidence);
       ASSERT_EQ(a.orientation.has_value(), b.orientation.has_value());
@@ -58,11 +58,11 @@ TEST(SessionFile, HoldsWhatWasTakenBitForBit) {
       }
     }
   }
-  ASSERT_EQ(read->actions.size(), 4u);
-  EXPECT_EQ(read->actions[0].kind, WorldAction::Kind::kThrowBall);
-  EXPECT_EQ(read->actions[0].velocity, Vec3(0.0, 1.0, -6.0));
-  EXPECT_EQ(read->actions[1].kind, WorldAction::Kind::kGrab);
-  EXPECT_EQ(read->actions[2].position, Vec3(0.3, 0.8, 0.8));
+  ASSERT_EQ(read.actions.size(), 4u);
+  EXPECT_EQ(read.actions[0].kind, WorldAction::Kind::kThrowBall);
+  EXPECT_EQ(read.actions[0].velocity, Vec3(0.0, 1.0, -6.0));
+  EXPECT_EQ(read.actions[1].kind, WorldAction::Kind::kGrab);
+  EXPECT_EQ(read.actions[2].position, Vec3(0.3, 0.8, 0.8));
 }
 
 TEST(SessionFile, HeaderSaysEverythingAgain) {
@@ -91,19 +91,18 @@ TEST(SessionFile, HeaderSaysEverythingAgain) {
   header.sceneFolder = "scenes";
   header.sceneSeed = 5;
   header.worldHash = 77;
-  const Result<SessionHeader> again = parseSessionHeader(textOf(header), "s");
-  ASSERT_TRUE(again.ok()) << again.error().message;
-  EXPECT_EQ(textOf(*again), textOf(header));
-  EXPECT_EQ(again->avatar().bodyResolution, header.avatar().bodyResolution);
-  EXPECT_EQ(again->avatar().walls, header.avatar().walls);
-  EXPECT_EQ(again->avatar().thickness, header.avatar().thickness);
-  EXPECT_EQ(again->avatar().expressions, header.avatar().expressions);
-  EXPECT_EQ(again->avatar().hidden, header.avatar().hidden);
-  EXPECT_EQ(again->avatar().clip, header.avatar().clip);
-  EXPECT_EQ(again->avatar().characterHash, header.avatar().characterHash);
-  EXPECT_EQ(again->avatar().joints.smoothing->minCutoff, 1.0 / 7.0);
-  EXPECT_EQ(again->avatar().faults.dropout, 0.1);
-  EXPECT_EQ(again->avatar().faults.seed, 9u);
+  const SessionHeader again = test::valueOf(parseSessionHeader(textOf(header), "s"));
+  EXPECT_EQ(textOf(again), textOf(header));
+  EXPECT_EQ(again.avatar().bodyResolution, header.avatar().bodyResolution);
+  EXPECT_EQ(again.avatar().walls, header.avatar().walls);
+  EXPECT_EQ(again.avatar().thickness, header.avatar().thickness);
+  EXPECT_EQ(again.avatar().expressions, header.avatar().expressions);
+  EXPECT_EQ(again.avatar().hidden, header.avatar().hidden);
+  EXPECT_EQ(again.avatar().clip, header.avatar().clip);
+  EXPECT_EQ(again.avatar().characterHash, header.avatar().characterHash);
+  EXPECT_EQ(again.avatar().joints.smoothing->minCutoff, 1.0 / 7.0);
+  EXPECT_EQ(again.avatar().faults.dropout, 0.1);
+  EXPECT_EQ(again.avatar().faults.seed, 9u);
 }
 
 TEST(SessionFile, AvatarsAreReadUpToTheirLimit) {
@@ -223,8 +222,7 @@ TEST(SessionFile, StepsBeyondTheLastFrameAreReported) {
     return sentenceFor(fileOf(changed));
   };
   EXPECT_EQ(withEmpty(taken - 1), "none");
-  EXPECT_NE(withEmpty(taken).find("comes after the last of " + std::to_string(taken) + " frames"), std::string::npos)
-      << withEmpty(taken);
+  EXPECT_TRUE(test::has(withEmpty(taken), "comes after the last of " + std::to_string(taken) + " frames"));
 }
 
 TEST(SessionFile, AHandThatIsNotThereIsReported) {
@@ -232,26 +230,25 @@ TEST(SessionFile, AHandThatIsNotThereIsReported) {
   std::string& step = blocks[2 + 5].second;  // where the ball is thrown
   constexpr std::size_t kActionBytes = 1 + 1 + 4 + 7 * 8;
   step[step.size() - kActionBytes + 1] = 16;
-  EXPECT_NE(sentenceFor(fileOf(blocks)).find("step 5 found hand 16, expected 0 to 15"), std::string::npos)
-      << sentenceFor(fileOf(blocks));
+  EXPECT_TRUE(test::has(sentenceFor(fileOf(blocks)), "step 5 found hand 16, expected 0 to 15"));
 }
 
 TEST(SessionFile, BlocksThatDoNotFitAreReported) {
   const auto blocks = blocksOf(sessionBytes());
   const auto header = blocks[0], scene = blocks[1], step = blocks[2], end = blocks.back();
   EXPECT_EQ(sentenceFor(fileOf({header, scene, step, end})), "none");
-  EXPECT_NE(sentenceFor(fileOf({})).find("found 0 complete blocks"), std::string::npos);
-  EXPECT_NE(sentenceFor(fileOf({scene, header, step})).find("expected a header"), std::string::npos);
+  EXPECT_TRUE(test::has(sentenceFor(fileOf({})), "found 0 complete blocks"));
+  EXPECT_TRUE(test::has(sentenceFor(fileOf({scene, header, step})), "expected a header"));
   EXPECT_EQ(sentenceFor(fileOf({header, scene, end})), "s.lsession: found no steps, expected at least one");
-  EXPECT_NE(sentenceFor(fileOf({header, scene, step, header})).find("second header"), std::string::npos);
-  EXPECT_NE(sentenceFor(fileOf({header, scene, step, end, step})).find("a block after the end"), std::string::npos);
+  EXPECT_TRUE(test::has(sentenceFor(fileOf({header, scene, step, header})), "second header"));
+  EXPECT_TRUE(test::has(sentenceFor(fileOf({header, scene, step, end, step})), "a block after the end"));
   EXPECT_EQ(sentenceFor(fileOf({header, scene, step, end}) + "x"), "s.lsession: bytes after the end");
-  EXPECT_NE(sentenceFor("not a session at all").find("not a session file"), std::string::npos);
+  EXPECT_TRUE(test::has(sentenceFor("not a session at all"), "not a session file"));
   // Counts that do not fit the number of bytes are rejected.
   std::string lying = step.second;
   const std::size_t counts = 4 * sizeof(double);
   for (std::size_t i = 0; i < 4; ++i) lying[counts + i] = static_cast<char>(0xff);
-  EXPECT_NE(sentenceFor(fileOf({header, scene, {BlockKind::kStep, lying}})).find("step 0 holds"), std::string::npos);
+  EXPECT_TRUE(test::has(sentenceFor(fileOf({header, scene, {BlockKind::kStep, lying}})), "step 0 holds"));
 }
 
 TEST(SessionFile, StepsOfTwoFilesDoNotMix) {
@@ -263,9 +260,7 @@ TEST(SessionFile, StepsOfTwoFilesDoNotMix) {
 }
 
 TEST(SessionFile, AMissingFileIsReported) {
-  const Result<SessionFile> read = readSession("nowhere/s.lsession");
-  ASSERT_FALSE(read.ok());
-  EXPECT_EQ(read.error().code, ErrorCode::kNotFound);
+  EXPECT_EQ(test::errorOf(readSession("nowhere/s.lsession")).code, ErrorCode::kNotFound);
 }
 
 TEST(SessionHashes, FollowEveryBitOfACharacter) {

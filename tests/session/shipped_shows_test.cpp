@@ -25,7 +25,7 @@ namespace lorica {
 namespace {
 
 SceneFile shipped(const std::string& name) {
-  Result<SceneFile> scene = readScene(test::recordingsFolder().parent_path() / "scenes" / (name + ".json"));
+  Result<SceneFile> scene = readScene(test::recordingsFolder() / "scenes" / (name + ".json"));
   EXPECT_TRUE(scene.ok()) << scene.error().message;
   return std::move(scene).value();
 }

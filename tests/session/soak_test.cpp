@@ -1,8 +1,7 @@
-#include "bench/soak_avatars.h"
-#include "bench/soak_run.h"
 #include "session/scenes/demo_scene.h"
 #include "session/scenes/scene_file.h"
 #include "tests/session/small_session.h"
+#include "tests/session/soak_run.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
@@ -12,22 +11,22 @@
 namespace lorica {
 namespace {
 
-std::vector<bench::SoakScene> twoScenes() {
-  const std::filesystem::path scenes = test::recordingsFolder().parent_path() / "scenes";
+std::vector<test::SoakScene> twoScenes() {
+  const std::filesystem::path scenes = test::recordingsFolder() / "scenes";
   const auto bowling = std::make_shared<const SceneFile>(readScene(scenes / "bowling.json").value());
   return {{"demo", makeDemoWorld}, {"bowling", [bowling](std::uint64_t) { return makeWorld(*bowling); }}};
 }
 
-/// A short version of the one-hour run in bench/soak.cpp. Frame times are not tested.
-bench::SoakSettings shortly() {
-  bench::SoakSettings settings;
+/// A short version of the one-hour run in tests/bench/soak.cpp. Frame times are not tested.
+test::SoakSettings shortly() {
+  test::SoakSettings settings;
   settings.seconds = 20.0;
   settings.budget = 1e6;
   return settings;
 }
 
 TEST(Soak, TwentySecondsBreakNothing) {
-  const bench::SoakResult result = bench::soak(test::eightParts(), twoScenes(), shortly());
+  const test::SoakResult result = test::soak(test::eightParts(), twoScenes(), shortly());
   for (const std::string& violation : result.violations) ADD_FAILURE() << violation;
   EXPECT_GE(result.seconds, 20.0);
   EXPECT_GT(result.frames, 500);
@@ -35,12 +34,12 @@ TEST(Soak, TwentySecondsBreakNothing) {
   EXPECT_GT(result.grabs, 2);
   EXPECT_GE(result.worlds, 3);
   long contacts = 0;
-  for (const bench::SoakRow& row : result.rows) contacts += row.contacts;
+  for (const test::SoakRow& row : result.rows) contacts += row.contacts;
   EXPECT_GT(contacts, 20);
 }
 
 TEST(Soak, SaysWhatBroke) {
-  bench::SoakSettings settings = shortly();
+  test::SoakSettings settings = shortly();
   settings.seconds = 2.0;
   World::Settings bottomless;
   bottomless.floor = false;
@@ -49,21 +48,21 @@ TEST(Soak, SaysWhatBroke) {
     world.addProp(Prop());
     return world;
   };
-  const bench::SoakResult falls = bench::soak(test::eightParts(), {{"bottomless", scene}}, settings);
+  const test::SoakResult falls = test::soak(test::eightParts(), {{"bottomless", scene}}, settings);
   ASSERT_FALSE(falls.violations.empty());
   EXPECT_NE(falls.violations[0].find("went through the floor"), std::string::npos);
   settings.budget = 1e-9;
-  const bench::SoakResult slow = bench::soak(test::eightParts(), {{"demo", makeDemoWorld}}, settings);
+  const test::SoakResult slow = test::soak(test::eightParts(), {{"demo", makeDemoWorld}}, settings);
   ASSERT_FALSE(slow.violations.empty());
   EXPECT_NE(slow.violations[0].find("of CPU time"), std::string::npos);
 }
 
-/// A short version of bench/soak.cpp --avatars.
+/// A short version of tests/bench/soak.cpp --avatars.
 TEST(Soak, AvatarsThatComeAndGoBreakNothing) {
-  bench::AvatarSoakSettings settings;
+  test::AvatarSoakSettings settings;
   settings.seconds = 15.0;
   settings.places = 3;
-  const bench::AvatarSoakResult result = bench::soakAvatars(test::eightParts(), settings);
+  const test::AvatarSoakResult result = test::soakAvatars(test::eightParts(), settings);
   for (const std::string& violation : result.violations) ADD_FAILURE() << violation;
   EXPECT_EQ(result.frames, 450);
   EXPECT_GT(result.entries, 5);

@@ -20,4 +20,14 @@ template <typename T>
   return std::move(result).value();
 }
 
+/// The error of a result; a success fails the test where it is asked for, and ends it.
+template <typename T>
+[[nodiscard]] Error errorOf(const Result<T>& result, const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
+  if (result.ok()) {
+    ADD_FAILURE_AT(file, line) << "expected an error";
+    throw std::runtime_error("the test needs this error");
+  }
+  return result.error();
+}
+
 }  // namespace lorica::test

@@ -1,6 +1,7 @@
 #include "viewer/pictures/image_files.h"
 
 #include "geometry/counts.h"
+#include "geometry/errors.h"
 #include "viewer/renderer/text.h"
 
 #include <fmt/format.h>
@@ -29,14 +30,16 @@ void blend(std::uint8_t* pixel, const std::array<int, 3>& color, int coverage) {
 /// Checks all chunks of a PNG file, because libpng stops reading after the last row.
 /// @return empty if all are intact, otherwise what is wrong
 std::string damageOf(std::string_view png) {
-  constexpr std::string_view kSignature("\x89PNG\r\n\x1a\n", 8);
-  if (!png.starts_with(kSignature)) return "not a PNG file";
+  constexpr std::size_t kSignature = 8;
+  if (png.size() < kSignature || png_sig_cmp(reinterpret_cast<png_const_bytep>(png.data()), 0, kSignature) != 0) {
+    return "not a PNG file";
+  }
   const auto number = [&](std::size_t at) {
     std::uint32_t n = 0;
     for (std::size_t i = 0; i < 4; ++i) n = n << 8 | static_cast<std::uint8_t>(png[at + i]);
     return n;
   };
-  std::size_t at = kSignature.size();
+  std::size_t at = kSignature;
   while (at + 12 <= png.size()) {
     const std::size_t length = number(at);
     if (length > png.size() - at - 12) break;
@@ -53,10 +56,9 @@ std::string damageOf(std::string_view png) {
 
 Result<void> writePng(const std::filesystem::path& file, const Image& image, NamedBy by) {
   if (!consistent(image)) {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("{}: picture of {} x {} pixels has {} bytes, expected {} and a size above 0",
-                             file.string(), image.width, image.height, image.rgba.size(),
-                             static_cast<long long>(image.width) * image.height * 4)};
+    return invalidArgument("{}: picture of {} x {} pixels has {} bytes, expected {} and a size above 0", file.string(),
+                           image.width, image.height, image.rgba.size(),
+                           static_cast<long long>(image.width) * image.height * 4);
   }
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
@@ -67,25 +69,24 @@ Result<void> writePng(const std::filesystem::path& file, const Image& image, Nam
   png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png);
   std::string bytes(size, '\0');
   if (png_image_write_to_memory(&png, bytes.data(), &size, 0, image.rgba.data(), 0, nullptr) == 0) {
-    return Error{ErrorCode::kUnwritable, fmt::format("{}: PNG encoding failed: {}", file.string(), png.message)};
+    return unwritable("{}: PNG encoding failed: {}", file.string(), png.message);
   }
   bytes.resize(size);
   return writeFileAtomically(file, bytes, by);
 }
 
 Result<Image> readPng(const std::filesystem::path& file) {
-  const Result<std::string> content = readFile(file);
-  if (!content.ok()) return content.error();
-  if (const std::string damage = damageOf(content.value()); !damage.empty()) {
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: {}", file.string(), damage)};
+  LORICA_TRY(const std::string content, readFile(file));
+  if (const std::string damage = damageOf(content); !damage.empty()) {
+    return badFormat("{}: {}", file.string(), damage);
   }
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   const auto damaged = [&] {
     png_image_free(&png);
-    return Error{ErrorCode::kBadFormat, fmt::format("{}: damaged PNG file: {}", file.string(), png.message)};
+    return badFormat("{}: damaged PNG file: {}", file.string(), png.message);
   };
-  if (png_image_begin_read_from_memory(&png, content->data(), content->size()) == 0) return damaged();
+  if (png_image_begin_read_from_memory(&png, content.data(), content.size()) == 0) return damaged();
   png.format = PNG_FORMAT_RGBA;
   png.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;  // for 16-bit images without a colour space
   Image image;
@@ -98,8 +99,7 @@ Result<Image> readPng(const std::filesystem::path& file) {
 
 Image contactSheet(std::span<const Image> images, std::span<const std::string> labels, int columns) {
   constexpr int kMargin = 8;
-  Image sheet;
-  if (images.empty()) return sheet;
+  if (images.empty()) return {};
   columns = std::clamp(columns, 1, countOf(images));
   const int rows = (countOf(images) + columns - 1) / columns;
   int cellWidth = 1;
@@ -109,9 +109,8 @@ Image contactSheet(std::span<const Image> images, std::span<const std::string> l
     cellHeight = std::max(cellHeight, image.height);
   }
   const int labelHeight = labels.empty() ? 0 : std::clamp(cellHeight / 16, 18, 40);
-  sheet.width = kMargin + columns * (cellWidth + kMargin);
-  sheet.height = kMargin + rows * (cellHeight + labelHeight + kMargin);
-  sheet.rgba.assign(sheet.byteCount(), 255);
+  Image sheet = Image::filled(kMargin + columns * (cellWidth + kMargin),
+                              kMargin + rows * (cellHeight + labelHeight + kMargin), 255);
 
   for (int i = 0; i < countOf(images); ++i) {
     const int left = kMargin + i % columns * (cellWidth + kMargin);

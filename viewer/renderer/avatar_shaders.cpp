@@ -1,7 +1,5 @@
 #include "viewer/renderer/avatar_shaders.h"
 
-#include "viewer/renderer/shader_pieces.h"
-
 namespace lorica::shaders {
 namespace {
 
@@ -159,7 +157,7 @@ vec3 surfaceNormal(vec4 at) {
 #endif
 #endif
 #ifdef NORMAL_MAP
-  vec2 st = uvOf(1, at);
+  vec2 st = uvOf(2, at);
   vec3 m = texture(normalMap, st).xyz * 2.0 - 1.0;
   m.xy *= emissive.w;
   vec3 t, b;
@@ -184,7 +182,7 @@ vec3 surfaceNormal(vec4 at) {
 vec3 emitted(vec4 at) {
   vec3 e = emissive.rgb;
 #ifdef EMISSIVE_MAP
-  e *= texture(emissiveMap, uvOf(2, at)).rgb;
+  e *= texture(emissiveMap, uvOf(4, at)).rgb;
 #endif
   return e;
 }
@@ -199,14 +197,14 @@ constexpr const char* kPhysical = R"(
 vec3 shaded(vec4 at, vec4 base, vec3 n) {
   float metallic = physical.x, roughness = physical.y;
 #ifdef METALLIC_ROUGHNESS_MAP
-  vec4 mr = texture(metallicRoughnessMap, uvOf(3, at));
+  vec4 mr = texture(metallicRoughnessMap, uvOf(1, at));
   roughness *= mr.g;
   metallic *= mr.b;
 #endif
   roughness = clamp(roughness, 0.0525, 1.0);
   float open = 1.0;
 #ifdef OCCLUSION_MAP
-  open = 1.0 + physical.z * (texture(occlusionMap, uvOf(4, at)).r - 1.0);
+  open = 1.0 + physical.z * (texture(occlusionMap, uvOf(3, at)).r - 1.0);
 #endif
   vec3 v = normalize(toEye), l = toLight.xyz, h = normalize(l + v);
   float nl = max(dot(n, l), 0.0), nv = max(dot(n, v), 1e-4), nh = max(dot(n, h), 0.0), vh = max(dot(v, h), 0.0);
@@ -304,10 +302,10 @@ struct SlotName {
   const char* sampler;
 };
 constexpr std::array<SlotName, kAvatarSlots> kSlots = {{{"BASE_MAP", "baseMap"},
-                                                        {"NORMAL_MAP", "normalMap"},
-                                                        {"EMISSIVE_MAP", "emissiveMap"},
                                                         {"METALLIC_ROUGHNESS_MAP", "metallicRoughnessMap"},
+                                                        {"NORMAL_MAP", "normalMap"},
                                                         {"OCCLUSION_MAP", "occlusionMap"},
+                                                        {"EMISSIVE_MAP", "emissiveMap"},
                                                         {"SHADE_MAP", "shadeMap"},
                                                         {"SHIFT_MAP", "shiftMap"},
                                                         {"MATCAP_MAP", "matcapMap"},
@@ -391,27 +389,12 @@ SurfaceUniforms surfaceUniforms(const Material& material) {
       toon.outlineLightingMix;
   u.outlineColor << toon.outlineColor, 0.0f;
   u.animation << toon.uvScroll, toon.uvRotation, 0.0f;
-  const auto uses = slotsOf(material);
+  const auto uses = material.textures();
   for (std::size_t slot = 0; slot < uses.size(); ++slot) {
     u.uvRows[2 * slot] << uses[slot]->transform.row(0).transpose(), uses[slot]->uvSet;
     u.uvRows[2 * slot + 1] << uses[slot]->transform.row(1).transpose(), 0.0f;
   }
   return u;
-}
-
-std::array<const TextureUse*, kAvatarSlots> slotsOf(const Material& material) {
-  const ToonMaterial& toon = material.toon;
-  return {&material.base,
-          &material.normal,
-          &material.emissiveTexture,
-          &material.metallicRoughness,
-          &material.occlusion,
-          &toon.shade,
-          &toon.shiftTexture,
-          &toon.matcap,
-          &toon.rim,
-          &toon.outlineWidthTexture,
-          &toon.uvAnimationMask};
 }
 
 AvatarVariant variantFor(const Material& material, Draw draw) {
@@ -420,7 +403,7 @@ AvatarVariant variantFor(const Material& material, Draw draw) {
   const bool geometryOnly = draw == Draw::kShadow || draw == Draw::kContact;
   variant.shading = draw == Draw::kDepth || geometryOnly ? Shading::kUnlit : material.shading;
   variant.alpha = material.alpha;
-  const auto uses = slotsOf(material);
+  const auto uses = material.textures();
   const auto keep = [&](AvatarSlot slot) {
     const auto s = static_cast<std::size_t>(slot);
     if (uses[s]->given()) variant.textures |= 1u << s;

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "skinning/look/material.h"
+#include "skinning/look/look.h"
 #include "viewer/renderer/shaders.h"
 
 #include <array>
@@ -9,14 +9,14 @@
 
 namespace lorica::shaders {
 
-/// Textures of an avatar's material, by the order of their rows in the uniform block "Surface". Their units follow
-/// kFirstAvatarUnit in the same order; slots that a shading model does not have share units.
+/// Textures of an avatar's material, in the order of Material::textures() and of their rows in the uniform block
+/// "Surface". Their units follow kFirstAvatarUnit in the same order.
 enum class AvatarSlot : std::uint8_t {
   kBase,
-  kNormal,
-  kEmissive,
   kMetallicRoughness,
+  kNormal,
   kOcclusion,
+  kEmissive,
   kShade,
   kShift,
   kMatcap,
@@ -44,9 +44,6 @@ struct SurfaceUniforms {
 
   [[nodiscard]] bool operator==(const SurfaceUniforms&) const = default;
 };
-
-/// A material's textures by AvatarSlot.
-[[nodiscard]] std::array<const TextureUse*, kAvatarSlots> slotsOf(const Material& material);
 
 [[nodiscard]] SurfaceUniforms surfaceUniforms(const Material& material);
 

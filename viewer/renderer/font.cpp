@@ -42,7 +42,7 @@ class Fonts {
         }
       }
     }
-    if (!std::exchange(told_, true)) {
+    if (!std::exchange(warned_, true)) {
       std::fputs("lorica: pictures have no lettering: no font was found; the package fonts-dejavu-core has one\n",
                  stderr);
     }
@@ -72,8 +72,8 @@ class Fonts {
   std::array<Slot, 3> slots_ = {{{"truetype/dejavu/DejaVuSans.ttf"},
                                  {"opentype/noto/NotoSansCJK-Regular.ttc"},
                                  {"truetype/droid/DroidSansFallbackFull.ttf"}}};
-  bool told_ = false;
-  std::mutex mutex_;  // pictures are drawn in several threads
+  bool warned_ = false;  // that there is no font
+  std::mutex mutex_;     // pictures are drawn in several threads
 };
 
 const Font* fontWith(char32_t character, int& glyph) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/result.h"
+#include "viewer/renderer/image.h"
 
 #include <GL/glcorearb.h>
 
@@ -101,5 +102,8 @@ struct GlFunctions {
 /// @param getProc  finds a function of the current context by its full name ("glClear")
 /// @return the table, or kNoDisplay with the first function that the library lacks
 [[nodiscard]] Result<GlFunctions> loadGlFunctions(void* (*getProc)(const char*));
+
+/// What a framebuffer holds; it stays bound.
+[[nodiscard]] Image readPixels(const GlFunctions& gl, GLuint framebuffer, int width, int height);
 
 }  // namespace lorica

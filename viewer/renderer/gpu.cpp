@@ -1,6 +1,6 @@
 #include "viewer/renderer/gpu.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <utility>
 
@@ -15,40 +15,15 @@ Gpu::~Gpu() {
   gl.DeleteBuffers(buffers_.size(), buffers_.data());
 }
 
-GLuint Gpu::makeBuffer() {
-  gl.GenBuffers(1, &buffers_.emplace_back());
-  return buffers_.back();
-}
-
-GLuint Gpu::makeVertexArray() {
-  gl.GenVertexArrays(1, &vertexArrays_.emplace_back());
-  return vertexArrays_.back();
-}
-
-GLuint Gpu::makeFramebuffer() {
-  gl.GenFramebuffers(1, &framebuffers_.emplace_back());
-  return framebuffers_.back();
-}
-
-GLuint Gpu::makeRenderbuffer() {
-  gl.GenRenderbuffers(1, &renderbuffers_.emplace_back());
-  return renderbuffers_.back();
-}
-
 GLuint Gpu::makeTexture(GLint filter) {
-  gl.GenTextures(1, &textures_.emplace_back());
+  const GLuint texture = made(gl.GenTextures, textures_);
   gl.ActiveTexture(GL_TEXTURE0);
-  gl.BindTexture(GL_TEXTURE_2D, textures_.back());
+  gl.BindTexture(GL_TEXTURE_2D, texture);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-  return textures_.back();
-}
-
-GLuint Gpu::makeBufferTexture() {
-  gl.GenTextures(1, &textures_.emplace_back());
-  return textures_.back();
+  return texture;
 }
 
 void Gpu::discardTexture(GLuint texture) {
@@ -71,17 +46,15 @@ Result<GLuint> Gpu::makeProgram(const char* name, const std::string& vertex, con
     gl.AttachShader(program, shader);
     gl.DeleteShader(shader);
     if (!ok) {
-      return Error{ErrorCode::kNoDisplay,
-                   fmt::format("the OpenGL driver cannot compile the {} shader '{}': {}",
-                               stage == GL_VERTEX_SHADER ? "vertex" : "fragment", name, log.c_str())};
+      return noDisplay("the OpenGL driver cannot compile the {} shader '{}': {}",
+                       stage == GL_VERTEX_SHADER ? "vertex" : "fragment", name, log.c_str());
     }
   }
   gl.LinkProgram(program);
   gl.GetProgramiv(program, GL_LINK_STATUS, &ok);
   if (!ok) {
     gl.GetProgramInfoLog(program, log.size(), nullptr, log.data());
-    return Error{ErrorCode::kNoDisplay,
-                 fmt::format("the OpenGL driver cannot link the shader program '{}': {}", name, log.c_str())};
+    return noDisplay("the OpenGL driver cannot link the shader program '{}': {}", name, log.c_str());
   }
   for (const auto& [block, point] : {std::pair{"Frame", 0u}, {"Surface", 1u}}) {
     const GLuint index = gl.GetUniformBlockIndex(program, block);

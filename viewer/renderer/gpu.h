@@ -22,15 +22,15 @@ class Gpu {
   Gpu(const Gpu&) = delete;
   Gpu& operator=(const Gpu&) = delete;
 
-  GLuint makeBuffer();
-  GLuint makeVertexArray();
-  GLuint makeFramebuffer();
-  GLuint makeRenderbuffer();
+  GLuint makeBuffer() { return made(gl.GenBuffers, buffers_); }
+  GLuint makeVertexArray() { return made(gl.GenVertexArrays, vertexArrays_); }
+  GLuint makeFramebuffer() { return made(gl.GenFramebuffers, framebuffers_); }
+  GLuint makeRenderbuffer() { return made(gl.GenRenderbuffers, renderbuffers_); }
   /// A 2D texture, bound to unit 0, clamped to its edges.
   GLuint makeTexture(GLint filter);
 
   /// The name of a buffer texture.
-  GLuint makeBufferTexture();
+  GLuint makeBufferTexture() { return made(gl.GenTextures, textures_); }
   /// Deletes a texture before the context ends.
   void discardTexture(GLuint texture);
 
@@ -50,6 +50,11 @@ class Gpu {
   const GlFunctions gl;
 
  private:
+  static GLuint made(void (*generate)(GLsizei, GLuint*), std::vector<GLuint>& names) {
+    generate(1, &names.emplace_back());
+    return names.back();
+  }
+
   std::vector<GLuint> buffers_, vertexArrays_, framebuffers_, renderbuffers_, textures_, programs_;
 };
 

@@ -1,3 +1,5 @@
+#include "geometry/errors.h"
+#include "geometry/text.h"
 #include "viewer/renderer/renderer.h"
 
 #include <dlfcn.h>
@@ -5,7 +7,6 @@
 
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 
 namespace lorica {
 namespace {
@@ -179,29 +180,21 @@ OffscreenContext::OffscreenContext(OffscreenContext&&) noexcept = default;
 OffscreenContext& OffscreenContext::operator=(OffscreenContext&&) noexcept = default;
 
 Result<OffscreenContext> OffscreenContext::create(bool eglOnly) {
-  const char* wish = eglOnly ? "egl" : std::getenv("LORICA_OFFSCREEN");
-  const std::string forced = wish == nullptr ? "" : wish;
+  const std::string forced = eglOnly ? "egl" : environment("LORICA_OFFSCREEN");
   if (!forced.empty() && forced != "osmesa" && forced != "egl") {
-    return Error{ErrorCode::kInvalidArgument,
-                 fmt::format("LORICA_OFFSCREEN is '{}', expected 'osmesa' or 'egl'", forced)};
+    return invalidArgument("LORICA_OFFSCREEN is '{}', expected 'osmesa' or 'egl'", forced);
   }
   std::string tried;
-  if (forced != "egl") {
+  for (const auto& [other, open] : {std::pair("egl", &Impl::openOsMesa), {"osmesa", &Impl::openEgl}}) {
+    if (forced == other) continue;
     auto impl = std::make_unique<Impl>();
-    const std::string why = impl->openOsMesa();
-    if (why.empty()) return OffscreenContext(std::move(impl));
-    tried = why;
-  }
-  if (forced != "osmesa") {
-    auto impl = std::make_unique<Impl>();
-    const std::string why = impl->openEgl();
+    const std::string why = (*impl.*open)();
     if (why.empty()) return OffscreenContext(std::move(impl));
     tried += (tried.empty() ? "" : "; ") + why;
   }
-  return Error{ErrorCode::kNoDisplay,
-               eglOnly
-                   ? fmt::format("no surfaceless OpenGL ({}): install the Debian package libegl1", tried)
-                   : fmt::format("no off-screen OpenGL ({}): install the Debian package libosmesa6 or libegl1", tried)};
+  return noDisplay(
+      eglOnly ? fmt::format("no surfaceless OpenGL ({}): install the Debian package libegl1", tried)
+              : fmt::format("no off-screen OpenGL ({}): install the Debian package libosmesa6 or libegl1", tried));
 }
 
 std::string OffscreenContext::description() const {

@@ -26,10 +26,6 @@ std::array<std::uint8_t, 4> packColor(const Vec3f& c, double opacity) {
   return {packUnit(c.x()), packUnit(c.y()), packUnit(c.z()), packUnit(opacity)};
 }
 
-const Vec3& at(std::span<const Vec3> vertices, VertexIndex i) {
-  return vertices[i];
-}
-
 constexpr double kShallow = 0.02;  // parts that reach less deep into a static body only touch it [m]
 
 bool isFinite(const LivePart& part) {
@@ -135,8 +131,8 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
   faceNormals_.resize(triangles.size());
   facing_.resize(triangles.size());
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    const Vec3& a = at(vertices, triangles[i][0]);
-    faceNormals_[i] = (at(vertices, triangles[i][1]) - a).cross(at(vertices, triangles[i][2]) - a).stableNormalized();
+    const Vec3& a = vertices[triangles[i][0]];
+    faceNormals_[i] = (vertices[triangles[i][1]] - a).cross(vertices[triangles[i][2]] - a).stableNormalized();
     facing_[i] = faceNormals_[i].dot((eye - a).stableNormalized());
   }
   findEdges(triangles);
@@ -149,15 +145,15 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
       const double alpha = opacity * (behind ? look.farFace : look.nearFace * (1.0 + grazing * grazing));
       const Vec3& n = faceNormals_[i];
       for (const VertexIndex v : triangles[i]) {
-        const Vec3f p = at(vertices, v).cast<float>();
+        const Vec3f p = vertices[v].cast<float>();
         out.push_back(
             {p, p, {packSigned(n.x()), packSigned(n.y()), packSigned(n.z()), 0}, packColor(look.face, alpha)});
       }
     }
     for (const Edge& edge : edges_) {
       if (edge.behind != behind) continue;
-      const Vec3f a = at(vertices, edge.first).cast<float>();
-      const Vec3f b = at(vertices, edge.second).cast<float>();
+      const Vec3f a = vertices[edge.first].cast<float>();
+      const Vec3f b = vertices[edge.second].cast<float>();
       const auto color = packColor(look.edge, opacity * edge.strength * (behind ? look.farEdge : look.nearEdge));
       //  a+ --- b-     seen from b, the sides are swapped
       //  a- --- b+
@@ -169,14 +165,8 @@ void OverlayMesh::append(std::vector<OverlayVertex>& out, std::span<const Vec3> 
 }
 
 const std::vector<OverlayVertex>& OverlayMesh::bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
-                                                     const Vec3& eye, float opacity) {
-  boneVertices_.clear();
-  return moreBones(skeleton, worldFromJoint, eye, opacity);
-}
-
-const std::vector<OverlayVertex>& OverlayMesh::moreBones(const Skeleton& skeleton,
-                                                         std::span<const Affine3> worldFromJoint, const Vec3& eye,
-                                                         float opacity) {
+                                                     const Vec3& eye, float opacity, bool further) {
+  if (!further) boneVertices_.clear();
   LORICA_CHECK(worldFromJoint.size() == static_cast<std::size_t>(skeleton.jointCount()),
                "scene.worldFromJoint does not match the skeleton");
   //      waist at 0.15 of the length, four corners around it

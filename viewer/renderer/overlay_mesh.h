@@ -46,11 +46,9 @@ class OverlayMesh {
                                             const Vec3& eye);
 
   /// Octahedra from each parent joint to its child. Down to the hips there are none: those joints place the character.
+  /// @param further  of another figure, added to what the last call gave
   const std::vector<OverlayVertex>& bones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
-                                          const Vec3& eye, float opacity = 1.0f);
-  /// The same of a further figure, added to what bones() gave last.
-  const std::vector<OverlayVertex>& moreBones(const Skeleton& skeleton, std::span<const Affine3> worldFromJoint,
-                                              const Vec3& eye, float opacity = 1.0f);
+                                          const Vec3& eye, float opacity = 1.0f, bool further = false);
 
  private:
   struct HalfEdge {

@@ -13,10 +13,6 @@ namespace {
 
 constexpr double kCreaseCosine = 0.766;  // of 40 degrees
 
-const Vec3& at(const TriMesh& mesh, VertexIndex i) {
-  return mesh.vertices[i];
-}
-
 }  // namespace
 
 PropMesh makeBevelledBox() {
@@ -196,7 +192,7 @@ PropMesh makeCreasedMesh(const TriMesh& mesh) {
   std::vector<std::size_t> begin(mesh.vertices.size() + 1, 0);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& [a, b, c] = mesh.triangles[t];
-    area[t] = (at(mesh, b) - at(mesh, a)).cross(at(mesh, c) - at(mesh, a));
+    area[t] = (mesh.vertices[b] - mesh.vertices[a]).cross(mesh.vertices[c] - mesh.vertices[a]);
     unit[t] = area[t].stableNormalized();
     for (const VertexIndex v : mesh.triangles[t]) ++begin[static_cast<std::size_t>(v) + 1];
   }
@@ -218,7 +214,7 @@ PropMesh makeCreasedMesh(const TriMesh& mesh) {
         if (unit[around[k]].dot(unit[t]) >= kCreaseCosine) normal += area[around[k]];
       }
       drawn.indices.push_back(drawn.vertices.size());
-      drawn.vertices.push_back({at(mesh, v).cast<float>(), normal.stableNormalized().cast<float>()});
+      drawn.vertices.push_back({mesh.vertices[v].cast<float>(), normal.stableNormalized().cast<float>()});
     }
   }
   return drawn;

@@ -7,11 +7,8 @@
 #include <cmath>
 
 namespace lorica {
-namespace {
 
 using shaders::Pass;
-
-}  // namespace
 
 Renderer::Renderer(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Renderer::~Renderer() = default;
@@ -19,11 +16,10 @@ Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
 Result<Renderer> Renderer::create(GetProc getProc) {
-  const Result<GlFunctions> functions = loadGlFunctions(getProc);
-  if (!functions.ok()) return functions.error();
-  auto impl = std::make_unique<Impl>(functions.value());
-  if (auto r = impl->createPrograms(); !r.ok()) return r.error();
-  if (auto r = impl->targets.create(impl->gpu); !r.ok()) return r.error();
+  LORICA_TRY(const GlFunctions functions, loadGlFunctions(getProc));
+  auto impl = std::make_unique<Impl>(functions);
+  LORICA_TRY_DO(impl->createPrograms());
+  LORICA_TRY_DO(impl->targets.create(impl->gpu));
   impl->createMeshes();
   return Renderer(std::move(impl));
 }
@@ -45,11 +41,8 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   // First upload everything that changes with the frame, one upload per buffer.
   i.uploadFrame();
   i.uploadFigures(scene, options);
-  const bool bodies = options.skin || options.hulls;
-  i.uploaded = {options.hulls ? i.uploadHulls(scene, camera.eye) : 0,
-                options.bones ? i.uploadBones(scene, camera.eye) : 0,
-                bodies && options.props ? i.uploadInsides(scene, camera.eye) : 0,
-                options.contacts ? i.uploadMarkers(scene.contacts) : 0};
+  i.uploadOverlays(scene, options, camera.eye);
+  i.uploadContacts(options.contacts ? scene.contacts : std::span<const Contact>());
   const UnhiddenView view{camera.eye, scene.unhidden};
   for (std::size_t shape = 0; shape < i.propShapes.size(); ++shape) {
     PropShapeGpu& target = i.propShapes[shape];
@@ -74,10 +67,10 @@ void Renderer::draw(const Scene& scene, const SceneOptions& options, const Camer
   // themselves.
   gl.Enable(GL_CULL_FACE);
   gl.CullFace(GL_FRONT);
-  i.drawCasters(Pass::kShadow, i.uploaded.hulls);
+  i.drawCasters(Pass::kShadow);
   gl.Disable(GL_CULL_FACE);
   if (options.particles && !i.drawsSurface(scene)) i.drawGrainShadows(scene);
-  if (options.ground) i.drawContactShadow(i.uploaded.hulls, i.setup.uniforms.contactArea.z());
+  if (options.ground) i.drawContactShadow();
   i.drawView(scene, options, camera.eye);
 }
 
@@ -121,7 +114,7 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
   if (options.ground) drawFloor();
   gl.Disable(GL_CULL_FACE);
   if (sky) {
-    gl.UseProgram(skyProgram);
+    use(skyProgram);
     gl.BindVertexArray(skyVertexArray);
     gl.DrawElements(GL_TRIANGLES, skyIndexCount, GL_UNSIGNED_INT, nullptr);
   }
@@ -132,40 +125,30 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
   gl.DepthMask(GL_FALSE);
   gl.Enable(GL_BLEND);
   blendOver();
-  if (uploaded.hulls > 0) {
-    gl.UseProgram(overlayProgram);
-    gl.BindVertexArray(hullVertexArray);
-    gl.DrawArrays(GL_TRIANGLES, 0, uploaded.hulls);
-  }
+  use(overlayProgram);
+  if (hulls.count > 0) draw(hulls);
 
   // The avatar passes through static bodies: what of it is in one shines through.
-  if (uploaded.insides > 0) {
+  if (insides.count > 0) {
     gl.DepthFunc(GL_GREATER);
-    gl.UseProgram(overlayProgram);
-    gl.BindVertexArray(insideVertexArray);
-    gl.DrawArrays(GL_TRIANGLES, 0, uploaded.insides);
+    draw(insides);
     gl.DepthFunc(GL_LEQUAL);
   }
 
   // Contacts: faint if something is in front of them.
-  if (uploaded.markers > 0) {
-    gl.UseProgram(markerProgram);
-    gl.BindVertexArray(markerVertexArray);
-    for (const GLenum where : {GL_GREATER, GL_LEQUAL}) {
-      gl.DepthFunc(where);
-      gl.Uniform4f(markerTint, 1.0f, 1.0f, 1.0f, where == GL_GREATER ? 0.45f : 1.0f);
-      gl.DrawArrays(GL_TRIANGLES, 0, uploaded.markers);
-    }
-    gl.DepthFunc(GL_LEQUAL);
+  for (const GLenum where : {GL_GREATER, GL_LEQUAL}) {
+    if (contacts.count == 0) break;
+    gl.DepthFunc(where);
+    use(markerProgram, 1.0f, 1.0f, 1.0f, where == GL_GREATER ? 0.45f : 1.0f);
+    draw(contacts);
   }
   gl.DepthMask(GL_TRUE);
 
   // Bones are visible through everything, but hide one another.
-  if (uploaded.bones > 0) {
+  if (bones.count > 0) {
     gl.Clear(GL_DEPTH_BUFFER_BIT);
-    gl.UseProgram(overlayProgram);
-    gl.BindVertexArray(boneVertexArray);
-    gl.DrawArrays(GL_TRIANGLES, 0, uploaded.bones);
+    use(overlayProgram);
+    draw(bones);
   }
   gl.Disable(GL_BLEND);
 
@@ -183,17 +166,7 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
 
 Image Renderer::readBack() {
   const Targets& t = impl_->targets;
-  Image image;
-  image.width = t.width;
-  image.height = t.height;
-  image.rgba.resize(image.byteCount());
-  impl_->gl.BindFramebuffer(GL_FRAMEBUFFER, t.resolved);
-  impl_->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  impl_->gl.ReadPixels(0, 0, t.width, t.height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
-  // OpenGL's rows start at the bottom.
-  for (int top = 0, bottom = t.height - 1; top < bottom; ++top, --bottom) {
-    std::swap_ranges(image.pixel(0, top), image.pixel(0, top + 1), image.pixel(0, bottom));
-  }
+  Image image = readPixels(impl_->gl, t.resolved, t.width, t.height);
   for (std::size_t k = 0; k < image.rgba.size(); k += 4) {
     if (!impl_->transparent) {  // the edges of grains have changed alpha
       image.rgba[k + 3] = 255;

@@ -13,9 +13,6 @@ using shaders::AvatarSlot;
 using shaders::AvatarVariant;
 using Draw = AvatarVariant::Draw;
 
-/// Avatars with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
-constexpr std::size_t kFineTriangles = 8000;
-
 /// Avatars with more vertices are skinned once on the CPU if the renderer is software, which would skin them in each
 /// pass anew.
 constexpr std::size_t kPosedVertices = 2000;
@@ -183,7 +180,7 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
     group.indexCount = glCount(3 * from.triangleCount);
     group.flat = from.flat;
     group.surface = made.surfaces[from.material];
-    const auto uses = shaders::slotsOf(*group.material);
+    const auto uses = group.material->textures();
     for (std::size_t slot = 0; slot < uses.size(); ++slot) {
       group.textures[slot] = avatarTexture(made, drawn, *uses[slot], holdsColor(slot));
       if (group.textures[slot] != 0) group.available |= 1u << slot;
@@ -210,18 +207,19 @@ void Renderer::Impl::fillAvatar(AvatarGpu& made, const Avatar& drawn) {
   }
 }
 
-GLuint Renderer::Impl::avatarProgram(AvatarVariant variant) {
+Program Renderer::Impl::avatarProgram(AvatarVariant variant) {
   for (const AvatarProgram& known : avatarPrograms) {
     if (known.variant == variant) return known.program;
   }
   const Result<GLuint> made =
       gpu.makeProgram("avatar", shaders::avatarVertex(variant), shaders::avatarFragment(variant));
-  const GLuint program = made ? *made : 0;
+  const GLuint id = made ? *made : 0;
+  const Program program{id, id != 0 ? gl.GetUniformLocation(id, "opacity") : -1};
   avatarPrograms.push_back({variant, program});
-  if (program == 0) return program;
-  gl.UseProgram(program);
+  if (id == 0) return program;
+  use(program);
   const auto bind = [&](const char* sampler, int unit) {
-    if (const GLint at = gl.GetUniformLocation(program, sampler); at >= 0) gl.Uniform1i(at, unit);
+    if (const GLint at = gl.GetUniformLocation(id, sampler); at >= 0) gl.Uniform1i(at, unit);
   };
   bind("shadowMap", 2);
   bind("joints", shaders::kJointUnit);
@@ -299,27 +297,17 @@ void Renderer::Impl::drawAvatarGroup(const AvatarGroup& group, Draw draw, GLsize
   variant.fewInfluences = avatar->fewInfluences || variant.posed;
   variant.shadowEachPixel = avatar->shadowEachPixel || group.flat;  // flat triangles have no normals at vertices
   variant.textures &= group.available;
-  const GLuint program = avatarProgram(variant);
-  if (program == 0) return;
-  gl.UseProgram(program);
-  if (variant.fading) setOpacity(program, avatar->opacity);
+  const Program program = avatarProgram(variant);
+  if (program.id == 0) return;
+  variant.fading ? use(program, avatar->opacity) : use(program);
   gl.BindBufferBase(GL_UNIFORM_BUFFER, 1, group.surface);
   for (std::size_t slot = 0; slot < group.textures.size(); ++slot) {
     if ((variant.textures >> slot & 1u) == 0) continue;
     gl.ActiveTexture(GL_TEXTURE0 + shaders::kFirstAvatarUnit + slot);
     gl.BindTexture(GL_TEXTURE_2D, group.textures[slot]);
   }
-  if (draw == Draw::kOutline) {
-    gl.Enable(GL_CULL_FACE);
-    gl.CullFace(GL_FRONT);
-  } else {
-    gl.CullFace(GL_BACK);
-    if (group.material->doubleSided) {
-      gl.Disable(GL_CULL_FACE);
-    } else {
-      gl.Enable(GL_CULL_FACE);
-    }
-  }
+  gl.CullFace(draw == Draw::kOutline ? GL_FRONT : GL_BACK);
+  enable(GL_CULL_FACE, draw == Draw::kOutline || !group.material->doubleSided);
   gl.DrawElements(GL_TRIANGLES, indexCount > 0 ? indexCount : group.indexCount, GL_UNSIGNED_INT,
                   reinterpret_cast<const void*>(group.firstIndex * sizeof(std::uint32_t)));
 }
@@ -338,11 +326,7 @@ void Renderer::Impl::drawAvatarCasters(shaders::Pass pass) {
   }
   gl.Disable(GL_POLYGON_OFFSET_FILL);
   gl.CullFace(GL_FRONT);
-  if (pass == shaders::Pass::kShadow) {
-    gl.Enable(GL_CULL_FACE);
-  } else {
-    gl.Disable(GL_CULL_FACE);
-  }
+  enable(GL_CULL_FACE, pass == shaders::Pass::kShadow);
 }
 
 void Renderer::Impl::drawAvatarOpaque() {

@@ -22,9 +22,18 @@
 
 namespace lorica {
 
+/// Skins with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
+inline constexpr std::size_t kFineTriangles = 8000;
+
+/// A program and its one uniform of four numbers, if it has one.
+struct Program {
+  GLuint id = 0;
+  GLint uniform = -1;
+};
+
 struct AvatarProgram {
   shaders::AvatarVariant variant;
-  GLuint program = 0;  ///< 0: the driver cannot compile it
+  Program program;  ///< 0: the driver cannot compile it
 };
 
 /// A group of an avatar's triangles with its material.
@@ -126,11 +135,18 @@ inline GLsizei glCount(std::size_t n) {
   return static_cast<GLsizei>(n);
 }
 
+/// Vertices that change from picture to picture.
+struct VertexStream {
+  GLuint vertexArray = 0;
+  StreamBuffer buffer;
+  GLsizei count = 0;  ///< in this picture
+};
+
 /// The skin of a figure on the GPU.
 struct SkinGpu {
   SkinMesh mesh;
-  GLuint vertexArray = 0;
-  StreamBuffer vertices, colors;
+  VertexStream vertices;
+  StreamBuffer colors;
   GLuint indices = 0;
   GLsizei indexCount = 0;
   float opacity = 1.0f;
@@ -145,17 +161,12 @@ struct Renderer::Impl {
   const GlFunctions& gl;
   Targets targets;
 
-  std::array<GLuint, 3> skinProgram{}, fadingSkinProgram{}, propProgram{};  // by Pass
-  GLuint coarseSkinProgram = 0;
-  GLuint skyProgram = 0, farFloorProgram = 0, nearFloorProgram = 0, overlayProgram = 0, markerProgram = 0;
-  GLuint blurProgram = 0, panelProgram = 0;
-  GLint blurStride = -1, markerTint = -1, panelRectangle = -1;
+  std::array<Program, 3> skinProgram, fadingSkinProgram, propProgram;  // by Pass
+  Program coarseSkinProgram, skyProgram, farFloorProgram, nearFloorProgram, overlayProgram, markerProgram;
+  Program blurProgram, panelProgram, grainShadowProgram, farGrainProgram, nearGrainProgram;
+  Program dropProgram, smoothProgram, waterNormalProgram, waterProgram;
   GLuint frameBlock = 0, emptyVertexArray = 0;
   FrameSetup setup{};  ///< of the last picture
-  /// Vertices that were uploaded for it.
-  struct {
-    GLsizei hulls = 0, bones = 0, insides = 0, markers = 0;
-  } uploaded;
 
   std::vector<SkinGpu> skins;
   std::size_t skinCount = 0;  ///< of `skins`: drawn in this picture
@@ -167,28 +178,18 @@ struct Renderer::Impl {
   std::vector<HullFigure> figureParts;
 
   OverlayMesh overlay;
-  GLuint hullVertexArray = 0, insideVertexArray = 0, boneVertexArray = 0;
-  StreamBuffer hullBuffer, insideBuffer, boneBuffer;
+  VertexStream hulls, insides, bones, contacts, floor, grains, drops;
 
   std::array<PropShapeGpu, kPropShapeCount> propShapes;
   std::vector<MeshPropGpu> meshProps;
-  GLuint skyVertexArray = 0, floorVertexArray = 0, markerVertexArray = 0;
+  GLuint skyVertexArray = 0;
   GLsizei skyIndexCount = 0;
-  StreamBuffer floorBuffer, markerBuffer;
   std::vector<MarkerVertex> markers;
   PanelGpu caption, panel;
   GLuint insetTexture = 0;
 
-  GLuint grainShadowProgram = 0, farGrainProgram = 0, nearGrainProgram = 0;
-  GLint grainShadowUniform = -1, farGrainUniform = -1, nearGrainUniform = -1;
-  GLuint grainVertexArray = 0;
-  StreamBuffer grainBuffer;
-  GrainList grains;
+  GrainList grainList;
   std::vector<GrainVertex> grainVertices;
-  GLuint dropProgram = 0, smoothProgram = 0, waterNormalProgram = 0, waterProgram = 0;
-  GLint dropUniform = -1, smoothUniform = -1, waterUniform = -1;
-  GLuint dropVertexArray = 0;
-  StreamBuffer dropBuffer;
   WaterCells waterCells;
   WaterTargets water;
   bool software = false;      ///< software rendering on the CPU: each grain is costly
@@ -206,8 +207,23 @@ struct Renderer::Impl {
   };
   /// From index 0 on, of the buffer that is bound.
   void attributes(std::size_t stride, std::initializer_list<Attribute> fields);
-  void createStream(GLuint& vertexArray, StreamBuffer& buffer, std::size_t stride,
-                    std::initializer_list<Attribute> fields);
+  void createStream(VertexStream& stream, std::size_t stride, std::initializer_list<Attribute> fields);
+  template <typename Vertex>
+  void upload(VertexStream& stream, const std::vector<Vertex>& vertices) {
+    if (!vertices.empty()) gpu.upload(stream.buffer, vertices);
+    stream.count = glCount(vertices.size());
+  }
+  void draw(const VertexStream& stream, GLenum mode = GL_TRIANGLES) {
+    gl.BindVertexArray(stream.vertexArray);
+    gl.DrawArrays(mode, 0, stream.count);
+  }
+  void use(const Program& program) { gl.UseProgram(program.id); }
+  /// Sets its uniform, too.
+  void use(const Program& program, float x, float y = 0.0f, float z = 0.0f, float w = 0.0f) {
+    gl.UseProgram(program.id);
+    gl.Uniform4f(program.uniform, x, y, z, w);
+  }
+  void enable(GLenum capability, bool on) { on ? gl.Enable(capability) : gl.Disable(capability); }
   void createSky();
   void createPropShape(PropShapeGpu& shape, const PropMesh& mesh);
   void fillPropShape(PropShapeGpu& shape, const PropMesh& mesh);
@@ -224,10 +240,6 @@ struct Renderer::Impl {
   /// Makes an avatar the one that is drawn next.
   void bindAvatar(AvatarGpu& next);
   void useSkinProgram(const SkinGpu& skin, shaders::Pass pass);
-  /// Sets the share of the pixels that the program in use draws, see shaders::fading().
-  void setOpacity(GLuint program, float opacity) {
-    gl.Uniform4f(gl.GetUniformLocation(program, "opacity"), opacity, 0.0f, 0.0f, 0.0f);
-  }
   /// Blends colours over what is there, by their alpha; so does the picture's own alpha.
   void blendOver() { gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA); }
   void drawSkins(const SceneOptions& options);
@@ -237,7 +249,7 @@ struct Renderer::Impl {
   void reshapeAvatar(const SceneFigure& figure);
   void recolorAvatar(const SceneFigure& figure);
   [[nodiscard]] GLuint avatarTexture(AvatarGpu& made, const Avatar& drawn, const TextureUse& use, bool srgb);
-  [[nodiscard]] GLuint avatarProgram(shaders::AvatarVariant variant);
+  [[nodiscard]] Program avatarProgram(shaders::AvatarVariant variant);
   /// @param indexCount  0 = the group's; more = with the groups after it
   void drawAvatarGroup(const AvatarGroup& group, shaders::AvatarVariant::Draw draw, GLsizei indexCount = 0);
   void drawAvatarCasters(shaders::Pass pass);
@@ -246,8 +258,8 @@ struct Renderer::Impl {
   void drawBlendedGroups(const Vec3& eye);
   void uploadFrame();
   void drawView(const Scene& scene, const SceneOptions& options, const Vec3& eye);
-  void drawCasters(shaders::Pass pass, GLsizei hullCount);
-  void drawContactShadow(GLsizei hullCount, float contactHalfSide);
+  void drawCasters(shaders::Pass pass);
+  void drawContactShadow();
   void drawProps(shaders::Pass pass);
   void drawGrainShadows(const Scene& scene);
   void drawGrains(const Scene& scene);
@@ -259,11 +271,9 @@ struct Renderer::Impl {
   }
   void drawWater(const Scene& scene);
   void drawFloor();
-  GLsizei uploadHulls(const Scene& scene, const Vec3& eye);
-  /// Parts inside static bodies.
-  GLsizei uploadInsides(const Scene& scene, const Vec3& eye);
-  GLsizei uploadBones(const Scene& scene, const Vec3& eye);
-  GLsizei uploadMarkers(std::span<const Contact> contacts);
+  /// Hulls, parts inside static bodies and bones.
+  void uploadOverlays(const Scene& scene, const SceneOptions& options, const Vec3& eye);
+  void uploadContacts(std::span<const Contact> shown);
   /// Draws a text panel: at the top unchanged, at the bottom wrapped to fit.
   void drawPanel(PanelGpu& target, const std::string& whole, bool top);
   void drawInset(const Image& image);

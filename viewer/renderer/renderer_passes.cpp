@@ -12,8 +12,6 @@ namespace lorica {
 namespace {
 
 using shaders::Pass;
-/// Skins with fewer triangles look up shadows per pixel, because they are too coarse for a lookup per vertex.
-constexpr std::size_t kFineTriangles = 8000;
 constexpr float kContactSoftness = 0.05f;  // standard deviation of the contact shadow's blur [m]
 
 constexpr float kNearGrain = 2.0f;     // grains of at least this radius are drawn as balls [pixels]
@@ -42,18 +40,14 @@ void Renderer::Impl::uploadSkin(const SceneFigure& figure, const SceneOptions& o
   if (skinCount == skins.size()) createSkin(skins.emplace_back());
   SkinGpu& skin = skins[skinCount++];
   const bool changed = skin.mesh.update(figure.vertices, figure.triangles, figure.partOfTriangle);
-  gl.BindVertexArray(skin.vertexArray);
-  gpu.upload(skin.vertices, skin.mesh.vertices());
+  gl.BindVertexArray(skin.vertices.vertexArray);
+  upload(skin.vertices, skin.mesh.vertices());
   if (changed) {
     const std::vector<std::uint32_t>& indices = skin.mesh.indices();
     gpu.upload(skin.colors, skin.mesh.colors());
     gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, indices.size() * sizeof(std::uint32_t), indices.data(), GL_STATIC_DRAW);
   }
-  if (options.colorSkinByPart) {
-    gl.EnableVertexAttribArray(2);
-  } else {
-    gl.DisableVertexAttribArray(2);
-  }
+  options.colorSkinByPart ? gl.EnableVertexAttribArray(2) : gl.DisableVertexAttribArray(2);
   skin.indexCount = glCount(skin.mesh.indices().size());
   skin.opacity = figure.opacity;
 }
@@ -61,11 +55,8 @@ void Renderer::Impl::uploadSkin(const SceneFigure& figure, const SceneOptions& o
 void Renderer::Impl::useSkinProgram(const SkinGpu& skin, Pass pass) {
   const bool fades = skin.opacity < 1.0f;
   const bool coarse = pass == Pass::kLit && skin.mesh.triangleCount() < kFineTriangles;
-  const GLuint program = fades    ? fadingSkinProgram[passIndex(pass)]
-                         : coarse ? coarseSkinProgram
-                                  : skinProgram[passIndex(pass)];
-  gl.UseProgram(program);
-  if (fades) setOpacity(program, skin.opacity);
+  if (fades) return use(fadingSkinProgram[passIndex(pass)], skin.opacity);
+  use(coarse ? coarseSkinProgram : skinProgram[passIndex(pass)]);
 }
 
 /// Draws the skins in the colours of the parts or of clay.
@@ -75,64 +66,42 @@ void Renderer::Impl::drawSkins(const SceneOptions& options) {
     gl.VertexAttrib3f(2, clay.x(), clay.y(), clay.z());
   }
   for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
-    if (skin.mesh.closed()) {
-      gl.Enable(GL_CULL_FACE);
-    } else {
-      gl.Disable(GL_CULL_FACE);
-    }
+    enable(GL_CULL_FACE, skin.mesh.closed());
     useSkinProgram(skin, Pass::kLit);
-    gl.BindVertexArray(skin.vertexArray);
+    gl.BindVertexArray(skin.vertices.vertexArray);
     gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
   }
 }
 
-GLsizei Renderer::Impl::uploadHulls(const Scene& scene, const Vec3& eye) {
+void Renderer::Impl::uploadOverlays(const Scene& scene, const SceneOptions& options, const Vec3& eye) {
+  const std::vector<OverlayVertex> none;
+  const std::vector<OverlayVertex>* joints = &none;
   figureParts.clear();
   scene.eachFigure([&](const SceneFigure& figure) {
     figureParts.push_back({figure.parts, figure.opacity, figure.colors});
+    if (!options.bones || figure.skeleton == nullptr) return;
+    joints = &overlay.bones(*figure.skeleton, figure.worldFromJoint, eye, figure.opacity, joints != &none);
   });
-  const std::vector<OverlayVertex>& vertices = overlay.hulls(figureParts, eye);
-  if (!vertices.empty()) gpu.upload(hullBuffer, vertices);
-  return glCount(vertices.size());
+  const bool bodies = options.skin || options.hulls;
+  upload(hulls, options.hulls ? overlay.hulls(figureParts, eye) : none);
+  upload(insides, bodies && options.props ? overlay.insides(figureParts, scene.props, eye) : none);
+  upload(bones, *joints);
 }
 
-GLsizei Renderer::Impl::uploadInsides(const Scene& scene, const Vec3& eye) {
-  figureParts.clear();
-  scene.eachFigure([&](const SceneFigure& figure) {
-    figureParts.push_back({figure.parts, figure.opacity, figure.colors});
-  });
-  const std::vector<OverlayVertex>& vertices = overlay.insides(figureParts, scene.props, eye);
-  if (!vertices.empty()) gpu.upload(insideBuffer, vertices);
-  return glCount(vertices.size());
-}
-
-GLsizei Renderer::Impl::uploadBones(const Scene& scene, const Vec3& eye) {
-  const std::vector<OverlayVertex>* vertices = nullptr;
-  scene.eachFigure([&](const SceneFigure& figure) {
-    if (figure.skeleton == nullptr) return;
-    vertices = vertices == nullptr ? &overlay.bones(*figure.skeleton, figure.worldFromJoint, eye, figure.opacity)
-                                   : &overlay.moreBones(*figure.skeleton, figure.worldFromJoint, eye, figure.opacity);
-  });
-  if (vertices == nullptr || vertices->empty()) return 0;
-  gpu.upload(boneBuffer, *vertices);
-  return glCount(vertices->size());
-}
-
-GLsizei Renderer::Impl::uploadMarkers(std::span<const Contact> contacts) {
+void Renderer::Impl::uploadContacts(std::span<const Contact> shown) {
   markers.clear();
-  for (const Contact& contact : contacts) {
+  for (const Contact& contact : shown) {
     const Vec3f center = contact.point.cast<float>();
     for (const auto& [x, y] :
          {std::pair{-1.0f, -1.0f}, {1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, -1.0f}, {1.0f, 1.0f}, {-1.0f, 1.0f}}) {
       markers.push_back({center, {x, y}});
     }
   }
-  if (!markers.empty()) gpu.upload(markerBuffer, markers);
-  return glCount(markers.size());
+  upload(contacts, markers);
 }
 
 void Renderer::Impl::drawProps(Pass pass) {
-  gl.UseProgram(propProgram[passIndex(pass)]);
+  use(propProgram[passIndex(pass)]);
   for (const PropShapeGpu& shape : propShapes) drawPropShape(shape);
   for (const MeshPropGpu& mesh : meshProps) drawPropShape(mesh.gpu);
 }
@@ -144,7 +113,7 @@ void Renderer::Impl::drawPropShape(const PropShapeGpu& shape) {
 }
 
 /// Draws the shadow casters: the skin, or the hulls if no skin is shown, and the props.
-void Renderer::Impl::drawCasters(Pass pass, GLsizei hullCount) {
+void Renderer::Impl::drawCasters(Pass pass) {
   drawAvatarCasters(pass);
   gl.PolygonOffset(kCasterSlope, kCasterUnits);
   for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
@@ -153,22 +122,21 @@ void Renderer::Impl::drawCasters(Pass pass, GLsizei hullCount) {
       gl.Enable(GL_POLYGON_OFFSET_FILL);
     }
     useSkinProgram(skin, pass);
-    gl.BindVertexArray(skin.vertexArray);
+    gl.BindVertexArray(skin.vertices.vertexArray);
     gl.DrawElements(GL_TRIANGLES, skin.indexCount, GL_UNSIGNED_INT, nullptr);
     gl.Disable(GL_POLYGON_OFFSET_FILL);
     if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
   }
-  if (skinCount == 0 && shownAvatars.empty() && hullCount > 0) {
-    gl.UseProgram(skinProgram[passIndex(pass)]);
-    gl.BindVertexArray(hullVertexArray);
-    gl.DrawArrays(GL_TRIANGLES, 0, hullCount);
+  if (skinCount == 0 && shownAvatars.empty() && hulls.count > 0) {
+    use(skinProgram[passIndex(pass)]);
+    draw(hulls);
   }
   if (pass == Pass::kShadow) gl.Enable(GL_CULL_FACE);
   drawProps(pass);
 }
 
 /// Draws the proximity to the floor of the lowest surface over each point, blurred in both directions.
-void Renderer::Impl::drawContactShadow(GLsizei hullCount, float contactHalfSide) {
+void Renderer::Impl::drawContactShadow() {
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[0]);
   gl.Viewport(0, 0, Targets::kContactSize, Targets::kContactSize);
   gl.ClearColor(0, 0, 0, 0);
@@ -177,19 +145,18 @@ void Renderer::Impl::drawContactShadow(GLsizei hullCount, float contactHalfSide)
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE);
   gl.BlendEquation(GL_MAX);
-  drawCasters(Pass::kContact, hullCount);
+  drawCasters(Pass::kContact);
   gl.BlendEquation(GL_FUNC_ADD);
   gl.Disable(GL_BLEND);
-  gl.UseProgram(blurProgram);
   gl.BindVertexArray(emptyVertexArray);
   gl.ActiveTexture(GL_TEXTURE0);
   // The filter's own standard deviation is 1.41 texels; taps more than three texels apart would be visible.
-  const float texel = 2.0f * contactHalfSide / Targets::kContactSize;
+  const float texel = 2.0f * setup.uniforms.contactArea.z() / Targets::kContactSize;
   const float step = std::clamp(kContactSoftness / (1.41f * texel), 1.0f, 3.0f) / Targets::kContactSize;
   for (const int from : {0, 1}) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, targets.contact[1 - from]);
     gl.BindTexture(GL_TEXTURE_2D, targets.contactMap[from]);
-    gl.Uniform4f(blurStride, from == 0 ? step : 0.0f, from == 0 ? 0.0f : step, 0.0f, 0.0f);
+    use(blurProgram, from == 0 ? step : 0.0f, from == 0 ? 0.0f : step);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
 }
@@ -212,19 +179,17 @@ void Renderer::Impl::drawFloor() {
   rectangle(xs[0], xs[3], zs[2], zs[3]);
   rectangle(xs[0], xs[1], zs[1], zs[2]);
   rectangle(xs[2], xs[3], zs[1], zs[2]);
-  gpu.upload(floorBuffer, corners.data(), sizeof(corners));
-  gl.BindVertexArray(floorVertexArray);
-  gl.UseProgram(nearFloorProgram);
+  gpu.upload(floor.buffer, corners.data(), sizeof(corners));
+  gl.BindVertexArray(floor.vertexArray);
+  use(nearFloorProgram);
   gl.DrawArrays(GL_TRIANGLES, 0, 6);
-  gl.UseProgram(farFloorProgram);
+  use(farFloorProgram);
   gl.DrawArrays(GL_TRIANGLES, 6, 24);
 }
 
 void Renderer::Impl::drawFlat(int left, int bottom, int width, int height) {
   const float sx = 2.0f / targets.width, sy = 2.0f / targets.height;
-  gl.UseProgram(panelProgram);
-  gl.Uniform4f(panelRectangle, left * sx - 1.0f, bottom * sy - 1.0f, (left + width) * sx - 1.0f,
-               (bottom + height) * sy - 1.0f);
+  use(panelProgram, left * sx - 1.0f, bottom * sy - 1.0f, (left + width) * sx - 1.0f, (bottom + height) * sy - 1.0f);
   gl.Disable(GL_DEPTH_TEST);
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
@@ -296,12 +261,12 @@ void Renderer::Impl::uploadMeshProps(std::span<const Prop> props, bool shown, co
 
 bool Renderer::Impl::uploadGrains(const Scene& scene, const GrainView& view, float margin) {
   grainVertices.clear();
-  for (const std::uint32_t i : grains.choose(scene.particles, view, margin)) {
+  for (const std::uint32_t i : grainList.choose(scene.particles, view, margin)) {
     const GrainLook look = lookOfGrain(i);
     grainVertices.push_back(
         {scene.particles[i] + scene.particleRadius * look.shift, look.brightness * scene.particleColor, look.size});
   }
-  if (!grainVertices.empty()) gpu.upload(grainBuffer, grainVertices);
+  upload(grains, grainVertices);
   return !grainVertices.empty();
 }
 
@@ -315,11 +280,9 @@ void Renderer::Impl::drawGrainShadows(const Scene& scene) {
   view.columns = view.rows = cellsIn(targets.shadowSize, kShadowTexels);
   const float margin = software ? 2.0f * scene.particleRadius : kNone;
   if (!uploadGrains(scene, view, margin)) return;
-  gl.UseProgram(grainShadowProgram);
-  gl.Uniform4f(grainShadowUniform, scene.particleRadius, kShadowTexels, std::min(maxPointSize, 64.0f), 0.0f);
+  use(grainShadowProgram, scene.particleRadius, kShadowTexels, std::min(maxPointSize, 64.0f));
   gl.Enable(GL_PROGRAM_POINT_SIZE);
-  gl.BindVertexArray(grainVertexArray);
-  gl.DrawArrays(GL_POINTS, 0, glCount(grainVertices.size()));
+  draw(grains, GL_POINTS);
 }
 
 void Renderer::Impl::drawGrains(const Scene& scene) {
@@ -334,12 +297,10 @@ void Renderer::Impl::drawGrains(const Scene& scene) {
   view.rows = cellsIn(targets.drawnHeight, cell);
   const float margin = software ? 3.0f * scene.particleRadius : kNone;
   if (!uploadGrains(scene, view, margin)) return;
-  gl.UseProgram(near ? nearGrainProgram : farGrainProgram);
-  gl.Uniform4f(near ? nearGrainUniform : farGrainUniform, scene.particleRadius, 1.0f, maxPointSize, 0.0f);
+  use(near ? nearGrainProgram : farGrainProgram, scene.particleRadius, 1.0f, maxPointSize);
   gl.Enable(GL_PROGRAM_POINT_SIZE);
   if (near && targets.samples > 0) gl.Enable(GL_SAMPLE_ALPHA_TO_COVERAGE);
-  gl.BindVertexArray(grainVertexArray);
-  gl.DrawArrays(GL_POINTS, 0, glCount(grainVertices.size()));
+  draw(grains, GL_POINTS);
   gl.Disable(GL_SAMPLE_ALPHA_TO_COVERAGE);
 }
 

@@ -19,58 +19,55 @@ const void* offset(std::size_t bytes) {
 
 Result<void> Renderer::Impl::createPrograms() {
   struct Entry {
-    GLuint* program;
+    Program* program;
     const char* name;
-    std::string vertex, fragment;
+    shaders::Sources sources;
+    const char* uniform = nullptr;
   };
   std::vector<Entry> entries = {
-      {&coarseSkinProgram, "coarse skin", shaders::skinVertex(Pass::kLit, true),
-       shaders::surfaceFragment(Pass::kLit, true)},
-      {&skyProgram, "sky", shaders::skyVertex(), shaders::skyFragment()},
-      {&farFloorProgram, "far floor", shaders::groundVertex(), shaders::groundFragment(false)},
-      {&nearFloorProgram, "near floor", shaders::groundVertex(), shaders::groundFragment(true)},
-      {&overlayProgram, "overlay", shaders::overlayVertex(), shaders::overlayFragment()},
-      {&markerProgram, "markers", shaders::markerVertex(), shaders::markerFragment()},
-      {&grainShadowProgram, "grain shadows", shaders::grainVertex(Pass::kShadow),
-       shaders::grainFragment(Pass::kShadow, false)},
-      {&farGrainProgram, "far grains", shaders::grainVertex(Pass::kLit), shaders::grainFragment(Pass::kLit, false)},
-      {&nearGrainProgram, "near grains", shaders::grainVertex(Pass::kLit), shaders::grainFragment(Pass::kLit, true)},
-      {&dropProgram, "drops", shaders::dropVertex(), shaders::dropFragment()},
-      {&smoothProgram, "water's smoothing", shaders::fullVertex(), shaders::smoothFragment()},
-      {&waterNormalProgram, "water's normals", shaders::fullVertex(), shaders::waterNormalFragment()},
-      {&waterProgram, "water", shaders::fullVertex(), shaders::waterFragment()},
-      {&blurProgram, "blur", shaders::fullVertex(), shaders::blurFragment()},
-      {&panelProgram, "panel", shaders::panelVertex(), shaders::panelFragment()},
+      {&coarseSkinProgram,
+       "coarse skin",
+       {shaders::skinVertex(Pass::kLit, true), shaders::surfaceFragment(Pass::kLit, true)}},
+      {&skyProgram, "sky", shaders::sky()},
+      {&farFloorProgram, "far floor", shaders::ground(false)},
+      {&nearFloorProgram, "near floor", shaders::ground(true)},
+      {&overlayProgram, "overlay", shaders::overlay()},
+      {&markerProgram, "markers", shaders::markers(), "tint"},
+      {&grainShadowProgram, "grain shadows", shaders::grains(Pass::kShadow, false), "grain"},
+      {&farGrainProgram, "far grains", shaders::grains(Pass::kLit, false), "grain"},
+      {&nearGrainProgram, "near grains", shaders::grains(Pass::kLit, true), "grain"},
+      {&dropProgram, "drops", shaders::drops(), "grain"},
+      {&smoothProgram, "water's smoothing", shaders::waterSmoothing(), "direction"},
+      {&waterNormalProgram, "water's normals", shaders::waterNormals()},
+      {&waterProgram, "water", shaders::water(), "water"},
+      {&blurProgram, "blur", shaders::blur(), "stride"},
+      {&panelProgram, "panel", shaders::panel(), "rectangle"},
   };
   for (const Pass pass : kPasses) {
     const std::size_t i = passIndex(pass);
     const std::string fragment = shaders::surfaceFragment(pass, true);
     entries.push_back(
-        {&skinProgram[i], "skin", shaders::skinVertex(pass, false), shaders::surfaceFragment(pass, false)});
+        {&skinProgram[i], "skin", {shaders::skinVertex(pass, false), shaders::surfaceFragment(pass, false)}});
+    entries.push_back({&fadingSkinProgram[i],
+                       "fading skin",
+                       {shaders::skinVertex(pass, true), shaders::fading(fragment)},
+                       "opacity"});
     entries.push_back(
-        {&fadingSkinProgram[i], "fading skin", shaders::skinVertex(pass, true), shaders::fading(fragment)});
-    entries.push_back({&propProgram[i], "props", shaders::propVertex(pass),
-                       pass == Pass::kLit ? shaders::fading(fragment, "flat in") : fragment});
+        {&propProgram[i],
+         "props",
+         {shaders::propVertex(pass), pass == Pass::kLit ? shaders::fading(fragment, "flat in") : fragment}});
   }
-  for (const auto& [program, name, vertex, fragment] : entries) {
-    LORICA_TRY(*program, gpu.makeProgram(name, vertex, fragment));
-    gl.UseProgram(*program);
+  for (const auto& [program, name, sources, uniform] : entries) {
+    LORICA_TRY(program->id, gpu.makeProgram(name, sources.vertex, sources.fragment));
+    use(*program);
     // In the order of their units; the first is the pass's own texture.
     for (GLint unit = 0;
          const char* map : {"source", "contactMap", "shadowMap", "behind", "behindDepth", "thickness"}) {
-      if (const GLint i = gl.GetUniformLocation(*program, map); i >= 0) gl.Uniform1i(i, unit);
+      if (const GLint i = gl.GetUniformLocation(program->id, map); i >= 0) gl.Uniform1i(i, unit);
       ++unit;
     }
+    if (uniform != nullptr) program->uniform = gl.GetUniformLocation(program->id, uniform);
   }
-  blurStride = gl.GetUniformLocation(blurProgram, "stride");
-  grainShadowUniform = gl.GetUniformLocation(grainShadowProgram, "grain");
-  farGrainUniform = gl.GetUniformLocation(farGrainProgram, "grain");
-  nearGrainUniform = gl.GetUniformLocation(nearGrainProgram, "grain");
-  dropUniform = gl.GetUniformLocation(dropProgram, "grain");
-  smoothUniform = gl.GetUniformLocation(smoothProgram, "direction");
-  waterUniform = gl.GetUniformLocation(waterProgram, "water");
-  markerTint = gl.GetUniformLocation(markerProgram, "tint");
-  panelRectangle = gl.GetUniformLocation(panelProgram, "rectangle");
   return {};
 }
 
@@ -86,12 +83,11 @@ void Renderer::Impl::attributes(std::size_t stride, std::initializer_list<Attrib
   }
 }
 
-void Renderer::Impl::createStream(GLuint& vertexArray, StreamBuffer& buffer, std::size_t stride,
-                                  std::initializer_list<Attribute> fields) {
-  vertexArray = gpu.makeVertexArray();
-  buffer.id = gpu.makeBuffer();
-  gl.BindVertexArray(vertexArray);
-  gl.BindBuffer(GL_ARRAY_BUFFER, buffer.id);
+void Renderer::Impl::createStream(VertexStream& stream, std::size_t stride, std::initializer_list<Attribute> fields) {
+  stream.vertexArray = gpu.makeVertexArray();
+  stream.buffer.id = gpu.makeBuffer();
+  gl.BindVertexArray(stream.vertexArray);
+  gl.BindBuffer(GL_ARRAY_BUFFER, stream.buffer.id);
   attributes(stride, fields);
 }
 
@@ -151,7 +147,7 @@ void Renderer::Impl::createSky() {
 }
 
 void Renderer::Impl::createSkin(SkinGpu& skin) {
-  createStream(skin.vertexArray, skin.vertices, sizeof(SkinMesh::Vertex),
+  createStream(skin.vertices, sizeof(SkinMesh::Vertex),
                {{3, offsetof(SkinMesh::Vertex, position)}, {3, offsetof(SkinMesh::Vertex, normal)}});
   skin.colors.id = gpu.makeBuffer();
   skin.indices = gpu.makeBuffer();
@@ -166,10 +162,8 @@ void Renderer::Impl::createMeshes() {
   gl.BindBuffer(GL_UNIFORM_BUFFER, frameBlock);
   gl.BufferData(GL_UNIFORM_BUFFER, sizeof(FrameUniforms), nullptr, GL_STREAM_DRAW);
 
-  for (const auto& [vertexArray, buffer] : {std::pair(&hullVertexArray, &hullBuffer),
-                                            {&insideVertexArray, &insideBuffer},
-                                            {&boneVertexArray, &boneBuffer}}) {
-    createStream(*vertexArray, *buffer, sizeof(OverlayVertex),
+  for (VertexStream* stream : {&hulls, &insides, &bones}) {
+    createStream(*stream, sizeof(OverlayVertex),
                  {{3, offsetof(OverlayVertex, position)},
                   {3, offsetof(OverlayVertex, other)},
                   {4, offsetof(OverlayVertex, normal), GL_BYTE},
@@ -179,13 +173,11 @@ void Renderer::Impl::createMeshes() {
     createPropShape(propShapes[shape], makePropMesh(static_cast<PropShape>(shape)));
   }
 
-  createStream(floorVertexArray, floorBuffer, sizeof(Eigen::Vector2f), {{2, 0}});
-  createStream(markerVertexArray, markerBuffer, sizeof(MarkerVertex),
+  createStream(floor, sizeof(Eigen::Vector2f), {{2, 0}});
+  createStream(contacts, sizeof(MarkerVertex),
                {{3, offsetof(MarkerVertex, center)}, {2, offsetof(MarkerVertex, corner)}});
-  createStream(grainVertexArray, grainBuffer, sizeof(GrainVertex),
-               {{3, offsetof(GrainVertex, center)}, {4, offsetof(GrainVertex, color)}});
-  createStream(dropVertexArray, dropBuffer, sizeof(DropVertex),
-               {{3, offsetof(DropVertex, center)}, {2, offsetof(DropVertex, foam)}});
+  createStream(grains, sizeof(GrainVertex), {{3, offsetof(GrainVertex, center)}, {4, offsetof(GrainVertex, color)}});
+  createStream(drops, sizeof(DropVertex), {{3, offsetof(DropVertex, center)}, {2, offsetof(DropVertex, foam)}});
   GLfloat pointSizes[2] = {1.0f, 1.0f};
   gl.GetFloatv(GL_POINT_SIZE_RANGE, pointSizes);
   maxPointSize = std::min(pointSizes[1], 256.0f);

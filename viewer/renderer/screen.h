@@ -10,6 +10,8 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace lorica {
 
@@ -19,8 +21,8 @@ struct HeadsetPose {
   HeadAndHands pose;  ///< stage frame, or where its screen says that the wearer is; by its own clock
 };
 
-/// What the wearer of a headset is told.
-struct HeadsetNews {
+/// Where the wearer of a headset is, as far as the run knows.
+struct WearerState {
   std::optional<Registration> registration;  ///< with the depth camera; none = not known
   std::string advice;                        ///< a sentence for the wearer; may be empty
   Vec3 origin = Vec3::Zero();                ///< of the world in the camera's floor frame [m]
@@ -41,26 +43,37 @@ class Screen {
   [[nodiscard]] virtual bool open() const = 0;
   /// Whether the simulation should advance by a frame: it is not paused, or a single step was requested. The call
   /// consumes the request.
-  [[nodiscard]] virtual bool wantsStep() = 0;
+  [[nodiscard]] bool wantsStep() {
+    Choices& chosen = choices();
+    if (chosen.scrubbing) return false;
+    if (!chosen.paused) {
+      chosen.steps = 0;
+      return true;
+    }
+    return chosen.steps > 0 && chosen.steps-- > 0;
+  }
 
   /// Draws and presents if anything is another than in the last picture; polls input.
   virtual void show(const Scene& scene, const WindowValues& values) = 0;
   /// Waits for input, at most so long [s].
   virtual void rest(double seconds) = 0;
-  /// The requests since the last call.
-  [[nodiscard]] virtual WindowRequests takeRequests() = 0;
-  /// Asks the user for files, which later requests have; does not wait.
-  virtual void chooseFiles() = 0;
-  /// While nothing else can be asked for: forgets the requests, but for dropped files, which the next requests have.
+  /// What its user chose, by keys or panels, and asks for.
+  [[nodiscard]] virtual Asked& asked() { return asked_; }
+  [[nodiscard]] Choices& choices() { return asked().choices; }
+  /// What people asked for since the last call.
+  [[nodiscard]] virtual std::vector<Change> takeChanges() { return std::exchange(asked().changes, {}); }
+  /// Asks the user for files, which later changes have; does not wait.
+  virtual void chooseFiles() {}
+  /// While nothing else can be asked for: see takeCancelFrom().
   /// @return whether to cancel what is loading
-  [[nodiscard]] virtual bool takeCancel() = 0;
-  /// @param hand  one that holds a prop, or pressed for one; see HandRequests
+  [[nodiscard]] virtual bool takeCancel() { return takeCancelFrom(asked().changes); }
+  /// @param hand  one that holds a prop, or pressed for one; see Change
   [[nodiscard]] virtual HandAim aim(int hand) const = 0;
   [[nodiscard]] virtual Camera camera() const = 0;
   /// The poses of headsets since the last call.
   [[nodiscard]] virtual std::span<const HeadsetPose> headsets() { return {}; }
-  /// Tells the wearer of a headset something else than before; when a run begins, nothing is known.
-  virtual void tell(const HeadsetNews&) {}
+  /// The wearer of a headset is elsewhere than before; when a run begins, nothing is known.
+  virtual void setWearer(const WearerState&) {}
   /// Sets the initial camera, to which a reset returns.
   virtual void setCamera(const Camera& camera) = 0;
 
@@ -75,9 +88,9 @@ class Screen {
 
   /// Whether its user is this machine's, so that what they chose is kept for the next time.
   [[nodiscard]] virtual bool personal() const { return true; }
-  /// What the user chose, by keys or panels.
-  [[nodiscard]] virtual const WindowChoices& choices() const = 0;
-  virtual void setChoices(const WindowChoices& choices) = 0;
+
+ private:
+  Asked asked_;
 };
 
 }  // namespace lorica

@@ -1,14 +1,12 @@
 #include "viewer/renderer/shaders.h"
 
-#include "viewer/renderer/shader_pieces.h"
-
 #include <string_view>
 
 namespace lorica::shaders {
-namespace {
 
 // Must match FrameUniforms in frame_setup.h.
-constexpr const char* kFrame = R"(#version 330 core
+std::string frameBlock() {
+  return R"(#version 330 core
 layout(std140) uniform Frame {
   mat4 clipFromWorld;
   mat4 shadowFromWorld;  // to texture coordinates and depth, 0 to 1
@@ -25,10 +23,12 @@ layout(std140) uniform Frame {
   vec4 groundColor;
 };
 )";
+}
 
 // sRGB by I. Taylor's fit with square roots, within 0.003 of the standard, at a third of the cost of pow on a CPU. The
 // tone curve keeps dark and middle tones and compresses highlights to below 1.
-constexpr const char* kColor = R"(
+std::string colorCurves() {
+  return R"(
 vec3 toSrgb(vec3 c) {
   vec3 a = sqrt(c), b = sqrt(a), d = sqrt(b);
   return max(0.662002687 * a + 0.684122060 * b - 0.323583601 * d - 0.0225411470 * c, 0.0);
@@ -38,15 +38,19 @@ vec3 toneMap(vec3 c) {
   return min(c, 0.5) + 0.5 * t / (1.0 + t);
 }
 )";
+}
 
 // Colours of floor and sky are given in sRGB, so that their shaders need no conversion.
-constexpr const char* kBackdrop = R"(
+std::string backdrop() {
+  return R"(
 const vec3 kHorizon = vec3(0.908, 0.920, 0.932);
 const vec3 kZenith = vec3(0.690, 0.750, 0.812);
 const vec3 kFloor = vec3(0.855, 0.866, 0.877);
 )";
+}
 
-constexpr const char* kShadow = R"(
+std::string shadowLookup() {
+  return R"(
 uniform sampler2DShadow shadowMap;
 float shadowAt(vec3 p, vec3 n) {
   // Offset from the surface along its normal, so that no surface shadows itself: 6 mm, in large scenes a texel.
@@ -57,6 +61,9 @@ float shadowAt(vec3 p, vec3 n) {
                  texture(shadowMap, s + vec3(d, 0.4 * d, 0.0)) + texture(shadowMap, s + vec3(-0.4 * d, d, 0.0)));
 }
 )";
+}
+
+namespace {
 
 constexpr const char* kSurface = R"(
 in vec3 toEye;
@@ -113,29 +120,25 @@ void finish(vec3 p, vec3 n) {
 }
 )";
 
+/// The end of the vertex shader of a surface that only casts shadows. @param point  where a vertex is
+std::string casterEnd(Pass pass, const std::string& point) {
+  if (pass == Pass::kShadow) {
+    return "void main() { gl_Position = vec4((shadowFromWorld * vec4(" + point + ", 1.0)).xyz * 2.0 - 1.0, 1.0); }\n";
+  }
+  return "out float height;\nvoid main() {\n  vec3 p = " + point + R"(;
+  height = p.y / contactArea.w;
+  gl_Position = vec4((p.xz - contactArea.xy) / contactArea.z, height * 2.0 - 1.0, 1.0);
+}
+)";
+}
+
 std::string header(bool shadowEachPixel) {
-  std::string text = kFrame;
+  std::string text = frameBlock();
   if (shadowEachPixel) text.insert(text.find('\n') + 1, "#define SHADOW_EACH_PIXEL\n");
   return text;
 }
 
 }  // namespace
-
-std::string frameBlock() {
-  return kFrame;
-}
-
-std::string colorCurves() {
-  return kColor;
-}
-
-std::string backdrop() {
-  return kBackdrop;
-}
-
-std::string shadowLookup() {
-  return kShadow;
-}
 
 std::string skinVertex(Pass pass, bool shadowEachPixel) {
   std::string text = header(shadowEachPixel);
@@ -144,17 +147,8 @@ layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 layout(location = 2) in vec3 tint;
 )";
-  if (pass == Pass::kLit) return text + kShadow + kLitVertexEnd + "void main() { finish(position, normal); }\n";
-  if (pass == Pass::kShadow) {
-    return text + "void main() { gl_Position = vec4((shadowFromWorld * vec4(position, 1.0)).xyz * 2.0 - 1.0, 1.0); }\n";
-  }
-  return text + R"(
-out float height;
-void main() {
-  height = position.y / contactArea.w;
-  gl_Position = vec4((position.xz - contactArea.xy) / contactArea.z, height * 2.0 - 1.0, 1.0);
-}
-)";
+  if (pass == Pass::kLit) return text + shadowLookup() + kLitVertexEnd + "void main() { finish(position, normal); }\n";
+  return text + casterEnd(pass, "position");
 }
 
 std::string propVertex(Pass pass) {
@@ -174,25 +168,15 @@ vec3 place() {
 }
 )";
   if (pass == Pass::kLit) {
-    return text + "flat out vec4 opacity;\n#define tint paint.rgb\n" + kShadow + kLitVertexEnd +
+    return text + "flat out vec4 opacity;\n#define tint paint.rgb\n" + shadowLookup() + kLitVertexEnd +
            "void main() { opacity = paint.aaaa; finish(place(), columnX * normal.x + columnY * normal.y + columnZ * "
            "normal.z); }\n";
   }
-  if (pass == Pass::kShadow) {
-    return text + "void main() { gl_Position = vec4((shadowFromWorld * vec4(place(), 1.0)).xyz * 2.0 - 1.0, 1.0); }\n";
-  }
-  return text + R"(
-out float height;
-void main() {
-  vec3 p = place();
-  height = p.y / contactArea.w;
-  gl_Position = vec4((p.xz - contactArea.xy) / contactArea.z, height * 2.0 - 1.0, 1.0);
-}
-)";
+  return text + casterEnd(pass, "place()");
 }
 
 std::string surfaceFragment(Pass pass, bool shadowEachPixel) {
-  if (pass == Pass::kLit) return header(shadowEachPixel) + kColor + kShadow + kSurface;
+  if (pass == Pass::kLit) return header(shadowEachPixel) + colorCurves() + shadowLookup() + kSurface;
   if (pass == Pass::kShadow) return "#version 330 core\nvoid main() {}\n";
   return R"(#version 330 core
 in float height;
@@ -216,8 +200,8 @@ std::string fading(const std::string& fragment, const std::string& from) {
   return text;
 }
 
-std::string skyVertex() {
-  return std::string(kFrame) + kBackdrop + R"(
+Sources sky() {
+  return {frameBlock() + backdrop() + R"(
 layout(location = 0) in vec2 place;
 out vec3 tint;
 void main() {
@@ -227,34 +211,16 @@ void main() {
   tint = mix(kHorizon, kZenith, t * (2.0 - t));
   gl_Position = vec4(place, 1.0, 1.0);
 }
-)";
-}
-
-std::string skyFragment() {
-  return R"(#version 330 core
+)",
+          R"(#version 330 core
 in vec3 tint;
 out vec4 color;
 void main() { color = vec4(tint, 1.0); }
-)";
+)"};
 }
 
-std::string groundVertex() {
-  return std::string(kFrame) + R"(
-layout(location = 0) in vec2 place;
-out vec2 ground;
-out vec3 shadowPosition;
-out vec2 contactPosition;
-void main() {
-  ground = place;
-  shadowPosition = (shadowFromWorld * vec4(place.x, 0.0, place.y, 1.0)).xyz;
-  contactPosition = (place - contactArea.xy) / contactArea.z * 0.5 + 0.5;
-  gl_Position = clipFromWorld * vec4(place.x, 0.0, place.y, 1.0);
-}
-)";
-}
-
-std::string groundFragment(bool shaded) {
-  std::string text = std::string(kFrame) + kBackdrop + R"(
+Sources ground(bool shaded) {
+  std::string text = frameBlock() + backdrop() + R"(
 uniform sampler2DShadow shadowMap;
 uniform sampler2D contactMap;
 in vec2 ground;
@@ -288,11 +254,23 @@ void main() {
 )";
   }
   text += "  color = vec4(mix(base, kHorizon, fade * (2.0 - fade)), 1.0);\n}\n";
-  return text;
+  return {frameBlock() + R"(
+layout(location = 0) in vec2 place;
+out vec2 ground;
+out vec3 shadowPosition;
+out vec2 contactPosition;
+void main() {
+  ground = place;
+  shadowPosition = (shadowFromWorld * vec4(place.x, 0.0, place.y, 1.0)).xyz;
+  contactPosition = (place - contactArea.xy) / contactArea.z * 0.5 + 0.5;
+  gl_Position = clipFromWorld * vec4(place.x, 0.0, place.y, 1.0);
+}
+)",
+          text};
 }
 
-std::string overlayVertex() {
-  return std::string(kFrame) + kColor + R"(
+Sources overlay() {
+  return {frameBlock() + colorCurves() + R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 other;
 layout(location = 2) in vec4 normal;
@@ -324,21 +302,18 @@ void main() {
   }
   faceColor = vec4(toSrgb(toneMap(tint.rgb * shade)), tint.a);
 }
-)";
-}
-
-std::string overlayFragment() {
-  return R"(#version 330 core
+)",
+          R"(#version 330 core
 flat in vec4 faceColor;
 in float across;
 flat in float halfWidth;
 out vec4 color;
 void main() { color = vec4(faceColor.rgb, faceColor.a * clamp(halfWidth - abs(across) + 0.5, 0.0, 1.0)); }
-)";
+)"};
 }
 
-std::string markerVertex() {
-  return std::string(kFrame) + R"(
+Sources markers() {
+  return {frameBlock() + R"(
 layout(location = 0) in vec3 center;
 layout(location = 1) in vec2 corner;
 out vec2 disc;
@@ -352,11 +327,8 @@ void main() {
   c.xy += disc * 2.0 * viewport.zw * c.w;
   gl_Position = c;
 }
-)";
-}
-
-std::string markerFragment() {
-  return std::string(kFrame) + R"(
+)",
+          frameBlock() + R"(
 uniform vec4 tint;
 in vec2 disc;
 flat in float radius;
@@ -367,11 +339,13 @@ void main() {
   float core = clamp(0.62 * radius - d + 0.5, 0.0, 1.0);
   color = vec4(mix(vec3(1.0), vec3(1.0, 0.20, 0.12), core), inside * tint.a);
 }
-)";
+)"};
 }
 
+namespace {
+
 std::string grainVertex(Pass pass) {
-  std::string text = std::string(kFrame) + R"(
+  std::string text = frameBlock() + R"(
 layout(location = 0) in vec3 center;
 layout(location = 1) in vec4 tintAndSize;
 uniform vec4 grain;
@@ -389,7 +363,7 @@ void main() {
 }
 )";
   }
-  return text + kColor + kShadow + R"(
+  return text + colorCurves() + shadowLookup() + R"(
 flat out vec3 dark;   // final colour away from the key light
 flat out vec3 bright;
 flat out vec3 light;  // towards the key light, in the camera's axes
@@ -440,6 +414,12 @@ void main() {
 )";
 }
 
+}  // namespace
+
+Sources grains(Pass pass, bool fine) {
+  return {grainVertex(pass), grainFragment(pass, fine)};
+}
+
 std::string fullVertex() {
   return R"(#version 330 core
 out vec2 place;
@@ -450,9 +430,9 @@ void main() {
 )";
 }
 
-std::string blurFragment() {
+Sources blur() {
   // Binomial weights 1 8 28 56 70 56 28 8 1, read in pairs between texels: five lookups.
-  return R"(#version 330 core
+  return {fullVertex(), R"(#version 330 core
 uniform sampler2D source;
 uniform vec4 stride;
 in vec2 place;
@@ -463,11 +443,11 @@ void main() {
           0.328125 * (texture(source, place + a) + texture(source, place - a)) +
           0.03515625 * (texture(source, place + b) + texture(source, place - b));
 }
-)";
+)"};
 }
 
-std::string panelVertex() {
-  return R"(#version 330 core
+Sources panel() {
+  return {R"(#version 330 core
 uniform vec4 rectangle;
 out vec2 place;
 void main() {
@@ -475,16 +455,13 @@ void main() {
   place = vec2(p.x, 1.0 - p.y);
   gl_Position = vec4(mix(rectangle.xy, rectangle.zw, p), 0.0, 1.0);
 }
-)";
-}
-
-std::string panelFragment() {
-  return R"(#version 330 core
+)",
+          R"(#version 330 core
 uniform sampler2D source;
 in vec2 place;
 out vec4 color;
 void main() { color = texture(source, place); }
-)";
+)"};
 }
 
 }  // namespace lorica::shaders

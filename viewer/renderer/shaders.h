@@ -13,6 +13,19 @@ enum class Pass {
   kShadow,   ///< depth as seen from the key light
   kContact,  ///< proximity to the ground as seen from below, for the contact shadow
 };
+
+/// Pieces that several shaders start from. The first line of frameBlock() is the version.
+[[nodiscard]] std::string frameBlock();    ///< the uniform block "Frame"
+[[nodiscard]] std::string colorCurves();   ///< vec3 toneMap(vec3) and toSrgb(vec3), of linear RGB
+[[nodiscard]] std::string backdrop();      ///< the colours of sky and floor, sRGB
+[[nodiscard]] std::string shadowLookup();  ///< float shadowAt(vec3 position, vec3 normal): share of the key light
+[[nodiscard]] std::string fullVertex();    ///< a triangle over the whole target
+
+/// The shaders of a program.
+struct Sources {
+  std::string vertex, fragment;
+};
+
 /// Skin: attributes position 0, normal 1, color 2.
 /// @param shadowEachPixel  shadow lookup in the fragment shader; otherwise per vertex, which is much cheaper if
 ///                         triangles are about as small as pixels
@@ -26,43 +39,33 @@ std::string surfaceFragment(Pass pass, bool shadowEachPixel);
 /// shader
 std::string fading(const std::string& fragment, const std::string& from = "uniform");
 
-/// Sky; attribute 0 is the position in clip space.
-std::string skyVertex();
-std::string skyFragment();
-/// Floor; attribute 0 is the position in xz.
-std::string groundVertex();
-/// @param shaded  with grid, shadow and contact shadow; otherwise the plain far floor
-std::string groundFragment(bool shaded);
-
+/// Attribute 0 is the position in clip space.
+Sources sky();
+/// Floor; attribute 0 is the position in xz. @param shaded  with grid, shadow and contact shadow; otherwise the plain
+/// far floor
+Sources ground(bool shaded);
 /// Hulls and bones: OverlayVertex.
-std::string overlayVertex();
-std::string overlayFragment();
-/// Contact markers: center 0, corner 1; discs that face the viewer. Uniform "tint" has their alpha.
-std::string markerVertex();
-std::string markerFragment();
-
+Sources overlay();
+/// Contacts: center 0, corner 1; discs that face the viewer. Uniform "tint" has their alpha.
+Sources markers();
 /// Grains: points that look like balls; center 0, color and relative size 1. Uniform "grain": radius [m]; minimum and
 /// maximum point size of the pass [pixels].
-std::string grainVertex(Pass pass);
 /// @param fine  for grains of many pixels: with a round rim, anti-aliased by alpha to coverage, and the depth of a
 ///              ball. Otherwise nearly square, which allows the depth test before shading.
-std::string grainFragment(Pass pass, bool fine);
+Sources grains(Pass pass, bool fine);
 
 /// Water, by passes: drops leave their depth and foam (uniform "grain": radius [m], pixels of the map to one of the
 /// picture, maximum point size); that is smoothed, along one direction at a time (uniform "direction": x, y, radius and
 /// pixels as before); normals are found; and the picture behind is seen through it (uniform "water": colour, bound of
 /// the cells).
-std::string dropVertex();
-std::string dropFragment();
-std::string smoothFragment();
-std::string waterNormalFragment();
-std::string waterFragment();
+Sources drops();
+Sources waterSmoothing();
+Sources waterNormals();
+Sources water();
 
-/// fullVertex(): a triangle over the whole target; panelVertex(): one over the uniform "rectangle" (clip space).
-std::string fullVertex();
-std::string blurFragment();
-std::string panelVertex();
-std::string panelFragment();
+Sources blur();
+/// Over the uniform "rectangle" (clip space).
+Sources panel();
 
 }  // namespace shaders
 }  // namespace lorica

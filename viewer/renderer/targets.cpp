@@ -1,6 +1,6 @@
 #include "viewer/renderer/targets.h"
 
-#include <fmt/format.h>
+#include "geometry/errors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -46,7 +46,7 @@ Result<void> Targets::create(Gpu& gpu) {
   gl.DrawBuffer(GL_NONE);
   gl.ReadBuffer(GL_NONE);
   if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-    return Error{ErrorCode::kNoDisplay, "the OpenGL driver does not support 16-bit depth textures for shadows"};
+    return noDisplay("the OpenGL driver does not support 16-bit depth textures for shadows");
   }
 
   for (int i = 0; i < 2; ++i) {
@@ -59,7 +59,7 @@ Result<void> Targets::create(Gpu& gpu) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, contact[i]);
     gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, contactMap[i], 0);
     if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-      return Error{ErrorCode::kNoDisplay, "the OpenGL driver cannot draw into an 8-bit texture"};
+      return noDisplay("the OpenGL driver cannot draw into an 8-bit texture");
     }
   }
 
@@ -73,9 +73,7 @@ Result<void> Targets::create(Gpu& gpu) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
     const GLenum status = gl.CheckFramebufferStatus(GL_FRAMEBUFFER);
     if (status != GL_FRAMEBUFFER_COMPLETE) {
-      return Error{
-          ErrorCode::kNoDisplay,
-          fmt::format("the OpenGL driver does not support a framebuffer with {} samples (0x{:x})", samples, status)};
+      return noDisplay("the OpenGL driver does not support a framebuffer with {} samples (0x{:x})", samples, status);
     }
   }
   return {};

@@ -109,10 +109,7 @@ Image drawTextPanel(std::string_view text, int lineHeight) {
   const TextMask mask = drawText(text, lineHeight);
   const int margin = std::max(2, lineHeight / 3);
   const double radius = 0.9 * margin;
-  Image panel;
-  panel.width = mask.width + 2 * margin;
-  panel.height = mask.height + margin;
-  panel.rgba.assign(panel.byteCount(), 0);
+  Image panel = Image::filled(mask.width + 2 * margin, mask.height + margin);
   const std::array<double, 3> ink = {38, 44, 54};
   for (int y = 0; y < panel.height; ++y) {
     for (int x = 0; x < panel.width; ++x) {

@@ -13,7 +13,7 @@ constexpr float kFoamFrom = 0.7f;  // that a drop is faster or slower than those
 constexpr float kFoamTo = 2.2f;
 constexpr float kDropSize = 1.7f;                       // radius of what is drawn to that of a drop, so that they join
 constexpr float kAloneSize = 0.5f, kJoinedSize = 0.1f;  // size of a drop by itself, and for each beside it
-constexpr int kSmoothings = 2;
+constexpr int kSmoothPasses = 2;
 
 int coarse(int fine) {
   return (fine + kCoarse - 1) / kCoarse;
@@ -107,12 +107,12 @@ void Renderer::Impl::drawWater(const Scene& scene) {
   view.columns = std::max<int>(1, targets.drawnWidth / cell);
   view.rows = std::max<int>(1, targets.drawnHeight / cell);
   const float radius = kDropSize * scene.particleRadius;
-  const std::vector<std::uint32_t>& chosen = grains.choose(scene.particles, view, 2.0f * radius);
+  const std::vector<std::uint32_t>& chosen = grainList.choose(scene.particles, view, 2.0f * radius);
   if (chosen.empty()) return;
   const FrameUniforms& u = setup.uniforms;
   const Eigen::Vector2f across =
       2.0f * kBeside * Eigen::Vector2f(u.rayRight.head<3>().norm(), u.rayUp.head<3>().norm());
-  const std::vector<DropVertex>& drops = waterCells.make(scene.particles, scene.particleVelocities, chosen, grains,
+  const std::vector<DropVertex>& shown = waterCells.make(scene.particles, scene.particleVelocities, chosen, grainList,
                                                          view, 2.0f * scene.particleRadius, across);
   // The CPU draws half as many pixels in each direction.
   water.resize(gpu, targets.drawnWidth, targets.drawnHeight, software ? 2 : 1);
@@ -132,27 +132,24 @@ void Renderer::Impl::drawWater(const Scene& scene) {
   gl.Enable(GL_BLEND);
   gl.BlendFunc(GL_ONE, GL_ONE);
   gl.BlendEquation(GL_MIN);
-  gpu.upload(dropBuffer, drops);
-  gl.UseProgram(dropProgram);
-  gl.Uniform4f(dropUniform, radius, scale, maxPointSize, 0.0f);
+  upload(drops, shown);
+  use(dropProgram, radius, scale, maxPointSize);
   gl.Enable(GL_PROGRAM_POINT_SIZE);
-  gl.BindVertexArray(dropVertexArray);
-  gl.DrawArrays(GL_POINTS, 0, glCount(drops.size()));
+  draw(drops, GL_POINTS);
   gl.BlendEquation(GL_FUNC_ADD);
   gl.Disable(GL_BLEND);
 
   gl.ActiveTexture(GL_TEXTURE0);
   gl.BindVertexArray(emptyVertexArray);
-  gl.UseProgram(smoothProgram);
-  for (int pass = 0; pass < 2 * kSmoothings; ++pass) {
+  for (int pass = 0; pass < 2 * kSmoothPasses; ++pass) {
     gl.BindFramebuffer(GL_FRAMEBUFFER, water.surface[1 - pass % 2]);
     gl.BindTexture(GL_TEXTURE_2D, water.surfaceMap[pass % 2]);
-    gl.Uniform4f(smoothUniform, pass % 2 == 0 ? 1.0f : 0.0f, pass % 2 == 0 ? 0.0f : 1.0f, radius, scale);
+    use(smoothProgram, pass % 2 == 0 ? 1.0f : 0.0f, pass % 2 == 0 ? 0.0f : 1.0f, radius, scale);
     gl.DrawArrays(GL_TRIANGLES, 0, 3);
   }
   gl.BindFramebuffer(GL_FRAMEBUFFER, water.normals);
   gl.BindTexture(GL_TEXTURE_2D, water.surfaceMap[0]);
-  gl.UseProgram(waterNormalProgram);
+  use(waterNormalProgram);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 
   gl.BindFramebuffer(GL_FRAMEBUFFER, targets.picture);
@@ -166,9 +163,8 @@ void Renderer::Impl::drawWater(const Scene& scene) {
   gl.BindTexture(GL_TEXTURE_2D, water.thicknessMap);
   gl.TexImage2D(GL_TEXTURE_2D, 0, GL_R32F, waterCells.columns(), waterCells.rows(), 0, GL_RED, GL_FLOAT,
                 waterCells.thickness().data());
-  gl.UseProgram(waterProgram);
   const Vec3f& tint = scene.particleColor;
-  gl.Uniform4f(waterUniform, tint.x(), tint.y(), tint.z(), kBeside);
+  use(waterProgram, tint.x(), tint.y(), tint.z(), kBeside);
   gl.Enable(GL_DEPTH_TEST);
   gl.DrawArrays(GL_TRIANGLES, 0, 3);
 }

@@ -1,16 +1,15 @@
-#include "viewer/renderer/shader_pieces.h"
 #include "viewer/renderer/shaders.h"
 
 namespace lorica::shaders {
 namespace {
 
 // Depths beyond this mean that there is no water.
-constexpr const char* kNone = "const float kNone = 1e5;\n";
+constexpr const char* kNoDepth = "const float kNoDepth = 1e5;\n";
 
 }  // namespace
 
-std::string dropVertex() {
-  return frameBlock() + R"(
+Sources drops() {
+  return {frameBlock() + R"(
 layout(location = 0) in vec3 center;
 layout(location = 1) in vec2 foamAndSize;
 uniform vec4 grain;
@@ -22,11 +21,8 @@ void main() {
   gl_PointSize = clamp(rayUp.w * viewport.y * grain.y * radius / depth, 1.0, grain.z);
   ball = vec3(depth, radius, foamAndSize.x);
 }
-)";
-}
-
-std::string dropFragment() {
-  return R"(#version 330 core
+)",
+          R"(#version 330 core
 flat in vec3 ball;
 out vec2 surface;
 void main() {
@@ -35,13 +31,13 @@ void main() {
   if (away > 1.0) discard;
   surface = vec2(ball.x - ball.y * sqrt(1.0 - away), -ball.z);
 }
-)";
+)"};
 }
 
-std::string smoothFragment() {
+Sources waterSmoothing() {
   // A neighbour counts as no more than a little behind, and none that is well in front counts; nor does the one
   // opposite, so that edges stay where they are.
-  return frameBlock() + kNone + R"(
+  return {fullVertex(), frameBlock() + kNoDepth + R"(
 uniform sampler2D source;
 uniform vec4 direction;  // x, y; radius of a drop [m]; pixels of the map to one of the picture
 out vec2 surface;
@@ -50,25 +46,25 @@ void main() {
   ivec2 at = ivec2(gl_FragCoord.xy), step = ivec2(direction.xy);
   surface = texelFetch(source, at, 0).xy;
   float depth = surface.x;
-  if (depth > kNone) return;
+  if (depth > kNoDepth) return;
   float sigma = clamp(1.3 * 0.5 * rayUp.w * viewport.y * direction.w * direction.z / depth, 0.8, 0.5 * float(kMost));
   int reach = int(ceil(2.0 * sigma));
   float falloff = -0.5 / (sigma * sigma), near = depth - 2.5 * direction.z, far = depth + direction.z;
   float weights = 1.0;
   for (int i = 1; i <= reach; ++i) {
     vec2 a = texelFetch(source, at + i * step, 0).xy, b = texelFetch(source, at - i * step, 0).xy;
-    if (min(a.x, b.x) < near || max(a.x, b.x) > kNone || min(a.x, b.x) <= 0.0) continue;
+    if (min(a.x, b.x) < near || max(a.x, b.x) > kNoDepth || min(a.x, b.x) <= 0.0) continue;
     float weight = exp(falloff * float(i * i));
     surface += weight * vec2(min(a.x, far) + min(b.x, far), a.y + b.y);
     weights += 2.0 * weight;
   }
   surface /= weights;
 }
-)";
+)"};
 }
 
-std::string waterNormalFragment() {
-  return frameBlock() + kNone + R"(
+Sources waterNormals() {
+  return {fullVertex(), frameBlock() + kNoDepth + R"(
 uniform sampler2D source;
 out vec4 water;
 vec3 at(ivec2 texel, float depth, vec2 size) {
@@ -86,17 +82,17 @@ void main() {
   ivec2 texel = ivec2(gl_FragCoord.xy);
   vec2 surface = texelFetch(source, texel, 0).xy;
   water = vec4(0.0, 0.0, surface.x, 0.0);
-  if (surface.x > kNone) return;
+  if (surface.x > kNoDepth) return;
   vec2 size = vec2(textureSize(source, 0));
   vec3 n = normalize(cross(along(texel, ivec2(1, 0), surface.x, size), along(texel, ivec2(0, 1), surface.x, size)));
   vec3 right = rayRight.xyz * inversesqrt(dot(rayRight.xyz, rayRight.xyz));
   water = vec4(dot(n, right), dot(n, rayUp.xyz) * rayUp.w, surface.x, -surface.y);
 }
-)";
+)"};
 }
 
-std::string waterFragment() {
-  return frameBlock() + colorCurves() + backdrop() + kNone + R"(
+Sources water() {
+  return {fullVertex(), frameBlock() + colorCurves() + backdrop() + kNoDepth + R"(
 uniform sampler2D source;
 uniform sampler2DShadow shadowMap;
 uniform sampler2D behind;
@@ -118,7 +114,7 @@ void main() {
     ivec2 k = ivec2(i & 1, i >> 1);
     vec4 s = texelFetch(source, clamp(corner + k, ivec2(0), last), 0);
     float weight = (k.x == 1 ? f.x : 1.0 - f.x) * (k.y == 1 ? f.y : 1.0 - f.y);
-    if (s.z > kNone) continue;
+    if (s.z > kNoDepth) continue;
     seen += weight * s;
     covered += weight;
   }
@@ -171,7 +167,7 @@ void main() {
   float clear = (1.0 - beyond.a) * (1.0 - white) * dot(passed, vec3(0.3333));
   color = vec4(toSrgb(toneMap(mix(surface, foam, white))), 1.0 - clear);
 }
-)";
+)"};
 }
 
 }  // namespace lorica::shaders

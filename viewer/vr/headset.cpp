@@ -23,14 +23,14 @@ Isometry3 isometryOf(const XrPosef& pose) {
 
 }  // namespace
 
-Result<void> Headset::Impl::enter(XrSessionState state) {
+Result<void> XrHeadset::enter(XrSessionState state) {
   if (state == XR_SESSION_STATE_READY) {
     auto info = typed<XrSessionBeginInfo>(XR_TYPE_SESSION_BEGIN_INFO);
     info.primaryViewConfigurationType = kStereo;
     LORICA_XR(BeginSession, session, &info);
-    running = true;
+    running_ = true;
   } else if (state == XR_SESSION_STATE_STOPPING) {
-    running = false;
+    running_ = false;
     LORICA_XR(EndSession, session);
   } else if (state == XR_SESSION_STATE_EXITING) {
     return Error{ErrorCode::kCancelled, "the headset's session was ended there"};
@@ -40,7 +40,7 @@ Result<void> Headset::Impl::enter(XrSessionState state) {
   return {};
 }
 
-bool Headset::Impl::locateIn(XrSpace space, Isometry3& pose) const {
+bool XrHeadset::locateIn(XrSpace space, Isometry3& pose) const {
   constexpr XrSpaceLocationFlags kKnown =
       XR_SPACE_LOCATION_POSITION_VALID_BIT | XR_SPACE_LOCATION_ORIENTATION_VALID_BIT;
   auto location = typed<XrSpaceLocation>(XR_TYPE_SPACE_LOCATION);
@@ -50,52 +50,52 @@ bool Headset::Impl::locateIn(XrSpace space, Isometry3& pose) const {
   return true;
 }
 
-Result<void> Headset::Impl::locate() {
+Result<void> XrHeadset::locate() {
   constexpr XrViewStateFlags kKnown = XR_VIEW_STATE_POSITION_VALID_BIT | XR_VIEW_STATE_ORIENTATION_VALID_BIT;
-  auto wish = typed<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
-  wish.viewConfigurationType = kStereo;
-  wish.displayTime = displayTime;
-  wish.space = stage;
+  auto info = typed<XrViewLocateInfo>(XR_TYPE_VIEW_LOCATE_INFO);
+  info.viewConfigurationType = kStereo;
+  info.displayTime = displayTime;
+  info.space = stage;
   auto state = typed<XrViewState>(XR_TYPE_VIEW_STATE);
   views.fill(typed<XrView>(XR_TYPE_VIEW));
   std::uint32_t count = 0;
-  LORICA_XR(LocateViews, session, &wish, &state, 2, &count, views.data());
-  frame.located = (state.viewStateFlags & kKnown) == kKnown && locateIn(view, frame.stageFromHead);
+  LORICA_XR(LocateViews, session, &info, &state, 2, &count, views.data());
+  frame_.located = (state.viewStateFlags & kKnown) == kKnown && locateIn(view, frame_.stageFromHead);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const XrFovf& fov = views[eye].fov;
-    frame.eyes[eye] = {isometryOf(views[eye].pose), {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown}};
+    frame_.eyes[eye] = {isometryOf(views[eye].pose), {fov.angleLeft, fov.angleRight, fov.angleUp, fov.angleDown}};
   }
   return {};
 }
 
 /// By the runtime's prediction [s].
-double Headset::Impl::untilShown() const {
+double XrHeadset::untilShown() const {
   timespec now{};
   XrTime then = 0;
   if (ConvertTimespecTimeToTimeKHR == nullptr || ::clock_gettime(CLOCK_MONOTONIC, &now) != 0) return 0.0;
   return XR_SUCCEEDED(ConvertTimespecTimeToTimeKHR(instance, &now, &then)) ? 1e-9 * double(displayTime - then) : 0.0;
 }
 
-Result<void> Headset::Impl::readHands() {
+Result<void> XrHeadset::readHands() {
   const XrActiveActionSet active = {actions, XR_NULL_PATH};
   auto sync = typed<XrActionsSyncInfo>(XR_TYPE_ACTIONS_SYNC_INFO);
   sync.countActiveActionSets = 1;
   sync.activeActionSets = &active;
   LORICA_XR(SyncActions, session, &sync);
   for (std::size_t h = 0; h < 2; ++h) {
-    HeadsetHand& hand = frame.hands[h];
-    auto wish = typed<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
-    wish.subactionPath = paths[h];
+    HeadsetHand& hand = frame_.hands[h];
+    auto info = typed<XrActionStateGetInfo>(XR_TYPE_ACTION_STATE_GET_INFO);
+    info.subactionPath = paths[h];
     const auto number = [&](XrAction action) {
-      wish.action = action;
+      info.action = action;
       auto state = typed<XrActionStateFloat>(XR_TYPE_ACTION_STATE_FLOAT);
-      return XR_SUCCEEDED(GetActionStateFloat(session, &wish, &state)) && state.isActive ? double(state.currentState)
+      return XR_SUCCEEDED(GetActionStateFloat(session, &info, &state)) && state.isActive ? double(state.currentState)
                                                                                          : 0.0;
     };
     const auto pressed = [&](XrAction action) {
-      wish.action = action;
+      info.action = action;
       auto state = typed<XrActionStateBoolean>(XR_TYPE_ACTION_STATE_BOOLEAN);
-      return XR_SUCCEEDED(GetActionStateBoolean(session, &wish, &state)) && state.isActive &&
+      return XR_SUCCEEDED(GetActionStateBoolean(session, &info, &state)) && state.isActive &&
              state.currentState != XR_FALSE && state.changedSinceLastSync != XR_FALSE;
     };
     hand.seen = locateIn(grips[h], hand.stageFromGrip) && locateIn(aims[h], hand.stageFromAim);
@@ -107,25 +107,25 @@ Result<void> Headset::Impl::readHands() {
     }
     hand.changes = pressed(change);
     hand.opens = pressed(open);
-    wish.action = stick;
+    info.action = stick;
     auto state = typed<XrActionStateVector2f>(XR_TYPE_ACTION_STATE_VECTOR2F);
-    const bool moved = XR_SUCCEEDED(GetActionStateVector2f(session, &wish, &state)) && state.isActive;
+    const bool moved = XR_SUCCEEDED(GetActionStateVector2f(session, &info, &state)) && state.isActive;
     hand.stick = moved ? Eigen::Vector2d(state.currentState.x, state.currentState.y) : Eigen::Vector2d(0.0, 0.0);
   }
   return {};
 }
 
 /// A hand without a controller. Its palm looks along its fingers, with +Y out of its back; it points where they do.
-void Headset::Impl::readBareHand(std::size_t side) {
-  HeadsetHand& hand = frame.hands[side];
+void XrHeadset::readBareHand(std::size_t side) {
+  HeadsetHand& hand = frame_.hands[side];
   std::array<XrHandJointLocationEXT, XR_HAND_JOINT_COUNT_EXT> joints;
-  auto wish = typed<XrHandJointsLocateInfoEXT>(XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT);
-  wish.baseSpace = stage;
-  wish.time = displayTime;
+  auto info = typed<XrHandJointsLocateInfoEXT>(XR_TYPE_HAND_JOINTS_LOCATE_INFO_EXT);
+  info.baseSpace = stage;
+  info.time = displayTime;
   auto found = typed<XrHandJointLocationsEXT>(XR_TYPE_HAND_JOINT_LOCATIONS_EXT);
   found.jointCount = std::uint32_t(joints.size());
   found.jointLocations = joints.data();
-  hand.seen = XR_SUCCEEDED(LocateHandJointsEXT(trackers[side], &wish, &found)) && found.isActive != XR_FALSE;
+  hand.seen = XR_SUCCEEDED(LocateHandJointsEXT(trackers[side], &info, &found)) && found.isActive != XR_FALSE;
   if (!hand.seen) return;  // and keeps what it holds, for it comes back
   const auto at = [&](XrHandJointEXT joint) { return isometryOf(joints[joint].pose); };
   const auto apart = [&](XrHandJointEXT a, XrHandJointEXT b) {
@@ -144,62 +144,38 @@ void Headset::Impl::readBareHand(std::size_t side) {
                apart(XR_HAND_JOINT_PALM_EXT, XR_HAND_JOINT_MIDDLE_TIP_EXT) < (hand.grabs ? kOpenHand : kFist);
 }
 
-Headset::Headset(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Headset::~Headset() = default;
-Headset::Headset(Headset&&) noexcept = default;
-Headset& Headset::operator=(Headset&&) noexcept = default;
-
-Result<Headset> Headset::find() {
-  auto impl = std::make_unique<Impl>();
-  LORICA_TRY_DO(impl->load());
-  return Headset(std::move(impl));
+Result<std::unique_ptr<Headset>> Headset::find() {
+  auto made = std::make_unique<XrHeadset>();
+  LORICA_TRY_DO(made->load());
+  return std::unique_ptr<Headset>(std::move(made));
 }
 
-std::string Headset::description() const {
-  return impl_->description;
-}
-
-Result<void> Headset::poll() {
-  Impl& i = *impl_;
+Result<void> XrHeadset::poll() {
   for (;;) {
     auto event = typed<XrEventDataBuffer>(XR_TYPE_EVENT_DATA_BUFFER);
-    const XrResult heard = i.PollEvent(i.instance, &event);
-    LORICA_TRY_DO(i.checked(heard, "xrPollEvent"));
-    if (heard == XR_EVENT_UNAVAILABLE) return {};
+    const XrResult polled = PollEvent(instance, &event);
+    LORICA_TRY_DO(checked(polled, "xrPollEvent"));
+    if (polled == XR_EVENT_UNAVAILABLE) return {};
     if (event.type == XR_TYPE_EVENT_DATA_INSTANCE_LOSS_PENDING) return noDisplay("the headset's runtime ends");
     if (event.type != XR_TYPE_EVENT_DATA_SESSION_STATE_CHANGED) continue;
-    LORICA_TRY_DO(i.enter(reinterpret_cast<const XrEventDataSessionStateChanged&>(event).state));
+    LORICA_TRY_DO(enter(reinterpret_cast<const XrEventDataSessionStateChanged&>(event).state));
   }
 }
 
-bool Headset::running() const {
-  return impl_->running;
-}
-const HeadsetFrame& Headset::frame() const {
-  return impl_->frame;
-}
-int Headset::width() const {
-  return impl_->width;
-}
-int Headset::height() const {
-  return impl_->height;
-}
-
-Result<void> Headset::beginFrame() {
-  Impl& i = *impl_;
+Result<void> XrHeadset::beginFrame() {
   auto state = typed<XrFrameState>(XR_TYPE_FRAME_STATE);
-  LORICA_TRY_DO(i.checked(i.WaitFrame(i.session, nullptr, &state), "xrWaitFrame"));
-  LORICA_TRY_DO(i.checked(i.BeginFrame(i.session, nullptr), "xrBeginFrame"));
-  i.displayTime = state.predictedDisplayTime;
-  i.frame.time = 1e-9 * double(state.predictedDisplayTime);
-  i.frame.period = 1e-9 * double(state.predictedDisplayPeriod);
-  i.frame.ahead = i.untilShown();
-  i.frame.drawn = state.shouldRender != XR_FALSE;
-  LORICA_TRY_DO(i.locate());
-  return i.readHands();
+  LORICA_XR(WaitFrame, session, nullptr, &state);
+  LORICA_XR(BeginFrame, session, nullptr);
+  displayTime = state.predictedDisplayTime;
+  frame_.time = 1e-9 * double(state.predictedDisplayTime);
+  frame_.period = 1e-9 * double(state.predictedDisplayPeriod);
+  frame_.ahead = untilShown();
+  frame_.drawn = state.shouldRender != XR_FALSE;
+  LORICA_TRY_DO(locate());
+  return readHands();
 }
 
-Result<void> Headset::Impl::acquire(Swapchain& chain) {
+Result<void> XrHeadset::acquire(Swapchain& chain) {
   LORICA_XR(AcquireSwapchainImage, chain.handle, nullptr, &chain.image);
   auto wait = typed<XrSwapchainImageWaitInfo>(XR_TYPE_SWAPCHAIN_IMAGE_WAIT_INFO);
   wait.timeout = kLongestWait;
@@ -207,100 +183,85 @@ Result<void> Headset::Impl::acquire(Swapchain& chain) {
   return {};
 }
 
-Result<void> Headset::drawPanel(const Image& image) {
-  Impl& i = *impl_;
-  LORICA_TRY_DO(i.acquire(i.panel));
-  i.panelSize = {std::min(image.width, kPanelWidth), std::min(image.height, kPanelHeight)};
-  i.gl.BindTexture(GL_TEXTURE_2D, i.panel.textures[i.panel.image]);
-  i.gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
+Result<void> XrHeadset::drawPanel(const Image& image) {
+  LORICA_TRY_DO(acquire(panel));
+  panelSize = {std::min(image.width, kPanelWidth), std::min(image.height, kPanelHeight)};
+  gl.BindTexture(GL_TEXTURE_2D, panel.textures[panel.image]);
+  gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
   // OpenGL's rows start at the bottom.
-  for (int y = 0; y < i.panelSize[1]; ++y) {
-    i.gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, i.panelSize[1] - 1 - y, i.panelSize[0], 1, GL_RGBA, GL_UNSIGNED_BYTE,
-                       image.rgba.data() + std::size_t{4} * y * image.width);
+  for (int y = 0; y < panelSize[1]; ++y) {
+    gl.TexSubImage2D(GL_TEXTURE_2D, 0, 0, panelSize[1] - 1 - y, panelSize[0], 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                     image.rgba.data() + std::size_t{4} * y * image.width);
   }
-  i.gl.BindTexture(GL_TEXTURE_2D, 0);
-  LORICA_TRY_DO(i.checked(i.ReleaseSwapchainImage(i.panel.handle, nullptr), "xrReleaseSwapchainImage"));
-  i.panel.taken = false;
+  gl.BindTexture(GL_TEXTURE_2D, 0);
+  LORICA_XR(ReleaseSwapchainImage, panel.handle, nullptr);
+  panel.taken = false;
   return {};
 }
 
-void Headset::placePanel(const Isometry3& stageFromPanel, double width, double height) {
-  Impl& i = *impl_;
-  i.panelLayer = typed<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD);
-  i.panelLayer.layerFlags = XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
-  i.panelLayer.space = i.stage;
-  i.panelLayer.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
-  i.panelLayer.subImage = {i.panel.handle, {{0, 0}, {i.panelSize[0], i.panelSize[1]}}, 0};
+void XrHeadset::placePanel(const Isometry3& stageFromPanel, double width, double height) {
+  panelLayer = typed<XrCompositionLayerQuad>(XR_TYPE_COMPOSITION_LAYER_QUAD);
+  panelLayer.layerFlags = XR_COMPOSITION_LAYER_BLEND_TEXTURE_SOURCE_ALPHA_BIT;
+  panelLayer.space = stage;
+  panelLayer.eyeVisibility = XR_EYE_VISIBILITY_BOTH;
+  panelLayer.subImage = {panel.handle, {{0, 0}, {panelSize[0], panelSize[1]}}, 0};
   const Quat turned(stageFromPanel.linear());
   const Vec3 at = stageFromPanel.translation();
-  i.panelLayer.pose = {{float(turned.x()), float(turned.y()), float(turned.z()), float(turned.w())},
-                       {float(at.x()), float(at.y()), float(at.z())}};
-  i.panelLayer.size = {float(width), float(height)};
-  i.panel.taken = i.panelSize[0] > 0;
+  panelLayer.pose = {{float(turned.x()), float(turned.y()), float(turned.z()), float(turned.w())},
+                     {float(at.x()), float(at.y()), float(at.z())}};
+  panelLayer.size = {float(width), float(height)};
+  panel.taken = panelSize[0] > 0;
 }
 
-Result<void> Headset::take(int eye, Renderer& renderer) {
-  Impl& i = *impl_;
-  Swapchain& chain = i.eyes[eye];
-  LORICA_TRY_DO(i.acquire(chain));
-  renderer.present(i.width, i.height, chain.framebuffers[chain.image]);
-  LORICA_TRY_DO(i.checked(i.ReleaseSwapchainImage(chain.handle, nullptr), "xrReleaseSwapchainImage"));
+Result<void> XrHeadset::take(int eye, Renderer& renderer) {
+  Swapchain& chain = eyes[eye];
+  LORICA_TRY_DO(acquire(chain));
+  renderer.present(width_, height_, chain.framebuffers[chain.image]);
+  LORICA_XR(ReleaseSwapchainImage, chain.handle, nullptr);
   chain.taken = true;
   return {};
 }
 
-Image Headset::picture(int eye) const {
-  const Swapchain& chain = impl_->eyes[eye];
-  Image image;
-  image.width = impl_->width;
-  image.height = impl_->height;
-  image.rgba.resize(image.byteCount());
-  impl_->gl.BindFramebuffer(GL_FRAMEBUFFER, chain.framebuffers[chain.image]);
-  impl_->gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  // OpenGL's rows start at the bottom.
-  for (int y = 0; y < image.height; ++y) {
-    impl_->gl.ReadPixels(0, image.height - 1 - y, image.width, 1, GL_RGBA, GL_UNSIGNED_BYTE, image.pixel(0, y));
-  }
-  return image;
+Image XrHeadset::picture(int eye) const {
+  const Swapchain& chain = eyes[eye];
+  return readPixels(gl, chain.framebuffers[chain.image], width_, height_);
 }
 
-Result<void> Headset::endFrame() {
-  Impl& i = *impl_;
+Result<void> XrHeadset::endFrame() {
   std::array<XrCompositionLayerProjectionView, 2> shown;
   bool both = true;
   for (std::size_t eye = 0; eye < 2; ++eye) {
     shown[eye] = typed<XrCompositionLayerProjectionView>(XR_TYPE_COMPOSITION_LAYER_PROJECTION_VIEW);
-    shown[eye].pose = i.views[eye].pose;
-    shown[eye].fov = i.views[eye].fov;
-    shown[eye].subImage = {i.eyes[eye].handle, {{0, 0}, {i.width, i.height}}, 0};
-    both = both && std::exchange(i.eyes[eye].taken, false);
+    shown[eye].pose = views[eye].pose;
+    shown[eye].fov = views[eye].fov;
+    shown[eye].subImage = {eyes[eye].handle, {{0, 0}, {width_, height_}}, 0};
+    both = both && std::exchange(eyes[eye].taken, false);
   }
   auto layer = typed<XrCompositionLayerProjection>(XR_TYPE_COMPOSITION_LAYER_PROJECTION);
-  layer.space = i.stage;
+  layer.space = stage;
   layer.viewCount = std::uint32_t(shown.size());
   layer.views = shown.data();
   const std::array<const XrCompositionLayerBaseHeader*, 2> layers = {
       reinterpret_cast<const XrCompositionLayerBaseHeader*>(&layer),
-      reinterpret_cast<const XrCompositionLayerBaseHeader*>(&i.panelLayer)};
+      reinterpret_cast<const XrCompositionLayerBaseHeader*>(&panelLayer)};
   auto info = typed<XrFrameEndInfo>(XR_TYPE_FRAME_END_INFO);
-  info.displayTime = i.displayTime;
+  info.displayTime = displayTime;
   info.environmentBlendMode = XR_ENVIRONMENT_BLEND_MODE_OPAQUE;
-  const bool panel = std::exchange(i.panel.taken, false);
-  info.layerCount = !both ? 0 : panel ? 2 : 1;
+  const bool withPanel = std::exchange(panel.taken, false);
+  info.layerCount = !both ? 0 : withPanel ? 2 : 1;
   info.layers = layers.data();
-  return i.checked(i.EndFrame(i.session, &info), "xrEndFrame");
+  return checked(EndFrame(session, &info), "xrEndFrame");
 }
 
-void Headset::pulse(int hand, double strength) {
-  Impl& i = *impl_;
+void XrHeadset::pulse(int hand, double strength) {
   auto which = typed<XrHapticActionInfo>(XR_TYPE_HAPTIC_ACTION_INFO);
-  which.action = i.shake;
-  which.subactionPath = i.paths[hand];
+  which.action = shake;
+  which.subactionPath = paths[hand];
   auto vibration = typed<XrHapticVibration>(XR_TYPE_HAPTIC_VIBRATION);
   vibration.amplitude = float(std::clamp(strength, 0.0, 1.0));
   vibration.duration = kPulse;
   vibration.frequency = XR_FREQUENCY_UNSPECIFIED;
-  i.ApplyHapticFeedback(i.session, &which, reinterpret_cast<const XrHapticBaseHeader*>(&vibration));
+  ApplyHapticFeedback(session, &which, reinterpret_cast<const XrHapticBaseHeader*>(&vibration));
 }
 
 }  // namespace lorica

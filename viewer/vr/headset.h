@@ -48,46 +48,49 @@ class Headset {
  public:
   /// Looks for runtime and headset; needs no display.
   /// @return the headset, or what is missing: kNoDisplay
-  static Result<Headset> find();
-  ~Headset();
-  Headset(Headset&&) noexcept;
-  Headset& operator=(Headset&&) noexcept;
+  static Result<std::unique_ptr<Headset>> find();
+  virtual ~Headset() = default;
+  Headset(const Headset&) = delete;
+  Headset& operator=(const Headset&) = delete;
 
   /// "Monado, Simulated HMD".
-  [[nodiscard]] std::string description() const;
+  [[nodiscard]] const std::string& description() const { return description_; }
   /// Begins a session that draws in the current OpenGL context, which is one of GLX or EGL.
-  Result<void> start(Renderer::GetProc getProc);
+  virtual Result<void> start(Renderer::GetProc getProc) = 0;
   /// Hears what the runtime reports.
   /// @return an error if the session is over: kCancelled, the user ended it there; or the runtime or the headset is
   /// gone
-  Result<void> poll();
+  virtual Result<void> poll() = 0;
   /// Whether it takes pictures: then each has a beginFrame() and an endFrame().
-  [[nodiscard]] bool running() const;
+  [[nodiscard]] bool running() const { return running_; }
   /// Waits until the next picture should be drawn, and locates everything for the time when it is shown.
-  Result<void> beginFrame();
-  [[nodiscard]] const HeadsetFrame& frame() const;
+  virtual Result<void> beginFrame() = 0;
+  [[nodiscard]] const HeadsetFrame& frame() const { return frame_; }
   /// Of the picture of an eye [pixels].
-  [[nodiscard]] int width() const;
-  [[nodiscard]] int height() const;
+  [[nodiscard]] int width() const { return width_; }
+  [[nodiscard]] int height() const { return height_; }
   /// Takes the renderer's last picture for an eye, 0 = left. Only if the frame is drawn.
-  Result<void> take(int eye, Renderer& renderer);
+  virtual Result<void> take(int eye, Renderer& renderer) = 0;
   /// What was taken last for an eye.
-  [[nodiscard]] Image picture(int eye) const;
+  [[nodiscard]] virtual Image picture(int eye) const = 0;
   /// Gives the panel another picture, of which kPanelWidth x kPanelHeight pixels are shown at most.
-  Result<void> drawPanel(const Image& image);
+  virtual Result<void> drawPanel(const Image& image) = 0;
   static constexpr int kPanelWidth = 1024, kPanelHeight = 512;
   /// Shows what drawPanel() got on a rectangle in the room, over the scene, in this frame.
   /// @param stageFromPanel  its middle  @param width, height  [m]
-  void placePanel(const Isometry3& stageFromPanel, double width, double height);
+  virtual void placePanel(const Isometry3& stageFromPanel, double width, double height) = 0;
   /// Shows the pictures that were taken, if there is one for each eye.
-  Result<void> endFrame();
+  virtual Result<void> endFrame() = 0;
   /// Shakes a controller for a moment. @param strength  0 to 1
-  void pulse(int hand, double strength);
+  virtual void pulse(int hand, double strength) = 0;
 
- private:
-  struct Impl;
-  explicit Headset(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+ protected:
+  Headset() = default;
+
+  std::string description_;
+  bool running_ = false;
+  HeadsetFrame frame_;
+  int width_ = 0, height_ = 0;
 };
 
 }  // namespace lorica

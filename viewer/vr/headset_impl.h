@@ -97,8 +97,8 @@ struct Swapchain {
   std::uint32_t image = 0;  // that was taken last
 };
 
-/// The state of a Headset: headset_setup.cpp finds the runtime and prepares the session, headset.cpp runs it.
-struct Headset::Impl {
+/// headset_setup.cpp finds the runtime and prepares the session, headset.cpp runs it.
+struct XrHeadset final : Headset {
 #define LORICA_XR_MEMBER(name) PFN_xr##name name = nullptr;
   LORICA_XR_FUNCTIONS(LORICA_XR_MEMBER)
   LORICA_XR_HAND_FUNCTIONS(LORICA_XR_MEMBER)
@@ -120,16 +120,10 @@ struct Headset::Impl {
   std::array<int, 2> panelSize{};  // of its picture [pixels]
   XrCompositionLayerQuad panelLayer{};
   std::array<XrView, 2> views{};
-  int width = 0, height = 0;
-  bool egl = false, handTracking = false, running = false;
+  bool egl = false, handTracking = false;
   XrTime displayTime = 0;
-  std::string description;
-  HeadsetFrame frame;
 
-  Impl() = default;
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-  ~Impl() {
+  ~XrHeadset() override {
     for (const Swapchain* chain : {&eyes[0], &eyes[1], &panel}) {
       const std::vector<GLuint>& drawn = chain->framebuffers;
       if (!drawn.empty()) gl.DeleteFramebuffers(GLsizei(drawn.size()), drawn.data());
@@ -140,6 +134,16 @@ struct Headset::Impl {
     if (session != null<XrSession>()) DestroySession(session);  // with all that was made for it
     if (instance != null<XrInstance>()) DestroyInstance(instance);
   }
+
+  Result<void> start(Renderer::GetProc getProc) override;
+  Result<void> poll() override;
+  Result<void> beginFrame() override;
+  Result<void> take(int eye, Renderer& renderer) override;
+  [[nodiscard]] Image picture(int eye) const override;
+  Result<void> drawPanel(const Image& image) override;
+  void placePanel(const Isometry3& stageFromPanel, double width, double height) override;
+  Result<void> endFrame() override;
+  void pulse(int hand, double strength) override;
 
   /// "xrWaitFrame failed: XR_ERROR_SESSION_LOST".
   [[nodiscard]] Result<void> checked(XrResult result, const char* what) const {

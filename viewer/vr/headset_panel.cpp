@@ -1,20 +1,29 @@
 #include "viewer/vr/headset_panel.h"
 
-#include "geometry/counts.h"
 #include "viewer/renderer/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace lorica {
 namespace {
 
 constexpr int kLineHeight = 48;                // [pixels]
 constexpr double kAhead = 0.7, kBelow = 0.15;  // of the head, where it opens [m]
-constexpr std::size_t kScene = 16;             // characters of its name
+constexpr std::size_t kName = 16;              // characters of what is chosen in a list
 constexpr double kAboveHand = 0.16;            // [m]
+
+/// "pause: off", "scene: boxes", "restart".
+std::string wordsOf(const Control& control) {
+  if (control.kind == ControlKind::kToggle)
+    return fmt::format("{}: {}", control.label, control.value != 0.0 ? "on" : "off");
+  const std::size_t index = control.value < 0.0 ? control.choices.size() : static_cast<std::size_t>(control.value);
+  if (index >= control.choices.size()) return control.label;
+  return fmt::format("{}: {}", control.label, control.choices[index].substr(0, kName));
+}
 
 }  // namespace
 
@@ -35,63 +44,38 @@ void HeadsetPanel::openAt(const Vec3& hand, const Isometry3& stageFromHead) {
   face(hand + kAboveHand * Vec3::UnitY(), stageFromHead);
 }
 
-std::optional<HeadsetPanel::Row> HeadsetPanel::rowAt(const Ray& ray) const {
+std::optional<std::size_t> HeadsetPanel::rowAt(const Ray& ray) const {
   if (!open_ || image_.width == 0) return std::nullopt;
   const Isometry3 panelFromStage = stageFromPanel_.inverse();
   const Vec3 origin = panelFromStage * ray.origin, direction = panelFromStage.linear() * ray.direction;
   if (origin.z() <= 0.0 || direction.z() >= 0.0) return std::nullopt;  // from behind, or away from it
   const Vec3 hit = origin - origin.z() / direction.z() * direction;
   if (std::abs(hit.x()) > 0.5 * width() || std::abs(hit.y()) > 0.5 * height()) return std::nullopt;
-  const double row = (0.5 * height() - hit.y()) / height() * kRows;
-  return Row(std::min(int(row), kRows - 1));
+  const double row = (0.5 * height() - hit.y()) / height() * static_cast<double>(rowCount());
+  return std::min(static_cast<std::size_t>(row), rowCount() - 1);
 }
 
-bool HeadsetPanel::draw(const WindowValues& values, const WindowChoices& choices, std::optional<Row> pointed) {
-  const Drawn now{choices.paused, choices.show.hulls, choices.inside, values.scene, pointed};
-  if (drawn_ == now) return false;
-  drawn_ = now;
-  const bool scene = values.scene >= 0 && values.scene < countOf(values.scenes);
-  const std::array<std::string, kRows> rows = {
-      choices.paused ? "continue" : "pause",
-      "restart",
-      "next scene" + (scene ? " (this is " + values.scenes[values.scene].substr(0, kScene) + ")" : ""),
-      choices.show.hulls ? "hide the hulls" : "show the hulls",
-      choices.inside ? "stand beside the avatar" : "see through the avatar's eyes",
-      "come to the avatar again",
-      "find the camera again: walk a curve",
-      "close this panel"};
+bool HeadsetPanel::draw(const Controls& controls, std::optional<std::size_t> pointed) {
+  listed_.clear();
+  for (const Control& control : controls) {
+    if (control.isOn(on_screen::kHeadset) && !control.absent) listed_.push_back({control.id, control.value});
+  }
+  if (image_.width > 0 && listed_ == rows_ && pointed == pointed_) return false;
+  std::swap(rows_, listed_);
+  pointed_ = pointed;
   std::string text;
-  for (int row = 0; row < kRows; ++row) {
-    text += fmt::format("{}{}{}", row == 0 ? "" : "\n", pointed == Row(row) ? "\u25b6 " : "\u2003 ", rows[row]);
+  for (std::size_t row = 0; row < rowCount(); ++row) {
+    const std::string words = row == toAvatarRow() ? "come to the avatar again"
+                              : row == closeRow()  ? "close this panel"
+                                                   : wordsOf(controls[rows_[row].id]);
+    text += fmt::format("{}{}{}", row == 0 ? "" : "\n", pointed == row ? "\u25b6 " : "\u2003 ", words);
   }
   image_ = drawTextPanel(text, kLineHeight);
   return true;
 }
 
-void HeadsetPanel::choose(Row row, const WindowValues& values, WindowChoices& choices, WindowRequests& requests) {
-  switch (row) {
-    case Row::kPause:
-      choices.paused = !choices.paused;
-      break;
-    case Row::kRestart:
-      requests.seekTo = 0.0;
-      break;
-    case Row::kScene:
-      if (!values.scenes.empty()) requests.scene = (values.scene + 1) % countOf(values.scenes);
-      break;
-    case Row::kHulls:
-      choices.show.hulls = !choices.show.hulls;
-      break;
-    case Row::kInside:
-      choices.inside = !choices.inside;
-      break;
-    case Row::kFindCamera:
-      requests.findCamera = true;
-      break;
-    case Row::kRecentre:
-    case Row::kClose:
-      break;
-  }
+std::optional<ControlId> HeadsetPanel::controlOf(std::size_t row) const {
+  return row < rows_.size() ? std::optional(rows_[row].id) : std::nullopt;
 }
 
 }  // namespace lorica

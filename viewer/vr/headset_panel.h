@@ -1,20 +1,18 @@
 #pragma once
 
+#include "viewer/renderer/controls.h"
 #include "viewer/renderer/image.h"
-#include "viewer/renderer/window_values.h"
 
-#include <cstdint>
+#include <cstddef>
 #include <optional>
+#include <vector>
 
 namespace lorica {
 
-/// A few things that the wearer of a headset can do without taking it off: rows of text on a plate in the room, one of
-/// which a hand points at and chooses.
+/// What the wearer of a headset can do without taking it off, the controls that are on_screen::kHeadset: rows of text
+/// on a plate in the room, one of which a hand points at and chooses. Two last rows are about the headset alone.
 class HeadsetPanel {
  public:
-  enum class Row : std::uint8_t { kPause, kRestart, kScene, kHulls, kInside, kRecentre, kFindCamera, kClose };
-  static constexpr int kRows = 8;
-
   /// Opens it before the wearer, facing them.
   void open(const Isometry3& stageFromHead);
   /// Opens it above a hand, facing the wearer, until close().
@@ -23,12 +21,15 @@ class HeadsetPanel {
   [[nodiscard]] bool isOpen() const { return open_; }
 
   /// The row that a ray meets; none = it goes past the panel. @param ray  stage frame
-  [[nodiscard]] std::optional<Row> rowAt(const Ray& ray) const;
+  [[nodiscard]] std::optional<std::size_t> rowAt(const Ray& ray) const;
   /// Draws the panel again if it says or marks something else.
   /// @param pointed  the row that is marked @return whether it did
-  bool draw(const WindowValues& values, const WindowChoices& choices, std::optional<Row> pointed);
-  /// Does what a row says by choices or requests, but for kRecentre and kClose.
-  static void choose(Row row, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+  bool draw(const Controls& controls, std::optional<std::size_t> pointed);
+  /// What a row as drawn last does; none = it is one of the last two.
+  [[nodiscard]] std::optional<ControlId> controlOf(std::size_t row) const;
+  [[nodiscard]] std::size_t rowCount() const { return rows_.size() + 2; }
+  [[nodiscard]] std::size_t toAvatarRow() const { return rows_.size(); }  ///< comes to the avatar again
+  [[nodiscard]] std::size_t closeRow() const { return rows_.size() + 1; }
 
   /// What was drawn last; RGB is premultiplied by alpha.
   [[nodiscard]] const Image& image() const { return image_; }
@@ -45,14 +46,14 @@ class HeadsetPanel {
   Isometry3 stageFromPanel_ = Isometry3::Identity();
   Image image_;
   bool open_ = false;
-  /// What the image shows.
-  struct Drawn {
-    bool paused = false, hulls = false, inside = false;
-    int scene = 0;
-    std::optional<Row> pointed;
-    [[nodiscard]] bool operator==(const Drawn&) const = default;
+  /// A control as the image shows it.
+  struct Row {
+    ControlId id = ControlId::kCancel;
+    double value = 0.0;
+    [[nodiscard]] bool operator==(const Row&) const = default;
   };
-  std::optional<Drawn> drawn_;
+  std::vector<Row> rows_, listed_;
+  std::optional<std::size_t> pointed_;
 };
 
 }  // namespace lorica

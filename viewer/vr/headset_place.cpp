@@ -5,7 +5,7 @@
 namespace lorica {
 namespace {
 
-constexpr double kAhead = 2.5;  // of the eye, where the camera's target is; it limits what is drawn [m]
+constexpr double kTargetAhead = 2.5;  // of the eye, where the camera's target is; it limits what is drawn [m]
 
 /// Where a frame's -Z points along the floor: its angle from -Z around Y.
 double headingOf(const Vec3& forward) {
@@ -19,7 +19,7 @@ Camera cameraOf(const Isometry3& worldFromEye, const EyeAngles& angles, double n
   const double up = std::tan(angles.up), down = std::tan(angles.down);
   Camera camera;
   camera.eye = worldFromEye.translation();
-  camera.target = worldFromEye * Vec3(0.0, 0.0, -kAhead);
+  camera.target = worldFromEye * Vec3(0.0, 0.0, -kTargetAhead);
   camera.up = worldFromEye.linear().col(1);
   camera.verticalFov = 2.0 * std::atan(0.5 * (up - down));
   camera.aspect = (right - left) / (up - down);

@@ -117,7 +117,7 @@ struct ContextBinding {
 }  // namespace
 
 /// Opens the loader, which finds the runtime.
-Result<void> Headset::Impl::load() {
+Result<void> XrHeadset::load() {
   ::setenv("XR_LOADER_DEBUG", "none", 0);  // it would write to standard error what is said here
   void* library = ::dlopen("libopenxr_loader.so.1", RTLD_NOW | RTLD_LOCAL);
   const auto find = symbol<PFN_xrGetInstanceProcAddr>(library, "xrGetInstanceProcAddr");
@@ -168,9 +168,9 @@ Result<void> Headset::Impl::load() {
 #undef LORICA_XR_LOAD
   auto runtime = typed<XrInstanceProperties>(XR_TYPE_INSTANCE_PROPERTIES);
   LORICA_XR(GetInstanceProperties, instance, &runtime);
-  auto wish = typed<XrSystemGetInfo>(XR_TYPE_SYSTEM_GET_INFO);
-  wish.formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY;
-  if (XR_FAILED(GetSystem(instance, &wish, &system))) {
+  auto systemInfo = typed<XrSystemGetInfo>(XR_TYPE_SYSTEM_GET_INFO);
+  systemInfo.formFactor = XR_FORM_FACTOR_HEAD_MOUNTED_DISPLAY;
+  if (XR_FAILED(GetSystem(instance, &systemInfo, &system))) {
     return noDisplay("{} finds no headset: connect it and switch it on", runtime.runtimeName);
   }
   auto properties = typed<XrSystemProperties>(XR_TYPE_SYSTEM_PROPERTIES);
@@ -178,11 +178,11 @@ Result<void> Headset::Impl::load() {
   if (handTracking) properties.next = &hands;
   LORICA_XR(GetSystemProperties, instance, system, &properties);
   handTracking = hands.supportsHandTracking != XR_FALSE;
-  description = fmt::format("{}, {}", runtime.runtimeName, properties.systemName);
+  description_ = fmt::format("{}, {}", runtime.runtimeName, properties.systemName);
   return {};
 }
 
-Result<void> Headset::Impl::suggest(const ControllerProfile& profile) {
+Result<void> XrHeadset::suggest(const ControllerProfile& profile) {
   std::vector<XrActionSuggestedBinding> bindings;
   bindings.reserve(16);
   for (std::size_t hand = 0; hand < 2; ++hand) {
@@ -207,7 +207,7 @@ Result<void> Headset::Impl::suggest(const ControllerProfile& profile) {
   return {};
 }
 
-Result<void> Headset::Impl::createActions() {
+Result<void> XrHeadset::createActions() {
   paths = {path("/user/hand/left"), path("/user/hand/right")};
   auto set = typed<XrActionSetCreateInfo>(XR_TYPE_ACTION_SET_CREATE_INFO);
   copyName("hands", set.actionSetName);
@@ -242,7 +242,7 @@ Result<void> Headset::Impl::createActions() {
   return {};
 }
 
-Result<void> Headset::Impl::createSpaces() {
+Result<void> XrHeadset::createSpaces() {
   auto info = typed<XrReferenceSpaceCreateInfo>(XR_TYPE_REFERENCE_SPACE_CREATE_INFO);
   info.poseInReferenceSpace = kHere;
   info.referenceSpaceType = XR_REFERENCE_SPACE_TYPE_VIEW;
@@ -265,7 +265,7 @@ Result<void> Headset::Impl::createSpaces() {
   return {};
 }
 
-Result<void> Headset::Impl::createHandTrackers() {
+Result<void> XrHeadset::createHandTrackers() {
   for (std::size_t side = 0; handTracking && side < trackers.size(); ++side) {
     auto info = typed<XrHandTrackerCreateInfoEXT>(XR_TYPE_HAND_TRACKER_CREATE_INFO_EXT);
     info.hand = side == 0 ? XR_HAND_LEFT_EXT : XR_HAND_RIGHT_EXT;
@@ -276,26 +276,26 @@ Result<void> Headset::Impl::createHandTrackers() {
 }
 
 /// The renderer's pictures are sRGB, and are copied as they are.
-Result<void> Headset::Impl::createSwapchains() {
+Result<void> XrHeadset::createSwapchains() {
   std::array<XrViewConfigurationView, 2> seen;
   seen.fill(typed<XrViewConfigurationView>(XR_TYPE_VIEW_CONFIGURATION_VIEW));
   std::uint32_t count = 0;
   LORICA_XR(EnumerateViewConfigurationViews, instance, system, kStereo, 2, &count, seen.data());
-  width = int(seen[0].recommendedImageRectWidth);
-  height = int(seen[0].recommendedImageRectHeight);
+  width_ = int(seen[0].recommendedImageRectWidth);
+  height_ = int(seen[0].recommendedImageRectHeight);
   LORICA_XR(EnumerateSwapchainFormats, session, 0, &count, nullptr);
   std::vector<std::int64_t> formats(count);
   LORICA_XR(EnumerateSwapchainFormats, session, count, &count, formats.data());
   if (std::find(formats.begin(), formats.end(), GL_SRGB8_ALPHA8) == formats.end()) {
     return noDisplay("the headset takes no sRGB pictures of 8 bits");
   }
-  for (Swapchain& eye : eyes) LORICA_TRY_DO(createSwapchain(eye, width, height));
+  for (Swapchain& eye : eyes) LORICA_TRY_DO(createSwapchain(eye, width_, height_));
   LORICA_TRY_DO(createSwapchain(panel, kPanelWidth, kPanelHeight));
   gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
   return {};
 }
 
-Result<void> Headset::Impl::createSwapchain(Swapchain& chain, int chainWidth, int chainHeight) {
+Result<void> XrHeadset::createSwapchain(Swapchain& chain, int chainWidth, int chainHeight) {
   auto info = typed<XrSwapchainCreateInfo>(XR_TYPE_SWAPCHAIN_CREATE_INFO);
   info.usageFlags = XR_SWAPCHAIN_USAGE_COLOR_ATTACHMENT_BIT | XR_SWAPCHAIN_USAGE_SAMPLED_BIT;
   info.format = GL_SRGB8_ALPHA8;
@@ -322,26 +322,23 @@ Result<void> Headset::Impl::createSwapchain(Swapchain& chain, int chainWidth, in
   return {};
 }
 
-Result<void> Headset::start(Renderer::GetProc getProc) {
-  Impl& i = *impl_;
-  LORICA_TRY(i.gl, loadGlFunctions(getProc));
-  const auto checked = [&](XrResult result, const char* what) { return i.checked(result, what); };
+Result<void> XrHeadset::start(Renderer::GetProc getProc) {
+  LORICA_TRY(gl, loadGlFunctions(getProc));
   auto needs = typed<XrGraphicsRequirementsOpenGLKHR>(XR_TYPE_GRAPHICS_REQUIREMENTS_OPENGL_KHR);
-  LORICA_TRY_DO(
-      checked(i.GetOpenGLGraphicsRequirementsKHR(i.instance, i.system, &needs), "xrGetOpenGLGraphicsRequirementsKHR"));
+  LORICA_XR(GetOpenGLGraphicsRequirementsKHR, instance, system, &needs);
   ContextBinding context;
   auto info = typed<XrSessionCreateInfo>(XR_TYPE_SESSION_CREATE_INFO);
-  info.next = context.find(i.egl);
-  info.systemId = i.system;
+  info.next = context.find(egl);
+  info.systemId = system;
   if (info.next == nullptr) {
     return noDisplay("{} takes no pictures of this OpenGL; without a display it needs XR_MNDX_egl_enable",
-                     i.description);
+                     description_);
   }
-  LORICA_TRY_DO(checked(i.CreateSession(i.instance, &info, &i.session), "xrCreateSession"));
-  LORICA_TRY_DO(i.createActions());
-  LORICA_TRY_DO(i.createSpaces());
-  LORICA_TRY_DO(i.createHandTrackers());
-  return i.createSwapchains();
+  LORICA_XR(CreateSession, instance, &info, &session);
+  LORICA_TRY_DO(createActions());
+  LORICA_TRY_DO(createSpaces());
+  LORICA_TRY_DO(createHandTrackers());
+  return createSwapchains();
 }
 
 }  // namespace lorica

@@ -53,7 +53,7 @@ std::optional<Vec3> jointAt(const SceneFigure& figure, HumanBone bone) {
 
 Result<std::unique_ptr<HeadsetWindow>> HeadsetWindow::create(const std::function<Result<Window>()>& open,
                                                              std::function<void(const std::string&)> say) {
-  LORICA_TRY(Headset headset, Headset::find());
+  LORICA_TRY(std::unique_ptr<Headset> headset, Headset::find());
   LORICA_TRY(Window window, displayAvailable() ? open() : createUnseen(std::move(say)));
   std::unique_ptr<HeadsetWindow> made(new HeadsetWindow(std::move(headset), std::move(window)));
   LORICA_TRY_DO(made->headset_->start(made->glFunctions()));
@@ -68,26 +68,26 @@ void HeadsetWindow::lose(const Error& why) {
   headset_.reset();
   drawFor(nullptr);
   for (Hold& hold : holds_) {
-    hold = Hold{.letGo = hold.asked};
+    hold = Hold{.state = hold.state == Hold::State::kAsked ? Hold::State::kReleases : Hold::State::kFree};
   }
   ended_ = fmt::format("{}: the session goes on {}", why.message, seen() ? "in the window" : "without it");
   problem(ended_);
-  sought_ = now();
-  comesBack_ = why.code != ErrorCode::kCancelled;
+  lookedAt_ = now();
+  mayReturn_ = why.code != ErrorCode::kCancelled;
 }
 
 /// A headset that was lost may come back: it is looked for in another thread, since runtimes take their time to answer.
 void HeadsetWindow::seek() {
-  if (!comesBack_) return;
+  if (!mayReturn_) return;
   if (!finding_.valid()) {
-    if (now() - sought_ < kBetweenLooks) return;
-    sought_ = now();
+    if (now() - lookedAt_ < kBetweenLooks) return;
+    lookedAt_ = now();
     finding_ = std::async(std::launch::async, Headset::find);
   }
   if (finding_.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
-  Result<Headset> found = finding_.get();
-  if (!found || !found->start(glFunctions())) return;
-  headset_.emplace(std::move(*found));
+  Result<std::unique_ptr<Headset>> found = finding_.get();
+  if (!found || !(*found)->start(glFunctions())) return;
+  headset_ = std::move(*found);
   ended_.clear();
   panel_ = {};  // it is drawn again
   inside_.reset();
@@ -96,7 +96,7 @@ void HeadsetWindow::seek() {
 }
 
 bool HeadsetWindow::open() const {
-  return Window::open() && (seen() || headset_ || comesBack_);
+  return Window::open() && (seen() || headset_ || mayReturn_);
 }
 
 void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
@@ -126,7 +126,7 @@ void HeadsetWindow::show(const Scene& scene, const WindowValues& values) {
   if (headset_->frame().located) {
     move(seconds);
     findPlace(scene, values);
-    tellPose();
+    notePose();
     usePanel(values);
     holdProps(scene, values);
     feel(scene, values);
@@ -162,8 +162,8 @@ bool HeadsetWindow::drawEyes(Renderer& renderer, const Scene& scene, const Scene
 /// the wearer to the avatar again.
 void HeadsetWindow::move(double seconds) {
   const HeadsetFrame& frame = headset_->frame();
-  HeadsetPlace& moved = inside_ == true && news_.alone ? floor_ : place_;
-  if (frame.hands[0].stick.norm() > kStickRests && (inside_ == false || news_.alone)) {
+  HeadsetPlace& moved = inside_ == true && wearer_.alone ? floor_ : place_;
+  if (frame.hands[0].stick.norm() > kStickRests && (inside_ == false || wearer_.alone)) {
     moved.walk(frame.stageFromHead, frame.hands[0].stick, seconds);
   }
   const double x = frame.hands[1].stick.x();
@@ -173,9 +173,7 @@ void HeadsetWindow::move(double seconds) {
   for (const HeadsetHand& hand : frame.hands) {
     if (hand.opens) panel_.isOpen() ? panel_.close() : panel_.open(frame.stageFromHead);
     if (!hand.changes) continue;
-    WindowChoices changed = choices();
-    changed.inside = !changed.inside;
-    setChoices(changed);
+    asked().ask({.id = ControlId::kInside});
   }
 }
 
@@ -197,60 +195,57 @@ void HeadsetWindow::findPlace(const Scene& scene, const WindowValues& values) {
     place_.forgetAvatar();
   }
   if (!inside) return;
-  if (!news_.alone && !news_.registration) {
+  if (!wearer_.alone && !wearer_.registration) {
     return place_.inside(stageFromHead, *head + kEyesAbove * Vec3::UnitY() + kEyesAhead * ahead);
   }
-  // The avatar is that of the pose that was told last: its head is off by what its proportions are others.
+  // The avatar is that of the last pose: its head is off by what its proportions are others.
   const Isometry3 floorFromStage = followedFromStage();
-  const Isometry3& told = told_.front().pose.head;
-  const Vec3 known = news_.registration ? Vec3(floorFromStage * (told * news_.registration->headInHeadset))
-                                        : Vec3(told * kNominalHeadInHeadset);
+  const Isometry3& last = poses_.front().pose.head;
+  const Vec3 known = wearer_.registration ? Vec3(floorFromStage * (last * wearer_.registration->headInHeadset))
+                                          : Vec3(last * kNominalHeadInHeadset);
   place_.along(floorFromStage, known, *head);
 }
 
 /// In the frame of what follows the wearer.
 Isometry3 HeadsetWindow::followedFromStage() const {
-  if (news_.registration) return Eigen::Translation3d(-news_.origin) * news_.registration->stageFromFloor().inverse();
-  return news_.alone ? floor_.worldFromStage() : Isometry3::Identity();
+  if (wearer_.registration)
+    return Eigen::Translation3d(-wearer_.origin) * wearer_.registration->stageFromFloor().inverse();
+  return wearer_.alone ? floor_.worldFromStage() : Isometry3::Identity();
 }
 
 /// Where the wearer is, for what follows them: in the stage, or where the sticks brought them.
-void HeadsetWindow::tellPose() {
+void HeadsetWindow::notePose() {
   const HeadsetFrame& frame = headset_->frame();
-  if (news_.alone && !stands_) {
+  if (wearer_.alone && !stands_) {
     floor_.stand(frame.stageFromHead, Vec3::Zero(), Vec3::UnitZ());
     stands_ = true;
   }
-  const Isometry3 floorFromStage = news_.alone ? floor_.worldFromStage() : Isometry3::Identity();
-  HeadAndHands& pose = told_.front().pose;
+  const Isometry3 floorFromStage = wearer_.alone ? floor_.worldFromStage() : Isometry3::Identity();
+  HeadAndHands& pose = poses_.front().pose;
   pose.time = frame.time;
   pose.head = floorFromStage * frame.stageFromHead;
   for (const std::size_t index : {0, 1}) {
     const HeadsetHand& hand = frame.hands[index];
     pose.hands[index] = hand.seen ? std::optional<Isometry3>(floorFromStage * hand.stageFromGrip) : std::nullopt;
   }
-  tells_ = true;
+  poseIsNew_ = true;
 }
 
 std::span<const HeadsetPose> HeadsetWindow::headsets() {
-  return std::exchange(tells_, false) ? std::span<const HeadsetPose>(told_) : std::span<const HeadsetPose>();
+  return std::exchange(poseIsNew_, false) ? std::span<const HeadsetPose>(poses_) : std::span<const HeadsetPose>();
 }
 
-void HeadsetWindow::tell(const HeadsetNews& news) {
-  if (news.alone != news_.alone) {
-    WindowChoices changed = choices();
-    changed.inside = news.alone;
-    setChoices(changed);
-  }
-  if (!news.advice.empty() && news.advice != news_.advice) notice(news.advice, kNoticeSeconds);
-  news_ = news;
+void HeadsetWindow::setWearer(const WearerState& state) {
+  if (state.alone != wearer_.alone) choices().inside = state.alone;
+  if (!state.advice.empty() && state.advice != wearer_.advice) notice(state.advice, kNoticeSeconds);
+  wearer_ = state;
   place_.forgetAvatar();
 }
 
 Ray HeadsetWindow::aimOf(int hand) const {
   const HeadsetHand& seen = headset_->frame().hands[hand];
   const Hold& hold = holds_[hand];
-  const bool reaches = hold.wants && hold.reaches;
+  const bool reaches = hold.holds() && hold.reaches;
   const Isometry3 worldFromHand = place_.worldFromStage() * (reaches ? seen.stageFromGrip : seen.stageFromAim);
   return {worldFromHand.translation(), worldFromHand.linear() * (reaches ? hold.direction : Vec3(-Vec3::UnitZ()))};
 }
@@ -267,27 +262,25 @@ void HeadsetWindow::usePanel(const WindowValues& values) {
   panelAtHand_ = looksAtPalm;
   points_ = {};
   if (!panel_.isOpen()) return;
-  std::optional<HeadsetPanel::Row> pointed;
-  WindowChoices changed = choices();
+  std::optional<std::size_t> pointed;
   for (const int index : {0, 1}) {
     const HeadsetHand& hand = frame.hands[index];
-    if (!hand.seen || holds_[index].wants || (panelAtHand_ && index == 0)) continue;
+    if (!hand.seen || holds_[index].holds() || (panelAtHand_ && index == 0)) continue;
     const Isometry3& aim = hand.stageFromAim;
-    const std::optional<HeadsetPanel::Row> row = panel_.rowAt({aim.translation(), -aim.linear().col(2)});
+    const std::optional<std::size_t> row = panel_.rowAt({aim.translation(), -aim.linear().col(2)});
     if (!row) continue;
     points_[index] = true;
     pointed = row;
     if (!hand.grabs || holds_[index].grabbed) continue;
     headset_->pulse(index, kClick);
-    if (*row == HeadsetPanel::Row::kClose) panel_.close();
-    if (*row == HeadsetPanel::Row::kRecentre) {
+    if (*row == panel_.closeRow()) panel_.close();
+    if (*row == panel_.toAvatarRow()) {
       inside_.reset();
       stands_ = false;
     }
-    HeadsetPanel::choose(*row, values, changed, chosen_);
-    setChoices(changed);
+    if (const std::optional<ControlId> control = panel_.controlOf(*row)) asked().ask({.id = *control});
   }
-  if (panel_.draw(values, choices(), pointed)) {
+  if (values.controls != nullptr && panel_.draw(*values.controls, pointed)) {
     if (const Result<void> drawn = headset_->drawPanel(panel_.image()); !drawn) return panel_.close();
   }
   if (panel_.isOpen()) headset_->placePanel(panel_.stageFromPanel(), panel_.width(), panel_.height());
@@ -296,23 +289,22 @@ void HeadsetWindow::usePanel(const WindowValues& values) {
 /// Each hand holds a prop: one in its reach, else the first along its ray.
 void HeadsetWindow::holdProps(const Scene& scene, const WindowValues& values) {
   const HeadsetFrame& frame = headset_->frame();
+  const bool mayHold = values.controls != nullptr && (*values.controls)[ControlId::kThrow].whyNot.empty();
   for (int index = 0; index < 2; ++index) {
     const HeadsetHand& hand = frame.hands[index];
     Hold& hold = holds_[index];
     const bool before = std::exchange(hold.grabbed, hand.grabs);
-    if (hold.asked && (values.holds >> index & 1u) == 0) hold.wants = hold.asked = false;  // there was none
-    if (hold.wants && !hand.grabs) {
+    if (hold.state == Hold::State::kAsked && (values.holds >> index & 1u) == 0) hold.state = Hold::State::kFree;
+    if (hold.holds() && !hand.grabs) {
       const double seconds = frame.time - was_[next_].time;
       const Vec3 now = place_.worldFromStage() * hand.stageFromGrip.translation();
-      hold.throwsWith = seconds < kLongestThrow ? Vec3((now - was_[next_].hands[index]) / std::max(seconds, 1e-3))
-                                                : Vec3(Vec3::Zero());
-      if (hold.throwsWith.norm() > kFastestThrow) hold.throwsWith *= kFastestThrow / hold.throwsWith.norm();
-      hold.letGo = hold.asked;
-      hold.wants = hold.asked = false;
-      hold.takes.reset();
+      hold.velocity = seconds < kLongestThrow ? Vec3((now - was_[next_].hands[index]) / std::max(seconds, 1e-3))
+                                              : Vec3(Vec3::Zero());
+      if (hold.velocity.norm() > kFastestThrow) hold.velocity *= kFastestThrow / hold.velocity.norm();
+      hold.state = hold.state == Hold::State::kAsked ? Hold::State::kReleases : Hold::State::kFree;
     }
-    if (hold.wants || before || !hand.grabs || !hand.seen || points_[index] || !values.noThrow.empty()) continue;
-    hold.wants = true;
+    if (hold.state != Hold::State::kFree || before || !hand.grabs || !hand.seen || points_[index] || !mayHold) continue;
+    hold.state = Hold::State::kPresses;
     hold.reaches = false;
     const Isometry3 worldFromGrip = place_.worldFromStage() * hand.stageFromGrip;
     const Vec3 grip = worldFromGrip.translation();
@@ -326,9 +318,9 @@ void HeadsetWindow::holdProps(const Scene& scene, const WindowValues& values) {
       hold.reaches = true;
       hold.direction = worldFromGrip.linear().transpose() * direction;
       // From outside, for a ray that begins within a prop does not meet it.
-      hold.takes = Ray{center - (radius + kReach) * direction, direction};
+      hold.ray = Ray{center - (radius + kReach) * direction, direction};
     }
-    if (!hold.reaches) hold.takes = aimOf(index);
+    if (!hold.reaches) hold.ray = aimOf(index);
   }
   was_[next_].time = frame.time;
   for (int index = 0; index < 2; ++index) {
@@ -339,7 +331,7 @@ void HeadsetWindow::holdProps(const Scene& scene, const WindowValues& values) {
 
 /// A hand feels that it holds a prop; inside, the hands feel what those of the avatar touch.
 void HeadsetWindow::feel(const Scene& scene, const WindowValues& values) {
-  if (time_ - felt_ < kBetweenTouches || scene.skeleton == nullptr || inside_ != true) return;
+  if (time_ - touched_ < kBetweenTouches || scene.skeleton == nullptr || inside_ != true) return;
   const SceneFigure& worn = followedOf(scene, values.avatar);
   for (const Contact& contact : scene.contacts) {
     if (contact.avatar != worn.number || contact.impulse <= 0.0 || contact.bone == kNoJoint) continue;
@@ -347,32 +339,29 @@ void HeadsetWindow::feel(const Scene& scene, const WindowValues& values) {
       const HumanBone bone = hand == 0 ? HumanBone::kLeftHand : HumanBone::kRightHand;
       if (worn.skeleton == nullptr || contact.bone != worn.skeleton->jointOf(bone)) continue;
       headset_->pulse(hand, contact.impulse / kFirmTouch);
-      felt_ = time_;
+      touched_ = time_;
     }
   }
 }
 
-WindowRequests HeadsetWindow::takeRequests() {
-  WindowRequests requests = Window::takeRequests();
-  if (chosen_.seekTo) requests.seekTo = std::exchange(chosen_.seekTo, std::nullopt);
-  if (chosen_.scene) requests.scene = std::exchange(chosen_.scene, std::nullopt);
-  if (std::exchange(chosen_.findCamera, false)) requests.findCamera = true;
-  for (std::size_t index = 0; index < holds_.size(); ++index) {
-    Hold& hold = holds_[index];
-    if (std::exchange(hold.letGo, false)) {
-      requests.hands[index].released = true;
-      requests.hands[index].throwsWith = hold.throwsWith;
-    } else if (hold.takes) {
-      requests.hands[index].pressed = std::exchange(hold.takes, std::nullopt);
-      hold.asked = true;
+std::vector<Change> HeadsetWindow::takeChanges() {
+  std::vector<Change> changes = Window::takeChanges();
+  for (int hand = 0; hand < countOf(holds_); ++hand) {
+    Hold& hold = holds_[static_cast<std::size_t>(hand)];
+    if (hold.state == Hold::State::kReleases) {
+      changes.push_back({.id = ControlId::kRelease, .hand = hand, .velocity = hold.velocity});
+      hold.state = Hold::State::kFree;
+    } else if (hold.state == Hold::State::kPresses) {
+      changes.push_back({.id = ControlId::kPress, .hand = hand, .ray = hold.ray});
+      hold.state = Hold::State::kAsked;
     }
   }
-  return requests;
+  return changes;
 }
 
 /// What a controller holds stays as far along the ray as it was taken.
 HandAim HeadsetWindow::aim(int hand) const {
-  if (!headset_ || hand >= countOf(holds_) || !holds_[hand].wants) return Window::aim(hand);
+  if (!headset_ || hand >= countOf(holds_) || !holds_[hand].holds()) return Window::aim(hand);
   const Ray ray = aimOf(hand);
   return {ray, ray.direction};
 }

@@ -1,4 +1,4 @@
-#include "viewer/window/panel_widgets.h"
+#include "viewer/window/panel_parts.h"
 
 #include <fmt/format.h>
 
@@ -23,82 +23,36 @@ const ImVec4 kTitle(0.55f, 0.82f, 1.0f, 1.0f), kGrey(0.40f, 0.43f, 0.48f, 1.0f);
 constexpr double kDotSeconds = 0.4;
 constexpr float kKeys = 104.0f, kColumn = 366.0f;  // widths in the help
 
-struct HelpLine {
-  const char* keys;  // null = the title of a group
-  const char* what;
-  bool (*works)(const WindowValues&) = nullptr;  // null = always
-};
-bool recorded(const WindowValues& values) {
-  return values.duration > 0.0;
+bool isHelped(const Control& control) {
+  return control.isOn(on_screen::kWindow) && *control.keys != '\0';
 }
-bool loops(const WindowValues& values) {
-  return recorded(values) && values.noLoop.empty();
-}
-bool hasParts(const WindowValues& values) {
-  return values.maxParts > 1;
-}
-bool hasFace(const WindowValues& values) {
-  return !values.expressions.empty();
-}
-bool throws(const WindowValues& values) {
-  return values.noThrow.empty();
-}
-bool undoes(const WindowValues& values) {
-  return values.noUndo.empty();
-}
-bool opens(const WindowValues& values) {
-  return values.opens;
-}
-bool hasSeveral(const WindowValues& values) {
-  return values.avatars.size() > 1;
-}
-constexpr std::array kHelpLeft = {HelpLine{nullptr, "Camera"},
-                                  HelpLine{"left drag", "turn, or move a prop"},
-                                  HelpLine{"right drag", "shift"},
-                                  HelpLine{"wheel", "zoom"},
-                                  HelpLine{"F", "follow the avatars, or not"},
-                                  HelpLine{"F2 F3 F4 F5", "front, side, back, top"},
-                                  HelpLine{"R", "as at first"},
-                                  HelpLine{"I", "headset: inside the avatar, beside it"},
-                                  HelpLine{"click", "follow an avatar, or all", hasSeveral},
-                                  HelpLine{nullptr, "Time"},
-                                  HelpLine{"space", "pause, go on"},
-                                  HelpLine{"N", "one frame"},
-                                  HelpLine{"left, right", "1 s back, ahead", recorded},
-                                  HelpLine{"home", "start again", recorded},
-                                  HelpLine{"L", "start again at the end, or not", loops},
-                                  HelpLine{"- +", "slower, faster", recorded}};
-constexpr std::array kHelpRight = {HelpLine{nullptr, "Look"},
-                                   HelpLine{"1 2 3 4", "character, hulls, bones, props"},
-                                   HelpLine{"5 6 7", "contacts, ground, grains"},
-                                   HelpLine{"C", "colours by part"},
-                                   HelpLine{"[ ]", "fewer, more parts", hasParts},
-                                   HelpLine{"E", "next expression", hasFace},
-                                   HelpLine{"tab", "hide, show the panels"},
-                                   HelpLine{"ctrl + - 0", "size of the text"},
-                                   HelpLine{nullptr, "Things and files"},
-                                   HelpLine{"B", "throw a ball", throws},
-                                   HelpLine{"U", "undo the last throw or drag", undoes},
-                                   HelpLine{"O, or drop", "open files", opens},
-                                   HelpLine{"P", "save a picture; shift: with panels"},
-                                   HelpLine{"V", "start, stop a video"},
-                                   HelpLine{"H", "this help"},
-                                   HelpLine{"esc", "close this help, then the window"}};
 
-void drawColumn(std::span<const HelpLine> lines, const PanelLayout& layout, const WindowValues& values) {
+/// The controls of some groups that have keys.
+void drawColumn(std::span<const ControlGroup> groups, const PanelLayout& layout, const Controls& controls) {
   ImGui::BeginGroup();
-  for (const HelpLine& help : lines) {
-    if (help.keys == nullptr) {
-      ImGui::TextColored(kTitle, "%s", help.what);
-      continue;
+  for (const ControlGroup group : groups) {
+    ImGui::TextColored(kTitle, "%s", kControlGroups[static_cast<std::size_t>(group)]);
+    for (const Control& control : controls) {
+      if (control.group != group || !isHelped(control)) continue;
+      const bool works = !control.absent && control.whyNot.empty();
+      ImGui::TextColored(works ? ImGui::GetStyle().Colors[ImGuiCol_Text] : kGrey, "%s", control.keys);
+      ImGui::SameLine(layout.of(kKeys));
+      ImGui::TextColored(works ? kFaint : kGrey, "%s", *control.help != '\0' ? control.help : control.label);
     }
-    const bool works = help.works == nullptr || help.works(values);
-    ImGui::TextColored(works ? ImGui::GetStyle().Colors[ImGuiCol_Text] : kGrey, "%s", help.keys);
-    ImGui::SameLine(layout.of(kKeys));
-    ImGui::TextColored(works ? kFaint : kGrey, "%s", help.what);
   }
   ImGui::EndGroup();
 }
+
+std::size_t linesOf(std::span<const ControlGroup> groups, const Controls& controls) {
+  std::size_t lines = groups.size();
+  for (const Control& control : controls) {
+    if (isHelped(control) && std::find(groups.begin(), groups.end(), control.group) != groups.end()) ++lines;
+  }
+  return lines;
+}
+
+constexpr std::array kLeft = {ControlGroup::kCamera, ControlGroup::kTime, ControlGroup::kThings};
+constexpr std::array kRight = {ControlGroup::kLook, ControlGroup::kScreen};
 
 /// A message on its own plate, centred horizontally and not over open panels. The next one is placed below.
 void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark) {
@@ -138,7 +92,7 @@ void drawMessages(PanelLayout& layout, const WindowValues& values, bool all) {
   if (!values.notice.empty()) drawPlate(layout, values.notice, kInk, values.problem ? kRed : 0);
 }
 
-void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests) {
+void drawLoading(PanelLayout& layout, const WindowValues& values, Asked& asked) {
   const float width = std::min(layout.of(360.0f), layout.width - 2.0f * layout.margin());
   ImGui::SetNextWindowPos(ImVec2(0.5f * layout.width, layout.ceiling), ImGuiCond_Always, ImVec2(0.5f, 0.0f));
   ImGui::SetNextWindowSize(ImVec2(width, 0.0f));
@@ -153,17 +107,18 @@ void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests
   const ImVec2 bar(ImGui::GetContentRegionAvail().x - button - ImGui::GetStyle().ItemSpacing.x, 0.0f);
   ImGui::ProgressBar(values.loaded, bar);
   ImGui::SameLine();
-  if (ImGui::Button("Cancel", ImVec2(button, 0.0f))) requests.cancel = true;
+  if (ImGui::Button("Cancel", ImVec2(button, 0.0f))) asked.ask({.id = ControlId::kCancel});
   notePanel(layout);
   layout.ceiling = ImGui::GetWindowPos().y + ImGui::GetWindowSize().y + layout.of(4.0f);
   ImGui::End();
 }
 
-void drawHelp(PanelLayout& layout, const WindowValues& values) {
+void drawHelp(PanelLayout& layout, const Controls& controls) {
   // Below the warnings and above the transport. If that is too small, it covers the transport and scrolls if needed.
   constexpr float kTitleAndPads = 46.0f;
   const bool two = layout.width >= layout.of(2.0f * kColumn) + 4.0f * layout.margin();
-  const std::size_t lines = two ? std::max(kHelpLeft.size(), kHelpRight.size()) : kHelpLeft.size() + kHelpRight.size();
+  const std::size_t left = linesOf(kLeft, controls), right = linesOf(kRight, controls);
+  const std::size_t lines = two ? std::max(left, right) : left + right;
   const float wanted = ImGui::GetTextLineHeightWithSpacing() * lines + layout.of(kTitleAndPads);
   const float top = layout.ceiling;
   const float above = layout.panels.empty() ? layout.height - layout.margin() : layout.floor - layout.of(4.0f);
@@ -174,9 +129,9 @@ void drawHelp(PanelLayout& layout, const WindowValues& values) {
   ImGui::SetNextWindowBgAlpha(0.92f);
   ImGui::SetNextWindowFocus();
   ImGui::Begin("Keys and mouse", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
-  drawColumn(kHelpLeft, layout, values);
+  drawColumn(kLeft, layout, controls);
   if (two) ImGui::SameLine(layout.of(kColumn));
-  drawColumn(kHelpRight, layout, values);
+  drawColumn(kRight, layout, controls);
   notePanel(layout);
   ImGui::End();
 }

@@ -1,10 +1,12 @@
-#include "viewer/window/panel_widgets.h"
+#include "viewer/window/panel_parts.h"
+#include "geometry/counts.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 
 namespace lorica {
+
 void notePanel(PanelLayout& layout) {
   const ImVec2 position = ImGui::GetWindowPos(), size = ImGui::GetWindowSize();
   layout.panels.push_back({position.x, position.y, position.x + size.x, position.y + size.y});
@@ -70,7 +72,8 @@ void setPanelStyle(float scale) {
   ImGui::GetStyle() = style;
 }
 
-void drawTransport(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests) {
+void drawTransport(PanelLayout& layout, const WindowValues& values, const Controls& controls, Asked& asked) {
+  using Id = ControlId;
   const float margin = layout.margin();
   const float inset = values.insetWidth > 0.0 ? values.insetWidth + 2.0f * margin : 0.0f;
   const float width = layout.width - 2.0f * margin - inset;
@@ -78,43 +81,42 @@ void drawTransport(PanelLayout& layout, const WindowValues& values, WindowChoice
   ImGui::SetNextWindowPos(ImVec2(margin, layout.height - margin), ImGuiCond_Always, ImVec2(0.0f, 1.0f));
   ImGui::SetNextWindowSize(ImVec2(width, 0.0f));
   ImGui::Begin("transport", nullptr, kFixed | ImGuiWindowFlags_NoTitleBar | ImGuiWindowFlags_NoScrollbar);
-  const ImVec2 button(layout.of(64.0f), 0.0f);
-  if (ImGui::Button(choices.paused ? "Play###play" : "Pause###play", button)) choices.paused = !choices.paused;
-  ImGui::SameLine();
-  if (ImGui::Button("Step", ImVec2(layout.of(52.0f), 0.0f))) {
-    choices.paused = true;
-    ++choices.steps;
+  const bool paused = controls[Id::kPause].value != 0.0;
+  if (ImGui::Button(paused ? "Play###play" : "Pause###play", ImVec2(layout.of(64.0f), 0.0f))) {
+    asked.ask({.id = Id::kPause});
   }
-  if (values.duration > 0.0) {
+  ImGui::SameLine();
+  if (ImGui::Button("Step", ImVec2(layout.of(52.0f), 0.0f))) asked.ask({.id = Id::kStep});
+  if (const Control& seek = controls[Id::kSeek]; !seek.absent) {
     ImGui::SameLine();
     if (!narrow) {
-      if (ImGui::Button("Start", ImVec2(layout.of(56.0f), 0.0f))) requests.seekTo = 0.0;
+      if (ImGui::Button("Start", ImVec2(layout.of(56.0f), 0.0f))) asked.ask({.id = Id::kRestart});
       ImGui::SameLine();
     }
     const float speedWidth = narrow ? 0.0f : layout.of(186.0f);
     float seconds = values.seconds;
-    const float duration = values.duration;
     const auto text = [&](double at) {
-      return narrow ? fmt::format("{:.1f} s", at) : fmt::format("{:.1f} of {:.1f} s", at, values.duration);
+      return narrow ? fmt::format("{:.1f} s", at) : fmt::format("{:.1f} of {:.1f} s", at, seek.most);
     };
     const float room = std::max(ImGui::GetContentRegionAvail().x - speedWidth, layout.of(60.0f));
-    ImGui::SetNextItemWidth(besideSlider(room, text(values.duration)));
-    if (ImGui::SliderFloat("##time", &seconds, 0.0f, duration, "",
+    ImGui::SetNextItemWidth(besideSlider(room, text(seek.most)));
+    if (ImGui::SliderFloat("##time", &seconds, 0.0f, seek.most, "",
                            ImGuiSliderFlags_NoInput | ImGuiSliderFlags_NoRoundToFormat)) {
-      requests.seekTo = seconds;
+      asked.ask({.id = Id::kSeek, .to = std::min<double>(seconds, seek.most)});
     }
-    choices.scrubbing = ImGui::IsItemActive();
+    asked.choices.scrubbing = ImGui::IsItemActive();
     ImGui::SameLine();
     ImGui::TextUnformatted(text(values.seconds).c_str());
-    for (const SpeedChoice& speed : kSpeeds) {
-      if (narrow) break;
+    const Control& speed = controls[Id::kSpeed];
+    for (int i = 0; i < countOf(speed.choices) && !narrow; ++i) {
       const float wide = layout.of(40.0f) + ImGui::GetStyle().ItemSpacing.x;
-      const auto number = static_cast<float>(&speed - kSpeeds.data());
-      ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - (kSpeeds.size() - number) * wide +
+      ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - static_cast<float>(countOf(speed.choices) - i) * wide +
                       ImGui::GetStyle().ItemSpacing.x);
-      const bool present = choices.speed == speed.factor;
+      const bool present = speed.value == i;
       if (present) ImGui::PushStyleColor(ImGuiCol_Button, ImGui::GetStyle().Colors[ImGuiCol_ButtonActive]);
-      if (ImGui::Button(speed.name, ImVec2(layout.of(40.0f), 0.0f))) choices.speed = speed.factor;
+      if (ImGui::Button(speed.choices[i].c_str(), ImVec2(layout.of(40.0f), 0.0f))) {
+        asked.ask({.id = Id::kSpeed, .to = i});
+      }
       if (present) ImGui::PopStyleColor();
     }
   } else {

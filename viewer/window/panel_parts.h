@@ -1,12 +1,25 @@
 #pragma once
 
+#include "geometry/result.h"
+#include "viewer/renderer/window_values.h"
 #include "viewer/window/free_area.h"
-#include "viewer/window/window_panels.h"
+#include "viewer/window/time_graph.h"
 
+#include <imgui.h>
+
+#include <array>
+#include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace lorica {
+
+/// A panel that stays where it is put.
+inline constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
+                                           ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
+                                           ImGuiWindowFlags_NoFocusOnAppearing;
+inline const ImVec4 kFaint(0.62f, 0.66f, 0.72f, 1.0f);
 
 /// Height of a line of text at scale 1 [pixels].
 inline constexpr float kPanelLine = 18.0f;
@@ -57,18 +70,66 @@ void endSide(PanelLayout& layout, bool left);
 /// Call before the End() of a panel: the panel receives the mouse input over its area.
 void notePanel(PanelLayout& layout);
 
+/// The width of a slider with its value beside it, where the knob does not cover it. @param longest  text of a value
+[[nodiscard]] float besideSlider(float room, const std::string& longest);
+
 /// Sets a dark, translucent style for text of height kPanelLine * scale.
 void setPanelStyle(float scale);
 
-void drawTransport(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+void drawTransport(PanelLayout& layout, const WindowValues& values, const Controls& controls, Asked& asked);
 /// The avatar, its motion and its world.
-void drawWhoPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+void drawWhoPanel(PanelLayout& layout, const WindowValues& values, const Controls& controls, Asked& asked);
 /// What is drawn and how.
-void drawLookPanel(PanelLayout& layout, const WindowValues& values, WindowChoices& choices, WindowRequests& requests);
+void drawLookPanel(PanelLayout& layout, const Controls& controls, Asked& asked);
 void drawNumbersPanel(PanelLayout& layout, const WindowValues& values, const TimeGraph& times);
 /// @param all  also those that come by themselves, such as warnings
 void drawMessages(PanelLayout& layout, const WindowValues& values, bool all);
-void drawLoading(PanelLayout& layout, const WindowValues& values, WindowRequests& requests);
-void drawHelp(PanelLayout& layout, const WindowValues& values);
+void drawLoading(PanelLayout& layout, const WindowValues& values, Asked& asked);
+void drawHelp(PanelLayout& layout, const Controls& controls);
+
+/// Mouse input, in pixels from the upper left.
+struct PanelInput {
+  int width = 1, height = 1;  ///< of the picture
+  float scale = 1.0f;         ///< of text, 1 on displays of about 96 dots per inch
+  float x = 0.0f, y = 0.0f;
+  std::array<bool, 2> down{};    ///< left and right button, at any time since the last picture
+  float wheel = 0.0f;            ///< forward steps of the wheel
+  float seconds = 1.0f / 60.0f;  ///< since the last picture
+};
+
+/// The panels of a window: playback, view options, time graph, warnings, help. Only one may exist at a time.
+class WindowPanels {
+ public:
+  /// In the current OpenGL context, which must also be current in all later calls.
+  static Result<WindowPanels> create();
+
+  /// Draws the panels over the bound framebuffer and handles mouse input.
+  void draw(const PanelInput& input, const WindowValues& values, const TimeGraph& times, const Controls& controls,
+            Asked& asked);
+  /// Whether a position is over a panel as last drawn.
+  [[nodiscard]] bool covers(float x, float y) const;
+  /// The part of the picture that the panels as last drawn leave free, without what comes and goes: progress and help.
+  [[nodiscard]] const PictureArea& freeArea() const { return layout_.free; }
+  /// Whether the mouse operates a slider or an open list.
+  [[nodiscard]] bool busy() const;
+  /// Closes an open list.
+  /// @return whether there was one
+  bool closeList();
+
+ private:
+  struct End {
+    void operator()(ImGuiContext* context) const;
+  };
+  void takeInput(const PanelInput& input);
+  void noteCharacters(const WindowValues& values);
+  void takeScale(float wanted);
+  void noteFreeArea(const WindowValues& values);
+
+  std::unique_ptr<ImGuiContext, End> context_;
+  float scale_ = 0.0f;      // of the current font and style
+  std::u32string beyond_;   // ASCII: characters that were shown
+  bool fontLacks_ = false;  // some of them
+  PanelLayout layout_;
+};
 
 }  // namespace lorica

@@ -1,7 +1,5 @@
 #include "viewer/window/panel_parts.h"
 
-#include <imgui.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdio>
@@ -14,7 +12,7 @@ constexpr std::array<ImU32, TimeGraph::kMaxStages> kStageColors = {
     IM_COL32(240, 142, 92, 255),  IM_COL32(214, 122, 200, 255), IM_COL32(150, 150, 240, 255),
     IM_COL32(170, 190, 200, 255), IM_COL32(210, 100, 110, 255)};
 constexpr ImU32 kLine = IM_COL32(255, 255, 255, 40);
-constexpr ImU32 kFaint = IM_COL32(158, 168, 184, 255);
+constexpr ImU32 kFaintText = IM_COL32(158, 168, 184, 255);
 
 /// Upper end of the scale [ms]: one of a few values, so that it rarely changes.
 double scaleFor(double milliseconds) {
@@ -65,7 +63,7 @@ void drawNumbersPanel(PanelLayout& layout, const WindowValues& values, const Tim
     list.AddLine(corner, ImVec2(corner.x + size.x, corner.y), kLine);
     std::array<char, 32> label{};
     std::snprintf(label.data(), label.size(), "%g ms", scale);
-    list.AddText(ImVec2(corner.x + layout.of(2.0f), corner.y + layout.of(1.0f)), kFaint, label.data());
+    list.AddText(ImVec2(corner.x + layout.of(2.0f), corner.y + layout.of(1.0f)), kFaintText, label.data());
     double total = 0.0;
     for (int s = times.stageCount() - 1; s >= 0; --s) {  // same order as in the bars, from the top
       const ImVec2 position = ImGui::GetCursorScreenPos();

@@ -1,11 +1,12 @@
 #include "viewer/window/window.h"
 
 #include "geometry/errors.h"
-#include "viewer/window/display_loss.h"
-#include "viewer/window/first_picture.h"
+#include "geometry/hard_stop.h"
 #include "viewer/window/window_impl.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <bit>
@@ -39,8 +40,8 @@ class Fingerprint {
   std::uint64_t hash_ = 0xcbf29ce484222325;
 };
 
-constexpr std::array<const char*, 3> kQualityNames = {"low", "medium", "high"};
-constexpr std::array<RenderQuality, 3> kQualities = {RenderQuality::kLow, RenderQuality::kMedium, RenderQuality::kHigh};
+constexpr std::array<RenderQuality, 3> kRenderQualities = {RenderQuality::kLow, RenderQuality::kMedium,
+                                                           RenderQuality::kHigh};
 constexpr double kCounted = 0.5;      // interval of the displayed statistics [s]
 constexpr double kAlive = 0.1;        // between pictures while something loads [s]
 constexpr double kShortRest = 0.002;  // limits the frame rate without vertical synchronisation [s]
@@ -55,19 +56,61 @@ void* glfwProc(const char* name) {
 }
 
 Error noWindow(const std::string& why) {
-  return {ErrorCode::kNoDisplay,
-          fmt::format("no window can be opened ({}): run without --window, or on a desktop with DISPLAY set; "
-                      "snapshots and videos need no display",
-                      why)};
+  return noDisplay(
+      "no window can be opened ({}): run without --window, or on a desktop with DISPLAY set; "
+      "snapshots and videos need no display",
+      why);
+}
+
+constexpr int kDisplayLost = 2;
+constexpr std::string_view kLossSentence = "lorica: the connection to the display was lost\n";
+
+/// Must not return.
+int onLoss(void* /*display*/) {
+  runHardStop();
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, kLossSentence.data(), kLossSentence.size());
+  _exit(kDisplayLost);
+}
+
+/// From now on, losing the connection to the display ends the program: the tasks of AtHardStop run, a sentence goes to
+/// standard error, the exit status is 2. X11 would end it too, without them. Call it after glfwInit().
+void endWithDisplay() {
+  // GLFW has loaded libX11, which viewer/ is not linked with: there may be Wayland instead. GLFW 3.4 opens it for
+  // itself, so its functions are not found among those of the program.
+  void* x11 = dlopen("libX11.so.6", RTLD_LAZY | RTLD_NOLOAD);
+  if (x11 == nullptr) return;
+  using Handler = int (*)(void*);
+  using SetHandler = Handler (*)(Handler);
+  const auto set = reinterpret_cast<SetHandler>(dlsym(x11, "XSetIOErrorHandler"));
+  if (set != nullptr) set(onLoss);
+}
+
+struct Color {
+  float red, green, blue;  // sRGB
+};
+
+constexpr Color kSky{0.85f, 0.87f, 0.89f}, kPanel{0.14f, 0.16f, 0.19f}, kBar{0.26f, 0.30f, 0.37f};
+
+void fill(const GlFunctions& gl, const Color& color, int left, int bottom, int width, int height) {
+  gl.Scissor(left, bottom, width, height);
+  gl.ClearColor(color.red, color.green, color.blue, 1.0f);
+  gl.Clear(GL_COLOR_BUFFER_BIT);
+}
+
+/// Draws what a window shows before anything else can be drawn: the background with an empty progress bar, without
+/// shaders and fonts. Into the bound framebuffer.
+void drawFirstPicture(const GlFunctions& gl, int width, int height) {
+  gl.Enable(GL_SCISSOR_TEST);
+  fill(gl, kSky, 0, 0, width, height);
+  // Where the panels show what is loading.
+  const int margin = std::max(1, height / 72), panelWidth = width / 4 + 2 * margin;
+  const int left = (width - panelWidth) / 2, bottom = height - 5 * margin;
+  fill(gl, kPanel, left, bottom, panelWidth, 4 * margin);
+  fill(gl, kBar, left + margin, bottom + margin, panelWidth - 2 * margin, 2 * margin);
+  gl.Disable(GL_SCISSOR_TEST);
 }
 
 }  // namespace
-
-double secondsNow() {
-  using Clock = std::chrono::steady_clock;
-  static const Clock::time_point start = Clock::now();
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 Window::Impl::~Impl() {
   if (video) endVideo();
@@ -112,7 +155,7 @@ Result<Window> Window::create(const std::string& title, int width, int height, b
   glfwSwapBuffers(impl->window);
   LORICA_TRY(impl->renderer, Renderer::create(glfwProc));
   LORICA_TRY(impl->panels, WindowPanels::create());
-  impl->lastShow = secondsNow();
+  impl->lastShow = now();
   impl->listen();
   if (transparent && glfwGetWindowAttrib(impl->window, GLFW_TRANSPARENT_FRAMEBUFFER) == GLFW_FALSE) {
     impl->setNotice("this desktop has no transparent windows: saved pictures are transparent", kNoticeSeconds);
@@ -133,23 +176,8 @@ bool Window::open() const {
   return impl_->window == nullptr || !glfwWindowShouldClose(impl_->window);
 }
 
-bool Window::wantsStep() {
-  WindowChoices& choices = impl_->choices;
-  if (choices.scrubbing) return false;
-  if (!choices.paused) {
-    choices.steps = 0;
-    return true;
-  }
-  if (choices.steps == 0) return false;
-  --choices.steps;
-  return true;
-}
-
-const WindowChoices& Window::choices() const {
-  return impl_->choices;
-}
-void Window::setChoices(const WindowChoices& choices) {
-  impl_->choices = choices;
+Asked& Window::asked() {
+  return impl_->asked;
 }
 void Window::setCamera(const Camera& camera) {
   impl_->camera = OrbitCamera(camera);
@@ -179,15 +207,6 @@ HandAim Window::aim(int /*hand*/) const {
   if (impl_->window == nullptr) return {};
   return {impl_->rayThrough(impl_->cursorX, impl_->cursorY), (now.target - now.eye).normalized()};
 }
-WindowRequests Window::takeRequests() {
-  return std::exchange(impl_->requests, {});
-}
-
-bool Window::takeCancel() {
-  WindowRequests requests = takeRequests();
-  impl_->requests.files = std::move(requests.files);
-  return requests.cancel;
-}
 
 bool Window::seen() const {
   return impl_->window != nullptr;
@@ -206,14 +225,15 @@ void Window::drawFor(Eyes eyes, double longest) {
 }
 
 void Window::setQuality(std::optional<RenderQuality> quality) {
-  const auto* found = quality ? std::find(kQualities.begin(), kQualities.end(), *quality) : kQualities.end();
-  impl_->choices.quality = found == kQualities.end() ? -1 : found - kQualities.begin();
+  const auto* found =
+      quality ? std::find(kRenderQualities.begin(), kRenderQualities.end(), *quality) : kRenderQualities.end();
+  impl_->choices.quality = found == kRenderQualities.end() ? -1 : found - kRenderQualities.begin();
 }
 
 void Window::Impl::setNotice(std::string sentence, double seconds) {
   if (say) say(sentence);
   noticeText = std::move(sentence);
-  noticeUntil = secondsNow() + seconds;
+  noticeUntil = now() + seconds;
   noticeIsProblem = false;
 }
 
@@ -225,87 +245,56 @@ void Window::Impl::drawScene(Scene scene, const WindowValues& values, int width,
 }
 
 void Window::Impl::countPicture(double seconds) {
-  const double now = secondsNow();
-  if (count == 0 || now - countBegin > 2.0 * kCounted) {  // also after a rest
-    countBegin = now - seconds;
+  const double time = now();
+  if (count == 0 || time - countBegin > 2.0 * kCounted) {  // also after a rest
+    countBegin = time - seconds;
     count = 0;
     countSeconds = 0.0;
   }
   ++count;
   countSeconds += seconds;
-  if (now - countBegin < kCounted) return;
+  if (time - countBegin < kCounted) return;
   pictureSeconds = countSeconds / count;
-  pictureRate = count / (now - countBegin);
+  pictureRate = count / (time - countBegin);
   count = 0;
   countSeconds = 0.0;
 }
 
 void Window::Impl::chooseQuality(double seconds) {
   // The quality does not change during a video. What the user is being told is more important.
-  if (choices.quality < 0 && !video && choice.add(seconds, secondsNow()) && secondsNow() >= noticeUntil &&
-      choices.panels) {
+  if (choices.quality < 0 && !video && choice.add(seconds, now()) && now() >= noticeUntil && choices.panels) {
     setNotice(fmt::format("drawing a frame takes {:.0f} ms: quality set to {}", 1e3 * seconds,
-                          kQualityNames[choice.level()]));
+                          choiceNames<kQualities>()[choice.level()]));
   }
 }
 
 /// Differs where a picture does; what the scene holds is counted by WindowValues::changes.
 std::uint64_t Window::Impl::printOf(const WindowValues& values, int width, int height) const {
-  Fingerprint now;
-  values.eachText([&](std::string_view text) { now.add(text); });
+  Fingerprint all;
+  values.eachText([&](std::string_view text) { all.add(text); });
   const Camera seen = view();
   const SceneOptions& show = choices.show;
   for (const double number : {seen.eye.x(), seen.eye.y(), seen.eye.z(), seen.target.x(), seen.target.y(),
                               seen.target.z(), seen.targetAt.x(), seen.targetAt.y(), values.seconds, values.duration,
-                              choices.speed, choices.scale, std::round(200.0 * values.loaded), values.smoothingDelay}) {
-    now.add(number);
+                              choices.scale, std::round(200.0 * values.loaded), values.smoothingDelay}) {
+    all.add(number);
   }
-  for (const std::int64_t number : std::initializer_list<std::int64_t>{
-           width, height, values.parts, values.maxParts, values.scene, values.expression, values.avatar,
-           values.character, values.motion, values.clip, values.person, std::int64_t(values.changes), choices.quality,
-           choice.level(), choices.treatment.smoothing, choices.treatment.gravity}) {
-    now.add(number);
+  for (const Control& control : controls) {
+    all.add(control.value);
+    all.add(std::string_view(control.label));
+    all.add(std::int64_t(2 * control.absent + control.whyNot.empty()));
   }
-  for (const bool flag : {values.ended,
-                          values.preparingParts,
-                          values.outsideTraining,
-                          values.holds != 0,
-                          values.everyone,
-                          values.treatable,
-                          values.opens,
-                          values.noMirror.empty(),
-                          values.noSmoothing.empty(),
-                          values.noGravity.empty(),
-                          values.noThrow.empty(),
-                          values.noUndo.empty(),
-                          values.noLoop.empty(),
-                          show.skin,
-                          show.colorSkinByPart,
-                          show.hulls,
-                          show.bones,
-                          show.props,
-                          show.contacts,
-                          show.particles,
-                          show.ground,
-                          show.transparent,
-                          show.background.has_value(),
-                          choices.treatment.mirror,
-                          choices.paused,
-                          choices.help,
-                          choices.panels,
-                          choices.loop,
-                          choices.follow,
-                          clearView,
-                          secondsNow() < noticeUntil,
-                          noticeIsProblem,
-                          typed.has_value()}) {
-    now.add(std::int64_t(flag));
+  for (const std::int64_t number :
+       std::initializer_list<std::int64_t>{width, height, std::int64_t(values.changes), choice.level(), values.ended,
+                                           values.outsideTraining, values.holds != 0, values.empty(), show.transparent,
+                                           clearView, now() < noticeUntil, noticeIsProblem, typed.has_value()}) {
+    all.add(number);
   }
-  for (const TargetScore& target : values.hits) now.add(std::int64_t(target.hits));
-  if (secondsNow() < noticeUntil) now.add(noticeText);
-  if (typed) now.add(*typed);
-  if (show.background) now.add(double(show.background->sum()));
-  return now.value();
+  for (const TargetScore& target : values.hits) all.add(std::int64_t(target.hits));
+  if (now() < noticeUntil) all.add(noticeText);
+  if (typed) all.add(*typed);
+  if (show.background) all.add(double(show.background->sum()));
+  return all.value();
 }
 
 void Window::show(const Scene& scene, const WindowValues& values) {
@@ -314,14 +303,17 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   int width = 0, height = 0;
   glfwMakeContextCurrent(i.window);
   glfwGetFramebufferSize(i.window, &width, &height);
-  i.dialog.take(i.requests.files);
+  std::vector<std::string> files;
+  i.dialog.take(files);
+  if (!files.empty()) i.asked.ask({.id = ControlId::kOpen, .files = std::move(files)});
   i.decideDrag((values.holds & 1u) != 0);
   i.follow(values.focus);
   if (width > 0 && height > 0) i.frameFollowed(values, 1.0 * width / height);
-  i.last = values;
+  i.facing = values.facing;
+  i.listControls(scene, values);
 
   const std::uint64_t print = i.printOf(values, width, height);
-  const bool moves = i.video || (!values.loading.empty() && secondsNow() - i.lastShow > kAlive);
+  const bool moves = i.video || (!values.loading.empty() && now() - i.lastShow > kAlive);
   const bool asked = i.choices.picture || i.choices.pictureWithPanels || i.choices.video || i.eyes;
   if (std::exchange(i.print, print) != print || moves || asked) i.touch();
   const bool seen = width > 0 && height > 0 &&  // minimised windows have no pixels
@@ -335,17 +327,30 @@ void Window::show(const Scene& scene, const WindowValues& values) {
   glfwPollEvents();
 }
 
+/// Those of the run, with what this window knows.
+void Window::Impl::listControls(const Scene& scene, const WindowValues& values) {
+  if (values.controls != nullptr) {
+    controls = *values.controls;
+  } else {
+    listChoices(choices, controls);
+  }
+  if (scene.particles.empty()) controls[ControlId::kGrains].whyNot = "there is no sand or water";
+  if (video) controls[ControlId::kVideo].label = "stop the video";
+  automatic = "auto (" + choiceNames<kQualities>()[choices.quality < 0 ? choice.level() : choices.quality] + ")";
+  controls[ControlId::kQuality].none = automatic.c_str();
+}
+
 void Window::Impl::drawUnseen(const Scene& scene) {
-  const double begin = secondsNow();
-  renderer->setQuality(kQualities[choices.quality < 0 ? choice.level() : choices.quality]);
+  const double begin = now();
+  renderer->setQuality(kRenderQualities[choices.quality < 0 ? choice.level() : choices.quality]);
   if (!eyes || !eyes(*renderer, scene, choices.show)) return;
   gl.Finish();
-  chooseQuality(secondsNow() - begin);
+  chooseQuality(now() - begin);
   ++pictures;
 }
 
 void Window::Impl::draw(const Scene& scene, const WindowValues& values, int width, int height) {
-  const double begin = secondsNow();
+  const double begin = now();
   const int level = choices.quality < 0 ? choice.level() : choices.quality;
   // While the first session loads, a picture waits for something to see.
   const bool nothingYet = !values.loading.empty() && scene.vertices.empty() && scene.parts.empty();
@@ -357,8 +362,8 @@ void Window::Impl::draw(const Scene& scene, const WindowValues& values, int widt
   }
   if (choices.video) toggleVideo(width, height);
   choices.video = false;
-  const double drawing = secondsNow();
-  renderer->setQuality(kQualities[level]);
+  const double drawing = now();
+  renderer->setQuality(kRenderQualities[level]);
   const bool mirrors = eyes && eyes(*renderer, scene, choices.show);
   if (!mirrors || video) drawScene(scene, values, width, height);
   if (video) addToVideo(width, height);
@@ -368,10 +373,7 @@ void Window::Impl::draw(const Scene& scene, const WindowValues& values, int widt
   WindowValues shown = values;
   shown.pictureMilliseconds = 1e3 * pictureSeconds;
   shown.picturesASecond = pictureRate;
-  shown.qualities = kQualityNames;
-  shown.quality = level;
   shown.videoSeconds = video ? begin - video->begin : -1.0;
-  shown.grains = !scene.particles.empty();
   if (scene.inset != nullptr && scene.inset->width > 0) {
     shown.insetWidth = 0.25 * width;
     shown.insetHeight = shown.insetWidth * scene.inset->height / scene.inset->width;
@@ -380,12 +382,12 @@ void Window::Impl::draw(const Scene& scene, const WindowValues& values, int widt
   shown.problem = noticeIsProblem;
   if (typed) shown.typed = *typed;
   choices.scrubbing = false;  // only visible panels can set it
-  panels->draw(takePanelInput(width, height), shown, times, choices, requests);
+  panels->draw(takePanelInput(width, height), shown, times, controls, asked);
   if (choices.pictureWithPanels) savePicture(readWindow(gl, width, height));
   choices.pictureWithPanels = false;
   // The driver may defer its work, which would then be measured as waiting for the display.
   gl.Finish();
-  const double seconds = secondsNow() - drawing;
+  const double seconds = now() - drawing;
   countPicture(seconds);
   chooseQuality(seconds);
   glfwSwapBuffers(window);

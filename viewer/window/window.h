@@ -31,12 +31,10 @@ class Window : public Screen {
   Window& operator=(Window&&) noexcept;
 
   [[nodiscard]] bool open() const override;
-  [[nodiscard]] bool wantsStep() override;
   void show(const Scene& scene, const WindowValues& values) override;
   void rest(double seconds) override;
-  [[nodiscard]] WindowRequests takeRequests() override;
+  [[nodiscard]] Asked& asked() override;
   void chooseFiles() override;
-  [[nodiscard]] bool takeCancel() override;
   [[nodiscard]] HandAim aim(int hand) const override;
   [[nodiscard]] Camera camera() const override;
   void setCamera(const Camera& camera) override;
@@ -45,8 +43,6 @@ class Window : public Screen {
   void notice(std::string sentence, double seconds = 3.0) override;
   void problem(std::string sentence) override;
   void setTitle(const std::string& title) override;
-  [[nodiscard]] const WindowChoices& choices() const override;
-  void setChoices(const WindowChoices& choices) override;
   /// Sets a fixed quality; none = chosen automatically by speed, the default.
   void setQuality(std::optional<RenderQuality> quality);
   /// How many pictures were drawn so far.

@@ -27,32 +27,15 @@ std::string freeName(const char* extension) {
 
 /// Encoders accept only even sizes.
 Image croppedToEven(Image image) {
-  const int width = image.width & ~1, height = image.height & ~1;
-  if (width != image.width) {
-    for (int y = 0; y < height; ++y) {
-      const std::uint8_t* from = image.pixel(0, y);
-      std::copy(from, from + 4 * width, image.rgba.data() + std::size_t{4} * y * width);
-    }
-  }
-  image.width = width;
-  image.height = height;
-  image.rgba.resize(image.byteCount());
-  return image;
+  Image even = Image::filled(image.width & ~1, image.height & ~1);
+  for (int y = 0; y < even.height; ++y) std::copy_n(image.pixel(0, y), 4 * even.width, even.pixel(0, y));
+  return even;
 }
 
 }  // namespace
 
 Image readWindow(const GlFunctions& gl, int width, int height) {
-  Image image;
-  image.width = width;
-  image.height = height;
-  image.rgba.resize(image.byteCount());
-  gl.BindFramebuffer(GL_FRAMEBUFFER, 0);
-  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
-  gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, image.rgba.data());
-  for (int top = 0, bottom = height - 1; top < bottom; ++top, --bottom) {
-    std::swap_ranges(image.pixel(0, top), image.pixel(0, top + 1), image.pixel(0, bottom));
-  }
+  Image image = readPixels(gl, 0, width, height);
   for (std::size_t k = 3; k < image.rgba.size(); k += 4) image.rgba[k] = 255;
   return image;
 }
@@ -68,13 +51,13 @@ void Window::Impl::toggleVideo(int width, int height) {
   const std::string name = freeName(".mp4");
   Result<VideoWriter> writer = VideoWriter::create(name, width & ~1, height & ~1, kVideoRate);
   if (!writer.ok()) return setNotice(writer.error().message);
-  video.emplace(WindowVideo{std::move(writer).value(), name, width, height, secondsNow(), 0});
+  video.emplace(WindowVideo{std::move(writer).value(), name, width, height, now(), 0});
 }
 
 /// Adds as many frames as the elapsed time requires: late pictures are repeated.
 void Window::Impl::addToVideo(int width, int height) {
   if (width != video->width || height != video->height) return endVideo();
-  const int due = std::floor((secondsNow() - video->begin) * kVideoRate) + 1;
+  const int due = std::floor((now() - video->begin) * kVideoRate) + 1;
   if (video->frames >= due) return;
   const Image image = croppedToEven(renderer->readBack());
   while (video->frames < due) {

@@ -1,13 +1,14 @@
 #pragma once
 
+#include "geometry/clock.h"
 #include "viewer/pictures/video_writer.h"
 #include "viewer/renderer/gl_functions.h"
 #include "viewer/window/file_dialog.h"
 #include "viewer/window/orbit_camera.h"
+#include "viewer/window/panel_parts.h"
 #include "viewer/window/quality_choice.h"
 #include "viewer/window/time_graph.h"
 #include "viewer/window/window.h"
-#include "viewer/window/window_panels.h"
 
 #define GLFW_INCLUDE_NONE
 #include <GLFW/glfw3.h>
@@ -16,11 +17,9 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace lorica {
-
-/// Seconds of a monotonic clock since the program's first call.
-[[nodiscard]] double secondsNow();
 
 /// The contents of the window's framebuffer, including panels, before it is presented.
 [[nodiscard]] Image readWindow(const GlFunctions& gl, int width, int height);
@@ -40,7 +39,8 @@ struct Window::Impl {
   ~Impl();
 
   void listen();
-  void onKey(int key, int mods);
+  void onKey(int key, int mods, bool repeats);
+  void onNamedKey(std::string_view key, bool repeats);
   void onControlKey(int key);
   void onCharacter(unsigned int code);
   void onCursor(double x, double y);
@@ -53,8 +53,6 @@ struct Window::Impl {
   /// Mouse input for the panels; each press is reported at least once.
   [[nodiscard]] PanelInput takePanelInput(int width, int height);
   [[nodiscard]] Ray rayThrough(double x, double y) const;
-  void seekBy(double seconds);
-  void stepSpeed(int by);
   void onKeyOfPath(int key, int mods);
   void follow(const std::optional<Vec3>& focus);
   void frameFollowed(const WindowValues& values, double aspect);
@@ -65,6 +63,7 @@ struct Window::Impl {
 
   /// Another picture is due; a few more show panels that find their size.
   void touch() { picturesDue = kPanelPictures; }
+  void listControls(const Scene& scene, const WindowValues& values);
   [[nodiscard]] std::uint64_t printOf(const WindowValues& values, int width, int height) const;
   void draw(const Scene& scene, const WindowValues& values, int width, int height);
   void drawUnseen(const Scene& scene);
@@ -92,9 +91,11 @@ struct Window::Impl {
   double fittedAt = 0.0;         ///< WindowValues::seconds of that
   std::optional<Eigen::Vector2d> targetAt;  ///< see Camera; none = in the middle
   Eyes eyes;                                ///< null = none
-  WindowChoices choices;
-  WindowRequests requests;
-  WindowNumbers last;  ///< as shown
+  Asked asked;
+  Choices& choices = asked.choices;
+  Controls controls;      ///< as shown last
+  std::string automatic;  ///< what it calls the automatic quality
+  double facing = 0.0;    ///< WindowValues::facing as shown last
   static constexpr int kPanelPictures = 4;
   int picturesDue = kPanelPictures;  ///< pictures to be drawn
   std::uint64_t print = 0;           ///< of what was shown last

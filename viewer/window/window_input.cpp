@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <iterator>
 #include <numbers>
+#include <string_view>
 #include <utility>
 
 namespace lorica {
 namespace {
 
-constexpr double kSeekStep = 1.0;         // of the arrow keys [s]
 constexpr double kPresetElevation = 0.1;  // of the views from the front, the side and the back [rad]
 constexpr double kScaleStep = 1.25;       // of text
 constexpr double kClickReach = 4.0;       // a press that moves no farther is a click [screen coordinates]
@@ -30,8 +29,16 @@ void appendUtf8(unsigned int code, std::string& text) {
   for (int i = more - 1; i >= 0; --i) text += static_cast<char>(0x80 | (code >> 6 * i & 0x3f));
 }
 
-void toggle(bool& flag) {
-  flag = !flag;
+/// A key as the list of controls names it. @param letter  its storage @return empty if it has no name there
+std::string_view nameOf(int key, char& letter) {
+  for (const auto& [code, name] :
+       {std::pair(GLFW_KEY_SPACE, "space"), std::pair(GLFW_KEY_TAB, "tab"), std::pair(GLFW_KEY_HOME, "home"),
+        std::pair(GLFW_KEY_LEFT, "left"), std::pair(GLFW_KEY_RIGHT, "right"), std::pair(GLFW_KEY_F1, "H")}) {
+    if (key == code) return name;
+  }
+  letter = static_cast<char>(key);
+  const bool named = (key >= GLFW_KEY_A && key <= GLFW_KEY_Z) || (key >= GLFW_KEY_0 && key <= GLFW_KEY_9);
+  return named ? std::string_view(&letter, 1) : std::string_view();
 }
 
 }  // namespace
@@ -40,9 +47,8 @@ void Window::Impl::listen() {
   glfwSetWindowUserPointer(window, this);
   static constexpr auto kOf = [](GLFWwindow* w) { return static_cast<Impl*>(glfwGetWindowUserPointer(w)); };
   glfwSetKeyCallback(window, [](GLFWwindow* w, int key, int, int action, int mods) {
-    const bool repeats = key == GLFW_KEY_N || key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT;
     kOf(w)->touch();
-    if (action == GLFW_PRESS || (action == GLFW_REPEAT && repeats)) kOf(w)->onKey(key, mods);
+    if (action != GLFW_RELEASE) kOf(w)->onKey(key, mods, action == GLFW_REPEAT);
   });
   glfwSetCharCallback(window, [](GLFWwindow* w, unsigned int code) {
     kOf(w)->touch();
@@ -63,16 +69,19 @@ void Window::Impl::listen() {
   glfwSetWindowRefreshCallback(window, [](GLFWwindow* w) { kOf(w)->touch(); });
   glfwSetDropCallback(window, [](GLFWwindow* w, int fileCount, const char** files) {
     kOf(w)->touch();
-    kOf(w)->requests.files.insert(kOf(w)->requests.files.end(), files, files + fileCount);
+    kOf(w)->asked.ask({.id = ControlId::kOpen, .files = {files, files + fileCount}});
   });
   glfwGetCursorPos(window, &cursorX, &cursorY);
 }
 
-void Window::Impl::seekBy(double seconds) {
-  if (last.duration <= 0.0) return;
-  // Requests add up that were not handled yet, or that a seek has not reached.
-  const double from = requests.seekTo.value_or(last.seekingTo.value_or(last.seconds));
-  requests.seekTo = std::clamp(from + seconds, 0.0, last.duration);
+/// Does what the list of controls has under a key.
+void Window::Impl::onNamedKey(std::string_view key, bool repeats) {
+  for (const Control& control : controls) {
+    const bool able = control.isOn(on_screen::kWindow) && control.kind != ControlKind::kOther && !control.absent;
+    const double by = control.key() == key ? 1.0 : control.back() == key ? -1.0 : 0.0;
+    if (!able || by == 0.0 || (repeats && !control.isOn(on_screen::kRepeats))) continue;
+    asked.ask({.id = control.id, .by = by});
+  }
 }
 
 /// Larger and smaller text.
@@ -94,46 +103,22 @@ void Window::Impl::onKeyOfPath(int key, int mods) {
     typed->pop_back();
   }
   const bool given = (key == GLFW_KEY_ENTER || key == GLFW_KEY_KP_ENTER) && !typed->empty();
-  if (given) requests.files.push_back(*typed);
+  if (given) asked.ask({.id = ControlId::kOpen, .files = {*typed}});
   if (given || key == GLFW_KEY_ESCAPE) typed.reset();
 }
 
-void Window::Impl::onKey(int key, int mods) {
-  if (typed) return onKeyOfPath(key, mods);
-  if ((mods & GLFW_MOD_CONTROL) != 0) return onControlKey(key);
-  const std::pair<int, bool*> switches[] = {{GLFW_KEY_SPACE, &choices.paused},
-                                            {GLFW_KEY_1, &choices.show.skin},
-                                            {GLFW_KEY_2, &choices.show.hulls},
-                                            {GLFW_KEY_3, &choices.show.bones},
-                                            {GLFW_KEY_4, &choices.show.props},
-                                            {GLFW_KEY_5, &choices.show.contacts},
-                                            {GLFW_KEY_6, &choices.show.ground},
-                                            {GLFW_KEY_7, &choices.show.particles},
-                                            {GLFW_KEY_C, &choices.show.colorSkinByPart},
-                                            {GLFW_KEY_V, &choices.video},
-                                            {GLFW_KEY_I, &choices.inside},
-                                            {GLFW_KEY_L, &choices.loop},
-                                            {GLFW_KEY_F, &choices.follow},
-                                            {GLFW_KEY_TAB, &choices.panels},
-                                            {GLFW_KEY_H, &choices.help},
-                                            {GLFW_KEY_F1, &choices.help}};
-  for (const auto& [its, flag] : switches) {
-    if (key == its) return toggle(*flag);
+void Window::Impl::onKey(int key, int mods, bool repeats) {
+  if (typed || (mods & GLFW_MOD_CONTROL) != 0) {
+    if (repeats) return;
+    return typed ? onKeyOfPath(key, mods) : onControlKey(key);
   }
-  const std::pair<int, bool*> wishes[] = {{GLFW_KEY_E, &requests.nextExpression},
-                                          {GLFW_KEY_B, &requests.throwBall},
-                                          {GLFW_KEY_O, &requests.choose},
-                                          {GLFW_KEY_U, &requests.undo}};
-  for (const auto& [its, wish] : wishes) {
-    if (key == its) *wish = true;
+  if (key == GLFW_KEY_P && (mods & GLFW_MOD_SHIFT) != 0) {
+    choices.pictureWithPanels = true;
+    return;
   }
-  if (key == GLFW_KEY_N) {
-    choices.paused = true;
-    ++choices.steps;
-  }
-  if (key == GLFW_KEY_LEFT || key == GLFW_KEY_RIGHT) seekBy(key == GLFW_KEY_LEFT ? -kSeekStep : kSeekStep);
-  if (key == GLFW_KEY_HOME && last.duration > 0.0) requests.seekTo = 0.0;
-  if (key == GLFW_KEY_P) ((mods & GLFW_MOD_SHIFT) != 0 ? choices.pictureWithPanels : choices.picture) = true;
+  char letter = 0;
+  if (const std::string_view name = nameOf(key, letter); !name.empty()) onNamedKey(name, repeats);
+  if (repeats) return;
   if (key == GLFW_KEY_R) {
     ownView = clearView = false;
     fitted = 0.0;
@@ -144,7 +129,7 @@ void Window::Impl::onKey(int key, int mods) {
   if (key == GLFW_KEY_F4) lookFrom(std::numbers::pi, kPresetElevation);
   if (key == GLFW_KEY_F5) lookFrom(0.0, 0.5 * std::numbers::pi);
   if (key != GLFW_KEY_ESCAPE || panels->closeList()) return;
-  if (choices.help) return toggle(choices.help);
+  if (choices.help) return asked.ask({.id = ControlId::kHelp});
   glfwSetWindowShouldClose(window, GLFW_TRUE);
 }
 
@@ -182,7 +167,7 @@ void Window::Impl::frameFollowed(const WindowValues& values, double aspect) {
 
 /// Looks at the avatar from a side of it; nothing hides it until the user turns the camera.
 void Window::Impl::lookFrom(double azimuth, double elevation) {
-  camera.lookFrom(last.facing + azimuth, elevation);
+  camera.lookFrom(facing + azimuth, elevation);
   clearView = true;
 }
 
@@ -202,25 +187,14 @@ Camera Window::Impl::view() const {
   return view;
 }
 
-void Window::Impl::stepSpeed(int by) {
-  const auto* const now =
-      std::find_if(kSpeeds.begin(), kSpeeds.end(), [&](const SpeedChoice& one) { return one.factor >= choices.speed; });
-  const std::ptrdiff_t fastest = std::ssize(kSpeeds) - 1;
-  choices.speed = kSpeeds[std::clamp<std::ptrdiff_t>(now - kSpeeds.begin() + by, 0, fastest)].factor;
-}
-
 /// Punctuation keys are handled as typed characters, because keyboard layouts differ.
 void Window::Impl::onCharacter(unsigned int code) {
   if (typed) {
     appendUtf8(code, *typed);
     return;
   }
-  const int parts = requests.parts.value_or(last.parts);
-  const bool faster = code == '+' || code == '=';
-  if ((faster || code == '-') && last.duration > 0.0) stepSpeed(faster ? 1 : -1);
-  if (last.maxParts <= 0) return;
-  if (code == '[') requests.parts = std::max(parts - 1, 1);
-  if (code == ']') requests.parts = std::min(parts + 1, last.maxParts);
+  const char key = code == '=' ? '+' : static_cast<char>(code);
+  if (code < 0x80 && std::string_view("[]+-").find(key) != std::string_view::npos) onNamedKey({&key, 1}, false);
 }
 
 bool Window::Impl::overPanels() const {
@@ -241,11 +215,11 @@ void Window::Impl::onButton(int button, bool pressed) {
     const bool ends = left ? drag != Drag::kPan : drag == Drag::kPan;
     if (!ends) return;
     if (drag == Drag::kUndecided) {
-      requests.hands[0].released = true;
+      asked.ask({.id = ControlId::kRelease});
       undecidedEnd = {cursorX, cursorY};
       return;
     }
-    if (drag == Drag::kProp) requests.hands[0].released = true;
+    if (drag == Drag::kProp) asked.ask({.id = ControlId::kRelease});
     if (drag == Drag::kCamera) noteClick(cursorX, cursorY);
     drag = Drag::kNone;
     return;
@@ -257,14 +231,15 @@ void Window::Impl::onButton(int button, bool pressed) {
     drag = Drag::kPanel;
   } else if (left) {
     drag = Drag::kUndecided;
-    requests.hands[0].pressed = rayThrough(cursorX, cursorY);
+    asked.ask({.id = ControlId::kPress, .ray = rayThrough(cursorX, cursorY)});
   } else {
     drag = Drag::kPan;
   }
 }
 
 void Window::Impl::noteClick(double x, double y) {
-  if (std::hypot(x - pressedX, y - pressedY) <= kClickReach) requests.clicked = rayThrough(x, y);
+  if (std::hypot(x - pressedX, y - pressedY) > kClickReach) return;
+  asked.ask({.id = ControlId::kClick, .ray = rayThrough(x, y)});
 }
 
 /// Called when the owner has handled the press: the mouse moves the held prop, or otherwise the camera, starting from
@@ -328,7 +303,7 @@ PanelInput Window::Impl::takePanelInput(int width, int height) {
   for (std::size_t b = 0; b < down.size(); ++b) input.down[b] = theirs && (down[b] || pressedSince[b]);
   pressedSince = {};
   input.wheel = std::exchange(wheel, 0.0f);
-  input.seconds = secondsNow() - std::exchange(lastShow, secondsNow());
+  input.seconds = now() - std::exchange(lastShow, now());
   return input;
 }
 

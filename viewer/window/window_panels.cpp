@@ -1,11 +1,8 @@
-#include "viewer/window/window_panels.h"
-
 #include "geometry/errors.h"
 #include "viewer/renderer/font.h"
 #include "viewer/window/panel_parts.h"
 
 #include <backends/imgui_impl_opengl3.h>
-#include <imgui.h>
 #include <imgui_internal.h>
 
 #include <algorithm>
@@ -55,50 +52,36 @@ void fillPanelFont(ImFontAtlas& atlas, int lineHeight, const std::u32string& oth
 
 }  // namespace
 
-struct WindowPanels::Impl {
-  ~Impl() {
-    if (context == nullptr) return;
-    ImGui::SetCurrentContext(context);
-    if (ImGui::GetIO().BackendRendererUserData != nullptr) ImGui_ImplOpenGL3_Shutdown();
-    ImGui::DestroyContext(context);
-  }
-
-  void takeInput(const PanelInput& input);
-  void noteCharacters(const WindowValues& values);
-  void takeScale(float scale);
-  void noteFreeArea(const WindowValues& values);
-
-  ImGuiContext* context = nullptr;
-  float scale = 0.0f;      // of the current font and style
-  std::u32string beyond;   // ASCII: characters that were shown
-  bool fontLacks = false;  // some of them
-  PanelLayout layout;
-};
+void WindowPanels::End::operator()(ImGuiContext* context) const {
+  ImGui::SetCurrentContext(context);
+  if (ImGui::GetIO().BackendRendererUserData != nullptr) ImGui_ImplOpenGL3_Shutdown();
+  ImGui::DestroyContext(context);
+}
 
 /// The font has the characters that were shown until now: names may have any.
-void WindowPanels::Impl::noteCharacters(const WindowValues& values) {
+void WindowPanels::noteCharacters(const WindowValues& values) {
   values.eachText([&](std::string_view text) {
     if (std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; })) return;
     for (const char32_t c : charactersOf(text)) {
-      if (c < 0x80 || beyond.find(c) != std::u32string::npos) continue;
-      beyond += c;
-      fontLacks = true;
+      if (c < 0x80 || beyond_.find(c) != std::u32string::npos) continue;
+      beyond_ += c;
+      fontLacks_ = true;
     }
   });
 }
 
-void WindowPanels::Impl::takeScale(float wanted) {
+void WindowPanels::takeScale(float wanted) {
   // Font sizes are whole pixels, so tiny changes have no effect.
   const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.5f, 8.0f);
-  if (rounded == scale && !std::exchange(fontLacks, false)) return;
-  scale = rounded;
-  layout.unit = scale;
-  fillPanelFont(*ImGui::GetIO().Fonts, std::lround(kPanelLine * scale), beyond);
+  if (rounded == scale_ && !std::exchange(fontLacks_, false)) return;
+  scale_ = rounded;
+  layout_.unit = scale_;
+  fillPanelFont(*ImGui::GetIO().Fonts, std::lround(kPanelLine * scale_), beyond_);
   ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them, with the new font
-  setPanelStyle(scale);
+  setPanelStyle(scale_);
 }
 
-void WindowPanels::Impl::takeInput(const PanelInput& input) {
+void WindowPanels::takeInput(const PanelInput& input) {
   ImGuiIO& io = ImGui::GetIO();
   io.DisplaySize = ImVec2(input.width, input.height);
   io.DeltaTime = std::clamp(input.seconds, 1e-4f, 0.25f);
@@ -108,24 +91,19 @@ void WindowPanels::Impl::takeInput(const PanelInput& input) {
   io.MouseWheel = input.wheel;
 }
 
-void WindowPanels::Impl::noteFreeArea(const WindowValues& values) {
-  std::vector<PixelArea>& taken = layout.panels;
+void WindowPanels::noteFreeArea(const WindowValues& values) {
+  std::vector<PixelArea>& taken = layout_.panels;
   const float insetWidth = values.insetWidth, insetHeight = values.insetHeight;
   const bool inset = insetWidth > 0.0f;
-  if (inset) taken.push_back({layout.width - insetWidth, layout.height - insetHeight, layout.width, layout.height});
-  layout.free = lorica::freeArea(layout.width, layout.height, taken);
+  if (inset) taken.push_back({layout_.width - insetWidth, layout_.height - insetHeight, layout_.width, layout_.height});
+  layout_.free = lorica::freeArea(layout_.width, layout_.height, taken);
   if (inset) taken.pop_back();  // it takes no input
 }
 
-WindowPanels::WindowPanels(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-WindowPanels::~WindowPanels() = default;
-WindowPanels::WindowPanels(WindowPanels&&) noexcept = default;
-WindowPanels& WindowPanels::operator=(WindowPanels&&) noexcept = default;
-
 Result<WindowPanels> WindowPanels::create() {
-  auto impl = std::make_unique<Impl>();
-  impl->context = ImGui::CreateContext();
-  ImGui::SetCurrentContext(impl->context);
+  WindowPanels made;
+  made.context_.reset(ImGui::CreateContext());
+  ImGui::SetCurrentContext(made.context_.get());
   ImGuiIO& io = ImGui::GetIO();
   io.IniFilename = nullptr;  // do not write a settings file
   io.LogFilename = nullptr;
@@ -134,49 +112,44 @@ Result<WindowPanels> WindowPanels::create() {
   if (!ImGui_ImplOpenGL3_Init("#version 330 core")) {
     return noDisplay("the panels of the window cannot be drawn: OpenGL 3.3 is needed");
   }
-  return WindowPanels(std::move(impl));
+  return made;
 }
 
 void WindowPanels::draw(const PanelInput& input, const WindowValues& values, const TimeGraph& times,
-                        WindowChoices& choices, WindowRequests& requests) {
-  Impl& i = *impl_;
-  ImGui::SetCurrentContext(i.context);
-  i.noteCharacters(values);
-  i.takeScale(input.scale);
-  i.takeInput(input);
+                        const Controls& controls, Asked& asked) {
+  ImGui::SetCurrentContext(context_.get());
+  noteCharacters(values);
+  takeScale(input.scale);
+  takeInput(input);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
-  i.layout.begin(input.width, input.height);
-  if (choices.panels && !values.empty()) {
-    drawTransport(i.layout, values, choices, requests);
-    drawWhoPanel(i.layout, values, choices, requests);
-    drawLookPanel(i.layout, values, choices, requests);
-    drawNumbersPanel(i.layout, values, times);
+  layout_.begin(input.width, input.height);
+  if (asked.choices.panels && !values.empty()) {
+    drawTransport(layout_, values, controls, asked);
+    drawWhoPanel(layout_, values, controls, asked);
+    drawLookPanel(layout_, controls, asked);
+    drawNumbersPanel(layout_, values, times);
   }
-  i.noteFreeArea(values);
-  if (!values.loading.empty()) drawLoading(i.layout, values, requests);  // stays where it is: its button is clicked
-  drawMessages(i.layout, values, choices.panels);
-  if (choices.help) drawHelp(i.layout, values);
+  noteFreeArea(values);
+  if (!values.loading.empty()) drawLoading(layout_, values, asked);  // stays where it is: its button is clicked
+  drawMessages(layout_, values, asked.choices.panels);
+  if (asked.choices.help) drawHelp(layout_, controls);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 bool WindowPanels::covers(float x, float y) const {
-  return std::any_of(impl_->layout.panels.begin(), impl_->layout.panels.end(),
+  return std::any_of(layout_.panels.begin(), layout_.panels.end(),
                      [&](const PixelArea& a) { return x >= a.left && x < a.right && y >= a.top && y < a.bottom; });
 }
 
-const PictureArea& WindowPanels::freeArea() const {
-  return impl_->layout.free;
-}
-
 bool WindowPanels::busy() const {
-  ImGui::SetCurrentContext(impl_->context);
+  ImGui::SetCurrentContext(context_.get());
   return ImGui::IsAnyItemActive() || ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup);
 }
 
 bool WindowPanels::closeList() {
-  ImGui::SetCurrentContext(impl_->context);
+  ImGui::SetCurrentContext(context_.get());
   if (!ImGui::IsPopupOpen("", ImGuiPopupFlags_AnyPopup)) return false;
   ImGui::ClosePopupToLevel(0, false);
   return true;

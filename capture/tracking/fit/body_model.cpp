@@ -39,10 +39,11 @@ std::array<NodeDef, kNodeCount> makeNodes() {
   set(kSpine, kPelvis, {0.0F, 1.07F, -0.017F}, 3, {no, kTrunkLength, no}, kTrunkGirth);
   set(kChest, kSpine, {0.0F, 1.21F, -0.022F}, 3, {no, kTrunkLength, no}, kTrunkGirth);
   set(kNeck, kChest, bonePosition(B::kNeck), 3, {kHeadSize, kHeadSize, kHeadSize}, kHeadSize);
-  for (const int side : {0, 1}) {
-    const auto at = [&](B bone) { return side == 0 ? bonePosition(bone) : mirroredX(bonePosition(bone)); };
-    const auto axis = [&](const V3& v) { return side == 0 ? v : mirroredAxis(v); };
-    const auto node = [&](Node left) { return static_cast<Node>(left + side); };
+  int side = 0;
+  const auto at = [&](B bone) { return side == 0 ? bonePosition(bone) : mirroredX(bonePosition(bone)); };
+  const auto axis = [&](const V3& v) { return side == 0 ? v : mirroredAxis(v); };
+  const auto node = [&](Node left) { return static_cast<Node>(left + side); };
+  for (side = 0; side < 2; ++side) {
     NodeDef& clavicle =
         set(node(kLeftClavicle), kChest, at(B::kLeftShoulder), 2, {kShoulderBreadth, no, no}, kTrunkGirth);
     clavicle.axis = {axis(V3::UnitZ()), axis(-V3::UnitY())};
@@ -59,10 +60,7 @@ std::array<NodeDef, kNodeCount> makeNodes() {
     hand.min = {-70 * kDegree, -70 * kDegree};
     hand.max = {70 * kDegree, 70 * kDegree};
   }
-  for (const int side : {0, 1}) {
-    const auto at = [&](B bone) { return side == 0 ? bonePosition(bone) : mirroredX(bonePosition(bone)); };
-    const auto axis = [&](const V3& v) { return side == 0 ? v : mirroredAxis(v); };
-    const auto node = [&](Node left) { return static_cast<Node>(left + side); };
+  for (side = 0; side < 2; ++side) {
     set(node(kLeftThigh), kPelvis, at(B::kLeftUpperLeg), 3, {no, kThighLength, no}, kLimbGirth);
     NodeDef& shin = set(node(kLeftShin), node(kLeftThigh), at(B::kLeftLowerLeg), 1, {no, kShinLength, no}, kLimbGirth);
     shin.axis[0] = V3::UnitX();

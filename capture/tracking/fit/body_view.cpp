@@ -15,17 +15,17 @@ constexpr std::size_t kLowShare = 100;  ///< one of so many points may lie below
 constexpr float kLowMargin = 0.02F;     ///< from the lowest points seen down to the ground [m]
 
 constexpr float kFarBlocks = 1e6F;
-constexpr float kOccluderGap = 0.15F;  ///< something nearer than the person beside it by this much may hide more [m]
-constexpr int kOccluderBlocks = 3;     ///< of the eight around a block of something that hides the person
-constexpr int kRampBlocks = 6;         ///< width of the edges that blur makes, at most [blocks]
-constexpr int kRampRows = 4;           ///< every so many rows of the image is looked at
-constexpr int kRampFall = 300;         ///< least difference in depth on both sides of an edge [mm]
-constexpr int kRampFlat = 10;          ///< on either side it changes by less than one of so many parts of that
-constexpr int kStepShare = 3;          ///< a step has one of so many parts of it between two pixels
-constexpr int kRampCount = 20;         ///< least count of places where an edge is a ramp
-constexpr int kRampMajority = 4;       ///< so many times the places where it is a step
-constexpr float kRampSlope = 2.0F;     ///< of a ramp, least fall per step aside
-constexpr float kAboveFloor = 0.10F;   ///< what is lower may be the floor [m]
+constexpr float kHiderGap = 0.15F;    ///< something nearer than the person beside it by this much may hide more [m]
+constexpr int kOccluderBlocks = 3;    ///< of the eight around a block of something that hides the person
+constexpr int kRampBlocks = 6;        ///< width of the edges that blur makes, at most [blocks]
+constexpr int kRampRows = 4;          ///< every so many rows of the image is looked at
+constexpr int kRampFall = 300;        ///< least difference in depth on both sides of an edge [mm]
+constexpr int kRampFlat = 10;         ///< on either side it changes by less than one of so many parts of that
+constexpr int kStepShare = 3;         ///< a step has one of so many parts of it between two pixels
+constexpr int kRampCount = 20;        ///< least count of places where an edge is a ramp
+constexpr int kRampMajority = 4;      ///< so many times the places where it is a step
+constexpr float kRampSlope = 2.0F;    ///< of a ramp, least fall per step aside
+constexpr float kAboveFloor = 0.10F;  ///< what is lower may be the floor [m]
 
 enum Kind : std::uint8_t { kElse, kPerson, kUnknown, kNearer, kOccluder };
 
@@ -209,9 +209,7 @@ void BodyView::dropRamps() {
         const float first = blocks_[i].depth - before, second = after - blocks_[i].depth;
         return std::min(first, second) > least || std::max(first, second) < -least;
       };
-      if (falls(x > 0 && x + 1 < columns_, 1) || falls(y > 0 && y + 1 < rows_, columns_)) {
-        blocks_[i].kind = kUnknown;
-      }
+      if (falls(x > 0 && x + 1 < columns_, 1) || falls(y > 0 && y + 1 < rows_, columns_)) blocks_[i].kind = kUnknown;
     }
   }
 }
@@ -263,7 +261,7 @@ void BodyView::markOccluders() {
     for (int x = left_; x < right_; ++x) {
       const std::size_t i = indexOf(x, y);
       Block& block = blocks_[i];
-      if (block.kind != kElse || block.depth == 0.0F || block.depth > depth[i] - kOccluderGap) continue;
+      if (block.kind != kElse || block.depth == 0.0F || block.depth > depth[i] - kHiderGap) continue;
       const V3 position = cameraPositionOf((x + 0.5F) * size, (y + 0.5F) * size, block.depth);
       if ((floorFromCamera_ * position + cameraPosition_).y() > kAboveFloor) block.kind = kNearer;
     }
@@ -324,9 +322,7 @@ void BodyView::makePoints() {
   for (int y = top_; y < bottom_; ++y) {
     for (int x = left_; x < right_; ++x) {
       const auto i = static_cast<std::size_t>(y) * columns_ + x;
-      if (blocks_[i].kind == kPerson) {
-        byRank_[bayerRank(x & 7, y & 7)].push_back(i);
-      }
+      if (blocks_[i].kind == kPerson) byRank_[bayerRank(x & 7, y & 7)].push_back(i);
     }
   }
   const std::size_t step = columns_;

@@ -38,8 +38,8 @@ float trunkApart(const PosedModel& a, const PosedModel& b) {
 /// The larger distance of a limb's two joints in two poses, as seen from its upper end [m].
 float apart(Limb limb, const PosedModel& a, const PosedModel& b) {
   const V3 moved = b.position[upperNodeOf(limb)] - a.position[upperNodeOf(limb)];
-  const auto of = [&](Node node) { return (b.position[node] - a.position[node] - moved).norm(); };
-  return std::max(of(lowerNodeOf(limb)), of(endNodeOf(limb)));
+  const auto moveOf = [&](Node node) { return (b.position[node] - a.position[node] - moved).norm(); };
+  return std::max(moveOf(lowerNodeOf(limb)), moveOf(endNodeOf(limb)));
 }
 
 /// Lays nodes between two poses: at 0 as in one, at 1 as in the other.

@@ -50,30 +50,34 @@ void JointConfidence::update(const CapsuleSupport& support, bool attached) {
   set(J::kNeck, std::max(shown(kNeckCapsule, 0.15), shown(kChestCapsule, 0.3)));
   set(J::kTorso, std::max({shown(kChestCapsule, 0.2), shown(kWaistCapsule, 0.2), shown(kPelvisCapsule, 0.2)}));
   for (const int side : {0, 1}) {
-    const auto of = [&](J left) { return static_cast<J>(static_cast<int>(left) + side); };
+    const auto sideOf = [&](J left) { return static_cast<J>(static_cast<int>(left) + side); };
     const double upperArm = shown(kUpperArmCapsule + side, 0.6);
     const double forearm = shown(kForearmCapsule + side, 0.5);
     const double clavicle = shown(kClavicleCapsule + side, 0.25);
     double shoulder = std::max({clavicle, shown(kUpperArmCapsule + side, 0.4)});
     if (violated(kClavicleCapsule + side, 0.02F)) shoulder = std::min(shoulder, kUnsure);
-    set(of(J::kLeftShoulder), shoulder);
+    set(sideOf(J::kLeftShoulder), shoulder);
     double elbow = std::max(upperArm, forearm);
     if (violated(kUpperArmCapsule + side, 0.02F)) elbow = std::min(elbow, kUnsure);
-    set(of(J::kLeftElbow), elbow);
+    set(sideOf(J::kLeftElbow), elbow);
     double hand = std::max(shown(kHandCapsule + side, 0.45), shown(kForearmCapsule + side, 1.0));
     if (violated(kForearmCapsule + side, 0.015F) || violated(kHandCapsule + side, 0.025F))
       hand = std::min(hand, kUnsure);
-    set(of(J::kLeftHand), hand);
-    set(of(J::kLeftHip), std::max(shown(kPelvisCapsule, 0.4), shown(kThighCapsule + side, 0.3)));
+    set(sideOf(J::kLeftHand), hand);
+    set(sideOf(J::kLeftHip), std::max(shown(kPelvisCapsule, 0.4), shown(kThighCapsule + side, 0.3)));
     const double calf = std::max(shown(kCalfCapsule + side, 0.2), shown(kShinCapsule + side, 0.2));
-    set(of(J::kLeftKnee), std::max(calf, shown(kThighCapsule + side, 0.3)));
-    set(of(J::kLeftFoot), std::max(shown(kFootCapsule + side, 0.2), shown(kShinCapsule + side, 0.4)));
+    set(sideOf(J::kLeftKnee), std::max(calf, shown(kThighCapsule + side, 0.3)));
+    set(sideOf(J::kLeftFoot), std::max(shown(kFootCapsule + side, 0.2), shown(kShinCapsule + side, 0.4)));
+    const auto doubt = [&](std::initializer_list<J> leftJoints) {
+      for (const J left : leftJoints) {
+        double& joint = now[ordinalOf(sideOf(left))];
+        joint = std::min(joint, kUnsure);
+      }
+    };
     // What is behind something else is a guess, whatever is seen of the parts beside it.
     const auto unsureBehind = [&](J left, std::initializer_list<int> capsules) {
       const auto isHidden = [&](int capsule) { return support.hidden[capsule + side] >= kHiddenShare; };
-      if (!std::ranges::all_of(capsules, isHidden)) return;
-      double& joint = now[ordinalOf(of(left))];
-      joint = std::min(joint, kUnsure);
+      if (std::ranges::all_of(capsules, isHidden)) doubt({left});
     };
     unsureBehind(J::kLeftElbow, {kUpperArmCapsule});
     unsureBehind(J::kLeftHand, {kForearmCapsule, kHandCapsule});
@@ -82,19 +86,9 @@ void JointConfidence::update(const CapsuleSupport& support, bool attached) {
     unsureBehind(J::kLeftKnee, {kCalfCapsule, kShinCapsule});
     unsureBehind(J::kLeftFoot, {kShinCapsule});
     // Where the trunk ends behind something else is not seen.
-    if (support.hiddenSide[side] >= kHiddenSide) {
-      for (const J joint : {J::kLeftHip, J::kLeftKnee}) {
-        double& leg = now[ordinalOf(of(joint))];
-        leg = std::min(leg, kUnsure);
-      }
-    }
+    if (support.hiddenSide[side] >= kHiddenSide) doubt({J::kLeftHip, J::kLeftKnee});
     // A seat beside the legs may be taken for them.
-    if (attached) {
-      for (const J joint : {J::kLeftHip, J::kLeftKnee, J::kLeftFoot}) {
-        double& leg = now[ordinalOf(of(joint))];
-        leg = std::min(leg, kUnsure);
-      }
-    }
+    if (attached) doubt({J::kLeftHip, J::kLeftKnee, J::kLeftFoot});
     const auto seen = [&](int capsule) { return support.seen[capsule + side]; };
     hidden_[side] = seen(kForearmCapsule) < 0.15F && seen(kHandCapsule) < 0.2F;
     hidden_[2 + side] = seen(kShinCapsule) < 0.15F && seen(kCalfCapsule) < 0.15F;

@@ -146,9 +146,7 @@ const BodyPose& restPose() {
 
 BodyPose sittingPose(const V3& root, float heading) {
   BodyPose pose = standingPose(root, heading, 0.2F, 0.3F, 0.7F);
-  for (const Node node : {kLeftThigh, kRightThigh}) {
-    pose.turn[node] = Q(Eigen::AngleAxisf(-1.4F, V3::UnitX()));
-  }
+  for (const Node node : {kLeftThigh, kRightThigh}) pose.turn[node] = Q(Eigen::AngleAxisf(-1.4F, V3::UnitX()));
   for (const Node node : {kLeftShin, kRightShin}) pose.angle[node][0] = 1.4F;
   return pose;
 }

@@ -58,15 +58,15 @@ std::array<LimbTerms, kFitLimbCount> makeTerms() {
   const auto samples = samplesOfBody();
   for (int i = 0; i < kFitLimbCount; ++i) {
     const auto mine = [&](int capsule) { return isOf(static_cast<Limb>(i), capsules[capsule].node); };
-    LimbTerms& of = terms[i];
+    LimbTerms& limb = terms[i];
     for (int c = 0; c < kCapsuleCount; ++c) {
-      if (mine(c)) of.capsules.push_back(c);
+      if (mine(c)) limb.capsules.push_back(c);
     }
     for (const Sample& sample : samples) {
-      if (mine(sample.capsule)) of.samples.push_back(sample);
+      if (mine(sample.capsule)) limb.samples.push_back(sample);
     }
     for (const CollisionPair& pair : collisionPairs()) {
-      if (mine(samples[pair.sample].capsule)) of.pairs.push_back(pair);
+      if (mine(samples[pair.sample].capsule)) limb.pairs.push_back(pair);
     }
   }
   return terms;

@@ -20,9 +20,7 @@ class DepthTable {
  public:
   template <typename Function>
   explicit DepthTable(const Function& metresOfMetres) {
-    for (std::size_t i = 0; i < values_.size(); ++i) {
-      values_[i] = metresOfMetres((i + 0.5) * 0.016);
-    }
+    for (std::size_t i = 0; i < values_.size(); ++i) values_[i] = metresOfMetres((i + 0.5) * 0.016);
   }
   [[nodiscard]] float operator[](std::uint16_t depthMm) const { return values_[depthMm >> 4U]; }
 
@@ -46,6 +44,15 @@ struct DepthGrid {
   }
   [[nodiscard]] std::size_t index(int column, int row) const { return static_cast<std::size_t>(row) * width + column; }
   [[nodiscard]] std::size_t cellCount() const { return depthMm.size(); }
+  /// Calls visit(cell) for the cells to the left and right of a cell, above and below it, that are in the image.
+  template <typename Visit>
+  void visitNeighbours(std::size_t cell, const Visit& visit) const {
+    const std::size_t w = width, column = cell % w, row = cell / w;
+    if (column > 0) visit(cell - 1);
+    if (column + 1 < w) visit(cell + 1);
+    if (row > 0) visit(cell - w);
+    if (row + 1 < static_cast<std::size_t>(height)) visit(cell + w);
+  }
   /// Width of the original image; its last column and row are left out if the size is not a multiple of the block.
   [[nodiscard]] int imageWidth() const { return imageWidth_; }
 

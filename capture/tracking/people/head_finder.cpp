@@ -22,9 +22,9 @@ constexpr int kSkin = 60;       // depth differences within a head [mm]
 constexpr int kStandsOut = 90;  // least depth difference to what is beside and above a head [mm]
 constexpr int kBody = 280;      // largest depth difference between head and chest [mm]
 constexpr std::uint16_t kNearest = 500, kFarthest = 5500;  // [mm]
-constexpr float kMinHeight = 0.5F;  // of a head over the floor: chests are not below the floor [m]
-constexpr float kMinArea = 60.0F;   // of the votes for a head: their number times squared depth [m^2]
-constexpr float kApart = 0.25F;     // two heads are at least this far from each other [m]
+constexpr float kMinHeadHeight = 0.5F;  // of a head over the floor: chests are not below the floor [m]
+constexpr float kMinArea = 60.0F;       // of the votes for a head: their number times squared depth [m^2]
+constexpr float kApart = 0.25F;         // two heads are at least this far from each other [m]
 constexpr std::size_t kMaxVotes = 4096, kMaxHeads = 8;
 
 }  // namespace
@@ -60,7 +60,7 @@ std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPo
       if (!std::ranges::all_of(kChest, body) || !std::ranges::all_of(kShoulders, body)) continue;
       if (std::ranges::count_if(kAbove, standsOut) < 2) continue;
       const Vec3f position = positions(grid, column, row);
-      if (floorFound && position.y() < kMinHeight) continue;
+      if (floorFound && position.y() < kMinHeadHeight) continue;
       votes_.push_back({column, row, depth, position, 1});
     }
   }

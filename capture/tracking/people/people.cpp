@@ -3,14 +3,11 @@
 #include "capture/tracking/people/background.h"
 #include "capture/tracking/people/components.h"
 #include "capture/tracking/people/depth_grid.h"
-#include "capture/tracking/people/floor.h"
 #include "capture/tracking/people/head_finder.h"
 #include "capture/tracking/people/person_evidence.h"
-#include "capture/tracking/people/person_gates.h"
 #include "capture/tracking/people/person_image.h"
 #include "capture/tracking/people/person_owners.h"
-#include "capture/tracking/people/person_slot.h"
-#include "capture/tracking/people/walls.h"
+#include "capture/tracking/people/room_planes.h"
 #include "geometry/counts.h"
 #include "geometry/result.h"
 
@@ -42,6 +39,17 @@ constexpr float kBehind = 0.5F;  // whoever is this near to the line of sight th
 constexpr int kUnlearns = 512;   // logit above which a cell of the background shows somebody
 constexpr int kJoins = 0, kLeaves = -256;  // logits below which a cell does not become, or remain, a person's
 constexpr double kPersonSeconds = 20.0;    // how long someone with head and shoulders may stand motionless
+constexpr double kFloorNoises = 2.5;       // a floor lies within so many times the depth's noise ...
+constexpr float kFloorThickness = 0.008F;  // ... and this of its plane [m]
+constexpr float kBinsFrom = 0.5F, kBinsPerMetre = 50.0F, kBinHeight = 0.02F;  // of a person's heights: from -0.5 m
+constexpr int kTopCells = 3, kTopShare = 500;  // cells above somebody's top, at most, and one more for each so many
+constexpr double kPauseFrom = 1e-4, kPauseTo = 0.2;  // between frames that tell a velocity [s]
+constexpr float kVelocityShare = 0.4F;               // of a new velocity in the smoothed one
+constexpr float kFastestPerson = 3.0F;               // [m/s]
+constexpr int kNewCells = 3, kOfCells = 20;          // somebody moves if more than 3 of 20 cells are new
+constexpr int kSmallPart = 25;                       // a low thing covers less than this part of the image
+constexpr double kNearestBody = 0.3;                 // from the camera, of a body that is projected [m]
+constexpr double kLongestFrame = 1.0;                // longer pauses count as this [s]
 
 }  // namespace
 
@@ -106,7 +114,7 @@ PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
       finder(grid),
       owners(grid, depthCamera),
       moves(grid),
-      floorNoise([](double depth) { return 2.5 * depthNoise(depth) / depth; }),
+      floorNoise([](double depth) { return kFloorNoises * depthNoise(depth) / depth; }),
       strange(kMaxSurfaces),
       kinds(grid.cellCount()),
       person(owners.person()),
@@ -127,7 +135,7 @@ void PeopleFinder::Impl::classify() {
         const std::size_t i = grid.index(c, r);
         const std::uint16_t depthMm = grid.depthMm[i];
         const float above = 0.001F * depthMm * positions.slope(c, r) + height;
-        if (depthMm != 0 && above < 0.008F + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
+        if (depthMm != 0 && above < kFloorThickness + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
       }
     }
   }
@@ -179,7 +187,7 @@ void PeopleFinder::Impl::measure() {
       slot.sum += position;
       slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
       slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
-      ++slot.heights[std::clamp(static_cast<int>((position.y() + 0.5F) * 50.0F), 0, kHeightBins - 1)];
+      ++slot.heights[std::clamp(static_cast<int>((position.y() + kBinsFrom) * kBinsPerMetre), 0, kHeightBins - 1)];
     }
   }
   for (int k = 0; k < kPersonSlots; ++k) {
@@ -193,14 +201,14 @@ void PeopleFinder::Impl::measure() {
       if (!merged || !slot.confirmed || affirmed) slot.knownCells = slot.cells;
       slot.usualCells = std::max(slot.cells, slot.usualCells - slot.usualCells / kUsualFrames);
       int above = 0, bin = kHeightBins;
-      while (bin > 0 && above < 3 + slot.cells / 500) above += slot.heights[--bin];
-      slot.top = 0.02F * (bin + 1) - 0.5F;
+      while (bin > 0 && above < kTopCells + slot.cells / kTopShare) above += slot.heights[--bin];
+      slot.top = kBinHeight * (bin + 1) - kBinsFrom;
       const Vec3f middle = slot.sum / static_cast<float>(slot.cells);
       const double since = time - slot.lastSeen;
-      if (since > 1e-4 && since < 0.2) {
+      if (since > kPauseFrom && since < kPauseTo) {
         const Vec3f velocity = (middle - slot.middle) / static_cast<float>(since);
-        slot.velocity += 0.4F * (velocity - slot.velocity);
-        if (slot.velocity.norm() > 3.0F) slot.velocity *= 3.0F / slot.velocity.norm();
+        slot.velocity += kVelocityShare * (velocity - slot.velocity);
+        if (slot.velocity.norm() > kFastestPerson) slot.velocity *= kFastestPerson / slot.velocity.norm();
       } else {
         slot.velocity.setZero();
       }
@@ -208,7 +216,7 @@ void PeopleFinder::Impl::measure() {
       slot.lastSeen = time;
       if (slot.born == time) moves.remember(grid, person, k);
       if (slot.moved) continue;
-      const bool isMoving = 20 * slot.newCells > 3 * slot.cells || moves.hasMoved(grid, person, k);
+      const bool isMoving = kOfCells * slot.newCells > kNewCells * slot.cells || moves.hasMoved(grid, person, k);
       slot.movingFrames = isMoving ? slot.movingFrames + 1 : 0;
       slot.moved = slot.movingFrames >= kMovingFrames;
     } else if (time - slot.lastSeen > (slot.moved || slot.confirmed ? kRemembered : kDoubtful)) {
@@ -241,7 +249,7 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
     PersonSlot& slot = slots[k];
     if (!slot.seen || slot.moved) continue;
     const double age = time - slot.born;
-    const bool low = floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * 25 < countOf(person);
+    const bool low = floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * kSmallPart < countOf(person);
     const auto looksHuman = [&] {
       return slot.confirmed || hasHeadAndShoulders(grid, positions, person, k, slot.top, slot.cutAside);
     };
@@ -267,7 +275,7 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
   for (const fit::ShapedCapsule& capsule : body.capsule) {
     const Vec3 middle = cameraFromFloor * capsule.middle.cast<double>();
-    const double depth = std::max(0.3, -middle.z());
+    const double depth = std::max(kNearestBody, -middle.z());
     const double reach = (capsule.reach + kFar) * camera.focalX() / depth;
     const double x = 0.5 * camera.width + camera.focalX() * middle.x() / depth;
     const double y = 0.5 * camera.height - camera.focalY() * middle.y() / depth;
@@ -401,7 +409,7 @@ void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
 }
 
 void PeopleFinder::Impl::find(const DepthFrame& frame) {
-  elapsed = started ? std::clamp(frame.time - time, 0.0, 1.0) : 0.0;
+  elapsed = started ? std::clamp(frame.time - time, 0.0, kLongestFrame) : 0.0;
   time = frame.time;
   started = true;
   grid.fill(frame.depthMm);

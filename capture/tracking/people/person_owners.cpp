@@ -1,14 +1,19 @@
 #include "capture/tracking/people/person_owners.h"
 
-#include "capture/tracking/people/person_gates.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
 namespace lorica {
-
 namespace {
+
+constexpr float kCore = 0.2F;    // within this distance of a person's axis, a cell is certainly theirs [m]
+constexpr float kAlien = 0.35F;  // nearer to another's axis by this: no longer the person's [m]
+constexpr int kSameDepth = 120;  // [mm]
+
+bool holds(unsigned slotMask, int slot) {
+  return (slotMask & (1U << slot)) != 0;
+}
 
 constexpr int kKnownCells = 200;      // of a person's, affirmed by the network: it knows the person
 constexpr float kReach = 0.9F;        // max distance from the middle of a person to that of any piece, horizontally [m]
@@ -19,15 +24,14 @@ constexpr float kOnFloor = 0.15F;     // what reaches down to this height stands
 constexpr float kAloneApart = 0.6F;   // of two surfaces that may be a person each: they are not one person [m]
 
 // Owners of surfaces that are not slots.
-constexpr int kNobody = -1;
+constexpr int kNoOwner = -1;
 constexpr int kMaybe = -2;    // a person for whom no slot is free
 constexpr int kSeveral = -3;  // already shared between people
 constexpr int kScenery = -4;  // continues into the background
 
 /// Distance along the floor from the middle of a surface to the expected middle of a person [m].
 float awayFrom(const PeopleScene& scene, const DepthComponent& one, const PersonSlot& slot) {
-  const Vec3f apart = one.middle() - expectedMiddle(scene, slot);
-  return std::hypot(apart.x(), apart.z());
+  return horizontally(one.middle() - expectedMiddle(scene, slot));
 }
 
 /// Whether a surface shows a head that none of some people may have: it is the visible part of another person.
@@ -60,8 +64,7 @@ int hiddenSlot(const PeopleScene& scene, const PersonSlots& slots, const DepthCo
     const PersonSlot& slot = slots[k];
     if (!isHidden(slot)) continue;
     const float away = scene.time - slot.lastSeen;
-    const Vec3f apart = one.middle() - slot.middle;
-    const float distance = std::hypot(apart.x(), apart.z());
+    const float distance = horizontally(one.middle() - slot.middle);
     if (distance > std::min(0.6F + 1.5F * away, 1.8F) || (best >= 0 && distance >= bestDistance)) continue;
     best = k;
     bestDistance = distance;
@@ -80,6 +83,72 @@ bool standsApart(const PeopleScene& scene, std::size_t component, int slot, int 
 }
 
 }  // namespace
+
+void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, const FloorPositions& positions,
+                        std::size_t component, unsigned slotMask, std::span<const SplitShare> shares,
+                        const LastCells& last, std::span<std::uint8_t> person) {
+  const DepthComponent& one = finder.components()[component];
+  const std::int32_t label = component;
+  const std::span<const std::int32_t> labels = finder.labels();
+  queue_.clear();
+  for (int r = one.top; r <= one.bottom; ++r) {
+    for (int c = one.left; c <= one.right; ++c) {
+      const std::size_t i = grid.index(c, r);
+      if (labels[i] != label) continue;
+
+      const Vec3f position = positions(grid, c, r);
+      std::array<float, kPersonSlots> away{};
+      int closest = -1;
+      float next = 1e9F;  // distance of the second closest axis
+      for (int k = 0; k < kPersonSlots; ++k) {
+        if (!holds(slotMask, k)) continue;
+        const float distance = away[k] = horizontally(position - shares[k].middle);
+        if (closest < 0 || distance < away[closest]) {
+          if (closest >= 0) next = away[closest];
+          closest = k;
+        } else if (distance < next) {
+          next = distance;
+        }
+      }
+      const float min = away[closest];
+      if (min < kCore && min < 0.5F * next) {
+        person[i] = closest + 1;
+        queue_.push_back(i);
+        continue;
+      }
+      int nearest = kSameDepth;
+      for (int k = 0; k < kPersonSlots; ++k) {
+        if (!holds(slotMask, k) || away[k] > min + kAlien) continue;
+        const SplitShare& share = shares[k];
+        const int column = c - share.columns, row = r - share.rows;
+        if (column < 0 || column >= grid.width || row < 0 || row >= grid.height) continue;
+        const std::size_t before = grid.index(column, row);
+        const int off = std::abs(grid.depthMm[i] - last.depthMm[before]);
+        if (last.person[before] != k + 1 || off >= nearest) continue;
+        nearest = off;
+        person[i] = k + 1;
+      }
+      if (person[i] != 0) queue_.push_back(i);
+    }
+  }
+  grow(grid, finder, label, 0.5F, person);
+  grow(grid, finder, label, 1.0F, person);
+}
+
+void PersonSplit::grow(const DepthGrid& grid, const ComponentFinder& finder, std::int32_t label, float steps,
+                       std::span<std::uint8_t> person) {
+  const std::span<const std::int32_t> labels = finder.labels();
+  for (std::size_t next = 0; next < queue_.size(); ++next) {
+    const std::size_t i = queue_[next];
+    const float step = 1000.0F * steps * finder.step(grid.depthMm[i]);
+    grid.visitNeighbours(i, [&](std::size_t j) {
+      if (labels[j] != label || person[j] != 0) return;
+      if (std::abs(grid.depthMm[i] - grid.depthMm[j]) >= step) return;
+      person[j] = person[i];
+      queue_.push_back(j);
+    });
+  }
+}
 
 PersonOwners::PersonOwners(const DepthGrid& grid, const DepthCamera& camera)
     : camera_(camera), split_(grid), atHeads_(grid), person_(grid.cellCount()) {
@@ -162,7 +231,7 @@ void PersonOwners::splitBetween(const PeopleScene& scene, std::size_t component,
 
 void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {
   const std::span<const DepthComponent> all = scene.surfaces.components();
-  owner_.assign(all.size(), kNobody);
+  owner_.assign(all.size(), kNoOwner);
   std::ranges::fill(person_, std::uint8_t{0});
   known_.fill(0);
   for (const DepthComponent& one : all) {
@@ -212,7 +281,7 @@ void PersonOwners::findNewcomers(const PeopleScene& scene, PersonSlots& slots) {
   for (;;) {
     int best = -1;
     for (std::size_t i = 0; i < all.size(); ++i) {
-      if (owner_[i] != kNobody) continue;
+      if (owner_[i] != kNoOwner) continue;
       if (best >= 0 && all[i].area <= all[best].area) continue;
       // What does not move and the network does not take for a person needs a head.
       const bool likely = isAffirmed(all[i]) || 2 * all[i].newCells > all[i].cells;
@@ -309,7 +378,7 @@ void PersonOwners::joinPieces(const PeopleScene& scene, PersonSlots& slots) {
   const std::span<const DepthComponent> all = scene.surfaces.components();
   for (std::size_t component = 0; component < all.size(); ++component) {
     const DepthComponent& one = all[component];
-    if (owner_[component] != kNobody || one.area > 0.4) continue;
+    if (owner_[component] != kNoOwner || one.area > 0.4) continue;
     const bool isNew = 2 * one.newCells > one.cells;
     const float max = isNew ? kGapNew : kGapUnknown;
     const std::array<float, kPersonSlots> gaps = gapsTo(scene, component, max);

@@ -1,7 +1,5 @@
 #include "capture/tracking/segmentation/convolution.h"
 
-#include <cstddef>
-
 namespace lorica {
 namespace {
 
@@ -30,14 +28,14 @@ int ConvolutionShape::taps() const {
   return in;
 }
 
-Convolution::Convolution(const ConvolutionShape& of, std::span<const std::int32_t> bias,
+Convolution::Convolution(const ConvolutionShape& layer, std::span<const std::int32_t> bias,
                          std::span<const std::uint8_t> shifts, std::span<const std::int8_t> inFile)
-    : shape(of),
-      in(filledUp(of.in)),
-      out(filledUp(of.out)),
+    : shape(layer),
+      in(filledUp(layer.in)),
+      out(filledUp(layer.out)),
       offset(out),
       shift(out),
-      weights(std::size_t{2} * pairsOf(of) * out) {
+      weights(std::size_t{2} * pairsOf(layer) * out) {
   for (int o = 0; o < shape.out; ++o) {
     shift[o] = shifts[o];
     offset[o] = bias[o] + (shifts[o] > 0 ? 1 << (shifts[o] - 1) : 0);

@@ -1,10 +1,8 @@
 #include "capture/tracking/segmentation/person_network.h"
 
-#include "capture/tracking/segmentation/person_network_file.h"
 #include "capture/tracking/segmentation/segmentation_kernel.h"
+#include "geometry/errors.h"
 #include "geometry/little_endian.h"
-
-#include <fmt/format.h>
 
 #include <algorithm>
 #include <cstring>
@@ -26,6 +24,10 @@
 // Numbers are 16 bits, 256 is 1.0, and all but the results of R lie between 0 and 4095.
 
 namespace lorica {
+
+/// The bytes of person_network.bin, which the build makes a source file of.
+[[nodiscard]] std::span<const std::uint8_t> personNetworkFile();
+
 namespace {
 
 constexpr int kWidth = PersonNetwork::kWidth;
@@ -120,11 +122,10 @@ Result<PersonNetwork> PersonNetwork::fromBytes(std::span<const std::uint8_t> fil
   std::size_t size = kMagic.size();
   for (const ConvolutionShape& shape : shapes) size += bytesOf(shape);
   if (file.size() < kMagic.size() || std::memcmp(file.data(), kMagic.data(), kMagic.size()) != 0) {
-    return Error{ErrorCode::kBadFormat,
-                 fmt::format("a person network starts with {}, these {} bytes do not", kMagic, file.size())};
+    return badFormat("a person network starts with {}, these {} bytes do not", kMagic, file.size());
   }
   if (file.size() != size) {
-    return Error{ErrorCode::kBadFormat, fmt::format("a person network of {} bytes, expected {}", file.size(), size)};
+    return badFormat("a person network of {} bytes, expected {}", file.size(), size);
   }
 
   PersonNetwork network;
@@ -144,17 +145,15 @@ Result<PersonNetwork> PersonNetwork::fromBytes(std::span<const std::uint8_t> fil
       const std::span<const std::uint8_t> raw = take(sizeof(std::int32_t));
       bias[o] = loadLittleEndian<std::int32_t>(reinterpret_cast<const char*>(raw.data()));
       if (bias[o] < -kMaxBias || bias[o] > kMaxBias) {
-        return Error{ErrorCode::kBadFormat, fmt::format("convolution {} of a person network: bias {} of channel {}, "
-                                                        "expected at most {} in size",
-                                                        number, bias[o], o, kMaxBias)};
+        return badFormat("convolution {} of a person network: bias {} of channel {}, expected at most {} in size",
+                         number, bias[o], o, kMaxBias);
       }
     }
     const std::span<const std::uint8_t> shifts = take(shape.out);
     for (int o = 0; o < shape.out; ++o) {
       if (shifts[o] > kMaxShift) {
-        return Error{ErrorCode::kBadFormat,
-                     fmt::format("convolution {} of a person network: shift {} of channel {}, expected 0 to {}", number,
-                                 shifts[o], o, kMaxShift)};
+        return badFormat("convolution {} of a person network: shift {} of channel {}, expected 0 to {}", number,
+                         shifts[o], o, kMaxShift);
       }
     }
     const std::span<const std::uint8_t> raw = take(shape.weightCount());

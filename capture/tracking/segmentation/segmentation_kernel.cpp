@@ -163,9 +163,7 @@ HWY_INLINE void convolveOutputs(const Convolution& c, const Taps& taps, std::siz
           for (int v = 0; v < kVectors; ++v) weights[v] = loadPairs(firstWeight[v] + next);
           for (int p = 0; p < kPixels; ++p) {
             const auto input = samePair(tap + p * taps.pixelStride);
-            for (int v = 0; v < kVectors; ++v) {
-              sum[p][v] = addProducts(input, weights[v], sum[p][v], more[p][v]);
-            }
+            for (int v = 0; v < kVectors; ++v) sum[p][v] = addProducts(input, weights[v], sum[p][v], more[p][v]);
           }
         }
       }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "capture/tracking/segmentation/convolution.h"
-#include "capture/tracking/segmentation/feature_map.h"
 
 #include <cstdint>
 #include <span>

@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <initializer_list>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -160,19 +161,7 @@ class DepthStream final : public oni::driver::StreamBase {
   void stop() override { end(); }
 
   OniBool isPropertySupported(int property) override {
-    switch (property) {
-      case ONI_STREAM_PROPERTY_CROPPING:
-      case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
-      case ONI_STREAM_PROPERTY_VERTICAL_FOV:
-      case ONI_STREAM_PROPERTY_VIDEO_MODE:
-      case ONI_STREAM_PROPERTY_MAX_VALUE:
-      case ONI_STREAM_PROPERTY_MIN_VALUE:
-      case ONI_STREAM_PROPERTY_STRIDE:
-      case ONI_STREAM_PROPERTY_MIRRORING:
-        return TRUE;
-      default:
-        return FALSE;
-    }
+    return getProperty(property, nullptr, nullptr) == ONI_STATUS_NOT_SUPPORTED ? FALSE : TRUE;
   }
 
   OniStatus getProperty(int property, void* data, int* size) override {
@@ -212,22 +201,23 @@ class DepthStream final : public oni::driver::StreamBase {
   }
 
   void notifyAllProperties() override {
-    for (const int property : {ONI_STREAM_PROPERTY_HORIZONTAL_FOV, ONI_STREAM_PROPERTY_VERTICAL_FOV}) {
-      float value = 0.0F;
-      int size = sizeof(value);
-      if (getProperty(property, &value, &size) == ONI_STATUS_OK) raisePropertyChanged(property, &value, size);
-    }
-    for (const int property : {ONI_STREAM_PROPERTY_MAX_VALUE, ONI_STREAM_PROPERTY_MIN_VALUE, ONI_STREAM_PROPERTY_STRIDE,
-                               ONI_STREAM_PROPERTY_MIRRORING}) {
-      int value = 0;
-      int size = sizeof(value);
-      if (getProperty(property, &value, &size) == ONI_STATUS_OK) raisePropertyChanged(property, &value, size);
-    }
+    notify<float>({ONI_STREAM_PROPERTY_HORIZONTAL_FOV, ONI_STREAM_PROPERTY_VERTICAL_FOV});
+    notify<int>({ONI_STREAM_PROPERTY_MAX_VALUE, ONI_STREAM_PROPERTY_MIN_VALUE, ONI_STREAM_PROPERTY_STRIDE,
+                 ONI_STREAM_PROPERTY_MIRRORING});
     const OniVideoMode mode = videoModeOf(timeline_.script());
     raisePropertyChanged(ONI_STREAM_PROPERTY_VIDEO_MODE, &mode, sizeof(mode));
   }
 
  private:
+  template <typename Value>
+  void notify(std::initializer_list<int> properties) {
+    for (const int property : properties) {
+      Value value{};
+      int size = sizeof(value);
+      if (getProperty(property, &value, &size) == ONI_STATUS_OK) raisePropertyChanged(property, &value, size);
+    }
+  }
+
   [[nodiscard]] int stride() const { return sensor_.camera().width * int{sizeof(std::uint16_t)}; }
 
   void end() {
@@ -295,8 +285,7 @@ class Device final : public oni::driver::DeviceBase {
   void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
 
   OniBool isPropertySupported(int property) override {
-    return property == ONI_DEVICE_PROPERTY_IMAGE_REGISTRATION || property == ONI_DEVICE_PROPERTY_DRIVER_VERSION ? TRUE
-                                                                                                                : FALSE;
+    return getProperty(property, nullptr, nullptr) == ONI_STATUS_NOT_SUPPORTED ? FALSE : TRUE;
   }
   OniStatus getProperty(int property, void* data, int* size) override {
     switch (property) {

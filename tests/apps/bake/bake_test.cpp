@@ -72,7 +72,7 @@ TEST(Bake, MakesResultsOfWhatCanBeBakedAndSentencesOfTheRest) {
   const Result<std::string> lorica = readFile(result / "box.lorica");
   ASSERT_TRUE(lorica.ok());
   EXPECT_EQ(lines[0]["files"][0]["hash"], hexDigits(contentHash(*lorica)));
-  EXPECT_FALSE(fs::exists(library.folder.path() / "out" / "work"));
+  EXPECT_EQ(filesIn(library.folder.path() / "out" / "items").size(), 4u);
 
   const CommandResult second = library.run({"list.csv", "--out", "out", "--json", "-"});
   EXPECT_EQ(second.json()["there"], 4);
@@ -156,6 +156,9 @@ TEST(Bake, CollectChecksEveryFileAndWritesAReport) {
   const CommandResult damaged = library.run({"list.csv", "--out", "out", "--collect"});
   EXPECT_EQ(damaged.exitCode, 2);
   EXPECT_NE(damaged.err.find("box.obj: found content with the hash "), std::string::npos) << damaged.err;
+  EXPECT_EQ(library.run({"list.csv", "--out", "out", "--json", "-"}).json()["made"], 1);
+  EXPECT_EQ(library.run({"list.csv", "--out", "out", "--collect", "--json", "-"}).json()["hash"],
+            collected.json()["hash"]);
 }
 
 TEST(Bake, InterruptFinishesTheItemAndASecondRunGoesOn) {
@@ -165,13 +168,16 @@ TEST(Bake, InterruptFinishesTheItemAndASecondRunGoesOn) {
   library.folder.write("many.csv", list);
   CommandSurroundings interrupted = library.surroundings;
   interrupted.interruptWhen = [&](const RunningCommand&) {  // the first item is in progress
-    const fs::path work = library.folder.path() / "out" / "work";
-    return fs::exists(work) && !fs::is_empty(work);
+    std::error_code ignored;
+    for (fs::directory_iterator entry(library.folder.path() / "out" / "items", ignored), end; entry != end;
+         entry.increment(ignored)) {
+      if (fs::exists(entry->path() / "log.txt", ignored)) return true;
+    }
+    return false;
   };
   const CommandResult first = runLorica({"bake", "many.csv", "--out", "out", "--threads", "1"}, interrupted);
   EXPECT_EQ(first.exitCode, 130);
   EXPECT_NE(first.err.find("finishing the items in progress"), std::string::npos) << first.err;
-  EXPECT_FALSE(fs::exists(library.folder.path() / "out" / "work"));
   const std::vector<std::string> done = filesIn(library.folder.path() / "out" / "items");
   ASSERT_EQ(done.size(), 1u);
   EXPECT_TRUE(fs::exists(library.folder.path() / "out" / "items" / done[0] / "mannequin.lorica"));

@@ -337,7 +337,7 @@ TEST_F(FaultTable, TheNextRunHealsWhatAKilledOneLeft) {
   }
 }
 
-// ---- bake, whose folder several processes share
+// ---- bake
 
 /// Bakes a box and a character with a fault, and again without: the folder must be that of a bake without faults.
 class FaultyBake : public testing::TestWithParam<Fault> {
@@ -372,7 +372,7 @@ TEST_P(FaultyBake, IsHealedByTheNextRun) {
   EXPECT_TRUE(mayBeDone || end.exitCode != 0) << end.err;
   EXPECT_TRUE(fault != Fault::kClockWrong || end.exitCode == 0) << end.err;
   // What has its final name is whole, whatever happened: the results of the second run are those of a clean one.
-  const FaultyEnd again = run(folder, {"--lost-after", "1"}, Fault::kNone);
+  const FaultyEnd again = run(folder, {}, Fault::kNone);
   EXPECT_EQ(again.exitCode, 0) << again.err;
   EXPECT_EQ(hashOf(folder), expected);
 }

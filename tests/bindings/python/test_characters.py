@@ -1,5 +1,7 @@
 import copy
+import os
 import pickle
+import shutil
 import tempfile
 import unittest
 from pathlib import Path
@@ -24,13 +26,27 @@ class Characters(unittest.TestCase):
         cls.mannequin = lorica.Character()
         cls.body = cls.mannequin.load_body(FILES / "body.lorica")
 
+    def use_all(self, unmade):
+        """Every attribute of an object without content: the first raises, and none ends the interpreter."""
+        error = None
+        for name in (name for name in dir(unmade) if not name.startswith("_")):
+            try:
+                value = getattr(unmade, name)
+                if callable(value):
+                    value()
+            except TypeError as each:
+                error = error or each
+        repr(unmade), hash(unmade)
+        if error:
+            raise error
+
     def test_objects_without_their_constructor_are_refused(self):
         frame = next(iter(lorica.play("walk", self.body)))
         parts = lorica.decompose(*box())
         for made in (self.mannequin, self.body, frame, frame.hulls[0], self.body.live(), parts, lorica.play("walk", self.body)):
             kind = type(made)
             for attempt in (
-                lambda: kind.__new__(kind),
+                lambda: self.use_all(kind.__new__(kind)),
                 lambda: object.__new__(kind),
                 lambda: copy.copy(made),
                 lambda: copy.deepcopy(made),
@@ -40,6 +56,20 @@ class Characters(unittest.TestCase):
                     attempt()
         with self.assertRaises(TypeError):
             lorica.Body()
+        unmade = []
+
+        class Mine(lorica.Character):
+            def __new__(cls):
+                with self.assertRaises(TypeError):
+                    self.use_all(lorica.Hull.__new__(lorica.Hull))
+                unmade.extend([lorica.Character.__new__(cls), lorica.Character.__new__(lorica.Character)])
+                lorica.Character()
+                return lorica.Character.__new__(cls)
+
+        self.assertGreater(Mine().height, 0)
+        for character in unmade:
+            with self.assertRaisesRegex(TypeError, "made by __new__ alone and is empty"):
+                self.use_all(character)
         self.assertEqual(lorica.Character("mannequin").body is None, False)
 
     def test_hulls_are_those_of_a_session_bit_for_bit(self):
@@ -282,6 +312,17 @@ class Characters(unittest.TestCase):
         body = self.mannequin.body(2, hull_vertices=32)
         for _, frame in zip(range(30), lorica.play("punch_and_kick", body)):
             self.assertLessEqual(max(len(hull.vertices) for hull in frame.hulls), 32)
+
+    def test_names_need_not_be_utf8(self):
+        with tempfile.TemporaryDirectory() as folder:
+            name = os.fsdecode(os.path.join(os.fsencode(folder), b"h\xfclle.glb"))
+            shutil.copy(FILES / "hero.glb", name)
+            self.assertGreater(lorica.Character(name).height, 0)
+            self.assertEqual(lorica.Character(os.fsencode(name)).name, os.fsdecode(b"h\xfclle"))
+            none = os.fsdecode(os.path.join(os.fsencode(folder), b"n\xffne.off"))
+            for call in (lorica.read_mesh, lorica.load_parts, lorica.Character, lorica.contacts):
+                with self.subTest(call), self.assertRaisesRegex((OSError, ValueError), r"n(\udcff|\\xff)ne\.off"):
+                    call(none, *box()) if call is lorica.load_parts else call(none)
 
     def test_bad_input_is_a_sentence(self):
         for error, sentence, call in (

@@ -67,7 +67,7 @@ class Commands(unittest.TestCase):
 
     def run_pages(self, pages):
         with tempfile.TemporaryDirectory() as folder:
-            os.symlink(SOURCE / "scenes", Path(folder) / "scenes")
+            os.symlink(SOURCE / "recordings/scenes", Path(folder) / "scenes")
             cameras = self.run_line("lorica info --devices", folder).returncode == 0  # else there is no OpenNI2
             for page, fewest in pages:
                 count, printed = 0, None
@@ -145,7 +145,7 @@ class Benchmarks(unittest.TestCase):
             for page in pages:
                 shutil.copy(DOCS / page, folder)
             (Path(folder) / "BENCHMARKS.md").unlink()
-            subprocess.run([sys.executable, SOURCE / "bench/charts.py", folder], check=True)
+            subprocess.run([sys.executable, SOURCE / "tests/bench/charts.py", folder], check=True)
             drawn = sorted(file.relative_to(folder) for file in Path(folder).glob("**/*") if file.suffix in (".md", ".svg"))
             kept = sorted(file.relative_to(DOCS) for file in (DOCS / "pictures").glob("bench_*.svg"))
             self.assertEqual(drawn, [*map(Path, pages), *kept])
@@ -155,7 +155,7 @@ class Benchmarks(unittest.TestCase):
 
 class Sentences(unittest.TestCase):
     def test_every_sentence_is_said_somewhere(self):
-        folders = "acd apps bake capture collision export geometry player prepare serve session skinning viewer".split()
+        folders = "acd apps capture collision export geometry session skinning viewer".split()
         files = [f for folder in folders for f in (SOURCE / folder).rglob("*.*") if f.suffix in (".cpp", ".h", ".js")]
         said = re.sub(r'"\s*\n\s*"', "", "\n".join(f.read_text() for f in sorted(files)))
         rows = re.findall(r"^\| `(.*?)`.*\|$", (DOCS / "TROUBLESHOOTING.md").read_text(), re.M)

@@ -1,25 +1,38 @@
-// Files whose zero pose is no pose of a body: bones along the axes of their joints, as LaFAN1, Unreal and many rigs
-// store them.
 #include "capture/files/bvh_file.h"
+#include "capture/files/joint_csv.h"
 #include "capture/retarget/skeletal_retarget.h"
-#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
 #include "geometry/random_numbers.h"
+#include "skinning/humanoid/humanoid.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/capture/figures.h"
+#include "tests/skinning/humanoid/humanoid_samples.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <functional>
+#include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica {
 namespace {
+
+using test::contradictions;
+using test::differences;
+using test::namesOf;
+using test::RigNames;
+using test::rigOf;
+using enum HumanBone;
+
+// Files whose zero pose is no pose of a body: bones along the axes of their joints, as LaFAN1, Unreal and many rigs
+// store them.
 
 using enum HumanBone;
 /// Gives a joint's new axes by the way to its first child, in a T-pose that faces +Z; zero for joints that end.
@@ -92,8 +105,8 @@ const Skeleton& mannequin() {
 }
 
 /// What the mannequin does, with the names of its joints.
-SkeletalMotion performed(SyntheticMotion motion) {
-  return retargetMotion(skeletalMotionOf(synthesizeMotion(motion)).value(), mannequin()).value();
+SkeletalMotion performed(std::string_view motion) {
+  return retargetMotion(skeletalMotionOf(shippedFrames(motion)).value(), mannequin()).value();
 }
 
 BvhFile throughFile(const SkeletalMotion& motion) {
@@ -146,7 +159,7 @@ SkeletalMotion seated(SkeletalMotion motion) {
 }
 
 TEST(BvhRest, PeopleWhoNeverStand) {
-  const SkeletalMotion motion = seated(performed(SyntheticMotion::kWalk));
+  const SkeletalMotion motion = seated(performed("walk"));
   const BvhFile usual = throughFile(motion);
   for (const Convention& convention : {Convention(alongX), Convention(crooked)}) {
     const BvhFile unusual = throughFile(inConvention(motion, convention));
@@ -158,10 +171,42 @@ TEST(BvhRest, PeopleWhoNeverStand) {
   }
 }
 
+/// People who walk all the time, and whose swinging foot, or hand, points down: it is no frame's rest.
+SkeletalMotion pointing(SkeletalMotion motion, HumanBone left, HumanBone right) {
+  const std::size_t count = motion.skeleton.jointCount();
+  for (std::size_t f = 0; f < motion.poses.size() / count; ++f) {
+    const Pose pose(motion.pose(int(f)).begin(), motion.pose(int(f)).end());
+    const std::vector<Affine3> world = test::worldOf(motion.skeleton, pose);
+    const auto height = [&](HumanBone bone) { return world[motion.skeleton.jointOf(bone)].translation().y(); };
+    const HumanBone bone = height(kLeftFoot) > height(kRightFoot) ? left : right;
+    Quat& turned = motion.poses[f * count + motion.skeleton.jointOf(bone)].rotation;
+    turned = turned * Quat(Eigen::AngleAxisd(test::degrees(70.0), Vec3::UnitX()));
+  }
+  return motion;
+}
+
+TEST(BvhRest, AFootThatSwingsIsNotLevel) {
+  SkeletalMotion walking = performed("walk");
+  const std::size_t count = walking.skeleton.jointCount();
+  constexpr std::size_t kStanding = 25;  // frames before the first step
+  ASSERT_GT(walking.times.size(), 3 * kStanding);
+  walking.poses.erase(walking.poses.begin(), walking.poses.begin() + kStanding * count);
+  walking.times.resize(walking.times.size() - kStanding);
+  const SkeletalMotion motion = pointing(walking, kLeftFoot, kRightFoot);
+  const BvhFile usual = throughFile(motion);
+  for (const Convention& convention : {Convention(alongX), Convention(mirroredAlongX), Convention(crooked)}) {
+    const BvhFile unusual = throughFile(inConvention(motion, convention));
+    EXPECT_NE(unusual.firstGuess.at(0).find(" foot from frame "), std::string::npos) << unusual.firstGuess.at(0);
+    const Differences off = difference(usual.motion, unusual.motion);
+    EXPECT_LT(off.position, 0.06) << unusual.firstGuess.at(0);
+    EXPECT_LT(off.turn, 35.0) << unusual.firstGuess.at(0);
+  }
+}
+
 /// A T-pose has other hands than the I-pose in which these motions begin: they twist by as much as the limits allow.
 TEST(BvhRest, AxesOfJointsDoNotMatter) {
-  for (int m = 0; m < kSyntheticMotionCount; ++m) {
-    const SkeletalMotion motion = performed(static_cast<SyntheticMotion>(m));
+  for (const std::string_view shipped : kShippedMotions) {
+    const SkeletalMotion motion = performed(shipped);
     const BvhFile usual = throughFile(motion);
     EXPECT_EQ(usual.firstGuess.at(0), "rest pose: the zero pose, a T-pose");
     for (const Convention& convention :
@@ -177,7 +222,7 @@ TEST(BvhRest, AxesOfJointsDoNotMatter) {
 }
 
 TEST(BvhRest, ThePoseMayBeAskedFor) {
-  const SkeletalMotion motion = inConvention(performed(SyntheticMotion::kWave), alongX);
+  const SkeletalMotion motion = inConvention(performed("wave"), alongX);
   const test::TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "wave.bvh";
   const std::filesystem::path other = folder.path() / "rest.bvh";
@@ -201,8 +246,8 @@ TEST(BvhRest, ThePoseMayBeAskedFor) {
 
 TEST(BvhRest, AnotherSkeletonsFileIsRefused) {
   const test::TemporaryFolder folder;
-  ASSERT_TRUE(writeBvh(folder.path() / "a.bvh", performed(SyntheticMotion::kWave)));
-  ASSERT_TRUE(writeBvh(folder.path() / "b.bvh", skeletalMotionOf(synthesizeMotion(SyntheticMotion::kWave)).value()));
+  ASSERT_TRUE(writeBvh(folder.path() / "a.bvh", performed("wave")));
+  ASSERT_TRUE(writeBvh(folder.path() / "b.bvh", skeletalMotionOf(shippedFrames("wave")).value()));
   const Result<BvhFile> read =
       readBvh(folder.path() / "a.bvh", parseBvhRest((folder.path() / "b.bvh").string()).value());
   ASSERT_FALSE(read);
@@ -221,6 +266,101 @@ TEST(BvhRest, SharedFilesOfThreeConventionsMoveAlike) {
     const Vec3 shoulder = world[mannequin().jointOf(kLeftUpperArm)].translation();
     EXPECT_LT((shoulder - Vec3(0.172, 1.45, shoulder.z())).norm(), 0.02) << name << ": " << shoulder.transpose();
     EXPECT_LT(difference(usual.motion, unusual.motion).position, 0.06) << name;
+  }
+}
+
+// What other programs need of a BVH file that Lorica wrote: names that are words and differ, and numbers.
+
+/// A chain of joints, 0.5 m each, at rest.
+SkeletalMotion chainOf(const std::vector<std::string>& names) {
+  std::vector<Joint> joints;
+  for (const std::string& name : names) {
+    JointTransform rest;
+    rest.translation = Vec3(0.0, 0.5, 0.0);
+    joints.push_back({name, static_cast<JointIndex>(joints.size()) - 1, rest, std::nullopt});
+  }
+  SkeletalMotion motion;
+  motion.skeleton = Skeleton::create(std::move(joints)).value();
+  motion.times = {0.0};
+  motion.poses = restPose(motion.skeleton);
+  return motion;
+}
+
+TEST(BvhWriter, NamesAreWordsThatDiffer) {
+  const test::TemporaryFolder folder;
+  const std::vector<std::string> names = {"Hand", "Hand", "Hand_2", "left arm", "left{arm", "", "", "Hand"};
+  ASSERT_TRUE(writeBvh(folder.path() / "out.bvh", chainOf(names)));
+  const Result<BvhFile> read = readBvh(folder.path() / "out.bvh");
+  ASSERT_TRUE(read) << read.error().message;
+  std::vector<std::string> found;
+  for (const Joint& joint : read->motion.skeleton.joints()) found.push_back(joint.name);
+  EXPECT_EQ(found, (std::vector<std::string>{"Hand", "Hand_3", "Hand_2", "left_arm", "left_arm_2", "joint", "joint_2",
+                                             "Hand_4"}));
+}
+
+TEST(BvhWriter, PosesThatAreNotFiniteAreRefusedWithFrameAndJoint) {
+  const test::TemporaryFolder folder;
+  SkeletalMotion motion = chainOf({"hips", "spine"});
+  motion.times.push_back(0.1);
+  const Pose rest = motion.poses;
+  motion.poses.insert(motion.poses.end(), rest.begin(), rest.end());
+  motion.poses[3].rotation.x() = std::numeric_limits<double>::infinity();
+  const Result<void> written = writeBvh(folder.path() / "out.bvh", motion);
+  ASSERT_FALSE(written);
+  EXPECT_NE(written.error().message.find("frame 2: the pose of joint 'spine' is not finite"), std::string::npos)
+      << written.error().message;
+  EXPECT_FALSE(std::filesystem::exists(folder.path() / "out.bvh"));
+}
+
+void expectBones(const std::filesystem::path& file, const std::map<HumanBone, std::string>& truth,
+                 std::string_view by) {
+  const Result<BvhFile> read = readBvh(file);
+  ASSERT_TRUE(read.ok()) << read.error().message;
+  const Skeleton& skeleton = read->motion.skeleton;
+  HumanoidGuess none;
+  none.jointOf.fill(kNoJoint);
+  const HumanoidGuess guess = guessHumanoid(withBones(skeleton, none));
+  EXPECT_EQ(differences(truth, namesOf(skeleton, guess)), "") << file;
+  EXPECT_EQ(contradictions(skeleton, guess), "") << file;
+  EXPECT_EQ(guess.by, by) << file;
+  for (const auto& [bone, name] : truth) {
+    ASSERT_NE(skeleton.jointOf(bone), kNoJoint) << file << " " << nameOf(bone);
+    EXPECT_EQ(skeleton.joint(skeleton.jointOf(bone)).name, name) << file << ": reading finds them, too";
+  }
+}
+
+TEST(BvhBones, JumpingJacks) {
+  LORICA_REQUIRE_DATASET(file, "bvh/animated_drawings/jumping_jacks.bvh");
+  std::map<HumanBone, std::string> truth = namesOf(rigOf("", "", "Left,Right", "Hips,lowerback,Chest,Chest2,Neck,Head",
+                                                         "%Hip,%Knee,%Ankle,%Toe", "%Collar,%Shoulder,%Elbow,%Wrist"));
+  truth[kLeftThumbMetacarpal] = "LThumb";
+  truth[kRightThumbMetacarpal] = "RThumb";
+  truth[kLeftMiddleProximal] = "LFingers";
+  truth[kRightMiddleProximal] = "RFingers";
+  expectBones(file, truth, "names (Biovision)");
+}
+
+TEST(BvhBones, Zombie) {
+  LORICA_REQUIRE_DATASET(file, "bvh/animated_drawings/zombie.bvh");
+  // Of four bones of the spine the third is the middle.
+  std::map<HumanBone, std::string> truth =
+      namesOf(rigOf("", "", "Left,Right", "Hips,Spine,Spine2,Spine3,Neck,Head", "%UpLeg,%Leg,%Foot,%ToeBase",
+                    "%Shoulder,%Arm,%ForeArm,%Hand"));
+  truth[kLeftThumbMetacarpal] = "LeftHandThumb1";
+  truth[kRightThumbMetacarpal] = "RightHandThumb1";
+  expectBones(file, truth, "names (Mixamo)");
+}
+
+TEST(BvhBones, MakeHumanTodayAndBefore) {
+  const RigNames today =
+      rigOf("", "", "L,R", "root,spine05,spine03,spine01,neck01,head", "upperleg01.%,lowerleg01.%,foot.%,toe2-1.%",
+            "clavicle.%,upperarm01.%,lowerarm01.%,wrist.%", "finger@-#.%", "1,2,3,4,5");
+  // Its Hips joint carries only the legs.
+  const RigNames before = rigOf("", "", "L,R", "Root,Spine1,Spine2,Spine3,Neck,Head", "UpLeg_%,LoLeg_%,Foot_%,Toe_%",
+                                "Clavicle_%,UpArm_%,LoArm_%,Hand_%", "@#_%", "Thumb,Index,Middle,Ring,Pinky");
+  for (const auto& [name, rig] : {std::pair("tpose", today), {"walk1", before}, {"zombieWalk1", before}}) {
+    LORICA_REQUIRE_DATASET(file, std::string("bvh/makehuman/") + name + ".bvh");
+    expectBones(file, namesOf(rig), "names (MakeHuman)");
   }
 }
 

@@ -1,6 +1,5 @@
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
-#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/counts.h"
 #include "tests/capture/files/joint_files.h"
 #include "tests/support/datasets.h"
@@ -23,7 +22,7 @@ namespace {
 using J = BodyJoint;
 
 std::vector<SkeletonFrame> walk() {
-  std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWalk);
+  std::vector<SkeletonFrame> frames = shippedFrames("walk");
   frames.resize(30);
   return frames;
 }

@@ -1,6 +1,5 @@
 #include "capture/files/joint_csv.h"
 #include "capture/files/joint_stream.h"
-#include "capture/synthetic/synthetic_motion.h"
 #include "tests/capture/files/joint_files.h"
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
@@ -9,16 +8,19 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <random>
 
-/// Files that do not contain joints, truncated files, damaged files.
 namespace lorica {
 namespace {
 
+using test::BodiesRow;
 using test::TemporaryFolder;
 
+// Files that do not contain joints, truncated files, damaged files.
+
 std::vector<SkeletonFrame> fewFrames(std::size_t count) {
-  std::vector<SkeletonFrame> frames = synthesizeMotion(SyntheticMotion::kWave);
+  std::vector<SkeletonFrame> frames = shippedFrames("wave");
   frames.resize(count);
   return frames;
 }
@@ -45,6 +47,29 @@ TEST(JointStreamBad, WhatIsNoneOfThemIsNamed) {
   const TemporaryFolder folder;
   EXPECT_EQ(readJointStream(folder.path() / "nowhere.txt").error().code, ErrorCode::kNotFound);
   EXPECT_FALSE(readJointStream(folder.path()));
+}
+
+/// What once took a second a row, and an hour a name. These end; a test that looked at clocks would prove less.
+TEST(JointStreamBad, RowsAndNamesThatAreMadeToBeSlowEnd) {
+  std::string header = "Time", row;
+  for (const char* joint : {"SpineBase", "SpineMid", "Neck", "Head", "ShoulderLeft", "ElbowLeft", "WristLeft",
+                            "HandLeft", "ShoulderRight", "ElbowRight", "WristRight", "HandRight", "HipLeft"}) {
+    header += ",Joint,Status,PositionX,PositionY,PositionZ,RotationW,RotationX,RotationY,RotationZ";
+    row += fmt::format(",{},2", joint);
+    for (int n = 0; n < 9; ++n) header += ",RotationW";
+    for (int n = 0; n < 24; ++n) row += ",2";
+  }
+  std::string text = header + '\n';
+  for (int f = 0; f < 1000; ++f) text += std::to_string(f * 333333L) + row + '\n';
+  (void)parseJointStream(text, "slow.csv");
+
+  std::string longName;
+  for (int i = 0; i < 400'000; ++i) longName += "world";
+  for (const std::string& name : {longName + "head_x", "head" + longName + "_x"}) {
+    const auto stream = parseJointStream("timestamp," + name + ",head_y,head_z\n1,1,1,1\n", "slow.csv");
+    ASSERT_FALSE(stream);
+    EXPECT_LT(stream.error().message.size(), 2000u);
+  }
 }
 
 TEST(JointStreamBad, WhatMayBeTwoOfThemAsksForAName) {
@@ -202,6 +227,86 @@ TEST(JointStreamBad, UiPrmdSaysWhichFileIsMissing) {
     const auto stream = test::valueOf(readJointStream(file));
     EXPECT_EQ(stream.frames.size(), 1u);
   }
+}
+
+constexpr std::size_t kComes = 30, kLeaves = 60, kEnd = 90;  // frames of the second person, and of the first
+
+/// The first of two waves all the time, 0.6 m to the left of the middle; the second is there for a second, 0.6 m to the
+/// right.
+struct TwoPeople {
+  std::vector<SkeletonFrame> first = at(-0.6, "wave");
+  std::vector<SkeletonFrame> second = at(0.6, "jumping_jacks");
+
+  static std::vector<SkeletonFrame> at(double x, std::string_view motion) {
+    std::vector<SkeletonFrame> frames = shippedFrames(motion);
+    frames.resize(kEnd);
+    for (SkeletonFrame& frame : frames) {
+      for (TrackedJoint& joint : frame.joints) joint.position.x() += x;
+    }
+    return frames;
+  }
+
+  [[nodiscard]] std::string file() const {
+    std::vector<BodiesRow> rows;
+    for (std::size_t f = 0; f < kEnd; ++f) {
+      BodiesRow& row = rows.emplace_back(BodiesRow{.ticks = static_cast<std::int64_t>(std::lround(f * 1e7 / 30.0))});
+      row.bodies[0] = &first[f];
+      if (f >= kComes && f < kLeaves) row.bodies[3] = &second[f];
+    }
+    return test::bodiesFile(rows);
+  }
+};
+
+double middleOf(const SkeletonFrame& frame) {
+  return 0.5 * (frame[BodyJoint::kLeftHip].position.x() + frame[BodyJoint::kRightHip].position.x());
+}
+
+TEST(JointStreamOfAll, KeepsWhereAndWhenPeopleWere) {
+  const test::TemporaryFolder folder;
+  const TwoPeople two;
+  const std::vector<JointStream> all = readJointStreamOfAll(folder.write("two.txt", two.file())).value();
+  ASSERT_EQ(all.size(), 2u);
+  ASSERT_EQ(all[0].frames.size(), kEnd);
+  ASSERT_EQ(all[1].frames.size(), kEnd);
+  for (std::size_t f = 0; f < kEnd; ++f) {
+    const SkeletonFrame &first = all[0].frames[f], &second = all[1].frames[f];
+    EXPECT_NEAR(first.time, static_cast<double>(f) / 30.0, 1e-3);
+    EXPECT_NEAR(second.time, first.time, 1e-3);
+    EXPECT_NE(first.user, kNobody);
+    EXPECT_EQ(second.user == kNobody, f < kComes || f >= kLeaves) << f;
+    if (second.user == kNobody) continue;
+    const double truth = middleOf(two.second[f]) - middleOf(two.first[f]);
+    EXPECT_NEAR(middleOf(second) - middleOf(first), truth, 1e-3) << f;
+  }
+}
+
+TEST(JointStreamOfAll, OfOnePersonIsTheStream) {
+  const test::TemporaryFolder folder;
+  const std::vector<SkeletonFrame> frames = TwoPeople().first;
+  const std::filesystem::path file = folder.write("one.txt", test::msrFile(frames));
+  const std::vector<JointStream> all = readJointStreamOfAll(file).value();
+  const JointStream one = readJointStream(file).value();
+  ASSERT_EQ(all.size(), 1u);
+  ASSERT_EQ(all[0].frames.size(), one.frames.size());
+  for (std::size_t f = 0; f < one.frames.size(); ++f) {
+    EXPECT_NEAR(all[0].frames[f].time, one.frames[f].time, 1e-9);
+    const Vec3 off = all[0].frames[f][BodyJoint::kHead].position - one.frames[f][BodyJoint::kHead].position;
+    EXPECT_LT(off.norm(), 1e-9);
+  }
+}
+
+TEST(JointStreamOfAll, OfACrowdIsRefused) {
+  const test::TemporaryFolder folder;
+  std::ifstream walk(test::recordingsFolder() / "walk.csv");
+  std::string header, row;
+  std::getline(walk, header);
+  std::getline(walk, row);
+  std::string text = header + "\n";
+  const std::string joints = row.substr(row.find(',', row.find(',') + 1));
+  for (int user = 1; user <= 65; ++user) text += "0," + std::to_string(user) + joints + "\n";
+  const Result<std::vector<JointStream>> all = readJointStreamOfAll(folder.write("crowd.csv", text));
+  ASSERT_FALSE(all.ok());
+  EXPECT_NE(all.error().message.find("found 65 people, expected at most 64"), std::string::npos) << all.error().message;
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 #include "capture/files/joint_stream.h"
 
 #include "capture/files/joint_csv.h"
-#include "capture/synthetic/synthetic_motion.h"
 #include "geometry/files.h"
 #include "tests/capture/files/joint_files.h"
 #include "tests/support/datasets.h"
@@ -22,8 +21,8 @@ using test::BodiesRow;
 using test::TemporaryFolder;
 
 /// The first frames of a shipped motion.
-std::vector<SkeletonFrame> performance(SyntheticMotion motion, std::size_t count) {
-  std::vector<SkeletonFrame> frames = synthesizeMotion(motion);
+std::vector<SkeletonFrame> performance(std::string_view motion, std::size_t count) {
+  std::vector<SkeletonFrame> frames = shippedFrames(motion);
   frames.resize(std::min(count, frames.size()));
   return frames;
 }
@@ -60,7 +59,7 @@ bool hasNote(const JointStream& stream, std::string_view part) {
 }
 
 TEST(JointStream, EveryLayoutIsToldByItsContentAndGivesThePerformance) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 60);
+  const std::vector<SkeletonFrame> truth = performance("walk", 60);
   for (const test::JointFile& file : test::oneOfEach(truth)) {
     SCOPED_TRACE(nameOf(file.format));
     const JointStream stream = parsed(file.text);
@@ -79,7 +78,7 @@ TEST(JointStream, EveryLayoutIsToldByItsContentAndGivesThePerformance) {
 }
 
 TEST(JointStream, NoLayoutIsTakenForAnother) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kPunchAndKick, 40);
+  const std::vector<SkeletonFrame> truth = performance("punch_and_kick", 40);
   std::vector<test::JointFile> files = test::oneOfEach(truth);
   files.push_back({JointFormat::kNite2, test::niteFile(truth, false, 1000.0)});
   files.push_back({JointFormat::kKinect2Wide, test::wideFile(truth, {.decimalCommas = true})});
@@ -104,7 +103,7 @@ TEST(JointStream, NoLayoutIsTakenForAnother) {
 }
 
 TEST(JointStream, LineEndsByteOrderMarksAndBlankLinesChangeNothing) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 25);
+  const std::vector<SkeletonFrame> truth = performance("wave", 25);
   for (const test::JointFile& file : test::oneOfEach(truth)) {
     if (file.format == JointFormat::kLorica) continue;  // FORMAT.md does not allow blank lines between rows
     SCOPED_TRACE(nameOf(file.format));
@@ -121,7 +120,7 @@ TEST(JointStream, LineEndsByteOrderMarksAndBlankLinesChangeNothing) {
 }
 
 TEST(JointStream, OtherDelimitersAndDecimalCommas) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 25);
+  const std::vector<SkeletonFrame> truth = performance("wave", 25);
   const auto with = [](std::string text, char from, char to) {
     std::replace(text.begin(), text.end(), from, to);
     return text;
@@ -151,7 +150,7 @@ TEST(JointStream, OtherDelimitersAndDecimalCommas) {
 }
 
 TEST(JointStream, UtKinectNumbersJumpAndRepeat) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 8);
+  const std::vector<SkeletonFrame> truth = performance("walk", 8);
   const std::vector<int> numbers = {190, 190, 194, 196, 200, 406, 406, 408};
   const JointStream stream = parsed(test::utKinectFile(truth, numbers));
   expectSameShape(stream.frames, truth, 5e-6);
@@ -166,8 +165,8 @@ TEST(JointStream, UtKinectNumbersJumpAndRepeat) {
 
 TEST(JointStream, UtKinectRowsOfASecondPersonAreDistinguished) {
   // As in subject 3 of the data set: for several frames another person is in the image under the same numbers.
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 40);
-  std::vector<SkeletonFrame> other = performance(SyntheticMotion::kWave, 40);
+  const std::vector<SkeletonFrame> truth = performance("walk", 40);
+  std::vector<SkeletonFrame> other = performance("wave", 40);
   std::vector<SkeletonFrame> rows;
   std::vector<int> numbers;
   for (int f = 0; f < 40; ++f) {
@@ -201,7 +200,7 @@ std::string twoBodies(const std::vector<SkeletonFrame>& walker, const SkeletonFr
 }
 
 TEST(JointStream, OfSixBodiesTheOneThatMovesIsTaken) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 120);
+  const std::vector<SkeletonFrame> truth = performance("walk", 120);
   SkeletonFrame still = truth[0];
   for (TrackedJoint& joint : still.joints) joint.position += Vec3(1.0, 0, 0);
   const std::string text = twoBodies(truth, still);
@@ -221,7 +220,7 @@ TEST(JointStream, OfSixBodiesTheOneThatMovesIsTaken) {
 }
 
 TEST(JointStream, StatesAreConfidence) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 12);
+  const std::vector<SkeletonFrame> truth = performance("walk", 12);
   const JointStream inferred = parsed(twoBodies(truth, truth[0], 1));
   EXPECT_EQ(inferred.frames[0][J::kLeftHand].confidence, 0.5);
   EXPECT_EQ(inferred.frames[0][J::kLeftElbow].confidence, 1.0);
@@ -232,7 +231,7 @@ TEST(JointStream, StatesAreConfidence) {
 }
 
 TEST(JointStream, BodiesWithAClockThatStandsStillAreTimedByTheLog) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 10);
+  const std::vector<SkeletonFrame> truth = performance("walk", 10);
   std::vector<BodiesRow> rows;
   for (std::size_t f = 0; f < 10; ++f) {
     BodiesRow row{.ticks = static_cast<std::int64_t>(f) * 400000};
@@ -249,7 +248,7 @@ TEST(JointStream, BodiesWithAClockThatStandsStillAreTimedByTheLog) {
 }
 
 TEST(JointStream, BodiesWithAClockInOtherUnitsAreTimedByTheLog) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 10);
+  const std::vector<SkeletonFrame> truth = performance("walk", 10);
   std::string logged, unlogged;
   for (std::size_t f = 0; f < 10; ++f) {
     BodiesRow row{.ticks = static_cast<std::int64_t>(f) * 400000};
@@ -270,7 +269,7 @@ TEST(JointStream, BodiesWithAClockInOtherUnitsAreTimedByTheLog) {
 }
 
 TEST(JointStream, BodiesThatAreAbsentMayBeLeftOutAtTheEndOfARow) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 10);
+  const std::vector<SkeletonFrame> truth = performance("walk", 10);
   std::vector<BodiesRow> rows;
   for (std::size_t f = 0; f < 10; ++f) {
     BodiesRow row{.ticks = static_cast<std::int64_t>(f) * 333333};
@@ -295,7 +294,7 @@ TEST(JointStream, BodiesThatAreAbsentMayBeLeftOutAtTheEndOfARow) {
 }
 
 TEST(JointStream, WideRowsTornByDecimalCommasHave379Fields) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kPunchAndKick, 80);
+  const std::vector<SkeletonFrame> truth = performance("punch_and_kick", 80);
   const std::string text = test::wideFile(truth, {.decimalCommas = true});
   const std::string header = text.substr(0, text.find('\n'));
   const std::string row = text.substr(header.size() + 1, text.find('\n', header.size() + 1) - header.size() - 1);
@@ -307,7 +306,7 @@ TEST(JointStream, WideRowsTornByDecimalCommasHave379Fields) {
 }
 
 TEST(JointStream, WideColumnsAreFoundByName) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kPunchAndKick, 20);
+  const std::vector<SkeletonFrame> truth = performance("punch_and_kick", 20);
   expectSameShape(parsed(test::wideFile(truth, {.shuffled = true})).frames, truth, 5e-6);
   expectSameShape(parsed(test::wideFile(truth, {.decimalCommas = true, .delimiter = ';'})).frames, truth, 5e-6);
   // Another program puts the joint name into the column name.
@@ -325,7 +324,7 @@ TEST(JointStream, WideColumnsAreFoundByName) {
 
 TEST(JointStream, LongRowsAreGroupedByTime) {
   std::vector<SkeletonFrame> truth;
-  const std::vector<SkeletonFrame> all = performance(SyntheticMotion::kWalk, 300);
+  const std::vector<SkeletonFrame> all = performance("walk", 300);
   for (std::size_t f = 0; f < all.size(); f += 10) truth.push_back(all[f]);  // 3 per second
   const JointStream whole = parsed(test::longFile(truth));
   expectSameShape(whole.frames, truth, 5e-6);
@@ -342,7 +341,7 @@ TEST(JointStream, LongRowsAreGroupedByTime) {
 }
 
 TEST(JointStream, ZerosAndNanAreGaps) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 10);
+  const std::vector<SkeletonFrame> truth = performance("wave", 10);
   std::string text = test::plainFile(truth);
   std::string zeros = "0;0;0";
   std::string nans = "NaN;nan;";
@@ -365,7 +364,7 @@ TEST(JointStream, ZerosAndNanAreGaps) {
 }
 
 TEST(JointStream, AMissingHandIsWhereTheWristIs) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 5);
+  const std::vector<SkeletonFrame> truth = performance("wave", 5);
   std::string text = test::longFile(truth);
   for (std::size_t at = text.find("HandLeft"); at != std::string::npos; at = text.find("HandLeft", at + 1)) {
     const std::size_t end = text.find('\n', at);
@@ -378,7 +377,7 @@ TEST(JointStream, AMissingHandIsWhereTheWristIs) {
 }
 
 TEST(JointStream, TimesInAnyUnit) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 30);
+  const std::vector<SkeletonFrame> truth = performance("walk", 30);
   const auto expectTimes = [&](double perSecond, std::string_view unit) {
     const JointStream stream = parsed(test::niteFile(truth, false, perSecond));
     EXPECT_TRUE(hasNote(stream, unit)) << perSecond;
@@ -392,7 +391,7 @@ TEST(JointStream, TimesInAnyUnit) {
 }
 
 TEST(JointStream, TimesThatRepeatAreLeftOutAndClocksThatRestartGoOn) {
-  std::vector<SkeletonFrame> rows = performance(SyntheticMotion::kWalk, 90);
+  std::vector<SkeletonFrame> rows = performance("walk", 90);
   const std::vector<SkeletonFrame> truth = rows;
   rows.insert(rows.begin() + 20, rows[19]);  // the same row again
   for (std::size_t f = 61; f < rows.size(); ++f) rows[f].time = truth[f - 61].time;
@@ -406,7 +405,7 @@ TEST(JointStream, TimesThatRepeatAreLeftOutAndClocksThatRestartGoOn) {
 }
 
 TEST(JointStream, NiteOrientationsAreKeptWhereTheyAgreeWithTheLimbs) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kPunchAndKick, 60);
+  const std::vector<SkeletonFrame> truth = performance("punch_and_kick", 60);
   const JointStream stream = parsed(test::niteFile(truth, true, 1.0));
   expectSameShape(stream.frames, truth, 5e-6);
   for (std::size_t f = 0; f < truth.size(); ++f) {
@@ -428,7 +427,7 @@ TEST(JointStream, NiteOrientationsAreKeptWhereTheyAgreeWithTheLimbs) {
 }
 
 TEST(JointStream, NiteInMetresAndWithAHeader) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 10);
+  const std::vector<SkeletonFrame> truth = performance("walk", 10);
   std::string text = "time,user";
   for (int j = 0; j < kBodyJointCount; ++j) {
     for (const char* field : {"x", "y", "z", "confidence"})
@@ -451,7 +450,7 @@ TEST(JointStream, NiteInMetresAndWithAHeader) {
 }
 
 TEST(JointStream, WhoFacesTheSensorFacesPlusZWithTheLeftHandAtPlusX) {
-  std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 10);
+  std::vector<SkeletonFrame> truth = performance("wave", 10);
   for (const test::JointFile& file : test::oneOfEach(truth)) {
     SCOPED_TRACE(nameOf(file.format));
     const JointStream stream = parsed(file.text);
@@ -466,7 +465,7 @@ TEST(JointStream, WhoFacesTheSensorFacesPlusZWithTheLeftHandAtPlusX) {
 }
 
 TEST(JointStream, MirroredStreamsAreMirroredBack) {
-  const std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWalk, 120);
+  const std::vector<SkeletonFrame> truth = performance("walk", 120);
   std::vector<SkeletonFrame> mirrored = truth;
   for (SkeletonFrame& frame : mirrored) {
     for (TrackedJoint& joint : frame.joints) {
@@ -485,7 +484,7 @@ TEST(JointStream, MirroredStreamsAreMirroredBack) {
 }
 
 TEST(JointStream, ATiltedSensorIsReportedNotCorrected) {
-  std::vector<SkeletonFrame> truth = performance(SyntheticMotion::kWave, 30);
+  std::vector<SkeletonFrame> truth = performance("wave", 30);
   EXPECT_FALSE(hasNote(parsed(test::plainFile(truth)), "tilted"));
   const Eigen::AngleAxisd tilt(20.0 * std::numbers::pi / 180.0, Vec3::UnitX());
   for (SkeletonFrame& frame : truth) {
@@ -497,8 +496,8 @@ TEST(JointStream, ATiltedSensorIsReportedNotCorrected) {
 }
 
 TEST(JointStream, LoricaKeepsEveryBitAndLetsThePersonBeChosen) {
-  std::vector<SkeletonFrame> walker = performance(SyntheticMotion::kWalk, 60);
-  std::vector<SkeletonFrame> rows = performance(SyntheticMotion::kSquatAndReach, 90);
+  std::vector<SkeletonFrame> walker = performance("walk", 60);
+  std::vector<SkeletonFrame> rows = performance("squat_and_reach", 90);
   for (SkeletonFrame& frame : walker) frame.user = 2;
   rows.insert(rows.end(), walker.begin(), walker.end());
   const TemporaryFolder folder;

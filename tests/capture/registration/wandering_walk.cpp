@@ -1,6 +1,6 @@
 #include "tests/capture/registration/wandering_walk.h"
 
-#include "capture/synthetic/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "geometry/random_numbers.h"
 
@@ -17,7 +17,7 @@ constexpr double kRate = 30.0;  // [Hz]
 
 std::vector<SkeletonFrame> wanderingWalk(double seconds, std::uint64_t seed, double room) {
   RandomNumbers random(seed);
-  const std::vector<SkeletonFrame> steps = synthesizeMotion(SyntheticMotion::kWalk);
+  const std::vector<SkeletonFrame> steps = shippedFrames("walk");
   double heading = random.between(-kPi, kPi), turn = 0.0;
   Vec3 place = Vec3::Zero();
   std::vector<SkeletonFrame> frames;

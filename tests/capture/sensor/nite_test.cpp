@@ -1,4 +1,4 @@
-#include "capture/sensor/nite.h"
+#include "capture/sensor/openni.h"
 
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"

@@ -1,6 +1,5 @@
 #include "capture/sensor/oni_file.h"
 
-#include "capture/sensor/oni_source.h"
 #include "geometry/files.h"
 #include "geometry/random_numbers.h"
 #include "tests/capture/sensor/oni_writer.h"
@@ -249,7 +248,7 @@ TEST(OniFile, FilesThatAreNoneAreSentences) {
 
 TEST(OniSource, GivesEveryFrameOnceInOrder) {
   const test::TemporaryFolder folder;
-  const std::unique_ptr<DepthSource> source = test::valueOf(makeOniSource(folder.write("body.oni", someFile({}, 7))));
+  const std::unique_ptr<DepthSource> source = test::valueOf(openOni(folder.write("body.oni", someFile({}, 7))));
   EXPECT_EQ(source->name(), "body.oni");
   DepthFrame frame;
   for (int i = 0; i < 7; ++i) {
@@ -291,7 +290,7 @@ TEST(OniSource, ADamagedFrameLeavesTheCallersAlone) {
   settings.codec = OniCodec::kPacked;
   std::string bytes = someFile(settings, 2);
   bytes[bytes.find(test::packOniDepth(OniCodec::kPacked, someFrame(8, 6, 1))) + 2] = '\xf3';
-  const std::unique_ptr<DepthSource> source = test::valueOf(makeOniSource(folder.write("body.oni", bytes)));
+  const std::unique_ptr<DepthSource> source = test::valueOf(openOni(folder.write("body.oni", bytes)));
   DepthFrame frame;
   ASSERT_TRUE(source->next(frame));
   EXPECT_FALSE(source->next(frame));

@@ -1,7 +1,6 @@
 #include "capture/sensor/openni.h"
 
 #include "capture/sensor/oni_file.h"
-#include "capture/sensor/oni_source.h"
 #include "tests/capture/sensor/openni_test_driver.h"
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
@@ -361,7 +360,7 @@ TEST_F(OpenNiTest, UnpluggingWhileRecordingKeepsWhatWasRecorded) {
 
 TEST_F(OpenNiTest, OnlyCamerasCanBeRecorded) {
   LORICA_REQUIRE_DATASET(path, "oni/3DJ_Test/test.oni");
-  const std::unique_ptr<DepthSource> source = test::valueOf(makeOniSource(path));
+  const std::unique_ptr<DepthSource> source = test::valueOf(openOni(path));
   const Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(*source, beside_.path() / "b.oni");
   ASSERT_FALSE(recorder);
   EXPECT_EQ(recorder.error().code, ErrorCode::kUnsupported);

@@ -1,7 +1,7 @@
-#include "capture/synthetic/synthetic_motion.h"
+#include "capture/files/joint_csv.h"
 #include "capture/tracking/segmentation/person_network.h"
 #include "capture/tracking/tracker.h"
-#include "capture/virtual_sensor/virtual_body.h"
+#include "capture/virtual_sensor/virtual_performer.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "skinning/mannequin/mannequin.h"
 
@@ -64,9 +64,9 @@ struct Followed {
   int uncertain = 0;     ///< frames in which person and room cannot be told apart
 };
 
-Followed follow(const VirtualRoom& room, SyntheticMotion motion, const DepthNoiseSettings& noise, int frames) {
+Followed follow(const VirtualRoom& room, std::string_view motion, const DepthNoiseSettings& noise, int frames) {
   std::vector<VirtualPerson> people;
-  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(motion)).value()});
+  people.push_back({VirtualPerformer::create(makeMannequin(), shippedFrames(motion)).value()});
   VirtualSensorSettings settings;
   settings.room = room;
   settings.noise = noise;
@@ -119,10 +119,10 @@ TEST(TrackerInRooms, FindsWhoeverStandsBeforeAWallOrFurnitureFromTheFirstFrame) 
   for (const double gap : {0.05, 0.15, 0.30}) {
     for (const auto& [name, room] : {std::pair{"wall", wallBehind(gap)}, std::pair{"sofa", sofaBehind(gap)},
                                      std::pair{"shelf", shelfBehind(gap)}}) {
-      for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kJumpingJacks}) {
-        if (motion == SyntheticMotion::kJumpingJacks && gap > 0.1) continue;
+      for (const std::string_view motion : {"wave", "jumping_jacks"}) {
+        if (motion == "jumping_jacks" && gap > 0.1) continue;
         const Followed seen = follow(room, motion, kinect(), 45);
-        SCOPED_TRACE(std::string(name) + " at " + std::to_string(gap) + ", " + std::string(nameOf(motion)));
+        SCOPED_TRACE(std::string(name) + " at " + std::to_string(gap) + ", " + std::string(motion));
         expectFollowed(seen, 30, 0.04);
         EXPECT_EQ(seen.uncertain, 0);
       }
@@ -135,9 +135,9 @@ TEST(TrackerInRooms, FindsWhoeverTouchesFurnitureWithNothingMissingBetween) {
   noise.baseline = noise.edgeLoss = 0.0;  // no shadow beside people, as of stereo and time of flight
   VirtualRoom room = sofaBehind(0.0);
   room.boxes.push_back({Vec3(0.28, 0.0, -0.5), Vec3(0.9, 1.1, 0.1)});
-  for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kPunchAndKick}) {
+  for (const std::string_view motion : {"wave", "punch_and_kick"}) {
     const Followed seen = follow(room, motion, noise, 60);
-    SCOPED_TRACE(std::string(nameOf(motion)));
+    SCOPED_TRACE(std::string(motion));
     expectFollowed(seen, 15, 0.06);
   }
 }
@@ -148,9 +148,9 @@ TEST(TrackerInRooms, FindsWhoeverStandsFlushWithACupboardAtOnce) {
   for (const double front : {-0.08, 0.04}) {
     VirtualRoom room;  // person and cupboard are one surface, most of it the cupboard's
     room.boxes.push_back({Vec3(-0.95, 0.0, -0.6), Vec3(-0.2, 1.8, front)});
-    for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kPunchAndKick}) {
+    for (const std::string_view motion : {"wave", "punch_and_kick"}) {
       const Followed seen = follow(room, motion, noise, 45);
-      SCOPED_TRACE(std::to_string(front) + ", " + std::string(nameOf(motion)));
+      SCOPED_TRACE(std::to_string(front) + ", " + std::string(motion));
       EXPECT_GE(seen.from, 0);
       EXPECT_LE(seen.from, 15);
       EXPECT_GE(seen.overlap, 0.85);
@@ -162,18 +162,18 @@ TEST(TrackerInRooms, FindsWhoeverStandsFlushWithACupboardAtOnce) {
 
 TEST(TrackerInRooms, FollowsWhoeverStandsBehindADesk) {
   for (const double gap : {0.0, 0.15}) {
-    for (const SyntheticMotion motion : {SyntheticMotion::kWave, SyntheticMotion::kPunchAndKick}) {
+    for (const std::string_view motion : {"wave", "punch_and_kick"}) {
       const Followed seen = follow(deskBefore(gap), motion, kinect(), 50);
-      SCOPED_TRACE(std::to_string(gap) + ", " + std::string(nameOf(motion)));
+      SCOPED_TRACE(std::to_string(gap) + ", " + std::string(motion));
       expectFollowed(seen, 30, 0.1);
     }
   }
 }
 
 /// What the shipped network says of an image, and what is true: intersection over union of the person's pixels.
-double overlapOfNetwork(const VirtualRoom& room, SyntheticMotion motion, std::uint64_t number) {
+double overlapOfNetwork(const VirtualRoom& room, std::string_view motion, std::uint64_t number) {
   std::vector<VirtualPerson> people;
-  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(motion)).value()});
+  people.push_back({VirtualPerformer::create(makeMannequin(), shippedFrames(motion)).value()});
   VirtualSensorSettings settings;
   settings.room = room;
   settings.noise = kinect();
@@ -215,7 +215,7 @@ TEST(TrackerInRooms, TheShippedNetworkTellsThePersonFromTheRoom) {
   for (const auto& [name, room] : {std::pair{"wall", wallBehind(0.05)}, std::pair{"sofa", sofaBehind(0.05)},
                                    std::pair{"shelf", shelfBehind(0.05)}, std::pair{"desk", deskBefore(0.0)}}) {
     for (const std::uint64_t number : {0U, 40U}) {
-      EXPECT_GE(overlapOfNetwork(room, SyntheticMotion::kPunchAndKick, number), 0.93) << name << ", " << number;
+      EXPECT_GE(overlapOfNetwork(room, "punch_and_kick", number), 0.93) << name << ", " << number;
     }
   }
 }
@@ -231,7 +231,7 @@ struct SeenShin {
 SeenShin followBehindAnArmRest(std::uint64_t seed, int frames) {
   std::vector<VirtualPerson> people;
   for (const Vec3& place : {Vec3(0.36, 0.0, 0.2), Vec3(0.0, 0.0, 0.0)}) {
-    people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
+    people.push_back({VirtualPerformer::create(makeMannequin(), shippedFrames("wave")).value()});
     people.back().worldFromMotion.translation() = place;
     people.back().start = people.size() == 1 ? 0.0 : 1.0;
   }

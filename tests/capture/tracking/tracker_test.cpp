@@ -1,27 +1,36 @@
 #include "capture/tracking/tracker.h"
+#include "capture/files/joint_csv.h"
 
 #include "capture/files/joint_stream.h"
-#include "capture/synthetic/synthetic_motion.h"
-#include "capture/virtual_sensor/virtual_body.h"
+#include "capture/sensor/oni_file.h"
+#include "capture/virtual_sensor/virtual_performer.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/bench/generators/other_cameras.h"
 #include "tests/support/allocations.h"
+#include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <fstream>
+#include <map>
 #include <numbers>
+#include <sstream>
+#include <string>
+#include <utility>
 #include <vector>
 
 namespace lorica {
 namespace {
 
-VirtualSensor sensorBefore(SyntheticMotion motion, double heading, std::uint64_t seed,
+VirtualSensor sensorBefore(std::string_view motion, double heading, std::uint64_t seed,
                            const BodyProportions& proportions = {}, std::vector<TimeSpan> absent = {}) {
   std::vector<VirtualPerson> people;
   people.push_back(
-      {VirtualPerformer::create(withProportions(makeMannequin(), proportions), synthesizeMotion(motion)).value()});
+      {VirtualPerformer::create(withProportions(makeMannequin(), proportions), shippedFrames(motion)).value()});
   people[0].worldFromMotion.linear() = Eigen::AngleAxisd(heading, Vec3::UnitY()).toRotationMatrix();
   people[0].absent = std::move(absent);
   VirtualSensorSettings settings;
@@ -93,7 +102,7 @@ TEST(Tracker, SeesNobodyInAnEmptyImageOrOneOfAnotherSize) {
 }
 
 TEST(Tracker, FollowsJumpingJacksOfATallerBodyThroughNoise) {
-  VirtualSensor sensor = sensorBefore(SyntheticMotion::kJumpingJacks, 0.0, 7, {.height = 1.1});
+  VirtualSensor sensor = sensorBefore("jumping_jacks", 0.0, 7, {.height = 1.1});
   const Figures figures = follow(sensor, 50);
   EXPECT_GE(figures.tracked, 35);
   EXPECT_LT(figures.mean, 0.035);
@@ -103,9 +112,9 @@ TEST(Tracker, FollowsJumpingJacksOfATallerBodyThroughNoise) {
 
 TEST(Tracker, BlurredEdgesDoNotMakeABodyLarger) {
   std::vector<VirtualPerson> people;
-  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
+  people.push_back({VirtualPerformer::create(makeMannequin(), shippedFrames("wave")).value()});
   VirtualSensorSettings settings;
-  settings.noise = DepthNoiseSettings::realSense();
+  settings.noise = realSenseNoise();
   settings.camera = settings.noise.sensor;
   VirtualSensor sensor = VirtualSensor::create(std::move(people), settings).value();
   Tracker tracker = Tracker::create(sensor.camera()).value();
@@ -124,7 +133,7 @@ TEST(Tracker, BlurredEdgesDoNotMakeABodyLarger) {
 }
 
 TEST(Tracker, TellsABackFromAFront) {
-  VirtualSensor sensor = sensorBefore(SyntheticMotion::kWave, std::numbers::pi, 0);
+  VirtualSensor sensor = sensorBefore("wave", std::numbers::pi, 0);
   const Figures figures = follow(sensor, 30);
   EXPECT_GE(figures.tracked, 15);
   EXPECT_LT(figures.mean, 0.035);  // left and right swapped would give 0.3
@@ -134,7 +143,7 @@ TEST(Tracker, TellsABackFromAFront) {
 }
 
 TEST(Tracker, GoesOnAfterAPersonWasHidden) {
-  VirtualSensor sensor = sensorBefore(SyntheticMotion::kJumpingJacks, 0.0, 3, {}, {{0.8, 1.8}});
+  VirtualSensor sensor = sensorBefore("jumping_jacks", 0.0, 3, {}, {{0.8, 1.8}});
   Tracker tracker = Tracker::create(sensor.camera()).value();
   DepthFrame frame;
   int wrong = 0;
@@ -159,7 +168,7 @@ TEST(Tracker, GoesOnAfterAPersonWasHidden) {
 
 TEST(Tracker, FramesTakeNoMemory) {
   // A person is tracked, searched for, lost and found again: none of this allocates per frame.
-  VirtualSensor sensor = sensorBefore(SyntheticMotion::kJumpingJacks, 0.0, 4, {}, {{0.5, 1.0}});
+  VirtualSensor sensor = sensorBefore("jumping_jacks", 0.0, 4, {}, {{0.5, 1.0}});
   Tracker tracker = Tracker::create(sensor.camera()).value();
   DepthFrame frame;
   std::size_t seen = 0;
@@ -175,7 +184,7 @@ TEST(Tracker, FramesTakeNoMemory) {
 }
 
 TEST(Tracker, SameFramesGiveTheSameBits) {
-  VirtualSensor sensor = sensorBefore(SyntheticMotion::kPunchAndKick, 0.0, 2);
+  VirtualSensor sensor = sensorBefore("punch_and_kick", 0.0, 2);
   const Figures a = follow(sensor, 18);
   const Figures b = follow(sensor, 18);
   ASSERT_EQ(a.joints.size(), b.joints.size());
@@ -192,7 +201,7 @@ TEST(Tracker, SameFramesGiveTheSameBits) {
 TEST(Tracker, JointsOfAPersonCutByTheImageAreNotTrusted) {
   // So near that the legs are below the image.
   std::vector<VirtualPerson> people;
-  people.push_back({VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value()});
+  people.push_back({VirtualPerformer::create(makeMannequin(), shippedFrames("wave")).value()});
   people[0].worldFromMotion.translation() = Vec3(0.0, 0.0, 1.5);
   VirtualSensorSettings settings;
   settings.noise = DepthNoiseSettings::clean();
@@ -203,6 +212,98 @@ TEST(Tracker, JointsOfAPersonCutByTheImageAreNotTrusted) {
   EXPECT_LT(last[BodyJoint::kLeftFoot].confidence, 0.5);
   EXPECT_LT(last[BodyJoint::kRightFoot].confidence, 0.5);
   EXPECT_LE(figures.trustedWrong * 20, figures.trusted);
+}
+
+/// Left and right shoulder and torso of a person in a frame, camera frame [m].
+struct True {
+  Vec3 left, right, torso;
+};
+
+/// Rows of `frame`, then x, y, z of 15 joints.
+std::map<int, True> readTruth(const std::filesystem::path& file) {
+  std::ifstream stream(file);
+  std::string line;
+  std::getline(stream, line);
+  std::map<int, True> truth;
+  while (std::getline(stream, line)) {
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream numbers(line);
+    int frame = 0;
+    numbers >> frame;
+    std::array<Vec3, kBodyJointCount> joints;
+    for (Vec3& joint : joints) numbers >> joint.x() >> joint.y() >> joint.z();
+    const auto of = [&](BodyJoint joint) { return joints[static_cast<std::size_t>(joint)]; };
+    truth[frame] = {of(BodyJoint::kLeftShoulder), of(BodyJoint::kRightShoulder), of(BodyJoint::kTorso)};
+  }
+  return truth;
+}
+
+struct Seen {
+  int frames = 0, followed = 0;  ///< from one second after the first frame with a person on
+  int extra = 0;                 ///< frames with more people than there are
+  int back = 0;                  ///< followed with left and right exchanged
+  int first = -1;                ///< frame with a person
+};
+
+Seen followRecorded(const std::filesystem::path& oni, const std::vector<std::map<int, True>>& people, int seconds) {
+  const std::unique_ptr<OniSource> source = openOni(oni).value();
+  Tracker tracker = Tracker::create(source->camera()).value();
+  Seen seen;
+  const int start = people.empty() ? 0 : people[0].begin()->first;
+  DepthFrame depth;
+  for (int frame = 0; source->next(depth).value() == DepthRead::kFrame; ++frame) {
+    const auto tracked = tracker.track(depth);
+    if (!tracked.empty() && seen.first < 0) seen.first = frame;
+    if (frame < start + seconds) continue;
+    seen.extra += static_cast<int>(tracked.size() > std::max<std::size_t>(1, people.size()));
+    const Isometry3 cameraFromFloor = tracker.floorFromCamera().inverse();
+    for (const std::map<int, True>& person : people) {
+      const auto truth = person.find(frame);
+      if (truth == person.end()) continue;
+      ++seen.frames;
+      for (const TrackedPerson& one : tracked) {
+        const auto at = [&](BodyJoint joint) -> Vec3 { return cameraFromFloor * one.skeleton[joint].position; };
+        if ((at(BodyJoint::kTorso) - truth->second.torso).norm() > 0.3) continue;
+        ++seen.followed;
+        const Vec3 across = at(BodyJoint::kLeftShoulder) - at(BodyJoint::kRightShoulder);
+        seen.back += static_cast<int>(across.dot(truth->second.left - truth->second.right) < 0.0);
+        break;
+      }
+    }
+  }
+  return seen;
+}
+
+TEST(RealPeople, AreFollowedFacingTheCameraAndFurnitureIsNobody) {
+  for (const std::string name : {"cut_a7_s1", "cut_a19_s5", "A_armchair3_a9s1", "A_sofa_a11s7", "B_armchair2_a26s7"}) {
+    SCOPED_TRACE(name);
+    LORICA_REQUIRE_DATASET(oni, "depth_real/" + name + ".oni");
+    const auto truth = readTruth(oni.parent_path() / (name + ".joints.csv"));
+    const Seen seen = followRecorded(oni, {truth}, 30);
+    EXPECT_EQ(seen.followed, seen.frames);
+    EXPECT_EQ(seen.extra, 0);
+    EXPECT_EQ(seen.back, 0);
+  }
+}
+
+TEST(RealPeople, TwoWhoTouchAreTwo) {
+  const std::string name = "C_sofa_a19s1_a10s7";
+  LORICA_REQUIRE_DATASET(oni, "depth_real/" + name + ".oni");
+  const Seen seen = followRecorded(
+      oni,
+      {readTruth(oni.parent_path() / (name + ".joints.csv")), readTruth(oni.parent_path() / (name + ".joints2.csv"))},
+      30);
+  EXPECT_GE(seen.followed, seen.frames * 95 / 100);
+  EXPECT_EQ(seen.extra, 0);
+  EXPECT_LE(seen.back, seen.frames / 50);
+}
+
+TEST(RealPeople, SomeoneOnASofaIsFoundInTwoSeconds) {
+  LORICA_REQUIRE_DATASET(oni, "depth_real/realsense_point.oni");
+  const Seen seen = followRecorded(oni, {}, 10);
+  EXPECT_GE(seen.first, 0);
+  EXPECT_LE(seen.first, 20);
+  EXPECT_EQ(seen.extra, 0);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "capture/virtual_sensor/depth_noise.h"
 
+#include "tests/bench/generators/other_cameras.h"
 #include "tests/support/allocations.h"
 
 #include <gtest/gtest.h>
@@ -294,7 +295,7 @@ TEST(DepthNoise, AStripRightOfNearThingsIsMissing) {
 }
 
 TEST(DepthNoise, ARealSenseHasSmoothNoiseThatGrowsWithTheDistance) {
-  const DepthNoiseSettings settings = DepthNoiseSettings::realSense();
+  const DepthNoiseSettings settings = realSenseNoise();
   for (const double z : {1.5, 2.0, 3.0}) {
     const Image image = noisy(wallAt(z), settings), next = noisy(wallAt(z), settings, 1);
     const double expected = 1000.0 * (0.0005 + 0.0074 * (z - 0.9) * (z - 0.9));
@@ -310,7 +311,7 @@ TEST(DepthNoise, ARealSenseHasSmoothNoiseThatGrowsWithTheDistance) {
 
 TEST(DepthNoise, ARealSenseSmearsEdgesAndFillsHoles) {
   DepthNoiseSettings settings = DepthNoiseSettings::clean();
-  settings.smear = DepthNoiseSettings::realSense().smear;
+  settings.smear = realSenseNoise().smear;
   const Image image = noisy(edgeBetween(2.0, 3.5), settings);
   // A box of 12 pixels twice is a triangle: from 15 to 85 % of inverse depth in (2 - 2 sqrt(0.3)) 12 pixels.
   const std::uint16_t* row = &image[200UL * 640];
@@ -338,7 +339,7 @@ TEST(DepthNoise, ARealSenseSmearsEdgesAndFillsHoles) {
 
 TEST(DepthNoise, TimeOfFlightHasTheNoiseOfFankhauserAndOthers) {
   for (const double z : {1.0, 2.0, 4.0}) {
-    const Image image = noisy(wallAt(z), DepthNoiseSettings::timeOfFlight());
+    const Image image = noisy(wallAt(z), timeOfFlightNoise());
     const double expected = 1.5 - 0.5 * z + 0.3 * z * z;
     const Spread spread = percentilesOf(image);
     // Whole millimetres add a twelfth to the variance.
@@ -346,13 +347,13 @@ TEST(DepthNoise, TimeOfFlightHasTheNoiseOfFankhauserAndOthers) {
     EXPECT_NEAR(spread.mean, 1000.0 * z, 0.3) << z;
     EXPECT_NEAR(correlation(image, spread.mean, 1), 0.0, 0.02) << z;
   }
-  EXPECT_EQ(percentilesOf(noisy(wallAt(4.4), DepthNoiseSettings::timeOfFlight())).count > 0, true);
-  const Image beyond = noisy(wallAt(4.6), DepthNoiseSettings::timeOfFlight());
+  EXPECT_EQ(percentilesOf(noisy(wallAt(4.4), timeOfFlightNoise())).count > 0, true);
+  const Image beyond = noisy(wallAt(4.6), timeOfFlightNoise());
   EXPECT_EQ(std::ranges::count(beyond, 0), static_cast<long>(kPixels));
 }
 
 TEST(DepthNoise, TimeOfFlightSeesMixedPixelsAtEdges) {
-  DepthNoiseSettings settings = DepthNoiseSettings::timeOfFlight();
+  DepthNoiseSettings settings = timeOfFlightNoise();
   settings.sensor = kCamera;
   settings.axial = settings.lateral = settings.dropout = 0.0;
   const Image image = noisy(edgeBetween(2.0, 3.5), settings);
@@ -368,29 +369,28 @@ TEST(DepthNoise, TimeOfFlightSeesMixedPixelsAtEdges) {
 
 TEST(DepthNoise, TheSameSeedAndFrameGiveTheSameImage) {
   const std::vector<float> inverse = edgeBetween(2.0, 3.0);
-  for (const DepthNoiseKind kind :
-       {DepthNoiseKind::kKinect, DepthNoiseKind::kRealSense, DepthNoiseKind::kTimeOfFlight, DepthNoiseKind::kMild}) {
-    DepthNoiseSettings settings = DepthNoiseSettings::of(kind);
+  for (const std::string_view camera : {"kinect", "realsense", "tof", "mild"}) {
+    DepthNoiseSettings settings = noiseNamed(camera);
     DepthNoise noise(kCamera, settings);
     Image first(kPixels), other(kPixels), again(kPixels);
     noise.apply(inverse, 3, first);
     noise.apply(inverse, 4, other);
     noise.apply(inverse, 3, again);
-    EXPECT_EQ(first, again) << nameOf(kind);
-    EXPECT_NE(first, other) << nameOf(kind);
+    EXPECT_EQ(first, again) << camera;
+    EXPECT_NE(first, other) << camera;
     settings.seed = 5;
-    EXPECT_NE(first, noisy(inverse, settings, 3)) << nameOf(kind);
+    EXPECT_NE(first, noisy(inverse, settings, 3)) << camera;
   }
 }
 
 TEST(DepthNoise, AFrameAllocatesNothing) {
   const std::vector<float> inverse = wallAt(2.0);
-  for (int k = 0; k < kDepthNoiseKindCount; ++k) {
-    DepthNoise noise(kCamera, DepthNoiseSettings::of(static_cast<DepthNoiseKind>(k)));
+  for (const std::string_view name : kCameraNames) {
+    DepthNoise noise(kCamera, noiseNamed(name));
     Image image(kPixels);
     const long before = test::allocationCount();
     noise.apply(inverse, 3, image);
-    EXPECT_EQ(test::allocationCount(), before) << k;
+    EXPECT_EQ(test::allocationCount(), before) << name;
   }
 }
 
@@ -400,13 +400,13 @@ TEST(DepthNoise, AnyCameraGetsAnImage) {
     camera.width = width;
     camera.height = height;
     const std::vector<float> inverse(static_cast<std::size_t>(width * height), 0.5F);
-    for (int k = 0; k < kDepthNoiseKindCount; ++k) {
-      DepthNoise noise(camera, DepthNoiseSettings::of(static_cast<DepthNoiseKind>(k)));
+    for (const std::string_view name : kCameraNames) {
+      DepthNoise noise(camera, noiseNamed(name));
       Image image(inverse.size());
       noise.apply(inverse, 0, image);
       for (const std::uint16_t mm : image) {
         if (mm != 0) {
-          ASSERT_NEAR(mm, 2000.0, 100.0) << width << ' ' << k;
+          ASSERT_NEAR(mm, 2000.0, 100.0) << width << ' ' << name;
         }
       }
     }

@@ -1,4 +1,4 @@
-#include "capture/sensor/oni_source.h"
+#include "capture/sensor/oni_file.h"
 #include "capture/virtual_sensor/virtual_script.h"
 #include "geometry/files.h"
 #include "geometry/little_endian.h"

@@ -1,9 +1,9 @@
 #include "capture/virtual_sensor/virtual_sensor.h"
 
+#include "capture/files/joint_csv.h"
 #include "capture/retarget/retarget.h"
 #include "capture/retarget/skeletal_retarget.h"
-#include "capture/synthetic/synthetic_motion.h"
-#include "capture/virtual_sensor/virtual_body.h"
+#include "capture/virtual_sensor/virtual_performer.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/allocations.h"
 
@@ -20,8 +20,7 @@ namespace {
 using J = BodyJoint;
 
 const VirtualPerformer& waving() {
-  static const VirtualPerformer performer =
-      VirtualPerformer::create(makeMannequin(), synthesizeMotion(SyntheticMotion::kWave)).value();
+  static const VirtualPerformer performer = VirtualPerformer::create(makeMannequin(), shippedFrames("wave")).value();
   return performer;
 }
 
@@ -70,7 +69,7 @@ TEST(VirtualSensor, JointsLieBehindTheSurfaceThatIsSeenOfThem) {
 
 TEST(VirtualSensor, TruthIsTheMotionsOwnJoints) {
   const Character character = makeMannequin();
-  const std::vector<SkeletonFrame> recording = synthesizeMotion(SyntheticMotion::kTurnAround);
+  const std::vector<SkeletonFrame> recording = shippedFrames("turn_around");
   VirtualPerformer performer = VirtualPerformer::create(character, recording).value();
   SkeletalMotion motion{"", character.skeleton, {}, {}};
   Retargeter retargeter = Retargeter::create(character.skeleton).value();
@@ -271,7 +270,7 @@ TEST(VirtualSensor, SettingsOutOfRangeAreRefused) {
 
 TEST(VirtualPerformer, OwnMotionsArePlayedUnchangedAndForeignOnesAreRetargeted) {
   const Character character = makeMannequin();
-  const SkeletalMotion own = skeletalMotionOf(synthesizeMotion(SyntheticMotion::kWave)).value();
+  const SkeletalMotion own = skeletalMotionOf(shippedFrames("wave")).value();
   VirtualPerformer carried = VirtualPerformer::create(character, own).value();
   carried.pose(3.0, Isometry3::Identity());
   const SkeletonFrame foreign = bodyJointsOf(own).value()[90];

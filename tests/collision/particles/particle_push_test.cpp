@@ -1,20 +1,116 @@
 #include "collision/particles/particle_push.h"
 
 #include "collision/live/live_body.h"
-#include "tests/collision/dancer.h"
-#include "tests/collision/particles/particle_push_truth.h"
+#include "collision/live/live_part.h"
+#include "collision/particles/particle_bodies.h"
+#include "collision/particles/particle_grid.h"
+#include "collision/particles/particles.h"
+#include "geometry/math.h"
+#include "geometry/random_numbers.h"
+#include "geometry/work_budgets.h"
 #include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
 #include "tests/support/instruction_sets.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <limits>
+#include <span>
+#include <vector>
 
 namespace lorica::test {
 namespace {
+
+/// Slow reference for the hulls of live parts: all planes of all hulls, in double precision.
+class ParticleTruth {
+ public:
+  explicit ParticleTruth(std::span<const LivePart> parts);
+
+  /// How far a point is above the highest plane of a part's hull [m]: below 0 inside. A part without faces is
+  /// infinitely distant.
+  [[nodiscard]] double height(std::size_t part, const Vec3& p) const;
+  /// The min height over all parts.
+  [[nodiscard]] double lowest(const Vec3& p) const;
+  /// Whether a face of a part's hull has this normal and a plane within this distance of the point [m].
+  [[nodiscard]] bool hasFace(std::size_t part, const Vec3& p, const Vec3& normal, double distance) const;
+  /// Approximate upper bound of the shortest distance out of all hulls, tried along many directions; 0 outside.
+  [[nodiscard]] double wayOut(const Vec3& p) const;
+
+ private:
+  struct Plane {
+    Vec3 normal;
+    double offset = 0.0;
+  };
+  std::vector<std::vector<Plane>> planes_;  ///< for each part
+  std::vector<Vec3> directions_;
+};
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+ParticleTruth::ParticleTruth(std::span<const LivePart> parts) {
+  for (const LivePart& part : parts) {
+    std::vector<Plane>& planes = planes_.emplace_back();
+    const ConvexHull hull = worldHull(part);
+    for (const Triangle& t : hull.triangles) {
+      const Vec3& a = hull.vertices[t[0]];
+      const Vec3& b = hull.vertices[t[1]];
+      const Vec3& c = hull.vertices[t[2]];
+      const Vec3 cross = (b - a).cross(c - a);
+      if (!(cross.norm() > 1e-12)) continue;
+      planes.push_back({cross.normalized(), cross.normalized().dot(a)});
+    }
+  }
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 300; ++i) directions_.emplace_back(uniformRotation(random) * Vec3::UnitX());
+}
+
+double ParticleTruth::height(std::size_t part, const Vec3& p) const {
+  double max = -kInfinity;
+  for (const Plane& plane : planes_[part]) max = std::max(max, plane.normal.dot(p) - plane.offset);
+  return planes_[part].empty() ? kInfinity : max;
+}
+
+double ParticleTruth::lowest(const Vec3& p) const {
+  double min = kInfinity;
+  for (std::size_t part = 0; part < planes_.size(); ++part) min = std::min(min, height(part, p));
+  return min;
+}
+
+bool ParticleTruth::hasFace(std::size_t part, const Vec3& p, const Vec3& normal, double distance) const {
+  return std::any_of(planes_[part].begin(), planes_[part].end(), [&](const Plane& plane) {
+    return std::abs(plane.normal.dot(p) - plane.offset) < distance && plane.normal.dot(normal) > 1.0 - 1e-6;
+  });
+}
+
+double ParticleTruth::wayOut(const Vec3& p) const {
+  double shortest = lowest(p) < 0.0 ? kInfinity : 0.0;
+  for (const Vec3& direction : directions_) {
+    // The interval of the ray inside each hull. The way out extends as long as an interval covers its end.
+    std::vector<std::pair<double, double>> covered;
+    for (const std::vector<Plane>& planes : planes_) {
+      double from = 0.0;
+      double to = planes.empty() ? -1.0 : kInfinity;
+      for (const Plane& plane : planes) {
+        const double rise = plane.normal.dot(direction);
+        const double depth = plane.offset - plane.normal.dot(p);
+        if (rise > 0.0) to = std::min(to, depth / rise);
+        if (rise < 0.0) from = std::max(from, depth / rise);
+      }
+      if (from < to) covered.emplace_back(from, to);
+    }
+    std::sort(covered.begin(), covered.end());
+    double way = 0.0;
+    for (const auto& [from, to] : covered) {
+      if (from <= way) way = std::max(way, to);
+    }
+    shortest = std::min(shortest, way);
+  }
+  return shortest;
+}
 
 constexpr double kSecond = 1.0;
 constexpr double kRounding = 3e-5;  // of floats up to 10 m from the origin, and the margin [m]
@@ -314,6 +410,88 @@ TEST(ParticlePush, FramesAllocateNothing) {
   all();
   EXPECT_EQ(allocationCount() - before, 0);
   EXPECT_GT(touched, 100U);
+}
+
+// What a small scene can ask for: many places for particles beside many bodies.
+
+ParticleBody bodyOf(ParticleBody::Shape shape, const Vec3& half, const Vec3& at) {
+  ParticleBody body;
+  body.shape = shape;
+  body.halfExtents = half;
+  body.radius = half.norm();
+  body.from.worldFromBody.translation() = at;
+  body.to = body.from;
+  return body;
+}
+
+TEST(ParticleBudgets, NoneStartInABodyAndAllOthersDo) {
+  ParticleSettings settings;
+  settings.radius = 0.02;
+  settings.fills.push_back({Vec3(0.1, 1.0, -0.2), Vec3(0.7, 0.5, 0.6)});
+  settings.fills.push_back({Vec3(0.1, 2.0, -0.2), Vec3(0.7, 0.5, 0.6), 777});  // its last layer is not full
+  // A hull's box is around its radius.
+  const std::vector<ParticleBody::Hull> wedge = {{Eigen::Vector4f(0.6f, 0.8f, 0.0f, 0.05f),
+                                                  Eigen::Vector4f(-1.0f, 0.0f, 0.0f, 0.1f),
+                                                  Eigen::Vector4f(0.0f, -1.0f, 0.0f, 0.1f)}};
+  RandomNumbers random(4);
+  std::vector<ParticleBody> bodies;
+  bodies.reserve(40);
+  for (int i = 0; i < 40; ++i) {
+    const auto shape = static_cast<ParticleBody::Shape>(i % 5);
+    const Vec3 at(random.between(-0.4, 0.6), random.between(0.7, 2.4), random.between(-0.6, 0.2));
+    bodies.push_back(bodyOf(shape, Vec3(0.02, random.between(0.05, 0.15), 0.03), at));
+    bodies.back().hulls = wedge;
+    bodies.back().from.worldFromBody.rotate(Eigen::AngleAxisd(random.between(0.0, 3.0), Vec3(0.6, 0.0, 0.8)));
+  }
+  const auto near = [&](const Vec3f& place) {
+    return std::any_of(bodies.begin(), bodies.end(), [&](const ParticleBody& body) {
+      return isWithin(body, place, static_cast<float>(settings.radius));
+    });
+  };
+  std::vector<Vec3f> truth;
+  const Particles everywhere(settings);
+  for (const Vec3f& place : everywhere.positions()) {
+    if (!near(place)) truth.push_back(place);
+  }
+  ASSERT_LT(truth.size(), everywhere.positions().size() - 100);
+  const Particles particles(settings, bodies);
+  ASSERT_EQ(particles.positions().size(), truth.size());
+  EXPECT_TRUE(std::equal(truth.begin(), truth.end(), particles.positions().begin()));
+}
+
+TEST(ParticleBudgets, PlacesAreNotComparedWithAllBodies) {
+  ParticleSettings settings;
+  settings.radius = 0.1;
+  settings.fills.assign(20, {Vec3(0.0, 50.0, 0.0), Vec3(20.0, 20.0, 20.0)});
+  std::vector<ParticleBody> bodies;
+  bodies.reserve(2'000);
+  for (int i = 0; i < 2'000; ++i) {
+    bodies.push_back(bodyOf(ParticleBody::Shape::kBox, {10.0, 0.005, 10.0}, {0.0, 0.01 * i, 0.0}));
+  }
+  const std::clock_t before = std::clock();
+  const Particles particles(settings, bodies);
+  EXPECT_EQ(particles.positions().size(), static_cast<std::size_t>(kMaxParticles));
+  // All pairs would take minutes of a processor's time, and this less than one second.
+  EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 20.0);
+}
+
+TEST(ParticleBudgets, PairsOfAParticleAndABodyAreLeftOutAboveTheirLimit) {
+  constexpr std::size_t kParticles = 1'000;
+  std::vector<ParticleRow> positions;
+  positions.reserve(kParticles);
+  for (std::size_t i = 0; i < kParticles; ++i) positions.push_back({0.001f * static_cast<float>(i), 0.0f, 0.0f, 0.0f});
+  ParticleGrid grid(kParticles);
+  grid.sort(positions, 0.1f);
+  std::vector<ParticleBody> bodies(kMaxParticlePairs / kParticles + 1,
+                                   bodyOf(ParticleBody::Shape::kSphere, Vec3::Ones(), Vec3::Zero()));
+  ParticleBodies all;
+  all.begin(bodies, 0.01, 1);
+  all.advance(0);
+  all.gather(grid, positions, 0.1f, 0.0f);
+  EXPECT_EQ(all.find(positions, 0.1f).size(), kMaxParticlePairs);
+  const std::uint32_t last = kMaxParticlePairs / kParticles;
+  EXPECT_EQ(all.contactsOf(last - 1), kParticles);
+  EXPECT_EQ(all.contactsOf(last), 0u);
 }
 
 }  // namespace

@@ -2,7 +2,6 @@
 
 #include "collision/live/live_body.h"
 #include "geometry/triangle_tree.h"
-#include "tests/collision/dancer.h"
 #include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
 

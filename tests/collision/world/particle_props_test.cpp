@@ -1,3 +1,4 @@
+#include "collision/particles/particles.h"
 #include "collision/world/world.h"
 
 #include "tests/collision/parts.h"

@@ -3,11 +3,21 @@
 #include "tests/collision/parts.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <memory>
+#include <numbers>
 
 namespace lorica {
 namespace {
 
 using test::at;
+using test::makeBoxPart;
+using test::moveTo;
+using test::uniform;
 
 constexpr double kFrame = 1.0 / 30.0;
 
@@ -205,6 +215,228 @@ TEST(WorldProps, WithoutAFloorThingsFallOn) {
   world.addProp(ball(0.1, at(0, 0.5, 0)));
   run(world, 1.0);
   EXPECT_LT(world.props()[0].worldFromProp.translation().y(), -3.0);
+}
+
+long peakMegabytes() {
+  rusage usage = {};
+  getrusage(RUSAGE_SELF, &usage);
+  return usage.ru_maxrss / 1024;
+}
+
+/// 700 boxes in one place are 244,650 pairs, which took 900 MB.
+TEST(WorldPairs, BoxesInOnePlaceTakeBoundedMemory) {
+  const long before = peakMegabytes();
+  World world;
+  Prop box;
+  box.worldFromProp.translation() = Vec3(0.0, 1.0, 0.0);
+  for (int i = 0; i < 700; ++i) world.addProp(box);
+  world.step({}, 1.0 / 240.0);
+  EXPECT_LT(peakMegabytes() - before, 400);
+  for (const Prop& prop : world.props()) EXPECT_TRUE(prop.worldFromProp.matrix().allFinite());
+}
+
+/// All numbers that a run produces, frame by frame.
+struct Trace {
+  std::vector<double> numbers;
+  void add(const Vec3& v) { numbers.insert(numbers.end(), v.data(), v.data() + 3); }
+};
+
+/// Many props around moving, deforming parts. `clutter` allocates memory between the steps and frees some of it, so
+/// that Bullet's objects have other addresses, in another order, in each run.
+Trace runCluttered(std::uint64_t clutterSeed) {
+  std::mt19937_64 clutter(clutterSeed);
+  std::vector<std::unique_ptr<char[]>> memory;
+  const auto stir = [&] {
+    if (clutterSeed == 0) return;
+    // Many small blocks, most of them freed in random order, so that the next blocks of these sizes come from anywhere.
+    for (int i = 0; i < 2000; ++i) memory.push_back(std::make_unique<char[]>(16 + clutter() % 256));
+    for (int i = 0; i < 1900; ++i) std::swap(memory[clutter() % memory.size()], memory.back()), memory.pop_back();
+  };
+
+  std::mt19937_64 random(41);
+  World world;
+  for (int i = 0; i < 40; ++i) {
+    stir();
+    Prop prop;
+    prop.shape = i % 3 == 0 ? PropShape::kSphere : PropShape::kBox;
+    prop.halfExtents = test::uniformVec3(random, 0.05, 0.15);
+    const double x = test::uniform(random, -0.5, 0.5);
+    const double z = test::uniform(random, -0.5, 0.5);
+    prop.worldFromProp = at(x, 0.3 + 0.3 * i, z);
+    prop.worldFromProp.rotate(test::uniformRotation(random));
+    world.addProp(prop);
+  }
+  std::vector<LivePart> parts;
+  for (int i = 0; i < 8; ++i) parts.push_back(makeBoxPart(Vec3::Constant(0.12), at(0, 0.2 * i, 0)));
+
+  Trace trace;
+  for (int frame = 0; frame < 300; ++frame) {
+    stir();
+    for (LivePart& part : parts) {
+      Isometry3 next = part.worldFromPart;
+      next.translation() += test::uniformVec3(random, -0.1, 0.1);
+      next.translation() = next.translation().cwiseMax(Vec3(-0.5, 0.0, -0.5)).cwiseMin(Vec3(0.5, 1.8, 0.5));
+      next.rotate(Quat::Identity().slerp(0.05, test::uniformRotation(random)));
+      moveTo(part, next);
+      if (random() % 3 == 0) test::reshapeToBox(part, test::uniformVec3(random, 0.05, 0.2));
+    }
+    world.step(parts, 1.0 / 30.0);
+    for (const Prop& prop : world.props()) {
+      trace.add(prop.worldFromProp.translation());
+      trace.add(prop.worldFromProp.linear().col(0));
+      trace.add(prop.velocity);
+    }
+    for (const Contact& contact : world.contacts()) {
+      trace.add(contact.point);
+      trace.add(Vec3(contact.part, contact.prop, contact.impulse));
+    }
+  }
+  return trace;
+}
+
+TEST(WorldDeterminism, TheSameInputsMoveEveryPropTheSameBitForBitWhereverMemoryLies) {
+  const Trace first = runCluttered(0);
+  ASSERT_GT(first.numbers.size(), 300u * 40u * 9u) << "there are contacts";
+  for (std::uint64_t seed : {0u, 1u, 2u, 3u}) {
+    const Trace again = runCluttered(seed);
+    ASSERT_EQ(again.numbers.size(), first.numbers.size()) << "clutter " << seed;
+    EXPECT_EQ(std::memcmp(again.numbers.data(), first.numbers.data(), first.numbers.size() * sizeof(double)), 0)
+        << "clutter " << seed;
+  }
+}
+
+constexpr double kHalf = 0.1;  // of the boxes [m]
+constexpr double kTop = 1.0;   // mean height of the table [m]
+
+/// A table whose hull has other vertices, in another order, in every frame, like a live hull.
+struct Table {
+  double noise = 0.0;    ///< vertical, of each vertex [m]
+  double breath = 0.0;   ///< amplitude of the top's vertical motion [m]
+  double seconds = 4.0;  ///< period of that motion
+
+  [[nodiscard]] double heightAt(double time) const {
+    return kTop + breath * std::sin(2.0 * std::numbers::pi * time / seconds);
+  }
+  [[nodiscard]] std::vector<Vec3> cornersAt(double time, std::mt19937_64& random) const {
+    std::vector<Vec3> corners;
+    const auto addTop = [&](double x, double z) {
+      corners.emplace_back(x, heightAt(time) - 0.9 + uniform(random, -noise, noise), z);
+    };
+    for (const double x : {-0.5, 0.5}) {
+      for (const double z : {-0.5, 0.5}) {
+        corners.emplace_back(x, -0.1, z);
+        addTop(x, z);
+      }
+    }
+    for (int i = 0; i < 24; ++i) {
+      const double x = uniform(random, -0.5, 0.5);
+      addTop(x, uniform(random, -0.5, 0.5));
+    }
+    for (std::size_t i = corners.size() - 1; i > 0; --i) std::swap(corners[i], corners[random() % (i + 1)]);
+    return corners;
+  }
+};
+
+/// Motion of boxes on a table after their first second.
+struct Rest {
+  double creep = 0.0;      ///< maximum sideways motion of a box from the first second to the last [m]
+  double offHeight = 0.0;  ///< maximum deviation from the height on the table [m]
+  double tilt = 0.0;       ///< maximum [rad]
+  double speed = 0.0;      ///< maximum [m/s]
+  int framesAlone = 0;     ///< frames in which nothing touched the table
+};
+
+Rest restOn(const Table& table, int boxes, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  World world;
+  for (int i = 0; i < boxes; ++i) {
+    Prop box;
+    box.halfExtents = Vec3::Constant(kHalf);
+    box.worldFromProp = at(0, kTop + 0.001 + kHalf * (2 * i + 1), 0);
+    world.addProp(box);
+  }
+  LivePart part = makeBoxPart(Vec3(0.5, 0.1, 0.5), at(0, 0.9, 0));
+  std::vector<Vec3> first;
+  Rest rest;
+  for (int frame = 0; frame < 300; ++frame) {
+    test::reshape(part, table.cornersAt(frame * kFrame, random));
+    world.step({&part, 1}, kFrame);
+    if (frame < 30) continue;
+    rest.framesAlone += world.contacts().empty() ? 1 : 0;
+    for (int i = 0; i < boxes; ++i) {
+      const Prop& box = world.props()[i];
+      const Vec3 position = box.worldFromProp.translation();
+      if (frame == 30) first.push_back(position);
+      const Vec3 sideways = (position - first[i]).cwiseProduct(Vec3(1, 0, 1));
+      if (frame == 299) rest.creep = std::max(rest.creep, sideways.norm());
+      const double carried = table.heightAt(frame * kFrame) + kHalf * (2 * i + 1);
+      rest.offHeight = std::max(rest.offHeight, std::abs(position.y() - carried));
+      rest.tilt = std::max(rest.tilt, std::acos(std::min(1.0, box.worldFromProp.linear()(1, 1))));
+      rest.speed = std::max(rest.speed, box.velocity.norm());
+    }
+  }
+  return rest;
+}
+
+TEST(WorldRest, ABoxStaysWhereItIsThoughTheTableIsMadeOfOtherVertices) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Rest rest = restOn({}, 1, seed);
+    EXPECT_LT(rest.creep, 0.0002);
+    EXPECT_LT(rest.offHeight, 0.0012) << "the margin is a millimetre";
+    EXPECT_LT(rest.tilt, 0.002);
+    EXPECT_EQ(rest.framesAlone, 0);
+  }
+}
+
+TEST(WorldRest, ABoxStaysWhereItIsOnATableThatTrembles) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const double noise = 0.0002;
+    const Rest rest = restOn({.noise = noise}, 1, seed);
+    EXPECT_LT(rest.creep, 0.0005);
+    EXPECT_LT(rest.offHeight, 0.0012 + noise);
+    EXPECT_LT(rest.tilt, 0.005);
+    EXPECT_LT(rest.speed, 0.05);
+    EXPECT_EQ(rest.framesAlone, 0);
+  }
+}
+
+TEST(WorldRest, ABoxRidesOnATableThatBreathes) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Rest rest = restOn({.noise = 0.0001, .breath = 0.005}, 1, seed);
+    EXPECT_LT(rest.creep, 0.0005);
+    EXPECT_LT(rest.offHeight, 0.0015);
+    EXPECT_LT(rest.tilt, 0.005);
+    EXPECT_LT(rest.speed, 0.05) << "the top itself moves with up to 8 mm/s";
+    EXPECT_EQ(rest.framesAlone, 0);
+  }
+}
+
+TEST(WorldRest, AStackDoesNotCreepApart) {
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Rest still = restOn({}, 3, seed);
+    EXPECT_LT(still.creep, 0.0015);
+    const Rest trembling = restOn({.noise = 0.0002}, 3, seed);
+    EXPECT_LT(trembling.creep, 0.0015);
+    EXPECT_LT(trembling.offHeight, 0.002);
+    const Rest breathing = restOn({.noise = 0.0001, .breath = 0.005}, 3, seed);
+    EXPECT_LT(breathing.creep, 0.0025);
+    EXPECT_LT(breathing.offHeight, 0.002);
+  }
+}
+
+TEST(WorldRest, ABoxFollowsATableThatSinksSlowly) {
+  World world;
+  Prop box;
+  box.halfExtents = Vec3::Constant(kHalf);
+  box.worldFromProp = at(0, kTop + 0.001 + kHalf, 0);
+  world.addProp(box);
+  LivePart part = makeBoxPart(Vec3(0.5, 0.1, 0.5), at(0, 0.9, 0));
+  for (int frame = 0; frame < 150; ++frame) {
+    // The vertices move down, not the part: by a centimetre per second, ten times the tolerance of a contact.
+    test::reshapeToBox(part, Vec3(0.5, 0.1 - 0.01 * kFrame * frame, 0.5));
+    world.step({&part, 1}, kFrame);
+  }
+  EXPECT_NEAR(world.props()[0].worldFromProp.translation().y(), 0.9 + 0.1 - 0.01 * kFrame * 149 + kHalf, 0.0015);
 }
 
 }  // namespace

@@ -1,20 +1,23 @@
-// Robots that are refused: one sentence each, and nothing is written.
 #include "export/robots/robot_hulls.h"
+#include "export/robots/xml_text.h"
 #include "geometry/mesh_files.h"
 #include "geometry/work_budgets.h"
 #include "tests/export/robots/made_robot.h"
+#include "tests/support/datasets.h"
 #include "tests/support/has.h"
 #include "tests/support/meshes.h"
 
 #include <gtest/gtest.h>
-
 #include <sys/stat.h>
+
 #include <cstring>
 
 namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Robots that are refused: one sentence each, and nothing is written.
 
 /// A robot of one body that collides with a mesh.
 std::string mjcf(const std::string& mesh = "file=\"l.obj\"", const std::string& more = "",
@@ -80,6 +83,42 @@ TEST_F(RobotRefusals, MeshesThatAreNotThereOrNotTheirs) {
   EXPECT_EQ(refusal(urdf("filename=\"file:///etc/passwd\""), "robot.urdf"),
             "robot.urdf:1: 'file:///etc/passwd'" + outside);
   EXPECT_EQ(refusal(urdf("filename=\"http://a/l.obj\""), "robot.urdf"), "robot.urdf:1: 'http://a/l.obj'" + outside);
+}
+
+TEST_F(RobotRefusals, AFileOfAPackageMayNameItsFilesAndNoOthers) {
+  for (const char* folder : {"outer/my_robot/urdf/arms", "outer/my_robot/meshes"})
+    fs::create_directories(folder_.path() / folder);
+  fs::copy(folder_.path() / "l.obj", folder_.path() / "outer/my_robot/meshes/l.obj");
+  fs::copy(folder_.path() / "l.obj", folder_.path() / "outer/l.obj");
+  folder_.write("outer/package.xml", "<package><name>outer</name></package>");
+  folder_.write("outer/my_robot/package.xml",
+                "<?xml version=\"1.0\"?>\n<!-- made -->\n<package format=\"3\"><version>1</version>\n"
+                "  <name>\n my_robot </name></package>");
+  int outputs = 0;
+  for (const std::string name :
+       {"package://my_robot/meshes/l.obj", "model://my_robot/meshes/l.obj", "../../meshes/l.obj"}) {
+    SCOPED_TRACE(name);
+    const RobotExportOptions options =
+        test::madeOptions(folder_.write("outer/my_robot/urdf/arms/bot.urdf", urdf("filename=\"" + name + "\"")),
+                          "out" + std::to_string(++outputs) + ".urdf");
+    Host host;
+    const Result<RobotReport> report = exportRobot(options, host);
+    EXPECT_TRUE(report.ok()) << report.error().message;
+  }
+  const auto robot = [&](const std::string& name) {
+    return refusal(urdf("filename=\"" + name + "\""), "outer/my_robot/urdf/arms/robot.urdf");
+  };
+  for (const char* name : {"../../../l.obj", "package://my_robot/../l.obj", "/etc/passwd", "../../../../l.obj"}) {
+    EXPECT_TRUE(test::has(robot(name), " is outside the file's folder, expected a file in it")) << name;
+  }
+  fs::create_symlink(folder_.path() / "outer/l.obj", folder_.path() / "outer/my_robot/meshes/link.obj");
+  EXPECT_TRUE(test::has(robot("../../meshes/link.obj"), " is outside the file's folder"));
+  EXPECT_TRUE(test::has(robot("package://outer/l.obj"), "expected --package outer=FOLDER"));
+  for (const char* scheme : {"", "file://"}) {
+    EXPECT_TRUE(
+        test::has(robot(scheme + std::string("$(find my_robot)/meshes/l.obj")),
+                  "has a substitution of xacro left: `xacro outer/my_robot/urdf/arms/robot.urdf > robot.urdf`"));
+  }
 }
 
 TEST_F(RobotRefusals, FilesThatAreNoMeshes) {
@@ -244,6 +283,50 @@ TEST_F(RobotRefusals, PathsOfTheUsersChoiceAreRead) {
   Host host;
   host.paths = PathTrust::kAnywhere;
   EXPECT_TRUE(exportRobot(test::madeOptions(robot, "out.xml"), host).ok());
+}
+
+TEST(XmlText, EditedElementsKeepAllOtherBytes) {
+  const std::string element = "<geom\n\tname = 'a>b'  mesh=\"m\" size='1'><plugin x=\"/>\"/></geom>";
+  EXPECT_EQ(editedElement(element, {}), element);
+  EXPECT_EQ(editedElement(element, {{"mesh", "n&'"}}),
+            "<geom\n\tname = 'a>b'  mesh=\"n&amp;&apos;\" size='1'><plugin x=\"/>\"/></geom>");
+  EXPECT_EQ(editedElement(element, {{"name", std::nullopt}, {"mass", "0"}, {"pos", std::nullopt}}),
+            "<geom mass=\"0\"  mesh=\"m\" size='1'><plugin x=\"/>\"/></geom>");
+  EXPECT_EQ(editedElement("<a/>", {{"b", "c"}}), "<a b=\"c\"/>");
+}
+
+TEST(XmlText, ReplacedElementsLeaveTheRestAsItIs) {
+  const std::string before = "\xef\xbb\xbf<?xml version=\"1.0\"?>\r\n<a x='>'><!-- <b> --><![CDATA[<b>]]>\r\n\t";
+  const std::string element = "<b y=\"/>\"><b><!-- </b> --></b ><c/></b>";
+  const std::string after = "<c z='&#10;&lt;'/>\r\n</a>\r\n<!-- end -->";
+  const test::TemporaryFolder folder;
+  const auto file = folder.write("a.xml", before + element + after);
+  XmlText xml = XmlText::read(file, "a.xml", NamedBy::kUser).value();
+  const pugi::xml_node b = xml.root().child("b");
+  EXPECT_EQ(xml.textOf(b), element);
+  EXPECT_EQ(xml.where(b), "a.xml:3");
+  EXPECT_EQ(xml.changedText(), before + element + after);
+  xml.append(xml.root(), "<e/>");
+  xml.replace(b, {"<d/>", "<d/>"});
+  EXPECT_EQ(xml.changedText(), before + "<d/>\n\t<d/>" + "<c z='&#10;&lt;'/>\r\n<e/></a>\r\n<!-- end -->");
+}
+
+TEST(XmlText, EveryTruncatedPrefixIsRefused) {
+  const std::string text = "<a x='1'><!-- c --><b y=\"2\">t</b><![CDATA[d]]></a>";
+  const test::TemporaryFolder folder;
+  for (std::size_t size = 0; size < text.size(); ++size) {
+    const auto file = folder.write("a.xml", text.substr(0, size));
+    EXPECT_FALSE(XmlText::read(file, "a.xml", NamedBy::kUser).ok()) << text.substr(0, size);
+  }
+}
+
+TEST(XmlText, NumbersAreAllOrNone) {
+  EXPECT_EQ(numbersOf("f:1", "pos", " 1\t-2e-3 \n+3 ", 3, 3).value(), (std::vector<double>{1.0, -2e-3, 3.0}));
+  for (const char* bad : {"", "1 2", "1 2 3 4", "1 2 x", "1 2 3x", "1 2 nan", "1 2 1e999", "1,2,3"}) {
+    const auto numbers = numbersOf("f:1", "pos", bad, 3, 3);
+    ASSERT_FALSE(numbers.ok()) << bad;
+    EXPECT_EQ(numbers.error().message, std::string("f:1: pos: found '") + bad + "', expected 3 numbers");
+  }
 }
 
 }  // namespace

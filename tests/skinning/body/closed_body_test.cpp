@@ -1,11 +1,12 @@
 #include "skinning/body/closed_body.h"
 
 #include "geometry/random_numbers.h"
+#include "skinning/body/limbs.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/skinning/body/hard_characters.h"
+#include "tests/support/has.h"
 #include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
-#include "tests/support/voxels.h"
 
 #include <gtest/gtest.h>
 
@@ -177,10 +178,9 @@ TEST(Body, ASheetAloneEnclosesNothing) {
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
   for (const bool both : {false, true}) {
     if (both) sheet.triangles.insert(sheet.triangles.end(), {{0, 2, 1}, {0, 3, 2}});
-    const Result<ClosedBody> body = makeBody(rigid(sheet));
-    ASSERT_FALSE(body.ok());
-    EXPECT_EQ(body.error().code, ErrorCode::kBadMesh);
-    EXPECT_NE(body.error().message.find("enclose nothing thicker than"), std::string::npos) << body.error().message;
+    const Error body = test::errorOf(makeBody(rigid(sheet)));
+    EXPECT_EQ(body.code, ErrorCode::kBadMesh);
+    EXPECT_TRUE(test::has(body.message, "enclose nothing thicker than"));
   }
 }
 
@@ -188,7 +188,7 @@ TEST(Body, DegenerateInputIsRefusedInWords) {
   Character none = rigid({});
   EXPECT_EQ(makeBody(none).error().code, ErrorCode::kBadMesh);
   Character points = rigid({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}, {}});
-  EXPECT_NE(makeBody(points).error().message.find("3 vertices and 0 triangles"), std::string::npos);
+  EXPECT_TRUE(test::has(makeBody(points).error().message, "3 vertices and 0 triangles"));
   Character needle = rigid({{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)}, {{0, 1, 2}, {0, 1, 1}}});
   EXPECT_EQ(makeBody(needle).error().code, ErrorCode::kBadMesh);
   Character spot = rigid({{Vec3(1, 1, 1), Vec3(1, 1, 1), Vec3(1, 1, 1)}, {{0, 1, 2}}});
@@ -201,14 +201,10 @@ TEST(Body, DegenerateInputIsRefusedInWords) {
   EXPECT_EQ(makeBody(open, {.resolution = -1.0}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(makeBody(open, {.resolution = std::nan("")}).error().code, ErrorCode::kInvalidArgument);
   EXPECT_EQ(makeBody(open, {.threads = -1}).error().code, ErrorCode::kInvalidArgument);
-  const Result<ClosedBody> fine = makeBody(open, {.resolution = 1e-6});
-  ASSERT_FALSE(fine.ok());
-  EXPECT_EQ(fine.error().code, ErrorCode::kInvalidArgument);
-  EXPECT_NE(fine.error().message.find("voxels of 1e-06 m"), std::string::npos) << fine.error().message;
-  EXPECT_NE(fine.error().message.find("expected voxels of at least 0."), std::string::npos) << fine.error().message;
-  const Result<ClosedBody> coarse = makeBody(open, {.resolution = 0.13});
-  ASSERT_FALSE(coarse.ok());
-  EXPECT_EQ(coarse.error().message,
+  const Error fine = test::errorOf(makeBody(open, {.resolution = 1e-6}));
+  EXPECT_EQ(fine.code, ErrorCode::kInvalidArgument);
+  test::expectAll(fine.message, {"voxels of 1e-06 m", "expected voxels of at least 0."});
+  EXPECT_EQ(test::errorOf(makeBody(open, {.resolution = 0.13})).message,
             "body resolution 0.13 m: expected at most 0.125 m, an eighth of the character's longest side");
 }
 
@@ -281,6 +277,41 @@ TEST(BodyDistances, AgreeWithAClosedForm) {
     // The same at any position.
     pose = Eigen::Translation3d(3.0, -2.0, 1.0) * Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized());
   }
+}
+
+TEST(Limbs, TellWhatTouchesFromWhatBends) {
+  const Character mannequin = makeMannequin();
+  const Limbs limbs(mannequin);
+  const auto joint = [&](HumanBone bone) { return mannequin.skeleton.jointOf(bone); };
+  const auto positionOf = [&](HumanBone bone) -> Vec3 {
+    return mannequin.jointFromModel[joint(bone)].inverse().translation();
+  };
+  const JointIndex leftThigh = joint(HumanBone::kLeftUpperLeg), rightThigh = joint(HumanBone::kRightUpperLeg);
+  const JointIndex leftShin = joint(HumanBone::kLeftLowerLeg), forearm = joint(HumanBone::kLeftLowerArm);
+  const Vec3 crotch = positionOf(HumanBone::kHips) - Vec3(0, 0.12, 0);
+  const Vec3 knees = 0.5 * (positionOf(HumanBone::kLeftLowerLeg) + positionOf(HumanBone::kRightLowerLeg));
+  for (int turn = 0; turn < 2; ++turn) {
+    const auto apart = [&](JointIndex a, JointIndex b, const Vec3& at) {
+      return turn == 0 ? limbs.apart(a, b, at) : limbs.apart(b, a, at);
+    };
+    EXPECT_FALSE(apart(leftThigh, rightThigh, crotch));
+    EXPECT_TRUE(apart(leftThigh, rightThigh, knees));
+    EXPECT_TRUE(apart(leftShin, rightThigh, knees));
+    EXPECT_FALSE(apart(leftThigh, leftShin, positionOf(HumanBone::kLeftLowerLeg)));
+    EXPECT_FALSE(apart(joint(HumanBone::kHips), leftThigh, positionOf(HumanBone::kLeftUpperLeg)));
+    EXPECT_FALSE(apart(joint(HumanBone::kSpine), leftThigh, positionOf(HumanBone::kHips) + Vec3(0.15, 0, 0)));
+    EXPECT_FALSE(apart(joint(HumanBone::kHips), joint(HumanBone::kChest), positionOf(HumanBone::kSpine)));
+    EXPECT_TRUE(apart(forearm, joint(HumanBone::kChest), positionOf(HumanBone::kChest)));
+    EXPECT_TRUE(apart(joint(HumanBone::kLeftHand), leftThigh, positionOf(HumanBone::kLeftUpperLeg) - Vec3(0, 0.4, 0)));
+    EXPECT_TRUE(apart(joint(HumanBone::kLeftHand), joint(HumanBone::kRightHand), positionOf(HumanBone::kChest)));
+    EXPECT_FALSE(
+        apart(joint(HumanBone::kLeftUpperArm), joint(HumanBone::kChest), positionOf(HumanBone::kLeftUpperArm)));
+    EXPECT_FALSE(apart(leftThigh, leftThigh, knees));
+  }
+  EXPECT_TRUE(limbs.onOneBranch(joint(HumanBone::kHips), leftShin));
+  EXPECT_TRUE(limbs.onOneBranch(leftShin, joint(HumanBone::kHips)));
+  EXPECT_FALSE(limbs.onOneBranch(leftThigh, rightThigh));
+  EXPECT_FALSE(limbs.onOneBranch(leftShin, rightThigh));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "skinning/import/assimp_materials.h"
+#include "skinning/import/assimp_parts.h"
 
 #include "tests/skinning/import/material_samples.h"
 #include "tests/skinning/import/small_character.h"

@@ -1,4 +1,4 @@
-#include "skinning/import/isolated_reader.h"
+#include "skinning/import/character_file.h"
 
 #include <unistd.h>
 #include <string_view>

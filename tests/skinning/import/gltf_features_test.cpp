@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <tuple>
 
 namespace lorica {
 namespace {
@@ -367,15 +368,27 @@ TEST(GltfFeatures, VrmListsNameTheBones) {
   EXPECT_LE(test::farthestFromTruth(file, test::GltfTruth(writer.glb()), 0, 1.9), 2e-6);
 }
 
-TEST(GltfFeatures, ManyHundredUnitsAreCentimetresAndTinyOnesHundredsOfMetres) {
-  for (const auto& [size, expected] : {std::pair(1.0, 1.0), {4.0, 1.0}, {75.0, 0.01}, {900.0, 0.001}, {0.008, 100.0}}) {
+TEST(GltfFeatures, AUnitIsGuessedOnlyTowardsAHuman) {
+  // The scale of a character that is 2 m high, the unit, and whether it is said.
+  for (const auto& [size, expected, said] : {std::tuple(1.0, 1.0, false),
+                                             {4.0, 1.0, false},
+                                             {5.28, 1.0, true},
+                                             {27.0, 1.0, true},
+                                             {29.0, 0.01, true},
+                                             {75.0, 0.01, true},
+                                             {900.0, 0.001, true},
+                                             {1e4, 0.001, true},
+                                             {0.011, 1.0, false},
+                                             {0.008, 100.0, true},
+                                             {0.0009, 1000.0, true},
+                                             {1e-5, 1000.0, true}}) {
     GlbWriter writer = smallCharacter();
     writer.add("nodes", {{"scale", {size, size, size}}, {"children", {0, 2}}});
     writer.document["scenes"][0]["nodes"] = {3};
     const CharacterFile file = test::valueOf(parsed(writer));
     EXPECT_EQ(file.metresPerUnit, expected) << size;
     EXPECT_NEAR(file.character.height, 2.0 * size * expected, 1e-5 * file.character.height);
-    EXPECT_EQ(hasNote(file, "m per unit"), expected != 1.0);
+    EXPECT_EQ(hasNote(file, "m per unit"), said) << size;
     EXPECT_LE(test::farthestFromTruth(file, test::GltfTruth(writer.glb()), 0, 1.2), 1e-5 * file.character.height);
   }
 }

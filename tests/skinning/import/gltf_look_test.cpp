@@ -1,6 +1,6 @@
 // Normals, tangents, texture coordinates and colours of vertices, and the groups of triangles.
 
-#include "skinning/import/gltf_mesh.h"
+#include "skinning/import/gltf_parts.h"
 
 #include "tests/skinning/import/material_samples.h"
 #include "tests/skinning/import/small_character.h"

@@ -1,4 +1,4 @@
-#include "skinning/import/gltf_morphs.h"
+#include "skinning/import/gltf_parts.h"
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"

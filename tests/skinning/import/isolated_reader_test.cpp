@@ -1,9 +1,7 @@
-#include "skinning/import/isolated_reader.h"
 
 #include "geometry/files.h"
 #include "skinning/import/character_file.h"
 #include "skinning/import/isolated_scene.h"
-#include "skinning/import/scene_bytes.h"
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
 

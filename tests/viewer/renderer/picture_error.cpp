@@ -23,7 +23,7 @@ const std::uint8_t* pixel(const Image& image, int x, int y) {
 }
 
 fs::path goldenFile(const std::string& name) {
-  return sourceFile("tests/golden") / (name + ".png");
+  return sourceFile("tests/data/golden") / (name + ".png");
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ struct PictureError {
 /// @return all pixels wrong if the sizes differ
 [[nodiscard]] PictureError pictureError(const Image& a, const Image& b);
 
-/// Compares a picture with tests/golden/<name>.png. Above `kMaxWrong` the test fails, and expected, found and
+/// Compares a picture with tests/data/golden/<name>.png. Above `kMaxWrong` the test fails, and expected, found and
 /// difference are saved side by side in the build folder; the failure message has the path. If the environment has
 /// LORICA_RENEW_GOLDEN=1, the golden picture is replaced instead.
 void expectGolden(const std::string& name, const Image& picture);

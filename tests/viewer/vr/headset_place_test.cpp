@@ -1,12 +1,17 @@
 #include "viewer/vr/headset_place.h"
 
+#include "viewer/pictures/image_files.h"
 #include "viewer/renderer/frame_setup.h"
+#include "viewer/vr/headset_panel.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -121,6 +126,91 @@ TEST(HeadsetPlace, TurnsAroundTheHead) {
   const Isometry3 there = place.worldFromStage() * head;
   EXPECT_TRUE(there.translation().isApprox(Vec3(2.0, 1.6, 1.0), 1e-9));
   EXPECT_TRUE((-there.linear().col(2)).isApprox(Vec3(-1.0, 0.0, 0.0), 1e-9)) << "from -Z to the left";
+}
+
+class HeadsetPanels : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    head.translation() = Vec3(0.4, 1.7, -0.3);
+    head.linear() = Eigen::AngleAxisd(0.8, Vec3::UnitY()).toRotationMatrix();
+    panel.open(head);
+    list();
+    EXPECT_TRUE(panel.draw(controls, std::nullopt));
+  }
+  /// A ray from the right hand to a point of the panel: -1 to 1 to the right and up.
+  [[nodiscard]] Ray to(double x, double y) const {
+    const Vec3 at = panel.stageFromPanel() * Vec3(0.5 * x * panel.width(), 0.5 * y * panel.height(), 0.0);
+    const Vec3 hand = head * Vec3(0.3, -0.4, -0.2);
+    return {hand, at - hand};
+  }
+
+  /// As a run has them that has scenes.
+  void list() {
+    listChoices(choices, controls);
+    controls.offer(ControlId::kScene).choices = scenes;
+    controls.offer(ControlId::kRestart);
+  }
+  /// The row of a control.
+  [[nodiscard]] std::size_t rowOf(ControlId id) const {
+    std::size_t row = 0;
+    while (row < panel.rowCount() && panel.controlOf(row) != id) ++row;
+    return row;
+  }
+
+  Isometry3 head = Isometry3::Identity();
+  HeadsetPanel panel;
+  std::vector<std::string> scenes = {"boxes", "pool"};
+  Controls controls;
+  Choices choices;
+};
+
+TEST_F(HeadsetPanels, OpensAheadAndFacesTheWearer) {
+  const Vec3 at = panel.stageFromPanel().translation() - head.translation();
+  const Vec3 ahead = head.linear() * Vec3(0.0, 0.0, -1.0);
+  EXPECT_NEAR(Vec3(at.x(), 0.0, at.z()).normalized().dot(ahead), 1.0, 1e-9);
+  EXPECT_NEAR(panel.stageFromPanel().linear().col(2).dot(ahead), -1.0, 1e-9);
+  EXPECT_GT(panel.width(), 0.2);
+  EXPECT_LT(panel.width(), 0.7);
+}
+
+TEST_F(HeadsetPanels, ARayMeetsTheRowThatItPointsAt) {
+  for (std::size_t row = 0; row < panel.rowCount(); ++row) {
+    const double y = 1.0 - (2.0 * static_cast<double>(row) + 1.0) / static_cast<double>(panel.rowCount());
+    EXPECT_EQ(panel.rowAt(to(0.2, y)), row);
+  }
+  EXPECT_FALSE(panel.rowAt(to(1.02, 0.0)));
+  EXPECT_FALSE(panel.rowAt(to(0.0, -1.02)));
+  const Ray ray = to(0.0, 0.0);
+  EXPECT_FALSE(panel.rowAt({ray.origin, -ray.direction}));
+  EXPECT_FALSE(panel.rowAt({ray.origin + 2.0 * ray.direction, -ray.direction})) << "from behind";
+  panel.close();
+  EXPECT_FALSE(panel.rowAt(ray));
+}
+
+TEST_F(HeadsetPanels, IsDrawnAgainOnlyIfItSaysSomethingElse) {
+  EXPECT_FALSE(panel.draw(controls, std::nullopt));
+  const Image before = panel.image();
+  EXPECT_TRUE(panel.draw(controls, rowOf(ControlId::kHulls)));
+  EXPECT_NE(panel.image().rgba, before.rgba);
+  if (const char* to = std::getenv("LORICA_VR_PICTURES")) {
+    EXPECT_TRUE(writePng(std::string(to) + "/panel.png", panel.image()));
+  }
+  EXPECT_EQ(panel.image().height, before.height);
+  choices.paused = true;
+  list();
+  EXPECT_TRUE(panel.draw(controls, rowOf(ControlId::kHulls)));
+}
+
+TEST_F(HeadsetPanels, HasTheControlsThatAreThere) {
+  for (const ControlId id :
+       {ControlId::kPause, ControlId::kRestart, ControlId::kScene, ControlId::kHulls, ControlId::kInside}) {
+    EXPECT_LT(rowOf(id), panel.toAvatarRow()) << static_cast<int>(id);
+  }
+  EXPECT_EQ(rowOf(ControlId::kFindCamera), panel.rowCount()) << "there is no run that has a camera";
+  EXPECT_FALSE(panel.controlOf(panel.toAvatarRow()) || panel.controlOf(panel.closeRow()));
+  controls[ControlId::kScene].absent = true;
+  EXPECT_TRUE(panel.draw(controls, std::nullopt));
+  EXPECT_EQ(rowOf(ControlId::kScene), panel.rowCount());
 }
 
 }  // namespace

@@ -1,17 +1,23 @@
-#include "player/snapshots.h"
 #include "tests/viewer/renderer/picture_error.h"
 #include "tests/viewer/renderer/pictures.h"
 #include "tests/viewer/vr/headsets.h"
 #include "viewer/pictures/image_files.h"
+#include "viewer/player/snapshots.h"
+#include "viewer/window/window.h"
 
 #include <fmt/format.h>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <string>
+#include <thread>
 #include <utility>
+#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -40,11 +46,10 @@ class HeadsetEyes : public Headsets {
 void HeadsetEyes::expectPicturesOfCameras() {
   told.head = {{0.3, 1.55, 0.2}, Quat(Eigen::AngleAxisd(0.2, Vec3::UnitY()))};
   told.angles = {-std::atan(0.6 * 4.0 / 3.0), std::atan(0.6 * 4.0 / 3.0), std::atan(0.6), -std::atan(0.6)};
-  WindowChoices choices = window->choices();
+  Choices& choices = window->choices();
   choices.paused = true;
   choices.steps = 1;
   choices.show.hulls = choices.show.colorSkinByPart = false;
-  window->setChoices(choices);
   window->setQuality(RenderQuality::kHigh);
   std::array<Image, 2> seen;
   std::array<Camera, 2> cameras;
@@ -66,7 +71,7 @@ void HeadsetEyes::expectPicturesOfCameras() {
     return true;
   });
   if (HasFailure()) return;
-  choices = window->choices();
+  const SceneOptions show = window->choices().show;
   const Isometry3 worldFromStage = window->place().worldFromStage();
   window.reset();
   const Vec3 apart = drawn.eyes[1].stageFromEye.translation() - drawn.eyes[0].stageFromEye.translation();
@@ -85,8 +90,8 @@ void HeadsetEyes::expectPicturesOfCameras() {
   std::array<Eigen::Vector2d, 2> ball, expected;
   for (const int eye : {0, 1}) {
     const Camera& camera = cameras[eye];
-    const Image alone = studio->draw(scene.of(run->session, choices.show, camera.eye), choices.show, camera,
-                                     seen[eye].width, seen[eye].height);
+    const Image alone =
+        studio->draw(scene.of(run->session, show, camera.eye), show, camera, seen[eye].width, seen[eye].height);
     const PictureError error = pictureError(seen[eye], alone);
     std::printf("eye %d: %.3f %% of the pixels differ\n", eye, 100.0 * error.wrong);
     EXPECT_LT(error.wrong, 0.002);
@@ -114,10 +119,9 @@ TEST_F(HeadsetEyes, SeeTheSameWithoutADisplay) {
 }
 
 TEST_F(Headsets, InsideTheEyesAreThoseOfTheAvatar) {
-  WindowChoices choices = window->choices();
+  Choices& choices = window->choices();
   choices.paused = choices.inside = true;
   choices.steps = 1;
-  window->setChoices(choices);
   told.head = {{0.5, 1.2, -0.4}, Quat(Eigen::AngleAxisd(-0.5, Vec3::UnitX()))};
   Isometry3 worldFromHead;
   int after = 0;
@@ -192,27 +196,26 @@ TEST_F(Headsets, AnAvatarFollowsHeadAndHands) {
 }
 
 TEST_F(Headsets, WithARegistrationTheAvatarsHeadIsTheWearers) {
-  HeadsetNews news;
-  news.registration.emplace();
-  news.registration->yaw = 0.7;
-  news.registration->translation = {0.3, 0.0, -1.2};
-  news.registration->headInHeadset = {0.0, -0.08, 0.12};
-  news.origin = {0.1, 0.0, 2.0};
-  WindowChoices choices = window->choices();
+  WearerState state;
+  state.registration.emplace();
+  state.registration->yaw = 0.7;
+  state.registration->translation = {0.3, 0.0, -1.2};
+  state.registration->headInHeadset = {0.0, -0.08, 0.12};
+  state.origin = {0.1, 0.0, 2.0};
+  Choices& choices = window->choices();
   choices.paused = choices.inside = true;
   choices.steps = 1;
-  window->setChoices(choices);
   told.head = {{0.5, 1.5, -0.4}, Quat(Eigen::AngleAxisd(0.9, Vec3::UnitY()))};
   int after = 0;
   playUntil([&] {
-    if (after == 0) window->tell(news);
+    if (after == 0) window->setWearer(state);
     return arrived() && run->session.frameCount() > 0 && ++after > 5;
   });
   const Isometry3& worldFromStage = window->place().worldFromStage();
   EXPECT_TRUE(worldFromStage.linear().isApprox(Eigen::AngleAxisd(-0.7, Vec3::UnitY()).toRotationMatrix(), 1e-9));
   const SessionAvatar& avatar = run->session.avatar();
   const Vec3 joint = avatar.worldFromJoint()[avatar.character().skeleton.jointOf(HumanBone::kHead)].translation();
-  EXPECT_LT((worldFromStage * frame().stageFromHead * news.registration->headInHeadset - joint).norm(), 1e-3);
+  EXPECT_LT((worldFromStage * frame().stageFromHead * state.registration->headInHeadset - joint).norm(), 1e-3);
 }
 
 TEST_F(Headsets, ABareHandHoldsABoxInItsFist) {
@@ -350,6 +353,38 @@ TEST_F(Headsets, TheWindowsWearerIsNoClientOfAPage) {
     }
   }
   EXPECT_EQ(heard, 1);
+}
+
+/// A window whose eyes take their time.
+class SlowEyes final : public Window {
+ public:
+  explicit SlowEyes(Window window) : Window(std::move(window)) {}
+  /// @param longest  that a picture may take [s] @return the quality after so many pictures
+  RenderQuality after(int count, double seconds, double longest) {
+    RenderQuality quality = RenderQuality::kHigh;
+    drawFor(
+        [&](Renderer& renderer, const Scene&, const SceneOptions&) {
+          quality = renderer.quality();
+          std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+          return true;
+        },
+        longest);
+    for (int i = 0; i < count; ++i) show(Scene(), WindowValues());
+    return quality;
+  }
+};
+
+// Pictures of 30 ms are fast enough for a window, and too slow for a headset of 90 Hz.
+TEST(UnseenWindow, TheQualityStepsDownToHoldTheHeadsetsRate) {
+  std::vector<std::string> said;
+  Result<Window> window = Window::createUnseen([&](const std::string& sentence) { said.push_back(sentence); });
+  if (!window) GTEST_SKIP() << window.error().message;
+  SlowEyes eyes(std::move(*window));
+  EXPECT_TRUE(eyes.open());
+  EXPECT_EQ(eyes.after(60, 0.03, 100.0), RenderQuality::kHigh);
+  EXPECT_EQ(eyes.after(100, 0.03, 0.8 / 90.0), RenderQuality::kLow);
+  ASSERT_FALSE(said.empty());
+  EXPECT_NE(said.front().find("quality set to medium"), std::string::npos) << said.front();
 }
 
 }  // namespace

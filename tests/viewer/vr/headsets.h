@@ -1,12 +1,12 @@
 #pragma once
 
-#include "player/run.h"
-#include "prepare/cast.h"
-#include "prepare/live_cast.h"
-#include "prepare/recorded_cast.h"
+#include "session/prepare/cast.h"
+#include "session/prepare/live_cast.h"
+#include "session/prepare/recorded_cast.h"
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
 #include "tests/viewer/vr/monado_headset.h"
+#include "viewer/player/run.h"
 
 #include <filesystem>
 #include <functional>

@@ -52,8 +52,7 @@ class WindowAtWork : public ::testing::Test {
     window->setCamera(test::frontCamera());
     values.name = "a box";
     values.duration = 10.0;
-    values.parts = 3;
-    values.maxParts = 5;
+    values.controls = &controls;
     frames(2);
   }
   void SetUp() override {
@@ -68,9 +67,41 @@ class WindowAtWork : public ::testing::Test {
 
   void frames(int n) {
     for (int i = 0; i < n; ++i) {
+      listControls();
       window->show(box.scene, values);
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
     }
+  }
+  /// As a run of a recording of `values` has them.
+  void listControls() {
+    listChoices(window->choices(), controls);
+    const bool recorded = values.duration > 0.0;
+    for (const ControlId id : {ControlId::kThrow, ControlId::kUndo, ControlId::kOpen}) controls.offer(id);
+    for (const ControlId id : {ControlId::kSpeed, ControlId::kRestart, ControlId::kSeek, ControlId::kLoop}) {
+      controls[id].absent = !recorded;
+    }
+    controls[ControlId::kSeek].most = values.duration;
+    Control& parts = controls.offer(ControlId::kParts);
+    parts.least = 1.0;
+    parts.most = 5.0;
+    parts.value = 3.0;
+    parts.absent = bare;
+    for (const ControlId id : {ControlId::kMirror, ControlId::kSmoothing, ControlId::kGravity}) {
+      controls[id].absent = bare;
+    }
+    controls.offer(ControlId::kRecent).choices = recent;
+    controls[ControlId::kRecent].absent = recent.empty();
+    controls.offer(ControlId::kExpression).choices = expressions;
+    controls[ControlId::kExpression].least = -1.0;
+    controls[ControlId::kExpression].absent = expressions.empty();
+  }
+  /// The change of a control since this was asked last; none if there is none.
+  std::optional<Change> changeOf(ControlId id) {
+    std::optional<Change> found;
+    for (const Change& change : window->takeChanges()) {
+      if (change.id == id) found = change;
+    }
+    return found;
   }
   void send(const std::string& what) {
     // The last request is answered after what was sent before has reached the window.
@@ -91,6 +122,10 @@ class WindowAtWork : public ::testing::Test {
 
   Box box;
   WindowValues values;
+  Controls controls;
+  bool bare = false;                // without number of parts, mirror, smoothing and gravity
+  std::vector<std::string> recent;  // files
+  std::vector<std::string> expressions = {"happy"};
   std::optional<Window> window;
 
  private:

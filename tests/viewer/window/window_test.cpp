@@ -88,7 +88,7 @@ TEST_F(WindowAtWork, AnAvatarIsShownUntilItsPartsAreAskedFor) {
   open(320, 240);
   SceneOptions asDrawn;
   asDrawn.colorSkinByPart = asDrawn.hulls = false;
-  window->setChoices({{}, asDrawn});
+  window->choices().show = asDrawn;
   frames(2);
   const Image avatar = picture();
   const auto middle = [](const Image& image) { return test::pixelAt(image, 160, 120); };
@@ -161,8 +161,9 @@ TEST_F(WindowAtWork, WhatFailedIsMarkedUntilTheNextMessage) {
 TEST_F(WindowAtWork, FilesAreListedByNameWithTheirFoldersAsATooltip) {
   open(1000, 700);
   const std::vector<std::string> files{"/here/a.csv", "/a/very/long/folder/so/that/it/is/wide/b.csv"};
-  values.recent = files;
-  values.maxParts = 0;
+  recent = files;
+  bare = true;
+  expressions.clear();
   frames(2);
   send("mousemove --window %1 113 51 click 1");
   const Image list = picture("shift+p");
@@ -170,10 +171,7 @@ TEST_F(WindowAtWork, FilesAreListedByNameWithTheirFoldersAsATooltip) {
   const Image tooltip = picture("shift+p");
   EXPECT_GT(differingPixels(list, tooltip, 8), 3'000);
   send("click 1 key b");
-  EXPECT_FALSE(window->takeCancel());
-  const WindowRequests requests = window->takeRequests();
-  EXPECT_EQ(requests.files, std::vector{files[1]}) << "they can be opened later";
-  EXPECT_FALSE(requests.throwBall);
+  EXPECT_EQ(changeOf(ControlId::kRecent)->to, 1.0);
 }
 
 TEST_F(WindowAtWork, EscapeClosesTheHelpBeforeTheWindow) {
@@ -187,12 +185,10 @@ TEST_F(WindowAtWork, EscapeClosesTheHelpBeforeTheWindow) {
 
 TEST_F(WindowAtWork, StepsInTimeAddUpWhileTheRecordingRunsThere) {
   open(320, 240);
-  values.duration = 20.0;
-  values.seconds = 0.5;  // it has begun again
-  values.seekingTo = 9.0;
-  frames(1);
   send("key Left");
-  EXPECT_EQ(window->takeRequests().seekTo, 8.0);
+  send("key Left Left");
+  EXPECT_EQ(changeOf(ControlId::kSeek)->by, -3.0) << "from where it runs to";
+  EXPECT_FALSE(changeOf(ControlId::kSeek).has_value());
 }
 
 TEST_F(WindowAtWork, SpacePausesAndNStepsAndEscapeCloses) {
@@ -217,31 +213,28 @@ TEST_F(WindowAtWork, KeysAskForWhatTheOwnerDoes) {
   open(320, 240);
   values.seconds = 4.0;
   frames(1);
-  send("key b");
-  EXPECT_TRUE(window->takeRequests().throwBall);
-  EXPECT_FALSE(window->takeRequests().throwBall) << "once";
-  send("key e");
-  EXPECT_TRUE(window->takeRequests().nextExpression);
-  EXPECT_FALSE(window->takeRequests().nextExpression) << "once";
+  const std::pair<const char*, ControlId> keys[] = {
+      {"b", ControlId::kThrow}, {"e", ControlId::kExpression}, {"u", ControlId::kUndo}, {"Home", ControlId::kRestart}};
+  for (const auto& [key, id] : keys) {
+    send(std::string("key ") + key);
+    EXPECT_TRUE(changeOf(id).has_value()) << key;
+    EXPECT_FALSE(changeOf(id).has_value()) << "once";
+  }
   send("key bracketleft");
-  EXPECT_EQ(window->takeRequests().parts, 2);
+  EXPECT_EQ(changeOf(ControlId::kParts)->by, -1.0);
   send("key bracketright bracketright bracketright");
-  EXPECT_EQ(window->takeRequests().parts, 5) << "and not more";
-  send("key Left");
-  EXPECT_EQ(window->takeRequests().seekTo, 3.0);
+  EXPECT_EQ(changeOf(ControlId::kParts)->by, 3.0);
   send("key Right Right");
-  EXPECT_EQ(window->takeRequests().seekTo, 6.0);
-  send("key Home");
-  EXPECT_EQ(window->takeRequests().seekTo, 0.0);
-  EXPECT_EQ(window->choices().speed, 1.0);
+  EXPECT_EQ(changeOf(ControlId::kSeek)->by, 2.0);
+  EXPECT_EQ(window->choices().speedFactor(), 1.0);
   send("key minus minus minus minus minus minus minus minus minus minus minus minus");
-  EXPECT_EQ(window->choices().speed, 0.25);
+  EXPECT_EQ(window->choices().speedFactor(), 0.25);
   send("key plus");
-  EXPECT_EQ(window->choices().speed, 0.5);
+  EXPECT_EQ(window->choices().speedFactor(), 0.5);
   values.duration = 0.0;  // live
   frames(1);
   send("key Left Home");
-  EXPECT_FALSE(window->takeRequests().seekTo.has_value());
+  EXPECT_FALSE(changeOf(ControlId::kSeek) || changeOf(ControlId::kRestart));
 }
 
 TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
@@ -249,11 +242,11 @@ TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
   const Vec3 eye = window->camera().eye;
   // The timeline: farther to the right is later, and the camera does not turn.
   send("mousemove --window %1 240 435 mousedown 1");
-  const std::optional<double> left = window->takeRequests().seekTo;
+  const std::optional<double> left = changeOf(ControlId::kSeek).value_or(Change()).to;
   ASSERT_TRUE(left.has_value());
   EXPECT_FALSE(window->wantsStep()) << "playback is suspended while the slider is dragged";
   send("mousemove --window %1 290 435");
-  const std::optional<double> right = window->takeRequests().seekTo;
+  const std::optional<double> right = changeOf(ControlId::kSeek).value_or(Change()).to;
   ASSERT_TRUE(right.has_value());
   EXPECT_GT(*left, 0.1);
   EXPECT_GT(*right, *left + 1.0);
@@ -261,7 +254,7 @@ TEST_F(WindowAtWork, PanelsTakeTheMouseThatIsOverThem) {
   send("mouseup 1");
   EXPECT_TRUE(window->wantsStep());
   EXPECT_EQ(window->camera().eye, eye);
-  EXPECT_FALSE(window->takeRequests().hands[0].pressed.has_value());
+  EXPECT_FALSE(changeOf(ControlId::kPress).has_value());
   send("mousemove --window %1 40 435 click 1");
   EXPECT_TRUE(window->choices().paused) << "the button";
   send("click 1");
@@ -330,17 +323,17 @@ TEST_F(WindowAtWork, APressOnThePictureOffersTheRayAndAHeldThingKeepsTheCamera) 
   const Vec3 eye = window->camera().eye;
   values.holds = 1;
   send("mousemove --window %1 " + position + " mousedown 1");
-  const HandRequests pressed = window->takeRequests().hands[0];
-  ASSERT_TRUE(pressed.pressed.has_value());
+  const std::optional<Change> pressed = changeOf(ControlId::kPress);
+  ASSERT_TRUE(pressed.has_value());
   const Vec3 to = (Vec3(0.6, 1.2, 0.2) - eye).normalized();
-  EXPECT_LT((pressed.pressed->direction - to).norm(), 0.003) << "a pixel is 0.0013";
-  EXPECT_LT((pressed.pressed->origin - eye).norm(), 1e-9);
+  EXPECT_LT((pressed->ray.direction - to).norm(), 0.003) << "a pixel is 0.0013";
+  EXPECT_LT((pressed->ray.origin - eye).norm(), 1e-9);
   send("mousemove --window %1 200 200");
   EXPECT_EQ(window->camera().eye, eye);
   EXPECT_GT((window->aim(0).ray.direction - to).norm(), 0.1);
-  EXPECT_FALSE(window->takeRequests().hands[0].released);
+  EXPECT_FALSE(changeOf(ControlId::kRelease).has_value());
   send("mouseup 1");
-  EXPECT_TRUE(window->takeRequests().hands[0].released);
+  EXPECT_TRUE(changeOf(ControlId::kRelease).has_value());
   values.holds = 0;
   send("mousedown 1 mousemove --window %1 260 200 mouseup 1");
   EXPECT_NE(window->camera().eye, eye) << "no prop is held: the camera turns";
@@ -418,11 +411,14 @@ TEST_F(WindowAtWork, APathCanBeTypedWhereThereIsNoDialogue) {
   setenv("PATH", path.c_str(), 1);
   send("key slash a B BackSpace b period g l b");
   EXPECT_TRUE(window->choices().show.skin);
-  EXPECT_FALSE(window->takeRequests().throwBall) << "keys are letters";
+  EXPECT_TRUE(window->takeChanges().empty()) << "keys are letters";
   send("key Return b");
-  const WindowRequests requests = window->takeRequests();
-  EXPECT_EQ(requests.files, std::vector<std::string>{"/ab.glb"});
-  EXPECT_TRUE(requests.throwBall) << "and then keys again";
+  EXPECT_FALSE(window->takeCancel());
+  const std::optional<Change> typed = changeOf(ControlId::kOpen);
+  ASSERT_TRUE(typed.has_value()) << "files can be opened later";
+  EXPECT_EQ(typed->files, std::vector<std::string>{"/ab.glb"});
+  send("key b");
+  EXPECT_TRUE(changeOf(ControlId::kThrow).has_value()) << "keys again";
 }
 
 TEST_F(WindowAtWork, TheDialogueOfTheDesktopGivesFiles) {
@@ -438,7 +434,7 @@ TEST_F(WindowAtWork, TheDialogueOfTheDesktopGivesFiles) {
   const auto giveUp = std::chrono::steady_clock::now() + std::chrono::seconds(60);  // it never takes so long
   while (files.empty() && std::chrono::steady_clock::now() < giveUp) {
     frames(1);
-    files = window->takeRequests().files;
+    files = changeOf(ControlId::kOpen).value_or(Change()).files;
   }
   EXPECT_EQ(files, (std::vector<std::string>{"/a b.glb", "/c.bvh"}));
 }

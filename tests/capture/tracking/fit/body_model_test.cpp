@@ -1,6 +1,10 @@
 #include "capture/tracking/fit/body_model.h"
 
 #include "capture/retarget/skeletal_retarget.h"
+#include "capture/tracking/fit/body_view.h"
+#include "capture/tracking/fit/joint_confidence.h"
+#include "capture/tracking/fit/limb_pose.h"
+#include "capture/tracking/fit/person_fit.h"
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin.h"
 #include "skinning/mannequin/mannequin_skeleton.h"
@@ -9,9 +13,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace lorica::fit {
 namespace {
+
+using J = BodyJoint;
 
 Step randomStep(RandomNumbers& random, double size) {
   Step step;
@@ -140,6 +147,208 @@ TEST(BodyModel, LengthsScaleTheirLimbsAlone) {
               1.2F * (plain.position[kLeftHand] - plain.position[kLeftForearm]).norm(), 1e-3F);
   EXPECT_LT((other.position[kLeftForearm] - plain.position[kLeftForearm]).norm(), 1e-6F);
   EXPECT_LT((other.position[kRightShin] - plain.position[kRightShin]).norm(), 1e-6F);
+}
+
+TEST(LimbPose, AReachingLimbEndsAtItsTarget) {
+  const V3 origin(0.2F, 1.4F, 0.0F);
+  const V3 target(0.35F, 1.2F, 0.3F);
+  const LimbLine line = reachFor(origin, 0.29F, 0.25F, target, -V3::UnitY());
+  EXPECT_LT((origin + 0.29F * line.upper + 0.25F * line.lower - target).norm(), 1e-5F);
+  EXPECT_LT(line.upper.y(), (target - origin).normalized().y());  // the elbow is on the pole's side
+}
+
+TEST(LimbPose, TargetsOutOfReachArePointedAt) {
+  const LimbLine line = reachFor(V3::Zero(), 0.3F, 0.25F, {0.0F, 0.0F, 2.0F}, V3::UnitX());
+  EXPECT_GT(line.upper.z(), 0.99F);
+  EXPECT_GT(line.lower.z(), 0.99F);
+}
+
+TEST(LimbPose, LaidLimbsPointAlongTheirDirections) {
+  const BodyPose start = standingPose({0.1F, 0.9F, -0.2F}, 0.7F, 0.3F, 0.2F, 0.4F);
+  PosedModel body;
+  poseBody(start, Proportions(), body);
+  for (const Limb limb : {kLeftArm, kRightArm, kLeftLeg, kRightLeg}) {
+    const V3 upper = body.rotation[kPelvis] * V3(0.2F, -0.9F, 0.35F).normalized();
+    const bool arm = limb == kLeftArm || limb == kRightArm;
+    const V3 lower = body.rotation[kPelvis] * V3(0.1F, -0.6F, arm ? 0.8F : -0.4F).normalized();
+    BodyPose pose = start;
+    layLimb(limb, body, upper, lower, pose);
+    PosedModel laid;
+    poseBody(pose, Proportions(), laid);
+    const V3 first = (laid.position[lowerNodeOf(limb)] - laid.position[upperNodeOf(limb)]).normalized();
+    const V3 second = (laid.position[endNodeOf(limb)] - laid.position[lowerNodeOf(limb)]).normalized();
+    // The mannequin's bones deviate from its axes: elbows and knees by a degree or two, shins by five.
+    EXPECT_GT(first.dot(upper), 0.995F) << int{limb};
+    EXPECT_GT(second.dot(lower), 0.985F) << int{limb};
+  }
+}
+
+TEST(LimbPose, TurnedAboutKeepsHandsAndFeetAndFacesAway) {
+  const BodyPose pose = standingPose({0.0F, 0.915F, 0.0F}, 0.0F, 0.4F, 0.1F, 0.3F);
+  const BodyPose turned = turnedAbout(pose, Proportions());
+  PosedModel a, b;
+  poseBody(pose, Proportions(), a);
+  poseBody(turned, Proportions(), b);
+  EXPECT_LT(a.rotation[kPelvis].col(2).dot(b.rotation[kPelvis].col(2)), -0.99F);
+  EXPECT_LT((a.position[kLeftHand] - b.position[kRightHand]).norm(), 0.06F);
+  EXPECT_LT((a.position[kLeftFoot] - b.position[kRightFoot]).norm(), 0.06F);
+}
+
+constexpr double kNear = 2000.0, kFar = 3500.0;  // someone before a wall [mm]
+
+/// Somebody 160 pixels wide before a wall, with ramps of a width at both sides instead of steps [pixels].
+BodyView viewOf(double ramp) {
+  const DepthCamera camera;
+  std::vector<std::uint16_t> depth;
+  std::vector<std::uint8_t> labels;
+  depth.reserve(static_cast<std::size_t>(camera.width) * camera.height);
+  labels.reserve(depth.capacity());
+  for (int y = 0; y < camera.height; ++y) {
+    for (int x = 0; x < camera.width; ++x) {
+      const double outside = std::abs(x + 0.5 - 0.5 * camera.width) - 80.0;
+      const double share = y < 100 || y >= 400 ? 1.0 : std::clamp(outside / ramp + 0.5, 0.0, 1.0);
+      depth.push_back(static_cast<std::uint16_t>(kNear + share * (kFar - kNear)));
+      labels.push_back(depth.back() < kFar - 100.0 ? 1 : 0);  // what is nearer than the wall is taken for the person
+    }
+  }
+  BodyView view(camera);
+  view.look(depth, labels, 1, Isometry3::Identity());
+  return view;
+}
+
+float deepest(const BodyView& view) {
+  float depth = 0.0F;
+  for (const BodyView::Point& point : view.points()) depth = std::max(depth, -point.position.z());
+  return depth;
+}
+
+TEST(BodyView, AllBlocksOfAPersonWithSharpEdgesArePoints) {
+  const BodyView view = viewOf(1.0);
+  EXPECT_FALSE(view.blurred());
+  EXPECT_EQ(view.points().size(), 160U / 4 * (300 / 4));
+  EXPECT_NEAR(deepest(view), 2.0, 1e-3);
+}
+
+TEST(BodyView, TheRampsOfBlurredEdgesAreNoPoints) {
+  for (const double ramp : {10.0, 14.0, 18.0}) {
+    const BodyView view = viewOf(ramp);
+    EXPECT_TRUE(view.blurred()) << ramp;
+    EXPECT_LT(deepest(view), 2.07) << ramp;
+    EXPECT_GT(view.points().size(), 130U / 4 * (300 / 4)) << ramp;
+  }
+}
+
+CapsuleSupport allSeen() {
+  CapsuleSupport support;
+  support.seen.fill(1.5F);
+  return support;
+}
+
+void hide(Limb limb, CapsuleSupport& support) {
+  for (std::size_t c = 0; c < kCapsuleCount; ++c) {
+    if (isOf(limb, capsuleDefs()[c].node)) support.hidden[c] = 1.0F;
+  }
+}
+
+JointConfidence after(const CapsuleSupport& support, int views) {
+  JointConfidence confidence;
+  confidence.restart();
+  for (int i = 0; i < views; ++i) confidence.update(support, false);
+  return confidence;
+}
+
+TEST(JointConfidence, WhatIsSeenIsSureAfterAFewViews) {
+  const JointConfidence first = after(allSeen(), 1), later = after(allSeen(), 6);
+  for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+    EXPECT_LT(first[static_cast<J>(j)], 0.5) << nameOf(static_cast<J>(j));
+    EXPECT_GE(later[static_cast<J>(j)], 0.5) << nameOf(static_cast<J>(j));
+  }
+}
+
+TEST(JointConfidence, ALegBehindFurnitureIsUnsureThoughTheHipsAreSeen) {
+  CapsuleSupport support = allSeen();
+  hide(kLeftLeg, support);
+  const JointConfidence confidence = after(support, 6);
+  for (const J joint : {J::kLeftHip, J::kLeftKnee, J::kLeftFoot}) EXPECT_LT(confidence[joint], 0.5) << nameOf(joint);
+  for (const J joint : {J::kRightHip, J::kRightKnee, J::kRightFoot, J::kTorso, J::kLeftHand}) {
+    EXPECT_GE(confidence[joint], 0.5) << nameOf(joint);
+  }
+}
+
+TEST(JointConfidence, HipAndKneeAreUnsureWhereSomethingHidesTheSideOfTheTrunk) {
+  CapsuleSupport support = allSeen();
+  support.hiddenSide[0] = 1.0F;
+  const JointConfidence confidence = after(support, 6);
+  for (const J joint : {J::kLeftHip, J::kLeftKnee}) EXPECT_LT(confidence[joint], 0.5) << nameOf(joint);
+  for (const J joint : {J::kRightHip, J::kRightKnee, J::kLeftFoot, J::kTorso}) {
+    EXPECT_GE(confidence[joint], 0.5) << nameOf(joint);
+  }
+}
+
+TEST(JointConfidence, AnArmBehindSomeoneElseIsUnsure) {
+  CapsuleSupport support = allSeen();
+  hide(kRightArm, support);
+  const JointConfidence confidence = after(support, 6);
+  for (const J joint : {J::kRightElbow, J::kRightHand}) EXPECT_LT(confidence[joint], 0.5) << nameOf(joint);
+  for (const J joint : {J::kLeftElbow, J::kLeftHand, J::kRightFoot}) EXPECT_GE(confidence[joint], 0.5) << nameOf(joint);
+}
+
+/// A fitted body of which some capsules are seen whole, the others not at all.
+BodyBelief::Evidence evidence(float cost, int seen, bool moved = false, float height = 1.75F) {
+  BodyBelief::Evidence result;
+  result.cost.points = cost;
+  std::fill_n(result.support.seen.begin(), seen, 1.0F);
+  result.height = height;
+  result.moved = moved;
+  return result;
+}
+
+bool believedAfter(BodyBelief& belief, const BodyBelief::Evidence& evidence, int views) {
+  for (int i = 0; i < views; ++i) belief.update(evidence);
+  return belief.believed();
+}
+
+TEST(BodyBelief, OneViewThatFitsWellIsEnough) {
+  BodyBelief belief;
+  EXPECT_FALSE(belief.believed());
+  EXPECT_TRUE(believedAfter(belief, evidence(900.0F, 19), 1));
+  belief.forget();
+  EXPECT_FALSE(belief.believed());
+}
+
+TEST(BodyBelief, FurnitureIsNeverBelieved) {
+  // What chairs of the recordings got: a bad fit, or a better one of which half is not seen, or a giant.
+  for (const auto& chair : {evidence(1380.0F, 18), evidence(1150.0F, 12), evidence(900.0F, 20, false, 2.2F)}) {
+    BodyBelief belief;
+    EXPECT_FALSE(believedAfter(belief, chair, 100));
+  }
+}
+
+TEST(BodyBelief, WhoeverMovedNeedsLess) {
+  BodyBelief still, moved;
+  EXPECT_FALSE(believedAfter(still, evidence(1500.0F, 12), 30));
+  EXPECT_FALSE(believedAfter(moved, evidence(1500.0F, 12, true), 2));
+  EXPECT_TRUE(believedAfter(moved, evidence(1500.0F, 12, true), 1));
+}
+
+TEST(BodyBelief, LastsThroughAShortBadTimeOnly) {
+  BodyBelief belief;
+  ASSERT_TRUE(believedAfter(belief, evidence(900.0F, 19), 1));
+  EXPECT_TRUE(believedAfter(belief, evidence(4000.0F, 3), 20));
+  EXPECT_TRUE(believedAfter(belief, evidence(900.0F, 19), 30));
+  EXPECT_TRUE(believedAfter(belief, evidence(4000.0F, 3), 20));
+  EXPECT_FALSE(believedAfter(belief, evidence(4000.0F, 3), 10));
+}
+
+TEST(BodyBelief, WhatIsAttachedToTheRoomMustMoveAndBeSeen) {
+  BodyBelief::Evidence seated = evidence(2100.0F, 16, true);
+  BodyBelief free, attached;
+  EXPECT_FALSE(believedAfter(free, seated, 30));
+  seated.attached = true;
+  EXPECT_TRUE(believedAfter(attached, seated, 3));
+  seated.moved = false;
+  attached.forget();
+  EXPECT_FALSE(believedAfter(attached, seated, 30));
 }
 
 }  // namespace

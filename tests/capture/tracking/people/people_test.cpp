@@ -1,8 +1,8 @@
 #include "capture/tracking/people/people.h"
 
-#include "capture/sensor/oni_source.h"
-#include "capture/synthetic/synthetic_motion.h"
-#include "capture/virtual_sensor/virtual_body.h"
+#include "capture/files/joint_csv.h"
+#include "capture/sensor/oni_file.h"
+#include "capture/virtual_sensor/virtual_performer.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/allocations.h"
@@ -25,8 +25,8 @@ Isometry3 at(double x, double z, double turn = 0.0) {
   return result;
 }
 
-VirtualPerson performing(SyntheticMotion motion, const Isometry3& pose = Isometry3::Identity(), double start = 0.0) {
-  VirtualPerson person{VirtualPerformer::create(makeMannequin(), synthesizeMotion(motion)).value()};
+VirtualPerson performing(std::string_view motion, const Isometry3& pose = Isometry3::Identity(), double start = 0.0) {
+  VirtualPerson person{VirtualPerformer::create(makeMannequin(), shippedFrames(motion)).value()};
   person.worldFromMotion = pose;
   person.start = start;
   return person;
@@ -137,8 +137,8 @@ TEST(PeopleFinder, RoomWithFurnitureHasNobody) {
 
 TEST(PeopleFinder, StandsInTheFirstFrameAndIsCoveredCleanAndNoisy) {
   for (const bool noisy : {false, true}) {
-    for (const SyntheticMotion motion : {SyntheticMotion::kJumpingJacks, SyntheticMotion::kPunchAndKick}) {
-      SCOPED_TRACE(nameOf(motion));
+    for (const std::string_view motion : {"jumping_jacks", "punch_and_kick"}) {
+      SCOPED_TRACE(motion);
       const Watched seen = watch(everyone(performing(motion)), {}, noisy, 20, 7);
       EXPECT_GE(seen.mean[0], 0.97);
       EXPECT_GE(seen.min[0], 0.95);
@@ -158,7 +158,7 @@ TEST(PeopleFinder, SeveralCamerasSeeTheSamePerson) {
     SCOPED_TRACE(p.pose.transpose());
     VirtualSensorSettings settings;
     settings.room.worldFromCamera = worldFromCameraAt(p.pose, p.tilt, p.heading);
-    const Watched seen = watch(everyone(performing(SyntheticMotion::kSquatAndReach)), settings, true, 15, 9);
+    const Watched seen = watch(everyone(performing("squat_and_reach")), settings, true, 15, 9);
     EXPECT_GE(seen.mean[0], 0.95);
     EXPECT_EQ(seen.users[0], std::set<int>{1});
   }
@@ -168,14 +168,13 @@ TEST(PeopleFinder, ImagesOfOddSizeAreLabelledInPlace) {
   VirtualSensorSettings settings;
   settings.camera.width = 639;
   settings.camera.height = 479;
-  const Watched seen = watch(everyone(performing(SyntheticMotion::kWave)), settings, false, 2, 1);
+  const Watched seen = watch(everyone(performing("wave")), settings, false, 2, 1);
   EXPECT_GE(seen.mean[0], 0.95);
 }
 
 TEST(PeopleFinder, TwoPeopleAreKeptApart) {
-  const Watched seen = watch(everyone(performing(SyntheticMotion::kWave, at(-0.6, 0.0)),
-                                      performing(SyntheticMotion::kJumpingJacks, at(0.7, -0.4))),
-                             {}, true, 40, 2);
+  const Watched seen =
+      watch(everyone(performing("wave", at(-0.6, 0.0)), performing("jumping_jacks", at(0.7, -0.4))), {}, true, 40, 2);
   for (const std::size_t p : {0U, 1U}) {
     EXPECT_GE(seen.mean[p], 0.95);
     EXPECT_EQ(seen.users[p].size(), 1U);
@@ -185,9 +184,9 @@ TEST(PeopleFinder, TwoPeopleAreKeptApart) {
 
 TEST(PeopleFinder, PeopleWhoTouchAreSharedOut) {
   // The arms of jumping jacks reach into the neighbour.
-  const Watched seen = watch(everyone(performing(SyntheticMotion::kSquatAndReach, at(-0.4, 0.0)),
-                                      performing(SyntheticMotion::kJumpingJacks, at(0.55, 0.0))),
-                             {}, false, 100);
+  const Watched seen =
+      watch(everyone(performing("squat_and_reach", at(-0.4, 0.0)), performing("jumping_jacks", at(0.55, 0.0))), {},
+            false, 100);
   for (const std::size_t p : {0U, 1U}) {
     EXPECT_GE(seen.mean[p], 0.95);
     EXPECT_GE(seen.min[p], 0.8);
@@ -201,7 +200,7 @@ TEST(PeopleFinder, NumberIsKeptBehindAScreenAndReusedAfterTwoSeconds) {
     settings.screens.push_back({{Vec3(-1.6, 0.0, 1.3), Vec3(1.6, 2.2, 1.35)}, {0.3, 0.3 + hidden}});
     int usersAfter = 0, peopleBehind = 0;
     const auto frames = static_cast<std::uint64_t>(30.0 * (0.3 + hidden) + 4.0);
-    watch(everyone(performing(SyntheticMotion::kWave)), settings, true, frames, 1,
+    watch(everyone(performing("wave")), settings, true, frames, 1,
           [&](std::uint64_t f, const PeopleFinder& finder, const VirtualSensor&) {
             if (f == 25) peopleBehind = static_cast<int>(finder.people().size());
             if (f + 1 == frames) usersAfter = static_cast<int>(finder.people().size());
@@ -212,15 +211,14 @@ TEST(PeopleFinder, NumberIsKeptBehindAScreenAndReusedAfterTwoSeconds) {
 }
 
 TEST(PeopleFinder, WhoPassesBehindAnotherKeepsTheNumber) {
-  const Watched seen = watch(everyone(performing(SyntheticMotion::kWalk, at(-0.9, -1.0, 1.5707963)),
-                                      performing(SyntheticMotion::kWave, at(0.3, 0.0))),
-                             {}, true, 55, 2);
+  const Watched seen =
+      watch(everyone(performing("walk", at(-0.9, -1.0, 1.5707963)), performing("wave", at(0.3, 0.0))), {}, true, 55, 2);
   EXPECT_EQ(seen.users[1], std::set<int>{seen.users[1].empty() ? 0 : *seen.users[1].begin()});
   EXPECT_GE(seen.mean[1], 0.85);  // pieces of the person behind are assigned to the other for some frames
 }
 
 TEST(PeopleFinder, WhoEntersIsFoundAndWhatHeWalkedPastIsNot) {
-  std::vector<VirtualPerson> people = everyone(performing(SyntheticMotion::kWave));
+  std::vector<VirtualPerson> people = everyone(performing("wave"));
   people[0].absent.push_back({0.0, 1.5});
   people[0].leaveSpeed = 1.5;
   VirtualSensorSettings settings;
@@ -238,7 +236,7 @@ TEST(PeopleFinder, WhoSitsDownIsToldFromTheChair) {
   // Squats over a chair that was there before.
   VirtualSensorSettings settings;
   settings.room.boxes = chairAt({0.0, 0.0, -0.5});
-  const Watched seen = watch(everyone(performing(SyntheticMotion::kSquatAndReach)), settings, true, 30, 4);
+  const Watched seen = watch(everyone(performing("squat_and_reach")), settings, true, 30, 4);
   EXPECT_GE(seen.mean[0], 0.95);
   EXPECT_GE(seen.min[0], 0.9);
 }
@@ -248,7 +246,7 @@ TEST(PeopleFinder, WhoSteppedBackOnceIsNoFurniture) {
   std::vector<SkeletonFrame> back;
   back.reserve(31);
   for (int i = 0; i <= 30; ++i) {
-    SkeletonFrame& frame = back.emplace_back(synthesizeMotion(SyntheticMotion::kJumpingJacks).front());
+    SkeletonFrame& frame = back.emplace_back(shippedFrames("jumping_jacks").front());
     frame.time = i / 30.0;
     for (TrackedJoint& joint : frame.joints) joint.position.z() -= 0.6 * frame.time;
   }
@@ -268,7 +266,7 @@ TEST(PeopleFinder, ShelfThatTheImageCutsOffIsNobody) {
   VirtualSensorSettings settings;
   settings.room.boxes = {{Vec3(-2.1, 0.0, -0.7), Vec3(-1.5, 2.4, -0.4)}};
   std::size_t max = 0;
-  const Watched seen = watch(everyone(performing(SyntheticMotion::kWave, at(0.3, 0.0))), settings, true, 12, 1,
+  const Watched seen = watch(everyone(performing("wave", at(0.3, 0.0))), settings, true, 12, 1,
                              [&](std::uint64_t, const PeopleFinder& finder, const VirtualSensor&) {
                                max = std::max(max, finder.people().size());
                              });
@@ -280,7 +278,7 @@ TEST(PeopleFinder, WhoIsCutOffByTheImageIsFound) {
   VirtualSensorSettings settings;
   settings.room.worldFromCamera = worldFromCameraAt({0.35, 1.3, 1.0}, 0.0);
   bool cut = true;
-  const Watched seen = watch(everyone(performing(SyntheticMotion::kWave)), settings, true, 10, 3,
+  const Watched seen = watch(everyone(performing("wave")), settings, true, 10, 3,
                              [&](std::uint64_t, const PeopleFinder& finder, const VirtualSensor&) {
                                for (const PersonSegment& one : finder.people()) cut = cut && one.cutByBorder;
                              });
@@ -289,7 +287,7 @@ TEST(PeopleFinder, WhoIsCutOffByTheImageIsFound) {
 }
 
 TEST(PeopleFinder, SegmentsSayWhereAndHowTallInTheFloorFrame) {
-  watch(everyone(performing(SyntheticMotion::kJumpingJacks, at(0.3, 0.2))), {}, false, 2, 1,
+  watch(everyone(performing("jumping_jacks", at(0.3, 0.2))), {}, false, 2, 1,
         [](std::uint64_t, const PeopleFinder& finder, const VirtualSensor& sensor) {
           ASSERT_EQ(finder.people().size(), 1U);
           const PersonSegment& one = finder.people()[0];
@@ -317,10 +315,10 @@ TEST(PeopleFinder, SegmentsSayWhereAndHowTallInTheFloorFrame) {
 TEST(PeopleFinder, SameFramesGiveTheSameLabelsAndTakeNoMemory) {
   VirtualSensorSettings settings;
   settings.loop = true;
-  VirtualSensor sensor = VirtualSensor::create(everyone(performing(SyntheticMotion::kWave, at(-0.5, 0.0)),
-                                                        performing(SyntheticMotion::kPunchAndKick, at(0.6, 0.0))),
-                                               settings)
-                             .value();
+  VirtualSensor sensor =
+      VirtualSensor::create(everyone(performing("wave", at(-0.5, 0.0)), performing("punch_and_kick", at(0.6, 0.0))),
+                            settings)
+          .value();
   PeopleFinder one(sensor.camera(), 2), other(sensor.camera(), 2);
   DepthFrame frame;
   for (std::uint64_t f = 0; f < 16; ++f) {

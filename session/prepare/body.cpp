@@ -1,0 +1,75 @@
+#include "session/prepare/body.h"
+
+#include "geometry/errors.h"
+#include "geometry/text.h"
+#include "session/prepare/training.h"
+
+#include <utility>
+
+namespace lorica {
+namespace {
+
+/// The requested decomposition, or the default one.
+Result<DecompositionFile> chooseDecomposition(const BodyOptions& options, const Subject& subject, Host& host) {
+  if (!options.decomposition.empty()) return readDecompositionOf(subject, options.decomposition);
+  LORICA_TRY(CachedDecomposition made, defaultDecomposition(subject, host));
+  return std::move(made.file);
+}
+
+/// A cover of the body: from the user's cache, or chosen in poses of the character's default training.
+Result<HullCover> coverOf(const Subject& subject, const DecompositionFile& body, const CoverRequest& request,
+                          Host& host) {
+  const Character& character = *subject.character;
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
+  LORICA_TRY(const CoverPoses poses, coverPoses(character, training.motions));
+  const auto choose = [&] { return chooseCover(character, body.decomposition, poses, request, host); };
+  return cachedCover(character, body, poses, request, choose, userCache(host));
+}
+
+}  // namespace
+
+DecompositionCache userCache(Host& host) {
+  // One cause often keeps both the body and its decomposition from the cache.
+  return {userCacheFolder(), [&host](const std::string& sentence) { host.warn(sentence); }};
+}
+
+Result<CachedDecomposition> defaultDecomposition(const Subject& subject, Host& host) {
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
+  Task task(host, "Decomposing " + subject.character->name, "parts");
+  DecomposeSettings settings;
+  settings.threads = host.threads;
+  settings.progress = task.progress();
+  Result<CachedDecomposition> made = defaultDecomposition(*subject.character, training, settings, userCache(host));
+  // The last cut may have finished before the progress callback was called.
+  if (host.cancelled()) return cancelled();
+  return made;
+}
+
+Result<CachedDecomposition> meshDecomposition(const std::string& name, const TriMesh& mesh, DecomposeSettings settings,
+                                              Host& host) {
+  Task task(host, "Decomposing " + name, "parts");
+  settings.progress = task.progress();
+  Result<CachedDecomposition> made = meshDecomposition(name, mesh, settings, userCache(host));
+  if (host.cancelled()) return cancelled();
+  return made;
+}
+
+Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file) {
+  LORICA_TRY(DecompositionFile read, readDecomposition(file));
+  if (read.meshHash == topologyHash(subject.mesh)) return read;
+  return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", file.string(),
+                         read.source, grouped(read.decomposition.vertexCount), subject.name,
+                         grouped(std::ssize(subject.mesh.vertices)));
+}
+
+Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host) {
+  Result<DecompositionFile> body = chooseDecomposition(options, subject, host);
+  if (!body || !options.cover.given()) return body;
+  body->cover.reset();
+  body->errorPerKeyframe.clear();  // it was that of other hulls
+  if (options.cover.exact()) return body;
+  LORICA_TRY(body->cover, coverOf(subject, *body, options.cover, host));
+  return body;
+}
+
+}  // namespace lorica

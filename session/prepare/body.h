@@ -1,0 +1,37 @@
+#pragma once
+
+#include "acd/decomposition_file.h"
+#include "session/prepare/cover_choice.h"
+#include "session/prepare/decomposition_cache.h"
+#include "session/prepare/subject.h"
+
+#include <filesystem>
+#include <string>
+
+namespace lorica {
+
+/// Options that select the body of a character.
+struct BodyOptions {
+  std::string decomposition;  ///< file; empty = defaultDecomposition()
+  CoverRequest cover;         ///< not given = the cover in the file
+};
+
+/// The user's cache; its warnings go to the host, which must outlive it.
+[[nodiscard]] DecompositionCache userCache(Host& host);
+
+/// defaultDecomposition() with the character's default training, the user's cache, as a task of the host.
+[[nodiscard]] Result<CachedDecomposition> defaultDecomposition(const Subject& subject, Host& host);
+
+/// meshDecomposition() with the user's cache, as a task of the host.
+[[nodiscard]] Result<CachedDecomposition> meshDecomposition(const std::string& name, const TriMesh& mesh,
+                                                            DecomposeSettings settings, Host& host);
+
+/// The decomposition in a .lorica file, or an error if it was made from another mesh or cannot be read.
+[[nodiscard]] Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file);
+
+/// The decomposition with the requested cover; without a request, its own cover, or an exact one if it has none.
+/// @param subject  a character
+/// @return the body, or an error if the file was made from another mesh or cannot be read
+[[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host);
+
+}  // namespace lorica

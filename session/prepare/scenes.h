@@ -1,0 +1,67 @@
+#pragma once
+
+#include "collision/world/world.h"
+#include "geometry/named_file.h"
+#include "geometry/result.h"
+#include "session/prepare/host.h"
+#include "session/scenes/hit_counter.h"
+#include "session/scenes/scene_file.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace lorica {
+
+/// The world of a scene file or of a shipped scene, given by its name. Empty = the boxes and balls of the demo.
+/// @param gravity  times that of the scene
+/// @return the world, or an error about the file
+[[nodiscard]] Result<World> openScene(const std::string& scene, double gravity, Host& host, double scale = 1.0);
+
+/// The text of a scene file.
+struct SceneText {
+  std::string text;                       ///< empty = the boxes and balls of the demo
+  std::filesystem::path folder;           ///< base of relative mesh paths
+  PathTrust paths = PathTrust::kBeneath;  ///< which mesh files it may name
+};
+
+/// The folder of the shipped scenes.
+[[nodiscard]] Result<std::filesystem::path> scenesFolder();
+
+/// The text that openScene() reads.
+[[nodiscard]] Result<SceneText> readSceneText(const std::string& scene, const Host& host);
+
+/// A scene that was opened.
+struct OpenedScene {
+  World world;
+  std::vector<HitTarget> targets;
+  std::vector<AvatarSetting> stage;  ///< character and motion as names of what ships, or as paths
+};
+
+/// openScene() with the avatars of the scene.
+[[nodiscard]] Result<OpenedScene> openStage(const std::string& scene, Host& host);
+
+/// The targets of a scene that the user chose; none if it cannot be read any more.
+[[nodiscard]] std::vector<HitTarget> targetsOf(const std::string& scene, Host& host);
+
+/// A prop at rest at the world's origin, from a mesh file: in at most 8 convex parts if the mesh is closed, else its
+/// convex hull. A mesh whose largest side is not 0.1 to 1.5 units long is scaled to 0.5 m, else a unit is a metre.
+[[nodiscard]] Result<Prop> openMeshProp(const std::string& file, Host& host);
+
+/// The world of a scene text. @param name  for error messages
+[[nodiscard]] Result<World> worldOf(const SceneText& scene, const std::string& name, Host& host);
+/// The targets of a scene text that worldOf() has read.
+[[nodiscard]] std::vector<HitTarget> targetsOf(const SceneText& scene, const std::string& name, Host& host);
+
+/// The scenes that a window offers.
+struct SceneList {
+  std::vector<std::string> names;
+  std::vector<std::string> arguments;  ///< of openScene()
+  int present = 0;                     ///< index of the current one
+};
+
+/// The scene of the demo, the shipped ones, and the present one if it is the user's own.
+/// @param present  as given to openScene()
+[[nodiscard]] SceneList scenesNextTo(const std::string& present);
+
+}  // namespace lorica

@@ -1,0 +1,181 @@
+#include "session/prepare/subject.h"
+
+#include "geometry/errors.h"
+#include "geometry/mesh_files.h"
+#include "session/prepare/body.h"
+#include "session/prepare/character_walls.h"
+#include "session/prepare/decomposition_cache.h"
+#include "session/prepare/expressions.h"
+#include "session/prepare/file_kinds.h"
+#include "session/prepare/mesh_subject.h"
+#include "session/prepare/read_motion.h"
+#include "skinning/import/bone_map.h"
+#include "skinning/look/avatar.h"
+#include "skinning/mannequin/mannequin.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace lorica {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kMannequin = "mannequin";
+constexpr std::array<const char*, 3> kWalls = {"auto", "solid", "shell"};  // in the order of WallChoice
+
+/// cachedBody(), with thin walls if the options ask for them, as a task of the host.
+Result<ClosedBody> makeBodyWithProgress(const CharacterFile& file, const CharacterOptions& options, Host& host) {
+  const std::string& name = file.character.name;
+  Task task(host, "Making a closed body for " + name, "steps");
+  BodySettings settings;
+  settings.resolution = options.bodyResolution;
+  settings.keepClosed = options.body != BodyChoice::kAlways;
+  settings.progress = task.progress();
+  return bodyWithWalls(file, options, [&](const Character& rest) {
+    return prefixed(name, cachedBody(rest, settings, userCache(host)));
+  });
+}
+
+/// The mannequin's material.
+Material clay() {
+  Material material;
+  material.name = "clay";
+  material.baseColor = {0.68f, 0.60f, 0.52f, 1.0f};
+  material.metallic = 0.0f;
+  material.roughness = 0.6f;
+  return material;
+}
+
+/// Rejects options that would have no effect on a mesh or a built-in character.
+Result<void> refuseFileOptions(const std::string& input, const CharacterOptions& options) {
+  for (const auto& [given, option] :
+       {std::pair(!options.map.empty(), "--map"), std::pair(!options.expressions.empty(), "--expression"),
+        std::pair(!options.hidden.empty(), "--hide")}) {
+    if (!given) continue;
+    return invalidArgument("{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae)", input, option);
+  }
+  return {};
+}
+
+/// Decodes the pictures of a character's materials as a task of the host.
+Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float> expressions,
+                                          const CharacterOptions& options, Host& host) {
+  Task task(host, "Decoding textures of " + file.character.name, "textures");
+  DecodeSettings settings;
+  settings.largestSide = options.textureSize;
+  settings.progress = task.progress();
+  AvatarFace face{file.morphs, file.expressions, file.lookAt, std::move(expressions)};
+  if (options.ownClip) {
+    // Without such a clip the command fails later.
+    const Result<const Clip*> clip = findClip(file.clips, *options.ownClip, file.character.name);
+    if (clip) face.clip = *clip - file.clips.data();
+  }
+  return makeAvatar(file.character, std::move(file.look), settings, std::move(face));
+}
+
+Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options, Host& host) {
+  LORICA_TRY(CharacterFile read, readCharacterFile(file, host.characterFiles(options.hidden)));
+  if (read.character.mesh.triangles.empty()) {
+    return badMesh("{}: no triangles, only {}; expected a character with a surface", file.string(),
+                   read.clips.empty() ? "joints" : "motion");
+  }
+  if (!options.map.empty()) {
+    LORICA_TRY(const BoneMap map, readBoneMap(options.map));
+    LORICA_TRY(read.character.skeleton, applyBoneMap(read.character.skeleton, map, options.map));
+  }
+  LORICA_TRY(std::vector<float> expressions, chosenExpressions(read.expressions, options.expressions, file.string()));
+  if (options.suits) {
+    LORICA_TRY_DO(options.suits(read));
+  }
+  if (read.isMesh()) {
+    // A mesh: in the units and coordinates of the file, from which the first joint converts.
+    TriMesh mesh = read.character.mesh;
+    for (Vec3& p : mesh.vertices) p = read.character.jointFromModel.front() * p;
+    Result<Subject> subject = meshSubject(read.character.name, std::move(mesh), options, host);
+    if (subject) subject->file = std::move(read);
+    return subject;
+  }
+  LORICA_TRY(ClosedBody body, makeBodyWithProgress(read, options, host));
+  const std::vector<float> used = usedWeightSets(read.morphs, read.expressions, expressions);
+  (void)coverReached(body, read.character,
+                     reachedPositions(read.morphs, used, read.character.mesh.vertices, kReachTolerance));
+  Subject subject{read.character.name, body.character.mesh, std::nullopt, "", std::move(read), std::move(body)};
+  subject.character = subject.body->character;
+  if (options.drawn && subject.file->look.given()) {
+    LORICA_TRY(MadeAvatar made, makeAvatarWithProgress(*subject.file, std::move(expressions), options, host));
+    subject.character->avatar = std::move(made.avatar);
+    std::vector<std::string>& notes = subject.file->notes;
+    notes.insert(notes.end(), made.notes.begin(), made.notes.end());
+  }
+  return subject;
+}
+
+}  // namespace
+
+std::optional<WallChoice> wallChoiceNamed(std::string_view name) {
+  const auto found = std::find(kWalls.begin(), kWalls.end(), name);
+  return found == kWalls.end() ? std::nullopt : std::optional(static_cast<WallChoice>(found - kWalls.begin()));
+}
+
+const char* nameOf(WallChoice walls) {
+  return kWalls[static_cast<std::size_t>(walls)];
+}
+
+Result<Subject> readSubject(const std::string& input, const CharacterOptions& options, Host& host) {
+  if (input == kMannequin) {
+    LORICA_TRY_DO(refuseFileOptions(input, options));
+    if (options.body == BodyChoice::kAlways || options.bodyResolution > 0.0) {
+      return invalidArgument(
+          "{}: {} is for character files (.glb, .gltf, .vrm, .fbx, .dae) and meshes (.off, .obj, .ply, .stl)", input,
+          options.bodyResolution > 0.0 ? "--body-resolution" : "--body always");
+    }
+    if (options.walls == WallChoice::kShell || options.thickness > 0.0) {
+      return invalidArgument("{}: is one closed piece, which stays solid: expected no {}", input,
+                             options.thickness > 0.0 ? "--thickness" : "--walls shell");
+    }
+    Character character = makeMannequin();
+    TriMesh mesh = character.mesh;
+    if (options.drawn) character.avatar = makePlainAvatar(character, clay());
+    return Subject{input, std::move(mesh), std::move(character), "", std::nullopt, std::nullopt};
+  }
+  if (isBareName(input)) {
+    return notFound(
+        "{}: no such file and no character with that name, expected a mesh (.off, .obj, .ply, .stl), a character "
+        "(.glb, .gltf, .vrm, .fbx, .dae) or {}",
+        input, kMannequin);
+  }
+  LORICA_TRY_DO(refuseOtherKinds(input));
+  if (isCharacterFile(input)) return readCharacterSubject(input, options, host);
+  LORICA_TRY_DO(refuseFileOptions(input, options));
+  LORICA_TRY(TriMesh mesh, readMesh(input));
+  return meshSubject(fs::path(input).filename().string(), std::move(mesh), options, host);
+}
+
+Result<void> followsPerson(const CharacterFile& file) {
+  Motion person;
+  person.name = "a person";
+  person.joints = {SkeletonFrame()};
+  return checkPerformed(file.character, person);
+}
+
+Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host) {
+  if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
+    LORICA_TRY_DO(refuseOtherKinds(nameOrFile));
+    if (std::error_code ignored; fs::exists(nameOrFile, ignored)) {
+      return invalidArgument("{}: is {}, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)", nameOrFile,
+                             readMesh(nameOrFile).ok() ? "a mesh without bones" : "no character file", kMannequin);
+    }
+    return notFound("{}: no character with that name, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)",
+                    nameOrFile, kMannequin);
+  }
+  CharacterOptions reading = options;
+  reading.suits = [&](const CharacterFile& file) -> Result<void> {
+    if (!file.isMesh()) return options.suits ? options.suits(file) : Result<void>();
+    return invalidArgument("{}: found a mesh without skin and clips, expected a character", nameOrFile);
+  };
+  return readSubject(nameOrFile, reading, host);
+}
+
+}  // namespace lorica

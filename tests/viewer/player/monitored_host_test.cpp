@@ -1,0 +1,126 @@
+#include "viewer/player/monitored_host.h"
+
+#include "viewer/player/warning_board.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <random>
+
+namespace lorica {
+namespace {
+
+TEST(MonitoredHost, AHalfDoneTaskIsHalfOfWhatItsStageHasForIt) {
+  Host parent;
+  MonitoredHost monitor(parent);
+  EXPECT_EQ(monitor.progress().share, 0.0);
+  EXPECT_EQ(monitor.progress().title(), "Loading");
+  const Stage stage(monitor, 0.2, 0.6);
+  EXPECT_DOUBLE_EQ(monitor.progress().share, 0.2);
+  monitor.beginTask("Cutting", "");
+  monitor.report(2, 2);
+  const double task = monitor.progress().share - 0.2;
+  EXPECT_GT(task, 0.2);
+  EXPECT_LT(task, 0.4);
+  EXPECT_EQ(monitor.progress().title(), "Cutting");
+  monitor.beginTask("Settling", "");
+  monitor.report(1, 2);
+  const double rest = 0.4 - task;
+  EXPECT_NEAR(monitor.progress().share, 0.2 + task + 0.5 * rest * task / 0.4, 1e-12) << "the same part of the rest";
+}
+
+/// Works for a while: stages within stages, and tasks that report what they like.
+void work(MonitoredHost& monitor, std::mt19937& random, int depth, const std::function<void()>& look) {
+  const int pieces = 1 + static_cast<int>(random() % 3);
+  for (int piece = 0; piece < pieces; ++piece) {
+    if (depth > 0 && random() % 2 == 0) {
+      const Stage stage(monitor, static_cast<double>(piece) / pieces, (piece + 1.0) / pieces);
+      look();
+      work(monitor, random, depth - 1, look);
+    } else {
+      monitor.beginTask("Task", "");
+      for (int report = 0; report < 5; ++report) {
+        const int done = static_cast<int>(random() % 14), total = static_cast<int>(random() % 12) - 1;
+        monitor.report(done, total);
+        look();
+      }
+    }
+  }
+}
+
+TEST(MonitoredHost, TheShareNeverGoesBackAndIsWholeAtTheEnd) {
+  std::mt19937 random(5);
+  for (int round = 0; round < 200; ++round) {
+    Host parent;
+    MonitoredHost monitor(parent);
+    double before = 0.0;
+    const auto look = [&] {
+      const double share = monitor.progress().share;
+      ASSERT_GE(share, before) << round;
+      ASSERT_LE(share, 1.0) << round;
+      before = share;
+    };
+    {
+      const Stage all(monitor, 0.0, 1.0);
+      work(monitor, random, 3, look);
+    }
+    EXPECT_NEAR(monitor.progress().share, 1.0, 1e-12) << round;
+  }
+}
+
+TEST(WarningBoard, HoldsWhatComesAndGoesForASecond) {
+  WarningBoard board;
+  board.raise("limbs", "left hand lost", 10.0);
+  board.update(10.0);
+  ASSERT_EQ(board.sentences().size(), 1u);
+  board.update(10.9);
+  EXPECT_EQ(board.sentences().size(), 1u);
+  // Raised in every other frame: it is shown all the time.
+  for (int frame = 0; frame < 90; ++frame) {
+    const double now = 10.0 + frame / 30.0;
+    if (frame % 2 == 0) board.raise("limbs", "left hand lost", now);
+    board.update(now);
+    ASSERT_EQ(board.sentences().size(), 1u);
+  }
+  board.update(14.1);
+  EXPECT_TRUE(board.sentences().empty());
+}
+
+TEST(WarningBoard, WhatComesBackIsHeldLonger) {
+  WarningBoard board;
+  // Every 3 s for a moment: after a few times it stays, instead of coming and going.
+  std::vector<bool> shown;
+  for (int tick = 0; tick < 600; ++tick) {
+    const double now = 0.1 * tick;
+    if (tick % 30 == 0) board.raise("limbs", "left hand lost", now);
+    board.update(now);
+    shown.push_back(!board.sentences().empty());
+  }
+  const auto changes = std::adjacent_find(shown.begin() + 80, shown.end(), std::not_equal_to<>());
+  EXPECT_EQ(changes, shown.end());
+  EXPECT_TRUE(shown.back());
+  board.update(59.7 - 2.7 + WarningBoard::kLongestHold);
+  EXPECT_TRUE(board.sentences().empty());
+  // Later it is new.
+  board.raise("limbs", "left hand lost", 100.0);
+  board.update(100.0 + WarningBoard::kHoldSeconds);
+  EXPECT_TRUE(board.sentences().empty());
+}
+
+TEST(WarningBoard, WordsChangeOncePerSecondAtMostAndKindsKeepTheirOrder) {
+  WarningBoard board;
+  board.raise("limbs", "a", 0.0);
+  board.raise("training", "t", 0.1);
+  board.raise("limbs", "b", 0.5);
+  ASSERT_EQ(board.sentences().size(), 2u);
+  EXPECT_EQ(board.sentences()[0], "a") << "too soon to be read";
+  board.raise("limbs", "b", 1.0);
+  EXPECT_EQ(board.sentences()[0], "b");
+  EXPECT_EQ(board.sentences()[1], "t");
+  board.update(1.2);
+  ASSERT_EQ(board.sentences().size(), 1u);
+  EXPECT_EQ(board.sentences()[0], "b");
+}
+
+}  // namespace
+}  // namespace lorica
