@@ -177,7 +177,9 @@ TEST(PeerServe, ThePageSaysWhatIsWrong) {
   Host host;
   ServeSetting setting;
   setting.lan = true;
-  auto server = test::valueOf(PageServer::start(setting));
+  ServeLimits limits;
+  limits.goodbyeSeconds = 600.0;  // a busy machine's browser reads the last message late
+  auto server = test::valueOf(PageServer::start(setting, limits));
   PageScreen screen(*server, nullptr);
   CastRequest request;
   request.motion = "walk";

@@ -47,6 +47,7 @@ struct ServeLimits {
   int messagesASecond = 180;        ///< of one client: acknowledgements, two hands, a headset
   double requestSeconds = 5.0;      ///< until a request, a handshake or an answer is through
   double writeSeconds = 5.0;        ///< for a message; a client that reads nothing is dropped
+  double goodbyeSeconds = 3.0;      ///< for a client to read that the session is over, and to answer
   double fileBytesASecond = 250e3;  ///< that a client sends a file with, at least
   std::size_t headerBytes = 8192;   ///< of a request
 };

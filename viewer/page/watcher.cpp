@@ -20,7 +20,6 @@ constexpr int kInFlight = 2;                         // frames that a client has
 constexpr std::size_t kMaxMessages = 1024;           // that wait for the session
 constexpr std::size_t kMaxNotices = 8;               // that wait for a client
 constexpr std::chrono::seconds kIdle(20);            // until a client that says nothing is asked whether it is there
-constexpr double kGoodbye = 0.3;                     // for a client's answer [s]
 constexpr double kSlowAck = 0.15, kQuickAck = 0.06;  // of a frame, where particles become fewer and more [s]
 constexpr std::size_t kFewestParticles = 1'000;
 
@@ -71,7 +70,7 @@ class Watcher : public std::enable_shared_from_this<Watcher> {
   }
   void close(const websocket::close_reason& why) {
     end();
-    client_->expireIn(kGoodbye);
+    client_->expireIn(shared_.limits.goodbyeSeconds);
     socket_.async_close(why, [self = shared_from_this()](error_code) {});
   }
 
@@ -136,7 +135,9 @@ void ServerState::add(const ClientMessage& message) {
 void Watcher::accept(const Request& request) {
   socket_.read_message_max(kMaxMessageBytes);
   socket_.auto_fragment(false);
-  socket_.set_option(websocket::stream_base::timeout{std::chrono::seconds(5), kIdle, true});
+  const std::chrono::duration<double> goodbye(shared_.limits.goodbyeSeconds);  // Beast has one limit for both ends
+  socket_.set_option(websocket::stream_base::timeout{
+      std::chrono::duration_cast<websocket::stream_base::duration>(goodbye), kIdle, true});
   socket_.set_option(websocket::stream_base::decorator(
       [](websocket::response_type& response) { response.set(beast::http::field::sec_websocket_protocol, kProtocol); }));
   client_->expireNever();

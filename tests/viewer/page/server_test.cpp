@@ -17,6 +17,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -375,6 +376,25 @@ TEST(Server, SaysGoodbye) {
   const TestClient::Message last = client.next("nothing more");
   ASSERT_EQ(last.kind, 8);
   EXPECT_EQ(last.bytes.substr(2), "the session is over");
+}
+
+/// The page of a busy machine has much to read before it.
+TEST(Server, WhoReadsLateIsToldThatTheSessionIsOver) {
+  ServeLimits limits;
+  limits.goodbyeSeconds = 600.0;
+  auto stage = std::make_unique<Stage>(ServeSetting(), limits);
+  TestClient client(stage->server->port(), false, 8 << 10);
+  client.watch();
+  EXPECT_EQ(client.next("hello").kind, 1);
+  stage->server->say(R"({"type":"notice","text":")" + std::string(4'000'000, 'x') +
+                     R"("})");  // no kernel keeps so much
+  std::future<void> end = std::async(std::launch::async, [&] { stage.reset(); });
+  EXPECT_EQ(end.wait_for(std::chrono::milliseconds(500)), std::future_status::timeout) << "it waits for the client";
+  EXPECT_EQ(client.next("notice").bytes.size(), 4'000'000u + 27u);
+  const TestClient::Message last = client.next();
+  ASSERT_EQ(last.kind, 8);
+  EXPECT_EQ(last.bytes.substr(2), "the session is over");
+  client.sendFrame(0x88, last.bytes);
 }
 
 TEST(Server, ATakenPortIsAnErrorAndTheNextOneIsFound) {

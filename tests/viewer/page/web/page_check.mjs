@@ -23,7 +23,7 @@ fs.mkdirSync(folder, { recursive: true });
 
 const kDesktop = { width: 1280, height: 720 },
   kPhone = { width: 390, height: 844, hasTouch: true, isMobile: true };
-const kWait = { timeout: 150000, polling: 50 };
+const kWait = { timeout: 500000, polling: 50 };
 const result = { errors: [], outside: [] };
 
 const browser = await puppeteer.launch({
@@ -41,7 +41,7 @@ const browser = await puppeteer.launch({
     '--ignore-certificate-errors',
     '--host-resolver-rules=MAP plain.test 127.0.0.1',
   ],
-  protocolTimeout: 180000,
+  protocolTimeout: 600000,
 });
 
 async function open(size, { before, layers = { hulls: false } } = {}) {
