@@ -265,6 +265,7 @@ std::optional<Motion> shippedMotion(const std::string& name) {
 
 std::vector<Motion> shippedMotions() {
   std::vector<Motion> motions;
+  motions.reserve(std::size(kShippedMotions));
   for (const std::string_view name : kShippedMotions) motions.push_back(*shippedMotion(std::string(name)));
   return motions;
 }
