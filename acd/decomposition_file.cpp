@@ -5,6 +5,7 @@
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 
 #include <fmt/format.h>
 
@@ -450,7 +451,7 @@ Result<void> writeDecomposition(const std::filesystem::path& file, const Decompo
 
 Result<DecompositionFile> readDecomposition(const std::filesystem::path& file) {
   LORICA_TRY(const std::string bytes, readFile(file));
-  return parseDecomposition(bytes, file.string());
+  return unlessStopped(parseDecomposition(bytes, file.string()));
 }
 
 }  // namespace lorica

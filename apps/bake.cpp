@@ -95,7 +95,8 @@ void addBakeOptions(CLI::App& app, BakeOptions& options) {
   add("preset", "paper, fast or quality [default: fast]", "NAME");
   add("cover", "Hull cover of characters: exact, or a tolerance [default: exact]", "exact|METRES");
   add("hull-vertices", "Hulls of at most N vertices", "N");
-  add("walls", "Open surfaces: auto, solid or shell [default: auto; of a character solid]", "WHAT");
+  add("walls", "Open surfaces: auto, solid or shell [default: auto; of a character solid, unless all of it is sheets]",
+      "WHAT");
   add("thickness", "Thickness of thin walls, in the mesh's unit", "LENGTH");
   add("body", "Closed bodies: auto, never or always [default: auto]", "WHEN");
   add("motion", "Train characters on this motion; may be repeated", "FILE")->expected(1)->take_all();

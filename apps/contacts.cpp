@@ -13,8 +13,9 @@ namespace lorica {
 namespace {
 
 Report contactReport(const ContactLabels& labels, const std::string& output) {
-  Report report(fmt::format("{}: {}, {}, {} of them overlaps", labels.name, counted(countOf(labels.times), "frame"),
-                            counted(std::int64_t(labels.rowCount), "row"), grouped(std::int64_t(labels.overlaps))));
+  Report report(fmt::format("{}: {}, {}, {}", labels.name, counted(countOf(labels.times), "frame"),
+                            counted(std::int64_t(labels.rowCount), "row"),
+                            counted(std::int64_t(labels.overlaps), "of them an overlap", "of them overlaps")));
   report.add("motion", labels.name);
   report.add("frames", labels.times.size());
   report.add("rows", labels.rowCount);

@@ -5,13 +5,18 @@
 #include "apps/options.h"
 #include "apps/report.h"
 #include "apps/report_parts.h"
+#include "export/frame_hulls_file.h"
 #include "export/mesh_export.h"
+#include "geometry/arrays/mesh_sequence.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "session/prepare/body.h"
 #include "session/prepare/cover_choice.h"
+#include "session/prepare/frame_hulls.h"
 #include "session/prepare/hull_fit.h"
 #include "session/prepare/mesh_subject.h"
+#include "session/prepare/played_mesh.h"
 #include "session/prepare/quality.h"
 #include "session/prepare/subject.h"
 #include "session/prepare/training.h"
@@ -31,13 +36,14 @@ namespace {
 
 /// What the user asked `lorica decompose` for.
 struct DecomposeOptions {
-  std::string input;
-  int parts = 0;              ///< 0 = not given
-  double maxError = 0.0;      ///< 0 = not given
-  double maxDistance = 0.0;   ///< 0 = not given
-  double maxConcavity = 0.0;  ///< 0 = not given
-  bool exact = false;         ///< until no concave edge is left
-  int keyframes = 0;          ///< 0 = not given, kAuto = to be chosen
+  std::vector<std::string> inputs;  ///< several: the frames of a sequence
+  std::string decomposition;        ///< parts that were made before; empty = none
+  int parts = 0;                    ///< 0 = not given
+  double maxError = 0.0;            ///< 0 = not given
+  double maxDistance = 0.0;         ///< 0 = not given
+  double maxConcavity = 0.0;        ///< 0 = not given
+  bool exact = false;               ///< until no concave edge is left
+  int keyframes = 0;                ///< 0 = not given, kAuto = to be chosen
   std::vector<std::string> motions;
   CharacterOptions character;
   std::string body = "auto";
@@ -49,6 +55,9 @@ struct DecomposeOptions {
   std::string output;
   std::string obj;
   std::string picture;
+  std::string frames, csv;  ///< hulls of all frames, and a table of them
+
+  [[nodiscard]] const std::string& input() const { return inputs.front(); }
 };
 
 /// Everything that `lorica decompose` found.
@@ -60,12 +69,79 @@ struct DecomposeOutcome {
   double coverVolume = 0.0;    ///< of a character's cover, relative to exact hulls: volumeGrowth()
   int threads = 0;
   std::optional<HeldOutError> heldOut = std::nullopt;  ///< if it was asked for
+  std::optional<FrameHulls> frames = std::nullopt;     ///< of a sequence, or if they are written
+  WrittenFrames written = {};
+  std::optional<double> anew = std::nullopt;  ///< error of as many parts of its own, if it has those of another mesh
 };
+
+/// How well the hulls fit in all frames.
+struct FrameErrors {
+  double mean = 0.0, worst = 0.0, unseen = 0.0;
+  std::size_t worstAt = 0;  ///< frame
+  int unseenCount = 0;      ///< frames that are no keyframes
+};
+
+FrameErrors errorsOf(const FrameHulls& frames, PoseView keyframes) {
+  FrameErrors errors;
+  errors.mean = frames.meanError();
+  const std::vector<int> seen = keyframesAmong(frames, keyframes);
+  for (std::size_t f = 0; f < frames.errors.size(); ++f) {
+    const double error = frames.errors[f].relative();
+    if (error > errors.worst) std::tie(errors.worst, errors.worstAt) = std::pair(error, f);
+    if (std::ranges::binary_search(seen, static_cast<int>(f))) continue;
+    errors.unseen += error;
+    ++errors.unseenCount;
+  }
+  if (errors.unseenCount > 0) errors.unseen /= errors.unseenCount;
+  return errors;
+}
+
+/// Figures of all frames.
+Facts frameFacts(const DecomposeOptions& options, const DecomposeOutcome& outcome, int vertexCount) {
+  Facts facts;
+  if (outcome.anew) {
+    facts.add("errorAnew", "parts of its own", *outcome.anew,
+              fmt::format("{} more volume with as many parts that are made for it", percent(*outcome.anew)));
+  }
+  if (!outcome.frames) return facts;
+  const FrameHulls& frames = *outcome.frames;
+  const FrameErrors errors = errorsOf(frames, {outcome.keyframes.positions, vertexCount});
+  facts.add("frames", "frames", frames.errors.size(),
+            fmt::format("{}, error {}, at most {} (frame {})", frames.errors.size(), percent(errors.mean),
+                        percent(errors.worst), errors.worstAt));
+  facts.add("frameError", errors.mean);
+  if (errors.unseenCount > 0) {
+    facts.add(
+        "unseenError", "unseen frames", errors.unseen,
+        fmt::format("{} in {} that are no keyframes", percent(errors.unseen), counted(errors.unseenCount, "frame")));
+    facts.add("unseenFrames", errors.unseenCount);
+  }
+  Json volumes = Json::array(), hulls = Json::array(), relative = Json::array();
+  for (const PoseError& error : frames.errors) {
+    volumes.push_back(error.meshVolume);
+    hulls.push_back(error.hullVolume);
+    relative.push_back(error.relative());
+  }
+  facts.add("frameTimes", frames.times);
+  facts.add("frameMeshVolumes", std::move(volumes));
+  facts.add("frameHullVolumes", std::move(hulls));
+  facts.add("frameErrors", std::move(relative));
+  if (!options.frames.empty()) {
+    const int moved = countOf(frames.hulls.front()) - outcome.written.rigid;
+    facts.add("exportFrames", "hulls of frames", options.frames,
+              fmt::format("{} in {}{}", options.frames, counted(outcome.written.files, "file"),
+                          outcome.written.rigid > 0 ? fmt::format("; {} moved by a node, {} by morph targets",
+                                                                  counted(outcome.written.rigid, "part"), moved)
+                                                    : ""));
+  }
+  if (!options.csv.empty()) facts.add("csv", "table of frames", options.csv, options.csv);
+  return facts;
+}
 
 /// What the decomposition stopped at: "error", "distance", "limits" if both were given, "parts", "convex", or
 /// "vertices": hulls of so few vertices do not get better with more parts.
 std::string endedBy(const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew] = outcome;
   const int given = (limits.maxError > 0.0) + (limits.maxDistance > 0.0) + (limits.maxConcavity > 0.0);
   if (given > 0 && fit.met(limits)) {
     return given > 1                   ? "limits"
@@ -79,7 +155,7 @@ std::string endedBy(const DecomposeOutcome& outcome) {
 
 /// "the limit of 8 parts was reached; an error of 5.0 % was not"
 std::string endingSentence(const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew] = outcome;
   const std::string by = endedBy(outcome);
   const bool reached = by == "error" || by == "distance" || by == "concavity" || by == "limits";
   std::vector<std::string> named;
@@ -117,7 +193,7 @@ bool boundsHulls(const DecomposeOptions& options, const Subject& subject) {
 }
 
 Report decomposeReport(const DecomposeOptions& options, const Subject& subject, const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut] = outcome;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew] = outcome;
   const auto& [made, attached, held, hulls, cover, used, quality, distance, concavity, stalled] = fit;
   const bool character = subject.character.has_value();
   Report report(fmt::format("{}: {}", subject.name, counted(made.decomposition.parts.size(), "convex part")),
@@ -126,8 +202,8 @@ Report decomposeReport(const DecomposeOptions& options, const Subject& subject, 
   report.add("input", subject.name);
   report.add("parts", made.decomposition.parts.size());
   report.add("vertices", "mesh", subject.mesh.vertices.size(),
-             fmt::format("{} vertices, {} triangles", grouped(std::ssize(subject.mesh.vertices)),
-                         grouped(std::ssize(subject.mesh.triangles))));
+             fmt::format("{}, {}", counted(std::ssize(subject.mesh.vertices), "vertex", "vertices"),
+                         counted(std::ssize(subject.mesh.triangles), "triangle")));
   report.add(meshFacts(subject));
   if (!subject.held.empty()) report.add("attachedVertices", attached);
   if (attached > 0 && !character) {
@@ -166,6 +242,7 @@ Report decomposeReport(const DecomposeOptions& options, const Subject& subject, 
                            counted(heldOut->poses, "pose")));
     report.add("heldOutPoses", heldOut->poses);
   }
+  report.add(frameFacts(options, outcome, countOf(subject.mesh.vertices)));
   if (distance) {
     report.add("distance", "distance", *distance,
                fmt::format("at most {:.4g} from the hulls to the surface of their parts{}", *distance,
@@ -179,6 +256,9 @@ Report decomposeReport(const DecomposeOptions& options, const Subject& subject, 
     report.add("meanConcavity", concavity->mean / unit);
   }
   const bool limited = limits.maxError > 0.0 || limits.maxDistance > 0.0 || limits.maxConcavity > 0.0;
+  Json warnings = Json::array();
+  if (std::string doubt = doubtAboutHulls(quality.error); !doubt.empty()) warnings.push_back(std::move(doubt));
+  report.add("warnings", std::move(warnings));
   report.add("endedBy", "stopped because", endedBy(outcome), limited ? endingSentence(outcome) : "");
   if (limits.maxError > 0.0) report.add("maxError", limits.maxError);
   if (limits.maxDistance > 0.0) report.add("maxDistance", limits.maxDistance);
@@ -201,7 +281,7 @@ Report decomposeReport(const DecomposeOptions& options, const Subject& subject, 
         options.obj + (character ? ", in metres, Y up, facing +Z" : ", in the units and coordinates of the input"));
   }
   if (!options.picture.empty()) report.add("picture", "picture", options.picture);
-  if (options.output.empty() && options.obj.empty() && options.picture.empty()) {
+  if (options.output.empty() && options.obj.empty() && options.picture.empty() && options.frames.empty()) {
     report.note("Nothing was written: --picture draws the parts, --export-obj and -o write them.");
   }
   if (!keyframes.chosen.empty()) {
@@ -217,6 +297,41 @@ constexpr int kCharacterParts = 16;
 constexpr int kMeshParts = 256;
 constexpr double kMeshConcavity = 0.05;
 static_assert(kAuto == kChooseKeyframes, "--keyframes auto is passed on as it is");
+
+/// The motions whose frames get hulls: all frames of a sequence; of another character, if they are asked for, those
+/// that the parts are trained on. Refuses files that cannot be written.
+Result<std::vector<SkeletalMotion>> framesToMeasure(const DecomposeOptions& options, const CommonOptions& common,
+                                                    const Subject& subject, const Training& training) {
+  std::vector<SkeletalMotion> motions;
+  for (const Clip& clip : subject.clips()) {
+    if (clip.framesPerSecond <= 0.0) continue;
+    LORICA_TRY(SkeletalMotion motion, framesOf(subject.character->skeleton, clip));
+    motions.push_back(std::move(motion));
+  }
+  if (motions.empty() && (!options.frames.empty() || !options.csv.empty())) motions = training.motions;
+  if (options.frames.empty()) return motions;
+  int count = 0;
+  for (const SkeletalMotion& motion : motions) count += motion.frameCount();
+  for (const std::filesystem::path& file : filesOfFrames(options.frames, count)) {
+    LORICA_TRY_DO(checkNotTaken("--export-frames", file, {options.inputs.begin(), options.inputs.end()}));
+    LORICA_TRY_DO(checkOutput(common, "--export-frames", file));
+  }
+  return motions;
+}
+
+/// One input, or the frames of a sequence.
+Result<Subject> readInputs(const std::vector<std::string>& inputs, const CharacterOptions& reading, Host& host) {
+  if (inputs.size() == 1) return readSubject(inputs.front(), reading, host);
+  const std::vector<std::filesystem::path> files(inputs.begin(), inputs.end());
+  const std::string folder = files.front().parent_path().filename().string();
+  Result<MeshSequence> sequence = readMeshSequence(folder.empty() ? "frames" : folder, files);
+  if (!sequence) {
+    Error error = sequence.error();
+    if (error.code == ErrorCode::kBadMesh) error.message += "; several files are one mesh in several poses";
+    return error;
+  }
+  return sequenceSubject(std::move(*sequence), reading, host);
+}
 
 /// Rejects, before any work, options that do not fit the input and outputs that cannot be written.
 Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions& common, const Subject& subject) {
@@ -238,14 +353,30 @@ Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions
     LORICA_TRY_DO(checkOutput(common, "--output", options.output, ".lorica"));
   }
   if (!options.obj.empty()) {
-    LORICA_TRY_DO(checkNotTaken("--export-obj", options.obj, {options.input}));
+    LORICA_TRY_DO(checkNotTaken("--export-obj", options.obj, {options.input()}));
     LORICA_TRY_DO(checkOutput(common, "--export-obj", options.obj, ".obj"));
   }
   if (!options.picture.empty()) {
     LORICA_TRY_DO(checkOutput(common, "--picture", options.picture, ".png"));
   }
+  if (!options.frames.empty() || !options.csv.empty()) {
+    if (!subject.character) {
+      return invalidArgument("{} is for what moves, but {} is a static mesh",
+                             options.frames.empty() ? "--csv" : "--export-frames", subject.name);
+    }
+    if (!options.cover.exact()) {
+      return invalidArgument("the hulls of frames are exact: expected no {}", asTyped(options.cover));
+    }
+  }
+  if (!options.csv.empty()) {
+    LORICA_TRY_DO(checkOutput(common, "--csv", options.csv, ".csv"));
+  }
+  if (!options.frames.empty()) {
+    LORICA_TRY_DO(checkFrameFile(options.frames));
+  }
   std::vector<std::filesystem::path> others(options.motions.begin(), options.motions.end());
-  others.insert(others.end(), {options.input, options.output, options.obj, options.picture});
+  others.insert(others.end(), options.inputs.begin(), options.inputs.end());
+  others.insert(others.end(), {options.output, options.obj, options.picture, options.csv});
   return checkJsonOutput(common, others);
 }
 
@@ -274,7 +405,7 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
     }
     return {};
   };
-  LORICA_TRY(const Subject subject, readSubject(options.input, reading, host));
+  LORICA_TRY(const Subject subject, readInputs(options.inputs, reading, host));
   LORICA_TRY_DO(checkDecompose(options, common, subject));
 
   // The poses to fit: one for a mesh, keyframes of motions for a character. Then the poses for choosing a cover.
@@ -283,10 +414,12 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   outcome.threads = common.threadCount();
   std::optional<CoverPoses> posesToCover;
   std::optional<Training> training;
+  std::vector<SkeletalMotion> frames;  // that get hulls of their own
   if (subject.character) {
     LORICA_TRY(training, trainingMotions(subject, motions));
     const std::optional<int> count = options.keyframes != 0 ? std::optional(options.keyframes) : std::nullopt;
     LORICA_TRY(outcome.keyframes, prefixed("--keyframes", trainingKeyframes(*subject.character, *training, count)));
+    LORICA_TRY(frames, framesToMeasure(options, common, subject, *training));
     if (!options.cover.exact() || options.heldOut) {
       LORICA_TRY(posesToCover, coverPoses(*subject.character, training->motions));
     }
@@ -310,8 +443,18 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   const FitRequest request{
       subject, outcome.keyframes, posesOfCover, options.cover, !options.obj.empty() || !options.picture.empty(),
       settings};
-  LORICA_TRY(Fit found, fitHulls(request, host));
-  const Fit& fit = outcome.fit = std::move(found);
+  if (options.decomposition.empty()) {
+    LORICA_TRY(outcome.fit, fitHulls(request, host));
+  } else {
+    LORICA_TRY(DecompositionFile given, readDecompositionOf(subject, options.decomposition));
+    LORICA_TRY(outcome.fit, fitOf(request, {std::move(given.decomposition), 0.0}, host));
+    FitRequest own = request;
+    own.settings.maxParts = countOf(outcome.fit.made.decomposition.parts);
+    own.settings.maxConcavity = 0.0;
+    LORICA_TRY(const Fit anew, fitHulls(own, host));
+    outcome.anew = anew.quality.error;
+  }
+  const Fit& fit = outcome.fit;
   const Decomposition& decomposition = fit.made.decomposition;
   if (fit.cover) outcome.coverVolume = volumeGrowth(*subject.character, decomposition, *posesToCover, *fit.cover);
   if (options.heldOut && subject.character) {
@@ -320,7 +463,12 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   if (!subject.character || !options.obj.empty()) {
     LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
   }
+  if (!frames.empty()) {
+    Task task(host, "Hulls of the frames", "frames");
+    LORICA_TRY(outcome.frames, hullsOfFrames(*subject.character, fit.held, frames, settings.threads, task.progress()));
+  }
   if (host.cancelled()) return cancelled();
+  if (const std::string doubt = doubtAboutHulls(fit.quality.error); !doubt.empty()) host.warn(doubt);
 
   // Write the outputs, each completely or not at all.
   if (!options.output.empty()) {
@@ -332,6 +480,12 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   if (!options.picture.empty()) {
     LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(960, 720));
     LORICA_TRY_DO(writePng(options.picture, drawParts(fit.exported.objects, camera)));
+  }
+  if (!options.frames.empty()) {
+    LORICA_TRY(outcome.written, writeFrameHulls(options.frames, *outcome.frames, fit.held));
+  }
+  if (!options.csv.empty()) {
+    LORICA_TRY_DO(writeFileAtomically(options.csv, formatFrameTable(*outcome.frames)));
   }
   return publish(common, decomposeReport(options, subject, outcome));
 }
@@ -367,6 +521,10 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       "      hulls of at most 64 vertices in every frame, enlarged to contain the body\n"
       "  lorica decompose mannequin --cover 0.002 -o body.lorica\n"
       "      the fewest points that let the surface protrude by at most 2 mm; then the hulls are enlarged\n"
+      "  lorica decompose 'frames/*.obj' --parts 12 -o horse.lorica --export-frames hulls.glb\n"
+      "      a mesh in several poses: parts from its most different frames, hulls of all (docs/SEQUENCES.md)\n"
+      "  lorica decompose camel.npz --decomposition horse.lorica --csv errors.csv\n"
+      "      the same parts on another motion of the same mesh\n"
       "  lorica decompose bunny.off --parts 8 --json - | jq .score\n"
       "  lorica decompose scan.ply --parts 16 --export-obj hulls.obj\n"
       "      an open, torn or flipped mesh is repaired, or gets a closed body; the report says which\n"
@@ -377,8 +535,9 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       "those of its live hulls, and volumes, score and error are means over the keyframes. The points of the hull\n"
       "cover are chosen in 128 poses, half of them from the motions and half random within joint limits, and\n"
       "measured in 128 other poses.");
-  app->add_option("INPUT", options->input,
-                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), or `mannequin`")
+  app->add_option("INPUT", options->inputs,
+                  "Mesh (.off, .obj, .ply, .stl), mesh or character (.glb, .gltf, .vrm, .fbx, .dae), `mannequin`, or a "
+                  "mesh in several poses: a folder or 'pattern*.obj' of meshes, .npz, .pc2, .mdd or .npy")
       ->required();
   addCount(*app, "--parts", options->parts, 1,
            "Maximum number of parts; fewer are made if they fit as well [default without limits: 16 for a character, "
@@ -430,6 +589,18 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
   app->add_option("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
       ->type_name("FILE.lorica");
   app->add_option("--export-obj", options->obj, "Write the parts' hulls")->type_name("FILE.obj");
+  app->add_option("--decomposition", options->decomposition,
+                  "Use these parts, of another mesh with the same triangles, and compare them with as many of its own")
+      ->type_name("FILE.lorica")
+      ->excludes("--parts")
+      ->excludes(maxError)
+      ->excludes(maxDistance)
+      ->excludes(maxConcavity);
+  app->add_option("--export-frames", options->frames,
+                  "Write the hulls of every frame of a sequence, or of the motions: .obj (a file a frame), .npz, .pc2, "
+                  "or .glb, which plays them")
+      ->type_name("FILE");
+  app->add_option("--csv", options->csv, "Write volumes, error and score of every frame")->type_name("FILE.csv");
   app->add_option("--picture", options->picture, "Draw the parts' hulls, each in its colour")->type_name("FILE.png");
   return {app, [options](const CommonOptions& given, Host& host) { return runDecompose(*options, given, host); }};
 }

@@ -114,8 +114,8 @@ struct ExportReport : Report {
     add("heldOutPoses", rigid.heldOutPoses);
     add("fit", "fit", {{"hulls", jsonOf(hulls)}, {"capsules", jsonOf(capsules)}},
         rigid.heldOutPoses > 0
-            ? fmt::format("measured in {}; made from {} others", counted(rigid.heldOutPoses, "pose"),
-                          rigid.trainingPoses)
+            ? fmt::format("measured in {}; made from {}", counted(rigid.heldOutPoses, "pose"),
+                          counted(rigid.trainingPoses, "other"))
             : fmt::format("measured in the {} that they were made from", counted(rigid.trainingPoses, "pose")));
     table({{"", "skin out, worst", "mean of poses", "skin out > 1 mm", "stands off, mean", "worst", "litres"},
            {row("hulls", hulls), row("capsules", capsules)}});
@@ -136,7 +136,8 @@ struct ExportReport : Report {
   }
 
   void add(const RobotReport& robot) {
-    line("written", fmt::format("{} with shapes for {} meshes", counted(robot.files, "file"), robot.meshes));
+    line("written",
+         fmt::format("{} with shapes for {}", counted(robot.files, "file"), counted(robot.meshes, "mesh", "meshes")));
     Table cells{{kRobotHeadings.begin(), kRobotHeadings.end()}, {}};
     Json links;
     for (const RobotLinkReport& link : robot.links) {

@@ -81,7 +81,8 @@ void addBones(const Skeleton& skeleton, Report& report) {
   const auto bones = std::count_if(skeleton.joints().begin(), skeleton.joints().end(),
                                    [](const Joint& joint) { return joint.bone.has_value(); });
   report.add("joints", "joints", skeleton.jointCount(),
-             fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones));
+             fmt::format("{}, {}", skeleton.jointCount(),
+                         counted(std::int64_t(bones), "of them a humanoid bone", "of them humanoid bones")));
   report.add("humanoidBones", bones);
   const Result<std::vector<HumanBone>> atRest = bonesLeftAtRest(skeleton);
   std::string retargeting = "any humanoid can perform it";

@@ -100,9 +100,12 @@ void addReadingOptions(CLI::App& app, MotionOptions& options) {
   formats.reserve(kJointFormatCount);
   for (int f = 0; f < kJointFormatCount; ++f) formats.emplace_back(nameOf(static_cast<JointFormat>(f)));
   const std::string names = fmt::format("{}", fmt::join(formats, ", "));
-  app.add_option("--format", options.format,
-                 fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names))
-      ->type_name("NAME")
+  const auto read = [&options](const std::string& text) -> std::string {
+    options.format = jointFormatNamed(text);
+    return "";
+  };
+  addReader(app, "--format", read,
+            fmt::format("Layout of recorded joints, if it cannot be detected from the content: {}", names), "NAME")
       ->transform(oneOf(std::move(formats)));
   addPersonOption(app, options.person);
   app.add_option("--clip", options.clip, "Clip of a file with several clips [default: the first]")->type_name("NAME");
@@ -121,9 +124,12 @@ void addPlayingOptions(CLI::App& app, MotionOptions& options) {
       "Do not use the person's legs: the character stands, for people who sit and for webcams; motions of bones "
       "keep theirs");
   const auto given = [&options](const std::string&) { options.smoothGiven = true; };
-  app.add_option("--smooth", options.smooth,
-                 "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]")
-      ->type_name("NAME")
+  const auto read = [&options](const std::string& text) -> std::string {
+    options.smooth = text == "off" ? MotionOptions::Smoothing::kOff : MotionOptions::Smoothing::kOneEuro;
+    return "";
+  };
+  addReader(app, "--smooth", read,
+            "Smoothing filter for joints: off or one-euro; the delay is measured and printed [default: off]", "NAME")
       ->transform(oneOf({"off", "one-euro"}))
       ->each(given);
   addPositive(
@@ -139,16 +145,17 @@ void addPlayingOptions(CLI::App& app, MotionOptions& options) {
 }
 
 void addFaultOption(CLI::App& app, MotionOptions& options) {
-  const auto check = [](std::string& text) -> std::string {
-    const Result<FaultSettings> faults = parseFaults(text);
-    return faults ? "" : faults.error().message;
+  const auto read = [&options](const std::string& text) -> std::string {
+    Result<FaultSettings> faults = parseFaults(text);
+    if (!faults) return faults.error().message;
+    options.inject = *faults;
+    return "";
   };
-  app.add_option("--inject", options.inject,
-                 "Simulate tracking faults, each with a rate or its default: dropout=0.1 (fraction of joints lost), "
-                 "jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (fractions of frames); seed=1. Only late and "
-                 "freeze apply to a motion of bones")
-      ->type_name("FAULTS")
-      ->transform(checkedBy(check));
+  addReader(app, "--inject", read,
+            "Simulate tracking faults, each with a rate or its default: dropout=0.1 (fraction of joints lost), "
+            "jitter=0.02 (metres), swap=0.02, late=0.05, freeze=0.05 (fractions of frames); seed=1. Only late and "
+            "freeze apply to a motion of bones",
+            "FAULTS");
 }
 
 void addMotionOptions(CLI::App& app, CastRequest& options) {
@@ -227,7 +234,8 @@ void addWallOptions(CLI::App& app, CharacterOptions& options) {
   addReader(
       app, "--walls", read,
       "What an open surface is: `auto` = a thin wall, unless nothing outside can reach what is behind it; `solid`, "
-      "whatever its openings; `shell` = a thin wall, also where it is closed [default: auto; of a character solid]",
+      "whatever its openings; `shell` = a thin wall, also where it is closed [default: auto; of a character solid, "
+      "unless all of it is sheets]",
       "WHAT");
   addLength(app, "--thickness", options.thickness,
             "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, of a character's walls "
@@ -320,7 +328,7 @@ void addOutputOptions(CLI::App& app, RunSetting& run) {
       return fmt::format(
           "found '{}', expected names of humanoid bones such as Hips, Head, LeftUpperArm and LeftHand, separated by "
           "commas",
-          text.substr(0, 40));
+          firstBytes(text, 40));
     }
     if (!options.bones) options.bones.emplace().fill(false);
     (*options.bones)[ordinalOf(*bone)] = true;
@@ -334,7 +342,7 @@ void addOutputOptions(CLI::App& app, RunSetting& run) {
     const bool hasPort = text.find(':') != std::string::npos && !text.ends_with(']');
     const Result<NetworkAddress> address = parseNetworkAddress(text + (hasPort ? "" : kVrchatPort), true);
     if (!address) {
-      return fmt::format("found '{}', expected HOST or HOST:PORT, such as 127.0.0.1", text.substr(0, 100));
+      return fmt::format("found '{}', expected HOST or HOST:PORT, such as 127.0.0.1", firstBytes(text, 100));
     }
     options.vrchat = *address;
     return "";
@@ -344,7 +352,7 @@ void addOutputOptions(CLI::App& app, RunSetting& run) {
   const auto readTracker = [&options](const std::string& text) -> std::string {
     const auto found = std::ranges::find(kVrchatTrackers, lowerCase(text));
     if (found == kVrchatTrackers.end()) {
-      return fmt::format("found '{}', expected some of {}, separated by commas", text.substr(0, 40),
+      return fmt::format("found '{}', expected some of {}, separated by commas", firstBytes(text, 40),
                          fmt::join(kVrchatTrackers, ", "));
     }
     options.trackers.set(found - kVrchatTrackers.begin());

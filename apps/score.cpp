@@ -2,17 +2,27 @@
 #include "apps/option_groups.h"
 #include "apps/options.h"
 #include "apps/report_parts.h"
+#include "geometry/arrays/mesh_sequence.h"
+#include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "geometry/text.h"
+#include "session/prepare/body.h"
+#include "session/prepare/frame_hulls.h"
+#include "session/prepare/hull_fit.h"
+#include "session/prepare/motion.h"
+#include "session/prepare/played_mesh.h"
 #include "session/prepare/subject.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <tuple>
 
 namespace lorica {
 namespace {
@@ -26,6 +36,8 @@ struct ScoreOptions {
   std::string mesh;
   std::string parts;
   CharacterOptions reading;  // which meshes are hidden
+  int every = 1;             // of a sequence, the frames that are scored
+  std::string csv;           // of a sequence, a table of them
 };
 
 /// @param label  "surface to hulls"
@@ -88,10 +100,109 @@ std::string doubtAbout(const TriMesh& mesh, std::span<const TriMesh> parts, cons
       text(partsBox), text(meshBox), percent(score.uncoveredFraction));
 }
 
+/// The parts of a sequence in every frame: of a decomposition that is carried to all, or a file of parts each.
+Result<std::vector<std::vector<TriMesh>>> partsOfFrames(const ScoreOptions& options, const Subject& subject,
+                                                        const SkeletalMotion& motion, Host& host) {
+  std::vector<std::vector<TriMesh>> frames;
+  if (std::filesystem::path(options.parts).extension() != ".lorica") {
+    LORICA_TRY(const std::vector<std::filesystem::path> files, meshesOf(options.parts));
+    for (const std::filesystem::path& file : files) {
+      LORICA_TRY(std::vector<NamedMesh> objects, readObjObjects(file));
+      std::vector<TriMesh>& parts = frames.emplace_back();
+      for (NamedMesh& object : objects) parts.push_back(std::move(object.mesh));
+    }
+    if (countOf(frames) == motion.frameCount()) return frames;
+    return invalidArgument("{}: {}, expected {}, one for each frame of {}", options.parts,
+                           counted(std::ssize(frames), "file"), motion.frameCount(), options.mesh);
+  }
+  LORICA_TRY(DecompositionFile given, readDecompositionOf(subject, options.parts));
+  LORICA_TRY(const Training training, trainingMotions(subject, {}));
+  LORICA_TRY(const Keyframes keyframes, trainingKeyframes(*subject.character, training, 1));
+  LORICA_TRY(const Fit fit,
+             fitOf({subject, keyframes, nullptr, {}, false, {}}, {std::move(given.decomposition), 0.0}, host));
+  Task task(host, "Hulls of the frames", "frames");
+  LORICA_TRY(FrameHulls hulls,
+             hullsOfFrames(*subject.character, fit.held, std::span(&motion, 1), host.threads, task.progress()));
+  for (std::vector<ConvexHull>& frame : hulls.hulls) {
+    std::vector<TriMesh>& parts = frames.emplace_back();
+    for (ConvexHull& hull : frame) parts.push_back({std::move(hull.vertices), std::move(hull.triangles)});
+  }
+  return frames;
+}
+
+/// Scores every frame of a sequence, or some.
+Result<void> scoreSequence(const ScoreOptions& options, const CommonOptions& common, const Subject& subject,
+                           Host& host) {
+  const Character& character = *subject.character;
+  LORICA_TRY(const SkeletalMotion motion, framesOf(character.skeleton, subject.file->clips.front()));
+  LORICA_TRY(const std::vector<std::vector<TriMesh>> frames, partsOfFrames(options, subject, motion, host));
+  ScoreSettings settings;
+  settings.volumeSamples = 20'000;
+  settings.surfaceSamples = 5'000;
+  settings.concavitySamples = 500;
+  // Each figure: its name in JSON and CSV, its line, its member.
+  constexpr std::array<std::tuple<const char*, const char*, double Score::*>, 6> kFigures = {
+      {{"score16", "score, Eq. 16", &Score::score16},
+       {"score17", "score, Eq. 17", &Score::score17},
+       {"distance", "distance, Eq. 18", &Score::distance},
+       {"distancePercentDiagonal", "", &Score::distancePercentDiagonal},
+       {"concavity", "concavity", &Score::concavity},
+       {"uncoveredFraction", "uncovered", &Score::uncoveredFraction}}};
+  std::vector<Score> scores;
+  std::string table = "frame,time";
+  for (const auto& [name, label, member] : kFigures) table += fmt::format(",{}", name);
+  table += "\n";
+  Task task(host, "Scoring frames", "frames");
+  TriMesh mesh{std::vector<Vec3>(character.mesh.vertices.size()), character.mesh.triangles};
+  for (int f = 0; f < motion.frameCount(); f += options.every) {
+    poseInFrame(character, motion, f, mesh.vertices);
+    LORICA_TRY(const Score judged,
+               prefixed(fmt::format("{}: frame {}", options.mesh, f), score(mesh, frames[f], settings)));
+    table += fmt::format("{},{}", f, motion.times[f]);
+    for (const auto& [name, label, member] : kFigures) table += fmt::format(",{}", judged.*member);
+    table += "\n";
+    scores.push_back(judged);
+    task.update(f + 1, motion.frameCount());
+    if (host.cancelled()) return cancelled();
+  }
+  Report report(fmt::format("{} in {}, {}", options.mesh, counted(std::ssize(frames.front()), "part"),
+                            counted(std::ssize(scores), "frame")));
+  report.add("frames", scores.size());
+  report.add("parts", frames.front().size());
+  for (const auto& [name, label, member] : kFigures) {
+    double sum = 0.0, least = scores.front().*member, most = least;
+    Json all = Json::array();
+    for (const Score& one : scores) {
+      sum += one.*member;
+      least = std::min(least, one.*member);
+      most = std::max(most, one.*member);
+      all.push_back(one.*member);
+    }
+    const double mean = sum / static_cast<double>(scores.size());
+    report.add(name, label, mean,
+               *label == '\0' ? "" : fmt::format("mean {:.4g}, from {:.4g} to {:.4g}", mean, least, most));
+    report.add(fmt::format("{}PerFrame", name), std::move(all));
+  }
+  if (!options.csv.empty()) {
+    LORICA_TRY_DO(writeFileAtomically(options.csv, table));
+    report.add("csv", "table", options.csv, options.csv);
+  }
+  return publish(common, report);
+}
+
 Result<void> runScore(const ScoreOptions& options, const CommonOptions& common, Host& host) {
-  LORICA_TRY_DO(checkJsonOutput(common, {options.mesh, options.parts}));
+  LORICA_TRY_DO(checkJsonOutput(common, {options.mesh, options.parts, options.csv}));
   CharacterOptions reading = options.reading;
   LORICA_TRY(const Subject subject, readSubject(options.mesh, reading, host));
+  const bool sequence = subject.character && subject.file && subject.file->format == kSequence;
+  if (!options.csv.empty()) {
+    LORICA_TRY_DO(checkOutput(common, "--csv", options.csv, ".csv"));
+  }
+  if (sequence) return scoreSequence(options, common, subject, host);
+  if (!options.csv.empty() || options.every > 1) {
+    return invalidArgument("{} is for a mesh in several poses, but {} has one",
+                           options.csv.empty() ? "--every" : "--csv", options.mesh);
+  }
   const TriMesh& mesh = subject.mesh;
   if (std::filesystem::path(options.parts).extension() == ".lorica") {
     return invalidArgument(
@@ -131,13 +242,25 @@ Command addScore(CLI::App& parent, CommonOptions& common) {
       "      score Lorica's hulls\n"
       "  lorica score bunny.off coacd.obj --json coacd.json\n"
       "      score another program's parts: one `o` or `g` per part\n"
+      "  lorica score 'frames/*.obj' horse.lorica --csv scores.csv\n"
+      "  lorica score 'frames/*.obj' 'hulls_*.obj'\n"
+      "      every frame of a mesh in several poses, with the parts that it was decomposed in, or a file of parts "
+      "each\n"
       "\nThe convex hull of each part's vertices is scored by Eq. 16 (sampled, with its standard error), Eq. 17\n"
       "and Eq. 18 of Thul et al. 2018. Scores: 1 is perfect. Distance: 0 is perfect. Distances are measured to the\n"
       "file's own surface. Concavity is CoACD's (Wei et al. 2022): of what a hull holds of the mesh, the larger of\n"
       "the Hausdorff distance to the hull and 0.3 times the radius of a ball as large as the volume between them.");
-  app->add_option("MESH", options->mesh, "Mesh (.off, .obj, .ply, .stl, .glb), or `mannequin` in its bind pose")
+  app->add_option("MESH", options->mesh,
+                  "Mesh (.off, .obj, .ply, .stl, .glb), `mannequin` in its bind pose, or a mesh in several poses")
       ->required();
-  app->add_option("PARTS.obj", options->parts, "Parts, one object each")->required();
+  app->add_option(
+         "PARTS.obj", options->parts,
+         "Parts, one object each; of a mesh in several poses its .lorica, or a folder or 'pattern*.obj' with a "
+         "file for each frame")
+      ->required();
+  addCount(*app, "--every", options->every, 1, "Of a mesh in several poses, score every N-th frame [default: 1]");
+  app->add_option("--csv", options->csv, "Of a mesh in several poses, write the scores of every frame")
+      ->type_name("FILE.csv");
   addWallOptions(*app, options->reading);
   addHideOption(*app, options->reading.hidden);
   return {app, [options](const CommonOptions& given, Host& host) { return runScore(*options, given, host); }};

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <numeric>
@@ -56,6 +57,14 @@ SceneOptions shownBy(const PictureOptions& options, const Character& character) 
   show.particles = has("particles");
   show.ground = has("ground");
   return show;
+}
+
+/// Whether hulls, what touches them, or their number is in the picture.
+bool needsHulls(const std::vector<std::string>& layers) {
+  constexpr std::array<std::string_view, 3> kAlone = {"skin", "bones", "ground"};
+  return layers.empty() || std::ranges::any_of(layers, [&kAlone](const std::string& layer) {
+           return std::ranges::find(kAlone, layer) == kAlone.end();
+         });
 }
 
 /// A requested picture.
@@ -208,6 +217,7 @@ Result<void> runSnapshot(const PictureOptions& options, const CommonOptions& com
   LORICA_TRY_DO(checkSnapshot(options, common));
   CastRequest request = options.request;
   request.reading.drawn = true;
+  request.hulls = needsHulls(options.show);
   std::vector<Wanted> wanted;
   request.check = [&](std::span<const PreparedAvatar> avatars) -> Result<void> {
     const Motion& motion = *avatars.front().motion;
@@ -239,7 +249,8 @@ Result<void> runSnapshot(const PictureOptions& options, const CommonOptions& com
   report.add("videoFrames", outcome.videoFrames);
   report.add("firstGuess", "first guess", motion.firstGuess);
   report.add("renderer", "renderer", outcome.renderer);
-  report.add("hash", "hash", hexDigits(session.hash()));
+  const std::string hash = outcome.run->cast.request.hulls ? hexDigits(session.hash()) : "";
+  report.add("hash", "hash", orNull(hash), hash);
   for (const std::string& note : motion.notes) report.note(note);
   return publish(common, report);
 }
@@ -258,7 +269,8 @@ Command addSnapshot(CLI::App& parent, CommonOptions& common) {
                     "      the collision hulls and the bones\n"
                     "  lorica snapshot punch_and_kick --scene bowling --video kick.mp4 --eye 2,1.5,3 --target 0,0.9,0\n"
                     "      the whole motion from a fixed camera\n"
-                    "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes.");
+                    "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes. Skin, bones\n"
+                    "and ground alone need no hulls: then none are made, and there is no hash.");
   addMotionOptions(*app, options->request);
   app->add_option("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]")
       ->type_name("FILE");

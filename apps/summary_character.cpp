@@ -200,7 +200,8 @@ void addSkeleton(const Character& character, Report& report) {
     lacking.push_back(inWords(nameOf(bone)));
   }
   report.add("joints", "joints", skeleton.jointCount(),
-             fmt::format("{}, {} of them humanoid bones", skeleton.jointCount(), bones.size()));
+             fmt::format("{}, {}", skeleton.jointCount(),
+                         counted(std::int64_t(bones.size()), "of them a humanoid bone", "of them humanoid bones")));
   report.add("humanoidBones", bones.size());
   if (!bones.empty() && !lacking.empty()) {
     report.line("missing bones", fmt::format("{} (they stay at rest)", fmt::join(lacking, ", ")));
@@ -247,11 +248,12 @@ void addFace(const CharacterFile& file, Report& report) {
   const std::vector<MorphTarget>& targets = file.morphs.targets;
   const auto clips = std::ranges::count_if(file.morphs.clips, [](const auto& tracks) { return !tracks.empty(); });
   const auto moving = std::ranges::count_if(targets, [](const auto& target) { return !target.offsets.empty(); });
-  report.add("morphTargets", "morph targets", file.morphTargets,
-             file.morphTargets == 0
-                 ? ""
-                 : fmt::format("{}, {} of them move something{}", file.morphTargets, moving,
-                               clips == 0 ? "" : fmt::format("; {} move them", counted(clips, "clip"))));
+  report.add(
+      "morphTargets", "morph targets", file.morphTargets,
+      file.morphTargets == 0
+          ? ""
+          : fmt::format("{}, {} something{}", file.morphTargets, counted(moving, "of them moves", "of them move"),
+                        clips == 0 ? "" : fmt::format("; {} them", counted(clips, "clip moves", "clips move"))));
   Json expressions = Json::array();
   for (const Expression& expression : file.expressions.list) {
     Json one = {{"name", expression.name}, {"targets", Json::object()}};
@@ -315,14 +317,23 @@ std::optional<BodyDistances> distancesOverClips(const Subject& subject) {
   return worst;
 }
 
+/// Why a body was made in place of a surface: the first of what is so. Empty if it was only asked for.
+std::string whyMade(const ClosedBody& body) {
+  if (body.openEdges > 0 || !body.walls.empty()) return ", since its surface is open";
+  if (body.nonManifoldEdges > 0) return ", since more than two triangles of its surface meet at an edge";
+  return body.shells > 1 ? ", since its shells may lie in each other" : "";
+}
+
 void addBody(const Subject& subject, Report& report) {
   const ClosedBody& body = *subject.body;
   const std::optional<BodyDistances> posed = distancesOverClips(subject);
   report.line("surface", fmt::format("{}, {}, {}", counted(body.shells, "shell"), counted(body.openEdges, "open edge"),
                                      counted(body.nonManifoldEdges, "non-manifold edge")));
   if (body.made) {
-    report.line("body", fmt::format("made from voxels of {1}, {0} vertices, because the surface is not closed",
-                                    grouped(body.bodyVertices), millimetres(body.resolution)));
+    report.line("body", fmt::format("{}, {} vertices{}",
+                                    body.resolution > 0.0 ? "made from voxels of " + millimetres(body.resolution)
+                                                          : std::string("thin walls"),
+                                    grouped(body.bodyVertices), whyMade(body)));
     report.line("bind pose", sentence(body.distances));
     if (posed)
       report.line("own clips", sentence(*posed) + fmt::format(" (maximum of {})", counted(kPosesMeasured, "pose")));
@@ -351,7 +362,7 @@ std::string verdictOf(const Subject& subject) {
                                                 : "performs its own " + counted(std::ssize(file.clips), "clip"));
   if (!file.expressions.list.empty()) does.push_back(counted(std::ssize(file.expressions.list), "expression"));
   if (!file.springs.chains.empty()) does.emplace_back("hair or clothes swing");
-  if (subject.body->made) does.emplace_back("its hulls are those of a body that was made, since its surface is open");
+  if (subject.body->made) does.push_back("its hulls are those of a body that was made" + whyMade(*subject.body));
   return fmt::format("works: {}", fmt::join(does, ", "));
 }
 
@@ -379,8 +390,8 @@ Report describeCharacter(const Subject& subject, int textureSize) {
   report.add("verdict", "verdict", verdictOf(subject));
   addFile(file, report);
   report.add("vertices", "mesh", mesh.vertices.size(),
-             fmt::format("{} vertices, {} triangles", grouped(std::ssize(mesh.vertices)),
-                         grouped(std::ssize(mesh.triangles))));
+             fmt::format("{}, {}", counted(std::ssize(mesh.vertices), "vertex", "vertices"),
+                         counted(std::ssize(mesh.triangles), "triangle")));
   report.add("triangles", mesh.triangles.size());
   report.add("height", "height", character.height, height);
   report.add("firstGuess", "first guess", firstGuessOf(file));

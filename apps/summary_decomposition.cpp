@@ -132,8 +132,8 @@ Result<Report> describeDecomposition(const fs::path& file) {
   report.add("kind", "decomposition");
   report.add("name", name);
   report.add("source", "source mesh", content.source,
-             fmt::format("{}: {} vertices, {} triangles", content.source, grouped(made.vertexCount),
-                         grouped(made.triangleCount)));
+             fmt::format("{}: {}, {}", content.source, counted(made.vertexCount, "vertex", "vertices"),
+                         counted(made.triangleCount, "triangle")));
   report.add("meshHash", hexDigits(content.meshHash));
   report.add("vertices", made.vertexCount);
   report.add("triangles", made.triangleCount);

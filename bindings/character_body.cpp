@@ -3,7 +3,9 @@
 #include "capture/files/joint_csv.h"
 #include "geometry/errors.h"
 #include "session/prepare/body.h"
+#include "session/prepare/file_kinds.h"
 #include "session/prepare/hull_fit.h"
+#include "session/prepare/quality.h"
 #include "session/prepare/read_motion.h"
 #include "skinning/linear_blend.h"
 
@@ -38,7 +40,9 @@ Result<DecompositionFile> decomposed(const Subject& subject, const CharacterBody
 Result<std::shared_ptr<const CharacterBody>> bodyOf(CharacterPointer owner, DecompositionFile content) {
   LORICA_TRY(std::shared_ptr<const BodyPlan> plan,
              BodyPlan::create(content.decomposition, *owner->character, content.cover));
-  return std::make_shared<const CharacterBody>(CharacterBody{std::move(owner), std::move(content), std::move(plan)});
+  std::string warning = doubtAboutHulls(content.meanError);
+  return std::make_shared<const CharacterBody>(
+      CharacterBody{std::move(owner), std::move(content), std::move(plan), std::move(warning)});
 }
 
 /// A shipped recording by its name, without its file, which a program may not have.
@@ -86,7 +90,7 @@ Result<std::shared_ptr<const CharacterBody>> readCharacterBody(CharacterPointer 
 
 Result<Performance> performanceOf(const Character& character, const std::string& nameOrFile, const std::string& clip,
                                   bool mirror, Host& host) {
-  if (!clip.empty() && !isCharacterFile(nameOrFile)) {
+  if (!clip.empty() && kindOf(nameOrFile) != FileKind::kCharacter) {
     return invalidArgument("{}: clip {} was asked for, but only character files have clips", nameOrFile, clip);
   }
   MotionOptions options;

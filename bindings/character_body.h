@@ -35,6 +35,7 @@ struct CharacterBody {
   CharacterPointer owner;
   DecompositionFile content;
   std::shared_ptr<const BodyPlan> plan;
+  std::string warning;  ///< see doubtAboutHulls()
 
   [[nodiscard]] const Character& character() const { return *owner->character; }
 };

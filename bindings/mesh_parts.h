@@ -2,6 +2,8 @@
 
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
+#include "acd/transfer.h"
+#include "geometry/arrays/mesh_sequence.h"
 #include "geometry/convex_hull.h"
 #include "session/prepare/subject.h"
 
@@ -19,32 +21,39 @@ struct MeshPartsSettings {
   BodyChoice closed = BodyChoice::kIfNeeded;
   WallChoice walls = WallChoice::kByReach;
   double thickness = 0.0;     ///< of thin walls, 0 = automatic
+  int keyframes = 0;          ///< that a mesh in several poses is decomposed in; 0 = up to 12 different ones
   double maxConcavity = 0.0;  ///< limit of partConcavity() as a share of concavityUnit(), 0 = no limit
 };
 
 /// A mesh in convex hulls that together contain every vertex of its surface. Lengths are in the mesh's unit.
 struct MeshParts {
-  std::vector<ConvexHull> hulls;
-  double meshVolume = 0.0;
-  double hullVolume = 0.0;    ///< sum over the hulls
-  std::string repaired;       ///< what was done to the mesh before; empty = nothing
-  DecompositionFile content;  ///< for writeDecomposition()
+  std::vector<std::vector<ConvexHull>> frames;  ///< of each frame, one a part; a mesh has one frame
+  std::vector<PoseError> errors;                ///< of each frame
+  std::vector<int> keyframes;                   ///< frames that it was decomposed in
+  std::string repaired;                         ///< what was done to the mesh before; empty = nothing
+  std::string warning;                          ///< see doubtAboutHulls()
+  DecompositionFile content;                    ///< for writeDecomposition()
+
+  [[nodiscard]] const std::vector<ConvexHull>& hulls() const { return frames.front(); }  ///< of the first frame
+  [[nodiscard]] double meanError() const;  ///< of all frames: (hull volume - mesh volume) / mesh volume
 };
 
-/// A mesh of positions and indices from outside.
-/// @param positions  vertexCount x 3
-/// @param corners    triangleCount x 3
+/// A mesh of positions and indices from outside, in one or several poses.
+/// @param positions    frameCount x vertexCount x 3
+/// @param vertexCount  in each frame; 0 if there are no positions
+/// @param corners      triangleCount x 3
 /// @return the mesh, or a sentence about the first number that is not finite or index that is out of range
-[[nodiscard]] Result<TriMesh> checkedMesh(std::span<const double> positions, std::span<const std::int64_t> corners);
+[[nodiscard]] Result<MeshSequence> checkedMesh(std::span<const double> positions, std::size_t vertexCount,
+                                               std::span<const std::int64_t> corners);
 
 /// Repairs the mesh or builds a closed surface around it, decomposes it, and makes the hulls, as `lorica decompose`
 /// does. Threads and progress are those of the settings.
-[[nodiscard]] Result<MeshParts> partsOfMesh(TriMesh mesh, const MeshPartsSettings& settings);
+[[nodiscard]] Result<MeshParts> partsOfMesh(MeshSequence mesh, const MeshPartsSettings& settings);
 
 /// The same parts as those of a file that was written before.
-/// @param mesh      the mesh that the file was made from, as it was then
+/// @param mesh      the mesh that the file was made from, as it was then; or another with the same triangles
 /// @param settings  only hullVertices, closed and threads are used
-[[nodiscard]] Result<MeshParts> partsFromFile(const std::filesystem::path& file, TriMesh mesh,
+[[nodiscard]] Result<MeshParts> partsFromFile(const std::filesystem::path& file, MeshSequence mesh,
                                               const MeshPartsSettings& settings);
 
 }  // namespace lorica

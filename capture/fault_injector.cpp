@@ -48,6 +48,14 @@ Error unexpected(std::string_view found, std::string_view expected) {
   return invalidArgument("found `{}`, expected {}", found, expected);
 }
 
+bool isDose(double dose) {
+  return dose >= 0.0 && dose <= 1.0;
+}
+
+Error unexpectedDose(std::string_view found, const Named& fault) {
+  return unexpected(found, fmt::format("{}, for example {}={:g}", fault.unit, fault.name, fault.byDefault));
+}
+
 /// Parses one comma-separated entry.
 Result<void> takeFault(std::string_view word, FaultSettings& settings, std::vector<std::string_view>& seen) {
   const std::size_t equals = word.find('=');
@@ -68,9 +76,7 @@ Result<void> takeFault(std::string_view word, FaultSettings& settings, std::vect
     return unexpected(word, "dropout, jitter, swap, late, freeze or seed, for example dropout=0.1,swap,seed=7");
   }
   double dose = fault->byDefault;
-  if (hasValue && !(parseWhole(value, dose) && dose >= 0.0 && dose <= 1.0)) {
-    return unexpected(word, fmt::format("{}, for example {}={:g}", fault->unit, name, fault->byDefault));
-  }
+  if (hasValue && !(parseWhole(value, dose) && isDose(dose))) return unexpectedDose(word, *fault);
   settings.*(fault->dose) = dose;
   return {};
 }
@@ -199,6 +205,14 @@ Result<FaultSettings> parseFaults(std::string_view text) {
     if (comma == std::string_view::npos) return settings;
     text.remove_prefix(comma + 1);
   }
+}
+
+Result<void> checkFaults(const FaultSettings& settings) {
+  for (const Named& fault : kFaults) {
+    const double dose = settings.*(fault.dose);
+    if (!isDose(dose)) return unexpectedDose(fmt::format("{}={}", fault.name, dose), fault);
+  }
+  return {};
 }
 
 std::string textOf(const FaultSettings& settings) {

@@ -19,6 +19,7 @@ struct FaultSettings {
   double freeze = 0.0;     ///< fraction of frames that repeat an earlier frame, in runs of 15 frames on average
   std::uint64_t seed = 1;  ///< the same seed gives the same faults
 
+  bool operator==(const FaultSettings&) const = default;  ///< exactly
   /// Whether it changes anything
   [[nodiscard]] bool any() const { return dropout > 0.0 || jitter > 0.0 || swap > 0.0 || late > 0.0 || freeze > 0.0; }
   /// Whether any fault affects single joints. Skeletal motion has no such faults.
@@ -30,6 +31,10 @@ struct FaultSettings {
 /// m.
 /// @return the settings, or an error with found and expected
 [[nodiscard]] Result<FaultSettings> parseFaults(std::string_view text);
+
+/// Whether each is 0 to 1.
+/// @return an error with found and expected
+[[nodiscard]] Result<void> checkFaults(const FaultSettings& settings);
 
 /// Text that parseFaults() reads back as the same settings, bit for bit; empty if there are no faults.
 [[nodiscard]] std::string textOf(const FaultSettings& settings);

@@ -4,6 +4,7 @@
 #include "capture/retarget/proxy_skeleton.h"
 #include "export/mesh_export.h"
 #include "geometry/counts.h"
+#include "geometry/text.h"
 #include "skinning/humanoid/joint_limits.h"
 
 #include <fmt/format.h>
@@ -144,12 +145,13 @@ RigidModel rigidModelOf(const Character& character, std::span<const RigidCollide
   }
   findOverlaps(model);
   if (renamed > 0) {
-    model.notes.push_back(
-        fmt::format("{} of the bones' names were changed to letters, digits and _-., each used once", renamed));
+    model.notes.push_back(counted(renamed, "of the bones' names was", "of the bones' names were") +
+                          " changed to letters, digits and _-., each used once");
   }
   if (unknown > 0) {
     model.notes.push_back(
-        fmt::format("{} of the joints are no human bone: they turn by 30 degrees to each side", unknown));
+        counted(unknown, "of the joints is no human bone: it turns", "of the joints are no human bone: they turn") +
+        " by 30 degrees to each side");
   }
   return model;
 }

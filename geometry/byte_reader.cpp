@@ -1,6 +1,7 @@
 #include "geometry/byte_reader.h"
 
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -46,9 +47,11 @@ void ByteReader::fail(std::size_t at, std::string_view message) {
 }
 
 bool ByteReader::has(std::size_t size, const char* what) {
+  if (!error_ && interrupt_.stopped()) error_ = cancelled();
   if (error_) return false;
   if (left() < size) {
-    fail(offset_, fmt::format("expected {} ({} bytes), {} bytes are left", what, size, left()));
+    fail(offset_, fmt::format("expected {} ({}), {} left", what, counted(std::int64_t(size), "byte"),
+                              counted(std::int64_t(left()), "byte is", "bytes are")));
     return false;
   }
   return true;

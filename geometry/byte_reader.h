@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/interrupt.h"
 #include "geometry/little_endian.h"
 #include "geometry/result.h"
 
@@ -12,7 +13,7 @@
 namespace lorica {
 
 /// Reads little-endian numbers from bytes one after the other. After the first failure every number is 0, and error()
-/// says which byte was expected to hold what. Internal: not installed.
+/// says which byte was expected to hold what, or that the work was stopped. Internal: not installed.
 class ByteReader {
  public:
   /// @param offset  where to start; messages count bytes from the start of `bytes`
@@ -54,6 +55,7 @@ class ByteReader {
   std::size_t offset_;
   std::string name_;
   std::optional<Error> error_;
+  SparseInterrupt interrupt_;
 };
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "geometry/json.h"
 
+#include "geometry/interrupt.h"
 #include "geometry/line_scanner.h"
 
 #include <fmt/format.h>
@@ -93,7 +94,10 @@ Result<void> checkJson(std::string_view text, const JsonLimits& limits) {
   std::size_t holders = 0;
   int level = 0;
   bool inString = false;
+  if (workStopped()) return cancelled();
+  SparseInterrupt interrupt;
   for (std::size_t i = 0; i < text.size(); ++i) {
+    if (interrupt.stopped()) return cancelled();
     const char c = text[i];
     if (inString) {
       if (c == '\\') ++i;

@@ -23,7 +23,8 @@ struct JsonLimits {
 };
 inline constexpr JsonLimits kOrderedJson{64, 2'048};
 
-/// Checks brackets and commas only, in one pass and without memory: what is no JSON is found when it is parsed.
+/// Checks brackets and commas only, in one pass and without memory: what is no JSON is found when it is parsed. It can
+/// be stopped; parsing, which follows, cannot.
 [[nodiscard]] Result<void> checkJson(std::string_view text, const JsonLimits& limits);
 
 /// Parses a text from outside.

@@ -42,6 +42,7 @@ bool LineScanner::nextLine() {
     const void* end = cursor_ == textEnd_ ? nullptr : std::memchr(cursor_, newline_, textEnd_ - cursor_);
     lineEnd_ = end == nullptr ? textEnd_ : static_cast<const char*>(end);
     ++line_;
+    if (workStopped()) stop();
     if (!atLineEnd()) return true;
   }
 }
@@ -53,6 +54,7 @@ bool LineScanner::atLineEnd() {
 }
 
 std::string_view LineScanner::word() {
+  if (interrupt_.stopped()) stop();
   if (atLineEnd()) return {};
   const char* begin = cursor_;
   while (cursor_ != lineEnd_ && !isBlank(*cursor_)) ++cursor_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/interrupt.h"
 #include "geometry/result.h"
 
 #include <cstddef>
@@ -10,7 +11,8 @@
 namespace lorica {
 
 /// Reads the words of a text file line by line, without copying. Lines may end in \n, \r\n or \r alone (the first line
-/// decides). Internal to the mesh file readers.
+/// decides). If the work is stopped the text ends there: what readers of it return goes through unlessStopped().
+/// Internal to the readers of text.
 class LineScanner {
  public:
   /// @param comment  a word that starts with this character starts a comment; 0 for a format without comments
@@ -44,6 +46,8 @@ class LineScanner {
   [[nodiscard]] std::size_t bytesLeft() const { return textEnd_ - cursor_; }
 
  private:
+  void stop() { cursor_ = lineEnd_ = textEnd_; }
+
   const char* cursor_;
   const char* lineEnd_;
   const char* textEnd_;
@@ -53,6 +57,7 @@ class LineScanner {
   char comment_;
   std::string_view offending_;
   const char* expected_ = "";
+  SparseInterrupt interrupt_;  // of words
 };
 
 /// Formats a word for a message: in quotes, unprintable bytes as \x1f, truncated after 40 characters.

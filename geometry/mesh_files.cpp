@@ -1,6 +1,7 @@
 #include "geometry/mesh_files.h"
 
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "geometry/mesh_formats.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
@@ -30,7 +31,7 @@ void weldIfThatClosesEdges(TriMesh& mesh) {
 
 }  // namespace
 
-Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by) {
+Result<TriMesh> readStoredMesh(const std::filesystem::path& file, NamedBy by) {
   const Parser parse = parserFor(lowerCase(file.extension().string()));
   if (parse == nullptr) {
     std::error_code ignored;
@@ -40,14 +41,22 @@ Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by) {
     return unsupported("{}: the name ends in '{}', expected .off, .obj, .ply or .stl", file.string(),
                        file.extension().string());
   }
-  LORICA_TRY(const std::string content, readFile(file, by));
-  LORICA_TRY(TriMesh mesh, parse(content, file.string()));
+  LORICA_TRY(std::string content, readFile(file, by));
+  if (parse == parseObj || parse == parseOff) content = asUtf8(std::move(content));  // others may be binary
+  LORICA_TRY(TriMesh mesh, unlessStopped(parse(content, file.string())));
   if (mesh.triangles.empty()) {
-    return badFormat("{}: {} vertices and no face, expected a surface", file.string(), mesh.vertices.size());
+    return badFormat("{}: {} and no face, expected a surface", file.string(),
+                     counted(std::ssize(mesh.vertices), "vertex", "vertices"));
   }
   if (mesh.triangles.size() > kMaxTriangles) {
     return unsupported("{}: {} triangles, expected at most {}", file.string(), mesh.triangles.size(), kMaxTriangles);
   }
+  return mesh;
+}
+
+Result<TriMesh> readMesh(const std::filesystem::path& file, NamedBy by) {
+  LORICA_TRY(TriMesh mesh, readStoredMesh(file, by));
+  if (lowerCase(file.extension().string()) == ".stl") weldEqualVertices(mesh);
   weldIfThatClosesEdges(mesh);
   return mesh;
 }

@@ -16,6 +16,9 @@ namespace lorica {
 [[nodiscard]] Result<TriMesh> parsePly(std::string_view content, const std::string& fileName);
 [[nodiscard]] Result<TriMesh> parseStl(std::string_view content, const std::string& fileName);
 
+/// readMesh() before vertices are welded: those of the file, in its order; of .stl three for each triangle.
+[[nodiscard]] Result<TriMesh> readStoredMesh(const std::filesystem::path& file, NamedBy by = NamedBy::kUser);
+
 /// Appends a polygon as a triangle fan around its first corner; exact for flat convex polygons.
 inline void appendPolygon(std::span<const VertexIndex> corners, std::vector<Triangle>& triangles) {
   for (std::size_t i = 2; i < corners.size(); ++i) triangles.push_back({corners[0], corners[i - 1], corners[i]});

@@ -1,7 +1,9 @@
 #include "geometry/counts.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "geometry/line_scanner.h"
 #include "geometry/mesh_formats.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -54,9 +56,8 @@ Result<VertexIndex> parseCorner(std::string_view word, std::size_t vertexCount, 
     return scanner.fail(fmt::format("corner {}, expected v, v/vt, v//vn or v/vt/vn", quotedWord(word)));
   const std::int64_t count = vertexCount;
   if (index == 0 || index > count || index < -count) {
-    return scanner.fail(
-        fmt::format("vertex index {} is out of range, expected 1 to {} or -{} to -1 ({} vertices so far)", index, count,
-                    count, count));
+    return scanner.fail(fmt::format("vertex index {} is out of range, expected 1 to {} or -{} to -1 ({} so far)", index,
+                                    count, count, counted(count, "vertex", "vertices")));
   }
   return static_cast<VertexIndex>(index > 0 ? index - 1 : count + index);
 }
@@ -105,7 +106,7 @@ Result<ObjFile> parse(std::string_view content, const std::string& fileName) {
         corners.push_back(corner);
       }
       if (corners.size() < 3) {
-        return scanner.fail(fmt::format("a face of {} corners, expected 3 or more", corners.size()));
+        return scanner.fail(fmt::format("a face of {}, expected 3 or more", counted(std::ssize(corners), "corner")));
       }
       appendPolygon(corners, obj.mesh.triangles);
     } else if (statement == "o" || statement == "g") {
@@ -142,8 +143,9 @@ Result<TriMesh> parseObj(std::string_view content, const std::string& fileName) 
 }
 
 Result<std::vector<NamedMesh>> readObjObjects(const std::filesystem::path& file) {
-  LORICA_TRY(const std::string content, readFile(file));
-  LORICA_TRY(const ObjFile obj, parse(content, file.string()));
+  LORICA_TRY(std::string content, readFile(file));
+  content = asUtf8(std::move(content));
+  LORICA_TRY(const ObjFile obj, unlessStopped(parse(content, file.string())));
 
   std::vector<NamedMesh> objects;
   std::vector<VertexIndex> renumbered(obj.mesh.vertices.size());

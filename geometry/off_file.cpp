@@ -1,5 +1,6 @@
 #include "geometry/line_scanner.h"
 #include "geometry/mesh_formats.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -63,7 +64,8 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
   mesh.vertices.reserve(std::min<std::size_t>(vertexCount, scanner.bytesLeft() / 6 + 1));
   for (std::int64_t i = 0; i < vertexCount; ++i) {
     if (!scanner.nextLine()) {
-      return scanner.failAtEnd(fmt::format("the header declares {} vertices, found {}", vertexCount, i));
+      return scanner.failAtEnd(
+          fmt::format("the header declares {}, found {}", counted(vertexCount, "vertex", "vertices"), i));
     }
     Vec3 p;
     for (int axis = 0; axis < 3; ++axis) {
@@ -80,28 +82,28 @@ Result<TriMesh> parseOff(std::string_view content, const std::string& fileName) 
   std::vector<VertexIndex> corners;
   for (std::int64_t i = 0; i < faceCount; ++i) {
     if (!scanner.nextLine()) {
-      return scanner.failAtEnd(fmt::format("the header declares {} faces, found {}", faceCount, i));
+      return scanner.failAtEnd(fmt::format("the header declares {}, found {}", counted(faceCount, "face"), i));
     }
     std::int64_t cornerCount = 0;
     if (!scanner.integer(cornerCount)) return scanner.error(fmt::format("the corner count of face {}", i));
     if (cornerCount < 3) {
-      return scanner.fail(fmt::format("face {} has {} corners, expected 3 or more", i, cornerCount));
+      return scanner.fail(fmt::format("face {} has {}, expected 3 or more", i, counted(cornerCount, "corner")));
     }
     corners.clear();
     for (std::int64_t k = 0; k < cornerCount; ++k) {
       std::int64_t index = 0;
       if (!scanner.integer(index)) return scanner.error(fmt::format("corner {} of {} of face {}", k, cornerCount, i));
       if (index < 0 || index >= vertexCount) {
-        return scanner.fail(fmt::format("face {}: vertex index {} is out of range, expected 0 to {} ({} vertices)", i,
-                                        index, vertexCount - 1, vertexCount));
+        return scanner.fail(fmt::format("face {}: vertex index {} is out of range, expected 0 to {} ({})", i, index,
+                                        vertexCount - 1, counted(vertexCount, "vertex", "vertices")));
       }
       corners.push_back(index);
     }
     appendPolygon(corners, mesh.triangles);  // the rest of the line is the face's colour
   }
   if (scanner.nextLine()) {
-    return scanner.fail(fmt::format("found {} after the last of {} faces, expected the end of the file",
-                                    quotedWord(scanner.word()), faceCount));
+    return scanner.fail(fmt::format("found {} after the last of {}, expected the end of the file",
+                                    quotedWord(scanner.word()), counted(faceCount, "face")));
   }
   return mesh;
 }

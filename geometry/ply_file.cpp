@@ -3,6 +3,7 @@
 #include "geometry/line_scanner.h"
 #include "geometry/little_endian.h"
 #include "geometry/mesh_formats.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -213,7 +214,8 @@ class BinaryElements {
   std::optional<Error> endItem(const Element&, std::int64_t) { return std::nullopt; }
   std::optional<Error> endBody() {
     if (bytes_.empty()) return std::nullopt;
-    return fail(fmt::format("{} bytes are left after the last element, expected the end of the file", bytes_.size()));
+    return fail(counted(std::ssize(bytes_), "byte is", "bytes are") +
+                " left after the last element, expected the end of the file");
   }
   bool read(Scalar type, double& value) {
     if (sizeOf(type) > bytes_.size()) return false;
@@ -228,7 +230,8 @@ class BinaryElements {
     return true;
   }
   [[nodiscard]] Error error(std::string_view what) const {
-    return fail(fmt::format("{}: expected a finite number, {} bytes are left", what, bytes_.size()));
+    return fail(fmt::format("{}: expected a finite number, {} left", what,
+                            counted(std::ssize(bytes_), "byte is", "bytes are")));
   }
   [[nodiscard]] Error fail(std::string_view message) const {
     return badFormat("{}: byte {}: {}", fileName_, fileSize_ - bytes_.size(), message);
@@ -305,7 +308,7 @@ std::optional<Error> readFaces(Body& body, const Element& element, std::int64_t 
       }
       std::int64_t length = 0;
       if (auto error = readLength(body, property, element, i, length)) return error;
-      if (length < 3) return body.fail(fmt::format("face {} has {} corners, expected 3 or more", i, length));
+      if (length < 3) return body.fail(fmt::format("face {} has {}, expected 3 or more", i, counted(length, "corner")));
       corners.clear();
       for (std::int64_t k = 0; k < length; ++k) {
         double index = 0.0;

@@ -77,7 +77,9 @@ Result<TriMesh> parseBinary(std::string_view content, const std::string& fileNam
   TriMesh mesh;
   mesh.vertices.reserve(3 * std::size_t{count});
   mesh.triangles.reserve(count);
+  SparseInterrupt interrupt;
   for (std::uint32_t k = 0; k < count; ++k) {
+    if (interrupt.stopped()) return cancelled();
     const std::size_t at = kHeaderBytes + kTriangleBytes * k + 12;
     std::array<Vec3, 3> corners;
     for (int i = 0; i < 3; ++i) {
@@ -113,9 +115,7 @@ Result<TriMesh> parseStl(std::string_view content, const std::string& fileName) 
     return badFormat("{}: the header (byte 80) declares {} triangles, which need {} bytes; the file has {}", fileName,
                      count, binarySize, content.size());
   }
-  Result<TriMesh> mesh = binary ? parseBinary(content, fileName) : parseAscii(content, fileName);
-  if (mesh) weldEqualVertices(*mesh);
-  return mesh;
+  return binary ? parseBinary(content, fileName) : parseAscii(content, fileName);
 }
 
 }  // namespace lorica

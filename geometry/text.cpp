@@ -14,6 +14,7 @@ namespace {
 
 constexpr std::size_t kLongestName = 200;
 constexpr std::size_t kMaxCompared = 2000;
+constexpr std::size_t kLongestCharacter = 4;  // of UTF-8 [bytes]
 
 [[nodiscard]] std::size_t editDistance(std::string_view a, std::string_view b) {
   const auto small = [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; };
@@ -132,19 +133,34 @@ std::string didYouMean(std::string_view name, std::span<const std::string> known
 
 std::string printable(std::string_view text, std::size_t longest) {
   if (text.size() <= longest) return escaped(text);
-  std::size_t head = 2 * longest / 3, tail = text.size() - longest / 3;
-  while (head > 0 && continues(text[head])) --head;
-  while (tail < text.size() && continues(text[tail])) ++tail;
-  return fmt::format("{} ... ({} bytes) ... {}", escaped(text.substr(0, head)), tail - head,
-                     escaped(text.substr(tail)));
+  const std::string_view head = firstBytes(text, 2 * longest / 3), tail = lastBytes(text, longest / 3);
+  return fmt::format("{} ... ({} bytes) ... {}", escaped(head), text.size() - head.size() - tail.size(), escaped(tail));
+}
+
+std::string_view firstBytes(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return text;
+  std::size_t end = bytes;
+  while (end > 0 && continues(text[end])) --end;
+  return text.substr(0, bytes - end < kLongestCharacter ? end : bytes);  // else it is no UTF-8
+}
+
+std::string_view lastBytes(std::string_view text, std::size_t bytes) {
+  if (text.size() <= bytes) return text;
+  const std::size_t first = text.size() - bytes;
+  std::size_t begin = first;
+  while (begin < text.size() && continues(text[begin])) ++begin;
+  return text.substr(begin - first < kLongestCharacter ? begin : first);
+}
+
+bool isUtf16(std::string_view bytes) {
+  if (bytes.starts_with("\xff\xfe") || bytes.starts_with("\xfe\xff")) return true;
+  return bytes.size() >= 2 && (bytes[0] == '\0') != (bytes[1] == '\0');
 }
 
 std::string asUtf8(std::string bytes) {
+  if (!isUtf16(bytes)) return bytes;
   const auto byte = [&](std::size_t at) -> unsigned { return static_cast<unsigned char>(bytes[at]); };
-  if (bytes.size() < 2) return bytes;
-  const bool little = (byte(0) == 0xff && byte(1) == 0xfe) || (byte(0) != 0 && byte(1) == 0);
-  const bool big = (byte(0) == 0xfe && byte(1) == 0xff) || (byte(0) == 0 && byte(1) != 0);
-  if (!little && !big) return bytes;
+  const bool little = byte(0) == 0xff || byte(1) == 0;
   std::u16string units;
   units.reserve(bytes.size() / 2);
   for (std::size_t at = 0; at + 1 < bytes.size(); at += 2) {

@@ -48,8 +48,16 @@ template <std::integral Number>
 /// @param longest  [bytes]
 [[nodiscard]] std::string printable(std::string_view text, std::size_t longest = 1000);
 
-/// A text file's bytes as UTF-8. UTF-16, which Windows calls "Unicode", is recognised by its byte order mark, or by a
-/// zero beside the first letter, and converted; everything else is returned as it is.
+/// The first or the last bytes of a text, at most `bytes`, cut between characters of UTF-8.
+[[nodiscard]] std::string_view firstBytes(std::string_view text, std::size_t bytes);
+[[nodiscard]] std::string_view lastBytes(std::string_view text, std::size_t bytes);
+
+/// Whether the bytes of a text file are UTF-16, which Windows calls "Unicode": it is recognised by its byte order mark,
+/// or by a zero beside the first letter.
+[[nodiscard]] bool isUtf16(std::string_view bytes);
+
+/// A text file's bytes as UTF-8, for every reader of other people's text. UTF-16 is converted, everything else is
+/// returned as it is.
 [[nodiscard]] std::string asUtf8(std::string bytes);
 
 }  // namespace lorica

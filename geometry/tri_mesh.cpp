@@ -2,6 +2,7 @@
 
 #include "geometry/edge_table.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "geometry/union_find.h"
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ struct Fault {
 };
 
 std::string suchEdges(std::size_t count) {
-  return fmt::format("{} such edge{}", count, count == 1 ? "" : "s");
+  return counted(static_cast<long long>(count), "such edge");
 }
 
 /// "17, 20, 31", truncated after five.
@@ -41,7 +42,8 @@ std::string describe(const Vec3& p) {
 
 Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
   const std::size_t vertexCount = mesh.vertices.size();
-  if (mesh.triangles.empty()) return badMesh("the mesh has {} vertices and no triangle", vertexCount);
+  if (mesh.triangles.empty())
+    return badMesh("the mesh has {} and no triangle", counted(std::ssize(mesh.vertices), "vertex", "vertices"));
   Fault outside;
   Fault repeated;
   Fault notFinite;
@@ -61,7 +63,8 @@ Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
       }
     }
   }
-  if (outside.count > 0) return badMesh("{}; {} such indices in all", outside.first, outside.count);
+  if (outside.count > 0)
+    return badMesh("{}; {} in all", outside.first, counted(std::int64_t(outside.count), "such index", "such indices"));
   for (std::size_t v = 0; v < vertexCount; ++v) {
     if (mesh.vertices[v].allFinite()) continue;
     if (notFinite.count++ == 0) {
@@ -69,9 +72,11 @@ Result<void> checkIndicesAndPositions(const TriMesh& mesh) {
     }
   }
   if (notFinite.count > 0) {
-    return badMesh("{}; {} such vertices in all", notFinite.first, notFinite.count);
+    return badMesh("{}; {} in all", notFinite.first,
+                   counted(std::int64_t(notFinite.count), "such vertex", "such vertices"));
   }
-  if (repeated.count > 0) return badMesh("{}; {} such triangles in all", repeated.first, repeated.count);
+  if (repeated.count > 0)
+    return badMesh("{}; {} in all", repeated.first, counted(std::int64_t(repeated.count), "such triangle"));
   return {};
 }
 
@@ -106,10 +111,13 @@ Result<void> checkEdges(const TriMesh& mesh) {
     const std::size_t removed = weldEqualVertices(welded);
     const std::size_t left = removed == 0 ? open.count : openEdgeCount(welded);
     if (left < open.count) {
-      message += fmt::format("; welding {} vertices at positions of others would leave {} open edges", removed, left);
+      message +=
+          fmt::format("; welding {} at positions of others would leave {}",
+                      counted(std::int64_t(removed), "vertex", "vertices"), counted(std::int64_t(left), "open edge"));
     }
     if (nonManifold.count > 0)
-      message += fmt::format("; also, {} edges belong to more than two triangles", nonManifold.count);
+      message += "; also, " + counted(std::int64_t(nonManifold.count), "edge belongs", "edges belong") +
+                 " to more than two triangles";
     return badMesh(std::move(message));
   }
   if (nonManifold.count > 0) {

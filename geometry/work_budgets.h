@@ -10,12 +10,14 @@ namespace lorica {
 // files are with their readers.
 
 // Options, and the arguments of C and Python.
-inline constexpr int kMaxThreads = 1024;                    ///< of any command or call
-inline constexpr int kMaxOfAnything = 1'000'000;            ///< parts, vertices of a hull, frames, pictures
-inline constexpr std::size_t kMaxCast = 64;                 ///< avatars that a command sets up
-inline constexpr std::size_t kMaxContactRows = 10'000'000;  ///< of a table of contacts: 960 MB while they wait
-inline constexpr std::size_t kMaxPeople = 6;                ///< before a camera
-inline constexpr std::size_t kMaxRecordedPeople = 64;       ///< in a recording of joints
+inline constexpr int kMaxThreads = 1024;                       ///< of any command or call
+inline constexpr int kMaxOfAnything = 1'000'000;               ///< parts, vertices of a hull, frames, pictures
+inline constexpr std::size_t kMaxCast = 64;                    ///< avatars that a command sets up
+inline constexpr std::size_t kMaxContactRows = 10'000'000;     ///< of a table of contacts: 960 MB while they wait
+inline constexpr std::size_t kMaxSequenceFrames = 2'000;       ///< of a mesh in several poses
+inline constexpr std::size_t kMaxSequencePoints = 20'000'000;  ///< of all its frames: 480 MB, and as much as shapes
+inline constexpr std::size_t kMaxPeople = 6;                   ///< before a camera
+inline constexpr std::size_t kMaxRecordedPeople = 64;          ///< in a recording of joints
 
 // Characters: glTF, VRM, FBX, COLLADA.
 inline constexpr std::size_t kMaxGltfElements = 100'000;   ///< of a kind, such as nodes, materials or accessors
@@ -53,7 +55,7 @@ inline constexpr std::size_t kMaxParticleSources = 100;        ///< of water or 
 inline constexpr std::size_t kMaxParticlePairs = 2'000'000;    ///< of a particle and a prop near it: 112 MB
 
 // Robots: MJCF, URDF.
-inline constexpr std::size_t kMaxRobotIncludes = 100;       ///< files that a robot's file includes
+inline constexpr std::size_t kMaxRobotIncludes = 100;       ///< files that a robot's file includes or attaches
 inline constexpr std::size_t kMaxRobotMeshes = 1'000;       ///< different ones that collide
 inline constexpr std::size_t kMaxRobotGeoms = 10'000;       ///< places where one collides
 inline constexpr std::size_t kMaxRobotTriangles = 500'000;  ///< of a mesh that collides

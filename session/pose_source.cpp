@@ -4,6 +4,8 @@
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/retarget.h"
 #include "capture/standing_legs.h"
+#include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "session/joint_trust.h"
 #include "session/stream_pose_source.h"
 
@@ -93,6 +95,7 @@ Result<SkeletalMotion> playedBy(const Skeleton& skeleton, Result<std::unique_ptr
   motion.poses.reserve(frameCount * skeleton.jointCount());
   Pose pose = restPose(skeleton);
   while (true) {
+    if (workStopped()) return cancelled();
     LORICA_TRY(const std::optional<double> time, (*source)->next(pose));
     if (!time.has_value()) return motion;
     motion.times.push_back(*time);

@@ -65,6 +65,11 @@ std::uint64_t hashOf(const Character& character) {
     chain.number(influence.weight);
   }
   for (const std::uint32_t begin : character.influenceBegin) chain.number(begin);
+  for (const ShapeOffset& shape : character.shapes.offsets) {
+    chain.number(shape.joint);
+    chain.vector(shape.offset);
+  }
+  for (const std::uint32_t begin : character.shapes.begin) chain.number(begin);
   chain.number(character.height);
   chain.triangles(character.shown);
   return chain.hash();

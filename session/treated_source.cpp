@@ -83,6 +83,7 @@ std::unique_ptr<PoseSource> makeLoggedSource(std::unique_ptr<PoseSource> source,
 Result<std::unique_ptr<PoseSource>> makeTreatedSource(const Character& character,
                                                       std::unique_ptr<SkeletonSource> joints,
                                                       const SourceTreatment& treatment) {
+  LORICA_TRY_DO(checkFaults(treatment.faults));
   if (treatment.log) joints = makeLoggedSource(std::move(joints), treatment.log);
   if (treatment.faults.any()) joints = makeFaultInjector(std::move(joints), treatment.faults);
   return makeJointPoseSource(character, std::move(joints), treatment.joints);
@@ -90,6 +91,7 @@ Result<std::unique_ptr<PoseSource>> makeTreatedSource(const Character& character
 
 Result<std::unique_ptr<PoseSource>> makeTreatedSource(std::unique_ptr<PoseSource> poses,
                                                       const SourceTreatment& treatment) {
+  LORICA_TRY_DO(checkFaults(treatment.faults));
   if (treatment.log) poses = makeLoggedSource(std::move(poses), treatment.log);
   return makePoseFaults(std::move(poses), treatment.faults);
 }

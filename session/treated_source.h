@@ -49,12 +49,12 @@ struct SourceTreatment {
   JointSettings joints;            ///< how joints are treated before they become a pose
 };
 
-/// @return the source, or an error with the humanoid bones that the character lacks
+/// @return the source, or an error with the humanoid bones that the character lacks, or that faults are out of range
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeTreatedSource(const Character& character,
                                                                     std::unique_ptr<SkeletonSource> joints,
                                                                     const SourceTreatment& treatment);
 /// @param poses  of the character
-/// @return the source, or an error if the settings have faults of joints, see makePoseFaults()
+/// @return the source, or an error if the settings have faults of joints or out of range, see makePoseFaults()
 [[nodiscard]] Result<std::unique_ptr<PoseSource>> makeTreatedSource(std::unique_ptr<PoseSource> poses,
                                                                     const SourceTreatment& treatment);
 

@@ -3,6 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -69,6 +70,16 @@ Result<void> checkCharacter(const Character& character) {
     if (std::abs(sum - 1.0) > kWeightSumTolerance) {
       return badMesh("vertex {}: weights sum to {}, expected 1 +- {}", v, sum, kWeightSumTolerance);
     }
+  }
+  if (!std::ranges::is_sorted(character.shapes.begin) || character.shapes.begin.size() > vertexCount + 1 ||
+      (!character.shapes.begin.empty() && character.shapes.begin.back() > character.shapes.offsets.size())) {
+    return badMesh("the offsets of its shapes do not belong to its {} vertices", vertexCount);
+  }
+  for (const ShapeOffset& shape : character.shapes.offsets) {
+    if (shape.joint < 0 || shape.joint >= jointCount || character.skeleton.joint(shape.joint).parent == kNoJoint) {
+      return badMesh("a shape has joint {}, expected one below another, at most {}", shape.joint, jointCount - 1);
+    }
+    if (!shape.offset.allFinite()) return badMesh("an offset of a shape is not finite");
   }
   return {};
 }

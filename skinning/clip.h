@@ -35,6 +35,7 @@ struct Clip {
   std::string name;                ///< in the file; may be empty
   double seconds = 0.0;            ///< time of the last key
   std::vector<JointTrack> tracks;  ///< one for each joint that moves
+  double framesPerSecond = 0.0;    ///< of its keys, if each frame has one; else 0
 };
 
 /// Samples the clip at a time. Before its first key a track has the first value, after its last key the last value.

@@ -27,6 +27,10 @@ Vec3 skinLinearBlend(const Character& character, std::span<const Affine3> worldF
     const Influence& influence = character.influences[i];
     sum += influence.weight * (worldFromModel[influence.joint] * bind);
   }
+  for (const ShapeOffset& shape : character.shapes.of(vertex)) {
+    const JointIndex bone = character.skeleton.joint(shape.joint).parent;
+    sum += (worldFromModel[shape.joint].linear() - worldFromModel[bone].linear()) * shape.offset;
+  }
   return sum;
 }
 

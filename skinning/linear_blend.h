@@ -12,7 +12,7 @@ namespace lorica {
 void computeWorldFromModel(const Character& character, std::span<const Affine3> worldFromJoint,
                            std::span<Affine3> worldFromModel);
 
-/// Linear blend skinning of the whole mesh. Does not allocate memory.
+/// Linear blend skinning of the whole mesh, deformed by its shapes. Does not allocate memory.
 /// @param worldFromModel  jointCount transforms, see computeWorldFromModel()
 /// @param posed           vertexCount positions, written [m]
 void skinLinearBlend(const Character& character, std::span<const Affine3> worldFromModel, std::span<Vec3> posed);

@@ -34,7 +34,7 @@ Result<std::vector<std::string>> namesFrom(const char* const* names, std::size_t
 Result<CharacterOptions> readingFrom(const lorica_character_options* given) {
   LORICA_TRY(const lorica_character_options options, taken(given, "options"));
   LORICA_TRY_DO(checkChoice(options.walls, LORICA_CHARACTER_SHELL, "walls"));
-  constexpr WallChoice kWalls[] = {WallChoice::kSolid, WallChoice::kByReach, WallChoice::kShell};
+  constexpr std::optional<WallChoice> kWalls[] = {std::nullopt, WallChoice::kByReach, WallChoice::kShell};
   CharacterOptions reading;
   if (options.map != nullptr) reading.map = options.map;
   reading.bodyResolution = options.body_resolution;
@@ -173,6 +173,10 @@ void lorica_body_free(lorica_body* body) {
 
 size_t lorica_body_part_count(const lorica_body* body) {
   return body == nullptr ? 0 : body->body->content.decomposition.parts.size();
+}
+
+const char* lorica_body_warning(const lorica_body* body) {
+  return body == nullptr ? "" : body->body->warning.c_str();
 }
 
 lorica_status lorica_motion_read(const lorica_character* character, const char* name_or_file,

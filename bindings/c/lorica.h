@@ -78,10 +78,11 @@ typedef int (*lorica_progress)(void* user, int32_t done, int32_t wanted);
 /* Triangles. Those of the caller need be valid during the call only. */
 typedef struct lorica_mesh {
   size_t size;              /* sizeof this struct, set by the caller */
-  const double* vertices;   /* x y z for each */
-  size_t vertex_count;      /* of the vertices */
+  const double* vertices;   /* x y z for each, frame after frame */
+  size_t vertex_count;      /* of the vertices in a frame */
   const int32_t* triangles; /* three indices for each */
   size_t triangle_count;    /* of the triangles */
+  size_t frame_count;       /* poses of the same triangles; 0 = 1 */
 } lorica_mesh;
 
 /* How hard it tries. LORICA_PAPER is the algorithm as published. */
@@ -117,6 +118,7 @@ typedef struct lorica_decompose_options {
   double max_concavity;     /* fewest parts whose concavity, as CoACD measures it, is at most this; 0 = no limit */
   double thickness;         /* of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap */
   int32_t walls;            /* lorica_walls */
+  int32_t keyframes; /* of several frames, decompose in so many at even intervals; 0 = up to 12 that differ most */
 } lorica_decompose_options;
 
 /* A convex polyhedron. Filled by the library; see Ownership. */
@@ -145,16 +147,27 @@ LORICA_API lorica_status lorica_parts_save(const lorica_parts* parts, const char
 LORICA_API void lorica_parts_free(lorica_parts* parts);
 /* At least 1. */
 LORICA_API size_t lorica_parts_count(const lorica_parts* parts);
-/* @param part  below lorica_parts_count() */
+/* In the first frame. @param part  below lorica_parts_count() */
 LORICA_API lorica_status lorica_parts_hull(const lorica_parts* parts, size_t part, lorica_hull* out);
-/* Of the mesh, or of the closed surface in its place. */
+/* At least 1. */
+LORICA_API size_t lorica_parts_frame_count(const lorica_parts* parts);
+/* @param frame  below lorica_parts_frame_count() */
+LORICA_API lorica_status lorica_parts_hull_in_frame(const lorica_parts* parts, size_t frame, size_t part,
+                                                    lorica_hull* out);
+/* Of the mesh, or of the closed surface in its place, in the first frame. */
 LORICA_API double lorica_parts_mesh_volume(const lorica_parts* parts);
-/* Of all hulls together. */
+/* Of all hulls together, in the first frame. */
 LORICA_API double lorica_parts_hull_volume(const lorica_parts* parts);
-/* (hull volume - mesh volume) / mesh volume */
+/* (hull volume - mesh volume) / mesh volume; of several frames, the mean */
 LORICA_API double lorica_parts_error(const lorica_parts* parts);
+/* The same of one frame; 0 if there is no such frame. */
+LORICA_API double lorica_parts_error_in_frame(const lorica_parts* parts, size_t frame);
+/* Of the parts, as `lorica decompose` prints it: equal parts have equal hashes on every machine. */
+LORICA_API uint64_t lorica_parts_hash(const lorica_parts* parts);
 /* What was done to the mesh first, in words; "" if nothing. */
 LORICA_API const char* lorica_parts_repaired(const lorica_parts* parts);
+/* A sentence if the error is more than 50 %; "" if not. */
+LORICA_API const char* lorica_parts_warning(const lorica_parts* parts);
 
 /* ---- Characters ---- */
 
@@ -162,9 +175,9 @@ typedef struct lorica_character lorica_character;
 
 /* What an open surface of a character is. */
 typedef enum lorica_character_walls {
-  LORICA_CHARACTER_SOLID = 0,
-  LORICA_CHARACTER_AUTO = 1, /* a thin wall, unless nothing outside can reach what is behind it */
-  LORICA_CHARACTER_SHELL = 2 /* a thin wall, also where it is closed */
+  LORICA_CHARACTER_SOLID = 0, /* the border of a solid, unless all of it is sheets, such as a flag: then thin walls */
+  LORICA_CHARACTER_AUTO = 1,  /* a thin wall, unless nothing outside can reach what is behind it */
+  LORICA_CHARACTER_SHELL = 2  /* a thin wall, also where it is closed */
 } lorica_character_walls;
 
 /* How a character's file is read. */
@@ -235,6 +248,9 @@ LORICA_API lorica_status lorica_body_save(const lorica_body* body, const char* f
 LORICA_API void lorica_body_free(lorica_body* body);
 /* Of its decomposition, at least 1. */
 LORICA_API size_t lorica_body_part_count(const lorica_body* body);
+/* A sentence if its hulls have more than 50 % more volume than the character, mean over the poses that it was trained
+ * on; "" if not. */
+LORICA_API const char* lorica_body_warning(const lorica_body* body);
 
 /* How a motion is read. */
 typedef struct lorica_motion_options {

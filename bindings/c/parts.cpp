@@ -1,7 +1,9 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
 #include "geometry/errors.h"
+#include "geometry/work_budgets.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace lorica {
@@ -41,17 +43,24 @@ Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
   settings.maxConcavity = options.max_concavity;
   settings.thickness = options.thickness;
   settings.walls = kWalls[options.walls];
+  if (options.keyframes < 0) return invalidArgument("keyframes: found {}, expected 0 or more", options.keyframes);
+  settings.keyframes = options.keyframes;
   return settings;
 }
 
-Result<TriMesh> meshFrom(const lorica_mesh* given) {
+Result<MeshSequence> meshFrom(const lorica_mesh* given) {
   LORICA_TRY_DO(lorica::given(given, "mesh"));
   LORICA_TRY(const lorica_mesh mesh, taken(given, "mesh"));
   if ((mesh.vertices == nullptr && mesh.vertex_count > 0) || (mesh.triangles == nullptr && mesh.triangle_count > 0)) {
     return invalidArgument("mesh: vertices or triangles are null, and their count is not 0");
   }
   const std::vector<std::int64_t> corners(mesh.triangles, mesh.triangles + 3 * mesh.triangle_count);
-  return checkedMesh({mesh.vertices, 3 * mesh.vertex_count}, corners);
+  const std::size_t frames = std::max<std::size_t>(mesh.frame_count, 1);
+  if (mesh.vertex_count > kMaxSequencePoints / frames && frames > 1) {
+    return unsupported("mesh: {} frames of {} vertices, expected at most {} in all", frames, mesh.vertex_count,
+                       kMaxSequencePoints);
+  }
+  return checkedMesh({mesh.vertices, 3 * frames * mesh.vertex_count}, mesh.vertex_count, corners);
 }
 
 /// The common part of decomposing and loading. @param make  from a mesh and settings
@@ -61,7 +70,7 @@ lorica_status makeParts(const lorica_mesh* mesh, const lorica_decompose_options*
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(out, "out"));
     LORICA_TRY(const MeshPartsSettings settings, settingsFrom(options));
-    LORICA_TRY(TriMesh checked, meshFrom(mesh));
+    LORICA_TRY(MeshSequence checked, meshFrom(mesh));
     LORICA_TRY(MeshParts made, make(std::move(checked), settings));
     *out = new lorica_parts{std::move(made)};
     return {};
@@ -107,17 +116,18 @@ const char* lorica_last_error(void) {
 }
 
 lorica_status lorica_decompose(const lorica_mesh* mesh, const lorica_decompose_options* options, lorica_parts** out) {
-  return makeParts(mesh, options, out, [](TriMesh checked, const MeshPartsSettings& settings) {
+  return makeParts(mesh, options, out, [](MeshSequence checked, const MeshPartsSettings& settings) {
     return partsOfMesh(std::move(checked), settings);
   });
 }
 
 lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh, const lorica_decompose_options* options,
                                 lorica_parts** out) {
-  return makeParts(mesh, options, out, [&](TriMesh checked, const MeshPartsSettings& settings) -> Result<MeshParts> {
-    LORICA_TRY_DO(given(file, "file"));
-    return partsFromFile(file, std::move(checked), settings);
-  });
+  return makeParts(mesh, options, out,
+                   [&](MeshSequence checked, const MeshPartsSettings& settings) -> Result<MeshParts> {
+                     LORICA_TRY_DO(given(file, "file"));
+                     return partsFromFile(file, std::move(checked), settings);
+                   });
 }
 
 lorica_status lorica_parts_save(const lorica_parts* parts, const char* file) {
@@ -132,29 +142,50 @@ void lorica_parts_free(lorica_parts* parts) {
 }
 
 size_t lorica_parts_count(const lorica_parts* parts) {
-  return parts == nullptr ? 0 : parts->parts.hulls.size();
+  return parts == nullptr ? 0 : parts->parts.hulls().size();
+}
+
+size_t lorica_parts_frame_count(const lorica_parts* parts) {
+  return parts == nullptr ? 0 : parts->parts.frames.size();
 }
 
 lorica_status lorica_parts_hull(const lorica_parts* parts, size_t part, lorica_hull* out) {
+  return lorica_parts_hull_in_frame(parts, 0, part, out);
+}
+
+lorica_status lorica_parts_hull_in_frame(const lorica_parts* parts, size_t frame, size_t part, lorica_hull* out) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(parts, "parts"));
-    LORICA_TRY_DO(inRange(part, parts->parts.hulls.size(), "part"));
-    return handOut(parts->parts.hulls[part], out);
+    LORICA_TRY_DO(inRange(frame, parts->parts.frames.size(), "frame"));
+    LORICA_TRY_DO(inRange(part, parts->parts.hulls().size(), "part"));
+    return handOut(parts->parts.frames[frame][part], out);
   });
 }
 
 double lorica_parts_mesh_volume(const lorica_parts* parts) {
-  return parts == nullptr ? 0.0 : parts->parts.meshVolume;
+  return parts == nullptr ? 0.0 : parts->parts.errors.front().meshVolume;
 }
 
 double lorica_parts_hull_volume(const lorica_parts* parts) {
-  return parts == nullptr ? 0.0 : parts->parts.hullVolume;
+  return parts == nullptr ? 0.0 : parts->parts.errors.front().hullVolume;
 }
 
 double lorica_parts_error(const lorica_parts* parts) {
-  return parts == nullptr ? 0.0 : (parts->parts.hullVolume - parts->parts.meshVolume) / parts->parts.meshVolume;
+  return parts == nullptr ? 0.0 : parts->parts.meanError();
+}
+
+double lorica_parts_error_in_frame(const lorica_parts* parts, size_t frame) {
+  return parts == nullptr || frame >= parts->parts.errors.size() ? 0.0 : parts->parts.errors[frame].relative();
+}
+
+uint64_t lorica_parts_hash(const lorica_parts* parts) {
+  return parts == nullptr ? 0 : hashOf(parts->parts.content.decomposition);
 }
 
 const char* lorica_parts_repaired(const lorica_parts* parts) {
   return parts == nullptr ? "" : parts->parts.repaired.c_str();
+}
+
+const char* lorica_parts_warning(const lorica_parts* parts) {
+  return parts == nullptr ? "" : parts->parts.warning.c_str();
 }

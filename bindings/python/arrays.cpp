@@ -50,13 +50,16 @@ py::array readOnly(py::array_t<Scalar> array) {
 
 }  // namespace
 
-TriMesh meshFrom(const py::object& vertices, const py::object& faces) {
-  const py::array points = arrayOf(vertices, "vertices", "fiu", "numbers", "(n, 3)", isTable);
+MeshSequence meshFrom(const py::object& vertices, const py::object& faces) {
+  const py::array points =
+      arrayOf(vertices, "vertices", "fiu", "numbers", "(n, 3) or (frames, n, 3)",
+              [](const py::array& a) { return isTable(a) || (a.ndim() == 3 && a.shape(2) == 3 && a.shape(0) > 0); });
   const py::array corners = arrayOf(faces, "faces", "iu", "integers", "(m, 3)", isTable);
   const auto positions = rowsOf<double>(points);
   const auto indices = rowsOf<std::int64_t>(corners);
-  Result<TriMesh> mesh = checkedMesh({positions.data(), static_cast<std::size_t>(positions.size())},
-                                     {indices.data(), static_cast<std::size_t>(indices.size())});
+  Result<MeshSequence> mesh = checkedMesh({positions.data(), static_cast<std::size_t>(positions.size())},
+                                          static_cast<std::size_t>(points.shape(points.ndim() - 2)),
+                                          {indices.data(), static_cast<std::size_t>(indices.size())});
   return valueOf(std::move(mesh));
 }
 

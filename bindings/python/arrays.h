@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/arrays/mesh_sequence.h"
 #include "geometry/convex_hull.h"
 
 #include <pybind11/numpy.h>
@@ -10,9 +11,9 @@
 
 namespace lorica {
 
-/// The mesh in two arrays, (n, 3) numbers and (m, 3) integers of any type and strides.
+/// The mesh in two arrays, (n, 3) numbers, or (k, n, 3) of k frames, and (m, 3) integers of any type and strides.
 /// @throws ValueError  with a sentence about shape, type, first number that is not finite, or index out of range
-[[nodiscard]] TriMesh meshFrom(const pybind11::object& vertices, const pybind11::object& faces);
+[[nodiscard]] MeshSequence meshFrom(const pybind11::object& vertices, const pybind11::object& faces);
 
 /// Transforms in an array of (count, 4, 4) numbers.
 /// @throws ValueError  with a sentence

@@ -2,6 +2,7 @@
 #include "bindings/python/arrays.h"
 #include "bindings/python/work.h"
 #include "export/contact_export.h"
+#include "geometry/text.h"
 #include "session/prepare/first_guess.h"
 
 #include <fmt/format.h>
@@ -230,6 +231,7 @@ CharacterHandle openNamed(const py::object& file, const std::optional<py::object
   reading.bodyResolution = bodyResolution;
   reading.walls = wallChoiceNamed(walls);
   if (!reading.walls) throw py::value_error(fmt::format("walls: found {}, expected solid, auto or shell", walls));
+  if (*reading.walls == WallChoice::kSolid) reading.walls.reset();  // what is flat has no other body
   reading.thickness = thickness;
   reading.hidden = std::move(hidden);
   reading.expressions = std::move(expressions);
@@ -246,16 +248,20 @@ BodyHandle makeBodyOf(const CharacterHandle& character, int parts, std::optional
   }
   if (cover && *cover == 0.0) cover.reset();
   using Pointer = std::shared_ptr<const CharacterBody>;
-  return {resultAside<Pointer>(progress, [&](const DecomposeProgress& report) {
+  auto made = resultAside<Pointer>(progress, [&](const DecomposeProgress& report) {
     ProgramHost host(report, threads, parts);
     return makeCharacterBody(character.owner, {parts, {cover, hullVertices}}, host);
-  })};
+  });
+  warnOf(made->warning);
+  return {std::move(made)};
 }
 
 BodyHandle loadBody(const CharacterHandle& character, const fs::path& file) {
   using Pointer = std::shared_ptr<const CharacterBody>;
-  return {resultAside<Pointer>(py::none(),
-                               [&](const DecomposeProgress&) { return readCharacterBody(character.owner, file); })};
+  auto read = resultAside<Pointer>(py::none(),
+                                   [&](const DecomposeProgress&) { return readCharacterBody(character.owner, file); });
+  warnOf(read->warning);
+  return {std::move(read)};
 }
 
 py::dict contactsOf(const py::object& motion, const py::object& character, const py::object& scene, double near,
@@ -304,8 +310,8 @@ void addCharacter(py::module_& module) {
 An open surface gets a closed body.
 
 map              file that says which joints are the humanoid's bones; None = automatic
-walls            what an open surface is: "solid"; "auto" = a thin wall, unless nothing outside can reach what is behind
-                 it; "shell" = a thin wall, also where it is closed
+walls            what an open surface is: "solid", unless all of it is sheets; "auto" = a thin wall, unless nothing
+                 outside can reach what is behind it; "shell" = a thin wall, also where it is closed
 thickness        of thin walls [m]; 0 = 1 % of their longest side, at most half of the narrowest gap
 body_resolution  of the voxels of a closed body, if one has to be made [m]; 0 = automatic
 hidden           names of meshes that are left out, such as a weapon
@@ -361,8 +367,8 @@ threads        0 = all of the machine's
 progress       called with the numbers of parts done and wanted; return False to cancel)")
       .def("load_body", &loadBody, "file"_a, "The body in a .lorica file that was made from this character.")
       .def("__repr__", [](const CharacterHandle& self) {
-        return textFrom(fmt::format("<lorica.Character {} with {} joints>", self.character().name,
-                                    self.character().skeleton.jointCount()));
+        return textFrom(fmt::format("<lorica.Character {} with {}>", self.character().name,
+                                    counted(self.character().skeleton.jointCount(), "joint")));
       });
 }
 
@@ -384,8 +390,8 @@ void addBody(py::module_& module) {
           "save", [](const BodyHandle& self, const fs::path& file) { save(self.body->content, file); }, "file"_a,
           "Write a .lorica file, for load_body() and the command.")
       .def("__repr__", [](const BodyHandle& self) {
-        return textFrom(fmt::format("<lorica.Body of {}: {} parts>", self.body->character().name,
-                                    self.body->content.decomposition.parts.size()));
+        return textFrom(fmt::format("<lorica.Body of {}: {}>", self.body->character().name,
+                                    counted(std::ssize(self.body->content.decomposition.parts), "part")));
       });
 }
 

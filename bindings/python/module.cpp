@@ -2,7 +2,9 @@
 #include "bindings/python/arrays.h"
 #include "bindings/python/made_only.h"
 #include "bindings/python/work.h"
+#include "geometry/files.h"
 #include "geometry/mesh_files.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -41,18 +43,19 @@ Choice choiceOf(const char* argument, const std::string& name,
 
 /// @param make  from a mesh and settings that report progress
 template <typename Make>
-PartList makeParts(TriMesh mesh, MeshPartsSettings settings, const py::object& progress, const Make& make) {
+PartList makeParts(MeshSequence mesh, MeshPartsSettings settings, const py::object& progress, const Make& make) {
   MeshParts made = resultAside<MeshParts>(progress, [&](const DecomposeProgress& report) {
     settings.decompose.progress = report;
     return make(std::move(mesh), settings);
   });
+  warnOf(made.warning);
   return {std::make_shared<const MeshParts>(std::move(made))};
 }
 
 PartList decomposeMesh(const py::object& vertices, const py::object& faces, std::optional<int> parts, double maxError,
                        double maxDistance, double maxConcavity, const std::string& preset, int hullVertices,
                        const std::string& closedBody, const std::string& walls, double thickness, int threads,
-                       const py::object& progress) {
+                       const py::object& progress, std::optional<int> keyframes, int candidates) {
   const bool limited = maxError > 0.0 || maxDistance > 0.0 || maxConcavity > 0.0;
   MeshPartsSettings settings;
   settings.decompose.maxParts = parts.value_or(limited ? 0 : kUsualParts);
@@ -69,6 +72,10 @@ PartList decomposeMesh(const py::object& vertices, const py::object& faces, std:
   settings.walls = choiceOf<WallChoice>(
       "walls", walls, {{{"auto", WallChoice::kByReach}, {"solid", WallChoice::kSolid}, {"shell", WallChoice::kShell}}});
   settings.thickness = thickness;
+  settings.keyframes = keyframes.value_or(0);
+  settings.decompose.candidateEdges = candidates;
+  if (keyframes && *keyframes < 1)
+    throw py::value_error(fmt::format("keyframes: found {}, expected at least 1, or None", *keyframes));
   settings.maxConcavity = maxConcavity;
   return makeParts(meshFrom(vertices, faces), settings, progress, partsOfMesh);
 }
@@ -76,9 +83,9 @@ PartList decomposeMesh(const py::object& vertices, const py::object& faces, std:
 PartList loadParts(const fs::path& file, const py::object& vertices, const py::object& faces, int hullVertices) {
   MeshPartsSettings settings;
   settings.hullVertices = hullVertices;
-  return makeParts(meshFrom(vertices, faces), settings, py::none(), [&](TriMesh mesh, const MeshPartsSettings& given) {
-    return partsFromFile(file, std::move(mesh), given);
-  });
+  return makeParts(
+      meshFrom(vertices, faces), settings, py::none(),
+      [&](MeshSequence mesh, const MeshPartsSettings& given) { return partsFromFile(file, std::move(mesh), given); });
 }
 
 py::tuple readMeshFile(const fs::path& file) {
@@ -100,41 +107,71 @@ void addHull(py::module_& module) {
       .def_property_readonly(
           "volume", [](const HullView& self) { return self.hull->volume; }, "In the cubed unit of the vertices.")
       .def("__repr__", [](const HullView& self) {
-        return fmt::format("<lorica.Hull with {} vertices>", self.hull->vertices.size());
+        return fmt::format("<lorica.Hull with {}>", counted(std::ssize(self.hull->vertices), "vertex", "vertices"));
       });
 }
 
+/// An index from Python, which may count from the end.
+std::size_t checkedIndex(py::ssize_t index, std::size_t size, const char* what) {
+  const auto count = static_cast<py::ssize_t>(size);
+  if (index < -count || index >= count) throw py::index_error(fmt::format("{} {} of {}", what, index, count));
+  return static_cast<std::size_t>((index + count) % count);
+}
+
 void addParts(py::module_& module) {
-  py::class_<PartList>(module, "Parts", "The convex hulls of a mesh: a sequence of Hull.")
-      .def("__len__", [](const PartList& self) { return self.parts->hulls.size(); })
+  py::class_<PartList>(
+      module, "Parts",
+      "The convex hulls of a mesh: a sequence of Hull; of a mesh in several frames, those of the first.")
+      .def("__len__", [](const PartList& self) { return self.parts->hulls().size(); })
       .def("__getitem__",
            [](const PartList& self, py::ssize_t index) {
-             const py::ssize_t count = self.parts->hulls.size();
-             if (index < -count || index >= count) throw py::index_error(fmt::format("part {} of {}", index, count));
-             return HullView{{self.parts, &self.parts->hulls[(index + count) % count]}};
+             const std::vector<ConvexHull>& hulls = self.parts->hulls();
+             return HullView{{self.parts, &hulls[checkedIndex(index, hulls.size(), "part")]}};
            })
-      .def("__iter__", [](const PartList& self) { return py::iter(hullList(self.parts->hulls, self.parts)); })
+      .def("__iter__", [](const PartList& self) { return py::iter(hullList(self.parts->hulls(), self.parts)); })
       .def_property_readonly(
-          "hulls", [](const PartList& self) { return hullList(self.parts->hulls, self.parts); }, "A list of Hull.")
+          "hulls", [](const PartList& self) { return hullList(self.parts->hulls(), self.parts); }, "A list of Hull.")
       .def_property_readonly(
-          "mesh_volume", [](const PartList& self) { return self.parts->meshVolume; },
-          "Of the mesh, or of the closed body that was built for it.")
-      .def_property_readonly(
-          "hull_volume", [](const PartList& self) { return self.parts->hullVolume; }, "The sum over the hulls.")
-      .def_property_readonly(
-          "error",
-          [](const PartList& self) {
-            return (self.parts->hullVolume - self.parts->meshVolume) / self.parts->meshVolume;
+          "frame_count", [](const PartList& self) { return self.parts->frames.size(); },
+          "1, or as many as the vertices had.")
+      .def(
+          "frame",
+          [](const PartList& self, py::ssize_t index) {
+            return hullList(self.parts->frames[checkedIndex(index, self.parts->frames.size(), "frame")], self.parts);
           },
-          "(hull volume - mesh volume) / mesh volume.")
+          "index"_a, "The hulls of a frame, in the order of the parts: a list of Hull.")
+      .def_property_readonly(
+          "mesh_volume", [](const PartList& self) { return self.parts->errors.front().meshVolume; },
+          "Of the mesh, or of the closed body that was built for it; in the first frame.")
+      .def_property_readonly(
+          "hull_volume", [](const PartList& self) { return self.parts->errors.front().hullVolume; },
+          "The sum over the hulls, in the first frame.")
+      .def_property_readonly(
+          "error", [](const PartList& self) { return self.parts->meanError(); },
+          "(hull volume - mesh volume) / mesh volume; of several frames, the mean.")
+      .def_property_readonly(
+          "errors",
+          [](const PartList& self) {
+            py::list errors;
+            for (const PoseError& error : self.parts->errors) errors.append(error.relative());
+            return errors;
+          },
+          "The error of each frame.")
+      .def_property_readonly(
+          "keyframes", [](const PartList& self) { return self.parts->keyframes; },
+          "The frames that the mesh was decomposed in; the others are unseen.")
+      .def_property_readonly(
+          "hash", [](const PartList& self) { return hexDigits(hashOf(self.parts->content.decomposition)); },
+          "Of the parts, as `lorica decompose` prints it.")
       .def_property_readonly(
           "repaired", [](const PartList& self) { return self.parts->repaired; },
           "What was done to the mesh first, in words; empty if nothing.")
       .def(
           "save", [](const PartList& self, const fs::path& file) { save(self.parts->content, file); }, "file"_a,
           "Writes a .lorica file. It holds no positions: load_parts() and the command need the mesh, too.")
-      .def("__repr__",
-           [](const PartList& self) { return fmt::format("<lorica.Parts: {} hulls>", self.parts->hulls.size()); });
+      .def("__repr__", [](const PartList& self) {
+        return fmt::format("<lorica.Parts: {}>", counted(std::ssize(self.parts->hulls()), "hull"));
+      });
 }
 
 }  // namespace
@@ -161,13 +198,13 @@ PYBIND11_MODULE(_lorica, module) {
   module.def("decompose", &decomposeMesh, "vertices"_a, "faces"_a, "parts"_a = py::none(), py::kw_only(),
              "max_error"_a = 0.0, "max_distance"_a = 0.0, "max_concavity"_a = 0.0, "preset"_a = "fast",
              "hull_vertices"_a = 0, "closed_body"_a = "auto", "walls"_a = "auto", "thickness"_a = 0.0, "threads"_a = 0,
-             "progress"_a = py::none(),
+             "progress"_a = py::none(), "keyframes"_a = py::none(), "candidates"_a = 0,
              R"(Decompose a mesh into nearly convex parts, and return their hulls.
 
 The hulls together contain every vertex of the surface. The same arguments give the same hulls on any number of threads:
 there is no seed. A mesh with small faults is repaired; an open one gets a closed body, see `closed_body`.
 
-vertices       (n, 3) finite numbers, in any unit
+vertices       (n, 3) finite numbers, in any unit; or (k, n, 3): the mesh in k frames, whose hulls Parts.frame() has
 faces          (m, 3) integers: triangles, counter-clockwise seen from outside
 parts          at most this many; 0 = until no concave edge remains; None = 16, or with a limit below as many as it takes
 max_error      stop when the hulls have at most this much more volume, relative to the mesh; 0 = no limit
@@ -182,10 +219,13 @@ walls          what an open surface is: "auto" = a thin wall, unless nothing out
 thickness      of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap
 threads        0 = all of the machine's
 progress       called with the numbers of parts done and wanted; return False to cancel
+keyframes      of several frames, decompose in so many at even intervals; None = up to 12 that differ most
+candidates     concave edges that are tried for each cut; 0 = the preset's, 8
 
-Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a sentence, or Cancelled.)");
+Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a sentence, or Cancelled.
+Warns, as a RuntimeWarning, of an error above 50 %.)");
   module.def("load_parts", &loadParts, "file"_a, "vertices"_a, "faces"_a, py::kw_only(), "hull_vertices"_a = 0,
-             "The parts in a .lorica file that was made from this mesh.");
+             "The parts in a .lorica file that was made from this mesh, or from one with the same faces.");
   module.def("read_mesh", &readMeshFile, "file"_a,
              "Read .off, .obj, .ply or .stl: (n, 3) float64 vertices and (m, 3) int32 faces, read-only, no copy.");
   refuseUnmadeObjects(module);

@@ -110,6 +110,11 @@ void runAside(const py::object& progress, const std::function<void(const Decompo
   if (talk.failure) std::rethrow_exception(talk.failure);
 }
 
+void warnOf(const std::string& sentence) {
+  if (sentence.empty()) return;
+  if (PyErr_WarnEx(PyExc_RuntimeWarning, sentence.c_str(), 1) != 0) throw py::error_already_set();
+}
+
 void save(const DecompositionFile& content, const std::filesystem::path& file) {
   Result<void> written;
   {

@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <functional>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -41,6 +42,9 @@ template <typename T>
   runAside(progress, [&](const DecomposeProgress& report) { result.emplace(work(report)); });
   return valueOf(std::move(*result));
 }
+
+/// Gives a sentence as a RuntimeWarning; none if it is empty. Raises what the program makes of warnings.
+void warnOf(const std::string& sentence);
 
 /// Writes a .lorica file, without the interpreter's lock.
 void save(const DecompositionFile& content, const std::filesystem::path& file);

@@ -1,5 +1,6 @@
 #include "capture/files/bvh_text.h"
 
+#include "geometry/interrupt.h"
 #include "geometry/line_scanner.h"
 #include "geometry/text.h"
 
@@ -72,7 +73,8 @@ bool readPlainNumber(const char*& cursor, const char* end, double& value) {
   return true;
 }
 
-/// Iterates over the words of a text and tracks the line number. Lines end with \n, \r\n or \r.
+/// Iterates over the words of a text and tracks the line number. Lines end with \n, \r\n or \r. If the work is stopped
+/// the text ends there.
 class Words {
  public:
   Words(std::string_view text, std::string_view name)
@@ -80,6 +82,7 @@ class Words {
 
   /// Returns the next word on any line; a brace is a word of its own. Empty at the end of the text.
   std::string_view next() {
+    if (interrupt_.stopped()) end_ = cursor_;
     while (!atEnd() && isBlank(*cursor_)) step();
     return take();
   }
@@ -97,6 +100,7 @@ class Words {
   }
   /// Reads a plain number on this line; returns false and reads nothing for anything else.
   bool plainNumber(double& value) {
+    if (interrupt_.stopped()) end_ = cursor_;
     skipBlanksOnLine();
     return readPlainNumber(cursor_, end_, value);
   }
@@ -106,6 +110,7 @@ class Words {
   }
   /// Advances to the next line that has a word. @return false at the end of the text
   bool nextLine() {
+    if (workStopped()) end_ = cursor_;
     while (!atEnd() && isBlank(*cursor_)) step();
     return !atEnd();
   }
@@ -145,6 +150,7 @@ class Words {
   const char* end_;
   std::string_view name_;
   std::size_t line_ = 1;
+  SparseInterrupt interrupt_;  // of words
 };
 
 class Parser {
@@ -156,7 +162,8 @@ class Parser {
     LORICA_TRY_DO(parseMotionHead());
     LORICA_TRY_DO(parseRows());
     if (commas_ > 0)
-      out_.notes.push_back(fmt::format("{} numbers have a decimal comma, read as a decimal point", commas_));
+      out_.notes.push_back(counted(commas_, "number has", "numbers have") +
+                           " a decimal comma, read as a decimal point");
     return std::move(out_);
   }
 
@@ -327,7 +334,8 @@ class Parser {
       }
     }
     if (filled > 0) {
-      out_.notes.push_back(fmt::format("{} numbers are NaN: their channels keep the last known value", filled));
+      out_.notes.push_back(counted(filled, "number is NaN: its channel keeps the last known value",
+                                   "numbers are NaN: their channels keep the last known value"));
     }
   }
 
@@ -352,8 +360,8 @@ class Parser {
     while (words_.nextLine()) {
       const std::size_t before = values.size();
       if (missing > 0) {
-        return words_.fail(rowLine,
-                           fmt::format("found {} numbers, expected {}: one per channel", channels - missing, channels));
+        return words_.fail(rowLine, fmt::format("found {}, expected {}: one per channel",
+                                                counted(std::int64_t(channels - missing), "number"), channels));
       }
       rowLine = words_.line();
       while (!words_.atLineEnd()) {
@@ -381,7 +389,8 @@ class Parser {
       }
       if (!wrapped) {
         if (found > channels) {
-          return words_.fail(rowLine, fmt::format("found {} numbers, expected {}: one per channel", found, channels));
+          return words_.fail(rowLine, fmt::format("found {}, expected {}: one per channel",
+                                                  counted(std::int64_t(found), "number"), channels));
         }
         missing = found == 0 ? 0 : channels - found;
       }
@@ -392,13 +401,14 @@ class Parser {
       missing = (channels - values.size() % channels) % channels;
       const double frames = static_cast<double>(values.size()) / static_cast<double>(channels);
       if (std::abs(frames - *promisedFrames_) > 1.0) {
-        return words_.fail(firstRowLine_,
-                           fmt::format("found {} numbers, expected {}: one per channel", firstRow_, channels));
+        return words_.fail(firstRowLine_, fmt::format("found {}, expected {}: one per channel",
+                                                      counted(std::int64_t(firstRow_), "number"), channels));
       }
       out_.notes.push_back("frames span several lines");
     }
     if (out_.frameCount == 0) {
-      return words_.fail(words_.line(), fmt::format("the file ends here, expected a frame of {} numbers", channels));
+      return words_.fail(words_.line(), fmt::format("the file ends here, expected a frame of {}",
+                                                    counted(std::int64_t(channels), "number")));
     }
     if (missing > 0) {
       out_.notes.push_back(
@@ -407,8 +417,8 @@ class Parser {
     values.resize(out_.frameCount * channels);
     fillUnknown();
     if (static_cast<double>(out_.frameCount) != *promisedFrames_) {
-      out_.notes.push_back(
-          fmt::format("the header declares {} frames, the file has {}", *promisedFrames_, out_.frameCount));
+      out_.notes.push_back(fmt::format("the header declares {} frame{}, the file has {}", *promisedFrames_,
+                                       *promisedFrames_ == 1.0 ? "" : "s", out_.frameCount));
     }
     return {};
   }
@@ -426,7 +436,7 @@ class Parser {
 }  // namespace
 
 Result<BvhText> parseBvhText(std::string_view text, std::string_view name) {
-  return Parser(text, name).parse();
+  return unlessStopped(Parser(text, name).parse());
 }
 
 }  // namespace lorica

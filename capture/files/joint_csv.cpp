@@ -4,8 +4,10 @@
 #include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "geometry/line_scanner.h"
 #include "geometry/new_file.h"
+#include "geometry/text.h"
 
 #include <unistd.h>
 
@@ -72,6 +74,7 @@ class Reader {
 
     for (line_ = 1; !text.empty(); ++line_) {
       const std::size_t end = text.find('\n');
+      if (workStopped()) return cancelled();
       std::string_view row = text.substr(0, end);
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       if (!row.empty() && row.back() == '\r') row.remove_suffix(1);
@@ -112,8 +115,8 @@ class Reader {
     for (int column = 0; column < kFieldCount; ++column) {
       const std::string expected = columnName(column);
       if (column >= countOf(fields_)) {
-        return badFormat("{}, line 1: found {} columns, expected {}; column {}, \"{}\", is missing", file_,
-                         fields_.size(), kFieldCount, column + 1, expected);
+        return badFormat("{}, line 1: found {}, expected {}; column {}, \"{}\", is missing", file_,
+                         counted(std::ssize(fields_), "column"), kFieldCount, column + 1, expected);
       }
       if (field(column) != expected) {
         return badFormat("{}, line 1, column {}: found {}, expected \"{}\"", file_, column + 1, quoted(field(column)),
@@ -131,7 +134,7 @@ class Reader {
     split(row);
     if (fields_.size() != kFieldCount) {
       return badFormat("{}, line {}: found {}, expected {} fields", file_, line_,
-                       row.empty() ? "an empty line" : fmt::format("{} fields", fields_.size()), kFieldCount);
+                       row.empty() ? "an empty line" : counted(std::ssize(fields_), "field"), kFieldCount);
     }
     SkeletonFrame frame;
     LORICA_TRY(frame.time, number(0, -kLargestTime, kLargestTime, "seconds within +-1e12"));

@@ -5,6 +5,7 @@
 #include "capture/files/joint_stream_text.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
 
@@ -132,6 +133,7 @@ Result<JointStream> parseLorica(std::string_view text, std::string_view name, co
 /// Lines keep their numbers. nullopt: nothing stands there.
 std::optional<std::string> withoutPreamble(std::string_view text, std::string_view name) {
   constexpr int kMaxLines = 20;
+  if (joints::isJson(text) || joints::isMarkerTable(text)) return std::nullopt;
   std::size_t begin = 0;
   bool anything = false;
   for (int line = 0; line < kMaxLines && begin < text.size(); ++line) {
@@ -152,7 +154,7 @@ std::optional<std::string> withoutPreamble(std::string_view text, std::string_vi
 
 Result<JointFormat> formatOf(std::string_view text, std::string_view name, const JointStreamSettings& settings) {
   if (settings.format) return *settings.format;
-  return joints::detectFormat(text, name);
+  return unlessStopped(joints::detectFormat(text, name));
 }
 
 /// "m01_s01_e01_positions.txt" and "m01_s01_e01_angles.txt" are in the same folder; either may be given.
@@ -175,8 +177,9 @@ Result<JointStream> readPair(const std::filesystem::path& file, std::string_view
   const std::filesystem::path other = file.parent_path() / otherName;
   LORICA_TRY(std::string otherText, readFile(other));
   otherText = asUtf8(std::move(otherText));
-  LORICA_TRY(joints::RawStream raw, isAngles ? joints::readUiPrmd(otherText, other.string(), text, file.string())
-                                             : joints::readUiPrmd(text, file.string(), otherText, other.string()));
+  LORICA_TRY(joints::RawStream raw,
+             unlessStopped(isAngles ? joints::readUiPrmd(otherText, other.string(), text, file.string())
+                                    : joints::readUiPrmd(text, file.string(), otherText, other.string())));
   return joints::finish(std::move(raw), JointFormat::kUiPrmd, file.string(), settings);
 }
 
@@ -229,7 +232,7 @@ Result<JointStream> parseJointStream(std::string_view text, std::string_view nam
         "beside it",
         name);
   }
-  LORICA_TRY(joints::RawStream raw, layout.read(layout, text, name));
+  LORICA_TRY(joints::RawStream raw, unlessStopped(layout.read(layout, text, name)));
   return joints::finish(std::move(raw), format, name, settings);
 }
 

@@ -25,9 +25,11 @@ enum class JointFormat : std::uint8_t {
   kNite2,          ///< time, user, then 15 x (x y z confidence [qx qy qz qw])
   kNamedColumns,   ///< a header that names the joints: time, head_x, head_y, head_z, ...
   kAzureJson,      ///< frames of bodies as Azure Kinect's offline_processor writes them
+  kMediaPipeJson,  ///< frames of MediaPipe's 33 landmarks, or of points that are named as joints
+  kTrc,            ///< OpenSim's table of markers, named as joints
 };
 /// Layouts that JointFormat names
-inline constexpr int kJointFormatCount = static_cast<int>(JointFormat::kAzureJson) + 1;
+inline constexpr int kJointFormatCount = static_cast<int>(JointFormat::kTrc) + 1;
 
 /// Option value for `--format`: "lorica", "msr-action3d", "utkinect", "kinect2-bodies", ...
 [[nodiscard]] std::string_view nameOf(JointFormat format);

@@ -187,7 +187,7 @@ void turnUp(std::vector<Observation>& rows, int axis, bool down) {
 }
 
 /// Which of the file's axes are left, up and ahead of the sensor.
-Result<void> judgeAxes(std::string_view file, RawStream& raw) {
+Result<void> judgeAxes(std::string_view file, RawStream& raw, bool world) {
   const Vec3 upright = uprightOf(raw.rows);
   int axis = 1;
   upright.cwiseAbs().maxCoeff(&axis);
@@ -210,37 +210,38 @@ Result<void> judgeAxes(std::string_view file, RawStream& raw) {
     raw.worldAxes = raw.towardsFront = true;
   } else if (down) {
     flip(raw.rows, {-1.0, -1.0, 1.0});  // cameras have y down and x to their right
-  } else if (hips && before < 0.9) {
+  } else if (world || (hips && before < 0.9)) {
     raw.worldAxes = true;
     raw.towardsFront = raw.centred;
   }
   return {};
 }
 
-/// States are 0, 1 and 2, Azure Kinect's levels up to 3, confidences at most 1. Those with other values than states are
-/// probabilities.
-void judgeConfidences(std::vector<Observation>& rows) {
-  double largest = 0.0;
-  bool probable = false;
-  for (const Observation& row : rows) {
-    for (const TrackedJoint& joint : row.frame.joints) {
-      largest = std::max(largest, joint.confidence);
-      probable = probable || 2.0 * joint.confidence != std::floor(2.0 * joint.confidence);
-    }
-  }
-  for (Observation& row : rows) {
-    for (TrackedJoint& joint : row.frame.joints) {
-      if (largest > 1.0) joint.confidence = std::min(1.0, 0.5 * joint.confidence);
-      if (probable) joint.confidence = joint.confidence < 0.1 ? 0.0 : joint.confidence < 0.5 ? 0.5 : 1.0;
-      if (!(joint.confidence > 0.0)) joint = {};
-    }
-  }
-}
-
 }  // namespace
 
+/// States are 0, 1 and 2, Azure Kinect's levels up to 3, confidences at most 1, else they are percents. Those with
+/// other values than states are probabilities.
+void judgeConfidences(std::vector<Observation>& rows) {
+  constexpr double kLargestState = 3.0;
+  double largest = 0.0;
+  const auto each = [&](const auto& change) {
+    for (Observation& row : rows) std::for_each(row.frame.joints.begin(), row.frame.joints.end(), change);
+  };
+  each([&](const TrackedJoint& joint) { largest = std::max(largest, joint.confidence); });
+  bool probable = false;
+  each([&](TrackedJoint& joint) {
+    if (largest > kLargestState) joint.confidence *= 0.01;
+    probable = probable || 2.0 * joint.confidence != std::floor(2.0 * joint.confidence);
+  });
+  each([&](TrackedJoint& joint) {
+    if (largest > 1.0 && largest <= kLargestState) joint.confidence = std::min(1.0, 0.5 * joint.confidence);
+    if (probable) joint.confidence = joint.confidence < 0.1 ? 0.0 : joint.confidence < 0.5 ? 0.5 : 1.0;
+    if (!(joint.confidence > 0.0)) joint = {};
+  });
+}
+
 Result<RawStream> judged(std::string_view file, std::optional<double> unit,
-                         const std::function<Result<RawStream>(double unit)>& read) {
+                         const std::function<Result<RawStream>(double unit)>& read, bool world) {
   LORICA_TRY(RawStream raw, read(unit.value_or(kUnknown)));
   const Height height = heightOf(raw.rows);
   if (unit) {
@@ -255,7 +256,7 @@ Result<RawStream> judged(std::string_view file, std::optional<double> unit,
     raw.unit = words;
   }
   judgeConfidences(raw.rows);
-  LORICA_TRY_DO(judgeAxes(file, raw));
+  LORICA_TRY_DO(judgeAxes(file, raw, world));
   return raw;
 }
 

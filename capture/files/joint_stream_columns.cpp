@@ -1,12 +1,14 @@
 #include "capture/files/joint_stream_layouts.h"
 #include "capture/files/joint_stream_text.h"
 #include "geometry/counts.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -21,8 +23,8 @@ struct Unit {
   double value;  ///< [m], [s]
 };
 constexpr std::array<Unit, 3> kLengths = {{{"mm", 0.001}, {"cm", 0.01}, {"m", 1.0}}};
-constexpr std::array<Unit, 5> kTimes = {{{"s sec secs seconds", 1.0},
-                                         {"ms msec millis milliseconds", 1e-3},
+constexpr std::array<Unit, 5> kTimes = {{{"s sec secs seconds sek sekunden", 1.0},
+                                         {"ms msec millis milliseconds millisekunden", 1e-3},
                                          {"us usec micros microseconds", 1e-6},
                                          {"ns nsec nanoseconds", 1e-9},
                                          {"100ns", 1e-7}}};
@@ -42,7 +44,9 @@ constexpr std::array<Words, 6> kFields = {{
 }};
 /// Columns without a joint in their names.
 constexpr std::array<Words, 4> kAlone = {{
-    {'j', "joint jointtype jointname jointid landmark landmarkname landmarkid keypoint bodypart"},
+    {'j',
+     "joint jointtype jointname jointid jointindex jointidx jointnumber jointno landmark landmarkname landmarkid "
+     "landmarkindex landmarkidx landmarknumber keypoint keypointname keypointid keypointindex keypointidx bodypart"},
     {'q', "rotationw rotationx rotationy rotationz"},
     {'n', "frame frameid framenumber frameno framenum frameindex frameidx"},
     {'u',
@@ -80,25 +84,6 @@ bool findJoint(std::string_view rest, Name& name) {
     rest = rest.starts_with(around) ? rest.substr(around.size()) : rest.substr(0, rest.size() - around.size());
   }
   return true;
-}
-
-/// The unit of a time; nullopt if the name is of something else. 0: a time without a unit.
-std::optional<double> unitOfTime(std::string_view plain) {
-  const auto unitOf = [](std::string_view word) -> std::optional<double> {
-    if (word.empty()) return 0.0;
-    for (const Unit& unit : kTimes) {
-      if (!firstWord(unit.words, [&](std::string_view known) { return known == word; }).empty()) return unit.value;
-    }
-    return std::nullopt;
-  };
-  for (const std::string_view word : {"timestamp", "timespan", "datetime", "time", "elapsed", "clock"}) {
-    const std::size_t at = plain.rfind(word);
-    if (at == std::string_view::npos) continue;
-    return plain == "timestamps" ? 0.0 : unitOf(plain.substr(at + word.size()));  // many, or in seconds
-  }
-  if (plain == "t" || plain == "ts") return 0.0;
-  if (plain.size() > 2 && plain.starts_with('t') && unitOf(plain.substr(1))) return unitOf(plain.substr(1));
-  return plain.size() > 1 ? unitOf(plain) : std::nullopt;
 }
 
 Name nameOf(std::string_view column) {
@@ -154,21 +139,16 @@ struct Header {
 void nameNumbered(Header& header) {
   std::vector<JointColumns>& numbered = header.numbered;
   if (numbered.empty()) return;
-  const auto [min, max] = std::minmax_element(numbered.begin(), numbered.end(),
-                                              [](const auto& a, const auto& b) { return a.number < b.number; });
-  constexpr int kLandmarks = 33;
-  const int first = header.landmarks || min->number == 0 ? 0 : 1;
-  const bool all = min->number == first && countOf(numbered) == max->number + 1 - first;
-  const JointOrder order = orderOf(header.landmarks && max->number < kLandmarks ? kLandmarks
-                                   : all                                        ? countOf(numbered)
-                                                                                : 0);
-  if (order.joints.empty()) return;
+  std::set<int> numbers;
+  for (const JointColumns& columns : numbered) numbers.insert(columns.number);
+  const Numbering numbering = numberingOf(numbers, header.landmarks);
+  if (numbering.order.joints.empty()) return;
   for (JointColumns& columns : numbered) {
-    columns.joint = order.joints[columns.number - first];
+    columns.joint = numbering.jointOf(columns.number);
     if (columns.joint != SensorJoint::kOther) header.named.push_back(std::move(columns));
   }
   header.columns.notes.push_back(
-      fmt::format("The columns number joints: they were taken in {}'s order.", order.sensor));
+      fmt::format("The columns number joints: they were taken in {}'s order.", numbering.order.sensor));
 }
 
 /// In files without ankles the joint at the end of the leg is called foot.
@@ -200,8 +180,8 @@ Result<void> checkNamed(const RowReader& row, const std::vector<std::optional<do
                                 joint.position[joint.lacks() == 0 ? 1 : 0].called, "xyz"[joint.lacks()]));
   }
   if (countOf(columns.joints) >= kFewestNamedJoints) return {};
-  return row.fail(fmt::format("found a header that names {} joints, expected at least {}", columns.joints.size(),
-                              kFewestNamedJoints));
+  return row.fail(fmt::format("found a header that names {}, expected at least {}",
+                              counted(std::ssize(columns.joints), "joint"), kFewestNamedJoints));
 }
 
 Result<void> checkWide(const RowReader& row, const Columns& columns) {
@@ -282,6 +262,10 @@ Header headerOf(const RowReader& row) {
     axis = column;
   }
   nameNumbered(header);
+  // Rows of positions that nothing else names: "frame, id, x, y, z".
+  const bool rows = header.unnamed.size() == 1 && hasPosition(header.unnamed[0]) && !header.unnamed[0].name;
+  if (rows && header.named.empty() && sameWord(columns.person.called, "id"))
+    header.unnamed[0].name = std::exchange(columns.person, {});
   for (std::vector<JointColumns>* all : {&header.named, &header.world}) {
     std::erase_if(*all, [](const JointColumns& j) { return !hasPosition(j); });
   }
@@ -295,6 +279,25 @@ Header headerOf(const RowReader& row) {
 }
 
 }  // namespace
+
+std::optional<double> unitOfTime(std::string_view plain) {
+  const auto unitOf = [](std::string_view word) -> std::optional<double> {
+    if (word.empty()) return 0.0;
+    for (const Unit& unit : kTimes) {
+      if (!firstWord(unit.words, [&](std::string_view known) { return known == word; }).empty()) return unit.value;
+    }
+    return std::nullopt;
+  };
+  for (const std::string_view word : {"timestamp", "timespan", "datetime", "time", "elapsed", "clock", "zeitstempel",
+                                      "zeit", "temps", "tiempo", "tempo"}) {
+    const std::size_t at = plain.rfind(word);
+    if (at == std::string_view::npos) continue;
+    return plain == "timestamps" ? 0.0 : unitOf(plain.substr(at + word.size()));  // many, or in seconds
+  }
+  if (plain == "t" || plain == "ts") return 0.0;
+  if (plain.size() > 2 && plain.starts_with('t') && unitOf(plain.substr(1))) return unitOf(plain.substr(1));
+  return plain.size() > 1 ? unitOf(plain) : std::nullopt;
+}
 
 int JointColumns::lacks() const {
   for (int axis = 0; axis < 3; ++axis) {

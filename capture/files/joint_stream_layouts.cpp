@@ -144,7 +144,7 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .name = "kinect2-wide",
      .states = "TRACKED, INFERRED or NOTTRACKED",
      .expectedFile = "at least one",
-     .read = readRows},
+     .read = readNamed},
     {.format = JointFormat::kKinect1Long,
      .name = "kinect1-long",
      .states = "Tracked, Inferred or NotTracked",
@@ -196,10 +196,12 @@ constexpr std::array<Layout, kJointFormatCount> kLayouts = {{
      .repair = tellMetres},
     {.format = JointFormat::kNamedColumns,
      .name = "named-columns",
-     .states = "a confidence from 0 to 1, or a state of 0, 1 or 2",
+     .states = "a confidence from 0 to 1 or 100, or a state of 0, 1 or 2",
      .expectedFile = "at least one",
      .read = readNamed},
     {.format = JointFormat::kAzureJson, .name = "azure-json", .read = readAzureJson},
+    {.format = JointFormat::kMediaPipeJson, .name = "mediapipe-json", .read = readMediaPipeJson},
+    {.format = JointFormat::kTrc, .name = "trc", .world = true, .read = readMarkers},
 }};
 
 /// Rows to inspect: enough for one frame of MSR Action3D.
@@ -281,6 +283,37 @@ JointOrder orderOf(int count) {
   return {};
 }
 
+std::optional<SensorJoint> Numbering::jointOf(int number) const {
+  const bool known = number >= first && number - first < countOf(order.joints);
+  return known ? std::optional(order.joints[number - first]) : std::nullopt;
+}
+
+Numbering numberingOf(const std::set<int>& numbers, bool landmarks) {
+  constexpr int kLandmarks = 33;
+  if (numbers.empty()) return {};
+  const int min = *numbers.begin(), max = *numbers.rbegin();
+  if (landmarks && max < kLandmarks) return {orderOf(kLandmarks), 0};
+  for (int first = std::clamp(min, 0, 1); first >= 0; --first) {
+    const JointOrder order = orderOf(max + 1 - first);
+    // Joints that were never seen may be absent.
+    if (!order.joints.empty() && 5 * countOf(numbers) >= 4 * countOf(order.joints)) return {order, first};
+  }
+  return {};
+}
+
+bool isJson(std::string_view text) {
+  constexpr std::string_view kBefore = " \t\r\n\xef\xbb\xbf";
+  text.remove_prefix(std::min(text.find_first_not_of(kBefore), text.size()));
+  if (!text.starts_with('[')) return text.starts_with('{');
+  text.remove_prefix(std::min(text.find_first_not_of(kBefore, 1), text.size()));
+  return text.starts_with('[') || text.starts_with('{');
+}
+
+bool isMarkerTable(std::string_view text) {
+  if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
+  return text.starts_with("PathFileType");
+}
+
 const Layout& layoutOf(JointFormat format) {
   return kLayouts[static_cast<int>(format)];
 }
@@ -291,8 +324,20 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
     return unsupported("{}: found {}, expected recorded joints", file,
                        text.find('#') == std::string_view::npos ? "an empty file" : "a text of remarks");
   }
-  if (reader.field(0).starts_with('{') && text.find("\"joint_positions\"") != std::string_view::npos)
-    return JointFormat::kAzureJson;
+  const auto unknown = [&] {
+    return unsupported(
+        "{}: found {} that begins with {}, expected recorded joints in a layout that Lorica knows, or "
+        "in one that --format names",
+        file, text.find('\0') == std::string_view::npos ? "a text" : "data", quotedWord(reader.field(0)));
+  };
+  const auto has = [&](std::string_view word) { return text.find(word) != std::string_view::npos; };
+  if (isJson(text)) {
+    if (has("\"joint_positions\"")) return JointFormat::kAzureJson;
+    const bool frames = has("andmark") || has("eypoint") || has("isibility") || has("rame") || has("ose");
+    if (!frames && reader.field(0).starts_with('{')) return unknown();
+    return JointFormat::kMediaPipeJson;
+  }
+  if (isMarkerTable(text)) return JointFormat::kTrc;
   if (const std::optional<JointFormat> format = formatOfHeader(reader)) return *format;
   if (isBodyRow(reader)) return JointFormat::kKinect2Bodies;
 
@@ -305,12 +350,7 @@ Result<JointFormat> detectFormat(std::string_view text, std::string_view file) {
   if (fitting.size() == 1) return fitting.front();
   // The file probably has a bad row: reading it in this format reports which one.
   if (fitting.empty() && beginning.size() == 1) return beginning.front();
-  if (fitting.empty()) {
-    return unsupported(
-        "{}: found {} that begins with {}, expected recorded joints in a layout that Lorica knows, or "
-        "in one that --format names",
-        file, text.find('\0') == std::string_view::npos ? "a text" : "data", quotedWord(reader.field(0)));
-  }
+  if (fitting.empty()) return unknown();
   return badFormat("{}: found rows that match {}, expected a single match; specify the layout with --format", file,
                    listed(fitting));
 }

@@ -7,6 +7,7 @@
 #include <initializer_list>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -68,6 +69,18 @@ struct JointOrder {
   std::string_view sensor = {};
 };
 [[nodiscard]] JointOrder orderOf(int count);
+
+/// In which order a file numbers joints, and the number of the order's first joint: 0 or 1.
+struct Numbering {
+  JointOrder order = {};  ///< empty: no sensor numbers its joints so
+  int first = 0;
+
+  [[nodiscard]] std::optional<SensorJoint> jointOf(int number) const;
+};
+/// That of the sensor with as many joints, of which a few may never be seen.
+/// @param landmarks  whether the file calls them landmarks: then they are MediaPipe's, however few
+[[nodiscard]] Numbering numberingOf(const std::set<int>& numbers, bool landmarks);
+
 /// The sensor's joints that are the 15 of a body, in their order.
 inline constexpr std::array<SensorJoint, kBodyJointCount> kBodyOrder = {
     SensorJoint::kHead,      SensorJoint::kNeck,       SensorJoint::kShoulderLeft, SensorJoint::kShoulderRight,
@@ -133,6 +146,7 @@ struct Layout {
   std::string_view expectedRow = {};        ///< in errors: the number of fields and what they are
   std::string_view expectedRowWithMore = {};
   std::string_view expectedFile = {};          ///< in errors: what the rows are
+  bool world = false;                          ///< positions are in a world whatever they are, not before a sensor
   std::string (*called)(int joint) = nullptr;  ///< in errors
   Result<RawStream> (*read)(const Layout& layout, std::string_view text, std::string_view file) = nullptr;
   void (*repair)(RawStream& raw) = nullptr;  ///< of what only the whole file tells
@@ -154,6 +168,7 @@ struct Column {
 struct JointColumns {
   std::optional<SensorJoint> joint = {};  ///< none: the row names it
   int number = -1;                        ///< in the names of a header that numbers joints
+  Numbering numbering = {};               ///< of rows that number the joint
   Column name = {}, state = {}, confidence = {}, turn = {};
   std::array<Column, 3> position = {};
 
@@ -197,6 +212,13 @@ class PersonNumbers {
   std::map<std::string, int> numbers_;
 };
 
+/// The unit of a time [s] by the plain name of a column or member; 0: a time without a unit; nullopt: no time.
+[[nodiscard]] std::optional<double> unitOfTime(std::string_view plain);
+
+/// Whether a text begins as JSON, or as OpenSim's table of markers. They have no header of columns in one line.
+[[nodiscard]] bool isJson(std::string_view text);
+[[nodiscard]] bool isMarkerTable(std::string_view text);
+
 /// Detects the layout from the content; if ambiguous, an error lists the candidates and refers to --format.
 [[nodiscard]] Result<JointFormat> detectFormat(std::string_view text, std::string_view file);
 
@@ -205,6 +227,8 @@ class PersonNumbers {
 [[nodiscard]] Result<RawStream> readBodies(const Layout& layout, std::string_view text, std::string_view file);
 [[nodiscard]] Result<RawStream> readNamed(const Layout& layout, std::string_view text, std::string_view file);
 [[nodiscard]] Result<RawStream> readAzureJson(const Layout& layout, std::string_view text, std::string_view file);
+[[nodiscard]] Result<RawStream> readMediaPipeJson(const Layout& layout, std::string_view text, std::string_view file);
+[[nodiscard]] Result<RawStream> readMarkers(const Layout& layout, std::string_view text, std::string_view file);
 /// @param angles  text of the angles file, without which the positions do not define a pose
 [[nodiscard]] Result<RawStream> readUiPrmd(std::string_view positions, std::string_view file, std::string_view angles,
                                            std::string_view anglesFile);
@@ -212,8 +236,11 @@ class PersonNumbers {
 /// Judges unit and axes by the body: people are 1 to 2.3 m tall and stand upright. Turns them to the sensor's axes.
 /// @param unit  of positions if the file says so [m]
 /// @param read  reads the file with a unit
+/// @param world  positions are not before a sensor, wherever people stand
 [[nodiscard]] Result<RawStream> judged(std::string_view file, std::optional<double> unit,
-                                       const std::function<Result<RawStream>(double unit)>& read);
+                                       const std::function<Result<RawStream>(double unit)>& read, bool world = false);
+/// Makes confidences 0, 0.5 or 1: of states up to 3, of probabilities, or of percents.
+void judgeConfidences(std::vector<Observation>& rows);
 
 /// The position of a joint, or what leads from one to another; nullopt if one is not seen.
 [[nodiscard]] std::optional<Vec3> seen(const SkeletonFrame& frame, BodyJoint joint);

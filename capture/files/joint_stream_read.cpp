@@ -2,10 +2,12 @@
 #include "capture/files/joint_stream_text.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <algorithm>
 #include <bitset>
 #include <cmath>
+#include <set>
 #include <utility>
 
 /// Reads the rows of every layout.
@@ -51,20 +53,25 @@ Result<std::optional<Vec3>> readPosition(const Layout& layout, const RowReader& 
   return std::optional<Vec3>(position);
 }
 
-/// The joint that a row names, or numbers as MediaPipe does.
-std::optional<SensorJoint> jointIn(std::string_view field) {
+/// A joint's number; nullopt: a name, or no whole number.
+std::optional<int> jointNumberIn(std::string_view field) {
+  constexpr double kLargest = 99.0;
   double number = 0.0;
-  if (readNumber(field, number) != NumberKind::kNumber) return sensorJointCalled(field);
-  const std::span<const SensorJoint> order = orderOf(33).joints;
-  const bool known = number >= 0.0 && number < static_cast<double>(order.size()) && number == std::floor(number);
-  return known ? std::optional(order[static_cast<std::size_t>(number)]) : std::nullopt;
+  const bool known = readNumber(field, number) == NumberKind::kNumber && number >= 0.0 && number <= kLargest &&
+                     number == std::floor(number);
+  return known ? std::optional(static_cast<int>(number)) : std::nullopt;
 }
 
 /// @param from   column that the joint's columns count from
 /// @param owner  prefix of columns in errors
 Result<SensedJoint> readJoint(const Layout& layout, const RowReader& row, const JointColumns& columns, int from = 0,
                               std::string_view owner = {}) {
-  const std::optional<SensorJoint> joint = columns.joint ? columns.joint : jointIn(row.field(columns.name.at));
+  std::optional<SensorJoint> joint = columns.joint;
+  if (!joint) {
+    const std::string_view name = row.field(columns.name.at);
+    const std::optional<int> number = jointNumberIn(name);
+    joint = number ? columns.numbering.jointOf(*number) : sensorJointCalled(name);
+  }
   if (!joint) return badField(row, columns.name, "the name of a Kinect joint");
   SensedJoint read{*joint, {}, 1.0, {}};
   if (columns.state) {
@@ -74,12 +81,14 @@ Result<SensedJoint> readJoint(const Layout& layout, const RowReader& row, const 
   }
   LORICA_TRY(read.position, readPosition(layout, row, columns.position, from, owner));
   if (columns.confidence) {
-    const std::string_view field = row.field(columns.confidence.at);
+    constexpr double kPercents = 100.0;
+    std::string_view field = row.field(columns.confidence.at);
     const bool mayBeState = !layout.states.empty();
+    if (mayBeState && field.ends_with('%')) field.remove_suffix(1);
     const bool number = readNumber(field, read.confidence) == NumberKind::kNumber;
     if (const auto state = number || !mayBeState ? std::nullopt : confidenceOf(field)) {
       read.confidence = *state;
-    } else if (!number || read.confidence < 0.0 || read.confidence > (mayBeState ? 3.0 : 1.0)) {
+    } else if (!number || read.confidence < 0.0 || read.confidence > (mayBeState ? kPercents : 1.0)) {
       return badField(row, columns.confidence, mayBeState ? layout.states : "a confidence from 0 to 1");
     }
     // Joints that MSR Action3D's sensor derives from others, such as the neck, have 0 although their position is right.
@@ -154,6 +163,32 @@ bool repairRow(RowReader& row, const Columns& header) {
   if (token != countOf(tokens)) return false;
   row.replaceFields(std::move(repaired));
   return true;
+}
+
+/// Finds in which order the rows below a header number joints, if they do.
+void findNumbering(std::string_view text, std::string_view file, Columns& columns) {
+  if (columns.kind == JointFormat::kNamedColumns) return;
+  std::set<int> numbers;
+  bool landmarks = false;
+  RowReader row(text, file);
+  for (bool below = false; row.next(); below = true) {
+    if (!below) continue;
+    repairRow(row, columns);
+    if (!row.fit(columns.count)) continue;
+    for (const JointColumns& joint : columns.joints) {
+      if (!joint.name) continue;
+      const std::optional<int> number = jointNumberIn(row.field(joint.name.at));
+      if (!number) return;  // names
+      numbers.insert(*number);
+      landmarks = landmarks || plainName(joint.name.called).find("landmark") != std::string::npos;
+    }
+  }
+  Numbering numbering = numberingOf(numbers, landmarks);
+  if (numbering.order.joints.empty()) numbering = numberingOf(numbers, true);  // some of MediaPipe's
+  if (numbering.order.joints.empty()) return;
+  for (JointColumns& joint : columns.joints) joint.numbering = numbering;
+  columns.notes.push_back(
+      fmt::format("The rows number joints: they were taken in {}'s order.", numbering.order.sensor));
 }
 
 /// A row's time: a number, or a time of day, which is in seconds.
@@ -244,7 +279,7 @@ Result<RawStream> readAll(const Layout& layout, Columns columns, RowReader& row,
   }
   if (isClock) raw.secondsPerTick = 1.0;
   if (longRows && incomplete > 0) {
-    raw.notes.push_back(fmt::format("{} frames have fewer than 20 joints{}.", incomplete,
+    raw.notes.push_back(fmt::format("{} fewer than 20 joints{}.", counted(incomplete, "frame has", "frames have"),
                                     tooFew > 0 ? fmt::format("; {} with fewer than 3 were omitted", tooFew) : ""));
   }
   if (fixed && (layout.rowsPerFrame > 1 ? joint != 0 : cut)) {
@@ -281,6 +316,7 @@ Result<RawStream> readRows(const Layout& layout, std::string_view text, std::str
   } else {
     LORICA_TRY(columns, columnsOf(row, layout.format));
     if (!row.next()) return badFormat("{}: found a header and no rows, expected {}", file, layout.expectedFile);
+    findNumbering(text, file, columns);
   }
   return readAll(layout, std::move(columns), row, file);
 }
@@ -348,7 +384,9 @@ Result<RawStream> readBodies(const Layout& layout, std::string_view text, std::s
     if (!ends()) return row.badField(column, "after the bodies", "the row to end here");
   }
   if (raw.rows.empty()) return badFormat("{}: found no body, expected at least one", file);
-  if (otherRows > 0) raw.notes.push_back(fmt::format("{} rows of other kinds than kb were skipped.", otherRows));
+  if (otherRows > 0)
+    raw.notes.push_back(counted(otherRows, "row of another kind than kb was", "rows of other kinds than kb were") +
+                        " skipped.");
   chooseClock(raw, logged ? loggedSeconds : std::vector<double>());
   return raw;
 }
@@ -357,14 +395,19 @@ Result<RawStream> readNamed(const Layout& layout, std::string_view text, std::st
   RowReader row(text, file);
   if (!row.next()) return badFormat("{}: found an empty file, expected a header", file);
   LORICA_TRY(const Columns columns, columnsOf(row, layout.format));
-  // Kinect v1's own has its unit and axes.
-  if (layout.format == JointFormat::kKinect1Long && sameWord(columns.joints[0].name.called, "JointType"))
-    return readRows(layout, text, file);
-  return judged(file, columns.unit, [&](double unit) {
+  // Kinect v1's and v2's own have their unit and axes.
+  if (layout.format == JointFormat::kKinect2Wide ||
+      (layout.format == JointFormat::kKinect1Long && sameWord(columns.joints[0].name.called, "JointType"))) {
+    LORICA_TRY(RawStream raw, readRows(layout, text, file));
+    judgeConfidences(raw.rows);
+    return raw;
+  }
+  const auto read = [&](double unit) {
     Layout known = layout;
     known.unit = unit;
     return readRows(known, text, file);
-  });
+  };
+  return judged(file, columns.unit, read, layout.world);
 }
 
 }  // namespace lorica::joints

@@ -174,6 +174,7 @@ std::optional<double> readClock(std::string_view field) {
 RowReader::RowReader(std::string_view text, std::string_view file)
     : scanner_(text, std::string(file), 0),
       file_(file),
+      end_(text.data() + text.size()),
       endsWithNewline_(!text.empty() && (text.back() == '\n' || text.back() == '\r')) {}
 
 bool RowReader::next() {
@@ -182,6 +183,9 @@ bool RowReader::next() {
     if (line.empty() || line[0] == '#') continue;
     if (std::exchange(first_, false)) delimiter_ = delimiterOf(line);
     split(line);
+    tabsBehind_ = 0;
+    for (const char* c = line.data() + line.size(); c != end_ && (*c == '\t' || *c == ' '); ++c)
+      tabsBehind_ += *c == '\t' ? 1 : 0;
     return true;
   }
   return false;
@@ -209,6 +213,8 @@ void RowReader::split(std::string_view line) {
 
 bool RowReader::fit(int count) {
   if (countOf(fields_) == count) return true;
+  if (delimiter_ == Delimiter::kTab && countOf(fields_) < count && countOf(fields_) + tabsBehind_ >= count)
+    fields_.resize(count);
   const auto withoutLast = [&](int n) { return countOf(fields_) == n + 1 && fields_.back().empty(); };
   if (withoutLast(count) || withoutLast(2 * count)) fields_.pop_back();
   if (countOf(fields_) == count) return true;

@@ -68,7 +68,7 @@ class RowReader {
   [[nodiscard]] Delimiter delimiter() const { return delimiter_; }
 
   /// Adjusts the row to `count` fields if possible: twice as many comma-separated fields are numbers with decimal
-  /// commas, and an empty last field comes from a trailing delimiter.
+  /// commas, an empty last field comes from a trailing delimiter, and tabs at the end of the line are empty fields.
   /// @return false if the row has another number of fields
   [[nodiscard]] bool fit(int count);
   /// Whether the row is the last one and its line has no end: the recording was truncated while writing it.
@@ -91,9 +91,11 @@ class RowReader {
 
   LineScanner scanner_;
   std::string file_;
+  const char* end_;  ///< of the text
   Delimiter delimiter_ = Delimiter::kComma;
   bool endsWithNewline_ = false;
   bool first_ = true;
+  int tabsBehind_ = 0;  ///< the last field of the line
   std::vector<std::string_view> fields_;
 };
 

@@ -1,6 +1,7 @@
 #include "capture/files/joint_stream_layouts.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <fmt/ranges.h>
 
@@ -91,8 +92,9 @@ void spreadRepeats(std::vector<Observation>& rows, std::vector<std::string>& not
     begin = end;
   }
   if (spread > 0) {
-    notes.push_back(
-        fmt::format("{} rows repeat a time with different data: they were distributed up to the next time.", spread));
+    notes.push_back(counted(spread, "row repeats a time with different data: it was",
+                            "rows repeat a time with different data: they were") +
+                    " distributed up to the next time.");
   }
 }
 
@@ -120,11 +122,14 @@ void repairTimes(std::vector<Observation>& rows, double secondsPerTick, std::vec
     ++kept;
   }
   if (kept < countOf(rows)) {
-    notes.push_back(fmt::format("{} rows repeat a time or go back in time and were omitted.", countOf(rows) - kept));
+    notes.push_back(counted(countOf(rows) - kept, "row repeats a time or goes back in time and was",
+                            "rows repeat a time or go back in time and were") +
+                    " omitted.");
     rows.resize(kept);
   }
   if (restarts > 0) {
-    notes.push_back(fmt::format("The clock restarts {} times: the rows that follow were appended.", restarts));
+    notes.push_back(
+        fmt::format("The clock restarts {}: the rows that follow were appended.", counted(restarts, "time")));
   }
 }
 
@@ -378,7 +383,8 @@ Result<JointStream> finish(RawStream raw, JointFormat format, std::string_view f
   const bool anyoneSeen = std::any_of(stream.frames.begin(), stream.frames.end(),
                                       [](const SkeletonFrame& frame) { return positionOf(frame).has_value(); });
   if (!anyoneSeen) {
-    return badFormat("{}: found no seen joint in {} frames, expected at least one", file, stream.frames.size());
+    return badFormat("{}: found no seen joint in {}, expected at least one", file,
+                     counted(std::ssize(stream.frames), "frame"));
   }
   return stream;
 }

@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "geometry/little_endian.h"
 #include "geometry/text.h"
 
@@ -253,7 +254,10 @@ class Walk {
 
   Result<OniIndex> run() {
     LORICA_TRY_DO(readFileHeader());
-    while (!ended_) LORICA_TRY_DO(readRecord());
+    while (!ended_) {
+      if (workStopped()) return cancelled();
+      LORICA_TRY_DO(readRecord());
+    }
     return finish();
   }
 

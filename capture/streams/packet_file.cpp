@@ -2,7 +2,9 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "geometry/little_endian.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -105,7 +107,8 @@ void put(std::string& bytes, std::uint32_t value, std::size_t count) {
 
 Result<PacketFile> PacketFile::parse(std::string bytes, const std::string& name) {
   const auto bad = [&](const std::string& what) { return badFormat("{}: {}", name, what); };
-  if (bytes.size() < kFileHead) return bad(fmt::format("found {} bytes, expected a .pcap file", bytes.size()));
+  if (bytes.size() < kFileHead)
+    return bad(fmt::format("found {}, expected a .pcap file", counted(std::ssize(bytes), "byte")));
   std::endian order = std::endian::little;
   std::uint32_t magic = FileNumbers(bytes, order).at(0);
   if (magic == kNextGeneration) {
@@ -133,6 +136,7 @@ Result<PacketFile> PacketFile::parse(std::string bytes, const std::string& name)
     const double stamp = numbers.at(at) + unit * numbers.at(at + 4);
     const std::size_t size = numbers.at(at + 8);
     if (size > all.size() - at - kRecordHead) break;
+    if (workStopped()) return cancelled();
     const std::string_view frame = all.substr(at + kRecordHead, size);
     at += kRecordHead + size;
     const std::optional<std::string_view> ip = ipOf(frame, link);
@@ -152,13 +156,18 @@ Result<PacketFile> PacketFile::parse(std::string bytes, const std::string& name)
   }
   if (file.packets_.empty()) return bad("found no OSC packet, expected at least one");
   if (at < all.size()) {
-    file.notes_.push_back(
-        fmt::format("the last {} bytes are an incomplete packet, which was dropped", all.size() - at));
+    file.notes_.push_back(counted(std::int64_t(all.size() - at), "byte at the end is", "bytes at the end are") +
+                          " an incomplete packet, which was dropped");
   }
-  if (left > 0) file.notes_.push_back(fmt::format("{} other packets were left out: no whole OSC packets", left));
-  if (pauses > 0) file.notes_.push_back(fmt::format("{} pauses were shortened to {:g} s", pauses, kLongestPause));
+  if (left > 0)
+    file.notes_.push_back(counted(std::int64_t(left), "other packet was left out: no whole OSC packet",
+                                  "other packets were left out: no whole OSC packets"));
+  if (pauses > 0)
+    file.notes_.push_back(fmt::format("{} shortened to {:g} s",
+                                      counted(std::int64_t(pauses), "pause was", "pauses were"), kLongestPause));
   if (backwards > 0)
-    file.notes_.push_back(fmt::format("time runs backwards at {} packets; it stands still there", backwards));
+    file.notes_.push_back(
+        fmt::format("time runs backwards at {}; it stands still there", counted(std::int64_t(backwards), "packet")));
   return file;
 }
 

@@ -63,6 +63,10 @@ std::vector<LiftedPoint> liftPoints(const Character& character, const Decomposit
       if (influence.weight == 0.0) continue;
       add(point, {{influence.joint, character.mesh.vertices[v], 1.0}}, influence.weight);
     }
+    for (const ShapeOffset& shape : character.shapes.of(v)) {
+      add(point, {{shape.joint, shape.offset, 0.0}}, 1.0);
+      add(point, {{character.skeleton.joint(shape.joint).parent, shape.offset, 0.0}}, -1.0);
+    }
     lifted.push_back(std::move(point));
   }
   for (const CutPoint& cut : decomposition.cutPoints) {

@@ -16,7 +16,8 @@ struct LiftedTerm {
 };
 
 /// A point of the body as a linear function of the bones' matrices: one constant 4-vector (moment, weight) for each
-/// bone that moves it, joints ascending. For a mesh vertex this is linear blend skinning. A cut point is a fixed blend
+/// bone that moves it, joints ascending. For a mesh vertex this is linear blend skinning, to which
+/// a shape adds terms of weight 0. A cut point is a fixed blend
 /// of earlier points, so it can be lifted too, which removes the recursion.
 using LiftedPoint = std::vector<LiftedTerm>;
 

@@ -131,8 +131,6 @@ Fluid::State::State(const FluidSettings& wanted)
       mass(wanted.density * std::pow(wanted.spacing, 3.0)),
       bodyWalls(set.position.size()),
       bodyYielding(set.position.size()) {
-  LORICA_CHECK(settings.spacing > 0.0 && settings.substepSeconds > 0.0 && settings.iterations > 0,
-               "particle spacing, substep length and iterations must be above 0");
   const Vec3f half(0.5f * spacing, 0.5f * spacing, 0.5f * spacing);
   kernels.min = rowOf(set.room.min - half);
   kernels.max = rowOf(set.room.max + half);
@@ -324,7 +322,13 @@ void Fluid::State::pushOut(float seconds) {
   }
 }
 
-Fluid::Fluid(const FluidSettings& settings) : state_(std::make_unique<State>(settings)) {}
+Result<Fluid> Fluid::create(const FluidSettings& settings) {
+  LORICA_TRY_DO(checkAboveZero("particle spacing", settings.spacing));
+  LORICA_TRY_DO(checkAboveZero("length of substeps", settings.substepSeconds));
+  LORICA_TRY_DO(checkAboveZero("number of iterations", settings.iterations));
+  return Fluid(std::make_unique<State>(settings));
+}
+Fluid::Fluid(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Fluid::~Fluid() = default;
 Fluid::Fluid(Fluid&&) noexcept = default;
 Fluid& Fluid::operator=(Fluid&&) noexcept = default;

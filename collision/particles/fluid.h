@@ -3,6 +3,7 @@
 #include "collision/live/live_part.h"
 #include "collision/particles/particle_bodies.h"
 #include "geometry/math.h"
+#include "geometry/result.h"
 
 #include <cstddef>
 #include <memory>
@@ -33,7 +34,8 @@ struct FluidSettings {
 class Fluid {
  public:
   /// Empty; memory for the capacity is taken now.
-  explicit Fluid(const FluidSettings& settings);
+  /// @return the fluid, or which setting is out of range (kInvalidArgument)
+  [[nodiscard]] static Result<Fluid> create(const FluidSettings& settings);
   ~Fluid();
   Fluid(Fluid&&) noexcept;
   Fluid& operator=(Fluid&&) noexcept;
@@ -57,6 +59,7 @@ class Fluid {
 
  private:
   struct State;
+  explicit Fluid(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

@@ -72,10 +72,7 @@ Granular::State::State(const GranularSettings& wanted)
       motionSeconds(static_cast<float>(wanted.substepSeconds)),
       asleep(set.position.size(), std::uint8_t{1}),
       woken(wanted.capacity),
-      mass(wanted.density * (4.0 / 3.0) * std::numbers::pi * std::pow(wanted.radius, 3.0)) {
-  LORICA_CHECK(settings.radius > 0.0 && settings.substepSeconds > 0.0,
-               "grain radius and substep length must be above 0");
-}
+      mass(wanted.density * (4.0 / 3.0) * std::numbers::pi * std::pow(wanted.radius, 3.0)) {}
 
 std::size_t Granular::State::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   const Vec3f speed = velocity.cast<float>();
@@ -290,7 +287,12 @@ void Granular::State::rouse(float seconds) {
   });
 }
 
-Granular::Granular(const GranularSettings& settings) : state_(std::make_unique<State>(settings)) {}
+Result<Granular> Granular::create(const GranularSettings& settings) {
+  LORICA_TRY_DO(checkAboveZero("grain radius", settings.radius));
+  LORICA_TRY_DO(checkAboveZero("length of substeps", settings.substepSeconds));
+  return Granular(std::make_unique<State>(settings));
+}
+Granular::Granular(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Granular::~Granular() = default;
 Granular::Granular(Granular&&) noexcept = default;
 Granular& Granular::operator=(Granular&&) noexcept = default;

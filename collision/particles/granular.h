@@ -3,6 +3,7 @@
 #include "collision/live/live_part.h"
 #include "collision/particles/particle_bodies.h"
 #include "geometry/math.h"
+#include "geometry/result.h"
 
 #include <cstddef>
 #include <memory>
@@ -32,7 +33,8 @@ struct GranularSettings {
 class Granular {
  public:
   /// Empty; memory for the capacity is taken now.
-  explicit Granular(const GranularSettings& settings);
+  /// @return the sand, or which setting is out of range (kInvalidArgument)
+  [[nodiscard]] static Result<Granular> create(const GranularSettings& settings);
   ~Granular();
   Granular(Granular&&) noexcept;
   Granular& operator=(Granular&&) noexcept;
@@ -58,6 +60,7 @@ class Granular {
 
  private:
   struct State;
+  explicit Granular(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

@@ -53,7 +53,8 @@ ParticleRoom particleRoom(bool floor, const std::optional<Aabb>& walls, double r
   return room;
 }
 
-ParticleObstacle::ParticleObstacle(double radius) : radius_(radius), push_(ParticlePushSettings{.radius = radius}) {}
+ParticleObstacle::ParticleObstacle(double radius)
+    : radius_(radius), push_(ParticlePush::create({.radius = radius}).value()) {}
 
 void ParticleObstacle::begin(std::span<const LivePart> parts, double seconds, int substeps) {
   substeps_ = substeps;

@@ -3,13 +3,16 @@
 #include "collision/particles/particle_push_grid.h"
 #include "collision/particles/particle_push_hulls.h"
 #include "collision/particles/particle_push_kernel.h"
+#include "geometry/errors.h"
 #include "geometry/result.h"
 
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace lorica {
@@ -40,9 +43,11 @@ struct ParticlePush::State {
   std::vector<PushScratch> scratch;  ///< of each thread
 };
 
-ParticlePush::ParticlePush(const ParticlePushSettings& settings) : state_(std::make_unique<State>(settings)) {
-  LORICA_CHECK(settings.radius >= 0.0, "the particle radius must be 0 or more");
+Result<ParticlePush> ParticlePush::create(const ParticlePushSettings& settings) {
+  if (settings.radius >= 0.0 && std::isfinite(settings.radius)) return ParticlePush(std::make_unique<State>(settings));
+  return invalidArgument("found a particle radius of {:g} m, expected 0 or more", settings.radius);
 }
+ParticlePush::ParticlePush(std::unique_ptr<State> state) : state_(std::move(state)) {}
 ParticlePush::~ParticlePush() = default;
 ParticlePush::ParticlePush(ParticlePush&&) noexcept = default;
 ParticlePush& ParticlePush::operator=(ParticlePush&&) noexcept = default;

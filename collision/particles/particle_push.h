@@ -2,6 +2,7 @@
 
 #include "collision/live/live_part.h"
 #include "geometry/math.h"
+#include "geometry/result.h"
 
 #include <cstdint>
 #include <memory>
@@ -39,7 +40,8 @@ struct ParticleTouch {
 class ParticlePush {
  public:
   /// Without parts; nothing is pushed before they are set.
-  explicit ParticlePush(const ParticlePushSettings& settings = {});
+  /// @return it, or that the radius is below 0 (kInvalidArgument)
+  [[nodiscard]] static Result<ParticlePush> create(const ParticlePushSettings& settings = {});
   ~ParticlePush();
   ParticlePush(ParticlePush&&) noexcept;
   ParticlePush& operator=(ParticlePush&&) noexcept;
@@ -58,6 +60,7 @@ class ParticlePush {
 
  private:
   struct State;
+  explicit ParticlePush(std::unique_ptr<State> state);
   std::unique_ptr<State> state_;
 };
 

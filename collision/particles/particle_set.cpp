@@ -1,11 +1,17 @@
 #include "collision/particles/particle_set.h"
 
+#include "geometry/errors.h"
 #include "geometry/result.h"
 
 #include <algorithm>
 #include <cmath>
 
 namespace lorica {
+
+Result<void> checkAboveZero(std::string_view what, double value) {
+  if (value > 0.0 && std::isfinite(value)) return {};
+  return invalidArgument("particles: {}: found {:g}, expected a number above 0", what, value);
+}
 
 ParticleSet::ParticleSet(std::size_t capacity, const ParticleRoom& bounds, double radius, int maxNeighbours)
     : room(bounds),

@@ -7,10 +7,12 @@
 #include "collision/particles/particle_obstacle.h"
 #include "collision/particles/particle_ranges.h"
 #include "geometry/math.h"
+#include "geometry/result.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -22,6 +24,9 @@ namespace lorica {
 [[nodiscard]] inline ParticleRow rowOf(const Vec3f& vector, float w = 0.0f) {
   return {vector.x(), vector.y(), vector.z(), w};
 }
+
+/// @param what  of the settings of particles, for the sentence
+[[nodiscard]] Result<void> checkAboveZero(std::string_view what, double value);
 
 /// What sand and water have in common: particles in the order of a grid, their neighbours, and the avatar as an
 /// obstacle. Internal to the particle simulations. Memory for all particles is allocated at once.

@@ -1,5 +1,6 @@
 #include "collision/particles/particles.h"
 
+#include "collision/particles/particle_set.h"
 #include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "geometry/result.h"
@@ -54,8 +55,12 @@ void shuffle(std::vector<Vec3f>& disc) {
 
 }  // namespace
 
-Particles::Particles(const ParticleSettings& settings, std::span<const ParticleBody> bodies) : settings_(settings) {
-  LORICA_CHECK(settings.radius > 0.0, "the particle radius must be above 0");
+Result<Particles> Particles::create(const ParticleSettings& settings, std::span<const ParticleBody> bodies) {
+  LORICA_TRY_DO(checkAboveZero("particle radius", settings.radius));
+  for (const ParticleSettings::Pour& pour : settings.pours) {
+    LORICA_TRY_DO(checkAboveZero("radius of a pour", pour.radius));
+  }
+  Particles made(settings);
   const std::size_t capacity = countOf(settings);
   if (settings.kind == ParticleSettings::Kind::kSand) {
     GranularSettings sand;
@@ -65,7 +70,7 @@ Particles::Particles(const ParticleSettings& settings, std::span<const ParticleB
     sand.gravity = settings.gravity;
     sand.floor = settings.floor;
     sand.walls = settings.walls;
-    sand_.emplace(sand);
+    LORICA_TRY(made.sand_, Granular::create(sand));
   } else {
     FluidSettings water;
     water.capacity = capacity;
@@ -74,22 +79,23 @@ Particles::Particles(const ParticleSettings& settings, std::span<const ParticleB
     water.gravity = settings.gravity;
     water.floor = settings.floor;
     water.walls = settings.walls;
-    water_.emplace(water);
+    LORICA_TRY(made.water_, Fluid::create(water));
   }
-  added_.reserve(capacity);
-  for (const ParticleSettings::Fill& box : settings.fills) fill(box, bodies);
-  sources_.resize(settings.pours.size());
-  for (std::size_t i = 0; i < sources_.size(); ++i) {
+  made.added_.reserve(capacity);
+  for (const ParticleSettings::Fill& box : settings.fills) made.fill(box, bodies);
+  made.sources_.resize(settings.pours.size());
+  for (std::size_t i = 0; i < made.sources_.size(); ++i) {
     const double step = 2.0 * settings.radius * kApart, radius = settings.pours[i].radius;
     const int max = std::min(radius / step, 200.0);
     for (int z = -max; z <= max; ++z) {
       for (int x = -max; x <= max; ++x) {
         if (x * x + z * z > max * max) continue;
-        sources_[i].disc.emplace_back(static_cast<float>(x * step), 0.0f, static_cast<float>(z * step));
+        made.sources_[i].disc.emplace_back(static_cast<float>(x * step), 0.0f, static_cast<float>(z * step));
       }
     }
-    shuffle(sources_[i].disc);
+    shuffle(made.sources_[i].disc);
   }
+  return made;
 }
 
 void Particles::fill(const ParticleSettings::Fill& fill, std::span<const ParticleBody> bodies) {

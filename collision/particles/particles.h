@@ -4,6 +4,7 @@
 #include "collision/particles/fluid.h"
 #include "collision/particles/granular.h"
 #include "geometry/math.h"
+#include "geometry/result.h"
 #include "geometry/work_budgets.h"
 
 #include <cstdint>
@@ -51,7 +52,9 @@ struct ParticleSettings {
 class Particles {
  public:
   /// @param bodies  that no particle starts in
-  explicit Particles(const ParticleSettings& settings, std::span<const ParticleBody> bodies = {});
+  /// @return sand or water, or which setting is out of range (kInvalidArgument)
+  [[nodiscard]] static Result<Particles> create(const ParticleSettings& settings,
+                                                std::span<const ParticleBody> bodies = {});
 
   /// Advances by a frame. The first call also settles the particles, unless settle() has done so.
   /// @param seconds  above 0
@@ -74,6 +77,7 @@ class Particles {
   [[nodiscard]] std::span<const Vec3f> velocities() const;
 
  private:
+  explicit Particles(const ParticleSettings& settings) : settings_(settings) {}
   void fill(const ParticleSettings::Fill& fill, std::span<const ParticleBody> bodies);
   void pour(std::size_t source, double seconds);
   void add(std::span<const Vec3f> positions, const Vec3& velocity);

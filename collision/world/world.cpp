@@ -267,8 +267,10 @@ void World::addLink(int a, int b, const Vec3& position) {
   impl_->addLink(a, b, position);
 }
 
-void World::setParticles(const ParticleSettings& settings) {
-  particles_ = std::make_unique<Particles>(settings, impl_->bodiesBefore());
+Result<void> World::setParticles(const ParticleSettings& settings) {
+  LORICA_TRY(Particles made, Particles::create(settings, impl_->bodiesBefore()));
+  particles_ = std::make_unique<Particles>(std::move(made));
+  return {};
 }
 
 void World::settle(std::span<const std::span<const LivePart>> avatars) {

@@ -109,7 +109,8 @@ class World {
 
   /// Adds sand or water that the parts push, and replaces earlier particles. Props and particles push each other;
   /// none starts in a prop that is there already.
-  void setParticles(const ParticleSettings& settings);
+  /// @return an error if a setting is out of range (kInvalidArgument): then nothing has changed
+  Result<void> setParticles(const ParticleSettings& settings);
   /// Null if there are none.
   [[nodiscard]] const Particles* particles() const { return particles_.get(); }
   /// Settles them around avatars that stand, before the first step, which does it otherwise.

@@ -1,6 +1,7 @@
 #include "export/bake/bake_report.h"
 
 #include "geometry/files.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -114,9 +115,9 @@ std::string contactSheet(const std::vector<const ordered_json*>& worst, const Ba
     const std::string png = picture(result);
     html += "<figure>";
     if (!png.empty()) html += fmt::format("<img alt=\"\" src=\"data:image/png;base64,{}\">", base64(png));
-    html += fmt::format("<figcaption>{}<br>{} parts, {:.1f} %<br>{}</figcaption></figure>",
-                        escaped(result.value("input", "")), result.value("parts", 0), 100.0 * errorOf(result),
-                        escaped(result.value("settings", "")));
+    html += fmt::format("<figcaption>{}<br>{}, {:.1f} %<br>{}</figcaption></figure>",
+                        escaped(result.value("input", "")), counted(result.value("parts", 0), "part"),
+                        100.0 * errorOf(result), escaped(result.value("settings", "")));
   }
   return html + "</div>";
 }

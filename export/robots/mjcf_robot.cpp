@@ -1,258 +1,160 @@
 #include "export/mesh_export.h"
+#include "export/robots/mjcf_model.h"
 #include "export/robots/mjcf_tree.h"
 #include "export/robots/robot.h"
-#include "geometry/convex_hull.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
-#include "geometry/mesh_formats.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
 
 #include <algorithm>
+#include <optional>
 #include <set>
-#include <string_view>
 
 namespace lorica {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kDigits = 9;
 /// MuJoCo draws the groups up to this one unless it is told otherwise; models have what only collides in the next one.
 constexpr int kLastDrawnGroup = 2;
-constexpr const char* kCollisionGroup = "3";
-constexpr double kTinyVolume = 1e-12;  // [m^3] MuJoCo refuses solid meshes below a thousandth of it
+constexpr std::size_t kElementBytes = 64;               // as what an element counts, wherever it is attached
+constexpr std::size_t kMaxAttached = 2 * kMaxXmlBytes;  // all elements and names with their prefixes [bytes]
+constexpr std::size_t kMaxPrefix = 1000;
 
-/// A mesh asset.
-struct Asset {
-  int mesh = -1;        ///< in RobotFile::meshes; -1: it has no faces to divide
-  std::string rawName;  ///< for the names of its hulls
-  XmlEdits placed;      ///< scale, refpos and refquat as they hold, of its hulls too
-  Affine3 geomFromMesh = Affine3::Identity();
-  MjcfElement element = {};
-  std::string file = {};  ///< as it is named; empty: the mesh is in the element, or made by MuJoCo
-};
-
-/// A geom that is replaced.
-struct Replaced {
-  MjcfElement element;
-  std::string name, asset;
-  bool drawn = false;   ///< in a group that is drawn
-  bool weighs = false;  ///< it has a mass if its body takes mass from geoms
-};
-
-struct MjcfBody {
-  bool inertial = false;
-  std::set<std::string> shown;  ///< meshes that it draws and does not collide with
-};
-
-/// What shapes take the place of.
-struct MjcfModel {
-  std::map<std::string, Asset> assets;
-  std::vector<MjcfElement> pairs;
-  std::vector<MjcfBody> bodies;    ///< as links
-  std::vector<Replaced> replaced;  ///< as geoms
-};
-
-/// Puts other shapes in the place of collision meshes.
-class ShapeWriter {
- public:
-  ShapeWriter(MjcfTree& tree, const MjcfModel& model, RobotFile& robot, const RobotShapes& shapes)
-      : tree_(tree), model_(model), robot_(robot), shapes_(shapes) {}
-
-  Result<void> write() {
-    addHulls();
-    for (std::size_t g = 0; g < robot_.geoms.size(); ++g) LORICA_TRY_DO(replaceGeom(g));
-    if (massive_ > 0) {
-      robot_.notes.push_back(fmt::format(
-          "{} geoms give their bodies mass: they stay, without collisions, so that MuJoCo finds the same inertia.",
-          massive_));
-    }
-    for (const MjcfElement& pair : model_.pairs) LORICA_TRY_DO(replacePair(pair));
-    return {};
-  }
-
- private:
-  static std::string freshName(std::string name, std::set<std::string>& taken) {
-    while (!taken.insert(name).second) name += "_";
-    return name;
-  }
-
-  /// Adds the hulls of all assets that are replaced to the model.
-  void addHulls() {
-    std::string text;
-    for (const Replaced& each : model_.replaced) {
-      const Asset& asset = model_.assets.at(each.asset);
-      if (!shapes_.capsules.empty() || hullNames_.contains(each.asset)) continue;
-      std::vector<std::string>& own = hullNames_[each.asset];
-      const double share = std::abs(asset.geomFromMesh.linear().determinant());
-      for (const TriMesh& hull : shapes_.hulls[asset.mesh]) {
-        own.push_back(freshName(fmt::format("{}_hull_{}", asset.rawName, own.size()), tree_.meshNames));
-        XmlEdits edits = asset.placed;
-        // Of the default class, which may scale.
-        const auto isScale = [](const auto& edit) { return edit.first == "scale"; };
-        if (std::ranges::none_of(edits, isScale)) edits.emplace_back("scale", "1 1 1");
-        if (share * signedVolume(hull.vertices, hull.triangles) < kTinyVolume) edits.emplace_back("inertia", "shell");
-        std::string vertices;
-        for (const Vec3& p : hull.vertices) vertices += written(p, kDigits) + " ";
-        vertices.pop_back();
-        edits.insert(edits.begin(), {{"name", own.back()}, {"vertex", vertices}});
-        text += "    " + editedElement("<mesh/>", edits) + "\n";
-      }
-    }
-    if (!text.empty()) {
-      tree_.xml(tree_.root()).append(tree_.root().node, "\n  <asset>\n" + text + "  </asset>\n");
-    }
-  }
-
-  Result<void> replaceGeom(std::size_t index) {
-    const Replaced& each = model_.replaced[index];
-    const RobotGeom& geom = robot_.geoms[index];
-    XmlText& xml = tree_.xml(each.element);
-    const MjcfBody& body = model_.bodies[geom.link];
-    const bool inferred = !body.inertial || tree_.setting("inertiafromgeom", "auto") == "true";
-    const bool massive =
-        geom.link != 0 && inferred && each.weighs && tree_.setting("inertiafromgeom", "auto") != "false";
-    const bool used = !each.name.empty() && tree_.usedNames.contains(each.name);
-    const bool shown = each.drawn && !body.shown.contains(each.asset);
-    if (used) {
-      robot_.notes.push_back(
-          fmt::format("The geom '{}' is used by its name: it stays, without collisions.", each.name));
-    }
-    const std::string_view original = xml.textOf(each.element.node);
-    std::vector<std::string> texts;
-    if (massive || used || shown) {
-      texts.push_back(editedElement(original, {{"contype", "0"}, {"conaffinity", "0"}}));
-    }
-    XmlEdits common = {{"mass", "0"}};
-    if (each.drawn && (shown || massive || used)) common.emplace_back("group", kCollisionGroup);
-    const std::size_t count =
-        shapes_.capsules.empty() ? hullNames_.at(each.asset).size() : shapes_.capsules[index].size();
-    LORICA_TRY_DO(robot_.write(count, original.size(), tree_.where(each.element)));
-    for (std::size_t k = 0; k < count; ++k) {
-      XmlEdits edits = common;
-      if (!each.name.empty()) {
-        newNames_[each.name].push_back(freshName(fmt::format("{}_hull_{}", each.name, k), tree_.geomNames));
-        edits.emplace_back("name", newNames_[each.name].back());
-      }
-      if (shapes_.capsules.empty()) {
-        edits.emplace_back("mesh", hullNames_.at(each.asset)[k]);
-      } else {
-        const Capsule& capsule = shapes_.capsules[index][k];
-        const Vec3 along = capsule.to - capsule.from;
-        const Vec3 middle = geom.parentFromGeom * Vec3(0.5 * (capsule.from + capsule.to));
-        const Quat turn(Mat3(geom.parentFromGeom.linear() * rotationBetween(Vec3::UnitZ(), along).toRotationMatrix()));
-        for (const char* gone : {"mesh", "axisangle", "xyaxes", "zaxis", "euler"})
-          edits.emplace_back(gone, std::nullopt);
-        const double half = 0.5 * along.norm();
-        const bool ball = half < 1e-6 * capsule.radius;  // MuJoCo refuses capsules without length
-        edits.emplace_back("type", ball ? "sphere" : "capsule");
-        edits.emplace_back("size", fmt::format("{:.9g} {:.9g}", capsule.radius, half));
-        edits.emplace_back("pos", written(middle, kDigits));
-        edits.emplace_back("quat", fmt::format("{:.9g} {:.9g} {:.9g} {:.9g}", turn.w(), turn.x(), turn.y(), turn.z()));
-      }
-      texts.push_back(editedElement(original, edits));
-    }
-    xml.replace(each.element.node, texts);
-    massive_ += massive ? 1 : 0;
-    return {};
-  }
-
-  /// A pair of geoms becomes one for all that took their places.
-  Result<void> replacePair(const MjcfElement& pair) {
-    const std::string names[] = {pair.text("geom1"), pair.text("geom2")};
-    if (!newNames_.contains(names[0]) && !newNames_.contains(names[1])) return {};
-    const auto standFor = [&](const std::string& name) {
-      const auto found = newNames_.find(name);
-      return found == newNames_.end() ? std::vector<std::string>{name} : found->second;
-    };
-    XmlText& xml = tree_.xml(pair);
-    const std::vector<std::string> first = standFor(names[0]), second = standFor(names[1]);
-    LORICA_TRY_DO(robot_.write(first.size() * second.size(), xml.textOf(pair.node).size(), tree_.where(pair)));
-    std::vector<std::string> texts;
-    for (const std::string& one : first) {
-      for (const std::string& other : second) {
-        XmlEdits edits = {{"geom1", one}, {"geom2", other}};
-        if (!pair.text().empty()) edits.emplace_back("name", fmt::format("{}_{}", pair.text(), texts.size()));
-        texts.push_back(editedElement(xml.textOf(pair.node), edits));
-      }
-    }
-    xml.replace(pair.node, texts);
-    return {};
-  }
-
-  MjcfTree& tree_;
-  const MjcfModel& model_;
-  RobotFile& robot_;
-  const RobotShapes& shapes_;
-  int massive_ = 0;                                            ///< geoms that stay because they have mass
-  std::map<std::string, std::vector<std::string>> hullNames_;  ///< of assets
-  std::map<std::string, std::vector<std::string>> newNames_;   ///< of geoms
-};
-
-/// Reads a model.
+/// Reads a model and those that it attaches.
 class MjcfFile final : public RobotFile {
  public:
-  explicit MjcfFile(const RobotReading& reading) : tree_(reading) {}
+  explicit MjcfFile(const RobotReading& reading) : reading_(reading) {}
 
   Result<void> read(const fs::path& file) {
-    LORICA_TRY_DO(tree_.read(file));
-    sources = tree_.sources;
-    // What holds for the whole model may come behind what it holds for.
-    LORICA_TRY_DO(tree_.forEachIn("asset", [&](const MjcfElement& each) {
-      if (each.is("mesh")) return readAsset(each);
-      if (each.is("model")) notes.emplace_back("Models that the file attaches stay as they are.");
-      return Result<void>();
-    }));
-    LORICA_TRY_DO(tree_.forEachIn("contact", [&](const MjcfElement& each) {
-      if (each.is("pair")) {
-        model_.pairs.push_back(each);
-        paired_.insert({each.text("geom1"), each.text("geom2")});
-      }
-      return Result<void>();
-    }));
+    home_ = file.parent_path();
+    LORICA_TRY_DO(load(file, file.string(), NamedBy::kUser, {}));
+    for (const MjcfModel& each : mjcf_.models) {
+      sources.insert(sources.end(), each.tree.sources.begin(), each.tree.sources.end());
+    }
     links.push_back({"world"});
-    model_.bodies.push_back({});
-    for (const MjcfElement& each : tree_.sections("worldbody")) LORICA_TRY_DO(readBody(each, {}));
+    mjcf_.bodies.push_back({});
+    mjcf_.places.push_back({});
+    const MjcfTree& tree = mjcf_.models.front().tree;
+    for (const MjcfElement& each : tree.sections("worldbody")) LORICA_TRY_DO(readBody(each, {}));
     weldLinks();
-    std::map<std::string, int> byName;
-    for (std::size_t i = 0; i < links.size(); ++i) byName[links[i].name] = static_cast<int>(i);
-    return tree_.forEachIn("contact", [&](const MjcfElement& each) {
-      const auto a = byName.find(each.text("body1"));
-      const auto b = byName.find(each.text("body2"));
-      if (each.is("exclude") && a != byName.end() && b != byName.end()) {
-        excluded.insert(std::minmax(a->second, b->second));
-      }
-      return Result<void>();
-    });
+    return readExcludes();
   }
 
   Result<std::vector<RobotOutput>> replaced(const fs::path& out, const RobotShapes& shapes) override {
-    LORICA_TRY_DO(ShapeWriter(tree_, model_, *this, shapes).write());
-    return tree_.outputs(out);
+    return mjcfWithShapes(mjcf_, *this, shapes, out);
   }
 
  private:
   struct Context {
     int link = 0;
+    int place = 0;
+    int level = 0;
     std::string childclass = {};
     Isometry3 linkFromHere = Isometry3::Identity();
   };
+  /// A subtree with the models that lead to it, each with the prefix that it has in the one before.
+  struct Found {
+    MjcfSubtree subtree;
+    std::vector<std::pair<int, std::string>> models;
+  };
+
+  MjcfModel& modelOf(const Context& context) { return mjcf_.models[mjcf_.modelAt(context.place)]; }
+
+  // Models.
+
+  /// Reads a model's file, and those of the models that it attaches. @return its index
+  Result<int> load(const fs::path& file, const std::string& shown, NamedBy by, const fs::path& inside) {
+    const int index = countOf(mjcf_.models);
+    mjcf_.models.push_back({MjcfTree(reading_, budget_, home_, inside), file});
+    MjcfModel& model = mjcf_.models.back();
+    modelOfFile_[file.lexically_normal()] = index;
+    loading_.push_back(index);
+    LORICA_TRY_DO(model.tree.read(file, shown, by));
+    // What holds for the whole model may come behind what it holds for.
+    LORICA_TRY_DO(model.tree.forEachIn("asset", [&](const MjcfElement& each) -> Result<void> {
+      if (each.is("mesh")) return readAsset(model, each);
+      return each.is("model") ? readModel(model, each) : Result<void>();
+    }));
+    LORICA_TRY_DO(model.tree.forEachIn("contact", [&](const MjcfElement& each) {
+      if (each.is("exclude")) model.excludes.push_back(each);
+      if (each.is("pair")) {
+        model.pairs.push_back(each);
+        model.paired.insert({each.text("geom1"), each.text("geom2")});
+      }
+      return Result<void>();
+    }));
+    for (const MjcfElement& each : model.tree.sections("worldbody")) LORICA_TRY_DO(listSubtrees(model, each, ""));
+    loading_.pop_back();
+    mjcf_.attachedFirst.push_back(index);
+    return index;
+  }
+
+  Result<void> readModel(MjcfModel& around, const MjcfElement& element) {
+    const std::string where = around.tree.where(element);
+    std::string name = element.text("file");
+    LORICA_TRY(const fs::path file, prefixed(where, around.tree.find(name)));
+    std::ranges::replace(name, '\\', '/');
+    auto found = modelOfFile_.find(file.lexically_normal());
+    if (found == modelOfFile_.end()) {
+      const fs::path inside = (around.tree.inside() / name).lexically_normal().parent_path();
+      LORICA_TRY_DO(prefixed(where, load(file, printable(name, 120), NamedBy::kFile, inside)));
+      found = modelOfFile_.find(file.lexically_normal());
+    } else if (std::ranges::find(loading_, found->second) != loading_.end()) {
+      return badFormat("{}: '{}' attaches itself, expected files that end", where, printable(name, 120));
+    }
+    const MjcfElement root = mjcf_.models[found->second].tree.root();
+    around.attached.emplace(element.text().empty() ? root.text("model") : element.text(), found->second);
+    around.attachedFiles.emplace_back(element, found->second);
+    return {};
+  }
+
+  /// Lists what of a model can be attached by its name. What MuJoCo replicates gets other names.
+  Result<void> listSubtrees(MjcfModel& model, const MjcfElement& around, const std::string& childclass) {
+    return model.tree.forEachChild(around, [&](const MjcfElement& each) -> Result<void> {
+      if (each.is("attach")) model.attaches.push_back(each);
+      if (!each.is("body") && !each.is("frame")) return {};
+      model.subtrees.emplace(std::string(each.node.name()) + ' ' + each.text(), MjcfSubtree{each, childclass});
+      const pugi::xml_attribute own = each.node.attribute("childclass");
+      return listSubtrees(model, each, own ? own.value() : childclass);
+    });
+  }
+
+  /// A body or frame of a model by its name, or of one that it attaches by its name there.
+  Result<std::optional<Found>> find(int model, const std::string& kind, const std::string& name) {
+    const MjcfModel& in = mjcf_.models[model];
+    if (const auto own = in.subtrees.find(kind + ' ' + name); own != in.subtrees.end()) {
+      return std::optional(Found{own->second, {}});
+    }
+    for (const MjcfElement& each : in.attaches) {
+      LORICA_TRY_DO(count(name.size(), in.tree, each));
+      const std::string prefix = each.text("prefix");
+      const auto attached = in.attached.find(each.text("model"));
+      if (!name.starts_with(prefix) || attached == in.attached.end()) continue;
+      LORICA_TRY(std::optional<Found> found, find(attached->second, kind, name.substr(prefix.size())));
+      if (!found) continue;
+      found->models.insert(found->models.begin(), {attached->second, prefix});
+      return found;
+    }
+    return std::optional<Found>();
+  }
 
   // Meshes.
 
-  Result<void> readAsset(const MjcfElement& element) {
-    LORICA_TRY(const std::string classOfIt, tree_.classOf(element, ""));
+  Result<void> readAsset(MjcfModel& model, const MjcfElement& element) {
+    const MjcfTree& tree = model.tree;
+    LORICA_TRY(const std::string classOfIt, tree.classOf(element, ""));
     const std::string file = element.text("file");
     const std::string name = element.text().empty() ? fs::path(file).stem().string() : element.text();
-    Asset asset;
+    MjcfAsset asset;
     asset.rawName = plainNames({name}).front();
     // What the mesh refers to is taken away, then it is scaled.
     std::vector<double> scale = {1.0, 1.0, 1.0}, from = {0.0, 0.0, 0.0}, turn = {1.0, 0.0, 0.0, 0.0};
     for (const auto& [attribute, numbers] : {std::pair("scale", &scale), {"refpos", &from}, {"refquat", &turn}}) {
-      const std::optional<std::string> text = tree_.value(element, attribute, classOfIt);
+      const std::optional<std::string> text = tree.value(element, attribute, classOfIt);
       if (!text) continue;
-      LORICA_TRY(*numbers, numbersOf(tree_.where(element), attribute, *text, numbers->size(), numbers->size()));
+      LORICA_TRY(*numbers, numbersOf(tree.where(element), attribute, *text, numbers->size(), numbers->size()));
       asset.placed.emplace_back(attribute, *text);
     }
     asset.geomFromMesh = Eigen::Scaling(scale[0], scale[1], scale[2]) *
@@ -260,27 +162,22 @@ class MjcfFile final : public RobotFile {
                          Eigen::Translation3d(-from[0], -from[1], -from[2]);
     asset.element = element;
     asset.file = file;
-    if (file.empty() && element.node.attribute("vertex") && element.node.attribute("face")) {
-      LORICA_TRY(TriMesh mesh, inlineMesh(element));
-      asset.mesh = countOf(meshes);
-      meshes.push_back({asset.rawName, tree_.where(element), {}, std::move(mesh)});
-    }
-    model_.assets[name] = std::move(asset);
+    model.assets[name] = std::move(asset);
     return {};
   }
 
-  Result<TriMesh> inlineMesh(const MjcfElement& element) const {
+  Result<TriMesh> inlineMesh(const MjcfTree& tree, const MjcfElement& element) const {
     TriMesh mesh;
     LORICA_TRY(const std::vector<double> v,
-               numbersOf(tree_.where(element), "vertex", element.text("vertex"), 12, kMaxXmlBytes));
+               numbersOf(tree.where(element), "vertex", element.text("vertex"), 12, kMaxXmlBytes));
     LORICA_TRY(const std::vector<double> f,
-               numbersOf(tree_.where(element), "face", element.text("face"), 12, kMaxXmlBytes));
+               numbersOf(tree.where(element), "face", element.text("face"), 12, kMaxXmlBytes));
     for (std::size_t i = 0; i + 2 < v.size(); i += 3) mesh.vertices.emplace_back(v[i], v[i + 1], v[i + 2]);
     for (std::size_t i = 0; i + 2 < f.size(); i += 3) {
       Triangle t;
       for (std::size_t k = 0; k < 3; ++k) {
         if (!(f[i + k] >= 0.0 && f[i + k] < static_cast<double>(mesh.vertices.size()))) {
-          return badFormat("{}: face: found vertex {:g}, expected 0 to {}", tree_.where(element), f[i + k],
+          return badFormat("{}: face: found vertex {:g}, expected 0 to {}", tree.where(element), f[i + k],
                            mesh.vertices.size() - 1);
         }
         t[k] = static_cast<VertexIndex>(f[i + k]);
@@ -291,59 +188,151 @@ class MjcfFile final : public RobotFile {
   }
 
   /// The mesh of an asset that a geom collides with; -1: it is convex, or made by MuJoCo.
-  Result<int> meshOfAsset(const std::string& name, const MjcfElement& geom) {
-    const auto found = model_.assets.find(name);
-    if (found == model_.assets.end()) {
-      return badFormat("{}: found the mesh '{}', expected one of the assets", tree_.where(geom), printable(name, 60));
+  Result<int> meshOfAsset(MjcfModel& model, const std::string& name, const MjcfElement& geom) {
+    const MjcfTree& tree = model.tree;
+    const auto found = model.assets.find(name);
+    if (found == model.assets.end()) {
+      return badFormat("{}: found the mesh '{}', expected one of the assets", tree.where(geom), printable(name, 60));
     }
-    Asset& asset = found->second;
-    if (asset.mesh >= 0 || asset.file.empty()) return asset.mesh;
+    MjcfAsset& asset = found->second;
+    if (asset.mesh >= 0) return asset.mesh;
+    if (asset.file.empty()) {
+      if (!asset.element.node.attribute("vertex") || !asset.element.node.attribute("face")) return -1;
+      LORICA_TRY(TriMesh mesh, inlineMesh(tree, asset.element));
+      asset.mesh = countOf(meshes);
+      meshes.push_back({asset.rawName, tree.where(asset.element), {}, std::move(mesh)});
+      return asset.mesh;
+    }
     std::string file = asset.file;
-    if (tree_.setting("strippath", "false") == "true") file = fs::path(file).filename().string();
-    const std::string folder = tree_.setting("meshdir", tree_.setting("assetdir", "").c_str());
+    if (tree.setting("strippath", "false") == "true") file = fs::path(file).filename().string();
+    const std::string folder = tree.setting("meshdir", tree.setting("assetdir", "").c_str());
     if (!folder.empty() && !fs::path(file).is_absolute()) file = (fs::path(folder) / file).string();
-    LORICA_TRY(const fs::path path, prefixed(tree_.where(asset.element), tree_.find(file)));
-    LORICA_TRY(asset.mesh, meshOf(path, tree_.where(asset.element)));
+    LORICA_TRY(const fs::path path, prefixed(tree.where(asset.element), tree.find(file)));
+    LORICA_TRY(asset.mesh, meshOf(path, tree.where(asset.element)));
     return asset.mesh;
   }
 
   // Bodies.
 
+  /// Counts what is read of the robot, in every place where it is attached.
+  Result<void> count(std::size_t bytes, const MjcfTree& tree, const MjcfElement& element) {
+    attachedBytes_ += kElementBytes + bytes;
+    if (attachedBytes_ <= kMaxAttached) return {};
+    return badFormat("{}: with all that it attaches the robot has more than {} elements, expected fewer",
+                     tree.where(element), grouped(kMaxAttached / kElementBytes));
+  }
+
   Result<void> readBody(const MjcfElement& element, const Context& context) {
-    return tree_.forEachChild(element, [&](const MjcfElement& each) -> Result<void> {
-      if (each.is("inertial")) model_.bodies[context.link].inertial = true;
-      if (each.is("joint") || each.is("freejoint")) links[context.link].moves = true;
-      if (each.is("geom")) return readGeom(each, context);
-      if (!each.is("body") && !each.is("frame") && !each.is("replicate")) return {};
-      Context inside = context;
-      if (const pugi::xml_attribute given = each.node.attribute("childclass")) inside.childclass = given.value();
-      if (each.is("replicate")) {
-        notes.push_back("Of what is replicated, contacts in the rest pose are those of the first copy.");
+    return modelOf(context).tree.forEachChild(
+        element, [&](const MjcfElement& each) -> Result<void> { return readElement(each, context); });
+  }
+
+  Result<void> readElement(const MjcfElement& element, const Context& context) {
+    const MjcfTree& tree = modelOf(context).tree;
+    LORICA_TRY_DO(count(0, tree, element));
+    if (element.is("inertial")) mjcf_.bodies[context.link].inertial = true;
+    if (element.is("joint") || element.is("freejoint")) links[context.link].moves = true;
+    if (element.is("geom")) return readGeom(element, context);
+    if (element.is("attach")) return readAttached(element, context);
+    if (!element.is("body") && !element.is("frame") && !element.is("replicate")) return {};
+    Context inside = context;
+    if (++inside.level > kMaxXmlDepth) {
+      return badFormat("{}: found more than {} levels of elements, expected at most that", tree.where(element),
+                       kMaxXmlDepth);
+    }
+    if (const pugi::xml_attribute given = element.node.attribute("childclass")) inside.childclass = given.value();
+    if (element.is("replicate")) {
+      notes.push_back("Of what is replicated, contacts in the rest pose are those of the first copy.");
+    } else {
+      LORICA_TRY(const Isometry3 pose, tree.poseOf(element));
+      inside.linkFromHere = context.linkFromHere * pose;
+    }
+    if (element.is("body")) {
+      RobotLink link;
+      link.name = element.text().empty() ? fmt::format("body {}", links.size())
+                                         : mjcf_.places[context.place].whole + element.text();
+      LORICA_TRY_DO(count(link.name.size(), tree, element));
+      link.parent = context.link;
+      link.worldFromLink = links[context.link].worldFromLink * inside.linkFromHere;
+      inside.link = countOf(links);
+      inside.linkFromHere = Isometry3::Identity();
+      links.push_back(std::move(link));
+      mjcf_.bodies.push_back({tree.setting("inertiafromgeom", "auto"), false, {}});
+    }
+    return readBody(element, inside);
+  }
+
+  /// A body, a frame or all of another model, or a body or frame of this one again. Its own pose holds, but none of
+  /// what it is in there.
+  Result<void> readAttached(const MjcfElement& element, const Context& context) {
+    const MjcfModel& here = modelOf(context);
+    const std::string where = here.tree.where(element);
+    int model = mjcf_.modelAt(context.place);
+    if (element.node.attribute("model")) {
+      const auto found = here.attached.find(element.text("model"));
+      if (found == here.attached.end()) {
+        return badFormat("{}: found the model '{}', expected one of the assets", where,
+                         printable(element.text("model"), 60));
+      }
+      model = found->second;
+    }
+    const std::string kind = element.node.attribute("body") ? "body" : element.node.attribute("frame") ? "frame" : "";
+    if (kind.empty() && model == mjcf_.modelAt(context.place))
+      return badFormat("{}: found neither model, body nor frame, expected one", where);
+    if (std::ranges::find(attaching_, element.node) != attaching_.end()) {
+      return badFormat("{}: '{}' attaches itself, expected bodies that end", where,
+                       printable(element.text(kind.c_str()), 60));
+    }
+    Context inside = context;
+    inside.childclass = "";
+    LORICA_TRY_DO(enter(model, element.text("prefix"), here.tree, element, inside));
+    attaching_.push_back(element.node);
+    if (kind.empty()) {
+      for (const MjcfElement& each : mjcf_.models[model].tree.sections("worldbody")) {
+        LORICA_TRY_DO(readBody(each, inside));
+      }
+    } else {
+      LORICA_TRY(const std::optional<Found> found, find(model, kind, element.text(kind.c_str())));
+      if (found) {
+        for (const auto& [next, prefix] : found->models) LORICA_TRY_DO(enter(next, prefix, here.tree, element, inside));
+        inside.childclass = found->subtree.childclass;
+        LORICA_TRY_DO(readElement(found->subtree.element, inside));
       } else {
-        LORICA_TRY(const Isometry3 pose, tree_.poseOf(each));
-        inside.linkFromHere = context.linkFromHere * pose;
+        notes.push_back(fmt::format("{}: the {} '{}' is in no file: what is attached there stays as it is.", where,
+                                    kind, printable(element.text(kind.c_str()), 60)));
       }
-      if (each.is("body")) {
-        RobotLink link;
-        link.name = each.text().empty() ? fmt::format("body {}", links.size()) : each.text();
-        link.parent = context.link;
-        link.worldFromLink = links[context.link].worldFromLink * inside.linkFromHere;
-        inside.link = countOf(links);
-        inside.linkFromHere = Isometry3::Identity();
-        links.push_back(std::move(link));
-        model_.bodies.push_back({});
-      }
-      return readBody(each, inside);
-    });
+    }
+    attaching_.pop_back();
+    return {};
+  }
+
+  /// Makes a place for a model in that of a context. @param by  the element that attaches it
+  Result<void> enter(int model, const std::string& prefix, const MjcfTree& tree, const MjcfElement& by,
+                     Context& context) {
+    std::string whole = mjcf_.places[context.place].whole + prefix;
+    if (whole.size() > kMaxPrefix) {
+      return badFormat("{}: found prefixes of {} bytes together, expected at most {}", tree.where(by), whole.size(),
+                       kMaxPrefix);
+    }
+    if (++context.level > kMaxXmlDepth) {
+      return badFormat("{}: found more than {} levels of elements, expected at most that", tree.where(by),
+                       kMaxXmlDepth);
+    }
+    LORICA_TRY_DO(count(2 * whole.size(), tree, by));
+    mjcf_.places.push_back({model, context.place, prefix, std::move(whole)});
+    context.place = countOf(mjcf_.places) - 1;
+    return {};
   }
 
   Result<void> readGeom(const MjcfElement& element, const Context& context) {
-    LORICA_TRY(const std::string classOfIt, tree_.classOf(element, context.childclass));
-    if (tree_.value(element, "type", classOfIt) != "mesh") return {};
+    MjcfModel& model = modelOf(context);
+    const MjcfTree& tree = model.tree;
+    LORICA_TRY(const std::string classOfIt, tree.classOf(element, context.childclass));
+    if (tree.value(element, "type", classOfIt) != "mesh") return {};
     const auto number = [&](const char* name, double usual) -> Result<double> {
-      const std::optional<std::string> text = tree_.value(element, name, classOfIt);
+      const std::optional<std::string> text = tree.value(element, name, classOfIt);
       if (!text) return usual;
-      LORICA_TRY(const std::vector<double> n, numbersOf(tree_.where(element), name, *text, 1, 1));
+      LORICA_TRY(const std::vector<double> n, numbersOf(tree.where(element), name, *text, 1, 1));
       return n[0];
     };
     LORICA_TRY(const double contype, number("contype", 1));
@@ -351,30 +340,66 @@ class MjcfFile final : public RobotFile {
     LORICA_TRY(const double group, number("group", 0));
     LORICA_TRY(const double density, number("density", 1000));
     LORICA_TRY(const double mass, number("mass", density));
-    Replaced replaced{element, element.text(), tree_.value(element, "mesh", classOfIt).value_or("")};
+    MjcfGeom replaced{element, element.text(), tree.value(element, "mesh", classOfIt).value_or(""), context.place};
     replaced.drawn = group <= kLastDrawnGroup;
     replaced.weighs = mass != 0.0;
-    if (contype == 0.0 && conaffinity == 0.0 && (replaced.name.empty() || !paired_.contains(replaced.name))) {
-      if (replaced.drawn) model_.bodies[context.link].shown.insert(replaced.asset);
-      return {};
+    if (contype == 0.0 && conaffinity == 0.0) {
+      LORICA_TRY(const bool paired, isPaired(replaced));
+      if (!paired && replaced.drawn) {
+        mjcf_.bodies[context.link].shown.insert({mjcf_.modelAt(context.place), replaced.asset});
+      }
+      if (!paired) return {};
     }
     RobotGeom geom;
-    LORICA_TRY(geom.mesh, meshOfAsset(replaced.asset, element));
+    LORICA_TRY(geom.mesh, meshOfAsset(model, replaced.asset, element));
     if (geom.mesh < 0) return {};  // convex as it is
-    LORICA_TRY(geom.parentFromGeom, tree_.poseOf(element, classOfIt));
+    LORICA_TRY(geom.parentFromGeom, tree.poseOf(element, classOfIt));
     geom.link = context.link;
     geom.linkFromParent = context.linkFromHere;
-    geom.geomFromMesh = model_.assets[replaced.asset].geomFromMesh;
+    geom.geomFromMesh = model.assets[replaced.asset].geomFromMesh;
     geom.contype = static_cast<unsigned>(std::clamp(contype, 0.0, 2147483647.0));
     geom.conaffinity = static_cast<unsigned>(std::clamp(conaffinity, 0.0, 2147483647.0));
-    LORICA_TRY_DO(add(geom, tree_.where(element)));
-    model_.replaced.push_back(std::move(replaced));
+    LORICA_TRY_DO(add(geom, tree.where(element)));
+    mjcf_.geoms.push_back(std::move(replaced));
     return {};
   }
 
-  MjcfTree tree_;
-  MjcfModel model_;
-  std::set<std::string> paired_;  ///< names of geoms in pairs
+  /// Whether a pair names a geom, in its model or one around.
+  Result<bool> isPaired(const MjcfGeom& geom) {
+    bool paired = false;
+    if (geom.name.empty()) return paired;
+    std::size_t names = 0;
+    mjcf_.forEachAround(geom.place, [&](int model, const std::string& prefix) {
+      names += geom.name.size();
+      paired |= mjcf_.models[model].paired.contains(prefix + geom.name);
+    });
+    LORICA_TRY_DO(count(names, mjcf_.models[mjcf_.modelAt(geom.place)].tree, geom.element));
+    return paired;
+  }
+
+  Result<void> readExcludes() {
+    std::map<std::string, int> byName;
+    for (std::size_t i = 0; i < links.size(); ++i) byName[links[i].name] = static_cast<int>(i);
+    for (const MjcfPlace& place : mjcf_.places) {
+      const MjcfModel& model = mjcf_.models[place.model];
+      for (const MjcfElement& each : model.excludes) {
+        const auto a = byName.find(place.whole + each.text("body1"));
+        const auto b = byName.find(place.whole + each.text("body2"));
+        LORICA_TRY_DO(count(2 * place.whole.size(), model.tree, each));
+        if (a != byName.end() && b != byName.end()) excluded.insert(std::minmax(a->second, b->second));
+      }
+    }
+    return {};
+  }
+
+  const RobotReading& reading_;
+  MjcfBudget budget_;
+  fs::path home_;  ///< the folder of the robot's file
+  MjcfRobot mjcf_;
+  std::map<fs::path, int> modelOfFile_;
+  std::vector<int> loading_;               ///< the models that attach the one that is read
+  std::vector<pugi::xml_node> attaching_;  ///< the elements that attach what is read
+  std::size_t attachedBytes_ = 0;
 };
 
 }  // namespace

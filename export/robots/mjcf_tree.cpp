@@ -2,6 +2,7 @@
 
 #include "export/mesh_export.h"
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
 
@@ -19,13 +20,27 @@ constexpr const char* kMainClass = "main";
 
 }  // namespace
 
-Result<void> MjcfTree::read(const fs::path& file) {
-  folder_ = file.parent_path();
-  LORICA_TRY_DO(load(file, file.string(), NamedBy::kUser, 0));
+fs::path freePath(fs::path path, std::set<fs::path>& taken) {
+  while (!taken.insert(path.lexically_normal()).second)
+    path.replace_filename(path.stem().string() + "_" + path.extension().string());
+  return path;
+}
+
+Result<void> MjcfTree::read(const fs::path& file, const std::string& shown, NamedBy by) {
+  LORICA_TRY_DO(load(file, shown, by, 0));
   if (!root().is("mujoco")) {
-    return badFormat("{}: found the element <{}>, expected <mujoco>", file.string(), printable(root().node.name(), 60));
+    return badFormat("{}: found the element <{}>, expected <mujoco>", shown, printable(root().node.name(), 60));
   }
   return forEachChild(root(), [&](const MjcfElement& each) { return readSection(each); });
+}
+
+Result<fs::path> MjcfTree::find(const std::string& name) const {
+  // An attached model may name what is beside its own folder, as long as it stays in the robot's.
+  if (inside_.empty()) return NamedFiles{home_, reading_.trust}.find(name);
+  if (reading_.trust == PathTrust::kAnywhere) return NamedFiles{home_ / inside_, reading_.trust}.find(name);
+  std::string plain = name;
+  std::ranges::replace(plain, '\\', '/');
+  return NamedFiles{home_, reading_.trust}.find((inside_ / plain).lexically_normal().string());
 }
 
 const std::vector<MjcfElement>& MjcfTree::sections(const std::string& name) const {
@@ -35,16 +50,18 @@ const std::vector<MjcfElement>& MjcfTree::sections(const std::string& name) cons
 }
 
 Result<void> MjcfTree::load(const fs::path& path, const std::string& shown, NamedBy by, int level) {
-  if (files_.size() > kMaxRobotIncludes) {
-    return badFormat("{}: found more than {} included files, expected at most that", shown, kMaxRobotIncludes);
+  if (budget_.files > kMaxRobotIncludes) {
+    return badFormat("{}: found more than {} files that are included or attached, expected at most that", shown,
+                     kMaxRobotIncludes);
   }
   LORICA_TRY(XmlText xml, XmlText::read(path, shown, by));
   if (level + xml.deepest() > kMaxXmlDepth) {
     return badFormat("{}: found more than {} levels of elements, expected at most that", shown, kMaxXmlDepth);
   }
-  bytes_ += xml.bytes();
-  elements_ += xml.elements();
-  if (bytes_ > kMaxXmlBytes || elements_ > kMaxXmlElements) {
+  ++budget_.files;
+  budget_.bytes += xml.bytes();
+  budget_.elements += xml.elements();
+  if (budget_.bytes > kMaxXmlBytes || budget_.elements > kMaxXmlElements) {
     return badFormat("{}: found more than {} MiB or {} elements in all files, expected at most that", shown,
                      kMaxXmlBytes >> 20, kMaxXmlElements);
   }
@@ -54,6 +71,7 @@ Result<void> MjcfTree::load(const fs::path& path, const std::string& shown, Name
   open_.push_back(path.lexically_normal());
   std::vector<pugi::xml_node> all = {files_[index].xml.root()};
   for (std::size_t i = 0; i < all.size(); ++i) {
+    if (workStopped()) return cancelled();
     for (const pugi::xml_node& child : all[i].children()) {
       if (child.type() != pugi::node_element) continue;
       if (std::string_view(child.name()) == "include") {
@@ -205,8 +223,12 @@ Result<Isometry3> MjcfTree::poseOf(const MjcfElement& element, const std::string
   return pose;
 }
 
-std::vector<RobotOutput> MjcfTree::outputs(const fs::path& out) {
-  // Included files that changed, or include one that did, get names beside the robot's; then the names are replaced.
+bool MjcfTree::changed() const {
+  return std::ranges::any_of(files_, [](const File& file) { return file.xml.changed(); });
+}
+
+std::vector<RobotOutput> MjcfTree::outputs(const fs::path& out, std::set<fs::path>& taken) {
+  // Included files that changed, or include one that did, get names beside the first; then the names are replaced.
   std::vector<std::string> given;
   for (const File& file : files_) given.push_back(out.stem().string() + "_" + file.path.filename().string());
   const std::vector<std::string> names = plainNames(given);
@@ -214,13 +236,14 @@ std::vector<RobotOutput> MjcfTree::outputs(const fs::path& out) {
   // Included files come behind the ones that include them.
   for (std::size_t i = files_.size(); i-- > 1;) {
     if (!files_[i].xml.changed()) continue;
-    made.push_back({out.parent_path() / names[i], files_[i].xml.changedText()});
+    const fs::path path = freePath(out.parent_path() / names[i], taken);
+    made.push_back({path, files_[i].xml.changedText()});
     for (const auto& [node, index] : includes_) {
       if (index != i) continue;
       const pugi::xml_node element(node);
       for (File& file : files_) {
         if (file.xml.root().root() != element.root()) continue;
-        file.xml.replace(element, {editedElement(file.xml.textOf(element), {{"file", names[i]}})});
+        file.xml.replace(element, {editedElement(file.xml.textOf(element), {{"file", path.filename().string()}})});
       }
     }
   }

@@ -12,9 +12,13 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace lorica {
+
+/// A path of a file that is written, which no other one has: those get "_" at their ends.
+[[nodiscard]] std::filesystem::path freePath(std::filesystem::path path, std::set<std::filesystem::path>& taken);
 
 /// An element and the file that it is in.
 struct MjcfElement {
@@ -26,12 +30,22 @@ struct MjcfElement {
   [[nodiscard]] std::string text(const char* attribute = "name") const { return node.attribute(attribute).value(); }
 };
 
+/// What has been read of a robot, with all that its file includes and attaches.
+struct MjcfBudget {
+  std::size_t files = 0, bytes = 0;
+  int elements = 0;
+};
+
+/// One model: what MuJoCo compiles with one compiler's settings, defaults and assets.
 class MjcfTree {
  public:
-  explicit MjcfTree(const RobotReading& reading) : reading_(reading) {}
+  /// @param home    the folder of the robot's file: what is named is there or below
+  /// @param inside  the folder of the model's own file in it
+  MjcfTree(const RobotReading& reading, MjcfBudget& budget, std::filesystem::path home, std::filesystem::path inside)
+      : reading_(reading), budget_(budget), home_(std::move(home)), inside_(std::move(inside)) {}
 
   /// Reads a model, the files that it includes, and its defaults.
-  [[nodiscard]] Result<void> read(const std::filesystem::path& file);
+  [[nodiscard]] Result<void> read(const std::filesystem::path& file, const std::string& shown, NamedBy by);
 
   /// Calls visit(MjcfElement) -> Result<void> for the children of an element, those of included files in their place.
   template <typename Visit>
@@ -66,17 +80,22 @@ class MjcfTree {
   [[nodiscard]] std::string setting(const char* name, const char* usual) const;
   /// Where an element is in its parent.
   [[nodiscard]] Result<Isometry3> poseOf(const MjcfElement& element, const std::string& classOfIt = "") const;
-  /// A file that an element names.
-  [[nodiscard]] Result<std::filesystem::path> find(const std::string& name) const {
-    return NamedFiles{folder_, reading_.trust}.find(name);
-  }
+  /// A file that an element names, from the folder of the model's file.
+  [[nodiscard]] Result<std::filesystem::path> find(const std::string& name) const;
+  /// The folder of the model's file, from that of the robot's; empty: the same.
+  [[nodiscard]] const std::filesystem::path& inside() const { return inside_; }
 
   /// The text that an element is in, to be changed.
   [[nodiscard]] XmlText& xml(const MjcfElement& element) { return files_[element.file].xml; }
   [[nodiscard]] const XmlText& xml(const MjcfElement& element) const { return files_[element.file].xml; }
   [[nodiscard]] MjcfElement root() const { return {0, files_.front().xml.root()}; }
-  /// Files that changed; included ones get names beside the robot's. To be called once. @param out  of the first file
-  [[nodiscard]] std::vector<RobotOutput> outputs(const std::filesystem::path& out);
+  /// Whether one of its files changed.
+  [[nodiscard]] bool changed() const;
+  /// Files that changed, and the first; included ones get names beside that. To be called once.
+  /// @param out    of the first file
+  /// @param taken  files that are written already; those of the model are added
+  [[nodiscard]] std::vector<RobotOutput> outputs(const std::filesystem::path& out,
+                                                 std::set<std::filesystem::path>& taken);
 
   std::vector<std::filesystem::path> sources;  ///< the files
   std::set<std::string> meshNames, geomNames;  ///< that other elements may not get
@@ -99,10 +118,9 @@ class MjcfTree {
   [[nodiscard]] Result<void> readDefault(const MjcfElement& element, const std::string& parent);
 
   const RobotReading& reading_;
-  std::filesystem::path folder_;
+  MjcfBudget& budget_;
+  std::filesystem::path home_, inside_;
   std::vector<File> files_;
-  std::size_t bytes_ = 0;                    ///< of all files
-  int elements_ = 0;                         ///< the same
   std::vector<std::filesystem::path> open_;  ///< those that include the one that is read
   std::map<pugi::xml_node_struct*, std::size_t> includes_;
   std::map<std::string, std::string> compiler_;

@@ -99,7 +99,8 @@ struct RobotReading {
 /// Replaced are geoms of type `mesh` that collide: contype and conaffinity are not both 0, after defaults, or a pair
 /// names them. Hulls are written as vertices into the file, with the scale and reference of the mesh, and MuJoCo puts
 /// them where it puts the mesh. A geom stays, without collisions, where it gives its body mass or appearance, or where
-/// its name is used.
+/// its name is used. Models that it attaches are read as MuJoCo reads them, each with its own settings, defaults and
+/// names; one that changes is written beside its own file, as OUT_NAME.
 [[nodiscard]] Result<std::unique_ptr<RobotFile>> readMjcf(const std::filesystem::path& file,
                                                           const RobotReading& reading);
 

@@ -21,6 +21,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <span>
 #include <utility>
@@ -29,10 +30,11 @@
 namespace lorica {
 namespace {
 
-/// A geom's mesh and what replaces it, in the geom's frame.
+/// A geom's mesh and what replaces it.
 struct GeomShapes {
   const TriMesh* surface = nullptr;
   const std::vector<TriMesh>* shapes = nullptr;  ///< convex
+  Affine3 geomFromShapes;                        ///< which may mirror
 };
 
 struct NewContacts {
@@ -92,11 +94,12 @@ bool meet(const TriMesh& a, const TriMesh& b) {
 /// of the links, such as boxes, are not looked at. Internal: not installed.
 /// @param geoms  as those of the robot
 NewContacts newContacts(const RobotFile& robot, std::span<const GeomShapes> geoms) {
-  std::vector<Isometry3> poses;
+  std::vector<Affine3> poses;
   std::vector<Aabb> boxes;
   for (std::size_t g = 0; g < robot.geoms.size(); ++g) {
     const RobotGeom& geom = robot.geoms[g];
-    poses.push_back(robot.links[geom.link].worldFromLink * geom.linkFromParent * geom.parentFromGeom);
+    poses.push_back(Affine3(robot.links[geom.link].worldFromLink * geom.linkFromParent * geom.parentFromGeom) *
+                    geoms[g].geomFromShapes);
     boxes.emplace_back();
     for (const TriMesh& shape : *geoms[g].shapes) {
       for (const Vec3& p : shape.vertices) boxes.back().extend(poses.back() * p);
@@ -104,7 +107,7 @@ NewContacts newContacts(const RobotFile& robot, std::span<const GeomShapes> geom
   }
   const auto shapesOf = [&](std::size_t g) {
     std::vector<TriMesh> there;
-    for (const TriMesh& shape : *geoms[g].shapes) there.push_back(placed(shape, Affine3(poses[g])));
+    for (const TriMesh& shape : *geoms[g].shapes) there.push_back(placed(shape, poses[g]));
     return there;
   };
   const auto weldOf = [&](int link) { return robot.links[link].weld; };
@@ -128,8 +131,7 @@ NewContacts newContacts(const RobotFile& robot, std::span<const GeomShapes> geom
       if (!found.all || !touch(shapesOf(i), shapesOf(j))) continue;
       touching.insert(pair);
       triangles += geoms[i].surface->triangles.size() + geoms[j].surface->triangles.size();
-      if (meet(placed(*geoms[i].surface, Affine3(poses[i])), placed(*geoms[j].surface, Affine3(poses[j]))))
-        meeting.insert(pair);
+      if (meet(placed(*geoms[i].surface, poses[i]), placed(*geoms[j].surface, poses[j]))) meeting.insert(pair);
     }
   }
   std::ranges::set_difference(touching, meeting, std::back_inserter(found.links));
@@ -152,19 +154,19 @@ ScoreSettings measuring() {
 
 /// A COLLADA file as robots' programs have it: metres, along the file's own axes.
 Result<TriMesh> readCollada(const fs::path& file, Host& host) {
-  LORICA_TRY(const std::string text, readFile(file, NamedBy::kFile));
-  LORICA_TRY(const CharacterFile read, readCharacterFile(file, host.characterFiles()));
+  LORICA_TRY(const std::string bytes, readFile(file, NamedBy::kFile));
+  LORICA_TRY(const CharacterFile read,
+             parseCharacterFile(std::as_bytes(std::span(bytes)), file.string(), host.characterFiles()));
   if (!read.isMesh()) return badMesh("{}: found a skin or motion, expected a mesh", file.string());
   TriMesh mesh = read.character.mesh;
   const Affine3& fileFromModel = read.character.jointFromModel.front();
-  // The importer has turned what is not Y up.
-  const bool xUp = text.find("<up_axis>X_UP<") != std::string::npos;
-  const bool zUp = text.find("<up_axis>Z_UP<") != std::string::npos;
-  for (Vec3& p : mesh.vertices) {
-    p = fileFromModel * p;
-    if (xUp) p = Vec3(p.y(), -p.x(), p.z());
-    if (zUp) p = Vec3(p.x(), -p.z(), p.y());
+  // The importer's own root node turns what is not Y up, by quarters of a turn.
+  Mat3 ownFromYUp = Mat3::Identity();
+  if (read.format == "COLLADA" && read.character.skeleton.jointCount() > 1) {
+    const Mat3 yUpFromOwn = read.character.skeleton.joint(1).rest.rotation.toRotationMatrix();
+    ownFromYUp = yUpFromOwn.transpose().array().round();
   }
+  for (Vec3& p : mesh.vertices) p = ownFromYUp * (fileFromModel * p);
   return mesh;
 }
 
@@ -213,16 +215,82 @@ Result<TriMesh> readCollisionMesh(const RobotMesh& mesh, Host& host) {
   return read;
 }
 
+/// A surface in an order of its own, whatever the file's: equal surfaces compare equal.
+struct OrderedSurface {
+  std::vector<std::array<double, 3>> points;
+  std::vector<std::array<std::size_t, 3>> triangles;
+
+  bool operator==(const OrderedSurface&) const = default;
+};
+
+/// Axes are 0 to 2; none: as it is.
+constexpr std::array<int, 4> kNoneOrAxes = {-1, 0, 1, 2};
+
+Affine3 mirroredIn(int axis) {
+  Vec3 signs = Vec3::Ones();
+  if (axis >= 0) signs[axis] = -1.0;
+  return Affine3(Eigen::Scaling(signs));
+}
+
+OrderedSurface ordered(const TriMesh& mesh, int mirrorAxis) {
+  const Affine3 mirror = mirroredIn(mirrorAxis);
+  OrderedSurface surface;
+  std::vector<std::array<double, 3>> all;
+  for (const Vec3& p : mesh.vertices) {
+    const Vec3 q = mirror * p + Vec3::Zero();  // -0 becomes 0
+    all.push_back({q.x(), q.y(), q.z()});
+  }
+  surface.points = all;
+  std::ranges::sort(surface.points);
+  surface.points.erase(std::unique(surface.points.begin(), surface.points.end()), surface.points.end());
+  for (Triangle t : mesh.triangles) {
+    if (mirrorAxis >= 0) std::swap(t[1], t[2]);
+    std::array<std::size_t, 3> corners;
+    for (std::size_t k = 0; k < 3; ++k) {
+      corners[k] =
+          static_cast<std::size_t>(std::ranges::lower_bound(surface.points, all[t[k]]) - surface.points.begin());
+    }
+    std::rotate(corners.begin(), std::ranges::min_element(corners), corners.end());
+    surface.triangles.push_back(corners);
+  }
+  std::ranges::sort(surface.triangles);
+  return surface;
+}
+
 /// A mesh that was divided, in its file's coordinates.
 struct Divided {
   TriMesh surface;  ///< as the file has it
   TriMesh closed;   ///< what was divided
   std::vector<TriMesh> hulls;
+  std::optional<OrderedSurface> order = {};  ///< of the surface, once it has been compared
 };
 
-Result<Divided> divide(const RobotMesh& mesh, const RobotExportOptions& options, Host& host) {
+/// What a mesh is of one that was divided: itself, its equal, or its mirror image.
+struct MeshImage {
+  std::size_t divided = 0;
+  int mirrorAxis = -1;
+};
+
+/// The one of those that were divided that a surface is equal to, or the mirror image of in one of the file's axes.
+/// Robots have a right leg that is their left one mirrored, as another scale or another file: both get the same hulls.
+std::optional<MeshImage> imageOf(const TriMesh& surface, std::vector<Divided>& divided) {
+  std::array<std::optional<OrderedSurface>, kNoneOrAxes.size()> own;
+  for (std::size_t d = 0; d < divided.size(); ++d) {
+    Divided& other = divided[d];
+    if (other.surface.vertices.size() != surface.vertices.size()) continue;
+    if (other.surface.triangles.size() != surface.triangles.size()) continue;
+    if (!other.order) other.order = ordered(other.surface, -1);
+    for (std::size_t i = 0; i < own.size(); ++i) {
+      if (!own[i]) own[i] = ordered(surface, kNoneOrAxes[i]);
+      if (*own[i] == *other.order) return MeshImage{d, kNoneOrAxes[i]};
+    }
+  }
+  return std::nullopt;
+}
+
+Result<Divided> divide(const RobotMesh& mesh, TriMesh surface, const RobotExportOptions& options, Host& host) {
   Divided divided;
-  LORICA_TRY(divided.surface, readCollisionMesh(mesh, host));
+  divided.surface = std::move(surface);
   ExportSourceOptions how = options.source;
   how.input = mesh.file.string();
   if (how.parts == 0 && how.maxConcavity == 0.0) how.maxConcavity = kRobotConcavity;
@@ -257,22 +325,39 @@ TriMesh around(const Capsule& capsule) {
   return {hull.vertices, hull.triangles};
 }
 
-/// A mesh as one or more geoms have it, and what replaces it; in the frame of these geoms.
+/// A mesh as one or more geoms have it, and what replaces it; in the frame of these geoms, or its mirror image.
 struct Fitted {
-  int mesh = 0;
-  Affine3 geomFromMesh;
+  std::size_t divided = 0;
+  Affine3 fromMesh;
   TriMesh surface;
   std::vector<TriMesh> shapes;
   std::vector<Capsule> capsules;
   RobotLinkReport figures;
 };
 
-Result<Fitted> fit(const RobotGeom& geom, const Divided& divided, const std::string& name, bool capsules) {
-  Fitted fitted{geom.mesh, geom.geomFromMesh, placed(divided.surface, geom.geomFromMesh), {}, {}, {}};
-  const TriMesh closed = placed(divided.closed, geom.geomFromMesh);
+/// A geom's axes, of which each may point the other way: then those of all geoms that are mirror images are one.
+/// @param fromMesh  into the geom's frame; becomes that into the axes @return the geom from these axes
+Affine3 unmirror(Affine3& fromMesh) {
+  Vec3 signs = Vec3::Ones();
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vec3 row = fromMesh.linear().row(axis);
+    for (const double x : row) {
+      if (x == 0.0) continue;
+      if (x < 0.0) signs[axis] = -1.0;
+      break;
+    }
+  }
+  fromMesh = Eigen::Scaling(signs) * fromMesh;
+  return Affine3(Eigen::Scaling(signs));
+}
+
+Result<Fitted> fit(std::size_t index, const Affine3& fromMesh, const Divided& divided, const std::string& name,
+                   bool capsules) {
+  Fitted fitted{index, fromMesh, placed(divided.surface, fromMesh), {}, {}, {}};
+  const TriMesh closed = placed(divided.closed, fromMesh);
   RobotLinkReport& figures = fitted.figures;
   for (const TriMesh& hull : divided.hulls) {
-    TriMesh shape = placed(hull, geom.geomFromMesh);
+    TriMesh shape = placed(hull, fromMesh);
     if (capsules) {
       fitted.capsules.push_back(capsuleAround(shape.vertices));
       shape = around(fitted.capsules.back());
@@ -386,8 +471,9 @@ Result<RobotReport> exportRobot(const RobotExportOptions& options, Host& host) {
   }
   LORICA_TRY(const std::unique_ptr<RobotFile> robot, readRobot(options, reading));
 
-  // Each mesh once, then as its geoms have it.
+  // Each mesh once, and its mirror image with it, then as its geoms have it.
   std::vector<Divided> divided;
+  std::vector<MeshImage> images;
   std::size_t triangles = 0;
   const auto tooMany = [](const std::string& where) {
     return badMesh("{}: with this mesh there are more than {} triangles, expected at most that", where,
@@ -396,32 +482,46 @@ Result<RobotReport> exportRobot(const RobotExportOptions& options, Host& host) {
   for (std::size_t m = 0; m < robot->meshes.size(); ++m) {
     const double count = countOf(robot->meshes);
     const Stage stage(host, m / count, (m + 1) / count);
-    LORICA_TRY(Divided made, prefixed(robot->meshes[m].where, divide(robot->meshes[m], options, host)));
-    triangles += made.surface.triangles.size();
-    if (triangles > kMaxTriangles) return tooMany(robot->meshes[m].where);
+    const RobotMesh& mesh = robot->meshes[m];
+    LORICA_TRY(TriMesh surface, prefixed(mesh.where, readCollisionMesh(mesh, host)));
+    triangles += surface.triangles.size();
+    if (triangles > kMaxTriangles) return tooMany(mesh.where);
+    const std::optional<MeshImage> known = imageOf(surface, divided);
+    images.push_back(known.value_or(MeshImage{divided.size(), -1}));
+    if (known) continue;
+    LORICA_TRY(Divided made, prefixed(mesh.where, divide(mesh, std::move(surface), options, host)));
     divided.push_back(std::move(made));
   }
   std::vector<Fitted> fits;
   std::vector<std::size_t> fitOfGeom;
+  std::vector<Affine3> geomFromFit;
   for (const RobotGeom& geom : robot->geoms) {
-    const auto isFit = [&](const Fitted& each) {
-      return each.mesh == geom.mesh && each.geomFromMesh.matrix() == geom.geomFromMesh.matrix();
+    const auto& [index, mirrorAxis] = images[geom.mesh];
+    Affine3 fromMesh = geom.geomFromMesh * mirroredIn(mirrorAxis);
+    geomFromFit.push_back(unmirror(fromMesh));
+    const auto isFit = [&, index = index](const Fitted& each) {
+      return each.divided == index && each.fromMesh.matrix() == fromMesh.matrix();
     };
     const auto found = std::ranges::find_if(fits, isFit);
     fitOfGeom.push_back(static_cast<std::size_t>(found - fits.begin()));
     if (found != fits.end()) continue;
     if (host.cancelled()) return cancelled();
-    triangles += divided[geom.mesh].surface.triangles.size();
+    triangles += divided[index].surface.triangles.size();
     if (triangles > 2 * kMaxTriangles) return tooMany(robot->meshes[geom.mesh].where);
-    LORICA_TRY(Fitted made, fit(geom, divided[geom.mesh], robot->meshes[geom.mesh].where, options.capsules));
+    LORICA_TRY(Fitted made, fit(index, fromMesh, divided[index], robot->meshes[geom.mesh].where, options.capsules));
     fits.push_back(std::move(made));
   }
 
   // What became of each link.
   RobotReport report;
-  report.meshes = robot->meshes.size();
+  report.meshes = divided.size();
   RobotShapes shapes;
-  for (Divided& each : divided) shapes.hulls.push_back(std::move(each.hulls));
+  for (const MeshImage& each : images) {
+    shapes.hulls.emplace_back();
+    for (const TriMesh& hull : divided[each.divided].hulls) {
+      shapes.hulls.back().push_back(placed(hull, mirroredIn(each.mirrorAxis)));
+    }
+  }
   std::vector<GeomShapes> compared;
   std::map<int, RobotLinkReport> byLink;
   for (std::size_t g = 0; g < robot->geoms.size(); ++g) {
@@ -430,8 +530,14 @@ Result<RobotReport> exportRobot(const RobotExportOptions& options, Host& host) {
     const auto [place, isNew] = byLink.try_emplace(link, fitted.figures);
     if (!isNew) add(place->second, fitted.figures);
     place->second.name = robot->links[link].name;
-    if (options.capsules) shapes.capsules.push_back(fitted.capsules);
-    compared.push_back({&fitted.surface, &fitted.shapes});
+    if (options.capsules) {
+      shapes.capsules.push_back(fitted.capsules);
+      for (Capsule& each : shapes.capsules.back()) {
+        each.from = geomFromFit[g] * each.from;
+        each.to = geomFromFit[g] * each.to;
+      }
+    }
+    compared.push_back({&fitted.surface, &fitted.shapes, geomFromFit[g]});
   }
   for (auto& [link, figures] : byLink) report.links.push_back(std::move(figures));
   const NewContacts contacts = newContacts(*robot, compared);

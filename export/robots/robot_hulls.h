@@ -46,7 +46,7 @@ struct RobotLinkReport {
 struct RobotReport {
   std::vector<RobotLinkReport> links;                            ///< those that collide with meshes
   std::size_t files = 0;                                         ///< that were written
-  std::size_t meshes = 0;                                        ///< different ones that were divided
+  std::size_t meshes = 0;                                        ///< that were divided: a mirror image is no other one
   std::vector<std::pair<std::string, std::string>> newContacts;  ///< see newContacts()
   std::vector<std::string> notes;
 };

@@ -5,6 +5,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "geometry/mesh_formats.h"
 #include "geometry/named_file.h"
 #include "geometry/text.h"
@@ -174,8 +175,8 @@ class UrdfFile final : public RobotFile {
       }
     }
     if (links.size() != known.size()) {
-      return badFormat("{}: found {} links in circles of joints, expected a tree", xml_.shown(),
-                       known.size() - links.size());
+      return badFormat("{}: found {} in circles of joints, expected a tree", xml_.shown(),
+                       counted(std::ssize(known) - std::ssize(links), "link"));
     }
     weldLinks();
     return {};
@@ -215,7 +216,7 @@ class UrdfFile final : public RobotFile {
 
   /// A file of the robot's folder, of the package around it, or of one that is given.
   Result<fs::path> fileOf(const std::string& name) const {
-    if (name.find("$(") != std::string::npos) {
+    if (name.find("$(") != std::string::npos || name.find("${") != std::string::npos) {
       return badFormat("'{}' has a substitution of xacro left: `xacro {} > robot.urdf` makes it", printable(name, 120),
                        xml_.shown());
     }
@@ -304,7 +305,7 @@ class UrdfFile final : public RobotFile {
 Result<std::unique_ptr<RobotFile>> readUrdf(const fs::path& file, const RobotReading& reading) {
   LORICA_TRY(XmlText xml, XmlText::read(file, file.string(), NamedBy::kUser));
   auto robot = std::make_unique<UrdfFile>(std::move(xml), file, reading);
-  LORICA_TRY_DO(robot->read());
+  LORICA_TRY_DO(unlessStopped(robot->read()));
   return std::unique_ptr<RobotFile>(std::move(robot));
 }
 

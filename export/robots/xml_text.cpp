@@ -240,8 +240,8 @@ Result<std::vector<double>> numbersOf(const std::string& where, std::string_view
     at = stop;
   }
   if (good && numbers.size() >= least) return numbers;
-  return badFormat("{}: {}: found '{}', expected {} numbers", where, attribute, printable(text, 60),
-                   least == most ? std::to_string(least) : fmt::format("{} to {}", least, most));
+  return badFormat("{}: {}: found '{}', expected {}{}", where, attribute, printable(text, 60),
+                   least == most ? "" : fmt::format("{} to ", least), counted(static_cast<long long>(most), "number"));
 }
 
 }  // namespace lorica

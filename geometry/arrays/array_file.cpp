@@ -2,6 +2,7 @@
 
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "geometry/little_endian.h"
 #include "geometry/text.h"
 
@@ -23,6 +24,7 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMagic = "\x93NUMPY";
 constexpr std::string_view kEnding = ".npy";
+constexpr std::size_t kHeadBytes = 256;   // in which an array's type stands
 constexpr std::size_t kPiece = 1U << 20;  // bytes that are unpacked or written at a time
 
 /// What stands behind a key of a header, which is a dict of Python: {'descr': '<f4', 'fortran_order': False, ...}
@@ -146,6 +148,7 @@ Result<std::vector<NamedArray>> parseArchive(std::string_view bytes, const std::
       const std::size_t before = content.size();
       content.resize(before + kPiece);
       const zip_int64_t got = packed ? zip_fread(packed.get(), content.data() + before, kPiece) : -1;
+      if (workStopped()) return cancelled();
       if (got < 0) {
         return badFormat("{}: cannot be unpacked: {}", place,
                          packed ? zip_file_strerror(packed.get()) : zip_strerror(archive.get()));
@@ -155,6 +158,9 @@ Result<std::vector<NamedArray>> parseArchive(std::string_view bytes, const std::
       unpacked += size;
       if (unpacked > most) return badFormat("{}: unpacks to more than {} bytes, expected at most that", where, most);
     }
+    if (std::string_view(content).substr(0, kHeadBytes).find("'|O'") != std::string_view::npos &&
+        (i + 1 < count || !arrays.empty()))
+      continue;
     LORICA_TRY(NamedArray array, parseArray(content, place));
     array.name = name.substr(0, name.size() - kEnding.size());
     arrays.push_back(std::move(array));
@@ -201,12 +207,36 @@ Result<std::vector<NamedArray>> readArrays(const fs::path& file, NamedBy by) {
 }
 
 Result<std::vector<double>> numbersOf(const NamedArray& array) {
-  if (array.type == "<f4") return numbersAs<float>(array.bytes);
-  if (array.type == "<f8") return numbersAs<double>(array.bytes);
-  if (array.type == "<i4") return numbersAs<std::int32_t>(array.bytes);
-  if (array.type == "<i8") return numbersAs<std::int64_t>(array.bytes);
-  return unsupported("{}: found elements of type '{}', expected '<f4', '<f8', '<i4' or '<i8'", printable(array.name),
+  using Reader = std::vector<double> (*)(const std::string&);
+  constexpr std::array<std::pair<std::string_view, Reader>, 10> kReaders = {{{"<f4", numbersAs<float>},
+                                                                             {"<f8", numbersAs<double>},
+                                                                             {"|i1", numbersAs<std::int8_t>},
+                                                                             {"|u1", numbersAs<std::uint8_t>},
+                                                                             {"<i2", numbersAs<std::int16_t>},
+                                                                             {"<u2", numbersAs<std::uint16_t>},
+                                                                             {"<i4", numbersAs<std::int32_t>},
+                                                                             {"<u4", numbersAs<std::uint32_t>},
+                                                                             {"<i8", numbersAs<std::int64_t>},
+                                                                             {"<u8", numbersAs<std::uint64_t>}}};
+  for (const auto& [type, read] : kReaders) {
+    if (array.type == type) return read(array.bytes);
+  }
+  return unsupported("{}: found elements of type '{}', expected '<f4', '<f8' or whole numbers", printable(array.name),
                      array.type);
+}
+
+std::vector<std::string> arrayNames(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(file, ignored)) return {};
+  const Owned<zip_t> archive(zip_open(file.c_str(), ZIP_RDONLY, nullptr));
+  std::vector<std::string> names;
+  const zip_int64_t count = archive ? zip_get_num_entries(archive.get(), 0) : 0;
+  for (zip_int64_t i = 0; i < count; ++i) {
+    const char* name = zip_get_name(archive.get(), i, 0);
+    if (name == nullptr || !std::string_view(name).ends_with(kEnding)) continue;
+    names.emplace_back(name, std::string_view(name).size() - kEnding.size());
+  }
+  return names;
 }
 
 Result<void> writeArrays(std::span<const NamedArray> arrays, NewFile& file) {

@@ -26,10 +26,13 @@ struct NamedArray {
 };
 
 /// Reads all arrays of an .npz, or the one of a .npy, which has the file's name. Elements are numbers, truth values and
-/// text, little-endian and in C order.
+/// text, little-endian and in C order; those of Python's objects are left out, since reading them runs code.
 /// @return at least one, or an error that says what else was found
 [[nodiscard]] Result<std::vector<NamedArray>> readArrays(const std::filesystem::path& file,
                                                          NamedBy by = NamedBy::kUser);
+
+/// The names of an .npz's arrays, without reading them; none of what is no such file.
+[[nodiscard]] std::vector<std::string> arrayNames(const std::filesystem::path& file);
 
 /// The same for bytes in memory.
 /// @param file  named in errors
@@ -37,7 +40,7 @@ struct NamedArray {
 [[nodiscard]] Result<std::vector<NamedArray>> parseArrays(std::string_view bytes, const std::filesystem::path& file,
                                                           std::uint64_t most = kMaxArrayBytes);
 
-/// The elements of an array of float32, float64, int32 or int64; an error names the array.
+/// The elements of an array of float32 or float64, or of whole numbers of 1 to 8 bytes; an error names the array.
 [[nodiscard]] Result<std::vector<double>> numbersOf(const NamedArray& array);
 
 /// Writes an .npz that is not compressed. The same arrays give the same bytes.

@@ -1,9 +1,13 @@
 #include "session/prepare/body.h"
 
+#include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "session/prepare/quality.h"
 #include "session/prepare/training.h"
 
+#include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace lorica {
@@ -64,12 +68,30 @@ Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std:
 
 Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host) {
   Result<DecompositionFile> body = chooseDecomposition(options, subject, host);
-  if (!body || !options.cover.given()) return body;
+  if (!body) return body;
+  if (const std::string doubt = doubtAboutHulls(body->meanError); !doubt.empty()) {
+    host.warn(subject.name + ": " + doubt);
+  }
+  if (!options.cover.given()) return body;
   body->cover.reset();
   body->errorPerKeyframe.clear();  // it was that of other hulls
   if (options.cover.exact()) return body;
   LORICA_TRY(body->cover, coverOf(subject, *body, options.cover, host));
   return body;
+}
+
+DecompositionFile wholeBody(const Subject& subject) {
+  const TriMesh& mesh = subject.character->mesh;
+  Part part{mesh.triangles, std::vector<std::int32_t>(mesh.triangles.size()), {}};
+  std::iota(part.sourceTriangle.begin(), part.sourceTriangle.end(), 0);
+  for (const Triangle& t : mesh.triangles) part.points.insert(part.points.end(), t.begin(), t.end());
+  std::ranges::sort(part.points);
+  part.points.erase(std::unique(part.points.begin(), part.points.end()), part.points.end());
+  DecompositionFile whole;
+  whole.decomposition = {countOf(mesh.vertices), countOf(mesh.triangles), {}, {}, {std::move(part)}};
+  whole.source = subject.name;
+  whole.meshHash = topologyHash(mesh);
+  return whole;
 }
 
 }  // namespace lorica

@@ -34,4 +34,8 @@ struct BodyOptions {
 /// @return the body, or an error if the file was made from another mesh or cannot be read
 [[nodiscard]] Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host);
 
+/// The body as one part, without cuts: for pictures that show no hulls, of bodies that touch nothing. Takes no time.
+/// @param subject  a character
+[[nodiscard]] DecompositionFile wholeBody(const Subject& subject);
+
 }  // namespace lorica

@@ -123,7 +123,7 @@ AvatarRecord recordOf(const std::string& file, const CastRequest& request, const
   record.trainingHash = hashOf(avatar.body.training);
   // A motion of bones is recorded after retargeting: it is already mirrored, and never smoothed.
   if (!avatar.poses) record.joints = request.performing.joints();
-  record.faults = request.performing.faults();
+  record.faults = request.performing.inject;
   record.place = avatar.setting.place;
   record.heading = avatar.setting.heading;
   record.color = avatar.setting.color;

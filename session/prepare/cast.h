@@ -36,6 +36,9 @@ struct CastRequest {
   std::vector<std::string> meshes;  ///< files that become props
   /// Asked about the avatars before their bodies are decomposed, which takes longest; null = all are accepted.
   std::function<Result<void>(std::span<const PreparedAvatar>)> check = nullptr;
+  /// Whether the hulls of the bodies are looked at. If not, prepareCast() makes none, see wholeBody(), unless they
+  /// touch something that is asked for: a scene, props, hair that rests on the body; or the request chooses them.
+  bool hulls = true;
 
   /// The files that it names, which no output may overwrite.
   [[nodiscard]] std::vector<std::filesystem::path> files() const;
@@ -89,7 +92,7 @@ struct CastChoices {
 
 /// The avatars of a run, prepared, and their world.
 struct Cast {
-  CastRequest request;
+  CastRequest request;  ///< `hulls`: whether they were made
   World world;
   std::vector<HitTarget> targets = {};  ///< of the scene
   std::vector<PreparedAvatar> avatars = {};

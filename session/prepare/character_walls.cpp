@@ -69,7 +69,15 @@ std::string meshesOf(const CharacterFile& file, const std::vector<bool>& sheet) 
 Result<ClosedBody> bodyWithWalls(const CharacterFile& file, const CharacterOptions& options, const MakeRest& makeRest) {
   const Character& character = file.character;
   if (options.walls.value_or(WallChoice::kSolid) == WallChoice::kSolid) {
-    if (options.thickness <= 0.0) return makeRest(character);
+    if (options.thickness <= 0.0) {
+      Result<ClosedBody> solid = makeRest(character);
+      const bool flat = solid ? solid->onlySheets : solid.error().code == ErrorCode::kBadMesh;
+      if (options.walls || !flat) return solid;
+      CharacterOptions thin = options;
+      thin.walls = WallChoice::kShell;
+      Result<ClosedBody> walls = bodyWithWalls(file, thin, makeRest);
+      return walls ? walls : solid;
+    }
     return invalidArgument("{}: a thickness is for thin walls, expected --walls auto or shell beside it",
                            character.name);
   }

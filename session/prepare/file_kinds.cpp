@@ -1,7 +1,9 @@
 #include "session/prepare/file_kinds.h"
 
+#include "geometry/arrays/mesh_sequence.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
+#include "session/prepare/smpl.h"
 #include "skinning/import/character_file.h"
 
 #include <algorithm>
@@ -22,17 +24,12 @@ struct Ending {
   FileKind kind;
 };
 constexpr std::array kEndings = {
-    Ending{".bvh", FileKind::kBvh},
-    Ending{".csv", FileKind::kJoints},
-    Ending{".txt", FileKind::kJoints},
-    Ending{".oni", FileKind::kDepth},
-    Ending{".pcap", FileKind::kPackets},
-    Ending{".lsession", FileKind::kSession},
-    Ending{".off", FileKind::kMesh},
-    Ending{".obj", FileKind::kMesh},
-    Ending{".ply", FileKind::kMesh},
-    Ending{".stl", FileKind::kMesh},
-    Ending{".lorica", FileKind::kDecomposition},
+    Ending{".bvh", FileKind::kBvh},          Ending{".csv", FileKind::kJoints},
+    Ending{".txt", FileKind::kJoints},       Ending{".trc", FileKind::kJoints},
+    Ending{".oni", FileKind::kDepth},        Ending{".pcap", FileKind::kPackets},
+    Ending{".lsession", FileKind::kSession}, Ending{".off", FileKind::kMesh},
+    Ending{".obj", FileKind::kMesh},         Ending{".ply", FileKind::kMesh},
+    Ending{".stl", FileKind::kMesh},         Ending{".lorica", FileKind::kDecomposition},
 };
 
 struct Mark {
@@ -82,19 +79,28 @@ std::string beginOf(const std::filesystem::path& file) {
 FileKind kindOf(const std::filesystem::path& file) {
   if (isCharacterFile(file)) return FileKind::kCharacter;
   const std::string extension = lowerCase(file.extension().string());
+  if (extension == ".npz" && archiveKindOf(file) == ArchiveKind::kSmplMotion) return FileKind::kBodyModel;
+  if (namesSequence(file.string())) return FileKind::kCharacter;
   for (const Ending& ending : kEndings) {
     if (extension == ending.name) return ending.kind;
   }
   const std::string begin = beginOf(file);
   const auto has = [&](std::string_view text) { return begin.find(text) != std::string::npos; };
   if (extension == ".json" && has("lorica scene")) return FileKind::kScene;
-  if (extension == ".json" && (has("\"joint_positions\"") || has("\"joint_names\"") || has("\"frames\""))) {
+  if (extension == ".json" && (has("\"joint_positions\"") || has("\"joint_names\"") || has("\"frames\"") ||
+                               has("andmarks\"") || has("\"visibility\""))) {
     return FileKind::kJoints;
   }
   return begin.starts_with("NI10") ? FileKind::kDepth : FileKind::kUnknown;
 }
 
 Result<void> refuseOtherKinds(const std::filesystem::path& file) {
+  if (namesSequence(file.string())) return {};  // whose readers say more
+  if (lowerCase(file.extension().string()) == ".pkl") {
+    return withWhatOpens(
+        unsupported("{}: a pickle runs code when it is opened, so it is not: save its arrays by numpy.savez as .npz",
+                    file.string()));
+  }
   const std::string begin = beginOf(file);
   const FileKind kind = kindOf(file);
   const bool unnamed = kind == FileKind::kJoints || kind == FileKind::kUnknown;
@@ -108,9 +114,9 @@ Result<void> refuseOtherKinds(const std::filesystem::path& file) {
 
 Error withWhatOpens(Error found) {
   found.message +=
-      "; Lorica opens characters (.glb, .gltf, .vrm, .vrma, .fbx, .dae), motions (.bvh, joints as .csv, .txt or "
-      ".json), depth recordings (.oni), meshes (.obj, .ply, .stl, .off), scenes (.json), sessions (.lsession), packets "
-      "(.pcap) and decompositions (.lorica)";
+      "; Lorica opens characters (.glb, .gltf, .vrm, .vrma, .fbx, .dae), mesh sequences (a folder, .npz, .pc2, .mdd), "
+      "motions (.bvh, joints as .csv, .txt, .trc or .json), depth recordings (.oni), meshes (.obj, .ply, .stl, .off), "
+      "scenes (.json), sessions (.lsession), packets (.pcap) and decompositions (.lorica)";
   return found;
 }
 

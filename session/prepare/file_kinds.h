@@ -9,7 +9,8 @@ namespace lorica {
 
 /// What a file is for Lorica.
 enum class FileKind : std::uint8_t {
-  kCharacter,  ///< or a motion without a character, in the same formats
+  kCharacter,  ///< or a motion without a character, in the same formats; or a mesh in several poses
+  kBodyModel,  ///< a motion of SMPL and its kin
   kBvh,
   kJoints,
   kDepth,

@@ -40,9 +40,16 @@ DecomposeSettings withMargin(DecomposeSettings settings) {
 /// Decomposes once, and finds the hulls that are used.
 Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings, Host& host) {
   const Subject& subject = request.subject;
-  Fit fit;
   LORICA_TRY(TimedDecomposition made,
              decomposeWithProgress(subject.name, subject.mesh, posesOf(request), withMargin(settings), host));
+  return fitOf(request, std::move(made), host);
+}
+
+}  // namespace
+
+Result<Fit> fitOf(const FitRequest& request, TimedDecomposition made, Host& host) {
+  const Subject& subject = request.subject;
+  Fit fit;
   fit.made = std::move(made);
   const Decomposition& parts = fit.made.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
@@ -52,7 +59,7 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
   fit.held = withHeldVertices(parts, attached);
   if (!subject.character || request.exported) {
     fit.exported =
-        simplifyHulls(hullsIn(fit.held, subject.mesh.vertices), request.cover.hullVertices, settings.threads);
+        simplifyHulls(hullsIn(fit.held, subject.mesh.vertices), request.cover.hullVertices, request.settings.threads);
   }
   if (subject.character) {
     const Character& character = *subject.character;
@@ -77,8 +84,6 @@ Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings
   }
   return fit;
 }
-
-}  // namespace
 
 bool Fit::errorMet(const DecomposeSettings& settings) const {
   return settings.maxError <= 0.0 ||

@@ -57,6 +57,10 @@ struct Fit {
 /// nearest to them are returned.
 [[nodiscard]] Result<Fit> fitHulls(const FitRequest& request, Host& host);
 
+/// The hulls that are used of parts that were made before, and their figures.
+/// @param made  of the subject's mesh, or of another one with the same triangles
+[[nodiscard]] Result<Fit> fitOf(const FitRequest& request, TimedDecomposition made, Host& host);
+
 /// The content of a .lorica file. Of a mesh it has all points, whatever the vertex limit of the exported hulls.
 /// @param training  of a character; else null
 [[nodiscard]] DecompositionFile fileContent(const FitRequest& request, const Training* training, const Fit& fit);

@@ -3,6 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/rigid_distance.h"
+#include "geometry/text.h"
 #include "skinning/linear_blend.h"
 
 #include <algorithm>
@@ -93,12 +94,14 @@ Character withFewerVertices(const Character& character) {
   few.mesh = {};
   few.influences.clear();
   few.influenceBegin.assign(1, 0);
+  few.shapes = {};
   for (const std::size_t v : evenly(std::min(all, kVerticesCompared), all)) {
     few.mesh.vertices.push_back(character.mesh.vertices[v]);
     const auto begin = character.influences.begin();
     few.influences.insert(few.influences.end(), begin + character.influenceBegin[v],
                           begin + character.influenceBegin[v + 1]);
     few.influenceBegin.push_back(few.influences.size());
+    few.shapes.append(character.shapes.of(v));
   }
   return few;
 }
@@ -121,7 +124,8 @@ Result<std::vector<Vec3>> sampleKeyframes(const Character& character, std::span<
   if (count < 1) return invalidArgument("{} keyframes requested, expected 1 or more", count);
   const std::size_t wanted = count;
   if (wanted > frameCount) {
-    return invalidArgument("{} keyframes requested, the motions have {} frames", count, frameCount);
+    return invalidArgument("{} requested, the motions have {}", counted(count, "keyframe"),
+                           counted(std::int64_t(frameCount), "frame"));
   }
   return poseFrames(character, motions, evenly(wanted, frameCount));
 }

@@ -215,7 +215,7 @@ SkeletonFrame LiveSources::withHead(SkeletonFrame person) const {
 
 Result<std::unique_ptr<PoseSource>> LiveSources::open(const PreparedAvatar& avatar, std::size_t index,
                                                       const MotionOptions& performing, std::shared_ptr<SourceLog> log) {
-  const SourceTreatment treatment{std::move(log), performing.faults(), performing.joints()};
+  const SourceTreatment treatment{std::move(log), performing.inject, performing.joints()};
   if (vmc.empty()) {
     return makeTreatedSource(avatar.character(), std::make_unique<SharedJoints>(*this, index), treatment);
   }

@@ -46,12 +46,13 @@ int Motion::framesIn(double some) const {
 }
 
 Result<SkeletalMotion> framesOf(const Skeleton& skeleton, const Clip& clip) {
-  const double longest = kMaxClipPoses / kClipRate / skeleton.jointCount();
+  const double rate = clip.framesPerSecond > 0.0 ? clip.framesPerSecond : kClipRate;
+  const double longest = kMaxClipPoses / rate / skeleton.jointCount();
   if (clip.seconds > longest) {
     return unsupported("the clip '{}' lasts {:.0f} s, expected at most {:.0f} s with {} joints", clip.name,
                        clip.seconds, longest, skeleton.jointCount());
   }
-  return sampleWhole(skeleton, clip, kClipRate);
+  return sampleWhole(skeleton, clip, rate);
 }
 
 Result<SkeletalMotion> performedBy(const Character& character, const Motion& motion, const JointSettings& settings) {

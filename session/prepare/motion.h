@@ -62,7 +62,7 @@ struct Motion {
 
 inline constexpr double kClipRate = 60.0;  ///< [1/s]
 
-/// A clip as a motion of its skeleton, at 60 frames a second; or that it is too long for that.
+/// A clip as a motion of its skeleton, at its own frames or 60 a second; or that it is too long for that.
 [[nodiscard]] Result<SkeletalMotion> framesOf(const Skeleton& skeleton, const Clip& clip);
 
 /// The whole motion on a character's skeleton: joints and other humanoids' bones are retargeted; bones from a character

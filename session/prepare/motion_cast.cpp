@@ -138,7 +138,7 @@ Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const 
     return invalidArgument(
         "expected a motion, such as walk, or a character with clips: --character hero.glb --clip Run");
   }
-  if (isCharacterFile(own) &&
+  if (kindOf(own) == FileKind::kCharacter &&
       (setting.character.empty() || setting.motion.empty() || setting.motion == setting.character)) {
     CharacterOptions reading = request.reading;
     reading.ownClip = clipName;
@@ -166,7 +166,7 @@ Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const 
         motion.bones = standing(subject->character->skeleton);
       } else {
         LORICA_TRY(const Clip* clip, findClip(subject->file->clips, clipName, own));
-        if (!clip->name.empty()) motion.name += ": " + clip->name;
+        if (!clip->name.empty() && clip->name != motion.name) motion.name += ": " + clip->name;
         LORICA_TRY(motion.bones, prefixed(own, framesOf(subject->character->skeleton, *clip)));
       }
       motion.fromCharacterFile = true;
@@ -189,30 +189,36 @@ Result<PreparedAvatar> readMotionAndCharacter(const CastRequest& request, const 
 }
 
 /// Reads everything that may be refused before any body is decomposed.
-Result<std::vector<PreparedAvatar>> readAvatars(const CastRequest& request, std::vector<Role> roles, Host& host) {
+/// @param request  `hulls` is set if springs touch them
+Result<std::vector<PreparedAvatar>> readAvatars(CastRequest& request, std::vector<Role> roles, Host& host) {
   std::vector<PreparedAvatar> avatars;
   const auto part = [&](std::size_t i) { return double(i) / double(roles.size()); };
   for (Role& role : roles) {
     const Stage stage(host, kReading * part(avatars.size()), kReading * part(avatars.size() + 1));
     Result<PreparedAvatar> avatar = readAvatar(request, role.setting, std::move(role.motion), host);
     if (!avatar) return Error{avatar.error().code, role.where + avatar.error().message};
+    avatar->springs = chooseSprings(avatar->subject, request.springs);
+    request.hulls = request.hulls || (avatar->springs && avatar->springs->mode == SpringMode::kBody);
     avatars.push_back(std::move(*avatar));
   }
   if (request.check) LORICA_TRY_DO(request.check(avatars));
   for (std::size_t i = 0; i < roles.size(); ++i) {
     PreparedAvatar& avatar = avatars[i];
+    if (!request.hulls) {
+      avatar.body = wholeBody(avatar.subject);
+      continue;
+    }
     const Stage stage(host, kReading + (1.0 - kReading) * part(i), kReading + (1.0 - kReading) * part(i + 1));
     Result<DecompositionFile> body = chooseBody(request.body, avatar.subject, host);
     if (!body) return Error{body.error().code, roles[i].where + body.error().message};
     avatar.body = std::move(*body);
-    avatar.springs = chooseSprings(avatar.subject, request.springs);
   }
   return avatars;
 }
 
 Error charactersFor(const std::string& where, std::size_t characters, const std::string& what) {
-  return invalidArgument("{}found {} characters and {}, expected one character for all of them or one for each", where,
-                         characters, what);
+  return invalidArgument("{}found {} and {}, expected one character for all of them or one for each", where,
+                         counted(std::int64_t(characters), "character"), what);
 }
 
 /// Divides a request with several motions, "walk,wave", into what each avatar performs, next to each other.
@@ -300,7 +306,7 @@ Result<void> settle(Cast& cast, Host& host) {
   // The poses come from a step in another world: of the same props, without particles.
   LORICA_TRY(World other, openScene(cast.request.scene, 1.0, host));
   addProps(cast.added, other);
-  other.setParticles(ParticleSettings());
+  LORICA_TRY_DO(other.setParticles(ParticleSettings()));
   World world = std::exchange(cast.world, std::move(other));
   Result<Session> session = startSession(cast);
   cast.world = std::move(world);
@@ -340,17 +346,21 @@ std::shared_ptr<CastSources> motionSources() {
 
 Result<Cast> prepareCast(const CastRequest& asked, Host& host) {
   std::string remark;
-  const CastRequest request = withPlaces(asked, remark);
+  CastRequest request = withPlaces(asked, remark);
+  request.hulls = request.hulls || !request.scene.empty() || !request.meshes.empty() ||
+                  !request.body.decomposition.empty() || request.body.cover.given();
   LORICA_TRY(OpenedScene scene, openStage(request.scene, host));
   const bool staged = !scene.stage.empty() && request.motion.empty() && request.character.empty();
   LORICA_TRY(std::vector<Role> roles, staged ? rolesOfStage(scene.stage, request.scene)
                                       : request.performing.person == kEveryone ? rolesOfPeople(request, host)
                                                                                : rolesOfMotions(request));
-  Cast cast{request, std::move(scene.world), std::move(scene.targets)};
+  Cast cast{{}, std::move(scene.world), std::move(scene.targets)};
   {
     const Stage stage(host, 0.0, mustSettle(cast.world) ? kBeforeSettling : 1.0);
     LORICA_TRY(cast.avatars, readAvatars(request, std::move(roles), host));
   }
+  cast.request = request;
+  if (!request.hulls) cast.world = World();  // nothing of it is looked at
   for (const std::string& mesh : request.meshes) {
     LORICA_TRY(Prop prop, openMeshProp(mesh, host));
     prop.worldFromProp = poseOfDropped(countOf(cast.added), prop);

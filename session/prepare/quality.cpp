@@ -6,8 +6,10 @@
 #include "collision/live/choose_cover.h"
 #include "collision/live/lifted_point.h"
 #include "geometry/counts.h"
+#include "geometry/text.h"
 #include "skinning/linear_blend.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -32,6 +34,13 @@ Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls&
     quality.error += share * pose.relative();
   }
   return quality;
+}
+
+std::string doubtAboutHulls(double error) {
+  constexpr double kDoubtful = 0.5;
+  if (!(error > kDoubtful)) return "";
+  return fmt::format("the hulls have {} more volume than the mesh, expected at most {}: more parts follow it closer",
+                     percent(error), percent(kDoubtful));
 }
 
 namespace {

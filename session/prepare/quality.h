@@ -7,6 +7,7 @@
 #include "skinning/character.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace lorica {
@@ -23,6 +24,11 @@ struct Quality {
 /// Means of the volumes, of the score and of the error over the keyframes.
 /// @param hulls  in each keyframe
 [[nodiscard]] Quality measureQuality(const TriMesh& mesh, PoseView keyframes, const UsedHulls& hulls);
+
+/// What everybody is told of hulls with more than half as much volume again as their mesh.
+/// @param error  see Quality
+/// @return a sentence; "" for a smaller error
+[[nodiscard]] std::string doubtAboutHulls(double error);
 
 /// Largest distance of the hulls from the surface of their parts, over all keyframes: an upper bound that is at most 1
 /// % too large. Distances below `ignoreBelow` are not resolved [mesh units; m for a character].

@@ -9,6 +9,8 @@
 #include "session/prepare/depth_motion.h"
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/first_guess.h"
+#include "session/prepare/played_mesh.h"
+#include "session/prepare/smpl.h"
 #include "session/prepare/stream_motion.h"
 #include "skinning/import/character_file.h"
 
@@ -58,17 +60,17 @@ Motion motionOf(JointStream stream, std::string name) {
 Result<Motion> readJoints(const fs::path& file, const MotionOptions& options) {
   LORICA_TRY_DO(refuse(file.string(), {{!options.clip.empty(), "--clip", "clips of skeletons"}}));
   JointStreamSettings settings;
-  if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
+  settings.format = options.format;
   if (options.person > 0) settings.person = options.person;
   Result<JointStream> read = readJointStream(file, settings);
   if (!read) return read.error().code == ErrorCode::kUnsupported ? withWhatOpens(read.error()) : read.error();
   return motionOf(*std::move(read), file.stem().string());
 }
 
-Result<Motion> readBones(const fs::path& file, const MotionOptions& options, const Host& host) {
-  LORICA_TRY_DO(refuse(file.string(), {{!options.format.empty(), "--format", kJointsOnly},
+Result<Motion> readBones(const fs::path& file, const MotionOptions& options, Host& host) {
+  LORICA_TRY_DO(refuse(file.string(), {{options.format.has_value(), "--format", kJointsOnly},
                                        {options.person != 0, "--person", kJointsOnly},
-                                       {options.smooth != "off", "--smooth", kJointsOnly},
+                                       {options.smooth != MotionOptions::Smoothing::kOff, "--smooth", kJointsOnly},
                                        {isBvh(file) && !options.clip.empty(), "--clip", kClipsOnly}}));
   Motion motion;
   motion.name = file.stem().string();
@@ -81,7 +83,11 @@ Result<Motion> readBones(const fs::path& file, const MotionOptions& options, con
     motion.firstGuess = firstGuessOf(std::move(read.firstGuess), motion);
     return motion;
   }
-  LORICA_TRY(CharacterFile read, readCharacterFile(file, host.characterFiles()));
+  if (kindOf(file) == FileKind::kBodyModel) {
+    LORICA_TRY_DO(refuse(file.string(), {{!options.clip.empty(), "--clip", kClipsOnly}}));
+    return readSmplMotion(file);
+  }
+  LORICA_TRY(CharacterFile read, readPlayed(file.string(), host));
   LORICA_TRY(const Clip* clip, findClip(read.clips, options.clip, file.string()));
   if (!clip->name.empty()) motion.name += ": " + clip->name;
   LORICA_TRY(motion.bones, prefixed(file.string(), framesOf(read.character.skeleton, *clip)));
@@ -101,7 +107,7 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
                        {{!options.sender.empty() && !packets, "--sender", "VMC packets"},
                         {!options.rest.empty() && kind != FileKind::kBvh, "--rest", "the rotations of a BVH file"}}));
   if (packets || kind == FileKind::kSession) {
-    LORICA_TRY_DO(refuse(file.string(), {{!options.format.empty(), "--format", kJointsOnly},
+    LORICA_TRY_DO(refuse(file.string(), {{options.format.has_value(), "--format", kJointsOnly},
                                          {options.person > 0 && packets, "--person", "recorded joints or sessions"},
                                          {!options.clip.empty(), "--clip", kClipsOnly}}));
     if (!packets) return readSessionMotion(file, options, host);
@@ -113,11 +119,11 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
     return motion;
   }
   if (kind == FileKind::kDepth) {
-    LORICA_TRY_DO(refuse(file.string(), {{!options.format.empty(), "--format", kJointsOnly},
+    LORICA_TRY_DO(refuse(file.string(), {{options.format.has_value(), "--format", kJointsOnly},
                                          {!options.clip.empty(), "--clip", kClipsOnly}}));
     return readDepthMotion(file, options, host);
   }
-  const bool bones = kind == FileKind::kBvh || kind == FileKind::kCharacter;
+  const bool bones = kind == FileKind::kBvh || kind == FileKind::kCharacter || kind == FileKind::kBodyModel;
   return bones ? readBones(file, options, host) : readJoints(file, options);
 }
 
@@ -137,14 +143,8 @@ JointSettings MotionOptions::joints() const {
   JointSettings settings;
   settings.mirror = mirror;
   settings.upperBody = upperBody;
-  if (smooth == "one-euro") settings.smoothing = oneEuro;
+  if (smooth == Smoothing::kOneEuro) settings.smoothing = oneEuro;
   return settings;
-}
-
-FaultSettings MotionOptions::faults() const {
-  const Result<FaultSettings> faults = inject.empty() ? FaultSettings() : parseFaults(inject);
-  LORICA_CHECK(faults.ok(), "the option was checked when it was read");
-  return *faults;
 }
 
 bool isBareName(const std::string& text) {
@@ -246,7 +246,7 @@ Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const Mo
   LORICA_TRY_DO(refuse(file.string(), {{!options.clip.empty(), "--clip", "clips of skeletons"}}));
   if (kind == FileKind::kDepth) return readDepthMotionOfAll(file, host);
   JointStreamSettings settings;
-  if (!options.format.empty()) settings.format = jointFormatNamed(options.format);
+  settings.format = options.format;
   LORICA_TRY(std::vector<JointStream> streams, readJointStreamOfAll(file, settings));
   std::vector<Motion> motions;
   for (std::size_t i = 0; i < streams.size(); ++i) {
@@ -288,8 +288,8 @@ Result<const Clip*> findClip(std::span<const Clip> clips, const std::string& nam
 Result<std::unique_ptr<PoseSource>> poseSourceOf(const Character& character, const Motion& motion,
                                                  const MotionOptions& options, std::shared_ptr<SourceLog> log) {
   Result<std::unique_ptr<PoseSource>> source =
-      poseSourceOf(character, motion, {std::move(log), options.faults(), options.joints()});
-  return motion.bones && !options.inject.empty() ? prefixed("--inject", std::move(source)) : std::move(source);
+      poseSourceOf(character, motion, {std::move(log), options.inject, options.joints()});
+  return motion.bones && options.inject.any() ? prefixed("--inject", std::move(source)) : std::move(source);
 }
 
 }  // namespace lorica

@@ -1,11 +1,13 @@
 #pragma once
 
 #include "capture/fault_injector.h"
+#include "capture/files/joint_stream.h"
 #include "geometry/result.h"
 #include "session/prepare/host.h"
 #include "session/prepare/motion.h"
 #include "skinning/clip.h"
 
+#include <cstdint>
 #include <filesystem>
 #include <initializer_list>
 #include <memory>
@@ -21,21 +23,22 @@ inline constexpr int kEveryone = -1;
 
 /// Options for reading and processing a motion.
 struct MotionOptions {
-  std::string format;          ///< of joints; empty = detected from the content
-  int person = 0;              ///< of several in a stream of joints; 0 = the one with the most motion; or kEveryone
-  std::string clip;            ///< in a file with several; empty = the first
-  std::string rest;            ///< pose of a BVH file, see parseBvhRest(); empty = found
-  bool mirror = false;         ///< left and right exchanged
-  bool upperBody = false;      ///< the legs stand by themselves
-  std::string smooth = "off";  ///< or "one-euro"
-  OneEuroSettings oneEuro;     ///< of `smooth`
-  bool smoothGiven = false;    ///< one of the options of smoothing was given
-  std::string sender;          ///< model of the sender of recorded packets, see readSenderRest(); empty = none
-  std::string character;       ///< of a session, where the recorded name is not found; empty = none
-  std::string inject;          ///< faults, see parseFaults(); empty = none
+  /// A filter that joints pass as they arrive.
+  enum class Smoothing : std::uint8_t { kOff, kOneEuro };
+  std::optional<JointFormat> format;  ///< of joints; none = detected from the content
+  int person = 0;          ///< of several in a stream of joints; 0 = the one with the most motion; or kEveryone
+  std::string clip;        ///< in a file with several; empty = the first
+  std::string rest;        ///< pose of a BVH file, see parseBvhRest(); empty = found
+  bool mirror = false;     ///< left and right exchanged
+  bool upperBody = false;  ///< the legs stand by themselves
+  Smoothing smooth = Smoothing::kOff;  ///< of joints
+  OneEuroSettings oneEuro;             ///< of `smooth`
+  bool smoothGiven = false;            ///< one of the options of smoothing was given
+  std::string sender;                  ///< model of the sender of recorded packets, see readSenderRest(); empty = none
+  std::string character;               ///< of a session, where the recorded name is not found; empty = none
+  FaultSettings inject;                ///< what is made worse on purpose, see parseFaults()
 
   [[nodiscard]] JointSettings joints() const;  ///< of a person
-  [[nodiscard]] FaultSettings faults() const;  ///< what is made worse on purpose
 };
 
 /// Reads a motion from a path or, for a name such as `walk`, from the shipped recordings: joints in any known layout,

@@ -120,7 +120,7 @@ Result<CharacterOptions> readingOf(const SessionInputs& inputs, const AvatarReco
   reading.walls = wallChoiceNamed(record.walls);
   if (!reading.walls && !record.walls.empty()) {
     return invalidArgument("walls of the character: found {}, expected auto, solid or shell",
-                           record.walls.substr(0, 40));
+                           firstBytes(record.walls, 40));
   }
   reading.thickness = record.thickness;
   reading.hidden = record.hidden;

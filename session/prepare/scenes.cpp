@@ -100,7 +100,8 @@ Result<OpenedScene> openStage(const std::string& scene, Host& host) {
       LORICA_TRY_DO(prefixed(fmt::format("{}: avatars[{}]", scene, i), findNamed(text, *name)));
     }
   }
-  return OpenedScene{makeWorld(read), std::move(read.targets), std::move(read.stage)};
+  LORICA_TRY(World world, makeWorld(read));
+  return OpenedScene{std::move(world), std::move(read.targets), std::move(read.stage)};
 }
 
 std::vector<HitTarget> targetsOf(const std::string& scene, Host& host) {

@@ -4,6 +4,7 @@
 #include "capture/streams/osc.h"
 #include "capture/streams/vmc_receiver.h"
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "geometry/line_scanner.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
@@ -110,7 +111,7 @@ int playAll(const RecordedPackets& packets, Use&& use) {
   int steps = 0;
   while (true) {
     const bool isNew = stream.wait(kStep, frame);
-    if (!isNew && stream.ended()) return steps;
+    if ((!isNew && stream.ended()) || workStopped()) return steps;
     ++steps;
     if (!isNew) continue;
     if (packets.sender) packets.sender->apply(frame.pose);
@@ -137,6 +138,7 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
     body.learn(frame.pose);
     ++frames;
   });
+  if (workStopped()) return cancelled();
   if (frames == 0) return badFormat("{}: {}", file.string(), whatCame(*motion.packets->file));
   if (frames > kMaxStreamFrames) {
     return badFormat("{}: found {} frames of bones, expected at most {}", file.string(), frames, kMaxStreamFrames);
@@ -148,7 +150,7 @@ Result<Motion> readPacketMotion(const fs::path& file, const MotionOptions& optio
     motion.bones->times.push_back(frame.time);
     body.append(frame.pose, *motion.bones);
   });
-  return motion;
+  return unlessStopped<Motion>(std::move(motion));
 }
 
 Result<Motion> readSessionMotion(const fs::path& file, const MotionOptions& options, Host& host) {

@@ -8,10 +8,12 @@
 #include "session/prepare/expressions.h"
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/mesh_subject.h"
+#include "session/prepare/played_mesh.h"
 #include "session/prepare/read_motion.h"
 #include "skinning/import/bone_map.h"
 #include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
+#include "skinning/morphs/shapes.h"
 
 #include <algorithm>
 #include <array>
@@ -75,17 +77,17 @@ Result<MadeAvatar> makeAvatarWithProgress(CharacterFile& file, std::vector<float
   return makeAvatar(file.character, std::move(file.look), settings, std::move(face));
 }
 
-Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOptions& options, Host& host) {
-  LORICA_TRY(CharacterFile read, readCharacterFile(file, host.characterFiles(options.hidden)));
+Result<Subject> characterSubject(const std::string& file, CharacterFile read, const CharacterOptions& options,
+                                 Host& host) {
   if (read.character.mesh.triangles.empty()) {
-    return badMesh("{}: no triangles, only {}; expected a character with a surface", file.string(),
+    return badMesh("{}: no triangles, only {}; expected a character with a surface", file,
                    read.clips.empty() ? "joints" : "motion");
   }
   if (!options.map.empty()) {
     LORICA_TRY(const BoneMap map, readBoneMap(options.map));
     LORICA_TRY(read.character.skeleton, applyBoneMap(read.character.skeleton, map, options.map));
   }
-  LORICA_TRY(std::vector<float> expressions, chosenExpressions(read.expressions, options.expressions, file.string()));
+  LORICA_TRY(std::vector<float> expressions, chosenExpressions(read.expressions, options.expressions, file));
   if (options.suits) {
     LORICA_TRY_DO(options.suits(read));
   }
@@ -98,7 +100,11 @@ Result<Subject> readCharacterSubject(const fs::path& file, const CharacterOption
     return subject;
   }
   LORICA_TRY(ClosedBody body, makeBodyWithProgress(read, options, host));
-  const std::vector<float> used = usedWeightSets(read.morphs, read.expressions, expressions);
+  // The hulls follow what the joints' scales deform; what is set beside that is held at once.
+  carryShapes(read.character, body.bodyVertices, body.character);
+  const Morphs still;
+  const std::vector<float> used =
+      usedWeightSets(read.character.shapes.empty() ? read.morphs : still, read.expressions, expressions);
   (void)coverReached(body, read.character,
                      reachedPositions(read.morphs, used, read.character.mesh.vertices, kReachTolerance));
   Subject subject{read.character.name, body.character.mesh, std::nullopt, "", std::move(read), std::move(body)};
@@ -147,10 +153,19 @@ Result<Subject> readSubject(const std::string& input, const CharacterOptions& op
         input, kMannequin);
   }
   LORICA_TRY_DO(refuseOtherKinds(input));
-  if (isCharacterFile(input)) return readCharacterSubject(input, options, host);
+  if (kindOf(input) == FileKind::kCharacter) {
+    LORICA_TRY(CharacterFile read, readPlayed(input, host, options.hidden));
+    return characterSubject(input, std::move(read), options, host);
+  }
   LORICA_TRY_DO(refuseFileOptions(input, options));
   LORICA_TRY(TriMesh mesh, readMesh(input));
   return meshSubject(fs::path(input).filename().string(), std::move(mesh), options, host);
+}
+
+Result<Subject> sequenceSubject(MeshSequence sequence, const CharacterOptions& options, Host& host) {
+  const std::string name = sequence.name;
+  LORICA_TRY(CharacterFile read, playedFile(std::move(sequence)));
+  return characterSubject(name, std::move(read), options, host);
 }
 
 Result<void> followsPerson(const CharacterFile& file) {
@@ -161,7 +176,7 @@ Result<void> followsPerson(const CharacterFile& file) {
 }
 
 Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host) {
-  if (nameOrFile != kMannequin && !isCharacterFile(nameOrFile)) {
+  if (nameOrFile != kMannequin && kindOf(nameOrFile) != FileKind::kCharacter) {
     LORICA_TRY_DO(refuseOtherKinds(nameOrFile));
     if (std::error_code ignored; fs::exists(nameOrFile, ignored)) {
       return invalidArgument("{}: is {}, expected {} or a character file (.glb, .gltf, .vrm, .fbx, .dae)", nameOrFile,

@@ -16,6 +16,8 @@
 
 namespace lorica {
 
+struct MeshSequence;
+
 /// When a closed body takes the place of a surface.
 enum class BodyChoice : std::uint8_t {
   kIfNeeded,  ///< if the surface is not closed and cannot be repaired
@@ -83,10 +85,14 @@ struct Subject {
   [[nodiscard]] std::vector<Clip> clips() const { return file ? file->clips : std::vector<Clip>(); }
 };
 
-/// Reads INPUT of `decompose` and `info`: the name of a built-in character, a character file, or else a mesh file. A
+/// Reads INPUT of `decompose` and `info`: the name of a built-in character, a character file, a mesh in several
+/// poses (see readMeshSequence()), or else a mesh file. A
 /// character file with neither skin nor clips is a mesh. A mesh is repaired, or gets a closed body, see meshSubject();
 /// a body is made for a character.
 [[nodiscard]] Result<Subject> readSubject(const std::string& input, const CharacterOptions& options, Host& host);
+
+/// The same of a mesh in several poses from elsewhere.
+[[nodiscard]] Result<Subject> sequenceSubject(MeshSequence sequence, const CharacterOptions& options, Host& host);
 
 /// CharacterOptions::suits for a person before a camera, whose joints the character must be able to follow.
 [[nodiscard]] Result<void> followsPerson(const CharacterFile& file);

@@ -38,9 +38,9 @@ Result<Training> trainingMotions(const Character& character, std::span<const Mot
     // Long clips are looked at less often.
     double seconds = 0.0;
     for (const Clip& clip : clips) seconds += clip.seconds;
-    const double rate =
-        std::min(kClipRate, kMaxTrainingPoses / character.skeleton.jointCount() / std::max(seconds, 1.0));
+    const double most = kMaxTrainingPoses / character.skeleton.jointCount() / std::max(seconds, 1.0);
     for (const Clip& clip : clips) {
+      const double rate = std::min(clip.framesPerSecond > 0.0 ? clip.framesPerSecond : kClipRate, most);
       training.motions.push_back(sampleWhole(character.skeleton, clip, rate));
       training.motions.back().name = clip.name;
     }

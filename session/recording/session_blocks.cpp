@@ -3,6 +3,7 @@
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 
 #include <fmt/format.h>
 
@@ -47,6 +48,7 @@ Result<Blocks> readBlocks(std::string_view bytes, const std::string& name) {
     const std::string_view rest = bytes.substr(at);
     const std::size_t headSize = kHeadBytes + kCheckBytes;
     if (rest.size() < headSize) break;
+    if (workStopped()) return cancelled();
     ByteReader head(rest.substr(0, headSize));
     const auto kind = head.take<std::uint32_t>();
     const auto length = head.take<std::uint32_t>();

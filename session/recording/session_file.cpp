@@ -1,10 +1,12 @@
 #include "session/recording/session_file.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "session/byte_writer.h"
 
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "session/recording/session_blocks.h"
 
 #include <fmt/format.h>
@@ -41,10 +43,11 @@ class StepReader {
     for (std::size_t i = 0; i < step.actions && !wrong_ && reader_.ok(); ++i) readAction();
     if (!reader_.ok()) return "is truncated";
     if (wrong_) return wrong_;
-    if (reader_.left() > 0) return fmt::format("holds {} bytes too many", reader_.left());
+    if (reader_.left() > 0) return fmt::format("holds {} too many", counted(std::int64_t(reader_.left()), "byte"));
     // Every step shows a frame that some avatar took in it or before.
     taken_ += step.frames;
-    if (taken_ <= file_.steps.size()) return fmt::format("comes after the last of {} frames", taken_);
+    if (taken_ <= file_.steps.size())
+      return fmt::format("comes after the last of {}", counted(std::int64_t(taken_), "frame"));
     file_.steps.push_back(step);
     return std::nullopt;
   }
@@ -204,6 +207,7 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
   file.motions.resize(file.header.avatars.size());
   std::size_t taken = 0;
   for (std::size_t b = 2; b < all.size(); ++b) {
+    if (workStopped()) return cancelled();
     if (file.finished) return bad(fmt::format("byte {}: a block after the end", all[b].offset));
     if (all[b].kind == BlockKind::kStep) {
       if (const auto wrong = StepReader(all[b].payload, file.header, file, taken).read()) {
@@ -219,7 +223,8 @@ Result<SessionFile> parseSession(std::string_view bytes, const std::string& name
   if (file.finished && blocks.cut > 0) return bad("bytes after the end");
   if (file.steps.empty()) return bad("found no steps, expected at least one");
   if (blocks.cut > 0) {
-    file.notes.push_back(fmt::format("the last {} bytes are an incomplete step, which was dropped", blocks.cut));
+    file.notes.push_back(counted(std::int64_t(blocks.cut), "byte at the end is", "bytes at the end are") +
+                         " an incomplete step, which was dropped");
   }
   if (!file.finished) file.notes.emplace_back("the recording was not closed: the program ended early");
   return file;

@@ -1,6 +1,7 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/json.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "session/recording/session_file.h"
 #include "session/scenes/scene_element.h"
@@ -28,7 +29,7 @@ void readHash(SceneElement& element, const char* key, std::uint64_t& hash) {
   const char* end = text.data() + text.size();
   const auto [stopped, error] = std::from_chars(text.data(), end, hash, 16);
   if (text.size() != 16 || error != std::errc() || stopped != end) {
-    element.fail(key, fmt::format("\"{}\"", text.substr(0, 40)), "16 hexadecimal digits");
+    element.fail(key, fmt::format("\"{}\"", firstBytes(text, 40)), "16 hexadecimal digits");
   }
 }
 
@@ -98,7 +99,7 @@ void readSprings(SceneElement element, AvatarRecord& header) {
   element.text("mode", mode);
   if (element.failed()) return;
   header.springs = springModeNamed(mode);
-  if (!header.springs) element.fail("mode", fmt::format("\"{}\"", mode.substr(0, 40)), "none, file or body");
+  if (!header.springs) element.fail("mode", fmt::format("\"{}\"", firstBytes(mode, 40)), "none, file or body");
   readHash(element, "hash", header.springsHash);
 }
 
@@ -217,7 +218,7 @@ Result<SessionHeader> parseSessionHeader(std::string_view text, const std::strin
   root.need("format", fmt::format("\"{}\"", kFormat));
   root.text("format", format);
   if (!root.failed() && format != kFormat) {
-    root.fail("format", fmt::format("\"{}\"", format.substr(0, 40)), fmt::format("\"{}\"", kFormat));
+    root.fail("format", fmt::format("\"{}\"", firstBytes(format, 40)), fmt::format("\"{}\"", kFormat));
   }
   if (!root.failed()) root.allow({"format", "avatars", "scene"});
   root.need("avatars", "a list");

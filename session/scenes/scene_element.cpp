@@ -1,5 +1,7 @@
 #include "session/scenes/scene_element.h"
 
+#include "geometry/text.h"
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -21,7 +23,7 @@ std::optional<double> numberIn(const SceneJson& json, double min, double max) {
 
 std::string shownInScene(const SceneJson& value) {
   std::string text = value.dump(-1, ' ', false, SceneJson::error_handler_t::replace);
-  if (text.size() > 40) text = text.substr(0, 37) + "...";
+  if (text.size() > 40) text = std::string(firstBytes(text, 37)) + "...";
   return text;
 }
 
@@ -34,7 +36,7 @@ void SceneElement::allow(std::span<const std::string_view> keys) {
   if (!json_.is_object()) return;
   for (const auto& [key, value] : json_.items()) {
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    fail(key.substr(0, 40), "no such key", fmt::format("one of {}", fmt::join(keys, ", ")));
+    fail(std::string(firstBytes(key, 40)), "no such key", fmt::format("one of {}", fmt::join(keys, ", ")));
   }
 }
 

@@ -328,11 +328,11 @@ Result<SceneFile> readScene(const std::filesystem::path& file, const MeshDecompo
   return scene;
 }
 
-World makeWorld(const SceneFile& scene) {
+Result<World> makeWorld(const SceneFile& scene) {
   World world(scene.world);
   for (const Prop& prop : scene.props) world.addProp(prop);
   for (const SceneFile::Link& link : scene.links) world.addLink(link.a, link.b, link.position);
-  if (scene.particles) world.setParticles(*scene.particles);
+  if (scene.particles) LORICA_TRY_DO(world.setParticles(*scene.particles));
   return world;
 }
 

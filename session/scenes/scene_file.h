@@ -64,6 +64,7 @@ struct SceneReading {
                                            const SceneReading& reading = {});
 
 /// The world of a scene in its initial state.
-[[nodiscard]] World makeWorld(const SceneFile& scene);
+/// @return the world; an error only if the particles of a scene that was not read here are out of range
+[[nodiscard]] Result<World> makeWorld(const SceneFile& scene);
 
 }  // namespace lorica

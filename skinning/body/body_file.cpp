@@ -34,6 +34,7 @@ void eachCount(Body& body, const Visit& visit) {
   visit(body.shells);
   visit(body.openEdges);
   visit(body.nonManifoldEdges);
+  visit(body.onlySheets);
 }
 template <typename Body, typename Visit>
 void eachLength(Body& body, const Visit& visit) {
@@ -45,7 +46,7 @@ void eachLength(Body& body, const Visit& visit) {
 }
 
 void takeFigures(ByteReader& reader, ClosedBody& body) {
-  eachCount(body, [&](int& count) { count = reader.takeIndex("a count", 0, kLargest); });
+  eachCount(body, [&](auto& count) { count = reader.takeIndex("a count", 0, kLargest); });
   eachLength(body, [&](double& length) {
     length = reader.takeFinite("a length");
     if (length < 0.0) reader.fail(reader.offset() - 8, fmt::format("a length is {}, expected 0 or more", length));

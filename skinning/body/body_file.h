@@ -10,7 +10,7 @@ namespace lorica {
 
 /// Increase this when makeBody() gives another body for the same character, or when encodeBody() writes other bytes, so
 /// that caches written by older versions are not used.
-inline constexpr std::uint32_t kBodyVersion = 1;
+inline constexpr std::uint32_t kBodyVersion = 2;
 
 /// A body as bytes, for caches: its surface, weights and figures. The character's own vertices are not among them.
 /// @param body  made, without positions that morph targets reach

@@ -220,6 +220,7 @@ class BodyMaker {
   void tell(const SolidSource& source) {
     body_.openEdges = source.openEdges;
     body_.nonManifoldEdges = source.nonManifoldEdges;
+    body_.onlySheets = source.onlySheets;
     if (source.turnedPatches > 0) {
       note(counted(source.turnedPatches, "piece was inside out and was flipped",
                    "pieces were inside out and were flipped"));

@@ -38,6 +38,7 @@ struct ClosedBody {
   int bodyVertices = 0;            ///< how many of character.mesh.vertices, the first ones
   int reachedVertices = 0;         ///< how many, the last ones: positions that morph targets reach, see coverReached()
   double resolution = 0.0;         ///< voxel edge [m]; 0 if not made
+  bool onlySheets = false;         ///< made from a surface that is nowhere the skin of a solid
   int shells = 0;                  ///< of the original, after welding
   int openEdges = 0;               ///< of the original, after welding
   int nonManifoldEdges = 0;        ///< of the original: edges with more than two triangles

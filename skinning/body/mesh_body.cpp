@@ -79,7 +79,8 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
   if (!closed && lengths.minCoeff() < kFlat * lengths.maxCoeff()) {
     return badMesh("it is exactly flat and has no volume to cut, give it a thickness");
   }
-  LORICA_TRY(ClosedBody made, std::move(closed));
+  if (!closed) return closed.error();
+  ClosedBody& made = *closed;
 
   MeshBody body;
   body.firstOriginal = made.bodyVertices;

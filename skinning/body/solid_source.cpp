@@ -191,7 +191,8 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
     sheetArea += patches.areas[p];
     ++sheetPatches;
   }
-  if (sheetPatches == patches.areas.size()) sheetPatches = 0;  // something must remain to build a body from
+  onlySheets = sheetPatches == patches.areas.size();
+  if (onlySheets) sheetPatches = 0;  // something must remain to build a body from
   if (sheetPatches > 0) {
     sheetShare = sheetArea / area;
     for (std::size_t k = 0; k < count; ++k) {

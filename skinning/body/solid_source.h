@@ -49,6 +49,7 @@ class SolidSource {
   std::size_t turnedPatches = 0;
   std::size_t turnedTriangles = 0;
   std::size_t sheetPatches = 0;
+  bool onlySheets = false;  ///< every patch is one; they count as skin then
   double sheetShare = 0.0;  ///< fraction of the area
 
   /// The winding number of one of the two trees.

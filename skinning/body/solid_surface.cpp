@@ -3,6 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
+#include "geometry/text.h"
 #include "skinning/body/level_set.h"
 
 #include <fmt/format.h>
@@ -282,9 +283,10 @@ class Solid {
 
   /// Drops tiny pieces and bubbles, and turns the rest into a two-manifold.
   Result<SolidSurface> finished(TriMesh mesh) {
-    const Error nothing{ErrorCode::kBadMesh,
-                        fmt::format("the {} triangles enclose nothing thicker than {:.4g} m, expected a body",
-                                    source_.mesh.triangles.size(), voxel_)};
+    const Error nothing{
+        ErrorCode::kBadMesh,
+        fmt::format("the {} nothing thicker than {:.4g} m, expected a body",
+                    counted(std::ssize(source_.mesh.triangles), "triangle encloses", "triangles enclose"), voxel_)};
     if (mesh.triangles.empty()) return nothing;
     if (signedVolume(mesh.vertices, mesh.triangles) < 0.0) {
       for (Triangle& t : mesh.triangles) std::swap(t[1], t[2]);

@@ -84,9 +84,10 @@ OwnMotion inMetres(const CharacterFile& file, const SkeletalMotion& motion) {
 
 SkeletalMotion withoutCopies(const OwnMotion& own) {
   const Skeleton& all = own.motion.skeleton;
-  std::vector<bool> isParent(all.joints().size(), false);
-  for (const Joint& joint : all.joints()) {
-    if (joint.parent != kNoJoint) isParent[joint.parent] = true;
+  std::vector<bool> isParent(all.joints().size(), false);  // of one that is kept: children come later
+  for (JointIndex j = all.jointCount() - 1; j >= 0; --j) {
+    const JointIndex parent = all.joint(j).parent;
+    if (parent != kNoJoint && (own.nodeOfJoint[j] != -1 || isParent[j])) isParent[parent] = true;
   }
   std::vector<JointIndex> keptAs(all.joints().size(), kNoJoint);
   std::vector<Joint> joints;

@@ -306,8 +306,15 @@ void writeLimb(const JointTree& tree, const Reach& reach, const MirroredTops& pa
   }
 }
 
-/// Removes guessed bones that contradict the hierarchy: their joint is not below the joint of the parent bone.
+/// Removes guessed bones that contradict those that were given, or the hierarchy: their joint is another bone's, or not
+/// below the joint of the parent bone.
 void dropStrayBones(const JointTree& tree, const BoneJoints& given, BoneJoints& bones) {
+  BoneJoints kept = given;
+  for (std::size_t bone = 0; bone < bones.size(); ++bone) {
+    if (kept[bone] == kNoJoint && std::find(kept.begin(), kept.end(), bones[bone]) == kept.end())
+      kept[bone] = bones[bone];
+  }
+  bones = kept;
   for (std::size_t bone = 0; bone < bones.size(); ++bone) {
     if (bones[bone] == kNoJoint || given[bone] != kNoJoint) continue;
     std::optional<HumanBone> above = parentBone(static_cast<HumanBone>(bone));

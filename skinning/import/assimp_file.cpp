@@ -92,6 +92,21 @@ class ColladaCheck {
     return checkAccessors();
   }
 
+  /// The text if it must be another one: <up_axis> without blanks around its value, which assimp 5.2 would not know.
+  [[nodiscard]] std::optional<std::string> changed() const {
+    if (upAxis_.empty()) return std::nullopt;
+    std::string text;
+    const char* copied = text_.data();
+    for (const std::string_view content : upAxis_) {
+      if (content.data() < copied) continue;  // of two tags that are one in the other
+      const std::size_t first = std::min(content.find_first_not_of(kBlanks), content.size());
+      text.append(copied, content.data());
+      text += content.substr(first, content.find_last_not_of(kBlanks) + 1 - first);
+      copied = content.data() + content.size();
+    }
+    return text.append(copied, text_.data() + text_.size());
+  }
+
  private:
   struct Accessor {
     std::string_view source;
@@ -105,6 +120,11 @@ class ColladaCheck {
   }
 
   [[nodiscard]] Result<void> checkTag(const Tag& tag, std::size_t begin, std::size_t end, std::size_t at) {
+    const std::string_view content = text_.substr(begin, end - begin);
+    const auto isBlank = [](char c) { return kBlanks.find(c) != std::string_view::npos; };
+    if (tag.name == "up_axis" && !content.empty() && (isBlank(content.front()) || isBlank(content.back()))) {
+      upAxis_.push_back(content);
+    }
     constexpr std::array<std::string_view, 5> kWholeNumbers = {"p", "h", "v", "vcount", "int_array"};
     if (std::find(kWholeNumbers.begin(), kWholeNumbers.end(), tag.name) != kWholeNumbers.end()) {
       const std::size_t odd = text_.substr(0, end).find_first_not_of("0123456789+- \t\r\n", begin);
@@ -154,13 +174,17 @@ class ColladaCheck {
   const std::string& name_;
   std::map<std::string_view, std::uint64_t> counts_;  // number of values of each array, by its id
   std::vector<Accessor> accessors_;
+  std::vector<std::string_view> upAxis_;  ///< contents with blanks at an end, in the order of the text
 };
 
 /// Rejects COLLADA files that assimp 5.2 cannot handle: lists of whole numbers with other content cause an endless
 /// loop, and accessors that reach beyond their array terminate the program.
 /// @param text  of the file in UTF-8
-[[nodiscard]] Result<void> checkCollada(std::string_view text, const std::string& name) {
-  return ColladaCheck(text, name).run();
+/// @return the text that assimp is to read instead, if there is one
+[[nodiscard]] Result<std::optional<std::string>> checkCollada(std::string_view text, const std::string& name) {
+  ColladaCheck check(text, name);
+  LORICA_TRY_DO(check.run());
+  return check.changed();
 }
 
 /// Prevents assimp from reading any other file.
@@ -291,9 +315,12 @@ class AssimpSceneReader {
         LORICA_TRY_DO(addMesh(*from_.mMeshes[m], n, skinOfMesh[m]));
       }
     }
-    scene_.note(otherFaces_, "faces are points, lines or use a vertex twice: skipped");
-    scene_.note(notFinite_, "numbers of normals, tangents or texture coordinates are not finite: replaced by 0");
-    scene_.note(lostBones_, "bones refer to no node: their vertices follow the other bones of the mesh");
+    scene_.note(otherFaces_, "face is a point, a line or uses a vertex twice: skipped",
+                "faces are points, lines or use a vertex twice: skipped");
+    scene_.note(notFinite_, "number of normals, tangents or texture coordinates is not finite: replaced by 0",
+                "numbers of normals, tangents or texture coordinates are not finite: replaced by 0");
+    scene_.note(lostBones_, "bone refers to no node: its vertices follow the other bones of the mesh",
+                "bones refer to no node: their vertices follow the other bones of the mesh");
     return {};
   }
 
@@ -428,8 +455,10 @@ class AssimpSceneReader {
       morphs_.addWeights(from, secondsPerTick, nodeOfName_, clip);
       scene_.clips.push_back(std::move(clip));
     }
-    scene_.note(lostChannels, "animation channels refer to no node: skipped");
-    scene_.note(lateKeys_, "animation keys are not finite or not later than the previous key: skipped");
+    scene_.note(lostChannels, "animation channel refers to no node: skipped",
+                "animation channels refer to no node: skipped");
+    scene_.note(lateKeys_, "animation key is not finite or not later than the previous key: skipped",
+                "animation keys are not finite or not later than the previous key: skipped");
     morphs_.finish();
     return {};
   }
@@ -469,9 +498,11 @@ class AssimpSceneReader {
 
 Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::string& name, AssimpFormat format,
                                   const NamedFiles& files) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  std::optional<std::string> changed;
   if (format == AssimpFormat::kCollada) {
-    LORICA_TRY_DO(checkCollada(text, name));
+    LORICA_TRY(changed, checkCollada(text, name));
+    if (changed) text = *changed;
   }
   constexpr int kOldestFbx = 7100;
   const int version = format == AssimpFormat::kFbx ? fbxVersionOf(text) : 0;
@@ -485,7 +516,7 @@ Result<FileScene> readAssimpScene(std::span<const std::byte> bytes, const std::s
     importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, false);
     importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);  // otherwise motion files get generated meshes
     importer.SetIOHandler(new NoOtherFiles);                              // owned by the importer
-    const aiScene* scene = importer.ReadFileFromMemory(bytes.data(), bytes.size(), aiProcess_Triangulate,
+    const aiScene* scene = importer.ReadFileFromMemory(text.data(), text.size(), aiProcess_Triangulate,
                                                        format == AssimpFormat::kFbx ? "fbx" : "dae");
     if (scene == nullptr) {
       return badFormat("{}: broken {}: {}", name, formatName, importer.GetErrorString());

@@ -122,10 +122,13 @@ void AssimpMorphs::addWeights(const aiAnimation& from, double secondsPerTick,
 }
 
 void AssimpMorphs::finish() {
-  scene_.note(broken_, "morph targets have numbers that are not finite, or not the vertices of their mesh: skipped");
+  scene_.note(broken_, "morph target has numbers that are not finite, or not the vertices of its mesh: skipped",
+              "morph targets have numbers that are not finite, or not the vertices of their mesh: skipped");
   scene_.note(lostWeights_,
+              "key of weights refers to no morph target, is not finite or not later than the previous key: skipped",
               "keys of weights refer to no morph target, are not finite or not later than the previous key: skipped");
-  scene_.note(beyondLimit_, fmt::format("morph targets are beyond the first {}: skipped", grouped(kMaxMorphTargets)));
+  const std::string beyond = fmt::format("beyond the first {}: skipped", grouped(kMaxMorphTargets));
+  scene_.note(beyondLimit_, "morph target is " + beyond, "morph targets are " + beyond);
 }
 
 }  // namespace lorica

@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <span>
+#include <utility>
 
 namespace lorica {
 
@@ -42,6 +44,23 @@ namespace {
   FileNode unscaled = node;
   unscaled.local.scale = Vec3::Ones();
   return unscaled.parentFromNode();
+}
+
+/// The rotation of a node, of a sheared one the nearest.
+[[nodiscard]] Quat turnOf(const FileNode& node) {
+  return (node.inner ? node.local.rotation * *node.inner : node.local.rotation).normalized();
+}
+
+/// The scale of a transform that keeps shapes, to within a hundredth; 0 of another one.
+[[nodiscard]] double scaleIfSimilar(const Affine3& transform) {
+  if (!transform.matrix().allFinite()) return 0.0;
+  const Vec3 stretch = Eigen::JacobiSVD<Mat3>(transform.linear()).singularValues();
+  return stretch.x() <= 1.01 * stretch.z() ? stretch.y() : 0.0;
+}
+
+/// By how much lengths grow, in the mean of all directions.
+[[nodiscard]] double scaleOf(const Affine3& transform) {
+  return std::cbrt(std::abs(transform.linear().determinant()));
 }
 
 }  // namespace
@@ -80,7 +99,12 @@ class BindFinder {
     frames_.fileFromNode.assign(nodeCount, Affine3::Identity());
     frames_.fileFromSkin.assign(scene_.skins.size(), Affine3::Identity());
     frames_.local.reserve(nodeCount);
-    for (const FileNode& node : scene_.nodes) frames_.local.push_back(node.local);
+    frames_.inner.reserve(nodeCount);
+    frames_.scaledByMatrix.assign(nodeCount, 0);
+    for (const FileNode& node : scene_.nodes) {
+      frames_.local.push_back(node.local);
+      frames_.inner.push_back(node.inner);
+    }
     placeOthers();
 
     readSkins();
@@ -220,6 +244,71 @@ class BindFinder {
     return supported ? (standsByMeshAlone(s, byBone) ? *byMesh : byBone) : (lies ? byBone : *byMesh);
   }
 
+  /// The smallest and the largest scale that most bones give a skin. If no two give the same, that of its mesh's node.
+  [[nodiscard]] std::pair<double, double> usualScales(std::size_t s) const {
+    std::vector<double> scales;
+    for (std::size_t bone = 0; bone < skins_[s].says.size(); ++bone) {
+      if (skins_[s].says[bone] == 0) continue;
+      if (const double scale = scaleIfSimilar(fileFromSkinBy(s, bone)); scale > 0.0) scales.push_back(scale);
+    }
+    std::sort(scales.begin(), scales.end());
+    std::size_t first = 0, most = 1;
+    std::pair<double, double> usual{0.0, kInfinity};
+    for (std::size_t last = 0; last < scales.size(); ++last) {
+      while (scales[last] > (1.0 + kSameScale) * scales[first]) ++first;
+      if (last - first + 1 <= most) continue;
+      most = last - first + 1;
+      usual = {scales[first], scales[last]};
+    }
+    if (most > 1 || scales.size() < 2 || skins_[s].meshNode == -1) return usual;
+    const double byMesh = scaleOf(frames_.fileFromNode[skins_[s].meshNode]);
+    return {byMesh / (1.0 + kSameScale), byMesh * (1.0 + kSameScale)};
+  }
+
+  /// Where a skin stands, by a bone of the usual scale; else by one that at least leaves its mesh about as large as the
+  /// mesh's node does; else as that node does.
+  [[nodiscard]] Affine3 spaceOfSkin(std::size_t s, std::span<const std::size_t> bones) const {
+    const FileSkin& skin = scene_.skins[s];
+    const bool strict = frames_.posed && skins_[s].meshNode != -1;
+    const std::pair<double, double> usual = strict ? usualScales(s) : std::pair(0.0, kInfinity);
+    const double byMesh = strict ? scaleOf(frames_.fileFromNode[skins_[s].meshNode]) : 0.0;
+    for (const bool loose : {false, true}) {
+      for (const std::size_t bone : bones) {
+        const Affine3 fileFromSkin = fileFromSkinBy(s, bone);
+        if ((frames_.posed && skins_[s].says[bone] == 0) || !isInvertible(fileFromSkin)) continue;
+        const double similar = scaleIfSimilar(fileFromSkin), ratio = scaleOf(fileFromSkin) / byMesh;
+        const bool trusted = !strict || (loose ? ratio > 0.5 && ratio < 2.0
+                                               : similar > 0.0 && similar >= usual.first && similar <= usual.second);
+        if (!trusted) continue;
+        const bool known = !frames_.posed || given_[skin.nodes[bone]] != 0;
+        return known ? fileFromSkin : spaceOfPosed(s, bone, fileFromSkin);
+      }
+    }
+    const Affine3 none = Affine3::Identity();
+    const Affine3& ofMesh = strict ? frames_.fileFromNode[skins_[s].meshNode] : none;
+    return isInvertible(ofMesh) ? ofMesh : none;
+  }
+
+  /// Among bones that give a skin one scale, those whose matrices would make it more than twice as large.
+  void findScaledByMatrix(std::size_t s) {
+    const FileSkin& skin = scene_.skins[s];
+    const auto [low, high] = usualScales(s);
+    int usual = 0;
+    double ofMatrix = 0.0;
+    for (std::size_t bone = 0; bone < skin.nodes.size(); ++bone) {
+      const double scale = skins_[s].says[bone] != 0 ? scaleIfSimilar(fileFromSkinBy(s, bone)) : 0.0;
+      if (!(scale > 0.0 && scale >= low && scale <= high)) continue;
+      ++usual;
+      ofMatrix = std::max(ofMatrix, scaleOf(skin.jointFromMesh[bone]));
+    }
+    if (usual < 2 || !(high < kInfinity)) return;
+    for (std::size_t bone = 0; bone < skin.nodes.size(); ++bone) {
+      if (skins_[s].says[bone] == 0 || given_[skin.nodes[bone]] != 0) continue;
+      const bool larger = scaleOf(fileFromSkinBy(s, bone)) > 2.0 * high;
+      if (larger && scaleOf(skin.jointFromMesh[bone]) > 2.0 * ofMatrix) frames_.scaledByMatrix[skin.nodes[bone]] = 1;
+    }
+  }
+
   void placeSkin(std::size_t s) {
     const FileSkin& skin = scene_.skins[s];
     const auto isGiven = [&](int node) { return given_[node] != 0; };
@@ -227,13 +316,8 @@ class BindFinder {
     if (frames_.posed && std::none_of(skin.nodes.begin(), skin.nodes.end(), isGiven)) placeOthers();
     const std::vector<std::size_t> bones = bonesOf(s);
     const auto says = [&](std::size_t bone) { return !frames_.posed || skins_[s].says[bone] != 0; };
-    for (const std::size_t bone : bones) {
-      const Affine3 fileFromSkin = fileFromSkinBy(s, bone);
-      if (!says(bone) || !isInvertible(fileFromSkin)) continue;
-      const bool known = !frames_.posed || isGiven(skin.nodes[bone]);
-      frames_.fileFromSkin[s] = known ? fileFromSkin : spaceOfPosed(s, bone, fileFromSkin);
-      break;
-    }
+    frames_.fileFromSkin[s] = spaceOfSkin(s, bones);
+    if (frames_.posed) findScaledByMatrix(s);
     for (const std::size_t bone : bones) {
       const std::size_t node = skin.nodes[bone];
       if (given_[node] != 0 || !says(bone) || !isInvertible(skin.jointFromMesh[bone])) continue;
@@ -244,8 +328,7 @@ class BindFinder {
     }
   }
 
-  /// Replaces the nodes' transforms by those of the bind pose. What cannot be held without shear keeps its scale; its
-  /// children are where they belong.
+  /// Replaces the nodes' transforms by those of the bind pose.
   void turnNodes() {
     Aabb box;
     for (std::size_t i = 0; i < given_.size(); ++i) {
@@ -256,7 +339,7 @@ class BindFinder {
       const FileNode& node = scene_.nodes[i];
       const Affine3 fileFromParent = node.parent == -1 ? Affine3::Identity() : fileFromNode[node.parent];
       const Affine3 wanted = fileFromParent.inverse() * frames_.fileFromNode[i];
-      if (given_[i] != 0 && !node.inner && wanted.matrix().allFinite()) {
+      if (given_[i] != 0 && wanted.matrix().allFinite()) {
         FileNode bind = node;
         const Affine3 saved = invertibleLocal(node);
         const double scale = std::cbrt(std::abs(wanted.linear().determinant()));
@@ -264,21 +347,31 @@ class BindFinder {
                           (fileFromParent.linear() * (wanted.translation() - saved.translation())).norm() <=
                               kRounding * box.diagonal();
         if (!same) setMatrix(bind, wanted);
-        if (bind.inner) {
-          bind.local.rotation = (bind.local.rotation * *bind.inner).normalized();
-          bind.local.scale = node.local.scale;
+        const Quat rotation = turnOf(bind);
+        for (const Vec3& scales : {node.local.scale, Vec3(wanted.linear().colwise().norm())}) {
+          if (same || !bind.inner) break;  // a little shear is rounding
+          const JointTransform plain{bind.local.translation, rotation, scales};
+          if ((plain.matrix().linear() - wanted.linear()).norm() > kAgrees * scale) continue;
+          bind.local = plain;
+          bind.inner.reset();
         }
-        const double turn = bind.local.rotation.angularDistance(node.local.rotation);
+        const double turn = rotation.angularDistance(turnOf(node));
         const double move = (fileFromParent.linear() * (bind.local.translation - node.local.translation)).norm();
         if (turn > std::numbers::pi / 180.0 || move > 0.01 * box.diagonal()) {
           ++frames_.posedNodes;
           frames_.posedTurn = std::max(frames_.posedTurn, turn);
           frames_.posedMove = std::max(frames_.posedMove, move);
         }
+        const Vec3 ratios = bind.local.scale.cwiseQuotient(node.local.scale);
+        const bool sameScale = (ratios - Vec3::Ones()).cwiseAbs().maxCoeff() <= kSameScale;
+        if (!sameScale || (bind.inner && !node.inner)) ++frames_.scaledNodes;
+        if (node.inner && !bind.inner) bind.inner = Quat::Identity();
         frames_.local[i] = bind.local;
+        frames_.inner[i] = bind.inner;
       }
       FileNode at = node;
       at.local = frames_.local[i];
+      at.inner = frames_.inner[i];
       fileFromNode[i] = fileFromParent * invertibleLocal(at);
     }
   }

@@ -1,10 +1,13 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
+#include "geometry/text.h"
 #include "skinning/humanoid/humanoid.h"
 #include "skinning/import/bind_frames.h"
 #include "skinning/import/character_parts.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/hidden_meshes.h"
+#include "skinning/morphs/shapes.h"
 
 #include <fmt/format.h>
 
@@ -45,12 +48,13 @@ class CharacterBuilder {
     chosen_ = movingNodes(scene_);
     LORICA_TRY_DO(chooseUnits());
     addJoints();
-    addVertices();
-    addLook();
-    out_.morphs = makeMorphs(scene_, frames_, Affine3(joints_.front().rest.matrix()));
-    addClips();
+    for (const auto step : {&CharacterBuilder::addVertices, &CharacterBuilder::addLook, &CharacterBuilder::addMorphs,
+                            &CharacterBuilder::addClips}) {
+      if (workStopped()) return cancelled();
+      (this->*step)();
+    }
     LORICA_TRY_DO(finish());
-    return std::move(out_);
+    return unlessStopped<CharacterFile>(std::move(out_));
   }
 
  private:
@@ -107,6 +111,12 @@ class CharacterBuilder {
                       frames_.posedNodes, frames_.posedTurn * 180.0 / std::numbers::pi,
                       100.0 * out_.metresPerUnit * frames_.posedMove));
     }
+    if (frames_.scaledNodes > 0) {
+      out_.notes.push_back(
+          fmt::format("the inverse bind matrices of {} nodes have a scale or shear that the nodes lack: "
+                      "the bind pose keeps it",
+                      frames_.scaledNodes));
+    }
     return {};
   }
 
@@ -145,13 +155,13 @@ class CharacterBuilder {
       const FileNode& node = scene_.nodes[i];
       JointIndex parent = node.parent == -1 ? 0 : jointsOfNode_[node.parent].front();
       JointTransform local = frames_.local[i];
-      if (node.inner) {
+      if (frames_.inner[i]) {
         ++sheared;
         joints_.push_back({node.name + " (sheared)", parent, local, std::nullopt});
-        jointFromFile_.push_back(*node.inner * frames_.fileFromNode[i].inverse());
+        jointFromFile_.push_back(*frames_.inner[i] * frames_.fileFromNode[i].inverse());
         parent = countOf(joints_) - 1;
         local = {};
-        local.rotation = *node.inner;
+        local.rotation = *frames_.inner[i];
       }
       jointsOfNode_[i].push_back(countOf(joints_));
       joints_.push_back({node.name, parent, local, std::nullopt});
@@ -161,7 +171,7 @@ class CharacterBuilder {
       joints_[jointsOfNode_[node].front()].bone = bone;
     }
     if (sheared > 0) {
-      out_.notes.push_back(fmt::format("{} nodes are sheared: each is represented by two joints", sheared));
+      out_.notes.push_back(counted(sheared, "node is", "nodes are") + " sheared: each is represented by two joints");
     }
   }
 
@@ -220,12 +230,12 @@ class CharacterBuilder {
       character.jointFromModel.emplace_back(jointFromFile * fileFromModel);
     }
     if (out_.repairedVertices > 0) {
-      out_.notes.push_back(fmt::format(
-          "{} vertices had weights that do not sum to 1, are negative or not finite, or refer to no bone: repaired",
-          grouped(out_.repairedVertices)));
+      out_.notes.push_back(
+          counted(out_.repairedVertices, "vertex", "vertices") +
+          " had weights that do not sum to 1, are negative or not finite, or refer to no bone: repaired");
     }
     if (copies_ > 0) {
-      out_.notes.push_back(fmt::format("{} joints added for bones with more than one bind matrix", grouped(copies_)));
+      out_.notes.push_back(counted(copies_, "joint") + " added for bones with more than one bind matrix");
     }
   }
 
@@ -333,7 +343,9 @@ class CharacterBuilder {
     }
     const auto note = [&](ContraryNormals kind, const char* what) {
       const int count = mended[static_cast<std::size_t>(kind)];
-      if (count > 0) out_.notes.push_back(fmt::format("in {} of {} meshes {}", count, scene_.meshes.size(), what));
+      if (count > 0)
+        out_.notes.push_back(
+            fmt::format("in {} of {} {}", count, counted(std::ssize(scene_.meshes), "mesh", "meshes"), what));
     };
     note(ContraryNormals::kNormalsReplaced, "the normals contradict the triangles: recomputed");
     note(ContraryNormals::kTrianglesTurned,
@@ -383,29 +395,41 @@ class CharacterBuilder {
     }
   }
 
-  /// What a clip does not move stays as the file has it, also where its skin's bind pose is another one.
+  /// The joint that clips move as a node: of a node that is sheared in the bind pose alone the first of its two.
+  [[nodiscard]] JointIndex movedBy(std::size_t node) const {
+    const JointIndex own = jointsOfNode_[node].front();
+    return frames_.inner[node] && !scene_.nodes[node].inner ? joints_[own].parent : own;
+  }
+
+  /// What a clip does not move stays as the file has it, also where its skin's bind pose is another one; but a node
+  /// that only its matrix knows the size of stays in the bind pose.
   void keepSaved(Clip& clip) const {
     std::vector<JointTrack*> trackOf(joints_.size(), nullptr);
     clip.tracks.reserve(clip.tracks.size() + joints_.size());  // keeps the pointers
     for (JointTrack& track : clip.tracks) trackOf[track.joint] = &track;
-    for (std::size_t n = 0; n < jointsOfNode_.size(); ++n) {
-      if (jointsOfNode_[n].empty() || scene_.nodes[n].inner) continue;
-      const JointIndex joint = jointsOfNode_[n].front();
-      const JointTransform& saved = scene_.nodes[n].local;
-      const JointTransform& rest = joints_[joint].rest;
-      if (saved.matrix().isApprox(rest.matrix(), 1e-12)) continue;
+    const auto keep = [&](JointIndex joint, const JointTransform& saved) {
+      if (saved.matrix().isApprox(joints_[joint].rest.matrix(), 1e-12)) return;
       if (trackOf[joint] == nullptr) trackOf[joint] = &clip.tracks.emplace_back(JointTrack{joint, {}, {}, {}});
-      JointTrack& track = *trackOf[joint];
-      const auto keep = [](auto& keys, const auto& value) {
+      const auto fill = [](auto& keys, const auto& value) {
         if (!keys) keys = {KeyInterpolation::kStep, {0.0}, {value}};
       };
-      keep(track.translation, saved.translation);
-      keep(track.rotation, saved.rotation);
-      keep(track.scale, saved.scale);
+      fill(trackOf[joint]->translation, saved.translation);
+      fill(trackOf[joint]->rotation, saved.rotation);
+      fill(trackOf[joint]->scale, saved.scale);
+    };
+    for (std::size_t n = 0; n < jointsOfNode_.size(); ++n) {
+      if (jointsOfNode_[n].empty() || frames_.scaledByMatrix[n] != 0) continue;
+      const JointIndex own = jointsOfNode_[n].front();
+      const JointIndex first = frames_.inner[n] ? joints_[own].parent : own;
+      keep(first, scene_.nodes[n].local);
+      JointTransform inner;
+      inner.rotation = scene_.nodes[n].inner.value_or(Quat::Identity());
+      if (first != own) keep(own, inner);
     }
   }
 
-  // 6. Clips of the existing joints.
+  // 6. Morph targets, and clips of the existing joints.
+  void addMorphs() { out_.morphs = makeMorphs(scene_, frames_, Affine3(joints_.front().rest.matrix())); }
   void addClips() {
     int tooLong = 0;
     std::size_t kept = 0;
@@ -415,7 +439,7 @@ class CharacterBuilder {
       for (const FileTrack& track : from.tracks) {
         const std::vector<JointIndex>& joints = jointsOfNode_[track.node];
         if (joints.empty()) continue;
-        clip.tracks.push_back({joints.front(), track.translation, track.rotation, track.scale});
+        clip.tracks.push_back({movedBy(track.node), track.translation, track.rotation, track.scale});
         const auto last = [&](const auto& keys) {
           if (keys) clip.seconds = std::max(clip.seconds, keys->times.back());
         };
@@ -435,7 +459,7 @@ class CharacterBuilder {
         out_.morphs.clips.push_back(from.weights);
       }
     }
-    if (tooLong > 0) out_.notes.push_back(fmt::format("{} clips last longer than a day: skipped", tooLong));
+    if (tooLong > 0) out_.notes.push_back(counted(tooLong, "clip lasts", "clips last") + " longer than a day: skipped");
   }
 
   // 7. Humanoid bones, size, and the final check.
@@ -450,8 +474,17 @@ class CharacterBuilder {
     }
     Result<Skeleton> skeleton = Skeleton::create(std::move(joints_));
     if (!skeleton) return bad(skeleton.error().message);
-    if (scene_.bones.empty()) {
+    if (lacksBones(scene_)) {
       const HumanoidGuess guess = guessHumanoid(*skeleton);
+      const auto found = std::ranges::count_if(guess.jointOf, [](JointIndex joint) { return joint != kNoJoint; }) -
+                         std::ssize(scene_.bones);
+      if (scene_.format.starts_with("VRM") && found > 0) {
+        out_.notes.push_back(fmt::format(
+            "its humanoid maps {} were found by {}",
+            scene_.bones.empty() ? fmt::format("no bone: {}", found)
+                                 : fmt::format("{}: {} more", counted(countOf(scene_.bones), "bone"), found),
+            guess.by));
+      }
       for (const BoneDoubt& doubt : guess.doubts) out_.notes.push_back("unsure of " + inWords(doubt));
       character.skeleton = withBones(*skeleton, guess);
     } else {
@@ -467,6 +500,12 @@ class CharacterBuilder {
       out_.notes.push_back(
           fmt::format("its lowest point in the bind pose is at y = {:.3f} m, not on the floor", box.min.y()));
     }
+    if (addShapes(character, out_.clips, out_.morphs, out_.expressions) == kTooManyShapes) {
+      out_.notes.emplace_back(
+          "its clips deform it by too many morph targets, bones and keys to follow: the hulls hold all "
+          "that they reach");
+    }
+    out_.nodeOfJoint.resize(character.skeleton.jointCount(), -1);
     if (Result<void> sound = checkCharacter(character); !sound) return bad(sound.error().message);
     return {};
   }

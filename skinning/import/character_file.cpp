@@ -2,6 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "geometry/text.h"
 #include "skinning/import/assimp_file.h"
 #include "skinning/import/file_scene.h"
@@ -26,7 +27,6 @@ enum class FileKind { kUnknown, kGltf, kFbx, kCollada };
 [[nodiscard]] FileKind kindOf(std::string_view content) {
   if (content.starts_with("glTF")) return FileKind::kGltf;
   if (content.starts_with("Kaydara FBX Binary")) return FileKind::kFbx;
-  if (content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF")) return FileKind::kCollada;  // UTF-16
   const std::string_view start = content.substr(0, 4096);
   const std::size_t first = start.find_first_not_of("\xEF\xBB\xBF \t\r\n");
   if (first == std::string_view::npos) return FileKind::kUnknown;
@@ -51,6 +51,11 @@ enum class FileKind { kUnknown, kGltf, kFbx, kCollada };
                                           const std::filesystem::path& folder, const CharacterFileSettings& settings) {
   const NamedFiles files{folder, settings.paths};
   if (bytes.empty()) return badFormat(name + ": is empty, expected a character");
+  std::string text;
+  if (isUtf16({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
+    text = asUtf8({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+    bytes = std::as_bytes(std::span(text));
+  }
   Result<FileScene> scene = unsupported(name + ": unknown format, expected glTF, VRM, FBX or COLLADA");
   switch (kindOf({reinterpret_cast<const char*>(bytes.data()), bytes.size()})) {
     case FileKind::kGltf:
@@ -65,6 +70,7 @@ enum class FileKind { kUnknown, kGltf, kFbx, kCollada };
     case FileKind::kUnknown:
       break;
   }
+  scene = unlessStopped(std::move(scene));
   if (!scene) return scene.error();
   LORICA_TRY_DO(checkWork(*scene, name));
   return makeCharacterFile(std::move(*scene), name, settings);

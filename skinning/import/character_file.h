@@ -82,8 +82,8 @@ struct CharacterFile {
 
 /// Reads a character from glTF 2.0 (.gltf, .glb), VRM 0.x and 1.0, FBX or COLLADA (.dae), detected from the content.
 ///
-/// Humanoid bones come from VRM's own list, else from guessHumanoid(). Reading glTF or VRM needs at most 250 bytes of
-/// memory per byte of the file, or 130 MB if that is more, whatever the file's content.
+/// Humanoid bones come from VRM's own list, and what that lacks of a humanoid from guessHumanoid(). Reading glTF or VRM
+/// needs at most 250 bytes of memory per byte of the file, or 130 MB if that is more, whatever the file's content.
 /// @return the content; or an error with file, element, what was found and what was expected; kInvalidArgument if a
 /// mesh to hide is unknown, or none is left
 [[nodiscard]] Result<CharacterFile> readCharacterFile(const std::filesystem::path& file,

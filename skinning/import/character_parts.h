@@ -14,6 +14,10 @@ namespace lorica {
 /// their names mean, as files of tools for Second Life need. Each stays where it is. Adds a note.
 void hangFlatBones(FileScene& scene);
 
+/// Whether a file's own list of bones is not a humanoid's: hips, spine, head, arms or legs are not all in it. Then
+/// names tell the others. An animation may list any.
+[[nodiscard]] bool lacksBones(const FileScene& scene);
+
 /// Gives a humanoid of rigid meshes a skin of its bones, which moves nothing: each mesh follows its node. For a file
 /// without skins and clips whose humanoid bones are listed, or known by their names. Adds a note.
 void addRigidSkin(FileScene& scene);

@@ -62,8 +62,8 @@ void setMatrix(FileNode& node, const Affine3& parentFromNode) {
   node.inner = Quat(Mat3(v.transpose())).normalized();
 }
 
-void FileScene::note(std::uint64_t count, std::string_view what) {
-  if (count > 0) notes.push_back(fmt::format("{} {}", grouped(count), what));
+void FileScene::note(std::uint64_t count, std::string_view one, std::string_view many) {
+  if (count > 0) notes.push_back(counted(static_cast<long long>(count), one, many));
 }
 
 std::vector<char> movingNodes(const FileScene& scene) {

@@ -120,8 +120,8 @@ struct FileScene {
   int morphTargetCount = 0;
   std::vector<std::string> notes;
 
-  /// Adds the note "1,234 faces are points", unless the count is 0.
-  void note(std::uint64_t count, std::string_view what);
+  /// Adds the note "1,234 faces are points", unless the count is 0. @param one  "face is a point"
+  void note(std::uint64_t count, std::string_view one, std::string_view many);
 };
 
 /// For each node whether it, or one below it, is a bone, carries a rigid mesh or swings; all nodes of a scene with only

@@ -1,6 +1,7 @@
 #include "skinning/import/gltf_accessor.h"
 
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "skinning/import/file_scene.h"
 
 #include <fmt/format.h>
@@ -138,6 +139,7 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
 
 template <typename Number>
 Result<std::vector<Number>> GltfAccessors::read(int index, int components, const std::string& user, bool wantIntegers) {
+  if (workStopped()) return cancelled();
   LORICA_TRY_DO(checkIndex(document_, index, document_.model.accessors.size(), user, "accessor"));
   const tinygltf::Accessor& accessor = document_.model.accessors[index];
   const std::string who = fmt::format("accessor {}", index);

@@ -1,6 +1,7 @@
 #include "skinning/import/gltf_compression.h"
 
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "skinning/import/file_scene.h"
 #include "skinning/import/json_values.h"
@@ -202,8 +203,8 @@ class Decompressor {
     } else if (filter == "EXPONENTIAL") {
       meshopt_decodeFilterExp(out.data(), count, stride);
     } else if (!filter.empty() && filter != "NONE") {
-      return unreadableWithHint(
-          who, fmt::format("its meshopt filter {} for elements of {} bytes is unknown", filter.substr(0, 40), stride));
+      return unreadableWithHint(who, fmt::format("its meshopt filter {} for elements of {} bytes is unknown",
+                                                 firstBytes(filter, 40), stride));
     }
     const Json ownStride = memberOf(view, "byteStride");
     view = {{"buffer", keep(std::move(out))}, {"byteOffset", 0U}, {"byteLength", count * stride}};
@@ -269,7 +270,7 @@ class Decompressor {
     if (!attributes.is_object()) return broken(who, "its Draco data has no attributes");
     for (const auto& [name, id] : attributes.items()) {
       const std::optional<int> a = indexOf(memberOf(primitive, "attributes"), name.c_str(), accessors.size());
-      const std::string what = fmt::format("{}: {}", who, name.substr(0, 40));
+      const std::string what = fmt::format("{}: {}", who, firstBytes(name, 40));
       if (!a || !id.is_number_unsigned()) return broken(what, "has no accessor or no number in its Draco data");
       const draco::PointAttribute* attribute = mesh.GetAttributeByUniqueId(id.get<std::uint32_t>());
       if (attribute == nullptr) return broken(what, fmt::format("is not in its Draco data, as number {}", id.dump()));

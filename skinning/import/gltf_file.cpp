@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "skinning/import/gltf_accessor.h"
 #include "skinning/import/gltf_document.h"
@@ -79,8 +80,9 @@ class ClipReader {
     const std::size_t perKey = keys.listsPerKey();
     const std::size_t valueCount = values.size() / components;
     if (valueCount != perKey * times.size()) {
-      return badFormat("{}: {}: {} values for {} keys, expected {}", document_.name, user, grouped(valueCount),
-                       grouped(times.size()), grouped(perKey * times.size()));
+      return badFormat("{}: {}: {} for {}, expected {}", document_.name, user,
+                       counted(std::int64_t(valueCount), "value"), counted(std::ssize(times), "key"),
+                       grouped(perKey * times.size()));
     }
     track.times.reserve(times.size());
     track.values.reserve(valueCount);
@@ -120,9 +122,12 @@ class ClipReader {
     lateKeys += reader.lateKeys;
     scene.clips.push_back(std::move(reader.clip));
   }
-  scene.note(unknownChannels, "animation channels animate something other than nodes: skipped");
-  scene.note(doubledChannels, "animation channels animate what another already animates: skipped");
-  scene.note(lateKeys, "animation keys are not later than the previous key: skipped");
+  scene.note(unknownChannels, "animation channel animates something other than nodes: skipped",
+             "animation channels animate something other than nodes: skipped");
+  scene.note(doubledChannels, "animation channel animates what another already animates: skipped",
+             "animation channels animate what another already animates: skipped");
+  scene.note(lateKeys, "animation key is not later than the previous key: skipped",
+             "animation keys are not later than the previous key: skipped");
   return {};
 }
 
@@ -146,7 +151,8 @@ class BoneList {
 
   void add(const std::string& name, const Json& node) {
     const std::optional<HumanBone> bone = humanBoneNamed(name);
-    if (!bone) return;  // eyes and jaw
+    if (!bone) return;                                                     // eyes and jaw
+    if (node.is_number_integer() && node.get<std::int64_t>() < 0) return;  // Unity's word for none
     const bool known =
         node.is_number_integer() && node.get<std::int64_t>() >= 0 && node.get<std::int64_t>() < countOf(scene_.nodes);
     if (!known) {
@@ -174,7 +180,8 @@ class BoneList {
 
 /// Reads what VRM 0.x ("VRM"), 1.0 ("VRMC_vrm") or a VRM animation ("VRMC_vrm_animation") adds to a glTF file: the
 /// format name, the humanoid bones, and the facing direction -Z of 0.x. Bones that refer to no node are skipped, with a
-/// note. https://github.com/vrm-c/vrm-specification: 0.0/README.md and VRMC_vrm-1.0/humanoid.md
+/// note unless it is a negative one. https://github.com/vrm-c/vrm-specification: 0.0/README.md and
+/// VRMC_vrm-1.0/humanoid.md
 /// @param extensions  those of the whole file, an object
 /// @param scene       its nodes are read; format, bones, axes and notes are written
 void readVrm(const Json& extensions, FileScene& scene) {
@@ -267,7 +274,8 @@ class GltfSceneReader {
       scene_.nodes.push_back(std::move(node));
     }
     if (unturned > 0) {
-      scene_.notes.push_back(fmt::format("{} nodes have rotations that are not of unit length: normalised", unturned));
+      scene_.notes.push_back(counted(unturned, "node has a rotation that is not of unit length: normalised",
+                                     "nodes have rotations that are not of unit length: normalised"));
     }
     return {};
   }
@@ -397,13 +405,20 @@ class GltfSceneReader {
       }
       scene_.morphTargetCount += targets;
     }
-    scene_.note(undrawn, "nodes with a mesh are not in the drawn scene: skipped");
-    scene_.note(statistics.pointsAndLines, "primitives are points or lines: skipped");
-    scene_.note(statistics.withoutPositions, "primitives have no positions: skipped");
-    scene_.note(statistics.rigidOnSkin, "primitives of nodes with a skin have no joints: attached to their nodes");
-    scene_.note(statistics.degenerate, "triangles use a vertex twice: skipped");
-    scene_.note(statistics.leftOver, "indices do not form a complete triangle: skipped");
+    scene_.note(undrawn, "node with a mesh is not in the drawn scene: skipped",
+                "nodes with a mesh are not in the drawn scene: skipped");
+    scene_.note(statistics.pointsAndLines, "primitive is points or lines: skipped",
+                "primitives are points or lines: skipped");
+    scene_.note(statistics.withoutPositions, "primitive has no positions: skipped",
+                "primitives have no positions: skipped");
+    scene_.note(statistics.rigidOnSkin, "primitive of a node with a skin has no joints: attached to its node",
+                "primitives of nodes with a skin have no joints: attached to their nodes");
+    scene_.note(statistics.degenerate, "triangle uses a vertex twice: skipped",
+                "triangles use a vertex twice: skipped");
+    scene_.note(statistics.leftOver, "index does not form a complete triangle: skipped",
+                "indices do not form a complete triangle: skipped");
     scene_.note(statistics.notFinite,
+                "number of normals, tangents, texture coordinates or colours is not finite: replaced by 0",
                 "numbers of normals, tangents, texture coordinates or colours are not finite: replaced by 0");
     notes.appendTo(scene_.notes);
     spendLook();

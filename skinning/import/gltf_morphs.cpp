@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 
 #include <fmt/format.h>
@@ -43,9 +44,10 @@ class MorphReader {
       scene_.notes.push_back(fmt::format("{} morph targets, expected at most {}: the others are skipped",
                                          grouped(beyondLimit_ + kMaxMorphTargets), grouped(kMaxMorphTargets)));
     }
-    note(badTargets_, "parts of morph targets could not be read");
-    note(badChannels_, "animation channels of morph weights could not be read");
-    scene_.note(lateKeys_, "keys of morph weights are not later than the previous key: skipped");
+    note(badTargets_, "part of a morph target", "parts of morph targets");
+    note(badChannels_, "animation channel of morph weights", "animation channels of morph weights");
+    scene_.note(lateKeys_, "key of morph weights is not later than the previous key: skipped",
+                "keys of morph weights are not later than the previous key: skipped");
   }
 
  private:
@@ -56,9 +58,10 @@ class MorphReader {
     int declared = 0;
   };
 
-  void note(const Skipped& skipped, const char* what) {
+  void note(const Skipped& skipped, const char* one, const char* many) {
     if (skipped.count == 0) return;
-    scene_.notes.push_back(fmt::format("{} {}: skipped (the first: {})", grouped(skipped.count), what, skipped.first));
+    scene_.notes.push_back(
+        fmt::format("{} could not be read: skipped (the first: {})", counted(skipped.count, one, many), skipped.first));
   }
 
   /// An error's sentence without the file's name, which the notes do not have.
@@ -212,8 +215,9 @@ class MorphReader {
     const std::size_t declared = targets.declared;
     const std::size_t listed = targets.listed;
     if (values.size() != lists * declared * times.size()) {
-      return badFormat("{}: {} values for {} keys of {} morph targets, expected {}", who, grouped(values.size()),
-                       grouped(times.size()), grouped(declared), grouped(lists * declared * times.size()));
+      return badFormat("{}: {} for {} of {}, expected {}", who, counted(std::ssize(values), "value"),
+                       counted(std::ssize(times), "key"), counted(std::int64_t(declared), "morph target"),
+                       grouped(lists * declared * times.size()));
     }
     track.times.reserve(times.size());
     track.values.reserve(lists * listed * times.size());

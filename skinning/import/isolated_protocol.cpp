@@ -3,6 +3,7 @@
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"
 #include "geometry/little_endian.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -375,7 +376,7 @@ constexpr std::size_t kLongestMessage = 10'000;  // [bytes]
 
 enum class AnswerKind : std::uint8_t { kScene, kError };
 
-void appendText(const std::string& text, std::string& bytes) {
+void appendText(std::string_view text, std::string& bytes) {
   appendLittleEndian(static_cast<std::uint32_t>(text.size()), bytes);
   bytes += text;
 }
@@ -411,7 +412,7 @@ std::string encodeAnswer(const Result<FileScene>& answer) {
   } else {
     appendLittleEndian(static_cast<std::uint8_t>(AnswerKind::kError), bytes);
     appendLittleEndian(static_cast<std::uint8_t>(answer.error().code), bytes);
-    appendText(answer.error().message.substr(0, kLongestMessage), bytes);
+    appendText(firstBytes(answer.error().message, kLongestMessage), bytes);
   }
   return bytes;
 }

@@ -1,4 +1,5 @@
 #include "skinning/import/json_values.h"
+#include "geometry/text.h"
 
 #include <fmt/format.h>
 
@@ -69,7 +70,7 @@ void MemberReader::numbers(const Json& object, const char* key, std::span<float>
   const Json& list = memberOf(object, key);
   if (!list.is_array() || list.size() < values.size() ||
       !std::all_of(list.begin(), list.begin() + values.size(), isFiniteNumber)) {
-    note(object, key, fmt::format("{} numbers", values.size()));
+    note(object, key, counted(std::ssize(values), "number"));
   }
   numbersOf(object, key, values);
 }

@@ -2,6 +2,7 @@
 
 #include "geometry/counts.h"
 #include "geometry/files.h"
+#include "geometry/text.h"
 #include "skinning/import/uri.h"
 
 #include <fmt/format.h>
@@ -16,7 +17,7 @@ namespace fs = std::filesystem;
 
 [[nodiscard]] std::string shortened(const std::string& path) {
   constexpr std::size_t kShown = 120;
-  return path.size() <= kShown ? path : "..." + path.substr(path.size() - kShown);
+  return path.size() <= kShown ? path : "..." + std::string(lastBytes(path, kShown));
 }
 
 [[nodiscard]] bool isFile(const fs::path& path) {

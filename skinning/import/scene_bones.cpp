@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <utility>
 
@@ -35,6 +36,7 @@ struct NodeSkeleton {
     joint.rest.translation = frames.fileFromNode[node].translation() - from;
     joints.push_back(std::move(joint));
   }
+  for (const auto& [bone, node] : scene.bones) joints[made.jointOfNode[node]].bone = bone;
   Result<Skeleton> skeleton = Skeleton::create(std::move(joints));
   if (!skeleton) return std::nullopt;
   made.skeleton = std::move(*skeleton);
@@ -113,18 +115,30 @@ void hangFlatBones(FileScene& scene) {
                   count));
 }
 
+bool lacksBones(const FileScene& scene) {
+  if (scene.bones.empty()) return true;
+  using enum HumanBone;
+  constexpr std::array kNeeded = {kHips,          kSpine,         kHead,          kLeftUpperLeg, kRightUpperLeg,
+                                  kLeftLowerLeg,  kRightLowerLeg, kLeftFoot,      kRightFoot,    kLeftUpperArm,
+                                  kRightUpperArm, kLeftLowerArm,  kRightLowerArm, kLeftHand,     kRightHand};
+  return scene.format != "VRM animation 1.0" && std::ranges::any_of(kNeeded, [&](HumanBone needed) {
+           return std::ranges::none_of(scene.bones, [&](const auto& bone) { return bone.first == needed; });
+         });
+}
+
 void addRigidSkin(FileScene& scene) {
   if (!scene.skins.empty() || !scene.clips.empty() || scene.nodes.size() > kMaxJoints) return;
   FileSkin skin{"(nodes)", {}, {}};
   for (const auto& [bone, node] : scene.bones) skin.nodes.push_back(node);
   const BindFrames frames = findBindFrames(scene);
-  if (skin.nodes.empty()) {
+  if (lacksBones(scene)) {
     const std::optional<NodeSkeleton> nodes = skeletonOf(scene, frames);
-    if (!nodes) return;
-    const HumanoidGuess guess = guessHumanoid(nodes->skeleton);
-    if (!guess.by.starts_with("names")) return;
-    for (const JointIndex joint : guess.jointOf) {
-      if (joint != kNoJoint) skin.nodes.push_back(nodes->nodes[joint]);
+    const HumanoidGuess guess = nodes ? guessHumanoid(nodes->skeleton) : HumanoidGuess();
+    if (guess.by.starts_with("names")) {
+      skin.nodes.clear();  // the guess has them too
+      for (const JointIndex joint : guess.jointOf) {
+        if (joint != kNoJoint) skin.nodes.push_back(nodes->nodes[joint]);
+      }
     }
   }
   // A figure in one piece on one of its bones stays a mesh.

@@ -140,12 +140,13 @@ class ExpressionReader {
   }
 
   void tell() {
-    scene_.note(full_,
-                fmt::format("expressions or their binds are beyond the first {} expressions and {} binds: skipped",
-                            grouped(kMaxExpressions), grouped(kMaxExpressionBinds)));
-    scene_.note(doubled_, "expressions have a name that another one has: skipped");
-    scene_.note(lost_,
-                fmt::format("binds of expressions refer to what does not exist: skipped (the first: {})", firstLost_));
+    const std::string beyond = fmt::format("beyond the first {} expressions and {} binds: skipped",
+                                           grouped(kMaxExpressions), grouped(kMaxExpressionBinds));
+    scene_.note(full_, "expression or bind is " + beyond, "expressions or their binds are " + beyond);
+    scene_.note(doubled_, "expression has a name that another one has: skipped",
+                "expressions have a name that another one has: skipped");
+    const std::string lost = fmt::format("to what does not exist: skipped (the first: {})", firstLost_);
+    scene_.note(lost_, "bind of an expression refers " + lost, "binds of expressions refer " + lost);
   }
 
  private:

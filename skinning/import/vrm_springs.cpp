@@ -1,6 +1,7 @@
 #include "skinning/import/gltf_parts.h"
 
 #include "geometry/counts.h"
+#include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "skinning/import/json_values.h"
 
@@ -45,7 +46,7 @@ class VrmValues {
 
   /// For messages.
   [[nodiscard]] static std::string shown(const Json& value) {
-    return value.is_structured() ? std::string(value.type_name()) : value.dump().substr(0, 24);
+    return value.is_structured() ? std::string(value.type_name()) : std::string(firstBytes(value.dump(), 24));
   }
 
   [[nodiscard]] std::optional<int> nodeIn(const Json& index, const std::string& who) {

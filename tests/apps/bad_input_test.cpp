@@ -7,11 +7,13 @@
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <iterator>
 #include <sstream>
+#include <utility>
 
 namespace lorica::test {
 namespace {
@@ -243,8 +245,17 @@ TEST(EarlyRefusal, NothingIsDecomposedForAStageOfWhichOneCannotPerform) {
 }
 
 TEST(EarlyRefusal, WithoutARuntimeOfHeadsetsNothingIsLoadedForOne) {
-  setenv("XR_RUNTIME_JSON", "/nonexistent/runtime.json", 1);
-  for (const char* command : {"play walk", "live --virtual", "demo"}) {
+  const TemporaryFolder manifests;
+  const fs::path pipe = manifests.path() / "pipe.json";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const std::string folder = manifests.path().string();
+  for (const auto& [command, manifest] : {std::pair<const char*, std::string>("play walk", "/nonexistent/runtime.json"),
+                                          {"live --virtual", "/nonexistent/runtime.json"},
+                                          {"demo", "/nonexistent/runtime.json"},
+                                          {"play walk", pipe.string()},
+                                          {"play walk", "/dev/zero"},
+                                          {"play walk", folder}}) {
+    setenv("XR_RUNTIME_JSON", manifest.c_str(), 1);
     const Studio studio;
     std::istringstream words(command);
     std::vector<std::string> arguments(std::istream_iterator<std::string>(words), {});

@@ -46,6 +46,24 @@ TEST(Decompose, OnePartIsTheConvexHull) {
   EXPECT_NEAR(json["error"].get<double>(), 0.5 / 3.0, 1e-9);
 }
 
+TEST(Decompose, AnErrorAboveAHalfIsAWarning) {
+  const TemporaryFolder folder;
+  // Legs of 0.1: an area of 0.39 in a hull of 2.195.
+  const TriMesh legs = moved(
+      makeLShape(), [](const Vec3& p) { return Vec3(p.x() == 1.0 ? 0.1 : p.x(), p.y() == 1.0 ? 0.1 : p.y(), p.z()); });
+  const std::string mesh = writeObj(folder, "legs.obj", legs);
+  const std::string said = "the hulls have 462.8 % more volume than the mesh";
+  for (const char* parts : {"1", "2"}) {
+    const bool doubtful = parts == std::string("1");
+    const CommandResult text = runLorica({"decompose", mesh, "--parts", parts});
+    EXPECT_EQ(text.exitCode, 0) << text.err;
+    EXPECT_EQ(text.err.find("lorica: warning: " + said) != std::string::npos, doubtful) << text.err;
+    const nlohmann::json warnings = jsonOf({"decompose", mesh, "--parts", parts})["warnings"];
+    ASSERT_EQ(warnings.size(), doubtful ? 1u : 0u);
+    for (const nlohmann::json& warning : warnings) EXPECT_TRUE(has(warning.get<std::string>(), said));
+  }
+}
+
 TEST(Decompose, JsonHasItsKeysAndTypes) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());

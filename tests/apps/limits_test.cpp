@@ -137,6 +137,8 @@ TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
       {"threads", kMaxThreads},
       {"parts, vertices of a hull, frames and pictures that are asked for", kMaxOfAnything},
       {"avatars of a command or scene", kMaxCast},
+      {"frames of a mesh in several poses", kMaxSequenceFrames},
+      {"points of a mesh in several poses, in all frames", kMaxSequencePoints},
       {"people who are followed live", kMaxPeople},
       {"people in a recording of joints", kMaxRecordedPeople},
       {"elements of a kind in a glTF file", kMaxGltfElements},
@@ -178,7 +180,7 @@ TEST(WorkBudgets, AreThoseOfTheTableInTheDocuments) {
       {"bytes of a file that somebody at a page opens", kMaxSentFile},
       {"bytes of all such files in their folder", kMaxSentFiles},
       {"rows of a table of contacts", kMaxContactRows},
-      {"files that a robot's file includes", kMaxRobotIncludes},
+      {"files that a robot's file includes or attaches", kMaxRobotIncludes},
       {"different collision meshes of a robot", kMaxRobotMeshes},
       {"shapes of a robot that collide with a mesh", kMaxRobotGeoms},
       {"triangles of a robot's collision mesh", kMaxRobotTriangles}};

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <sstream>
 #include <string>
@@ -44,7 +45,11 @@ TEST(Strangers, GetTheRightValueOrASentence) {
       {"vmc_doubles.pcap", {"info"}, {}, 0, {"159 at", "any humanoid can perform it"}},
       {"vmc_ok_zero_once.pcap", {"info"}, {}, 0, {"159 at"}},
       {"vmc_no_hips.pcap", {"info"}, {}, 0, {"missing bones stay at rest: leftUpperLeg"}},
-      {"rigid_boxes.vrm", {"info"}, {}, 0, {"a character", "1.850 m"}},
+      {"rigid_boxes.vrm",
+       {"info"},
+       {},
+       0,
+       {"a character", "1.850 m", "since its shells may lie in each other", ", 0 open edges"}},
       {"figure_mirrored.glb", {"info"}, {}, 0, {"1.450 m", "it faces +Z"}},
       {"figure_lying.glb", {"info"}, {}, 0, {"it lies, its head towards"}},
       {"figure_posed_nodes.glb", {"info"}, {}, 0, {"1.450 m", "its nodes are posed"}},
@@ -64,7 +69,14 @@ TEST(Strangers, GetTheRightValueOrASentence) {
       {"round2/walk_swing_foot_level.bvh", {"info"}, {}, 0, {"the floor is y = 0, since soles come down to it"}},
       {"round2/human_10_56_metres.glb", {"info"}, {}, 0, {"10.56 m", "it stays at 1 m per unit"}},
       {"round2/human_1_76_millimetres.glb", {"info"}, {}, 0, {"1.760 m", "assuming 1000 m per unit"}},
+      {"round2/utf16.dae", {"info"}, {}, 0, {"a mesh", "volume        4\n", "(0, 0, -2) to (3, 1, "}},
+      {"round2/flag_skinned_flat.glb", {"info"}, {}, 0, {"a character", "2.000 m", "1 thin wall of "}},
+      {"round2/flag_skinned_flat.glb", {"decompose"}, {}, 0, {"1 thin wall of ", "keyframes"}},
       {"U_once.obj", {"decompose"}, {"--parts", "8"}, 0, {"7", "1.0000"}},
+      {"round2/kinect_dump_header.csv", {"info"}, {}, 0, {"Kinect v2's order", "metres", "Y is up", "faces +Z"}},
+      {"round2/mediapipe_frames.json", {"info"}, {}, 0, {"mediapipe-json", "metres", "Y is down", "90 at 30.0"}},
+      {"round2/german_excel.csv", {"info"}, {}, 0, {"centimetres", "100.0 % seen", "90 at 30.0", "faces +Z"}},
+      {"round2/walk.trc", {"info"}, {}, 0, {"joints (trc)", "1 m per unit", "Y is up", "90 at 30.0"}},
   };
   for (const Row& row : rows) {
     std::vector<std::string> words = row.before;
@@ -121,6 +133,36 @@ TEST(Strangers, BonesAlongAnyAxisPerformTheFilesOwnPositions) {
   }
 }
 
+/// Joints in row 20, heights above the floor, and the way from the first row to the last [m].
+TEST(Strangers, JointsAreWhereTheFilesHaveThem) {
+  LORICA_REQUIRE_DATASET(readme, "strangers/round2/README.md");
+  const TemporaryFolder folder;
+  struct Joints {
+    const char* file;
+    double leftHand, rightHand, wayX, wayZ;
+  };
+  for (const Joints& expected : {Joints{"kinect_dump_header.csv", 1.933, 0.829, 0.0, 1.78},
+                                 {"german_excel.csv", 1.933, 0.829, 0.0, 1.78},
+                                 {"mediapipe_frames.json", 1.882, 0.824, 0.0, 0.0},
+                                 {"walk.trc", 1.863, 0.899, 1.78, 0.0}}) {
+    const std::filesystem::path csv = folder.path() / "joints.csv";
+    const CommandResult made = runLorica({"convert", "--force", readme.parent_path() / expected.file, csv});
+    ASSERT_EQ(made.exitCode, 0) << made.err;
+    const std::vector<std::string> lines = linesOf(csv);
+    ASSERT_EQ(lines.size(), 91u) << expected.file;
+    std::vector<std::string> columns;
+    std::istringstream header(lines[0]);
+    for (std::string column; std::getline(header, column, ',');) columns.push_back(column);
+    const auto at = [&](std::size_t row, const char* column) {
+      return numbersIn(lines[row + 1]).at(std::ranges::find(columns, column) - columns.begin());
+    };
+    EXPECT_NEAR(at(20, "left_hand.y"), expected.leftHand, 0.001) << expected.file;
+    EXPECT_NEAR(at(20, "right_hand.y"), expected.rightHand, 0.001) << expected.file;
+    EXPECT_NEAR(at(89, "torso.x") - at(0, "torso.x"), expected.wayX, 0.001) << expected.file;
+    EXPECT_NEAR(at(89, "torso.z") - at(0, "torso.z"), expected.wayZ, 0.001) << expected.file;
+  }
+}
+
 /// Feet that hang at the armature, as rigs with inverse kinematics have them, are on the legs of a ragdoll.
 TEST(Strangers, FeetHangOnTheLegsOfARagdoll) {
   LORICA_REQUIRE_DATASET(file, "strangers/round2/human_ik_feet.glb");
@@ -142,6 +184,43 @@ TEST(Strangers, FeetHangOnTheLegsOfARagdoll) {
   EXPECT_EQ(above["RightFoot"], "RightLowerLeg");
   EXPECT_EQ(std::count_if(above.begin(), above.end(), [](const auto& each) { return each.second.empty(); }), 1);
   EXPECT_EQ(above["Hips"], "");
+}
+
+/// Robots, whose new files lie beside theirs.
+TEST(Strangers, RobotsAreDividedWhereverTheirFilesAre) {
+  LORICA_REQUIRE_DATASET(readme, "strangers/round2/README.md");
+  const TemporaryFolder folder;
+  for (const char* name : {"L.obj", "attach.xml", "attachee.xml", "find_leftover.urdf", "my_robot/package.xml",
+                           "my_robot/urdf/bot.urdf", "my_robot/meshes/L.obj"}) {
+    std::filesystem::create_directories((folder.path() / name).parent_path());
+    std::filesystem::copy_file(readme.parent_path() / name, folder.path() / name);
+  }
+  std::ifstream in(folder.path() / "my_robot/urdf/bot.urdf");
+  std::string urdf(std::istreambuf_iterator<char>(in), {});
+  for (const std::string package = "package://my_robot"; urdf.find(package) != std::string::npos;) {
+    urdf.replace(urdf.find(package), package.size(), "..");
+  }
+  folder.write("my_robot/urdf/dots.urdf", urdf);
+  struct Robot {
+    const char* file;
+    int exitCode;
+    std::vector<const char*> said;
+  };
+  for (const Robot& robot :
+       {Robot{"attach.xml", 0, {"2 files with shapes for 1 mesh\n", "p_part       2 "}},
+        {"my_robot/urdf/bot.urdf", 0, {"3 files with shapes for 1 mesh\n", "base       2 "}},
+        {"my_robot/urdf/dots.urdf", 0, {"3 files with shapes for 1 mesh\n", "base       2 "}},
+        {"find_leftover.urdf", 2, {"has a substitution of xacro left: `xacro ", "> robot.urdf`"}}}) {
+    const std::filesystem::path file = folder.path() / robot.file;
+    const std::filesystem::path out = file.parent_path() / ("new_" + file.filename().string());
+    const CommandResult result = runLorica({"export", file, out});
+    EXPECT_EQ(result.exitCode, robot.exitCode) << robot.file << ": " << result.err;
+    for (const char* text : robot.said) {
+      EXPECT_NE((result.out + result.err).find(text), std::string::npos) << robot.file << ": no `" << text << "` in:\n"
+                                                                         << result.out << result.err;
+    }
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "new_attach_attachee.xml"));
 }
 
 TEST(Strangers, AStreamWithoutHipsStands) {

@@ -210,7 +210,7 @@ void measure(const std::string& name, std::span<const LivePart> parts, const std
   const Cost reference = minOf(std::min(repeats, 3), restore, [&] { (void)plain.push(moved); });
   const std::size_t leftByReference = deeperThan(parts, moved, 1e-3);
   for (const int threads : {1, 2}) {
-    ParticlePush push({.threads = threads});
+    ParticlePush push = ParticlePush::create({.threads = threads}).value();
     std::span<const ParticleTouch> touches;
     const Cost cost = minOf(repeats, restore, [&] {
       push.prepare(parts, kSecondsOfFrame);

@@ -195,7 +195,7 @@ int run(const Options& options) {
   fmt::print("what,particles,frames,wall ms,cpu ms,most wall ms,most cpu ms,hash\n");
   for (const auto kind : {ParticleSettings::Kind::kSand, ParticleSettings::Kind::kWater}) {
     const bool sand = kind == ParticleSettings::Kind::kSand;
-    Particles particles(settingsOf(kind, sand ? options.grains : options.drops));
+    Particles particles = Particles::create(settingsOf(kind, sand ? options.grains : options.drops)).value();
     walker->body->update(walker->worldFromModel[0]);
     walker->body->update(walker->worldFromModel[0]);
     Times falling, walking;
@@ -217,11 +217,11 @@ int run(const Options& options) {
   }
   ParticleSettings few = settingsOf(ParticleSettings::Kind::kSand, options.plain);
   few.walls.reset();
-  PlainSand plain(Particles(few).positions(), static_cast<float>(few.radius));
+  PlainSand plain(Particles::create(few).value().positions(), static_cast<float>(few.radius));
   Times times;
   for (int f = 0; f < 5; ++f) times.add([&] { plain.step(8); });
   times.print("plain scalar sand without a body", static_cast<std::size_t>(options.plain), hashOf(plain.positions()));
-  Particles same(few);
+  Particles same = Particles::create(few).value();
   Times own;
   for (int f = 0; f < 5; ++f) own.add([&] { same.step({}, kFrame); });
   own.print("the same sand", static_cast<std::size_t>(options.plain), hashOf(same.positions()));

@@ -38,7 +38,7 @@ World makeBed(ParticleSettings::Kind kind) {
   settings.walls = Aabb{Vec3(-1.2, 0.0, -1.2), Vec3(1.2, 4.0, 1.2)};
   settings.fills.push_back({Vec3(0.0, 0.1, 0.0), Vec3(2.4, 0.2, 2.4), 4000});
   World world;
-  world.setParticles(settings);
+  LORICA_CHECK(world.setParticles(settings).ok(), "the settings are in range");
   return world;
 }
 
@@ -49,7 +49,7 @@ Result<std::vector<SoakScene>> scenesIn(const std::filesystem::path& folder) {
     Result<SceneFile> read = readScene(folder / fmt::format("{}.json", name));
     if (!read) return read.error();
     const auto file = std::make_shared<const SceneFile>(std::move(*read));
-    scenes.push_back({name, [file](std::uint64_t) { return makeWorld(*file); }});
+    scenes.push_back({name, [file](std::uint64_t) { return makeWorld(*file).value(); }});
   }
   scenes.push_back({"sand", [](std::uint64_t) { return makeBed(ParticleSettings::Kind::kSand); }});
   scenes.push_back({"water", [](std::uint64_t) { return makeBed(ParticleSettings::Kind::kWater); }});

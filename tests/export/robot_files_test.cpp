@@ -66,7 +66,7 @@ TEST(RigidModel, UnknownJointsTurnThirtyDegreesAndAreTold) {
   EXPECT_NEAR(model.bodies[1].hinges[1].max, std::numbers::pi / 6.0, 1e-12);
   EXPECT_EQ(model.bodies[1].name, "lower_2");
   ASSERT_EQ(model.notes.size(), 2U);
-  EXPECT_TRUE(test::has(model.notes[0], "1 of the bones' names"));
+  EXPECT_TRUE(test::has(model.notes[0], "1 of the bones' names was"));
   EXPECT_TRUE(test::has(model.notes[1], "30 degrees"));
 }
 

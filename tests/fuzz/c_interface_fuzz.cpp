@@ -205,6 +205,7 @@ class Program {
     (void)lorica_parts_count(parts);
     (void)lorica_parts_error(parts);
     (void)std::strlen(lorica_parts_repaired(parts));
+    (void)std::strlen(lorica_parts_warning(parts));
   }
 
   void pose() {

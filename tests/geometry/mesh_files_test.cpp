@@ -6,6 +6,7 @@
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
 #include "tests/support/meshes.h"
+#include "tests/support/utf16.h"
 #include "tests/support/value_of.h"
 
 #include <fmt/format.h>
@@ -224,7 +225,7 @@ TEST(ReadMesh, HugeCountsAreNotBelieved) {
   const std::string fewCorners = binary + listHeader + std::string(3, '\0') + std::string(4, '\xFF');
   for (const auto& [name, content, message] : std::vector<std::array<std::string, 3>>{
            {"a.off", "OFF\n2000000000 2000000000 0\n0 0 0\n",
-            "a.off: line 4: the file ends here; the header declares 2000000000 vertices, found 1"},
+            "a.off: line 4: the file ends here; the header declares 2,000,000,000 vertices, found 1"},
            {"a.off", "OFF\n9999999999 1 0\n", "a.off: line 2: a count of 9999999999, expected 0 to 2147483647"},
            {"a.off", "OFF\n1 1 0\n0 0 0\n2000000000 0 0 0\n",
             "a.off: line 4: the line ends before corner 3 of 2000000000 of face 0, expected an integer"},
@@ -261,7 +262,7 @@ TEST(ReadMesh, NamesAndContentMustFit) {
            {"a.stl", "OFF\n",
             "4 bytes that do not start with 'solid': neither a text STL nor a binary one, whose header alone has 84 "
             "bytes"},
-           {"a.obj", "v 0 0 0\n", "1 vertices and no face, expected a surface"}}) {
+           {"a.obj", "v 0 0 0\n", "1 vertex and no face, expected a surface"}}) {
     EXPECT_EQ(whyNot(name, content), name + ": " + message);
   }
   EXPECT_EQ(readMesh("/nowhere/a.off").error().code, ErrorCode::kNotFound);
@@ -316,9 +317,9 @@ TEST(ReadOff, SaysWhatIsWrong) {
            {start + "3 0 1 -1\n", "line 6: face 0: vertex index -1 is out of range, expected 0 to 2 (3 vertices)"},
            {start + "2 0 1\n", "line 6: face 0 has 2 corners, expected 3 or more"},
            {start + "3 0 1 2.0\n", "line 6: corner 2 of 3 of face 0 is '2.0', expected an integer"},
-           {start, "line 6: the file ends here; the header declares 1 faces, found 0"},
+           {start, "line 6: the file ends here; the header declares 1 face, found 0"},
            {start + "3 0 1 2\n\n3 0 1 2\n",
-            "line 8: found '3' after the last of 1 faces, expected the end of the file"}}) {
+            "line 8: found '3' after the last of 1 face, expected the end of the file"}}) {
     EXPECT_EQ(whyNot("a.off", content), "a.off: " + message);
   }
 }
@@ -327,6 +328,19 @@ TEST(ReadOff, PolygonsAreFanned) {
   const auto mesh = test::valueOf(readAs("a.off", "OFF\n5 1 0\n0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 1 0\n5 0 1 2 3 4\n"));
   EXPECT_EQ(mesh.triangles, (std::vector<Triangle>{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}}));
   EXPECT_DOUBLE_EQ(surfaceArea(mesh.vertices, mesh.triangles), 2.5);
+}
+
+TEST(ReadText, InUtf16IsAsInUtf8) {
+  for (const auto& [name, content] : {std::pair("a.obj", kObj), {"a.off", kOff}}) {
+    const TriMesh expected = valueOf(readAs(name, content));
+    for (const bool little : {true, false}) {
+      for (const bool mark : {true, false}) {
+        const TriMesh read = valueOf(readAs(name, asUtf16(content, little, mark)));
+        EXPECT_EQ(read.vertices, expected.vertices) << name;
+        EXPECT_EQ(read.triangles, expected.triangles) << name;
+      }
+    }
+  }
 }
 
 TEST(ReadObj, SaysWhatIsWrong) {

@@ -5,6 +5,7 @@
 #include "geometry/math.h"
 #include "geometry/random_numbers.h"
 #include "geometry/text.h"
+#include "tests/support/utf16.h"
 
 #include <gtest/gtest.h>
 
@@ -18,6 +19,8 @@
 
 namespace lorica {
 namespace {
+
+using test::utf16;
 
 Result<int> half(int n) {
   if (n % 2 != 0) return Error{ErrorCode::kInvalidArgument, "found 3, expected an even number"};
@@ -71,25 +74,17 @@ TEST(SimilarName, HugeNamesAreNotCompared) {
   EXPECT_EQ(didYouMean("a", huge), "");
 }
 
-std::string utf16(const std::u16string& text, bool little) {
-  std::string bytes;
-  for (const char16_t unit : text) {
-    bytes += static_cast<char>(little ? unit & 0xff : unit >> 8);
-    bytes += static_cast<char>(little ? unit >> 8 : unit & 0xff);
-  }
-  return bytes;
-}
-
 TEST(Utf16, BothOrdersWithAndWithoutAMark) {
   for (const bool little : {true, false}) {
     EXPECT_EQ(asUtf8(utf16(u"\ufeffH\u00e9\u20ac\U0001f600", little)), "H\u00e9\u20ac\U0001f600");
     EXPECT_EQ(asUtf8(utf16(u"HIERARCHY", little)), "HIERARCHY");
+    EXPECT_TRUE(isUtf16(utf16(u"\ufeff", little)) && isUtf16(utf16(u"<", little)));
   }
 }
 
 TEST(Utf16, OtherTextStaysAsItIs) {
   for (const std::string text : {"", "H", "HIERARCHY", "\xef\xbb\xbfHIERARCHY", "\xc3\xa9"})
-    EXPECT_EQ(asUtf8(text), text);
+    EXPECT_TRUE(asUtf8(text) == text && !isUtf16(text)) << text;
 }
 
 TEST(Utf16, EveryPrefixAndHalvesOfPairsAreRead) {
@@ -118,6 +113,23 @@ TEST(Printable, ReplacesTheMiddleOfLongText) {
   EXPECT_EQ(printable("0123456789", 10), "0123456789");
   EXPECT_EQ(printable("0123456789abcdefghij", 9), "012345 ... (11 bytes) ... hij");
   EXPECT_EQ(printable("長長長長", 6), "長 ... (9 bytes) ... ") << "no part of a character";
+}
+
+TEST(StartAndEnd, AreCutBetweenCharacters) {
+  const std::string text = "aß長🦾b";  // 1, 2, 3, 4 and 1 bytes
+  const std::vector<std::size_t> ends = {0, 1, 3, 6, 10, 11};
+  for (std::size_t bytes = 0; bytes <= text.size() + 1; ++bytes) {
+    std::size_t start = 0, end = 0;
+    for (const std::size_t at : ends) {
+      if (at <= bytes) start = at;
+      if (text.size() - at <= bytes) end = std::max(end, text.size() - at);
+    }
+    EXPECT_EQ(firstBytes(text, bytes), text.substr(0, start)) << bytes;
+    EXPECT_EQ(lastBytes(text, bytes), text.substr(text.size() - end)) << bytes;
+  }
+  const std::string none(9, '\x80');
+  EXPECT_EQ(firstBytes(none, 7).size(), 7u) << "no UTF-8 has no characters";
+  EXPECT_EQ(lastBytes(none, 7).size(), 7u);
 }
 
 TEST(Printable, IsOneLineAndStaysAsItIs) {

@@ -121,11 +121,11 @@ TEST(CheckClosedTwoManifold, NamesWhatIsWrong) {
       {[](TriMesh& mesh) { mesh.triangles[2][1] = 4, mesh.triangles[3][0] = -1; },
        "triangle 2: vertex index 4 is out of range, expected 0 to 3 (4 vertices); 2 such indices in all"},
       {[](TriMesh& mesh) { mesh.vertices[3].y() = std::numeric_limits<double>::infinity(); },
-       "vertex 3: position (0, inf, 1) is not finite; 1 such vertices in all"},
+       "vertex 3: position (0, inf, 1) is not finite; 1 such vertex in all"},
       {[](TriMesh& mesh) {
          mesh.triangles[1] = {0, 3, 3};
        },
-       "triangle 1: vertices 0, 3, 3, expected three different ones; 1 such triangles in all"},
+       "triangle 1: vertices 0, 3, 3, expected three different ones; 1 such triangle in all"},
       {[](TriMesh& mesh) { mesh.triangles.pop_back(); },
        "edge 1-2 belongs to one triangle (0), expected two; 3 such edges: the mesh is open"},
       {[](TriMesh& mesh) { std::swap(mesh.triangles[3][0], mesh.triangles[3][1]); },

@@ -61,6 +61,28 @@ TEST(PeerRobots, AreAsHeavyInMujocoAsBefore) {
   }
 }
 
+TEST(PeerRobots, WhatIsAttachedStaysWhereAndWhatItWas) {
+  LORICA_REQUIRE_PEERS();
+  for (const bool capsules : {false, true}) {
+    const test::TemporaryFolder folder;
+    RobotExportOptions options = test::madeOptions(test::writeAttachingMjcf(folder), "out.xml");
+    options.capsules = capsules;
+    RobotReport report;
+    exportTo(options, report);
+    const json before = loaded(folder.path(), "robot.xml", 0.0);
+    const json after = loaded(folder.path(), "out.xml", 0.0);
+    ASSERT_FALSE(before.is_null() || after.is_null());
+    EXPECT_EQ(after["inertias"], before["inertias"]);
+    ASSERT_EQ(before["collides"], 15);  // all of them meshes
+    int shapes = 0;
+    for (const RobotLinkReport& link : report.links) {
+      shapes += link.shapes;
+      EXPECT_TRUE(before["inertias"].contains(link.name)) << link.name;
+    }
+    EXPECT_EQ(after["collides"], shapes);
+  }
+}
+
 TEST(PeerRobots, HullsAreWhereMujocoPutsTheMesh) {
   LORICA_REQUIRE_PEERS();
   // A convex mesh, mirrored, stretched and placed in every way that a file has: its one hull has the same extent.

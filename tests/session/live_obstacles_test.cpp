@@ -180,7 +180,7 @@ TEST(SceneParticles, AreReadPouredAndSettle) {
   ASSERT_TRUE(scene.particles.has_value());
   EXPECT_DOUBLE_EQ(scene.particles->gravity.y(), -5.0);
   EXPECT_EQ(scene.particles->color, Vec3f::Ones());
-  World world = makeWorld(scene);
+  World world = makeWorld(scene).value();
   ASSERT_NE(world.particles(), nullptr);
   EXPECT_EQ(world.particles()->positions().size(), 50u);
   world.step({}, 1.0 / 30.0);
@@ -214,7 +214,7 @@ TEST(SceneParticles, APourIsAStreamAtAnyHeight) {
           std::string(kind) + R"("pour": [{"at": [0, 3, 0], "radius": 0.3, "rate": 1000, "count": 1000, "velocity": )" +
           velocity + "}]}"));
       for (const float height : {2.8f, 1.5f}) {
-        World world = makeWorld(scene);
+        World world = makeWorld(scene).value();
         const std::vector<double> times = arrivals(world, height, 30, 1.0 / 30.0);
         ASSERT_GE(times.size(), 250u);
         // One in each millisecond; a pour in slabs leaves gaps that are a good part of a frame.
@@ -230,7 +230,7 @@ TEST(SceneParticles, WaterStaysBetweenWalls) {
   const SceneFile scene = test::valueOf(sceneWith(
       R"("water": {"spacing": 0.05, "walls": {"from": [-0.3, 0, -0.3], "to": [0.3, 0, 0.3]},
          "fill": [{"at": [0, 0.3, 0], "size": [0.5, 0.5, 0.5]}]})"));
-  World world = makeWorld(scene);
+  World world = makeWorld(scene).value();
   for (int i = 0; i < 30; ++i) world.step({}, 1.0 / 30.0);
   EXPECT_GT(world.particles()->positions().size(), 500u);
   for (const Vec3f& p : world.particles()->positions()) {

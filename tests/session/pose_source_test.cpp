@@ -4,6 +4,7 @@
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/retarget.h"
 #include "session/joint_trust.h"
+#include "session/prepare/read_motion.h"
 #include "session/session.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/has.h"
@@ -12,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace lorica {
@@ -101,6 +103,26 @@ TEST(PoseSource, JointsCannotPoseASkeletonWithoutHumanBones) {
   root.name = "root";
   EXPECT_TRUE(test::has(
       test::errorOf(makeJointPoseSource(*Skeleton::create({root}), makeRecordedSource(wave()))).message, "hips"));
+}
+
+TEST(PoseSource, FaultsOutOfRangeAreRefused) {
+  const Character mannequin = makeMannequin();
+  const auto motion = shippedMotion("walk");
+  ASSERT_TRUE(motion);
+  for (double FaultSettings::*fault : {&FaultSettings::dropout, &FaultSettings::jitter, &FaultSettings::swap,
+                                       &FaultSettings::late, &FaultSettings::freeze}) {
+    for (const double wrong : {-0.1, 1.5, std::numeric_limits<double>::quiet_NaN()}) {
+      MotionOptions options;
+      options.inject.*fault = wrong;
+      const auto source = poseSourceOf(mannequin, *motion, options);
+      ASSERT_FALSE(source) << wrong;
+      EXPECT_EQ(source.error().code, ErrorCode::kInvalidArgument);
+      EXPECT_TRUE(test::has(source.error().message, "expected"));
+    }
+    MotionOptions options;
+    options.inject.*fault = 1.0;
+    EXPECT_TRUE(poseSourceOf(mannequin, *motion, options));
+  }
 }
 
 TEST(PoseSource, OnlySmoothedJointsHaveADelay) {

@@ -55,7 +55,7 @@ Session performance(std::string_view motion, const SceneFile& scene) {
   }();
   std::unique_ptr<PoseSource> source =
       makeJointPoseSource(makeMannequin().skeleton, makeRecordedSource(shippedFrames(motion))).value();
-  return Session::create(makeMannequin(), parts, std::move(source), makeWorld(scene)).value();
+  return Session::create(makeMannequin(), parts, std::move(source), makeWorld(scene).value()).value();
 }
 
 void playToTheEnd(Session& session) {
@@ -273,7 +273,7 @@ TEST_F(SceneMeshes, AMeshIsItsHullOrItsPartsAboutTheMiddleOfItsBounds) {
     const Aabb bounds = boundsOf(prop.mesh->shown.vertices);
     EXPECT_LT(bounds.center().norm(), 1e-12);
   }
-  World world = makeWorld(scene);
+  World world = makeWorld(scene).value();
   for (int i = 0; i < 30; ++i) world.step({}, 1.0 / 30.0);
 }
 
@@ -320,7 +320,7 @@ TEST_F(SceneMeshes, DecomposingIsTheCallersAndCanBeCancelled) {
 TEST(ShippedScenes, StandStillUntilSomebodyComes) {
   for (const char* name : {"boxes", "bowling", "curtain", "dominoes", "targets"}) {
     const SceneFile scene = shipped(name);
-    World world = makeWorld(scene);
+    World world = makeWorld(scene).value();
     for (int i = 0; i < 90; ++i) world.step({}, 1.0 / 30.0);
     for (std::size_t p = 0; p < scene.props.size(); ++p) {
       const Vec3 moved = world.props()[p].worldFromProp.translation() - scene.props[p].worldFromProp.translation();
@@ -332,7 +332,7 @@ TEST(ShippedScenes, StandStillUntilSomebodyComes) {
 TEST(ShippedScenes, WhatIsInThePoolFloats) {
   SceneFile scene = shipped("pool");
   scene.particles->settleSeconds = 0.2;
-  World world = makeWorld(scene);
+  World world = makeWorld(scene).value();
   for (int i = 0; i < 20; ++i) world.step({}, 1.0 / 30.0);
   for (const Prop& prop : world.props()) {
     EXPECT_TRUE(prop.mass == 0.0 || prop.worldFromProp.translation().y() > 0.35);
@@ -343,7 +343,7 @@ TEST(ShippedScenes, WhatIsInThePoolFloats) {
 TEST(ShippedScenes, TheFountainRisesAndWhatFloatsStaysInItsBasin) {
   SceneFile scene = shipped("fountain");
   scene.particles->settleSeconds = 0.2;
-  World world = makeWorld(scene);
+  World world = makeWorld(scene).value();
   for (int i = 0; i < 45; ++i) world.step({}, 1.0 / 30.0);
   const std::span<const Vec3f> drops = world.particles()->positions();
   EXPECT_TRUE(std::ranges::any_of(drops, [](const Vec3f& p) { return p.y() > 1.1f; }));

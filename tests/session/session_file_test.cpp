@@ -222,7 +222,7 @@ TEST(SessionFile, StepsBeyondTheLastFrameAreReported) {
     return sentenceFor(fileOf(changed));
   };
   EXPECT_EQ(withEmpty(taken - 1), "none");
-  EXPECT_TRUE(test::has(withEmpty(taken), "comes after the last of " + std::to_string(taken) + " frames"));
+  EXPECT_TRUE(test::has(withEmpty(taken), "comes after the last of " + std::to_string(taken) + " frame"));
 }
 
 TEST(SessionFile, AHandThatIsNotThereIsReported) {

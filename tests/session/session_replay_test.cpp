@@ -372,7 +372,7 @@ TEST_P(KnownParticlesTest, AroundAWalkerComeOutAsTheyAlwaysDid) {
   Session session = test::demoSession(
       makeTreatedSource(makeMannequin(), makeRecordedSource(test::shippedFrames("walk", 20, 3.0)), {}).value());
   World world;
-  world.setParticles(settings);
+  EXPECT_TRUE(world.setParticles(settings));
   session.setWorld(std::move(world));
   while (session.step().value()) {
   }

@@ -488,7 +488,7 @@ TEST(SessionExpressions, WrongOnesAreASentence) {
     EXPECT_TRUE(test::has(sentence(bytes), text));
   };
   has(one.substr(0, one.size() - 1), "step 0 is truncated");
-  has(one + "x", "step 0 holds 1 bytes too many");
+  has(one + "x", "step 0 holds 1 byte too many");
   has("\xff\xff" + one.substr(2), "found 65535 expressions, expected at most 256");
   has(one.substr(0, 2) + "\x81" + one.substr(3), "found a name of 129 bytes, expected at most 128");
   const float nan = std::numeric_limits<float>::quiet_NaN();

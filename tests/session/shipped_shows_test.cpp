@@ -32,7 +32,7 @@ SceneFile shipped(const std::string& name) {
 
 /// The scene with its avatars, as `lorica play --scene` sets it up, but of eight parts.
 Session performance(const SceneFile& scene) {
-  Session session(makeWorld(scene));
+  Session session(makeWorld(scene).value());
   for (const AvatarSetting& asked : scene.stage) {
     std::unique_ptr<PoseSource> source =
         makeTreatedSource(makeMannequin(), makeRecordedSource(test::shippedFrames(asked.motion, 10'000, asked.start)),
@@ -87,7 +87,7 @@ double widestGap(const SceneFile& scene, const Session& session) {
 
 TEST(ShippedShows, PlanksOfTheBridgeYieldToTheFeetAndNothingTears) {
   const SceneFile scene = shipped("bridge");
-  World world = makeWorld(scene);  // where the planks hang without anybody
+  World world = makeWorld(scene).value();  // where the planks hang without anybody
   for (int i = 0; i < 90; ++i) world.step({}, 1.0 / 30.0);
   Session session = performance(scene);
   std::map<int, double> pressed;  // how far each plank that a foot touched was below where it hangs

@@ -14,7 +14,7 @@ namespace {
 std::vector<test::SoakScene> twoScenes() {
   const std::filesystem::path scenes = test::recordingsFolder() / "scenes";
   const auto bowling = std::make_shared<const SceneFile>(readScene(scenes / "bowling.json").value());
-  return {{"demo", makeDemoWorld}, {"bowling", [bowling](std::uint64_t) { return makeWorld(*bowling); }}};
+  return {{"demo", makeDemoWorld}, {"bowling", [bowling](std::uint64_t) { return makeWorld(*bowling).value(); }}};
 }
 
 /// A short version of the one-hour run in tests/bench/soak.cpp. Frame times are not tested.

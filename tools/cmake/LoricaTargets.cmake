@@ -29,6 +29,13 @@ if(LORICA_SANITIZE)
   add_compile_options(-fsanitize=${LORICA_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
   add_link_options(-fsanitize=${LORICA_SANITIZE})
 endif()
+# Then clang also calls a function at each branch, which does nothing but where a test counts the work of readers
+# (tests/export/robots/reader_work_test.cpp). That takes up to as long again, so not in what is HOT and only computes. Not beside
+# libFuzzer's own counters.
+if(CMAKE_CXX_COMPILER_ID MATCHES "Clang" AND LORICA_SANITIZE MATCHES "address" AND NOT LORICA_SANITIZE MATCHES "fuzzer")
+  set(LORICA_COUNTS_WORK ON)
+  add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-fsanitize-coverage=trace-pc-guard>)
+endif()
 
 # The headers that nearly every file includes take longer than most files themselves: they are compiled once for all
 # targets of a kind (library, tests, apps), with the flags of that kind. Not with clang and ccache: clang's precompiled
@@ -121,6 +128,8 @@ function(lorica_library name)
   lorica_flags(lorica_${name})
   if(NOT ARG_HOT)
     lorica_optimise(lorica_${name} -O2)
+  elseif(LORICA_COUNTS_WORK AND NOT name STREQUAL "geometry")
+    target_compile_options(lorica_${name} PRIVATE -fno-sanitize-coverage=trace-pc-guard)  # it computes
   endif()
   lorica_batches(lorica_${name} ${ARG_SINGLE})
   lorica_precompile(lorica_${name} library LINKS Eigen3::Eigen fmt::fmt

@@ -4,6 +4,7 @@
 
 #include "geometry/clock.h"
 #include "geometry/errors.h"
+#include "geometry/text.h"
 
 #include <algorithm>
 #include <array>
@@ -171,7 +172,7 @@ void Watcher::next() {
   buffer_.consume(buffer_.size());
   if (!message || allowance_ < 0.0) {
     const std::string why = message ? "too many messages" : message.error().message;
-    return close({websocket::close_code::policy_error, why.substr(0, 100)});
+    return close({websocket::close_code::policy_error, std::string(firstBytes(why, 100))});
   }
   take(*message);
   readMessages();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "geometry/result.h"
 #include "session/prepare/abandoned_work.h"
 #include "session/prepare/host.h"
@@ -64,7 +65,7 @@ class MonitoredHost final : public Host {
   double taskFrom_ = 0.0, taskTo_ = 1.0;
 };
 
-/// Work in another thread that reports how far it is and can be cancelled.
+/// Work in another thread that reports how far it is and can be cancelled: what it reads asks, see workStopped().
 template <class T>
 class BackgroundWork {
  public:
@@ -72,6 +73,8 @@ class BackgroundWork {
   /// @param work  should end soon after its host is cancelled; what it returns then does not count
   BackgroundWork(Host& host, std::function<Result<T>(Host&)> work) : monitor_(std::make_shared<MonitoredHost>(host)) {
     std::packaged_task<Result<T>()> task([monitor = monitor_, work = std::move(work)]() -> Result<T> {
+      const Interrupt stops = [&] { return monitor->cancelled(); };
+      const InterruptScope scope(&stops);
       Result<T> done = work(*monitor);
       if (monitor->stopped()) return cancelled();
       return done;

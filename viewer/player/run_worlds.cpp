@@ -97,7 +97,7 @@ void RunLoop::describeNextWorld(WindowValues& values) {
 Result<void> RunLoop::findFirstParts() {
   LORICA_TRY(World other, worldOf(scenes_.present)(host_));
   LORICA_TRY(std::vector<std::unique_ptr<PoseSource>> sources, this->sources());
-  other.setParticles(ParticleSettings());
+  LORICA_TRY_DO(other.setParticles(ParticleSettings()));
   World present = std::move(session_.world());
   session_.restart(std::move(sources), std::move(other));
   LORICA_TRY_DO(session_.step());

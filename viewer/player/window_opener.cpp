@@ -25,7 +25,7 @@ constexpr const char* kTemporary = ".tmp-";
 
 /// A file of one, or the one that ships.
 bool isCharacter(const std::string& name) {
-  return name == kMannequin || isCharacterFile(name);
+  return name == kMannequin || kindOf(name) == FileKind::kCharacter;
 }
 
 /// Files by what they are.
@@ -116,7 +116,7 @@ CastRequest plain(CastRequest request) {
   request.performing.clip.clear();
   request.performing.rest.clear();
   request.performing.sender.clear();
-  request.performing.inject.clear();
+  request.performing.inject = {};
   request.performing.smooth = usual.smooth;
   request.performing.smoothGiven = false;
   return request;
@@ -180,7 +180,7 @@ Result<WindowOpener::Others> WindowOpener::open(const std::vector<std::string>& 
     request.motion = kinds.motions.front();
     request.performing.clip.clear();
     request.performing.person = 0;
-    request.performing.format.clear();
+    request.performing.format.reset();
   }
   request.meshes.insert(request.meshes.end(), kinds.meshes.begin(), kinds.meshes.end());
   if (request.meshes.size() > kMaxMeshes) {

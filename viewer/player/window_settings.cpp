@@ -98,7 +98,7 @@ TreatmentControl treatmentControl(const MotionOptions& options, bool tracked) {
   control.first.mirror = options.mirror;
   if (options.mirror) control.noMirror = "--mirror was given";
   if (options.smoothGiven) {
-    control.first.smoothing = options.smooth == "off" ? 0 : kSmoothingAsGiven;
+    control.first.smoothing = options.smooth == MotionOptions::Smoothing::kOff ? 0 : kSmoothingAsGiven;
     control.noSmoothing = "--smooth was given";
   }
   if (!tracked) control.noSmoothing = "only tracked joints are smoothed";
@@ -116,7 +116,7 @@ MotionOptions treated(MotionOptions options, const Treatment& treatment) {
   options.mirror = treatment.mirror;
   if (treatment.smoothing == kSmoothingAsGiven) return options;
   const double cutoff = kSmoothings[treatment.smoothing].factor;
-  options.smooth = cutoff > 0.0 ? "one-euro" : "off";
+  options.smooth = cutoff > 0.0 ? MotionOptions::Smoothing::kOneEuro : MotionOptions::Smoothing::kOff;
   options.oneEuro = OneEuroSettings();
   options.oneEuro.minCutoff = cutoff;
   return options;

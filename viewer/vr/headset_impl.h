@@ -26,8 +26,9 @@ using PFNEGLGETPROCADDRESSPROC = void (*(*)(const char*))();
 #include <openxr/openxr.h>
 #include <openxr/openxr_platform.h>
 
-/// The functions of OpenXR that Lorica uses, without "xr".
+/// The functions of OpenXR that Lorica uses, without "xr". The first is what ends all, also where another is lacking.
 #define LORICA_XR_FUNCTIONS(X)         \
+  X(DestroyInstance)                   \
   X(AcquireSwapchainImage)             \
   X(ApplyHapticFeedback)               \
   X(AttachSessionActionSets)           \
@@ -39,7 +40,6 @@ using PFNEGLGETPROCADDRESSPROC = void (*(*)(const char*))();
   X(CreateReferenceSpace)              \
   X(CreateSession)                     \
   X(CreateSwapchain)                   \
-  X(DestroyInstance)                   \
   X(DestroySession)                    \
   X(EndFrame)                          \
   X(EndSession)                        \
@@ -132,7 +132,7 @@ struct XrHeadset final : Headset {
       if (tracker != null<XrHandTrackerEXT>()) DestroyHandTrackerEXT(tracker);
     }
     if (session != null<XrSession>()) DestroySession(session);  // with all that was made for it
-    if (instance != null<XrInstance>()) DestroyInstance(instance);
+    if (instance != null<XrInstance>() && DestroyInstance != nullptr) DestroyInstance(instance);
   }
 
   Result<void> start(Renderer::GetProc getProc) override;

@@ -1,5 +1,6 @@
 #include "viewer/vr/headset_panel.h"
 
+#include "geometry/text.h"
 #include "viewer/renderer/text.h"
 
 #include <fmt/format.h>
@@ -13,7 +14,7 @@ namespace {
 
 constexpr int kLineHeight = 48;                // [pixels]
 constexpr double kAhead = 0.7, kBelow = 0.15;  // of the head, where it opens [m]
-constexpr std::size_t kName = 16;              // characters of what is chosen in a list
+constexpr std::size_t kName = 16;              // of what is chosen in a list [bytes]
 constexpr double kAboveHand = 0.16;            // [m]
 
 /// "pause: off", "scene: boxes", "restart".
@@ -22,7 +23,7 @@ std::string wordsOf(const Control& control) {
     return fmt::format("{}: {}", control.label, control.value != 0.0 ? "on" : "off");
   const std::size_t index = control.value < 0.0 ? control.choices.size() : static_cast<std::size_t>(control.value);
   if (index >= control.choices.size()) return control.label;
-  return fmt::format("{}: {}", control.label, control.choices[index].substr(0, kName));
+  return fmt::format("{}: {}", control.label, firstBytes(control.choices[index], kName));
 }
 
 }  // namespace

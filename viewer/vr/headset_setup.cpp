@@ -1,11 +1,17 @@
+#include "geometry/files.h"
+#include "geometry/text.h"
 #include "viewer/vr/headset_impl.h"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <string>
 #include <string_view>
+#include <system_error>
 
 namespace lorica {
 
@@ -57,6 +63,30 @@ constexpr XrPosef kHere = {{0.0f, 0.0f, 0.0f, 1.0f}, {0.0f, 0.0f, 0.0f}};
 template <typename F>
 F symbol(void* library, const char* name) {
   return library == nullptr ? nullptr : reinterpret_cast<F>(dlsym(library, name));
+}
+
+/// The runtime's manifest, where the loader looks for it; empty if there is none.
+std::filesystem::path runtimeManifest() {
+  if (std::string named = environment("XR_RUNTIME_JSON"); !named.empty()) return named;
+  const auto orElse = [](std::string text, const std::string& usual) { return text.empty() ? usual : text; };
+  std::string folders = orElse(environment("XDG_CONFIG_HOME"), environment("HOME") + "/.config") + ":" +
+                        orElse(environment("XDG_CONFIG_DIRS"), "/etc/xdg") + ":/etc:";
+  for (std::size_t end = 0; (end = folders.find(':')) != std::string::npos; folders.erase(0, end + 1)) {
+    const std::filesystem::path file = std::filesystem::path(folders.substr(0, end)) / "openxr/1/active_runtime.json";
+    std::error_code ignored;
+    if (std::filesystem::exists(file, ignored)) return file;
+  }
+  return {};
+}
+
+/// The loader would wait for a named pipe, and read a device until memory ends.
+Result<void> checkManifest() {
+  constexpr std::uint64_t kMaxManifest = 1 << 20;  // [bytes]
+  const std::filesystem::path file = runtimeManifest();
+  if (file.empty()) return {};
+  const Result<std::string> read = readFile(file, NamedBy::kFile, kMaxManifest);
+  if (!read) return noDisplay("the manifest of the OpenXR runtime: {}", read.error().message);
+  return {};
 }
 
 /// The OpenGL context of this thread, for a session. A library that made one is loaded already.
@@ -118,6 +148,7 @@ struct ContextBinding {
 
 /// Opens the loader, which finds the runtime.
 Result<void> XrHeadset::load() {
+  LORICA_TRY_DO(checkManifest());
   ::setenv("XR_LOADER_DEBUG", "none", 0);  // it would write to standard error what is said here
   void* library = ::dlopen("libopenxr_loader.so.1", RTLD_NOW | RTLD_LOCAL);
   const auto find = symbol<PFN_xrGetInstanceProcAddr>(library, "xrGetInstanceProcAddr");

@@ -1,4 +1,5 @@
 #include "geometry/counts.h"
+#include "geometry/text.h"
 #include "viewer/window/panel_parts.h"
 
 #include <fmt/format.h>
@@ -16,10 +17,7 @@ constexpr float kSmallSwitch = 84.0f;  // longest name of one that has another o
 /// A text as far as it fits into a width [pixels]; a shortened one ends with dots.
 std::string fitted(const std::string& text, float width) {
   if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
-  const auto shortened = [&](std::size_t length) {
-    while (length > 0 && (text[length] & 0xc0) == 0x80) --length;  // not within a character
-    return text.substr(0, length) + "...";
-  };
+  const auto shortened = [&](std::size_t length) { return std::string(firstBytes(text, length)) + "..."; };
   std::size_t length = text.size();
   while (length > 0 && ImGui::CalcTextSize(shortened(length).c_str()).x > width) --length;
   return shortened(length);

@@ -25,7 +25,7 @@ class Hull:
         """In the cubed unit of the vertices."""
 
 class Parts:
-    """The convex hulls of a mesh: a sequence of Hull."""
+    """The convex hulls of a mesh: a sequence of Hull; of a mesh in several frames, those of the first."""
     def __len__(self) -> int:
         """Number of hulls."""
     def __getitem__(self, index: int) -> Hull:
@@ -36,14 +36,28 @@ class Parts:
     def hulls(self) -> List[Hull]:
         """A list of Hull."""
     @property
+    def frame_count(self) -> int:
+        """1, or as many as the vertices had."""
+    def frame(self, index: int) -> List[Hull]:
+        """The hulls of a frame, in the order of the parts: a list of Hull."""
+    @property
     def mesh_volume(self) -> float:
-        """Of the mesh, or of the closed body that was built for it."""
+        """Of the mesh, or of the closed body that was built for it; in the first frame."""
     @property
     def hull_volume(self) -> float:
-        """The sum over the hulls."""
+        """The sum over the hulls, in the first frame."""
     @property
     def error(self) -> float:
-        """(hull volume - mesh volume) / mesh volume."""
+        """(hull volume - mesh volume) / mesh volume; of several frames, the mean."""
+    @property
+    def errors(self) -> List[float]:
+        """The error of each frame."""
+    @property
+    def keyframes(self) -> List[int]:
+        """The frames that the mesh was decomposed in; the others are unseen."""
+    @property
+    def hash(self) -> str:
+        """Of the parts, as `lorica decompose` prints it."""
     @property
     def repaired(self) -> str:
         """What was done to the mesh first, in words; empty if nothing."""
@@ -68,8 +82,8 @@ class Character:
         An open surface gets a closed body.
 
         map              file that says which joints are the humanoid's bones; None = automatic
-        walls            what an open surface is: "solid"; "auto" = a thin wall, unless nothing outside can reach what is behind
-                         it; "shell" = a thin wall, also where it is closed
+        walls            what an open surface is: "solid", unless all of it is sheets; "auto" = a thin wall, unless nothing
+                         outside can reach what is behind it; "shell" = a thin wall, also where it is closed
         thickness        of thin walls [m]; 0 = 1 % of their longest side, at most half of the narrowest gap
         body_resolution  of the voxels of a closed body, if one has to be made [m]; 0 = automatic
         hidden           names of meshes that are left out, such as a weapon
@@ -338,13 +352,15 @@ def decompose(
     thickness: float = 0.0,
     threads: int = 0,
     progress: Optional[Progress] = None,
+    keyframes: Optional[int] = None,
+    candidates: int = 0,
 ) -> Parts:
     """Decompose a mesh into nearly convex parts, and return their hulls.
 
     The hulls together contain every vertex of the surface. The same arguments give the same hulls on any number of threads:
     there is no seed. A mesh with small faults is repaired; an open one gets a closed body, see `closed_body`.
 
-    vertices       (n, 3) finite numbers, in any unit
+    vertices       (n, 3) finite numbers, in any unit; or (k, n, 3): the mesh in k frames, whose hulls Parts.frame() has
     faces          (m, 3) integers: triangles, counter-clockwise seen from outside
     parts          at most this many; 0 = until no concave edge remains; None = 16, or with a limit below as many as it takes
     max_error      stop when the hulls have at most this much more volume, relative to the mesh; 0 = no limit
@@ -359,11 +375,14 @@ def decompose(
     thickness      of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap
     threads        0 = all of the machine's
     progress       called with the numbers of parts done and wanted; return False to cancel
+    keyframes      of several frames, decompose in so many at even intervals; None = up to 12 that differ most
+    candidates     concave edges that are tried for each cut; 0 = the preset's, 8
 
     Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a sentence, or Cancelled.
+    Warns, as a RuntimeWarning, of an error above 50 %.
     """
 def load_parts(file: Path, vertices: ArrayLike, faces: ArrayLike, *, hull_vertices: int = 0) -> Parts:
-    """The parts in a .lorica file that was made from this mesh."""
+    """The parts in a .lorica file that was made from this mesh, or from one with the same faces."""
 def read_mesh(file: Path) -> Tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Read .off, .obj, .ply or .stl: (n, 3) float64 vertices and (m, 3) int32 faces, read-only, no copy."""
 def contacts(

@@ -404,12 +404,12 @@ while True:
 constexpr const char* kCProgram = R"(import ctypes, sys
 class Mesh(ctypes.Structure):
     _fields_ = [("size", ctypes.c_size_t), ("vertices", ctypes.c_void_p), ("vertex_count", ctypes.c_size_t),
-                ("triangles", ctypes.c_void_p), ("triangle_count", ctypes.c_size_t)]
+                ("triangles", ctypes.c_void_p), ("triangle_count", ctypes.c_size_t), ("frame_count", ctypes.c_size_t)]
 c = ctypes.CDLL(sys.argv[1])
 c.lorica_last_error.restype = ctypes.c_char_p
 xyz = (ctypes.c_double * 12)(0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1)
 abc = (ctypes.c_int32 * 12)(0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3)
-mesh = Mesh(ctypes.sizeof(Mesh), ctypes.addressof(xyz), 4, ctypes.addressof(abc), 4)
+mesh = Mesh(ctypes.sizeof(Mesh), ctypes.addressof(xyz), 4, ctypes.addressof(abc), 4, 0)
 parts = ctypes.c_void_p()
 assert c.lorica_decompose(ctypes.byref(mesh), None, ctypes.byref(parts)) == 0
 while True:

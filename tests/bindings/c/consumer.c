@@ -26,7 +26,7 @@ static const int32_t kTriangles[] = {2, 1, 0, 3, 2, 0, 4, 3, 0, 5, 4, 0, 6, 7, 8
                                      0, 1, 7, 0, 7, 6, 1, 2, 8, 1, 8, 7, 2, 3, 9, 2, 9, 8, 3, 4, 10, 3, 10, 9,
                                      4, 5, 11, 4, 11, 10, 5, 0, 6, 5, 6, 11};
 static lorica_mesh l_shape(void) {
-  lorica_mesh mesh = {sizeof mesh, kVertices, 12, kTriangles, 20};
+  lorica_mesh mesh = {sizeof mesh, kVertices, 12, kTriangles, 20, 0};
   return mesh;
 }
 
@@ -53,6 +53,18 @@ static void test_parts(void) {
     volume += hull.volume;
   }
   CHECK(fabs(volume - 3) < 1e-9);
+  CHECK(strlen(lorica_parts_warning(parts)) == 0 && strlen(lorica_parts_warning(NULL)) == 0);
+  double thin[36]; /* legs of 0.1: an area of 0.39 in a hull of 2.195 */
+  for (int i = 0; i < 36; ++i) thin[i] = i % 3 < 2 && kVertices[i] == 1 ? 0.1 : kVertices[i];
+  lorica_mesh legs = mesh;
+  legs.vertices = thin;
+  for (options.parts = 1; options.parts <= 2; ++options.parts) {
+    lorica_parts *whole = NULL;
+    CHECK(lorica_decompose(&legs, &options, &whole) == LORICA_OK);
+    const char *said = lorica_parts_warning(whole);
+    CHECK(options.parts == 2 ? strlen(said) == 0 : strstr(said, "462.8 % more volume than the mesh") != NULL);
+    lorica_parts_free(whole);
+  }
 
   CHECK(lorica_parts_save(parts, path("c.lorica")) == LORICA_OK);
   lorica_parts *again = NULL;
@@ -68,6 +80,45 @@ static void test_parts(void) {
   FAILS(LORICA_INVALID_ARGUMENT, "out is null", lorica_parts_hull(parts, 0, NULL));
   lorica_parts_free(parts);
   lorica_parts_free(NULL);
+}
+
+/* A mesh in several frames: twice as high in each. */
+static void test_frames(void) {
+  enum { kFrames = 4 };
+  double frames[kFrames][36];
+  for (int f = 0; f < kFrames; ++f) {
+    for (int i = 0; i < 36; ++i) frames[f][i] = (i % 3 == 1 ? 1 << f : 1) * kVertices[i];
+  }
+  lorica_mesh mesh = l_shape();
+  mesh.vertices = frames[0];
+  mesh.frame_count = kFrames;
+  lorica_decompose_options options = {.size = sizeof options, .parts = 2, .keyframes = 2};
+  lorica_parts *parts = NULL, *again = NULL;
+  CHECK(lorica_decompose(&mesh, &options, &parts) == LORICA_OK);
+  CHECK(lorica_parts_count(parts) == 2 && lorica_parts_frame_count(parts) == kFrames && lorica_parts_hash(parts) != 0);
+  for (size_t f = 0; f < kFrames; ++f) {
+    double volume = 0;
+    for (size_t p = 0; p < 2; ++p) {
+      lorica_hull hull = {.size = sizeof hull};
+      CHECK(lorica_parts_hull_in_frame(parts, f, p, &hull) == LORICA_OK);
+      volume += hull.volume;
+    }
+    CHECK(fabs(volume - 3.0 * (1 << f)) < 1e-5 && fabs(lorica_parts_error_in_frame(parts, f)) < 1e-5);
+  }
+  CHECK(fabs(lorica_parts_mesh_volume(parts) - 3) < 1e-9 && lorica_parts_error_in_frame(parts, kFrames) == 0);
+  CHECK(lorica_parts_save(parts, path("frames.lorica")) == LORICA_OK);
+  CHECK(lorica_parts_load(path("frames.lorica"), &mesh, NULL, &again) == LORICA_OK);
+  CHECK(lorica_parts_hash(again) == lorica_parts_hash(parts));
+  lorica_hull hull = {.size = sizeof hull};
+  FAILS(LORICA_INVALID_ARGUMENT, "frame 4: found 4", lorica_parts_hull_in_frame(parts, kFrames, 0, &hull));
+  options.keyframes = 5;
+  FAILS(LORICA_INVALID_ARGUMENT, "at most 4", lorica_decompose(&mesh, &options, &again));
+  options = (lorica_decompose_options){.size = sizeof options, .hull_vertices = 8};
+  FAILS(LORICA_INVALID_ARGUMENT, "hull_vertices", lorica_decompose(&mesh, &options, &again));
+  frames[2][5] = NAN;
+  FAILS(LORICA_BAD_MESH, "frame 2, vertex 1: z is nan", lorica_decompose(&mesh, NULL, &again));
+  lorica_parts_free(again);
+  lorica_parts_free(parts);
 }
 
 static void test_bad_meshes(void) {
@@ -156,6 +207,8 @@ static void test_characters(void) {
 
   CHECK(lorica_body_load(mannequin, path("body.lorica"), &body) == LORICA_OK);
   CHECK(lorica_body_part_count(body) == 4);
+  CHECK(strstr(lorica_body_warning(body), "more volume than the mesh") != NULL); /* of so few parts */
+  CHECK(strlen(lorica_body_warning(NULL)) == 0);
   lorica_body *other = NULL;
   FAILS(LORICA_INVALID_ARGUMENT, "made from mannequin", lorica_body_load(hero, path("body.lorica"), &other));
   lorica_body_options options = {.size = sizeof options, .parts = 2, .hull_vertices = 3};
@@ -525,6 +578,7 @@ int main(int argc, char **argv) {
   snprintf(folder, sizeof folder, "%s", argv[1]);
   CHECK(strlen(lorica_version()) >= 5 && strlen(lorica_last_error()) == 0);
   test_parts();
+  test_frames();
   test_bad_meshes();
   test_characters();
   compare("walk", "walk_csv.hulls");

@@ -15,6 +15,7 @@ int main(void) {
   FIELD(lorica_mesh, vertex_count);
   FIELD(lorica_mesh, triangles);
   FIELD(lorica_mesh, triangle_count);
+  FIELD(lorica_mesh, frame_count);
   STRUCT(lorica_decompose_options);
   FIELD(lorica_decompose_options, size);
   FIELD(lorica_decompose_options, parts);
@@ -29,6 +30,7 @@ int main(void) {
   FIELD(lorica_decompose_options, max_concavity);
   FIELD(lorica_decompose_options, thickness);
   FIELD(lorica_decompose_options, walls);
+  FIELD(lorica_decompose_options, keyframes);
   STRUCT(lorica_hull);
   FIELD(lorica_hull, size);
   FIELD(lorica_hull, vertices);

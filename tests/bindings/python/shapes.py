@@ -65,5 +65,7 @@ def farthest_outside(hull, points):
     """How far points stick out of a convex hull's planes."""
     a, b, c = (hull.vertices[hull.faces[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    whole = lengths[:, 0] > 1e-9  # slivers lie between others
+    a, normals = a[whole], normals[whole] / lengths[whole]
     return (points @ normals.T - np.einsum("ij,ij->i", normals, a)).max(axis=1)

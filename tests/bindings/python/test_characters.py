@@ -86,7 +86,7 @@ class Characters(unittest.TestCase):
 
     def test_hulls_hold_morph_targets_of_clips_as_the_commands(self):
         breathing = lorica.Character(FILES / "breathing.glb")
-        self.assertTrue(any("morph targets at their largest weights" in note for note in breathing.notes), breathing.notes)
+        self.assertEqual(breathing.notes, [])  # the hulls follow the clip, so they hold no more than it needs
         self.assertEqual(len(breathing.load_body(FILES / "breathing.lorica")), 2)
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "again.lorica"

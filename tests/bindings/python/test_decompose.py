@@ -1,6 +1,10 @@
+import csv
 import gc
+import subprocess
+import sys
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 
 import lorica
@@ -91,6 +95,19 @@ class Decompose(unittest.TestCase):
         self.assertIn("inside out", parts.repaired)
         self.assertAlmostEqual(parts[0].volume, 1, 12)
 
+    def test_an_error_above_a_half_is_a_warning(self):
+        vertices, faces = l_shape()
+        thin = vertices.copy()
+        thin[:, :2][vertices[:, :2] == 1] = 0.1  # an area of 0.39 in a hull of 2.195
+        with self.assertWarnsRegex(RuntimeWarning, "hulls have 462.8 % more volume than the mesh"):
+            lorica.decompose(thin, faces, parts=1)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            lorica.decompose(vertices, faces, parts=1)  # 3.5 of 3
+            lorica.decompose(thin, faces, parts=2)
+            with self.assertRaises(RuntimeWarning):
+                lorica.decompose(thin, faces, parts=1)
+
     def test_parts_are_a_sequence(self):
         parts = lorica.decompose(*l_shape(), parts=2)
         self.assertTrue(np.array_equal(parts[-1].vertices, parts[1].vertices))
@@ -178,6 +195,52 @@ class Refused(unittest.TestCase):
         ):
             with self.subTest(settings):
                 self.refuses("expected", *mesh, **settings)
+
+    def test_frames_have_hulls_that_hold_them(self):
+        vertices, faces = torus(24, 12)
+        wave = np.linspace(0, 1, 9)[:, None] * np.sin(3 * vertices[:, 0])
+        frames = np.repeat(vertices[None], 9, axis=0)
+        frames[:, :, 2] += 0.5 * wave
+        parts = lorica.decompose(frames, faces, parts=6)
+        self.assertEqual(parts.frame_count, 9)
+        self.assertLess(len(parts.keyframes), 9)
+        for k, frame in enumerate(frames):
+            hulls = parts.frame(k)
+            nearest = np.min([farthest_outside(hull, frame) for hull in hulls], axis=0)
+            self.assertLess(nearest.max(), 1e-6)
+            own = volume(frame, faces)
+            self.assertAlmostEqual(parts.errors[k], sum(hull.volume for hull in hulls) / own - 1, 5)
+        self.assertAlmostEqual(parts.error, np.mean(parts.errors), 12)
+        self.assertEqual(len(parts), len(parts.frame(0)))
+        self.assertTrue(np.array_equal(parts[0].vertices, parts.frame(0)[0].vertices))
+        self.assertEqual(lorica.decompose(frames, faces, parts=6, threads=1).hash, parts.hash)
+        self.assertEqual(lorica.decompose(frames, faces, parts=6, keyframes=2).keyframes, [0, 8])
+        with tempfile.TemporaryDirectory() as folder:
+            parts.save(Path(folder) / "ring.lorica")
+            other = lorica.load_parts(Path(folder) / "ring.lorica", frames[::-1], faces)
+        self.assertEqual(other.hash, parts.hash)
+        self.assertAlmostEqual(other.errors[8], parts.errors[0], 5)
+        with self.assertRaises(IndexError):
+            parts.frame(9)
+        for settings in ({"keyframes": 0}, {"keyframes": 10}, {"hull_vertices": 8}):
+            with self.subTest(settings):
+                self.refuses("expected", frames, faces, **settings)
+
+    def test_the_figures_of_the_paper_are_made_for_a_sequence(self):
+        vertices, faces = torus(16, 8)
+        frames = np.stack([vertices + [0, 0, 0.2] * np.sin(3 * vertices[:, :1] + k) for k in range(5)])
+        script = Path(__file__).parents[3] / "docs" / "samples" / "sequence_figures.py"
+        with tempfile.TemporaryDirectory() as folder:
+            np.savez(Path(folder) / "ring.npz", vertices=frames, faces=faces)
+            subprocess.run([sys.executable, script, "ring.npz", "out", "--parts", "4"], cwd=folder, check=True)
+            with open(Path(folder) / "out" / "figures.csv") as file:
+                rows = list(csv.DictReader(file))
+            self.assertEqual({row["figure"] for row in rows}, {"fig3", "fig8", "fig9", "fig10"})
+            for figure in ("fig3", "fig8", "fig9", "fig10"):
+                self.assertTrue((Path(folder) / "out" / f"{figure}.png").stat().st_size > 1000)
+        parts = lorica.decompose(frames, faces, parts=4)
+        told = [float(row["error"]) for row in rows if row["figure"] == "fig9" and "keyframes" in row["series"]]
+        self.assertTrue(np.allclose(told, parts.errors))
 
 
 if __name__ == "__main__":

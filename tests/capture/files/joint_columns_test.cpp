@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <functional>
+#include <map>
 #include <random>
 #include <string>
 #include <tuple>
@@ -20,6 +21,8 @@ namespace lorica {
 namespace {
 
 using J = BodyJoint;
+using test::kLandmarks;
+using test::landmarkOf;
 
 std::vector<SkeletonFrame> walk() {
   std::vector<SkeletonFrame> frames = shippedFrames("walk");
@@ -83,7 +86,9 @@ TEST(JointColumns, AreReadByTheirNames) {
        .confidence = "-State",
        .seen = "Tracked",
        .joint = sideFirst},
-      {.before = "id", .first = "3", .axes = "zyx", .joint = sideFirst}};
+      {.before = "id", .first = "3", .axes = "zyx", .joint = sideFirst},
+      {.before = "Zeit [ms]", .first = "{:.2f}", .ticks = 1e3, .confidence = " Conf", .seen = "95"},
+      {.before = "tiempo (s)", .first = "{:.4f}", .confidence = "_score", .seen = "80 %"}};
   for (const Program& program : programs) {
     const std::string text = fileOf(program, truth);
     SCOPED_TRACE(text.substr(0, 60));
@@ -100,6 +105,35 @@ TEST(JointColumns, AreReadByTheirNames) {
       }
     }
   }
+}
+
+/// Excel in most of Europe: semicolons, decimal commas, quotes, confidences in percent.
+TEST(JointColumns, ConfidencesMayBePercents) {
+  const std::vector<SkeletonFrame> truth = walk();
+  const auto column = [](std::string_view j, char axis) { return fmt::format("\"{} {}\"", j, axis); };
+  const Program excel = {
+      .before = "\"Zeit [ms]\"", .first = "{:.2f}", .column = column, .ticks = 1e3, .confidence = " Conf", .seen = "P"};
+  std::string text = fileOf(excel, truth);
+  std::ranges::replace(text, ',', ';');
+  std::ranges::replace(text, '.', ',');
+  // Sure in every third place, then guessed, then lost.
+  constexpr std::array kPercents = {"100", "12,5", "3"};
+  for (std::size_t at = text.find('P', text.find('\n')), i = 0; at != std::string::npos; at = text.find('P', at)) {
+    text.replace(at, 1, kPercents[i++ % 3]);
+  }
+  const JointStream stream = test::valueOf(parseJointStream(text, "walk.csv"));
+  ASSERT_EQ(stream.frames.size(), truth.size());
+  std::map<double, int> seen;
+  for (std::size_t f = 0; f < truth.size(); ++f) {
+    EXPECT_NEAR(stream.frames[f].time, truth[f].time, 2e-5);
+    for (const TrackedJoint& joint : stream.frames[f].joints) ++seen[joint.confidence];
+  }
+  EXPECT_EQ(seen.size(), 3u);
+  for (const double confidence : {0.0, 0.5, 1.0}) EXPECT_GT(seen[confidence], 60) << confidence;
+  text.replace(text.find(";100;"), 5, ";101;");
+  EXPECT_NE(parseJointStream(text, "x").error().message.find(
+                "found '101', expected a confidence from 0 to 1 or 100, or a state of 0, 1 or 2"),
+            std::string::npos);
 }
 
 /// A header of six joints; a row of head, neck, and four joints of a leg at the given places.
@@ -162,35 +196,60 @@ TEST(JointColumns, WhatIsNotSureIsRefused) {
   EXPECT_FALSE(parseJointStream("frame,x0,y0,z0,x1,y1,z1,x2,y2,z2\n0,0,1,0,0,1,0,0,0,0\n", "x"));
 }
 
-/// MediaPipe's landmarks in its order. Those that stand for no joint of a recording are where others are.
-constexpr std::array<std::string_view, 33> kLandmarks = {
-    "nose",        "left_eye_inner",  "left_eye",        "left_eye_outer", "right_eye_inner",
-    "right_eye",   "right_eye_outer", "left_ear",        "right_ear",      "mouth_left",
-    "mouth_right", "left_shoulder",   "right_shoulder",  "left_elbow",     "right_elbow",
-    "left_wrist",  "right_wrist",     "left_pinky",      "right_pinky",    "left_index",
-    "right_index", "left_thumb",      "right_thumb",     "left_hip",       "right_hip",
-    "left_knee",   "right_knee",      "left_ankle",      "right_ankle",    "left_heel",
-    "right_heel",  "left_foot_index", "right_foot_index"};
+/// Azure Kinect's 32 joints by those of Kinect v2; collar bones and faces are where others are.
+constexpr std::array kAzureAs = {0,  1,  20, 2,  20, 4,  5,  6,  7,  21, 22, 20, 8, 9, 10, 11,
+                                 23, 24, 12, 13, 14, 15, 16, 17, 18, 19, 3,  3,  3, 3, 3,  3};
 
-/// From the middle of the hips, in a camera's axes: x to its right, y down, z away from it [m].
-Vec3 landmarkOf(const SkeletonFrame& frame, int landmark) {
-  const std::string_view name = kLandmarks[landmark];
-  const bool left = name.find("left") != std::string_view::npos;
-  const auto has = [&](auto... words) { return ((name.find(words) != std::string_view::npos) || ...); };
-  const J joint = has("shoulder")                                            ? J::kLeftShoulder
-                  : has("elbow")                                             ? J::kLeftElbow
-                  : has("wrist", "pinky", "_index", "thumb") && !has("foot") ? J::kLeftHand
-                  : has("hip")                                               ? J::kLeftHip
-                  : has("knee")                                              ? J::kLeftKnee
-                  : has("ankle", "heel", "foot")                             ? J::kLeftFoot
-                                                                             : J::kHead;
-  const int right = joint == J::kHead || left ? 0 : 1;
-  Vec3 at = frame.joints[static_cast<int>(joint) + right].position;
-  if (has("ear")) at.x() += left ? 0.07 : -0.07;
-  if (has("nose", "eye", "mouth")) at.z() += 0.1;
-  if (has("foot")) at += Vec3(0, -0.06, 0.15);
-  const Vec3 from = at - 0.5 * (frame[J::kLeftHip].position + frame[J::kRightHip].position);
-  return {from.x(), -from.y(), -from.z()};
+/// A program that writes a row for each joint, with its number.
+struct NumberedRows {
+  std::string_view header, row;  ///< {0}: time [s], {1}: number, {2}, {3}, {4}: position
+  int count = 25, first = 0;
+  std::string_view sensor = "Kinect v2";
+  double ticks = 1.0;
+  std::vector<int> absent = {};
+};
+
+TEST(JointColumns, RowsMayNumberJointsAsTheSensorDoes) {
+  const std::vector<SkeletonFrame> truth = walk();
+  const std::vector<NumberedRows> programs = {
+      {"Timestamp, JointID, Position.X, Position.Y, Position.Z, Orientation.X, Orientation.Y, Orientation.Z, "
+       "Orientation.W, State",
+       "{0:.1f}, {1}, {2:.6f}, {3:.6f}, {4:.6f}, 0, 0, 0, 1, 2", 25, 0, "Kinect v2", 1e3},
+      {"frame;joint_index;x;y;z;confidence", "{0:.0f};{1};{2:.6f};{3:.6f};{4:.6f};90", 25, 1, "Kinect v2", 30.0},
+      {"z\ty\tx\tjoint number\ttime_s", "{4:.6f}\t{3:.6f}\t{2:.6f}\t{1}\t{0:.4f}", 20, 0, "Kinect v1"},
+      {"Time(ms),JointType,X,Y,Z", "{0:.1f},{1},{2:.6f},{3:.6f},{4:.6f}", 20, 0, "Kinect v1", 1e3},
+      {"t,joint,x,y,z", "{0:.4f},{1},{2:.6f},{3:.6f},{4:.6f}", 32, 0, "Azure Kinect"},
+      {"frame,id,x,y,z,conf", "{0:.0f},{1},{2:.6f},{3:.6f},{4:.6f},1", 25, 0, "Kinect v2", 30.0},
+      {"t,joint_id,x,y,z", "{0:.4f},{1},{2:.6f},{3:.6f},{4:.6f}", 32, 1, "Azure Kinect"},
+      {"t,Joint,x,y,z", "{0:.4f},{1},{2:.6f},{3:.6f},{4:.6f}", 25, 0, "Kinect v2", 1.0, {0, 21, 22, 23}}};
+  for (const NumberedRows& program : programs) {
+    std::string text = std::string(program.header) + '\n';
+    for (const SkeletonFrame& frame : truth) {
+      const test::KinectBody body = test::kinectBodyOf(frame);
+      for (int j = 0; j < program.count; ++j) {
+        if (std::ranges::find(program.absent, j) != program.absent.end()) continue;
+        const Vec3& p = body[program.count == 32 ? kAzureAs[j] : j];
+        text +=
+            fmt::format(fmt::runtime(program.row), frame.time * program.ticks, j + program.first, p.x(), p.y(), p.z()) +
+            '\n';
+      }
+    }
+    SCOPED_TRACE(text.substr(0, 80));
+    const JointStream stream = test::valueOf(parseJointStream(text, "walk.csv"));
+    EXPECT_EQ(stream.format, JointFormat::kKinect1Long);
+    const std::string note = fmt::format("The rows number joints: they were taken in {}'s order.", program.sensor);
+    EXPECT_EQ(std::ranges::count(stream.notes, note), 1) << testing::PrintToString(stream.notes);
+    ASSERT_EQ(stream.frames.size(), truth.size());
+    const Vec3 moved = stream.frames[0][J::kHead].position - truth[0][J::kHead].position;
+    for (std::size_t f = 0; f < truth.size(); ++f) {
+      EXPECT_NEAR(stream.frames[f].time, truth[f].time, 2e-4);
+      for (int j = 0; j < kBodyJointCount; ++j) {
+        const TrackedJoint& joint = stream.frames[f].joints[j];
+        EXPECT_EQ(joint.confidence, 1.0);
+        EXPECT_LT((joint.position - truth[f].joints[j].position - moved).norm(), 1e-5) << f << " " << j;
+      }
+    }
+  }
 }
 
 constexpr std::string_view kMetres = "metres, since the body measures 1.74 (1.74 m)";
@@ -400,7 +459,7 @@ TEST(AzureJson, GivesThePerformance) {
   const std::tuple<std::string, std::string_view> cases[] = {
       {fileOf("", "mm"), ": found no joint_names and 15 joints, expected 32"},
       {R"({"a": {"joint_positions": 1}})", ": found no list of frames, expected frames, each with bodies"},
-      {R"({"frames": [{"bodies": []}], "joint_positions": 1})", ": found no body in 1 frames, expected at least one"},
+      {R"({"frames": [{"bodies": []}], "joint_positions": 1})", ": found no body in 1 frame, expected at least one"},
       {R"({"frames": [{"bodies": [{"joint_positions": 1}]}]})",
        ", frame 0: found a body without joint_positions, expected a list of them"},
       {R"({"joint_names": ["HEAD"], "frames": [{"bodies": [{"joint_positions": [[1, 2]]}]}]})",

@@ -75,6 +75,26 @@ std::vector<Vec3> kinect1BodyOf(const SkeletonFrame& frame) {
   return first;
 }
 
+Vec3 landmarkOf(const SkeletonFrame& frame, int landmark) {
+  const std::string_view name = kLandmarks[landmark];
+  const bool left = name.find("left") != std::string_view::npos;
+  const auto has = [&](auto... words) { return ((name.find(words) != std::string_view::npos) || ...); };
+  const J joint = has("shoulder")                                            ? J::kLeftShoulder
+                  : has("elbow")                                             ? J::kLeftElbow
+                  : has("wrist", "pinky", "_index", "thumb") && !has("foot") ? J::kLeftHand
+                  : has("hip")                                               ? J::kLeftHip
+                  : has("knee")                                              ? J::kLeftKnee
+                  : has("ankle", "heel", "foot")                             ? J::kLeftFoot
+                                                                             : J::kHead;
+  const int right = joint == J::kHead || left ? 0 : 1;
+  Vec3 at = frame.joints[static_cast<int>(joint) + right].position;
+  if (has("ear")) at.x() += left ? 0.07 : -0.07;
+  if (has("nose", "eye", "mouth")) at.z() += 0.1;
+  if (has("foot")) at += Vec3(0, -0.06, 0.15);
+  const Vec3 from = at - 0.5 * (frame[J::kLeftHip].position + frame[J::kRightHip].position);
+  return {from.x(), -from.y(), -from.z()};
+}
+
 std::string msrFile(std::span<const SkeletonFrame> frames) {
   // Left and right shoulder, neck, spine, hips, hip centre, elbows, wrists, hands, knees, ankles, feet, head.
   constexpr std::array<std::size_t, 20> kOrder = {4, 8, 2, 1, 12, 16, 0, 5, 9, 6, 10, 7, 11, 13, 17, 14, 18, 15, 19, 3};

@@ -24,6 +24,19 @@ using KinectBody = std::array<Vec3, 25>;
 /// The 20 joints of v1 in its order; its shoulder centre is the neck.
 [[nodiscard]] std::vector<Vec3> kinect1BodyOf(const SkeletonFrame& frame);
 
+/// MediaPipe's landmarks in its order.
+inline constexpr std::array<std::string_view, 33> kLandmarks = {
+    "nose",        "left_eye_inner",  "left_eye",        "left_eye_outer", "right_eye_inner",
+    "right_eye",   "right_eye_outer", "left_ear",        "right_ear",      "mouth_left",
+    "mouth_right", "left_shoulder",   "right_shoulder",  "left_elbow",     "right_elbow",
+    "left_wrist",  "right_wrist",     "left_pinky",      "right_pinky",    "left_index",
+    "right_index", "left_thumb",      "right_thumb",     "left_hip",       "right_hip",
+    "left_knee",   "right_knee",      "left_ankle",      "right_ankle",    "left_heel",
+    "right_heel",  "left_foot_index", "right_foot_index"};
+/// One of them, from the middle of the hips, in a camera's axes: x to its right, y down, z away from it [m]. Those that
+/// stand for no joint of a recording are where others are.
+[[nodiscard]] Vec3 landmarkOf(const SkeletonFrame& frame, int landmark);
+
 [[nodiscard]] std::string msrFile(std::span<const SkeletonFrame> frames);
 /// @param numbers  one frame number per frame
 [[nodiscard]] std::string utKinectFile(std::span<const SkeletonFrame> frames, std::span<const int> numbers);

@@ -400,8 +400,8 @@ TEST(JointStream, TimesThatRepeatAreLeftOutAndClocksThatRestartGoOn) {
   for (std::size_t f = 1; f < stream.frames.size(); ++f) {
     EXPECT_NEAR(stream.frames[f].time - stream.frames[f - 1].time, 1.0 / 30.0, 1e-6) << f;
   }
-  EXPECT_TRUE(hasNote(stream, "1 rows repeat a time or go back"));
-  EXPECT_TRUE(hasNote(stream, "restarts 1 times"));
+  EXPECT_TRUE(hasNote(stream, "1 row repeats a time or goes back"));
+  EXPECT_TRUE(hasNote(stream, "restarts 1 time:"));
 }
 
 TEST(JointStream, NiteOrientationsAreKeptWhereTheyAgreeWithTheLimbs) {

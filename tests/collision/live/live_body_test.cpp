@@ -2,6 +2,8 @@
 #include "acd/transfer.h"
 #include "collision/live/choose_cover.h"
 #include "collision/live/moving_hull.h"
+#include "skinning/linear_blend.h"
+#include "skinning/morphs/shapes.h"
 #include "tests/collision/live/moving_hull_truth.h"
 #include "tests/collision/parts.h"
 #include "tests/support/allocations.h"
@@ -84,6 +86,47 @@ TEST(LiveBody, RigidMotionGoesIntoTheTransformAndNothingIntoTheShape) {
         ASSERT_NE(same, names.end());
         const auto k = static_cast<std::size_t>(same - names.begin());
         EXPECT_LT((part.shape.vertices[v] - start[i].shape.vertices[k]).norm(), kGrid);
+      }
+    }
+  }
+}
+
+/// A character whose joints hold its shapes: hulls are those of the deformed mesh, posed by its bones.
+TEST(LiveBody, HullsFollowTheShapesOfACharacter) {
+  const Decomposition decomposition = halvedBox();
+  const TriMesh box = test::makeBox(Vec3::Zero(), Vec3(2.0, 1.0, 1.0));
+  for (const int frameCount : {2, 3, 8, 33}) {
+    SCOPED_TRACE(frameCount);
+    std::mt19937_64 random(static_cast<unsigned>(frameCount));
+    std::vector<Vec3> frames = box.vertices;
+    std::vector<double> times = {0.0};
+    for (int f = 1; f < frameCount; ++f) {
+      times.push_back(0.1 * f);
+      for (const Vec3& p : box.vertices) frames.push_back(p + test::uniformVec3(random, -0.3, 0.3));
+    }
+    const PlayedMesh played = playedMesh("soft box", box, frames, times).value();
+    const Character& character = played.character;
+    LiveBody body = LiveBody::create(decomposition, character).value();
+    Pose pose = restPose(character.skeleton);
+    std::vector<Affine3> bones(pose.size());
+    std::vector<Vec3> posed(8), points(12);
+    for (int step = 0; step < 4 * frameCount; ++step) {
+      sampleClip(played.clip, 0.03 * step, pose);
+      pose[0].rotation = test::uniformRotation(random);
+      pose[0].translation = test::uniformVec3(random, -3.0, 3.0);
+      computeWorldFromJoint(character.skeleton, pose, bones);
+      computeWorldFromModel(character, bones, bones);
+      const long before = allocationCount();
+      body.update(bones);
+      skinLinearBlend(character, bones, posed);
+      EXPECT_TRUE(step == 0 || allocationCount() == before) << step;
+      transfer(decomposition, posed, points);
+      for (std::size_t i = 0; i < 2; ++i) {
+        const ConvexHull hull = worldHull(body.parts()[i]);
+        const ConvexHull truth = partHull(decomposition.parts[i], points);
+        EXPECT_NEAR(body.parts()[i].shape.volume, truth.volume, 10.0 * kGrid);
+        EXPECT_LT(largestViolation(hull, truth.vertices), 10.0 * kGrid);
+        EXPECT_LT(largestViolation(truth, hull.vertices), 10.0 * kGrid);
       }
     }
   }

@@ -25,7 +25,7 @@ Fluid dam(int wide, int high) {
   settings.spacing = kSpacing;
   const double half = 0.5 * wide * kSpacing;
   settings.walls = Aabb{Vec3(-half, 0, -2.0 * half), Vec3(half, 9, 2.0 * half)};
-  Fluid fluid(settings);
+  Fluid fluid = Fluid::create(settings).value();
   std::vector<Vec3f> positions;
   positions.reserve(settings.capacity);
   const auto left = static_cast<float>(-half);
@@ -51,7 +51,7 @@ double meanHeight(const Fluid& fluid) {
 TEST(Fluid, FallsFreelyAsTheClosedFormSays) {
   FluidSettings settings;
   settings.capacity = 1;
-  Fluid fluid(settings);
+  Fluid fluid = Fluid::create(settings).value();
   fluid.add(std::vector<Vec3f>{Vec3f(0.1f, 3.0f, 0.0f)}, Vec3(-0.5, 1.0, 0.0));
   const int frames = 12;
   for (int i = 0; i < frames; ++i) fluid.step({}, kFrame);
@@ -86,7 +86,7 @@ TEST(Fluid, DeepWaterStaysWhereItIs) {
     settings.capacity = static_cast<std::size_t>(10 * 10 * layers);
     const double half = 5.0 * settings.spacing;
     settings.walls = Aabb{Vec3(-half, 0, -half), Vec3(half, 9, half)};
-    Fluid fluid(settings);
+    Fluid fluid = Fluid::create(settings).value();
     std::vector<Vec3f> positions;
     positions.reserve(settings.capacity);
     for (int i = 0; i < 100 * layers; ++i) {
@@ -111,7 +111,7 @@ TEST(Fluid, WithoutForcesMomentumIsKept) {
   settings.capacity = 1000;
   settings.gravity = Vec3::Zero();
   settings.floor = false;
-  Fluid fluid(settings);
+  Fluid fluid = Fluid::create(settings).value();
   std::vector<Vec3f> positions;
   for (int i = 0; i < 1000; ++i) {  // too dense: it bursts
     positions.emplace_back(0.016f * static_cast<float>(i % 10), 1.0f + 0.016f * static_cast<float>(i / 10 % 10),
@@ -169,7 +169,7 @@ TEST(Fluid, StepsAllocateNothingAfterTheFirst) {
 TEST(Fluid, ParticlesInOnePositionSeparate) {
   FluidSettings settings;
   settings.capacity = 40;
-  Fluid fluid(settings);
+  Fluid fluid = Fluid::create(settings).value();
   EXPECT_EQ(fluid.add(std::vector<Vec3f>(30, Vec3f(0.0f, 0.5f, 0.0f))), 30u);
   EXPECT_EQ(fluid.add(std::vector<Vec3f>{Vec3f(std::numeric_limits<float>::quiet_NaN(), 0.0f, 0.0f)}), 0u);
   for (int i = 0; i < 30; ++i) fluid.step({}, kFrame);

@@ -56,7 +56,7 @@ double depthIn(const LivePart& part, const Vec3& halfExtents, const Vec3f& posit
 }
 
 TEST(Granular, FallsFreelyAsTheClosedFormSays) {
-  Granular sand(smallSettings(1));
+  Granular sand = Granular::create(smallSettings(1)).value();
   sand.add(std::vector<Vec3f>{Vec3f(0.3f, 2.0f, -0.1f)}, Vec3(0.5, 1.0, 0.0));
   const int frames = 9;
   for (int i = 0; i < frames; ++i) sand.step({}, kFrame);
@@ -72,7 +72,7 @@ TEST(Granular, TwoGrainsThatMeetPartWithoutPassingAndLoseNoMomentumSideways) {
   GranularSettings settings = smallSettings(2);
   settings.gravity = Vec3::Zero();
   settings.floor = false;
-  Granular sand(settings);
+  Granular sand = Granular::create(settings).value();
   sand.add(std::vector<Vec3f>{Vec3f(-0.1f, 1.0f, 0.0f)}, Vec3(1.0, 0.0, 0.0));
   sand.add(std::vector<Vec3f>{Vec3f(0.1f, 1.0f, 0.0f)}, Vec3(-0.5, 0.0, 0.0));
   for (int i = 0; i < 15; ++i) sand.step({}, kFrame);
@@ -82,7 +82,7 @@ TEST(Granular, TwoGrainsThatMeetPartWithoutPassingAndLoseNoMomentumSideways) {
 }
 
 TEST(Granular, APouredHeapComesToRestWithASlopeAndKeepsItsVolume) {
-  Granular heap(smallSettings(2000));
+  Granular heap = Granular::create(smallSettings(2000)).value();
   for (int i = 0; i < 150; ++i) {
     if (i < 40) heap.add(block(5, 2, Vec3f(-0.08f, 0.6f, -0.08f)), Vec3(0.0, -2.0, 0.0));
     heap.step({}, kFrame);
@@ -119,7 +119,7 @@ TEST(Granular, APouredHeapComesToRestWithASlopeAndKeepsItsVolume) {
 TEST(Granular, WallsHoldAColumnThatDoesNotCollapse) {
   GranularSettings settings = smallSettings(2160);
   settings.walls = Aabb{Vec3(-0.25, 0, -0.25), Vec3(0.25, 9, 0.25)};
-  Granular sand(settings);
+  Granular sand = Granular::create(settings).value();
   sand.add(block(12, 15, Vec3f(-0.22f, 0.021f, -0.22f)));
   for (int i = 0; i < 120; ++i) sand.step({}, kFrame);
   double middle = 0.0;
@@ -137,7 +137,7 @@ TEST(Granular, WallsHoldAColumnThatDoesNotCollapse) {
 }
 
 TEST(Granular, AFastHandPushesGrainsAndLeavesNoneInside) {
-  Granular sand(smallSettings(2000));
+  Granular sand = Granular::create(smallSettings(2000)).value();
   sand.add(block(10, 8, Vec3f(-0.2f, 0.021f, -0.2f)));
   LivePart hand = makeBoxPart(Vec3(0.03, 0.08, 0.05), at(-0.6, 0.12, 0.0));
   for (int i = 0; i < 60; ++i) sand.step({&hand, 1}, kFrame);
@@ -158,7 +158,7 @@ TEST(Granular, AFastHandPushesGrainsAndLeavesNoneInside) {
 }
 
 TEST(Granular, AFootThatStepsOnGrainsLeavesThemNeitherInsideNorBelowTheFloor) {
-  Granular sand(smallSettings(800));
+  Granular sand = Granular::create(smallSettings(800)).value();
   sand.add(block(12, 3, Vec3f(-0.22f, 0.021f, -0.22f)));
   LivePart foot = makeBoxPart(Vec3(0.06, 0.04, 0.13), at(0.0, 0.3, 0.0));
   for (int frame = 0; frame <= 20; ++frame) {
@@ -173,7 +173,7 @@ TEST(Granular, AFootThatStepsOnGrainsLeavesThemNeitherInsideNorBelowTheFloor) {
 }
 
 TEST(Granular, WhatLiesOnAPartFallsWhenItLeaves) {
-  Granular sand(smallSettings(100));
+  Granular sand = Granular::create(smallSettings(100)).value();
   LivePart table = makeBoxPart(Vec3(0.3, 0.05, 0.3), at(0.0, 0.5, 0.0));
   sand.add(block(4, 2, Vec3f(-0.06f, 0.58f, -0.06f)));
   for (int i = 0; i < 90; ++i) sand.step({&table, 1}, kFrame);
@@ -189,7 +189,7 @@ TEST(Granular, WhatLiesOnAPartFallsWhenItLeaves) {
 
 std::vector<Vec3f> positions(int threads) {
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
-  Granular sand(smallSettings(2000));
+  Granular sand = Granular::create(smallSettings(2000)).value();
   sand.add(block(10, 20, Vec3f(-0.2f, 0.021f, -0.2f)));
   LivePart hand = makeBoxPart(Vec3(0.05, 0.08, 0.05), at(-0.4, 0.12, 0.0));
   for (int frame = 0; frame < 10; ++frame) {
@@ -206,7 +206,7 @@ TEST(Granular, ThreadsAndInstructionSetsChangeNoBit) {
 }
 
 TEST(Granular, StepsAllocateNothingAfterTheFirst) {
-  Granular sand(smallSettings(1000));
+  Granular sand = Granular::create(smallSettings(1000)).value();
   sand.add(block(10, 5, Vec3f(-0.2f, 0.021f, -0.2f)));
   LivePart hand = makeBoxPart(Vec3(0.05, 0.08, 0.05), at(-0.1, 0.12, 0.0));
   tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 1);
@@ -222,7 +222,7 @@ TEST(Granular, StepsAllocateNothingAfterTheFirst) {
 }
 
 TEST(Granular, NonFiniteAndDistantPositionsDoNoHarm) {
-  Granular sand(smallSettings(50));
+  Granular sand = Granular::create(smallSettings(50)).value();
   const float none = std::numeric_limits<float>::quiet_NaN();
   const std::vector<Vec3f> given{Vec3f(none, 1.0f, 0.0f), Vec3f(0.0f, 1.0f, 0.0f), Vec3f(0.0f, 1.0f, 0.0f),
                                  Vec3f(900.0f, 1.0f, -900.0f), Vec3f(0.0f, 1.0f, 0.01f)};
@@ -252,7 +252,7 @@ bool sameBits(const Particles& a, const Particles& b) {
 }
 
 TEST(Settling, ParticlesThatHaveSettledBeforeTheFirstStepMoveAsIfTheySettledInIt) {
-  Particles inStep(fallingSand()), before(fallingSand());
+  Particles inStep = Particles::create(fallingSand()).value(), before = Particles::create(fallingSand()).value();
   EXPECT_FALSE(before.settled());
   EXPECT_TRUE(before.settle({}));
   EXPECT_TRUE(before.settled());
@@ -268,7 +268,7 @@ TEST(Settling, ParticlesThatHaveSettledBeforeTheFirstStepMoveAsIfTheySettledInIt
 }
 
 TEST(Settling, WhoWatchesIsToldOfEachFrameAndCanStopIt) {
-  Particles particles(fallingSand());
+  Particles particles = Particles::create(fallingSand()).value();
   std::vector<int> frames;
   particles.watchSettling([&](int frame, int count) {
     EXPECT_EQ(count, 15);

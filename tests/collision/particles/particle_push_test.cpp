@@ -157,7 +157,7 @@ std::vector<LivePart> randomParts(std::mt19937_64& random, int count) {
 std::size_t expectPushed(std::span<const LivePart> parts, std::vector<Vec3f> particles, const std::string& what) {
   SCOPED_TRACE(what);
   const ParticleTruth truth(parts);
-  ParticlePush push;
+  ParticlePush push = ParticlePush::create().value();
   push.prepare(parts, kSecond);
   const std::vector<Vec3f> before = particles;
   const std::span<const ParticleTouch> touches = push.push(particles);
@@ -198,7 +198,7 @@ std::size_t expectPushed(std::span<const LivePart> parts, std::vector<Vec3f> par
 TEST(ParticlePush, ABoxPushesThroughTheNearestFace) {
   LivePart box = makeBoxPart({0.5, 1.0, 2.0}, at(1, 2, 3));
   std::vector<Vec3f> particles = {{1.4F, 2.0F, 3.0F}, {1.0F, 1.1F, 3.0F}, {1.0F, 2.0F, 4.9F}, {1.6F, 2.0F, 3.0F}};
-  ParticlePush push;
+  ParticlePush push = ParticlePush::create().value();
   push.prepare(std::span(&box, 1), kSecond);
   const std::span<const ParticleTouch> touches = push.push(particles);
   ASSERT_EQ(touches.size(), 3U);
@@ -249,7 +249,7 @@ TEST(ParticlePush, ThinPlatesPushAndFlatOnesDoNot) {
   EXPECT_GT(expectPushed(only, particles, "a plate of 0.2 mm"), 500U);
   reshape(parts[1], std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 0, 1}, {1, 0, 1}});
   ASSERT_TRUE(parts[1].shape.degenerate());
-  ParticlePush push;
+  ParticlePush push = ParticlePush::create().value();
   push.prepare(std::span(parts).last(4), kSecond);
   std::vector<Vec3f> at3(1, Vec3f(3.2F, 1.0F, 0.2F));
   EXPECT_TRUE(push.push(at3).empty());
@@ -265,7 +265,7 @@ TEST(ParticlePush, PositionsThatAreNoNumbersAreLeftAlone) {
   const float nan = std::numeric_limits<float>::quiet_NaN();
   const float infinity = std::numeric_limits<float>::infinity();
   const LivePart box = makeBoxPart({1, 1, 1}, at(0, 0, 0));
-  ParticlePush push;
+  ParticlePush push = ParticlePush::create().value();
   push.prepare(std::span(&box, 1), kSecond);
   // A whole vector of each, and some more.
   for (const Vec3f& odd : {Vec3f(nan, 0, 0), Vec3f(0, nan, 0), Vec3f(0, 0, nan), Vec3f(infinity, 0, 0),
@@ -285,7 +285,7 @@ TEST(ParticlePush, GrainsAreKeptByTheirRadius) {
   std::mt19937_64 random(74);
   constexpr double kRadius = 0.02;
   const LivePart box = makeBoxPart({0.1, 0.2, 0.3}, at(0, 1, 0));
-  ParticlePush push({.radius = kRadius});
+  ParticlePush push = ParticlePush::create({.radius = kRadius}).value();
   push.prepare(std::span(&box, 1), kSecond);
   std::vector<Vec3f> particles = particlesIn(boundsOfParts(std::span(&box, 1), 0.05), 2000, random);
   const std::vector<Vec3f> before = particles;
@@ -312,7 +312,7 @@ TEST(ParticlePush, TellsHowFastTheSurfaceMoves) {
   for (const double trust : {1.0, 0.25, 0.0}) {
     box.trust = trust;
     particles = before;
-    ParticlePush push;
+    ParticlePush push = ParticlePush::create().value();
     push.prepare(std::span(&box, 1), 0.02);
     const std::span<const ParticleTouch> touches = push.push(particles);
     EXPECT_GT(touches.size(), 100U);
@@ -354,7 +354,7 @@ TEST(ParticlePush, OneThreadEqualsManyAndEveryInstructionSetTheOthers) {
   std::size_t touched = 0;
   onEveryInstructionSet([&] {
     for (const int threads : {1, 2}) {
-      ParticlePush push({.threads = threads});
+      ParticlePush push = ParticlePush::create({.threads = threads}).value();
       push.prepare(parts, kSecond);
       std::vector<Vec3f> particles = all;
       const std::span<const ParticleTouch> touches = push.push(particles);
@@ -371,7 +371,7 @@ TEST(ParticlePush, AnyNumberOfParticlesIsPushedAsOneByOne) {
   std::mt19937_64 random(77);
   const std::vector<LivePart> parts = randomParts(random, 5);
   const std::vector<Vec3f> all = particlesIn(boundsOfParts(parts, 0.0), 8200, random);
-  ParticlePush push;
+  ParticlePush push = ParticlePush::create().value();
   push.prepare(parts, kSecond);
   std::vector<Vec3f> alone = all;
   for (Vec3f& p : alone) (void)push.push(std::span(&p, 1));
@@ -396,7 +396,7 @@ TEST(ParticlePush, FramesAllocateNothing) {
     frames.emplace_back(body.parts().begin(), body.parts().end());
   }
   std::vector<Vec3f> particles = particlesIn(boundsOfParts(body.parts(), 0.1), 20'000, random);
-  ParticlePush push({.threads = 1});
+  ParticlePush push = ParticlePush::create({.threads = 1}).value();
   std::size_t touched = 0;
   const auto all = [&] {
     for (const std::vector<LivePart>& frame : frames) {
@@ -449,12 +449,12 @@ TEST(ParticleBudgets, NoneStartInABodyAndAllOthersDo) {
     });
   };
   std::vector<Vec3f> truth;
-  const Particles everywhere(settings);
+  const Particles everywhere = Particles::create(settings).value();
   for (const Vec3f& place : everywhere.positions()) {
     if (!near(place)) truth.push_back(place);
   }
   ASSERT_LT(truth.size(), everywhere.positions().size() - 100);
-  const Particles particles(settings, bodies);
+  const Particles particles = Particles::create(settings, bodies).value();
   ASSERT_EQ(particles.positions().size(), truth.size());
   EXPECT_TRUE(std::equal(truth.begin(), truth.end(), particles.positions().begin()));
 }
@@ -469,7 +469,7 @@ TEST(ParticleBudgets, PlacesAreNotComparedWithAllBodies) {
     bodies.push_back(bodyOf(ParticleBody::Shape::kBox, {10.0, 0.005, 10.0}, {0.0, 0.01 * i, 0.0}));
   }
   const std::clock_t before = std::clock();
-  const Particles particles(settings, bodies);
+  const Particles particles = Particles::create(settings, bodies).value();
   EXPECT_EQ(particles.positions().size(), static_cast<std::size_t>(kMaxParticles));
   // All pairs would take minutes of a processor's time, and this less than one second.
   EXPECT_LT(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC, 20.0);

@@ -1,3 +1,6 @@
+#include "collision/particles/fluid.h"
+#include "collision/particles/granular.h"
+#include "collision/particles/particle_push.h"
 #include "collision/particles/particles.h"
 #include "collision/world/world.h"
 
@@ -10,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -75,7 +79,7 @@ TEST(ParticleProps, ABoxFloatsAsDeepAsItsDensitySays) {
     World world;
     const Vec3 half(0.15, 0.06, 0.15);
     world.addProp(box(half, density, {0.0, 0.26, 0.0}));
-    world.setParticles(pool(0.6, 0.25));
+    EXPECT_TRUE(world.setParticles(pool(0.6, 0.25)));
     run(world, 75);
     double in = 0.0;
     for (int f = 0; f < 30; ++f) {
@@ -91,7 +95,7 @@ TEST(ParticleProps, AHeavyBallSinksAndALightOneRises) {
   World world;
   world.addProp(ball(0.06, 2000.0, {0.12, 0.35, 0.0}));
   world.addProp(ball(0.06, 300.0, {-0.12, 0.12, 0.0}));
-  world.setParticles(pool(0.5, 0.25));
+  EXPECT_TRUE(world.setParticles(pool(0.5, 0.25)));
   run(world, 90);
   EXPECT_NEAR(world.props()[0].worldFromProp.translation().y(), 0.06, 0.005);
   EXPECT_GT(world.props()[1].worldFromProp.translation().y(), 0.2);
@@ -100,7 +104,7 @@ TEST(ParticleProps, AHeavyBallSinksAndALightOneRises) {
 TEST(ParticleProps, WallsOfWaterHoldASunkBox) {
   World world;
   world.addProp(box({0.06, 0.06, 0.06}, 2000.0, {0.23, 0.07, 0.0}));
-  world.setParticles(pool(0.6, 0.4));
+  EXPECT_TRUE(world.setParticles(pool(0.6, 0.4)));
   run(world, 150);
   const Vec3 at = world.props()[0].worldFromProp.translation();
   EXPECT_LT(at.x() + 0.06, 0.3 + 1e-3);
@@ -112,7 +116,7 @@ TEST(ParticleProps, ATiltedRaftRightsItself) {
   Prop raft = box({0.12, 0.03, 0.12}, 400.0, {0.0, 0.3, 0.0});
   raft.worldFromProp.rotate(Eigen::AngleAxisd(1.0, Vec3::UnitZ()));
   world.addProp(raft);
-  world.setParticles(pool(0.6, 0.25));
+  EXPECT_TRUE(world.setParticles(pool(0.6, 0.25)));
   run(world, 90);
   EXPECT_GT(uprightness(world.props()[0]), 0.98);
 }
@@ -131,7 +135,7 @@ TEST(ParticleProps, ABoxAndALumpOfWaterKeepTheirMomentum) {
   water.gravity = Vec3::Zero();
   water.settleSeconds = 0.0;
   water.fills[0].middle.y() = 1.0;
-  world.setParticles(water);
+  EXPECT_TRUE(world.setParticles(water));
   const double mass = kWater * std::pow(kSpacing, 3.0);
   const auto momentum = [&] {
     Vec3 sum = prop.mass * world.props()[0].velocity;
@@ -150,7 +154,7 @@ TEST(ParticleProps, SandCarriesABallThatStoppedInACrater) {
   World world;
   const double radius = 0.08, width = 0.6, depth = 0.25;
   world.addProp(ball(radius, 1500.0, {0.0, 0.9, 0.0}));
-  world.setParticles(bed(width, depth));
+  EXPECT_TRUE(world.setParticles(bed(width, depth)));
   run(world, 90);
   const Vec3 rests = world.props()[0].worldFromProp.translation();
   EXPECT_LT(rests.y(), depth + radius) << "dented";
@@ -170,7 +174,7 @@ World wetWorld(ParticleSettings settings) {
   }
   world.addProp(ball(0.05, 100.0, {0.0, 0.1, -0.1}));
   world.addLink(0, 1, {-0.1, 0.35, 0.05});
-  world.setParticles(settings);
+  EXPECT_TRUE(world.setParticles(settings));
   return world;
 }
 
@@ -220,7 +224,7 @@ TEST(ParticleProps, WaterWithoutAFloorFallsAndWhoStartsInThePoolIsLeft) {
   world.addProp(box({0.1, 0.1, 0.1}, 500.0, {0.14, 0.12, 0.03}));  // in the other, and both under water
   ParticleSettings water = pool(0.5, 0.3, 0.04);
   water.floor = false;
-  world.setParticles(water);
+  EXPECT_TRUE(world.setParticles(water));
   const LivePart leg = makeBoxPart(Vec3(0.06, 0.3, 0.06), at(-0.1, 0.2, 0.0));
   for (int f = 0; f < 30; ++f) {
     world.step({&leg, 1}, kFrame);
@@ -232,6 +236,47 @@ TEST(ParticleProps, WaterWithoutAFloorFallsAndWhoStartsInThePoolIsLeft) {
   }
   for (const Vec3f& p : world.particles()->positions()) EXPECT_LT(p.y(), -2.0f);
   for (const Prop& prop : world.props()) EXPECT_LT(prop.velocity.norm(), 20.0);
+}
+
+TEST(ParticleSettings, OutOfRangeAreRefusedWithASentence) {
+  const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+  const auto expectRefused = [](const auto& made, double value) {
+    ASSERT_FALSE(made.ok()) << value;
+    EXPECT_EQ(made.error().code, ErrorCode::kInvalidArgument);
+    EXPECT_NE(made.error().message.find("found"), std::string::npos) << made.error().message;
+  };
+  World world;
+  ASSERT_TRUE(world.setParticles(ParticleSettings()));
+  const Particles* before = world.particles();
+  for (const double wrong : {0.0, -0.01, nan, inf}) {
+    for (const auto kind : {ParticleSettings::Kind::kSand, ParticleSettings::Kind::kWater}) {
+      ParticleSettings settings;
+      settings.kind = kind;
+      settings.radius = wrong;
+      expectRefused(Particles::create(settings), wrong);
+      expectRefused(world.setParticles(settings), wrong);
+      settings.radius = 0.02;
+      settings.pours.resize(1);
+      settings.pours[0].radius = wrong;
+      expectRefused(Particles::create(settings), wrong);
+    }
+    for (double GranularSettings::*number : {&GranularSettings::radius, &GranularSettings::substepSeconds}) {
+      GranularSettings settings;
+      settings.*number = wrong;
+      expectRefused(Granular::create(settings), wrong);
+    }
+    for (double FluidSettings::*number : {&FluidSettings::spacing, &FluidSettings::substepSeconds}) {
+      FluidSettings settings;
+      settings.*number = wrong;
+      expectRefused(Fluid::create(settings), wrong);
+    }
+    if (wrong != 0.0) expectRefused(ParticlePush::create({.radius = wrong}), wrong);
+  }
+  FluidSettings still;
+  still.iterations = 0;
+  expectRefused(Fluid::create(still), 0);
+  EXPECT_TRUE(ParticlePush::create({.radius = 0.0}).ok());
+  EXPECT_EQ(world.particles(), before) << "what is refused replaces nothing";
 }
 
 }  // namespace

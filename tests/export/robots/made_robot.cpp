@@ -72,6 +72,61 @@ constexpr const char* kLeg = R"(<mujoco>
 </mujoco>
 )";
 
+constexpr const char* kAttaching = R"(<mujoco>
+  <compiler angle="radian"/>
+  <default><default class="seen"><geom type="mesh" contype="0" conaffinity="0"/></default></default>
+  <asset>
+    <model name="arm" file="parts/arm.xml"/>
+    <mesh file="top.obj" scale="0.1 0.1 0.1"/>
+  </asset>
+  <worldbody>
+    <body name="base" childclass="seen" pos="0 0 5">
+      <freejoint/>
+      <geom class="main" type="mesh" mesh="top"/>
+      <frame pos="1 0 0" euler="0 0 0.5"><attach model="arm" body="upper" prefix="l_"/></frame>
+      <frame pos="-1 0 0"><attach model="arm" body="upper" prefix="r_"/></frame>
+      <frame pos="0 3 0"><attach model="arm" frame="tool" prefix="t_"/></frame>
+      <frame pos="0 -3 0"><attach model="arm" prefix="all_"/></frame>
+    </body>
+  </worldbody>
+  <contact><pair geom1="l_g" geom2="r_g"/></contact>
+</mujoco>
+)";
+
+constexpr const char* kArm = R"(<mujoco model="an arm">
+  <compiler angle="degree" meshdir="m" eulerseq="zyx"/>
+  <default><geom density="300"/><default class="v"><geom friction="0.5 0.005 0.0001"/></default></default>
+  <asset><mesh file="l.obj" scale="-0.1 0.1 0.1"/><model file="hand.xml"/></asset>
+  <worldbody>
+    <geom name="wg" type="mesh" mesh="l" pos="7 7 7"/>
+    <frame pos="9 9 9">
+      <frame name="tool" pos="0 0.1 0" euler="90 0 0">
+        <geom type="mesh" mesh="l"/>
+        <body name="tb" pos="0 0 1"><geom name="tg" mesh="l" type="mesh"/></body>
+      </frame>
+      <body name="upper" childclass="v" pos="0 0 0.2" euler="0 0 90">
+        <joint axis="1 0 0"/>
+        <geom name="g" type="mesh" mesh="l"/>
+        <body name="fore" pos="0 0 0.4">
+          <joint axis="0 1 0"/>
+          <geom name="f" mesh="l" type="mesh"/>
+          <attach model="a hand" body="palm" prefix="h_"/>
+        </body>
+      </body>
+    </frame>
+  </worldbody>
+  <contact><exclude body1="upper" body2="fore"/><pair geom1="g" geom2="h_palm"/></contact>
+  <sensor><distance geom1="f" geom2="h_palm"/></sensor>
+</mujoco>
+)";
+
+constexpr const char* kHand = R"(<mujoco model="a hand">
+  <compiler meshdir="../parts/m"/>
+  <asset><mesh name="p" file="l.obj" scale="0.05 0.05 0.05"/></asset>
+  <worldbody><body name="palm" pos="0 0 0.3"><joint/><geom name="palm" type="mesh" mesh="p"/></body></worldbody>
+</mujoco>
+)";
+
 constexpr const char* kUrdf = R"(<?xml version="1.0"?>
 <robot name="made">
   <link name="base">
@@ -112,6 +167,16 @@ fs::path writeMadeMjcf(const TemporaryFolder& folder) {
   folder.write("parts/assets.xml", kAssets);
   folder.write("parts/leg.xml", kLeg);
   return folder.write("robot.xml", kMain);
+}
+
+fs::path writeAttachingMjcf(const TemporaryFolder& folder) {
+  fs::create_directories(folder.path() / "parts" / "m");
+  for (const char* name : {"top.obj", "parts/m/l.obj"}) {
+    EXPECT_TRUE(writeObjObjects(folder.path() / name, {{"l", makeLShape()}}).ok());
+  }
+  folder.write("parts/arm.xml", kArm);
+  folder.write("parts/hand.xml", kHand);
+  return folder.write("robot.xml", kAttaching);
 }
 
 fs::path writeMadeUrdf(const TemporaryFolder& folder) {

@@ -14,6 +14,11 @@ namespace lorica::test {
 /// quotes, comments and spaces are of all kinds. @return robot.xml
 std::filesystem::path writeMadeMjcf(const TemporaryFolder& folder);
 
+/// A robot of MuJoCo that attaches others: robot.xml attaches a body of parts/arm.xml twice, a frame of it, and all of
+/// it; that attaches a body of parts/hand.xml. All have compilers, defaults and folders of their own; the meshes are an
+/// L, in two files, three scales and mirrored. @return robot.xml
+std::filesystem::path writeAttachingMjcf(const TemporaryFolder& folder);
+
 /// A robot of ROS with the same meshes: robot.urdf, one mesh of it in the package `made` in the folder itself.
 std::filesystem::path writeMadeUrdf(const TemporaryFolder& folder);
 

@@ -7,11 +7,15 @@
 #include "geometry/mesh_files.h"
 #include "tests/export/robots/made_robot.h"
 #include "tests/support/meshes.h"
+#include "tests/support/utf16.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <pugixml.hpp>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <sstream>
 
 namespace lorica {
@@ -167,6 +171,220 @@ TEST(RobotHulls, OneHullForTheLReachesWhereTheTwoDoNot) {
   EXPECT_EQ(readFile(options.output).value(), once);
 }
 
+/// A closed surface without any symmetry, that is not convex.
+TriMesh lumpyRing() {
+  TriMesh mesh = test::makeTorus(1.0, 0.3, 14, 8);
+  for (Vec3& p : mesh.vertices) {
+    p +=
+        Vec3(0.1 * std::sin(3.0 * p.y() + 1.0), 0.08 * std::cos(4.0 * p.x()) + 0.3, 0.2 * p.x() * p.x() + 0.05 * p.y());
+  }
+  return mesh;
+}
+
+/// Its mirror image in an axis, with vertices and triangles in another order.
+TriMesh mirrorImage(const TriMesh& mesh, int axis) {
+  TriMesh image;
+  const int count = static_cast<int>(mesh.vertices.size());
+  for (int v = count - 1; v >= 0; --v) {
+    Vec3 p = mesh.vertices[v];
+    p[axis] = -p[axis];
+    image.vertices.push_back(p);
+  }
+  for (std::size_t i = mesh.triangles.size(); i-- > 0;) {
+    const Triangle& t = mesh.triangles[i];
+    image.triangles.push_back({count - 1 - t[2], count - 1 - t[1], count - 1 - t[0]});
+    std::rotate(image.triangles.back().begin(), image.triangles.back().begin() + i % 3, image.triangles.back().end());
+  }
+  return image;
+}
+
+/// The vertices of the hulls of a mesh in a file of MuJoCo, sorted; one coordinate may be mirrored.
+std::vector<std::array<double, 3>> hullVertices(const pugi::xml_document& document, const std::string& mesh,
+                                                int mirrorAxis = -1) {
+  std::vector<std::array<double, 3>> all;
+  for (const pugi::xpath_node& each : document.select_nodes("//mesh[@vertex]")) {
+    if (!std::string(each.node().attribute("name").value()).starts_with(mesh + "_hull_")) continue;
+    const std::vector<double> n = numbers(each.node().attribute("vertex"));
+    for (std::size_t i = 0; i + 2 < n.size(); i += 3) {
+      all.push_back({n[i], n[i + 1], n[i + 2]});
+      if (mirrorAxis >= 0) all.back()[mirrorAxis] = 0.0 - all.back()[mirrorAxis];
+    }
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+TEST(RobotHulls, OfMirrorImagesAreMirrorImages) {
+  const TriMesh ring = lumpyRing();
+  for (int axis = 0; axis < 3; ++axis) {
+    SCOPED_TRACE(axis);
+    // The mesh; another file that is its mirror image; the mesh again with a scale that mirrors.
+    const test::TemporaryFolder folder;
+    ASSERT_TRUE(writeObjObjects(folder.path() / "left.obj", {{"m", ring}}).ok());
+    ASSERT_TRUE(writeObjObjects(folder.path() / "right.obj", {{"m", mirrorImage(ring, axis)}}).ok());
+    Vec3 scale(0.2, 0.3, 0.25);
+    const auto text = [](const Vec3& v) { return fmt::format("{} {} {}", v.x(), v.y(), v.z()); };
+    std::string assets = "<mesh file=\"left.obj\" scale=\"" + text(scale) + "\"/><mesh file=\"right.obj\" scale=\"" +
+                         text(scale) + "\"/>";
+    scale[axis] = -scale[axis];
+    assets += "<mesh name=\"turned\" file=\"left.obj\" scale=\"" + text(scale) + "\"/>";
+    std::string bodies;
+    for (const char* mesh : {"left", "right", "turned"}) {
+      bodies += fmt::format("<body name=\"{0}\" pos=\"0 0 {1}\"><geom type=\"mesh\" mesh=\"{0}\"/></body>", mesh,
+                            bodies.size());
+    }
+    const fs::path robot = folder.write(
+        "robot.xml", "<mujoco><asset>" + assets + "</asset><worldbody>" + bodies + "</worldbody></mujoco>");
+    for (const bool capsules : {false, true}) {
+      RobotExportOptions options = test::madeOptions(robot, "out.xml");
+      options.capsules = capsules;
+      options.replace = true;
+      const RobotReport report = exported(options);
+      EXPECT_EQ(report.meshes, 1U);
+      ASSERT_EQ(report.links.size(), 3U);
+      EXPECT_GT(report.links[0].shapes, 1);
+      for (const RobotLinkReport& link : report.links) {  // to the last bit
+        EXPECT_EQ(link.volumes, report.links[0].volumes) << link.name;
+        EXPECT_EQ(link.standOff, report.links[0].standOff) << link.name;
+        EXPECT_EQ(link.covered, report.links[0].covered) << link.name;
+      }
+      pugi::xml_document document;
+      ASSERT_TRUE(document.load_file((folder.path() / "out.xml").c_str()));
+      if (!capsules) {
+        const auto left = hullVertices(document, "left");
+        ASSERT_GT(left.size(), 8U);
+        EXPECT_EQ(hullVertices(document, "right", axis), left);
+        EXPECT_EQ(hullVertices(document, "turned"), left);  // whose scale mirrors
+        continue;
+      }
+      std::map<std::string, std::vector<std::array<double, 4>>> middles;
+      for (const pugi::xml_node& body : document.child("mujoco").child("worldbody").children("body")) {
+        const std::string name = body.attribute("name").value();
+        for (const pugi::xml_node& geom : body.children("geom")) {
+          const std::vector<double> pos = numbers(geom.attribute("pos")), size = numbers(geom.attribute("size"));
+          if (pos.size() != 3 || size.empty()) continue;
+          middles[name].push_back({pos[0], pos[1], pos[2], size[0]});
+          if (name != "left") middles[name].back()[axis] = 0.0 - middles[name].back()[axis];
+        }
+        std::sort(middles[name].begin(), middles[name].end());
+      }
+      EXPECT_GT(middles["left"].size(), 1U);
+      EXPECT_EQ(middles["right"], middles["left"]);
+      EXPECT_EQ(middles["turned"], middles["left"]);
+    }
+  }
+  // What is nearly a mirror image is a mesh of its own.
+  const test::TemporaryFolder folder;
+  TriMesh other = mirrorImage(ring, 0);
+  other.vertices[5].x() += 1e-6;
+  ASSERT_TRUE(writeObjObjects(folder.path() / "left.obj", {{"m", ring}}).ok());
+  ASSERT_TRUE(writeObjObjects(folder.path() / "right.obj", {{"m", other}}).ok());
+  const fs::path robot = folder.write(
+      "robot.xml",
+      "<mujoco><asset><mesh file=\"left.obj\"/><mesh file=\"right.obj\"/></asset><worldbody><geom type=\"mesh\" "
+      "mesh=\"left\"/><geom type=\"mesh\" mesh=\"right\"/></worldbody></mujoco>");
+  EXPECT_EQ(exported(test::madeOptions(robot, "out.xml")).meshes, 2U);
+}
+
+TEST(RobotHulls, OfAttachedModelsAreInTheirFiles) {
+  const test::TemporaryFolder folder;
+  const fs::path robot = test::writeAttachingMjcf(folder);
+  const auto before = test::contentOf(folder.path());
+  const RobotReport report = exported(test::madeOptions(robot, "out.xml"));
+  auto after = test::contentOf(folder.path());
+  EXPECT_EQ(report.meshes, 1U);  // two files, mirrored and not
+  EXPECT_EQ(report.files, 3U);
+  ASSERT_EQ(after.size(), before.size() + 3);
+  for (const auto& [name, content] : before) EXPECT_EQ(after[name], content) << name;
+  EXPECT_EQ(timesIn(after["out.xml"], "<model name=\"arm\" file=\"parts/out_arm.xml\"/>"), 1U);
+  EXPECT_EQ(timesIn(after["parts/out_arm.xml"], "<model file=\"out_hand.xml\"/>"), 1U);
+  // Each element once, however often it is attached; a pair by the names that it has where the pair is.
+  EXPECT_EQ(timesIn(after["parts/out_arm.xml"], "name=\"g_hull_"), 2U);
+  EXPECT_EQ(timesIn(after["parts/out_arm.xml"], "<pair geom1=\"g_hull_"), 4U);
+  EXPECT_EQ(timesIn(after["parts/out_arm.xml"], "geom2=\"h_palm_hull_1\"/>"), 2U);
+  EXPECT_EQ(timesIn(after["out.xml"], "<pair geom1=\"l_g_hull_0\" geom2=\"r_g_hull_1\"/>"), 1U);
+  EXPECT_EQ(timesIn(after["out.xml"], "<pair "), 4U);
+  EXPECT_EQ(timesIn(after["out.xml"], "_hull_"), 2 * 2 + 4 * 2U);  // its own mesh's: assets and geoms; the pairs'
+
+  std::map<std::string, double> litres;
+  for (const RobotLinkReport& link : report.links) litres[link.name] = 1e3 * link.volumes[0];
+  const std::map<std::string, double> expected = {{"base", 12.0},      {"l_upper", 3.0},  {"l_fore", 3.0},
+                                                  {"l_h_palm", 0.375}, {"r_upper", 3.0},  {"r_fore", 3.0},
+                                                  {"r_h_palm", 0.375}, {"t_tb", 3.0},     {"all_tb", 3.0},
+                                                  {"all_upper", 3.0},  {"all_fore", 3.0}, {"all_h_palm", 0.375}};
+  ASSERT_EQ(litres.size(), expected.size());
+  for (const auto& [name, volume] : expected) EXPECT_NEAR(litres[name], volume, 1e-9) << name;
+}
+
+TEST(RobotHulls, AttachedModelsAreWhereMujocoPutsThem) {
+  // As in OneHullForTheLReachesWhereTheTwoDoNot, but the L is attached: at its own pose in the frame around the
+  // attachment, whatever frames it is in at home; its angles are in degrees there.
+  const test::TemporaryFolder folder;
+  fs::create_directory(folder.path() / "parts");
+  ASSERT_TRUE(writeObjObjects(folder.path() / "parts" / "l.obj", {{"l", test::makeLShape()}}).ok());
+  folder.write("parts/part.xml", R"(<mujoco model="m"><asset><mesh file="l.obj"/></asset><worldbody><frame pos="9 9 9">
+    <body name="part" pos="0 0 1" euler="0 0 90"><joint/><geom type="mesh" mesh="l"/></body></frame></worldbody></mujoco>)");
+  folder.write("parts/nest.xml", R"(<mujoco><asset><model name="x" file="part.xml"/></asset><worldbody>
+    <body name="holder"><attach model="x" body="part" prefix="p_"/></body></worldbody></mujoco>)");
+  // The L is turned by a right angle at (1, 0, 1), so (x, y, z) of it is at (1 - y, x, 1 + z).
+  const TriMesh notch = test::makeBox(Vec3(-0.4, 1.2, 1.2), Vec3(-0.2, 1.4, 1.8));
+  ASSERT_TRUE(writeObjObjects(folder.path() / "box.obj", {{"box", notch}}).ok());
+  for (const std::string attach :
+       {"<attach model=\"m\" body=\"part\" prefix=\"p_\"/>", "<attach model=\"n\" body=\"p_part\" prefix=\"\"/>"}) {
+    const fs::path robot =
+        folder.write("robot.xml",
+                     "<mujoco><compiler angle=\"radian\"/><asset><model file=\"parts/part.xml\"/><model name=\"n\" "
+                     "file=\"parts/nest.xml\"/><mesh file=\"box.obj\"/></asset><worldbody><frame pos=\"1 0 0\">" +
+                         attach +
+                         "</frame><body name=\"b\"><freejoint/><geom type=\"mesh\" mesh=\"box\"/></body>"
+                         "</worldbody></mujoco>");
+    RobotExportOptions options = test::madeOptions(robot, "out.xml");
+    options.replace = true;
+    EXPECT_TRUE(exported(options).newContacts.empty());
+    options.source.parts = 1;
+    const std::vector<std::pair<std::string, std::string>> contacts = {{"p_part", "b"}};
+    EXPECT_EQ(exported(options).newContacts, contacts) << attach;
+  }
+}
+
+TEST(RobotHulls, WhatIsAttachedByANameOfMujocosStays) {
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(writeObjObjects(folder.path() / "l.obj", {{"l", test::makeLShape()}}).ok());
+  folder.write("row.xml", R"(<mujoco><asset><mesh file="l.obj"/></asset><worldbody><replicate count="2" offset="4 0 0">
+    <body name="b"><geom type="mesh" mesh="l"/></body></replicate></worldbody></mujoco>)");
+  const fs::path robot =
+      folder.write("robot.xml", R"(<mujoco><asset><model name="m" file="row.xml"/><mesh file="l.obj"/></asset>
+    <worldbody><geom type="mesh" mesh="l"/>
+    <attach model="m" body="b1" prefix="p_"/></worldbody></mujoco>)");
+  const RobotReport report = exported(test::madeOptions(robot, "out.xml"));
+  EXPECT_EQ(report.files, 1U);
+  ASSERT_EQ(report.notes.size(), 1U);
+  EXPECT_TRUE(
+      report.notes[0].ends_with("robot.xml:3: the body 'b1' is in no file: what is attached there stays as it is."));
+  EXPECT_EQ(timesIn(readFile(folder.path() / "out.xml").value(), "<attach model=\"m\" body=\"b1\" prefix=\"p_\"/>"),
+            1U);
+}
+
+TEST(RobotHulls, NamesOfOutputsNeverClash) {
+  // An included file and an attached one of the same name.
+  const test::TemporaryFolder folder;
+  ASSERT_TRUE(writeObjObjects(folder.path() / "l.obj", {{"l", test::makeLShape()}}).ok());
+  fs::create_directory(folder.path() / "parts");
+  folder.write("parts/a.xml", "<mujoco><body name=\"i\"><geom type=\"mesh\" mesh=\"l\"/></body></mujoco>");
+  folder.write("a.xml", R"(<mujoco><asset><mesh file="l.obj"/></asset><worldbody>
+    <body name="b"><geom type="mesh" mesh="l"/></body></worldbody></mujoco>)");
+  const fs::path robot =
+      folder.write("robot.xml", R"(<mujoco><asset><mesh file="l.obj"/><model name="m" file="a.xml"/></asset>
+    <worldbody><include file="parts/a.xml"/><attach model="m" body="b" prefix="m_"/></worldbody></mujoco>)");
+  EXPECT_EQ(exported(test::madeOptions(robot, "out.xml")).files, 3U);
+  const std::string text = readFile(folder.path() / "out.xml").value();
+  const std::size_t model = text.find("file=\"out_a"), include = text.find("<include file=\"out_a");
+  ASSERT_NE(model, std::string::npos);
+  ASSERT_NE(include, std::string::npos);
+  const auto named = [&](std::size_t at) { return text.substr(at, text.find(".xml", at) - at); };
+  EXPECT_NE(named(text.find("out_a", model)), named(text.find("out_a", include)));
+}
+
 TEST(RobotHulls, OfUrdfLeaveAllElseByteForByte) {
   const test::TemporaryFolder folder;
   const fs::path robot = test::writeMadeUrdf(folder);
@@ -273,8 +491,9 @@ TEST(RobotHulls, EveryFormatAndUpAxisGivesTheSameShapes) {
                      {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   // Robots' programs take COLLADA along the file's own axes, whatever it says is up.
   const auto collada = [](const std::string& up) {
-    return R"(<?xml version="1.0"?><COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-      <asset><unit name="centimeter" meter="0.01"/><up_axis>)" +
+    return R"(<?xml version="1.0"?><!-- <up_axis>X_UP</up_axis> -->
+      <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
+      <asset><comments>was <![CDATA[<up_axis>Z_UP</up_axis>]]></comments><unit name="centimeter" meter="0.01"/><up_axis>)" +
            up + R"(</up_axis></asset><library_geometries><geometry id="g"><mesh>
       <source id="p"><float_array id="pa" count="12">0 0 0 100 0 0 0 200 0 0 0 300</float_array><technique_common>
       <accessor source="#pa" count="4" stride="3"><param name="X" type="float"/><param name="Y" type="float"/>
@@ -289,7 +508,9 @@ TEST(RobotHulls, EveryFormatAndUpAxisGivesTheSameShapes) {
   ASSERT_TRUE(writeObjObjects(folder.path() / "m.obj", {{"m", mesh}}).ok());
   folder.write("m.msh", test::mshOf(mesh));
   for (const std::string up : {"X_UP", "Y_UP", "Z_UP"}) folder.write(up + ".dae", collada(up));
-  for (const std::string file : {"m.obj", "m.msh", "X_UP.dae", "Y_UP.dae", "Z_UP.dae"}) {
+  folder.write("blank.dae", collada("\n Z_UP "));
+  folder.write("utf16.dae", test::asUtf16(collada("Z_UP"), true, true));
+  for (const std::string file : {"m.obj", "m.msh", "X_UP.dae", "Y_UP.dae", "Z_UP.dae", "blank.dae", "utf16.dae"}) {
     const fs::path robot = folder.write("robot.xml", "<mujoco><asset><mesh name=\"m\" file=\"" + file +
                                                          "\"/></asset><worldbody><geom type=\"mesh\" mesh=\"m\"/>"
                                                          "</worldbody></mujoco>");

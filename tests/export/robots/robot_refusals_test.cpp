@@ -114,10 +114,10 @@ TEST_F(RobotRefusals, AFileOfAPackageMayNameItsFilesAndNoOthers) {
   fs::create_symlink(folder_.path() / "outer/l.obj", folder_.path() / "outer/my_robot/meshes/link.obj");
   EXPECT_TRUE(test::has(robot("../../meshes/link.obj"), " is outside the file's folder"));
   EXPECT_TRUE(test::has(robot("package://outer/l.obj"), "expected --package outer=FOLDER"));
-  for (const char* scheme : {"", "file://"}) {
-    EXPECT_TRUE(
-        test::has(robot(scheme + std::string("$(find my_robot)/meshes/l.obj")),
-                  "has a substitution of xacro left: `xacro outer/my_robot/urdf/arms/robot.urdf > robot.urdf`"));
+  for (const char* name : {"$(find my_robot)/meshes/l.obj", "file://$(find my_robot)/meshes/l.obj",
+                           "package://my_robot/meshes/${side}.obj"}) {
+    EXPECT_TRUE(test::has(
+        robot(name), "has a substitution of xacro left: `xacro outer/my_robot/urdf/arms/robot.urdf > robot.urdf`"));
   }
 }
 
@@ -191,7 +191,81 @@ TEST_F(RobotRefusals, IncludesThatDoNotEnd) {
     folder_.write("i" + std::to_string(i) + ".xml", "<mujoco/>");
     many += "<include file=\"i" + std::to_string(i) + ".xml\"/>";
   }
-  EXPECT_TRUE(test::has(refusal(mjcf("file=\"l.obj\"", many)), "found more than 100 included files"));
+  EXPECT_TRUE(
+      test::has(refusal(mjcf("file=\"l.obj\"", many)), "found more than 100 files that are included or attached"));
+}
+
+TEST_F(RobotRefusals, AttachedModelsThatDoNotEndOrAreNotThere) {
+  const auto robot = [&](const std::string& models, const std::string& attach) {
+    return "<mujoco><asset><mesh name=\"m\" file=\"l.obj\"/>" + models +
+           "</asset>\n<worldbody><body><geom type=\"mesh\" " + "mesh=\"m\"/></body>" + attach + "</worldbody></mujoco>";
+  };
+  const auto part = [](const std::string& model, const std::string& inside) {
+    return "<mujoco><asset>" + model + "</asset>\n<worldbody><body name=\"b\">" + inside +
+           "</body></worldbody></mujoco>";
+  };
+  const std::string attach = "<attach model=\"x\" body=\"b\" prefix=\"p_\"/>";
+  EXPECT_EQ(refusal(robot("<model name=\"x\" file=\"robot.xml\"/>", "")),
+            "robot.xml:1: 'robot.xml' attaches itself, expected files that end");
+  folder_.write("b.xml", part("<model name=\"x\" file=\"c.xml\"/>", attach));
+  folder_.write("c.xml", part("\n<model name=\"x\" file=\"./b.xml\"/>", attach));
+  EXPECT_EQ(refusal(robot("<model name=\"x\" file=\"b.xml\"/>", attach)),
+            "robot.xml:1: b.xml:1: c.xml:2: './b.xml' attaches itself, expected files that end");
+  EXPECT_EQ(refusal(robot("", "<body name=\"a\"><attach body=\"a\" prefix=\"p_\"/></body>")),
+            "robot.xml:2: 'a' attaches itself, expected bodies that end");
+  EXPECT_EQ(refusal(robot("", "<attach prefix=\"p_\"/>")),
+            "robot.xml:2: found neither model, body nor frame, expected one");
+  EXPECT_EQ(refusal(robot("", attach)), "robot.xml:2: found the model 'x', expected one of the assets");
+  EXPECT_EQ(refusal(robot("<model name=\"x\" file=\"none.xml\"/>", "")),
+            "robot.xml:1: none.xml: cannot be read: No such file or directory");
+  const std::string outside = " is outside the file's folder, expected a file in it (or --trust-paths)";
+  for (const std::string name : {"/etc/passwd", "../b.xml"}) {
+    EXPECT_EQ(refusal(robot("<model name=\"x\" file=\"" + name + "\"/>", "")), "robot.xml:1: '" + name + "'" + outside);
+  }
+  folder_.write("d.xml", "<robot/>");
+  EXPECT_EQ(refusal(robot("<model name=\"x\" file=\"d.xml\"/>", "")),
+            "robot.xml:1: d.xml: found the element <robot>, expected <mujoco>");
+  // What an attached model names may be beside its folder, and not beside the robot's.
+  fs::create_directory(folder_.path() / "parts");
+  folder_.write("parts/e.xml",
+                "<mujoco><asset><mesh name=\"m\" file=\"../../l.obj\"/></asset><worldbody><body name=\"b\">"
+                "<geom type=\"mesh\" mesh=\"m\"/></body></worldbody></mujoco>");
+  EXPECT_EQ(refusal(robot("<model name=\"x\" file=\"parts/e.xml\"/>", attach)), "parts/e.xml:1: '../l.obj'" + outside);
+}
+
+TEST_F(RobotRefusals, AttachedModelsThatMultiply) {
+  // Each model attaches the next one twice: a thousand million bodies.
+  constexpr int kModels = 30;
+  for (int i = 0; i < kModels; ++i) {
+    const std::string next = "n" + std::to_string(i + 1) + ".xml";
+    const std::string twice =
+        "<attach model=\"x\" body=\"b\" prefix=\"p\"/><attach model=\"x\" body=\"b\" prefix=\"q\"/>";
+    const bool last = i + 1 == kModels;
+    folder_.write("n" + std::to_string(i) + ".xml",
+                  "<mujoco><asset>" + (last ? "" : "<model name=\"x\" file=\"" + next + "\"/>") +
+                      "</asset><worldbody><body name=\"b\">" + (last ? "" : twice) + "</body></worldbody></mujoco>");
+  }
+  const std::string models = "<asset><model name=\"x\" file=\"n0.xml\"/></asset>";
+  const std::string text =
+      "<mujoco>" + models + "<worldbody><attach model=\"x\" body=\"b\" prefix=\"p\"/></worldbody></mujoco>";
+  EXPECT_TRUE(test::has(refusal(text), "with all that it attaches the robot has more than 524,288 elements"));
+  // Levels count through models.
+  std::string levels, ends;
+  for (int i = 0; i < 120; ++i) {
+    levels += "<frame>";
+    ends += "</frame>";
+  }
+  folder_.write("n1.xml",
+                "<mujoco><worldbody><body name=\"b\">" + levels + "<body/>" + ends + "</body></worldbody></mujoco>");
+  folder_.write("n0.xml", "<mujoco><asset><model name=\"x\" file=\"n1.xml\"/></asset><worldbody><body name=\"b\">" +
+                              levels + "<attach model=\"x\" body=\"b\" prefix=\"p\"/>" + ends +
+                              "</body></worldbody></mujoco>");
+  EXPECT_TRUE(test::has(refusal(text), "found more than 200 levels of elements"));
+  const std::string prefix(1001, 'p');
+  folder_.write("n0.xml", "<mujoco><worldbody><body name=\"b\"/></worldbody></mujoco>");
+  EXPECT_TRUE(test::has(refusal("<mujoco>" + models + "<worldbody><attach model=\"x\" body=\"b\" prefix=\"" + prefix +
+                                "\"/></worldbody></mujoco>"),
+                        "robot.xml:1: found prefixes of 1001 bytes together, expected at most 1000"));
 }
 
 TEST_F(RobotRefusals, HostileXml) {

@@ -368,6 +368,74 @@ TEST(CharacterWalls, AreNotMadeUnlessAskedFor) {
   EXPECT_TRUE(has(bodyOf(lamp, WallChoice::kByReach, 0.3).error().message, "an eighth of the longest side"));
 }
 
+/// A sheet of 1 x 2 m over a grid, at z = depth(x, y), half of it on each of two bones.
+CharacterFile makeFlag(int columns, const std::function<double(double, double)>& depth) {
+  Character flag = bonesAt({{"pole", kNoJoint, Vec3::Zero()}, {"end", 0, Vec3(0.0, 1.0, 0.0)}});
+  const int rows = 2 * columns;
+  for (const int half : {0, 1}) {
+    TriMesh grid;
+    for (int row = half * rows / 2; row <= (half + 1) * rows / 2; ++row) {
+      for (int column = 0; column <= columns; ++column) {
+        const double x = static_cast<double>(column) / columns - 0.5, y = 2.0 * row / rows;
+        grid.vertices.emplace_back(x, y, depth(x, y));
+        if (column == columns || row == (half + 1) * rows / 2) continue;
+        const VertexIndex a = countOf(grid.vertices) - 1, above = a + columns + 1;
+        grid.triangles.push_back({a, a + 1, above + 1});
+        grid.triangles.push_back({a, above + 1, above});
+      }
+    }
+    add(flag, grid, half);
+  }
+  CharacterFile file;
+  file.character = finished(std::move(flag));
+  file.character.name = "flag";
+  return file;
+}
+
+/// Flags, paper figures: nothing of them encloses anything, so nobody has to ask for walls.
+TEST(CharacterWalls, AreMadeOfWhatIsSheetsOnly) {
+  const auto flat = [](double, double) { return 0.0; };
+  const auto waves = [](double x, double y) { return 0.1 * std::sin(6.0 * x + 3.0 * y); };
+  std::vector<std::pair<const char*, CharacterFile>> flags = {
+      {"flat", makeFlag(1, flat)}, {"fine", makeFlag(6, flat)}, {"wavy", makeFlag(8, waves)}};
+  flags.emplace_back("from both sides", makeFlag(3, flat));
+  {
+    TriMesh& mesh = flags.back().second.character.mesh;
+    const std::vector<Triangle> front = mesh.triangles;
+    for (const auto& [a, b, c] : front) mesh.triangles.push_back({a, c, b});
+  }
+  Character paper = bonesAt({{"body", kNoJoint, Vec3::Zero()}, {"arm", 0, Vec3(0.3, 1.4, 0.0)}});
+  for (int piece = 0; piece < 6; ++piece) {
+    TriMesh card{{{0, 0, 0}, {0.3, 0, 0}, {0.3, 0.2, 0}, {0, 0.2, 0}}, {{0, 1, 2}, {0, 2, 3}}};
+    add(paper, moved(card, [&](const Vec3& p) { return Vec3(p + Vec3(0.05, 0.3 * piece, 0.02 * piece)); }), piece / 5);
+  }
+  CharacterFile figure;
+  figure.character = finished(std::move(paper));
+  figure.character.name = "figure";
+  flags.emplace_back("paper figure", figure);
+
+  for (const auto& [name, file] : flags) {
+    SCOPED_TRACE(name);
+    const Character& flag = file.character;
+    const ClosedBody body = valueOf(bodyOf(file, std::nullopt, 0.0));
+    EXPECT_TRUE(has(body.walls, "100 % of the surface"));
+    EXPECT_TRUE(has(body.walls, "nothing is solid"));
+    EXPECT_TRUE(checkClosedTwoManifold(body.character.mesh));
+    EXPECT_TRUE(checkCharacter(body.character));
+    EXPECT_EQ(body.character.height, flag.height);
+    EXPECT_EQ(body.character.shown.size(), flag.mesh.triangles.size());
+    const double volume = volumeOf(body.character, body.character.mesh.vertices);
+    EXPECT_GT(volume, 0.0);
+    EXPECT_LT(volume, 0.06);
+    // A bone that moves takes its sheets along: every visible vertex is where its own bone puts it.
+    const Affine3 moving = Eigen::Translation3d(0.2, 0.3, -0.4) * Eigen::AngleAxisd(0.7, Vec3(3, 1, 2).normalized());
+    const std::vector<Vec3> points = posed(body.character, moving), truth = posed(flag, moving);
+    ASSERT_EQ(points.size(), body.bodyVertices + truth.size());
+    for (std::size_t v = 0; v < truth.size(); ++v) EXPECT_EQ(points[body.bodyVertices + v], truth[v]);
+    EXPECT_TRUE(bodyOf(file, WallChoice::kSolid, 0.0).ok() == (std::string_view(name) == "wavy"));
+  }
+}
+
 TEST(CharacterWalls, OfEverythingLeaveNothingSolid) {
   const ClosedBody body = valueOf(bodyOf(makeLamp(), WallChoice::kShell));
   expectAll(body.walls, {"2 thin walls of 20.00 mm, 100 % of the surface", "nothing is solid"});

@@ -267,6 +267,7 @@ void expectSame(const ClosedBody& a, const ClosedBody& b) {
   EXPECT_EQ(a.shells, b.shells);
   EXPECT_EQ(a.openEdges, b.openEdges);
   EXPECT_EQ(a.nonManifoldEdges, b.nonManifoldEdges);
+  EXPECT_EQ(a.onlySheets, b.onlySheets);
   EXPECT_EQ(a.distances.farthestOutside, b.distances.farthestOutside);
   EXPECT_EQ(a.distances.meanOutside, b.distances.meanOutside);
   EXPECT_EQ(a.distances.meanToOriginal, b.distances.meanToOriginal);
@@ -323,8 +324,8 @@ TEST(BodyFile, WhatIsWrongDespiteARightChecksumIsASentence) {
     const std::string found = sentence(changed);
     EXPECT_NE(found.find(fragment), std::string::npos) << "no `" << fragment << "` in: " << found;
   };
-  // Where the lists begin: key, 3 counts, 5 lengths, the notes.
-  std::size_t vertices = kHeaderBytes + 8 + 3 * 4 + 5 * 8 + 4;
+  // Where the lists begin: key, 4 counts, 5 lengths, the notes.
+  std::size_t vertices = kHeaderBytes + 8 + 4 * 4 + 5 * 8 + 4;
   for (const std::string& note : openBox().body.notes) vertices += 4 + note.size();
   const auto vertexCount = static_cast<std::size_t>(openBox().body.bodyVertices);
   const std::size_t triangles = vertices + 4 + 24 * vertexCount;
@@ -332,7 +333,7 @@ TEST(BodyFile, WhatIsWrongDespiteARightChecksumIsASentence) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
 
   expectSentence(with(bytes, kHeaderBytes + 8, std::int32_t{-1}), "a count is -1");
-  expectSentence(with(bytes, kHeaderBytes + 20, -1.0), "a length is -1");
+  expectSentence(with(bytes, kHeaderBytes + 24, -1.0), "a length is -1");
   expectSentence(with(bytes, vertices, std::uint32_t{0x7fffffff}), "the number of vertices is 2147483647");
   expectSentence(with(bytes, vertices + 4, nan), "a coordinate is nan");
   expectSentence(with(bytes, vertices + 4, 1e30), "far from the character");

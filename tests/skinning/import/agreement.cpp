@@ -32,7 +32,7 @@ Pose savedPose(const CharacterFile& file, const nlohmann::json& nodes) {
     const int index = file.nodeOfJoint[j];
     const JointIndex parent = file.character.skeleton.joint(j).parent;
     const bool sheared = parent > 0 && file.nodeOfJoint[parent] == -1;
-    if (index == -1 || sheared) continue;
+    if (index == -1) continue;
     const nlohmann::json& node = nodes[index];
     FileNode saved;
     const auto numbers = [&](const char* key, std::vector<double> otherwise) {
@@ -48,13 +48,16 @@ Pose savedPose(const CharacterFile& file, const nlohmann::json& nodes) {
           Eigen::Map<const Eigen::Vector4d>(numbers("rotation", {0.0, 0.0, 0.0, 1.0}).data());
       saved.local.rotation.normalize();
     }
-    pose[j] = saved.local;
+    pose[sheared ? parent : static_cast<JointIndex>(j)] = saved.local;
+    if (!sheared) continue;
+    pose[j] = {};
+    pose[j].rotation = saved.inner.value_or(Quat::Identity());
   }
   return pose;
 }
 
 double farthestFromTruth(const CharacterFile& file, const GltfTruth& truth, int clip, double time) {
-  const std::vector<GltfTruth::Corners> expected = truth.triangles(clip, time);
+  const std::vector<GltfTruth::Corners> expected = truth.triangles(clip, time, !file.character.shapes.empty());
   const std::vector<Vec3> posed =
       clip >= 0 ? posedVertices(file, clip, time) : posedVertices(file, savedPose(file, truth.document()["nodes"]));
   const std::vector<Triangle>& triangles = file.character.mesh.triangles;

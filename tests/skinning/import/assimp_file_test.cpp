@@ -3,6 +3,7 @@
 #include "tests/skinning/import/agreement.h"
 #include "tests/skinning/import/gltf_truth.h"
 #include "tests/support/datasets.h"
+#include "tests/support/utf16.h"
 #include "tests/support/value_of.h"
 
 #include <assimp/config.h>
@@ -389,6 +390,34 @@ std::string colladaText(const std::string& upAxis) {
 </visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#s"/></scene>
 </COLLADA>)";
+}
+
+TEST(ColladaFile, BlanksAroundItsUpAxisDoNotMatter) {
+  for (const std::string up : {"X_UP", "Y_UP", "Z_UP"}) {
+    const CharacterFile expected = test::valueOf(parsedText(colladaText(up), "t.dae"));
+    for (const std::string& blank : {up + " ", "\n\t" + up, "\r\n  " + up + "\n"}) {
+      const CharacterFile file = test::valueOf(parsedText(colladaText(blank), "t.dae"));
+      EXPECT_EQ(file.character.mesh.vertices, expected.character.mesh.vertices) << blank;
+    }
+  }
+  EXPECT_FALSE(parsedText(colladaText(" ").substr(0, 200), "t.dae").ok());
+}
+
+TEST(ColladaFile, InUtf16IsAsInUtf8) {
+  for (const std::string up : {"X_UP", "Y_UP", "Z_UP"}) {
+    const std::string text = colladaText(up);
+    const CharacterFile expected = test::valueOf(parsedText(text, "t.dae"));
+    for (const bool little : {true, false}) {
+      for (const bool mark : {true, false}) {
+        const CharacterFile file = test::valueOf(parsedText(test::asUtf16(text, little, mark), "t.dae"));
+        EXPECT_EQ(file.format, "COLLADA");
+        EXPECT_EQ(file.character.mesh.vertices, expected.character.mesh.vertices) << up;
+        EXPECT_EQ(file.skins, 1);
+      }
+    }
+  }
+  const Result<CharacterFile> half = parsedText(test::asUtf16(colladaText("Y_UP").substr(0, 900), true, true), "t.dae");
+  EXPECT_FALSE(half.ok());
 }
 
 TEST(ColladaFile, ItsUnitAxesAndSkinAreFollowed) {

@@ -327,6 +327,173 @@ TEST(FlatBones, HangOnTheParentsThatTheirNamesMean) {
   }
 }
 
+/// A bone of an avatar of Second Life. Those in capitals are volumes that only collide: their matrices are scaled.
+struct Volume {
+  const char* name;
+  int parent;
+  Vec3 at;                         ///< in the bind pose
+  Vec3 scale = {1.0, 1.0, 1.0};    ///< of its inverse bind matrix's inverse
+  Vec3 degrees = {0.0, 0.0, 0.0};  ///< the same, about X, then Y, then Z
+};
+
+const std::vector<Volume> kAvatar = {
+    {"mPelvis", -1, {0.0, 1.07, 0.0}},   {"PELVIS", 0, {0.0, 1.05, -0.01}, {0.12, 0.16, 0.17}},
+    {"mTorso", 0, {0.0, 1.15, 0.0}},     {"BELLY", 2, {0.0, 1.19, 0.03}, {0.09, 0.13, 0.15}, {8.0, 0.0, 0.0}},
+    {"mChest", 2, {0.0, 1.36, 0.0}},     {"CHEST", 4, {0.0, 1.43, 0.02}, {0.11, 0.15, 0.2}, {-10.0, 3.0, 0.0}},
+    {"mHead", 4, {0.0, 1.6, 0.0}},       {"HEAD", 6, {0.0, 1.67, 0.02}, {0.11, 0.09, 0.12}},
+    {"mHipLeft", 0, {0.13, 1.03, 0.0}},  {"L_UPPER_LEG", 8, {0.13, 0.8, -0.02}, {0.09, 0.09, 0.32}, {95.0, 0.0, 4.0}},
+    {"mKneeLeft", 8, {0.08, 0.54, 0.0}}, {"L_LOWER_LEG", 10, {0.08, 0.3, -0.02}, {0.06, 0.06, 0.25}, {90.0, 0.0, 0.0}}};
+
+Affine3 bindOf(const Volume& bone) {
+  const Vec3 angles = bone.degrees * std::numbers::pi / 180.0;
+  return Eigen::Translation3d(bone.at) * Eigen::AngleAxisd(angles.z(), Vec3::UnitZ()) *
+         Eigen::AngleAxisd(angles.y(), Vec3::UnitY()) * Eigen::AngleAxisd(angles.x(), Vec3::UnitX()) *
+         Eigen::Scaling(bone.scale);
+}
+
+enum class Nodes { kAgree, kUnscaled, kUnscaledAndPosed };
+
+/// Boxes around the bones, each vertex on its bone and on the next of the same skin.
+/// @param skins   bones of each, in their order in the file
+test::GlbWriter avatarGlb(const std::vector<Volume>& bones, Nodes how, const std::vector<std::vector<int>>& skins) {
+  test::GlbWriter writer;
+  for (int b = 0; b < countOf(bones); ++b) {
+    const Volume& bone = bones[b];
+    const Affine3 parent = bone.parent == -1 ? Affine3::Identity() : bindOf(bones[bone.parent]);
+    Affine3 local = parent.inverse() * bindOf(bone);
+    if (how != Nodes::kAgree) {  // as of a program whose bones have no scale
+      local = Eigen::Translation3d(bone.at - (bone.parent == -1 ? Vec3::Zero() : bones[bone.parent].at));
+    }
+    if (how == Nodes::kUnscaledAndPosed && bone.name[0] == 'm') local.rotate(turn(5.0 * b, Vec3(1.0, b, -1.0)));
+    nlohmann::json node = {{"name", bone.name}};
+    for (int column = 0; column < 4; ++column) {
+      for (int row = 0; row < 4; ++row) node["matrix"].push_back(local.matrix()(row, column));
+    }
+    if (how != Nodes::kAgree) {
+      const Quat rotation(local.rotation());
+      const Vec3 at = local.translation();
+      node.erase("matrix");
+      node["translation"] = {at.x(), at.y(), at.z()};
+      node["rotation"] = {rotation.x(), rotation.y(), rotation.z(), rotation.w()};
+    }
+    for (int c = 0; c < countOf(bones); ++c) {
+      if (bones[c].parent == b) node["children"].push_back(c);
+    }
+    writer.add("nodes", node);
+  }
+  nlohmann::json roots = {0};
+  for (const std::vector<int>& own : skins) {
+    TriMesh all;
+    std::vector<std::uint8_t> joints;
+    std::vector<float> weights;
+    std::vector<Affine3> matrices;
+    for (int b = 0; b < countOf(own); ++b) {
+      const Vec3& at = bones[own[b]].at;
+      matrices.push_back(bindOf(bones[own[b]]).inverse());
+      const TriMesh box = test::makeBox(at - Vec3::Constant(0.04), at + Vec3::Constant(0.04));
+      for (std::size_t v = 0; v < box.vertices.size(); ++v) {
+        joints.insert(joints.end(),
+                      {static_cast<std::uint8_t>(b), static_cast<std::uint8_t>((b + 1) % own.size()), 0, 0});
+        weights.insert(weights.end(), {0.75F, 0.25F, 0.0F, 0.0F});
+      }
+      all = test::joined(all, box);
+    }
+    const int skin = writer.add("skins", {{"joints", own}, {"inverseBindMatrices", writer.matrices(matrices)}});
+    nlohmann::json primitive = {{"indices", writer.triangles(all.triangles)}};
+    primitive["attributes"] = {{"POSITION", writer.positions(all.vertices)},
+                               {"JOINTS_0", writer.accessor(joints, "VEC4")},
+                               {"WEIGHTS_0", writer.accessor(weights, "VEC4")}};
+    const int mesh = writer.add("meshes", {{"primitives", {primitive}}});
+    roots.push_back(writer.add("nodes", {{"mesh", mesh}, {"skin", skin}}));
+  }
+  writer.add("scenes", {{"nodes", roots}});
+  return writer;
+}
+
+/// Whatever the nodes say, no vertex moves in the bind pose, and it has the size that it was modelled in.
+TEST(BindPose, HoldsTheScaleAndShearOfBonesThatOnlyCollide) {
+  const std::vector<int> all = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11};
+  std::vector<int> reversed(all.rbegin(), all.rend());
+  const std::vector<int> volumes = {1, 3, 5, 7, 9, 11};
+  std::vector<Volume> sheared = kAvatar;  // a slider that widens bones above turned volumes
+  sheared[2].scale = {1.3, 0.9, 1.1};
+  sheared[10].scale = {0.8, 1.0, 1.2};
+  struct Case {
+    const char* name;
+    const std::vector<Volume>& bones;
+    std::vector<std::vector<int>> skins;
+  };
+  const std::vector<Case> cases = {{"one skin", kAvatar, {all}},
+                                   {"listed from the leaves", kAvatar, {reversed}},
+                                   {"volumes only", kAvatar, {volumes}},
+                                   {"a body and a shirt", kAvatar, {all, {3, 5, 2, 4}}},
+                                   {"shear", sheared, {all}},
+                                   {"shear, volumes only", sheared, {volumes, {11, 9}}}};
+  for (const Case& c : cases) {
+    for (const Nodes how : {Nodes::kAgree, Nodes::kUnscaled, Nodes::kUnscaledAndPosed}) {
+      SCOPED_TRACE(testing::Message() << c.name << ", " << static_cast<int>(how));
+      const CharacterFile file = test::valueOf(test::parsed(avatarGlb(c.bones, how, c.skins)));
+      const std::vector<Vec3> posed = test::posedVertices(file, -1, 0.0);
+      double farthest = 0.0;
+      for (std::size_t v = 0; v < posed.size(); ++v) {
+        farthest = std::max(farthest, (posed[v] - file.character.mesh.vertices[v]).norm());
+      }
+      EXPECT_LT(farthest, 2e-3);
+      Aabb box;
+      for (const std::vector<int>& skin : c.skins) {
+        for (const int b : skin) box.extend(c.bones[b].at);
+      }
+      EXPECT_NEAR(file.character.height, box.max.y() - box.min.y() + 0.08, 1e-3);
+      EXPECT_EQ(test::hasNote(file, "have a scale or shear that the nodes lack"), how != Nodes::kAgree)
+          << testing::PrintToString(file.notes);
+      for (const Joint& joint : file.character.skeleton.joints())
+        EXPECT_GT(joint.rest.scale.cwiseAbs().minCoeff(), 0.0);
+    }
+  }
+}
+
+/// The clip turns a bone above volumes; nothing grows.
+TEST(BindPose, ClipsTurnBonesAboveWhatOnlyCollides) {
+  test::GlbWriter writer = avatarGlb(kAvatar, Nodes::kUnscaled, {{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}});
+  const Quat key = turn(90.0, Vec3::UnitZ());
+  const int times = writer.accessor(std::vector<float>{0.0F, 1.0F}, "SCALAR");
+  const int values = writer.accessor(
+      std::vector<float>{0, 0, 0, 1, 0, 0, static_cast<float>(key.z()), static_cast<float>(key.w())}, "VEC4");
+  writer.add("animations", {{"samplers", {{{"input", times}, {"output", values}}}},
+                            {"channels", {{{"sampler", 0}, {"target", {{"node", 0}, {"path", "rotation"}}}}}}});
+  const CharacterFile file = test::valueOf(test::parsed(writer));
+  const Affine3 turned = Eigen::Translation3d(kAvatar[0].at) * key * Eigen::Translation3d(-kAvatar[0].at);
+  const std::vector<Vec3> posed = test::posedVertices(file, 0, 1.0);
+  for (std::size_t v = 0; v < posed.size(); ++v) {
+    ASSERT_LT((posed[v] - turned * file.character.mesh.vertices[v]).norm(), 2e-3) << v;
+  }
+}
+
+/// A bone that is sheared in the bind pose alone is two joints, which clips move as the one node that it is.
+TEST(BindPose, ClipsOfBonesThatAreShearedInTheBindPoseAreTheFiles) {
+  const std::vector<Volume> bones = {{"mPelvis", -1, {0.0, 0.5, 0.0}},
+                                     {"mTorso", 0, {0.0, 0.8, 0.0}, {1.3, 0.9, 1.1}},
+                                     {"mChest", 1, {0.0, 1.1, 0.1}, {0.9, 1.2, 1.0}, {30.0, -20.0, 10.0}},
+                                     {"mHead", 2, {0.0, 1.4, 0.1}}};
+  test::GlbWriter writer = avatarGlb(bones, Nodes::kUnscaledAndPosed, {{3, 1, 0, 2}});
+  const Quat key = turn(50.0, Vec3(1.0, -2.0, 0.5));
+  std::vector<float> rotations = {0, 0, 0, 1};
+  for (const double number : key.coeffs()) rotations.push_back(static_cast<float>(number));
+  const int times = writer.accessor(std::vector<float>{0.0F, 1.0F}, "SCALAR");
+  const int values = writer.accessor(rotations, "VEC4");
+  writer.add("animations", {{"samplers", {{{"input", times}, {"output", values}}}},
+                            {"channels", {{{"sampler", 0}, {"target", {{"node", 2}, {"path", "rotation"}}}}}}});
+  const CharacterFile file = test::valueOf(test::parsed(writer));
+  EXPECT_TRUE(test::hasNote(file, "nodes are sheared: each is represented by two joints"));
+  const std::vector<Vec3> resting = test::posedVertices(file, -1, 0.0);
+  for (std::size_t v = 0; v < resting.size(); ++v) {
+    ASSERT_LT((resting[v] - file.character.mesh.vertices[v]).norm(), 1e-5);
+  }
+  const test::GltfTruth truth(writer.glb());
+  EXPECT_LE(test::farthestFromTruth(file, truth, -1, 0.0), 1e-5);
+  for (const double time : {0.0, 0.6, 1.0}) EXPECT_LE(test::farthestFromTruth(file, truth, 0, time), 1e-5) << time;
+}
+
 TEST(BindPose, OfAPosedFigureIsThatOfTheSameFigureUnposed) {
   LORICA_REQUIRE_DATASET(posedPath, "strangers/figure_posed_nodes.glb");
   LORICA_REQUIRE_DATASET(unposedPath, "strangers/figure_half_body.glb");

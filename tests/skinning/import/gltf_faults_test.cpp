@@ -97,7 +97,7 @@ TEST(GltfFaults, AreToldInOneSentence) {
        "animation 0 'bend', channel 0: refers to sampler 1, expected 0 to 0"},
       {set("/animations/0/samplers/0/interpolation", "QUINTIC"),
        "animation 0 'bend', channel 0: interpolation 'QUINTIC', expected STEP, LINEAR or CUBICSPLINE"},
-      {set("/accessors/6/count", 1), "animation 0 'bend', channel 0: 1 values for 2 keys, expected 2"},
+      {set("/accessors/6/count", 1), "animation 0 'bend', channel 0: 1 value for 2 keys, expected 2"},
       {set("/animations/0/samplers/0/interpolation", "CUBICSPLINE"),
        "animation 0 'bend', channel 0: 2 values for 2 keys, expected 6"},
       {[](GlbWriter& w) {

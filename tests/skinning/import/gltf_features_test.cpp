@@ -150,7 +150,7 @@ TEST(GltfFeatures, OneBoneBoundInTwoWaysIsTwoJoints) {
   EXPECT_EQ(copy.name, "upper (bind 2)");
   EXPECT_EQ(copy.parent, jointNamed(file, "upper"));
   EXPECT_TRUE(copy.rest.matrix().isApprox(Affine3::Identity()));
-  EXPECT_TRUE(hasNote(file, "1 joints added"));
+  EXPECT_TRUE(hasNote(file, "1 joint added"));
   const test::GltfTruth truth(writer.glb());
   EXPECT_LE(test::farthestFromTruth(file, truth, -1, 0.0), 2e-6);
   EXPECT_LE(test::farthestFromTruth(file, truth, 0, 1.3), 2e-6);
@@ -312,7 +312,7 @@ TEST(GltfFeatures, OnlyWhatTheDefaultSceneDrawsIsRead) {
   CharacterFile file = test::valueOf(parsed(writer));
   EXPECT_EQ(file.character.mesh.triangles.size(), 12u);
   EXPECT_EQ(file.maxInfluences, 1);
-  EXPECT_TRUE(hasNote(file, "1 nodes with a mesh are not in the drawn scene"));
+  EXPECT_TRUE(hasNote(file, "1 node with a mesh is not in the drawn scene"));
   writer.document.erase("scenes");
   file = test::valueOf(parsed(writer));
   EXPECT_EQ(file.character.mesh.triangles.size(), 24u);
@@ -338,9 +338,9 @@ TEST(GltfFeatures, LateKeysAndOddChannelsAreLeftOutWithANote) {
   EXPECT_EQ(track.times, (std::vector<double>{0.0, 1.0, 3.0}));
   EXPECT_EQ(track.values[2], Vec3(4.0, 0.0, 0.0));
   EXPECT_TRUE(hasNote(file, "2 animation keys are not later than"));
-  EXPECT_TRUE(hasNote(file, "1 animation channels of morph weights could not be read: skipped"));
-  EXPECT_TRUE(hasNote(file, "1 animation channels animate something other"));
-  EXPECT_TRUE(hasNote(file, "1 animation channels animate what another already animates"));
+  EXPECT_TRUE(hasNote(file, "1 animation channel of morph weights could not be read: skipped"));
+  EXPECT_TRUE(hasNote(file, "1 animation channel animates something other"));
+  EXPECT_TRUE(hasNote(file, "1 animation channel animates what another already animates"));
 }
 
 TEST(GltfFeatures, VrmListsNameTheBones) {

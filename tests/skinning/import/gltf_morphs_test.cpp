@@ -2,6 +2,8 @@
 
 #include "geometry/counts.h"
 #include "geometry/work_budgets.h"
+#include "tests/skinning/import/agreement.h"
+#include "tests/skinning/import/gltf_truth.h"
 #include "tests/skinning/import/small_character.h"
 #include "tests/support/value_of.h"
 
@@ -170,6 +172,36 @@ TEST(GltfMorphs, ClipsMoveTheWeights) {
   EXPECT_EQ(at(3, 0.5), (std::vector<float>{0.5F, 0.5F}));
 }
 
+/// Weights far from 0 deform the character in its clips, and bones move what is deformed.
+TEST(GltfMorphs, ClipsDeformTheSkinAsTheSpecificationSays) {
+  for (const bool skinned : {true, false}) {
+    for (const char* interpolation : {"LINEAR", "STEP", "CUBICSPLINE"}) {
+      SCOPED_TRACE(testing::Message() << interpolation << ", skinned: " << skinned);
+      GlbWriter writer = morphingCharacter();
+      writer.document["meshes"][0]["weights"] = {0.5, 0.0};
+      if (!skinned) writer.document["nodes"][2].erase("skin");
+      std::vector<float> values;
+      const int numbers = interpolation == std::string("CUBICSPLINE") ? 18 : 6;
+      for (int i = 0; i < numbers; ++i) values.push_back(0.3F * static_cast<float>(i * 7 % 5) - 0.5F);
+      addWeights(writer, interpolation, {0.25F, 1.0F, 1.5F}, values);
+      // The clip that bends the upper bone moves weights as well.
+      nlohmann::json& bend = writer.document["animations"][0];
+      bend["samplers"].push_back(writer.document["animations"][1]["samplers"][0]);
+      bend["channels"].push_back({{"sampler", 1}, {"target", {{"node", 2}, {"path", "weights"}}}});
+      const CharacterFile file = test::valueOf(parsed(writer));
+      EXPECT_FALSE(file.character.shapes.empty());
+      EXPECT_EQ(file.nodeOfJoint.size(), file.character.jointFromModel.size());
+      EXPECT_EQ(file.morphs.clips[1].size(), 1u);
+      const test::GltfTruth truth(writer.glb());
+      for (const int clip : {-1, 0, 1}) {
+        for (const double time : {0.0, 0.25, 0.6, 1.0, 1.3, 2.0}) {
+          EXPECT_LE(test::farthestFromTruth(file, truth, clip, time), 1e-5) << "clip " << clip << " at " << time;
+        }
+      }
+    }
+  }
+}
+
 TEST(GltfMorphs, BrokenTargetsAreSkippedAndTheBodyIsRead) {
   using Json = nlohmann::json;
   const auto list = [](const std::vector<float>& numbers, const char* type) {
@@ -208,7 +240,7 @@ TEST(GltfMorphs, BrokenTargetsAreSkippedAndTheBodyIsRead) {
     EXPECT_EQ(file.character.mesh.vertices.size(), 8u);
     ASSERT_EQ(file.morphs.targets.size(), 2u);
     EXPECT_EQ(file.morphs.targets[0].offsets.size(), 7u);
-    EXPECT_TRUE(hasNote(file, "1 parts of morph targets could not be read: skipped (the first: "));
+    EXPECT_TRUE(hasNote(file, "1 part of a morph target could not be read: skipped (the first: "));
     EXPECT_TRUE(hasNote(file, c.note)) << file.notes.front();
   }
 }

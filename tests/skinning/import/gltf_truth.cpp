@@ -129,15 +129,15 @@ double GltfTruth::seconds(int animation) const {
 }
 
 // Appendix C.
-std::vector<double> GltfTruth::sampled(const Json& sampler, bool rotation, double time) const {
+std::vector<double> GltfTruth::sampled(const Json& sampler, bool rotation, double time, std::size_t scalars) const {
   const int input = sampler["input"];
   const int output = sampler["output"];
   const std::string kind = sampler.value("interpolation", "LINEAR");
   const std::size_t keys = count(input);
-  const std::size_t n = rotation ? 4 : 3;
+  const std::size_t n = scalars > 0 ? scalars : rotation ? 4 : 3;
   const auto value = [&](std::size_t row) {
     std::vector<double> v(n);
-    for (std::size_t c = 0; c < n; ++c) v[c] = number(output, row, c);
+    for (std::size_t c = 0; c < n; ++c) v[c] = scalars > 0 ? number(output, row * n + c, 0) : number(output, row, c);
     return v;
   };
   const auto normalised = [&](std::vector<double> v) {
@@ -229,7 +229,7 @@ std::vector<Mat4> GltfTruth::globals(int animation, double time) const {
   return all;
 }
 
-std::vector<GltfTruth::Corners> GltfTruth::triangles(int animation, double time) const {
+std::vector<GltfTruth::Corners> GltfTruth::triangles(int animation, double time, bool morphing) const {
   std::vector<Corners> all;
   const Json& nodes = document_["nodes"];
   const std::vector<Mat4> global = globals(animation, time);
@@ -258,7 +258,15 @@ std::vector<GltfTruth::Corners> GltfTruth::triangles(int animation, double time)
       const Json& attributes = primitive["attributes"];
       const std::size_t vertexCount = count(attributes["POSITION"]);
       const Json& weightSource = nodes[n].contains("weights") ? nodes[n] : mesh;
-      const auto morphWeights = weightSource.value("weights", std::vector<double>{});
+      auto morphWeights = weightSource.value("weights", std::vector<double>{});
+      if (morphing && animation >= 0) {
+        const Json& clip = document_["animations"][animation];
+        for (const Json& channel : clip["channels"]) {
+          if (channel["target"]["path"] != "weights" || channel["target"]["node"] != n) continue;
+          morphWeights = sampled(clip["samplers"][channel["sampler"].get<std::size_t>()], false, time,
+                                 primitive["targets"].size());
+        }
+      }
 
       std::vector<Vec3> placed(vertexCount);
       for (std::size_t v = 0; v < vertexCount; ++v) {

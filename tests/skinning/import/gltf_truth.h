@@ -28,7 +28,8 @@ class GltfTruth {
   /// The triangles that the default scene draws, in the file's own units and axes: nodes in order, their primitives,
   /// their triangles; without those that use a vertex twice.
   /// @param animation  -1: at rest
-  [[nodiscard]] std::vector<Corners> triangles(int animation, double time) const;
+  /// @param morphing   whether the animation moves weights of morph targets, too
+  [[nodiscard]] std::vector<Corners> triangles(int animation, double time, bool morphing = false) const;
 
   [[nodiscard]] int animationCount() const;
   /// Time of the last key of the channels that move nodes [s].
@@ -41,7 +42,9 @@ class GltfTruth {
   [[nodiscard]] double stored(const nlohmann::json& accessor, int view, std::size_t offset, std::size_t element,
                               std::size_t component) const;
   [[nodiscard]] std::size_t count(int accessor) const;
-  [[nodiscard]] std::vector<double> sampled(const nlohmann::json& sampler, bool rotation, double time) const;
+  /// @param scalars  how many numbers a key has, if its accessor has one after the other; else 0
+  [[nodiscard]] std::vector<double> sampled(const nlohmann::json& sampler, bool rotation, double time,
+                                            std::size_t scalars = 0) const;
   [[nodiscard]] Mat4 local(int node, int animation, double time) const;
   [[nodiscard]] std::vector<Mat4> globals(int animation, double time) const;
 

@@ -43,7 +43,7 @@ TEST(VrmExpressions, WithoutVrmTargetsAreExpressionsByTheirNames) {
   const CharacterFile file = test::valueOf(parsed(morphingCharacter()));
   ASSERT_EQ(file.morphs.targets.size(), 6u);
   EXPECT_EQ(namesOf(file.expressions), "Smile, Wink");  // "smile" differs only in case
-  EXPECT_TRUE(hasNote(file, "expressions have a name that another one has: skipped"));
+  EXPECT_TRUE(hasNote(file, "2 expressions have a name that another one has: skipped"));
   const Expression& wink = *expressionOf(file, "wink");
   ASSERT_EQ(wink.morphs.size(), 2u);  // of both nodes
   EXPECT_EQ(wink.morphs[0].target, 1);
@@ -102,7 +102,7 @@ TEST(VrmExpressions, ExpressionsOfVrm1AreRead) {
       "HAPPY": {}}})");
   const CharacterFile file = test::valueOf(parsed(writer));
   EXPECT_EQ(namesOf(file.expressions), "aa, happy, Rose");
-  EXPECT_TRUE(hasNote(file, "1 expressions have a name that another one has"));
+  EXPECT_TRUE(hasNote(file, "1 expression has a name that another one has"));
   const Expression& happy = *expressionOf(file, "happy");
   EXPECT_TRUE(happy.binary);
   EXPECT_EQ(happy.overrideBlink, ExpressionOverride::kBlock);

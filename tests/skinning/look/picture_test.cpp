@@ -1,6 +1,7 @@
 #include "skinning/look/picture.h"
 
 #include "geometry/files.h"
+#include "geometry/interrupt.h"
 #include "geometry/work_budgets.h"
 #include "skinning/look/picture_shrink.h"
 #include "tests/skinning/look/picture_samples.h"
@@ -193,6 +194,18 @@ TEST(Pictures, CancelLeavesTheRest) {
   const auto cancelled = std::ranges::count_if(
       pictures, [](const Result<Picture>& p) { return !p && p.error().code == ErrorCode::kCancelled; });
   EXPECT_EQ(cancelled, static_cast<std::ptrdiff_t>(files.size()) - 3);
+}
+
+TEST(Pictures, EveryThreadAsksTheInterruptOfWhoReads) {
+  const std::vector<std::string> files = someFiles();
+  std::vector<EncodedPicture> encoded;
+  for (const std::string& file : files) encoded.push_back({std::as_bytes(std::span(file)), "picture"});
+  const Interrupt stops = [] { return true; };
+  const InterruptScope scope(&stops);
+  for (const Result<Picture>& picture : decodePictures(encoded, {})) {
+    ASSERT_FALSE(picture);
+    EXPECT_EQ(picture.error().code, ErrorCode::kCancelled);
+  }
 }
 
 /// The picture files inside a GLB.

@@ -1,11 +1,16 @@
 #include "viewer/player/monitored_host.h"
 
+#include "geometry/interrupt.h"
 #include "viewer/player/warning_board.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <functional>
+#include <optional>
 #include <random>
+#include <thread>
 
 namespace lorica {
 namespace {
@@ -120,6 +125,46 @@ TEST(WarningBoard, WordsChangeOncePerSecondAtMostAndKindsKeepTheirOrder) {
   board.update(1.2);
   ASSERT_EQ(board.sentences().size(), 1u);
   EXPECT_EQ(board.sentences()[0], "b");
+}
+
+TEST(BackgroundWork, WhatAsksWhetherToStopEndsWhenItIsCancelled) {
+  Host parent;
+  std::atomic<bool> began = false, ended = false;
+  const std::function<Result<int>(Host&)> reading = [&](Host& host) -> Result<int> {
+    while (!workStopped()) {
+      began = true;
+      std::this_thread::yield();
+    }
+    EXPECT_TRUE(host.cancelled());
+    ended = true;
+    return 7;
+  };
+  BackgroundWork<int> work(parent, reading);
+  while (!began) std::this_thread::yield();
+  EXPECT_FALSE(ended);
+  work.cancel();
+  std::optional<Result<int>> result;
+  while (!result) result = work.take();
+  EXPECT_TRUE(ended);
+  ASSERT_FALSE(*result);
+  EXPECT_EQ(result->error().code, ErrorCode::kCancelled);
+  EXPECT_FALSE(workStopped()) << "of another thread";
+}
+
+TEST(InterruptScope, TheInnermostIsAsked) {
+  const Interrupt yes = [] { return true; }, no = [] { return false; };
+  EXPECT_FALSE(workStopped());
+  const InterruptScope outer(&yes);
+  EXPECT_TRUE(workStopped());
+  EXPECT_FALSE(unlessStopped<int>(1));
+  {
+    const InterruptScope inner(&no);
+    EXPECT_FALSE(workStopped());
+    EXPECT_EQ(unlessStopped<int>(1).value(), 1);
+    const InterruptScope none(nullptr);
+    EXPECT_FALSE(workStopped());
+  }
+  EXPECT_TRUE(workStopped());
 }
 
 }  // namespace

@@ -314,15 +314,15 @@ TEST(Treatment, WhatTheCommandSaysWinsOverWhatIsKept) {
   MotionOptions options;
   EXPECT_EQ(allowed(treatmentControl(options, true), kept), kept);
   options.mirror = true;
-  options.smooth = "one-euro";
+  options.smooth = MotionOptions::Smoothing::kOneEuro;
   options.smoothGiven = true;
   const TreatmentControl given = treatmentControl(options, true);
   EXPECT_EQ(allowed(given, {false, 3, 0}), (Treatment{true, kSmoothingAsGiven, 0}));
   options.oneEuro.minCutoff = 0.9;
   EXPECT_EQ(treated(options, allowed(given, kept)).oneEuro.minCutoff, 0.9);
   EXPECT_EQ(treated(MotionOptions(), {false, 2, 2}).oneEuro.minCutoff, OneEuroSettings().minCutoff);
-  EXPECT_EQ(treated(MotionOptions(), {false, 2, 2}).smooth, "one-euro");
-  EXPECT_EQ(treated(MotionOptions(), {}).smooth, "off");
+  EXPECT_EQ(treated(MotionOptions(), {false, 2, 2}).smooth, MotionOptions::Smoothing::kOneEuro);
+  EXPECT_EQ(treated(MotionOptions(), {}).smooth, MotionOptions::Smoothing::kOff);
   TreatmentControl written = treatmentControl(MotionOptions(), true);
   written.fix("what is written");
   EXPECT_EQ(allowed(written, kept), Treatment());

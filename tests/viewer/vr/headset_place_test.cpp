@@ -201,6 +201,23 @@ TEST_F(HeadsetPanels, IsDrawnAgainOnlyIfItSaysSomethingElse) {
   EXPECT_TRUE(panel.draw(controls, rowOf(ControlId::kHulls)));
 }
 
+TEST_F(HeadsetPanels, CutsNamesBetweenCharacters) {
+  // Half a character would be drawn as a sign of its own: 5 of 3 bytes are less than 16 bytes, 6 are more.
+  scenes = {"身長身長身長身長", "pool"};
+  list();
+  controls[ControlId::kScene].value = 0.0;
+  HeadsetPanel cut;
+  cut.open(head);
+  EXPECT_TRUE(cut.draw(controls, std::nullopt));
+  scenes[0] = "身長身長身";
+  list();
+  controls[ControlId::kScene].value = 0.0;
+  HeadsetPanel whole;
+  whole.open(head);
+  EXPECT_TRUE(whole.draw(controls, std::nullopt));
+  EXPECT_EQ(whole.image().rgba, cut.image().rgba);
+}
+
 TEST_F(HeadsetPanels, HasTheControlsThatAreThere) {
   for (const ControlId id :
        {ControlId::kPause, ControlId::kRestart, ControlId::kScene, ControlId::kHulls, ControlId::kInside}) {
