@@ -83,7 +83,7 @@ struct FrameErrors {
 
 FrameErrors errorsOf(const FrameHulls& frames, PoseView keyframes) {
   FrameErrors errors;
-  errors.mean = frames.meanError();
+  errors.mean = meanErrorOf(frames.errors);
   const std::vector<int> seen = keyframesAmong(frames, keyframes);
   for (std::size_t f = 0; f < frames.errors.size(); ++f) {
     const double error = frames.errors[f].relative();

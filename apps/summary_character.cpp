@@ -4,6 +4,7 @@
 #include "geometry/text.h"
 #include "session/prepare/cast.h"
 #include "session/prepare/first_guess.h"
+#include "session/prepare/played_mesh.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/picture.h"
 
@@ -235,7 +236,9 @@ void addFile(const CharacterFile& file, Report& report) {
   report.add("primitives", file.primitives);
   report.add("skins", file.skins);
   report.add("metresPerUnit", "unit", file.metresPerUnit,
-             file.metresPerUnit == 1.0 ? "metres" : fmt::format("{:g} m, converted", file.metresPerUnit));
+             file.format == kSequence    ? "that of its files, taken for metres"
+             : file.metresPerUnit == 1.0 ? "metres"
+                                         : fmt::format("{:g} m, converted", file.metresPerUnit));
   report.add(
       "maxInfluences", "weights", file.maxInfluences,
       fmt::format("at most {} per vertex, {}", counted(file.maxInfluences, "bone"),

@@ -60,7 +60,7 @@ MeshParts partsOf(const Subject& subject, PartHulls made, DecompositionFile cont
   error.meshVolume = signedVolume(subject.mesh.vertices, subject.mesh.triangles);
   result.keyframes = {0};
   result.repaired = repairsOf(subject);
-  result.warning = doubtAboutHulls(result.meanError());
+  result.warning = doubtAboutHulls(meanErrorOf(result.errors));
   result.content = std::move(content);
   return result;
 }
@@ -85,18 +85,12 @@ Result<MeshParts> partsOfFrames(const Subject& subject, const MeshPartsSettings&
   result.frames = std::move(frames.hulls);
   result.errors = std::move(frames.errors);
   result.repaired = repairsOf(subject);
-  result.warning = doubtAboutHulls(result.meanError());
+  result.warning = doubtAboutHulls(meanErrorOf(result.errors));
   result.content = given != nullptr ? *given : fileContent(request, &training, fit);
   return result;
 }
 
 }  // namespace
-
-double MeshParts::meanError() const {
-  double sum = 0.0;
-  for (const PoseError& error : errors) sum += error.relative();
-  return sum / static_cast<double>(errors.size());
-}
 
 Result<MeshSequence> checkedMesh(std::span<const double> positions, std::size_t vertexCount,
                                  std::span<const std::int64_t> corners) {

@@ -5,6 +5,7 @@
 #include "acd/transfer.h"
 #include "geometry/arrays/mesh_sequence.h"
 #include "geometry/convex_hull.h"
+#include "session/prepare/frame_hulls.h"
 #include "session/prepare/subject.h"
 
 #include <cstdint>
@@ -35,7 +36,8 @@ struct MeshParts {
   DecompositionFile content;                    ///< for writeDecomposition()
 
   [[nodiscard]] const std::vector<ConvexHull>& hulls() const { return frames.front(); }  ///< of the first frame
-  [[nodiscard]] double meanError() const;  ///< of all frames: (hull volume - mesh volume) / mesh volume
+  /// Mean of all frames: (hull volume - mesh volume) / mesh volume.
+  [[nodiscard]] double meanError() const { return meanErrorOf(errors); }
 };
 
 /// A mesh of positions and indices from outside, in one or several poses.

@@ -8,7 +8,7 @@
 
 namespace lorica {
 
-double FrameHulls::meanError() const {
+double meanErrorOf(std::span<const PoseError> errors) {
   double sum = 0.0;
   for (const PoseError& error : errors) sum += error.relative();
   return sum / static_cast<double>(errors.size());

@@ -26,8 +26,10 @@ struct FrameHulls {
   [[nodiscard]] std::span<const Vec3> frame(std::size_t index) const {
     return std::span(points).subspan(index * pointCount, pointCount);
   }
-  [[nodiscard]] double meanError() const;  ///< mean over all frames
 };
+
+/// The mean of relative() over frames. @param errors  at least one
+[[nodiscard]] double meanErrorOf(std::span<const PoseError> errors);
 
 /// The frames whose mesh is that of a keyframe, ascending. @param keyframes  of the same mesh
 [[nodiscard]] std::vector<int> keyframesAmong(const FrameHulls& frames, PoseView keyframes);
