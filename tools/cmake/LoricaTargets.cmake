@@ -64,20 +64,36 @@ endfunction()
 # Batches: some twelve files of a library are compiled as one, so that what they include is read once: the first build takes
 # clearly less time. Therefore names in unnamed namespaces are unique in a folder, or mean the same. Off
 # in the preset `dev`, for those who change one file again and again, and under sanitizers, so that every file is also compiled
-# by itself. Files with vector instructions (Highway) include themselves once for each instruction set and stay single.
+# by itself. Files with vector instructions (Highway) include themselves once for each instruction set and stay single, as
+# do those with compile options of their own (SINGLE).
 # A function in an unnamed namespace must not have the name of one in a header either: it hides that for all other files of
 # its batch, and where an argument converts, as anything does to JSON, the wrong one is called without a warning.
 option(LORICA_BATCHES "Compile several files of a folder as one" ON)
 function(lorica_batches target)
-  if(LORICA_BATCHES)
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
-    # What files compiled one by one are warned of: a local name like one of another file, and members whose type is in an
-    # unnamed namespace, which g++ allows in the main file only.
-    target_compile_options(${target} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
-    get_target_property(sources ${target} SOURCES)
-    list(FILTER sources INCLUDE REGEX "_kernel\\.cpp$")
-    set_source_files_properties(${sources} ${ARGN} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+  if(NOT LORICA_BATCHES OR LORICA_SANITIZE)
+    return()
   endif()
+  # What files compiled one by one are warned of: a local name like one of another file, and members whose type is in an
+  # unnamed namespace, which g++ allows in the main file only.
+  target_compile_options(${target} PRIVATE -Wno-shadow $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
+  get_target_property(sources ${target} SOURCES)
+  list(FILTER sources INCLUDE REGEX "\\.cpp$")
+  list(FILTER sources EXCLUDE REGEX "_kernel\\.cpp$")
+  list(REMOVE_ITEM sources "" ${ARGN})
+  set_source_files_properties(${sources} PROPERTIES HEADER_FILE_ONLY ON)
+  # CMake's own batches name files by absolute paths, which ccache cannot know again in another folder.
+  file(RELATIVE_PATH folder ${PROJECT_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  set(number 0)
+  while(sources)
+    list(SUBLIST sources 0 12 batch)
+    list(REMOVE_ITEM sources ${batch})
+    list(TRANSFORM batch REPLACE "(.+)" "#include \"${folder}/\\1\"\n" OUTPUT_VARIABLE text)
+    string(JOIN "" text ${text})
+    set(file ${CMAKE_CURRENT_BINARY_DIR}/${target}_batch_${number}.cpp)
+    file(CONFIGURE OUTPUT ${file} CONTENT "${text}")
+    target_sources(${target} PRIVATE ${file})
+    math(EXPR number "${number} + 1")
+  endwhile()
 endfunction()
 
 # Fused multiply-add is off everywhere: results must not depend on the compiler's taste.
