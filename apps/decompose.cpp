@@ -116,16 +116,18 @@ Facts frameFacts(const DecomposeOptions& options, const DecomposeOutcome& outcom
         fmt::format("{} in {} that are no keyframes", percent(errors.unseen), counted(errors.unseenCount, "frame")));
     facts.add("unseenFrames", errors.unseenCount);
   }
-  Json volumes = Json::array(), hulls = Json::array(), relative = Json::array();
+  Json volumes = Json::array(), hulls = Json::array(), relative = Json::array(), scores = Json::array();
   for (const PoseError& error : frames.errors) {
     volumes.push_back(error.meshVolume);
     hulls.push_back(error.hullVolume);
     relative.push_back(error.relative());
+    scores.push_back(error.meshVolume / error.hullVolume);
   }
   facts.add("frameTimes", frames.times);
   facts.add("frameMeshVolumes", std::move(volumes));
   facts.add("frameHullVolumes", std::move(hulls));
   facts.add("frameErrors", std::move(relative));
+  facts.add("frameScores", std::move(scores));
   if (!options.frames.empty()) {
     const int moved = countOf(frames.hulls.front()) - outcome.written.rigid;
     facts.add("exportFrames", "hulls of frames", options.frames,

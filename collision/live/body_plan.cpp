@@ -71,7 +71,11 @@ Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposi
   const std::shared_ptr<BodyPlan> plan(new BodyPlan(std::move(decomposition)));
   const std::vector<LiftedPoint> lifted = liftPoints(character, plan->decomposition_);
   plan->cover_ = cover ? std::move(*cover) : coverExactly(plan->decomposition_, lifted);
-  plan->lift(lifted);
+  std::vector<JointIndex> carriers(character.shapes.empty() ? 0 : character.jointFromModel.size(), kNoJoint);
+  for (const ShapeOffset& shape : character.shapes.offsets) {
+    carriers[shape.joint] = character.skeleton.joint(shape.joint).parent;
+  }
+  plan->lift(lifted, carriers);
   return std::shared_ptr<const BodyPlan>(plan);
 }
 
@@ -89,14 +93,14 @@ Result<std::shared_ptr<const BodyPlan>> BodyPlan::create(Decomposition decomposi
   return std::shared_ptr<const BodyPlan>(plan);
 }
 
-void BodyPlan::lift(std::span<const LiftedPoint> lifted) {
+void BodyPlan::lift(std::span<const LiftedPoint> lifted, std::span<const JointIndex> carriers) {
   parts_.reserve(decomposition_.parts.size());
   for (const std::vector<CoverPoint>& chosen : cover_.points) {
     std::vector<LiftedPoint> points;
     points.reserve(chosen.size());
     for (const CoverPoint& p : chosen) points.push_back(pushed(lifted[p.point], p.outward));
     PartPlan& plan = parts_.emplace_back();
-    plan.lifted.emplace(points);
+    plan.lifted.emplace(points, carriers);
     plan.candidates.reserve(chosen.size());
     for (const std::int32_t i : plan.lifted->order()) {
       plan.candidates.push_back(chosen[i].point);

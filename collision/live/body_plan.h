@@ -44,7 +44,7 @@ class BodyPlan {
   friend class LiveBody;
   struct PartPlan;
   explicit BodyPlan(Decomposition decomposition);
-  void lift(std::span<const LiftedPoint> lifted);
+  void lift(std::span<const LiftedPoint> lifted, std::span<const JointIndex> carriers);
 
   Decomposition decomposition_;
   HullCover cover_;

@@ -40,13 +40,31 @@ HWY_INLINE void addPositions(const std::uint32_t* bones, std::uint32_t count, co
   }
 }
 
+/// The bones of a group that move its points: all but those whose matrix is 0, the shapes without weight.
+struct Moving {
+  std::uint32_t count = 0;
+  std::array<std::uint32_t, 64> bones;  ///< of the group; not used if count is that of all bones
+};
+
+HWY_INLINE void findMoving(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
+                           Moving& moving) {
+  for (std::uint32_t b = 0; b < count; ++b) {
+    if (matrices[bones[b]].column == decltype(FourColumns<float>::column){}) continue;
+    if (moving.count < moving.bones.size()) moving.bones[moving.count] = b;
+    ++moving.count;
+  }
+  if (moving.count > moving.bones.size()) moving.count = count;
+}
+
 // Adds a block's points: the bones' matrices times (moment, weight).
-HWY_INLINE void addMoments(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
-                           const float* lanes, Float& x, Float& y, Float& z) {
+HWY_INLINE void addMoments(const std::uint32_t* bones, std::uint32_t count, const Moving& moving,
+                           const FourColumns<float>* matrices, const float* block, Float& x, Float& y, Float& z) {
   const Floats f;
   constexpr std::size_t kBlock = LiftedPart::kBlock;
-  for (std::uint32_t b = 0; b < count; ++b, lanes += 4 * kBlock) {
+  for (std::uint32_t i = 0; i < moving.count; ++i) {
+    const std::uint32_t b = moving.count == count ? i : moving.bones[i];
     const auto& m = matrices[bones[b]].column;
+    const float* lanes = block + 4 * kBlock * b;
     const auto qx = hn::Load(f, lanes);
     const auto qy = hn::Load(f, lanes + kBlock);
     const auto qz = hn::Load(f, lanes + 2 * kBlock);
@@ -72,6 +90,8 @@ float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const 
     const std::size_t lanesOfOne = LiftedPart::lanesOfBlock(group.bones, group.onePosition);
     const float* block = lanes[group.firstLane].of.data();
     float* out = &rows[group.firstRow].x;
+    Moving moving;
+    if (!group.onePosition) findMoving(bones, group.bones, matrices, moving);
     for (std::uint32_t k = 0; k < group.blocks; ++k) {
       for (std::size_t lane = 0; lane < LiftedPart::kBlock; lane += hn::Lanes(f)) {
         auto x = hn::Zero(f);
@@ -80,7 +100,7 @@ float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const 
         if (group.onePosition) {
           addPositions(bones, group.bones, matrices, block + lane, x, y, z);
         } else {
-          addMoments(bones, group.bones, matrices, block + lane, x, y, z);
+          addMoments(bones, group.bones, moving, matrices, block + lane, x, y, z);
         }
         x = hn::Round(x);
         y = hn::Round(y);

@@ -66,7 +66,7 @@ std::map<Layout, std::vector<std::int32_t>> groupByLayout(std::span<const Lifted
 
 }  // namespace
 
-LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
+LiftedPart::LiftedPart(std::span<const LiftedPoint> points, std::span<const JointIndex> carriers) {
   LORICA_CHECK(!points.empty(), "a part must have points");
   const double share = 1.0 / points.size();
 
@@ -84,6 +84,13 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
   for (auto& [joint, bone] : boneOfJoint) {
     bone = joints_.size();
     joints_.push_back(joint);
+  }
+
+  const auto carrierOf = [&](JointIndex joint) { return carriers.empty() ? kNoJoint : carriers[joint]; };
+  if (std::ranges::any_of(joints_, [&](JointIndex joint) { return carrierOf(joint) != kNoJoint; })) {
+    for (const JointIndex joint : joints_) {
+      carriers_.push_back(boneOfJoint.at(carrierOf(joint) == kNoJoint ? joint : carrierOf(joint)));
+    }
   }
 
   // Sums over all points, bone by bone.
@@ -104,9 +111,18 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
     }
   }
 
+  // Shapes add their offsets to a point that stands as their carriers have it.
+  std::vector<LiftedPoint> standing(points.begin(), points.end());
+  for (LiftedPoint& point : standing) {
+    for (const LiftedTerm& t : point) {
+      if (carrierOf(t.joint) == kNoJoint) continue;
+      std::ranges::find(point, carrierOf(t.joint), &LiftedTerm::joint)->moment += t.moment;
+    }
+  }
+
   // Blocks of points with the same layout, positions and moments about the part's mean.
   order_.reserve(points.size());
-  for (const auto& [layout, members] : groupByLayout(points)) {
+  for (const auto& [layout, members] : groupByLayout(standing)) {
     Group group;
     group.firstRow = order_.size();
     group.blocks = (members.size() + kBlock - 1) / kBlock;
@@ -124,7 +140,7 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points) {
       };
       const std::size_t member = members[i];
       if (layout.onePosition) write(0, bind[member] - bindMean_);
-      for (const LiftedTerm& t : points[member]) {
+      for (const LiftedTerm& t : standing[member]) {
         const std::size_t bone =
             std::lower_bound(layout.bones.begin(), layout.bones.end(), t.joint) - layout.bones.begin();
         if (!layout.onePosition) write(4 * bone, t.moment - t.weight * bindMean_);
@@ -149,7 +165,7 @@ LiftedPart::Moments LiftedPart::momentsOf(std::span<const Affine3> worldFromMode
 }
 
 LiftedPart::TakenPose LiftedPart::noPose() const {
-  TakenPose pose(joints_.size());
+  TakenPose pose(joints_.size() + carriers_.size());
   for (FourColumns<float>& matrix : pose) {
     for (auto& column : matrix.column) column.fill(std::numeric_limits<float>::quiet_NaN());
   }
@@ -160,17 +176,27 @@ bool LiftedPart::take(std::span<const Affine3> worldFromModel, const Isometry3& 
                       TakenPose& taken) const {
   const BoneView view{worldFromPart.linear().transpose() / tick, worldFromPart.translation(), bindMean_,
                       static_cast<float>(radius_), static_cast<float>(kStill)};
-  return viewBones(worldFromModel, view, joints_, taken);
+  const std::size_t bones = joints_.size();
+  if (!viewBones(worldFromModel, view, joints_, std::span(taken).first(bones))) return false;
+  for (std::size_t b = 0; b < carriers_.size(); ++b) {
+    taken[bones + b] = taken[b];
+    if (carriers_[b] == b) continue;
+    for (std::size_t c = 0; c < 4; ++c) {
+      for (std::size_t r = 0; r < 3; ++r) taken[bones + b].column[c][r] -= taken[carriers_[b]].column[c][r];
+    }
+  }
+  return true;
 }
 
 float LiftedPart::evaluate(const TakenPose& taken, std::span<PointRow> rows) const {
   LORICA_CHECK(rows.size() >= rowCount_, "rows must have at least rowCount() elements");
-  return evaluateLifted(groups_, groupBones_, lanes_.data(), taken.data(), rows.data());
+  return evaluateLifted(groups_, groupBones_, lanes_.data(), taken.data() + carriers_.size(), rows.data());
 }
 
 std::size_t LiftedPart::memory() const {
   return order_.size() * sizeof(order_[0]) + joints_.size() * (sizeof(JointIndex) + sizeof(FourColumns<double>)) +
-         groups_.size() * sizeof(Group) + groupBones_.size() * sizeof(groupBones_[0]) + lanes_.size() * sizeof(Lane);
+         carriers_.size() * sizeof(carriers_[0]) + groups_.size() * sizeof(Group) +
+         groupBones_.size() * sizeof(groupBones_[0]) + lanes_.size() * sizeof(Lane);
 }
 
 }  // namespace lorica

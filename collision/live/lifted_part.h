@@ -19,8 +19,10 @@ namespace lorica {
 /// move as one stays the same to the last digit and need not be processed.
 class LiftedPart {
  public:
-  /// @param points  at least one, over joints below jointCount of the character
-  explicit LiftedPart(std::span<const LiftedPoint> points);
+  /// @param points   at least one, over joints below jointCount of the character
+  /// @param carriers  for each joint of a shape (see Shapes) the joint that it hangs at, kNoJoint for others; empty =
+  ///                 the character has no shapes. A shape whose weight is 0 takes no time.
+  explicit LiftedPart(std::span<const LiftedPoint> points, std::span<const JointIndex> carriers = {});
 
   [[nodiscard]] std::size_t pointCount() const { return order_.size(); }
   /// The index of the point in each row that evaluate() writes.
@@ -37,7 +39,8 @@ class LiftedPart {
   [[nodiscard]] Moments momentsOf(std::span<const Affine3> worldFromModel) const;
 
   /// The last pose taken by one character: for each bone of the part partFromWorld * worldFromModel, about the bind
-  /// mean, in steps.
+  /// mean, in steps; if there are shapes, followed by what evaluate() uses: theirs less their carriers', others as they
+  /// are.
   using TakenPose = std::vector<FourColumns<float>>;
   /// The state before the first pose.
   [[nodiscard]] TakenPose noPose() const;
@@ -82,7 +85,8 @@ class LiftedPart {
 
  private:
   std::vector<std::int32_t> order_;
-  std::vector<JointIndex> joints_;  ///< the part's bones
+  std::vector<JointIndex> joints_;       ///< the part's bones
+  std::vector<std::uint32_t> carriers_;  ///< of each bone: its carrier's index, or its own; empty = no shapes
   /// For each bone, the factors of its matrix in sums over all points, moments in model space: columns 0 to 2, (moment,
   /// weight) times the offset from the bind mean; column 3, the mean of (moment, weight).
   std::vector<FourColumns<double>> sums_;

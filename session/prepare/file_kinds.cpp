@@ -103,6 +103,10 @@ Result<void> refuseOtherKinds(const std::filesystem::path& file) {
   }
   const std::string begin = beginOf(file);
   const FileKind kind = kindOf(file);
+  if (kind == FileKind::kUnknown && (begin.find("<robot") != begin.npos || begin.find("<mujoco") != begin.npos)) {
+    return withWhatOpens(unsupported(
+        "{}: found a robot's description, whose meshes get hulls by `lorica export IN OUT`", file.string()));
+  }
   const bool unnamed = kind == FileKind::kJoints || kind == FileKind::kUnknown;
   for (const Mark& mark : kMarks) {
     const bool found = begin.size() >= mark.at && std::string_view(begin).substr(mark.at).starts_with(mark.bytes);

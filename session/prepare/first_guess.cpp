@@ -2,6 +2,7 @@
 
 #include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "session/prepare/played_mesh.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -112,7 +113,9 @@ std::string firstGuessOf(std::vector<std::string> guess, const Motion& motion) {
 
 std::string firstGuessOf(const CharacterFile& file) {
   constexpr double kLies = 0.5;  // cosine between the body's up and the world's
-  std::string guess = fmt::format("rest pose: the bind pose; {:g} m per unit; Y is up", file.metresPerUnit);
+  std::string guess = file.format == kSequence
+                          ? "rest pose: the first frame; a unit is a metre; Y is up"
+                          : fmt::format("rest pose: the bind pose; {:g} m per unit; Y is up", file.metresPerUnit);
   const Vec3 up = uprightOf(file.character), ahead = aheadOf(file.character);
   if (!up.isZero(0.0) && up.y() < kLies * up.norm()) {
     guess += fmt::format("; it lies, its head towards {}", wayInWords(up));

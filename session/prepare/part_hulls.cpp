@@ -4,10 +4,12 @@
 #include "acd/transfer.h"
 #include "geometry/errors.h"
 #include "geometry/parallel_progress.h"
+#include "geometry/triangle_tree.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 namespace lorica {
@@ -149,6 +151,19 @@ Result<void> checkHullsHold(const PartHulls& hulls, std::span<const Vec3> vertic
     }
     outside[k] = least;
   });
+  // Planes of triangles that are nearly slivers say too much: the distance from the triangles decides.
+  std::vector<std::unique_ptr<TriangleTree>> trees(solids.size());
+  for (std::size_t k = 0; k < which.size(); ++k) {
+    if (outside[k] <= tolerance) continue;
+    for (std::size_t i = 0; i < solids.size() && outside[k] > tolerance; ++i) {
+      if (solids[i].planes.empty() || distanceSqToBox(vertices[which[k]], solids[i].box) > tolerance * tolerance)
+        continue;
+      const TriMesh& hull = hulls.objects[i].mesh;
+      if (trees[i] == nullptr) trees[i] = std::make_unique<TriangleTree>(hull.vertices, hull.triangles);
+      const Vec3& p = vertices[which[k]];
+      outside[k] = trees[i]->windingNumber(p) > 0.5 ? 0.0 : std::min(outside[k], trees[i]->distance(p));
+    }
+  }
   const auto worst = std::max_element(outside.begin(), outside.end());
   if (*worst <= tolerance) return {};
   const VertexIndex v = which[worst - outside.begin()];

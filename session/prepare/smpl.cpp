@@ -53,6 +53,7 @@ constexpr std::array<ModelJoint, 24> kBody = {{{"pelvis", -1, HumanBone::kHips},
 constexpr int kBodyJoints = 22;  // that all models have
 constexpr std::array<const char*, 3> kFace = {"jaw", "left_eye", "right_eye"};
 constexpr int kHead = 15;
+constexpr std::size_t kMostShapes = 16;  // of the model's, the strongest first
 /// Fingers in the order of the models, and VRM's names of them.
 constexpr std::array<std::pair<const char*, const char*>, 5> kFingers = {
     {{"index", "Index"}, {"middle", "Middle"}, {"pinky", "Little"}, {"ring", "Ring"}, {"thumb", "Thumb"}}};
@@ -207,7 +208,7 @@ Result<Motion> readSmplMotion(const fs::path& file) {
 
 Result<CharacterFile> readSmplModel(const fs::path& file) {
   LORICA_TRY(const std::vector<NamedArray> arrays, readArrays(file));
-  LORICA_TRY(const std::vector<double> points, tableOf(arrays, "v_template", {0, 3}, file));
+  LORICA_TRY(std::vector<double> points, tableOf(arrays, "v_template", {0, 3}, file));
   const std::size_t count = points.size() / 3;
   LORICA_TRY(const std::vector<double> weights, tableOf(arrays, "weights", {count, 0}, file));
   const std::size_t jointCount = weights.size() / count;
@@ -215,6 +216,30 @@ Result<CharacterFile> readSmplModel(const fs::path& file) {
   LORICA_TRY(const std::vector<double> regressor, tableOf(arrays, "J_regressor", {jointCount, count}, file));
   LORICA_TRY(const std::vector<double> faces, tableOf(arrays, "f", {0, 3}, file));
   CharacterFile read;
+  std::vector<double> shapes, betas;
+  if (arrayNamed(arrays, {"shapedirs"}) != nullptr) {
+    LORICA_TRY(shapes, tableOf(arrays, "shapedirs", {count, 3, 0}, file));
+  }
+  const std::size_t shapeCount = shapes.size() / points.size();
+  if (arrayNamed(arrays, {"betas"}) != nullptr) {
+    LORICA_TRY(betas, tableOf(arrays, "betas", {0}, file));
+    if (betas.size() > shapeCount) {
+      return badFormat("{}: betas has {} numbers, expected at most {}, as shapedirs has", file.string(), betas.size(),
+                       shapeCount);
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      for (std::size_t s = 0; s < betas.size(); ++s) points[i] += betas[s] * shapes[i * shapeCount + s];
+    }
+  }
+  for (std::size_t s = 0; s < std::min(shapeCount, kMostShapes); ++s) {
+    MorphTarget& target = read.morphs.targets.emplace_back(MorphTarget{fmt::format("shape {}", s), 0.0F, {}});
+    for (std::size_t v = 0; v < count; ++v) {
+      const auto along = [&](std::size_t axis) { return static_cast<float>(shapes[(3 * v + axis) * shapeCount + s]); };
+      const Vec3f offset(along(0), along(1), along(2));
+      if (!offset.isZero(0.0F)) target.offsets.push_back({static_cast<VertexIndex>(v), offset, Vec3f::Zero()});
+    }
+  }
+  read.morphTargets = countOf(read.morphs.targets);
   Character& character = read.character;
   character.name = file.stem().string();
   double floor = points[1];
@@ -267,7 +292,8 @@ Result<CharacterFile> readSmplModel(const fs::path& file) {
   read.nodeOfJoint.assign(jointCount, -1);
   read.format = jointCount == 55 ? "SMPL-X model" : jointCount == 52 ? "SMPL-H model" : "SMPL model";
   read.meshes = read.primitives = read.skins = 1;
-  read.notes.push_back("its mean shape is read; shapes that depend on the pose (posedirs) are left out");
+  read.notes.push_back(fmt::format("its {} shape is read; shapes that depend on the pose (posedirs) are left out",
+                                   betas.empty() ? "mean" : "betas'"));
   return read;
 }
 

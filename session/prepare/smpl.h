@@ -23,8 +23,9 @@ enum class ArchiveKind : std::uint8_t {
 /// Loper et al. 2015, Romero et al. 2017, Pavlakos et al. 2019; https://amass.is.tue.mpg.de
 [[nodiscard]] Result<Motion> readSmplMotion(const std::filesystem::path& file);
 
-/// Reads a body model of the user's own: its mean shape, joints and skin. Pose-dependent shapes (`posedirs`) are left
-/// out. It is put on the floor.
+/// Reads a body model of the user's own: its mean shape, or that of `betas` if the file has them too, its joints and
+/// skin, and the first 16 of `shapedirs` as morph targets. Pose-dependent shapes (`posedirs`) are left out. It is put
+/// on the floor.
 [[nodiscard]] Result<CharacterFile> readSmplModel(const std::filesystem::path& file);
 
 }  // namespace lorica

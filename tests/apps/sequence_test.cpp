@@ -128,6 +128,7 @@ TEST(Sequence, AFolderAndArraysGiveTheSamePartsAndHullsThatHoldEveryFrame) {
     EXPECT_NEAR(json["frameHullVolumes"][f].get<double>(), volume, 1e-6);
     EXPECT_NEAR(json["frameMeshVolumes"][f].get<double>(), own, 1e-6);
     EXPECT_NEAR(json["frameErrors"][f].get<double>(), volume / own - 1.0, 1e-5);
+    EXPECT_NEAR(json["frameScores"][f].get<double>(), own / volume, 1e-5);
     sum += volume / own - 1.0;
   }
   EXPECT_NEAR(json["frameError"].get<double>(), sum / kFrames, 1e-5);

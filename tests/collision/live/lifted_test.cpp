@@ -115,6 +115,47 @@ TEST(LiftedPart, IsTheScalarReferenceForAnyNumberOfPointsOnEveryInstructionSet) 
   }
 }
 
+TEST(LiftedPart, AddsTheShapesThatHaveWeightWhetherFewOrMany) {
+  constexpr double kTick = 0x1p-21;
+  constexpr JointIndex kBones = 6, kShapes = 80;
+  std::mt19937_64 random(28);
+  std::vector<LiftedPoint> points = randomPoints(random, 100);
+  std::vector<JointIndex> carriers(kBones + kShapes, kNoJoint);
+  for (JointIndex s = 0; s < kShapes; ++s) carriers[kBones + s] = s % kBones;
+  for (std::size_t i = 0; i < points.size(); i += 1 + i % 2) {  // others have none
+    const std::size_t bones = points[i].size();
+    for (JointIndex s = 0; s < kShapes; ++s) {
+      const auto carrier = std::find_if(points[i].begin(), points[i].begin() + bones,
+                                        [&](const LiftedTerm& t) { return t.joint == s % kBones; });
+      if (carrier == points[i].begin() + bones) continue;
+      const Vec3 offset = test::uniformVec3(random, -0.02, 0.02);
+      carrier->moment -= offset;
+      points[i].push_back({kBones + s, offset, 0.0});
+    }
+  }
+  const LiftedPart part(points, carriers);
+  for (const int moving : {0, 1, 3, 80}) {
+    SCOPED_TRACE(moving);
+    std::vector<Affine3> bones = randomBones(random);
+    for (JointIndex s = 0; s < kShapes; ++s) {
+      const double weight = s * moving % kShapes < moving ? test::uniform(random, -1.0, 1.0) : 0.0;
+      bones.push_back(bones[s % kBones] * Eigen::Scaling(1.0 + weight));
+    }
+    test::onEveryInstructionSet([&] {
+      const Isometry3 worldFromPart = positionOf(part, bones);
+      LiftedPart::TakenPose taken = part.noPose();
+      ASSERT_TRUE(part.take(bones, worldFromPart, kTick, taken));
+      std::vector<PointRow> rows(part.rowCount());
+      ASSERT_GT(part.evaluate(taken, rows), 0.0F);
+      for (std::size_t r = 0; r < part.pointCount(); ++r) {
+        const Vec3 truth = positionOf(points[part.order()[r]], bones);
+        const Vec3 row(rows[r].x, rows[r].y, rows[r].z);
+        EXPECT_LT((worldFromPart * (kTick * row) - truth).norm(), 5.0 * kTick);
+      }
+    });
+  }
+}
+
 TEST(LiftedPart, SeesAndSumsItsBonesTheSameOnEveryInstructionSet) {
   std::mt19937_64 random(25);
   const std::vector<LiftedPoint> points = randomPoints(random, 100);

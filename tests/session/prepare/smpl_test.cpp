@@ -178,6 +178,26 @@ TEST(Smpl, AModelIsACharacterWithItsJoints) {
     const Vec3 expected = arm ? Vec3(shoulder + Vec3(-from.y(), from.x(), from.z())) : character.mesh.vertices[v];
     EXPECT_LT((posed[v] - expected).norm(), 1e-9) << v;
   }
+  // One shape makes all of it larger by a tenth, the other moves one point up.
+  std::vector<double> shapes(2 * points.size(), 0.0);
+  for (std::size_t i = 0; i < points.size(); ++i) shapes[2 * i] = 0.1 * points[i];
+  shapes[2 * (3 * 5 + 1) + 1] = 0.25;
+  arrays.push_back(arrayOf("shapedirs", "<f8", {count, 3, 2}, shapes));
+  arrays.push_back(arrayOf("betas", "<f8", {1}, std::vector{2.0}));
+  const CharacterFile large = valueOf(readSmplModel(write(folder, "large.npz", arrays)));
+  EXPECT_NEAR(large.character.height, 1.2 * character.height, 1e-9);
+  for (JointIndex j = 0; j < static_cast<JointIndex>(joints); ++j) {
+    const Vec3& own = character.skeleton.joint(j).rest.translation;
+    EXPECT_TRUE(large.character.skeleton.joint(j).rest.translation.isApprox(1.2 * own, 1e-9)) << j;
+  }
+  ASSERT_EQ(large.morphs.targets.size(), 2u);
+  EXPECT_EQ(large.morphs.targets[0].offsets.size(), count);
+  ASSERT_EQ(large.morphs.targets[1].offsets.size(), 1u);
+  EXPECT_EQ(large.morphs.targets[1].offsets[0].vertex, 5);
+  EXPECT_TRUE(large.morphs.targets[1].offsets[0].position.isApprox(Vec3f(0.0f, 0.25f, 0.0f)));
+  arrays.back() = arrayOf("betas", "<f8", {3}, std::vector(3, 0.5));
+  EXPECT_TRUE(has(errorOf(readSmplModel(write(folder, "more.npz", arrays))).message,
+                  "betas has 3 numbers, expected at most 2"));
   for (const char* missing : {"weights", "kintree_table", "f", "J_regressor"}) {
     std::vector<NamedArray> fewer = arrays;
     std::erase_if(fewer, [&](const NamedArray& array) { return array.name == missing; });

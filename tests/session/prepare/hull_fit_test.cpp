@@ -1,0 +1,52 @@
+#include "session/prepare/hull_fit.h"
+
+#include "geometry/mesh_files.h"
+#include "geometry/random_numbers.h"
+#include "session/prepare/mesh_subject.h"
+#include "session/prepare/part_hulls.h"
+#include "tests/support/datasets.h"
+#include "tests/support/value_of.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+namespace lorica::test {
+namespace {
+
+/// Whichever way a mesh is turned, rounding differs: that is no reason to refuse it.
+TEST(HullFit, AMeshTurnedAnyWayGetsHullsThatHoldIt) {
+  LORICA_REQUIRE_DATASET(readme, "solids/README.md");
+  const std::filesystem::path data = readme.parent_path().parent_path();
+  RandomNumbers random(72);
+  const auto number = [&] { return random.between(-1.0, 1.0); };
+  for (const char* name : {"solids/mpl_palm_rot3.obj", "solids/mpl_palm.obj", "solids/plastic_glass.obj",
+                           "solids/coffeemug.obj", "vhacd/Block.off", "vhacd/Sword.off", "vhacd/Torus.off",
+                           "vhacd/Fish.off", "strangers/chair_boxes.obj", "coacd/SnowFlake.obj"}) {
+    const TriMesh mesh = valueOf(readMesh(data / name));
+    for (int turn = 0; turn < 4; ++turn) {
+      SCOPED_TRACE(fmt::format("{}, turn {}", name, turn));
+      const Quat rotation = turn == 0 ? Quat::Identity() : Quat(number(), number(), number(), number()).normalized();
+      std::string text;
+      for (const Vec3& p : mesh.vertices) {
+        const Vec3 at = rotation * p;
+        text += fmt::format("v {} {} {}\n", at.x(), at.y(), at.z());
+      }
+      for (const Triangle& t : mesh.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+      const TemporaryFolder folder;
+      Host host;
+      const Subject subject = valueOf(readSubject(folder.write("turned.obj", text), {}, host));
+      const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
+      FitRequest request{subject, keyframes, nullptr, {}, true, {}};
+      request.settings.maxConcavity = 0.05 * concavityUnitOf(subject);
+      const Fit fit = valueOf(fitHulls(request, host));
+      const Result<void> held = checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject));
+      EXPECT_TRUE(held.ok()) << held.error().message;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace lorica::test
