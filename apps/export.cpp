@@ -13,6 +13,7 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "session/prepare/part_hulls.h"
+#include "session/prepare/played_mesh.h"
 #include "session/prepare/subject.h"
 
 #include <fmt/format.h>
@@ -265,6 +266,14 @@ Result<void> checkSubject(const ExportOptions& options, const Subject& subject) 
   if (options.up == "z" && (subject.character || (format != Format::kMjcf && format != Format::kUrdf))) {
     return invalidArgument("--up z is for meshes in .xml and .urdf, found {}",
                            subject.character ? "the character " + subject.name : options.output);
+  }
+  const bool rigid = format == Format::kGlb || format == Format::kMjcf || format == Format::kUrdf;
+  if (subject.file && subject.file->format == kSequence && rigid) {
+    return unsupported(
+        "{} is a mesh in several poses, whose hulls bend: `lorica decompose {} --export-frames OUT.glb` writes those "
+        "of "
+        "all; expected .obj, .stl or .ply, which get those of the first",
+        subject.name, options.source.input);
   }
   if (subject.character) return {};
   for (const auto& [given, option] :

@@ -48,6 +48,7 @@ struct Moving {
 
 HWY_INLINE void findMoving(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
                            Moving& moving) {
+  moving.count = 0;
   for (std::uint32_t b = 0; b < count; ++b) {
     if (matrices[bones[b]].column == decltype(FourColumns<float>::column){}) continue;
     if (moving.count < moving.bones.size()) moving.bones[moving.count] = b;
@@ -91,7 +92,8 @@ float evaluateGroups(std::span<const LiftedPart::Group> groups, std::span<const 
     const float* block = lanes[group.firstLane].of.data();
     float* out = &rows[group.firstRow].x;
     Moving moving;
-    if (!group.onePosition) findMoving(bones, group.bones, matrices, moving);
+    moving.count = group.bones;
+    if (group.shapes) findMoving(bones, group.bones, matrices, moving);
     for (std::uint32_t k = 0; k < group.blocks; ++k) {
       for (std::size_t lane = 0; lane < LiftedPart::kBlock; lane += hn::Lanes(f)) {
         auto x = hn::Zero(f);

@@ -148,7 +148,10 @@ LiftedPart::LiftedPart(std::span<const LiftedPoint> points, std::span<const Join
       }
       order_.push_back(members[i]);
     }
-    for (const JointIndex joint : layout.bones) groupBones_.push_back(boneOfJoint[joint]);
+    for (const JointIndex joint : layout.bones) {
+      groupBones_.push_back(boneOfJoint[joint]);
+      group.shapes = group.shapes || carrierOf(joint) != kNoJoint;
+    }
     groups_.push_back(group);
     rowCount_ = std::max(rowCount_, group.firstRow + group.blocks * kBlock);
   }

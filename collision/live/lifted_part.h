@@ -78,6 +78,7 @@ class LiftedPart {
     std::uint32_t firstBone = 0;  ///< in groupBones_
     std::uint32_t bones = 0;
     bool onePosition = false;  ///< x, y, z are stored once
+    bool shapes = false;       ///< some of its bones are shapes
   };
   [[nodiscard]] static std::size_t lanesOfBlock(std::size_t bones, bool onePosition) {
     return onePosition ? 3 + bones : 4 * bones;

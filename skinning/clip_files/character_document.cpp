@@ -1,5 +1,6 @@
 #include "skinning/clip_files/character_document.h"
 
+#include "geometry/errors.h"
 #include "geometry/files.h"
 #include "skinning/clip_files/gltf_embedding.h"
 #include "skinning/clip_files/gltf_skin.h"
@@ -59,6 +60,9 @@ bool isOfGltf(const CharacterFile& file) {
 Result<CharacterDocument> characterDocument(const ClipCharacter& from) {
   if (isOfGltf(*from.file)) return ownDocument(from);
   const Character& character = from.file->character;
+  if (!character.shapes.empty()) {
+    return unsupported("{}: a mesh in several poses has no bones that a clip could move", from.path.string());
+  }
   const Pose rest = restPose(character.skeleton);
   const OwnMotion own = inMetres(*from.file, {"", character.skeleton, {0.0}, rest});
   // Joints of the output do not shrink what hangs on them.

@@ -258,6 +258,9 @@ TEST(Sequence, WhatCannotBeDoneIsSaid) {
   expectRefused(folder, {"decompose", "frames", "--keyframes", "4"}, {"at most 3"});
   expectRefused(folder, {"decompose", "frames/*.ply"}, {"no mesh has such a name"});
   expectRefused(folder, {"decompose", "dance.usda"}, {"USD is not read"});
+  for (const char* out : {"x.glb", "x.xml", "x.urdf"}) {
+    expectRefused(folder, {"export", "frames", out}, {"whose hulls bend", "decompose frames --export-frames"});
+  }
 }
 
 }  // namespace

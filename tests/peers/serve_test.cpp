@@ -11,6 +11,7 @@
 #include "tests/peers/peer.h"
 #include "tests/support/background_process.h"
 #include "tests/support/datasets.h"
+#include "tests/support/meshes.h"
 #include "tests/support/value_of.h"
 #include "viewer/page/page_files.h"
 #include "viewer/page/page_screen.h"
@@ -395,7 +396,22 @@ bool isEmpty(const Image& alone) {
   return true;
 }
 
-/// The page's pictures of all scenes beside those of `lorica snapshot`, of one frame from one camera.
+/// A ball that becomes flat and wide, in a folder: a mesh in ten poses.
+std::string flattenedBall(const test::TemporaryFolder& folder) {
+  const TriMesh ball = test::makeSphere(0.6, 24, 48);
+  for (int f = 0; f < 10; ++f) {
+    std::string text;
+    for (const Vec3& p : ball.vertices) {
+      text += fmt::format("v {} {} {}\n", (1.0 + 0.08 * f) * p.x(), 1.0 + (1.0 - 0.07 * f) * p.y(), p.z());
+    }
+    for (const Triangle& t : ball.triangles) text += fmt::format("f {} {} {}\n", t[0] + 1, t[1] + 1, t[2] + 1);
+    folder.write(fmt::format("ball_{}.obj", f), text);
+  }
+  return folder.path().string();
+}
+
+/// The page's pictures of all scenes, and of a mesh in several poses, beside those of `lorica snapshot`, of one frame
+/// from one camera.
 TEST(PeerServe, EachSceneLooksAsInASnapshot) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();
@@ -408,7 +424,11 @@ TEST(PeerServe, EachSceneLooksAsInASnapshot) {
   Host host;
   const auto server = test::valueOf(PageServer::start({}));
   PageScreen screen(*server, nullptr);
-  const SceneList scenes = scenesNextTo("");
+  SceneList scenes = scenesNextTo("");
+  const std::size_t ofScenes = scenes.names.size();
+  scenes.names.emplace_back("a mesh in several poses");
+  scenes.arguments.emplace_back("boxes");
+  const test::TemporaryFolder poses;
 
   json result;
   std::atomic<bool> ended = false;
@@ -432,7 +452,11 @@ TEST(PeerServe, EachSceneLooksAsInASnapshot) {
   for (int index = 0; index < countOf(scenes.names) && !ended; ++index) {
     controls[ControlId::kScene].value = index;
     CastRequest request;
-    request.motion = "punch_and_kick";
+    if (static_cast<std::size_t>(index) < ofScenes) {
+      request.motion = "punch_and_kick";
+    } else {
+      request.character = flattenedBall(poses);
+    }
     request.scene = scenes.arguments[index];
     request.reading.drawn = true;
     auto next = test::valueOf(lorica::Run::start(test::valueOf(prepareCast(request, host)), {}, host));

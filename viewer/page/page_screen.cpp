@@ -2,6 +2,7 @@
 
 #include "geometry/clock.h"
 #include "geometry/counts.h"
+#include "session/prepare/played_mesh.h"
 #include "skinning/clip_files/character_document.h"
 #include "viewer/page/sent_file.h"
 #include "viewer/player/window_opener.h"
@@ -22,10 +23,11 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using Kind = ClientMessage::Kind;
 
-constexpr double kBetweenShapes = 0.1;   // of hulls [s]
-constexpr double kBetweenStates = 0.1;   // [s]
-constexpr std::size_t kMaxThrows = 256;  // that wait; a turn takes one
-constexpr int kWindowHands = 2;          // are those of the window
+constexpr double kBetweenShapes = 0.1;               // of hulls [s]
+constexpr double kBetweenStates = 0.1;               // [s]
+constexpr std::size_t kMaxThrows = 256;              // that wait; a turn takes one
+constexpr std::size_t kMaxPlayedPoints = 5'000'000;  // of a mesh in several poses: 60 MB
+constexpr int kWindowHands = 2;                      // are those of the window
 
 /// Texts of others may be any bytes.
 std::string jsonText(const Json& json) {
@@ -54,8 +56,33 @@ Json jointsOf(const CharacterDocument& document) {
   return joints;
 }
 
+/// A mesh in several poses, without bones: a pose is a morph target, in the order of the joints after the first, whose
+/// scales less 1 are the weights. Without them if they are too much for a page.
+Result<CharacterDocument> playedDocument(const Character& played) {
+  Character still = played;
+  still.shapes = {};
+  LORICA_TRY(still.skeleton, Skeleton::create({played.skeleton.joint(0)}));
+  still.jointFromModel.resize(1);
+  CharacterDocument document = characterDocument(still);
+  const std::size_t vertexCount = played.mesh.vertices.size(), poses = played.jointFromModel.size() - 1;
+  if (poses * vertexCount > kMaxPlayedPoints) return document;
+  std::vector<std::vector<float>> targets(poses, std::vector<float>(3 * vertexCount, 0.0F));
+  for (std::size_t v = 0; v < vertexCount; ++v) {
+    for (const ShapeOffset& shape : played.shapes.of(v)) {
+      const Vec3f offset = shape.offset.cast<float>();
+      std::copy(offset.begin(), offset.end(), &targets[shape.joint - 1][3 * v]);
+    }
+  }
+  for (const std::vector<float>& target : targets) {
+    const int accessor = document.writer.addNumbers(target, "VEC3", true);
+    document.writer.document["meshes"][0]["primitives"][0]["targets"].push_back({{"POSITION", accessor}});
+  }
+  return document;
+}
+
 Result<CharacterDocument> documentOf(const PreparedAvatar& avatar, PathTrust paths) {
   if (!avatar.subject.file) return characterDocument(avatar.character());
+  if (avatar.subject.file->format == kSequence) return playedDocument(avatar.subject.file->character);
   return characterDocument(ClipCharacter{avatar.setting.character, &*avatar.subject.file, paths});
 }
 
@@ -132,7 +159,8 @@ Result<void> PageScreen::begin(const Run& run, Host& host) {
                    {"humanoid", character.skeleton.jointOf(HumanBone::kHips) != kNoJoint},
                    {"licence", licence},
                    {"head", character.skeleton.jointOf(HumanBone::kHead)},
-                   {"joints", jointsOf(document)}};
+                   {"joints", jointsOf(document)},
+                   {"played", prepared.subject.file && prepared.subject.file->format == kSequence}};
     avatar["expressions"] = Json::array();
     if (character.avatar != nullptr) {
       for (const Expression& one : character.avatar->face.expressions.list) avatar["expressions"].push_back(one.name);

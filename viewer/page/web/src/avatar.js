@@ -76,6 +76,7 @@ export class Avatar {
   #parts = makePartsMaterial();
   #byParts = false;
   #nodes = []; // by their number in the file
+  #played = null; // of a mesh in several poses: { geometry, first, targets, weights }
   #scene = null;
 
   constructor(hello) {
@@ -144,6 +145,19 @@ export class Avatar {
       mesh.material.dispose();
       mesh.material = new THREE.MeshStandardMaterial({ color: new THREE.Color(...kClay), roughness: 0.6 });
     }
+    const { position: targets } = mesh.geometry.morphAttributes;
+    if (this.hello.played && targets) {
+      // few of very many have weight: blended here, not by the GPU
+      const { geometry } = mesh;
+      this.#played = {
+        geometry,
+        first: geometry.attributes.position.array.slice(),
+        targets: targets.map((t) => t.array),
+        weights: targets.map(() => 0),
+      };
+      delete geometry.morphAttributes.position;
+      mesh.morphTargetInfluences = mesh.morphTargetDictionary = undefined;
+    }
     if (!this.#meshes.some((m) => m.mesh === mesh)) {
       const targets = []; // of each morph target, the expression that is named after it
       for (const [name, target] of Object.entries(mesh.morphTargetDictionary ?? {}))
@@ -178,12 +192,33 @@ export class Avatar {
       if (object === this.#scene && this.#joints.length > 1) continue;
       this.box.expandByPoint(point.set(m[12], m[13], m[14]));
     }
+    if (this.#played) this.#deform(pose);
     for (const [object, parent] of this.#followers)
       object.matrixWorld.multiplyMatrices(parent.matrixWorld, object.matrix);
     this.box.getCenter(this.center);
     const head = Math.max(this.hello.head, 0);
     if (head < pose.joints) multiplyInto(this.head.elements, pose.worldFromModel, 12 * head, kUnit);
     if (pose.opacity !== this.#opacity) this.#fade(pose.opacity);
+  }
+
+  #deform({ joints, worldFromModel: m }) {
+    const { geometry, first, targets, weights } = this.#played;
+    const scale = (joint) => Math.hypot(m[12 * joint], m[12 * joint + 4], m[12 * joint + 8]);
+    let changed = false;
+    for (let t = 0; t < weights.length && t + 1 < joints; ++t) {
+      const weight = scale(t + 1) / scale(0) - 1;
+      if (Math.abs(weight - weights[t]) < 1e-4) continue;
+      weights[t] = Math.abs(weight) < 1e-4 ? 0 : weight;
+      changed = true;
+    }
+    if (!changed) return;
+    const { array } = geometry.attributes.position;
+    array.set(first);
+    targets.forEach((target, t) => {
+      if (weights[t] !== 0) for (let i = 0; i < array.length; ++i) array[i] += weights[t] * target[i];
+    });
+    geometry.attributes.position.needsUpdate = true;
+    geometry.computeVertexNormals();
   }
 
   show(shown) {
