@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 
 namespace lorica {
@@ -64,6 +65,14 @@ class SkeletonSource {
   virtual ~SkeletonSource() = default;
   /// Returns the next frame; nullopt at the end of the stream; an error if the data is bad.
   [[nodiscard]] virtual Result<std::optional<SkeletonFrame>> next() = 0;
+};
+
+/// An expression that a source of motion shows, by the source's own name: "Joy", "happy".
+struct NamedWeight {
+  std::string name;     ///< of the expression
+  float weight = 0.0f;  ///< 0 to 1
+
+  [[nodiscard]] bool operator==(const NamedWeight&) const = default;
 };
 
 }  // namespace lorica

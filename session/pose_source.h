@@ -1,6 +1,5 @@
 #pragma once
 
-#include "capture/named_weight.h"
 #include "capture/skeleton_frame.h"
 #include "capture/smoothing.h"
 #include "skinning/character.h"

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "capture/named_weight.h"
 #include "capture/retarget/bone_pose.h"
 #include "capture/retarget/proxy_skeleton.h"
+#include "capture/skeleton_frame.h"
 #include "capture/streams/bone_stream.h"
 #include "session/pose_source.h"
 #include "skinning/character.h"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "capture/fault_injector.h"
-#include "capture/named_weight.h"
 #include "capture/skeleton_frame.h"
 #include "session/byte_writer.h"
 #include "session/pose_source.h"

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "capture/named_weight.h"
 #include "capture/retarget/bone_pose.h"
+#include "capture/skeleton_frame.h"
 
 #include <vector>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/named_weight.h"
+#include "capture/skeleton_frame.h"
 #include "session/session.h"
 #include "skinning/look/avatar.h"
 #include "skinning/morphs/face.h"
