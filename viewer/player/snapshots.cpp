@@ -99,12 +99,11 @@ SceneFigure SessionScene::figureOf(Drawn& drawn, const SessionAvatar& avatar, do
     figure.triangles = drawn.triangles;
     figure.partOfTriangle = drawn.partOfTriangle;
   }
-  if (figure.avatar != nullptr) {
-    drawn.worldFromModel.resize(figure.avatar->character.jointFromModel.size());
-    computeWorldFromModel(figure.avatar->character, avatar.worldFromJoint(), drawn.worldFromModel);
-    if (drawn.face) drawn.face->update(avatar, time, watcher, drawn.worldFromModel, figure);
-    figure.worldFromModel = drawn.worldFromModel;
-  }
+  const Character& character = figure.avatar != nullptr ? figure.avatar->character : avatar.character();
+  drawn.worldFromModel.resize(character.jointFromModel.size());
+  computeWorldFromModel(character, avatar.worldFromJoint(), drawn.worldFromModel);
+  if (drawn.face) drawn.face->update(avatar, time, watcher, drawn.worldFromModel, figure);
+  figure.worldFromModel = drawn.worldFromModel;
   figure.parts = avatar.body().parts();
   figure.colors = drawn.colors;
   figure.skeleton = &avatar.character().skeleton;

@@ -59,7 +59,7 @@ class SessionScene {
     std::vector<Triangle> triangles;        ///< the shown surface, or that of all parts without caps, over their points
     std::vector<PartIndex> colors;          ///< of the parts, see colorsOfParts()
     std::vector<PartIndex> partOfTriangle;  ///< the colour of its part
-    std::vector<Affine3> worldFromModel;    ///< of the avatar's joints, of the last scene
+    std::vector<Affine3> worldFromModel;    ///< of the joints, of the last scene
     std::optional<SessionFace> face;
   };
   static Drawn drawnOf(const SessionAvatar& avatar);
