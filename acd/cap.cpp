@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 namespace lorica {
@@ -179,7 +180,7 @@ class CapTriangulator {
 
   static double clockwiseAngle(const Vec2& from, const Vec2& to) {
     const double angle = std::atan2(-cross(from, to), from.dot(to));
-    return angle > 0.0 ? angle : angle + 2.0 * M_PI;
+    return angle > 0.0 ? angle : angle + 2.0 * std::numbers::pi;
   }
 
   [[nodiscard]] double signedArea(const Loop& loop) const {

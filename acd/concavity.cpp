@@ -2,8 +2,7 @@
 
 #include "acd/separating_plane.h"
 #include "geometry/counts.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <cmath>
@@ -162,7 +161,7 @@ std::vector<ConcaveEdge> deepestConcaveEdges(std::span<const Crease> creases, st
     direction /= length;
     return length > 0.0;
   };
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t block) {
+  parallelFor(blocks.size(), [&](std::size_t block) {
     for (std::size_t c = block * kBlock; c < std::min(creases.size(), (block + 1) * kBlock); ++c) {
       const Crease& crease = creases[c];
       const Vec3& left = normals[crease.left];

@@ -5,10 +5,9 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/mass_properties.h"
+#include "geometry/threads.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -101,15 +100,11 @@ Result<Decomposition> decompose(const TriMesh& mesh, PoseView keyframes, const D
     }
   }
   const std::vector<Vec3> own = inOwnFrame(mesh, keyframes);
-  // Allow more threads than cores, so that tests can verify that the result does not depend on the number.
-  const std::size_t known = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
-                                    std::max<std::size_t>(known, settings.threads));
-  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  std::optional<Result<Decomposition>> result;
-  arena.execute([&] { result.emplace(cutAndMerge(mesh, {own, keyframes.vertexCount}, settings)); });
-  if (*result) dropUnusedCutPoints(**result);
-  return std::move(*result);
+  Result<Decomposition> result = withThreads(settings.threads, [&] {
+    return cutAndMerge(mesh, {own, keyframes.vertexCount}, settings);
+  });
+  if (result) dropUnusedCutPoints(*result);
+  return result;
 }
 
 }  // namespace lorica

@@ -7,9 +7,7 @@
 #include "acd/piece.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -225,7 +223,7 @@ class Decomposer {
   /// the limit; whichever is larger. What is below a limit may be reported as up to 1.
   [[nodiscard]] double excessOf(const Piece& piece) const {
     std::vector<double> excess(context_.keyframeCount(), 0.0);
-    tbb::parallel_for(std::size_t{0}, excess.size(), [&](std::size_t k) {
+    parallelFor(excess.size(), [&](std::size_t k) {
       if (piece.convex[k] && piece.error(k) <= kConvexEnough * piece.hullVolume[k]) return;
       std::vector<Vec3> corners;
       corners.reserve(piece.hullPoints[k].size());
@@ -333,7 +331,7 @@ class Decomposer {
     const auto errorOf = [&](std::size_t i) { return leaves_[i].piece->totalError(); };
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return errorOf(a) > errorOf(b); });
     // Search the two parts with the largest errors in parallel; usually both are needed.
-    tbb::parallel_for(std::size_t{0}, std::min(order.size(), std::size_t{2}), [&](std::size_t i) {
+    parallelFor(std::min(order.size(), std::size_t{2}), [&](std::size_t i) {
       if (worthCutting(leaves_[order[i]])) search(leaves_[order[i]]);
     });
     std::optional<std::size_t> best;
@@ -356,8 +354,8 @@ class Decomposer {
     context_.addCutPoints(cut.newPoints);
     splitFrom_.push_back(index);
     leaves_.emplace_back();
-    tbb::parallel_invoke([&] { leaves_[index] = leafOf(std::move(cut.above)); },
-                         [&] { leaves_.back() = leafOf(std::move(cut.below)); });
+    parallelBoth([&] { leaves_[index] = leafOf(std::move(cut.above)); },
+                 [&] { leaves_.back() = leafOf(std::move(cut.below)); });
   }
 
   /// Algorithm 1, last line: components that no plane could separate become separate parts; with limits, only where

@@ -2,9 +2,7 @@
 
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 namespace lorica {
 
@@ -24,7 +22,7 @@ HalfVolumes::HalfVolumes(const PartTree& tree, bool reduce) : tree_(tree) {
     depth[n + 1] = depth[nodes[n].second] = depth[n] + 1;
   }
   for (auto here = level.rbegin(); here != level.rend(); ++here) {
-    tbb::parallel_for(std::size_t{0}, here->size() * frameCount, [&](std::size_t job) {
+    parallelFor(here->size() * frameCount, [&](std::size_t job) {
       thread_local std::vector<std::int32_t> candidates;
       thread_local std::vector<Vec3> positions;
       const std::size_t n = (*here)[job / frameCount];
@@ -80,7 +78,7 @@ HalfEstimates::HalfEstimates(const PartTree& tree)
     : tree_(tree), points_(tree.keyframeCount()), scale_(tree.keyframeCount()) {
   const std::span<const PartTree::Node> nodes = tree.nodes();
   supports_.resize(nodes.size() * tree.keyframeCount());
-  tbb::parallel_for(std::size_t{0}, tree.keyframeCount(), [&](std::size_t k) {
+  parallelFor(tree.keyframeCount(), [&](std::size_t k) {
     const std::span<const Vec3> points = tree.points(k);
     Vec3 mean = Vec3::Zero();
     for (const Vec3& p : points) mean += p;
@@ -100,8 +98,8 @@ HalfEstimates::HalfEstimates(const PartTree& tree)
       own.y[i] = p.y();
       own.z[i] = p.z();
     }
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, nodes.size(), 256), [&](const auto& range) {
-      for (std::size_t n = range.begin(); n < range.end(); ++n) {
+    parallelRanges(nodes.size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t n = begin; n < end; ++n) {
         if (nodes[n].second >= 0) continue;
         Support& support = supports_[n * tree.keyframeCount() + k];
         support.clear();

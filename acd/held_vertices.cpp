@@ -1,9 +1,8 @@
 #include "acd/held_vertices.h"
 
 #include "acd/transfer.h"
+#include "geometry/threads.h"
 #include "geometry/triangle_tree.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <optional>
@@ -54,7 +53,7 @@ std::vector<std::vector<PointIndex>> assignHeldVertices(const Decomposition& dec
 
   constexpr std::size_t kNone = -1;
   std::vector<std::size_t> partOf(held.size(), kNone);
-  tbb::parallel_for(std::size_t{0}, held.size(), [&](std::size_t k) {
+  parallelFor(held.size(), [&](std::size_t k) {
     const Vec3& p = vertices[held[k]];
     double least = kInfinity;
     for (std::size_t i = 0; i < obstacles.size() && least > inside; ++i) {

@@ -1,9 +1,7 @@
 #include "acd/improve.h"
 
 #include "geometry/convex_hull.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -80,7 +78,7 @@ class Improver {
       if (parts_[order[first]].totalError() - cheapest <= saved) break;
       const std::span<const std::size_t> here =
           std::span(order).subspan(first, std::min(std::size_t{2}, order.size() - first));
-      tbb::parallel_for(std::size_t{0}, here.size(), [&](std::size_t i) { searchOwn(here[i]); });
+      parallelFor(here.size(), [&](std::size_t i) { searchOwn(here[i]); });
       for (const std::size_t i : here) {
         if (!own_[i].split) continue;
         for (const Pair& pair : pairs_) {
@@ -120,7 +118,7 @@ class Improver {
         trials.push_back({next, {}, {}});
       }
       if (trials.empty()) return false;
-      tbb::parallel_for(std::size_t{0}, trials.size(), [&](std::size_t i) {
+      parallelFor(trials.size(), [&](std::size_t i) {
         Trial& trial = trials[i];
         const double before = parts_[trial.pair->a].totalHullVolume() + parts_[trial.pair->b].totalHullVolume();
         trial.joined = join(trial.pair->a, trial.pair->b);
@@ -172,7 +170,7 @@ class Improver {
 
   /// What it costs to merge each pair.
   void measurePairs() {
-    tbb::parallel_for(std::size_t{0}, pairs_.size(), [&](std::size_t i) {
+    parallelFor(pairs_.size(), [&](std::size_t i) {
       if (!pairs_[i].cost) pairs_[i].cost = costOf(pairs_[i]);
     });
   }
@@ -205,8 +203,8 @@ class Improver {
                             context_.pointCount());
     context_.addCutPoints(cut.newPoints);
     Piece above, below;
-    tbb::parallel_invoke([&] { above = measure(std::move(cut.above), context_); },
-                         [&] { below = measure(std::move(cut.below), context_); });
+    parallelBoth([&] { above = measure(std::move(cut.above), context_); },
+                 [&] { below = measure(std::move(cut.below), context_); });
     replace(a, std::move(above));
     replace(b, std::move(below));
   }

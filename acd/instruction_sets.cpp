@@ -4,9 +4,7 @@
 #include <hwy/targets.h>
 
 #if HWY_ARCH_X86
-#define _Bool bool  // NOLINT: a header for C, which clang takes by the letter
-#include <sys/platform/x86.h>
-#undef _Bool
+#include "geometry/system_processor.h"
 #endif
 
 namespace hwy {
@@ -19,18 +17,16 @@ int64_t g_forTest = 0;
 int64_t targetsOfThisMachine() {
   int64_t targets = HWY_STATIC_TARGET;
 #if HWY_ARCH_X86
-  const bool ssse3 = CPU_FEATURE_ACTIVE(SSSE3);
-  const bool sse4 = ssse3 && CPU_FEATURE_ACTIVE(SSE4_1) && CPU_FEATURE_ACTIVE(SSE4_2) &&
-                    CPU_FEATURE_ACTIVE(PCLMULQDQ) && CPU_FEATURE_ACTIVE(AES);
-  const bool avx2 = sse4 && CPU_FEATURE_ACTIVE(AVX) && CPU_FEATURE_ACTIVE(AVX2) && CPU_FEATURE_ACTIVE(LZCNT) &&
-                    CPU_FEATURE_ACTIVE(BMI1) && CPU_FEATURE_ACTIVE(BMI2) && CPU_FEATURE_ACTIVE(FMA) &&
-                    CPU_FEATURE_ACTIVE(F16C);
-  const bool avx3 = avx2 && CPU_FEATURE_ACTIVE(AVX512F) && CPU_FEATURE_ACTIVE(AVX512CD) &&
-                    CPU_FEATURE_ACTIVE(AVX512DQ) && CPU_FEATURE_ACTIVE(AVX512BW) && CPU_FEATURE_ACTIVE(AVX512VL);
-  const bool avx3Dl = avx3 && CPU_FEATURE_ACTIVE(AVX512_VNNI) && CPU_FEATURE_ACTIVE(VPCLMULQDQ) &&
-                      CPU_FEATURE_ACTIVE(AVX512_VBMI) && CPU_FEATURE_ACTIVE(AVX512_VBMI2) && CPU_FEATURE_ACTIVE(VAES) &&
-                      CPU_FEATURE_ACTIVE(AVX512_VPOPCNTDQ) && CPU_FEATURE_ACTIVE(AVX512_BITALG) &&
-                      CPU_FEATURE_ACTIVE(GFNI);
+  const bool ssse3 = LORICA_ACTIVE(SSSE3);
+  const bool sse4 =
+      ssse3 && LORICA_ACTIVE(SSE4_1) && LORICA_ACTIVE(SSE4_2) && LORICA_ACTIVE(PCLMULQDQ) && LORICA_ACTIVE(AES);
+  const bool avx2 = sse4 && LORICA_ACTIVE(AVX) && LORICA_ACTIVE(AVX2) && LORICA_ACTIVE(LZCNT) && LORICA_ACTIVE(BMI1) &&
+                    LORICA_ACTIVE(BMI2) && LORICA_ACTIVE(FMA) && LORICA_ACTIVE(F16C);
+  const bool avx3 = avx2 && LORICA_ACTIVE(AVX512F) && LORICA_ACTIVE(AVX512CD) && LORICA_ACTIVE(AVX512DQ) &&
+                    LORICA_ACTIVE(AVX512BW) && LORICA_ACTIVE(AVX512VL);
+  const bool avx3Dl = avx3 && LORICA_ACTIVE(AVX512_VNNI) && LORICA_ACTIVE(VPCLMULQDQ) && LORICA_ACTIVE(AVX512_VBMI) &&
+                      LORICA_ACTIVE(AVX512_VBMI2) && LORICA_ACTIVE(VAES) && LORICA_ACTIVE(AVX512_VPOPCNTDQ) &&
+                      LORICA_ACTIVE(AVX512_BITALG) && LORICA_ACTIVE(GFNI);
   if (ssse3) targets |= HWY_SSSE3;
   if (sse4) targets |= HWY_SSE4;
   if (avx2) targets |= HWY_AVX2;

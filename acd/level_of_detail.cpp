@@ -3,8 +3,7 @@
 #include "acd/piece.h"
 #include "acd/transfer.h"
 #include "geometry/counts.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 
@@ -66,7 +65,7 @@ Decomposition levelOfDetail(const Decomposition& decomposition, int partCount) {
 
 std::vector<std::vector<ConvexHull>> hullsOfParts(const Decomposition& decomposition, PoseView keyframes) {
   std::vector<std::vector<ConvexHull>> hulls(keyframes.keyframeCount());
-  tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
+  parallelFor(keyframes.keyframeCount(), [&](int k) {
     std::vector<Vec3> points(decomposition.pointCount());
     transfer(decomposition, keyframes.keyframe(k), points);
     hulls[k] = partHulls(decomposition, points);
@@ -78,7 +77,7 @@ std::vector<DetailLevel> detailLevels(const Decomposition& decomposition, const 
                                       std::span<const std::vector<ConvexHull>> hulls) {
   LORICA_CHECK(keyframes.keyframeCount() > 0, "detailLevels() needs at least one keyframe");
   std::vector<LevelsInPose> poses(keyframes.keyframeCount());
-  tbb::parallel_for(0, keyframes.keyframeCount(), [&](int k) {
+  parallelFor(keyframes.keyframeCount(), [&](int k) {
     poses[k] = judge(decomposition, signedVolume(keyframes.keyframe(k), mesh.triangles), hulls[k]);
   });
   std::vector<DetailLevel> detailLevels(decomposition.parts.size());

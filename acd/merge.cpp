@@ -1,8 +1,7 @@
 #include "acd/merge.h"
 
 #include "geometry/convex_hull.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -113,7 +112,7 @@ void price(FreePair& pair, const Piece& a, const Piece& b, const CutContext& con
 void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<PartIndex>& splitFrom,
                 const CutContext& context, const auto& price, const auto& allowed) {
   std::vector<std::vector<Aabb>> boxes(parts.size());
-  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t i) { boxes[i] = boxesOf(*parts[i], context); });
+  parallelFor(parts.size(), [&](std::size_t i) { boxes[i] = boxesOf(*parts[i], context); });
   const auto touch = [&](std::size_t a, std::size_t b) {
     for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
       if (!overlap(boxes[a][k], boxes[b][k], context.noise[k])) return false;
@@ -122,8 +121,7 @@ void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<Pa
   };
   std::set<FreePair> candidates;
   const auto add = [&](std::vector<FreePair> pairs) {
-    tbb::parallel_for(std::size_t{0}, pairs.size(),
-                      [&](std::size_t i) { price(pairs[i], *parts[pairs[i].a], *parts[pairs[i].b]); });
+    parallelFor(pairs.size(), [&](std::size_t i) { price(pairs[i], *parts[pairs[i].a], *parts[pairs[i].b]); });
     for (const FreePair& pair : pairs) {
       if (pair.cost < kInfinity) candidates.insert(pair);
     }
@@ -199,7 +197,7 @@ Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const C
                    double coarse) {
   LORICA_CHECK(!pieces.empty() && partCount >= 1, "merging needs at least one piece and leaves at least one part");
   std::vector<Group> groups(pieces.size());
-  tbb::parallel_for(std::size_t{0}, pieces.size(), [&](std::size_t i) {
+  parallelFor(pieces.size(), [&](std::size_t i) {
     Group& g = groups[i];
     g.pieces = {i};
     for (std::size_t k = 0; k < context.keyframeCount(); ++k) {
@@ -216,7 +214,7 @@ Merged mergePieces(std::span<const std::shared_ptr<const Piece>> pieces, const C
   };
   std::vector<Pair> pairs;
   const auto price = [&](std::size_t first) {
-    tbb::parallel_for(first, pairs.size(), [&](std::size_t i) {
+    parallelFor(first, pairs.size(), [&](std::size_t i) {
       const Group& a = groups[pairs[i].a];
       const Group& b = groups[pairs[i].b];
       pairs[i].cost = joinedVolume(a, b, coarse, std::numeric_limits<double>::infinity()) - a.hullVolume - b.hullVolume;

@@ -1,9 +1,7 @@
 #include "acd/part_tree.h"
 
 #include "geometry/counts.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -78,7 +76,7 @@ PartTree::PartTree(const Part& part, std::span<const std::vector<Vec3>> keyframe
     node.box.extend(b.box.max);
   }
   points_.resize(keyframes.size());
-  tbb::parallel_for(std::size_t{0}, keyframes.size(), [&](std::size_t k) {
+  parallelFor(keyframes.size(), [&](std::size_t k) {
     points_[k].reserve(pointOf.size());
     for (PointIndex p : pointOf) points_[k].push_back(keyframes[k][p]);
   });
@@ -105,7 +103,7 @@ void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t firs
   const auto lower = [&] { build(items.first(middle), node + 1, first); };
   const auto upper = [&] { build(items.subspan(middle), here.second, first + middle); };
   if (items.size() > kSerialTriangles) {
-    tbb::parallel_invoke(lower, upper);
+    parallelBoth(lower, upper);
   } else {
     lower();
     upper();

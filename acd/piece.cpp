@@ -1,8 +1,7 @@
 #include "acd/piece.h"
 
 #include "geometry/convex_hull.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <cmath>
@@ -80,7 +79,7 @@ Piece measure(Part part, const CutContext& context) {
   w.volume.resize(context.keyframeCount());
   w.hullVolume.resize(context.keyframeCount());
   w.hullPoints.resize(context.keyframeCount());
-  tbb::parallel_for(std::size_t{0}, context.keyframeCount() + 1, [&](std::size_t k) {
+  parallelFor(context.keyframeCount() + 1, [&](std::size_t k) {
     if (k == context.keyframeCount()) {
       w.creases = creasesOf(w.part);
       return;

@@ -7,9 +7,8 @@
 #include "geometry/errors.h"
 #include "geometry/random_numbers.h"
 #include "geometry/shell_union.h"
+#include "geometry/threads.h"
 #include "geometry/triangle_tree.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -70,7 +69,7 @@ Distances distancesToSurface(const TriangleTree& solid, const TriangleTree& surf
   const std::vector<Vec3> points =
       spreadPoints(all.vertices, all.triangles, settings.surfaceSamples, randomBits(settings.seed, 2u << 20));
   std::vector<double> found(points.size(), -1.0);
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  parallelFor(points.size(), [&](std::size_t i) {
     const Vec3& p = points[i];
     if (solid.windingNumber(p) > kInsideMesh) return;
     for (std::size_t h = 0; h < planes.size(); ++h) {
@@ -154,7 +153,7 @@ Result<Score> score(const TriMesh& given, std::span<const TriMesh> parts, const 
   const TriangleTree own(measured.vertices, measured.triangles);
   result.toSurface = distancesToSurface(solid, own, hulls, settings);
   std::vector<double> concavities(hulls.size());
-  tbb::parallel_for(std::size_t{0}, hulls.size(), [&](std::size_t i) {
+  parallelFor(hulls.size(), [&](std::size_t i) {
     concavities[i] =
         hullConcavity(mesh, solid, hulls[i], settings.concavitySamples, randomBits(settings.seed, (3u << 20) + i));
   });

@@ -4,9 +4,7 @@
 #include "acd/part_tree.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_invoke.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,12 +29,12 @@ class SplitSearch {
   std::optional<Split> run(double toBeat) {
     // The candidate planes are independent of the data structures that score them: build both in parallel.
     std::vector<Plane> planes;
-    tbb::parallel_invoke([&] { planes = candidates(); },
-                         [&] {
-                           tree_.emplace(piece_.part, context_.points, keyframe_);
-                           volumes_.emplace(*tree_, effort_.shortlist == 0);
-                           if (effort_.shortlist > 0) estimates_.emplace(*tree_);
-                         });
+    parallelBoth([&] { planes = candidates(); },
+                 [&] {
+                   tree_.emplace(piece_.part, context_.points, keyframe_);
+                   volumes_.emplace(*tree_, effort_.shortlist == 0);
+                   if (effort_.shortlist > 0) estimates_.emplace(*tree_);
+                 });
     std::size_t few = planes.size();
     if (estimates_) {
       planes = ranked(planes);
@@ -141,7 +139,7 @@ class SplitSearch {
   /// estimate.
   [[nodiscard]] std::vector<Plane> ranked(const std::vector<Plane>& planes) const {
     std::vector<double> estimates(planes.size());
-    tbb::parallel_for(std::size_t{0}, planes.size(), [&](std::size_t i) { estimates[i] = estimate(planes[i]); });
+    parallelFor(planes.size(), [&](std::size_t i) { estimates[i] = estimate(planes[i]); });
     std::vector<std::size_t> order;
     for (std::size_t i = 0; i < planes.size(); ++i) {
       if (!std::isinf(estimates[i])) order.push_back(i);
@@ -190,8 +188,8 @@ class SplitSearch {
     double best = kInfinity;
     for (std::size_t first = 0; first < planes.size(); first += kBatch) {
       const std::size_t last = std::min(first + kBatch, planes.size());
-      tbb::parallel_for(first, last,
-                        [&](std::size_t i) { scores[i] = score(planes[i], best, effort_.balance, effort_.coarse); });
+      parallelFor(first, last,
+                  [&](std::size_t i) { scores[i] = score(planes[i], best, effort_.balance, effort_.coarse); });
       for (std::size_t i = first; i < last; ++i) best = std::min(best, scores[i]);
     }
     return scores;
@@ -248,7 +246,7 @@ class SplitSearch {
         around.push_back({best.normal, best.offset + sign * shift});
       }
       std::vector<double> scores(around.size());
-      tbb::parallel_for(std::size_t{0}, around.size(), [&](std::size_t i) { scores[i] = estimate(around[i]); });
+      parallelFor(around.size(), [&](std::size_t i) { scores[i] = estimate(around[i]); });
       const auto winner = std::min_element(scores.begin(), scores.end());
       if (*winner < bestScore) {
         bestScore = *winner;

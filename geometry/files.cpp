@@ -3,11 +3,9 @@
 #include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/new_file.h"
+#include "geometry/system_files.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include <cerrno>
@@ -33,18 +31,16 @@ Error tooLarge(const std::filesystem::path& file, const std::string& found, std:
 }  // namespace
 
 Result<std::string> readFile(const std::filesystem::path& file, NamedBy by, std::uint64_t maxBytes) {
-  // Without O_NONBLOCK, opening a named pipe waits until somebody writes into it.
-  const int flags = O_RDONLY | O_CLOEXEC | (by == NamedBy::kUser ? 0 : O_NONBLOCK | O_NOCTTY);
-  const Descriptor in(::open(file.c_str(), flags));
+  const Descriptor in(system::openFile(file, O_RDONLY | (by == NamedBy::kUser ? 0 : system::kAtOnce)));
   if (!in.valid()) return cannotRead(file, errno);
-  struct stat status {};
-  if (::fstat(in.get(), &status) != 0) return cannotRead(file, errno);
+  system::FileStatus status{};
+  if (system::statusOf(in.get(), status) != 0) return cannotRead(file, errno);
   if (S_ISDIR(status.st_mode)) return cannotRead(file, EISDIR);
   const bool regular = S_ISREG(status.st_mode);
-  if (S_ISCHR(status.st_mode) || S_ISBLK(status.st_mode) || (!regular && by != NamedBy::kUser)) {  // some never end
+  if (system::isDevice(status) || (!regular && by != NamedBy::kUser)) {  // some never end
     return unreadable("{}: cannot be read: found a {}, expected a file", file.string(),
                       S_ISFIFO(status.st_mode)   ? "named pipe"
-                      : S_ISSOCK(status.st_mode) ? "socket"
+                      : system::isSocket(status) ? "socket"
                                                  : "device");
   }
   if (regular && static_cast<std::uint64_t>(status.st_size) > maxBytes) {
@@ -78,23 +74,21 @@ Result<void> checkOwnFolder(const std::filesystem::path& folder) {
   const auto refused = [](const std::filesystem::path& place, const char* why) {
     return unwritable("{}: {}", place.string(), why);
   };
-  struct stat own {
-  }, around{};
+  system::FileStatus own{}, around{};
   const std::filesystem::path parent = folder.has_parent_path() ? folder.parent_path() : ".";
-  if (::stat(folder.c_str(), &own) != 0 || ::stat(parent.c_str(), &around) != 0) {
+  if (system::statusOf(folder, own) != 0 || system::statusOf(parent, around) != 0) {
     return refused(folder, std::generic_category().message(errno).c_str());
   }
   if (!S_ISDIR(own.st_mode)) return refused(folder, std::generic_category().message(ENOTDIR).c_str());
-  if (own.st_uid != ::geteuid()) return refused(folder, "belongs to another user");
-  if ((own.st_mode & S_IWOTH) != 0) return refused(folder, "everybody may write into it");
-  const bool renamed = (around.st_mode & S_IWOTH) != 0 && (around.st_mode & S_ISVTX) == 0;
-  return renamed ? Result<void>(refused(parent, "everybody may write into it")) : Result<void>();
+  if (!system::isOwn(own)) return refused(folder, "belongs to another user");
+  if (system::isForAllToWrite(own)) return refused(folder, "everybody may write into it");
+  return system::keepsFilesOfOthers(around) ? Result<void>() : refused(parent, "everybody may write into it");
 }
 
 Result<void> makeOwnFolder(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder.parent_path(), error);
-  if (!error && ::mkdir(folder.c_str(), S_IRWXU) != 0 && errno != EEXIST) error.assign(errno, std::generic_category());
+  if (!error && system::makeFolder(folder) != 0 && errno != EEXIST) error.assign(errno, std::generic_category());
   if (error) return unwritable("{}: {}", folder.string(), error.message());
   return checkOwnFolder(folder);
 }

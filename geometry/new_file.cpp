@@ -2,13 +2,9 @@
 
 #include "geometry/descriptor.h"
 #include "geometry/errors.h"
+#include "geometry/system_files.h"
 
 #include <fmt/format.h>
-
-#include <fcntl.h>
-#include <sys/file.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
@@ -23,11 +19,12 @@ namespace fs = std::filesystem;
 
 /// Opens a new file in the target's folder, so that the rename stays on one file system. O_EXCL ensures that two
 /// writers never share a file.
-int openBeside(const fs::path& target, mode_t mode, std::string& temporary) {
+int openBeside(const fs::path& target, int mode, fs::path& temporary) {
   static std::atomic<unsigned> counter{0};
   for (int attempt = 0; attempt < 100; ++attempt) {
-    temporary = fmt::format("{}.tmp-{}-{}", target.string(), ::getpid(), counter.fetch_add(1));
-    const int fd = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+    temporary = target;
+    temporary += fmt::format(".tmp-{}-{}", system::processNumber(), counter.fetch_add(1));
+    const int fd = system::openFile(temporary, O_WRONLY | O_CREAT | O_EXCL, mode);
     if (fd >= 0 || errno != EEXIST) return fd;
   }
   return -1;
@@ -39,7 +36,7 @@ NewFile::NewFile(fs::path file, fs::path target) : file_(std::move(file)), targe
 
 NewFile::~NewFile() {
   if (descriptor_ >= 0) ::close(descriptor_);
-  if (!temporary_.empty()) ::unlink(temporary_.c_str());
+  if (!temporary_.empty()) system::removeFile(temporary_);
 }
 
 Error NewFile::failed(int error) {
@@ -54,19 +51,18 @@ Result<std::unique_ptr<NewFile>> NewFile::create(const fs::path& file, NamedBy b
     const fs::path resolved = fs::weakly_canonical(file, ignored);
     if (!ignored) target = resolved;
   }
-  struct stat status {};
-  const bool exists = ::lstat(target.c_str(), &status) == 0 && !S_ISLNK(status.st_mode);
+  system::FileStatus status{};
+  const bool exists = !system::isLink(target) && system::statusOf(target, status) == 0;
   if (exists && S_ISDIR(status.st_mode)) return unwritable(file, EISDIR);
   if (exists && !S_ISREG(status.st_mode)) return unwritable("{}: cannot be written: not a regular file", file.string());
 
   std::unique_ptr<NewFile> made(new NewFile(file, target));
-  std::string temporary;
-  made->descriptor_ = openBeside(target, by == NamedBy::kSecret ? S_IRUSR | S_IWUSR : 0666, temporary);
+  fs::path temporary;
+  made->descriptor_ = openBeside(target, by == NamedBy::kSecret ? 0600 : 0666, temporary);
   if (made->descriptor_ < 0) return made->failed(errno);
   made->temporary_ = temporary;
-  made->cleaning_ = std::make_unique<AtHardStop>([temporary] { ::unlink(temporary.c_str()); });
-  if (exists && by != NamedBy::kSecret && ::fchmod(made->descriptor_, status.st_mode & 07777) != 0)
-    return made->failed(errno);
+  made->cleaning_ = std::make_unique<AtHardStop>([temporary] { system::removeFile(temporary); });
+  if (exists && by != NamedBy::kSecret && system::takeMode(made->descriptor_, status) != 0) return made->failed(errno);
   return made;
 }
 
@@ -76,10 +72,12 @@ Result<void> NewFile::write(std::string_view piece) {
 }
 
 Result<void> NewFile::finish() {
-  int error = ::fsync(descriptor_) != 0 ? errno : 0;
+  int error = system::flush(descriptor_) != 0 ? errno : 0;
   // Some file systems report a full disk only here.
   if (::close(std::exchange(descriptor_, -1)) != 0 && error == 0) error = errno;
-  if (error == 0 && ::rename(temporary_.c_str(), target_.c_str()) != 0) error = errno;
+  std::error_code renamed;
+  if (error == 0) fs::rename(temporary_, target_, renamed);
+  if (error == 0) error = renamed.value();
   if (error != 0) return failed(error);
   temporary_.clear();
   cleaning_.reset();
@@ -88,10 +86,10 @@ Result<void> NewFile::finish() {
 
 Result<std::optional<fs::path>> keepFound(const fs::path& part) {
   using Found = std::optional<fs::path>;
-  const int found = ::open(part.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  const int found = system::openFile(part, O_RDONLY | system::kAtOnce);
   if (found < 0 && errno == ENOENT) return Found();
   if (found < 0) return unwritable(part, errno);
-  const bool isWritten = ::flock(found, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const bool isWritten = !system::lock(found);
   ::close(found);
   if (isWritten) return unwritable("{}: another program is writing to it", part.string());
   const fs::path name = part.stem().replace_extension();
@@ -107,9 +105,9 @@ Result<std::optional<fs::path>> keepFound(const fs::path& part) {
 }
 
 Result<int> createPart(const fs::path& part) {
-  const int descriptor = ::open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+  const int descriptor = system::openFile(part, O_WRONLY | O_CREAT | O_EXCL | O_APPEND, 0666);
   if (descriptor < 0) return unwritable(part, errno);
-  (void)::flock(descriptor, LOCK_EX | LOCK_NB);  // some file systems have no locks
+  (void)system::lock(descriptor);
   return descriptor;
 }
 

@@ -32,7 +32,7 @@ class NewFile {
   [[nodiscard]] Error failed(int error);
 
   std::filesystem::path file_, target_;  // as named, and what is replaced
-  std::string temporary_;                // empty = there is none
+  std::filesystem::path temporary_;      // empty = there is none
   int descriptor_ = -1;
   std::unique_ptr<AtHardStop> cleaning_;
 };

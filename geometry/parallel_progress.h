@@ -1,10 +1,7 @@
 #pragma once
 
 #include "geometry/interrupt.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/partitioner.h>
-#include <tbb/task_arena.h>
+#include "geometry/threads.h"
 
 #include <atomic>
 #include <cstddef>
@@ -37,10 +34,10 @@ bool inParallel(std::size_t count, int threads, const WorkProgress& progress, co
     ++done;
     if (progress && !progress(done, static_cast<int>(count))) stopped = true;
   };
-  tbb::task_arena(threads > 0 ? threads : tbb::task_arena::automatic).execute([&] {
-    tbb::parallel_for(std::size_t{0}, count, piece, tbb::simple_partitioner());
+  return withThreads(threads, [&] {
+    parallelPieces(count, piece);
+    return !stopped;
   });
-  return !stopped;
 }
 
 }  // namespace lorica

@@ -3,9 +3,9 @@
 #include "collision/particles/particles.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"
+#include "geometry/threads.h"
 #include "session/part_masses.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_group.h>
 #include <xxhash.h>
 
@@ -145,7 +145,7 @@ void Session::moveAvatars(double seconds) {
   if (avatars_.size() == 1) {
     move(0);
   } else {
-    tbb::parallel_for(std::size_t{0}, avatars_.size(), move);
+    parallelFor(avatars_.size(), move);
   }
   for (const SessionAvatar& avatar : avatars_) {
     const AvatarTimes& its = avatar.times();

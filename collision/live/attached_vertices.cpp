@@ -1,9 +1,8 @@
 #include "collision/live/attached_vertices.h"
 
 #include "geometry/convex_hull.h"
+#include "geometry/threads.h"
 #include "geometry/triangle_tree.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -53,8 +52,7 @@ std::vector<Share> sharesOf(const Decomposition& decomposition, std::span<const 
     }
   }
   std::stable_sort(shares.begin(), shares.end(), [](const Share& a, const Share& b) { return a.joint < b.joint; });
-  tbb::parallel_for(std::size_t{0}, shares.size(),
-                    [&](std::size_t s) { shares[s].hull = convexHull(shares[s].points); });
+  parallelFor(shares.size(), [&](std::size_t s) { shares[s].hull = convexHull(shares[s].points); });
   return shares;
 }
 
@@ -104,7 +102,7 @@ std::vector<std::vector<PointIndex>> attachedVerticesOf(const Decomposition& dec
   const Surface surface = surfaceOf(decomposition, bind);
 
   std::vector<std::size_t> partOf(unused.size(), 0);
-  tbb::parallel_for(std::size_t{0}, unused.size(), [&](std::size_t k) {
+  parallelFor(unused.size(), [&](std::size_t k) {
     const std::size_t own = unused[k];
     const JointIndex joint = strongest(lifted[own]);
     auto share =

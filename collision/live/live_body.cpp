@@ -7,8 +7,7 @@
 #include "collision/live/part_plan.h"
 #include "collision/live/rigid_fit.h"
 #include "geometry/clock.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <atomic>
@@ -262,14 +261,11 @@ void LiveBody::reshapeAll() {
   if (moved >= kManyPoints && detail_ == LiveDetail::kFaces) {
     const std::size_t largest = plan_->parts_[tracks_.front().nthLargest].candidates.size();
     std::atomic<std::size_t> next = 0;
-    tbb::parallel_for(
-        std::size_t{0}, parts_.size(),
-        [&](std::size_t) {
-          MovingHull::prepareThread(largest);
-          const std::size_t part = tracks_[next++].nthLargest;
-          reshape(plan_->parts_[part], tracks_[part], parts_[part]);
-        },
-        tbb::simple_partitioner());
+    parallelPieces(parts_.size(), [&](std::size_t) {
+      MovingHull::prepareThread(largest);
+      const std::size_t part = tracks_[next++].nthLargest;
+      reshape(plan_->parts_[part], tracks_[part], parts_[part]);
+    });
   } else {
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       if (i + 1 < parts_.size() && tracks_[i + 1].moved) {

@@ -1,8 +1,7 @@
 #include "collision/particles/neighbour_lists.h"
 
 #include "geometry/result.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -146,7 +145,7 @@ void NeighbourLists::build(const ParticleGrid& grid, const float* x, const float
   const std::size_t blocks = (count + kParticleBlock - 1) / kParticleBlock;
   const std::size_t chunks = (blocks + kBlocksInChunk - 1) / kBlocksInChunk;
   std::fill(overflows_.begin(), overflows_.end(), std::uint8_t{0});
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+  parallelFor(chunks, [&](std::size_t chunk) {
     const std::size_t first = chunk * kBlocksInChunk, last = std::min(blocks, first + kBlocksInChunk);
     HWY_DYNAMIC_DISPATCH(buildBlocks)
     (grid, x, y, z, count, radius * radius, skipped.empty() ? nullptr : skipped.data(), first, last, maxNeighbours_,

@@ -2,7 +2,7 @@
 
 #include "collision/particles/particle_grid.h"
 #include "collision/particles/particle_obstacle.h"
-#include "collision/particles/particle_ranges.h"
+#include "geometry/threads.h"
 #include "geometry/work_budgets.h"
 
 #include <algorithm>
@@ -230,7 +230,7 @@ void ParticleBodies::gather(const ParticleGrid& grid, std::span<const ParticleRo
 }
 
 std::span<const ParticleBodies::Contact> ParticleBodies::find(std::span<const ParticleRow> positions, float reach) {
-  forRanges(candidates_.size(), 256, [&](std::size_t begin, std::size_t end) {
+  parallelRanges(candidates_.size(), 256, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) {
       Contact& contact = candidates_[c];
       const State& state = states_[contact.body];

@@ -1,8 +1,7 @@
 #include "collision/particles/particle_grid.h"
 
 #include "geometry/result.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,7 +48,7 @@ void ParticleGrid::placeWindow(const ParticleRow* positions) {
     std::int64_t x = 0, z = 0;  // in cells: integers, so that the sum does not depend on the order
   };
   std::array<Sums, kChunks> chunks;
-  tbb::parallel_for(0, kChunks, [&](int chunk) {
+  parallelFor(kChunks, [&](int chunk) {
     Sums sums;
     const std::size_t end = count_ * (chunk + 1) / kChunks;
     for (std::size_t i = count_ * chunk / kChunks; i < end; ++i) {
@@ -96,7 +95,7 @@ void ParticleGrid::sort(std::span<const ParticleRow> positions, float cellSize, 
   placeWindow(positions.data());
 
   // By slab, a row of columns along x: counts of each chunk, their start positions, and the particles' numbers.
-  tbb::parallel_for(0, kChunks, [&](int chunk) {
+  parallelFor(kChunks, [&](int chunk) {
     std::uint32_t* slabs = &chunkSlabs_[static_cast<std::size_t>(chunk) * kMaxColumns];
     std::fill_n(slabs, columnsZ_, 0u);
     const std::size_t end = count * (chunk + 1) / kChunks;
@@ -117,14 +116,14 @@ void ParticleGrid::sort(std::span<const ParticleRow> positions, float cellSize, 
     }
   }
   slabFirst_[columnsZ_] = sum;
-  tbb::parallel_for(0, kChunks, [&](int chunk) {
+  parallelFor(kChunks, [&](int chunk) {
     std::uint32_t* next = &chunkSlabs_[static_cast<std::size_t>(chunk) * kMaxColumns];
     const std::size_t end = count * (chunk + 1) / kChunks;
     for (std::size_t i = count * chunk / kChunks; i < end; ++i) {
       slabOrder_[next[slabOf_[i]]++] = static_cast<std::uint32_t>(i);
     }
   });
-  tbb::parallel_for(0, columnsZ_, [&](int slab) { sortSlab(slab, positions.data()); });
+  parallelFor(columnsZ_, [&](int slab) { sortSlab(slab, positions.data()); });
 }
 
 void ParticleGrid::sortSlab(int slab, const ParticleRow* positions) {

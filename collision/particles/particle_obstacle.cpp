@@ -1,7 +1,5 @@
 #include "collision/particles/particle_obstacle.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <cmath>
@@ -125,8 +123,8 @@ void ParticleObstacle::advance(int substep) {
 
 std::span<const ParticleTouch> ParticleObstacle::push(std::span<Vec3f> positions, const ParticleRoom& room) {
   const std::span<const ParticleTouch> touches = push_.push(positions);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, touches.size(), kTouchesAtOnce), [&](const auto& range) {
-    for (std::size_t t = range.begin(); t < range.end(); ++t) {
+  parallelRanges(touches.size(), kTouchesAtOnce, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t t = begin; t < end; ++t) {
       Vec3f& position = positions[touches[t].particle];
       const Vec3f inRoom = room.nearest(position);
       if (inRoom != position) position = wayOut(inRoom, room);

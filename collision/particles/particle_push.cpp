@@ -5,8 +5,8 @@
 #include "collision/particles/particle_push_kernel.h"
 #include "geometry/errors.h"
 #include "geometry/result.h"
+#include "geometry/threads.h"
 
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ std::span<const ParticleTouch> ParticlePush::push(std::span<Vec3f> positions) {
   if (alone) {
     for (std::size_t chunk = 0; chunk < chunks; ++chunk) work(chunk);
   } else {
-    s.arena.execute([&] { tbb::parallel_for(std::size_t{0}, chunks, work); });
+    s.arena.execute([&] { parallelFor(chunks, work); });
   }
 
   std::size_t count = s.countOfChunk[0];

@@ -5,9 +5,9 @@
 #include "collision/particles/particle_bodies.h"
 #include "collision/particles/particle_grid.h"
 #include "collision/particles/particle_obstacle.h"
-#include "collision/particles/particle_ranges.h"
 #include "geometry/math.h"
 #include "geometry/result.h"
+#include "geometry/threads.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +17,8 @@
 #include <vector>
 
 namespace lorica {
+
+inline constexpr std::size_t kParticlesAtOnce = 1024;
 
 [[nodiscard]] inline Vec3f vectorOf(const ParticleRow& row) {
   return {row.x, row.y, row.z};
@@ -56,14 +58,14 @@ struct ParticleSet {
   /// Calls work(i) for each particle, on all threads.
   template <class Work>
   void forEach(const Work& work) const {
-    forRanges(count, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
+    parallelRanges(count, kParticlesAtOnce, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) work(i);
     });
   }
   /// Calls work(firstBlock, lastBlock) for ranges of blocks of the neighbour lists, on all threads.
   template <class Work>
   void forBlocks(const Work& work) const {
-    forRanges((count + kParticleBlock - 1) / kParticleBlock, kParticlesAtOnce / kParticleBlock, work);
+    parallelRanges((count + kParticleBlock - 1) / kParticleBlock, kParticlesAtOnce / kParticleBlock, work);
   }
 
   /// Sorts by positions, which go to x, y, z; the ids follow.

@@ -5,8 +5,7 @@
 #include "collision/world/part_shape.h"
 #include "collision/world/strike_limit.h"
 #include "geometry/result.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <iterator>
@@ -65,7 +64,7 @@ std::span<const BodyContact> BodyContactQuery::find(std::span<const BodyInWorld>
   impl_->findMeeting();
   for (const auto& [a, b] : impl_->meeting) impl_->findPairs(bodies, a, b);
   impl_->makeShapes(bodies);
-  tbb::parallel_for(std::size_t{0}, impl_->pairs.size(), [&](std::size_t i) {
+  parallelFor(impl_->pairs.size(), [&](std::size_t i) {
     BodyContact& pair = impl_->pairs[i];
     impl_->test(bodies[pair.firstBody], bodies[pair.secondBody], pair, seconds);
   });
@@ -76,7 +75,7 @@ std::span<const BodyContact> BodyContactQuery::find(std::span<const BodyInWorld>
 
 void BodyContactQuery::Impl::readBounds(std::span<const BodyInWorld> present) {
   if (bodies.size() < present.size()) bodies.resize(present.size());
-  tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t b) {
+  parallelFor(present.size(), [&](std::size_t b) {
     const std::span<const LivePart> parts = present[b].parts;
     LORICA_CHECK(parts.size() == present[b].masses.size(), "each part has a mass");
     Outline& body = bodies[b];
@@ -145,7 +144,7 @@ void BodyContactQuery::Impl::findPairs(std::span<const BodyInWorld> present, int
 }
 
 void BodyContactQuery::Impl::makeShapes(std::span<const BodyInWorld> present) {
-  tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t b) {
+  parallelFor(present.size(), [&](std::size_t b) {
     for (std::size_t p = 0; p < present[b].parts.size(); ++p) {
       Solid& solid = bodies[b].solids[p];
       if (solid.needsShape) solid.shape.setPoints(present[b].parts[p].shape.vertices);

@@ -4,8 +4,7 @@
 #include "collision/world/bullet_math.h"
 #include "collision/world/world_impl.h"
 #include "geometry/counts.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -112,9 +111,7 @@ void World::Impl::stepCrowd(double seconds) {
     findIslands();
     // Islands differ much in size, so a core takes one at a time: the largest that is left.
     std::atomic<std::size_t> next = 0;
-    tbb::parallel_for(
-        std::size_t{0}, crowd.islandCount, [&](std::size_t) { stepIsland(crowd.islands[crowd.bySize[next++]], tick); },
-        tbb::simple_partitioner());
+    parallelPieces(crowd.islandCount, [&](std::size_t) { stepIsland(crowd.islands[crowd.bySize[next++]], tick); });
     for (std::size_t i = 0; i < crowd.islandCount; ++i) {
       for (const Contact& contact : crowd.islands[i].contacts) noteContact(contacts, contact);
     }
@@ -131,7 +128,7 @@ void World::Impl::setTickBounds(const Tick& tick) {
     broadphase.setAabb(body.getBroadphaseProxy(), low - margin, high + margin, &dispatcher);
   };
   const auto keepsBounds = [&](const PartCollider& part) { return tick.begin > 0.0 && part.sweep.path() < kShortPath; };
-  tbb::parallel_for(std::size_t{0}, crowd.parts.size(), [&](std::size_t i) {
+  parallelFor(crowd.parts.size(), [&](std::size_t i) {
     PartCollider& part = *crowd.parts[i];
     if (keepsBounds(part)) return;
     const double end = part.sweep.path() < kShortPath ? 1.0 : tick.begin + tick.share;

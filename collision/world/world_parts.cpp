@@ -3,9 +3,9 @@
 #include "collision/world/strike_limit.h"
 #include "collision/world/world_impl.h"
 #include "geometry/counts.h"
+#include "geometry/threads.h"
 
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -164,7 +164,7 @@ void World::Impl::findNear(std::span<const LivePart> parts, std::vector<PropReac
 }
 
 void World::Impl::takeParts(std::span<const std::span<const LivePart>> present, double seconds) {
-  tbb::parallel_for(std::size_t{0}, present.size(), [&](std::size_t a) {
+  parallelFor(present.size(), [&](std::size_t a) {
     thread_local std::vector<PropReach> near;
     findNear(present[a].first(avatars[a].size()), near);
     for (std::size_t i = 0; i < avatars[a].size(); ++i) {

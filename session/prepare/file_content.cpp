@@ -4,10 +4,9 @@
 #include "acd/training_range.h"
 #include "collision/live/part_bones.h"
 #include "geometry/counts.h"
+#include "geometry/threads.h"
 #include "session/prepare/keyframes.h"
 #include "session/prepare/quality.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <utility>
@@ -42,7 +41,7 @@ UsedHulls liveHulls(const Character& character, const Decomposition& decompositi
                     BonePoseView poses) {
   const std::vector<LiftedPoint> lifted = liftPoints(character, decomposition);
   UsedHulls hulls(poses.poseCount());
-  tbb::parallel_for(0, poses.poseCount(), [&](int k) {
+  parallelFor(poses.poseCount(), [&](int k) {
     std::vector<Vec3> positions;
     for (const std::vector<CoverPoint>& points : cover.points) {
       positions.clear();

@@ -4,6 +4,7 @@
 #include "acd/transfer.h"
 #include "geometry/errors.h"
 #include "geometry/parallel_progress.h"
+#include "geometry/threads.h"
 #include "geometry/triangle_tree.h"
 
 #include <fmt/format.h>
@@ -136,7 +137,7 @@ Result<void> checkHullsHold(const PartHulls& hulls, std::span<const Vec3> vertic
   }
   const double tolerance = kOutside * all.diagonal();
   std::vector<double> outside(which.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, which.size(), [&](std::size_t k) {
+  parallelFor(which.size(), [&](std::size_t k) {
     const Vec3& p = vertices[which[k]];
     double least = kInfinity;
     for (const auto& [corners, box, planes] : solids) {

@@ -7,10 +7,10 @@
 #include "collision/live/lifted_point.h"
 #include "geometry/counts.h"
 #include "geometry/text.h"
+#include "geometry/threads.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <numeric>
@@ -52,9 +52,8 @@ void measureParts(const Decomposition& decomposition, PoseView keyframes, const 
   std::vector<double> ofPart(decomposition.parts.size());
   for (int k = 0; k < keyframes.keyframeCount(); ++k) {
     transfer(decomposition, keyframes.keyframe(k), points);
-    tbb::parallel_for(std::size_t{0}, ofPart.size(), [&](std::size_t i) {
-      ofPart[i] = measure(hulls[k][i], points, decomposition.parts[i].triangles);
-    });
+    parallelFor(ofPart.size(),
+                [&](std::size_t i) { ofPart[i] = measure(hulls[k][i], points, decomposition.parts[i].triangles); });
     visit(std::as_const(ofPart));
   }
 }

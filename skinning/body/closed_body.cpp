@@ -5,6 +5,7 @@
 #include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
 #include "geometry/small_faults.h"
+#include "geometry/threads.h"
 #include "geometry/triangle_tree.h"
 #include "skinning/body/body_assembly.h"
 #include "skinning/body/solid_source.h"
@@ -14,9 +15,6 @@
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>
-#include <tbb/global_control.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -53,7 +51,7 @@ constexpr int kSamples = 4096;
 
 std::vector<double> distancesOutside(const TriangleTree& tree, std::span<const Vec3> points) {
   std::vector<double> distances(points.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+  parallelFor(points.size(), [&](std::size_t i) {
     if (tree.windingNumber(points[i]) < kInside) distances[i] = tree.nearest(points[i]).distance;
   });
   return distances;
@@ -61,8 +59,7 @@ std::vector<double> distancesOutside(const TriangleTree& tree, std::span<const V
 
 std::vector<double> distancesTo(const TriangleTree& tree, std::span<const Vec3> points) {
   std::vector<double> distances(points.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, points.size(),
-                    [&](std::size_t i) { distances[i] = tree.nearest(points[i]).distance; });
+  parallelFor(points.size(), [&](std::size_t i) { distances[i] = tree.nearest(points[i]).distance; });
   return distances;
 }
 
@@ -267,14 +264,7 @@ Result<ClosedBody> makeBody(const Character& character, const BodySettings& sett
                            settings.threads);
   }
   LORICA_TRY_DO(checkCharacter(character));
-  // More threads than cores are allowed, so that tests can show that the result does not depend on them.
-  const std::size_t known = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
-                                    std::max<std::size_t>(known, settings.threads));
-  tbb::task_arena arena(settings.threads > 0 ? settings.threads : tbb::task_arena::automatic);
-  std::optional<Result<ClosedBody>> result;
-  arena.execute([&] { result.emplace(BodyMaker(character, settings).run()); });
-  return std::move(*result);
+  return withThreads(settings.threads, [&] { return BodyMaker(character, settings).run(); });
 }
 
 BodyDistances distancesInPose(const ClosedBody& body, std::span<const Affine3> worldFromModel) {
@@ -306,7 +296,7 @@ int coverReached(ClosedBody& body, const Character& character, std::span<const R
   const TriangleTree tree(made.mesh.vertices, made.mesh.triangles);
   const std::map<JointIndex, ConvexHull> hulls = hullsOfJoints(made);
   std::vector<double> outside(reached.size(), 0.0);
-  tbb::parallel_for(std::size_t{0}, reached.size(), [&](std::size_t i) {
+  parallelFor(reached.size(), [&](std::size_t i) {
     const Vec3& p = reached[i].position;
     const auto hull = hulls.find(strongestJoint(character, reached[i].vertex));
     const bool solid = hull != hulls.end() && !hull->second.degenerate();

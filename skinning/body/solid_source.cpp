@@ -1,10 +1,10 @@
 #include "skinning/body/solid_source.h"
 
 #include "geometry/mesh_pieces.h"
+#include "geometry/threads.h"
 #include "geometry/tri_mesh.h"
 #include "geometry/work_budgets.h"
 
-#include <tbb/parallel_for.h>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
@@ -156,7 +156,7 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
   const double diagonal = surfaceBounds(mesh).diagonal();
 
   jointOfTriangle.resize(count);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+  parallelFor(count, [&](std::size_t k) {
     std::array<const std::vector<Influence>*, 3> lists{};
     for (std::size_t i = 0; i < 3; ++i) lists[i] = &influences[mesh.triangles[k][i]];
     const std::array<double, 3> shares{1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0};
@@ -167,7 +167,7 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
   tree.emplace(mesh.vertices, mesh.triangles);
   roles.assign(count, TriangleRole::kSkin);
   std::vector<double> inFront(count, 0.0);
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+  parallelFor(count, [&](std::size_t k) {
     const int patch = patches.pieces.pieceOfTriangle[k];
     if (!patches.pieces.open[patch]) return;
     double sum = 0.0;
@@ -208,7 +208,7 @@ SolidSource::SolidSource(const Character& character, const Limbs& known, Welded 
     winding = tree;
   }
 
-  tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
+  parallelFor(count, [&](std::size_t k) {
     if (roles[k] == TriangleRole::kSheet) return;
     bool hidden = true;
     askInFront(*this, *winding, corners(k), diagonal, [&](double number) { hidden = hidden && number > kHidden; });

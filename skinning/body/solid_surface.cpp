@@ -4,10 +4,10 @@
 #include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
 #include "geometry/text.h"
+#include "geometry/threads.h"
 #include "skinning/body/level_set.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -90,7 +90,7 @@ class Solid {
   void wind() {
     winding_.assign(grid_.values.size(), 0.0f);
     const auto blocks = [](int size) { return (size + kBlock - 1) / kBlock; };
-    tbb::parallel_for(0, blocks(grid_.size[0]), [&](int bx) {
+    parallelFor(blocks(grid_.size[0]), [&](int bx) {
       for (int by = 0; by < blocks(grid_.size[1]); ++by) {
         for (int bz = 0; bz < blocks(grid_.size[2]); ++bz) windBlock({kBlock * bx, kBlock * by, kBlock * bz});
       }
@@ -247,7 +247,7 @@ class Solid {
   /// Removes voxels where two limbs touch.
   void part() {
     std::vector<std::size_t> counts(grid_.size[0], 0);
-    tbb::parallel_for(0, grid_.size[0], [&](int x) {
+    parallelFor(grid_.size[0], [&](int x) {
       std::vector<std::pair<JointIndex, double>> near;  // distance of each joint's skin
       for (int y = 0; y < grid_.size[1]; ++y) {
         for (int z = 0; z < grid_.size[2]; ++z) {

@@ -1,6 +1,5 @@
 #include "skinning/body/transfer_weights.h"
-
-#include <tbb/parallel_for.h>
+#include "geometry/threads.h"
 
 #include <algorithm>
 #include <array>
@@ -34,13 +33,11 @@ class Carrier {
 
   std::vector<std::vector<Influence>> run() {
     weights_.resize(body_.vertices.size());
-    tbb::parallel_for(std::size_t{0}, weights_.size(),
-                      [&](std::size_t v) { weights_[v] = weightsAt(v, [](std::int32_t) { return true; }); });
+    parallelFor(weights_.size(), [&](std::size_t v) { weights_[v] = weightsAt(v, [](std::int32_t) { return true; }); });
     for (int round = 0; round < kVoteRounds; ++round) vote();
     const std::vector<std::vector<Influence>> carried = weights_;
     for (int round = 0; round < kSmoothRounds; ++round) smooth(carried);
-    tbb::parallel_for(std::size_t{0}, weights_.size(),
-                      [&](std::size_t v) { weights_[v] = pruned(std::move(weights_[v])); });
+    parallelFor(weights_.size(), [&](std::size_t v) { weights_[v] = pruned(std::move(weights_[v])); });
     return std::move(weights_);
   }
 
@@ -71,7 +68,7 @@ class Carrier {
   /// If most neighbours follow another limb, the vertex follows it too.
   void vote() {
     std::vector<std::vector<Influence>> next = weights_;
-    tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) {
+    parallelFor(weights_.size(), [&](std::size_t v) {
       const Vec3& at = body_.vertices[v];
       const JointIndex own = strongest(weights_[v]);
       std::size_t others = 0;
@@ -93,7 +90,7 @@ class Carrier {
   /// Replaces half of each vertex's weights by the mean of its neighbours.
   void smooth(const std::vector<std::vector<Influence>>& carried) {
     std::vector<std::vector<Influence>> next(weights_.size());
-    tbb::parallel_for(std::size_t{0}, weights_.size(), [&](std::size_t v) {
+    parallelFor(weights_.size(), [&](std::size_t v) {
       std::vector<const std::vector<Influence>*> lists{&weights_[v]};
       const JointIndex own = strongest(carried[v]);
       for (const VertexIndex n : neighbours_[v]) {
