@@ -1,5 +1,6 @@
 #include "apps/interrupt.h"
 #include "apps/memory_limit.h"
+#include "apps/option_groups.h"
 #include "apps/options.h"
 #include "export/bake/bake_job.h"
 #include "export/bake/bake_report.h"
@@ -101,10 +102,10 @@ void addBakeOptions(CLI::App& app, BakeOptions& options) {
   add("body", "Closed bodies: auto, never or always [default: auto]", "WHEN");
   add("motion", "Train characters on this motion; may be repeated", "FILE")->expected(1)->take_all();
   add("export", "Also write hulls with these endings, separated by commas: obj, stl, ply, xml, urdf, glb, vrm",
-      "ENDING,...")
+      "ENDINGS")
       ->delimiter(',')
       ->expected(1, CLI::detail::expected_max_vector_size);
-  add("engine", "Engine of the exports, which limits the vertices of hulls", "NAME");
+  add("engine", "Engine of the exports, which limits the vertices of hulls", "NAME")->transform(anEngine());
   const auto readShard = [&options](const std::string& text) -> std::string {
     const std::optional<Shard> shard = shardIn(text);
     options.shard = shard.value_or(Shard());
@@ -277,7 +278,7 @@ BakerSettings bakerSettings(const BakeOptions& options, const CommonOptions& com
     }
     return interrupted();
   };
-  settings.progress = [&bar](int done, int total) { bar.update(done, total); };
+  settings.progress = [&bar](int done, int total, double share) { bar.update(done, total, share); };
   return settings;
 }
 
@@ -315,7 +316,8 @@ Result<void> runBake(const BakeOptions& options, const CommonOptions& common, Ho
 Command addBake(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<BakeOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "bake", "Decompose and export a whole library, on one machine or many.",
+      parent, common, "bake",
+      "Decompose and export a whole library of meshes and characters, on all cores or many machines.",
       "  lorica bake meshes/ --out baked --parts 16\n"
       "      every mesh and character of a folder; run it again to do only what is new or changed\n"
       "  lorica bake list.csv --out baked --export glb,urdf\n"

@@ -40,12 +40,14 @@ Report contactReport(const ContactLabels& labels, const std::string& output) {
 Command addContacts(CLI::App& parent, CommonOptions& common) {
   const auto request = std::make_shared<ContactRequest>();
   const auto output = std::make_shared<std::string>();
-  CLI::App* app = addSubcommand(parent, common, "contacts", "Write a table of all contacts in a motion.",
-                                "  lorica contacts walk.bvh -o walk.npz\n"
-                                "      floor and self-contacts, which foot stands; for numpy.load()\n"
-                                "  lorica contacts a.bvh,b.bvh --character hero.glb --scene boxes -o both.csv\n"
-                                "      two people among boxes\n"
-                                "\nA row a contact and frame: docs/CONTACTS.md has the columns.");
+  CLI::App* app =
+      addSubcommand(parent, common, "contacts",
+                    "Write a table of all contacts in a motion: feet on the floor, parts of the body, objects.",
+                    "  lorica contacts walk.bvh -o walk.npz\n"
+                    "      floor and self-contacts, which foot stands; for numpy.load()\n"
+                    "  lorica contacts a.bvh,b.bvh --character hero.glb --scene boxes -o both.csv\n"
+                    "      two people among boxes\n"
+                    "\nA row a contact and frame: docs/CONTACTS.md has the columns.");
   addMotionOptions(*app, request->cast);
   app->add_option("-o,--out", *output, "Output file: .npz, .csv or .jsonl")->type_name("FILE");
   addLength(*app, "--near", request->near, "Also pairs that are apart by at most this [default: 0.05]");

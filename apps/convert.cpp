@@ -139,7 +139,7 @@ Command addConvert(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ConvertOptions>();
   CLI::App* app =
       addSubcommand(parent, common, "convert",
-                    "Convert a motion to Lorica's joint CSV, to BVH, or to an animation of your character.",
+                    "Convert a motion: to joints (.csv), to .bvh, or to an animation of your character (.glb).",
                     "  lorica convert kinect.csv joints.csv\n"
                     "      convert a sensor's joints to metres, Y up, standing on the floor\n"
                     "  lorica convert kinect.csv motion.bvh --person 2\n"

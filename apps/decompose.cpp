@@ -497,7 +497,8 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
 Command addDecompose(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<DecomposeOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "decompose", "Decompose a mesh or a moving character into nearly convex parts.",
+      parent, common, "decompose",
+      "Cut a mesh or a moving character into convex parts, for collision in physics engines.",
       "  lorica decompose bunny.off --parts 16\n"
       "      16 parts, and how closely their hulls fit the mesh\n"
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"

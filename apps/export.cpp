@@ -419,18 +419,13 @@ Result<void> runExport(const ExportOptions& options, const CommonOptions& common
   return publish(common, report);
 }
 
-std::vector<std::string> engineNames() {
-  std::vector<std::string> names;
-  for (const Engine& engine : engines()) names.emplace_back(engine.name);
-  return names;
-}
-
 }  // namespace
 
 Command addExport(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ExportOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "export", "Export convex hulls of a mesh or a character for other engines.",
+      parent, common, "export",
+      "Write colliders for an engine: convex hulls of a mesh, of a character's bones, or in a robot's own file.",
       "  lorica export bunny.off hulls.obj --engine unreal\n"
       "      the parts' hulls with at most 32 vertices each\n"
       "  lorica export mannequin hulls.ply --motion walk --at 1.5\n"
@@ -473,7 +468,7 @@ Command addExport(CLI::App& parent, CommonOptions& common) {
                   "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "
                   "60, jolt 256; mujoco and godot take any, and get 64")
       ->type_name("NAME")
-      ->transform(oneOf(engineNames()));
+      ->transform(anEngine());
   addCount(*app, "--hull-vertices", options->hullVertices, 0,
            "Limit each hull to N vertices, at least 4; it is enlarged to contain the same; 0 = no limit [default: the "
            "engine's, else 64]");

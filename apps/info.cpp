@@ -272,7 +272,7 @@ Result<void> runInfo(const InfoOptions& options, const CommonOptions& common, Ho
 Command addInfo(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "info", "Describe a mesh, character, motion or decomposition.",
+      parent, common, "info", "Say what a file is and whether it works: a mesh, character, motion or decomposition.",
       "  lorica info hero.glb           # joints and bones, clips, holes in the surface, the body made from it\n"
       "  lorica info hero.glb --write-map hero.json\n"
       "                                 # write the bone map, to correct it and pass it with --map\n"

@@ -6,6 +6,7 @@
 #include "geometry/files.h"
 #include "geometry/text.h"
 #include "session/prepare/live_cast.h"
+#include "session/prepare/scenes.h"
 #include "viewer/player/monitored_host.h"
 #include "viewer/player/window_texts.h"
 
@@ -57,8 +58,10 @@ Report liveReport(const Run& run, const DrawnFiles& drawn) {
   report.add("avatars", std::move(avatars));
   report.add(hitFacts(run.hits).textOnly());
   report.add(trainingFacts(statistics));
-  report.line("contacts", fmt::format("{} with {}", counted(statistics.touches(), "touch", "touches"),
-                                      counted(statistics.propsTouched(), "prop")));
+  if (!session.world().props().empty()) {
+    report.line("contacts", fmt::format("{} with {}", counted(statistics.touches(), "touch", "touches"),
+                                        counted(statistics.propsTouched(), "prop")));
+  }
   report.add(contactFacts(statistics));
   report.add(drawnFacts(drawn));
   report.add("hash", hexDigits(session.hash()));
@@ -116,6 +119,14 @@ Result<void> followInTurn(ShowOptions options, const CommonOptions& common, Host
 }  // namespace
 
 Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host& host) {
+  if (given.webcam) {
+    return invalidArgument(
+        "--webcam: Lorica looks at depth images, which a webcam has not: let a program that follows you by webcam, "
+        "such "
+        "as VSeeFace, send VMC to 127.0.0.1, port 39539, and start `lorica live --vmc 39539`; docs/RECIPES.md has it "
+        "step "
+        "by step");
+  }
   LORICA_TRY_DO(checkOutputs(given.run, given.pictures, common, given.request.files()));
   LORICA_TRY_DO(checkLive(given.live, host));
   LORICA_TRY(const bool inWindow, chooseWindow(given));
@@ -124,6 +135,7 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
   }
   ShowOptions options = given;
   options.live.headset = given.serve.vr;
+  if (!given.sceneGiven) options.request.scene = kEmptyStage;
   options.request.reading.drawn = inWindow || options.serve.any() || options.pictures.any();
   if (!inWindow && !options.serve.any()) {
     LORICA_TRY(LiveCast cast, prepareLiveCast(options.request, options.live, host));
@@ -144,11 +156,16 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
 Command addLive(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ShowOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "live", "Follow a person before a depth camera: the character copies their motion.",
+      parent, common, "live",
+      "Follow somebody live: the character copies who stands before a depth camera, or what a program sends (VMC).",
       "  lorica live\n"
       "      the first OpenNI2 depth camera; a window if there is a display\n"
       "  lorica live --virtual\n"
-      "      no camera needed: a virtual camera with a virtual person\n"
+      "      to try it without a camera: a virtual one with a virtual person\n"
+      "  lorica live --vmc 39539 --character hero.vrm\n"
+      "      a webcam: follow a tracker that sends the VMC protocol to this machine (docs/RECIPES.md)\n"
+      "  lorica live --serve --lan\n"
+      "      on a phone or in a headset, too: the terminal shows a link and a code for cameras\n"
       "  lorica live --virtual --motion jumping_jacks --character hero.glb\n"
       "  lorica live --virtual --seconds 4 --snapshots pictures\n"
       "      pictures/frame_0000.png, ...; needs no display\n"
@@ -156,8 +173,6 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
       "      a Kinect with an additional driver\n"
       "  lorica live --people 2 --character hero.vrm,robot.glb\n"
       "      two people, in the order of coming, with an avatar each; they touch each other\n"
-      "  lorica live --vmc 39539 --character hero.vrm\n"
-      "      no camera: follow a program that sends the VMC protocol to this machine\n"
       "  lorica live --vmc 39539,39540 --character hero.vrm,robot.glb\n"
       "      two programs that send, with an avatar each\n"
       "  lorica live --vmc-out 192.168.0.7:39539\n"
@@ -165,6 +180,7 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
       "\nThe window opens first and shows how characters, scene and camera are loaded. Ctrl-C stops it and\n"
       "prints a summary. Drivers for each camera: docs/SENSORS.md.");
   addDepthOptions(*app, options->live.depth);
+  app->add_flag("--webcam", options->webcam, "Says how: a program follows you by webcam, and sends VMC");
   CLI::Option* person = addCount(*app, "--person", options->live.person, 1,
                                  "Person to follow, numbered by order of appearance [default: the nearest]");
   CLI::Option* people = addCount(*app, "--people", options->live.people, 1,
@@ -187,7 +203,9 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
   addCharacterOptions(*app, options->request.reading);
   addSpringOption(*app, options->request.springs);
   addBodyOptions(*app, options->request.body);
-  addSceneOption(*app, options->request.scene);
+  addSceneOption(*app, options->request.scene, kEmptyStage)->each([options](const std::string&) {
+    options->sceneGiven = true;
+  });
   addFaultOption(*app, options->request.performing);
   addRecordOptions(*app, options->run);
   addSeconds(*app, "--seconds", options->run.seconds, "Stop after S seconds");

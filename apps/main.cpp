@@ -10,6 +10,7 @@
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/host.h"
 #include "session/prepare/read_motion.h"
+#include "viewer/player/monitored_host.h"
 #include "viewer/window/window.h"
 
 #include <fmt/format.h>
@@ -39,23 +40,15 @@ constexpr double kLineSeconds = 10.0;
 constexpr int kWidestBar = 40;
 constexpr std::size_t kLongestLabel = 100;  // [bytes]
 
-/// "12 of 240 frames", or "12 parts" if the total is unknown.
-std::string countText(int done, int total, const std::string& unit) {
-  return total > 0 ? fmt::format("{} of {} {}", done, total, unit) : fmt::format("{} {}", done, unit);
-}
-
-/// Progress of a task on standard error.
+/// What the user waits for, on standard error: a bar in a terminal, else a line every ten seconds. Whatever stages and
+/// tasks it has, it is one bar with one estimate.
 class ProgressBar {
  public:
-  /// @param label  the task: "Decomposing mannequin"
-  /// @param unit   the counted items: "parts"
-  ProgressBar(const std::string& label, std::string unit)
-      : label_(printable(label, kLongestLabel)),
-        unit_(std::move(unit)),
-        // A dumb terminal cannot return to the start of a line.
-        terminal_(isatty(STDERR_FILENO) == 1 && environment("TERM") != "dumb"),
-        start_(Clock::now()),
-        lastShown_(start_) {}
+  WorkShare work;
+  std::vector<std::string> stages = {};                         ///< names of those that have begun, the inner ones last
+  std::vector<std::pair<std::string, std::string>> tasks = {};  ///< label and unit of each
+
+  ProgressBar() = default;
   /// Removes the bar from the terminal.
   ~ProgressBar() {
     if (terminal_ && shown_) say("\r\x1b[K");
@@ -63,19 +56,24 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// @param total  0 or less if unknown
-  void update(int done, int total) {
+  /// Shows how far the inner task is. @param total  0 or less if unknown
+  void show(int done, int total) {
     const Clock::time_point now = Clock::now();
     const double sinceShown = std::chrono::duration<double>(now - lastShown_).count();
     const double seconds = std::chrono::duration<double>(now - start_).count();
-    const std::optional<double> left = timeLeft_.update(done, total, seconds);
-    const std::string leftText = left ? fmt::format(", {:.0f} s left", *left) : "";
+    if (terminal_ ? shown_ && sinceShown < kRedrawSeconds : sinceShown < kLineSeconds) return;
+    const auto& [label, unit] = tasks.back();
+    const auto name = std::ranges::find_if(stages.rbegin(), stages.rend(), [](const auto& s) { return !s.empty(); });
+    const std::string what = printable((name == stages.rend() ? "" : *name + ", ") + label, kLongestLabel);
+    const std::string count = !stages.empty() ? fmt::format("{:.0f} %", 100.0 * work.share())
+                              : total > 0     ? fmt::format("{} of {} {}", done, total, unit)
+                                              : fmt::format("{} {}", done, unit);
+    const std::optional<double> left = timeLeft(work.worked(), 1.0 - work.share(), seconds);
+    const std::string time = fmt::format("{:.0f} s{}", seconds, left ? ", " + roughly(*left) + " left" : "");
     if (terminal_) {
-      if (shown_ && sinceShown < kRedrawSeconds) return;
-      draw(done, total, fmt::format("{:.0f} s{}", seconds, leftText));
+      draw(what, fmt::format("  {}  {}", count, time), total > 0 || !stages.empty());
     } else {
-      if (sinceShown < kLineSeconds) return;
-      say(fmt::format("{}: {} after {:.0f} s{}\n", label_, countText(done, total, unit_), seconds, leftText));
+      say(fmt::format("{}: {} after {}\n", what, count, time));
     }
     lastShown_ = now;
     shown_ = true;
@@ -84,14 +82,13 @@ class ProgressBar {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void draw(int done, int total, const std::string& time) const {
-    const std::string tail = fmt::format("  {}  {}", countText(done, total, unit_), time);
-    std::string line = label_ + "  ";
+  void draw(const std::string& label, const std::string& tail, bool known) const {
+    std::string line = label + "  ";
     const int columns = terminalWidth(STDERR_FILENO).value_or(80);
     const int room = columns - 1 - countOf(line) - countOf(tail);
     const int width = std::min(kWidestBar, room - 2);
-    if (width >= 5 && total > 0) {
-      const int filled = std::clamp(width * done / total, 0, width);
+    if (width >= 5 && known) {
+      const int filled = std::clamp(static_cast<int>(width * work.share()), 0, width);
       line += fmt::format("[{:<{}}]", std::string(filled, '='), width);
     }
     line += tail;
@@ -100,12 +97,10 @@ class ProgressBar {
     say(fmt::format("\r\x1b[K{}", line));
   }
 
-  std::string label_;
-  std::string unit_;
-  bool terminal_;
-  Clock::time_point start_;
-  Clock::time_point lastShown_;
-  TimeLeft timeLeft_;
+  // A dumb terminal cannot return to the start of a line.
+  bool terminal_ = isatty(STDERR_FILENO) == 1 && environment("TERM") != "dumb";
+  Clock::time_point start_ = Clock::now();
+  Clock::time_point lastShown_ = start_;
   bool shown_ = false;
 };
 
@@ -124,20 +119,39 @@ class TerminalHost final : public Host {
     reader = IsolatedReader{"/proc/self/exe", {std::string(kReadForItself)}};
   }
 
-  /// A bar in a terminal, else a line every ten seconds.
+  void beginStage(double from, double to, const std::string& name) override {
+    bar().stages.push_back(name);
+    bar_->work.beginStage(from, to);
+  }
+  void endStage() override {
+    bar_->work.endStage();
+    bar_->stages.pop_back();
+    endBar();
+  }
   void beginTask(const std::string& label, const std::string& unit) override {
-    bars_.push_back(std::make_unique<ProgressBar>(label, unit));
+    if (bar().tasks.empty()) bar_->work.beginTask(bar_->stages.empty());
+    bar_->tasks.emplace_back(label, unit);
   }
-  void report(int done, int total) override {
-    if (!bars_.empty()) bars_.back()->update(done, total);
+  void report(int done, int total, double share) override {
+    if (!bar_ || bar_->tasks.empty()) return;
+    if (bar_->tasks.size() == 1) bar_->work.report(done, total, share);
+    bar_->show(done, total);
   }
-  void endTask() override { bars_.pop_back(); }
+  void endTask() override {
+    bar_->tasks.pop_back();
+    endBar();
+  }
   [[nodiscard]] bool cancelled() const override { return interrupted(); }
   void tell(const std::string& sentence) override { say(sentence + "\n"); }
   void warn(const std::string& sentence) override { lorica::warn(sentence); }
 
  private:
-  std::vector<std::unique_ptr<ProgressBar>> bars_;  // of the tasks that have begun, the inner ones last
+  ProgressBar& bar() { return bar_ ? *bar_ : bar_.emplace(); }
+  /// It is over when the outermost stage or task is.
+  void endBar() {
+    if (bar_->stages.empty() && bar_->tasks.empty()) bar_.reset();
+  }
+  std::optional<ProgressBar> bar_;
 };
 
 /// `lorica FILE` opens whatever it is: motions, characters, recordings and scenes are played, in a window if there is a

@@ -4,6 +4,7 @@
 #include "capture/fault_injector.h"
 #include "capture/files/joint_stream.h"
 #include "capture/streams/vmc_names.h"
+#include "export/engines.h"
 #include "geometry/counts.h"
 #include "geometry/text.h"
 
@@ -185,7 +186,7 @@ void addBodyOptions(CLI::App& app, BodyOptions& options) {
       "Hull cover: `exact` keeps the surface inside the hulls in every pose; a length keeps fewer points, so that the "
       "surface protrudes by at most this length before the hulls are enlarged [default: as decomposed, else exact]");
   addCount(app, "--hull-vertices", options.cover.hullVertices, 4,
-           "Limit each hull to N vertices in every frame; hulls are enlarged to contain the body");
+           "Limit each hull to N vertices in every frame; hulls grow to contain the body");
 }
 
 CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std::string& description) {
@@ -212,6 +213,12 @@ void addBodyOption(CLI::App& app, std::string& body) {
       ->transform(oneOf({"auto", "never", "always"}));
 }
 
+CLI::Validator anEngine() {
+  std::vector<std::string> names;
+  for (const Engine& engine : engines()) names.emplace_back(engine.name);
+  return oneOf(std::move(names));
+}
+
 void addPresetOption(CLI::App& app, std::string& preset) {
   app.add_option(
          "--preset", preset,
@@ -229,14 +236,15 @@ DecomposePreset presetNamed(const std::string& name) {
 void addWallOptions(CLI::App& app, CharacterOptions& options) {
   const auto read = [&options](const std::string& text) -> std::string {
     options.walls = wallChoiceNamed(text);
-    return options.walls ? "" : fmt::format("found `{}`, expected auto, solid or shell", text);
+    return "";
   };
   addReader(
       app, "--walls", read,
       "What an open surface is: `auto` = a thin wall, unless nothing outside can reach what is behind it; `solid`, "
       "whatever its openings; `shell` = a thin wall, also where it is closed [default: auto; of a character solid, "
       "unless all of it is sheets]",
-      "WHAT");
+      "WHAT")
+      ->transform(oneOf({"auto", "solid", "shell"}));
   addLength(app, "--thickness", options.thickness,
             "Thickness of thin walls, in the mesh's unit [default: 1 % of its longest side, of a character's walls "
             "of theirs, at most half of the narrowest gap]");
@@ -246,12 +254,17 @@ BodyChoice bodyChoice(const std::string& name) {
   return name == "never" ? BodyChoice::kNever : name == "always" ? BodyChoice::kAlways : BodyChoice::kIfNeeded;
 }
 
-void addSceneOption(CLI::App& app, std::string& scene) {
-  app.add_option(
-         "--scene", scene,
-         "Scene: a scene file (.json), or beach, boxes, bowling, bridge, curtain, dominoes, duel, fountain, pool, "
-         "sand or targets [default: boxes and balls of the demo]")
-      ->type_name("SCENE");
+CLI::Option* addSceneOption(CLI::App& app, std::string& scene, const std::string& usual) {
+  const auto read = [&scene](const std::string& text) -> std::string {
+    scene = text == "demo" ? "" : text;
+    return "";
+  };
+  return addReader(app, "--scene", read,
+                   fmt::format("What stands around: `none`, `demo` (boxes and balls), a scene file (.json), or beach, "
+                               "boxes, bowling, bridge, curtain, dominoes, duel, fountain, pool, sand or targets "
+                               "[default: {}]",
+                               usual),
+                   "SCENE");
 }
 
 void addSpringOption(CLI::App& app, std::string& mode) {
@@ -274,8 +287,8 @@ void addDepthOptions(CLI::App& app, DepthOptions& options) {
           ->type_name("URI");
   CLI::Option* driver =
       app.add_option("--driver", options.driver, "Additional OpenNI2 driver: lib*.so")->type_name("FILE");
-  CLI::Option* virtualCamera =
-      app.add_flag("--virtual", options.virtualCamera, "Use a virtual camera with a virtual person");
+  CLI::Option* virtualCamera = app.add_flag("--virtual", options.virtualCamera,
+                                            "Instead of a camera a virtual one, with a virtual person before it");
   virtualCamera->excludes(device)->excludes(driver);
   app.add_option(
          "--motion", options.motion,
@@ -299,9 +312,9 @@ CLI::Option* addWearerOptions(CLI::App& app, LiveRequest& live) {
 CLI::Option* addVmcInputOptions(CLI::App& app, VmcInputOptions& options) {
   CLI::Option* vmc =
       app.add_option("--vmc", options.listenAt,
-                     "Follow a program that sends the VMC protocol, instead of a camera. A port alone is open "
-                     "to this machine only; see docs/STREAMS.md. `live` takes several, separated by commas: "
-                     "an avatar for each")
+                     "Follow a program that sends the VMC protocol, such as a webcam's tracker: 39539 is their "
+                     "usual port, and open to this machine only; 0.0.0.0:39539 to all. `live` takes several, "
+                     "separated by commas: an avatar each")
           ->type_name("[HOST:]PORT");
   addCount(
       app, "--delay", options.delayMs, 0,
@@ -334,7 +347,8 @@ void addOutputOptions(CLI::App& app, RunSetting& run) {
     (*options.bones)[ordinalOf(*bone)] = true;
     return "";
   };
-  addReader(app, "--vmc-bones", readBone, "Send only these bones: Hips,Head,LeftHand [default: all]", "NAME,...")
+  addReader(app, "--vmc-bones", readBone,
+            "Send only these bones, separated by commas: Hips,Head,LeftHand [default: all]", "NAMES")
       ->delimiter(',')
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->needs(vmc);
@@ -352,14 +366,15 @@ void addOutputOptions(CLI::App& app, RunSetting& run) {
   const auto readTracker = [&options](const std::string& text) -> std::string {
     const auto found = std::ranges::find(kVrchatTrackers, lowerCase(text));
     if (found == kVrchatTrackers.end()) {
-      return fmt::format("found '{}', expected some of {}, separated by commas", firstBytes(text, 40),
-                         fmt::join(kVrchatTrackers, ", "));
+      const std::vector<std::string> names(kVrchatTrackers.begin(), kVrchatTrackers.end());
+      return fmt::format("found '{}', expected some of {}, separated by commas{}", firstBytes(text, 40),
+                         fmt::join(names, ", "), didYouMean(text, names));
     }
     options.trackers.set(found - kVrchatTrackers.begin());
     return "";
   };
-  addReader(app, "--vrchat-trackers", readTracker, "Send only these: head,waist,chest,feet,knees,elbows [default: all]",
-            "NAME,...")
+  addReader(app, "--vrchat-trackers", readTracker,
+            "Send only these, separated by commas: head, waist, chest, feet, knees, elbows [default: all]", "NAMES")
       ->delimiter(',')
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->needs(vrchat);
@@ -396,11 +411,13 @@ void addLookOptions(CLI::App& app, SnapshotOptions& options) {
   const auto readBackground = [&options](const std::string& text) -> std::string {
     options.background = backgroundNamed(text);
     if (options.background || text.empty()) return "";
-    return fmt::format("found `{}`, expected transparent, green, blue, white, black, gray or a colour such as #00ff00",
-                       text);
+    static const std::vector<std::string> kNames = {"transparent", "green", "blue", "white", "black", "gray"};
+    return fmt::format("found `{}`, expected {} or a colour such as #00ff00{}", text, fmt::join(kNames, ", "),
+                       didYouMean(text, kNames));
   };
   addReader(app, "--background", readBackground,
-            "Instead of the sky and the ground: a colour such as #00ff00, or transparent [default: the sky]", "COLOR");
+            "Instead of sky and ground: green, blue, white, black, gray, a colour such as #00ff00, or transparent",
+            "COLOR");
 }
 
 void addCameraOptions(CLI::App& app, CameraOptions& options) {

@@ -38,6 +38,8 @@ void addBodyOptions(CLI::App& app, BodyOptions& options);
 CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std::string& description);
 /// --body: auto, never or always.
 void addBodyOption(CLI::App& app, std::string& body);
+/// A check that accepts the names of engines.
+[[nodiscard]] CLI::Validator anEngine();
 void addPresetOption(CLI::App& app, std::string& preset);
 /// @param name  as checked by the option
 [[nodiscard]] DecomposePreset presetNamed(const std::string& name);
@@ -45,8 +47,10 @@ void addPresetOption(CLI::App& app, std::string& preset);
 void addWallOptions(CLI::App& app, CharacterOptions& options);
 /// @param name  one of these
 [[nodiscard]] BodyChoice bodyChoice(const std::string& name);
-/// --scene.
-void addSceneOption(CLI::App& app, std::string& scene);
+/// --scene. @param scene  becomes what openScene() takes
+/// @param usual  what the help says of a command without it
+/// @return the option, which tells whether props were asked for
+CLI::Option* addSceneOption(CLI::App& app, std::string& scene, const std::string& usual = "demo");
 /// --springs. @param mode  receives its value; empty = not given
 void addSpringOption(CLI::App& app, std::string& mode);
 /// --record FILE.lsession and --frames.

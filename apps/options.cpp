@@ -1,5 +1,6 @@
 #include "apps/options.h"
 
+#include "geometry/result.h"
 #include "geometry/text.h"
 #include "session/prepare/read_motion.h"
 
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <set>
 #include <sstream>
 #include <string_view>
 #include <utility>
@@ -23,7 +25,7 @@ namespace {
 
 constexpr std::size_t kColumnWidth = 30;  // of the options' names in the help
 constexpr std::size_t kGap = 2;           // minimum between a name and its description
-constexpr const char* kOwnOptions = "Options";
+constexpr int kFewExamples = 4;           // of the short help
 
 /// Columns for the help: those of the terminal, else what COLUMNS says, else 100; at least 60 and at most 120, since
 /// longer lines read badly.
@@ -53,16 +55,91 @@ std::string wrapped(std::string_view text, std::size_t column, std::size_t width
   return result;
 }
 
-/// CLI11's layout, but lines are as long as the terminal is wide, and a name that leaves less than kGap before the
-/// description is followed by a line break.
+/// What options are for, in the help of every command; in each heading those that are used most come first.
+struct Heading {
+  const char* name;
+  const char* options;
+};
+constexpr std::array<Heading, 10> kHeadings = {{
+    {"Whom it follows",
+     "--vmc --depth --virtual --webcam --device --devices --driver --people --three-point --lower-body --nite --delay"},
+    {"The character",
+     "--character --map --write-map --hide --springs --expression --body --walls --thickness "
+     "--body-resolution"},
+    {"Where it is seen", "--window --serve --lan --vr --headless --port --recordings --certificate --key"},
+    {"What is seen", "--scene --background --size --camera --show --eye --target --strip --texture-size"},
+    {"The motion",
+     "--motion --clip --person --format --rest --mirror --upper-body --smooth --min-cutoff --beta "
+     "--keyframes --sender --inject"},
+    {"The parts and hulls",
+     "--parts --max-concavity --max-error --max-distance --exact --preset --engine --hull-vertices --per-bone "
+     "--decomposition --cover --capsules --package --mocap --khr --show-colliders --up --self-contacts --held-out "
+     "--candidates --orientations"},
+    {"What it writes",
+     "--out --output --export --export-obj --export-frames --picture --csv --snapshots --every --video --from --to "
+     "--at --frame --near --record --seconds --frames --as-fast-as-possible --events --camera-frame"},
+    {"What it sends", "--vmc-out --vmc-bones --vrchat --vrchat-trackers"},
+    {"How the library is done", "--jobs --shard --timeout --retry-failed --collect"},
+    {"Every command", "--json --force --threads --memory --trust-paths --help -h"},
+}};
+
+/// What a user new to a command needs first: the short help explains these, and the other help begins with their
+/// headings.
+constexpr std::array<Heading, 14> kUsedMost = {{
+    {"demo", "--window --serve --scene --headless --out --seconds"},
+    {"play", "--character --window --serve --scene --snapshots --video --clip --record"},
+    {"live", "--character --vmc --depth --virtual --serve --window --background --scene"},
+    {"serve", "--character --lan --vmc --virtual --scene --window"},
+    {"replay", "--window --video --snapshots --character"},
+    {"snapshot", "--out --at --character --show --scene --background --size --camera --video"},
+    {"decompose", "--parts --max-concavity --hull-vertices --preset --output --export-obj --picture"},
+    {"export", "--engine --hull-vertices --parts --per-bone --motion --at"},
+    {"convert", "--character --person --clip --format"},
+    {"record", "--vmc --virtual --character --seconds --people"},
+    {"bake", "--out --parts --export --engine --jobs --collect"},
+    {"info", "--devices --write-map --clip --hide"},
+    {"score", "--csv --every"},
+    {"contacts", "--out --character --scene --near"},
+}};
+
+/// Those of some options that the command has.
+std::vector<const CLI::Option*> optionsIn(const CLI::App& command, const char* names) {
+  std::vector<const CLI::Option*> options;
+  std::istringstream words(names);
+  for (std::string word; words >> word;) {
+    if (const CLI::Option* option = command.get_option_no_throw(word)) options.push_back(option);
+  }
+  return options;
+}
+
+/// " (with --serve, not with --window)"
+std::string conditionsOf(const CLI::Option& option) {
+  const auto listed = [](const std::set<CLI::Option*>& others) {
+    std::set<std::string> names;
+    for (const CLI::Option* other : others) names.insert(other->get_name());
+    return fmt::format("{}", fmt::join(names, ", "));
+  };
+  std::string text;
+  if (!option.get_needs().empty()) text = "with " + listed(option.get_needs());
+  if (!option.get_excludes().empty())
+    text += (text.empty() ? "" : "; ") + ("not with " + listed(option.get_excludes()));
+  return text.empty() ? "" : " (" + text + ")";
+}
+
+/// Help in groups, short or whole. Lines are as long as the terminal is wide, and a name that leaves less than kGap
+/// before the description is followed by a line break.
 class HelpFormatter : public CLI::Formatter {
  public:
-  HelpFormatter() { column_width(kColumnWidth); }
+  HelpFormatter() {
+    column_width(kColumnWidth);
+    label("SUBCOMMAND", "COMMAND");
+  }
 
   std::string make_option(const CLI::Option* option, bool positional) const override {
-    std::string text = "  " + make_option_name(option, positional) + make_option_opts(option);
-    const std::string description = make_option_desc(option);
-    if (description.empty()) return text + "\n";
+    std::string text = "  " + make_option_name(option, positional);
+    if (positional && option->get_expected_max() > 1) text += "...";
+    if (!positional && option->get_type_size() != 0) text += " " + option->get_type_name();
+    const std::string description = option->get_description() + conditionsOf(*option);
     if (text.size() + kGap > kColumnWidth) {
       text += "\n" + std::string(kColumnWidth, ' ');
     } else {
@@ -81,53 +158,70 @@ class HelpFormatter : public CLI::Formatter {
     return wrapped(app->get_description(), 0, width_) + "\n";
   }
 
-  /// In the short help of a command, what it shares with others is only named.
   std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override {
-    if (mode != CLI::AppFormatMode::Normal || app->get_parent() == nullptr)
-      return Formatter::make_help(app, name, mode);
-    std::string own, more;
-    for (const std::string& group : app->get_groups()) {
-      const auto options = app->get_options(
-          [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
-      if (group == kOwnOptions) {
-        own = make_group(group, false, options);
-      } else if (!group.empty()) {
-        std::string names = options[0]->get_name();
-        for (std::size_t i = 1; i < options.size(); ++i) names += " " + options[i]->get_name();
-        more += fmt::format("  {:{}}{}\n", group, kColumnWidth - 2, wrapped(names, kColumnWidth, width_));
+    if (app->get_parent() == nullptr) return Formatter::make_help(app, name, mode);
+    const bool whole = mode == CLI::AppFormatMode::All;
+    std::string text = make_description(app) + make_usage(app, name);
+    const auto add = [&](const auto& options) {
+      for (const CLI::Option* option : options) text += make_option(option, option->get_positional());
+    };
+    if (const auto given = app->get_options([](const CLI::Option* o) { return o->get_positional(); }); !given.empty()) {
+      text += "\n";
+      add(given);
+    }
+    const auto* own =
+        std::ranges::find(kUsedMost, app->get_name(), [](const Heading& one) { return std::string(one.name); });
+    LORICA_CHECK(own != kUsedMost.end(), "a command is not in kUsedMost");
+    const std::vector<const CLI::Option*> most = optionsIn(*app, own->options);
+    using Group = std::pair<const char*, std::vector<const CLI::Option*>>;
+    std::vector<Group> groups;
+    for (const Heading& heading : kHeadings) groups.emplace_back(heading.name, optionsIn(*app, heading.options));
+    std::ranges::stable_sort(
+        groups, {}, [&](const Group& group) { return std::ranges::find_first_of(most, group.second) - most.begin(); });
+    std::size_t grouped = 0;
+    for (const Group& group : groups) grouped += group.second.size();
+    LORICA_CHECK(grouped == app->get_options([](const CLI::Option* o) { return !o->get_positional(); }).size(),
+                 "an option of a command is in no heading of kHeadings");
+    if (!whole) {
+      text += "\nUsed most:\n";
+      add(most);
+      text += "\nMore, explained by --help:\n";
+    }
+    for (const auto& [heading, options] : groups) {
+      if (whole && !options.empty()) {
+        text += fmt::format("\n{}:\n", heading);
+        add(options);
+      }
+      std::string names;
+      for (const CLI::Option* option : options) {
+        if (std::ranges::find(most, option) == most.end()) names += (names.empty() ? "" : " ") + option->get_name();
+      }
+      if (!whole && !names.empty()) {
+        text += fmt::format("  {:{}}{}\n", heading, kColumnWidth - 2, wrapped(names, kColumnWidth, width_));
       }
     }
-    return make_description(app) + make_usage(app, name) + make_positionals(app) + own +
-           "\nMore, explained by --help:\n" + more + "\n" + make_footer(app);
+    return text + "\n" + footerOf(*app, whole) + "\n";
   }
 
  private:
+  /// Examples; then, in the whole help, what else is to be known.
+  std::string footerOf(const CLI::App& app, bool whole) const {
+    const std::string footer = app.get_footer();
+    const std::size_t end = footer.find("\n\n");
+    std::string examples = footer.substr(0, end);
+    if (whole) return examples + (end == std::string::npos ? "" : "\n\n" + paragraph(footer.substr(end + 2)));
+    std::size_t at = 0;
+    for (int i = 0; i <= kFewExamples && at != std::string::npos; ++i) at = examples.find("\n  lorica ", at + 1);
+    return examples.substr(0, at);
+  }
+
+  std::string paragraph(std::string text) const {
+    std::ranges::replace(text, '\n', ' ');
+    return wrapped(text, 0, width_);
+  }
+
   std::size_t width_ = helpWidth();
 };
-
-/// The heading of an option in the help of every command, whichever has it.
-std::string groupOf(const std::string& option) {
-  static constexpr std::array<std::array<std::string_view, 2>, 6> kGroups = {{
-      {"Motion",
-       " --motion --format --person --clip --rest --sender --mirror --upper-body --smooth --min-cutoff --beta "
-       "--inject --keyframes "},
-      {"Character", " --character --map --body --body-resolution --walls --thickness --expression --hide --springs "},
-      {"Hulls",
-       " --decomposition --cover --hull-vertices --parts --exact --max-error --max-distance "
-       "--max-concavity --preset --candidates --orientations --held-out --engine --per-bone --self-contacts "},
-      {"Cameras and networks",
-       " --device --devices --driver --virtual --people --lower-body --nite --vmc --delay --vmc-out "
-       "--vmc-bones --vrchat --vrchat-trackers --serve --port --lan --certificate --key "},
-      {"Pictures",
-       " --window --headless --snapshots --every --video --from --to --camera --eye --target --texture-size "
-       "--size --background --show --strip "},
-      {"Every command", " --json --threads --force --trust-paths --memory "},
-  }};
-  for (const auto& [group, names] : kGroups) {
-    if (names.find(" " + option + " ") != std::string_view::npos) return std::string(group);
-  }
-  return kOwnOptions;
-}
 
 /// Parses the whole text as a number. @return false if it is not one
 template <typename Number>
@@ -226,12 +320,6 @@ std::vector<std::string> subcommandNames(const CLI::App& app) {
 }
 
 std::optional<int> parse(CLI::App& app, std::vector<std::string> words) {
-  for (CLI::App* command : app.get_subcommands({})) {
-    for (CLI::Option* option : command->get_options()) {
-      option->group(groupOf(option->get_name()));
-      if (option->get_positional()) option->type_name("");  // its name is enough
-    }
-  }
   const std::string& name = app.get_name();
   const auto refuse = [&](const std::string& sentence) {
     const std::vector<CLI::App*> chosen = app.get_subcommands();
@@ -243,6 +331,8 @@ std::optional<int> parse(CLI::App& app, std::vector<std::string> words) {
   if (!words.empty() && words[0] == "help") {
     const std::vector<std::string> names = subcommandNames(app);
     const bool one = words.size() > 1;
+    if (words.size() > 2)
+      return refuse(fmt::format("{}: unexpected argument, expected `{} help {}`", words[2], name, words[1]));
     if (one && std::ranges::find(names, words[1]) == names.end()) return refuse(unexpected(app, words[1], false));
     words = one ? std::vector<std::string>{words[1], "--help"} : std::vector<std::string>{"--help"};
   }
@@ -300,7 +390,7 @@ CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, 
 CLI::Validator oneOf(std::vector<std::string> words) {
   return checkedBy([words = std::move(words)](std::string& text) -> std::string {
     if (std::find(words.begin(), words.end(), text) != words.end()) return "";
-    return fmt::format("found `{}`, expected {}", text, fmt::join(words, ", "));
+    return fmt::format("found `{}`, expected {}{}", text, fmt::join(words, ", "), didYouMean(text, words));
   });
 }
 

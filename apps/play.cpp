@@ -181,7 +181,7 @@ Command addPlay(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ShowOptions>();
   CLI::App* app = addSubcommand(
       parent, common, "play",
-      "Play a motion: the character moves, its hulls follow, and objects around it collide with them.",
+      "Play a recorded motion: a character performs it, and what stands around collides with its hulls.",
       "  lorica play walk\n"
       "      a shipped recording, without pictures: prints contacts and the time of each stage\n"
       "  lorica play walk --window\n"

@@ -16,6 +16,7 @@
 #include "geometry/hard_stop.h"
 #include "geometry/new_file.h"
 #include "geometry/text.h"
+#include "session/prepare/scenes.h"
 #include "session/prepare/stream_motion.h"
 
 #include <fmt/format.h>
@@ -40,6 +41,7 @@ struct RecordOptions {
   std::string out;
   std::string into = {};  ///< what `finished` makes of it, which reports name; empty = it stays
   CastRequest request;    ///< no motion = a live camera
+  bool sceneGiven = false;
   LiveRequest live;
   RunSetting limits;  ///< its frames and seconds
 };
@@ -60,7 +62,9 @@ Result<std::unique_ptr<Run>> startRecorded(const RecordOptions& options, Host& h
   setting.record = options.out;
   setting.doing = "Recording";
   if (followsPeople(options.request)) {
-    LORICA_TRY(LiveCast live, prepareLiveCast(options.request, liveOf(options), host));
+    CastRequest request = options.request;
+    if (!options.sceneGiven) request.scene = kEmptyStage;
+    LORICA_TRY(LiveCast live, prepareLiveCast(request, liveOf(options), host));
     return Run::start(std::move(live), setting, host);
   }
   LORICA_TRY(Cast cast, prepareCast(options.request, host));
@@ -375,34 +379,36 @@ Result<void> runRecord(const CLI::App& app, const RecordOptions& options, const 
 
 Command addRecord(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<RecordOptions>();
-  CLI::App* app =
-      addSubcommand(parent, common, "record", "Record a depth camera and the tracked joints, or a session.",
-                    "  lorica record body.oni\n"
-                    "      depth images to body.oni and tracked joints to body.csv, until Ctrl-C\n"
-                    "  lorica record body.oni --seconds 10 --device 1d27/0609@1/4\n"
-                    "  lorica record body.oni --virtual --seconds 3\n"
-                    "      no camera needed: a virtual camera with a virtual person\n"
-                    "  lorica play body.oni\n"
-                    "      play the recording\n"
-                    "  lorica record kick.lsession punch_and_kick --scene bowling\n"
-                    "      a session: joints, character, settings, scene, and a hash of the result of each step\n"
-                    "  lorica record me.lsession --seconds 20 --inject dropout=0.1,seed=7\n"
-                    "      of the person before the camera, with simulated tracking faults\n"
-                    "  lorica record duel.lsession walk,wave\n"
-                    "  lorica record we.lsession --people 2 --seconds 20\n"
-                    "      two avatars: motions side by side, or the people before the camera\n"
-                    "  lorica replay kick.lsession\n"
-                    "      run it again and compare the results\n"
-                    "  lorica record take.bvh --vmc 39539\n"
-                    "      a motion that a program sends by the VMC protocol; or take.csv, or take.lsession\n"
-                    "\nDuring the recording the files are named body.part.oni, body.part.csv and kick.part.lsession.\n"
-                    "They are readable even if the program is killed; the next recording of that name keeps them as "
-                    "body.found-1.oni, ...");
+  CLI::App* app = addSubcommand(
+      parent, common, "record",
+      "Record what happens live: depth images (.oni), a motion (.bvh, .csv), or a session to replay (.lsession).",
+      "  lorica record body.oni\n"
+      "      depth images to body.oni and tracked joints to body.csv, until Ctrl-C\n"
+      "  lorica record body.oni --seconds 10 --device 1d27/0609@1/4\n"
+      "  lorica record body.oni --virtual --seconds 3\n"
+      "      no camera needed: a virtual camera with a virtual person\n"
+      "  lorica play body.oni\n"
+      "      play the recording\n"
+      "  lorica record kick.lsession punch_and_kick --scene bowling\n"
+      "      a session: joints, character, settings, scene, and a hash of the result of each step\n"
+      "  lorica record me.lsession --seconds 20 --inject dropout=0.1,seed=7\n"
+      "      of the person before the camera, with simulated tracking faults\n"
+      "  lorica record duel.lsession walk,wave\n"
+      "  lorica record we.lsession --people 2 --seconds 20\n"
+      "      two avatars: motions side by side, or the people before the camera\n"
+      "  lorica replay kick.lsession\n"
+      "      run it again and compare the results\n"
+      "  lorica record take.bvh --vmc 39539\n"
+      "      a motion that a program sends by the VMC protocol; or take.csv, or take.lsession\n"
+      "\nDuring the recording the files are named body.part.oni, body.part.csv and kick.part.lsession.\n"
+      "They are readable even if the program is killed; the next recording of that name keeps them as "
+      "body.found-1.oni, ...");
   app->add_option("OUT", options->out, "The recording to write: .oni, .lsession, .bvh or .csv")->required();
   addMotionOptions(*app, options->request);
   addFaultOption(*app, options->request.performing);
   addBodyOptions(*app, options->request.body);
-  addSceneOption(*app, options->request.scene);
+  addSceneOption(*app, options->request.scene, "none where people are followed, else demo")
+      ->each([options](const std::string&) { options->sceneGiven = true; });
   addDepthOptions(*app, options->live.depth);
   addCount(*app, "--people", options->live.people, 1,
            "People before the camera to record, each with an avatar, at most 6; a session only [default: 1]");

@@ -122,7 +122,8 @@ Result<void> runReplay(const ReplayOptions& given, const CommonOptions& common, 
 Command addReplay(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ReplayOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "replay", "Run a recorded session again and report the first step that differs, if any.",
+      parent, common, "replay",
+      "Run a recorded session (.lsession) again, and report the first step that differs, if any.",
       "  lorica record walk.lsession walk\n"
       "      record a session of a shipped recording\n"
       "  lorica replay walk.lsession\n"

@@ -236,7 +236,8 @@ Result<void> runScore(const ScoreOptions& options, const CommonOptions& common, 
 Command addScore(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ScoreOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "score", "Score convex parts of any program against the original mesh.",
+      parent, common, "score",
+      "Rate how closely convex parts, of Lorica or another program, fit the mesh that they stand for.",
       "  lorica decompose bunny.off --parts 16 --export-obj hulls.obj\n"
       "  lorica score bunny.off hulls.obj\n"
       "      score Lorica's hulls\n"

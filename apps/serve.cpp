@@ -29,14 +29,16 @@ Result<void> runServe(const ShowOptions& options, const CommonOptions& common, H
 
 void addServeOptions(CLI::App& app, ServeOptions& options, bool flag) {
   CLI::Option* serve =
-      flag ? app.add_flag("--serve", options.serve, "Show it on a page as well, for browsers and headsets") : nullptr;
+      flag ? app.add_flag("--serve", options.serve,
+                          "Show it on a page, for this machine's browser; with --lan for phones and headsets")
+           : nullptr;
   if (flag) app.add_flag("--vr", options.vr, "Show it in this machine's headset (OpenXR) and a window; see docs/VR.md");
   CLI::Option* port =
       addCount(app, "--port", options.setting.port, 1,
                fmt::format("Port of the page [default: the first free one from {} on]", kUsualPort), 65535);
   CLI::Option* lan =
       app.add_flag("--lan", options.setting.lan,
-                   "Show the page on the network too: with TLS, for those who have the link with its token");
+                   "Show the page to phones and headsets on this network: with TLS, for those who have the link");
   CLI::Option* recordings = app.add_option("--recordings", options.setting.recordings,
                                            "Folder that people at the page may record sessions and open files into")
                                 ->type_name("DIR");
@@ -89,7 +91,8 @@ void Screens::announce(Host& host) const {
 Command addServe(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<ShowOptions>();
   CLI::App* app = addSubcommand(
-      parent, common, "serve", "Show a session on a page: for browsers, phones and headsets.",
+      parent, common, "serve",
+      "Show it on a page, for this machine's browser, phones and headsets: somebody live, a motion, or the demo.",
       "  lorica serve\n"
       "      the person before the depth camera, or the demo without one; open the link in a browser\n"
       "  lorica serve walk --character hero.vrm\n"
@@ -108,7 +111,8 @@ Command addServe(CLI::App& parent, CommonOptions& common) {
   addCount(*app, "--people", options->live.people, 1, "People to follow at once, each with an avatar, at most 6");
   addOutputOptions(*app, options->run);
   addBodyOptions(*app, options->request.body);
-  addSceneOption(*app, options->request.scene);
+  addSceneOption(*app, options->request.scene, "none where people are followed, else demo")
+      ->each([options](const std::string&) { options->sceneGiven = true; });
   addFaultOption(*app, options->request.performing);
   addRecordOptions(*app, options->run);
   addTextureOption(*app, options->request.reading.textureSize);

@@ -50,7 +50,9 @@ class Screens {
 /// What play, live and serve are asked for. They and replay share a run on a screen or with pictures, and its report.
 struct ShowOptions {
   CastRequest request;
-  LiveRequest live;  ///< of live and serve
+  bool sceneGiven = false;  ///< else whoever is followed stands on an empty stage
+  LiveRequest live;         ///< of live and serve
+  bool webcam = false;      ///< which nothing here can follow
   RunSetting run;
   SnapshotOptions pictures;
   bool window = false;

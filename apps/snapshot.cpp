@@ -260,7 +260,7 @@ Result<void> runSnapshot(const PictureOptions& options, const CommonOptions& com
 Command addSnapshot(CLI::App& parent, CommonOptions& common) {
   const auto options = std::make_shared<PictureOptions>();
   CLI::App* app =
-      addSubcommand(parent, common, "snapshot", "Render pictures or a video of a motion, without a display.",
+      addSubcommand(parent, common, "snapshot", "Draw pictures or a video of a motion, without a display.",
                     "  lorica snapshot walk --at 1.5 -o walk.png\n"
                     "      the pose 1.5 s after the start\n"
                     "  lorica snapshot punch_and_kick --at 1,2,3,4 --strip -o kick.png\n"

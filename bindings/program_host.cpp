@@ -70,7 +70,7 @@ void ProgramHost::beginTask(const std::string& /*label*/, const std::string& uni
   counted_ = unit == "parts";
 }
 
-void ProgramHost::report(int done, int total) {
+void ProgramHost::report(int done, int total, double /*share*/) {
   if (!progress_ || cancelled_) return;
   cancelled_ = counted_ ? !progress_(done, total) : !progress_(0, parts_);
 }

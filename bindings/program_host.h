@@ -23,7 +23,7 @@ class ProgramHost final : public Host {
   explicit ProgramHost(const DecomposeProgress& progress = {}, int threads = 0, int parts = 0);
 
   void beginTask(const std::string& label, const std::string& unit) override;
-  void report(int done, int total) override;
+  void report(int done, int total, double share) override;
   [[nodiscard]] bool cancelled() const override { return cancelled_; }
 
  private:

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <algorithm>
 #include <chrono>
-#include <limits>
+#include <cmath>
 #include <optional>
+#include <string>
 
 namespace lorica {
 
@@ -20,25 +20,28 @@ namespace lorica {
   return std::chrono::duration<double, std::micro>(end - begin).count();
 }
 
-/// How long counted work will take, from what is done. The end that was once expected is never put off, so that the
-/// time left falls with the clock or faster; work that takes longer than that has no estimate.
-class TimeLeft {
- public:
-  /// @param total    0 or less if unknown
-  /// @param seconds  since the work began
-  /// @return none as long as it cannot be told [s]
-  std::optional<double> update(int done, int total, double seconds) {
-    if (total <= 0 || done <= 0) return std::nullopt;
-    if (done != done_) end_ = std::min(end_, seconds * total / done);
-    done_ = done;
-    if (done >= total || seconds <= kSettled || end_ <= seconds) return std::nullopt;
-    return end_ - seconds;
-  }
+/// How long the rest of some work takes if it goes on as it went. So it never comes to nothing before the work has
+/// ended, and it rises where the work stands.
+/// @param worked   the share that was done
+/// @param rest     the share that remains
+/// @param seconds  since the work began
+/// @return none as long as it cannot be told [s]
+[[nodiscard]] inline std::optional<double> timeLeft(double worked, double rest, double seconds) {
+  constexpr double kSettled = 2.0, kEnough = 0.03;  // an estimate before says nothing [s], [share]
+  if (seconds <= kSettled || worked < kEnough * (worked + rest) || rest <= 0.0) return std::nullopt;
+  return seconds * rest / worked;
+}
 
- private:
-  static constexpr double kSettled = 2.0;  ///< an estimate before says nothing [s]
-  int done_ = 0;
-  double end_ = std::numeric_limits<double>::infinity();
-};
+/// "about 3 minutes", no more exact than an estimate is. @param seconds  above 0
+[[nodiscard]] inline std::string roughly(double seconds) {
+  const auto about = [](double count, const char* unit) {
+    return "about " + std::to_string(std::lround(count)) + " " + unit;
+  };
+  if (seconds < 8.0) return "some seconds";
+  if (seconds < 55.0) return about(10.0 * std::round(seconds / 10.0), "seconds");
+  if (seconds < 90.0) return "about a minute";
+  if (seconds < 55.0 * 60.0) return about(seconds / 60.0, "minutes");
+  return seconds < 90.0 * 60.0 ? "about an hour" : about(seconds / 3600.0, "hours");
+}
 
 }  // namespace lorica

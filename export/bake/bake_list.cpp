@@ -29,14 +29,15 @@ bool above(const std::string& text, Number& number) {
   return error == std::errc() && stopped == end && std::isfinite(static_cast<double>(number)) && number > Number(0);
 }
 
-/// @param words  separated by ", "
-bool isOneOf(const std::string& text, std::string_view words) {
-  while (!words.empty()) {
-    const std::size_t end = std::min(words.find(", "), words.size());
-    if (words.substr(0, end) == text) return true;
-    words.remove_prefix(std::min(end + 2, words.size()));
+/// Those that are separated by ", ".
+std::vector<std::string> listedWords(std::string_view text) {
+  std::vector<std::string> words;
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find(", "), text.size());
+    words.emplace_back(text.substr(0, end));
+    text.remove_prefix(std::min(end + 2, text.size()));
   }
-  return false;
+  return words;
 }
 
 bool isCount(const std::string& text) {
@@ -271,12 +272,15 @@ Result<std::vector<std::string>> bakeSetting(const std::string& name, const std:
                                              const std::string& folder) {
   const auto* known = std::ranges::find(kKnown, name, &Known::name);
   if (known == kKnown.end()) {
-    return invalidArgument("found the setting `{}`, expected input or one of {}", name, settingNames());
+    return invalidArgument("found the setting `{}`, expected input or one of {}{}", name, settingNames(),
+                           didYouMean(name, listedWords(settingNames())));
   }
   std::vector<std::string> values = known->several ? split(value, ';') : std::vector{value};
   for (std::string& one : values) {
-    if (!(known->fits != nullptr ? known->fits(one) : isOneOf(one, known->expected))) {
-      return invalidArgument("{}: found `{}`, expected {}", name, one, known->expected);
+    const std::vector<std::string> words =
+        known->fits == nullptr ? listedWords(known->expected) : std::vector<std::string>();
+    if (!(known->fits != nullptr ? known->fits(one) : std::ranges::find(words, one) != words.end())) {
+      return invalidArgument("{}: found `{}`, expected {}{}", name, one, known->expected, didYouMean(one, words));
     }
     if (name == "exact") one = "yes";
     if (known->files) one = relativeTo(folder, one);

@@ -37,6 +37,8 @@ constexpr const char* kReport = "report.json";
 constexpr const char* kFailure = "failure.json";
 constexpr const char* kCache = "cache";
 
+constexpr double kEachItem = 2'000.0;  // triangles that cost what a process costs
+
 constexpr int kRefused = 2;  // exit status: bad input, or output that cannot be written
 
 void addSetting(const BakeItem& item, const std::string& name, std::vector<std::string>& arguments) {
@@ -209,6 +211,11 @@ Result<ordered_json> makeItem(const BakeJob& job, const fs::path& folder, const 
   return description;
 }
 
+/// How much work an item is, as far as its size tells [triangles].
+double workOf(const BakeJob& job) {
+  return kEachItem + double(job.triangles);
+}
+
 class Baker {
  public:
   Baker(const BakeStore& store, const BakerSettings& settings) : store_(store), settings_(settings) {}
@@ -225,10 +232,11 @@ class Baker {
 
   const BakeStore& store_;
   const BakerSettings& settings_;
-  std::mutex mutex_;                   // of the next four
+  std::mutex mutex_;                   // of the next five
   std::list<const BakeJob*> waiting_;  // large ones first
   std::uint64_t memoryInUse_ = 0;
-  Result<void> fine_;  // of the machine
+  double workDone_ = 0.0;  // see workOf()
+  Result<void> fine_;      // of the machine
   BakeOutcome outcome_;
   std::atomic<int> workers_ = 0;
   std::atomic<bool> stop_ = false;  // begin no more items
@@ -273,6 +281,7 @@ void Baker::work() {
     Result<void> made = make(*job);
     const std::lock_guard<std::mutex> lock(mutex_);
     memoryInUse_ -= memoryBound(job->triangles);
+    workDone_ += workOf(*job);
     if (made) continue;
     if (fine_) fine_ = std::move(made);
     if (!stop_.exchange(true)) drop_ = true;  // who stops this process may have ended its items too
@@ -328,6 +337,8 @@ Result<BakeOutcome> Baker::run(std::span<const BakeJob> jobs) {
   store_.removeAbandoned(std::max(kDay, 2.0 * settings_.item.timeout));  // no living process takes so long
   LORICA_TRY_DO(findWork(jobs));
   const int toDo = countOf(waiting_);
+  double allWork = 0.0;
+  for (const BakeJob* job : waiting_) allWork += workOf(*job);
   const AtHardStop dropping([this] {
     stop_ = drop_ = true;
     while (workers_ > 0) std::this_thread::sleep_for(kPause);
@@ -340,8 +351,9 @@ Result<BakeOutcome> Baker::run(std::span<const BakeJob> jobs) {
     if (settings_.stopping()) stop_ = true;
     std::unique_lock<std::mutex> lock(mutex_);
     const int done = outcome_.made + outcome_.failed + outcome_.byOthers;
+    const double share = allWork > 0.0 ? workDone_ / allWork : 1.0;
     lock.unlock();
-    settings_.progress(done, toDo);
+    settings_.progress(done, toDo, share);
     std::this_thread::sleep_for(kPause);
   }
   threads.clear();

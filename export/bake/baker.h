@@ -29,7 +29,8 @@ struct BakerSettings {
   /// Whether to begin no more items: those in progress are finished.
   std::function<bool()> stopping = [] { return false; };
   /// Called often, with the items that were not there before.
-  std::function<void(int done, int total)> progress = [](int, int) {};
+  /// @param share  of the work, as far as the sizes of the items tell
+  std::function<void(int done, int total, double share)> progress = [](int, int, double) {};
 };
 
 /// What became of the items of a list.

@@ -140,6 +140,8 @@ NewContacts newContacts(const RobotFile& robot, std::span<const GeomShapes> geom
 
 namespace fs = std::filesystem;
 
+constexpr std::uintmax_t kTriangleBytes = 50;  // in a binary STL file
+
 constexpr int kSegments = 48;  // of a capsule that is measured, around
 constexpr int kRings = 12;     // of each of its ends
 
@@ -479,9 +481,17 @@ Result<RobotReport> exportRobot(const RobotExportOptions& options, Host& host) {
     return badMesh("{}: with this mesh there are more than {} triangles, expected at most that", where,
                    grouped(kMaxTriangles));
   };
+  std::vector<double> ends = {0.0};  // of the work, by how large each mesh is
+  for (const RobotMesh& mesh : robot->meshes) {
+    std::error_code unknown;
+    const std::uintmax_t size =
+        mesh.file.empty() ? kTriangleBytes * mesh.mesh.triangles.size() : fs::file_size(mesh.file, unknown);
+    ends.push_back(ends.back() + 1.0 + (unknown ? 0.0 : double(size)));
+  }
+  std::optional<Stage> whole(std::in_place, host);
   for (std::size_t m = 0; m < robot->meshes.size(); ++m) {
-    const double count = countOf(robot->meshes);
-    const Stage stage(host, m / count, (m + 1) / count);
+    const Stage stage(host, ends[m] / ends.back(), ends[m + 1] / ends.back(),
+                      fmt::format("mesh {} of {}", m + 1, robot->meshes.size()));
     const RobotMesh& mesh = robot->meshes[m];
     LORICA_TRY(TriMesh surface, prefixed(mesh.where, readCollisionMesh(mesh, host)));
     triangles += surface.triangles.size();
@@ -492,6 +502,7 @@ Result<RobotReport> exportRobot(const RobotExportOptions& options, Host& host) {
     LORICA_TRY(Divided made, prefixed(mesh.where, divide(mesh, std::move(surface), options, host)));
     divided.push_back(std::move(made));
   }
+  whole.reset();
   std::vector<Fitted> fits;
   std::vector<std::size_t> fitOfGeom;
   std::vector<Affine3> geomFromFit;

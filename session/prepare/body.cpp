@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace lorica {
@@ -67,7 +68,11 @@ Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std:
 }
 
 Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host) {
+  const bool covered = options.cover.given() && !options.cover.exact();
+  const Stage whole(host);
+  std::optional<Stage> stage(std::in_place, host, 0.0, covered ? kPartsOfCover : 1.0);
   Result<DecompositionFile> body = chooseDecomposition(options, subject, host);
+  stage.reset();
   if (!body) return body;
   if (const std::string doubt = doubtAboutHulls(body->meanError); !doubt.empty()) {
     host.warn(subject.name + ": " + doubt);
@@ -75,7 +80,8 @@ Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& 
   if (!options.cover.given()) return body;
   body->cover.reset();
   body->errorPerKeyframe.clear();  // it was that of other hulls
-  if (options.cover.exact()) return body;
+  if (!covered) return body;
+  stage.emplace(host, kPartsOfCover, 1.0);
   LORICA_TRY(body->cover, coverOf(subject, *body, options.cover, host));
   return body;
 }

@@ -29,6 +29,9 @@ struct CoverPoses {
 
 inline constexpr int kCoverPoses = 128;  ///< of each kind
 
+/// Of the work that parts and a cover of theirs are: the parts, more or less.
+inline constexpr double kPartsOfCover = 0.4;
+
 /// Half of the poses are frames of motions, taken at even intervals over the concatenated motions and assigned
 /// alternately to the sampled and the held-out poses. If there are fewer frames, each is used once. The other half are
 /// random poses within human joint limits, standing at the origin; the held-out ones have another seed.

@@ -20,10 +20,12 @@ class Host {
   /// A task begins: its label ("Decomposing mannequin"), and what is counted ("parts").
   virtual void beginTask(const std::string& /*label*/, const std::string& /*unit*/) {}
   /// How much is done, of a total that is 0 or less if unknown.
-  virtual void report(int /*done*/, int /*total*/) {}
+  /// @param share  of the task's work, if its items differ; below 0 = done of total
+  virtual void report(int /*done*/, int /*total*/, double /*share*/) {}
   virtual void endTask() {}  ///< that of the last beginTask()
   /// What is reported from now on counts from one share of the enclosing stage to another; endStage() ends it.
-  virtual void beginStage(double /*from*/, double /*to*/) {}
+  /// @param name  "mesh 4 of 10"; empty = as the enclosing stage
+  virtual void beginStage(double /*from*/, double /*to*/, const std::string& /*name*/) {}
   virtual void endStage() {}  ///< that of the last beginStage()
   /// Whether the work should stop with cancelled().
   [[nodiscard]] virtual bool cancelled() const { return false; }
@@ -57,7 +59,7 @@ class Task {
   ~Task() { host_.endTask(); }
   Task(const Task&) = delete;
   Task& operator=(const Task&) = delete;
-  void update(int done, int total) { host_.report(done, total); }     ///< see Host::report()
+  void update(int done, int total, double share = -1.0) { host_.report(done, total, share); }  ///< see Host::report()
   [[nodiscard]] bool cancelled() const { return host_.cancelled(); }  ///< see Host::cancelled()
   /// A progress callback that reports and stops when cancelled. The task outlives it.
   [[nodiscard]] std::function<bool(int done, int total)> progress() {
@@ -71,11 +73,13 @@ class Task {
   Host& host_;
 };
 
-/// A stage of a host's work during its lifetime.
+/// A stage of a host's work during its lifetime. The outermost one is what a user waits for.
 class Stage {
  public:
-  /// Begins it; the destructor ends it
-  Stage(Host& host, double from, double to) : host_(host) { host_.beginStage(from, to); }
+  /// Begins it; the destructor ends it. @param name  see Host::beginStage()
+  explicit Stage(Host& host, double from = 0.0, double to = 1.0, const std::string& name = {}) : host_(host) {
+    host_.beginStage(from, to, name);
+  }
   ~Stage() { host_.endStage(); }
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;

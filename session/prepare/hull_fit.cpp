@@ -7,6 +7,7 @@
 #include "session/prepare/file_content.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace lorica {
 namespace {
@@ -40,8 +41,11 @@ DecomposeSettings withMargin(DecomposeSettings settings) {
 /// Decomposes once, and finds the hulls that are used.
 Result<Fit> fitOnce(const FitRequest& request, const DecomposeSettings& settings, Host& host) {
   const Subject& subject = request.subject;
+  const Stage whole(host);
+  std::optional<Stage> stage(std::in_place, host, 0.0, request.coverPoses != nullptr ? kPartsOfCover : 1.0);
   LORICA_TRY(TimedDecomposition made,
              decomposeWithProgress(subject.name, subject.mesh, posesOf(request), withMargin(settings), host));
+  stage.reset();
   return fitOf(request, std::move(made), host);
 }
 
@@ -65,6 +69,7 @@ Result<Fit> fitOf(const FitRequest& request, TimedDecomposition made, Host& host
     const Character& character = *subject.character;
     HullCover cover = coverExactly(parts, liftPoints(character, parts));
     if (request.coverPoses != nullptr) {
+      const Stage stage(host, kPartsOfCover, 1.0);
       LORICA_TRY(HullCover chosen, chooseCover(character, parts, *request.coverPoses, request.cover, host));
       cover = std::move(chosen);
       fit.cover = cover;

@@ -208,7 +208,8 @@ Result<std::vector<PreparedAvatar>> readAvatars(CastRequest& request, std::vecto
       avatar.body = wholeBody(avatar.subject);
       continue;
     }
-    const Stage stage(host, kReading + (1.0 - kReading) * part(i), kReading + (1.0 - kReading) * part(i + 1));
+    const Stage stage(host, kReading + (1.0 - kReading) * part(i), kReading + (1.0 - kReading) * part(i + 1),
+                      roles.size() > 1 ? fmt::format("avatar {} of {}", i + 1, roles.size()) : "");
     Result<DecompositionFile> body = chooseBody(request.body, avatar.subject, host);
     if (!body) return Error{body.error().code, roles[i].where + body.error().message};
     avatar.body = std::move(*body);

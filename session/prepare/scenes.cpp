@@ -139,7 +139,8 @@ Result<World> openScene(const std::string& scene, double gravity, Host& host, do
 SceneList scenesNextTo(const std::string& present) {
   SceneList list{{kDemoScene}, {""}};
   if (const Result<std::filesystem::path> folder = scenesFolder()) {
-    const std::vector<std::string> shipped = shippedNames(*folder, {".json"});
+    std::vector<std::string> shipped = shippedNames(*folder, {".json"});
+    std::stable_partition(shipped.begin(), shipped.end(), [](const std::string& name) { return name == kEmptyStage; });
     list.names.insert(list.names.end(), shipped.begin(), shipped.end());
     list.arguments.insert(list.arguments.end(), shipped.begin(), shipped.end());
   }

@@ -18,6 +18,9 @@ namespace lorica {
 /// @return the world, or an error about the file
 [[nodiscard]] Result<World> openScene(const std::string& scene, double gravity, Host& host, double scale = 1.0);
 
+/// The shipped scene without props.
+inline constexpr const char* kEmptyStage = "none";
+
 /// The text of a scene file.
 struct SceneText {
   std::string text;                       ///< empty = the boxes and balls of the demo
@@ -60,7 +63,7 @@ struct SceneList {
   int present = 0;                     ///< index of the current one
 };
 
-/// The scene of the demo, the shipped ones, and the present one if it is the user's own.
+/// The scene of the demo, the empty one, the other shipped ones, and the present one if it is the user's own.
 /// @param present  as given to openScene()
 [[nodiscard]] SceneList scenesNextTo(const std::string& present);
 

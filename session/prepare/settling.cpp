@@ -11,7 +11,7 @@ namespace {
 /// @param stopped  called if the settling is stopped
 std::function<bool(int, int)> reporting(Host& host, std::function<void()> stopped) {
   return [&host, stopped = std::move(stopped)](int frame, int frames) {
-    host.report(frame, frames);
+    host.report(frame, frames, -1.0);
     if (!host.cancelled()) return true;
     stopped();
     return false;

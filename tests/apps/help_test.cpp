@@ -1,12 +1,20 @@
 #include "tests/apps/run_command.h"
 
+#include "geometry/files.h"
+#include "session/prepare/file_kinds.h"
 #include "tests/apps/mannequin_glb.h"
 #include "tests/support/datasets.h"
 #include "tests/support/has.h"
+#include "tests/support/value_of.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <set>
 #include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -42,8 +50,29 @@ TEST_P(Help, IsThereInShortWithTheNamesOfAllOptions) {
   EXPECT_GT(options, 5);
 }
 
+/// No word of a parser; conditions are said in the text.
+TEST_P(Help, IsMadeOfWords) {
+  for (const char* flag : {"-h", "--help"}) {
+    const std::string help = runLorica({GetParam(), flag}).out;
+    for (const char* word : {"Excludes:", "Needs:", "REQUIRED", "Positionals", " ...\n", ",... ", "TEXT", "[OPTION]"}) {
+      EXPECT_FALSE(has(help, word)) << word << " in " << flag;
+    }
+  }
+}
+
+TEST_P(Help, EndsWithWhatAllCommandsHave) {
+  const std::string help = runLorica({GetParam(), "--help"}).out;
+  const std::size_t last = help.find("\nEvery command:\n");
+  ASSERT_NE(last, std::string::npos);
+  std::istringstream rest(help.substr(last + 1));
+  for (std::string line; std::getline(rest, line) && !line.empty();) {
+    EXPECT_TRUE(line.starts_with("  ") || line == "Every command:") << line << " stands behind what is said last";
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Command, Help,
-                         testing::Values("demo", "decompose", "score", "play", "info", "bake", "contacts"),
+                         testing::Values("demo", "decompose", "score", "play", "info", "bake", "contacts", "live",
+                                         "serve", "replay", "snapshot", "export", "convert", "record"),
                          [](const auto& chosen) { return std::string(chosen.param); });
 
 TEST(Command, HelpListsEveryCommand) {
@@ -56,7 +85,9 @@ TEST(Command, HelpListsEveryCommand) {
 
 TEST(Command, HelpSeparatesOptionsFromTheirDescriptions) {
   const std::string help = runLorica({"snapshot", "--help"}).out;
-  EXPECT_TRUE(has(help, "  --target X,Y,Z Needs: --eye\n"));
+  EXPECT_TRUE(
+      has(help, "  --target X,Y,Z              Point that the fixed camera looks at, in metres (with --eye)\n"));
+  EXPECT_TRUE(has(help, "  --hide NAME                 Leave out"));
   EXPECT_TRUE(has(help, "  --strip                     Combine"));
 }
 
@@ -74,10 +105,67 @@ TEST(Command, HelpIsACommandToo) {
   EXPECT_EQ(runLorica({"help"}).out, runLorica({"--help"}).out);
 }
 
+TEST(Command, HelpIsOfOneCommand) {
+  const CommandResult result = runLorica({"help", "live", "vmc"});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_EQ(result.out, "");
+  EXPECT_TRUE(has(result.err, "vmc: unexpected argument, expected `lorica help live`")) << result.err;
+}
+
+/// Somebody new sees how to follow a webcam or a camera, where it is seen, and not what programmers need.
+TEST(Command, ShortHelpOfLiveExplainsWhatIsUsedMost) {
+  const std::string help = runLorica({"live", "-h"}).out;
+  const std::string explained = help.substr(0, help.find("More, explained by --help:"));
+  for (const char* option : {"--character", "--vmc", "--virtual", "--serve", "--window", "--background", "--scene"}) {
+    EXPECT_TRUE(has(explained, std::string("\n  ") + option)) << option;
+  }
+  EXPECT_FALSE(has(explained, "--events"));
+  EXPECT_LT(help.find("Where it is seen"), help.find("The parts and hulls")) << "in the order of use";
+}
+
+TEST(Command, MisspelledValuesAreNamed) {
+  const std::vector<std::pair<std::vector<std::string>, const char*>> all = {
+      {{"export", "a.off", "b.obj", "--engine", "unitty"}, "unity"},
+      {{"bake", "a.off", "--out", "o", "--engine", "godott"}, "godot"},
+      {{"bake", "a.off", "--out", "o", "--preset", "fats"}, "fast"},
+      {{"decompose", "a.off", "--preset", "papper"}, "paper"},
+      {{"play", "walk", "--walls", "shel"}, "shell"},
+      {{"play", "walk", "--smooth", "one-uero"}, "one-euro"},
+      {{"snapshot", "walk", "--show", "hull"}, "hulls"},
+      {{"snapshot", "walk", "--camera", "frnt"}, "front"},
+      {{"live", "--background", "grene"}, "green"},
+      {{"live", "--springs", "bodie"}, "body"},
+      {{"live", "--vrchat", "127.0.0.1", "--vrchat-trackers", "wasit"}, "waist"},
+      {{"convert", "a.csv", "b.csv", "--format", "kinet"}, "kinect"},
+  };
+  for (const auto& [words, meant] : all) {
+    const CommandResult result = runLorica(words);
+    EXPECT_EQ(result.exitCode, 2);
+    EXPECT_TRUE(has(result.err, fmt::format("; did you mean \"{}\"?", meant))) << result.err;
+  }
+}
+
 TEST(Command, SaysItsVersion) {
   const CommandResult result = runLorica({"--version"});
   EXPECT_EQ(result.exitCode, 0);
   EXPECT_EQ(result.out.rfind("lorica ", 0), 0u) << result.out;
+}
+
+/// What lorica.desktop names is named by lorica-mime.xml too, and is what `lorica FILE` opens.
+TEST(Desktop, ADoubleClickOpensWhatItNames) {
+  const std::string entry = valueOf(readFile(sourceFile("tools/packaging/lorica.desktop")));
+  const std::string types = valueOf(readFile(sourceFile("tools/packaging/lorica-mime.xml")));
+  const std::size_t begin = entry.find("MimeType=") + 9;
+  std::istringstream named(entry.substr(begin, entry.find('\n', begin) - begin));
+  std::set<std::string> endings;
+  for (std::string type; std::getline(named, type, ';');) {
+    const std::size_t at = types.find("<mime-type type=\"" + type + "\">");
+    ASSERT_NE(at, std::string::npos) << type;
+    const std::size_t glob = types.find("pattern=\"*", at) + 10;
+    endings.insert(types.substr(glob, types.find('"', glob) - glob));
+  }
+  EXPECT_EQ(endings, (std::set<std::string>{".bvh", ".glb", ".lsession", ".oni", ".vrm"}));
+  for (const std::string& ending : endings) EXPECT_NE(kindOf("hero" + ending), FileKind::kUnknown) << ending;
 }
 
 TEST(Command, UnknownCommandsOfHelpAreNoFiles) {

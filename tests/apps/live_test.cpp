@@ -1,6 +1,7 @@
 #include "capture/streams/osc.h"
 #include "capture/streams/udp.h"
 #include "geometry/files.h"
+#include "session/recording/session_file.h"
 #include "skinning/skeleton.h"
 #include "tests/apps/refusals.h"
 #include "tests/apps/run_command.h"
@@ -91,6 +92,7 @@ TEST(Live, WrongSourcesAreRefusedInASentence) {
   expectRefused(runLorica({"live", "--virtual", "--motion", "flying", "--headless", "--frames", "5"}), {"flying"});
   expectRefused(runLorica({"live", "--driver", "nowhere/libX.so.0", "--headless", "--frames", "5"}), {"libX.so.0"});
   EXPECT_EQ(runLorica({"live", "--motion", "walk"}).exitCode, 2) << "--motion is for the virtual camera";
+  expectRefused(runLorica({"live", "--webcam"}), {"lorica live --vmc 39539", "docs/RECIPES.md"});
 }
 
 TEST(Record, WhatAVirtualCameraSawCanBePlayed) {
@@ -141,6 +143,31 @@ TEST(Record, ADamagedRecordingIsASentence) {
 std::string freePort() {
   const Result<UdpSocket> socket = UdpSocket::listen({"127.0.0.1", 0});
   return socket ? std::to_string(socket->port()) : "";
+}
+
+/// Nothing falls on whoever is followed, until props are asked for; what is played keeps the demo's.
+TEST(Live, StandsOnAnEmptyStageUntilPropsAreAskedFor) {
+  const TemporaryFolder folder;
+  const std::string body = mannequinBody(folder);
+  const std::string session = folder.path() / "take.lsession";
+  using Words = std::vector<std::string>;
+  const auto sceneOf = [&](const Words& command, const Words& asked) {
+    Words words = command;
+    words.insert(words.end(), asked.begin(), asked.end());
+    words.insert(words.end(), {"--decomposition", body, "--frames", "2", "--force"});
+    const CommandResult made = runLorica(words);
+    EXPECT_EQ(made.exitCode, 0) << made.err;
+    EXPECT_EQ(has(made.out, "contacts"), command[0] == "live" && !asked.empty()) << made.out;
+    return valueOf(readSession(session)).header.scene;
+  };
+  for (const Words& command :
+       {Words{"live", "--virtual", "--headless", "--record", session},
+        Words{"live", "--vmc", freePort(), "--headless", "--record", session}, Words{"record", session, "--virtual"}}) {
+    EXPECT_EQ(sceneOf(command, {}), "none") << command[0];
+    EXPECT_EQ(sceneOf(command, {"--scene", "demo"}), "") << command[0];
+    EXPECT_EQ(sceneOf(command, {"--scene", "bowling"}), "bowling") << command[0];
+  }
+  EXPECT_EQ(sceneOf({"record", session, "wave"}, {}), "");
 }
 
 /// Waits until a program listens there.

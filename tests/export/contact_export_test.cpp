@@ -25,7 +25,7 @@ namespace {
 class Impatient final : public Host {
  public:
   explicit Impatient(int frames) : left_(frames) {}
-  void report(int /*done*/, int /*total*/) override { --left_; }
+  void report(int /*done*/, int /*total*/, double /*share*/) override { --left_; }
   [[nodiscard]] bool cancelled() const override { return left_ <= 0; }
 
  private:

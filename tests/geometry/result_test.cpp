@@ -144,32 +144,41 @@ TEST(Printable, IsOneLineAndStaysAsItIs) {
 }
 
 TEST(TimeLeft, OfEvenWorkIsWhatItTakes) {
-  TimeLeft left;
-  EXPECT_FALSE(left.update(1, 10, 1.0)) << "too early";
-  EXPECT_EQ(left.update(3, 10, 3.0), 7.0);
-  EXPECT_EQ(left.update(4, 10, 4.0), 6.0);
-  EXPECT_FALSE(left.update(10, 10, 10.0));
-  EXPECT_FALSE(left.update(3, 0, 11.0)) << "unknown total";
+  EXPECT_FALSE(timeLeft(0.1, 0.9, 1.0)) << "too early";
+  EXPECT_FALSE(timeLeft(0.01, 0.99, 10.0)) << "too little";
+  EXPECT_DOUBLE_EQ(timeLeft(0.3, 0.7, 3.0).value(), 7.0);
+  EXPECT_DOUBLE_EQ(timeLeft(0.15, 0.35, 3.0).value(), 7.0) << "half of it was there already";
+  EXPECT_FALSE(timeLeft(1.0, 0.0, 10.0));
+  EXPECT_FALSE(timeLeft(0.0, 1.0, 10.0));
 }
 
-TEST(TimeLeft, NeverRises) {
-  // The large items first, then one that hangs: items end after these seconds.
-  for (const bool hangs : {false, true}) {
-    TimeLeft left;
-    double last = std::numeric_limits<double>::infinity();
-    int done = 0, told = 0;
-    for (double seconds = 0.0; seconds < 200.0; seconds += 0.25) {
-      const double needed = done < 3 ? 10.0 * (done + 1) : 30.0 + (done - 2) * (hangs ? 20.0 : 1.0);
-      if (seconds >= needed && done < 10) ++done;
-      const std::optional<double> now = left.update(done, 10, seconds);
-      if (!now) continue;
-      ++told;
-      EXPECT_GT(*now, 0.0);
-      EXPECT_LE(*now, last) << seconds;
-      last = *now;
+/// Items of random work that take up to twice as long as the others.
+TEST(TimeLeft, IsRightWithinAFactorOfTwoAndNeverNothing) {
+  RandomNumbers random(5);
+  for (int round = 0; round < 200; ++round) {
+    std::vector<double> seconds;
+    double all = 0.0, now = 0.0;
+    for (int item = 0; item < 100; ++item) all += seconds.emplace_back(random.between(5.0, 10.0));
+    for (int item = 0; item < 100; ++item) {
+      for (int step = 0; step < 4; ++step, now += 0.25 * seconds[static_cast<std::size_t>(item)]) {
+        const std::optional<double> left = timeLeft(item / 100.0, 1.0 - item / 100.0, now);
+        if (item < 10 || item == 99) continue;
+        ASSERT_TRUE(left.has_value());
+        EXPECT_LT(*left, 2.0 * (all - now));
+        EXPECT_GT(*left, 0.5 * (all - now));
+      }
     }
-    EXPECT_GT(told, 20);
   }
+}
+
+TEST(TimeLeft, IsSaidAsRoughlyAsItIsKnown) {
+  EXPECT_EQ(roughly(0.01), "some seconds");
+  EXPECT_EQ(roughly(12.0), "about 10 seconds");
+  EXPECT_EQ(roughly(54.9), "about 50 seconds");
+  EXPECT_EQ(roughly(60.0), "about a minute");
+  EXPECT_EQ(roughly(170.0), "about 3 minutes");
+  EXPECT_EQ(roughly(3600.0), "about an hour");
+  EXPECT_EQ(roughly(9000.0), "about 3 hours");
 }
 
 std::string nested(int levels) {

@@ -272,6 +272,26 @@ TEST(PeerServe, ThePageFitsAPhone) {
   EXPECT_TRUE(result.at("phone").get<bool>());
 }
 
+/// A link for OBS: an alpha channel, nothing but the avatar, no panels.
+TEST(PeerServe, ALinkShowsTheAvatarAloneOnNothing) {
+  LORICA_REQUIRE_PEERS();
+  LORICA_REQUIRE_PAGE();
+  const Served served;
+  const json result = check(served.link(), "source");
+  if (result.empty()) return;
+  const json& source = result.at("source");
+  EXPECT_TRUE(source.at("problems").empty()) << source;
+  EXPECT_EQ(source.at("size"), json({1280, 720}));
+  EXPECT_GT(source.at("opaque").get<double>(), 0.02) << "the avatar";
+  EXPECT_GT(source.at("clear").get<double>(), 0.75) << "and nothing around it";
+  EXPECT_GT(source.at("left").get<int>(), 200) << "no panels and messages";
+  EXPECT_LT(source.at("right").get<int>(), 1080);
+  EXPECT_EQ(source.at("framed").at("free"), json({0, 0, 1280, 720}));
+  const json& wrong = source.at("wrong");
+  EXPECT_NE(wrong.dump().find("nowhere: no scene with this name"), std::string::npos) << wrong;
+  EXPECT_NE(wrong.dump().find("pink: no background with this name"), std::string::npos) << wrong;
+}
+
 TEST(PeerServe, AHeadsetStandsBesideGrabsAndLooksOutOfTheAvatar) {
   LORICA_REQUIRE_PEERS();
   LORICA_REQUIRE_PAGE();

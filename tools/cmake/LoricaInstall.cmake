@@ -63,6 +63,7 @@ if(NOT LORICA_PACKAGE_DOCS)  # Debian has its own names for these, and the licen
 endif()
 install(FILES ${documents} DESTINATION ${CMAKE_INSTALL_DOCDIR} COMPONENT command)
 install(FILES tools/packaging/lorica.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications COMPONENT command)
+install(FILES tools/packaging/lorica-mime.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/mime/packages RENAME lorica.xml COMPONENT command)
 install(FILES tools/packaging/lorica.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps COMPONENT command)
 install(FILES tools/packaging/org.lorica.Lorica.metainfo.xml DESTINATION ${CMAKE_INSTALL_DATADIR}/metainfo COMPONENT command)
 install(FILES tools/packaging/completion.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions

@@ -22,6 +22,32 @@
 
 namespace lorica {
 
+/// How far work is, from what it tells its host. Stages and tasks may be nested; a task within a task is not counted.
+class WorkShare {
+ public:
+  void beginStage(double from, double to);
+  void endStage();
+  /// How many tasks a stage has is not known before, so each takes most of what remains of it.
+  /// @param whole  it is all that there is
+  void beginTask(bool whole = false);
+  void report(int done, int total, double share = -1.0);
+
+  /// Of the whole work, 0 to 1; never decreases.
+  [[nodiscard]] double share() const { return share_; }
+  /// What tasks have reported of it; the rest of the share was skipped, since it was there already.
+  [[nodiscard]] double worked() const { return worked_; }
+
+ private:
+  // Shares at the ends of a stage, and what had been worked when it began.
+  struct Span {
+    double from = 0.0, to = 1.0, worked = 0.0;
+  };
+  std::vector<Span> outer_;  // stages around the present one
+  Span stage_;
+  double taskFrom_ = 0.0, taskTo_ = 1.0;
+  double share_ = 0.0, worked_ = 0.0;
+};
+
 /// The host of work in a thread of its own: another thread sees how far it is and may cancel it.
 class MonitoredHost final : public Host {
  public:
@@ -36,10 +62,9 @@ class MonitoredHost final : public Host {
   /// @param parent  gets warnings and says too whether to stop; outlives this one
   explicit MonitoredHost(Host& parent);
 
-  /// How many tasks a stage has is not known before, so each takes most of what remains of it.
   void beginTask(const std::string& label, const std::string& unit) override;
-  void report(int done, int total) override;
-  void beginStage(double from, double to) override;
+  void report(int done, int total, double share) override;
+  void beginStage(double from, double to, const std::string& name) override;
   void endStage() override;
   [[nodiscard]] bool cancelled() const override { return cancelled_ || parent_.cancelled(); }
   [[nodiscard]] bool inBackground() const override { return true; }
@@ -53,16 +78,13 @@ class MonitoredHost final : public Host {
   [[nodiscard]] bool stopped() const { return cancelled_; }
 
  private:
-  void reach(double share);
+  void publish();
 
   Host& parent_;
   std::atomic<bool> cancelled_ = false;
   mutable std::mutex mutex_;
   Progress progress_;
-  // Of the working thread only: shares at the ends of the present stage and task.
-  std::vector<std::pair<double, double>> outer_;  // stages around the present one
-  double from_ = 0.0, to_ = 1.0;
-  double taskFrom_ = 0.0, taskTo_ = 1.0;
+  WorkShare work_;  // of the working thread only
 };
 
 /// Work in another thread that reports how far it is and can be cancelled: what it reads asks, see workStopped().

@@ -54,14 +54,16 @@ void WarningBoard::update(double now) {
   }
 }
 
-std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust) {
+std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust, std::vector<bool>& known) {
+  known.resize(trust.size());
   std::string names;
   int lost = 0, bones = 0;
   for (std::size_t j = 0; j < trust.size(); ++j) {
     const std::optional<HumanBone> bone = skeleton.joints()[j].bone;
     if (!bone || *bone > HumanBone::kRightHand) continue;  // the fingers follow their hand
-    ++bones;
-    if (trust[j] >= kBelieved) continue;
+    known[j] = known[j] || trust[j] >= kBelieved;
+    bones += known[j] ? 1 : 0;
+    if (!known[j] || trust[j] >= kBelieved) continue;
     if (++lost > kMaxNames) continue;
     if (!names.empty()) names += ", ";
     names += wordsOf(nameOf(*bone));
@@ -75,12 +77,14 @@ std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust) {
 void raiseWarnings(const Session& session, std::string_view trouble, double now, WarningBoard& board) {
   if (!trouble.empty()) {
     board.raise("source", trouble, now);
+    board.known.clear();
     return;
   }
   const std::span<const SessionAvatar> avatars = session.avatars();
+  board.known.resize(avatars.size());
   for (std::size_t a = 0; a < avatars.size(); ++a) {
     if (!avatars[a].present()) continue;
-    const std::string lost = lostLimbs(avatars[a].character().skeleton, avatars[a].source().trust());
+    const std::string lost = lostLimbs(avatars[a].character().skeleton, avatars[a].source().trust(), board.known[a]);
     if (lost.empty()) continue;
     const std::string number = std::to_string(a + 1);
     board.raise("limbs" + number, avatars.size() == 1 ? lost : fmt::format("avatar {}: {}", number, lost), now);

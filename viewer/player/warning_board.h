@@ -24,10 +24,12 @@ class WarningBoard {
   /// Removes warnings that have not been raised for kHoldSeconds; each time that one came back doubles that. @param now
   /// monotonic clock [s]
   void update(double now);
-  void clear() { notes_.clear(), sentences_.clear(), past_.clear(); }
+  void clear() { notes_.clear(), sentences_.clear(), past_.clear(), known.clear(); }
 
   /// The current warnings, in the order in which they were first raised.
   [[nodiscard]] std::span<const std::string> sentences() const { return sentences_; }
+
+  std::vector<std::vector<bool>> known;  ///< of each avatar, see lostLimbs()
 
  private:
   struct Note {
@@ -41,14 +43,15 @@ class WarningBoard {
   std::vector<Note> past_;              // that were removed
 };
 
-/// Raises warnings about a frame: lost limbs and problems with the source.
+/// Raises warnings about a frame: lost limbs and problems with the source, after which nothing is known of the limbs.
 /// @param trouble  problem with the source; empty = none
 /// @param now      monotonic time [s]
 void raiseWarnings(const Session& session, std::string_view trouble, double now, WarningBoard& board);
 
-/// Names of the limbs with low trust: "left hand, left lower arm lost". If there are more than three, the first three
-/// and the number of the others; empty if there are none.
+/// Names of the limbs that are not trusted any more: "left hand, left lower arm lost". If there are more than three,
+/// the first three and the number of the others; empty if there are none. What a source never had is not lost.
 /// @param trust  one value per joint, see PoseSource::trust(); empty = all are trusted
-[[nodiscard]] std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust);
+/// @param known  the joints that were trusted before; those of this frame are added
+[[nodiscard]] std::string lostLimbs(const Skeleton& skeleton, std::span<const double> trust, std::vector<bool>& known);
 
 }  // namespace lorica

@@ -45,7 +45,7 @@ std::string backdrop() {
   return R"(
 const vec3 kHorizon = vec3(0.908, 0.920, 0.932);
 const vec3 kZenith = vec3(0.690, 0.750, 0.812);
-const vec3 kFloor = vec3(0.855, 0.866, 0.877);
+const vec3 kFloor = vec3(0.745, 0.762, 0.785);
 )";
 }
 

@@ -194,7 +194,7 @@ TEST(Baker, ItemsRunSideBySideAsFarAsMemoryGoes) {
   studio.settings.jobs = 4;
   const auto most = [&studio] {
     std::ptrdiff_t count = 0;
-    studio.settings.progress = [&](int, int) { count = std::max(count, studio.unfinished()); };
+    studio.settings.progress = [&](int, int, double) { count = std::max(count, studio.unfinished()); };
     EXPECT_TRUE(studio.bake().ok());
     return count;
   };
@@ -209,7 +209,7 @@ TEST(Baker, StoppingFinishesWhatHasBegun) {
   Studio studio;
   studio.addSlow(3);
   bool stop = false;
-  studio.settings.progress = [&](int, int) { stop = studio.unfinished() > 0; };
+  studio.settings.progress = [&](int, int, double) { stop = studio.unfinished() > 0; };
   studio.settings.stopping = [&] { return stop; };
   const BakeOutcome outcome = valueOf(studio.bake());
   EXPECT_TRUE(outcome.stopped);

@@ -3,6 +3,7 @@
 #include "capture/streams/packet_file.h"
 #include "geometry/clock.h"
 #include "geometry/work_budgets.h"
+#include "session/prepare/scenes.h"
 #include "session/prepare/stream_motion.h"
 #include "tests/capture/streams/vmc_packet.h"
 #include "tests/support/datasets.h"
@@ -10,6 +11,8 @@
 #include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace lorica::test {
 namespace {
@@ -49,6 +52,24 @@ TEST(LiveCast, ThePersonsHeadIsWhereTheirHeadsetIs) {
   person = sources.withHead(sources.tracked->sight().joints);
   EXPECT_LT((person[BodyJoint::kHead].position + stage - head).norm(), 1e-9);
   EXPECT_EQ(person[BodyJoint::kHead].confidence, 1.0);
+}
+
+/// After the demo's, which has no file; whatever is shown, and also where the shown one is the user's own.
+TEST(Scenes, TheEmptyStageIsOfferedFirstAndHasAFloorAlone) {
+  Host host;
+  for (const std::string& present :
+       {std::string(), std::string(kEmptyStage), std::string("pool"), std::string("/a/b.json")}) {
+    const SceneList list = scenesNextTo(present);
+    EXPECT_EQ(list.names[1], kEmptyStage);
+    EXPECT_EQ(list.arguments[1], kEmptyStage);
+    EXPECT_EQ(std::ranges::count(list.names, kEmptyStage), 1);
+    EXPECT_EQ(list.arguments[static_cast<std::size_t>(list.present)], present);
+  }
+  World world = test::valueOf(openScene(kEmptyStage, 1.0, host));
+  EXPECT_TRUE(world.props().empty());
+  EXPECT_TRUE(world.hasFloor());
+  EXPECT_EQ(world.particles(), nullptr);
+  world.step({}, 1.0 / 30.0);
 }
 
 TEST(PacketMotion, FramesAreReadUpToTheirLimit) {

@@ -1,5 +1,6 @@
 #include "viewer/player/monitored_host.h"
 
+#include "geometry/clock.h"
 #include "geometry/interrupt.h"
 #include "viewer/player/warning_board.h"
 
@@ -7,10 +8,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <random>
 #include <thread>
+#include <vector>
 
 namespace lorica {
 namespace {
@@ -23,15 +27,78 @@ TEST(MonitoredHost, AHalfDoneTaskIsHalfOfWhatItsStageHasForIt) {
   const Stage stage(monitor, 0.2, 0.6);
   EXPECT_DOUBLE_EQ(monitor.progress().share, 0.2);
   monitor.beginTask("Cutting", "");
-  monitor.report(2, 2);
+  monitor.report(2, 2, -1.0);
   const double task = monitor.progress().share - 0.2;
   EXPECT_GT(task, 0.2);
   EXPECT_LT(task, 0.4);
   EXPECT_EQ(monitor.progress().title(), "Cutting");
   monitor.beginTask("Settling", "");
-  monitor.report(1, 2);
+  monitor.report(1, 2, -1.0);
   const double rest = 0.4 - task;
   EXPECT_NEAR(monitor.progress().share, 0.2 + task + 0.5 * rest * task / 0.4, 1e-12) << "the same part of the rest";
+}
+
+TEST(WorkShare, WhatWasThereAlreadyIsNoWork) {
+  WorkShare work;
+  work.beginStage(0.0, 1.0);
+  work.beginStage(0.0, 0.6);  // from a cache
+  work.endStage();
+  EXPECT_DOUBLE_EQ(work.share(), 0.6);
+  EXPECT_EQ(work.worked(), 0.0);
+  work.beginStage(0.6, 1.0);
+  work.beginTask();
+  work.report(1, 2);
+  EXPECT_GT(work.worked(), 0.15);
+  EXPECT_DOUBLE_EQ(work.worked(), work.share() - 0.6);
+  work.report(7, 7, 0.25);
+  EXPECT_DOUBLE_EQ(work.worked(), work.share() - 0.6) << "it never goes back";
+  work.report(3, 7, 1.0);
+  work.endStage();
+  EXPECT_NEAR(work.worked(), 0.4, 1e-12) << "what the task did not report was work, too";
+  work.endStage();
+  EXPECT_DOUBLE_EQ(work.share(), 1.0);
+}
+
+/// Meshes whose work is what their size says, up to 40 %, each of one to three tasks; some are copies of others, which
+/// cost nothing. Nobody's clock is asked.
+TEST(WorkShare, TheTimeLeftIsRightWithinAFactorOfTwoAfterATenth) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> unit(0.0, 1.0);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<double> ends = {0.0};
+    std::vector<double> seconds;  // of each
+    for (int mesh = 0; mesh < 20; ++mesh) {
+      const double size = std::exp(2.0 * unit(random));
+      ends.push_back(ends.back() + size);
+      seconds.push_back(mesh > 0 && unit(random) < 0.1 ? 0.0 : 3.0 * size * (0.8 + 0.4 * unit(random)));
+    }
+    const double all = std::accumulate(seconds.begin(), seconds.end(), 0.0);
+    WorkShare work;
+    double now = 0.0;
+    work.beginStage(0.0, 1.0);
+    const auto look = [&] {
+      const std::optional<double> left = timeLeft(work.worked(), 1.0 - work.share(), now);
+      if (now < 0.1 * all || all - now < 0.02 * all) return;
+      ASSERT_TRUE(left.has_value()) << round;
+      EXPECT_LT(*left, 2.0 * (all - now) + 0.1 * all) << round << " after " << now / all;
+      EXPECT_GT(*left, 0.5 * (all - now) - 0.1 * all) << round << " after " << now / all;
+    };
+    for (std::size_t mesh = 0; mesh < seconds.size(); ++mesh) {
+      work.beginStage(ends[mesh] / ends.back(), ends[mesh + 1] / ends.back());
+      const int tasks = seconds[mesh] > 0.0 ? 1 + static_cast<int>(random() % 3) : 0;
+      for (int task = 0; task < tasks; ++task) {
+        // The first takes most of it, as cutting does.
+        const double own = seconds[mesh] * (tasks == 1 ? 1.0 : task == 0 ? 0.8 : 0.2 / (tasks - 1));
+        work.beginTask();
+        for (int step = 1; step <= 10; ++step) {
+          now += 0.1 * own;
+          work.report(step, 10);
+          look();
+        }
+      }
+      work.endStage();
+    }
+  }
 }
 
 /// Works for a while: stages within stages, and tasks that report what they like.
@@ -46,7 +113,7 @@ void work(MonitoredHost& monitor, std::mt19937& random, int depth, const std::fu
       monitor.beginTask("Task", "");
       for (int report = 0; report < 5; ++report) {
         const int done = static_cast<int>(random() % 14), total = static_cast<int>(random() % 12) - 1;
-        monitor.report(done, total);
+        monitor.report(done, total, -1.0);
         look();
       }
     }

@@ -377,17 +377,36 @@ TEST(WindowWarnings, NameWhatIsLost) {
   const Skeleton& skeleton = mannequin().skeleton;
   std::vector<double> trust(static_cast<std::size_t>(skeleton.jointCount()), 1.0);
   const auto lose = [&](HumanBone bone) { trust[skeleton.jointOf(bone)] = 0.0; };
-  EXPECT_EQ(lostLimbs(skeleton, {}), "");
-  EXPECT_EQ(lostLimbs(skeleton, trust), "");
+  std::vector<bool> known;
+  EXPECT_EQ(lostLimbs(skeleton, {}, known), "");
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "");
   lose(HumanBone::kLeftHand);
-  EXPECT_EQ(lostLimbs(skeleton, trust), "left hand lost");
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "left hand lost");
   lose(HumanBone::kLeftLowerArm);
   lose(HumanBone::kRightUpperLeg);
   lose(HumanBone::kHead);
-  const std::string four = lostLimbs(skeleton, trust);
+  const std::string four = lostLimbs(skeleton, trust, known);
   EXPECT_NE(four.find("and 1 more lost"), std::string::npos) << four;
   std::fill(trust.begin(), trust.end(), 0.2);
-  EXPECT_EQ(lostLimbs(skeleton, trust), "the whole body is lost");
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "the whole body is lost");
+}
+
+/// Such as the legs of somebody before a webcam. What comes once is lost when it stops.
+TEST(WindowWarnings, WhatNeverCameIsNotLost) {
+  const Skeleton& skeleton = mannequin().skeleton;
+  std::vector<double> trust(static_cast<std::size_t>(skeleton.jointCount()), 0.0);
+  std::vector<bool> known;
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "") << "nothing came yet";
+  for (const HumanBone bone : {HumanBone::kHead, HumanBone::kLeftLowerArm}) trust[skeleton.jointOf(bone)] = 1.0;
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "");
+  trust[skeleton.jointOf(HumanBone::kHead)] = 0.0;
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "head lost");
+  trust[skeleton.jointOf(HumanBone::kLeftLowerArm)] = 0.3;
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "the whole body is lost") << "all that came";
+  trust[skeleton.jointOf(HumanBone::kRightFoot)] = 1.0;
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "left lower arm, head lost");
+  trust[skeleton.jointOf(HumanBone::kRightFoot)] = 0.0;
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "the whole body is lost");
 }
 
 }  // namespace

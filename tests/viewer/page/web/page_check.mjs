@@ -44,7 +44,7 @@ const browser = await puppeteer.launch({
   protocolTimeout: 600000,
 });
 
-async function open(size, { before, layers = { hulls: false } } = {}) {
+async function open(size, { before, layers = { hulls: false }, query = '' } = {}) {
   const context = await browser.createBrowserContext(),
     page = await context.newPage();
   page.on('pageerror', (error) => result.errors.push(error.message));
@@ -67,7 +67,7 @@ async function open(size, { before, layers = { hulls: false } } = {}) {
     }
   }, choices);
   if (before) await page.evaluateOnNewDocument(before);
-  await page.goto(url, kWait);
+  await page.goto(url.replace(/(#|$)/, `${query}$1`), kWait);
   await until(
     page,
     () => window.loricaPage?.avatars.length > 0 && window.loricaPage.avatars.every((a) => a.loaded || a.failed),
@@ -253,9 +253,23 @@ async function throwBall(page) {
   result.throw = { props: [props.length, (await see(page)).props.length] };
 }
 
+/// Until the avatar is wholly in what panels leave free, in its middle, and fills it.
+async function framed(page) {
+  await until(page, () => {
+    const { avatar, free } = loricaPage.framed,
+      [width, height] = [free[2] - free[0], free[3] - free[1]];
+    const off = [0, 1].map((i) => Math.abs(avatar[i] + avatar[i + 2] - free[i] - free[i + 2]) / 2);
+    const inside = [0, 1].every((i) => avatar[i] >= free[i] && avatar[i + 2] <= free[i + 2]);
+    const fills = Math.max((avatar[2] - avatar[0]) / width, (avatar[3] - avatar[1]) / height);
+    return inside && fills > 0.4 && off[0] < 0.12 * width && off[1] < 0.12 * height;
+  });
+  return (await see(page)).framed;
+}
+
 const parts = {
   async desktop() {
     const page = await open(kDesktop);
+    result.framed = await framed(page);
     await shot(page, 'desktop_light');
     const { frames, avatars, props, run, problems, quality, state } = await see(page);
     result.desktop = { frames, avatars, props: props.length, run, problems, quality, title: state?.title };
@@ -453,8 +467,41 @@ const parts = {
     await page.close();
   },
 
+  /// As OBS has it: the picture alone, with an alpha channel, in an empty scene.
+  async source() {
+    const page = await open(kDesktop, { query: '?scene=none&background=transparent' });
+    await until(page, () => loricaPage.controls.scene?.choices[loricaPage.controls.scene.value] === 'none');
+    await until(page, () => loricaPage.props.length === 0);
+    const seen = await framed(page);
+    await drawn(page);
+    const png = await page.screenshot({ path: path.join(folder, 'source.png'), omitBackground: true });
+    const other = await (await browser.createBrowserContext()).newPage();
+    result.source = await other.evaluate(async (text) => {
+      const image = await createImageBitmap(await (await fetch(`data:image/png;base64,${text}`)).blob());
+      const picture = new OffscreenCanvas(image.width, image.height).getContext('2d');
+      picture.drawImage(image, 0, 0);
+      const { data } = picture.getImageData(0, 0, image.width, image.height);
+      const alphas = data.filter((_, i) => i % 4 === 3),
+        share = (is) => alphas.filter(is).length / alphas.length;
+      let [left, right] = [image.width, 0];
+      alphas.forEach((a, i) => {
+        if (a > 0) [left, right] = [Math.min(left, i % image.width), Math.max(right, i % image.width)];
+      });
+      return { size: [image.width, image.height], clear: share((a) => a === 0), opaque: share((a) => a === 255), left, right };
+    }, Buffer.from(png).toString('base64'));
+    result.source.framed = seen;
+    result.source.problems = (await see(page)).problems;
+    await other.close();
+    const wrong = await open(kDesktop, { query: '?scene=nowhere&background=pink' });
+    await until(wrong, () => loricaPage.problems.length === 2);
+    result.source.wrong = (await see(wrong)).problems;
+    await wrong.close();
+    await page.close();
+  },
+
   async phone() {
     const page = await open(kPhone);
+    result.framed = await framed(page);
     await shot(page, 'phone_light');
     await page.tap('button[aria-label=Settings]');
     await until(page, () => !document.body.classList.contains('shut'));

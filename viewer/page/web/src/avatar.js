@@ -221,6 +221,12 @@ export class Avatar {
     geometry.computeVertexNormals();
   }
 
+  /// @param take  gets the place of each joint
+  eachJoint(take) {
+    for (const [object] of this.#joints)
+      if (object !== this.#scene || this.#joints.length === 1) take(point.setFromMatrixPosition(object.matrixWorld));
+  }
+
   show(shown) {
     this.#shown = shown;
     this.root.visible = this.present && shown;

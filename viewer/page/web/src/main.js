@@ -4,7 +4,7 @@ import { Avatar } from './avatar.js';
 import { Connection } from './connection.js';
 import { Headset } from './headset.js';
 import { Panel, make, row } from './panel.js';
-import { Stage } from './stage.js';
+import { Stage, kBackgrounds } from './stage.js';
 import { Bones, Contacts, Hulls, Particles, Props } from './things.js';
 import { View } from './view.js';
 import { FrameError, FrameReader } from './wire.js';
@@ -16,6 +16,10 @@ const kVideoRate = 30, // [1/s]
 const canvas = document.getElementById('view'),
   depth = document.getElementById('depth'),
   connectionText = document.getElementById('connection');
+/// What a link asks for: ?scene=none&background=transparent. One with a background shows the picture alone, as OBS takes it.
+const asked = new URLSearchParams(location.search);
+let askedScene = asked.get('scene'),
+  askedBackground = null;
 const dark = matchMedia('(prefers-color-scheme: dark)');
 
 /// What the page's help has beside the server's list of controls.
@@ -117,6 +121,7 @@ function message(news) {
   } else if (news.type === 'controls') {
     const before = panel.controls.parts?.value;
     panel.set(news.controls);
+    askForScene(panel.controls.scene);
     const { value } = panel.controls.parts;
     if (before !== value && world.avatars[0]?.painted !== value) {
       repaint = true;
@@ -125,6 +130,15 @@ function message(news) {
   } else if (news.type === 'state') panel.update(news, hello);
   else if (news.type === 'registration') headset.registered(news);
   else if (news.type === 'notice') panel.notice(news.text, news.problem);
+}
+
+/// Once, so that others may choose another one.
+function askForScene(scene) {
+  if (!askedScene || !scene?.choices) return;
+  const to = scene.choices.indexOf(askedScene);
+  if (to < 0) problem(`${askedScene}: no scene with this name, expected one of ${scene.choices.join(', ')}`);
+  else if (to !== scene.value) connection.set('scene', { to });
+  askedScene = null;
 }
 
 /// Everything from before is void, but props stay until others are named. After a lost connection the same characters need
@@ -217,7 +231,8 @@ function applyChoices() {
   const { choices } = panel,
     shows = (layer) => panel.shows(layer);
   const through = stage.renderer.xr.isPresenting && headset.mode === 'ar';
-  const background = choices.background === 'as the system' ? (dark.matches ? 'dark' : 'light') : choices.background;
+  const chosen = askedBackground ?? choices.background;
+  const background = chosen === 'as the system' ? (dark.matches ? 'dark' : 'light') : chosen;
   stage.show({ background, ground: shows('ground') && world.floor !== false, through });
   for (const avatar of world.avatars) {
     avatar.show(shows('character'));
@@ -463,6 +478,12 @@ stage.renderer.setAnimationLoop((milliseconds, xrFrame) => {
   stage.renderer.render(stage.scene, stage.camera);
   ++drawnPictures;
 });
+if (asked.has('background')) {
+  const name = asked.get('background');
+  if (name in kBackgrounds) askedBackground = name;
+  else problem(`${name}: no background with this name, expected one of ${Object.keys(kBackgrounds).join(', ')}`);
+  document.body.classList.toggle('bare', askedBackground !== null);
+}
 layout();
 applyChoices();
 headset.offer();
@@ -499,6 +520,22 @@ const shown = {
   mode: () => headset.mode,
   live: () => world.live(),
   registration: () => headset.registration,
+  /// The first avatar's joints in the picture, and what panels leave free of it: left, top, right, bottom [CSS pixels].
+  framed: () => {
+    const { x, y } = new THREE.Vector2(innerWidth, innerHeight),
+      { right, bottom } = panel.covered(),
+      seen = new THREE.Box3(),
+      { min, max } = world.avatars[0]?.box ?? seen;
+    for (let i = 0; i < 8; ++i)
+      seen.expandByPoint(
+        new THREE.Vector3(i & 1 ? max.x : min.x, i & 2 ? max.y : min.y, i & 4 ? max.z : min.z).project(stage.camera),
+      );
+    const at = (u, size) => ((1 + u) / 2) * size;
+    return {
+      avatar: [at(seen.min.x, x), at(-seen.max.y, y), at(seen.max.x, x), at(-seen.min.y, y)],
+      free: [0, 0, x - right, y - bottom],
+    };
+  },
   camera: () => new THREE.Vector3().setFromMatrixPosition(stage.camera.matrixWorld).toArray(),
   rig: () => ({ position: stage.rig.position.toArray(), yaw: stage.rig.rotation.y }),
 };

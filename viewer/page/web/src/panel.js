@@ -423,7 +423,7 @@ export class Panel {
     const narrow = matchMedia('(max-width: 720px)').matches;
     return {
       right: narrow || sheet.width === 0 ? 0 : sheet.width + 12,
-      bottom: narrow && sheet.height > 0 ? sheet.height : innerHeight - bar.top,
+      bottom: narrow && sheet.height > 0 ? sheet.height : bar.height > 0 ? innerHeight - bar.top : 0,
     };
   }
 }

@@ -7,8 +7,8 @@ const kShadowReach = 3.2; // half a side of what has shadows [m]
 
 /// sRGB. `null` = nothing is drawn there.
 export const kBackgrounds = {
-  light: { horizon: [0.908, 0.92, 0.932], zenith: [0.69, 0.75, 0.812], floor: [0.855, 0.866, 0.877] },
-  dark: { horizon: [0.125, 0.14, 0.165], zenith: [0.05, 0.06, 0.085], floor: [0.185, 0.2, 0.225] },
+  light: { horizon: [0.908, 0.92, 0.932], zenith: [0.69, 0.75, 0.812], floor: [0.745, 0.762, 0.785] },
+  dark: { horizon: [0.2, 0.222, 0.258], zenith: [0.1, 0.115, 0.15], floor: [0.115, 0.127, 0.148] },
   green: { flat: [0, 1, 0] },
   transparent: { flat: null },
 };
@@ -111,7 +111,7 @@ export class Stage {
   rig = new THREE.Group(); // where the floor of a headset is
   fov = 0.6; // [rad], vertical, in a picture that is not upright
   quality = 'high';
-  halfAngle = 0.3;
+  half = { x: 0.5, y: 0.3 }; // tangents of the half angles that panels leave free
   #colors = {
     horizon: { value: new THREE.Vector3() },
     zenith: { value: new THREE.Vector3() },
@@ -204,7 +204,7 @@ export class Stage {
       freeHeight = Math.max(height - bottom, 1);
     // The free area sees the field of view, in an upright one horizontally most of it; the rest is behind the panels.
     const tangent = Math.tan(this.fov / 2) * Math.max(1, (0.82 * freeHeight) / freeWidth);
-    this.halfAngle = Math.atan(Math.min(tangent, (tangent * freeWidth) / freeHeight)); // of a cone that is free
+    this.half = { x: (tangent * freeWidth) / freeHeight, y: tangent };
     this.camera.fov = THREE.MathUtils.radToDeg(2 * Math.atan((tangent * height) / freeHeight));
     this.camera.aspect = width / height;
     if (right || bottom) this.camera.setViewOffset(width, height, right / 2, bottom / 2, width, height);

@@ -9,6 +9,9 @@ const kSides = {
   right: [-1, 0.1, 0.05],
   above: [0, 1, 0.02],
 };
+const kFilled = 0.9, // of the free area, by the avatars
+  kNearer = 3; // in which the camera comes back most of the way [s]
+const kAround = 0.12; // of an avatar's height: head, hands and feet reach so far beyond its joints
 const kClick = 6; // a press that moves less is a click [CSS pixels]
 
 export class View {
@@ -21,7 +24,8 @@ export class View {
   #pointer = new THREE.Vector2();
   #center = new THREE.Vector3(0, 0.95, 0);
   #placed = false;
-  #home = { eye: [1.8, 1.6, 3.6], target: [0, 0.95, 0] };
+  #home = { eye: [1.8, 1.6, 3.6], target: [0, 0.95, 0], distance: 4 };
+  #distance = 0; // from which all is seen
   #down = null;
   #touched = false; // the camera, since it was at home
 
@@ -54,7 +58,7 @@ export class View {
   }
 
   home({ eye, target, fov }) {
-    this.#home = { eye, target };
+    this.#home = { eye, target, distance: new THREE.Vector3(...eye).distanceTo(new THREE.Vector3(...target)) };
     this.#world.stage.fov = fov;
     this.reset();
   }
@@ -63,6 +67,7 @@ export class View {
     this.#world.stage.camera.position.set(...this.#home.eye);
     this.controls.target.set(...this.#home.target);
     this.#placed = this.#touched = false;
+    this.#distance = 0;
     this.controls.update();
     this.#world.changed();
   }
@@ -117,22 +122,36 @@ export class View {
     return !presents && this.controls.update(seconds);
   }
 
-  /// Moves back as far as needed to show the avatars, until the user moves the camera.
+  /// Keeps the avatars, whole, in the middle of what panels leave free, until the user moves the camera. It is no nearer than
+  /// the server's, whose picture is wider where this one is upright. It goes back at once, and comes near again slowly.
   #showWholly(seconds) {
     const { stage, avatars } = this.#world,
-      { position } = stage.camera,
-      { target } = this.controls;
+      { camera, half, fov } = stage,
+      { target } = this.controls,
+      shown = avatars.filter((avatar) => avatar.present && !avatar.box.isEmpty());
+    if (shown.length === 0) return;
     box.makeEmpty();
-    for (const avatar of avatars) if (avatar.present && !avatar.box.isEmpty()) box.union(avatar.box);
-    if (box.isEmpty()) return;
-    const needed = (0.55 * box.getSize(moved).length() + 0.15) / Math.sin(stage.halfAngle);
-    const distance = position.distanceTo(target);
-    if (distance >= 0.98 * needed) return;
-    moved
-      .copy(position)
-      .sub(target)
-      .setLength(distance + (needed - distance) * (1 - Math.exp(-seconds / 0.3)));
-    position.copy(target).add(moved);
+    for (const avatar of shown) box.union(avatar.box);
+    const share = 1 - Math.exp(-seconds / 0.3);
+    if (this.follow) {
+      box.getCenter(moved).sub(target).multiplyScalar(share);
+      target.add(moved);
+      camera.position.add(moved);
+    }
+    const [right, up, back] = axes;
+    camera.matrix.extractBasis(right, up, back);
+    const around = kAround * box.getSize(moved).y;
+    let needed = this.#home.distance * Math.min(1, Math.tan(fov / 2) / half.y);
+    const fit = (joint) => {
+      joint.sub(target);
+      const across = Math.max((Math.abs(joint.dot(right)) + around) / half.x, (Math.abs(joint.dot(up)) + around) / half.y);
+      needed = Math.max(needed, across / kFilled + joint.dot(back));
+    };
+    for (const avatar of shown) avatar.eachJoint(fit);
+    this.#distance = needed + Math.exp(-seconds / kNearer) * Math.max(this.#distance - needed, 0);
+    moved.copy(camera.position).sub(target);
+    const distance = moved.length();
+    camera.position.copy(target).add(moved.setLength(distance + (this.#distance - distance) * share));
   }
 
   hold(hit, hand = 0) {
@@ -234,5 +253,6 @@ export class View {
 }
 
 const box = new THREE.Box3(),
+  axes = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()],
   point = new THREE.Vector3(),
   moved = new THREE.Vector3();
