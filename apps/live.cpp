@@ -24,15 +24,16 @@ Report liveReport(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const bool nobody = run.tracked() && run.log.figures().followed == 0;
-  Report report(
-      fmt::format("{} followed {}: {}", session.character().name, nobody ? "nobody" : run.name(),
-                  counted(statistics.frames(), "frame")),
-      "source character parts avatars depthFrames framesWithPerson maxPeople unplugged firstPose tracking stream "
-      "latency streams frames contacts touches propsTouched avatarTouches selfContacts training stages");
+  Report report(fmt::format("{} followed {}: {}", session.character().name, nobody ? "nobody" : run.name(),
+                            counted(statistics.frames(), "frame")),
+                "source character parts avatars depthFrames framesWithPerson maxPeople unplugged firstPose tracking "
+                "depthStream stream latency streams frames contacts touches propsTouched avatarTouches selfContacts "
+                "training stages");
   report.add("source", run.name());
   report.add("character", session.character().name);
   report.add("parts", run.cast.avatars.front().body.decomposition.parts.size());
   if (run.tracked()) report.add(liveFacts(run.log));
+  if (const DepthStream* sent = run.depthStream()) report.add(depthStreamFacts(*sent));
   Json streams;
   for (const VmcInput& stream : run.streams()) {
     const Facts facts = streamFacts(stream);
@@ -173,6 +174,8 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
       "      a Kinect with an additional driver\n"
       "  lorica live --people 2 --character hero.vrm,robot.glb\n"
       "      two people, in the order of coming, with an avatar each; they touch each other\n"
+      "  rs_sender.py | lorica live --depth -\n"
+      "      any other camera: a program sends its depth images; docs/SENSORS.md has senders\n"
       "  lorica live --vmc 39539,39540 --character hero.vrm,robot.glb\n"
       "      two programs that send, with an avatar each\n"
       "  lorica live --vmc-out 192.168.0.7:39539\n"

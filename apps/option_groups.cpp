@@ -290,6 +290,19 @@ void addDepthOptions(CLI::App& app, DepthOptions& options) {
   CLI::Option* virtualCamera = app.add_flag("--virtual", options.virtualCamera,
                                             "Instead of a camera a virtual one, with a virtual person before it");
   virtualCamera->excludes(device)->excludes(driver);
+  CLI::Option* sent =
+      app.add_option("--depth", options.stream,
+                     "Follow depth images that another program sends: - is standard input, a path is a named pipe or a "
+                     "socket, a port alone is open to this machine only; see docs/SENSORS.md")
+          ->type_name("-|PATH|[HOST:]PORT")
+          ->excludes(device)
+          ->excludes(driver)
+          ->excludes(virtualCamera);
+  app.add_option("--depth-format", options.format,
+                 "Images without headers: gray16le,640x576,fov=75x65,unit=mm. Of a camera that has its usual size the "
+                 "field of view may be left out")
+      ->type_name("FORMAT")
+      ->needs(sent);
   app.add_option(
          "--motion", options.motion,
          "Motion of the virtual person, repeated: a shipped recording or a joint CSV; two of them, separated by "

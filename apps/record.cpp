@@ -82,7 +82,7 @@ Result<void> checkSource(const RecordOptions& options, const Host& host) {
   const std::string& motion = request.motion.empty() ? request.character : request.motion;
   const char* other = live.people > 1 ? "--people" : !live.vmc.listenAt.empty() ? "--vmc" : nullptr;
   if (other != nullptr) return invalidArgument("found a motion and {}, expected only one of them", other);
-  if (live.depth.virtualCamera || !live.depth.device.empty() || !live.depth.driver.empty()) {
+  if (live.depth.asked()) {
     return invalidArgument("found a motion, {}, and a camera, expected only one of them", motion);
   }
   return checkVmcInput(live.vmc, host);

@@ -245,6 +245,20 @@ Facts liveFacts(const LiveLog& log) {
   return facts;
 }
 
+Facts depthStreamFacts(const DepthStream& stream) {
+  const DepthStream::Counts counts = stream.counts();
+  std::string words = counted(counts.images, "image");
+  if (counts.dropped > 0) words += fmt::format(", {} came too fast and were left out", grouped(counts.dropped));
+  if (counts.broken > 0) words += fmt::format(", {} broke off", grouped(counts.broken));
+  if (counts.senders != 1) words += "; " + counted(counts.senders, "sender");
+  Facts facts;
+  facts.add(
+      "depthStream", "depth stream",
+      {{"images", counts.images}, {"dropped", counts.dropped}, {"broken", counts.broken}, {"senders", counts.senders}},
+      words);
+  return facts;
+}
+
 Facts streamFacts(const VmcInput& stream) {
   Facts facts;
   const VmcStream::Counts counts = stream.counts();

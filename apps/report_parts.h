@@ -36,6 +36,8 @@ namespace lorica {
 
 /// What was seen by a camera's tracker; times in microseconds.
 [[nodiscard]] Facts liveFacts(const LiveLog& log);
+/// What a program sent of depth.
+[[nodiscard]] Facts depthStreamFacts(const DepthStream& stream);
 /// What a program sent.
 [[nodiscard]] Facts streamFacts(const VmcInput& stream);
 /// What was drawn to files.

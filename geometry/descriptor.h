@@ -21,6 +21,11 @@ class Descriptor {
     if (valid()) ::close(fd_);
     fd_ = -1;
   }
+  /// Owns another one instead.
+  void reset(int fd) {
+    close();
+    fd_ = fd;
+  }
 
  private:
   int fd_;

@@ -30,10 +30,10 @@ struct FreeAddresses {
 };
 using Addresses = std::unique_ptr<addrinfo, FreeAddresses>;
 
-Result<Addresses> resolve(const NetworkAddress& address, bool passive) {
+Result<Addresses> resolve(const NetworkAddress& address, int type, bool passive) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
-  hints.ai_socktype = SOCK_DGRAM;
+  hints.ai_socktype = type;
   hints.ai_flags = passive ? AI_PASSIVE : 0;
   addrinfo* list = nullptr;
   const int failed = getaddrinfo(address.host.c_str(), std::to_string(address.port).c_str(), &hints, &list);
@@ -45,11 +45,11 @@ Result<Addresses> resolve(const NetworkAddress& address, bool passive) {
 
 /// Opens a socket and applies `use` to it and each address until one succeeds.
 template <typename Use>
-Result<int> openFirst(const NetworkAddress& address, bool passive, const char* purpose, Use&& use) {
-  LORICA_TRY(const Addresses list, resolve(address, passive));
+Result<int> openFirst(const NetworkAddress& address, int type, bool passive, const char* purpose, Use&& use) {
+  LORICA_TRY(const Addresses list, resolve(address, type, passive));
   int reason = EADDRNOTAVAIL;
   for (const addrinfo* one = list.get(); one != nullptr; one = one->ai_next) {
-    const int descriptor = socket(one->ai_family, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+    const int descriptor = socket(one->ai_family, type | SOCK_CLOEXEC, 0);
     if (descriptor >= 0 && use(descriptor, one->ai_addr, one->ai_addrlen) == 0) return descriptor;
     reason = errno;
     if (descriptor >= 0) close(descriptor);
@@ -59,6 +59,7 @@ Result<int> openFirst(const NetworkAddress& address, bool passive, const char* p
 
 std::uint16_t portOf(const sockaddr_storage& address) {
   if (address.ss_family == AF_INET6) return ntohs(reinterpret_cast<const sockaddr_in6&>(address).sin6_port);
+  if (address.ss_family != AF_INET) return 0;
   return ntohs(reinterpret_cast<const sockaddr_in&>(address).sin_port);
 }
 
@@ -94,13 +95,29 @@ std::string textOf(const NetworkAddress& address) {
   return six ? fmt::format("[{}]:{}", address.host, address.port) : fmt::format("{}:{}", address.host, address.port);
 }
 
+Result<int> listenTcp(const NetworkAddress& address) {
+  return openFirst(address, SOCK_STREAM, true, "listen there", [](int descriptor, const sockaddr* at, socklen_t size) {
+    constexpr int kWaiting = 4;  // programs that connect while another sends
+    const int yes = 1;
+    (void)setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
+    return bind(descriptor, at, size) != 0 ? -1 : listen(descriptor, kWaiting);
+  });
+}
+
+std::uint16_t portOf(int socket) {
+  sockaddr_storage own{};
+  socklen_t length = sizeof own;
+  if (getsockname(socket, reinterpret_cast<sockaddr*>(&own), &length) != 0) return 0;
+  return portOf(own);
+}
+
 Result<UdpSocket> UdpSocket::listen(const NetworkAddress& address) {
-  LORICA_TRY(const int descriptor, openFirst(address, true, "listen there", ::bind));
+  LORICA_TRY(const int descriptor, openFirst(address, SOCK_DGRAM, true, "listen there", ::bind));
   return UdpSocket(descriptor);
 }
 
 Result<UdpSocket> UdpSocket::connect(const NetworkAddress& address) {
-  LORICA_TRY(const int descriptor, openFirst(address, false, "send there", ::connect));
+  LORICA_TRY(const int descriptor, openFirst(address, SOCK_DGRAM, false, "send there", ::connect));
   return UdpSocket(descriptor);
 }
 
@@ -132,10 +149,7 @@ bool UdpSocket::send(std::span<const std::byte> packet) {
 }
 
 std::uint16_t UdpSocket::port() const {
-  sockaddr_storage own{};
-  socklen_t length = sizeof own;
-  if (getsockname(descriptor_, reinterpret_cast<sockaddr*>(&own), &length) != 0) return 0;
-  return portOf(own);
+  return portOf(descriptor_);
 }
 
 }  // namespace lorica

@@ -22,6 +22,12 @@ struct NetworkAddress {
 /// "127.0.0.1:39539", "[::1]:39539"
 [[nodiscard]] std::string textOf(const NetworkAddress& address);
 
+/// A TCP socket that listens on an address of this machine, for the caller to close.
+/// @return its file descriptor, or why it cannot be had
+[[nodiscard]] Result<int> listenTcp(const NetworkAddress& address);
+/// The port of a socket, also if 0 was asked for; 0 if it has none.
+[[nodiscard]] std::uint16_t portOf(int socket);
+
 /// A UDP socket; closed by its destructor.
 class UdpSocket {
  public:

@@ -1,6 +1,7 @@
 #include "session/prepare/cameras.h"
 
 #include "capture/sensor/openni.h"
+#include "capture/streams/depth_stream.h"
 #include "capture/virtual_sensor/virtual_script.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
@@ -71,6 +72,15 @@ Result<std::shared_ptr<OpenNi>> startOpenNi(const DepthOptions& options) {
   return OpenNi::start(settings);
 }
 
+Result<DepthStreamSettings> streamOf(const DepthOptions& options) {
+  DepthStreamSettings settings;
+  settings.at = options.stream;
+  if (!options.format.empty()) {
+    LORICA_TRY(settings.bare, prefixed("--depth-format", parseBareDepth(options.format)));
+  }
+  return settings;
+}
+
 std::string uriOf(const DepthOptions& options) {
   return options.virtualCamera ? kVirtualUri : options.device;
 }
@@ -96,7 +106,17 @@ Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, co
   return joints;
 }
 
+Result<void> checkDepth(const DepthOptions& options) {
+  LORICA_TRY(const DepthStreamSettings settings, streamOf(options));
+  return options.stream.empty() ? Result<void>() : prefixed("--depth", DepthStream::check(settings));
+}
+
 Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options) {
+  if (!options.stream.empty()) {
+    LORICA_TRY(const DepthStreamSettings settings, streamOf(options));
+    LORICA_TRY(std::unique_ptr<DepthStream> stream, prefixed("--depth", DepthStream::open(settings)));
+    return std::unique_ptr<DepthSource>(std::move(stream));
+  }
   if (!options.virtualCamera || !virtualDriver().empty()) return openCamera(options);
   LORICA_TRY(const std::string text, virtualText(options));
   LORICA_TRY(const VirtualScript script, virtualScript(options, text));

@@ -15,9 +15,11 @@ struct DepthOptions {
   std::string driver;          ///< an additional OpenNI2 driver; empty = none
   bool virtualCamera = false;  ///< Lorica's driver, see docs/VIRTUAL_SENSOR.md
   std::string motion;          ///< motion of the virtual people; empty = as in $LORICA_VIRTUAL
+  std::string stream;          ///< where another program sends images, see DepthStream; empty = none does
+  std::string format;          ///< of images without headers, see parseBareDepth(); empty = they have headers
 
   /// Whether a certain camera was asked for.
-  [[nodiscard]] bool asked() const { return virtualCamera || !device.empty() || !driver.empty(); }
+  [[nodiscard]] bool asked() const { return virtualCamera || !device.empty() || !driver.empty() || !stream.empty(); }
 };
 
 /// Opens a real or virtual camera through OpenNI2.
@@ -28,7 +30,10 @@ struct DepthOptions {
 /// @param library  libNiTE2.so
 [[nodiscard]] Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library);
 
-/// Like openCamera(), but a virtual camera does not need OpenNI2.
+/// Rejects an address or a format of a depth stream that cannot be, before any work.
+[[nodiscard]] Result<void> checkDepth(const DepthOptions& options);
+
+/// Like openCamera(), but a virtual camera does not need OpenNI2, and a stream is waited for.
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options);
 
 }  // namespace lorica

@@ -5,6 +5,7 @@
 #include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
+#include "geometry/interrupt.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "session/prepare/abandoned_work.h"
@@ -94,6 +95,7 @@ Result<std::shared_ptr<LiveSources>> openPeople(const LiveRequest& live) {
   if (!opened && live.headset && !live.depth.asked()) return openHeadset();
   if (!opened) return opened.error();
   std::unique_ptr<DepthSource> depth = std::move(*opened);
+  sources->sent = dynamic_cast<const DepthStream*>(depth.get());
   TrackerSettings settings;
   settings.maxPeople = std::max(settings.maxPeople, live.people);
   settings.lowerBody = live.lowerBody;
@@ -227,6 +229,7 @@ Result<std::unique_ptr<PoseSource>> LiveSources::open(const PreparedAvatar& avat
 Result<void> checkLive(const LiveRequest& live, const Host& host) {
   for (const VmcInputOptions& sender : sendersOf(live.vmc)) LORICA_TRY_DO(checkVmcInput(sender, host));
   if (live.vmc.listenAt.empty()) LORICA_TRY_DO(checkVmcInput(live.vmc, host));
+  LORICA_TRY_DO(checkDepth(live.depth));
   if (live.threePoint && (live.avatars() > 1 || live.person > 0 || !live.vmc.listenAt.empty())) {
     return invalidArgument("--three-point follows the wearer of a headset: --people, --person and --vmc do not apply");
   }
@@ -240,10 +243,15 @@ Result<LiveCast> prepareLiveCast(const CastRequest& request, const LiveRequest& 
   LORICA_TRY(std::vector<PreparedAvatar> avatars, readFollowers(request, live, host));
   // The source is opened last, because it runs while the rest is prepared. A driver may take as long as it likes.
   if (sources == nullptr) {
+    const std::string sent = live.depth.stream.empty() ? "" : depthStreamName(live.depth.stream);
+    if (!sent.empty()) host.tell(fmt::format("Waiting for depth images from {}; press Ctrl-C to stop.", sent));
+    const Interrupt stops = [&] { return host.cancelled(); };
+    const InterruptScope scope(&stops);
     LORICA_TRY(sources, !live.vmc.listenAt.empty() ? openStreams(live, host)
                         : live.threePoint          ? openHeadset()
                                                    : runOrAbandon<std::shared_ptr<LiveSources>>(
-                                                "Opening the camera", host, [live] { return openPeople(live); }));
+                                                sent.empty() ? "Opening the camera" : "Waiting for depth images", host,
+                                                [live] { return openPeople(live); }));
   }
   if (sources->threePoint() && !live.threePoint) {
     host.tell("No depth camera was found: the avatar follows the headset and its controllers.");

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "capture/retarget/bone_pose.h"
+#include "capture/streams/depth_stream.h"
 #include "capture/streams/vmc_stream.h"
 #include "capture/tracking/depth_joints.h"
 #include "session/prepare/cameras.h"
@@ -92,6 +93,7 @@ class LiveSources final : public CastSources {
 
   std::vector<std::shared_ptr<SkeletonSource>> joints;  ///< of each avatar; empty if programs send
   const LiveJoints* tracked = nullptr;                  ///< the first; null unless Lorica tracks people
+  const DepthStream* sent = nullptr;                    ///< the depth that they are tracked in; null = of a camera
   std::shared_ptr<WornHeadset> headset;                 ///< of somebody who is followed, by a tracker or by it
   std::vector<VmcInput> vmc;                            ///< of each avatar; empty unless programs send
   std::string name;

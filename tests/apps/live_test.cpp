@@ -1,5 +1,8 @@
+#include "capture/sensor/oni_file.h"
+#include "capture/streams/depth_stream.h"
 #include "capture/streams/osc.h"
 #include "capture/streams/udp.h"
+#include "geometry/descriptor.h"
 #include "geometry/files.h"
 #include "session/recording/session_file.h"
 #include "skinning/skeleton.h"
@@ -12,10 +15,16 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <atomic>
 #include <cctype>
 #include <chrono>
+#include <csignal>
 #include <fstream>
+#include <memory>
 #include <optional>
 #include <set>
 #include <span>
@@ -87,12 +96,57 @@ TEST(Live, CtrlCEndsItWithASummary) {
   EXPECT_TRUE(has(result.out, "latency"));
 }
 
+TEST(Live, AnotherProgramSendsItsDepth) {
+  signal(SIGPIPE, SIG_IGN);
+  const TemporaryFolder folder;
+  const std::string pipe = folder.path() / "depth";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  // A shipped recording at its own pace, again and again, until nobody reads any more.
+  std::thread sender([&] {
+    const int out = open(pipe.c_str(), O_WRONLY | O_CLOEXEC);
+    const std::unique_ptr<OniSource> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
+    const DepthCamera& camera = source->camera();
+    const DepthLens lens = DepthLens::pinhole(camera.width, camera.height, camera.horizontalFov, camera.verticalFov);
+    DepthFrame frame;
+    for (int error = 0; error == 0; std::this_thread::sleep_for(std::chrono::milliseconds(30))) {
+      if (valueOf(source->next(frame)) != DepthRead::kFrame) {
+        source->seek(0);
+        continue;
+      }
+      const auto header = depthHeaderOf(lens, frame.time);
+      std::string bytes(reinterpret_cast<const char*>(header.data()), header.size());
+      error =
+          writeAll(out, bytes.append(reinterpret_cast<const char*>(frame.depthMm.data()), 2 * frame.depthMm.size()));
+    }
+    close(out);
+  });
+  CommandSurroundings surroundings;
+  surroundings.interruptWhen = [](const RunningCommand& command) {
+    return command.err.find("a person is tracked") != std::string::npos;
+  };
+  const CommandResult result = runLorica(
+      {"live", "--depth", pipe, "--decomposition", mannequinBody(folder), "--headless", "--json", "-"}, surroundings);
+  sender.join();
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_TRUE(has(result.err, "Waiting for depth images from " + pipe));
+  const nlohmann::json json = result.json();
+  EXPECT_EQ(json["source"], "depth from " + pipe);
+  EXPECT_GT(json["framesWithPerson"].get<int>(), 0);
+  EXPECT_EQ(json["depthStream"]["senders"], 1);
+  EXPECT_EQ(json["depthStream"]["broken"], 0);
+  EXPECT_GE(json["depthStream"]["images"].get<int>(),
+            json["depthFrames"].get<int>() + json["depthStream"]["dropped"].get<int>());
+}
+
 TEST(Live, WrongSourcesAreRefusedInASentence) {
   expectRefused(runLorica({"live", "--headless", "--frames", "5"}), {"--virtual"});
   expectRefused(runLorica({"live", "--virtual", "--motion", "flying", "--headless", "--frames", "5"}), {"flying"});
   expectRefused(runLorica({"live", "--driver", "nowhere/libX.so.0", "--headless", "--frames", "5"}), {"libX.so.0"});
   EXPECT_EQ(runLorica({"live", "--motion", "walk"}).exitCode, 2) << "--motion is for the virtual camera";
   expectRefused(runLorica({"live", "--webcam"}), {"lorica live --vmc 39539", "docs/RECIPES.md"});
+  expectRefused(runLorica({"live", "--headless", "--depth", "70000"}), {"--depth", "70000"});
+  expectRefused(runLorica({"live", "--headless", "--depth", "-", "--depth-format", "gray16le,9"}), {"--depth-format"});
+  expectRefused(runLorica({"live", "--headless", "--depth", "/etc/passwd"}), {"found a file"});
 }
 
 TEST(Record, WhatAVirtualCameraSawCanBePlayed) {

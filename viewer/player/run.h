@@ -99,6 +99,8 @@ class Run {
   [[nodiscard]] bool ready() const;
   /// What is wrong with the source; empty = nothing.
   [[nodiscard]] std::string trouble() const;
+  /// The program that sends depth; null = a camera, or something else.
+  [[nodiscard]] const DepthStream* depthStream() const { return live_ != nullptr ? live_->sent : nullptr; }
   /// What a depth camera saw last; null without one.
   [[nodiscard]] const DepthSight* sight() const { return tracked() ? &live_->tracked->sight() : nullptr; }
   /// Of somebody who is followed; null if nobody is.

@@ -1,5 +1,7 @@
 #include "viewer/player/run_statistics.h"
 
+#include "capture/streams/depth_stream.h"
+
 #include <fmt/format.h>
 
 #include <chrono>
@@ -99,11 +101,13 @@ void LiveLog::add(const LiveJoints& joints, double seconds, Host& host) {
     if (sight.followed && !figures_.firstPose) figures_.firstPose = seconds;
     figures_.maxPeople = std::max(figures_.maxPeople, sight.people);
   }
+  sent_ = dynamic_cast<const DepthStream*>(&joints.source()) != nullptr;
   const bool unplugged = sight.read == DepthRead::kUnplugged;
   if (unplugged && !unplugged_) ++figures_.unplugs;
   const char* news = nullptr;
   if (unplugged != unplugged_) {
-    news = unplugged ? "the sensor is unplugged; waiting for it" : "the sensor is back";
+    news = sent_ ? (unplugged ? "no program sends depth; waiting for one" : "a program sends depth again")
+                 : (unplugged ? "the sensor is unplugged; waiting for it" : "the sensor is back");
   } else if (sight.read == DepthRead::kFrame && sight.followed != wasFollowed_) {
     news = sight.followed ? "a person is tracked" : "no person is visible";
   } else if (sight.roomUncertain && !wasUncertain_) {
@@ -118,7 +122,7 @@ void LiveLog::add(const LiveJoints& joints, double seconds, Host& host) {
 }
 
 std::string LiveLog::state() const {
-  if (unplugged_) return "the sensor is unplugged";
+  if (unplugged_) return sent_ ? "no program sends depth" : "the sensor is unplugged";
   if (wasUncertain_) return kStepOut;
   return wasFollowed_ ? "" : "no person is visible";
 }

@@ -133,7 +133,7 @@ class LiveLog {
 
  private:
   Figures figures_;
-  bool unplugged_ = false;
+  bool unplugged_ = false, sent_ = false;
   bool wasFollowed_ = false;
   bool wasUncertain_ = false;
 };

@@ -1,0 +1,6 @@
+class Image:
+    pass
+
+
+class CameraInfo:
+    pass
