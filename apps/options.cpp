@@ -62,7 +62,7 @@ struct Heading {
 };
 constexpr std::array<Heading, 10> kHeadings = {{
     {"Whom it follows",
-     "--vmc --depth --virtual --webcam --device --devices --driver --people --three-point --lower-body --nite --delay"},
+     "--vmc --depth --depth-format --virtual --webcam --device --devices --driver --people --three-point --lower-body --nite --delay"},
     {"The character",
      "--character --map --write-map --hide --springs --expression --body --walls --thickness "
      "--body-resolution"},

@@ -41,6 +41,7 @@ Result<std::filesystem::path> scenesFolder() {
 
 Result<SceneText> readSceneText(const std::string& scene, const Host& host) {
   if (scene.empty()) return SceneText();
+  if (scene == kEmptyStage) return SceneText{R"({"format": "lorica scene 1", "name": "none"})", {}, host.paths};
   std::filesystem::path file = scene;
   if (isBareName(scene)) {
     LORICA_TRY(const std::filesystem::path folder, scenesFolder());
@@ -48,7 +49,8 @@ Result<SceneText> readSceneText(const std::string& scene, const Host& host) {
     std::error_code ignored;
     if (!std::filesystem::exists(file, ignored)) {
       return notFound(
-          "--scene: {}: no such file and no shipped scene with that name, expected a scene file (.json) or one of {}",
+          "--scene: {}: no such file and no shipped scene with that name, expected a scene file (.json) or one of "
+          "none, {}",
           scene, shippedNames(file.parent_path(), {".json"}, scene));
     }
   }
@@ -137,10 +139,9 @@ Result<World> openScene(const std::string& scene, double gravity, Host& host, do
 }
 
 SceneList scenesNextTo(const std::string& present) {
-  SceneList list{{kDemoScene}, {""}};
+  SceneList list{{kDemoScene, kEmptyStage}, {"", kEmptyStage}};
   if (const Result<std::filesystem::path> folder = scenesFolder()) {
-    std::vector<std::string> shipped = shippedNames(*folder, {".json"});
-    std::stable_partition(shipped.begin(), shipped.end(), [](const std::string& name) { return name == kEmptyStage; });
+    const std::vector<std::string> shipped = shippedNames(*folder, {".json"});
     list.names.insert(list.names.end(), shipped.begin(), shipped.end());
     list.arguments.insert(list.arguments.end(), shipped.begin(), shipped.end());
   }

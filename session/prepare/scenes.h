@@ -18,7 +18,7 @@ namespace lorica {
 /// @return the world, or an error about the file
 [[nodiscard]] Result<World> openScene(const std::string& scene, double gravity, Host& host, double scale = 1.0);
 
-/// The shipped scene without props.
+/// The scene without props; no file has it.
 inline constexpr const char* kEmptyStage = "none";
 
 /// The text of a scene file.

@@ -404,7 +404,7 @@ TEST(WindowWarnings, WhatNeverCameIsNotLost) {
   trust[skeleton.jointOf(HumanBone::kLeftLowerArm)] = 0.3;
   EXPECT_EQ(lostLimbs(skeleton, trust, known), "the whole body is lost") << "all that came";
   trust[skeleton.jointOf(HumanBone::kRightFoot)] = 1.0;
-  EXPECT_EQ(lostLimbs(skeleton, trust, known), "left lower arm, head lost");
+  EXPECT_EQ(lostLimbs(skeleton, trust, known), "head, left lower arm lost");
   trust[skeleton.jointOf(HumanBone::kRightFoot)] = 0.0;
   EXPECT_EQ(lostLimbs(skeleton, trust, known), "the whole body is lost");
 }
