@@ -1,5 +1,6 @@
 #include "apps/option_groups.h"
 #include "apps/options.h"
+#include "capture/sensor/depth_recording.h"
 #include "export/motion_export.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
@@ -45,7 +46,7 @@ fs::path inputOf(const ConvertOptions& options) {
 
 /// Everyone in a depth recording, where they are in front of the camera, beside the output.
 Result<void> writeCameraFrame(const ConvertOptions& options, Report& report, Host& host) {
-  LORICA_TRY_DO(writeTrackLog(inputOf(options), besideOf(options, ""), host));
+  LORICA_TRY_DO(writeTrackLog(inputOf(options), options.motion.lens, besideOf(options, ""), host));
   const std::string joints = besideOf(options, ".cam.csv"), labels = besideOf(options, ".lab");
   report.add("cameraFrame", "camera frame", {{"joints", joints}, {"labels", labels}}, joints + ", " + labels);
   return {};
@@ -80,15 +81,16 @@ Result<void> checkFiles(const ConvertOptions& options, const CommonOptions& comm
     return invalidArgument("{}: --person all writes the joints of everyone, expected OUT.csv", options.output);
   }
   if (options.cameraFrame && kindOf(inputOf(options)) != FileKind::kDepth) {
-    return invalidArgument("{}: --camera-frame is for depth recordings (.oni)", options.input);
+    return invalidArgument("{}: --camera-frame is for depth recordings (.oni and others)", options.input);
   }
   const bool known = extension == ".bvh" || extension == (onCharacter ? ".glb" : ".csv");
   if (!known && extension == ".glb") {
     return invalidArgument("{}: a .glb shows a character in motion, expected --character FILE", options.output);
   }
   if (!known) {
-    const char* expected = onCharacter ? ".glb or .bvh, which hold the motion of a character"
-                                       : ".csv (Lorica's joints), .bvh, or .glb with --character";
+    const char* expected = onCharacter
+                               ? ".glb or .bvh, which hold the motion of a character"
+                               : ".csv (Lorica's joints), .bvh, .oni of a depth recording, or .glb with --character";
     return invalidArgument("{}: found the extension `{}`, expected {}", options.output, extension, expected);
   }
   if (!options.character.map.empty() && !onCharacter) {
@@ -101,9 +103,39 @@ Result<void> checkFiles(const ConvertOptions& options, const CommonOptions& comm
   return checkOutput(common, "OUT", options.output);
 }
 
+/// A depth recording of another kind as .oni.
+Result<void> convertDepth(const ConvertOptions& options, const CommonOptions& common, Host& host) {
+  if (kindOf(inputOf(options)) != FileKind::kDepth) {
+    return invalidArgument("{}: found no depth recording, expected one for .oni", options.input);
+  }
+  if (options.cameraFrame || options.onto() || options.motion.person != 0) {
+    return invalidArgument("{}: --camera-frame, --character and --person are for motions, expected none for .oni",
+                           options.output);
+  }
+  LORICA_TRY_DO(checkNotTaken("OUT", options.output, {options.input}));
+  LORICA_TRY_DO(checkOutput(common, "OUT", options.output));
+  LORICA_TRY(const std::unique_ptr<DepthRecording> depth, openDepthRecording(inputOf(options), options.motion.lens));
+  const DepthRecordingInfo& about = depth->about();
+  Task task(host, "Writing " + options.output, "frames");
+  LORICA_TRY_DO(writeOni(*depth, options.output, [&](int done) {
+    task.update(done, about.frameCount);
+    return !task.cancelled();
+  }));
+  Report report(fmt::format("{}: {}, {:.2f} s", depth->name(), counted(about.frameCount, "frame"), about.duration));
+  report.add("input", options.input);
+  report.add("format", "input format", about.format);
+  report.add("lens", "lens", about.lens);
+  report.add("frames", about.frameCount);
+  report.add("seconds", about.duration);
+  report.add("output", "output", options.output);
+  if (about.cutOff) report.note("The recording is truncated; what is whole of it was written.");
+  return publish(common, report);
+}
+
 Result<void> runConvert(const ConvertOptions& options, const CommonOptions& common, Host& host) {
   LORICA_TRY_DO(checkJsonOutput(common, {options.input, options.output, options.character.name}));
   const std::string extension = lowerCase(fs::path(options.output).extension().string());
+  if (extension == ".oni") return convertDepth(options, common, host);
   LORICA_TRY_DO(checkFiles(options, common, extension));
   LORICA_TRY(const Motion motion, readAll(options, host));
   LORICA_TRY(const ConvertedClip made,
@@ -154,14 +186,18 @@ Command addConvert(CLI::App& parent, CommonOptions& common) {
                     "      what a program sent, on its own skeleton; of take.lsession what the character did\n"
                     "  lorica convert room.oni room.csv --camera-frame\n"
                     "      and everyone as the camera saw them: room.cam.csv and room.lab\n"
+                    "  lorica convert azure.mkv room.oni\n"
+                    "      a depth recording of another kind: .mkv, .bag, .npz, .npy, a folder of PNG pictures\n"
                     "  lorica convert room.oni room.csv --person all\n"
                     "      everyone, each with a number");
-  app->add_option(
-         "IN", options->input,
-         "Recorded joints, .bvh, a character file with clips, VMC packets (.pcap), a session (.lsession), or the "
-         "name of a shipped recording")
+  app->add_option("IN", options->input,
+                  "Recorded joints, depth, .bvh, a character file with clips, VMC packets (.pcap), a session "
+                  "(.lsession), or the "
+                  "name of a shipped recording")
       ->required();
-  app->add_option("OUT", options->output, "Output file: .csv, .bvh, or .glb with --character")->required();
+  app->add_option("OUT", options->output,
+                  "Output file: .csv, .bvh, .glb with --character, or .oni of a depth recording")
+      ->required();
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
   app->add_option(

@@ -39,7 +39,8 @@ Error nothingNamed(const std::string& name) {
   LORICA_TRY(const fs::path folder, recordingsFolder());
   return notFound(
       "{}: no such file and no shipped recording with that name, expected a mesh (.off, .obj, .ply, .stl), a character "
-      "(.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, .oni), a decomposition (.lorica), mannequin, or one of "
+      "(.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, depth), a decomposition (.lorica), mannequin, or one "
+      "of "
       "{}",
       name, shippedNames(folder, {".csv", ".oni"}, name));
 }
@@ -106,33 +107,39 @@ std::string cameraInWords(const OpenNiCamera& camera) {
   return text;
 }
 
-Result<Report> describeDepthRecording(const std::filesystem::path& file) {
-  LORICA_TRY(const OniFile read, OniFile::open(file));
-  const OniInfo& info = read.info();
+Result<Report> describeDepthRecording(const std::filesystem::path& file, const std::string& lens) {
+  LORICA_TRY(const std::unique_ptr<DepthRecording> read, openDepthRecording(file, lens));
+  const DepthRecordingInfo& info = read->about();
+  const DepthCamera& camera = read->camera();
   const double rate = info.duration > 0.0 ? (info.frameCount - 1) / info.duration : 0.0;
-  const std::string name = file.filename().string();
-  Report report(name + ": a depth recording");
+  const auto* const oni = dynamic_cast<const OniSource*>(read.get());
+  const bool mirrored = oni != nullptr && oni->info().mirrored;
+  Report report(read->name() + ": a depth recording");
   report.add("kind", "depth recording");
-  report.add("name", name);
-  report.add(
-      "version", "format", info.version,
-      fmt::format("OpenNI {}{}", info.version, info.cutOff ? ", truncated: its complete frames are readable" : ""));
+  report.add("name", read->name());
+  report.add("version", "format", oni != nullptr ? oni->info().version : info.format,
+             fmt::format("{}{}", info.format, info.cutOff ? ", truncated: its complete frames are readable" : ""));
   report.add("device", "device", info.device);
+  report.add("lens", "lens", info.lens);
   report.add("seconds", "length", info.duration, fmt::format("{:.2f} s", info.duration));
   report.add("frames", "depth frames", info.frameCount,
              fmt::format("{} at {:.1f} per second", grouped(info.frameCount), rate));
   report.add("framesPerSecond", rate);
-  report.add("width", "image", info.camera.width,
-             fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees{}", info.camera.width, info.camera.height,
-                         kDegrees * info.camera.horizontalFov, kDegrees * info.camera.verticalFov,
-                         info.mirrored ? "; stored mirrored, unmirrored when read" : ""));
-  report.add("height", info.camera.height);
-  report.add("mirrored", info.mirrored);
+  report.add("width", "image", camera.width,
+             fmt::format("{} x {} pixels, {:.1f} x {:.1f} degrees{}", camera.width, camera.height,
+                         kDegrees * camera.horizontalFov, kDegrees * camera.verticalFov,
+                         mirrored ? "; stored mirrored, unmirrored when read" : ""));
+  report.add("height", camera.height);
+  report.add("mirrored", mirrored);
   report.add("cutOff", info.cutOff);
-  const Result<std::string> guess = firstGuessOfDepth(file);
+  const Result<std::string> guess = firstGuessOfDepth(file, lens);
   report.add("firstGuess", "first guess", guess ? Json(*guess) : Json());
-  if (info.colorFrameCount > 0) report.line("colour", counted(info.colorFrameCount, "frame") + ", ignored");
-  if (info.infraredFrameCount > 0) report.line("infrared", counted(info.infraredFrameCount, "frame") + ", ignored");
+  if (oni != nullptr && oni->info().colorFrameCount > 0) {
+    report.line("colour", counted(oni->info().colorFrameCount, "frame") + ", ignored");
+  }
+  if (oni != nullptr && oni->info().infraredFrameCount > 0) {
+    report.line("infrared", counted(oni->info().infraredFrameCount, "frame") + ", ignored");
+  }
   return report;
 }
 
@@ -170,7 +177,10 @@ Result<Report> describeDevices(const std::string& driver) {
   if (cameras.empty()) {
     why = whyNoCamera(usbDepthCameras(), !driver.empty());
     for (const std::string& sentence : why) report.note(sentence);
-    report.note("Drivers for each camera: docs/SENSORS.md. Without a camera, try `lorica live --virtual`.");
+    report.note(
+        "RealSense, Orbbec, Azure Kinect, OAK-D, iPhone, ROS: a sender hands their depth to `lorica live --depth "
+        "7000`.");
+    report.note("What to install and type for each camera: docs/SENSORS.md. Without one, try `lorica live --virtual`.");
   }
   report.add("why", why);
   return report;
@@ -208,7 +218,7 @@ Result<Report> describeInput(const InfoOptions& options, Host& host) {
   const fs::path file = shipped.empty() ? fs::path(options.input) : shipped;
   const FileKind kind = kindOf(file);
   if (kind == FileKind::kDecomposition) return describeDecomposition(file);
-  if (kind == FileKind::kDepth) return describeDepthRecording(file);
+  if (kind == FileKind::kDepth) return describeDepthRecording(file, options.motion.lens);
   if (kind == FileKind::kScene) return describeScene(file, host);
   const bool shape = options.input == "mannequin" || kind == FileKind::kMesh || kind == FileKind::kCharacter;
   if (!shape && isBareName(options.input) && shipped.empty()) return nothingNamed(options.input);
@@ -279,14 +289,14 @@ Command addInfo(CLI::App& parent, CommonOptions& common) {
       "  lorica info bunny.off          # a mesh: closed or not, convexity\n"
       "  lorica info body.lorica        # parts, error, levels of detail, bones of each part\n"
       "  lorica info dance.bvh          # a motion; recorded joints too\n"
-      "  lorica info body.oni           # a depth recording\n"
+      "  lorica info body.oni           # a depth recording; also .mkv, .bag, .npz, a folder of PNG\n"
       "  lorica info --devices          # connected depth cameras and their drivers\n"
       "  lorica info walk               # a shipped recording\n"
       "  lorica info mannequin          # the built-in character");
   CLI::Option* file = app->add_option(
       "FILE", options->input,
       "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
-      "joints), depth (.oni), decomposition (.lorica), or a shipped name");
+      "joints), depth (.oni, .mkv, .bag, .npz, a folder of PNG), decomposition (.lorica), or a shipped name");
   CLI::Option* devices =
       app->add_flag("--devices", options->devices, "List depth cameras instead of describing a file")->excludes(file);
   app->add_option("--driver", options->driver, "Additional OpenNI2 driver: lib*.so")->type_name("FILE")->needs(devices);

@@ -115,6 +115,10 @@ void addReadingOptions(CLI::App& app, MotionOptions& options) {
          "Rest pose of a BVH file: zero (all rotations are zero), frame:N (counted from 0), or a BVH file of the "
          "same joints, whose first frame it is [default: zero if the body stands, else found]")
       ->type_name("POSE");
+  app.add_option("--lens", options.lens,
+                 "Camera of a depth recording whose images do not say it: fov=75x65, or fx=525,cx=319.5,cy=239.5, also "
+                 "unit=0.0002 and d=k1/k2/p1/p2/k3 [default: a .json file beside it, or the usual one of its size]")
+      ->type_name("CAMERA");
   addSenderOption(app, options.sender);
 }
 

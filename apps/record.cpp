@@ -167,7 +167,7 @@ Result<void> refuseSessionOptions(const CLI::App& app, const RecordOptions& opti
        {"MOTION",  "--character", "--map",     "--body-resolution", "--expression", "--hide",
         "--walls", "--thickness", "--springs", "--decomposition",   "--cover",      "--hull-vertices",
         "--scene", "--inject",    "--mirror",  "--upper-body",      "--smooth",     "--min-cutoff",
-        "--beta",  "--clip",      "--format",  "--person",          "--people"}) {
+        "--beta",  "--clip",      "--format",  "--person",          "--people",     "--lens"}) {
     if (app.count(name) == 0) continue;
     return invalidArgument("{}: {} is for sessions ({}), not for depth recordings (.oni)", options.out, name,
                            kSessionEnding);
@@ -372,6 +372,9 @@ Result<void> runRecord(const CLI::App& app, const RecordOptions& options, const 
   }
   LORICA_TRY_DO(refuseSessionOptions(app, options));
   if (app.count("--vmc") > 0) return invalidArgument("{}: --vmc sends no depth images", options.out);
+  if (app.count("--depth") > 0) {
+    return unsupported("{}: what a program sends is recorded as a session ({}) only", options.out, kSessionEnding);
+  }
   return recordDepth(options, common, host);
 }
 

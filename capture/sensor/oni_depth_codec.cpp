@@ -4,6 +4,9 @@
 #include "geometry/little_endian.h"
 
 #include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <optional>
 
 namespace lorica {
 namespace {
@@ -96,6 +99,61 @@ Result<void> unpack(std::span<const std::uint8_t> bytes, std::span<std::uint16_t
   return {};
 }
 
+/// Packs pixel by pixel: small differences are collected in pairs, equal pairs in runs.
+class OniPacker {
+ public:
+  std::string pack(std::span<const std::uint16_t> values) {
+    out_.clear();
+    appendLittleEndian(values[0], out_);
+    for (std::size_t i = 1; i < values.size(); ++i) {
+      const int difference = values[i - 1] - values[i];
+      if (std::abs(difference) <= 6) {
+        addSmall(difference + 6);
+      } else {
+        addLarge(difference, values[i]);
+      }
+    }
+    flushRun();
+    if (half_) out_ += static_cast<char>(*half_ << 4 | 13);
+    return out_;
+  }
+
+ private:
+  void addSmall(int nibble) {
+    if (!half_) {
+      half_ = nibble;
+      return;
+    }
+    const int byte = *half_ << 4 | nibble;
+    half_.reset();
+    if (byte == 0x66) {
+      if (++run_ == 15) flushRun();
+      return;
+    }
+    flushRun();
+    out_ += static_cast<char>(byte);
+  }
+  void addLarge(int difference, std::uint16_t value) {
+    flushRun();
+    out_ += static_cast<char>(half_ ? *half_ << 4 | 15 : 0xff);
+    half_.reset();
+    if (std::abs(difference) <= 63) {
+      out_ += static_cast<char>(difference + 192);
+    } else {
+      out_ += static_cast<char>(value >> 8);
+      out_ += static_cast<char>(value & 0xff);
+    }
+  }
+  void flushRun() {
+    if (run_ > 0) out_ += static_cast<char>(0xe0 + run_);
+    run_ = 0;
+  }
+
+  std::string out_;
+  std::optional<int> half_;
+  int run_ = 0;
+};
+
 }  // namespace
 
 Result<void> OniDepthDecoder::decode(OniCodec codec, std::span<const std::uint8_t> packed,
@@ -128,6 +186,27 @@ Result<void> OniDepthDecoder::decode(OniCodec codec, std::span<const std::uint8_
     }
   }
   return badFormat("found an unknown codec, expected NONE, 16zP or 16zT");
+}
+
+std::string packOniDepth(OniCodec codec, std::span<const std::uint16_t> depths) {
+  if (codec == OniCodec::kRaw) {
+    std::string out;
+    for (const std::uint16_t depth : depths) appendLittleEndian(depth, out);
+    return out;
+  }
+  if (codec == OniCodec::kPacked) return OniPacker().pack(depths);
+  std::map<std::uint16_t, std::uint16_t> indices;
+  for (const std::uint16_t depth : depths) indices[depth] = 0;
+  std::string out;
+  appendLittleEndian(static_cast<std::uint16_t>(indices.size()), out);
+  std::uint16_t next = 0;
+  for (auto& [depth, index] : indices) {
+    index = next++;
+    appendLittleEndian(depth, out);
+  }
+  std::vector<std::uint16_t> values(depths.size());
+  std::transform(depths.begin(), depths.end(), values.begin(), [&](std::uint16_t depth) { return indices[depth]; });
+  return out + OniPacker().pack(values);
 }
 
 }  // namespace lorica

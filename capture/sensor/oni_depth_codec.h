@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace lorica {
@@ -32,5 +33,9 @@ class OniDepthDecoder {
  private:
   std::vector<std::uint16_t> table_;
 };
+
+/// Packs a depth image like OpenNI's recorders. For kTable the table comes first.
+/// @param depths  at least one
+[[nodiscard]] std::string packOniDepth(OniCodec codec, std::span<const std::uint16_t> depths);
 
 }  // namespace lorica

@@ -55,6 +55,8 @@ class MemoryBytes : public OniBytes {
   std::string_view bytes_;
 };
 
+}  // namespace
+
 Result<std::unique_ptr<OniBytes>> openBytes(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {
@@ -65,12 +67,14 @@ Result<std::unique_ptr<OniBytes>> openBytes(const std::filesystem::path& file) {
   struct stat status {};
   if (::fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
     ::close(descriptor);
-    return unreadable("{}: found no regular file, expected an .oni recording", file.string());
+    return unreadable("{}: found no regular file, expected a recording", file.string());
   }
   return std::unique_ptr<OniBytes>(std::make_unique<FileBytes>(descriptor, std::max<off_t>(status.st_size, 0)));
 }
 
-}  // namespace
+std::unique_ptr<OniBytes> bytesInMemory(std::string_view bytes) {
+  return std::make_unique<MemoryBytes>(bytes);
+}
 
 struct OniFile::Contents {
   std::string name;
@@ -100,7 +104,7 @@ Result<OniFile> OniFile::open(const std::filesystem::path& file) {
 }
 
 Result<OniFile> OniFile::parse(std::string_view bytes, std::string name) {
-  return indexed(std::make_unique<MemoryBytes>(bytes), std::move(name));
+  return indexed(bytesInMemory(bytes), std::move(name));
 }
 
 const OniInfo& OniFile::info() const {
@@ -151,33 +155,15 @@ Result<void> OniFile::read(int frame, DepthFrame& out) {
   return {};
 }
 
-Result<DepthRead> OniSource::next(DepthFrame& frame) {
-  if (position_ >= info().frameCount) return DepthRead::kEnd;
-  // A damaged frame must not be written partially to the caller's frame, so it is read into another one first.
-  LORICA_TRY_DO(file_.read(position_, scratch_));
-  std::swap(frame, scratch_);
-  ++position_;
-  return DepthRead::kFrame;
-}
-
-void OniSource::seek(int frame) {
-  position_ = std::clamp(frame, 0, info().frameCount);
-}
-
-void OniSource::seekTime(double seconds) {
-  const double wanted = file_.timeOf(0) + seconds;
-  int first = 0;
-  int last = info().frameCount;
-  while (first < last) {
-    const int middle = first + (last - first) / 2;
-    if (file_.timeOf(middle) < wanted) {
-      first = middle + 1;
-    } else {
-      last = middle;
-    }
-  }
-  position_ = first;
-}
+OniSource::OniSource(OniFile file, std::string name)
+    : DepthRecording(std::move(name), {fmt::format("OpenNI {}", file.info().version),
+                                       file.info().device,
+                                       {},
+                                       file.info().frameCount,
+                                       file.info().duration,
+                                       file.info().cutOff,
+                                       {}}),
+      file_(std::move(file)) {}
 
 Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file) {
   LORICA_TRY(OniFile opened, OniFile::open(file));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/sensor/depth_frame.h"
+#include "capture/sensor/depth_recording.h"
 #include "capture/sensor/oni_depth_codec.h"
 #include "geometry/result.h"
 
@@ -63,29 +63,20 @@ class OniFile {
   std::unique_ptr<Contents> contents_;
 };
 
-/// The depth frames of an .oni recording, each once, in order, as fast as they are requested.
-class OniSource : public DepthSource {
+/// The depth frames of an .oni recording.
+class OniSource : public DepthRecording {
  public:
   /// @param name  for messages.
-  explicit OniSource(OniFile file, std::string name) : file_(std::move(file)), name_(std::move(name)) {}
+  explicit OniSource(OniFile file, std::string name);
 
   [[nodiscard]] const DepthCamera& camera() const override { return file_.info().camera; }
-  [[nodiscard]] std::string name() const override { return name_; }
-  [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
-
   [[nodiscard]] const OniInfo& info() const { return file_.info(); }  ///< of the file
-  /// Index of the frame that next() returns now; info().frameCount at the end.
-  [[nodiscard]] int position() const { return position_; }
-  /// Moves to a frame; costs nothing. @param frame  clamped to 0 .. info().frameCount
-  void seek(int frame);
-  /// Moves to the first frame at or after a time, counted from the first frame [s].
-  void seekTime(double seconds);
 
  private:
+  [[nodiscard]] double timeOf(int frame) const override { return file_.timeOf(frame); }
+  [[nodiscard]] Result<void> read(int frame, DepthFrame& out) override { return file_.read(frame, out); }
+
   OniFile file_;
-  std::string name_;
-  int position_ = 0;
-  DepthFrame scratch_;
 };
 
 /// Opens an .oni recording. @return the source, or an error with file, byte, found and expected

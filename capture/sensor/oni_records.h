@@ -1,12 +1,15 @@
 #pragma once
 
-/// The records of an .oni recording. Internal: not installed.
+/// The records of an .oni recording, and access to the bytes of any. Internal: not installed.
 
 #include "capture/sensor/oni_file.h"
 
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -19,6 +22,11 @@ class OniBytes {
   /// @return whether all of `out` was filled
   [[nodiscard]] virtual bool read(std::uint64_t at, std::span<std::uint8_t> out) const = 0;
 };
+
+/// A regular file, opened without waiting.
+[[nodiscard]] Result<std::unique_ptr<OniBytes>> openBytes(const std::filesystem::path& file);
+/// Bytes in memory, which outlive the result.
+[[nodiscard]] std::unique_ptr<OniBytes> bytesInMemory(std::string_view bytes);
 
 /// Index entry of a depth frame in the file.
 struct OniFrameEntry {

@@ -29,7 +29,10 @@ constexpr std::string_view kFreenect = "libFreenectDriver of libfreenect";
 constexpr std::string_view kFreenect2 = "libfreenect2-openni2 of libfreenect2";
 constexpr std::string_view kOrbbec = "liborbbec of Orbbec's OpenNI2";
 
-constexpr std::array<KnownCamera, 15> kKnown = {{
+constexpr std::string_view kRealSense = "realsense.py";  // a program that sends, see docs/SENSORS.md
+constexpr std::string_view kOrbbecSender = "orbbec.py";
+
+constexpr std::array<KnownCamera, 26> kKnown = {{
     {0x1d27, 0x0600, "Asus Xtion", kPs1080, true},
     {0x1d27, 0x0601, "Asus Xtion Pro Live", kPs1080, true},
     {0x1d27, 0x0609, "PrimeSense Carmine or Structure Sensor", kPs1080, true},
@@ -44,6 +47,17 @@ constexpr std::array<KnownCamera, 15> kKnown = {{
     {0x045e, 0x02c4, "Kinect v2", kFreenect2, false},
     {0x045e, 0x02d8, "Kinect v2", kFreenect2, false},
     {0x045e, 0x02d9, "Kinect v2", kFreenect2, false},
+    {0x045e, 0x097c, "Azure Kinect", "azure_kinect.py", false},
+    {0x8086, 0x0ad3, "RealSense D415", kRealSense, false},
+    {0x8086, 0x0b07, "RealSense D435", kRealSense, false},
+    {0x8086, 0x0b3a, "RealSense D435i", kRealSense, false},
+    {0x8086, 0x0b5b, "RealSense D405", kRealSense, false},
+    {0x8086, 0x0b5c, "RealSense D455", kRealSense, false},
+    {0x8086, 0x0b64, "RealSense L515", kRealSense, false},
+    {0x03e7, 0x2485, "OAK camera", "oak.py", false},
+    {0x03e7, 0xf63b, "OAK camera", "oak.py", false},
+    {0x2bc5, 0x066b, "Femto Bolt", kOrbbecSender, false},
+    {0x2bc5, 0x0669, "Femto Mega", kOrbbecSender, false},
     {0x2bc5, 0, "Orbbec camera", kOrbbec, false},
 }};
 
@@ -124,7 +138,11 @@ std::vector<std::string> whyNoCamera(const std::vector<UsbDepthCamera>& plugged,
   sentences.reserve(plugged.size());
   for (const UsbDepthCamera& camera : plugged) {
     const std::string which = fmt::format("{} ({:04x}:{:04x})", camera.name, camera.vendor, camera.product);
-    if (!camera.permitted) {
+    if (camera.driver.ends_with(".py")) {
+      sentences.push_back(
+          fmt::format("{}: OpenNI2 has no driver for it: let {} send its depth to `lorica live --depth 7000`", which,
+                      camera.driver));
+    } else if (!camera.permitted) {
       sentences.push_back(
           fmt::format("{}: no permission for {}: install the udev rules of its driver (for OpenNI2: "
                       "package libopenni2-0) and plug it in again",

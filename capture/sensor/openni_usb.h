@@ -11,9 +11,9 @@ namespace lorica {
 struct UsbDepthCamera {
   std::uint16_t vendor = 0;
   std::uint16_t product = 0;
-  std::string name;            ///< "Kinect v1"
-  std::string driver;          ///< required driver, for display: "libPS1080 (included with OpenNI2)"
-  bool packaged = false;       ///< OpenNI2 includes its driver
+  std::string name;       ///< "Kinect v1"
+  std::string driver;     ///< required driver, for display: "libPS1080 (included with OpenNI2)"; or a sender: "oak.py"
+  bool packaged = false;  ///< OpenNI2 includes its driver
   std::filesystem::path node;  ///< "/dev/bus/usb/001/004"
   bool permitted = false;      ///< the current user may read and write it
   std::string kernelDriver;    ///< kernel driver that occupies it, for example "gspca_kinect"; empty: none

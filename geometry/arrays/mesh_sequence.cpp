@@ -43,28 +43,6 @@ bool isDigit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// Whether a name comes before another one: "frame_9" before "frame_10".
-bool comesBefore(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  const auto number = [](const std::string& text, std::size_t& at) {
-    const std::size_t begin = std::min(text.find_first_not_of('0', at), text.size());
-    for (at = begin; at < text.size() && isDigit(text[at]);) ++at;
-    return std::string_view(text).substr(begin, at - begin);
-  };
-  while (i < a.size() && j < b.size()) {
-    if (isDigit(a[i]) && isDigit(b[j])) {
-      const std::string_view first = number(a, i), second = number(b, j);
-      if (first.size() != second.size()) return first.size() < second.size();
-      if (first != second) return first < second;
-    } else if (a[i] != b[j]) {
-      return a[i] < b[j];
-    } else {
-      ++i, ++j;
-    }
-  }
-  return std::pair(a.size() - i, std::string_view(a)) < std::pair(b.size() - j, std::string_view(b));
-}
-
 /// Whether a name fits a pattern, in which * stands for any letters and ? for one.
 bool fits(std::string_view name, std::string_view pattern) {
   std::size_t n = 0, p = 0, star = std::string_view::npos, from = 0;
@@ -383,6 +361,27 @@ Result<std::vector<fs::path>> meshesOf(const std::string& input) {
                            (folder / ("*" + endingOf(file))).string());
   }
   return files;
+}
+
+bool comesBefore(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  const auto number = [](const std::string& text, std::size_t& at) {
+    const std::size_t begin = std::min(text.find_first_not_of('0', at), text.size());
+    for (at = begin; at < text.size() && isDigit(text[at]);) ++at;
+    return std::string_view(text).substr(begin, at - begin);
+  };
+  while (i < a.size() && j < b.size()) {
+    if (isDigit(a[i]) && isDigit(b[j])) {
+      const std::string_view first = number(a, i), second = number(b, j);
+      if (first.size() != second.size()) return first.size() < second.size();
+      if (first != second) return first < second;
+    } else if (a[i] != b[j]) {
+      return a[i] < b[j];
+    } else {
+      ++i, ++j;
+    }
+  }
+  return std::pair(a.size() - i, std::string_view(a)) < std::pair(b.size() - j, std::string_view(b));
 }
 
 bool namesSequence(const std::string& input) {

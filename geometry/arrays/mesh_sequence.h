@@ -37,6 +37,9 @@ using SequenceProgress = std::function<bool(int done, int files)>;
 /// .npy, .pc2, .mdd, .abc, .usd, .usda, .usdc or .usdz.
 [[nodiscard]] bool namesSequence(const std::string& input);
 
+/// Whether a file's name comes before another one: numbers count as numbers, "frame_9" is before "frame_10".
+[[nodiscard]] bool comesBefore(const std::string& a, const std::string& b);
+
 /// The files of a folder or pattern, in the order of their names, in which numbers count as numbers.
 /// @return at least one, all of one format
 [[nodiscard]] Result<std::vector<std::filesystem::path>> meshesOf(const std::string& input);

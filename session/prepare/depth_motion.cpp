@@ -1,6 +1,6 @@
 #include "session/prepare/depth_motion.h"
 
-#include "capture/sensor/oni_file.h"
+#include "capture/sensor/depth_recording.h"
 #include "capture/tracking/depth_joints.h"
 #include "capture/tracking/track_log.h"
 #include "geometry/counts.h"
@@ -30,23 +30,24 @@ std::vector<std::string> guessOf(const DepthSight& sight) {
   const Isometry3 worldFromCamera = sight.cameraFromWorld.inverse();
   const double height = worldFromCamera.translation().y();
   if (!sight.floorFound) {
-    return {"millimetres, as OpenNI has them",
+    return {"millimetres",
             fmt::format("Y is up as the camera has it; no floor was found, y = 0 is {:.2f} m below it", height)};
   }
   const double down =
       -std::asin(std::clamp(-worldFromCamera.linear().col(2).y(), -1.0, 1.0)) * 180.0 / std::numbers::pi;
   return {
-      "millimetres, as OpenNI has them",
+      "millimetres",
       fmt::format("Y is up from the floor, which was found {:.2f} m below the camera; it looks {} by {:.0f} degrees",
                   height, down < 0.0 ? "up" : "down", std::abs(down))};
 }
 
 /// The whole frames of a recording. Says if it was truncated.
-Result<std::unique_ptr<OniSource>> openWhole(const std::filesystem::path& file, Host& host) {
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
-  if (depth->info().cutOff) {
+Result<std::unique_ptr<DepthRecording>> openWhole(const std::filesystem::path& file, const std::string& lens,
+                                                  Host& host) {
+  LORICA_TRY(std::unique_ptr<DepthRecording> depth, openDepthRecording(file, lens));
+  if (depth->about().cutOff) {
     host.warn(fmt::format("{}: the recording is truncated; found {} that {} whole", file.string(),
-                          counted(depth->info().frameCount, "frame"), depth->info().frameCount == 1 ? "is" : "are"));
+                          counted(depth->about().frameCount, "frame"), depth->about().frameCount == 1 ? "is" : "are"));
   }
   return depth;
 }
@@ -54,15 +55,16 @@ Result<std::unique_ptr<OniSource>> openWhole(const std::filesystem::path& file, 
 }  // namespace
 
 Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options, Host& host) {
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
-  const int frames = depth->info().frameCount;
+  LORICA_TRY(std::unique_ptr<DepthRecording> depth, openWhole(file, options.lens, host));
+  const std::string format = depth->about().format;
+  const int frames = depth->about().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
 
   DepthJoints people(std::move(depth), std::move(tracker), options.person);
   Motion motion;
   motion.name = file.stem().string();
-  motion.format = "OpenNI depth recording";
-  motion.depth = RecordedDepth{file};
+  motion.format = format + ", depth";
+  motion.depth = RecordedDepth{file, options.lens};
   motion.joints.reserve(frames);
   Task task(host, "Tracking " + motion.name, "frames");
   int followed = 0;
@@ -86,9 +88,9 @@ Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOp
   return motion;
 }
 
-Result<std::string> firstGuessOfDepth(const std::filesystem::path& file) {
+Result<std::string> firstGuessOfDepth(const std::filesystem::path& file, const std::string& lens) {
   constexpr int kMaxFrames = 90;
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openOni(file));
+  LORICA_TRY(std::unique_ptr<DepthRecording> depth, openDepthRecording(file, lens));
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
   DepthJoints people(std::move(depth), std::move(tracker));
   Motion motion;
@@ -103,15 +105,17 @@ Result<std::string> firstGuessOfDepth(const std::filesystem::path& file) {
   return firstGuessOf(std::move(guess), motion);
 }
 
-Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host) {
+Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, const std::string& lens,
+                                                 Host& host) {
   constexpr int kPlaces = 6;  // as many as a tracker follows
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
-  const int frames = depth->info().frameCount;
+  LORICA_TRY(std::unique_ptr<DepthRecording> depth, openWhole(file, lens, host));
+  const int frames = depth->about().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera(), {.maxPeople = kPlaces})));
   DepthJoints people(std::move(depth), std::move(tracker), PeoplePlaces(kPlaces));
   std::vector<Motion> motions(kPlaces);
   std::vector<std::string> guess;
-  RecordedDepth seen{file};
+  RecordedDepth seen{file, lens};
+  const std::string format = depth->about().format;
   Task task(host, "Tracking " + file.stem().string(), "frames");
   while (true) {
     if (task.cancelled()) return cancelled();
@@ -131,16 +135,17 @@ Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& fi
   }
   for (std::size_t p = 0; p < motions.size(); ++p) {
     motions[p].name = fmt::format("{}: person {}", file.stem().string(), p + 1);
-    motions[p].format = "OpenNI depth recording";
+    motions[p].format = format + ", depth";
     motions[p].depth = seen;
     motions[p].firstGuess = firstGuessOf(guess, motions[p]);
   }
   return motions;
 }
 
-Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base, Host& host) {
-  LORICA_TRY(std::unique_ptr<OniSource> depth, openWhole(file, host));
-  const int frames = depth->info().frameCount;
+Result<int> writeTrackLog(const std::filesystem::path& file, const std::string& lens, const std::filesystem::path& base,
+                          Host& host) {
+  LORICA_TRY(std::unique_ptr<DepthRecording> depth, openWhole(file, lens, host));
+  const int frames = depth->about().frameCount;
   LORICA_TRY(Tracker tracker, prefixed(file.string(), Tracker::create(depth->camera())));
   Task task(host, "Tracking " + file.stem().string(), "frames");
   LORICA_TRY(TrackLog log, TrackLog::create(base));

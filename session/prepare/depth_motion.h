@@ -7,22 +7,24 @@
 
 namespace lorica {
 
-/// Tracks a person in a depth recording (.oni) and reports how far that is. Every frame is used once, in order; the
-/// result is deterministic. All joints are unknown in frames without a person.
+/// Tracks a person in a depth recording, see openDepthRecording(), and reports how far that is. Every frame is used
+/// once, in order; the result is deterministic. All joints are unknown in frames without a person.
 /// @return the motion, an error about the file, or kCancelled
 [[nodiscard]] Result<Motion> readDepthMotion(const std::filesystem::path& file, const MotionOptions& options,
                                              Host& host);
 
-/// Where its floor is and where the first person looks, in a line for reports: by its first three seconds at most.
-[[nodiscard]] Result<std::string> firstGuessOfDepth(const std::filesystem::path& file);
+/// Where a recording's floor is and where the first person looks, in a line for reports: by its first three seconds at
+/// most.
+[[nodiscard]] Result<std::string> firstGuessOfDepth(const std::filesystem::path& file, const std::string& lens = {});
 
 /// readDepthMotion() of everyone, see PeoplePlaces: a motion for each place that was taken.
-[[nodiscard]] Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file, Host& host);
+[[nodiscard]] Result<std::vector<Motion>> readDepthMotionOfAll(const std::filesystem::path& file,
+                                                               const std::string& lens, Host& host);
 
-/// Tracks everyone in a depth recording (.oni) and writes where they are in front of the camera, see TrackLog: the
+/// Tracks everyone in a depth recording and writes where they are in front of the camera, see TrackLog: the
 /// joints to `base`.cam.csv and the labels of the pixels to `base`.lab.
 /// @return the number of frames, or an error about a file, or kCancelled
-[[nodiscard]] Result<int> writeTrackLog(const std::filesystem::path& file, const std::filesystem::path& base,
-                                        Host& host);
+[[nodiscard]] Result<int> writeTrackLog(const std::filesystem::path& file, const std::string& lens,
+                                        const std::filesystem::path& base, Host& host);
 
 }  // namespace lorica

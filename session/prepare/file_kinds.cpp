@@ -1,5 +1,6 @@
 #include "session/prepare/file_kinds.h"
 
+#include "capture/sensor/depth_recording.h"
 #include "geometry/arrays/mesh_sequence.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
@@ -24,12 +25,17 @@ struct Ending {
   FileKind kind;
 };
 constexpr std::array kEndings = {
-    Ending{".bvh", FileKind::kBvh},          Ending{".csv", FileKind::kJoints},
-    Ending{".txt", FileKind::kJoints},       Ending{".trc", FileKind::kJoints},
-    Ending{".oni", FileKind::kDepth},        Ending{".pcap", FileKind::kPackets},
-    Ending{".lsession", FileKind::kSession}, Ending{".off", FileKind::kMesh},
-    Ending{".obj", FileKind::kMesh},         Ending{".ply", FileKind::kMesh},
-    Ending{".stl", FileKind::kMesh},         Ending{".lorica", FileKind::kDecomposition},
+    Ending{".bvh", FileKind::kBvh},
+    Ending{".csv", FileKind::kJoints},
+    Ending{".txt", FileKind::kJoints},
+    Ending{".trc", FileKind::kJoints},
+    Ending{".pcap", FileKind::kPackets},
+    Ending{".lsession", FileKind::kSession},
+    Ending{".off", FileKind::kMesh},
+    Ending{".obj", FileKind::kMesh},
+    Ending{".ply", FileKind::kMesh},
+    Ending{".stl", FileKind::kMesh},
+    Ending{".lorica", FileKind::kDecomposition},
 };
 
 struct Mark {
@@ -80,6 +86,7 @@ FileKind kindOf(const std::filesystem::path& file) {
   if (isCharacterFile(file)) return FileKind::kCharacter;
   const std::string extension = lowerCase(file.extension().string());
   if (extension == ".npz" && archiveKindOf(file) == ArchiveKind::kSmplMotion) return FileKind::kBodyModel;
+  if (isDepthRecording(file)) return FileKind::kDepth;
   if (namesSequence(file.string())) return FileKind::kCharacter;
   for (const Ending& ending : kEndings) {
     if (extension == ending.name) return ending.kind;
@@ -91,7 +98,7 @@ FileKind kindOf(const std::filesystem::path& file) {
                                has("andmarks\"") || has("\"visibility\""))) {
     return FileKind::kJoints;
   }
-  return begin.starts_with("NI10") ? FileKind::kDepth : FileKind::kUnknown;
+  return FileKind::kUnknown;
 }
 
 Result<void> refuseOtherKinds(const std::filesystem::path& file) {
@@ -107,6 +114,7 @@ Result<void> refuseOtherKinds(const std::filesystem::path& file) {
     return withWhatOpens(unsupported(
         "{}: found a robot's description, whose meshes get hulls by `lorica export IN OUT`", file.string()));
   }
+  if (kind == FileKind::kDepth) return {};  // whose readers say more
   const bool unnamed = kind == FileKind::kJoints || kind == FileKind::kUnknown;
   for (const Mark& mark : kMarks) {
     const bool found = begin.size() >= mark.at && std::string_view(begin).substr(mark.at).starts_with(mark.bytes);
@@ -119,7 +127,8 @@ Result<void> refuseOtherKinds(const std::filesystem::path& file) {
 Error withWhatOpens(Error found) {
   found.message +=
       "; Lorica opens characters (.glb, .gltf, .vrm, .vrma, .fbx, .dae), mesh sequences (a folder, .npz, .pc2, .mdd), "
-      "motions (.bvh, joints as .csv, .txt, .trc or .json), depth recordings (.oni), meshes (.obj, .ply, .stl, .off), "
+      "motions (.bvh, joints as .csv, .txt, .trc or .json), depth recordings (.oni, .mkv, .bag, .npz, a folder of "
+      "PNG), meshes (.obj, .ply, .stl, .off), "
       "scenes (.json), sessions (.lsession), packets (.pcap) and decompositions (.lorica)";
   return found;
 }

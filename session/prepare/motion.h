@@ -29,7 +29,8 @@ struct RecordedPackets {
 
 /// The depth recording that joints were tracked in.
 struct RecordedDepth {
-  std::filesystem::path file;                   ///< .oni
+  std::filesystem::path file;                   ///< see openDepthRecording()
+  std::string lens = {};                        ///< the same
   std::vector<Isometry3> cameraFromWorld = {};  ///< of each frame
 };
 

@@ -105,6 +105,7 @@ Result<Motion> readMotionFile(const fs::path& file, const MotionOptions& options
   const bool packets = kind == FileKind::kPackets;
   LORICA_TRY_DO(refuse(file.string(),
                        {{!options.sender.empty() && !packets, "--sender", "VMC packets"},
+                        {!options.lens.empty() && kind != FileKind::kDepth, "--lens", "depth recordings"},
                         {!options.rest.empty() && kind != FileKind::kBvh, "--rest", "the rotations of a BVH file"}}));
   if (packets || kind == FileKind::kSession) {
     LORICA_TRY_DO(refuse(file.string(), {{options.format.has_value(), "--format", kJointsOnly},
@@ -244,7 +245,7 @@ Result<std::vector<Motion>> readEveryone(const std::string& pathOrName, const Mo
     return refuse(file.string(), {{true, "--person", kJointsOnly}}).error();
   }
   LORICA_TRY_DO(refuse(file.string(), {{!options.clip.empty(), "--clip", "clips of skeletons"}}));
-  if (kind == FileKind::kDepth) return readDepthMotionOfAll(file, host);
+  if (kind == FileKind::kDepth) return readDepthMotionOfAll(file, options.lens, host);
   JointStreamSettings settings;
   settings.format = options.format;
   LORICA_TRY(std::vector<JointStream> streams, readJointStreamOfAll(file, settings));

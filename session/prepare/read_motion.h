@@ -35,6 +35,7 @@ struct MotionOptions {
   OneEuroSettings oneEuro;             ///< of `smooth`
   bool smoothGiven = false;            ///< one of the options of smoothing was given
   std::string sender;                  ///< model of the sender of recorded packets, see readSenderRest(); empty = none
+  std::string lens;                    ///< camera of a depth recording, see openDepthRecording(); empty = its own
   std::string character;               ///< of a session, where the recorded name is not found; empty = none
   FaultSettings inject;                ///< what is made worse on purpose, see parseFaults()
 

@@ -1,10 +1,17 @@
+#include "capture/sensor/oni_file.h"
+#include "geometry/arrays/array_file.h"
+#include "geometry/little_endian.h"
+#include "geometry/new_file.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/has.h"
+#include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <set>
+#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -127,6 +134,35 @@ TEST(Info, DescribesARecording) {
                   byName["jointsUnknown"].get<double>(),
               1.0, 1e-12);
   EXPECT_EQ(jsonOf({"info", recordingsFolder() / "walk.csv"}), byName);
+}
+
+TEST(Info, ADepthRecordingOfAnotherKindIsTheSameAsOni) {
+  const TemporaryFolder folder;
+  const std::unique_ptr<OniSource> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
+  const DepthCamera& camera = source->camera();
+  NamedArray depth{"depth", "<u2", {0, std::size_t(camera.height), std::size_t(camera.width)}, {}};
+  NamedArray times{"times", "<f8", {0}, {}}, lens{"K", "<f8", {3, 3}, {}};
+  for (DepthFrame frame; depth.shape[0] < 30 && valueOf(source->next(frame)) == DepthRead::kFrame; ++depth.shape[0]) {
+    for (const std::uint16_t each : frame.depthMm) appendLittleEndian(each, depth.bytes);
+    appendLittleEndian(frame.time, times.bytes);
+    ++times.shape[0];
+  }
+  for (const double k : {camera.focalX(), 0.0, 0.5 * (camera.width - 1), 0.0, camera.focalY(),
+                         0.5 * (camera.height - 1), 0.0, 0.0, 1.0}) {
+    appendLittleEndian(k, lens.bytes);
+  }
+  const std::filesystem::path take = folder.path() / "take.npz", oni = folder.path() / "take.oni";
+  const auto file = valueOf(NewFile::create(take));
+  ASSERT_TRUE(writeArrays(std::vector{depth, times, lens}, *file));
+  ASSERT_TRUE(file->finish());
+  const nlohmann::json info = jsonOf({"info", take}), shipped = jsonOf({"info", "wave_depth"});
+  EXPECT_EQ(info["kind"], shipped["kind"]);
+  EXPECT_EQ(info["firstGuess"], shipped["firstGuess"]);
+  EXPECT_EQ(jsonOf({"convert", take, oni})["frames"], 30);
+  const nlohmann::json converted = jsonOf({"info", oni});
+  for (const char* key : {"frames", "width", "height", "firstGuess"}) EXPECT_EQ(info[key], converted[key]) << key;
+  const std::string joints = folder.path() / "joints.csv", same = folder.path() / "same.csv";
+  EXPECT_EQ(jsonOf({"convert", take, joints})["frames"], jsonOf({"convert", oni, same})["frames"]);
 }
 
 }  // namespace

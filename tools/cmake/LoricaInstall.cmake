@@ -57,6 +57,7 @@ install(FILES ${PROJECT_BINARY_DIR}/lorica-config.cmake ${PROJECT_BINARY_DIR}/lo
         DESTINATION ${lorica_package_dir})
 
 install(DIRECTORY recordings/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/recordings COMPONENT command)
+install(DIRECTORY docs/samples/depth/ DESTINATION ${CMAKE_INSTALL_DATADIR}/lorica/senders COMPONENT command)
 set(documents README.md)
 if(NOT LORICA_PACKAGE_DOCS)  # Debian has its own names for these, and the licence once for all packages
   list(APPEND documents LICENSE CHANGELOG.md)

@@ -134,7 +134,7 @@ std::optional<DepthSight> Run::recordedSight() {
   if (cast.avatars.empty() || !cast.avatars.front().motion || !cast.avatars.front().motion->depth) return std::nullopt;
   const Motion& motion = *cast.avatars.front().motion;
   if (depth_ == nullptr) {
-    Result<std::unique_ptr<OniSource>> opened = openOni(motion.depth->file);
+    Result<std::unique_ptr<DepthRecording>> opened = openDepthRecording(motion.depth->file, motion.depth->lens);
     if (!opened) return std::nullopt;  // it is gone meanwhile
     depth_ = std::move(*opened);
   }

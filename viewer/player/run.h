@@ -1,6 +1,6 @@
 #pragma once
 
-#include "capture/sensor/oni_file.h"
+#include "capture/sensor/depth_recording.h"
 #include "capture/tracking/depth_joints.h"
 #include "geometry/result.h"
 #include "session/prepare/cast.h"
@@ -137,7 +137,7 @@ class Run {
   TreatmentControl unrecorded_;  // what can be chosen when nothing is written
   std::shared_ptr<LiveSources> live_;
   std::unique_ptr<RecordedCast> recorded_;
-  std::unique_ptr<OniSource> depth_;  // of a recording, once it was shown
+  std::unique_ptr<DepthRecording> depth_;  // of a recording, once it was shown
   std::shared_ptr<EventsOutput> events_;
   double firstTime_ = 0.0, before_ = 0.0, now_ = 0.0;  // [s]
   int frames_ = 0;                                     // since the start or restart

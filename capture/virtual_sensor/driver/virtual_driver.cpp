@@ -1,6 +1,9 @@
 /// An OpenNI2 driver with one depth camera, lorica://virtual, that shows simulated people: see
-/// capture/virtual_sensor/virtual_script.h for its settings, and docs/VIRTUAL_SENSOR.md.
+/// capture/virtual_sensor/virtual_script.h for its settings, and docs/VIRTUAL_SENSOR.md. And with cameras
+/// lorica://depth/ADDRESS, which show what another program sends, see capture/streams/depth_stream.h.
 
+#include "capture/streams/depth_stream.h"
+#include "capture/streams/depth_uri.h"
 #include "capture/virtual_sensor/virtual_script.h"
 
 #include <algorithm>
@@ -16,6 +19,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -43,17 +48,20 @@ constexpr const char* kUri = "lorica://virtual";
 /// Above every depth value: the recorder sizes a table by it, in millimetres.
 constexpr int kMaxDepth = 10000;
 
-OniDeviceInfo deviceInfo() {
+OniDeviceInfo deviceInfo(const char* uri = kUri, const char* name = "Virtual depth camera") {
   OniDeviceInfo info{};
-  std::snprintf(info.uri, sizeof(info.uri), "%s", kUri);
+  std::snprintf(info.uri, sizeof(info.uri), "%s", uri);
   std::snprintf(info.vendor, sizeof(info.vendor), "Lorica");
-  std::snprintf(info.name, sizeof(info.name), "Virtual depth camera");
+  std::snprintf(info.name, sizeof(info.name), "%s", name);
   return info;
 }
 
+OniVideoMode videoModeOf(const DepthCamera& camera, double framesPerSecond) {
+  return {ONI_PIXEL_FORMAT_DEPTH_1_MM, camera.width, camera.height, static_cast<int>(std::lround(framesPerSecond))};
+}
+
 OniVideoMode videoModeOf(const VirtualScript& script) {
-  return {ONI_PIXEL_FORMAT_DEPTH_1_MM, script.settings.camera.width, script.settings.camera.height,
-          static_cast<int>(std::lround(script.settings.framesPerSecond))};
+  return videoModeOf(script.settings.camera, script.settings.framesPerSecond);
 }
 
 /// Copies a value to OpenNI2, whose buffer must have the value's size.
@@ -147,15 +155,14 @@ class Timeline {
   std::uint64_t next_ = 0;
 };
 
-class DepthStream final : public oni::driver::StreamBase {
+/// A stream to OpenNI2, of frames that a thread makes.
+class FrameStream : public oni::driver::StreamBase {
  public:
-  DepthStream(Timeline& timeline, VirtualSensor sensor) : timeline_(timeline), sensor_(std::move(sensor)) {}
-  ~DepthStream() override { end(); }
+  FrameStream(const DepthCamera& camera, const OniVideoMode& mode) : camera_(camera), mode_(mode) {}
 
   OniStatus start() override {
     if (thread_.joinable()) return ONI_STATUS_OK;
-    stopped_ = false;
-    timeline_.begin();
+    begin();
     return run(thread_, [this] { produce(); }) ? ONI_STATUS_OK : ONI_STATUS_ERROR;
   }
   void stop() override { end(); }
@@ -165,25 +172,24 @@ class DepthStream final : public oni::driver::StreamBase {
   }
 
   OniStatus getProperty(int property, void* data, int* size) override {
-    const DepthCamera& camera = sensor_.camera();
     switch (property) {
       // Without an answer here the stock player drops every frame of a recording.
       case ONI_STREAM_PROPERTY_CROPPING:
-        return give(OniCropping{FALSE, 0, 0, camera.width, camera.height}, data, size);
+        return lorica::give(OniCropping{FALSE, 0, 0, camera_.width, camera_.height}, data, size);
       case ONI_STREAM_PROPERTY_HORIZONTAL_FOV:
-        return give(static_cast<float>(camera.horizontalFov), data, size);
+        return lorica::give(static_cast<float>(camera_.horizontalFov), data, size);
       case ONI_STREAM_PROPERTY_VERTICAL_FOV:
-        return give(static_cast<float>(camera.verticalFov), data, size);
+        return lorica::give(static_cast<float>(camera_.verticalFov), data, size);
       case ONI_STREAM_PROPERTY_VIDEO_MODE:
-        return give(videoModeOf(timeline_.script()), data, size);
+        return lorica::give(mode_, data, size);
       case ONI_STREAM_PROPERTY_MAX_VALUE:
-        return give(kMaxDepth, data, size);
+        return lorica::give(kMaxDepth, data, size);
       case ONI_STREAM_PROPERTY_MIN_VALUE:
-        return give(0, data, size);
+        return lorica::give(0, data, size);
       case ONI_STREAM_PROPERTY_STRIDE:
-        return give(stride(), data, size);
+        return lorica::give(stride(), data, size);
       case ONI_STREAM_PROPERTY_MIRRORING:
-        return give(static_cast<OniBool>(FALSE), data, size);
+        return lorica::give(static_cast<OniBool>(FALSE), data, size);
       default:
         return ONI_STATUS_NOT_SUPPORTED;
     }
@@ -192,7 +198,7 @@ class DepthStream final : public oni::driver::StreamBase {
   OniStatus setProperty(int property, const void* data, int size) override {
     switch (property) {
       case ONI_STREAM_PROPERTY_VIDEO_MODE:
-        return accept(videoModeOf(timeline_.script()), data, size);
+        return accept(mode_, data, size);
       case ONI_STREAM_PROPERTY_MIRRORING:
         return accept(static_cast<OniBool>(FALSE), data, size);
       default:
@@ -204,8 +210,40 @@ class DepthStream final : public oni::driver::StreamBase {
     notify<float>({ONI_STREAM_PROPERTY_HORIZONTAL_FOV, ONI_STREAM_PROPERTY_VERTICAL_FOV});
     notify<int>({ONI_STREAM_PROPERTY_MAX_VALUE, ONI_STREAM_PROPERTY_MIN_VALUE, ONI_STREAM_PROPERTY_STRIDE,
                  ONI_STREAM_PROPERTY_MIRRORING});
-    const OniVideoMode mode = videoModeOf(timeline_.script());
-    raisePropertyChanged(ONI_STREAM_PROPERTY_VIDEO_MODE, &mode, sizeof(mode));
+    raisePropertyChanged(ONI_STREAM_PROPERTY_VIDEO_MODE, &mode_, sizeof(mode_));
+  }
+
+ protected:
+  virtual void begin() = 0;
+  virtual void produce() = 0;  ///< until askToEnd(); on the thread
+  virtual void askToEnd() = 0;
+
+  /// To be called by the destructor of what is derived.
+  void end() {
+    askToEnd();
+    if (thread_.joinable()) thread_.join();
+  }
+
+  /// @param number  from 0
+  void give(const DepthFrame& image, int number) {
+    OniFrame* frame = getServices().acquireFrame();
+    if (frame == nullptr) return;
+    const std::size_t bytes = image.depthMm.size() * sizeof(std::uint16_t);
+    if (frame->dataSize >= static_cast<int>(bytes)) {
+      std::memcpy(frame->data, image.depthMm.data(), bytes);
+      frame->dataSize = bytes;
+      frame->sensorType = ONI_SENSOR_DEPTH;
+      frame->timestamp = std::llround(1e6 * image.time);
+      frame->frameIndex = number + 1;
+      frame->width = camera_.width;
+      frame->height = camera_.height;
+      frame->videoMode = mode_;
+      frame->croppingEnabled = FALSE;
+      frame->cropOriginX = frame->cropOriginY = 0;
+      frame->stride = stride();
+      raiseNewFrame(frame);
+    }
+    getServices().releaseFrame(frame);
   }
 
  private:
@@ -218,38 +256,34 @@ class DepthStream final : public oni::driver::StreamBase {
     }
   }
 
-  [[nodiscard]] int stride() const { return sensor_.camera().width * int{sizeof(std::uint16_t)}; }
+  [[nodiscard]] int stride() const { return camera_.width * int{sizeof(std::uint16_t)}; }
 
-  void end() {
-    timeline_.stop(stopped_);
-    if (thread_.joinable()) thread_.join();
+  DepthCamera camera_;
+  OniVideoMode mode_;
+  std::thread thread_;
+};
+
+class VirtualStream final : public FrameStream {
+ public:
+  VirtualStream(Timeline& timeline, VirtualSensor sensor)
+      : FrameStream(sensor.camera(), videoModeOf(timeline.script())), timeline_(timeline), sensor_(std::move(sensor)) {}
+  ~VirtualStream() override { end(); }
+
+ private:
+  void begin() override {
+    stopped_ = false;
+    timeline_.begin();
   }
+  void askToEnd() override { timeline_.stop(stopped_); }
 
-  void produce() {
+  void produce() override {
     while (const std::optional<std::uint64_t> number = timeline_.nextFrame(stopped_)) {
       if (!timeline_.script().settings.loop && *number >= sensor_.frameCount()) return;
       const double time = *number / timeline_.script().settings.framesPerSecond;
       const std::vector<TimeSpan>& away = timeline_.script().settings.unplugged;
       if (std::any_of(away.begin(), away.end(), [&](const TimeSpan& span) { return span.holds(time); })) continue;
       sensor_.render(*number, image_);
-      OniFrame* frame = getServices().acquireFrame();
-      if (frame == nullptr) continue;
-      const std::size_t bytes = image_.depthMm.size() * sizeof(std::uint16_t);
-      if (frame->dataSize >= static_cast<int>(bytes)) {
-        std::memcpy(frame->data, image_.depthMm.data(), bytes);
-        frame->dataSize = bytes;
-        frame->sensorType = ONI_SENSOR_DEPTH;
-        frame->timestamp = std::llround(1e6 * time);
-        frame->frameIndex = *number + 1;
-        frame->width = sensor_.camera().width;
-        frame->height = sensor_.camera().height;
-        frame->videoMode = videoModeOf(timeline_.script());
-        frame->croppingEnabled = FALSE;
-        frame->cropOriginX = frame->cropOriginY = 0;
-        frame->stride = stride();
-        raiseNewFrame(frame);
-      }
-      getServices().releaseFrame(frame);
+      give(image_, static_cast<int>(*number));
     }
   }
 
@@ -257,13 +291,38 @@ class DepthStream final : public oni::driver::StreamBase {
   VirtualSensor sensor_;
   DepthFrame image_;
   bool stopped_ = false;  ///< guarded by the timeline
-  std::thread thread_;
 };
 
-class Device final : public oni::driver::DeviceBase {
+/// What another program sends.
+class SentStream final : public FrameStream {
  public:
-  Device(Timeline& timeline, oni::driver::DriverServices& services)
-      : timeline_(timeline), services_(services), mode_(videoModeOf(timeline.script())) {
+  SentStream(DepthStream& source, const OniVideoMode& mode, oni::driver::DriverServices& services)
+      : FrameStream(source.camera(), mode), source_(source), services_(services) {}
+  ~SentStream() override { end(); }
+
+ private:
+  void begin() override { stopped_ = false; }
+  void askToEnd() override { stopped_ = true; }
+
+  void produce() override {
+    for (int number = 0; !stopped_;) {
+      const Result<DepthRead> read = source_.next(image_);
+      if (!read) return services_.errorLoggerAppend("%s", read.error().message.c_str());
+      if (*read != DepthRead::kFrame) continue;
+      for (std::uint16_t& depth : image_.depthMm) depth = depth < kMaxDepth ? depth : 0;
+      give(image_, number++);
+    }
+  }
+
+  DepthStream& source_;
+  oni::driver::DriverServices& services_;
+  DepthFrame image_;
+  std::atomic<bool> stopped_ = false;
+};
+
+class Device : public oni::driver::DeviceBase {
+ public:
+  Device(const OniVideoMode& mode, oni::driver::DriverServices& services) : services_(services), mode_(mode) {
     sensor_ = {ONI_SENSOR_DEPTH, 1, &mode_};
   }
 
@@ -274,13 +333,7 @@ class Device final : public oni::driver::DeviceBase {
   }
 
   oni::driver::StreamBase* createStream(OniSensorType type) override {
-    if (type != ONI_SENSOR_DEPTH) return nullptr;
-    Result<VirtualSensor> sensor = timeline_.sensor();
-    if (!sensor) {
-      services_.errorLoggerAppend("%s", sensor.error().message.c_str());
-      return nullptr;
-    }
-    return new DepthStream(timeline_, std::move(*sensor));
+    return type == ONI_SENSOR_DEPTH ? makeStream() : nullptr;
   }
   void destroyStream(oni::driver::StreamBase* stream) override { delete stream; }
 
@@ -302,12 +355,53 @@ class Device final : public oni::driver::DeviceBase {
     return ONI_STATUS_NOT_SUPPORTED;
   }
 
- private:
-  Timeline& timeline_;
+ protected:
+  virtual oni::driver::StreamBase* makeStream() = 0;
+
   oni::driver::DriverServices& services_;
   OniVideoMode mode_;
+
+ private:
   OniSensorInfo sensor_{};
 };
+
+class VirtualDevice final : public Device {
+ public:
+  VirtualDevice(Timeline& timeline, oni::driver::DriverServices& services)
+      : Device(videoModeOf(timeline.script()), services), timeline_(timeline) {}
+
+ private:
+  oni::driver::StreamBase* makeStream() override {
+    Result<VirtualSensor> sensor = timeline_.sensor();
+    if (sensor) return new VirtualStream(timeline_, std::move(*sensor));
+    services_.errorLoggerAppend("%s", sensor.error().message.c_str());
+    return nullptr;
+  }
+
+  Timeline& timeline_;
+};
+
+class SentDevice final : public Device {
+ public:
+  SentDevice(std::unique_ptr<DepthStream> source, oni::driver::DriverServices& services)
+      : Device(videoModeOf(source->camera(), 30.0), services), source_(std::move(source)) {}
+
+ private:
+  oni::driver::StreamBase* makeStream() override { return new SentStream(*source_, mode_, services_); }
+
+  std::unique_ptr<DepthStream> source_;
+};
+
+/// Waits for the program that sends.
+Result<std::unique_ptr<DepthStream>> openSent(std::string_view address) {
+  DepthStreamSettings settings;
+  settings.at = address;
+  const char* format = std::getenv(kSentFormatVariable);
+  if (format != nullptr && *format != '\0') {
+    LORICA_TRY(settings.bare, parseBareDepth(format));
+  }
+  return DepthStream::open(settings);
+}
 
 class VirtualDriver final : public oni::driver::DriverBase {
  public:
@@ -318,6 +412,8 @@ class VirtualDriver final : public oni::driver::DriverBase {
                        oni::driver::DeviceDisconnectedCallback disconnected,
                        oni::driver::DeviceStateChangedCallback stateChanged, void* cookie) override {
     DriverBase::initialize(connected, disconnected, stateChanged, cookie);
+    const char* sent = std::getenv(kSentVariable);
+    if (sent != nullptr && *sent != '\0') return tryDevice((std::string(kSentUri) + sent).c_str());
     const char* text = std::getenv(kVirtualScriptVariable);
     Result<VirtualScript> script = parseVirtualScript(text != nullptr ? text : "");
     if (!script) {
@@ -331,15 +427,27 @@ class VirtualDriver final : public oni::driver::DriverBase {
   }
 
   oni::driver::DeviceBase* deviceOpen(const char* uri, const char* /*mode*/) override {
+    if (uri != nullptr && std::string_view(uri).starts_with(kSentUri)) {
+      Result<std::unique_ptr<DepthStream>> source = openSent(std::string_view(uri).substr(kSentUri.size()));
+      if (source) return new SentDevice(std::move(*source), getServices());
+      getServices().errorLoggerAppend("%s", source.error().message.c_str());
+      return nullptr;
+    }
     if (timeline_ == nullptr || uri == nullptr || std::strcmp(uri, kUri) != 0) return nullptr;
     if (!connected_) {
       getServices().errorLoggerAppend("%s is unplugged", kUri);
       return nullptr;
     }
-    return new Device(*timeline_, getServices());
+    return new VirtualDevice(*timeline_, getServices());
   }
   void deviceClose(oni::driver::DeviceBase* device) override { delete device; }
-  OniStatus tryDevice(const char* /*uri*/) override { return ONI_STATUS_ERROR; }  // it reports itself through connect()
+  /// The virtual camera reports itself through connect(); a program that sends is known by its address only.
+  OniStatus tryDevice(const char* uri) override {
+    if (uri == nullptr || !std::string_view(uri).starts_with(kSentUri)) return ONI_STATUS_ERROR;
+    const OniDeviceInfo info = deviceInfo(uri, "Depth from another program");
+    deviceConnected(&info);
+    return ONI_STATUS_OK;
+  }
   void shutdown() override { end(); }
 
  private:

@@ -58,7 +58,7 @@ TEST(OniDepthCodec, UnpackingUndoesPacking) {
       for (const double rough : {0.0, 0.02, 0.3, 1.0}) {
         const std::vector<std::uint16_t> depths = someDepths(random, count, rough);
         std::vector<std::uint16_t> read(count, 1);
-        const Result<void> decoded = decoder.decode(codec, bytesOf(test::packOniDepth(codec, depths)), read);
+        const Result<void> decoded = decoder.decode(codec, bytesOf(packOniDepth(codec, depths)), read);
         ASSERT_TRUE(decoded) << decoded.error().message;
         ASSERT_EQ(read, depths) << count << " pixels, roughness " << rough;
       }
@@ -70,7 +70,7 @@ TEST(OniDepthCodec, ImagesOfAnotherSizeAreRefused) {
   RandomNumbers random(8);
   OniDepthDecoder decoder;
   for (const OniCodec codec : kCodecs) {
-    const std::string packed = test::packOniDepth(codec, someDepths(random, 100, 0.3));
+    const std::string packed = packOniDepth(codec, someDepths(random, 100, 0.3));
     std::vector<std::uint16_t> fewer(99);
     std::vector<std::uint16_t> more(101);
     EXPECT_FALSE(decoder.decode(codec, bytesOf(packed), fewer));
@@ -98,7 +98,7 @@ TEST(OniDepthCodec, AnyBytesGiveAnImageOrASentence) {
   int images = 0;
   for (int i = 0; i < 20000; ++i) {
     const OniCodec codec = kCodecs[i % 3];
-    std::string packed = test::packOniDepth(codec, someDepths(random, 64, 0.5));
+    std::string packed = packOniDepth(codec, someDepths(random, 64, 0.5));
     for (int flips = 1 + static_cast<int>(3.0 * random.unit()); flips > 0; --flips) {
       packed[random.bits() % packed.size()] ^= static_cast<char>(1 + random.bits() % 255);
     }

@@ -220,7 +220,7 @@ TEST(OniFile, ADamagedFrameIsASentenceAndTheOthersAreThere) {
   OniWriterSettings settings;
   settings.codec = OniCodec::kPacked;
   std::string bytes = someFile(settings, 2);
-  const std::string second = test::packOniDepth(OniCodec::kPacked, someFrame(8, 6, 1));
+  const std::string second = packOniDepth(OniCodec::kPacked, someFrame(8, 6, 1));
   const std::size_t at = bytes.find(second);
   ASSERT_NE(at, std::string::npos);
   bytes[at + 2] = '\xf3';
@@ -289,7 +289,7 @@ TEST(OniSource, ADamagedFrameLeavesTheCallersAlone) {
   OniWriterSettings settings;
   settings.codec = OniCodec::kPacked;
   std::string bytes = someFile(settings, 2);
-  bytes[bytes.find(test::packOniDepth(OniCodec::kPacked, someFrame(8, 6, 1))) + 2] = '\xf3';
+  bytes[bytes.find(packOniDepth(OniCodec::kPacked, someFrame(8, 6, 1))) + 2] = '\xf3';
   const std::unique_ptr<DepthSource> source = test::valueOf(openOni(folder.write("body.oni", bytes)));
   DepthFrame frame;
   ASSERT_TRUE(source->next(frame));

@@ -3,9 +3,6 @@
 #include "geometry/little_endian.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <map>
-#include <vector>
 
 namespace lorica::test {
 namespace {
@@ -25,83 +22,9 @@ void overwrite(std::string& bytes, std::size_t at, const std::string& with) {
   std::copy(with.begin(), with.end(), bytes.begin() + static_cast<std::ptrdiff_t>(at));
 }
 
-/// Packs pixel by pixel: small differences are collected in pairs, equal pairs in runs.
-class Packer {
- public:
-  std::string pack(std::span<const std::uint16_t> values) {
-    out_ = packed(values[0]);
-    for (std::size_t i = 1; i < values.size(); ++i) {
-      const int difference = values[i - 1] - values[i];
-      if (std::abs(difference) <= 6) {
-        addSmall(difference + 6);
-      } else {
-        addLarge(difference, values[i]);
-      }
-    }
-    flushRun();
-    if (half_) out_ += static_cast<char>(*half_ << 4 | 13);
-    return out_;
-  }
-
- private:
-  void addSmall(int nibble) {
-    if (!half_) {
-      half_ = nibble;
-      return;
-    }
-    const int byte = *half_ << 4 | nibble;
-    half_.reset();
-    if (byte == 0x66) {
-      if (++run_ == 15) flushRun();
-      return;
-    }
-    flushRun();
-    out_ += static_cast<char>(byte);
-  }
-  void addLarge(int difference, std::uint16_t value) {
-    flushRun();
-    out_ += static_cast<char>(half_ ? *half_ << 4 | 15 : 0xff);
-    half_.reset();
-    if (std::abs(difference) <= 63) {
-      out_ += static_cast<char>(difference + 192);
-    } else {
-      out_ += static_cast<char>(value >> 8);
-      out_ += static_cast<char>(value & 0xff);
-    }
-  }
-  void flushRun() {
-    if (run_ > 0) out_ += static_cast<char>(0xe0 + run_);
-    run_ = 0;
-  }
-
-  std::string out_;
-  std::optional<int> half_;
-  int run_ = 0;
-};
-
 enum : std::uint32_t { kDevice = 1, kDepth = 2, kColor = 3 };  // types, also used as node numbers here
 
 }  // namespace
-
-std::string packOniDepth(OniCodec codec, std::span<const std::uint16_t> depths) {
-  if (codec == OniCodec::kRaw) {
-    std::string out;
-    for (const std::uint16_t depth : depths) appendLittleEndian(depth, out);
-    return out;
-  }
-  if (codec == OniCodec::kPacked) return Packer().pack(depths);
-  std::map<std::uint16_t, std::uint16_t> indices;
-  for (const std::uint16_t depth : depths) indices[depth] = 0;
-  std::string out = packed(static_cast<std::uint16_t>(indices.size()));
-  std::uint16_t next = 0;
-  for (auto& [depth, index] : indices) {
-    index = next++;
-    appendLittleEndian(depth, out);
-  }
-  std::vector<std::uint16_t> values(depths.size());
-  std::transform(depths.begin(), depths.end(), values.begin(), [&](std::uint16_t depth) { return indices[depth]; });
-  return out + Packer().pack(values);
-}
 
 OniWriter::OniWriter(const OniWriterSettings& settings) : settings_(settings) {
   bytes_ = "NI10";

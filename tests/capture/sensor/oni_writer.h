@@ -9,9 +9,6 @@
 
 namespace lorica::test {
 
-/// Packs a depth image like the recorders. For kTable the table comes first.
-[[nodiscard]] std::string packOniDepth(OniCodec codec, std::span<const std::uint16_t> depths);
-
 struct OniCrop {
   std::uint16_t left, top, width, height;
 };

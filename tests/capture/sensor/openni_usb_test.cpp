@@ -72,6 +72,15 @@ TEST_F(UsbTest, EachReasonIsASentence) {
   EXPECT_TRUE(says(why(true), "Kinect v1 (045e:02ae)")) << why(true);
 }
 
+TEST_F(UsbTest, OfACameraWithoutADriverTheSenderIsNamed) {
+  plugIn("1-3", "8086", "0b3a", 4);
+  const std::vector<std::string> why = whyNoCamera(cameras(), false);
+  ASSERT_EQ(why.size(), 1U);
+  EXPECT_NE(why[0].find("RealSense D435i (8086:0b3a): OpenNI2 has no driver for it: let realsense.py"),
+            std::string::npos)
+      << why[0];
+}
+
 TEST_F(UsbTest, OddFilesAreNoHarm) {
   EXPECT_TRUE(cameras().empty()) << "no such folder";
   plugIn("1-1", "", "", 1);

@@ -25,7 +25,11 @@ extern "C" const char* __asan_default_options() {
 
 namespace {
 
-constexpr const char* kUri = "lorica://virtual";
+/// Of the camera: as CLIENT_URI says; if it is empty, the first.
+const char* uri() {
+  const char* given = std::getenv("CLIENT_URI");
+  return given == nullptr ? "lorica://virtual" : *given == '\0' ? openni::ANY_DEVICE : given;
+}
 
 int fail(const char* what) {
   std::fprintf(stderr, "%s: %s\n", what, openni::OpenNI::getExtendedError());
@@ -44,7 +48,7 @@ struct Camera {
   openni::Device device;
   openni::VideoStream depth;
   bool open() {
-    return device.open(kUri) == openni::STATUS_OK && depth.create(device, openni::SENSOR_DEPTH) == openni::STATUS_OK;
+    return device.open(uri()) == openni::STATUS_OK && depth.create(device, openni::SENSOR_DEPTH) == openni::STATUS_OK;
   }
   void close() {
     depth.stop();
@@ -116,10 +120,10 @@ int cycle(int count) {
 struct Plugs : openni::OpenNI::DeviceConnectedListener, openni::OpenNI::DeviceDisconnectedListener {
   std::atomic<int> came{0}, went{0};
   void onDeviceConnected(const openni::DeviceInfo* info) override {
-    if (std::strcmp(info->getUri(), kUri) == 0) ++came;
+    if (std::strcmp(info->getUri(), uri()) == 0) ++came;
   }
   void onDeviceDisconnected(const openni::DeviceInfo* info) override {
-    if (std::strcmp(info->getUri(), kUri) == 0) ++went;
+    if (std::strcmp(info->getUri(), uri()) == 0) ++went;
   }
 };
 
@@ -139,7 +143,7 @@ int unplug(int seconds) {
   if (!wait(plugs.went)) return fail("never disconnected");
   camera->close();
   openni::Device gone;
-  if (gone.open(kUri) == openni::STATUS_OK) return fail("opened while unplugged");
+  if (gone.open(uri()) == openni::STATUS_OK) return fail("opened while unplugged");
   if (!wait(plugs.came)) return fail("never reconnected");
   camera = std::make_unique<Camera>();
   if (!camera->open() || camera->depth.start() != openni::STATUS_OK || !read(camera->depth, frame))

@@ -1,5 +1,7 @@
 #include "capture/sensor/oni_file.h"
+#include "capture/streams/depth_stream.h"
 #include "capture/virtual_sensor/virtual_script.h"
+#include "geometry/descriptor.h"
 #include "geometry/files.h"
 #include "geometry/little_endian.h"
 #include "tests/support/datasets.h"
@@ -7,12 +9,15 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <spawn.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 extern char** environ;
@@ -38,13 +43,15 @@ class StagedClient {
   [[nodiscard]] fs::path path(const char* name) const { return folder_.path() / name; }
 
   /// @return its exit status, or 1000 plus the signal that ended it
-  int run(const std::string& script, std::vector<std::string> arguments) const {
+  int run(const std::string& script, std::vector<std::string> arguments,
+          const std::vector<std::string>& more = {}) const {
     arguments.insert(arguments.begin(), test::built("driver_client"));
     std::vector<char*> argv;
     argv.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
     std::vector<std::string> variables = {"LORICA_VIRTUAL=" + script, "LD_LIBRARY_PATH=" + folder_.path().string()};
+    variables.insert(variables.end(), more.begin(), more.end());
     std::vector<char*> environment;
     for (char** variable = environ; *variable != nullptr; ++variable) {
       if (std::string(*variable).rfind("LD_LIBRARY_PATH=", 0) != 0) environment.push_back(*variable);
@@ -116,6 +123,49 @@ TEST(Driver, TheStockRecorderRecordsItAndNothingIsLost) {
     ASSERT_EQ((*source)->next(frame).value(), DepthRead::kFrame);
     EXPECT_NEAR(frame.time, i / 30.0, 2e-6);  // every frame from the first one on
     ASSERT_EQ(frame.depthMm, expected.at(frame.time)) << "frame " << i;
+  }
+}
+
+TEST(Driver, WhatAnotherProgramSendsIsACamera) {
+  signal(SIGPIPE, SIG_IGN);
+  const DepthLens lens = DepthLens::pinhole(640, 480, 1.1, 0.8);
+  const auto imageOf = [](std::uint16_t number) {
+    std::vector<std::uint16_t> image(640 * 480);
+    for (std::size_t i = 0; i < image.size(); ++i) image[i] = static_cast<std::uint16_t>(1000 + number + i % 4000);
+    return image;
+  };
+  for (const bool named : {true, false}) {  // by its address, or as the first camera
+    const StagedClient client;
+    const std::string pipe = client.path("pipe");
+    ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+    std::thread sender([&] {
+      const Descriptor out(open(pipe.c_str(), O_WRONLY | O_CLOEXEC));
+      int error = 0;
+      for (int sent = 0; error == 0; ++sent) {
+        const auto number = static_cast<std::uint16_t>(sent % 4000);
+        const auto header = depthHeaderOf(lens, sent / 30.0);
+        const std::vector<std::uint16_t> image = imageOf(number);
+        std::string bytes(reinterpret_cast<const char*>(header.data()), header.size());
+        error = writeAll(out.get(), bytes.append(reinterpret_cast<const char*>(image.data()), 2 * image.size()));
+      }
+    });
+    const std::vector<std::string> variables = {named ? "CLIENT_URI=lorica://depth/" + pipe : "CLIENT_URI=",
+                                                named ? "LORICA_DEPTH=" : "LORICA_DEPTH=" + pipe};
+    EXPECT_EQ(client.run("", {"frames", "5", client.path("frames").string()}, variables), 0);
+    sender.join();
+    const std::string frames = readFile(client.path("frames")).value();
+    constexpr std::size_t kBytes = 640 * 480 * 2;
+    ASSERT_EQ(frames.size(), 5 * (16 + kBytes));
+    double last = -1.0;
+    for (std::size_t i = 0; i < 5; ++i) {
+      const char* at = frames.data() + i * (16 + kBytes);
+      const double time = 1e-6 * static_cast<double>(loadBytes<std::uint64_t>(at, std::endian::native));
+      EXPECT_GT(time, last);
+      last = time;
+      const auto* pixels = reinterpret_cast<const std::uint16_t*>(at + 16);
+      const std::vector<std::uint16_t> expected = imageOf(static_cast<std::uint16_t>(pixels[0] - 1000));
+      EXPECT_TRUE(std::equal(expected.begin(), expected.end(), pixels)) << "frame " << i;
+    }
   }
 }
 

@@ -91,7 +91,7 @@ TEST(BakeList, WhatIsWrongIsSaidWithItsLine) {
       {"c.csv", "file,parts\n", "line 1: found the columns file,parts, expected `input` among them"},
       {"d.csv", "input\n\"b.off\n", "line 2: found a quote that is not closed on this line, expected another \""},
       {"e.csv", "input,export\nb.off,usd\n",
-       "line 2: export: found `usd`, expected obj, stl, ply, xml, urdf, glb, vrm"},
+       "line 2: export: found `usd`, expected obj, stl, ply, xml, urdf, glb, vrm; did you mean \"urdf\"?"},
       {"f.jsonl", "{\"input\": 1\n", "line 1: found no JSON object, expected {\"input\": \"FILE\", ...}"},
       {"g.jsonl", "{\"parts\": 3}\n", "line 1: found no input, expected the path of a mesh or character"},
       {"h.csv", "input,hide\nb.off,--json\n",
