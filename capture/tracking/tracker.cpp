@@ -154,12 +154,13 @@ std::span<const TrackedPerson> Tracker::track(const DepthFrame& frame, const std
     }
     const bool wears = people[i].user == wearer;
     t.view.setWorn(wears ? std::optional(viewOf(*worn)) : std::nullopt);
+    t.view.setWaistUp(seat->fit.isWaistUp(t.view));
     seat->seen = seat->fit.follow(t.view, frame.time - seat->lastTime);
     if (!seat->seen) continue;
     seat->fitted = true;
     seat->lastTime = frame.time;
     seat->belief.update({seat->fit.cost(), seat->fit.support(), seat->fit.height(), people[i].moved, people[i].attached,
-                         t.view.lowerBody() || t.view.headOutside()});
+                         t.view.lowerBody() || t.view.headOutside(), t.view.waistUp()});
     poseBody(seat->fit.pose(), seat->fit.proportions(), t.body);
     t.finder.explain(seat->user, t.body);
     const bool doubtful = !seat->belief.believed() && frame.time - seat->firstTime > kDoubtSeconds;

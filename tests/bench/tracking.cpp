@@ -4,11 +4,14 @@
 #include "capture/skeleton_frame.h"
 #include "capture/tracking/tracker.h"
 #include "geometry/files.h"
+#include "tests/bench/depth_overlay.h"
+#include "tests/bench/generators/near_people.h"
 #include "tests/bench/generators/other_cameras.h"
 #include "tests/bench/generators/virtual_clothes.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/tracking_motions.h"
 #include "tests/bench/tracking_real.h"
+#include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
 #include <CLI/CLI.hpp>
@@ -39,7 +42,6 @@ struct JointErrors {
   std::array<bool, kBodyJointCount> sure{};        ///< confidence 0.5 or more
   bool sidesSwapped = false;                       ///< fits better with left and right swapped
 
-  [[nodiscard]] double mean() const;
   /// Whether an elbow, hand, knee or foot is wrong; true if the person is not tracked.
   [[nodiscard]] bool limbWrong() const;
 };
@@ -69,12 +71,6 @@ constexpr std::size_t kSteadyFrames = 5;
 
 double percent(double part, double whole) {
   return whole > 0.0 ? 100.0 * part / whole : 0.0;
-}
-
-double JointErrors::mean() const {
-  double sum = 0.0;
-  for (const double d : distance) sum += d;
-  return sum / kBodyJointCount;
 }
 
 bool JointErrors::limbWrong() const {
@@ -164,6 +160,7 @@ struct Options {
   bool quick = false;
   std::string real;
   bool four = false;
+  bool near = false;
   RealOptions realOptions;
 };
 
@@ -431,6 +428,58 @@ Result<void> measure(const Options& options) {
   return {};
 }
 
+/// A row for each scene of somebody near the camera.
+Result<void> measureNear(const Options& options) {
+  fmt::print(
+      "scene,seed,frames,first_frame,followed_percent,others,heading_off,sure,sure_off,legs_known,trunk_mm,cpu_ms_mean,"
+      "cpu_ms_p99\n");
+  for (const NearScene& scene : nearScenes()) {
+    if (!named(options.motions, std::string(scene.name))) continue;
+    for (int seed = 1; seed <= options.seeds; ++seed) {
+      VirtualSensor sensor = nearSensor(scene, static_cast<std::uint64_t>(seed));
+      Result<Tracker> tracker = Tracker::create(sensor.camera());
+      if (!tracker) return tracker.error();
+      NearFigures figures;
+      std::vector<double> ms;
+      std::vector<Image> pictures;
+      std::vector<std::string> captions;
+      DepthFrame depth;
+      for (int f = 0; f < kNearFrames; ++f) {
+        sensor.render(static_cast<std::uint64_t>(f), depth);
+        const double before = cpuSeconds();
+        const std::span<const TrackedPerson> people = tracker->track(depth);
+        ms.push_back(1e3 * (cpuSeconds() - before));
+        std::vector<SkeletonFrame> seen;
+        for (const TrackedPerson& person : people) {
+          seen.push_back(moved(person.skeleton, tracker->floorFromCamera().inverse()));
+        }
+        figures.add(sensor.truth()[0], seen);
+        if (options.realOptions.pictures.empty() || f % options.realOptions.pictureStep != 0) continue;
+        std::vector<DrawnSkeleton> drawn(1 + seen.size());
+        for (std::size_t s = 0; s < drawn.size(); ++s) {
+          const SkeletonFrame& one = s == 0 ? sensor.truth()[0].joints : seen[s - 1];
+          for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+            drawn[s].joints[j] = one.joints[j].position;
+            drawn[s].sure[j] = s > 0 && one.joints[j].confidence >= 0.5;
+          }
+          drawn[s].colour =
+              s == 0 ? std::array<std::uint8_t, 3>{60, 255, 60} : std::array<std::uint8_t, 3>{255, 50, 40};
+        }
+        pictures.push_back(depthOverlay(sensor.camera(), depth.depthMm, tracker->labels(), drawn));
+        captions.push_back(fmt::format("{}", f));
+      }
+      fmt::print("{},{},{},{},{:.1f},{},{},{},{},{},{:.0f},{:.1f},{:.1f}\n", scene.name, seed, figures.frames,
+                 figures.first, percent(figures.followed, figures.frames), figures.others, figures.headingOff,
+                 figures.sure, figures.sureOff, figures.legsKnown, figures.trunkMm, meanOf(ms), atRank(ms, 0.99));
+      std::fflush(stdout);
+      if (pictures.empty()) continue;
+      const auto file = options.realOptions.pictures / fmt::format("{}_{}.png", scene.name, seed);
+      if (Result<void> written = writePng(file, contactSheet(pictures, captions, 5)); !written) return written;
+    }
+  }
+  return {};
+}
+
 }  // namespace
 }  // namespace lorica::bench
 
@@ -459,6 +508,7 @@ int main(int argc, char** argv) {
   app.add_option("--start", options.realOptions.variant.start, "with --real: frames left out at the beginning")
       ->check(CLI::Range(0, 10'000));
   app.add_flag("--mirror", options.realOptions.variant.mirror, "with --real: left and right exchanged");
+  app.add_flag("--near", options.near, "measure on rendered people near the camera, from the waist up, instead");
   app.add_flag("--four", options.four, "with --real: four runs, from the first frame and two later, both mirrored");
   app.add_option("--composed", options.realOptions.composed,
                  "with --real: so many rooms composed of its people, its empty rooms and rendered furniture instead")
@@ -479,8 +529,9 @@ int main(int argc, char** argv) {
   if (options.four) variants = {{0, false}, {0, true}, {2, false}, {2, true}};
   for (const RealVariant& variant : variants) {
     options.realOptions.variant = variant;
-    if (lorica::Result<void> done =
-            options.real.empty() ? measure(options) : measureRealPeople(options.real, options.realOptions);
+    if (lorica::Result<void> done = options.near           ? measureNear(options)
+                                    : options.real.empty() ? measure(options)
+                                                           : measureRealPeople(options.real, options.realOptions);
         !done)
       return fail(done.error());
   }

@@ -26,6 +26,13 @@ bool isHiddenBeside(const BodyView& view, const PosedModel& body, const Sample& 
   return !sight.inside || (!sight.person && sight.seen > 0.0F && sight.seen < sight.depth);
 }
 
+/// Those that may explain something: all, or all but the legs'.
+int fittedCapsules(const BodyView& view) {
+  static const int upper = static_cast<int>(
+      std::ranges::count_if(capsuleDefs(), [](const Capsule& capsule) { return !isOfLeg(capsule.node); }));
+  return view.waistUp() ? upper : kCapsuleCount;
+}
+
 }  // namespace
 
 BodyFitter::BodyFitter() {
@@ -45,10 +52,11 @@ void BodyFitter::addPull(int node, const V3& at, const V3& derivative, float res
   equations_.force[n] += (weight * residual) * f;
 }
 
-SurfaceMatch BodyFitter::match(const BodyView::Point& point, int first) const {
+SurfaceMatch BodyFitter::match(const BodyView& view, const BodyView::Point& point, int first) const {
   SurfaceMatch best;
-  matchCapsule(body_, first, point.position, point.normal, point.ray, best);
-  for (int i = 0; i < kCapsuleCount; ++i) {
+  const int count = fittedCapsules(view);
+  if (first < count) matchCapsule(body_, first, point.position, point.normal, point.ray, best);
+  for (int i = 0; i < count; ++i) {
     if (i != first) matchCapsule(body_, i, point.position, point.normal, point.ray, best);
   }
   return best;
@@ -62,7 +70,7 @@ float BodyFitter::pointTerm(const BodyView& view, const FitStage& stage, bool li
   const float widthSq = stage.width * stage.width;
   float cost = 0.0F;
   for (std::size_t i = 0; i < n; ++i) {
-    const SurfaceMatch m = match(points[i], lastCapsule_[i]);
+    const SurfaceMatch m = match(view, points[i], lastCapsule_[i]);
     lastCapsule_[i] = m.capsule;
     const Robust r = robust(m.costSq, widthSq);
     cost += r.cost;
@@ -74,6 +82,7 @@ float BodyFitter::pointTerm(const BodyView& view, const FitStage& stage, bool li
 float BodyFitter::freeSpaceTerm(const BodyView& view, bool linearize) {
   float cost = 0.0F;
   for (const Sample& sample : samplesOfBody()) {
+    if (sample.capsule >= fittedCapsules(view)) break;
     const SamplePulls pulls = pullsOf(view, body_, sample);
     const int node = body_.capsule[sample.capsule].node;
     for (int i = 0; i < pulls.count; ++i) {
@@ -85,12 +94,13 @@ float BodyFitter::freeSpaceTerm(const BodyView& view, bool linearize) {
   return cost;
 }
 
-float BodyFitter::collisionTerm(bool linearize) {
+float BodyFitter::collisionTerm(const BodyView& view, bool linearize) {
   float cost = 0.0F;
   int known = -1;
   Ball ball{};
   for (const CollisionPair& pair : collisionPairs()) {
     const Sample& sample = samplesOfBody()[pair.sample];
+    if (std::max(sample.capsule, pair.capsule) >= fittedCapsules(view)) continue;
     if (pair.sample != known) {
       ball = ballOf(body_, sample);
       known = pair.sample;
@@ -165,11 +175,12 @@ float BodyFitter::poseTerm(const BodyPose& pose, bool linearize) {
   return cost;
 }
 
-float BodyFitter::restTerm(const BodyPose& pose, bool linearize) {
+float BodyFitter::restTerm(const BodyView& view, const BodyPose& pose, bool linearize) {
   const auto& nodes = nodeDefs();
   float cost = 0.0F;
   for (int i = 0; i < kFitLimbCount; ++i) {
     const auto limb = static_cast<Limb>(i);
+    if (view.waistUp() && isOfLeg(upperNodeOf(limb))) continue;
     const LimbRest rest = restOf(limb, pose);
     cost += rest.cost();
     if (!linearize) continue;
@@ -227,6 +238,14 @@ void BodyFitter::assemble() {
   }
 }
 
+/// The degrees of freedom of the legs, the last ones, do not move.
+void BodyFitter::holdLegs() {
+  const int first = nodeDefs()[kLeftThigh].firstDof, count = kDofCount - first;
+  equations_.matrix.bottomRows(count).setZero();
+  equations_.matrix.diagonal().tail(count).setOnes();
+  equations_.gradient.tail(count).setZero();
+}
+
 FitCost BodyFitter::evaluate(const BodyView& view, const BodyPose& pose, const PosePrior& prior, const FitStage& stage,
                              bool linearize) {
   if (linearize) {
@@ -238,12 +257,13 @@ FitCost BodyFitter::evaluate(const BodyView& view, const BodyPose& pose, const P
   FitCost cost;
   cost.points = pointTerm(view, stage, linearize);
   cost.freeSpace = freeSpaceTerm(view, linearize);
-  cost.body = collisionTerm(linearize);
+  cost.body = collisionTerm(view, linearize);
   cost.body += headTerm(view, linearize);
   cost.body += poseTerm(pose, linearize);
-  cost.rest = restTerm(pose, linearize);
+  cost.rest = restTerm(view, pose, linearize);
   cost.prior = priorTerm(pose, prior, linearize);
   if (linearize) assemble();
+  if (linearize && view.waistUp()) holdLegs();
   return cost;
 }
 
@@ -320,7 +340,7 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   const float each = kPointCount / n / (kPointDeviation * kPointDeviation);
   const auto& nodes = nodeDefs();
   for (std::size_t i = 0; i < n; ++i) {
-    const SurfaceMatch m = match(points[i], lastCapsule_[i]);
+    const SurfaceMatch m = match(view, points[i], lastCapsule_[i]);
     const Robust r = robust(m.costSq, stage.width * stage.width);
     const float weight = each * r.weight;
     const std::size_t c = m.capsule;
@@ -377,7 +397,7 @@ CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& pr
   const std::size_t n = std::min<std::size_t>(points.size(), 500);
   int unexplained = 0;
   for (std::size_t i = 0; i < n; ++i) {
-    const SurfaceMatch m = match(points[i], lastCapsule_[i]);
+    const SurfaceMatch m = match(view, points[i], lastCapsule_[i]);
     const float off = std::abs(m.residual);
     const std::size_t c = m.capsule;
     support.meanDistance += std::min(off, 0.1F);

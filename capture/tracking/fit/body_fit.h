@@ -48,7 +48,7 @@ struct CapsuleSupport {
 };
 
 /// Fits the body to a view by damped least squares (Levenberg-Marquardt). Steps that do not lower the true cost are
-/// rejected.
+/// rejected. Of whom the view shows no more than the waist up, the legs stay as they are and explain nothing.
 ///
 /// Every term pulls at points of the body along lines, so its part of the normal equations is a 6 x 6 matrix of
 /// wrenches at a node. The matrices of a subtree are summed before they are projected onto the degrees of freedom, as
@@ -84,16 +84,17 @@ class BodyFitter {
     Eigen::Matrix<float, kDofCount, kDofCount> matrix;
     Step gradient;
   };
-  [[nodiscard]] SurfaceMatch match(const BodyView::Point& point, int first) const;
+  [[nodiscard]] SurfaceMatch match(const BodyView& view, const BodyView::Point& point, int first) const;
   FitCost evaluate(const BodyView& view, const BodyPose& pose, const PosePrior& prior, const FitStage& stage,
                    bool linearize);
   void addPull(int node, const V3& at, const V3& derivative, float residual, float weight);
   float pointTerm(const BodyView& view, const FitStage& stage, bool linearize);
   float freeSpaceTerm(const BodyView& view, bool linearize);
-  float collisionTerm(bool linearize);
+  float collisionTerm(const BodyView& view, bool linearize);
   float headTerm(const BodyView& view, bool linearize);
   float poseTerm(const BodyPose& pose, bool linearize);
-  float restTerm(const BodyPose& pose, bool linearize);
+  float restTerm(const BodyView& view, const BodyPose& pose, bool linearize);
+  void holdLegs();
   float priorTerm(const BodyPose& pose, const PosePrior& prior, bool linearize);
   void assemble();
 

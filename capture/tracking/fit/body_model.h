@@ -40,6 +40,11 @@ enum Node : std::uint8_t {
 inline constexpr int kNodeCount = 18;
 inline constexpr int kDofCount = 43;
 
+/// Thighs, shins and feet: the last nodes, capsules and degrees of freedom of the body.
+[[nodiscard]] constexpr bool isOfLeg(int node) {
+  return node >= kLeftThigh;
+}
+
 /// How a body differs from the mannequin, as factors; symmetric left and right.
 enum Proportion : std::uint8_t {
   kSize,  ///< of the whole body

@@ -11,8 +11,9 @@ constexpr float kLayer = 0.06F;       ///< depths this far behind a block's near
 constexpr float kNormalStep = 0.07F;  ///< neighbours that differ by more in depth belong to another surface [m]
 constexpr int kCutBlocks = 6;         ///< blocks at the image border for the person to count as cut off
 constexpr std::size_t kMaxPoints = 4000;
-constexpr std::size_t kLowShare = 100;  ///< one of so many points may lie below the ground that the others show
-constexpr float kLowMargin = 0.02F;     ///< from the lowest points seen down to the ground [m]
+constexpr std::size_t kOutlierShare = 200;  ///< one of so many points may lie beyond the top or bottom of the others
+constexpr std::size_t kLowShare = 100;      ///< one of so many points may lie below the ground that the others show
+constexpr float kLowMargin = 0.02F;         ///< from the lowest points seen down to the ground [m]
 
 constexpr float kFarBlocks = 1e6F;
 constexpr float kHiderGap = 0.15F;    ///< something nearer than the person beside it by this much may hide more [m]
@@ -26,6 +27,9 @@ constexpr int kRampCount = 20;        ///< least count of places where an edge i
 constexpr int kRampMajority = 4;      ///< so many times the places where it is a step
 constexpr float kRampSlope = 2.0F;    ///< of a ramp, least fall per step aside
 constexpr float kAboveFloor = 0.10F;  ///< what is lower may be the floor [m]
+constexpr int kMarginShare = 5;       ///< cameras leave margins empty that are narrower than one of so many parts
+constexpr int kEmptyShare = 50;       ///< of a line in a margin less than one of so many parts is measured ...
+constexpr int kFilledShare = 3;       ///< ... and beside it at least one of so many: what ends there is the image
 
 enum Kind : std::uint8_t { kElse, kPerson, kUnknown, kNearer, kOccluder };
 
@@ -44,7 +48,7 @@ int bayerRank(int x, int y) {
 
 BodyView::BodyView(const DepthCamera& camera)
     : camera_(camera),
-      block_(camera.width < 400 ? 2 : 4),
+      block_(isSmall(camera) ? 2 : 4),
       focalX_(camera.focalX()),
       focalY_(camera.focalY()),
       columns_(camera.width / block_),
@@ -54,6 +58,7 @@ BodyView::BodyView(const DepthCamera& camera)
   positions_.resize(count);
   outside_.resize(count);
   scratch_.resize(count);
+  measured_.resize(static_cast<std::size_t>(columns_) + rows_);
   points_.reserve(kMaxPoints);
   for (auto& list : byRank_) list.reserve(count / 64 + 64);
 }
@@ -90,6 +95,7 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
   right_ = 0;
   top_ = rows_;
   bottom_ = 0;
+  std::ranges::fill(measured_, 0);
   const int width = camera_.width;
   // Pixels of the person for a block to count as theirs, and those that must lie in its nearest layer.
   const int minPixels = block_ == 4 ? 5 : 2, minLayer = block_ == 4 ? 3 : 1;
@@ -117,6 +123,10 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
       const auto index = static_cast<std::size_t>(by) * columns_ + bx;
       Block& block = blocks_[index];
       block.kind = kElse;
+      if (2 * missing <= block_ * block_) {
+        ++measured_[bx];
+        ++measured_[columns_ + by];
+      }
       block.depth = nearestElse == 0xffff ? 0.0F : 0.001F * nearestElse;
       if (mine < minPixels) {
         if (missing > block_ * block_ / 2) block.kind = kUnknown;
@@ -150,23 +160,42 @@ void BodyView::gather(std::span<const std::uint16_t> depthMm, std::span<const st
   }
   blurred_ = isBlurred(depthMm);
   if (blurred_) dropRamps();
+  findMargins();
   int border = 0;
   for (int by = 0; by < rows_; ++by) {
-    for (const int bx : {0, 1, 2, columns_ - 3, columns_ - 2, columns_ - 1}) {
-      border += blocks_[static_cast<std::size_t>(by) * columns_ + bx].kind == kPerson ? 1 : 0;
+    for (const int k : {0, 1, 2}) {
+      for (const int bx : {firstColumn_ + k, lastColumn_ - k}) border += blocks_[indexOf(bx, by)].kind == kPerson;
     }
   }
   for (int bx = 0; bx < columns_; ++bx) {
-    for (const int by : {0, 1, rows_ - 2, rows_ - 1}) {
-      border += blocks_[static_cast<std::size_t>(by) * columns_ + bx].kind == kPerson ? 1 : 0;
+    for (const int k : {0, 1}) {
+      for (const int by : {firstRow_ + k, lastRow_ - k}) border += blocks_[indexOf(bx, by)].kind == kPerson;
     }
   }
   cut_ = border >= kCutBlocks;
-  cutBelow_ = bottom_ >= rows_ - 1;
+  cutBelow_ = bottom_ >= lastRow_;
+  cutAbove_ = top_ <= firstRow_ + 1;
   left_ = std::max(0, left_ - kMargin);
   top_ = std::max(0, top_ - kMargin);
   right_ = std::min(columns_, right_ + kMargin);
   bottom_ = std::min(rows_, bottom_ + kMargin);
+}
+
+/// Cameras that align their depth with a picture leave margins empty. What is cut off there ends at the image's border.
+void BodyView::findMargins() {
+  const auto marginOf = [](const int* measured, int count, int step, int across) {
+    int margin = 0;
+    while (margin < count && measured[margin * step] * kEmptyShare < across) ++margin;
+    const bool isMargin =
+        margin > 0 && margin * kMarginShare <= count && measured[margin * step] * kFilledShare >= across;
+    return isMargin ? margin : 0;
+  };
+  const int* columns = measured_.data();
+  const int* rows = columns + columns_;
+  firstColumn_ = marginOf(columns, columns_, 1, rows_);
+  lastColumn_ = columns_ - 1 - marginOf(columns + columns_ - 1, columns_, -1, rows_);
+  firstRow_ = marginOf(rows, rows_, 1, columns_);
+  lastRow_ = rows_ - 1 - marginOf(rows + rows_ - 1, rows_, -1, columns_);
 }
 
 /// Whether the image's depth edges around the person are ramps instead of steps: filters of the camera blurred them.
@@ -318,6 +347,7 @@ void BodyView::distances() {
 
 void BodyView::makePoints() {
   points_.clear();
+  blockCount_ = 0;
   for (auto& list : byRank_) list.clear();
   for (int y = top_; y < bottom_; ++y) {
     for (int x = left_; x < right_; ++x) {
@@ -327,6 +357,7 @@ void BodyView::makePoints() {
   }
   const std::size_t step = columns_;
   for (const auto& list : byRank_) {
+    blockCount_ += list.size();
     for (const std::uint32_t i : list) {
       if (points_.size() >= kMaxPoints) break;
       const int x = static_cast<int>(i) % columns_;
@@ -360,6 +391,13 @@ void BodyView::makePoints() {
   }
   if (points_.empty()) return;
   const std::size_t n = points_.size();
+  for (std::size_t k = 0; k < n; ++k) scratch_[k] = points_[k].position.y();
+  const auto heightAt = [&](std::size_t rank) {
+    std::nth_element(scratch_.begin(), scratch_.begin() + rank, scratch_.begin() + n);
+    return scratch_[rank];
+  };
+  bottomHeight_ = heightAt(n / kOutlierShare);
+  topHeight_ = heightAt(n - 1 - n / kOutlierShare);
   for (int axis = 0; axis < 3; ++axis) {
     for (std::size_t k = 0; k < n; ++k) scratch_[k] = points_[k].position[axis];
     const auto half = scratch_.begin() + (n / 2);
@@ -377,7 +415,8 @@ BodyView::Sight BodyView::sightOf(const V3& position) const {
   const float column = (0.5F * camera_.width + focalX_ * p.x() / sight.depth) / block_ - 0.5F;
   const float row = (0.5F * camera_.height - focalY_ * p.y() / sight.depth) / block_ - 0.5F;
   sight.metresPerBlock = block_ * sight.depth / focalX_;
-  sight.inside = column > -0.5F && row > -0.5F && column < columns_ - 0.5F && row < rows_ - 0.5F;
+  sight.inside =
+      column > firstColumn_ - 0.5F && row > firstRow_ - 0.5F && column < lastColumn_ + 0.5F && row < lastRow_ + 0.5F;
   if (!sight.inside || right_ - left_ < 2 || bottom_ - top_ < 2) return sight;
   // Beyond the margin, the distance to the margin's border is added.
   const float x = std::clamp<float>(column, left_, right_ - 1.001F);

@@ -10,6 +10,11 @@
 
 namespace lorica::fit {
 
+/// Whether a camera has so few pixels that the tracker looks at blocks half as wide.
+[[nodiscard]] inline bool isSmall(const DepthCamera& camera) {
+  return camera.width * camera.height < 400 * 300;
+}
+
 /// What a headset says of the person, floor frame.
 struct WornView {
   V3 head;   ///< the head joint [m]
@@ -39,16 +44,25 @@ class BodyView {
 
   /// Ordered such that every prefix is evenly distributed over the person.
   [[nodiscard]] std::span<const Point> points() const { return points_; }
-  /// Area that one point represents, perpendicular to the view [m^2].
-  [[nodiscard]] float areaOf(const Point& point) const {
-    const float away = (point.position - cameraPosition_).norm();
-    return block_ * block_ * away * away / (focalX_ * focalY_);
-  }
+  /// Area that one block represents, perpendicular to the view [m^2].
+  [[nodiscard]] float areaOf(const Point& point) const { return areaAt(point.position); }
   /// Of the person, about, as seen from the camera [m^2].
-  [[nodiscard]] float seenArea() const { return points_.empty() ? 0.0F : points_.size() * areaOf(points_.front()); }
+  [[nodiscard]] float seenArea() const {
+    // Near the camera, a single point may be a hand at half the distance.
+    return points_.empty() ? 0.0F : blockCount_ * areaAt(waistUp_ ? middle_ : points_.front().position);
+  }
   [[nodiscard]] const V3& cameraPosition() const { return cameraPosition_; }
-  /// Whether the person clearly touches the image border.
+  /// Whether the person clearly touches the border of what the camera measures.
   [[nodiscard]] bool cut() const { return cut_; }
+  /// Whether the lower border cuts the person off, and the upper one.
+  [[nodiscard]] bool cutBelow() const { return cutBelow_; }
+  [[nodiscard]] bool cutAbove() const { return cutAbove_; }
+  /// Heights of the lowest and the highest points, without a few outliers [m].
+  [[nodiscard]] float bottom() const { return bottomHeight_; }
+  [[nodiscard]] float top() const { return topHeight_; }
+  /// Whether the hips and all below them are under the lower border: legs are not fitted.
+  [[nodiscard]] bool waistUp() const { return waistUp_; }
+  void setWaistUp(bool waistUp) { waistUp_ = waistUp; }
   /// Whether filters of the camera have blurred edges: what is on them is left out.
   [[nodiscard]] bool blurred() const { return blurred_; }
   /// Whether the person is connected to the room: some points and parts of the outline may be the room's.
@@ -68,7 +82,7 @@ class BodyView {
   [[nodiscard]] const V3& middle() const { return middle_; }
 
   struct Sight {
-    bool inside;    ///< whether the point projects into the image
+    bool inside;    ///< whether the point projects into the part of the image that the camera measures
     float outside;  ///< distance from the person's outline, negative inside it; what is in front of the person counts
                     ///< as inside, since it may hide more of them [blocks]
     V3 gradient;    ///< of `outside` times metresPerBlock with respect to position: points away from the person; floor
@@ -91,19 +105,23 @@ class BodyView {
   void gather(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> labels, std::uint8_t label);
   [[nodiscard]] bool isBlurred(std::span<const std::uint16_t> depthMm) const;
   void dropRamps();
+  void findMargins();
   template <typename Relax>
   void sweep(const Relax& relax) const;
   void markOccluders();
   void distances();
   void makePoints();
   void findGround(bool floorFound);
+  [[nodiscard]] float areaAt(const V3& position) const {
+    return block_ * block_ * (position - cameraPosition_).squaredNorm() / (focalX_ * focalY_);
+  }
   [[nodiscard]] std::size_t indexOf(int column, int row) const {
     return static_cast<std::size_t>(row) * columns_ + column;
   }
   [[nodiscard]] V3 cameraPositionOf(float column, float row, float depth) const;
 
   DepthCamera camera_;
-  int block_;  ///< pixels along either side of a block: 4, or 2 if the image is less than 400 wide
+  int block_;  ///< pixels along either side of a block: 4, or 2 if the image is small
   float focalX_, focalY_;
   int columns_, rows_;
   int left_ = 0, top_ = 0, right_ = 0, bottom_ = 0;  ///< of the person with a margin [blocks]
@@ -123,7 +141,12 @@ class BodyView {
   std::optional<WornView> worn_;
   bool headOutside_ = false;
   bool lowerBody_ = false;
-  bool cutBelow_ = false;
+  bool cutBelow_ = false, cutAbove_ = false;
+  bool waistUp_ = false;
+  float bottomHeight_ = 0.0F, topHeight_ = 0.0F;
+  std::size_t blockCount_ = 0;                                         ///< that show the person
+  int firstColumn_ = 0, lastColumn_ = 0, firstRow_ = 0, lastRow_ = 0;  ///< that the camera measures [blocks]
+  std::vector<int> measured_;                                          ///< blocks of each column, then of each row
 };
 
 }  // namespace lorica::fit

@@ -70,6 +70,15 @@ void layLimb(Limb limb, const PosedModel& body, const V3& upper, const V3& lower
   pose.angle[endNodeOf(limb)] = {0.0F, 0.0F};
 }
 
+void layLegs(const PosedModel& body, float hips, BodyPose& pose) {
+  constexpr float kSeated = 0.7F;  // hips below this are on a seat [m]
+  V3 ahead = body.rotation[kPelvis].col(2);
+  ahead.y() = 0.0F;
+  const V3 down = -V3::UnitY();
+  const V3 thigh = hips < kSeated && ahead.norm() > 0.1F ? V3(ahead.normalized()) : down;
+  for (const Limb leg : {kLeftLeg, kRightLeg}) layLimb(leg, body, thigh, down, pose);
+}
+
 LimbLine reachFor(const V3& origin, float upperLength, float lowerLength, const V3& target, const V3& pole) {
   V3 line = target - origin;
   float distance = line.norm();

@@ -19,6 +19,10 @@ inline constexpr int kFitLimbCount = 4;
 /// @param lower  unit, from elbow or knee to the limb's end
 void layLimb(Limb limb, const PosedModel& body, const V3& upper, const V3& lower, BodyPose& pose);
 
+/// Lays both legs as whoever has their hips at this height stands or sits: down to the ground, or the thighs level.
+/// @param hips  over the ground, of the mannequin's size [m]
+void layLegs(const PosedModel& body, float hips, BodyPose& pose);
+
 /// The two directions of a limb that reaches for a target, with elbow or knee on one side of the line to it.
 /// @param pole  which side; not parallel to the line
 struct LimbLine {

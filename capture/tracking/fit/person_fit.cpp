@@ -24,10 +24,23 @@ constexpr Limits kStill = {1220.0F, 15};
 constexpr Limits kMoved = {1800.0F, 9};
 constexpr Limits kMovedAttached = {2300.0F, 15};
 constexpr Limits kPart = {1800.0F, 6};
+// From the waist up: less is seen, all of it near. Things with a head and shoulders of boxes cost 630 and more.
+constexpr Limits kWaistUp = {560.0F, 5};
+constexpr Limits kWaistUpMoved = {800.0F, 5};
 constexpr float kAgainst = 1.15F;  // multiple of that cost from which a view is against a person believed before
 
 int seenOf(const CapsuleSupport& support) {
   return std::ranges::count_if(support.seen, [](float share) { return share > kMinSeen; });
+}
+
+bool showsHeadAndChest(const CapsuleSupport& support) {
+  bool head = false, chest = false;
+  for (std::size_t c = 0; c < kCapsuleCount; ++c) {
+    const bool seen = support.seen[c] > kMinSeen;
+    head = head || (seen && capsuleDefs()[c].node == kNeck);
+    chest = chest || (seen && capsuleDefs()[c].node == kChest);
+  }
+  return head && chest;
 }
 
 // Of the fit.
@@ -67,8 +80,10 @@ constexpr float kEarlyEffort = 4.0F;
 constexpr float kChallengeEffort = 2.0F;
 constexpr double kInferred = 0.5;
 constexpr std::size_t kMinPoints = 40;
-constexpr float kMinArea = 0.08F;  ///< less shows no pose [m^2]
-constexpr float kMuchMore = 1.6F;  ///< times as much seen of someone who enters: what was found is doubted
+constexpr float kMinArea = 0.08F;         ///< less shows no pose [m^2]
+constexpr float kHipsUnderCrown = 0.84F;  ///< of an adult [m]
+constexpr float kHipsBelow = 0.03F;       ///< whose hips are this far inside the image, shows them [m]
+constexpr float kMuchMore = 1.6F;         ///< times as much seen of someone who enters: what was found is doubted
 
 constexpr std::array<FitStage, 3> kFollow = {{{0.15F, 150, 4}, {0.10F, 300, 3}, {0.06F, 600, 4}}};
 constexpr std::array<FitStage, 1> kRivalFollow = {{{0.08F, 400, 4}}};
@@ -103,11 +118,15 @@ void easeDown(Limb arm, BodyPose& pose) {
 }  // namespace
 
 void BodyBelief::update(const Evidence& evidence) {
-  const Limits& limits = evidence.part ? kPart : !evidence.moved ? kStill : evidence.attached ? kMovedAttached : kMoved;
+  const Limits& limits = evidence.part       ? kPart
+                         : evidence.waistUp  ? (evidence.moved ? kWaistUpMoved : kWaistUp)
+                         : !evidence.moved   ? kStill
+                         : evidence.attached ? kMovedAttached
+                                             : kMoved;
   // How far limbs are from rest says nothing: people sit, chairs stand.
   const float cost = evidence.cost.image() + evidence.cost.body;
   const int seen = seenOf(evidence.support);
-  const bool possible = evidence.height < kMaxHeight;
+  const bool possible = evidence.height < kMaxHeight && (!evidence.waistUp || showsHeadAndChest(evidence.support));
   if (believed_) {
     const bool against = !possible || cost > kAgainst * limits.cost;
     trust_ = std::min(kFull, trust_ + (against ? -1 : 1));
@@ -157,6 +176,14 @@ void PersonFit::take(const Figure& figure) {
   confidence_.restart();
   rival_.reset();
   lost_ = 0;
+  startFacing_ = 0.0F;
+}
+
+bool PersonFit::isWaistUp(const BodyView& view) const {
+  if (!view.cutBelow() || view.lowerBody() || view.headOutside()) return false;
+  if (!started_) return !view.cutAbove() && view.top() - view.bottom() < kHipsUnderCrown;
+  const V3 edge = pose_.root + V3(0.0F, waistUp_ ? -kHipsBelow : kHipsBelow, 0.0F);
+  return !view.sightOf(edge).inside;
 }
 
 bool PersonFit::start(const BodyView& view) {
@@ -200,6 +227,7 @@ void PersonFit::searchLimbs(const BodyView& view) {
   // Both arms in every view, each leg in every fourth.
   improveLimb(fitter_, limbs_, view, proportions_, kLeftArm, pose_);
   improveLimb(fitter_, limbs_, view, proportions_, kRightArm, pose_);
+  if (view.waistUp()) return;
   turn_ = (turn_ + 1) % kFitLimbCount;
   if (turn_ > kRightArm) improveLimb(fitter_, limbs_, view, proportions_, static_cast<Limb>(turn_), pose_);
   // Legs that pass each other may have been swapped; the image is then explained worse than before.
@@ -233,7 +261,9 @@ void PersonFit::compareRival(const BodyView& view) {
   }
   const bool turned = facing * facingOf(view, pose_) < 0.0F;
   const float turnedEarly = facing > 0.0F ? kTurnedToCameraShare : kTurnedAwayShare;
-  const float share = !turned ? kRivalShare : views_ < kEarlyViews ? turnedEarly : kTurnedShare;
+  // Whoever was seen to turn around is known to face away, even if little tells a front from a back.
+  const bool turnedAround = view.waistUp() && startFacing_ * facingOf(view, pose_) < 0.0F;
+  const float share = !turned ? kRivalShare : views_ < kEarlyViews && !turnedAround ? turnedEarly : kTurnedShare;
   if (rivalCost_ > kHopeless * share * ownCost_) {
     rival_.reset();
   } else if (rivalViews_ >= kRivalViews || (rivalViews_ >= kClearViews && rivalCost_ < kClearShare * ownCost_)) {
@@ -283,10 +313,16 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
     resume(view);
   }
   oldMiddle_ = view.middle();
+  waistUp_ = view.waistUp();
+  if (waistUp_) holdLegs();
   reconsider(view);
   static const Step stiffness = followStiffness();
   PosePrior prior;
   prior.pose = stepped(pose_, kMomentum * velocity_);
+  for (int n = kLeftThigh; waistUp_ && n < kNodeCount; ++n) {
+    prior.pose.turn[n] = pose_.turn[n];
+    prior.pose.angle[n] = pose_.angle[n];
+  }
   for (const Limb arm : {kLeftArm, kRightArm}) {
     if (confidence_.hidden(arm)) easeDown(arm, prior.pose);
   }
@@ -300,23 +336,25 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
                    ? cost_.image()
                    : usualCost_ + (cost_.image() < usualCost_ ? 0.3F : kUsualRise) * (cost_.image() - usualCost_);
   ++views_;
-  std::array<float, kProportionCount> deviation;
   wholeViews_ += view.cut() ? 0 : 1;
   const bool learning = wholeViews_ < kLearningViews;
-  deviation.fill(urgent_ || view.attached()                             ? kLearnt
-                 : views_ < kLearningViews || (learning && !view.cut()) ? kLearning
-                 : learning                                             ? kLearningCut
-                                                                        : kLearnt);
+  std::array<float, kProportionCount> deviation =
+      deviations(view, urgent_ || view.attached()                             ? kLearnt
+                       : views_ < kLearningViews || (learning && !view.cut()) ? kLearning
+                       : learning                                             ? kLearningCut
+                                                                              : kLearnt);
   if (view.blurred() && view.cut() && views_ < kLearningViews) {
     // A blurred outline is too wide, and hides where limbs end.
-    deviation.fill(kLearningCut);
+    deviation = deviations(view, kLearningCut);
     deviation[kTrunkGirth] = deviation[kLimbGirth] = kLearning;
   }
   if (views_ < kLearningViews || learning || views_ % kLearntPause == 0) {
     fitter_.refineProportions(view, deviation, pose_, proportions_);
   }
   support_ = fitter_.supportOf(view, proportions_, pose_);
+  if (startFacing_ == 0.0F) startFacing_ = facingOf(view, pose_);
   confidence_.update(support_, view.attached());
+  findUnseen(view);
   headKnown_ = view.headOutside();
   lowerBody_ = view.lowerBody();
   lost_ = support_.unexplained > kLostShare ? lost_ + 1 : 0;
@@ -335,6 +373,31 @@ bool PersonFit::follow(const BodyView& view, float seconds) {
   return true;
 }
 
+/// What is below the image is unseen, but the torso, which chest and head show.
+void PersonFit::findUnseen(const BodyView& view) {
+  unseen_.fill(false);
+  if (!waistUp_) return;
+  PosedModel body;
+  poseBody(pose_, proportions_, body);
+  SkeletonFrame frame;
+  readJoints(body, frame);
+  for (std::size_t j = 0; j < unseen_.size(); ++j) {
+    unseen_[j] = !view.sightOf(frame.joints[j].position.cast<float>()).inside;
+  }
+  using J = BodyJoint;
+  for (const J joint : {J::kLeftHip, J::kRightHip, J::kLeftKnee, J::kRightKnee, J::kLeftFoot, J::kRightFoot}) {
+    unseen_[ordinalOf(joint)] = true;
+  }
+  for (const J joint : {J::kHead, J::kNeck, J::kTorso}) unseen_[ordinalOf(joint)] = false;
+}
+
+/// Legs that are not in the image stand or sit.
+void PersonFit::holdLegs() {
+  PosedModel body;
+  poseBody(pose_, proportions_, body);
+  layLegs(body, pose_.root.y() / proportions_.factor[kSize], pose_);
+}
+
 void PersonFit::report(SkeletonFrame& frame) const {
   PosedModel body;
   poseBody(calm_.pose(), proportions_, body);
@@ -343,6 +406,9 @@ void PersonFit::report(SkeletonFrame& frame) const {
     frame.joints[j].confidence = confidence_[static_cast<BodyJoint>(j)];
   }
   calm_.doubt(frame);
+  for (std::size_t j = 0; j < unseen_.size(); ++j) {
+    if (unseen_[j]) frame.joints[j].confidence = 0.0;
+  }
   using J = BodyJoint;
   if (headKnown_) {  // between it and the legs little can be wrong
     for (const J joint : {J::kNeck, J::kTorso, J::kLeftHip, J::kRightHip, J::kLeftKnee, J::kRightKnee}) {

@@ -24,6 +24,7 @@ class BodyBelief {
     bool moved = false;     ///< since it was found; furniture does not move
     bool attached = false;  ///< to the room, which the body need not explain
     bool part = false;      ///< only legs need be seen: the head is known, or it was said so
+    bool waistUp = false;   ///< head and chest must be seen, and little else can be
   };
   void update(const Evidence& evidence);
   void forget() { *this = BodyBelief(); }
@@ -38,6 +39,8 @@ class BodyBelief {
 /// Tracks one person from view to view.
 class PersonFit {
  public:
+  /// Whether the hips, and all below them, are under the lower border of the image: to be told to the view.
+  [[nodiscard]] bool isWaistUp(const BodyView& view) const;
   /// @param seconds  since the last view; ignored in the first
   /// @return whether there is a pose
   bool follow(const BodyView& view, float seconds);
@@ -66,6 +69,8 @@ class PersonFit {
   void challenge(const BodyView& view);
   void compareRival(const BodyView& view);
   void take(const Figure& figure);
+  void holdLegs();
+  void findUnseen(const BodyView& view);
 
   BodyFitter fitter_;
   LimbSearch limbs_;
@@ -92,7 +97,10 @@ class PersonFit {
   int rivalViews_ = 0;
   float rivalCost_ = 0.0F, ownCost_ = 0.0F;  ///< sums over those views
   int sinceChallenge_ = 0;
-  bool headKnown_ = false;  ///< outside the image, by a headset
+  float startFacing_ = 0.0F;                    ///< see facingOf(), when this figure was taken; 0 = not known yet
+  bool waistUp_ = false;                        ///< of the last view
+  std::array<bool, kBodyJointCount> unseen_{};  ///< joints below the image, of whom it shows no more than the waist up
+  bool headKnown_ = false;                      ///< outside the image, by a headset
   bool lowerBody_ = false;
   int wrongWay_ = 0;     ///< consecutive views in which the body faces away from where the headset looks
   bool urgent_ = false;  ///< the search in progress should end soon: the current estimate is not to be trusted

@@ -13,6 +13,7 @@ constexpr float kUnusualWeight = 5.0F;  ///< of proportions that differ from the
 constexpr float kReachHeight = 2.15F;   ///< of the mannequin's raised hands [m]
 constexpr float kHipHeight = 0.915F;    ///< [m]
 constexpr float kCrown = 0.17F;         ///< height of the crown over the head joint [m]
+constexpr float kHeld = 1e-4F;          ///< deviation of proportions that the view cannot show
 
 constexpr float kAway = 0.4F;            ///< added share of the cost of a newcomer who faces away from the camera
 constexpr float kAgainstHeadset = 4.0F;  ///< the same of one who faces away from where their headset looks
@@ -52,6 +53,14 @@ float facingOfWorn(const BodyView& view, const BodyPose& pose) {
   V3 front = pose.turn[kPelvis] * V3::UnitZ();
   front.y() = 0.0F;
   return front.normalized().dot(view.worn()->ahead);
+}
+
+std::array<float, kProportionCount> deviations(const BodyView& view, float each) {
+  std::array<float, kProportionCount> deviation;
+  deviation.fill(each);
+  if (!view.waistUp()) return deviation;
+  for (const Proportion of : {kSize, kTrunkLength, kHipBreadth, kThighLength, kShinLength}) deviation[of] = kHeld;
+  return deviation;
 }
 
 bool improveLimb(BodyFitter& fitter, LimbSearch& search, const BodyView& view, const Proportions& proportions,
@@ -141,6 +150,16 @@ void PersonSearch::begin(const BodyView& view, const std::optional<Figure>& pres
     const float heading = towards + turn;
     const float under = top - (kMannequinHeight - kHipHeight) * standing.factor[kSize];
     const float s = usual.factor[kSize];
+    if (view.waistUp()) {
+      // How tall they are cannot be seen: a standard body with its head, or raised hands, at the top.
+      const V3 root = hips(view.top() - (kMannequinHeight - kHipHeight) * s);
+      add(standingPose(root, heading, 0.15F, 0.2F, 0.4F), usual);
+      add(standingPose(root, heading, 0.2F, 0.8F, 1.2F), usual);
+      add(standingPose(root, heading, 0.3F, 0.5F, 2.3F), usual);
+      add(standingPose(root, heading, 1.4F, 0.0F, 0.2F), usual);
+      add(standingPose(hips(view.top() - (kReachHeight - kHipHeight) * s), heading, 2.8F, 0.0F, 0.2F), usual);
+      continue;
+    }
     if (ground && !(view.lowerBody() && !view.headOutside())) {
       add(standingPose(hips(under), heading, 0.15F, 0.0F, 0.2F), standing);
       add(standingPose(hips(under), heading, 1.4F, 0.0F, 0.2F), standing);
@@ -170,8 +189,7 @@ void PersonSearch::refine(const BodyView& view, Figure& figure, int phase) {
     return;
   }
   if (phase < kLimbPhase) {
-    std::array<float, kProportionCount> deviation;
-    deviation.fill(view.attached() ? 0.01F : 0.04F);
+    const std::array<float, kProportionCount> deviation = deviations(view, view.attached() ? 0.01F : 0.04F);
     for (int round = 0; round < 2; ++round) {
       fitter_.refineProportions(view, deviation, figure.pose, figure.proportions);
       fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kClose, figure.pose);
@@ -179,7 +197,9 @@ void PersonSearch::refine(const BodyView& view, Figure& figure, int phase) {
     return;
   }
   if (phase < kLastPhase) {
-    improveLimb(fitter_, limbs_, view, figure.proportions, static_cast<Limb>(phase - kLimbPhase), figure.pose);
+    const auto limb = static_cast<Limb>(phase - kLimbPhase);
+    if (view.waistUp() && isOfLeg(upperNodeOf(limb))) return;
+    improveLimb(fitter_, limbs_, view, figure.proportions, limb, figure.pose);
     return;
   }
   fitter_.fit(view, figure.proportions, weakly(figure.pose, 0.5F), kMedium, figure.pose);

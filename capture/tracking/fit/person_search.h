@@ -19,6 +19,7 @@ struct Figure {
 /// best.
 class PersonSearch {
  public:
+  /// Of whom the view shows no more than the waist up, the legs stay as they are in the candidates, standing.
   /// @param present  current estimate: tried too, also turned about; other candidates use its proportions. Without it,
   /// the person is a newcomer, who faces the camera unless the image clearly says otherwise
   void begin(const BodyView& view, const std::optional<Figure>& present);
@@ -76,6 +77,10 @@ bool improvePair(BodyFitter& fitter, LimbSearch& search, const BodyView& view, c
 /// The same to where a headset looks; a trunk turns less far away from the head than kWrongWay. 1 without a headset.
 [[nodiscard]] float facingOfWorn(const BodyView& view, const BodyPose& pose);
 inline constexpr float kWrongWay = -0.2F;
+
+/// How far each proportion may move in a step, where the view can show it: of whom it shows no more than the waist up,
+/// the size of the body stays an adult's, or what it was.
+[[nodiscard]] std::array<float, kProportionCount> deviations(const BodyView& view, float each);
 
 /// The stage at which figures are compared.
 inline constexpr FitStage kJudge = {0.08F, 600, 0};

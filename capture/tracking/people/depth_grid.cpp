@@ -1,12 +1,17 @@
 #include "capture/tracking/people/depth_grid.h"
 
+#include "capture/tracking/fit/body_view.h"
+
 #include <algorithm>
+#include <cstdlib>
 
 namespace lorica {
 
 namespace {
 
-constexpr int kMarginShare = 12;  // sensors leave margins empty that are narrower than one of so many parts
+constexpr int kMarginShare = 12;  // sensors leave margins empty that are narrower than one of so many parts ...
+constexpr int kWideShare = 5;     // ... or of so many, if the image is full up to there: depth aligned to a picture
+constexpr int kFilledShare = 3;   // then at least one of so many parts of the line beside the margin is measured
 
 }  // namespace
 
@@ -16,13 +21,14 @@ float depthNoise(float depth) {
 }
 
 DepthGrid::DepthGrid(const DepthCamera& camera)
-    : step(camera.width < 400 ? 1 : 2),
+    : step(fit::isSmall(camera) ? 1 : 2),
       width(camera.width / step),
       height(camera.height / step),
       cellArea(static_cast<double>(step) * step / (camera.focalX() * camera.focalY())),
       depthMm(static_cast<std::size_t>(width) * height),
       imageWidth_(camera.width),
-      columnCount_(width) {
+      columnCount_(width),
+      rowCount_(height) {
   const double half = 0.5 * (step - 1);
   rayX.reserve(width);
   rayY.reserve(height);
@@ -54,6 +60,7 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
       columnCount_[c] = columnCount_[c] + one;
       measured += one;
     }
+    rowCount_[r] = measured;
     if (measured * 20 >= width) {
       firstRow = std::min(firstRow, r);
       lastRow = r;
@@ -67,10 +74,16 @@ void DepthGrid::fill(std::span<const std::uint16_t> image) {
     lastColumn = c;
   }
   // A wider margin is no property of the sensor: nothing is there.
-  if (firstColumn > width / kMarginShare) firstColumn = 0;
-  if (lastColumn < width - 1 - width / kMarginShare) lastColumn = width - 1;
-  if (firstRow > height / kMarginShare) firstRow = 0;
-  if (lastRow < height - 1 - height / kMarginShare) lastRow = height - 1;
+  const auto bound = [](int& line, int from, int size, int measured, int across) {
+    const int share = measured * kFilledShare >= across ? kWideShare : kMarginShare;
+    if (std::abs(line - from) > size / share) line = from;
+  };
+  const auto inColumn = [&](int c) { return c >= 0 && c < width ? int{columnCount_[c]} : 0; };
+  const auto inRow = [&](int r) { return r >= 0 && r < height ? int{rowCount_[r]} : 0; };
+  bound(firstColumn, 0, width, inColumn(firstColumn), height);
+  bound(lastColumn, width - 1, width, inColumn(lastColumn), height);
+  bound(firstRow, 0, height, inRow(firstRow), width);
+  bound(lastRow, height - 1, height, inRow(lastRow), width);
 }
 
 }  // namespace lorica

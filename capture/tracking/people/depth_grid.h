@@ -31,7 +31,7 @@ class DepthTable {
 /// A depth image at about half its size, in which people are searched for. A cell holds one measured pixel of its
 /// block.
 struct DepthGrid {
-  /// Blocks of 2 x 2 pixels; of one pixel if the image is less than 400 wide.
+  /// Blocks of 2 x 2 pixels; of one pixel if the image is small.
   explicit DepthGrid(const DepthCamera& camera);
 
   /// @param depthMm  width x height of the camera
@@ -69,7 +69,7 @@ struct DepthGrid {
 
  private:
   int imageWidth_ = 0;
-  std::vector<std::uint16_t> columnCount_;  ///< of measured cells
+  std::vector<std::uint16_t> columnCount_, rowCount_;  ///< of measured cells
 };
 
 }  // namespace lorica

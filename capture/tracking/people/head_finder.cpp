@@ -15,12 +15,12 @@ struct Offset {
 constexpr std::array<Offset, 4> kInside = {{{-0.04F, 0.0F}, {0.04F, 0.0F}, {0.0F, -0.05F}, {0.0F, 0.06F}}};
 constexpr std::array<Offset, 2> kBeside = {{{-0.17F, -0.02F}, {0.17F, -0.02F}}};
 constexpr std::array<Offset, 3> kAbove = {{{-0.11F, -0.17F}, {0.0F, -0.21F}, {0.11F, -0.17F}}};
-constexpr std::array<Offset, 2> kShoulders = {{{-0.15F, 0.33F}, {0.15F, 0.33F}}};
-constexpr std::array<Offset, 2> kChest = {{{0.0F, 0.33F}, {0.0F, 0.48F}}};
+constexpr std::array<Offset, 4> kBody = {{{-0.15F, 0.33F}, {0.15F, 0.33F}, {0.0F, 0.33F}, {0.0F, 0.48F}}};
+constexpr std::array<Offset, 3> kHighBody = {{{-0.13F, 0.25F}, {0.13F, 0.25F}, {0.0F, 0.25F}}};
 
-constexpr int kSkin = 60;       // depth differences within a head [mm]
-constexpr int kStandsOut = 90;  // least depth difference to what is beside and above a head [mm]
-constexpr int kBody = 280;      // largest depth difference between head and chest [mm]
+constexpr int kSkin = 60;        // depth differences within a head [mm]
+constexpr int kStandsOut = 90;   // least depth difference to what is beside and above a head [mm]
+constexpr int kBodyDepth = 280;  // largest depth difference between head and chest [mm]
 constexpr std::uint16_t kNearest = 500, kFarthest = 5500;  // [mm]
 constexpr float kMinHeadHeight = 0.5F;  // of a head over the floor: chests are not below the floor [m]
 constexpr float kMinArea = 60.0F;       // of the votes for a head: their number times squared depth [m^2]
@@ -45,19 +45,25 @@ std::span<const FoundHead> HeadFinder::find(const DepthGrid& grid, const FloorPo
       const float scale = 1000.0F * cellsPerMetre_ / depth;
       // Depth relative to the head's; far above zero where nothing is measured or the image ends.
       constexpr int kNothing = 100'000;
+      const auto rowOf = [&](const Offset& offset) { return row + static_cast<int>(std::lround(offset.down * scale)); };
       const auto behind = [&](const Offset& offset) {
         const int c = column + std::lround(offset.right * scale);
-        const int r = row + std::lround(offset.down * scale);
+        const int r = rowOf(offset);
         if (c < 0 || r < 0 || c >= grid.width || r >= grid.height) return kNothing;
         const std::uint16_t there = grid.depthMm[grid.index(c, r)];
         return there == 0 ? kNothing : there - depth;
       };
       const auto standsOut = [&](const Offset& offset) { return behind(offset) > kStandsOut; };
-      const auto body = [&](const Offset& offset) { return std::abs(behind(offset)) < kBody; };
+      // Of someone near, the chest may be below the image: then the shoulders must show higher up.
+      const auto body = [&](const Offset& offset) {
+        return rowOf(offset) > grid.lastRow || std::abs(behind(offset)) < kBodyDepth;
+      };
+      const bool near = rowOf(kBody.back()) > grid.lastRow;
       if (!std::ranges::all_of(kBeside, standsOut)) continue;
       if (!std::ranges::all_of(kInside, [&](const Offset& offset) { return std::abs(behind(offset)) < kSkin; }))
         continue;
-      if (!std::ranges::all_of(kChest, body) || !std::ranges::all_of(kShoulders, body)) continue;
+      if (!std::ranges::all_of(kBody, body)) continue;
+      if (near && (rowOf(kHighBody.front()) > grid.lastRow || !std::ranges::all_of(kHighBody, body))) continue;
       if (std::ranges::count_if(kAbove, standsOut) < 2) continue;
       const Vec3f position = positions(grid, column, row);
       if (floorFound && position.y() < kMinHeadHeight) continue;
