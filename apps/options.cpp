@@ -62,14 +62,15 @@ struct Heading {
 };
 constexpr std::array<Heading, 10> kHeadings = {{
     {"Whom it follows",
-     "--vmc --depth --depth-format --virtual --webcam --device --devices --driver --people --three-point --lower-body --nite --delay"},
+     "--vmc --depth --depth-format --virtual --webcam --device --devices --driver --people --three-point --lower-body "
+     "--nite --delay"},
     {"The character",
      "--character --map --write-map --hide --springs --expression --body --walls --thickness "
      "--body-resolution"},
     {"Where it is seen", "--window --serve --lan --vr --headless --port --recordings --certificate --key"},
     {"What is seen", "--scene --background --size --camera --show --eye --target --strip --texture-size"},
     {"The motion",
-     "--motion --clip --person --format --rest --mirror --upper-body --smooth --min-cutoff --beta "
+     "--motion --clip --person --format --lens --rest --mirror --upper-body --smooth --min-cutoff --beta "
      "--keyframes --sender --inject"},
     {"The parts and hulls",
      "--parts --max-concavity --max-error --max-distance --exact --preset --engine --hull-vertices --per-bone "
@@ -175,6 +176,7 @@ class HelpFormatter : public CLI::Formatter {
     const std::vector<const CLI::Option*> most = optionsIn(*app, own->options);
     using Group = std::pair<const char*, std::vector<const CLI::Option*>>;
     std::vector<Group> groups;
+    groups.reserve(kHeadings.size());
     for (const Heading& heading : kHeadings) groups.emplace_back(heading.name, optionsIn(*app, heading.options));
     std::ranges::stable_sort(
         groups, {}, [&](const Group& group) { return std::ranges::find_first_of(most, group.second) - most.begin(); });

@@ -28,6 +28,7 @@ std::string partName(std::size_t part) {
 
 std::vector<NamedMesh> objectsOf(const std::vector<ConvexHull>& hulls) {
   std::vector<NamedMesh> objects;
+  objects.reserve(hulls.size());
   for (const ConvexHull& hull : hulls) objects.push_back({partName(objects.size()), {hull.vertices, hull.triangles}});
   return objects;
 }

@@ -154,7 +154,7 @@ template <typename T>
 void numbersInto(const char* from, double scale, std::span<std::uint16_t> to) {
   for (std::size_t i = 0; i < to.size(); ++i) {
     const double value = scale * static_cast<double>(loadLittleEndian<T>(from + i * sizeof(T)));
-    to[i] = value >= 0.5 && value < 65535.5 ? static_cast<std::uint16_t>(value + 0.5) : 0;
+    to[i] = value >= 0.5 && value < 65535.5 ? static_cast<std::uint16_t>(std::lround(value)) : 0;
   }
 }
 
@@ -239,10 +239,10 @@ Result<RawDepth> readDepthArrays(const fs::path& file, const std::string& lens) 
     double scale;  ///< to millimetres of numbers that are not whole, which are metres
   };
   static constexpr std::array<Kind, 5> kKinds = {{{"<u2", 2, numbersInto<std::uint16_t>, 1.0},
-                                           {"<i2", 2, numbersInto<std::int16_t>, 1.0},
-                                           {"<i4", 4, numbersInto<std::int32_t>, 1.0},
-                                           {"<f4", 4, numbersInto<float>, 1000.0},
-                                           {"<f8", 8, numbersInto<double>, 1000.0}}};
+                                                  {"<i2", 2, numbersInto<std::int16_t>, 1.0},
+                                                  {"<i4", 4, numbersInto<std::int32_t>, 1.0},
+                                                  {"<f4", 4, numbersInto<float>, 1000.0},
+                                                  {"<f8", 8, numbersInto<double>, 1000.0}}};
   const auto* const kind = std::ranges::find(kKinds, found->type, &Kind::type);
   if (kind == kKinds.end()) {
     return unsupported("{}: found elements of type '{}', expected '<u2' in millimetres or '<f4' in metres",

@@ -134,34 +134,6 @@ bool hasPictures(const fs::path& folder) {
 
 }  // namespace
 
-Result<DepthRead> DepthRecording::next(DepthFrame& frame) {
-  if (position_ >= about_.frameCount) return DepthRead::kEnd;
-  // A damaged frame must not be written partially to the caller's frame, so it is read into another one first.
-  LORICA_TRY_DO(read(position_, scratch_));
-  std::swap(frame, scratch_);
-  ++position_;
-  return DepthRead::kFrame;
-}
-
-void DepthRecording::seek(int frame) {
-  position_ = std::clamp(frame, 0, about_.frameCount);
-}
-
-void DepthRecording::seekTime(double seconds) {
-  const double wanted = timeOf(0) + seconds;
-  int first = 0;
-  int last = about_.frameCount;
-  while (first < last) {
-    const int middle = first + (last - first) / 2;
-    if (timeOf(middle) < wanted) {
-      first = middle + 1;
-    } else {
-      last = middle;
-    }
-  }
-  position_ = first;
-}
-
 Result<std::unique_ptr<DepthRecording>> recordingOf(RawDepth raw, const fs::path& path) {
   const std::string name = path.string();
   if (raw.times.empty()) return badFormat("{}: found no depth image, expected at least one", name);

@@ -38,6 +38,7 @@ class DepthRecording : public DepthSource {
   void seekTime(double seconds);
 
  protected:
+  /// At its first frame.
   DepthRecording(std::string name, DepthRecordingInfo about) : name_(std::move(name)), about_(std::move(about)) {}
   /// Of a frame below about().frameCount [s]; increases from frame to frame.
   [[nodiscard]] virtual double timeOf(int frame) const = 0;

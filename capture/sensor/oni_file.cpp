@@ -57,6 +57,34 @@ class MemoryBytes : public OniBytes {
 
 }  // namespace
 
+Result<DepthRead> DepthRecording::next(DepthFrame& frame) {
+  if (position_ >= about_.frameCount) return DepthRead::kEnd;
+  // A damaged frame must not be written partially to the caller's frame, so it is read into another one first.
+  LORICA_TRY_DO(read(position_, scratch_));
+  std::swap(frame, scratch_);
+  ++position_;
+  return DepthRead::kFrame;
+}
+
+void DepthRecording::seek(int frame) {
+  position_ = std::clamp(frame, 0, about_.frameCount);
+}
+
+void DepthRecording::seekTime(double seconds) {
+  const double wanted = timeOf(0) + seconds;
+  int first = 0;
+  int last = about_.frameCount;
+  while (first < last) {
+    const int middle = first + (last - first) / 2;
+    if (timeOf(middle) < wanted) {
+      first = middle + 1;
+    } else {
+      last = middle;
+    }
+  }
+  position_ = first;
+}
+
 Result<std::unique_ptr<OniBytes>> openBytes(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {

@@ -60,7 +60,7 @@ Result<BareDepth> parseBareDepth(std::string_view text) {
   return bare;
 }
 
-DepthFrameParser::DepthFrameParser(std::optional<BareDepth> bare) : bare_(std::move(bare)) {
+DepthFrameParser::DepthFrameParser(std::optional<BareDepth> bare) : bare_(bare) {
   if (bare_) lens_ = bare_->lens;
   inImage_ = bare_.has_value();
 }

@@ -19,12 +19,12 @@ class Host {
 
   /// A task begins: its label ("Decomposing mannequin"), and what is counted ("parts").
   virtual void beginTask(const std::string& /*label*/, const std::string& /*unit*/) {}
-  /// How much is done, of a total that is 0 or less if unknown.
-  /// @param share  of the task's work, if its items differ; below 0 = done of total
+  /// How much is done, of a total that is 0 or less if unknown; third, the share of the task's work, if its items
+  /// differ: below 0 = done of total.
   virtual void report(int /*done*/, int /*total*/, double /*share*/) {}
   virtual void endTask() {}  ///< that of the last beginTask()
-  /// What is reported from now on counts from one share of the enclosing stage to another; endStage() ends it.
-  /// @param name  "mesh 4 of 10"; empty = as the enclosing stage
+  /// What is reported from now on counts from one share of the enclosing stage to another; endStage() ends it. Third,
+  /// its name: "mesh 4 of 10"; empty = that of the enclosing stage.
   virtual void beginStage(double /*from*/, double /*to*/, const std::string& /*name*/) {}
   virtual void endStage() {}  ///< that of the last beginStage()
   /// Whether the work should stop with cancelled().

@@ -221,9 +221,9 @@ Result<std::unique_ptr<PoseSource>> LiveSources::open(const PreparedAvatar& avat
   if (vmc.empty()) {
     return makeTreatedSource(avatar.character(), std::make_unique<SharedJoints>(*this, index), treatment);
   }
-  LORICA_TRY(std::unique_ptr<PoseSource> sent,
+  LORICA_TRY(std::unique_ptr<PoseSource> source,
              vmc[index].makeSource(avatar.character(), treatment.joints.mirror, index == 0));
-  return makeTreatedSource(std::move(sent), treatment);
+  return makeTreatedSource(std::move(source), treatment);
 }
 
 Result<void> checkLive(const LiveRequest& live, const Host& host) {

@@ -7,6 +7,7 @@ import sys
 import unittest
 from pathlib import Path
 
+import matplotlib.font_manager  # noqa: F401 - makes its cache now: else a cell says that it does
 import nbformat  # python3-nbclient; scripts/setup --tests installs it
 from nbclient import NotebookClient
 
@@ -16,7 +17,7 @@ PAGE = Path(__file__).parents[3] / "docs" / "lorica.ipynb"
 def run():
     """The notebook with what its cells give now."""
     notebook = nbformat.read(PAGE, as_version=4)
-    NotebookClient(notebook, timeout=250, kernel_name="python3").execute()
+    NotebookClient(notebook, timeout=1500, kernel_name="python3").execute()
     for cell in notebook.cells:
         cell.metadata.pop("execution", None)
     return notebook

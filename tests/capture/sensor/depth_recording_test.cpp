@@ -526,7 +526,7 @@ TEST(DepthRecordings, DamagedOnesAreFramesOrSentencesAndReserveLittle) {
         // Half of them where the heads are.
         const double reach = trial % 2 == 0 ? std::min(1500.0, 0.999 * static_cast<double>(bytes.size()))
                                             : 0.999 * static_cast<double>(bytes.size());
-        mutated[static_cast<std::size_t>(random.unit() * reach)] = static_cast<char>(random.between(0.0, 255.9));
+        mutated[static_cast<std::size_t>(random.unit() * reach)] = static_cast<char>(random.bits() >> 56U);
       }
       refused += read(mutated, bag) ? 0 : 1;
     }

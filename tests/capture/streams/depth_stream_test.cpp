@@ -152,7 +152,7 @@ TEST(DepthFrameParser, MutatedStreamsEndInASentenceAndReserveNothing) {
     const std::size_t reach = trial % 2 == 0 ? kDepthHeaderBytes : bytes.size();  // half of them in the first header
     for (int change = 0; change <= trial % 4; ++change) {
       const auto at = static_cast<std::size_t>(random.between(0.0, 0.999) * static_cast<double>(reach));
-      bytes[at] = static_cast<char>(random.between(0.0, 255.9));
+      bytes[at] = static_cast<char>(random.bits() >> 56U);
     }
     bytes.resize(static_cast<std::size_t>(random.between(0.0, 1.0) * static_cast<double>(bytes.size())));
     DepthFrameParser parser;
