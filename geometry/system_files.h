@@ -34,10 +34,6 @@ inline int statusOf(int descriptor, FileStatus& status) {
 inline int statusOf(const std::filesystem::path& file, FileStatus& status) {
   return ::_wstat64(file.c_str(), &status);
 }
-inline bool isLink(const std::filesystem::path& file) {
-  std::error_code error;
-  return std::filesystem::is_symlink(file, error);
-}
 inline bool isSocket(const FileStatus&) {
   return false;
 }
@@ -88,10 +84,6 @@ inline int statusOf(int descriptor, FileStatus& status) {
 inline int statusOf(const std::filesystem::path& file, FileStatus& status) {
   return ::stat(file.c_str(), &status);
 }
-inline bool isLink(const std::filesystem::path& file) {
-  std::error_code error;
-  return std::filesystem::is_symlink(file, error);
-}
 inline bool isSocket(const FileStatus& status) {
   return S_ISSOCK(status.st_mode);
 }
@@ -129,5 +121,10 @@ inline bool lock(int descriptor) {
 }
 
 #endif
+
+inline bool isLink(const std::filesystem::path& file) {
+  std::error_code error;
+  return std::filesystem::is_symlink(file, error);
+}
 
 }  // namespace lorica::system

@@ -195,6 +195,10 @@ Result<DepthLens> parseDepthLens(std::string_view text, int width, int height) {
   const std::vector<double>* fov = find("fov");
   const std::vector<double>*fx = find("fx"), *fy = find("fy");
   if (fov) {
+    for (const double degrees : *fov) {
+      if (degrees > 0.0 && degrees < 180.0) continue;  // a tangent would not know others
+      return invalidArgument("found a field of view of {:g} degrees, expected 6 to 160", degrees);
+    }
     lens = DepthLens::pinhole(width, height, kFromDegrees * (*fov)[0], kFromDegrees * (*fov)[1]);
   } else if (const std::optional<UsualLens> usual = usualLens(width, height)) {
     lens = usual->lens;

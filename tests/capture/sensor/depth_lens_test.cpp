@@ -166,6 +166,9 @@ TEST(DepthRectifier, WhatIsBehindTheLensIsNotSeen) {
 TEST(UsualLens, EachSizeIsUsable) {
   EXPECT_NEAR(valueOf(parseDepthLens("640x480")).focalX, DepthCamera().focalX(), 1.0);
   EXPECT_EQ(valueOf(parseDepthLens("fov=60x45", 640, 480)).height, 480);
+  for (const char* turned : {"fov=400x65", "fov=75x425", "fov=-60x45", "fov=180x45"}) {
+    EXPECT_FALSE(parseDepthLens(turned, 640, 480).ok()) << turned;
+  }
   EXPECT_FALSE(parseDepthLens("320x240", 640, 480));
   EXPECT_FALSE(usualLens(123, 456));
 }
