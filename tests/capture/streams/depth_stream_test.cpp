@@ -178,7 +178,7 @@ TEST(DepthFrameParser, FormatsThatCannotBeAreSentences) {
                                                         {"gray16le,640x480x2", "3 numbers"},
                                                         {"gray16le,0x480,fov=60x45", "0 x 480"},
                                                         {"gray16le,640x480,fov=60", "1 numbers"},
-                                                        {"gray16le,640x480,fov=0x45", "focal"},
+                                                        {"gray16le,640x480,fov=0x45", "field of view of 0 degrees"},
                                                         {"gray16le,640x480,fov=ax45", "'a'"},
                                                         {"gray16le,100x99", "usual"},
                                                         {"gray16le,640x480,zoom=2", "zoom=2"},
