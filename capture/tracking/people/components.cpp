@@ -163,8 +163,7 @@ bool goesOnIntoBackground(const DepthComponent& one) {
 }
 
 bool isTooNear(const DepthComponent& one, const DepthGrid& grid) {
-  constexpr double kNearest = 1.2;  // [m]
-  return one.area < kNearest * kNearest * grid.cellArea * one.cells;
+  return one.area < double{kNearestKnown} * kNearestKnown * grid.cellArea * one.cells;
 }
 
 bool isAffirmed(const DepthComponent& one) {

@@ -90,7 +90,9 @@ class ComponentFinder {
 /// Its border continues smoothly into known background: a part of the room that was hidden until now.
 [[nodiscard]] bool goesOnIntoBackground(const DepthComponent& one);
 
-/// So near that the network cannot judge it: it was shown nobody nearer than this.
+/// The network was shown nobody nearer than this [m].
+inline constexpr float kNearestKnown = 1.2F;
+/// So near that the network cannot judge it.
 [[nodiscard]] bool isTooNear(const DepthComponent& one, const DepthGrid& grid);
 
 /// Whether the network takes most of it for a person's.

@@ -31,6 +31,7 @@ constexpr int kUsualFrames = 64;                   // in which a person's usual 
 constexpr int kMovingFrames = 3;                   // consecutive moving frames until a person counts as moved
 constexpr double kStillSeconds = 3.0;              // how long furniture may be taken for a person
 constexpr float kWholeShare = 0.85F;               // a surface of which the network affirms this share is left whole
+constexpr float kFewKnown = 0.02F;                 // share affirmed of who stands still and is not free, at least
 constexpr float kStrange = 0.75F, kKnown = 0.95F;  // share affirmed of a person below and above which the network does
                                                    // not, or does, know what they look like
 constexpr float kMerged = 1.3F;                    // whoever covers so much more than before has merged with the room
@@ -338,9 +339,13 @@ void PeopleFinder::Impl::explainPieces(int k, const fit::PosedModel& body) {
 }
 
 /// True for a person who has moved or stands free. Something cut off by the image's top or sides may also be a shelf:
-/// it must show head and shoulders.
+/// it must show head and shoulders. What hangs together with the room and stands still, such as a chair before a
+/// partition, needs a few cells that the network knows, unless it is too near for that.
 bool PeopleFinder::Impl::looksLikePerson(const PersonSlot& slot) const {
-  if (slot.moved || (!slot.cutAbove && !slot.cutAside)) return true;
+  if (slot.moved) return true;
+  if (slot.attached && slot.affirmed < kFewKnown * slot.cells && horizontally(slot.middle) > kNearestKnown)
+    return false;
+  if (!slot.cutAbove && !slot.cutAside) return true;
   return hasHeadAndShoulders(grid, positions, person, static_cast<int>(&slot - slots.data()), slot.top, slot.cutAside);
 }
 
