@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numbers>
 #include <numeric>
 
 namespace lorica {
@@ -156,7 +155,7 @@ class CapTriangulator {
         loop.push_back(from);
         const auto turnTo = [&](int candidate) {
           looked_ += kAnAngle;
-          return clockwiseAngle(at(from) - at(here), at(edges[candidate][1]) - at(here));
+          return clockwiseTurn(at(from) - at(here), at(edges[candidate][1]) - at(here));
         };
         int next = edges[start][0] == here ? start : -1;
         double smallest = next < 0 ? 0.0 : turnTo(next);
@@ -178,9 +177,12 @@ class CapTriangulator {
     }
   }
 
-  static double clockwiseAngle(const Vec2& from, const Vec2& to) {
-    const double angle = std::atan2(-cross(from, to), from.dot(to));
-    return angle > 0.0 ? angle : angle + 2.0 * std::numbers::pi;
+  /// Rises with the angle, from 0 to 4: no function of a C library, whose last bit differs from system to system.
+  static double clockwiseTurn(const Vec2& from, const Vec2& to) {
+    const double x = from.dot(to), y = -cross(from, to), size = std::abs(x) + std::abs(y);
+    if (size == 0.0) return 4.0;
+    if (x < 0.0) return 2.0 - y / size;
+    return y > 0.0 ? y / size : 4.0 + y / size;
   }
 
   [[nodiscard]] double signedArea(const Loop& loop) const {
@@ -280,7 +282,7 @@ class CapTriangulator {
       if (at(ring[i]) != here) continue;
       const Vec2 toPrevious = at(ring[(i + ring.size() - 1) % ring.size()]) - here;
       const Vec2 toNext = at(ring[(i + 1) % ring.size()]) - here;
-      if (clockwiseAngle(toPrevious, p - here) < clockwiseAngle(toPrevious, toNext)) return i;
+      if (clockwiseTurn(toPrevious, p - here) < clockwiseTurn(toPrevious, toNext)) return i;
     }
     return chosen;
   }

@@ -16,8 +16,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Floats = hn::CappedTag<float, LiftedPart::kBlock>;  // any smaller power of two divides a block too
 using Float = hn::Vec<Floats>;
 
-// Both sums use fused multiply-add where available: results are identical from AVX2 and NEON on, and within rounding
-// elsewhere.
+// a * b + c in two steps: fused it is rounded otherwise, and not every processor has that.
+HWY_INLINE Float mulAdd(Float a, Float b, Float c) {
+  return hn::Add(hn::Mul(a, b), c);
+}
 
 // Adds a block's points: weights times the bones' matrices times (position, 1).
 HWY_INLINE void addPositions(const std::uint32_t* bones, std::uint32_t count, const FourColumns<float>* matrices,
@@ -31,12 +33,12 @@ HWY_INLINE void addPositions(const std::uint32_t* bones, std::uint32_t count, co
     const auto& m = matrices[bones[b]].column;
     const auto weight = hn::Load(f, lanes + (3 + b) * kBlock);
     const auto moved = [&](std::size_t r) HWY_ATTR {
-      const auto z0 = hn::MulAdd(hn::Set(f, m[2][r]), pz, hn::Set(f, m[3][r]));
-      return hn::MulAdd(hn::Set(f, m[0][r]), px, hn::MulAdd(hn::Set(f, m[1][r]), py, z0));
+      const auto z0 = mulAdd(hn::Set(f, m[2][r]), pz, hn::Set(f, m[3][r]));
+      return mulAdd(hn::Set(f, m[0][r]), px, mulAdd(hn::Set(f, m[1][r]), py, z0));
     };
-    x = hn::MulAdd(weight, moved(0), x);
-    y = hn::MulAdd(weight, moved(1), y);
-    z = hn::MulAdd(weight, moved(2), z);
+    x = mulAdd(weight, moved(0), x);
+    y = mulAdd(weight, moved(1), y);
+    z = mulAdd(weight, moved(2), z);
   }
 }
 
@@ -71,10 +73,10 @@ HWY_INLINE void addMoments(const std::uint32_t* bones, std::uint32_t count, cons
     const auto qz = hn::Load(f, lanes + 2 * kBlock);
     const auto qw = hn::Load(f, lanes + 3 * kBlock);
     const auto add = [&](auto to, std::size_t r) HWY_ATTR {
-      to = hn::MulAdd(hn::Set(f, m[0][r]), qx, to);
-      to = hn::MulAdd(hn::Set(f, m[1][r]), qy, to);
-      to = hn::MulAdd(hn::Set(f, m[2][r]), qz, to);
-      return hn::MulAdd(hn::Set(f, m[3][r]), qw, to);
+      to = mulAdd(hn::Set(f, m[0][r]), qx, to);
+      to = mulAdd(hn::Set(f, m[1][r]), qy, to);
+      to = mulAdd(hn::Set(f, m[2][r]), qz, to);
+      return mulAdd(hn::Set(f, m[3][r]), qw, to);
     };
     x = add(x, 0);
     y = add(y, 1);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <tuple>
 
 namespace lorica {
 namespace {
@@ -17,7 +18,9 @@ struct Layout {
   std::vector<JointIndex> bones;  ///< ascending
   bool onePosition = false;       ///< each bone moves the same position of the bind pose
 
-  auto operator<=>(const Layout&) const = default;
+  bool operator<(const Layout& other) const {
+    return std::tie(bones, onePosition) < std::tie(other.bones, other.onePosition);
+  }
 };
 
 Layout layoutOf(const LiftedPoint& point) {

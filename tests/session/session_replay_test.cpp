@@ -347,14 +347,14 @@ TEST_P(ShippedSession, ComesOutTheSameOnOneThreadAndTwoAndAsItAlwaysDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings, ShippedSession,
-                         testing::Values(Known{"jumping_jacks", 2.0, 0xbf55bc15b1be5934u, 0xaf7d2d08cd6b600du},
-                                         Known{"punch_and_kick", 5.5, 0x3a20b09d6c3d74f8u, 0x8f430ae09ab59812u},
-                                         Known{"punch_and_kick_noisy", 5.5, 0xc7131f4cbb85e6fcu, 0xa30d03574db45edeu},
-                                         Known{"squat_and_reach", 2.0, 0x4b0b4ed68e8ef5cdu, 0xdd95adaf0e2600c2u},
-                                         Known{"turn_around", 2.0, 0xa57acd6ef79782e9u, 0xcae90c1007aabd79u},
-                                         Known{"walk", 3.0, 0xc0ee812cacfd35b7u, 0xd00eff208885486fu},
-                                         Known{"walk_noisy", 3.0, 0xb6aa9a5e9f5a64bu, 0x7e77402015a9b1a4u},
-                                         Known{"wave", 2.0, 0xd4bc5ca664fd7cbdu, 0x696c29069c625da6u}),
+                         testing::Values(Known{"jumping_jacks", 2.0, 0x52f9c42bd78f9a4eu, 0xcdcbbdd727f2925eu},
+                                         Known{"punch_and_kick", 5.5, 0x6d9a07f0b75cd203u, 0x7fddd2ecf550fc49u},
+                                         Known{"punch_and_kick_noisy", 5.5, 0x5299778e5dc36832u, 0x2d7035a8d8b2bc0cu},
+                                         Known{"squat_and_reach", 2.0, 0xce4353d895f4f4a7u, 0x1eb565cbff25c9d0u},
+                                         Known{"turn_around", 2.0, 0x6fdcf9f49a826864u, 0x7dc41b469e1fd934u},
+                                         Known{"walk", 3.0, 0x8c0bfd5b7c7b85eeu, 0xa5aef2a0da67fe7fu},
+                                         Known{"walk_noisy", 3.0, 0x46fa3bdaa730b992u, 0x30a650aad056f6b5u},
+                                         Known{"wave", 2.0, 0xaad69ef71d59d5d7u, 0x57b36fd63f7bb435u}),
                          [](const auto& param) { return std::string(param.param.recording); });
 
 struct KnownParticles {

@@ -223,8 +223,8 @@ TEST_P(KnownShow, ComesOutTheSameOnOneThreadAndTwoAndAsItAlwaysDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, KnownShow,
-                         testing::Values(Known{"bridge", 0x7ac68f576c3949eu}, Known{"dominoes", 0x989c2b99b519f589u},
-                                         Known{"targets", 0x95fa90ddfa21503bu}),
+                         testing::Values(Known{"bridge", 0x2c21f08042c4ffa6u}, Known{"dominoes", 0xb2c95799529ef4fbu},
+                                         Known{"targets", 0xcbbb6ce97d01538eu}),
                          [](const auto& param) { return std::string(param.param.scene); });
 
 }  // namespace

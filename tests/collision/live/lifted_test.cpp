@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <map>
 #include <numbers>
@@ -165,7 +166,11 @@ TEST(LiftedPart, SeesAndSumsItsBonesTheSameOnEveryInstructionSet) {
   const Isometry3 worldFromPart = positionOf(part, bones);
   LiftedPart::TakenPose taken = part.noPose();
   ASSERT_TRUE(part.take(bones, worldFromPart, 0x1p-21, taken));
+  std::vector<PointRow> rows(part.rowCount()), same(part.rowCount());
+  const float largest = part.evaluate(taken, rows);
   test::onEveryInstructionSet([&] {
+    EXPECT_EQ(part.evaluate(taken, same), largest);
+    EXPECT_EQ(std::memcmp(same.data(), rows.data(), rows.size() * sizeof(PointRow)), 0);
     EXPECT_EQ(part.momentsOf(bones).mean, moments.mean);
     EXPECT_EQ(part.momentsOf(bones).covariance, moments.covariance);
     LiftedPart::TakenPose again = part.noPose();
