@@ -20,7 +20,7 @@ namespace lorica {
 namespace {
 
 constexpr double kFarthest = 1e4;  // maximum distance of a position from the origin [m]
-constexpr const char* kVrchatPort = ":9000";
+constexpr const char *kVrchatPort = ":9000", *kVmtPort = ":39570";
 
 void addPersonOption(CLI::App& app, int& person) {
   const auto read = [&person](const std::string& text) -> std::string {
@@ -369,32 +369,38 @@ void addOutputOptions(CLI::App& app, RunSetting& run) {
       ->delimiter(',')
       ->expected(1, CLI::detail::expected_max_vector_size)
       ->needs(vmc);
-  const auto readVrchat = [&options](const std::string& text) -> std::string {
-    const bool hasPort = text.find(':') != std::string::npos && !text.ends_with(']');
-    const Result<NetworkAddress> address = parseNetworkAddress(text + (hasPort ? "" : kVrchatPort), true);
-    if (!address) {
-      return fmt::format("found '{}', expected HOST or HOST:PORT, such as 127.0.0.1", firstBytes(text, 100));
-    }
-    options.vrchat = *address;
-    return "";
+  const auto readHost = [](std::optional<NetworkAddress>& to, const char* port) {
+    return [&to, port](const std::string& text) -> std::string {
+      const bool hasPort = text.find(':') != std::string::npos && !text.ends_with(']');
+      const Result<NetworkAddress> address = parseNetworkAddress(text + (hasPort ? "" : port), true);
+      if (!address) {
+        return fmt::format("found '{}', expected HOST or HOST:PORT, such as 127.0.0.1", firstBytes(text, 100));
+      }
+      to = *address;
+      return "";
+    };
   };
-  CLI::Option* vrchat = addReader(app, "--vrchat", readVrchat,
-                                  "Send the pose as VRChat's OSC trackers [default port: 9000]", "HOST[:PORT]");
+  addReader(app, "--vrchat", readHost(options.vrchat, kVrchatPort),
+            "Send the pose as VRChat's OSC trackers [default port: 9000]", "HOST[:PORT]");
+  addReader(app, "--vmt", readHost(options.vmt, kVmtPort),
+            "Send the pose as SteamVR's trackers, through Virtual Motion Tracker on that PC [default port: 39570]",
+            "HOST[:PORT]");
   const auto readTracker = [&options](const std::string& text) -> std::string {
-    const auto found = std::ranges::find(kVrchatTrackers, lowerCase(text));
-    if (found == kVrchatTrackers.end()) {
-      const std::vector<std::string> names(kVrchatTrackers.begin(), kVrchatTrackers.end());
+    const auto found = std::ranges::find(kTrackerGroups, lowerCase(text));
+    if (found == kTrackerGroups.end()) {
+      const std::vector<std::string> names(kTrackerGroups.begin(), kTrackerGroups.end());
       return fmt::format("found '{}', expected some of {}, separated by commas{}", firstBytes(text, 40),
                          fmt::join(names, ", "), didYouMean(text, names));
     }
-    options.trackers.set(found - kVrchatTrackers.begin());
+    options.trackers.set(found - kTrackerGroups.begin());
     return "";
   };
-  addReader(app, "--vrchat-trackers", readTracker,
-            "Send only these, separated by commas: head, waist, chest, feet, knees, elbows [default: all]", "NAMES")
+  addReader(app, "--trackers", readTracker,
+            "Of --vrchat and --vmt send only these, separated by commas: head, waist, chest, feet, knees, elbows "
+            "[default: all]",
+            "NAMES")
       ->delimiter(',')
-      ->expected(1, CLI::detail::expected_max_vector_size)
-      ->needs(vrchat);
+      ->expected(1, CLI::detail::expected_max_vector_size);
   app.add_option("--events", run.events,
                  "Write begin, stay and end of each contact as lines of JSON; `-` is standard output, and the report "
                  "goes to standard error; see docs/CONTACTS.md")

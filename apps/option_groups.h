@@ -61,7 +61,8 @@ void addDepthOptions(CLI::App& app, DepthOptions& options);
 CLI::Option* addWearerOptions(CLI::App& app, LiveRequest& live);
 /// --vmc and --delay. @return --vmc
 CLI::Option* addVmcInputOptions(CLI::App& app, VmcInputOptions& options);
-/// --vmc-out HOST:PORT, --vmc-bones NAME,..., --vrchat HOST[:PORT], --vrchat-trackers, --events FILE|-
+/// --vmc-out HOST:PORT, --vmc-bones NAME,..., --vrchat HOST[:PORT], --vmt HOST[:PORT], --trackers NAME,..., --events
+/// FILE|-
 void addOutputOptions(CLI::App& app, RunSetting& run);
 /// @param window  the option --window, which these exclude
 void addSnapshotOptions(CLI::App& app, SnapshotOptions& options, CLI::Option* window);

@@ -79,7 +79,7 @@ constexpr std::array<Heading, 10> kHeadings = {{
     {"What it writes",
      "--out --output --export --export-obj --export-frames --picture --csv --snapshots --every --video --from --to "
      "--at --frame --near --record --seconds --frames --as-fast-as-possible --events --camera-frame"},
-    {"What it sends", "--vmc-out --vmc-bones --vrchat --vrchat-trackers"},
+    {"What it sends", "--vmc-out --vmc-bones --vrchat --vmt --trackers"},
     {"How the library is done", "--jobs --shard --timeout --retry-failed --collect"},
     {"Every command", "--json --force --threads --memory --trust-paths --help -h"},
 }};

@@ -92,8 +92,10 @@ Result<void> finishAndPublish(Run& run, const CommonOptions& common, Report& rep
   LORICA_TRY_DO(run.finish());
   LORICA_TRY_DO(finishRecorder(run, run.setting.record, report));
   if (run.setting.out.any()) {
-    report.add("sent", "sent", {{"poses", run.sent.vmc}, {"contacts", run.sent.contacts}, {"vrchat", run.sent.vrchat}},
-               inWords(run.sent, run.setting.out));
+    report.add(
+        "sent", "sent",
+        {{"poses", run.sent.vmc}, {"contacts", run.sent.contacts}, {"vrchat", run.sent.vrchat}, {"vmt", run.sent.vmt}},
+        inWords(run.sent, run.setting.out));
   }
   return publish(common, report, run.setting.events == "-");
 }

@@ -136,7 +136,7 @@ TEST(Command, MisspelledValuesAreNamed) {
       {{"snapshot", "walk", "--camera", "frnt"}, "front"},
       {{"live", "--background", "grene"}, "green"},
       {{"live", "--springs", "bodie"}, "body"},
-      {{"live", "--vrchat", "127.0.0.1", "--vrchat-trackers", "wasit"}, "waist"},
+      {{"live", "--vrchat", "127.0.0.1", "--trackers", "wasit"}, "waist"},
       {{"convert", "a.csv", "b.csv", "--format", "utkinekt"}, "utkinect"},
   };
   for (const auto& [words, meant] : all) {

@@ -255,6 +255,8 @@ TEST(StreamFiles, WrongUsesAreASentence) {
   refused({"live", "--headless", "--vmc", "39539", "--sender", studio().joyful}, "expected VRM 1.0");
   refused({"play", "walk", "--sender", studio().joyful}, "--sender is for VMC packets");
   refused({"play", "walk", "--vrchat", "1:2:3"}, "--vrchat: found '1:2:3', expected HOST or HOST:PORT");
+  refused({"play", "walk", "--vmt", "1:2:3"}, "--vmt: found '1:2:3', expected HOST or HOST:PORT");
+  refused({"play", "walk", "--trackers", "feet"}, "--trackers: found neither --vrchat nor --vmt");
   studio().folder.write("bad.pcap", "no packets at all, only text");
   refused({"play", "bad.pcap"}, "bad.pcap: found ");
 }

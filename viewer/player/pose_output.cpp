@@ -106,25 +106,29 @@ struct VmcReceiverAt {
   UdpSocket socket;
   VmcWriter writer;
 };
-struct VrchatAt {
+struct TrackersAt {
   UdpSocket socket;
-  VrchatWriter writer;
+  TrackerWriter writer;
+  int* sent;  ///< counts its packets
 };
 
 class PoseOutput final : public StepWatcher {
  public:
   PoseOutput(BonePoseReader reader, std::unique_ptr<SentFace> face, std::optional<VmcReceiverAt> vmc,
-             std::optional<VrchatAt> vrchat, std::shared_ptr<const LiveSources> live, std::shared_ptr<StepWatcher> next,
-             PosesSent& sent)
+             std::vector<TrackersAt> trackers, std::shared_ptr<const LiveSources> live,
+             std::shared_ptr<StepWatcher> next, PosesSent& sent)
       : reader_(std::move(reader)),
         face_(std::move(face)),
         vmc_(std::move(vmc)),
-        vrchat_(std::move(vrchat)),
+        trackers_(std::move(trackers)),
         live_(std::move(live)),
         next_(std::move(next)),
         packets_(sent) {}
   ~PoseOutput() override {
     if (contacts_) contacts_->sendEnds(vmc_->socket);
+    for (TrackersAt& to : trackers_) {
+      if (const std::span<const std::byte> end = to.writer.writeEnd(); !end.empty()) (void)to.socket.send(end);
+    }
   }
   PoseOutput(const PoseOutput&) = delete;
   PoseOutput& operator=(const PoseOutput&) = delete;
@@ -179,13 +183,11 @@ class PoseOutput final : public StepWatcher {
     const bool tracking =
         std::any_of(parts.begin(), parts.end(), [](const LivePart& part) { return part.trust >= kTracked; });
     const BonePose pose = reader_.read(session.pose());
-    const auto count = [](bool taken) { return taken ? 1 : 0; };
-    if (vmc_) {
-      packets_.vmc += count(vmc_->socket.send(vmc_->writer.write(pose, face_->read(session), time, tracking)));
-    }
-    if (vrchat_ && tracking) {
-      const std::optional<StagedPerson> person = wearer();
-      packets_.vrchat += count(vrchat_->socket.send(vrchat_->writer.write(pose, person ? &*person : nullptr)));
+    if (vmc_ && vmc_->socket.send(vmc_->writer.write(pose, face_->read(session), time, tracking))) ++packets_.vmc;
+    if (trackers_.empty() || !tracking) return;
+    const std::optional<StagedPerson> person = wearer();
+    for (TrackersAt& to : trackers_) {
+      if (to.socket.send(to.writer.write(pose, person ? &*person : nullptr))) ++*to.sent;
     }
   }
 
@@ -201,7 +203,7 @@ class PoseOutput final : public StepWatcher {
   BonePoseReader reader_;
   std::unique_ptr<SentFace> face_;
   std::optional<VmcReceiverAt> vmc_;
-  std::optional<VrchatAt> vrchat_;
+  std::vector<TrackersAt> trackers_;
   std::shared_ptr<const LiveSources> live_;
   std::optional<SentContacts> contacts_;
   std::shared_ptr<StepWatcher> next_;
@@ -229,19 +231,26 @@ std::string inWords(const PosesSent& sent, const PoseOutputOptions& options) {
     text = fmt::format("{} and {} to {}", counted(sent.vmc, "pose"), counted(sent.contacts, "contact"),
                        textOf(*options.vmc));
   }
-  if (!options.vrchat) return text;
-  return fmt::format("{}{}{} to VRChat", text, text.empty() ? "" : "; ", counted(sent.vrchat, "pose"));
+  const auto add = [&text](bool asked, int poses, std::string_view to) {
+    if (asked) text += fmt::format("{}{} to {}", text.empty() ? "" : "; ", counted(poses, "pose"), to);
+  };
+  add(options.vrchat.has_value(), sent.vrchat, "VRChat");
+  add(options.vmt.has_value(), sent.vmt, "Virtual Motion Tracker");
+  return text;
 }
 
 Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& options, const Subject& subject,
                                                     std::span<const std::string> expressions,
                                                     std::shared_ptr<const LiveSources> live,
                                                     std::shared_ptr<StepWatcher> next, PosesSent& sent) {
+  if (options.trackers.any() && !options.vrchat && !options.vmt) {
+    return invalidArgument("--trackers: found neither --vrchat nor --vmt, which send them");
+  }
   if (!options.any()) return next;
   Result<BonePoseReader> made = BonePoseReader::create(subject.character->skeleton);
   if (!made) {
-    return Error{made.error().code, fmt::format("{}: {}{}", options.vmc ? "--vmc-out" : "--vrchat",
-                                                made.error().message, mapHint(*subject.character))};
+    const char* option = options.vmc ? "--vmc-out" : options.vrchat ? "--vrchat" : "--vmt";
+    return Error{made.error().code, fmt::format("{}: {}{}", option, made.error().message, mapHint(*subject.character))};
   }
   LORICA_TRY(std::unique_ptr<SentFace> face, sentFaceOf(subject, expressions));
   std::optional<VmcReceiverAt> vmc;
@@ -249,14 +258,19 @@ Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& opt
     LORICA_TRY(UdpSocket socket, prefixed("--vmc-out", UdpSocket::connect(*options.vmc)));
     vmc.emplace(VmcReceiverAt{std::move(socket), VmcWriter(options.bones.value_or(allVmcBones()))});
   }
-  std::optional<VrchatAt> vrchat;
-  if (options.vrchat) {
-    LORICA_TRY(UdpSocket socket, prefixed("--vrchat", UdpSocket::connect(*options.vrchat)));
-    const VrchatTrackers trackers = options.trackers.none() ? VrchatTrackers().set() : options.trackers;
-    vrchat.emplace(VrchatAt{std::move(socket), VrchatWriter(subject.character->height, trackers)});
-  }
+  std::vector<TrackersAt> trackers;
+  const TrackerGroups groups = options.trackers.none() ? TrackerGroups().set() : options.trackers;
+  const auto sendTrackers = [&](const char* option, const std::optional<NetworkAddress>& to, TrackerReceiver receiver,
+                                int& count) -> Result<void> {
+    if (!to) return {};
+    LORICA_TRY(UdpSocket socket, prefixed(option, UdpSocket::connect(*to)));
+    trackers.push_back({std::move(socket), TrackerWriter(receiver, subject.character->height, groups), &count});
+    return {};
+  };
+  LORICA_TRY_DO(sendTrackers("--vrchat", options.vrchat, TrackerReceiver::kVrchat, sent.vrchat));
+  LORICA_TRY_DO(sendTrackers("--vmt", options.vmt, TrackerReceiver::kVmt, sent.vmt));
   return std::shared_ptr<StepWatcher>(std::make_shared<PoseOutput>(
-      *std::move(made), std::move(face), std::move(vmc), std::move(vrchat), std::move(live), std::move(next), sent));
+      *std::move(made), std::move(face), std::move(vmc), std::move(trackers), std::move(live), std::move(next), sent));
 }
 
 }  // namespace lorica

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "capture/streams/tracker_writer.h"
 #include "capture/streams/udp.h"
 #include "capture/streams/vmc_writer.h"
-#include "capture/streams/vrchat_writer.h"
 #include "geometry/result.h"
 #include "session/prepare/live_cast.h"
 #include "session/prepare/subject.h"
@@ -20,22 +20,24 @@ struct PoseOutputOptions {
   std::optional<NetworkAddress> vmc;     ///< none = nowhere
   std::optional<VmcBones> bones;         ///< that are sent by VMC; none = all
   std::optional<NetworkAddress> vrchat;  ///< none = nowhere
-  VrchatTrackers trackers;               ///< that are sent to VRChat; none = all
+  std::optional<NetworkAddress> vmt;     ///< Virtual Motion Tracker; none = nowhere
+  TrackerGroups trackers;                ///< that are sent to both; none = all
 
-  [[nodiscard]] bool any() const { return vmc || vrchat; }
+  [[nodiscard]] bool any() const { return vmc || vrchat || vmt; }
 };
 
 /// What was sent, in packets.
 struct PosesSent {
-  int vmc = 0, contacts = 0, vrchat = 0;  ///< poses and contacts by VMC, poses to VRChat
+  int vmc = 0, contacts = 0;  ///< poses and contacts by VMC
+  int vrchat = 0, vmt = 0;    ///< poses as trackers
 };
 
 /// "60 poses and 12 contacts to 127.0.0.1:39539; 60 poses to VRChat"
 [[nodiscard]] std::string inWords(const PosesSent& sent, const PoseOutputOptions& options);
 
 /// Sends a session's pose and face after each step, at most 60 times per second of its own time, by the VMC protocol
-/// and as VRChat's trackers; by VMC also the contacts of each step. A recording is slowed down to real time. A receiver
-/// that is not there is no error. VRChat hears nothing while tracking is lost.
+/// and as trackers; by VMC also the contacts of each step. A recording is slowed down to real time. A receiver that is
+/// not there is no error. No tracker is sent while tracking is lost.
 /// @param subject      the session's character
 /// @param expressions  that were chosen for it, see chosenExpressions()
 /// @param live         who is followed: trackers are sent in the stage of their headset, once it is registered; may be

@@ -1,7 +1,7 @@
 #include "capture/streams/osc.h"
 
+#include "capture/streams/tracker_writer.h"
 #include "capture/streams/vmc_writer.h"
-#include "capture/streams/vrchat_writer.h"
 #include "geometry/random_numbers.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/value_of.h"
@@ -287,7 +287,7 @@ std::map<std::string, Vec3> decoded(std::span<const std::byte> bytes) {
 
 /// Unity: "a rotation of z degrees around the z axis, x degrees around the x axis, and y degrees around the y axis, in
 /// that order".
-TEST(VrchatWriter, AnglesAreAppliedInUnitysOrder) {
+TEST(TrackerWriter, AnglesAreAppliedInUnitysOrder) {
   RandomNumbers random(3);
   for (int i = 0; i < 1000; ++i) {
     Quat q;
@@ -306,14 +306,14 @@ TEST(VrchatWriter, AnglesAreAppliedInUnitysOrder) {
   }
 }
 
-TEST(VrchatWriter, TheBodyIsScaledToTheUserAndMirrored) {
+TEST(TrackerWriter, TheBodyIsScaledToTheUserAndMirrored) {
   const Character mannequin = makeMannequin();
   BonePoseReader reader = test::valueOf(BonePoseReader::create(mannequin.skeleton));
   const Pose rest = restPose(mannequin.skeleton);
   const BonePose pose = reader.read(rest);
   std::vector<Affine3> worldFromJoint(rest.size());
   computeWorldFromJoint(mannequin.skeleton, rest, worldFromJoint);
-  VrchatWriter writer(mannequin.height);
+  TrackerWriter writer(TrackerReceiver::kVrchat, mannequin.height);
   const std::map<std::string, Vec3> sent = decoded(writer.write(pose));
   EXPECT_EQ(sent.size(), 18u);
   const auto expected = [&](HumanBone bone) {
@@ -331,15 +331,15 @@ TEST(VrchatWriter, TheBodyIsScaledToTheUserAndMirrored) {
   }
 }
 
-TEST(VrchatWriter, AWearerIsSentInTheirStage) {
+TEST(TrackerWriter, AWearerIsSentInTheirStage) {
   const Character mannequin = makeMannequin();
   BonePoseReader reader = BonePoseReader::create(mannequin.skeleton).value();
   StagedPerson person;
   for (std::size_t j = 0; j < kBodyJointCount; ++j) person.joints.joints[j] = {Vec3(0.1 * j, 1.0, -0.2 * j), {}, 0.6};
   person.joints[BodyJoint::kLeftElbow].confidence = 0.0;
   person.stageFromWorld = Eigen::Translation3d(1.0, 0.02, 3.0) * about(Vec3::UnitY(), 40.0);
-  const std::map<std::string, Vec3> sent =
-      decoded(VrchatWriter(mannequin.height).write(reader.read(restPose(mannequin.skeleton)), &person));
+  const std::map<std::string, Vec3> sent = decoded(TrackerWriter(TrackerReceiver::kVrchat, mannequin.height)
+                                                       .write(reader.read(restPose(mannequin.skeleton)), &person));
   EXPECT_EQ(sent.size(), 16U) << "an elbow is not known";
   const auto at = [&](BodyJoint joint) { return person.joints[joint].position; };
   const std::map<std::string, Vec3> places = {
@@ -358,16 +358,16 @@ TEST(VrchatWriter, AWearerIsSentInTheirStage) {
   }
 }
 
-TEST(VrchatWriter, OnlyTheTrackersAskedForAreSent) {
+TEST(TrackerWriter, OnlyTheTrackersAskedForAreSent) {
   const Character mannequin = makeMannequin();
   BonePoseReader reader = test::valueOf(BonePoseReader::create(mannequin.skeleton));
   const BonePose pose = reader.read(restPose(mannequin.skeleton));
   const std::map<std::string_view, std::vector<std::string>> numbers = {{"head", {"head"}},    {"waist", {"1"}},
                                                                         {"chest", {"2"}},      {"feet", {"3", "4"}},
                                                                         {"knees", {"5", "6"}}, {"elbows", {"7", "8"}}};
-  for (std::size_t group = 0; group < kVrchatTrackers.size(); ++group) {
-    VrchatWriter writer(mannequin.height, VrchatTrackers().set(group));
-    const std::vector<std::string>& expected = numbers.at(kVrchatTrackers[group]);
+  for (std::size_t group = 0; group < kTrackerGroups.size(); ++group) {
+    TrackerWriter writer(TrackerReceiver::kVrchat, mannequin.height, TrackerGroups().set(group));
+    const std::vector<std::string>& expected = numbers.at(kTrackerGroups[group]);
     const std::map<std::string, Vec3> sent = decoded(writer.write(pose));
     EXPECT_EQ(sent.size(), 2 * expected.size());
     for (const std::string& number : expected) {
@@ -378,13 +378,59 @@ TEST(VrchatWriter, OnlyTheTrackersAskedForAreSent) {
 }
 
 /// Turned to its left, towards +X here, the body faces -X in Unity: a yaw of -90 degrees.
-TEST(VrchatWriter, ATurnIsAYaw) {
+TEST(TrackerWriter, ATurnIsAYaw) {
   BonePoseReader reader = test::valueOf(BonePoseReader::create(makeMannequin().skeleton));
   BonePose pose = reader.read(restPose(makeMannequin().skeleton));
   pose.rootRotation = about(Vec3::UnitY(), 90.0);
-  VrchatWriter writer(1.7);
+  TrackerWriter writer(TrackerReceiver::kVrchat, 1.7);
   const Vec3 yaw = decoded(writer.write(pose)).at("/tracking/trackers/1/rotation");
   EXPECT_LT((yaw - Vec3(0, -90, 0)).norm(), 1e-3) << yaw.transpose();
+}
+
+/// Virtual Motion Tracker: an index, a mode and a time offset, then position and quaternion in Unity's axes.
+TEST(TrackerWriter, VirtualMotionTrackerHearsQuaternions) {
+  const Character mannequin = makeMannequin();
+  BonePoseReader reader = test::valueOf(BonePoseReader::create(mannequin.skeleton));
+  BonePose pose = reader.read(restPose(mannequin.skeleton));
+  pose.rootRotation = about(Vec3::UnitY(), 40.0) * about(Vec3::UnitX(), 10.0);
+  const auto read = [](std::span<const std::byte> bytes) {
+    std::map<int, std::vector<double>> trackers;
+    OscPacket packet(bytes);
+    while (const std::optional<OscMessage> message = packet.next()) {
+      EXPECT_EQ(message->address, "/VMT/Room/Unity");
+      EXPECT_EQ(message->types, "iiffffffff");
+      OscArguments arguments(*message);
+      const int index = static_cast<int>(arguments.number().value());
+      while (const std::optional<double> number = arguments.number()) trackers[index].push_back(*number);
+      EXPECT_EQ(trackers[index].size(), 9U);
+    }
+    EXPECT_FALSE(packet.malformed());
+    return trackers;
+  };
+  TrackerWriter vrchat(TrackerReceiver::kVrchat, mannequin.height);
+  const std::map<std::string, Vec3> same = decoded(vrchat.write(pose));
+  TrackerWriter writer(TrackerReceiver::kVmt, mannequin.height);
+  EXPECT_TRUE(writer.writeEnd().empty()) << "nothing was switched on";
+  const std::map<int, std::vector<double>> sent = read(writer.write(pose));
+  ASSERT_EQ(sent.size(), 8U) << "all but the head";
+  for (const auto& [index, numbers] : sent) {
+    ASSERT_TRUE(index >= 1 && index <= 8);
+    EXPECT_EQ(numbers[0], 1.0) << "a tracker";
+    EXPECT_EQ(numbers[1], 0.0) << "of now";
+    const std::string address = "/tracking/trackers/" + std::to_string(index);
+    EXPECT_LT((Vec3(numbers[2], numbers[3], numbers[4]) - same.at(address + "/position")).norm(), 1e-6) << index;
+    const Vec3 angles = same.at(address + "/rotation");
+    const Quat turn =
+        about(Vec3::UnitY(), angles.y()) * about(Vec3::UnitX(), angles.x()) * about(Vec3::UnitZ(), angles.z());
+    EXPECT_LT(turn.angularDistance(Quat(numbers[8], numbers[5], numbers[6], numbers[7])), 1e-5) << index;
+  }
+  const std::map<int, std::vector<double>> ended = read(writer.writeEnd());
+  EXPECT_EQ(ended.size(), sent.size());
+  for (const auto& [index, numbers] : ended) EXPECT_EQ(numbers[0], 0.0) << index;
+  EXPECT_TRUE(writer.writeEnd().empty());
+  TrackerWriter feet(TrackerReceiver::kVmt, mannequin.height, TrackerGroups(0b001001));
+  const std::map<int, std::vector<double>> few = read(feet.write(pose));
+  EXPECT_TRUE(few.size() == 2 && few.contains(3) && few.contains(4)) << "never the head";
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "capture/streams/vrchat_writer.h"
+#include "capture/streams/tracker_writer.h"
 
 #include "capture/streams/osc.h"
 #include "geometry/result.h"
@@ -15,7 +15,7 @@ constexpr double kUserHeight = 1.7;
 constexpr std::size_t kPacketBytes = 2048;
 
 struct Tracker {
-  std::size_t group;                    ///< of kVrchatTrackers
+  std::size_t group;                    ///< of kTrackerGroups
   std::string_view position, rotation;  ///< addresses
   HumanBone place, turn;                ///< whose joint, and whose rotation
   BodyJoint joint, other;               ///< of the person: in the middle of both
@@ -42,6 +42,19 @@ constexpr std::array<Tracker, 9> kTrackers = {{
      J::kRightElbow, J::kRightElbow},
 }};
 
+// Virtual Motion Tracker's modes; the one of a tracker holds from SteamVR's start on.
+constexpr std::int32_t kVmtOff = 0, kVmtTracker = 1;
+
+void addVmt(OscWriter& writer, std::size_t tracker, std::int32_t mode, const Vec3& position, const Quat& rotation) {
+  writer.beginMessage("/VMT/Room/Unity", "iiffffffff");
+  writer.add(static_cast<std::int32_t>(tracker));
+  writer.add(mode);
+  writer.add(0.0F);  // the pose is of now
+  for (const double value : position) writer.add(static_cast<float>(value));
+  for (const double value : rotation.coeffs()) writer.add(static_cast<float>(value));  // x, y, z, w
+  writer.endMessage();
+}
+
 void addVector(OscWriter& writer, std::string_view address, const Vec3& v) {
   writer.beginMessage(address, "fff");
   for (const double value : v) writer.add(static_cast<float>(value));
@@ -61,17 +74,19 @@ Vec3 unityAngles(const Quat& rotation) {
   return kDegrees * Vec3(x, std::atan2(m(0, 2), m(2, 2)), std::atan2(m(1, 0), m(1, 1)));
 }
 
-VrchatWriter::VrchatWriter(double height, VrchatTrackers sent)
-    : scale_(kUserHeight / height), sent_(sent), memory_(kPacketBytes) {
+TrackerWriter::TrackerWriter(TrackerReceiver receiver, double height, TrackerGroups sent)
+    : receiver_(receiver), scale_(kUserHeight / height), sent_(sent), memory_(kPacketBytes) {
   LORICA_CHECK(height > 0.0, "a character has a height");
+  if (receiver == TrackerReceiver::kVmt) sent_.reset(0);
 }
 
-std::span<const std::byte> VrchatWriter::write(const BonePose& pose, const StagedPerson* person) {
+std::span<const std::byte> TrackerWriter::write(const BonePose& pose, const StagedPerson* person) {
   const WorldBones world = worldOf(pose);
   const Quat stageFromWorld = person != nullptr ? Quat(person->stageFromWorld.linear()) : Quat::Identity();
   OscWriter writer(memory_);
   writer.beginBundle();
-  for (const Tracker& tracker : kTrackers) {
+  for (std::size_t t = 0; t < kTrackers.size(); ++t) {
+    const Tracker& tracker = kTrackers[t];
     const auto place = static_cast<std::size_t>(tracker.place);
     const auto turn = static_cast<std::size_t>(tracker.turn);
     if (!sent_[tracker.group] || !pose.rotation[place]) continue;  // or the character lacks it
@@ -81,10 +96,27 @@ std::span<const std::byte> VrchatWriter::write(const BonePose& pose, const Stage
       if (joint.confidence <= 0.0 || other.confidence <= 0.0) continue;
       position = person->stageFromWorld * (0.5 * (joint.position + other.position));
     }
+    const Quat rotation = mirrored(stageFromWorld * world.turn[turn]);
+    if (receiver_ == TrackerReceiver::kVmt) {
+      addVmt(writer, t, kVmtTracker, mirrored(position), rotation);
+      on_.set(t);
+      continue;
+    }
     addVector(writer, tracker.position, mirrored(position));
-    addVector(writer, tracker.rotation, unityAngles(mirrored(stageFromWorld * world.turn[turn])));
+    addVector(writer, tracker.rotation, unityAngles(rotation));
   }
   LORICA_CHECK(writer.fits(), "the packet is too small");
+  return writer.packet();
+}
+
+std::span<const std::byte> TrackerWriter::writeEnd() {
+  if (on_.none()) return {};
+  OscWriter writer(memory_);
+  writer.beginBundle();
+  for (std::size_t t = 0; t < kTrackers.size(); ++t) {
+    if (on_[t]) addVmt(writer, t, kVmtOff, Vec3::Zero(), Quat::Identity());
+  }
+  on_.reset();
   return writer.packet();
 }
 
