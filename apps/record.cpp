@@ -4,7 +4,7 @@
 #include "apps/report_parts.h"
 #include "apps/show.h"
 #include "capture/files/joint_csv.h"
-#include "capture/sensor/openni.h"
+#include "capture/sensor/depth_recording.h"
 #include "capture/streams/packet_file.h"
 #include "capture/streams/udp.h"
 #include "capture/tracking/tracker.h"
@@ -109,20 +109,18 @@ std::vector<fs::path> recordFiles(const RecordOptions& options) {
   return files;
 }
 
-/// Reads until the limit or Ctrl-C; OpenNI2 records the frames that are read.
-Result<Recording> record(const RecordOptions& options, DepthSource& depth, Tracker& tracker, OpenNiRecorder& recorder,
-                         JointCsvWriter& joints, Host& host) {
+/// Tracks what is recorded, until the limit or Ctrl-C.
+Result<Recording> record(DepthRecorder& recorder, Tracker& tracker, JointCsvWriter& joints, Host& host) {
   Recording recording;
   std::optional<double> firstTime;
   DepthFrame frame;
-  int read = 0;
   std::mutex files;  // the program may be ended while the camera waits
   bool finished = false;
   const auto finish = [&]() -> Result<void> {
     const std::lock_guard<std::mutex> lock(files);
     if (std::exchange(finished, true)) return {};
     const Result<int> rows = joints.finish();
-    if (read == 0) {  // ended before the first image
+    if (!firstTime) {  // ended before the first image
       recorder.discard();
       return cancelled();
     }
@@ -134,8 +132,9 @@ Result<Recording> record(const RecordOptions& options, DepthSource& depth, Track
     return {};
   };
   const AtHardStop finishing([&] { (void)finish(); });
-  while (!host.cancelled()) {
-    const Result<DepthRead> got = depth.next(frame);
+  for (;;) {
+    if (host.cancelled()) recorder.stop();
+    const Result<DepthRead> got = recorder.next(frame);
     if (!got) {
       (void)finish();  // keep what was recorded despite the error
       return got.error();
@@ -146,14 +145,11 @@ Result<Recording> record(const RecordOptions& options, DepthSource& depth, Track
     const std::span<const TrackedPerson> people = tracker.track(frame);
     const std::lock_guard<std::mutex> lock(files);
     if (finished) break;  // the program is being ended
-    ++read;
     for (const TrackedPerson& person : people) {
       LORICA_TRY_DO(joints.add(person.skeleton));
     }
     if (!firstTime) firstTime = frame.time;
     recording.seconds = frame.time - *firstTime;
-    if (options.limits.frames > 0 && read >= options.limits.frames) break;
-    if (options.limits.seconds > 0.0 && recording.seconds >= options.limits.seconds) break;
   }
   answerInterrupt();
   LORICA_TRY_DO(finish());
@@ -179,11 +175,15 @@ Result<void> recordDepth(const RecordOptions& options, const CommonOptions& comm
   LORICA_TRY_DO(checkJsonOutput(common, {options.out, jointsBeside(options.out)}));
   LORICA_TRY_DO(checkOutput(common, "OUT", options.out, ".oni"));
   LORICA_TRY_DO(checkOutput(common, "OUT", jointsBeside(options.out)));
-  LORICA_TRY(std::unique_ptr<DepthSource> depth, openCamera(options.live.depth));
+  LORICA_TRY_DO(checkDepth(options.live.depth));
+  LORICA_TRY(const std::unique_ptr<DepthSource> depth,
+             openWaiting<std::unique_ptr<DepthSource>>(options.live.depth, host,
+                                                       [given = options.live.depth] { return openDepth(given); }));
   LORICA_TRY(Tracker tracker, Tracker::create(depth->camera()));
   LORICA_TRY(JointCsvWriter joints, JointCsvWriter::create(jointsBeside(options.out)));
   std::optional<AtHardStop> starting(std::in_place, [&] { (void)joints.finish(); });  // removes the empty file
-  Result<std::unique_ptr<OpenNiRecorder>> recorder = OpenNiRecorder::start(*depth, options.out);
+  Result<std::unique_ptr<DepthRecorder>> recorder =
+      DepthRecorder::start(*depth, options.out, {options.limits.frames, options.limits.seconds});
   if (!recorder) {
     (void)joints.finish();
     return recorder.error();
@@ -193,7 +193,7 @@ Result<void> recordDepth(const RecordOptions& options, const CommonOptions& comm
   warnOfFound(joints.found(), host);
 
   host.tell(fmt::format("Recording {}; press Ctrl-C to stop.", depth->name()));
-  LORICA_TRY(const Recording made, record(options, *depth, tracker, **recorder, joints, host));
+  LORICA_TRY(const Recording made, record(**recorder, tracker, joints, host));
 
   Report report(
       fmt::format("Recorded {} of {} ({:.1f} s)", counted(made.frames, "depth frame"), depth->name(), made.seconds));
@@ -372,9 +372,6 @@ Result<void> runRecord(const CLI::App& app, const RecordOptions& options, const 
   }
   LORICA_TRY_DO(refuseSessionOptions(app, options));
   if (app.count("--vmc") > 0) return invalidArgument("{}: --vmc sends no depth images", options.out);
-  if (app.count("--depth") > 0) {
-    return unsupported("{}: what a program sends is recorded as a session ({}) only", options.out, kSessionEnding);
-  }
   return recordDepth(options, common, host);
 }
 
@@ -388,6 +385,8 @@ Command addRecord(CLI::App& parent, CommonOptions& common) {
       "  lorica record body.oni\n"
       "      depth images to body.oni and tracked joints to body.csv, until Ctrl-C\n"
       "  lorica record body.oni --seconds 10 --device 1d27/0609@1/4\n"
+      "  lorica record body.oni --depth 7000\n"
+      "      what another program sends, see docs/SENSORS.md\n"
       "  lorica record body.oni --virtual --seconds 3\n"
       "      no camera needed: a virtual camera with a virtual person\n"
       "  lorica play body.oni\n"

@@ -251,11 +251,15 @@ Facts depthStreamFacts(const DepthStream& stream) {
   if (counts.dropped > 0) words += fmt::format(", {} came too fast and were left out", grouped(counts.dropped));
   if (counts.broken > 0) words += fmt::format(", {} broke off", grouped(counts.broken));
   if (counts.senders != 1) words += "; " + counted(counts.senders, "sender");
+  if (counts.refused > 0) words += fmt::format(", {} of them refused", counts.refused);
   Facts facts;
-  facts.add(
-      "depthStream", "depth stream",
-      {{"images", counts.images}, {"dropped", counts.dropped}, {"broken", counts.broken}, {"senders", counts.senders}},
-      words);
+  facts.add("depthStream", "depth stream",
+            {{"images", counts.images},
+             {"dropped", counts.dropped},
+             {"broken", counts.broken},
+             {"senders", counts.senders},
+             {"refused", counts.refused}},
+            words);
   return facts;
 }
 

@@ -71,65 +71,42 @@ struct BagConnection {
   std::vector<BagMessage> messages;
 };
 
-/// An LZ4 block (lz4_Block_format): literals, and copies of what came before.
-bool unpackLz4Block(std::string_view from, std::size_t most, std::string& out) {
-  std::size_t at = 0;
-  const auto length = [&](std::size_t first) -> std::size_t {
-    for (std::uint8_t more = 255; first >= 15 && more == 255 && at < from.size(); first += more) more = from[at++];
-    return first;
-  };
-  while (at < from.size()) {
-    const auto token = static_cast<std::uint8_t>(from[at++]);
-    const std::size_t literals = length(token >> 4);
-    if (literals > from.size() - at || literals > most - out.size()) return false;
-    out.append(from.substr(at, literals));
-    at += literals;
-    if (at == from.size()) return true;  // the last one has no copy
-    if (from.size() - at < 2) return false;
-    const std::size_t back = loadLittleEndian<std::uint16_t>(from.data() + at);
-    at += 2;
-    const std::size_t count = length(token & 15) + 4;
-    if (back == 0 || back > out.size() || count > most - out.size()) return false;
-    for (std::size_t i = 0; i < count; ++i) out.push_back(out[out.size() - back]);
-  }
-  return true;
+// Debian's libraries, loaded on first use. `out` has the size of what was packed.
+template <typename Function>
+Function* loaded(const char* library, const char* name) {
+  void* const handle = dlopen(library, RTLD_NOW | RTLD_LOCAL);
+  return handle == nullptr ? nullptr : reinterpret_cast<Function*>(dlsym(handle, name));
 }
 
-/// An LZ4 frame (lz4_Frame_format). Its checksums are not looked at.
-bool unpackLz4(std::string_view from, std::size_t most, std::string& out) {
-  constexpr std::uint32_t kMagic = 0x184d2204, kStored = 0x80000000;
-  if (from.size() < 7 || loadLittleEndian<std::uint32_t>(from.data()) != kMagic) return false;
-  const auto flags = static_cast<std::uint8_t>(from[4]);
-  const bool checked = (flags & 0x10) != 0;
-  from.remove_prefix(
-      std::min<std::size_t>(7 + ((flags & 0x08) != 0 ? 8 : 0) + ((flags & 0x01) != 0 ? 4 : 0), from.size()));
-  while (from.size() >= 4) {
-    const std::uint32_t size = loadLittleEndian<std::uint32_t>(from.data());
-    from.remove_prefix(4);
-    if (size == 0) return true;
-    const std::size_t bytes = size & ~kStored;
-    if (bytes + (checked ? 4 : 0) > from.size()) return false;
-    const std::string_view block = from.substr(0, bytes);
-    if ((size & kStored) != 0 ? block.size() > most - out.size() : !unpackLz4Block(block, most, out)) return false;
-    if ((size & kStored) != 0) out.append(block);
-    from.remove_prefix(bytes + (checked ? 4 : 0));
+/// An LZ4 frame. Says whether it makes exactly `out`.
+Result<bool> unpackLz4(std::string_view from, std::string& out, const std::string& where) {
+  constexpr const char* kLibrary = "liblz4.so.1";
+  constexpr unsigned kVersion = 100;  // LZ4F_VERSION
+  static auto* const begin = loaded<std::size_t(void**, unsigned)>(kLibrary, "LZ4F_createDecompressionContext");
+  static auto* const end = loaded<std::size_t(void*)>(kLibrary, "LZ4F_freeDecompressionContext");
+  static auto* const unpack = loaded<std::size_t(void*, void*, std::size_t*, const void*, std::size_t*, const void*)>(
+      kLibrary, "LZ4F_decompress");
+  void* state = nullptr;
+  if (begin == nullptr || end == nullptr || unpack == nullptr || begin(&state, kVersion) != 0) {
+    return unsupported("{}: is packed by LZ4, expected {} (package liblz4-1)", where, kLibrary);
   }
-  return false;
+  std::size_t read = from.size(), written = out.size();
+  const bool whole = unpack(state, out.data(), &written, from.data(), &read, nullptr) == 0;
+  end(state);
+  return whole && written == out.size();
 }
 
-/// libbz2, loaded on first use.
-Result<void> unpackBz2(std::string_view from, std::string& out, const std::string& where) {
-  using Unpack = int (*)(char*, unsigned*, char*, unsigned, int, int);
-  static void* const library = dlopen("libbz2.so.1.0", RTLD_NOW | RTLD_LOCAL);
-  static const auto unpack =
-      library == nullptr ? nullptr : reinterpret_cast<Unpack>(dlsym(library, "BZ2_bzBuffToBuffDecompress"));
-  if (unpack == nullptr)
-    return unsupported("{}: is packed by bzip2, expected libbz2.so.1.0 (package libbz2-1.0)", where);
+Result<bool> unpackBz2(std::string_view from, std::string& out, const std::string& where) {
+  constexpr const char* kLibrary = "libbz2.so.1.0";
+  static auto* const unpack =
+      loaded<int(char*, unsigned*, char*, unsigned, int, int)>(kLibrary, "BZ2_bzBuffToBuffDecompress");
+  if (unpack == nullptr) {
+    return unsupported("{}: is packed by bzip2, expected {} (package libbz2-1.0)", where, kLibrary);
+  }
   auto size = static_cast<unsigned>(out.size());
-  const int failed =
-      unpack(out.data(), &size, const_cast<char*>(from.data()), static_cast<unsigned>(from.size()), 0, 0);
-  if (failed != 0 || size != out.size()) return badFormat("{}: its bzip2 is damaged (error {})", where, failed);
-  return {};
+  const bool whole =
+      unpack(out.data(), &size, const_cast<char*>(from.data()), static_cast<unsigned>(from.size()), 0, 0) == 0;
+  return whole && size == out.size();
 }
 
 class BagFile {
@@ -272,17 +249,19 @@ class BagFile {
     if (!bytes_->read(chunk.at, {reinterpret_cast<std::uint8_t*>(packed_.data()), packed_.size()})) {
       return unreadable("{}: can no longer be read", where);
     }
+    content_.resize(chunk.unpacked);
+    Result<bool> whole = true;
     if (chunk.packing == "none") {
       std::swap(content_, packed_);
     } else if (chunk.packing == "lz4") {
-      content_.clear();
-      if (!unpackLz4(packed_, chunk.unpacked, content_)) return badFormat("{}: its LZ4 is damaged", where);
+      whole = unpackLz4(packed_, content_, where);
     } else if (chunk.packing == "bz2") {
-      content_.resize(chunk.unpacked);
-      LORICA_TRY_DO(unpackBz2(packed_, content_, where));
+      whole = unpackBz2(packed_, content_, where);
     } else {
       return unsupported("{}: found the packing {}, expected none, bz2 or lz4", where, printable(chunk.packing, 40));
     }
+    if (!whole) return whole.error();
+    if (!*whole) return badFormat("{}: its {} is damaged", where, chunk.packing);
     loaded_ = number;
     return {};
   }
@@ -396,9 +375,8 @@ Result<RawDepth> readDepthBag(std::shared_ptr<const OniBytes> bytes, const std::
     first = image;
   }
   if (images == nullptr) {
-    return unsupported(
-        "{}: found the topics {}, expected one of sensor_msgs/Image with depth in its name, in 16UC1 or mono16", name,
-        printable(topics, 400));
+    return unsupported("{}: found {}{}, expected one of sensor_msgs/Image with depth in its name, in 16UC1 or mono16",
+                       name, topics.empty() ? "no topic" : "the topics ", printable(topics, 400));
   }
   const int width = static_cast<int>(std::min(first.width, 1U << 20)),
             height = static_cast<int>(std::min(first.height, 1U << 20));

@@ -64,6 +64,45 @@ class DepthRecording : public DepthSource {
 [[nodiscard]] Result<std::unique_ptr<DepthRecording>> openDepthRecording(const std::filesystem::path& path,
                                                                          const std::string& lens = {});
 
+/// Where a recording ends by itself; 0 = nowhere.
+struct RecordingLimits {
+  int frames = 0;        ///< images
+  double seconds = 0.0;  ///< from the first image on
+};
+
+/// Writes all images of a source as .oni while they come, and gives each of them in order: one that is not read in time
+/// is read from the file. The source belongs to a thread of the recorder meanwhile.
+class DepthRecorder final : public DepthSource {
+ public:
+  /// Creates a file beside `file`, named x.part.oni. It can be played even if this program is killed; if a killed
+  /// program left such a file behind, it is kept as x.found-1.oni. No file is left if this fails.
+  /// @param source  must outlive the recorder
+  [[nodiscard]] static Result<std::unique_ptr<DepthRecorder>> start(DepthSource& source,
+                                                                    const std::filesystem::path& file,
+                                                                    const RecordingLimits& limits = {});
+  /// Abandons an unfinished recording and keeps the x.part.oni file.
+  ~DepthRecorder() override;
+
+  [[nodiscard]] const DepthCamera& camera() const override;
+  [[nodiscard]] std::string name() const override;
+  /// @return kEnd after the last image; an error, of the source or of the disk, after those that came before it
+  [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
+  /// No further image is recorded; those that were not read yet can still be.
+  void stop();
+
+  /// The recording that a killed program left behind, under its new name; nothing if there was none.
+  [[nodiscard]] const std::optional<std::filesystem::path>& found() const;
+  /// Ends the recording and renames it to its final name. @return number of frames
+  [[nodiscard]] Result<int> finish();
+  /// Ends the recording and removes its file, for one without frames.
+  void discard();
+
+ private:
+  class Impl;
+  explicit DepthRecorder(std::unique_ptr<Impl> impl);
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Writes a recording as .oni, without loss.
 /// @param progress  gets how many frames are written; returns false to stop with kCancelled
 [[nodiscard]] Result<void> writeOni(DepthRecording& recording, const std::filesystem::path& file,

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <map>
 #include <optional>
 
 namespace lorica {
@@ -195,16 +194,18 @@ std::string packOniDepth(OniCodec codec, std::span<const std::uint16_t> depths) 
     return out;
   }
   if (codec == OniCodec::kPacked) return OniPacker().pack(depths);
-  std::map<std::uint16_t, std::uint16_t> indices;
-  for (const std::uint16_t depth : depths) indices[depth] = 0;
+  constexpr std::size_t kDepths = 1U << 16U;
+  std::vector<bool> occurs(kDepths);
+  for (const std::uint16_t depth : depths) occurs[depth] = true;
   std::string out;
-  appendLittleEndian(static_cast<std::uint16_t>(indices.size()), out);
+  appendLittleEndian(static_cast<std::uint16_t>(std::ranges::count(occurs, true)), out);
+  std::vector<std::uint16_t> indices(kDepths), values(depths.size());
   std::uint16_t next = 0;
-  for (auto& [depth, index] : indices) {
-    index = next++;
-    appendLittleEndian(depth, out);
+  for (std::size_t depth = 0; depth < kDepths; ++depth) {
+    if (!occurs[depth]) continue;
+    indices[depth] = next++;
+    appendLittleEndian(static_cast<std::uint16_t>(depth), out);
   }
-  std::vector<std::uint16_t> values(depths.size());
   std::transform(depths.begin(), depths.end(), values.begin(), [&](std::uint16_t depth) { return indices[depth]; });
   return out + OniPacker().pack(values);
 }

@@ -64,27 +64,6 @@ class OpenNi {
   [[nodiscard]] virtual Result<std::unique_ptr<DepthSource>> open(const std::string& uri = {}) = 0;
 };
 
-/// Records a camera's depth stream to an .oni file with OpenNI2's own recorder. One recording at a time per process.
-class OpenNiRecorder {
- public:
-  /// Creates a file beside `file`, named x.part.oni. It can be played even if this program is killed; if a killed
-  /// program left such a file behind, it is kept as x.found-1.oni. From now on all images of the camera are recorded,
-  /// whether they are read or not. No file is left if this fails.
-  /// @param source  from OpenNi::open(); it must outlive the recorder and must be read continuously
-  [[nodiscard]] static Result<std::unique_ptr<OpenNiRecorder>> start(DepthSource& source,
-                                                                     const std::filesystem::path& file);
-  /// Abandons an unfinished recording and keeps the x.part.oni file.
-  virtual ~OpenNiRecorder() = default;
-
-  /// The recording that a killed program left behind, under its new name; nothing if there was none.
-  [[nodiscard]] virtual const std::optional<std::filesystem::path>& found() const = 0;
-  /// Ends the recording, checks it, and renames it to its final name.
-  /// @return number of frames, or an error if they are damaged
-  [[nodiscard]] virtual Result<int> finish() = 0;
-  /// Ends the recording and removes its file, for one without frames.
-  virtual void discard() = 0;
-};
-
 /// Skeletons from NiTE 2, for users who have it: closed middleware of PrimeSense that is no longer distributed.
 /// Lorica's own tracker does not need it.
 ///

@@ -10,10 +10,6 @@ Result<std::shared_ptr<OpenNi>> OpenNi::start(const OpenNiSettings&) {
       "this Lorica was built without OpenNI2, so it supports no depth cameras: build it with libopenni2-dev");
 }
 
-Result<std::unique_ptr<OpenNiRecorder>> OpenNiRecorder::start(DepthSource&, const std::filesystem::path&) {
-  return unsupported("this Lorica was built without OpenNI2, so it cannot record: build it with libopenni2-dev");
-}
-
 Result<std::unique_ptr<SkeletonSource>> makeNiteSource(std::shared_ptr<OpenNi>, const std::filesystem::path&,
                                                        const std::string&) {
   return unsupported("this Lorica was built without OpenNI2, which NiTE 2 needs: build it with libopenni2-dev");

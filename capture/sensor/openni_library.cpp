@@ -178,9 +178,7 @@ bool loadAll(void* handle, OpenNiApi& api) {
          load("oniStreamStart", api.streamStart) && load("oniStreamStop", api.streamStop) &&
          load("oniStreamReadFrame", api.readFrame) && load("oniFrameRelease", api.frameRelease) &&
          load("oniWaitForAnyStream", api.wait) && load("oniStreamSetProperty", api.setProperty) &&
-         load("oniStreamGetProperty", api.getProperty) && load("oniCreateRecorder", api.createRecorder) &&
-         load("oniRecorderAttachStream", api.recorderAttach) && load("oniRecorderStart", api.recorderStart) &&
-         load("oniRecorderStop", api.recorderStop) && load("oniRecorderDestroy", api.recorderDestroy);
+         load("oniStreamGetProperty", api.getProperty);
 }
 
 Result<std::unique_ptr<Loaded>> loadLibrary(const OpenNiSettings& settings) {

@@ -88,11 +88,6 @@ struct OpenNiApi {
   decltype(&oniWaitForAnyStream) wait = nullptr;
   decltype(&oniStreamSetProperty) setProperty = nullptr;
   decltype(&oniStreamGetProperty) getProperty = nullptr;
-  decltype(&oniCreateRecorder) createRecorder = nullptr;
-  decltype(&oniRecorderAttachStream) recorderAttach = nullptr;
-  decltype(&oniRecorderStart) recorderStart = nullptr;
-  decltype(&oniRecorderStop) recorderStop = nullptr;
-  decltype(&oniRecorderDestroy) recorderDestroy = nullptr;
 };
 
 /// A running OpenNI2.

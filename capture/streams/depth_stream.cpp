@@ -16,6 +16,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -82,9 +83,15 @@ Result<int> listenAt(const std::string& path) {
   return made;
 }
 
+/// A pipe holds 64 kB, an image some ten times as much: with more in it both sides wait less often.
+void widen(int pipe) {
+  (void)::fcntl(pipe, F_SETPIPE_SZ, 1 << 20);
+}
+
 Result<int> openPipe(const std::string& path) {
   const int opened = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (opened < 0) return unreadable("{}: cannot be read: {}", path, reasonOf(errno));
+  widen(opened);
   return opened;
 }
 
@@ -145,6 +152,7 @@ class DepthStream::Impl {
   double sent_ = 0.0, arrival_ = 0.0;
   std::int64_t sender_ = 0;
   bool connected_ = false, ended_ = false;
+  std::atomic<bool> opened_ = false;  // the camera is known
   std::optional<Error> error_;
 
   std::optional<DepthRectifier> rectifier_;  // of the reader, as all below
@@ -172,6 +180,7 @@ Result<void> DepthStream::Impl::listen() {
           "found a terminal, expected a program that sends depth images: SENDER | lorica live --depth -");
     take(stream_, ::fcntl(STDIN_FILENO, F_DUPFD_CLOEXEC, 0));
     if (!stream_.valid()) return unreadable("standard input cannot be read: {}", reasonOf(errno));
+    widen(stream_.get());
     connected_ = true;
     counts_.senders = 1;
   } else if (way_ == Way::kPort) {
@@ -258,6 +267,12 @@ bool DepthStream::Impl::readSome() {
     ++counts_.senders;
   }
   const Result<bool> whole = parser_.got(static_cast<std::size_t>(size));
+  if (!whole && listener_.valid() && opened_) {  // nobody else's rubbish ends a session
+    leave();
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++counts_.refused;
+    return true;
+  }
   if (!whole) {
     fail(whole.error());
     return false;
@@ -321,6 +336,7 @@ Result<void> DepthStream::Impl::waitForCamera() {
     lens = lens_;
   }
   LORICA_TRY(rectifier_, prefixed(name(), DepthRectifier::create(*lens)));
+  opened_ = true;
   const std::lock_guard<std::mutex> lock(mutex_);
   if (!fresh_) newest_.reserve(static_cast<std::size_t>(lens->width) * lens->height);
   raw_.reserve(static_cast<std::size_t>(lens->width) * lens->height);
@@ -366,7 +382,11 @@ DepthStream::DepthStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 DepthStream::~DepthStream() = default;
 
 Result<void> DepthStream::check(const DepthStreamSettings& settings) {
-  if (wayOf(settings.at) == Way::kPort) LORICA_TRY_DO(parseNetworkAddress(settings.at, false));
+  const std::string& at = settings.at;
+  if (wayOf(at) == Way::kPort) LORICA_TRY_DO(parseNetworkAddress(at, false));
+  if (wayOf(at) == Way::kPath && at.find('/') == std::string::npos && ::access(at.c_str(), F_OK) != 0) {
+    return notFound("found '{}', expected -, a path with a / in it, or [HOST:]PORT", printable(at, 100));
+  }
   if (settings.bare) LORICA_TRY_DO(DepthRectifier::create(settings.bare->lens));
   return {};
 }

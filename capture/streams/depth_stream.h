@@ -83,8 +83,8 @@ struct DepthStreamSettings {
 /// A thread of its own receives them; next() gives the newest, and the ones that it replaces are dropped and counted.
 /// One sender at a time; if it leaves, kUnplugged is given until the next comes, whose camera must be the same. Times
 /// start at 0 and go on over its pauses; a sender's clock that disagrees with ours by more than a second is not used.
-/// Standard input has an end. What is no depth stream is an error, once and for all. No allocation after the first
-/// image.
+/// Standard input has an end. What is no depth stream is an error, once and for all; once the camera is known, who
+/// sends that to a socket or a port is left and counted instead. No allocation after the first image.
 class DepthStream final : public DepthSource {
  public:
   struct Counts {
@@ -92,6 +92,7 @@ class DepthStream final : public DepthSource {
     std::int64_t dropped = 0;  ///< of these, replaced by newer ones before they were read
     std::int64_t broken = 0;   ///< images whose sender stopped or left in the middle
     std::int64_t senders = 0;
+    std::int64_t refused = 0;  ///< of these, left because what they sent was no stream of this camera
   };
 
   /// Rejects an address that cannot be, before any work.

@@ -92,13 +92,6 @@ Error withAdvice(const Error& error, const DepthOptions& options) {
 
 }  // namespace
 
-Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options) {
-  LORICA_TRY(const std::shared_ptr<OpenNi> openNi, startOpenNi(options));
-  Result<std::unique_ptr<DepthSource>> camera = openNi->open(uriOf(options));
-  if (!camera) return withAdvice(camera.error(), options);
-  return camera;
-}
-
 Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library) {
   LORICA_TRY(const std::shared_ptr<OpenNi> openNi, startOpenNi(options));
   Result<std::unique_ptr<SkeletonSource>> joints = makeNiteSource(openNi, library, uriOf(options));
@@ -111,13 +104,24 @@ Result<void> checkDepth(const DepthOptions& options) {
   return options.stream.empty() ? Result<void>() : prefixed("--depth", DepthStream::check(settings));
 }
 
+std::string tellWaiting(const DepthOptions& options, Host& host) {
+  if (options.stream.empty()) return "Opening the camera";
+  host.tell(fmt::format("Waiting for depth images from {}; press Ctrl-C to stop.", depthStreamName(options.stream)));
+  return "Waiting for depth images";
+}
+
 Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options) {
   if (!options.stream.empty()) {
     LORICA_TRY(const DepthStreamSettings settings, streamOf(options));
     LORICA_TRY(std::unique_ptr<DepthStream> stream, prefixed("--depth", DepthStream::open(settings)));
     return std::unique_ptr<DepthSource>(std::move(stream));
   }
-  if (!options.virtualCamera || !virtualDriver().empty()) return openCamera(options);
+  if (!options.virtualCamera || !virtualDriver().empty()) {
+    LORICA_TRY(const std::shared_ptr<OpenNi> openNi, startOpenNi(options));
+    Result<std::unique_ptr<DepthSource>> camera = openNi->open(uriOf(options));
+    if (!camera) return withAdvice(camera.error(), options);
+    return camera;
+  }
   LORICA_TRY(const std::string text, virtualText(options));
   LORICA_TRY(const VirtualScript script, virtualScript(options, text));
   LORICA_TRY(VirtualSensor sensor, makeVirtualSensor(script));

@@ -2,10 +2,14 @@
 
 #include "capture/sensor/depth_frame.h"
 #include "capture/skeleton_frame.h"
+#include "geometry/interrupt.h"
 #include "geometry/result.h"
+#include "session/prepare/abandoned_work.h"
 
+#include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 namespace lorica {
 
@@ -22,10 +26,6 @@ struct DepthOptions {
   [[nodiscard]] bool asked() const { return virtualCamera || !device.empty() || !driver.empty() || !stream.empty(); }
 };
 
-/// Opens a real or virtual camera through OpenNI2.
-/// @return the source, or an error that says why there is none and what to do
-[[nodiscard]] Result<std::unique_ptr<DepthSource>> openCamera(const DepthOptions& options);
-
 /// The skeletons that NiTE 2 tracks with such a camera, see makeNiteSource().
 /// @param library  libNiTE2.so
 [[nodiscard]] Result<std::unique_ptr<SkeletonSource>> openNite(const DepthOptions& options, const std::string& library);
@@ -33,7 +33,19 @@ struct DepthOptions {
 /// Rejects an address or a format of a depth stream that cannot be, before any work.
 [[nodiscard]] Result<void> checkDepth(const DepthOptions& options);
 
-/// Like openCamera(), but a virtual camera does not need OpenNI2, and a stream is waited for.
+/// Opens a real or virtual camera through OpenNI2, which a virtual one does not need, or waits for what is sent.
+/// @return the source, or an error that says why there is none and what to do
 [[nodiscard]] Result<std::unique_ptr<DepthSource>> openDepth(const DepthOptions& options);
+
+/// Says what a stream is waited for from. @return the name of that work
+[[nodiscard]] std::string tellWaiting(const DepthOptions& options, Host& host);
+
+/// Runs work that calls openDepth(), see runOrAbandon(); it ends early if it is cancelled.
+template <class T>
+[[nodiscard]] Result<T> openWaiting(const DepthOptions& options, Host& host, std::function<Result<T>()> work) {
+  const Interrupt stops = [&] { return host.cancelled(); };
+  const InterruptScope scope(&stops);
+  return runOrAbandon<T>(tellWaiting(options, host), host, std::move(work));
+}
 
 }  // namespace lorica

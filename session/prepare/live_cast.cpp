@@ -243,15 +243,10 @@ Result<LiveCast> prepareLiveCast(const CastRequest& request, const LiveRequest& 
   LORICA_TRY(std::vector<PreparedAvatar> avatars, readFollowers(request, live, host));
   // The source is opened last, because it runs while the rest is prepared. A driver may take as long as it likes.
   if (sources == nullptr) {
-    const std::string sent = live.depth.stream.empty() ? "" : depthStreamName(live.depth.stream);
-    if (!sent.empty()) host.tell(fmt::format("Waiting for depth images from {}; press Ctrl-C to stop.", sent));
-    const Interrupt stops = [&] { return host.cancelled(); };
-    const InterruptScope scope(&stops);
     LORICA_TRY(sources, !live.vmc.listenAt.empty() ? openStreams(live, host)
                         : live.threePoint          ? openHeadset()
-                                                   : runOrAbandon<std::shared_ptr<LiveSources>>(
-                                                sent.empty() ? "Opening the camera" : "Waiting for depth images", host,
-                                                [live] { return openPeople(live); }));
+                                                   : openWaiting<std::shared_ptr<LiveSources>>(
+                                                live.depth, host, [live] { return openPeople(live); }));
   }
   if (sources->threePoint() && !live.threePoint) {
     host.tell("No depth camera was found: the avatar follows the headset and its controllers.");

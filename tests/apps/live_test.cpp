@@ -96,46 +96,58 @@ TEST(Live, CtrlCEndsItWithASummary) {
   EXPECT_TRUE(has(result.out, "latency"));
 }
 
+/// Sends a shipped recording at its own pace, again and again, until nobody reads any more.
+void sendDepthTo(const std::string& pipe) {
+  const int out = open(pipe.c_str(), O_WRONLY | O_CLOEXEC);
+  const std::unique_ptr<OniSource> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
+  const DepthCamera& camera = source->camera();
+  const DepthLens lens = DepthLens::pinhole(camera.width, camera.height, camera.horizontalFov, camera.verticalFov);
+  DepthFrame frame;
+  for (int error = 0; error == 0; std::this_thread::sleep_for(std::chrono::milliseconds(30))) {
+    if (valueOf(source->next(frame)) != DepthRead::kFrame) {
+      source->seek(0);
+      continue;
+    }
+    const auto header = depthHeaderOf(lens, frame.time);
+    std::string bytes(reinterpret_cast<const char*>(header.data()), header.size());
+    error = writeAll(out, bytes.append(reinterpret_cast<const char*>(frame.depthMm.data()), 2 * frame.depthMm.size()));
+  }
+  close(out);
+}
+
 TEST(Live, AnotherProgramSendsItsDepth) {
   signal(SIGPIPE, SIG_IGN);
   const TemporaryFolder folder;
-  const std::string pipe = folder.path() / "depth";
+  const std::string pipe = folder.path() / "depth", oni = folder.path() / "sent.oni";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  // A shipped recording at its own pace, again and again, until nobody reads any more.
-  std::thread sender([&] {
-    const int out = open(pipe.c_str(), O_WRONLY | O_CLOEXEC);
-    const std::unique_ptr<OniSource> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
-    const DepthCamera& camera = source->camera();
-    const DepthLens lens = DepthLens::pinhole(camera.width, camera.height, camera.horizontalFov, camera.verticalFov);
-    DepthFrame frame;
-    for (int error = 0; error == 0; std::this_thread::sleep_for(std::chrono::milliseconds(30))) {
-      if (valueOf(source->next(frame)) != DepthRead::kFrame) {
-        source->seek(0);
-        continue;
-      }
-      const auto header = depthHeaderOf(lens, frame.time);
-      std::string bytes(reinterpret_cast<const char*>(header.data()), header.size());
-      error =
-          writeAll(out, bytes.append(reinterpret_cast<const char*>(frame.depthMm.data()), 2 * frame.depthMm.size()));
-    }
-    close(out);
-  });
+  const auto during = [&](const std::vector<std::string>& words, const CommandSurroundings& surroundings) {
+    std::thread sender([&] { sendDepthTo(pipe); });
+    const CommandResult result = runLorica(words, surroundings);
+    sender.join();
+    EXPECT_EQ(result.exitCode, 0) << result.err;
+    EXPECT_TRUE(has(result.err, "Waiting for depth images from " + pipe));
+    return result.json();
+  };
   CommandSurroundings surroundings;
   surroundings.interruptWhen = [](const RunningCommand& command) {
     return command.err.find("a person is tracked") != std::string::npos;
   };
-  const CommandResult result = runLorica(
+  const nlohmann::json json = during(
       {"live", "--depth", pipe, "--decomposition", mannequinBody(folder), "--headless", "--json", "-"}, surroundings);
-  sender.join();
-  ASSERT_EQ(result.exitCode, 0) << result.err;
-  EXPECT_TRUE(has(result.err, "Waiting for depth images from " + pipe));
-  const nlohmann::json json = result.json();
   EXPECT_EQ(json["source"], "depth from " + pipe);
   EXPECT_GT(json["framesWithPerson"].get<int>(), 0);
   EXPECT_EQ(json["depthStream"]["senders"], 1);
   EXPECT_EQ(json["depthStream"]["broken"], 0);
+  EXPECT_EQ(json["depthStream"]["refused"], 0);
   EXPECT_GE(json["depthStream"]["images"].get<int>(),
             json["depthFrames"].get<int>() + json["depthStream"]["dropped"].get<int>());
+  // The same to a file, whose joints are those of all its images.
+  const nlohmann::json recorded = during({"record", oni, "--depth", pipe, "--frames", "50", "--json", "-"}, {});
+  EXPECT_EQ(recorded["frames"], 50);
+  EXPECT_GT(recorded["skeletons"].get<int>(), 10);
+  EXPECT_EQ(jsonOf({"info", oni})["frames"], 50);
+  const CommandResult joints = runLorica({"convert", oni, folder.path() / "again.csv", "--camera-frame"});
+  EXPECT_EQ(joints.exitCode, 0) << joints.err;
 }
 
 TEST(Live, WrongSourcesAreRefusedInASentence) {
@@ -288,9 +300,9 @@ TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
   CommandResult sent;
   std::atomic<bool> ended = false;
   std::thread sender([&] {
-    sent =
-        runLorica({"play", "punch_and_kick", "--decomposition", body, "--frames", "60", "--events", events, "--vmc-out",
-                   "127.0.0.1:" + std::to_string(socket.port()), "--vrchat", "127.0.0.1:" + freePort(), "--json", "-"});
+    sent = runLorica({"play", "punch_and_kick", "--decomposition", body, "--frames", "60", "--events", events,
+                      "--vmc-out", "127.0.0.1:" + std::to_string(socket.port()), "--vrchat", "127.0.0.1:" + freePort(),
+                      "--vmt", "127.0.0.1:" + freePort(), "--json", "-"});
     ended = true;
   });
   std::multiset<std::string> heard;
@@ -318,6 +330,7 @@ TEST(LiveStream, ContactsAreSentAsTheyAreWritten) {
   const nlohmann::json counts = sent.json()["sent"];
   EXPECT_EQ(counts["poses"], poses);
   EXPECT_EQ(counts["vrchat"], poses);
+  EXPECT_EQ(counts["vmt"], poses);
   EXPECT_GE(contacts, counts["contacts"].get<int>());  // those that still touch end with the session
   EXPECT_GT(counts["contacts"].get<int>(), 0);
   std::multiset<std::string> written;

@@ -2,6 +2,7 @@
 
 #include "geometry/math.h"
 #include "tests/support/has.h"
+#include "tests/support/lens_rays.h"
 #include "tests/support/value_of.h"
 
 #include <gtest/gtest.h>
@@ -28,36 +29,11 @@ double sphereBeforeAWall(double x, double y) {
   return b * b > a * c ? (b - std::sqrt(b * b - a * c)) / a : 4.0;
 }
 
-/// Where OpenCV's model puts a ray, from the centre of the first pixel [pixels].
-Eigen::Vector2d imageOf(const DepthLens& lens, double x, double y) {
-  const auto& d = lens.distortion;
-  const double s = x * x + y * y;
-  const double bent =
-      (1 + d[0] * s + d[1] * s * s + d[4] * s * s * s) / (1 + d[5] * s + d[6] * s * s + d[7] * s * s * s);
-  return {lens.focalX * (x * bent + 2 * d[2] * x * y + d[3] * (s + 2 * x * x)) + lens.centreX,
-          lens.focalY * (y * bent + d[2] * (s + 2 * y * y) + 2 * d[3] * x * y) + lens.centreY};
-}
-
-/// The ray of a pixel, by Newton's method with numeric derivatives.
-Eigen::Vector2d rayOfPixel(const DepthLens& lens, double column, double row) {
-  Eigen::Vector2d ray((column - lens.centreX) / lens.focalX, (row - lens.centreY) / lens.focalY);
-  for (int step = 0; step < 30; ++step) {
-    const Eigen::Vector2d at = imageOf(lens, ray.x(), ray.y());
-    constexpr double kSmall = 1e-6;
-    Eigen::Matrix2d slope;
-    slope.col(0) = (imageOf(lens, ray.x() + kSmall, ray.y()) - at) / kSmall;
-    slope.col(1) = (imageOf(lens, ray.x(), ray.y() + kSmall) - at) / kSmall;
-    const Eigen::Vector2d change = slope.inverse() * (Eigen::Vector2d(column, row) - at);
-    ray += change.norm() > 0.1 ? Eigen::Vector2d(0.1 * change.normalized()) : change;
-  }
-  return ray;
-}
-
 std::vector<std::uint16_t> seenBy(const DepthLens& lens, const Scene& scene) {
   std::vector<std::uint16_t> image;
   for (int row = 0; row < lens.height; ++row) {
     for (int column = 0; column < lens.width; ++column) {
-      const Eigen::Vector2d ray = rayOfPixel(lens, column, row);
+      const Eigen::Vector2d ray = test::rayOfPixel(lens, column, row);
       image.push_back(static_cast<std::uint16_t>(std::lround(scene(ray.x(), ray.y()) / lens.metresPerUnit)));
     }
   }
@@ -127,7 +103,7 @@ TEST(DepthRectifier, TheMiddleRowAndColumnAreKeptWhole) {
                                       {lens.width - 1.0, lens.centreY},
                                       {lens.centreX, 0.0},
                                       {lens.centreX, lens.height - 1.0}}) {
-      const Eigen::Vector2d ray = rayOfPixel(lens, column, row);
+      const Eigen::Vector2d ray = test::rayOfPixel(lens, column, row);
       // The reach is that without the tangential part, which is a hundredth.
       EXPECT_LE(std::abs(ray.x()), 1.02 * std::tan(0.5 * camera.horizontalFov)) << name;
       EXPECT_LE(std::abs(ray.y()), 1.02 * std::tan(0.5 * camera.verticalFov)) << name;

@@ -386,22 +386,56 @@ TEST_F(DepthStreams, WhatIsNoStreamIsASentenceAndStaysOne) {
   DepthFrame frame;
   std::string later = sentImages(lens_, 0, 2);
   later[later.size() / 2 + 8] = 9;  // the second header's version
-  std::unique_ptr<DepthStream> stream = valueOf(sent(later));
+  const std::string input = folder_.write("input", later);
+  const Descriptor kept(::dup(STDIN_FILENO)), opened(::open(input.c_str(), O_RDONLY));
+  EXPECT_EQ(::dup2(opened.get(), STDIN_FILENO), STDIN_FILENO);
+  std::unique_ptr<DepthStream> stream = valueOf(DepthStream::open(at("-")));
+  ::dup2(kept.get(), STDIN_FILENO);
   Result<DepthRead> read = eventOf(*stream, frame);
   while (read) read = eventOf(*stream, frame);
   EXPECT_TRUE(has(read.error().message, "version 9"));
   EXPECT_FALSE(stream->next(frame));
-  stream.reset();
   DepthLens lies = lens_;
   lies.metresPerUnit = 0.05;
   stream = valueOf(sent(sentImages(lies, 0, 1)));
   EXPECT_TRUE(has(eventOf(*stream, frame).error().message, "farther than 20 m"));
 }
 
+/// A browser's page may connect to a port of this machine; nobody ends a session so.
+TEST_F(DepthStreams, WhoSendsRubbishIsLeftAndTheSessionGoesOn) {
+  DepthLens others = lens_;
+  others.focalX *= 2.0;
+  const std::string other = sentImages(others, 1, 1);
+  std::string newer = sentImages(lens_, 1, 1);
+  newer[8] = 9;  // version
+  for (const std::string& address : {socket_, freePort()}) {
+    std::optional<Client> sender;
+    const auto stream = valueOf(openWhile(at(address), [&] {
+      sender.emplace(address);
+      sender->send(sentImages(lens_, 0, 1));
+    }));
+    double time = -1.0;
+    expectNumber(*stream, lens_, 0, time);
+    std::int64_t refused = 0;
+    for (const std::string& rubbish : {"GET / HTTP/1.1\r\n" + std::string(17U << 20, 'x'), other, newer}) {
+      sender.reset();
+      expectUnplugged(*stream);
+      sender.emplace(address);
+      (void)writeAll(sender->get(), rubbish);
+      for (++refused; stream->counts().refused < refused;) std::this_thread::yield();
+    }
+    expectUnplugged(*stream);
+    sender.emplace(address);
+    sender->send(sentImages(lens_, 7, 1));
+    expectNumber(*stream, lens_, 7, time);
+  }
+}
+
 TEST_F(DepthStreams, AddressesThatCannotBeAreSentences) {
   const auto says = [](const std::string& address) { return DepthStream::open(at(address)).error().message; };
   EXPECT_TRUE(has(says("70000"), "70000"));
   EXPECT_TRUE(has(says("host:"), "host:"));
+  EXPECT_TRUE(has(says("sokcet"), "found 'sokcet', expected -, a path with a / in it"));
   EXPECT_TRUE(has(says(folder_.path()), "a folder"));
   EXPECT_TRUE(has(says(folder_.write("film.mkv", "x")), "a file"));
   EXPECT_TRUE(has(says("/nowhere/socket"), "cannot listen"));

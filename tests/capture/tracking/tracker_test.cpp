@@ -2,6 +2,7 @@
 #include "capture/files/joint_csv.h"
 
 #include "capture/files/joint_stream.h"
+#include "capture/sensor/depth_lens.h"
 #include "capture/sensor/oni_file.h"
 #include "capture/virtual_sensor/virtual_performer.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
@@ -9,6 +10,7 @@
 #include "tests/bench/generators/other_cameras.h"
 #include "tests/support/allocations.h"
 #include "tests/support/datasets.h"
+#include "tests/support/lens_rays.h"
 
 #include <gtest/gtest.h>
 
@@ -304,6 +306,87 @@ TEST(RealPeople, SomeoneOnASofaIsFoundInTwoSeconds) {
   EXPECT_GE(seen.first, 0);
   EXPECT_LE(seen.first, 20);
   EXPECT_EQ(seen.extra, 0);
+}
+
+/// A chair before a partition has a head and shoulders, hangs together with the room and never moves.
+TEST(Tracker, FurnitureThatStandsStillIsNobody) {
+  LORICA_REQUIRE_DATASET(path, "depth_real/N_kitB_behind_a2s4.oni");
+  const std::unique_ptr<OniSource> source = openOni(path).value();
+  Tracker tracker = Tracker::create(source->camera()).value();
+  DepthFrame frame;
+  int followed = 0;
+  while (source->next(frame).value() == DepthRead::kFrame) {
+    const std::span<const TrackedPerson> people = tracker.track(frame);
+    ASSERT_LE(people.size(), 1U) << frame.time << " s";
+    followed += countOf(people);
+  }
+  EXPECT_GT(followed, 35);
+}
+
+/// A wide, an upright and a distorted camera give the joints that a pinhole in their place gives, but for what a pixel
+/// shows: 5 to 8 mm of a person at 2.5 m.
+TEST(Tracker, LensesThatAreUndoneGiveTheJointsOfAPinhole) {
+  const auto lens = [](int width, int height, double f, std::array<double, 8> distortion) {
+    return DepthLens{width, height, f, f, 0.5 * width + 3.0, 0.5 * height - 4.0, distortion, 0.001};
+  };
+  const std::vector<std::pair<std::string, DepthLens>> lenses = {
+      {"90 degrees", lens(640, 480, 320.0, {})},
+      {"Kinect v2", lens(512, 424, 365.456, {0.0905474, -0.26819, 0.0, 0.0, 0.0950862, 0.0, 0.0, 0.0})},
+      {"upright", lens(480, 640, 420.0, {0.05, 0.0, 0.001, -0.001, 0.0, 0.0, 0.0, 0.0})},
+      {"distorted",
+       lens(640, 576, 504.0, {3.130577, 2.324939, 0.0001, -0.0001, 0.130416, 3.458652, 3.350115, 0.662942})}};
+  for (const auto& [name, raw] : lenses) {
+    SCOPED_TRACE(name);
+    const DepthRectifier rectifier = DepthRectifier::create(raw).value();
+    const DepthCamera& camera = rectifier.camera();
+    const auto sensorOf = [&](const DepthCamera& seen) {
+      std::vector<VirtualPerson> people;
+      people.push_back({VirtualPerformer::create(makeMannequin(), shippedFrames("wave")).value()});
+      VirtualSensorSettings settings;
+      settings.noise = DepthNoiseSettings::clean();
+      settings.camera = seen;
+      return VirtualSensor::create(std::move(people), settings).value();
+    };
+    // What its pixels see is looked up in a finer and wider image.
+    DepthCamera fine = camera;
+    const double reach = 1.15;
+    fine.horizontalFov = 2.0 * std::atan(reach * std::tan(0.5 * camera.horizontalFov));
+    fine.verticalFov = 2.0 * std::atan(reach * std::tan(0.5 * camera.verticalFov));
+    const double finer = 2000.0 / std::max(camera.width, camera.height);
+    fine.width = static_cast<int>(finer * camera.width);
+    fine.height = static_cast<int>(finer * camera.height);
+    std::vector<std::size_t> looked;
+    for (int row = 0; row < raw.height; ++row) {
+      for (int column = 0; column < raw.width; ++column) {
+        const Eigen::Vector2d ray = test::rayOfPixel(raw, column, row);
+        const int x = std::clamp(static_cast<int>(0.5 * fine.width + fine.focalX() * ray.x()), 0, fine.width - 1);
+        const int y = std::clamp(static_cast<int>(0.5 * fine.height + fine.focalY() * ray.y()), 0, fine.height - 1);
+        looked.push_back(static_cast<std::size_t>(y) * fine.width + x);
+      }
+    }
+    VirtualSensor pinhole = sensorOf(camera), wide = sensorOf(fine);
+    Tracker ofPinhole = Tracker::create(camera).value(), ofLens = Tracker::create(camera).value();
+    DepthFrame straight, seen, undone;
+    std::vector<std::uint16_t> sent(looked.size());
+    std::vector<double> apart;
+    for (std::uint64_t f = 0; f < 60; ++f) {
+      pinhole.render(f, straight);
+      wide.render(f, seen);
+      for (std::size_t i = 0; i < looked.size(); ++i) sent[i] = seen.depthMm[looked[i]];
+      rectifier.apply(sent, undone.depthMm);
+      undone.time = straight.time;
+      const std::span<const TrackedPerson> expected = ofPinhole.track(straight), got = ofLens.track(undone);
+      ASSERT_EQ(got.size(), expected.size()) << "frame " << f;
+      for (std::size_t j = 0; !got.empty() && j < kBodyJointCount; ++j) {
+        const TrackedJoint &a = expected[0].skeleton.joints[j], &b = got[0].skeleton.joints[j];
+        if (a.confidence >= 0.5 && b.confidence >= 0.5) apart.push_back((a.position - b.position).norm());
+      }
+    }
+    ASSERT_GT(apart.size(), 500U);
+    std::ranges::sort(apart);
+    EXPECT_LT(apart[apart.size() / 2], 0.008);
+    EXPECT_LT(apart[apart.size() * 9 / 10], 0.012);
+  }
 }
 
 }  // namespace
