@@ -157,7 +157,8 @@ class DepthStream::Impl {
 
   std::optional<DepthRectifier> rectifier_;  // of the reader, as all below
   std::vector<std::uint16_t> raw_;
-  std::int64_t lastSender_ = 0, unitChecked_ = 0;
+  bool unitChecked_ = false;
+  std::int64_t lastSender_ = 0;
   double lastSent_ = 0.0, lastArrival_ = 0.0, lastTime_ = 0.0;
 
   std::thread thread_;
@@ -371,8 +372,8 @@ Result<DepthRead> DepthStream::Impl::next(DepthFrame& frame) {
     arrival = arrival_;
     sender = sender_;
   }
-  if (unitChecked_ != sender) LORICA_TRY_DO(prefixed(name(), checkDepthUnit(rectifier_->lens(), raw_)));
-  unitChecked_ = sender;
+  if (!unitChecked_) LORICA_TRY_DO(prefixed(name(), checkDepthUnit(rectifier_->lens(), raw_)));
+  unitChecked_ = true;  // later senders have the same camera, or are refused
   frame.time = timeOf(sent, arrival, sender);
   rectifier_->apply(raw_, frame.depthMm);
   return DepthRead::kFrame;

@@ -256,6 +256,7 @@ TEST(StreamFiles, WrongUsesAreASentence) {
   refused({"play", "walk", "--sender", studio().joyful}, "--sender is for VMC packets");
   refused({"play", "walk", "--vrchat", "1:2:3"}, "--vrchat: found '1:2:3', expected HOST or HOST:PORT");
   refused({"play", "walk", "--vmt", "1:2:3"}, "--vmt: found '1:2:3', expected HOST or HOST:PORT");
+  refused({"play", "walk", "--vmt", "127.0.0.1", "--trackers", "head"}, "--trackers: found the head alone");
   refused({"play", "walk", "--trackers", "feet"}, "--trackers: found neither --vrchat nor --vmt");
   studio().folder.write("bad.pcap", "no packets at all, only text");
   refused({"play", "bad.pcap"}, "bad.pcap: found ");

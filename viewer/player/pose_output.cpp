@@ -246,6 +246,9 @@ Result<std::shared_ptr<StepWatcher>> makePoseOutput(const PoseOutputOptions& opt
   if (options.trackers.any() && !options.vrchat && !options.vmt) {
     return invalidArgument("--trackers: found neither --vrchat nor --vmt, which send them");
   }
+  if (options.vmt && options.trackers == TrackerGroups().set(0)) {
+    return invalidArgument("--trackers: found the head alone, which SteamVR has from the headset, expected others too");
+  }
   if (!options.any()) return next;
   Result<BonePoseReader> made = BonePoseReader::create(subject.character->skeleton);
   if (!made) {
