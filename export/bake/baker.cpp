@@ -193,13 +193,16 @@ Result<ordered_json> makeItem(const BakeJob& job, const fs::path& folder, const 
   description["peakMemory"] = peakMemory;
   description["memoryBound"] = memoryBound(job.triangles);
 
-  // A failure leaves its sentence alone.
+  // A failure leaves its sentence alone, in the same folder: another thread would take the name of one that is gone.
   std::error_code error;
   if (failure.empty()) {
     for (const char* name : {kLog, kReport, kFailure, kCache}) fs::remove_all(folder / name, error);
   } else {
-    fs::remove_all(folder, error);
-    fs::create_directory(folder, error);
+    fs::directory_iterator entry(folder, error);
+    while (!error && entry != fs::directory_iterator()) {
+      fs::remove_all(entry->path(), error);
+      if (!error) entry.increment(error);
+    }
   }
   if (error) return unwritable(folder, error.value());
   LORICA_TRY(const std::vector<BakedFile> files, bakedFiles(folder));

@@ -143,6 +143,15 @@ TEST(Baker, BadItemsGetASentenceAndCostNoOthers) {
   EXPECT_EQ(studio.runsOf("good.off"), 1);
 }
 
+/// A failure must not give up its folder before it is published: another thread begins in one of the same name.
+TEST(Baker, FailuresSideBySideKeepTheirFolders) {
+  Studio studio;
+  studio.settings.jobs = 8;
+  for (int i = 0; i < 200; ++i) studio.add("bad" + std::to_string(i) + ".off", "bad" + std::to_string(i));
+  EXPECT_EQ(valueOf(studio.bake()).failed, 200);
+  EXPECT_EQ(studio.unfinished(), 0);
+}
+
 TEST(Baker, AFullDiskAMissingServerOrAKilledProcessIsNoFaultOfTheItem) {
   for (const char* kind : {"full", "fuller", "away", "killed"}) {
     Studio studio;
