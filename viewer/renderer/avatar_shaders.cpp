@@ -441,7 +441,7 @@ std::string avatarVertex(const AvatarVariant& variant) {
 
 std::string avatarFragment(const AvatarVariant& variant) {
   const std::string text = opaqueFragment(variant);
-  return variant.fading ? fading(text) : text;
+  return variant.fading ? fading(text, variant.draw != Draw::kShadow && variant.draw != Draw::kContact) : text;
 }
 
 const char* samplerName(AvatarSlot slot) {

@@ -12,7 +12,8 @@ namespace {
 /// @return its index; -1 = another one was given
 int backgroundOf(const SceneOptions& show) {
   const auto same = [&](const BackgroundChoice& one) {
-    return one.transparent == show.transparent && (one.transparent || one.color == show.background);
+    return one.transparent == show.transparent &&
+           (one.transparent || (one.color == show.background && (one.color || one.dark == show.dark)));
   };
   const auto* const found = std::find_if(kBackgrounds.begin(), kBackgrounds.end(), same);
   return found == kBackgrounds.end() ? -1 : static_cast<int>(found - kBackgrounds.begin());
@@ -109,7 +110,8 @@ bool choose(const Change& change, Choices& choices) {
     const BackgroundChoice& chosen = kBackgrounds[static_cast<std::size_t>(*value)];
     choices.show.background = chosen.color;
     choices.show.transparent = chosen.transparent;
-    choices.show.ground = *value == 0.0;  // a background for keying has none
+    choices.show.dark = chosen.dark;
+    choices.show.ground = !chosen.color && !chosen.transparent;  // a background for keying has none
   }
   return true;
 }

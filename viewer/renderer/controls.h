@@ -42,8 +42,10 @@ struct BackgroundChoice {
   const char* name = "";
   std::optional<Vec3f> color = {};  ///< see SceneOptions
   bool transparent = false;
+  bool dark = false;
 };
-inline const std::array<BackgroundChoice, 5> kBackgrounds = {{{"sky"},
+inline const std::array<BackgroundChoice, 6> kBackgrounds = {{{"light"},
+                                                              {"dark", {}, false, true},
                                                               {"white", Vec3f(1.0f, 1.0f, 1.0f)},
                                                               {"black", Vec3f(0.0f, 0.0f, 0.0f)},
                                                               {"green", Vec3f(0.0f, 1.0f, 0.0f)},
@@ -278,7 +280,7 @@ inline constexpr std::array<Control, kControlCount> kRows = {{
      [](C& c) -> bool& { return c.panels; }},
     {kTextSize, "text", "", "ctrl + - 0", "size of the text", kOther, kScreen, kWindow | kOwn},
     {kHelp, "help", "", "H", "this help", kToggle, kScreen, kEach, [](C& c) -> bool& { return c.help; }},
-    {kEscape, "escape", "", "esc", "close this help, then the window", kOther, kScreen, kWindow},
+    {kEscape, "escape", "", "esc", "close this help, then the window; twice if it is live", kOther, kScreen, kWindow},
 
     {kFindCamera, "find", "find the camera again: walk a curve", "", "", kButton, kNowhere, kHeadset},
     {kCancel, "cancel", "", "", "", kButton, kNowhere, kPage},

@@ -3,6 +3,7 @@
 #include "viewer/renderer/picture_area.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -13,6 +14,15 @@ constexpr double kPropReach = 2.5;          // props within this distance of the
 constexpr double kGrainReach = 0.5;         // particles within this distance get shadows [m]
 constexpr double kContactHeight = 0.30;     // max height above the floor of contact shadow casters [m]
 constexpr double kTextureSeconds = 3600.0;  // textures that move start again, before floats lose precision [s]
+
+/// sRGB.
+struct Backdrop {
+  Vec3f horizon, zenith, floor;
+};
+/// Light and dark, as on the page (stage.js).
+const std::array<Backdrop, 2> kBackdrops = {
+    {{{0.908f, 0.920f, 0.932f}, {0.690f, 0.750f, 0.812f}, {0.745f, 0.762f, 0.785f}},
+     {{0.200f, 0.222f, 0.258f}, {0.100f, 0.115f, 0.150f}, {0.115f, 0.127f, 0.148f}}}};
 
 void extendFinite(Aabb& box, const Vec3& p) {
   if (p.allFinite()) box.extend(p);
@@ -137,6 +147,10 @@ FrameSetup setUpFrame(const Scene& scene, const SceneOptions& options, const Cam
   u.keyColor << options.light.key, 0.0f;
   u.skyColor << options.light.sky, std::fmod(scene.time, kTextureSeconds);
   u.groundColor << options.light.ground, 0.0f;
+  const Backdrop& backdrop = kBackdrops[options.dark ? 1 : 0];
+  u.horizon << backdrop.horizon, 0.0f;
+  u.zenith << backdrop.zenith, 0.0f;
+  u.floorColor << backdrop.floor, options.dark ? 4.0f : -1.0f;
 
   setup.grainPixels = 0.5 * height * cotangent * static_cast<double>(scene.particleRadius) / distance;
 

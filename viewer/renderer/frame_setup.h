@@ -19,8 +19,11 @@ struct FrameUniforms {
   Eigen::Vector4f keyColor;
   Eigen::Vector4f skyColor;
   Eigen::Vector4f groundColor;
+  Eigen::Vector4f horizon;
+  Eigen::Vector4f zenith;
+  Eigen::Vector4f floorColor;
 };
-static_assert(sizeof(FrameUniforms) == 2 * 64 + 11 * 16);
+static_assert(sizeof(FrameUniforms) == 2 * 64 + 14 * 16);
 
 struct FrameSetup {
   FrameUniforms uniforms;

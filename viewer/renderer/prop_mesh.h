@@ -41,7 +41,7 @@ struct PropInstance {
   Vec3f extents;          ///< half extents minus the bevel [m]
   float bevel;            ///< for a sphere or capsule, the radius [m]
   Vec3f color;            ///< linear RGB
-  float opacity;          ///< share of its pixels that are drawn
+  float opacity;          ///< 0 to 1
 };
 
 /// What a camera sees: where it is and what no prop must hide from it.

@@ -105,7 +105,7 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
   gl.ActiveTexture(GL_TEXTURE2);
   gl.BindTexture(GL_TEXTURE_2D, targets.shadowMap);
   gl.CullFace(GL_BACK);
-  drawSkins(options);
+  drawSkins(options, false);
   drawAvatarOpaque();
   gl.Enable(GL_CULL_FACE);
   drawProps(Pass::kLit);
@@ -119,6 +119,7 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
     gl.DrawElements(GL_TRIANGLES, skyIndexCount, GL_UNSIGNED_INT, nullptr);
   }
   if (options.particles && surface) drawWater(scene);
+  drawFading([&] { drawSkins(options, true); });
   drawAvatarBlended(eye);
 
   // Translucent hulls.
@@ -143,6 +144,14 @@ void Renderer::Impl::drawView(const Scene& scene, const SceneOptions& options, c
     draw(contacts);
   }
   gl.DepthMask(GL_TRUE);
+
+  // What stands before an avatar, last: what is behind shines through, whatever it is.
+  if (options.props && anyPropFades()) {
+    gl.Enable(GL_CULL_FACE);
+    drawFading([&] { drawProps(Pass::kLit, true); });
+    gl.Disable(GL_CULL_FACE);
+    gl.Enable(GL_BLEND);
+  }
 
   // Bones are visible through everything, but hide one another.
   if (bones.count > 0) {

@@ -331,14 +331,19 @@ void Renderer::Impl::drawAvatarCasters(shaders::Pass pass) {
 
 void Renderer::Impl::drawAvatarOpaque() {
   for (AvatarGpu* next : shownAvatars) {
+    if (next->opacity < 1.0f) continue;
     bindAvatar(*next);
-    for (const AvatarGroup& group : avatar->groups) {
-      if (group.material->alpha == AlphaMode::kBlend) continue;
-      drawAvatarGroup(group, Draw::kSurface);
-      if (isOutlined(*group.material)) drawAvatarGroup(group, Draw::kOutline);
-    }
+    drawOpaqueGroups();
   }
   gl.CullFace(GL_BACK);
+}
+
+void Renderer::Impl::drawOpaqueGroups() {
+  for (const AvatarGroup& group : avatar->groups) {
+    if (group.material->alpha == AlphaMode::kBlend) continue;
+    drawAvatarGroup(group, Draw::kSurface);
+    if (isOutlined(*group.material)) drawAvatarGroup(group, Draw::kOutline);
+  }
 }
 
 /// Blended groups in the order that their materials ask for, then from far to near. The depth of what is more opaque
@@ -346,8 +351,11 @@ void Renderer::Impl::drawAvatarOpaque() {
 void Renderer::Impl::drawAvatarBlended(const Vec3& eye) {
   for (AvatarGpu* next : shownAvatars) {
     bindAvatar(*next);
+    if (avatar->opacity < 1.0f) drawFading([this] { drawOpaqueGroups(); });
     drawBlendedGroups(eye);
   }
+  gl.CullFace(GL_BACK);
+  gl.Disable(GL_CULL_FACE);
 }
 
 void Renderer::Impl::drawBlendedGroups(const Vec3& eye) {
@@ -388,7 +396,6 @@ void Renderer::Impl::drawBlendedGroups(const Vec3& eye) {
     gl.Disable(GL_BLEND);
     gl.DepthMask(GL_TRUE);
   }
-  gl.Disable(GL_CULL_FACE);
 }
 
 }  // namespace lorica

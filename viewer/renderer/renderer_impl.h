@@ -230,6 +230,7 @@ struct Renderer::Impl {
   MeshPropGpu& meshPropOf(const std::shared_ptr<const PropMeshShape>& shape);
   void uploadMeshProps(std::span<const Prop> props, bool shown, const UnhiddenView& view);
   void drawPropShape(const PropShapeGpu& shape);
+  [[nodiscard]] bool anyPropFades() const;
 
   /// Uploads all figures: avatars to `shownAvatars`, the rest to `skins`.
   void uploadFigures(const Scene& scene, const SceneOptions& options);
@@ -242,7 +243,18 @@ struct Renderer::Impl {
   void useSkinProgram(const SkinGpu& skin, shaders::Pass pass);
   /// Blends colours over what is there, by their alpha; so does the picture's own alpha.
   void blendOver() { gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA); }
-  void drawSkins(const SceneOptions& options);
+  void drawSkins(const SceneOptions& options, bool fading);
+  /// What fades hides what of it is behind: its depth comes first, then its colour, blended over what is there.
+  template <typename Draw>
+  void drawFading(const Draw& draw) {
+    gl.ColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    draw();
+    gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    gl.Enable(GL_BLEND);
+    blendOver();
+    draw();
+    gl.Disable(GL_BLEND);
+  }
   AvatarGpu& avatarGpuOf(const std::shared_ptr<const Avatar>& drawn);
   void fillAvatar(AvatarGpu& made, const Avatar& drawn);
   void releaseAvatar(AvatarGpu& made);
@@ -254,13 +266,15 @@ struct Renderer::Impl {
   void drawAvatarGroup(const AvatarGroup& group, shaders::AvatarVariant::Draw draw, GLsizei indexCount = 0);
   void drawAvatarCasters(shaders::Pass pass);
   void drawAvatarOpaque();
+  void drawOpaqueGroups();
   void drawAvatarBlended(const Vec3& eye);
   void drawBlendedGroups(const Vec3& eye);
   void uploadFrame();
   void drawView(const Scene& scene, const SceneOptions& options, const Vec3& eye);
   void drawCasters(shaders::Pass pass);
   void drawContactShadow();
-  void drawProps(shaders::Pass pass);
+  /// @param fading  of the lit pass: those that are seen through, or the others
+  void drawProps(shaders::Pass pass, bool fading = false);
   void drawGrainShadows(const Scene& scene);
   void drawGrains(const Scene& scene);
   /// @return whether any is visible

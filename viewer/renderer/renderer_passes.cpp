@@ -59,13 +59,14 @@ void Renderer::Impl::useSkinProgram(const SkinGpu& skin, Pass pass) {
   use(coarse ? coarseSkinProgram : skinProgram[passIndex(pass)]);
 }
 
-/// Draws the skins in the colours of the parts or of clay.
-void Renderer::Impl::drawSkins(const SceneOptions& options) {
+/// Draws the skins in the colours of the parts or of clay. @param fading  those that fade, or the others
+void Renderer::Impl::drawSkins(const SceneOptions& options, bool fading) {
   if (!options.colorSkinByPart) {
     const Vec3f clay = SkinMesh::clay();
     gl.VertexAttrib3f(2, clay.x(), clay.y(), clay.z());
   }
   for (const SkinGpu& skin : std::span(skins).first(skinCount)) {
+    if ((skin.opacity < 1.0f) != fading) continue;
     enable(GL_CULL_FACE, skin.mesh.closed());
     useSkinProgram(skin, Pass::kLit);
     gl.BindVertexArray(skin.vertices.vertexArray);
@@ -100,8 +101,15 @@ void Renderer::Impl::uploadContacts(std::span<const Contact> shown) {
   upload(contacts, markers);
 }
 
-void Renderer::Impl::drawProps(Pass pass) {
-  use(propProgram[passIndex(pass)]);
+bool Renderer::Impl::anyPropFades() const {
+  const auto fades = [](const PropShapeGpu& shape) {
+    return std::ranges::any_of(shape.instances, [](const PropInstance& prop) { return prop.opacity < 1.0f; });
+  };
+  return std::ranges::any_of(propShapes, fades) || std::ranges::any_of(meshProps, fades, &MeshPropGpu::gpu);
+}
+
+void Renderer::Impl::drawProps(Pass pass, bool fading) {
+  use(propProgram[passIndex(pass)], fading ? 1.0f : 0.0f);
   for (const PropShapeGpu& shape : propShapes) drawPropShape(shape);
   for (const MeshPropGpu& mesh : meshProps) drawPropShape(mesh.gpu);
 }

@@ -50,12 +50,13 @@ Result<void> Renderer::Impl::createPrograms() {
         {&skinProgram[i], "skin", {shaders::skinVertex(pass, false), shaders::surfaceFragment(pass, false)}});
     entries.push_back({&fadingSkinProgram[i],
                        "fading skin",
-                       {shaders::skinVertex(pass, true), shaders::fading(fragment)},
+                       {shaders::skinVertex(pass, true), shaders::fading(fragment, pass == Pass::kLit)},
                        "opacity"});
     entries.push_back(
         {&propProgram[i],
          "props",
-         {shaders::propVertex(pass), pass == Pass::kLit ? shaders::fading(fragment, "flat in") : fragment}});
+         {shaders::propVertex(pass), pass == Pass::kLit ? shaders::fading(fragment, true, "flat in") : fragment},
+         "which"});
   }
   for (const auto& [program, name, sources, uniform] : entries) {
     LORICA_TRY(program->id, gpu.makeProgram(name, sources.vertex, sources.fragment));

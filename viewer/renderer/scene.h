@@ -40,7 +40,7 @@ struct SceneFigure {
   std::span<const Vec3f> avatarNormals;       ///< with them; both empty = as in the avatar
   std::span<const Material> avatarMaterials;  ///< changed by an expression; empty = as in the avatar
   std::span<const float> expressions = {};    ///< weight of each expression of the avatar's face
-  float opacity = 1.0f;                       ///< 0 to 1: of a surface this share of the pixels is drawn
+  float opacity = 1.0f;                       ///< 0 to 1, of the surface and of what is drawn over it
 };
 
 /// The contents of one picture, borrowed from the caller: a figure, if there is one, and what is around it.
@@ -81,6 +81,7 @@ struct SceneOptions {
   AvatarLight light;                ///< on avatars
   std::optional<Vec3f> background;  ///< sRGB, instead of the sky
   bool transparent = false;         ///< instead of both: the picture's alpha says what is drawn
+  bool dark = false;                ///< sky and floor of a dark room
 };
 
 /// Where a picture is seen from; Y is up in it.

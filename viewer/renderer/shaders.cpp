@@ -21,6 +21,9 @@ layout(std140) uniform Frame {
   vec4 keyColor;     // light on avatars, linear RGB
   vec4 skyColor;     // w: time [s]
   vec4 groundColor;
+  vec4 horizon;      // of sky and floor, in sRGB: their shaders need no conversion
+  vec4 zenith;
+  vec4 floorColor;   // w: how much brighter its lines are
 };
 )";
 }
@@ -37,15 +40,6 @@ vec3 toneMap(vec3 c) {
   vec3 t = max(c - 0.5, 0.0) * 2.0;
   return min(c, 0.5) + 0.5 * t / (1.0 + t);
 }
-)";
-}
-
-// Colours of floor and sky are given in sRGB, so that their shaders need no conversion.
-std::string backdrop() {
-  return R"(
-const vec3 kHorizon = vec3(0.908, 0.920, 0.932);
-const vec3 kZenith = vec3(0.690, 0.750, 0.812);
-const vec3 kFloor = vec3(0.745, 0.762, 0.785);
 )";
 }
 
@@ -168,9 +162,14 @@ vec3 place() {
 }
 )";
   if (pass == Pass::kLit) {
-    return text + "flat out vec4 opacity;\n#define tint paint.rgb\n" + shadowLookup() + kLitVertexEnd +
-           "void main() { opacity = paint.aaaa; finish(place(), columnX * normal.x + columnY * normal.y + columnZ * "
-           "normal.z); }\n";
+    return text + "uniform vec4 which;\nflat out vec4 opacity;\n#define tint paint.rgb\n" + shadowLookup() +
+           kLitVertexEnd +
+           R"(void main() {
+  opacity = paint.aaaa;
+  finish(place(), columnX * normal.x + columnY * normal.y + columnZ * normal.z);
+  if ((paint.a < 1.0) != (which.x > 0.0)) gl_Position = vec4(2.0, 2.0, 2.0, 1.0);  // outside
+}
+)";
   }
   return text + casterEnd(pass, "place()");
 }
@@ -188,27 +187,31 @@ void main() {
 )";
 }
 
-std::string fading(const std::string& fragment, const std::string& from) {
-  // "Interleaved gradient noise": Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare", 2014.
-  constexpr std::string_view kMain = "void main() {";
+std::string fading(const std::string& fragment, bool lit, const std::string& from) {
   std::string text = fragment;
-  text.insert(text.find(kMain) + kMain.size(), R"(
+  if (lit) {
+    text.insert(text.rfind('}'), "  color.a *= opacity.x;\n");
+  } else {
+    // "Interleaved gradient noise": Jimenez, "Next generation post processing in Call of Duty: Advanced Warfare", 2014.
+    constexpr std::string_view kMain = "void main() {";
+    text.insert(text.find(kMain) + kMain.size(), R"(
   float turn = fract(52.9829189 * fract(dot(floor(gl_FragCoord.xy), vec2(0.06711056, 0.00583715))));
   if (turn >= opacity.x) discard;
 )");
+  }
   text.insert(text.find('\n') + 1, from + " vec4 opacity;\n");
   return text;
 }
 
 Sources sky() {
-  return {frameBlock() + backdrop() + R"(
+  return {frameBlock() + R"(
 layout(location = 0) in vec2 place;
 out vec3 tint;
 void main() {
   vec2 at = place - vec2(rayForward.w, rayRight.w);
   vec3 ray = normalize(rayForward.xyz + at.x * rayRight.xyz + at.y * rayUp.xyz);
   float t = clamp(ray.y * 1.6, 0.0, 1.0);
-  tint = mix(kHorizon, kZenith, t * (2.0 - t));
+  tint = mix(horizon.rgb, zenith.rgb, t * (2.0 - t));
   gl_Position = vec4(place, 1.0, 1.0);
 }
 )",
@@ -220,7 +223,7 @@ void main() { color = vec4(tint, 1.0); }
 }
 
 Sources ground(bool shaded) {
-  std::string text = frameBlock() + backdrop() + R"(
+  std::string text = frameBlock() + R"(
 uniform sampler2DShadow shadowMap;
 uniform sampler2D contactMap;
 in vec2 ground;
@@ -239,7 +242,7 @@ void main() {
   float fade = clamp((sqrt(dot(away, away)) - floorFade.z) / (floorFade.w - floorFade.z), 0.0, 1.0);
   vec2 footprint = fwidth(ground);
   float grid = max(0.085 * lines(ground, footprint, 0.010), 0.06 * lines(ground * 4.0, footprint * 4.0, 0.016));
-  vec3 base = kFloor * (1.0 - grid);
+  vec3 base = floorColor.rgb * (1.0 + floorColor.w * grid);
 )";
   if (shaded) {
     text += R"(
@@ -253,7 +256,7 @@ void main() {
   base *= mix(vec3(0.735, 0.755, 0.785), vec3(1.0), lit) * (1.0 - 0.34 * contact);
 )";
   }
-  text += "  color = vec4(mix(base, kHorizon, fade * (2.0 - fade)), 1.0);\n}\n";
+  text += "  color = vec4(mix(base, horizon.rgb, fade * (2.0 - fade)), 1.0);\n}\n";
   return {frameBlock() + R"(
 layout(location = 0) in vec2 place;
 out vec2 ground;

@@ -17,7 +17,6 @@ enum class Pass {
 /// Pieces that several shaders start from. The first line of frameBlock() is the version.
 [[nodiscard]] std::string frameBlock();    ///< the uniform block "Frame"
 [[nodiscard]] std::string colorCurves();   ///< vec3 toneMap(vec3) and toSrgb(vec3), of linear RGB
-[[nodiscard]] std::string backdrop();      ///< the colours of sky and floor, sRGB
 [[nodiscard]] std::string shadowLookup();  ///< float shadowAt(vec3 position, vec3 normal): share of the key light
 [[nodiscard]] std::string fullVertex();    ///< a triangle over the whole target
 
@@ -30,14 +29,15 @@ struct Sources {
 /// @param shadowEachPixel  shadow lookup in the fragment shader; otherwise per vertex, which is much cheaper if
 ///                         triangles are about as small as pixels
 std::string skinVertex(Pass pass, bool shadowEachPixel);
-/// Props: attributes corner 0, normal 1; per instance columns 2 to 5, extents and bevel 6, color 7.
+/// Props: attributes corner 0, normal 1; per instance columns 2 to 5, extents and bevel 6, color 7. Uniform "which" of
+/// the lit pass: x is 1 for those that fade, 0 for the others.
 std::string propVertex(Pass pass);
 std::string surfaceFragment(Pass pass, bool shadowEachPixel);
 
-/// A fragment shader that leaves out pixels, in a pattern without rows: the x of the uniform "opacity" is the share
-/// that it draws. So surfaces can fade without being sorted. @param from  "uniform", or "flat in": from the vertex
-/// shader
-std::string fading(const std::string& fragment, const std::string& from = "uniform");
+/// A fragment shader that multiplies the alpha of its colour with "opacity". Of a pass for shadows, which have no
+/// alpha, it leaves out that share of the pixels, in a pattern without rows. @param from  "uniform" (the x of a vec4),
+/// or "flat in": from the vertex shader
+std::string fading(const std::string& fragment, bool lit, const std::string& from = "uniform");
 
 /// Attribute 0 is the position in clip space.
 Sources sky();

@@ -81,6 +81,10 @@ bool SkinMesh::update(std::span<const Vec3> positions, std::span<const Triangle>
   return changed;
 }
 
+Vec3f SkinMesh::colorOf(PartIndex part) {
+  return 0.22f * clay() + 0.72f * partColor(part);
+}
+
 void SkinMesh::rebuild(std::span<const Vec3> positions) {
   for (const Triangle& t : triangles_) {
     for (const VertexIndex v : t) {
@@ -116,7 +120,7 @@ void SkinMesh::rebuild(std::span<const Vec3> positions) {
     if (i == 0 || corners[i].position != corners[i - 1].position || corners[i].part != corners[i - 1].part) {
       source_.push_back(corners[i].position);
       const PartIndex part = corners[i].part;
-      colors_.push_back(part < 0 ? clay() : Vec3f(0.22f * clay() + 0.72f * partColor(part)));
+      colors_.push_back(part < 0 ? clay() : colorOf(part));
     }
     indices_[corners[i].index] = source_.size() - 1;
   }

@@ -34,6 +34,8 @@ class SkinMesh {
 
   /// Colour of the skin without part colours: warm clay.
   static Vec3f clay() { return {0.62f, 0.53f, 0.46f}; }
+  /// Muted colour of a part.
+  static Vec3f colorOf(PartIndex part);
 
  private:
   void rebuild(std::span<const Vec3> positions);

@@ -92,7 +92,7 @@ void main() {
 }
 
 Sources water() {
-  return {fullVertex(), frameBlock() + colorCurves() + backdrop() + kNoDepth + R"(
+  return {fullVertex(), frameBlock() + colorCurves() + kNoDepth + R"(
 uniform sampler2D source;
 uniform sampler2DShadow shadowMap;
 uniform sampler2D behind;
@@ -156,7 +156,7 @@ void main() {
   float mirrored = 0.02 + 0.98 * edge * edge * edge * edge * edge;
   vec3 r = reflect(-v, n);
   float t = clamp(r.y * 1.6, 0.0, 1.0);
-  vec3 sky = linear(mix(mix(kHorizon, kFloor * 0.8, clamp(-r.y * 4.0, 0.0, 1.0)), kZenith, t * (2.0 - t)));
+  vec3 sky = linear(mix(mix(horizon.rgb, floorColor.rgb * 0.8, clamp(-r.y * 4.0, 0.0, 1.0)), zenith.rgb, t * (2.0 - t)));
   float gloss = max(dot(n, normalize(toLight.xyz + v)), 0.0);
   for (int i = 0; i < 8; ++i) gloss *= gloss;
   gloss *= lit;

@@ -99,11 +99,13 @@ TEST(Controls, WhatAScreenKeepsIsDoneAtOnceAndTheRestIsAskedFor) {
   Asked asked;
   asked.ask({.id = Id::kPause});
   asked.ask({.id = Id::kGravity, .to = 9.0});
-  asked.ask({.id = Id::kBackground, .to = 3.0});
+  asked.ask({.id = Id::kBackground, .to = 4.0});
   EXPECT_TRUE(asked.choices.paused);
   EXPECT_EQ(asked.choices.treatment.gravity, Treatment().gravity);
   EXPECT_EQ(*asked.choices.show.background, Vec3f(0.0f, 1.0f, 0.0f));
   EXPECT_FALSE(asked.choices.show.ground) << "it would not be keyed out";
+  asked.ask({.id = Id::kBackground, .to = 1.0});
+  EXPECT_TRUE(asked.choices.show.dark && asked.choices.show.ground && !asked.choices.show.background);
   for (int i = 0; i < 3; ++i) asked.ask({.id = Id::kStep});
   EXPECT_EQ(asked.choices.steps, 3);
   EXPECT_TRUE(asked.changes.empty());

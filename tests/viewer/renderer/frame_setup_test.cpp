@@ -199,37 +199,44 @@ TEST(Offscreen, OsMesaAndEglAgreeAndTakeTurnsInOneProcess) {
   EXPECT_EQ(pictures[1].rgba, pictures[3].rgba);
 }
 
-// Figures that fade: the share of their pixels, and that of their hulls.
+// Figures that fade, and props before them: seen through as far as their opacity says, pixel by pixel.
 
-/// The share of a figure's pixels that are drawn at an opacity.
-double shareDrawn(test::Studio& studio, Scene scene, float opacity) {
+/// The largest difference of a colour of a picture from a mix of two [of 255].
+int differenceFromMix(const Image& picture, const Image& front, const Image& behind, float opacity) {
+  double most = 0.0;
+  for (std::size_t k = 0; k < picture.rgba.size(); ++k) {
+    const double mix = opacity * front.rgba[k] + (1.0 - opacity) * behind.rgba[k];
+    most = std::max(most, std::abs(picture.rgba[k] - mix));
+  }
+  return static_cast<int>(std::ceil(most));
+}
+
+/// How far a figure that fades is from a mix of it and of what is behind [of 255].
+int errorOfFading(test::Studio& studio, Scene scene, float opacity) {
   SceneOptions show;
   show.hulls = show.ground = false;
   show.colorSkinByPart = false;
-  show.background = Vec3f::Zero();
   const auto draw = [&](float visible) {
     scene.opacity = visible;
     return studio.draw(scene, show, frontCamera(), 240, 180);
   };
-  const Image empty = studio.draw(Scene(), show, frontCamera(), 240, 180), whole = draw(1.0f), drawn = draw(opacity);
-  EXPECT_EQ(draw(opacity).rgba, drawn.rgba) << "the same pattern in each picture";
-  const int all = differingPixels(whole, empty, 8);
-  EXPECT_GT(all, 2000);
-  return static_cast<double>(differingPixels(drawn, empty, 8)) / all;
+  const Image empty = studio.draw(Scene(), show, frontCamera(), 240, 180), whole = draw(1.0f);
+  EXPECT_GT(differingPixels(whole, empty, 8), 2000);
+  return differenceFromMix(draw(opacity), whole, empty, opacity);
 }
 
-TEST(Fading, DrawsThatShareOfTheSkinsPixels) {
+TEST(Fading, ASkinIsSeenThrough) {
   LORICA_REQUIRE_STUDIO(studio, "");
   const TriMesh box = test::makeBox({-0.5, 0.6, -0.3}, {0.5, 1.4, 0.3});
   Scene scene;
   scene.vertices = box.vertices;
   scene.triangles = box.triangles;
   for (const float opacity : {0.0f, 0.1f, 0.5f, 0.9f, 0.999f}) {
-    EXPECT_NEAR(shareDrawn(*studio, scene, opacity), opacity, 0.03) << opacity;
+    EXPECT_LE(errorOfFading(*studio, scene, opacity), 2) << opacity;
   }
 }
 
-TEST(Fading, DrawsThatShareOfAnAvatarsPixelsWhateverItsMaterial) {
+TEST(Fading, AnAvatarIsSeenThroughWhateverItsMaterial) {
   LORICA_REQUIRE_STUDIO(studio, "");
   for (const AlphaMode mode : {AlphaMode::kOpaque, AlphaMode::kMask, AlphaMode::kBlend}) {
     for (const Shading shading : {Shading::kUnlit, Shading::kPhysical, Shading::kToon}) {
@@ -240,10 +247,37 @@ TEST(Fading, DrawsThatShareOfAnAvatarsPixelsWhateverItsMaterial) {
       maker.material(material);
       maker.add({});
       const test::AvatarOnStage stage(maker.avatar);
-      EXPECT_NEAR(shareDrawn(*studio, stage.scene(), 0.4f), 0.4, 0.03)
+      EXPECT_LE(errorOfFading(*studio, stage.scene(), 0.4f), 2)
           << static_cast<int>(mode) << " " << static_cast<int>(shading);
     }
   }
+}
+
+TEST(Fading, WhatStandsBeforeTheAvatarIsSeenThrough) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  const TriMesh box = test::makeBox({-0.5, 0.6, -0.3}, {0.5, 1.4, 0.3});
+  Scene scene;
+  scene.vertices = box.vertices;
+  scene.triangles = box.triangles;
+  Prop before;
+  before.halfExtents = {0.2, 0.3, 0.1};
+  Prop beside = before;
+  const Camera camera = frontCamera();
+  before.worldFromProp.translation() = 0.4 * camera.eye + 0.6 * Vec3(0.0, 1.0, 0.0);
+  beside.worldFromProp.translation() = Vec3(1.2, 0.3, 0.0);
+  SceneOptions show;
+  show.ground = false;
+  const auto draw = [&](std::initializer_list<Prop> props, bool seenThrough) {
+    scene.props = {props.begin(), props.size()};
+    scene.unhidden.reset();
+    if (seenThrough) scene.unhidden = Aabb{Vec3(-0.5, 0.6, -0.3), Vec3(0.5, 1.4, 0.3)};
+    return studio->draw(scene, show, camera, 240, 180);
+  };
+  const Image empty = draw({beside}, false), solid = draw({before, beside}, false);
+  ASSERT_GT(differingPixels(solid, empty, 8), 1000);
+  // The prop keeps its shadow; this one casts none on what the camera sees of the figure.
+  EXPECT_LE(differenceFromMix(draw({before, beside}, true), solid, empty, 0.2f), 3);
+  EXPECT_EQ(draw({beside}, true).rgba, empty.rgba) << "what is beside it stays solid";
 }
 
 TEST(Fading, HullsGetThatShareOfTheirOpacity) {
@@ -254,6 +288,32 @@ TEST(Fading, HullsGetThatShareOfTheirOpacity) {
   const std::vector<OverlayVertex>& half = mesh.hulls(std::span(&fades, 1), {4, 5, 6});
   ASSERT_EQ(half.size(), whole.size());
   for (std::size_t i = 0; i < half.size(); ++i) EXPECT_NEAR(half[i].color[3], 0.5 * whole[i].color[3], 1.0);
+}
+
+/// Mean of red, green and blue in some rows [of 255].
+double brightness(const Image& image, int fromRow, int toRow) {
+  double sum = 0.0;
+  for (int y = fromRow; y < toRow; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (const int channel : test::pixelAt(image, x, y)) sum += channel;
+    }
+  }
+  return sum / (3.0 * image.width * (toRow - fromRow));
+}
+
+TEST(Stage, TheFloorIsDarkerThanTheSkyInLightAndDark) {
+  LORICA_REQUIRE_STUDIO(studio, "");
+  std::vector<double> floors;
+  for (const bool dark : {false, true}) {
+    SceneOptions show;
+    show.dark = dark;
+    const Image image = studio->draw(Scene(), show, frontCamera(), 240, 180);
+    const double sky = brightness(image, 60, 80), floor = brightness(image, 150, 180);
+    EXPECT_GT(sky, floor + 15.0) << dark;
+    floors.push_back(floor);
+  }
+  EXPECT_GT(floors[0], 150.0);
+  EXPECT_LT(floors[1], 60.0);
 }
 
 long ink(const TextMask& mask) {
