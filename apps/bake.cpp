@@ -11,6 +11,7 @@
 #include "geometry/hard_stop.h"
 #include "geometry/mesh_files.h"
 #include "geometry/text.h"
+#include "skinning/import/character_file.h"
 #include "viewer/pictures/image_files.h"
 #include "viewer/player/parts_picture.h"
 #include "viewer/player/snapshots.h"
@@ -139,7 +140,9 @@ std::string pictureOf(const BakeItem& item, const fs::path& lorica, const fs::pa
   const Result<ProcessEnd> end = runProgram(order, [] { return !interrupted(); });
   if (!end || end->exitStatus != 0 || end->signal != 0) return "";
   const Result<std::vector<NamedMesh>> objects = readObjObjects(hulls);
-  if (!objects || !writePng(png, drawParts(*objects, camera))) return "";
+  if (!objects) return "";
+  const UpAxis up = isCharacterFile(item.input) ? UpAxis::kY : likelyUp(*objects);
+  if (!writePng(png, drawParts(*objects, up, camera))) return "";
   const Result<std::string> bytes = readFile(png, NamedBy::kFile);
   return bytes ? *bytes : "";
 }

@@ -20,6 +20,7 @@
 #include "session/prepare/quality.h"
 #include "session/prepare/subject.h"
 #include "session/prepare/training.h"
+#include "skinning/import/character_file.h"
 #include "viewer/pictures/image_files.h"
 #include "viewer/player/parts_picture.h"
 
@@ -28,6 +29,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,6 +57,7 @@ struct DecomposeOptions {
   std::string output;
   std::string obj;
   std::string picture;
+  std::string up = "auto";
   std::string frames, csv;  ///< hulls of all frames, and a table of them
 
   [[nodiscard]] const std::string& input() const { return inputs.front(); }
@@ -72,6 +75,7 @@ struct DecomposeOutcome {
   std::optional<FrameHulls> frames = std::nullopt;     ///< of a sequence, or if they are written
   WrittenFrames written = {};
   std::optional<double> anew = std::nullopt;  ///< error of as many parts of its own, if it has those of another mesh
+  UpAxis up = UpAxis::kY;                     ///< in the picture
 };
 
 /// How well the hulls fit in all frames.
@@ -143,7 +147,7 @@ Facts frameFacts(const DecomposeOptions& options, const DecomposeOutcome& outcom
 /// What the decomposition stopped at: "error", "distance", "limits" if both were given, "parts", "convex", or
 /// "vertices": hulls of so few vertices do not get better with more parts.
 std::string endedBy(const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew] = outcome;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew, up] = outcome;
   const int given = (limits.maxError > 0.0) + (limits.maxDistance > 0.0) + (limits.maxConcavity > 0.0);
   if (given > 0 && fit.met(limits)) {
     return given > 1                   ? "limits"
@@ -157,7 +161,7 @@ std::string endedBy(const DecomposeOutcome& outcome) {
 
 /// "the limit of 8 parts was reached; an error of 5.0 % was not"
 std::string endingSentence(const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew] = outcome;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew, up] = outcome;
   const std::string by = endedBy(outcome);
   const bool reached = by == "error" || by == "distance" || by == "concavity" || by == "limits";
   std::vector<std::string> named;
@@ -195,7 +199,7 @@ bool boundsHulls(const DecomposeOptions& options, const Subject& subject) {
 }
 
 Report decomposeReport(const DecomposeOptions& options, const Subject& subject, const DecomposeOutcome& outcome) {
-  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew] = outcome;
+  const auto& [fit, keyframes, limits, unit, coverVolume, threads, heldOut, frames, written, anew, up] = outcome;
   const auto& [made, attached, held, hulls, cover, used, quality, distance, concavity, stalled] = fit;
   const bool character = subject.character.has_value();
   Report report(fmt::format("{}: {}", subject.name, counted(made.decomposition.parts.size(), "convex part")),
@@ -282,7 +286,10 @@ Report decomposeReport(const DecomposeOptions& options, const Subject& subject, 
         "exportObj", "hulls", options.obj,
         options.obj + (character ? ", in metres, Y up, facing +Z" : ", in the units and coordinates of the input"));
   }
-  if (!options.picture.empty()) report.add("picture", "picture", options.picture);
+  if (!options.picture.empty()) {
+    const char* axis = up == UpAxis::kZ ? ", with Z up (--up y turns it)" : ", with Y up (--up z turns it)";
+    report.add("picture", "picture", options.picture, options.picture + axis);
+  }
   if (options.output.empty() && options.obj.empty() && options.picture.empty() && options.frames.empty()) {
     report.note("Nothing was written: --picture draws the parts, --export-obj and -o write them.");
   }
@@ -395,6 +402,12 @@ void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limi
                         fmt::join(kept, " and "), fmt::join(given, " and ")));
 }
 
+UpAxis upInPicture(const DecomposeOptions& options, const Subject& subject, std::span<const NamedMesh> parts) {
+  const bool known = subject.character || isCharacterFile(options.input());
+  if (options.up == "auto") return known ? UpAxis::kY : likelyUp(parts);
+  return options.up == "z" ? UpAxis::kZ : UpAxis::kY;
+}
+
 Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& common, Host& host) {
   // Read the input and check the options.
   CharacterOptions reading = options.character;
@@ -481,7 +494,8 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   }
   if (!options.picture.empty()) {
     LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(960, 720));
-    LORICA_TRY_DO(writePng(options.picture, drawParts(fit.exported.objects, camera)));
+    outcome.up = upInPicture(options, subject, fit.exported.objects);
+    LORICA_TRY_DO(writePng(options.picture, drawParts(fit.exported.objects, outcome.up, camera)));
   }
   if (!options.frames.empty()) {
     LORICA_TRY(outcome.written, writeFrameHulls(options.frames, *outcome.frames, fit.held));
@@ -604,7 +618,14 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
                   "or .glb, which plays them")
       ->type_name("FILE");
   app->add_option("--csv", options->csv, "Write volumes, error and score of every frame")->type_name("FILE.csv");
-  app->add_option("--picture", options->picture, "Draw the parts' hulls, each in its colour")->type_name("FILE.png");
+  CLI::Option* picture = app->add_option("--picture", options->picture, "Draw the parts' hulls, each in its colour");
+  picture->type_name("FILE.png");
+  app->add_option("--up", options->up,
+                  "Axis that is up in the picture: `auto` = the one on which a mesh stands broad, Y "
+                  "if in doubt [default: auto]")
+      ->type_name("AXIS")
+      ->transform(oneOf({"auto", "y", "z"}))
+      ->needs(picture);
   return {app, [options](const CommonOptions& given, Host& host) { return runDecompose(*options, given, host); }};
 }
 

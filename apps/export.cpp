@@ -15,6 +15,7 @@
 #include "session/prepare/part_hulls.h"
 #include "session/prepare/played_mesh.h"
 #include "session/prepare/subject.h"
+#include "viewer/player/parts_picture.h"
 
 #include <fmt/format.h>
 
@@ -91,7 +92,7 @@ struct ExportReport : Report {
     add("growth", hulls.totalGrowth);
   }
 
-  void add(const RigidExport& rigid) {
+  void add(const RigidExport& rigid, bool perBone) {
     std::set<JointIndex> bones;
     std::size_t most = 0;
     for (const RigidCollider& collider : rigid.colliders) {
@@ -104,8 +105,8 @@ struct ExportReport : Report {
     if (hulls.worstStandOff > kFarOff) {
       notes(
           {fmt::format("A hull stands off by {:.2f} m: its part holds what moves apart, such as a cape and a leg. "
-                       "--per-bone, or --hide NAME for what physics need not touch, makes tighter ones.",
-                       hulls.worstStandOff)});
+                       "{}--hide NAME for what physics need not touch{} makes tighter ones.",
+                       hulls.worstStandOff, perBone ? "" : "--per-bone, or ", perBone ? ", a weapon or a hat," : ",")});
     }
     add("hulls", "hulls", rigid.colliders.size(),
         fmt::format("{} on {}, each rigid on one", rigid.colliders.size(), counted(bones.size(), "bone")));
@@ -358,7 +359,7 @@ Result<void> exportRigid(const ExportOptions& options, const ExportSource& sourc
     written = writeModel(options, model);
     report.add(model);
   }
-  report.add(rigid);
+  report.add(rigid, options.perBone);
   return written;
 }
 
@@ -382,9 +383,11 @@ Result<void> exportOnePose(const ExportOptions& options, const ExportSource& sou
     yUp(mesh.vertices);
     for (NamedMesh& hull : hulls.objects) yUp(hull.mesh.vertices);
   }
+  const bool lies = options.up == "y" && likelyUp(hulls.objects) == UpAxis::kZ;
   report.notes({fmt::format("{:.3g} x {:.3g} x {:.3g} of the file, taken as metres, {} up{}", size.x(), size.y(),
                             size.z(), options.up == "z" ? "Z" : "Y",
                             options.up == "z" ? "" : ": (x, y, z) is written as (z, x, y); --up z keeps the axes")});
+  if (lies) host.warn(name + " stands broader with Z up: if it lies on its side in what is written, give --up z");
   const RigidModel model = rigidModelOf(name, mesh, std::move(hulls.objects));
   report.add(model);
   return writeModel(options, model);

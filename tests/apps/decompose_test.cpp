@@ -361,6 +361,7 @@ TEST(Decompose, APictureShowsEachPartInItsColour) {
   EXPECT_EQ(huesOf(one), 1);
   EXPECT_EQ(huesOf(two), 2);
   expectRefused(runLorica({"decompose", mesh, "--picture", one}), {"--force"});
+  expectRefused(runLorica({"decompose", mesh, "--up", "z"}), {"--up", "--picture"});
 }
 
 TEST(Score, DecomposedLShapeIsPerfect) {

@@ -7,6 +7,7 @@
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
+#include "tests/support/meshes.h"
 #include "viewer/player/avatar_focus.h"
 #include "viewer/player/hands.h"
 #include "viewer/player/parts_picture.h"
@@ -345,6 +346,21 @@ TEST(PictureOptions, AreSizesAndBackgrounds) {
   for (const char* wrong : {"", "greenish", "#00ff0", "#00ff000", "#00fg00", "00ff00"}) {
     EXPECT_FALSE(backgroundNamed(wrong)) << wrong;
   }
+}
+
+/// Slabs and legs of a table, as a modeller with Y up writes them, and one with Z up.
+TEST(PartsPicture, WhatStandsBroaderIsUp) {
+  std::vector<NamedMesh> table = {{"top", test::makeBox({-0.8, 0.7, -0.4}, {0.8, 0.75, 0.4})}};
+  for (const double x : {-0.75, 0.7}) {
+    for (const double z : {-0.38, 0.33}) table.push_back({"leg", test::makeBox({x, 0, z}, {x + 0.05, 0.7, z + 0.05})});
+  }
+  EXPECT_EQ(likelyUp(table), UpAxis::kY);
+  for (NamedMesh& part : table) {
+    for (Vec3& p : part.mesh.vertices) p = Vec3(p.x(), -p.z(), p.y());
+  }
+  EXPECT_EQ(likelyUp(table), UpAxis::kZ);
+  const std::vector<NamedMesh> cube = {{"cube", test::makeBox({0, 0, 0}, {1, 1, 1})}};
+  EXPECT_EQ(likelyUp(cube), UpAxis::kY) << "in doubt";
 }
 
 TEST(PartColors, AreThoseOfTheBones) {
