@@ -157,6 +157,12 @@ class Page:
             self.worse.append((what, f"{shown(ours)} {unit}".strip(), who, f"{shown(theirs)} {unit}".strip()))
 
 
+def without_avx512(page, name, ratio):
+    """A sentence: the same benchmark without AVX-512, which many processors lack."""
+    (rows, _), (other, _) = page.read(name), page.read(name + "_avx2")
+    return f"The ratio is {ratio(rows):.3g} with AVX-512, and {ratio(other):.3g} where the same program is held to AVX2."
+
+
 def live(page):
     rows, about = page.read("live")
     cost = {row["what"]: float(row["cpu_median_us"]) for row in rows}
@@ -170,7 +176,9 @@ def live(page):
     for who, value in ours[3:]:
         page.compare(f"a frame of a character, {who.removeprefix('Lorica, ')}", "us", value, "skinning its mesh", skinning)
     page.section("A frame of a character", "Hulls of 16 parts of the mannequin in all six motions at 60 Hz, on one core: median "
-                 "CPU time of a frame. Skinning moves the same mesh with its cut points; Bullet builds the same hulls from them.",
+                 "CPU time of a frame. Skinning moves the same mesh with its cut points; Bullet builds the same hulls from them. "
+                 + without_avx512(page, "live", lambda rows: next(float(row["cpu_ratio"]) for row in rows if row["what"] == "hulls with faces"))
+                 .replace("The ratio", "Bullet over exact hulls"),
                  about, live=bars("A frame of a character", "us", [("", [*ours, ("skinning the mesh", skinning),
                                                                      ("Bullet's hulls", bullet)])], log=True))
 
@@ -423,7 +431,9 @@ def particles(page):
             groups.append((label, [("Lorica", float(row["cpu_ms"])), ("a plain loop", float(row["reference_cpu_ms"]))]))
             page.compare(f"particles, {label}", "ms", float(row["cpu_ms"]), "a plain loop", float(row["reference_cpu_ms"]))
     page.section("Particles", f"{int(rows[0]['particles']):,} particles pushed out of a body: CPU time of a frame. The plain loop goes "
-                 "particle by particle and hull by hull, and leaves some inside ([PARTICLES](PARTICLES.md)).", about,
+                 "particle by particle and hull by hull, and leaves some inside ([PARTICLES](PARTICLES.md)). "
+                 + without_avx512(page, "particles", lambda rows: float(rows[0]["ratio"])).replace("The ratio", "The loop over Lorica, first row,"),
+                 about,
                  particles=bars("Particles pushed out of a body", "ms", groups))
     pairs = [row for row in rows if row["threads"] == "1"], [row for row in rows if row["threads"] == "2"]
     page.table("PARTICLES.md", "`build/bench/particles`", [

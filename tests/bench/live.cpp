@@ -356,6 +356,7 @@ int main(int argc, char** argv) {
   app.add_option("--parts", options.parts, "Parts of the mannequin")->check(CLI::PositiveNumber);
   app.add_option("--repeats", options.repeats, "Passes over each motion; the minimum time of each frame counts")
       ->check(CLI::PositiveNumber);
+  lorica::bench::addInstructions(app);
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }

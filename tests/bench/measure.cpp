@@ -1,6 +1,8 @@
 #include "tests/bench/measure.h"
 
 #include <fmt/format.h>
+#include <hwy/targets.h>
+#include <CLI/CLI.hpp>
 
 #include <algorithm>
 #include <cerrno>
@@ -178,6 +180,17 @@ std::string csvField(const std::string& text) {
     quoted += c == '\n' ? ' ' : c;
   }
   return quoted + '"';
+}
+
+void addInstructions(CLI::App& app) {
+  app.add_option_function<std::string>(
+         "--instructions",
+         [](const std::string& set) {
+           const std::int64_t newest = set == "SSE4" ? HWY_SSE4 : HWY_AVX2;
+           hwy::DisableTargets(newest - 1);  // a newer set has a lower bit
+         },
+         "No newer ones than these")
+      ->check(CLI::IsMember({"SSE4", "AVX2"}));
 }
 
 int fail(const Error& error) {

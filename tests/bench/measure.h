@@ -8,6 +8,10 @@
 #include <string>
 #include <vector>
 
+namespace CLI {
+class App;
+}
+
 namespace lorica::bench {
 
 /// Runs work in its own process, to measure its memory separately and to survive its crashes. The calling process must
@@ -48,6 +52,9 @@ struct Timed {
 
 /// A field of a CSV row, quoted if necessary.
 [[nodiscard]] std::string csvField(const std::string& text);
+
+/// --instructions SET: the vector kernels do without what is newer than a set, such as AVX2 on a machine with AVX-512.
+void addInstructions(CLI::App& app);
 
 /// Prints an error message. @return exit code 2
 int fail(const Error& error);

@@ -266,6 +266,7 @@ int main(int argc, char** argv) {
   app.add_option("--parts", options.parts, "parts of the body")->check(CLI::Range(1, 64));
   app.add_option("--hull-vertices", options.hullVertices, "maximum per part")->check(CLI::Range(8, 10'000));
   app.add_option("--repeats", options.repeats, "repeats of each measurement")->check(CLI::Range(1, 100));
+  lorica::bench::addInstructions(app);
   CLI11_PARSE(app, argc, argv);
   return lorica::bench::run(options);
 }
