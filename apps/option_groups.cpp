@@ -434,12 +434,14 @@ void addLookOptions(CLI::App& app, SnapshotOptions& options) {
   const auto readBackground = [&options](const std::string& text) -> std::string {
     options.background = backgroundNamed(text);
     if (options.background || text.empty()) return "";
-    static const std::vector<std::string> kNames = {"transparent", "green", "blue", "white", "black", "gray"};
+    static const std::vector<std::string> kNames = {"light", "dark",  "transparent", "green",
+                                                    "blue",  "white", "black",       "gray"};
     return fmt::format("found `{}`, expected {} or a colour such as #00ff00{}", text, fmt::join(kNames, ", "),
                        didYouMean(text, kNames));
   };
   addReader(app, "--background", readBackground,
-            "Instead of sky and ground: green, blue, white, black, gray, a colour such as #00ff00, or transparent",
+            "Sky and ground, `light` or `dark`; or instead of them green, blue, white, black, gray, a colour such as "
+            "#00ff00, or transparent [default: light]",
             "COLOR");
 }
 

@@ -232,7 +232,7 @@ Result<void> recordSession(const RecordOptions& options, const CommonOptions& co
     return cancelled();
   }
   const int avatars = countOf(session.avatars());
-  Report report(fmt::format("Recorded a session of {}{}: {} ({:.1f} s)", run->name(),
+  Report report(fmt::format("Recorded {}{}: {} ({:.1f} s)", run->name(),
                             avatars > 1 ? fmt::format(", {}", counted(avatars, "avatar")) : "",
                             counted(session.frameCount(), "step"), run->seconds()),
                 "source character seconds avatars hash");

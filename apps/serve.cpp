@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
 #include <utility>
 
 namespace lorica {
@@ -84,7 +85,7 @@ void Screens::announce(Host& host) const {
           "This machine has another address than before, so its certificate is new: phones that had it ask again.");
     }
     host.tell("Browsers warn of a certificate that they do not know: its SHA-256 is\n  " + server_->fingerprint());
-    say(qrCode(server_->links().front()));
+    if (isatty(STDERR_FILENO) == 1) say(qrCode(server_->links().front()));  // it is coloured
   }
 }
 

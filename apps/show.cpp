@@ -30,6 +30,7 @@ Result<Showing> show(Run& run, const SnapshotOptions& pictures, Screen* screen, 
   auto* page = dynamic_cast<PageScreen*>(screen);
   std::optional<SnapshotSeries> series;
   if (screen != nullptr) {
+    if (pictures.background) shown.background = &*pictures.background;
     prepareScreen(run, *screen, pictures.background);
     if (page != nullptr) LORICA_TRY_DO(page->begin(run, host));
   } else {

@@ -45,7 +45,7 @@ SceneOptions shownBy(const PictureOptions& options, const Character& character) 
   const std::vector<std::string>& words = options.show;
   SceneOptions show = usualView(character);
   setBackground(options.pictures.background, show);
-  show.props = !options.pictures.background || !options.request.scene.empty();
+  show.props = !options.pictures.forKeying() || !options.request.scene.empty();
   if (words.empty()) return show;
   const auto has = [&words](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
   show.colorSkinByPart = has("parts");
@@ -149,7 +149,7 @@ Result<Outcome> shoot(const PictureOptions& options, const std::vector<Wanted>& 
   SessionScene scene(session);
   FollowCamera camera(options.pictures.camera, size.aspect());
   SceneOptions show = shownBy(options, session.character());
-  const bool caption = (options.show.empty() && !options.pictures.background) ||
+  const bool caption = (options.show.empty() && !options.pictures.forKeying()) ||
                        std::find(options.show.begin(), options.show.end(), "caption") != options.show.end();
   std::vector<bool> taken(wanted.size(), false);
   std::vector<Image> images;

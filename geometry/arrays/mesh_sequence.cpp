@@ -394,7 +394,8 @@ bool namesSequence(const std::string& input) {
 Result<MeshSequence> readMeshSequence(const std::string& input, const SequenceProgress& progress) {
   const fs::path path(input);
   const std::string ending = endingOf(path);
-  const fs::path last = path.has_filename() ? path.filename() : path.parent_path().filename();
+  const fs::path folder = path.parent_path().filename();
+  const fs::path last = isPattern(input) ? folder / path.filename() : path.has_filename() ? path.filename() : folder;
   std::error_code ignored;
   if (isPattern(input) || fs::is_directory(path, ignored)) {
     LORICA_TRY(const std::vector<fs::path> files, meshesOf(input));

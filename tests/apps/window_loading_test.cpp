@@ -297,9 +297,9 @@ TEST_F(WindowDrop, OfSeveralMotionsTheFirstIsPlayedAndTheOthersAreInTheList) {
   hands.line(drop({shipped("wave.csv"), shipped("turn_around.csv"), shipped("jumping_jacks.csv")}));
   hands.session("wave");
   hands.handled();
-  hands.mouse("mousemove --window $w 113 129 click 1");  // the list of files
+  hands.mouse("mousemove --window $w 113 164 click 1");  // the list of files
   hands.handled();
-  hands.mouse("mousemove --window $w 113 201 click 1");  // the third
+  hands.mouse("mousemove --window $w 113 243 click 1");  // the third
   hands.session("jumping_jacks");
   const CommandResult result = hands.runWith({"play", "walk", "--window", "--decomposition", body_, "--json", "-"});
   ASSERT_EQ(result.exitCode, 0) << result.err;

@@ -126,19 +126,19 @@ TEST_F(WindowPlay, MirrorGravityAndPersonAreChosenByMouse) {
     hands.mouse("mousemove --window $w " + std::to_string(x) + " " + std::to_string(y) + " click 1");
     hands.handled();
   };
-  click(31, 226);  // mirror
+  click(36, 276);  // mirror
   hands.pictureUnlike(1, 500);
-  click(31, 226);
+  click(36, 276);
   hands.pictureWhen([&](const Image& now) { return differing(hands.pictureNumber(1), now) == 0; });
-  click(140, 277);  // the list of gravities
-  click(100, 305);  // none
+  click(200, 342);  // the list of gravities
+  click(150, 375);  // none
   hands.press("Right");
   hands.pictureUnlike(1, 500);
-  click(140, 277);
+  click(200, 342);
   hands.press("Escape");  // closes the list, not the window
   hands.handled();
-  click(140, 104);  // the list of people
-  click(100, 130);  // everyone
+  click(200, 131);  // the list of people
+  click(150, 164);  // everyone
   hands.pictureUnlike(4, 500);
   const CommandResult result =
       hands.runWith({"play", twoPeopleIn(folder_), "--window", "--decomposition", body_, "--json", "-"});

@@ -133,6 +133,8 @@ TEST(PeerServe, ThePageDrawsPlaysDragsAndThrows) {
   EXPECT_GT(desktop.at("props").get<int>(), 0);
   EXPECT_GT(desktop.at("frames").get<int>(), 0);
   EXPECT_TRUE(desktop.at("problems").empty()) << desktop["problems"];
+  EXPECT_TRUE(result.at("helpFits").get<bool>()) << "1280 x 720, without scrolling";
+  EXPECT_FALSE(result.at("helpStays").get<bool>()) << "H closes what it opened";
 
   const json& video = result.at("video");
   EXPECT_EQ(video.at("size"), video.at("canvas"));

@@ -158,6 +158,7 @@ struct Shown {
   WindowOpener* opener = nullptr;              ///< opens files that are dropped on the screen; null = they are refused
   std::optional<Cast> next = {};               ///< see RunEnd::kExchanged
   std::string record = {};                     ///< the file to record `next` to; empty = none
+  const Background* background = nullptr;      ///< as the command says; null = as it is kept
 };
 
 /// Runs the session until it is over, the screen is closed or the host is cancelled.

@@ -2,6 +2,7 @@
 #include "geometry/text.h"
 #include "session/prepare/scenes.h"
 #include "viewer/player/run_loop.h"
+#include "viewer/player/snapshots.h"
 
 #include <fmt/format.h>
 
@@ -269,6 +270,7 @@ void RunLoop::recallSettings() {
   static_cast<KeptChoices&>(choices) = settings_.choices;
   choices.treatment = allowed(run_.treatment, choices.treatment);
   if (!run_.setting.allLayers) showKept(settings_, choices.show);
+  if (shown_.background != nullptr) setBackground(*shown_.background, choices.show);
   firstShown_ = choices.show;
 }
 

@@ -177,7 +177,9 @@ std::optional<CanvasSize> pictureSizeOf(std::string_view text) {
 }
 
 std::optional<Background> backgroundNamed(std::string_view text) {
-  if (text == "transparent") return Background{Vec3f::Zero(), true};
+  if (text == "light") return Background{};
+  if (text == "dark") return Background{.dark = true};
+  if (text == "transparent") return Background{.transparent = true};
   constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kNames = {
       {{"green", "#00ff00"}, {"blue", "#0000ff"}, {"white", "#ffffff"}, {"black", "#000000"}, {"gray", "#808080"}}};
   for (const auto& [name, meant] : kNames) {
@@ -192,9 +194,10 @@ std::optional<Background> backgroundNamed(std::string_view text) {
 
 void setBackground(const std::optional<Background>& background, SceneOptions& show) {
   if (!background) return;
-  show.ground = false;
+  if (background->isForKeying()) show.ground = false;
   show.transparent = background->transparent;
-  if (!show.transparent) show.background = background->color;
+  show.background = background->color;
+  show.dark = background->dark;
 }
 
 bool SnapshotOptions::draws(const std::string& name) const {
@@ -252,7 +255,7 @@ Result<void> SnapshotSeries::add(const Session& session, const std::string& name
   previousTime_ = session.time();
   if (film <= 0 && !snapshotDue(session)) return {};
   SceneOptions show = usualView(session.character());
-  if (!options_.background) show.caption = captionOf(name, session, session.time() - *firstTime_);
+  if (!options_.forKeying()) show.caption = captionOf(name, session, session.time() - *firstTime_);
   setBackground(options_.background, show);
   const auto draw = [&](const Camera& from) {
     Scene scene = scene_.of(session, show, from.eye);

@@ -104,12 +104,16 @@ inline constexpr int kSmallestSide = 16, kLargestSide = 4096;
 /// "640x360", "portrait" (1080x1920) or "square" (1080x1080); none for any other text, or a side that is not possible.
 [[nodiscard]] std::optional<CanvasSize> pictureSizeOf(std::string_view text);
 
-/// What is behind the avatars instead of the sky and the ground.
+/// What is behind the avatars.
 struct Background {
-  Vec3f color = Vec3f::Zero();  ///< sRGB
-  bool transparent = false;     ///< instead of a colour
+  std::optional<Vec3f> color = {};  ///< sRGB, instead of sky and ground
+  bool transparent = false;         ///< instead of both, too
+  bool dark = false;                ///< sky and ground of a dark room
+
+  /// Whether others will put a picture behind.
+  [[nodiscard]] bool isForKeying() const { return color.has_value() || transparent; }
 };
-/// "#00ff00", "green" or "transparent"; none for any other text.
+/// "light", "dark", "#00ff00", "green" or "transparent"; none for any other text.
 [[nodiscard]] std::optional<Background> backgroundNamed(std::string_view text);
 /// @param background  none = as it is
 void setBackground(const std::optional<Background>& background, SceneOptions& show);
@@ -126,6 +130,7 @@ struct SnapshotOptions {
 
   [[nodiscard]] bool any() const { return !folder.empty() || !video.empty(); }
   [[nodiscard]] bool transparent() const { return background && background->transparent; }
+  [[nodiscard]] bool forKeying() const { return background && background->isForKeying(); }
   /// Whether a long enough run draws a picture of this name in the folder.
   [[nodiscard]] bool draws(const std::string& name) const;
 };

@@ -30,7 +30,8 @@ constexpr std::array kLayers = {
     Layer{"character", &SceneOptions::skin},    Layer{"hulls", &SceneOptions::hulls},
     Layer{"bones", &SceneOptions::bones},       Layer{"props", &SceneOptions::props},
     Layer{"contacts", &SceneOptions::contacts}, Layer{"ground", &SceneOptions::ground},
-    Layer{"grains", &SceneOptions::particles},  Layer{"colourByPart", &SceneOptions::colorSkinByPart}};
+    Layer{"grains", &SceneOptions::particles},  Layer{"colourByPart", &SceneOptions::colorSkinByPart},
+    Layer{"dark", &SceneOptions::dark}};
 
 /// @return what was expected; none if a switch was read or is not there
 std::optional<std::string> readSwitch(const json& settings, const char* name, bool& value) {

@@ -7,12 +7,19 @@
 
 #include <array>
 #include <csignal>
+#include <filesystem>
 #include <sstream>
+#include <system_error>
 
 extern char** environ;
 
 namespace lorica {
 namespace {
+
+/// Characters, motions and recordings, scenes, meshes.
+constexpr const char* kOpened =
+    "*.vrm *.glb *.gltf *.fbx *.dae *.bvh *.csv *.vrma *.lsession *.oni *.mkv *.bag *.npz *.json *.obj *.off *.ply "
+    "*.stl";
 
 /// Starts a program found in $PATH. @param output  becomes its standard output @return its process, 0 = it is not there
 pid_t start(std::vector<const char*> command, int output) {
@@ -33,9 +40,16 @@ bool FileDialog::open() {
   if (process_ > 0) return true;
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) return false;
-  process_ = start({"zenity", "--file-selection", "--multiple", "--separator=\n", "--title=Open in Lorica"}, ends[1]);
+  std::error_code none;
+  const std::string here = std::filesystem::current_path(none).string() + "/";
+  const std::string from = "--filename=" + here, only = std::string("--file-filter=What Lorica opens | ") + kOpened;
+  process_ = start({"zenity", "--file-selection", "--multiple", "--separator=\n", "--title=Open in Lorica",
+                    from.c_str(), only.c_str(), "--file-filter=All files | *"},
+                   ends[1]);
   if (process_ == 0) {
-    process_ = start({"kdialog", "--getopenfilename", "--multiple", "--separate-output", "--title", "Open in Lorica"},
+    const std::string filters = std::string(kOpened) + "|What Lorica opens\n*|All files";
+    process_ = start({"kdialog", "--multiple", "--separate-output", "--title", "Open in Lorica", "--getopenfilename",
+                      here.c_str(), filters.c_str()},
                      ends[1]);
   }
   ::close(ends[1]);

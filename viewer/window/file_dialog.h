@@ -16,8 +16,9 @@ class FileDialog {
   FileDialog(const FileDialog&) = delete;
   FileDialog& operator=(const FileDialog&) = delete;
 
-  /// Shows it, unless it is there already. @return whether this desktop has one
+  /// Shows it, in the working folder, unless it is there already. @return whether this desktop has one
   [[nodiscard]] bool open();
+  [[nodiscard]] bool isOpen() const { return process_ > 0; }
   /// Adds the files that the user chose since the last call. Does not wait.
   void take(std::vector<std::string>& files);
 

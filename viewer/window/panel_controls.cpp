@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <string>
 #include <string_view>
@@ -13,6 +15,7 @@ namespace lorica {
 namespace {
 
 constexpr float kSmallSwitch = 84.0f;  // longest name of one that has another one beside it
+constexpr float kLabels = 112.0f;      // where the lists begin
 
 /// A text as far as it fits into a width [pixels]; a shortened one ends with dots.
 std::string fitted(const std::string& text, float width) {
@@ -30,51 +33,74 @@ void endWidget(const Control& control) {
   ImGui::SetTooltip("%.*s", countOf(control.whyNot), control.whyNot.data());
 }
 
-void drawToggle(const Control& control, Asked& asked, float right) {
-  bool on = control.value != 0.0;
-  if (ImGui::Checkbox(control.label, &on)) asked.ask({.id = control.id, .to = on ? 1.0 : 0.0});
+/// A box with a mark, its name, and its key at the right edge; all of it is clicked.
+void drawToggle(const PanelLayout& layout, const Control& control, Asked& asked, float right) {
+  const ImVec2 corner = ImGui::GetCursorScreenPos();
+  const float high = ImGui::GetFrameHeight(), side = layout.of(18.0f), pad = ImGui::GetStyle().FramePadding.y;
+  const float width =
+      (right > 0.0f ? right : ImGui::GetWindowContentRegionMax().x) - (corner.x - ImGui::GetWindowPos().x);
+  const bool on = control.value != 0.0;
+  if (ImGui::InvisibleButton("###toggle", ImVec2(width, high))) asked.ask({.id = control.id, .to = on ? 0.0 : 1.0});
   endWidget(control);
-  ImGui::SameLine((right > 0.0f ? right : ImGui::GetWindowContentRegionMax().x) - ImGui::CalcTextSize(control.keys).x);
-  ImGui::AlignTextToFramePadding();
-  ImGui::TextColored(kFaint, "%s", control.keys);
+  const float fade = control.whyNot.empty() ? 1.0f : ImGui::GetStyle().DisabledAlpha;
+  const auto ink = [&](ImGuiCol slot) { return ImGui::GetColorU32(slot, fade); };
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  const ImVec2 box(corner.x, corner.y + 0.5f * (high - side)), end(box.x + side, box.y + side);
+  list.AddRectFilled(box, end, ink(on ? ImGuiCol_PlotHistogram : ImGuiCol_FrameBg), layout.of(4.0f));
+  if (on) {
+    const auto point = [&](float x, float y) { return ImVec2(box.x + x * side, box.y + y * side); };
+    const std::array<ImVec2, 3> mark = {point(0.22f, 0.52f), point(0.42f, 0.72f), point(0.78f, 0.30f)};
+    list.AddPolyline(mark.data(), countOf(mark), ink(ImGuiCol_CheckMark), ImDrawFlags_None, layout.of(2.2f));
+  } else {
+    list.AddRect(box, end, ink(ImGuiCol_TextDisabled), layout.of(4.0f));
+  }
+  list.AddText(ImVec2(end.x + layout.of(9.0f), corner.y + pad), ink(ImGuiCol_Text), control.label);
+  const float key = ImGui::CalcTextSize(control.keys).x;
+  list.AddText(ImVec2(corner.x + width - key, corner.y + pad), ink(ImGuiCol_TextDisabled), control.keys);
 }
 
 /// As wide as the panel, with its key at the right edge.
-void drawButton(const Control& control, Asked& asked) {
+void drawButton(const PanelLayout& layout, const Control& control, Asked& asked) {
   const ImVec2 size(ImGui::GetContentRegionAvail().x, 0.0f);
+  const bool most = control.id == ControlId::kThrow && control.whyNot.empty();  // what is done most
+  const Strong strong(layout, most);
   if (ImGui::Button(fmt::format("{}###{}", control.label, control.name).c_str(), size)) asked.ask({.id = control.id});
   endWidget(control);
   const ImVec2 corner = ImGui::GetItemRectMax(), text = ImGui::CalcTextSize(control.keys);
   const float pad = ImGui::GetStyle().FramePadding.y;
-  ImGui::GetWindowDrawList()->AddText(ImVec2(corner.x - text.x - 2.0f * pad, corner.y - text.y - pad),
-                                      ImGui::ColorConvertFloat4ToU32(kFaint), control.keys);
+  ImGui::GetWindowDrawList()->AddText(ImVec2(corner.x - text.x - 2.5f * pad, corner.y - text.y - pad),
+                                      ImGui::GetColorU32(most ? ImGuiCol_Text : ImGuiCol_TextDisabled), control.keys);
 }
 
-void drawNumber(const Control& control, Asked& asked) {
-  int value = static_cast<int>(control.value);
-  const int least = static_cast<int>(control.least), most = static_cast<int>(control.most);
-  ImGui::SetNextItemWidth(
-      besideSlider(ImGui::GetContentRegionAvail().x, fmt::format("{} {} ...", std::max(most, 100), control.label)));
-  if (ImGui::SliderInt("##number", &value, least, most, "", ImGuiSliderFlags_AlwaysClamp | ImGuiSliderFlags_NoInput)) {
-    asked.ask({.id = control.id, .to = value});
+void drawNumber(const PanelLayout& layout, const Control& control, Asked& asked) {
+  float value = control.value;
+  const float width =
+      besideSlider(ImGui::GetContentRegionAvail().x,
+                   fmt::format("{} {} ...", std::max(static_cast<int>(control.most), 100), control.label));
+  if (drawSlider(layout, "##number", width, value, control.least, control.most)) {
+    asked.ask({.id = control.id, .to = std::round(value)});
   }
   endWidget(control);
   ImGui::SameLine();
-  ImGui::TextUnformatted(fmt::format("{} {}", value, control.label).c_str());
+  ImGui::TextUnformatted(fmt::format("{} {}", std::lround(value), control.label).c_str());
 }
 
 /// Names of files without their folders, which are tooltips.
-void drawList(const Control& control, Asked& asked) {
+void drawList(const PanelLayout& layout, const Control& control, Asked& asked) {
   const bool files = control.kind == ControlKind::kFiles;
   const auto nameOf = [&](int index) {
     const std::string& full = control.choices[static_cast<std::size_t>(index)];
     return full.c_str() + (files ? full.rfind('/') + 1 : 0);
   };
   const int chosen = static_cast<int>(control.value);
-  const float width = ImGui::GetContentRegionAvail().x, pad = ImGui::GetStyle().FramePadding.x;
   const bool opensAgain = control.id == ControlId::kRecent;  // none of them is the present one
-  const std::string shown =
-      opensAgain ? control.label : fmt::format("{}: {}", control.label, chosen < 0 ? control.none : nameOf(chosen));
+  if (!opensAgain) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextDisabled("%s", control.label);
+    ImGui::SameLine(layout.of(kLabels));
+  }
+  const std::string shown = opensAgain ? control.label : chosen < 0 ? control.none : nameOf(chosen);
+  const float width = ImGui::GetContentRegionAvail().x, pad = ImGui::GetStyle().FramePadding.x;
   ImGui::SetNextItemWidth(width);
   const std::string now = fitted(shown, width - ImGui::GetFrameHeight() - 2.0f * pad);
   if (!control.whyNot.empty()) {
@@ -96,22 +122,22 @@ void drawList(const Control& control, Asked& asked) {
 
 /// Draws a control, and asks for what the user does with it. What cannot be done says why under the mouse.
 /// @param right  edge of its key; 0 = that of the panel
-void drawControl(const Control& control, Asked& asked, float right) {
+void drawControl(const PanelLayout& layout, const Control& control, Asked& asked, float right) {
   ImGui::PushID(control.name);
   ImGui::BeginDisabled(!control.whyNot.empty());
   switch (control.kind) {
     case ControlKind::kToggle:
-      drawToggle(control, asked, right);
+      drawToggle(layout, control, asked, right);
       break;
     case ControlKind::kButton:
-      drawButton(control, asked);
+      drawButton(layout, control, asked);
       break;
     case ControlKind::kNumber:
-      drawNumber(control, asked);
+      drawNumber(layout, control, asked);
       break;
     case ControlKind::kList:
     case ControlKind::kFiles:
-      drawList(control, asked);
+      drawList(layout, control, asked);
       break;
     case ControlKind::kOther:
       ImGui::EndDisabled();
@@ -141,7 +167,7 @@ void drawControls(const PanelLayout& layout, const Controls& controls, ControlId
                        ImGui::CalcTextSize(control.label).x < layout.of(kSmallSwitch);
     const bool two = small && width >= layout.of(220.0f);
     if (two && second) ImGui::SameLine(left + 0.5f * (width + gap));
-    drawControl(control, asked, two && !second ? left + 0.5f * (width - gap) : 0.0f);
+    drawControl(layout, control, asked, two && !second ? left + 0.5f * (width - gap) : 0.0f);
     second = two && !second;
   }
 }
@@ -165,7 +191,7 @@ void drawWhoPanel(PanelLayout& layout, const WindowValues& values, const Control
   if (open) {
     drawControls(layout, controls, ControlId::kCharacter, ControlId::kMirror, asked);
     if (!values.hint.empty()) {
-      ImGui::PushStyleColor(ImGuiCol_Text, kFaint);
+      ImGui::PushStyleColor(ImGuiCol_Text, inkOf(layout.colors->faint));
       ImGui::TextWrapped("%.*s", static_cast<int>(values.hint.size()), values.hint.data());
       ImGui::PopStyleColor();
     }

@@ -13,66 +13,75 @@
 namespace lorica {
 namespace {
 
-constexpr ImU32 kPlate = IM_COL32(22, 26, 33, 224);
-constexpr ImU32 kInk = IM_COL32(236, 240, 245, 255);
-constexpr ImU32 kAmber = IM_COL32(255, 190, 84, 255);
-constexpr ImU32 kRed = IM_COL32(235, 78, 70, 255);
-
-const ImVec4 kTitle(0.55f, 0.82f, 1.0f, 1.0f), kGrey(0.40f, 0.43f, 0.48f, 1.0f);
-
 constexpr double kDotSeconds = 0.4;
-constexpr float kKeys = 104.0f, kColumn = 366.0f;  // widths in the help
+constexpr float kKeys = 110.0f, kBetween = 28.0f;  // widths in the help
 
 bool isHelped(const Control& control) {
   return control.isOn(on_screen::kWindow) && *control.keys != '\0';
+}
+
+const char* wordsOf(const Control& control) {
+  return *control.help != '\0' ? control.help : control.label;
+}
+
+/// On a plate of their own.
+void drawKeys(const PanelLayout& layout, const char* keys) {
+  const ImVec2 corner = ImGui::GetCursorScreenPos(), size = ImGui::CalcTextSize(keys);
+  const float pad = layout.of(5.0f);
+  ImGui::GetWindowDrawList()->AddRectFilled(ImVec2(corner.x, corner.y),
+                                            ImVec2(corner.x + size.x + 2.0f * pad, corner.y + size.y),
+                                            ImGui::GetColorU32(ImGuiCol_FrameBg), layout.of(5.0f));
+  ImGui::SetCursorPosX(ImGui::GetCursorPosX() + pad);
+  ImGui::TextUnformatted(keys);
 }
 
 /// The controls of some groups that have keys.
 void drawColumn(std::span<const ControlGroup> groups, const PanelLayout& layout, const Controls& controls) {
   ImGui::BeginGroup();
   for (const ControlGroup group : groups) {
-    ImGui::TextColored(kTitle, "%s", kControlGroups[static_cast<std::size_t>(group)]);
+    ImGui::TextUnformatted(kControlGroups[static_cast<std::size_t>(group)]);
     for (const Control& control : controls) {
       if (control.group != group || !isHelped(control)) continue;
       const bool works = !control.absent && control.whyNot.empty();
-      ImGui::TextColored(works ? ImGui::GetStyle().Colors[ImGuiCol_Text] : kGrey, "%s", control.keys);
+      ImGui::BeginDisabled(!works);
+      drawKeys(layout, control.keys);
       ImGui::SameLine(layout.of(kKeys));
-      ImGui::TextColored(works ? kFaint : kGrey, "%s", *control.help != '\0' ? control.help : control.label);
+      ImGui::TextDisabled("%s", wordsOf(control));
+      ImGui::EndDisabled();
     }
   }
   ImGui::EndGroup();
 }
 
-std::size_t linesOf(std::span<const ControlGroup> groups, const Controls& controls) {
-  std::size_t lines = groups.size();
+/// Lines and width of a column of the help.
+ImVec2 sizeOf(std::span<const ControlGroup> groups, const PanelLayout& layout, const Controls& controls) {
+  ImVec2 size(0.0f, static_cast<float>(groups.size()));
   for (const Control& control : controls) {
-    if (isHelped(control) && std::find(groups.begin(), groups.end(), control.group) != groups.end()) ++lines;
+    if (!isHelped(control) || std::find(groups.begin(), groups.end(), control.group) == groups.end()) continue;
+    size.x = std::max(size.x, layout.of(kKeys) + ImGui::CalcTextSize(wordsOf(control)).x);
+    size.y += 1.0f;
   }
-  return lines;
+  return size;
 }
 
 constexpr std::array kLeft = {ControlGroup::kCamera, ControlGroup::kTime, ControlGroup::kThings};
 constexpr std::array kRight = {ControlGroup::kLook, ControlGroup::kScreen};
 
 /// A message on its own plate, centred horizontally and not over open panels. The next one is placed below.
-void drawPlate(PanelLayout& layout, std::string_view text, ImU32 ink, ImU32 mark) {
+void drawPlate(PanelLayout& layout, std::string_view text, std::uint32_t plate, std::uint32_t ink) {
   const float top = layout.ceiling;
   ImDrawList& list = *ImGui::GetForegroundDrawList();
   const char* begin = text.data();
   const char* end = begin + text.size();
-  const float pad = layout.of(8.0f), bar = layout.of(4.0f);
+  const float padX = layout.of(14.0f), padY = layout.of(7.0f);
   const float panel = layout.small() || layout.panels.empty() ? 0.0f : layout.of(kPanelWidth) + layout.margin();
-  const float wrap = layout.width - 2.0f * (panel + layout.margin() + pad) - bar;
+  const float wrap = layout.width - 2.0f * (panel + layout.margin() + padX);
   const ImVec2 size = ImGui::CalcTextSize(begin, end, false, wrap);
-  const float left = std::round(0.5f * (layout.width - size.x - 2.0f * pad - bar));
-  const ImVec2 corner(left + size.x + 2.0f * pad + bar, top + size.y + pad);
-  list.AddRectFilled(ImVec2(left, top), corner, kPlate, layout.of(5.0f));
-  if (mark != 0) {
-    list.AddRectFilled(ImVec2(left, top), ImVec2(left + bar, corner.y), mark, layout.of(5.0f),
-                       ImDrawFlags_RoundCornersLeft);
-  }
-  list.AddText(nullptr, 0.0f, ImVec2(left + bar + pad, top + std::round(0.5f * pad)), ink, begin, end, wrap);
-  layout.ceiling = corner.y + layout.of(4.0f);
+  const float left = std::round(0.5f * (layout.width - size.x) - padX);
+  const ImVec2 corner(left + size.x + 2.0f * padX, top + size.y + 2.0f * padY);
+  list.AddRectFilled(ImVec2(left, top), corner, inkOf(plate), layout.of(12.0f));
+  list.AddText(nullptr, 0.0f, ImVec2(left + padX, top + padY), inkOf(ink), begin, end, wrap);
+  layout.ceiling = corner.y + layout.of(6.0f);
 }
 
 }  // namespace
@@ -82,14 +91,17 @@ void drawMessages(PanelLayout& layout, const WindowValues& values, bool all) {
   if (layout.small() && !layout.panels.empty()) {
     layout.ceiling = std::max(layout.ceiling + layout.of(kPanelLine + 12.0f), layout.titles + layout.of(4.0f));
   }
+  const PanelColors& c = *layout.colors;
   if (all) {
-    for (const std::string& warning : values.warnings) drawPlate(layout, warning, kAmber, kAmber);
+    for (const std::string& warning : values.warnings) drawPlate(layout, warning, c.warn, c.warnText);
     if (values.videoSeconds >= 0.0) {
-      drawPlate(layout, fmt::format("video {:.1f} s, V to stop", values.videoSeconds), kInk, kRed);
+      drawPlate(layout, fmt::format("video {:.1f} s, V to stop", values.videoSeconds), c.bad, c.badText);
     }
   }
-  if (values.typed) drawPlate(layout, fmt::format("file to open: {}_   (enter, or esc)", *values.typed), kInk, kAmber);
-  if (!values.notice.empty()) drawPlate(layout, values.notice, kInk, values.problem ? kRed : 0);
+  const std::uint32_t panel = c.panel | 0xff;
+  if (values.typed) drawPlate(layout, fmt::format("file to open: {}_   (enter, or esc)", *values.typed), panel, c.text);
+  if (values.notice.empty()) return;
+  values.problem ? drawPlate(layout, values.notice, c.bad, c.badText) : drawPlate(layout, values.notice, panel, c.text);
 }
 
 void drawLoading(PanelLayout& layout, const WindowValues& values, Asked& asked) {
@@ -116,9 +128,9 @@ void drawLoading(PanelLayout& layout, const WindowValues& values, Asked& asked) 
 void drawHelp(PanelLayout& layout, const Controls& controls) {
   // Below the warnings and above the transport. If that is too small, it covers the transport and scrolls if needed.
   constexpr float kTitleAndPads = 46.0f;
-  const bool two = layout.width >= layout.of(2.0f * kColumn) + 4.0f * layout.margin();
-  const std::size_t left = linesOf(kLeft, controls), right = linesOf(kRight, controls);
-  const std::size_t lines = two ? std::max(left, right) : left + right;
+  const ImVec2 left = sizeOf(kLeft, layout, controls), right = sizeOf(kRight, layout, controls);
+  const bool two = layout.width >= left.x + right.x + layout.of(kBetween) + 5.0f * layout.margin();
+  const float lines = two ? std::max(left.y, right.y) : left.y + right.y;
   const float wanted = ImGui::GetTextLineHeightWithSpacing() * lines + layout.of(kTitleAndPads);
   const float top = layout.ceiling;
   const float above = layout.panels.empty() ? layout.height - layout.margin() : layout.floor - layout.of(4.0f);
@@ -130,7 +142,7 @@ void drawHelp(PanelLayout& layout, const Controls& controls) {
   ImGui::SetNextWindowFocus();
   ImGui::Begin("Keys and mouse", nullptr, kFixed | ImGuiWindowFlags_AlwaysAutoResize | ImGuiWindowFlags_NoCollapse);
   drawColumn(kLeft, layout, controls);
-  if (two) ImGui::SameLine(layout.of(kColumn));
+  if (two) ImGui::SameLine(left.x + layout.of(kBetween));
   drawColumn(kRight, layout, controls);
   notePanel(layout);
   ImGui::End();

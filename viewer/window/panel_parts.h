@@ -1,6 +1,7 @@
 #pragma once
 
 #include "geometry/result.h"
+#include "viewer/renderer/panel_colors.h"
 #include "viewer/renderer/window_values.h"
 #include "viewer/window/free_area.h"
 #include "viewer/window/time_graph.h"
@@ -8,6 +9,7 @@
 #include <imgui.h>
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -19,12 +21,15 @@ namespace lorica {
 inline constexpr ImGuiWindowFlags kFixed = ImGuiWindowFlags_NoMove | ImGuiWindowFlags_NoResize |
                                            ImGuiWindowFlags_NoSavedSettings | ImGuiWindowFlags_NoNav |
                                            ImGuiWindowFlags_NoFocusOnAppearing;
-inline const ImVec4 kFaint(0.62f, 0.66f, 0.72f, 1.0f);
+
+[[nodiscard]] constexpr ImU32 inkOf(std::uint32_t color) {
+  return IM_COL32(color >> 24, color >> 16 & 0xff, color >> 8 & 0xff, color & 0xff);
+}
 
 /// Height of a line of text at scale 1 [pixels].
 inline constexpr float kPanelLine = 18.0f;
 /// Width of the panels at the sides at scale 1 [pixels].
-inline constexpr float kPanelWidth = 264.0f;
+inline constexpr float kPanelWidth = 300.0f;
 
 /// Layout of the panels in the picture [pixels]: transport at the bottom, who and what on the left, look and numbers on
 /// the right; the centre stays free.
@@ -45,10 +50,11 @@ struct PanelLayout {
   }
   /// Converts a size at scale 1.
   [[nodiscard]] float of(float pixels) const { return pixels * unit; }
-  [[nodiscard]] float margin() const { return of(10.0f); }
+  [[nodiscard]] float margin() const { return of(12.0f); }
   /// Whether the picture is too small for panels to be open by default.
   [[nodiscard]] bool small() const { return width < of(900.0f) || height < of(540.0f); }
 
+  const PanelColors* colors = nullptr;
   float unit = 1.0f;
   float width = 1.0f, height = 1.0f;  ///< of the picture
   float floor = 1.0f;                 ///< top of the transport
@@ -73,8 +79,23 @@ void notePanel(PanelLayout& layout);
 /// The width of a slider with its value beside it, where the knob does not cover it. @param longest  text of a value
 [[nodiscard]] float besideSlider(float room, const std::string& longest);
 
-/// Sets a dark, translucent style for text of height kPanelLine * scale.
-void setPanelStyle(float scale);
+/// Sets the style for text of height kPanelLine * scale.
+void setPanelStyle(const PanelColors& colors, float scale);
+
+/// A slider without a number on it: a line that is filled up to a round knob. As ImGui::SliderFloat().
+bool drawSlider(const PanelLayout& layout, const char* id, float width, float& value, float least, float most);
+
+/// While it exists, buttons have the colour of what is chosen, or is done most.
+class Strong {
+ public:
+  explicit Strong(const PanelLayout& layout, bool on = true);
+  ~Strong() { ImGui::PopStyleColor(count_); }
+  Strong(const Strong&) = delete;
+  Strong& operator=(const Strong&) = delete;
+
+ private:
+  int count_ = 0;
+};
 
 void drawTransport(PanelLayout& layout, const WindowValues& values, const Controls& controls, Asked& asked);
 /// The avatar, its motion and its world.
@@ -122,7 +143,7 @@ class WindowPanels {
   };
   void takeInput(const PanelInput& input);
   void noteCharacters(const WindowValues& values);
-  void takeScale(float wanted);
+  void takeStyle(float wantedScale, const SceneOptions& show);
   void noteFreeArea(const WindowValues& values);
 
   std::unique_ptr<ImGuiContext, End> context_;

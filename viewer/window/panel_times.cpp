@@ -11,8 +11,6 @@ constexpr std::array<ImU32, TimeGraph::kMaxStages> kStageColors = {
     IM_COL32(94, 168, 255, 255),  IM_COL32(120, 214, 166, 255), IM_COL32(240, 205, 98, 255),
     IM_COL32(240, 142, 92, 255),  IM_COL32(214, 122, 200, 255), IM_COL32(150, 150, 240, 255),
     IM_COL32(170, 190, 200, 255), IM_COL32(210, 100, 110, 255)};
-constexpr ImU32 kLine = IM_COL32(255, 255, 255, 40);
-constexpr ImU32 kFaintText = IM_COL32(158, 168, 184, 255);
 
 /// Upper end of the scale [ms]: one of a few values, so that it rarely changes.
 double scaleFor(double milliseconds) {
@@ -59,11 +57,13 @@ void drawNumbersPanel(PanelLayout& layout, const WindowValues& values, const Tim
     ImGui::Dummy(size);
     drawBars(times, corner, size, scale);
     ImDrawList& list = *ImGui::GetWindowDrawList();
-    list.AddLine(ImVec2(corner.x, corner.y + size.y), ImVec2(corner.x + size.x, corner.y + size.y), kLine);
-    list.AddLine(corner, ImVec2(corner.x + size.x, corner.y), kLine);
+    list.AddLine(ImVec2(corner.x, corner.y + size.y), ImVec2(corner.x + size.x, corner.y + size.y),
+                 inkOf(layout.colors->line));
+    list.AddLine(corner, ImVec2(corner.x + size.x, corner.y), inkOf(layout.colors->line));
     std::array<char, 32> label{};
     std::snprintf(label.data(), label.size(), "%g ms", scale);
-    list.AddText(ImVec2(corner.x + layout.of(2.0f), corner.y + layout.of(1.0f)), kFaintText, label.data());
+    list.AddText(ImVec2(corner.x + layout.of(2.0f), corner.y + layout.of(1.0f)), inkOf(layout.colors->faint),
+                 label.data());
     double total = 0.0;
     for (int s = times.stageCount() - 1; s >= 0; --s) {  // same order as in the bars, from the top
       const ImVec2 position = ImGui::GetCursorScreenPos();

@@ -1,4 +1,5 @@
 #include "viewer/window/window.h"
+#include "viewer/renderer/text.h"
 
 #include "geometry/errors.h"
 #include "geometry/hard_stop.h"
@@ -89,7 +90,8 @@ struct Color {
   float red, green, blue;  // sRGB
 };
 
-constexpr Color kSky{0.85f, 0.87f, 0.89f}, kPanel{0.14f, 0.16f, 0.19f}, kBar{0.26f, 0.30f, 0.37f};
+constexpr Color kSky{0.85f, 0.87f, 0.89f}, kPanel{0.98f, 0.98f, 0.99f}, kBar{0.83f, 0.85f, 0.89f};  // of kLightPanels
+constexpr Color kInk{0.11f, 0.14f, 0.19f};
 
 void fill(const GlFunctions& gl, const Color& color, int left, int bottom, int width, int height) {
   gl.Scissor(left, bottom, width, height);
@@ -97,16 +99,25 @@ void fill(const GlFunctions& gl, const Color& color, int left, int bottom, int w
   gl.Clear(GL_COLOR_BUFFER_BIT);
 }
 
-/// Draws what a window shows before anything else can be drawn: the background with an empty progress bar, without
-/// shaders and fonts. Into the bound framebuffer.
+/// Draws what a window shows before anything else can be drawn: the background with a word and an empty progress bar,
+/// without shaders. Into the bound framebuffer.
 void drawFirstPicture(const GlFunctions& gl, int width, int height) {
   gl.Enable(GL_SCISSOR_TEST);
   fill(gl, kSky, 0, 0, width, height);
   // Where the panels show what is loading.
   const int margin = std::max(1, height / 72), panelWidth = width / 4 + 2 * margin;
   const int left = (width - panelWidth) / 2, bottom = height - 5 * margin;
-  fill(gl, kPanel, left, bottom, panelWidth, 4 * margin);
-  fill(gl, kBar, left + margin, bottom + margin, panelWidth - 2 * margin, 2 * margin);
+  fill(gl, kPanel, left, bottom - 3 * margin, panelWidth, 7 * margin);
+  fill(gl, kBar, left + margin, bottom - 2 * margin, panelWidth - 2 * margin, margin);
+  const TextMask word = drawText("Starting ...", std::clamp(2 * margin, 12, 64));
+  for (int y = 0; y < word.height; ++y) {
+    const std::uint8_t* row = word.coverage.data() + static_cast<std::ptrdiff_t>(y) * word.width;
+    for (int x = 0, end = 0; x < word.width; x = end + 1) {  // what is mostly covered, from x to before end
+      for (end = x; end < word.width && row[end] > 127; ++end) {
+      }
+      if (end > x) fill(gl, kInk, left + margin + x, bottom + 3 * margin - y, end - x, 1);
+    }
+  }
   gl.Disable(GL_SCISSOR_TEST);
 }
 

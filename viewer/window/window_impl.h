@@ -114,6 +114,7 @@ struct Window::Impl {
   std::string noticeText;
   double noticeUntil = 0.0;  ///< [s]
   bool noticeIsProblem = false;
+  double endAsked = -1e9;  ///< when Escape was pressed last in a live session [s]
   std::optional<WindowVideo> video;
 
   /// What a drag with a pressed button controls.

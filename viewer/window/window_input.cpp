@@ -128,8 +128,12 @@ void Window::Impl::onKey(int key, int mods, bool repeats) {
   if (key == GLFW_KEY_F3) lookFrom(0.5 * std::numbers::pi, kPresetElevation);
   if (key == GLFW_KEY_F4) lookFrom(std::numbers::pi, kPresetElevation);
   if (key == GLFW_KEY_F5) lookFrom(0.0, 0.5 * std::numbers::pi);
-  if (key != GLFW_KEY_ESCAPE || panels->closeList()) return;
+  if (key != GLFW_KEY_ESCAPE || panels->closeList() || dialog.isOpen()) return;
   if (choices.help) return asked.ask({.id = ControlId::kHelp});
+  const bool live = controls[ControlId::kSeek].absent;
+  if (live && now() > std::exchange(endAsked, now()) + kNoticeSeconds) {
+    return setNotice("Escape once more ends the session", kNoticeSeconds);
+  }
   glfwSetWindowShouldClose(window, GLFW_TRUE);
 }
 

@@ -70,15 +70,19 @@ void WindowPanels::noteCharacters(const WindowValues& values) {
   });
 }
 
-void WindowPanels::takeScale(float wanted) {
+void WindowPanels::takeStyle(float wantedScale, const SceneOptions& show) {
+  const bool dark = show.background ? show.background->maxCoeff() < 0.5f : show.dark;
+  const PanelColors* colors = dark ? &kDarkPanels : &kLightPanels;
   // Font sizes are whole pixels, so tiny changes have no effect.
-  const float rounded = std::clamp(std::round(wanted * 4.0f) / 4.0f, 0.5f, 8.0f);
-  if (rounded == scale_ && !std::exchange(fontLacks_, false)) return;
-  scale_ = rounded;
-  layout_.unit = scale_;
+  const float rounded = std::clamp(std::round(wantedScale * 4.0f) / 4.0f, 0.5f, 8.0f);
+  const bool newFont = rounded != scale_ || std::exchange(fontLacks_, false);
+  if (!newFont && colors == layout_.colors) return;
+  layout_.colors = colors;
+  layout_.unit = scale_ = rounded;
+  setPanelStyle(*colors, scale_);
+  if (!newFont) return;
   fillPanelFont(*ImGui::GetIO().Fonts, std::lround(kPanelLine * scale_), beyond_);
   ImGui_ImplOpenGL3_DestroyDeviceObjects();  // the next frame makes them, with the new font
-  setPanelStyle(scale_);
 }
 
 void WindowPanels::takeInput(const PanelInput& input) {
@@ -119,16 +123,18 @@ void WindowPanels::draw(const PanelInput& input, const WindowValues& values, con
                         const Controls& controls, Asked& asked) {
   ImGui::SetCurrentContext(context_.get());
   noteCharacters(values);
-  takeScale(input.scale);
+  takeStyle(input.scale, asked.choices.show);
   takeInput(input);
   ImGui_ImplOpenGL3_NewFrame();
   ImGui::NewFrame();
   layout_.begin(input.width, input.height);
   if (asked.choices.panels && !values.empty()) {
     drawTransport(layout_, values, controls, asked);
-    drawWhoPanel(layout_, values, controls, asked);
-    drawLookPanel(layout_, controls, asked);
-    drawNumbersPanel(layout_, values, times);
+    if (!asked.choices.help || layout_.small()) {  // help takes the whole width
+      drawWhoPanel(layout_, values, controls, asked);
+      drawLookPanel(layout_, controls, asked);
+      drawNumbersPanel(layout_, values, times);
+    }
   }
   noteFreeArea(values);
   if (!values.loading.empty()) drawLoading(layout_, values, asked);  // stays where it is: its button is clicked

@@ -3,7 +3,10 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/value_of.h"
 #include "tests/viewer/page/test_client.h"
+#include "viewer/page/page_files.h"
+#include "viewer/renderer/panel_colors.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,6 +65,34 @@ struct Watched {
 
 Json ray(const char* type, double x, int hand = 0) {
   return {{"type", type}, {"hand", hand}, {"origin", {x, 1, 0}}, {"direction", {0, 0, -1}}, {"forward", {0, 0, -1}}};
+}
+
+/// The window has the page's colours: those of page.css by the same names, in light and dark.
+TEST(Page, HasTheColoursOfTheWindow) {
+  const PageFile* file = pageFile("/page.css");
+  if (!pageBuilt()) GTEST_SKIP() << "the page is not built (node and npm)";
+  ASSERT_NE(file, nullptr);
+  const std::string css(reinterpret_cast<const char*>(file->bytes.data()), file->bytes.size());
+  std::size_t from = 0;
+  for (const PanelColors& colors : {kLightPanels, kDarkPanels}) {
+    const std::pair<const char*, std::uint32_t> all[] = {{"text", colors.text},          {"faint", colors.faint},
+                                                         {"panel", colors.panel},        {"raised", colors.raised},
+                                                         {"line", colors.line},          {"strong", colors.strong},
+                                                         {"on-strong", colors.onStrong}, {"warn", colors.warn},
+                                                         {"warn-text", colors.warnText}, {"bad", colors.bad},
+                                                         {"bad-text", colors.badText}};
+    for (const auto& [name, color] : all) {
+      const std::string key = fmt::format("--{}:", name);
+      const std::size_t at = css.find(key, from);
+      ASSERT_NE(at, std::string::npos) << key;
+      const std::size_t begin = css.find('#', at) + 1, end = css.find_first_not_of("0123456789abcdef", begin);
+      std::string digits = css.substr(begin, end - begin);
+      if (digits.size() == 3) digits = {digits[0], digits[0], digits[1], digits[1], digits[2], digits[2]};
+      if (digits.size() == 6) digits += "ff";
+      EXPECT_EQ(digits, fmt::format("{:08x}", color)) << key;
+    }
+    from = css.find("dark)");  // the second rule
+  }
 }
 
 TEST(PageScreen, ClientsChooseAsPeopleAtAWindowDo) {

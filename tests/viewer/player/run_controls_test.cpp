@@ -6,6 +6,7 @@
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
 #include "viewer/player/run.h"
+#include "viewer/player/snapshots.h"
 #include "viewer/player/window_opener.h"
 #include "viewer/player/window_settings.h"
 
@@ -97,6 +98,35 @@ TEST(RunControls, AnUndoThatCannotBeDoneSwallowsNoRelease) {
   EXPECT_EQ(valueOf(play(*run, shown, host)), RunEnd::kClosed);
   EXPECT_TRUE(held) << "there was something to let go";
   EXPECT_EQ(screen.said, std::vector<std::string>{"what happened live cannot be undone"});
+}
+
+TEST(RunControls, ADarkRoomIsKeptUntilTheCommandSaysOtherwise) {
+  const test::TemporaryFolder home;
+  ::setenv("XDG_CONFIG_HOME", home.path().c_str(), 1);
+  // @return whether the room was dark at first
+  const auto wasDark = [](const Background* background, double chosen) {
+    Host host;
+    CastRequest request;
+    request.motion = "walk";
+    const auto run = valueOf(Run::start(valueOf(prepareCast(request, host)), {}, host));
+    ScriptedScreen screen;
+    bool dark = false;
+    int turns = 0;
+    screen.turn = [&](ScriptedScreen& self) -> std::vector<Change> {
+      if (turns == 0) dark = self.choices().show.dark;
+      if (turns == 0) self.asked().ask({.id = ControlId::kBackground, .to = chosen});
+      self.ended = ++turns > 1;
+      return {};
+    };
+    Shown shown{&screen, {}, nullptr, {}};
+    shown.background = background;
+    EXPECT_EQ(valueOf(play(*run, shown, host)), RunEnd::kClosed);
+    return dark;
+  };
+  const Background light;
+  EXPECT_FALSE(wasDark(nullptr, 1.0));
+  EXPECT_TRUE(wasDark(nullptr, 1.0)) << "chosen in the window before";
+  EXPECT_FALSE(wasDark(&light, 0.0));
 }
 
 /// What a run cannot do is greyed, and what it does not have is absent; neither is done, whoever asks for it.

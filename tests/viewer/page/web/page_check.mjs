@@ -283,7 +283,9 @@ const parts = {
     await page.keyboard.press('2');
     await page.keyboard.press('h');
     await shot(page, 'desktop_help');
-    await page.keyboard.press('Escape');
+    result.helpFits = await page.$eval('#help', (help) => help.open && help.scrollHeight <= help.clientHeight);
+    await page.keyboard.press('h'); // closes what it opened
+    result.helpStays = await page.$eval('#help', (help) => help.open);
     await page.select('#panel select:has(option[value=automatic])', 'low');
     await page.focus('#view');
     await page.keyboard.press('f'); // the camera stays

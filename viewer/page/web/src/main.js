@@ -274,7 +274,7 @@ const actions = {
   help: () => {
     const rows = Object.values(panel.controls).filter(({ keys }) => keys);
     const lines = [...kHelp, ...rows.map(({ keys, help: what, label }) => [keys, what ?? label])];
-    help.querySelector('table').replaceChildren(
+    help.querySelector('tbody').replaceChildren(
       ...lines.map(([keys, what]) => row(make('kbd', {}, keys), what)),
     );
     help.showModal();
@@ -361,14 +361,18 @@ for (const type of ['dragenter', 'dragover', 'dragleave', 'drop'])
 const help = document.getElementById('help');
 help.append(
   make('h2', {}, 'Keys and pointer'),
-  make('table'),
+  make('table', {}, make('tbody')),
   make('form', { method: 'dialog' }, make('button', { className: 'wide' }, 'Close')),
 );
 
 addEventListener('keydown', (event) => {
   const on = event.target.closest?.('select, input, button, summary, a, dialog'),
     { key } = event;
-  if (event.ctrlKey || event.metaKey || event.altKey || help.open || on?.matches('select')) return;
+  if (event.ctrlKey || event.metaKey || event.altKey || on?.matches('select')) return;
+  if (help.open) {
+    if (key.toUpperCase() === 'H') help.close();
+    return;
+  }
   if (on && (key === ' ' || (on.matches('[type=range]') && /^(Arrow|Home)/.test(key)))) return; // the control's own keys
   const name = kKeyNames[key] ?? key.toUpperCase(),
     [control, by] = named(name);

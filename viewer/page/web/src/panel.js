@@ -354,8 +354,9 @@ export class Panel {
     document.body.classList.remove('waiting');
     const f = this.#fields;
     f.watched.hidden = !hello?.watched;
-    const licences = [...new Set((hello?.avatars ?? []).map((avatar) => avatar.licence).filter(Boolean))];
-    f.licence.textContent = licences.join(' ');
+    const shared = location.protocol === 'https:'; // by --lan; else nobody but this machine gets it
+    const licences = (hello?.avatars ?? []).filter((avatar) => avatar.licence).map((avatar) => `${avatar.name}: ${avatar.licence}`);
+    f.licence.textContent = shared ? [...new Set(licences)].join(' ') : '';
     this.#fill(f.hits, 'hits', state.hits ?? [], ({ name, hits }) => row(name, hits));
     this.#showPause();
     if (!f.timeline.held) {
