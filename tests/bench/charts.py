@@ -157,10 +157,10 @@ class Page:
             self.worse.append((what, f"{shown(ours)} {unit}".strip(), who, f"{shown(theirs)} {unit}".strip()))
 
 
-def without_avx512(page, name, ratio):
-    """A sentence: the same benchmark without AVX-512, which many processors lack."""
+def without_avx512(page, name, what, ratio):
+    """A sentence on a ratio: of the same benchmark without AVX-512, too, which many processors lack."""
     (rows, _), (other, _) = page.read(name), page.read(name + "_avx2")
-    return f"The ratio is {ratio(rows):.3g} with AVX-512, and {ratio(other):.3g} where the same program is held to AVX2."
+    return f"{what} is {ratio(rows):.3g} with AVX-512, and {ratio(other):.3g} where the same program is held to AVX2."
 
 
 def live(page):
@@ -177,8 +177,8 @@ def live(page):
         page.compare(f"a frame of a character, {who.removeprefix('Lorica, ')}", "us", value, "skinning its mesh", skinning)
     page.section("A frame of a character", "Hulls of 16 parts of the mannequin in all six motions at 60 Hz, on one core: median "
                  "CPU time of a frame. Skinning moves the same mesh with its cut points; Bullet builds the same hulls from them. "
-                 + without_avx512(page, "live", lambda rows: next(float(row["cpu_ratio"]) for row in rows if row["what"] == "hulls with faces"))
-                 .replace("The ratio", "Bullet over exact hulls"),
+                 + without_avx512(page, "live", "Bullet over exact hulls", lambda rows: next(
+                     float(row["cpu_ratio"]) for row in rows if row["what"] == "hulls with faces")),
                  about, live=bars("A frame of a character", "us", [("", [*ours, ("skinning the mesh", skinning),
                                                                      ("Bullet's hulls", bullet)])], log=True))
 
@@ -432,7 +432,7 @@ def particles(page):
             page.compare(f"particles, {label}", "ms", float(row["cpu_ms"]), "a plain loop", float(row["reference_cpu_ms"]))
     page.section("Particles", f"{int(rows[0]['particles']):,} particles pushed out of a body: CPU time of a frame. The plain loop goes "
                  "particle by particle and hull by hull, and leaves some inside ([PARTICLES](PARTICLES.md)). "
-                 + without_avx512(page, "particles", lambda rows: float(rows[0]["ratio"])).replace("The ratio", "The loop over Lorica, first row,"),
+                 + without_avx512(page, "particles", "The loop over Lorica, first row,", lambda rows: float(rows[0]["ratio"])),
                  about,
                  particles=bars("Particles pushed out of a body", "ms", groups))
     pairs = [row for row in rows if row["threads"] == "1"], [row for row in rows if row["threads"] == "2"]

@@ -13,7 +13,7 @@ import tempfile
 
 folder = pathlib.Path(sys.argv[1]).resolve()
 groups = re.findall(r"^\*\*(.+?)\*\*$", pathlib.Path("docs/README.md").read_text(), re.M)
-PAGES = ["index.html", "md_docs_START.html", "md_docs_BENCHMARKS.html", "structlorica_1_1Decomposition.html", "lorica_8h.html"]
+PAGES = ["index.html", "page_docs_START.html", "page_docs_BENCHMARKS.html", "structlorica_1_1Decomposition.html", "lorica_8h.html"]
 SCRIPT = """
 const wrong = [], groups = %s, pages = %s;
 const wait = (ms) => new Promise((done) => setTimeout(done, ms));

@@ -13,7 +13,7 @@ def user(url, title):
     return f'<tab type="user" visible="yes" url={quoteattr(url)} title={quoteattr(title)}/>'
 
 
-tabs = ['<tab type="mainpage" visible="yes" title="Gallery"/>', user("@ref md_README", "README")]
+tabs = ['<tab type="mainpage" visible="yes" title="Gallery"/>', user("@ref page_README", "README")]
 readme = pathlib.Path("docs/README.md").read_text()
 for title, text in re.findall(r"^\*\*(.+?)\*\*\n(.*?)(?=^\*\*|\Z)", readme, re.M | re.S):
     tabs.append(f'<tab type="usergroup" visible="yes" title={quoteattr(title)}>')
@@ -21,7 +21,7 @@ for title, text in re.findall(r"^\*\*(.+?)\*\*\n(.*?)(?=^\*\*|\Z)", readme, re.M
         file = "docs/" + name if not name.startswith("../") else name[3:]
         heading = pathlib.Path(file + ".md").read_text().partition("\n")[0].lstrip("# ")
         if file != "docs/GALLERY":
-            tabs.append(user(f"@ref md_{file.replace('/', '_')}", heading.replace("`", "")))
+            tabs.append(user(f"@ref page_{file.replace('/', '_')}", heading.replace("`", "")))
     tabs.append("</tab>")
 tabs += [
     '<tab type="usergroup" visible="yes" title="Reference">',
