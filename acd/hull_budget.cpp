@@ -530,7 +530,8 @@ BudgetedHull simplifyHull(const ConvexHull& hull, int maxVertices) {
   found.push_back(tetrahedronAround(body));
   if (maxVertices >= 8) found.push_back(boxAround(body));
   if (ConvexHull shrunk = shrunkShell(body, maxVertices); !shrunk.degenerate()) found.push_back(std::move(shrunk));
-  std::sort(found.begin(), found.end(), [](const ConvexHull& a, const ConvexHull& b) { return a.volume < b.volume; });
+  std::stable_sort(found.begin(), found.end(),
+                   [](const ConvexHull& a, const ConvexHull& b) { return a.volume < b.volume; });
 
   for (const ConvexHull& candidate : found) {
     if (std::optional<BudgetedHull> best = fitted(candidate, axes, hull, body)) return std::move(*best);

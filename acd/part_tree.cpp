@@ -86,7 +86,11 @@ void PartTree::build(std::span<Item> items, std::int32_t node, std::int32_t firs
   Node& here = nodes_[node];
   here.first = first;
   here.last = first + countOf(items);
-  if (items.size() <= kLeafTriangles) return;
+  if (items.size() <= kLeafTriangles) {
+    // Libraries leave other orders behind; sums over a leaf are to be the same everywhere.
+    std::sort(items.begin(), items.end(), [](const Item& a, const Item& b) { return a.triangle < b.triangle; });
+    return;
+  }
   Vec3f low = items[0].center;
   Vec3f high = low;
   for (const Item& item : items) {

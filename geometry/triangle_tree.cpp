@@ -105,8 +105,10 @@ void TriangleTree::measure(Node& node, std::size_t first, std::size_t count) con
 void TriangleTree::build(std::size_t first, std::size_t count) {
   const std::size_t self = nodes_.size();
   nodes_.emplace_back();
-  measure(nodes_[self], first, count);
   if (count <= kLeafSize) {
+    // Libraries leave other orders behind; sums are to be the same everywhere.
+    std::sort(original_.begin() + first, original_.begin() + first + count);
+    measure(nodes_[self], first, count);
     nodes_[self].first = first;
     nodes_[self].count = count;
     return;
@@ -128,6 +130,7 @@ void TriangleTree::build(std::size_t first, std::size_t count) {
   build(first, half);
   nodes_[self].first = countOf(nodes_);
   build(first + half, count - half);
+  measure(nodes_[self], first, count);
 }
 
 double TriangleTree::windingNumber(const Vec3& p, std::size_t* looked) const {

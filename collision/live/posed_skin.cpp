@@ -16,7 +16,10 @@ constexpr double kFarAway = 1e12;  ///< where balls of the padding are [m]
 
 /// Sorts triangles so that each kGroup of them in turn lie close together.
 void gather(std::span<std::int32_t> triangles, std::span<const Vec3> middles) {
-  if (triangles.size() <= kGroup) return;
+  if (triangles.size() <= kGroup) {
+    std::ranges::sort(triangles);  // libraries leave other orders behind
+    return;
+  }
   Aabb box;
   for (const std::int32_t t : triangles) box.extend(middles[t]);
   int axis = 0;

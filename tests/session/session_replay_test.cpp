@@ -347,14 +347,14 @@ TEST_P(ShippedSession, ComesOutTheSameOnOneThreadAndTwoAndAsItAlwaysDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Recordings, ShippedSession,
-                         testing::Values(Known{"jumping_jacks", 2.0, 0x52f9c42bd78f9a4eu, 0xcdcbbdd727f2925eu},
-                                         Known{"punch_and_kick", 5.5, 0x6d9a07f0b75cd203u, 0x7fddd2ecf550fc49u},
-                                         Known{"punch_and_kick_noisy", 5.5, 0x5299778e5dc36832u, 0x2d7035a8d8b2bc0cu},
-                                         Known{"squat_and_reach", 2.0, 0xce4353d895f4f4a7u, 0x1eb565cbff25c9d0u},
-                                         Known{"turn_around", 2.0, 0x6fdcf9f49a826864u, 0x7dc41b469e1fd934u},
-                                         Known{"walk", 3.0, 0x8c0bfd5b7c7b85eeu, 0xa5aef2a0da67fe7fu},
-                                         Known{"walk_noisy", 3.0, 0x46fa3bdaa730b992u, 0x30a650aad056f6b5u},
-                                         Known{"wave", 2.0, 0xaad69ef71d59d5d7u, 0x57b36fd63f7bb435u}),
+                         testing::Values(Known{"jumping_jacks", 2.0, 0x7bdd095a7bff4158u, 0x51225b7a3633844au},
+                                         Known{"punch_and_kick", 5.5, 0x5a89cf76bb5a6073u, 0x63d32af8fbad6548u},
+                                         Known{"punch_and_kick_noisy", 5.5, 0xfc25369640325631u, 0x5a05ec79feb8a49eu},
+                                         Known{"squat_and_reach", 2.0, 0x6004f3f40c419f12u, 0xe187c34d1ab963e0u},
+                                         Known{"turn_around", 2.0, 0xed56417b00d47f4au, 0x5348e8e2d5ad342du},
+                                         Known{"walk", 3.0, 0x733c4ed235d2db11u, 0xa5aef2a0da67fe7fu},
+                                         Known{"walk_noisy", 3.0, 0x8b2044c1493cae45u, 0x7d8a05a41628aec8u},
+                                         Known{"wave", 2.0, 0x2af4ccc9a839bfcu, 0x57b36fd63f7bb435u}),
                          [](const auto& param) { return std::string(param.param.recording); });
 
 struct KnownParticles {

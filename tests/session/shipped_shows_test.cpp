@@ -223,8 +223,8 @@ TEST_P(KnownShow, ComesOutTheSameOnOneThreadAndTwoAndAsItAlwaysDid) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scenes, KnownShow,
-                         testing::Values(Known{"bridge", 0x2c21f08042c4ffa6u}, Known{"dominoes", 0xb2c95799529ef4fbu},
-                                         Known{"targets", 0xcbbb6ce97d01538eu}),
+                         testing::Values(Known{"bridge", 0x68f2f72c9cf0b44bu}, Known{"dominoes", 0x70bb75e533e37ed3u},
+                                         Known{"targets", 0x27a29718531130u}),
                          [](const auto& param) { return std::string(param.param.scene); });
 
 }  // namespace

@@ -86,8 +86,10 @@ int main() {
     const std::span<const LivePart> parts = body->parts();
     query.update({&parts, 1});
     for (int r = f * kRays / kFrames; r < (f + 1) * kRays / kFrames; ++r) {
-      const Vec3 origin(4.0 * random(state) - 2.0, 2.0 * random(state), 3.0);
-      const Vec3 target(random(state) - 0.5, 1.8 * random(state), 0.0);
+      double numbers[4];  // arguments of a call have no order
+      for (double& number : numbers) number = random(state);
+      const Vec3 origin(4.0 * numbers[0] - 2.0, 2.0 * numbers[1], 3.0);
+      const Vec3 target(numbers[2] - 0.5, 1.8 * numbers[3], 0.0);
       const HullHit hit = query.nearest({origin, target - origin});
       const double found[] = {hit ? hit.distance : -1.0, hit ? hit.position.x() : 0.0, hit ? hit.normal.y() : 0.0};
       hits = hashOfRange(std::span<const double>(found), hits);
