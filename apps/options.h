@@ -1,9 +1,9 @@
 #pragma once
 
 #include "apps/report.h"
+#include "collision/hulls/host.h"
 #include "geometry/result.h"
 #include "geometry/work_budgets.h"
-#include "session/prepare/host.h"
 
 #include <CLI/CLI.hpp>
 

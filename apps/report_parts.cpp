@@ -1,7 +1,7 @@
 #include "apps/report_parts.h"
 
+#include "collision/hulls/mesh_walls.h"
 #include "geometry/text.h"
-#include "session/prepare/mesh_walls.h"
 #include "viewer/player/run_statistics.h"
 
 #include <fmt/format.h>

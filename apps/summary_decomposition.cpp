@@ -1,11 +1,11 @@
 #include "acd/decomposition_file.h"
 #include "apps/file_summary.h"
 #include "apps/report_parts.h"
+#include "collision/hulls/cover_choice.h"
 #include "geometry/convex_hull.h"
 #include "geometry/counts.h"
 #include "geometry/files.h"
 #include "geometry/text.h"
-#include "session/prepare/cover_choice.h"
 
 #include <fmt/format.h>
 

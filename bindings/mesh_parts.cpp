@@ -1,15 +1,13 @@
 #include "bindings/mesh_parts.h"
 
 #include "bindings/program_host.h"
-#include "export/export_source.h"
+#include "collision/hulls/frame_hulls.h"
+#include "collision/hulls/hull_fit.h"
+#include "collision/hulls/mesh_subject.h"
+#include "collision/hulls/mesh_walls.h"
+#include "collision/hulls/quality.h"
 #include "geometry/errors.h"
 #include "geometry/work_budgets.h"
-#include "session/prepare/body.h"
-#include "session/prepare/frame_hulls.h"
-#include "session/prepare/hull_fit.h"
-#include "session/prepare/mesh_subject.h"
-#include "session/prepare/mesh_walls.h"
-#include "session/prepare/quality.h"
 
 #include <fmt/ranges.h>
 
@@ -19,32 +17,24 @@
 namespace lorica {
 namespace {
 
-Result<Subject> subjectOf(MeshSequence mesh, const MeshPartsSettings& settings, Host& host) {
-  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.hullVertices, settings.decompose.threads));
+CharacterOptions readingOf(const MeshPartsSettings& settings) {
   CharacterOptions reading;
   reading.body = settings.closed;
   reading.thickness = settings.thickness;
-  mesh.name = "mesh";
-  if (mesh.frameCount() <= 1) {
-    reading.walls = settings.walls;
-    return meshSubject(mesh.name, {std::move(mesh.positions), std::move(mesh.triangles)}, reading, host);
-  }
-  if (settings.hullVertices > 0)
-    return invalidArgument(
-        "hull_vertices: found {} for several frames, whose hulls are "
-        "exact: expected 0",
-        settings.hullVertices);
   if (settings.walls != WallChoice::kByReach) reading.walls = settings.walls;
-  LORICA_TRY(mesh, checkedSequence(std::move(mesh)));
-  return sequenceSubject(std::move(mesh), reading, host);
+  return reading;
 }
 
-std::string repairsOf(const Subject& subject) {
-  if (subject.character) return fmt::format("{}", fmt::join(subject.file->notes, "\n"));
-  if (!subject.rebuilt) return subject.repaired;
-  const std::string because = subject.rebuilt->problem.empty() ? "" : ", because " + subject.rebuilt->problem;
-  if (subject.rebuilt->shells > 0) return wallsInWords(*subject.rebuilt) + because;
-  return fmt::format("closed body built with voxels of {:.4g}{}", subject.rebuilt->resolution, because);
+Result<Subject> subjectOf(MeshSequence mesh, const MeshPartsSettings& settings, Host& host) {
+  CharacterOptions reading = readingOf(settings);
+  reading.walls = settings.walls;
+  return meshSubject("mesh", {std::move(mesh.positions), std::move(mesh.triangles)}, reading, host);
+}
+
+/// The hulls that are exported, which hold the mesh.
+Result<PartHulls> holding(const Subject& subject, Fit& fit) {
+  LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
+  return std::move(fit.exported);
 }
 
 MeshParts partsOf(const Subject& subject, PartHulls made, DecompositionFile content) {
@@ -62,31 +52,6 @@ MeshParts partsOf(const Subject& subject, PartHulls made, DecompositionFile cont
   result.repaired = repairsOf(subject);
   result.warning = doubtAboutHulls(meanErrorOf(result.errors));
   result.content = std::move(content);
-  return result;
-}
-
-/// Of a mesh in several poses. @param given  parts that were made before; null = to be made
-Result<MeshParts> partsOfFrames(const Subject& subject, const MeshPartsSettings& settings,
-                                const DecompositionFile* given, Host& host) {
-  const Character& character = *subject.character;
-  const std::optional<int> count = settings.keyframes > 0 ? std::optional(settings.keyframes) : std::nullopt;
-  LORICA_TRY(const Training training, trainingMotions(subject, {}));
-  LORICA_TRY(const Keyframes keyframes, prefixed("keyframes", trainingKeyframes(character, training, count)));
-  FitRequest request{subject, keyframes, nullptr, {}, false, settings.decompose};
-  request.settings.maxConcavity = settings.maxConcavity * concavityUnitOf(subject);
-  LORICA_TRY(const Fit fit,
-             given != nullptr ? fitOf(request, {given->decomposition, 0.0}, host) : fitHulls(request, host));
-  LORICA_TRY(const SkeletalMotion motion, framesOf(character.skeleton, subject.file->clips.front()));
-  Task task(host, "Hulls of the frames", "frames");
-  LORICA_TRY(FrameHulls frames,
-             hullsOfFrames(character, fit.held, std::span(&motion, 1), settings.decompose.threads, task.progress()));
-  MeshParts result;
-  result.keyframes = keyframesAmong(frames, {keyframes.positions, countOf(subject.mesh.vertices)});
-  result.frames = std::move(frames.hulls);
-  result.errors = std::move(frames.errors);
-  result.repaired = repairsOf(subject);
-  result.warning = doubtAboutHulls(meanErrorOf(result.errors));
-  result.content = given != nullptr ? *given : fileContent(request, &training, fit);
   return result;
 }
 
@@ -123,27 +88,44 @@ Result<MeshSequence> checkedMesh(std::span<const double> positions, std::size_t 
   return mesh;
 }
 
+std::string repairsOf(const Subject& subject) {
+  if (subject.character) return fmt::format("{}", fmt::join(subject.file->notes, "\n"));
+  if (!subject.rebuilt) return subject.repaired;
+  const std::string because = subject.rebuilt->problem.empty() ? "" : ", because " + subject.rebuilt->problem;
+  if (subject.rebuilt->shells > 0) return wallsInWords(*subject.rebuilt) + because;
+  return fmt::format("closed body built with voxels of {:.4g}{}", subject.rebuilt->resolution, because);
+}
+
 Result<MeshParts> partsOfMesh(MeshSequence mesh, const MeshPartsSettings& settings) {
+  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.hullVertices, settings.decompose.threads));
   ProgramHost host(settings.decompose.progress, settings.decompose.threads, settings.decompose.maxParts);
+  if (mesh.frameCount() > 1) return partsOfFrames(std::move(mesh), settings, readingOf(settings), nullptr, host);
   LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
-  if (subject.character) return partsOfFrames(subject, settings, nullptr, host);
   const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
   FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices}, true, settings.decompose};
   request.settings.maxConcavity = settings.maxConcavity * concavityUnitOf(subject);
   LORICA_TRY(Fit fit, fitHulls(request, host));
-  LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
-  return partsOf(subject, std::move(fit.exported), fileContent(request, nullptr, fit));
+  LORICA_TRY(PartHulls made, holding(subject, fit));
+  return partsOf(subject, std::move(made), fileContent(request, nullptr, fit));
 }
 
-Result<MeshParts> partsFromFile(const std::filesystem::path& file, MeshSequence mesh,
-                                const MeshPartsSettings& settings) {
+Result<EarlierParts> earlierPartsIn(const std::filesystem::path& file) {
+  LORICA_TRY(DecompositionFile content, readDecomposition(file));
+  return EarlierParts{file.string(), std::move(content)};
+}
+
+Result<MeshParts> partsAsBefore(EarlierParts earlier, MeshSequence mesh, const MeshPartsSettings& settings) {
+  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.hullVertices, settings.decompose.threads));
   ProgramHost host(settings.decompose.progress, settings.decompose.threads);
-  ExportSource source;
-  LORICA_TRY(source.subject, subjectOf(std::move(mesh), settings, host));
-  LORICA_TRY(source.content, readDecompositionOf(source.subject, file));
-  if (source.subject.character) return partsOfFrames(source.subject, settings, &source.content, host);
-  LORICA_TRY(PartHulls made, restHulls(source, settings.hullVertices, host));
-  return partsOf(source.subject, std::move(made), std::move(source.content));
+  if (mesh.frameCount() > 1) return partsOfFrames(std::move(mesh), settings, readingOf(settings), &earlier, host);
+  LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
+  LORICA_TRY_DO(checkMadeFrom(subject, earlier.content, earlier.from));
+  const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
+  FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices}, true, {}};
+  request.settings.threads = settings.decompose.threads;
+  LORICA_TRY(Fit fit, fitOf(request, {earlier.content.decomposition, 0.0}, host));
+  LORICA_TRY(PartHulls made, holding(subject, fit));
+  return partsOf(subject, std::move(made), std::move(earlier.content));
 }
 
 }  // namespace lorica

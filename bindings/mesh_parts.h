@@ -3,15 +3,17 @@
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
 #include "acd/transfer.h"
+#include "collision/hulls/frame_hulls.h"
+#include "collision/hulls/host.h"
+#include "collision/hulls/subject.h"
 #include "geometry/arrays/mesh_sequence.h"
 #include "geometry/convex_hull.h"
-#include "session/prepare/frame_hulls.h"
-#include "session/prepare/subject.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace lorica {
@@ -52,10 +54,24 @@ struct MeshParts {
 /// does. Threads and progress are those of the settings.
 [[nodiscard]] Result<MeshParts> partsOfMesh(MeshSequence mesh, const MeshPartsSettings& settings);
 
-/// The same parts as those of a file that was written before.
-/// @param mesh      the mesh that the file was made from, as it was then; or another with the same triangles
+/// Parts that were made before.
+struct EarlierParts {
+  std::string from;  ///< name of their file, for errors
+  DecompositionFile content;
+};
+[[nodiscard]] Result<EarlierParts> earlierPartsIn(const std::filesystem::path& file);
+
+/// The same parts again.
+/// @param mesh      the one that they were made from, as it was then; or another with the same triangles
 /// @param settings  only hullVertices, closed and threads are used
-[[nodiscard]] Result<MeshParts> partsFromFile(const std::filesystem::path& file, MeshSequence mesh,
+[[nodiscard]] Result<MeshParts> partsAsBefore(EarlierParts earlier, MeshSequence mesh,
                                               const MeshPartsSettings& settings);
+
+/// partsOfMesh() of a mesh in several poses. @param earlier  parts that were made before; null = to be made
+[[nodiscard]] Result<MeshParts> partsOfFrames(MeshSequence mesh, const MeshPartsSettings& settings,
+                                              const CharacterOptions& reading, const EarlierParts* earlier, Host& host);
+
+/// What was done to a mesh before, see MeshParts.
+[[nodiscard]] std::string repairsOf(const Subject& subject);
 
 }  // namespace lorica

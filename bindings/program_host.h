@@ -1,10 +1,11 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "collision/hulls/host.h"
 #include "geometry/result.h"
-#include "session/prepare/host.h"
 
 #include <atomic>
+#include <optional>
 #include <string>
 
 namespace lorica {
@@ -13,9 +14,11 @@ namespace lorica {
 /// @param hullVertices  of a hull: at least 4, or 0 for no limit
 [[nodiscard]] Result<void> checkCounts(int parts, int hullVertices, int threads);
 
-/// The program that calls the library, as a host of work in prepare/: its threads and its progress function. FBX and
-/// COLLADA files are read in a process of their own, by the program lorica_character_reader, which lies where this
-/// library's modules do. If it is missing, reading these formats fails with its name.
+/// What reads FBX and COLLADA files: the program lorica_character_reader, which lies where this library's modules do.
+/// If it is missing, reading these formats fails with its name.
+[[nodiscard]] std::optional<IsolatedReader> characterReader();
+
+/// The program that calls the library, as a host of work: its threads, its progress function and characterReader().
 class ProgramHost final : public Host {
  public:
   /// @param progress  counts parts; called for other work with 0 parts done, so that this can be cancelled too

@@ -1,14 +1,15 @@
 #include "export/export_source.h"
 
 #include "acd/held_vertices.h"
+#include "collision/hulls/mesh_subject.h"
 #include "collision/live/attached_vertices.h"
 #include "collision/live/live_body.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "session/prepare/body.h"
-#include "session/prepare/mesh_subject.h"
-#include "session/prepare/training.h"
+#include "session/prepare/cover_poses.h"
+#include "session/prepare/training_motions.h"
 #include "skinning/linear_blend.h"
 
 #include <fmt/format.h>

@@ -2,9 +2,9 @@
 
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
+#include "collision/hulls/cover_choice.h"
+#include "collision/hulls/part_hulls.h"
 #include "export/rigid_colliders.h"
-#include "session/prepare/cover_choice.h"
-#include "session/prepare/part_hulls.h"
 #include "session/prepare/read_motion.h"
 #include "session/prepare/subject.h"
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "session/prepare/frame_hulls.h"
+#include "collision/hulls/frame_hulls.h"
 
 #include <filesystem>
 #include <string>

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "acd/decomposition_file.h"
 #include "bindings/c/lorica.h"
 #include "geometry/convex_hull.h"
 #include "geometry/errors.h"
@@ -89,6 +90,9 @@ Result<void> handOut(Struct whole, Struct* out) {
 
 /// Lends a hull to a program.
 [[nodiscard]] Result<void> handOut(const ConvexHull& hull, lorica_hull* out);
+
+/// Writes a .lorica file to memory of a program, and how many bytes it has. @param bytes  null: only their number
+[[nodiscard]] Result<void> handOut(const DecompositionFile& content, void* bytes, std::size_t room, std::size_t* count);
 
 /// A function of the program as a callback of the library. @param progress  may be null
 [[nodiscard]] DecomposeProgress progressFrom(lorica_progress progress, void* user);

@@ -1,9 +1,8 @@
 #pragma once
 
-#include "bindings/character_body.h"
+#include "bindings/live_character.h"
 #include "bindings/mesh_parts.h"
-#include "capture/sensor/depth_frame.h"
-#include "capture/tracking/tracker.h"
+#include "skinning/clip.h"
 
 #include <memory>
 #include <string>
@@ -18,6 +17,7 @@ struct lorica_parts {
 struct lorica_character {
   lorica::CharacterPointer owner;
   std::string firstGuess, notes;
+  std::vector<lorica::Affine3> poses = {};  ///< worldFromJoint that its program gave; empty if it comes from a file
 };
 
 struct lorica_body {
@@ -29,23 +29,12 @@ struct lorica_motion {
   std::string firstGuess;
 };
 
+/// What was found in a pose, see contacts.cpp.
+struct FoundContacts;
+
 struct lorica_live {
   lorica::LiveCharacter live;
-  lorica::Pose pose;                   ///< scratch
-  std::vector<lorica::Affine3> given;  ///< scratch
-  std::vector<lorica::SelfContact> contacts;
-  std::vector<lorica::Vec3> points;  ///< scratch
-  std::vector<lorica::ShapeContact> touches;
-
-  /// What was found in the last pose.
-  void forget() {
-    contacts.clear();
-    touches.clear();
-  }
-};
-
-struct lorica_tracker {
-  lorica::Tracker tracker;
-  lorica::DepthFrame frame;
-  std::vector<lorica::TrackedPerson> people;
+  lorica::Pose pose;                     ///< scratch
+  std::vector<lorica::Affine3> given;    ///< scratch
+  std::shared_ptr<FoundContacts> found;  ///< null until it is asked for
 };

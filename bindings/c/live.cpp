@@ -37,8 +37,8 @@ lorica_status lorica_live_make(const lorica_body* body, lorica_live** out) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(body, "body", out, "out"));
     const Skeleton& skeleton = body->body->character().skeleton;
-    *out = new lorica_live{
-        LiveCharacter(body->body), restPose(skeleton), std::vector<Affine3>(skeleton.joints().size()), {}, {}, {}};
+    *out = new lorica_live{LiveCharacter(body->body), restPose(skeleton),
+                           std::vector<Affine3>(skeleton.joints().size()), nullptr};
     return {};
   });
 }
@@ -52,7 +52,6 @@ lorica_status lorica_live_play(lorica_live* live, const lorica_motion* motion, s
     LORICA_TRY_DO(checkMotion(live, motion));
     LORICA_TRY_DO(inRange(frame, motion->motion.times.size(), "frame"));
     live->live.pose(motion->motion.pose(frame));
-    live->forget();
     return {};
   });
 }
@@ -63,7 +62,6 @@ lorica_status lorica_live_play_at(lorica_live* live, const lorica_motion* motion
     if (!std::isfinite(seconds)) return invalidArgument("seconds: found {}, expected a finite number", seconds);
     poseAt(motion->motion, seconds, live->pose);
     live->live.pose(live->pose);
-    live->forget();
     return {};
   });
 }
@@ -72,16 +70,11 @@ lorica_status lorica_live_pose(lorica_live* live, const double* world_from_joint
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(checkJoints(live, world_from_joint, joint_count));
     for (std::size_t joint = 0; joint < joint_count; ++joint) {
-      const Eigen::Map<const Mat4> matrix(world_from_joint + 16 * joint);
-      live->given[joint].matrix() = matrix;
-      if (matrix.allFinite() && matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))) continue;
-      return invalidArgument(
-          "the matrix of joint {} has a number that is not finite, or a last row that is not 0 0 0 1; matrices are "
-          "stored by columns",
-          joint);
+      const std::optional<Affine3> matrix = affineFrom(world_from_joint + 16 * joint);
+      if (!matrix) return invalidArgument("the matrix of joint {} {}", joint, kBadMatrix);
+      live->given[joint] = *matrix;
     }
     live->live.place(live->given);
-    live->forget();
     return {};
   });
 }
@@ -181,121 +174,5 @@ lorica_status lorica_live_cast_on_skin(lorica_live* live, const double* rays, si
       if (positions != nullptr) std::copy_n(hit.position.data(), 3, positions + 3 * i);
     }
     return {};
-  });
-}
-
-lorica_status lorica_live_find_contacts(lorica_live* live, size_t* count) {
-  return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(live, "live", count, "count"));
-    const std::span<const SelfContact> found = live->live.selfContacts();
-    live->contacts.assign(found.begin(), found.end());
-    *count = live->contacts.size();
-    return {};
-  });
-}
-
-lorica_status lorica_live_contact(const lorica_live* live, size_t index, lorica_contact* out) {
-  return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(live, "live"));
-    LORICA_TRY_DO(inRange(index, live->contacts.size(), "contact"));
-    const SelfContact& found = live->contacts[index];
-    lorica_contact contact = {};
-    contact.first = found.first;
-    contact.second = found.second;
-    Eigen::Map<Vec3>(contact.position) = found.position;
-    Eigen::Map<Vec3>(contact.direction) = found.direction;
-    contact.depth = found.depth;
-    return handOut(contact, out);
-  });
-}
-
-lorica_status lorica_live_find_touches(lorica_live* live, const lorica_shape* shape, size_t* count) {
-  return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(live, "live", shape, "shape", count, "count"));
-    LORICA_TRY(const lorica_shape whole, taken(shape, "shape"));
-    LORICA_TRY_DO(given(whole.points, "shape.points"));
-    live->points.clear();
-    for (std::size_t i = 0; i < whole.point_count; ++i) live->points.emplace_back(whole.points + 3 * i);
-    const RoundedShape rounded{live->points, whole.radius};
-    LORICA_TRY_DO(checkShape(rounded));
-    const std::span<const ShapeContact> found = live->live.touches(rounded);
-    live->touches.assign(found.begin(), found.end());
-    *count = live->touches.size();
-    return {};
-  });
-}
-
-lorica_status lorica_live_touch(const lorica_live* live, size_t index, lorica_touch* out) {
-  return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(live, "live"));
-    LORICA_TRY_DO(inRange(index, live->touches.size(), "touch"));
-    const ShapeContact& found = live->touches[index];
-    lorica_touch touch = {};
-    touch.part = found.part;
-    Eigen::Map<Vec3>(touch.position) = found.position;
-    Eigen::Map<Vec3>(touch.direction) = found.direction;
-    touch.depth = found.depth;
-    return handOut(touch, out);
-  });
-}
-
-lorica_status lorica_tracker_make(const lorica_tracker_options* options, lorica_tracker** out) {
-  return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(out, "out"));
-    LORICA_TRY(const lorica_tracker_options wanted, taken(options, "options"));
-    DepthCamera camera;
-    if (wanted.width != 0) camera.width = wanted.width;
-    if (wanted.height != 0) camera.height = wanted.height;
-    if (wanted.horizontal_fov != 0.0) camera.horizontalFov = wanted.horizontal_fov;
-    if (wanted.vertical_fov != 0.0) camera.verticalFov = wanted.vertical_fov;
-    TrackerSettings settings;
-    if (wanted.max_people != 0) settings.maxPeople = wanted.max_people;
-    LORICA_TRY(Tracker made, Tracker::create(camera, settings));
-    DepthFrame frame;
-    frame.time = -kInfinity;
-    frame.depthMm.resize(static_cast<std::size_t>(camera.width) * camera.height);
-    *out = new lorica_tracker{std::move(made), std::move(frame), {}};
-    return {};
-  });
-}
-
-void lorica_tracker_free(lorica_tracker* tracker) {
-  delete tracker;
-}
-
-lorica_status lorica_tracker_track(lorica_tracker* tracker, double seconds, const uint16_t* depth_mm,
-                                   size_t pixel_count, size_t* people) {
-  return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(tracker, "tracker", depth_mm, "depth_mm", people, "people"));
-    DepthFrame& frame = tracker->frame;
-    if (pixel_count != frame.depthMm.size()) {
-      return invalidArgument("pixel_count: found {}, expected {}", pixel_count, frame.depthMm.size());
-    }
-    if (!std::isfinite(seconds) || !(seconds > frame.time)) {
-      return invalidArgument("seconds: found {}, expected more than {}, that of the last image", seconds, frame.time);
-    }
-    frame.time = seconds;
-    frame.depthMm.assign(depth_mm, depth_mm + pixel_count);
-    const std::span<const TrackedPerson> found = tracker->tracker.track(frame);
-    tracker->people.assign(found.begin(), found.end());
-    *people = found.size();
-    return {};
-  });
-}
-
-lorica_status lorica_tracker_person(const lorica_tracker* tracker, size_t index, lorica_person* out) {
-  return guarded([&]() -> Result<void> {
-    LORICA_TRY_DO(given(tracker, "tracker"));
-    LORICA_TRY_DO(inRange(index, tracker->people.size(), "person"));
-    static_assert(LORICA_JOINT_COUNT == kBodyJointCount);
-    const TrackedPerson& found = tracker->people[index];
-    lorica_person person = {};
-    person.user = found.skeleton.user;
-    person.height = found.height;
-    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
-      Eigen::Map<Vec3>(person.positions[j]) = found.skeleton.joints[j].position;
-      person.confidences[j] = found.skeleton.joints[j].confidence;
-    }
-    return handOut(person, out);
   });
 }

@@ -43,7 +43,11 @@ extern "C" {
 #endif
 
 /* In front of everything that the library exports. */
-#if defined(__GNUC__)
+#if defined(_WIN32) && defined(LORICA_BUILDS_DLL)
+#define LORICA_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define LORICA_API __declspec(dllimport)
+#elif defined(__GNUC__)
 #define LORICA_API __attribute__((visibility("default")))
 #else
 #define LORICA_API
@@ -143,6 +147,11 @@ LORICA_API lorica_status lorica_parts_load(const char* file, const lorica_mesh* 
                                            const lorica_decompose_options* options, lorica_parts** out);
 /* Writes a .lorica file, completely or not at all. It holds no positions. */
 LORICA_API lorica_status lorica_parts_save(const lorica_parts* parts, const char* file);
+/* The same of the bytes of such a file. */
+LORICA_API lorica_status lorica_parts_from_bytes(const void* bytes, size_t count, const lorica_mesh* mesh,
+                                                 const lorica_decompose_options* options, lorica_parts** out);
+/* The bytes of their file. @param bytes  written, at most `room`; null = only their number   @param count  written */
+LORICA_API lorica_status lorica_parts_bytes(const lorica_parts* parts, void* bytes, size_t room, size_t* count);
 /* Null is allowed. */
 LORICA_API void lorica_parts_free(lorica_parts* parts);
 /* At least 1. */
@@ -199,6 +208,28 @@ LORICA_API lorica_status lorica_character_read(const char* name_or_file, lorica_
 /* The same in other ways. @param options  null = defaults */
 LORICA_API lorica_status lorica_character_read_with(const char* name_or_file, const lorica_character_options* options,
                                                     lorica_character** out);
+/* A skinned mesh that your program has read itself, such as an engine's. What it points to need be valid during the
+ * call only. */
+typedef struct lorica_skin {
+  size_t size;                    /* sizeof this struct, set by the caller */
+  const char* name;               /* for errors; null = "character" */
+  const double* vertices;         /* x y z for each, in the bind pose, model space [m] */
+  size_t vertex_count;            /* of the vertices */
+  const int32_t* triangles;       /* three indices for each */
+  size_t triangle_count;          /* of the triangles */
+  const int32_t* joints;          /* that move a vertex, joints_per_vertex for each */
+  const double* weights;          /* of them, the same; they need not sum to 1 */
+  size_t joints_per_vertex;       /* 0 = 4 */
+  const double* joint_from_model; /* inverse bind matrices: 16 numbers for each joint, by columns */
+  size_t joint_count;             /* at least 1 */
+  const double* poses; /* that it is decomposed in: world_from_joint, a matrix for each joint, pose after pose [m] */
+  size_t pose_count;   /* at least 1; of more than 12 those that differ most are used */
+} lorica_skin;
+
+/* A character of that. An open surface gets a closed body, as in a file. @param options  null = defaults;
+ * body_resolution, thickness and walls count */
+LORICA_API lorica_status lorica_character_make(const lorica_skin* skin, const lorica_character_options* options,
+                                               lorica_character** out);
 /* What was repaired, guessed or left out when the file was read, and which pieces are thin walls: a sentence a line. */
 LORICA_API const char* lorica_character_notes(const lorica_character* character);
 /* Null is allowed. */
@@ -237,11 +268,17 @@ typedef struct lorica_body_options {
 /* A decomposed character. */
 typedef struct lorica_body lorica_body;
 
-/* Trained on the character's own clips and on recordings of people. @param options  null = defaults */
+/* Trained on the character's own clips and on recordings of people; one of lorica_character_make() on its poses.
+ * @param options  null = defaults */
 LORICA_API lorica_status lorica_body_make(const lorica_character* character, const lorica_body_options* options,
                                           lorica_body** out);
 /* The body in a .lorica file that was made from this character. */
 LORICA_API lorica_status lorica_body_load(const lorica_character* character, const char* file, lorica_body** out);
+/* The same of the bytes of such a file. */
+LORICA_API lorica_status lorica_body_from_bytes(const lorica_character* character, const void* bytes, size_t count,
+                                                lorica_body** out);
+/* The bytes of its file. @param bytes  written, at most `room`; null = only their number   @param count  written */
+LORICA_API lorica_status lorica_body_bytes(const lorica_body* body, void* bytes, size_t room, size_t* count);
 /* Writes a .lorica file, completely or not at all. */
 LORICA_API lorica_status lorica_body_save(const lorica_body* body, const char* file);
 /* Null is allowed. */

@@ -93,6 +93,16 @@ DecomposeProgress progressFrom(lorica_progress progress, void* user) {
   return [=](int done, int wanted) { return progress(user, done, wanted) != 0; };
 }
 
+Result<void> handOut(const DecompositionFile& content, void* bytes, std::size_t room, std::size_t* count) {
+  LORICA_TRY_DO(given(count, "count"));
+  LORICA_TRY(const std::string file, formatDecomposition(content, "bytes"));
+  *count = file.size();
+  if (bytes == nullptr) return {};
+  if (room < file.size()) return invalidArgument("room: found {} bytes, expected {}", room, file.size());
+  std::memcpy(bytes, file.data(), file.size());
+  return {};
+}
+
 Result<void> handOut(const ConvexHull& hull, lorica_hull* out) {
   lorica_hull whole = {};
   whole.vertices = hull.vertices.empty() ? nullptr : hull.vertices.front().data();
@@ -126,7 +136,8 @@ lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh, const
   return makeParts(mesh, options, out,
                    [&](MeshSequence checked, const MeshPartsSettings& settings) -> Result<MeshParts> {
                      LORICA_TRY_DO(given(file, "file"));
-                     return partsFromFile(file, std::move(checked), settings);
+                     LORICA_TRY(EarlierParts earlier, earlierPartsIn(file));
+                     return partsAsBefore(std::move(earlier), std::move(checked), settings);
                    });
 }
 
@@ -134,6 +145,23 @@ lorica_status lorica_parts_save(const lorica_parts* parts, const char* file) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(parts, "parts", file, "file"));
     return writeDecomposition(file, parts->parts.content);
+  });
+}
+
+lorica_status lorica_parts_from_bytes(const void* bytes, size_t count, const lorica_mesh* mesh,
+                                      const lorica_decompose_options* options, lorica_parts** out) {
+  return makeParts(
+      mesh, options, out, [&](MeshSequence checked, const MeshPartsSettings& settings) -> Result<MeshParts> {
+        LORICA_TRY_DO(given(bytes, "bytes"));
+        LORICA_TRY(DecompositionFile content, parseDecomposition({static_cast<const char*>(bytes), count}, "bytes"));
+        return partsAsBefore({"bytes", std::move(content)}, std::move(checked), settings);
+      });
+}
+
+lorica_status lorica_parts_bytes(const lorica_parts* parts, void* bytes, size_t room, size_t* count) {
+  return guarded([&]() -> Result<void> {
+    LORICA_TRY_DO(given(parts, "parts"));
+    return handOut(parts->parts.content, bytes, room, count);
   });
 }
 

@@ -1,4 +1,5 @@
 #include "bindings/character_body.h"
+#include "bindings/live_contacts.h"
 #include "bindings/python/arrays.h"
 #include "bindings/python/work.h"
 #include "export/contact_export.h"
@@ -81,7 +82,7 @@ class Live {
   std::vector<SelfContact> contacts() {
     const py::gil_scoped_release released;
     const std::lock_guard lock(mutex_);
-    const std::span<const SelfContact> found = live_.selfContacts();
+    const std::span<const SelfContact> found = contacts_.ofItself(live_);
     return {found.begin(), found.end()};
   }
 
@@ -91,7 +92,7 @@ class Live {
     if (const Result<void> fine = checkShape(shape); !fine) raise(fine.error());
     const py::gil_scoped_release released;
     const std::lock_guard lock(mutex_);
-    const std::span<const ShapeContact> found = live_.touches(shape);
+    const std::span<const ShapeContact> found = contacts_.withShape(live_, shape);
     return {found.begin(), found.end()};
   }
 
@@ -180,6 +181,7 @@ class Live {
 
   std::mutex mutex_;
   LiveCharacter live_;
+  LiveContacts contacts_;
 };
 
 /// A motion on a live body.

@@ -83,9 +83,11 @@ PartList decomposeMesh(const py::object& vertices, const py::object& faces, std:
 PartList loadParts(const fs::path& file, const py::object& vertices, const py::object& faces, int hullVertices) {
   MeshPartsSettings settings;
   settings.hullVertices = hullVertices;
-  return makeParts(
-      meshFrom(vertices, faces), settings, py::none(),
-      [&](MeshSequence mesh, const MeshPartsSettings& given) { return partsFromFile(file, std::move(mesh), given); });
+  return makeParts(meshFrom(vertices, faces), settings, py::none(),
+                   [&](MeshSequence mesh, const MeshPartsSettings& given) -> Result<MeshParts> {
+                     LORICA_TRY(EarlierParts earlier, earlierPartsIn(file));
+                     return partsAsBefore(std::move(earlier), std::move(mesh), given);
+                   });
 }
 
 py::tuple readMeshFile(const fs::path& file) {

@@ -4,8 +4,8 @@
 
 #include <lorica/acd/decompose.h>
 #include <lorica/capture/files/joint_csv.h>
+#include <lorica/collision/hulls/keyframes.h>
 #include <lorica/collision/live/live_body.h>
-#include <lorica/session/prepare/keyframes.h>
 #include <lorica/session/prepare/motion.h>
 #include <lorica/skinning/linear_blend.h>
 #include <lorica/skinning/mannequin/mannequin.h>

@@ -2,6 +2,7 @@
 
 #include "acd/score.h"
 #include "acd/separating_plane.h"
+#include "collision/hulls/mesh_subject.h"
 #include "export/robot_files.h"
 #include "export/robots/robot.h"
 #include "geometry/byte_reader.h"
@@ -13,7 +14,6 @@
 #include "geometry/text.h"
 #include "geometry/triangle_tree.h"
 #include "geometry/work_budgets.h"
-#include "session/prepare/mesh_subject.h"
 #include "skinning/import/character_file.h"
 
 #include <fmt/format.h>
@@ -401,8 +401,10 @@ Result<std::unique_ptr<RobotFile>> readRobot(const RobotExportOptions& options, 
   std::error_code failed;
   const fs::path from = fs::weakly_canonical(fs::absolute(input).parent_path(), failed);
   if (from != fs::weakly_canonical(fs::absolute(options.output).parent_path(), failed)) {
-    return invalidArgument("{}: expected a file in the folder of {}, from where its other files are found",
-                           options.output.string(), input.string());
+    return invalidArgument(
+        "{}: expected a file in the folder of {}: the output lies beside the input, since both find other files from "
+        "there",
+        options.output.string(), input.string());
   }
   LORICA_TRY(std::unique_ptr<RobotFile> robot, isMjcf(input) ? readMjcf(input, reading) : readUrdf(input, reading));
   if (!robot->geoms.empty()) return robot;

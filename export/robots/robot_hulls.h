@@ -1,8 +1,8 @@
 #pragma once
 
+#include "collision/hulls/host.h"
 #include "export/export_source.h"
 #include "geometry/result.h"
-#include "session/prepare/host.h"
 
 #include <array>
 #include <filesystem>

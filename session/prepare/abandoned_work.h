@@ -1,8 +1,8 @@
 #pragma once
 
+#include "collision/hulls/host.h"
 #include "geometry/errors.h"
 #include "geometry/result.h"
-#include "session/prepare/host.h"
 
 #include <chrono>
 #include <functional>

@@ -1,10 +1,10 @@
 #include "session/prepare/body.h"
 
+#include "collision/hulls/quality.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
-#include "geometry/text.h"
-#include "session/prepare/quality.h"
-#include "session/prepare/training.h"
+#include "session/prepare/cover_poses.h"
+#include "session/prepare/training_motions.h"
 
 #include <algorithm>
 #include <numeric>
@@ -57,14 +57,6 @@ Result<CachedDecomposition> meshDecomposition(const std::string& name, const Tri
   Result<CachedDecomposition> made = meshDecomposition(name, mesh, settings, userCache(host));
   if (host.cancelled()) return cancelled();
   return made;
-}
-
-Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file) {
-  LORICA_TRY(DecompositionFile read, readDecomposition(file));
-  if (read.meshHash == topologyHash(subject.mesh)) return read;
-  return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", file.string(),
-                         read.source, grouped(read.decomposition.vertexCount), subject.name,
-                         grouped(std::ssize(subject.mesh.vertices)));
 }
 
 Result<DecompositionFile> chooseBody(const BodyOptions& options, const Subject& subject, Host& host) {

@@ -1,11 +1,11 @@
 #pragma once
 
 #include "acd/decomposition_file.h"
-#include "session/prepare/cover_choice.h"
+#include "collision/hulls/cover_choice.h"
+#include "collision/hulls/file_content.h"
 #include "session/prepare/decomposition_cache.h"
 #include "session/prepare/subject.h"
 
-#include <filesystem>
 #include <string>
 
 namespace lorica {
@@ -25,9 +25,6 @@ struct BodyOptions {
 /// meshDecomposition() with the user's cache, as a task of the host.
 [[nodiscard]] Result<CachedDecomposition> meshDecomposition(const std::string& name, const TriMesh& mesh,
                                                             DecomposeSettings settings, Host& host);
-
-/// The decomposition in a .lorica file, or an error if it was made from another mesh or cannot be read.
-[[nodiscard]] Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file);
 
 /// The decomposition with the requested cover; without a request, its own cover, or an exact one if it has none.
 /// @param subject  a character

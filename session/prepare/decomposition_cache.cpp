@@ -1,12 +1,12 @@
 #include "session/prepare/decomposition_cache.h"
 
 #include "acd/level_of_detail.h"
+#include "collision/hulls/file_content.h"
 #include "collision/live/lifted_point.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/user_folders.h"
-#include "session/prepare/file_content.h"
 #include "session/recording/session_file.h"
 #include "skinning/body/body_file.h"
 

@@ -2,8 +2,8 @@
 
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
-#include "session/prepare/cover_choice.h"
-#include "session/prepare/training.h"
+#include "collision/hulls/cover_choice.h"
+#include "session/prepare/training_motions.h"
 #include "skinning/body/closed_body.h"
 #include "skinning/character.h"
 

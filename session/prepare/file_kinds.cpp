@@ -111,8 +111,8 @@ Result<void> refuseOtherKinds(const std::filesystem::path& file) {
   const std::string begin = beginOf(file);
   const FileKind kind = kindOf(file);
   if (kind == FileKind::kUnknown && (begin.find("<robot") != begin.npos || begin.find("<mujoco") != begin.npos)) {
-    return withWhatOpens(unsupported(
-        "{}: found a robot's description, whose meshes get hulls by `lorica export IN OUT`", file.string()));
+    return unsupported("{}: found a robot's description, whose meshes get hulls by `lorica export IN OUT`",
+                       file.string());
   }
   if (kind == FileKind::kDepth) return {};  // whose readers say more
   const bool unnamed = kind == FileKind::kJoints || kind == FileKind::kUnknown;

@@ -2,6 +2,7 @@
 
 #include "capture/headset/three_point_body.h"
 #include "capture/tracking/depth_joints.h"
+#include "collision/hulls/cover_choice.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -9,7 +10,6 @@
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
 #include "session/prepare/abandoned_work.h"
-#include "session/prepare/cover_choice.h"
 #include "session/prepare/scenes.h"
 #include "session/prepare/stream_motion.h"
 #include "session/stream_pose_source.h"

@@ -4,9 +4,9 @@
 #include "capture/streams/depth_stream.h"
 #include "capture/streams/vmc_stream.h"
 #include "capture/tracking/depth_joints.h"
+#include "collision/hulls/host.h"
 #include "session/prepare/cameras.h"
 #include "session/prepare/cast.h"
-#include "session/prepare/host.h"
 #include "session/session.h"
 
 #include <cstddef>

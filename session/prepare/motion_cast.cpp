@@ -3,10 +3,10 @@
 
 #include "capture/retarget/proxy_skeleton.h"
 #include "capture/retarget/skeletal_retarget.h"
+#include "collision/hulls/cover_choice.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "session/prepare/cover_choice.h"
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/scenes.h"
 #include "session/prepare/settling.h"

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "collision/hulls/host.h"
 #include "geometry/arrays/mesh_sequence.h"
-#include "session/prepare/host.h"
 #include "skinning/import/character_file.h"
 
 #include <string>

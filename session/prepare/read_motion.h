@@ -2,8 +2,8 @@
 
 #include "capture/fault_injector.h"
 #include "capture/files/joint_stream.h"
+#include "collision/hulls/host.h"
 #include "geometry/result.h"
-#include "session/prepare/host.h"
 #include "session/prepare/motion.h"
 #include "skinning/clip.h"
 

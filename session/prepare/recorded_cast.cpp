@@ -1,8 +1,8 @@
 #include "session/prepare/recorded_cast.h"
 
+#include "collision/hulls/cover_choice.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "session/prepare/cover_choice.h"
 #include "session/recording/session_replay.h"
 #include "skinning/look/avatar.h"
 

@@ -1,9 +1,9 @@
 #pragma once
 
+#include "collision/hulls/host.h"
 #include "collision/world/world.h"
 #include "geometry/named_file.h"
 #include "geometry/result.h"
-#include "session/prepare/host.h"
 #include "session/scenes/hit_counter.h"
 #include "session/scenes/scene_file.h"
 

@@ -1,13 +1,13 @@
 #include "session/prepare/subject.h"
 
+#include "collision/hulls/character_walls.h"
+#include "collision/hulls/mesh_subject.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 #include "session/prepare/body.h"
-#include "session/prepare/character_walls.h"
 #include "session/prepare/decomposition_cache.h"
 #include "session/prepare/expressions.h"
 #include "session/prepare/file_kinds.h"
-#include "session/prepare/mesh_subject.h"
 #include "session/prepare/played_mesh.h"
 #include "session/prepare/read_motion.h"
 #include "skinning/import/bone_map.h"
@@ -16,7 +16,6 @@
 #include "skinning/morphs/shapes.h"
 
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace lorica {
@@ -25,7 +24,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kMannequin = "mannequin";
-constexpr std::array<const char*, 3> kWalls = {"auto", "solid", "shell"};  // in the order of WallChoice
 
 /// cachedBody(), with thin walls if the options ask for them, as a task of the host.
 Result<ClosedBody> makeBodyWithProgress(const CharacterFile& file, const CharacterOptions& options, Host& host) {
@@ -119,15 +117,6 @@ Result<Subject> characterSubject(const std::string& file, CharacterFile read, co
 }
 
 }  // namespace
-
-std::optional<WallChoice> wallChoiceNamed(std::string_view name) {
-  const auto found = std::find(kWalls.begin(), kWalls.end(), name);
-  return found == kWalls.end() ? std::nullopt : std::optional(static_cast<WallChoice>(found - kWalls.begin()));
-}
-
-const char* nameOf(WallChoice walls) {
-  return kWalls[static_cast<std::size_t>(walls)];
-}
 
 Result<Subject> readSubject(const std::string& input, const CharacterOptions& options, Host& host) {
   if (input == kMannequin) {

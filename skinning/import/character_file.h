@@ -43,7 +43,7 @@ struct MeshName {
   std::string mesh;  ///< may be empty
 
   /// "1H_Axe (Cube.001)", or the one name if both are equal.
-  [[nodiscard]] std::string text() const;
+  [[nodiscard]] std::string text() const { return mesh.empty() || mesh == node ? node : node + " (" + mesh + ")"; }
 };
 
 /// The content of a character file, in Lorica's units and axes: metres, Y up, facing +Z.

@@ -45,10 +45,6 @@ void takeColliders(FileScene& scene) {
 
 }  // namespace
 
-std::string MeshName::text() const {
-  return mesh.empty() || mesh == node ? node : fmt::format("{} ({})", node, mesh);
-}
-
 std::vector<MeshName> meshNamesOf(const FileScene& scene) {
   std::vector<MeshName> names;
   std::set<std::pair<std::string_view, std::string_view>> known;

@@ -1,11 +1,12 @@
 #include "acd/decomposition_file.h"
 
 #include "capture/files/joint_csv.h"
+#include "collision/hulls/cover_choice.h"
 #include "collision/live/choose_cover.h"
 #include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
 #include "session/pose_source.h"
-#include "session/prepare/cover_choice.h"
+#include "session/prepare/cover_poses.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/refusals.h"

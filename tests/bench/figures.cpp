@@ -3,9 +3,9 @@
 
 #include "acd/transfer.h"
 #include "capture/files/joint_csv.h"
+#include "collision/hulls/keyframes.h"
 #include "geometry/result.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/measure.h"
 #include "viewer/pictures/image_files.h"

@@ -2,9 +2,9 @@
 // fitted exponents on lines that start with #.
 
 #include "capture/files/joint_csv.h"
+#include "collision/hulls/keyframes.h"
 #include "geometry/files.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/measure.h"
 

@@ -1,8 +1,8 @@
 // An hour of simulated time with faults, thrown balls and changing scenes, or half an hour with avatars that come and
 // go: costs and violations. CSV on standard output; exits with 1 if there are violations.
 
+#include "collision/hulls/keyframes.h"
 #include "collision/particles/particles.h"
-#include "session/prepare/keyframes.h"
 #include "session/scenes/demo_scene.h"
 #include "session/scenes/scene_file.h"
 #include "skinning/mannequin/mannequin.h"

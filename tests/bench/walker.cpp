@@ -3,10 +3,11 @@
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"
 #include "capture/retarget/retarget.h"
+#include "collision/hulls/cover_choice.h"
+#include "collision/hulls/keyframes.h"
 #include "collision/live/choose_cover.h"
 #include "session/pose_source.h"
-#include "session/prepare/cover_choice.h"
-#include "session/prepare/keyframes.h"
+#include "session/prepare/cover_poses.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 

@@ -7,7 +7,7 @@ set(without)
 foreach(package nlohmann_json CLI11 TBB PNG ZLIB OpenCV glfw3 assimp TinyGLTF draco meshoptimizer pugixml OpenSSL)
   list(APPEND without -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
 endforeach()
-foreach(step "-G;Ninja;-S;${CMAKE_CURRENT_LIST_DIR}/core;-B;${trial};-DCMAKE_CXX_COMPILER=${CXX};-DCMAKE_BUILD_TYPE=Release;-DLORICA_SOURCE=${CMAKE_CURRENT_LIST_DIR}/../..;${without}"
+foreach(step "-G;Ninja;-S;${CMAKE_CURRENT_LIST_DIR}/core;-B;${trial};-DCMAKE_CXX_COMPILER=${CXX};-DCMAKE_BUILD_TYPE=Release;-DWITH_INTERFACE=OFF;-DLORICA_SOURCE=${CMAKE_CURRENT_LIST_DIR}/../..;${without}"
              "--build;${trial}")
   execute_process(COMMAND ${CMAKE_COMMAND} ${step} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
   if(NOT status EQUAL 0)

@@ -2,9 +2,9 @@
 
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"
+#include "collision/hulls/keyframes.h"
 #include "collision/live/choose_cover.h"
 #include "session/pose_source.h"
-#include "session/prepare/keyframes.h"
 #include "session/scenes/demo_scene.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"

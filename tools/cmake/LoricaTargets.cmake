@@ -142,7 +142,9 @@ function(lorica_library name)
   list(TRANSFORM ARG_PRIVATE_LINKS REPLACE "^(nlohmann_json::.*)$" "$<BUILD_INTERFACE:\\1>")
   target_link_libraries(lorica_${name} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
   lorica_flags(lorica_${name})
-  if(NOT ARG_HOT)
+  if(EMSCRIPTEN AND NOT name MATCHES "^(geometry|acd|live)$")
+    lorica_optimise(lorica_${name} -Os)  # what a page loads
+  elseif(NOT ARG_HOT)
     lorica_optimise(lorica_${name} -O2)
   elseif(LORICA_COUNTS_WORK AND NOT name STREQUAL "geometry")
     target_compile_options(lorica_${name} PRIVATE -fno-sanitize-coverage=trace-pc-guard)  # it computes

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "session/prepare/host.h"
+#include "collision/hulls/host.h"
 #include "viewer/pictures/video_writer.h"
 #include "viewer/player/follow_camera.h"
 #include "viewer/player/snapshots.h"

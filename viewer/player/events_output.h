@@ -1,7 +1,7 @@
 #pragma once
 
+#include "collision/hulls/host.h"
 #include "geometry/result.h"
-#include "session/prepare/host.h"
 #include "session/session.h"
 
 #include <memory>

@@ -1,10 +1,10 @@
 #pragma once
 
+#include "collision/hulls/host.h"
 #include "geometry/errors.h"
 #include "geometry/interrupt.h"
 #include "geometry/result.h"
 #include "session/prepare/abandoned_work.h"
-#include "session/prepare/host.h"
 #include "viewer/renderer/screen.h"
 
 #include <atomic>

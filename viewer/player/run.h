@@ -2,9 +2,9 @@
 
 #include "capture/sensor/depth_recording.h"
 #include "capture/tracking/depth_joints.h"
+#include "collision/hulls/host.h"
 #include "geometry/result.h"
 #include "session/prepare/cast.h"
-#include "session/prepare/host.h"
 #include "session/prepare/live_cast.h"
 #include "session/prepare/recorded_cast.h"
 #include "session/recording/session_recorder.h"

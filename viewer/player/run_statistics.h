@@ -1,9 +1,9 @@
 #pragma once
 
 #include "capture/tracking/depth_joints.h"
+#include "collision/hulls/host.h"
 #include "collision/world/self_contact.h"
 #include "session/contact_events.h"
-#include "session/prepare/host.h"
 #include "session/scenes/hit_counter.h"
 #include "session/session.h"
 #include "viewer/renderer/window_values.h"

@@ -75,6 +75,16 @@ static void test_parts(void) {
   CHECK(first.vertex_count == second.vertex_count &&
         memcmp(first.vertices, second.vertices, 24 * first.vertex_count) == 0);
   lorica_parts_free(again);
+  size_t count = 0, written = 0;
+  CHECK(lorica_parts_bytes(parts, NULL, 0, &count) == LORICA_OK && count > 0);
+  char* bytes = malloc(count);
+  FAILS(LORICA_INVALID_ARGUMENT, "room: found 0 bytes", lorica_parts_bytes(parts, bytes, 0, &written));
+  CHECK(lorica_parts_bytes(parts, bytes, count, &written) == LORICA_OK && written == count);
+  CHECK(lorica_parts_from_bytes(bytes, count, &mesh, NULL, &again) == LORICA_OK);
+  CHECK(lorica_parts_hash(again) == lorica_parts_hash(parts));
+  lorica_parts_free(again);
+  FAILS(LORICA_BAD_FORMAT, "bytes", lorica_parts_from_bytes(bytes, count - 9, &mesh, NULL, &again));
+  free(bytes);
   FAILS(LORICA_UNWRITABLE, "nowhere", lorica_parts_save(parts, path("nowhere/c.lorica")));
   FAILS(LORICA_INVALID_ARGUMENT, "part 2: found 2", lorica_parts_hull(parts, 2, &first));
   FAILS(LORICA_INVALID_ARGUMENT, "out is null", lorica_parts_hull(parts, 0, NULL));
@@ -228,6 +238,93 @@ static void test_characters(void) {
   lorica_live_free(live);
   lorica_motion_free(motion);
   lorica_character_free(hero);
+}
+
+/* The L as a skinned mesh: its upper cube follows a joint of its own. */
+static void test_made_characters(void) {
+  int32_t joints[12];
+  double weights[12], poses[3][32] = {{0}}, inverse_bind[32] = {0};
+  for (int v = 0; v < 12; ++v) {
+    joints[v] = kVertices[3 * v + 1] == 2;
+    weights[v] = 7; /* of any sum */
+  }
+  for (int i = 0; i < 8; ++i) inverse_bind[i / 4 * 16 + i % 4 * 5] = 1;
+  for (int p = 0; p < 3; ++p) {
+    memcpy(poses[p], inverse_bind, sizeof inverse_bind);
+    poses[p][16 + 13] = 0.5 * p; /* the upper joint rises */
+  }
+  lorica_skin skin = {.size = sizeof skin,
+                      .vertices = kVertices,
+                      .vertex_count = 12,
+                      .triangles = kTriangles,
+                      .triangle_count = 20,
+                      .joints = joints,
+                      .weights = weights,
+                      .joints_per_vertex = 1,
+                      .joint_from_model = inverse_bind,
+                      .joint_count = 2,
+                      .poses = poses[0],
+                      .pose_count = 3};
+  lorica_character* made = NULL;
+  lorica_body *own = NULL, *again = NULL;
+  lorica_live* live = NULL;
+  CHECK(lorica_character_make(&skin, NULL, &made) == LORICA_OK);
+  CHECK(strcmp(lorica_character_name(made), "character") == 0 && lorica_character_joint_count(made) == 2);
+  const lorica_body_options options = {.size = sizeof options, .parts = 2};
+  CHECK(lorica_body_make(made, &options, &own) == LORICA_OK && lorica_body_part_count(own) == 2);
+  size_t count = 0, written = 0;
+  CHECK(lorica_body_bytes(own, NULL, 0, &count) == LORICA_OK && count > 0);
+  char* bytes = malloc(count);
+  FAILS(LORICA_INVALID_ARGUMENT, "room: found 1", lorica_body_bytes(own, bytes, 1, &written));
+  CHECK(lorica_body_bytes(own, bytes, count, &written) == LORICA_OK && written == count);
+  CHECK(lorica_body_from_bytes(made, bytes, count, &again) == LORICA_OK);
+  FAILS(LORICA_INVALID_ARGUMENT, "made from", lorica_body_from_bytes(mannequin, bytes, count, &again));
+  free(bytes);
+  CHECK(lorica_live_make(again, &live) == LORICA_OK);
+  poses[0][16 + 13] = 1.75; /* not among the poses */
+  CHECK(lorica_live_pose(live, poses[0], 2) == LORICA_OK);
+  for (int v = 0; v < 12; ++v) {
+    const double y = kVertices[3 * v + 1] + 1.75 * joints[v];
+    bool inside = false;
+    for (size_t p = 0; p < 2; ++p) {
+      lorica_hull hull = {.size = sizeof hull};
+      CHECK(lorica_live_hull(live, p, &hull) == LORICA_OK);
+      bool in = true;
+      for (size_t t = 0; t < hull.triangle_count; ++t) {
+        const double *a = hull.vertices + 3 * hull.triangles[3 * t], *b = hull.vertices + 3 * hull.triangles[3 * t + 1],
+                     *c = hull.vertices + 3 * hull.triangles[3 * t + 2];
+        const double e[] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, f[] = {c[0] - a[0], c[1] - a[1], c[2] - a[2]};
+        const double height = (e[1] * f[2] - e[2] * f[1]) * (kVertices[3 * v] - a[0]) +
+                              (e[2] * f[0] - e[0] * f[2]) * (y - a[1]) +
+                              (e[0] * f[1] - e[1] * f[0]) * (kVertices[3 * v + 2] - a[2]);
+        in = in && height < 1e-9;
+      }
+      inside = inside || in;
+    }
+    CHECK(inside);
+  }
+  lorica_live_free(live);
+  lorica_body_free(again);
+  lorica_body_free(own);
+  lorica_character_free(made);
+  joints[0] = 2;
+  FAILS(LORICA_INVALID_ARGUMENT, "vertex 0: found joint 2, expected 0 to 1", lorica_character_make(&skin, NULL, &made));
+  joints[0] = 0;
+  weights[0] = 0;
+  FAILS(LORICA_INVALID_ARGUMENT, "vertex 0: no joint has a weight above 0", lorica_character_make(&skin, NULL, &made));
+  weights[0] = 1;
+  inverse_bind[3] = NAN;
+  FAILS(LORICA_INVALID_ARGUMENT, "inverse bind matrix of joint 0", lorica_character_make(&skin, NULL, &made));
+  inverse_bind[3] = 0;
+  poses[1][19] = 1;
+  FAILS(LORICA_INVALID_ARGUMENT, "the matrix of joint 1 in pose 1", lorica_character_make(&skin, NULL, &made));
+  skin.pose_count = 0;
+  FAILS(LORICA_INVALID_ARGUMENT, "pose_count is 0", lorica_character_make(&skin, NULL, &made));
+  skin.pose_count = 3;
+  skin.joint_count = 0;
+  FAILS(LORICA_INVALID_ARGUMENT, "found 0 joints", lorica_character_make(&skin, NULL, &made));
+  skin.weights = NULL;
+  FAILS(LORICA_INVALID_ARGUMENT, "skin.weights is null", lorica_character_make(&skin, NULL, &made));
 }
 
 /* The hulls of 40 frames, as tests/bindings/truth.cpp writes those of a session. */
@@ -581,6 +678,7 @@ int main(int argc, char **argv) {
   test_frames();
   test_bad_meshes();
   test_characters();
+  test_made_characters();
   compare("walk", "walk_csv.hulls");
   compare(path("walk.bvh"), "walk_bvh.hulls");
   test_rays();

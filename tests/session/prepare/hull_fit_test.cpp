@@ -1,9 +1,10 @@
-#include "session/prepare/hull_fit.h"
+#include "collision/hulls/hull_fit.h"
 
+#include "collision/hulls/mesh_subject.h"
+#include "collision/hulls/part_hulls.h"
 #include "geometry/mesh_files.h"
 #include "geometry/random_numbers.h"
-#include "session/prepare/mesh_subject.h"
-#include "session/prepare/part_hulls.h"
+#include "session/prepare/subject.h"
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
 

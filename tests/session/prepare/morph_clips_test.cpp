@@ -1,11 +1,11 @@
 // A file whose clip moves morph targets, such as the frames of a mesh, one target each, is a character like any other.
 
 #include "acd/transfer.h"
+#include "collision/hulls/hull_fit.h"
 #include "collision/live/live_body.h"
 #include "geometry/convex_hull.h"
-#include "session/prepare/hull_fit.h"
 #include "session/prepare/subject.h"
-#include "session/prepare/training.h"
+#include "session/prepare/training_motions.h"
 #include "skinning/linear_blend.h"
 #include "tests/skinning/import/glb_writer.h"
 #include "tests/support/datasets.h"

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "collision/hulls/mesh_walls.h"
 #include "geometry/convex_hull.h"
-#include "session/prepare/mesh_walls.h"
 
 #include <utility>
 #include <vector>

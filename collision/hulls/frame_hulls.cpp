@@ -1,4 +1,4 @@
-#include "session/prepare/frame_hulls.h"
+#include "collision/hulls/frame_hulls.h"
 
 #include "geometry/errors.h"
 #include "geometry/parallel_progress.h"

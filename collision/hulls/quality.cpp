@@ -1,4 +1,4 @@
-#include "session/prepare/quality.h"
+#include "collision/hulls/quality.h"
 
 #include "acd/hull_distance.h"
 #include "acd/part_concavity.h"

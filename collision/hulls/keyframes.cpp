@@ -1,4 +1,4 @@
-#include "session/prepare/keyframes.h"
+#include "collision/hulls/keyframes.h"
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -106,6 +106,33 @@ Character withFewerVertices(const Character& character) {
   return few;
 }
 
+/// Farthest-first traversal (Gonzalez 1985) of poses, from the first; the earliest one wins ties.
+/// @param posed     poses x size, pose-major; changed
+/// @param farthest  written, see ChosenKeyframes
+/// @return indices of the chosen poses, ascending
+std::vector<std::size_t> mostDifferent(std::vector<Vec3> posed, std::size_t size, int atMost, double closeEnough,
+                                       double& farthest) {
+  const std::size_t count = posed.size() / size;
+  const auto pose = [&](std::size_t i) { return std::span(posed).subspan(i * size, size); };
+  for (std::size_t i = 0; i < count; ++i) {  // relative to their centroids
+    Vec3 centroid = Vec3::Zero();
+    for (const Vec3& p : pose(i)) centroid += p / size;
+    for (Vec3& p : pose(i)) p -= centroid;
+  }
+  std::vector<std::size_t> chosen;
+  std::vector<double> nearest(count, std::numeric_limits<double>::infinity());
+  std::size_t next = 0;
+  while (true) {
+    chosen.push_back(next);
+    for (std::size_t i = 0; i < count; ++i) nearest[i] = std::min(nearest[i], rigidDistance(pose(next), pose(i)));
+    next = std::max_element(nearest.begin(), nearest.end()) - nearest.begin();
+    farthest = nearest[next];
+    if (farthest <= closeEnough || countOf(chosen) == atMost) break;
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
 }  // namespace
 
 std::vector<Vec3> poseAllFrames(const Character& character, const SkeletalMotion& motion) {
@@ -142,40 +169,47 @@ Result<ChosenKeyframes> chooseKeyframes(const Character& character, std::span<co
   }
   if (frameCount == 0) return invalidArgument("the motions have no frames to choose from");
 
-  // All considered poses with fewer vertices, relative to their centroids.
   const Character few = withFewerVertices(character);
   const std::vector<std::size_t> looked = evenly(std::min(frameCount, kFramesCompared), frameCount);
-  std::vector<Vec3> posed = poseFrames(few, motions, looked);
-  const std::size_t size = few.mesh.vertices.size();
-  const auto pose = [&](std::size_t i) { return std::span(posed).subspan(i * size, size); };
-  for (std::size_t i = 0; i < looked.size(); ++i) {
-    Vec3 centroid = Vec3::Zero();
-    for (const Vec3& p : pose(i)) centroid += p / size;
-    for (Vec3& p : pose(i)) p -= centroid;
-  }
-
-  // Farthest-first traversal (Gonzalez 1985); the earliest frame wins ties.
   ChosenKeyframes result;
-  std::vector<std::size_t> chosen;
-  std::vector<double> nearest(looked.size(), std::numeric_limits<double>::infinity());
-  std::size_t next = 0;
-  while (true) {
-    chosen.push_back(looked[next]);
-    for (std::size_t i = 0; i < looked.size(); ++i) {
-      nearest[i] = std::min(nearest[i], rigidDistance(pose(next), pose(i)));
-    }
-    next = std::max_element(nearest.begin(), nearest.end()) - nearest.begin();
-    result.farthest = nearest[next];
-    if (result.farthest <= closeEnough || countOf(chosen) == atMost) break;
-  }
-  std::sort(chosen.begin(), chosen.end());
-
+  std::vector<std::size_t> chosen =
+      mostDifferent(poseFrames(few, motions, looked), few.mesh.vertices.size(), atMost, closeEnough, result.farthest);
+  for (std::size_t& frame : chosen) frame = looked[frame];
   result.positions = poseFrames(character, motions, chosen);
   result.worldFromModel = bonesInFrames(character, motions, chosen);
   result.sources.reserve(chosen.size());
   forFrames(motions, chosen, [&](std::size_t /*k*/, std::size_t m, std::size_t frame) {
     result.sources.push_back({m, frame, motions[m].times[frame]});
   });
+  return result;
+}
+
+ChosenKeyframes chooseAmongPoses(const Character& character, std::span<const Affine3> worldFromModel, int atMost,
+                                 double closeEnough) {
+  const std::size_t jointCount = character.skeleton.jointCount();
+  const std::size_t count = worldFromModel.size() / jointCount;
+  LORICA_CHECK(count > 0 && atMost > 0, "there must be a pose, and one to be chosen");
+  const auto skinned = [&](const Character& some, std::span<const std::size_t> poses) {
+    const std::size_t size = some.mesh.vertices.size();
+    std::vector<Vec3> posed(poses.size() * size);
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+      skinLinearBlend(some, worldFromModel.subspan(poses[k] * jointCount, jointCount),
+                      std::span(posed).subspan(k * size, size));
+    }
+    return posed;
+  };
+  const Character few = withFewerVertices(character);
+  const std::vector<std::size_t> looked = evenly(std::min(count, kFramesCompared), count);
+  ChosenKeyframes result;
+  std::vector<std::size_t> chosen =
+      mostDifferent(skinned(few, looked), few.mesh.vertices.size(), atMost, closeEnough, result.farthest);
+  for (std::size_t& pose : chosen) {
+    pose = looked[pose];
+    result.sources.push_back({0, pose, 0.0});
+    const std::span<const Affine3> bones = worldFromModel.subspan(pose * jointCount, jointCount);
+    result.worldFromModel.insert(result.worldFromModel.end(), bones.begin(), bones.end());
+  }
+  result.positions = skinned(character, chosen);
   return result;
 }
 

@@ -1,14 +1,11 @@
 #pragma once
 
 #include "acd/decompose.h"
-#include "session/prepare/motion.h"
-#include "session/prepare/read_motion.h"
-#include "session/prepare/subject.h"
+#include "collision/hulls/host.h"
 #include "skinning/character.h"
+#include "skinning/clip.h"
 
-#include <functional>
 #include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
@@ -19,16 +16,6 @@ struct Training {
   std::vector<SkeletalMotion> motions;  ///< that decompositions are made for
   bool ownClips = false;                ///< the character's own are among them
 };
-
-/// The given motions; if there are none, the character's own clips and, for a humanoid, motions made for any humanoid,
-/// since it may be moved by either; else its rest pose.
-/// @param given  may be empty
-/// @param clips  of the character's skeleton; may be empty
-/// @param usual  called only if it is needed: motions of joints, such as the recordings that Lorica ships. Its error is
-///               returned only if there are no clips either
-[[nodiscard]] Result<Training> trainingMotions(const Character& character, std::span<const Motion> given,
-                                               std::span<const Clip> clips,
-                                               const std::function<Result<std::vector<Motion>>()>& usual);
 
 /// A frame of a motion that was chosen as a keyframe.
 struct ChosenFrame {
@@ -58,12 +45,8 @@ inline constexpr int kChooseKeyframes = -1;
 [[nodiscard]] Result<Keyframes> trainingKeyframes(const Character& character, const Training& training,
                                                   std::optional<int> count);
 
-/// Reads motions by paths or names, see readMotion().
-[[nodiscard]] Result<std::vector<Motion>> readMotions(std::span<const std::string> names, Host& host);
-
-/// The same for a subject. The shipped recordings are the usual motions.
-/// @param motions  may be empty
-[[nodiscard]] Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions);
+/// The most different of poses that are given by their bones. @param worldFromModel  poses x jointCount, at least one
+[[nodiscard]] Keyframes trainingKeyframes(const Character& character, std::span<const Affine3> worldFromModel);
 
 /// A decomposition and its computation time.
 struct TimedDecomposition {

@@ -1,7 +1,7 @@
 #include "bindings/c/guard.h"
 #include "bindings/c/handles.h"
+#include "bindings/character_body.h"
 #include "geometry/errors.h"
-#include "session/prepare/first_guess.h"
 
 #include <fmt/ranges.h>
 
@@ -45,6 +45,36 @@ Result<CharacterOptions> readingFrom(const lorica_character_options* given) {
   return reading;
 }
 
+/// Poses of so many joints.
+Result<std::vector<Affine3>> matricesFrom(const double* numbers, std::size_t count, const char* argument,
+                                          std::size_t joints) {
+  if (count > 0) {
+    LORICA_TRY_DO(given(numbers, argument));
+  }
+  std::vector<Affine3> matrices(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::optional<Affine3> matrix = affineFrom(numbers + 16 * i);
+    if (!matrix)
+      return invalidArgument("{}: the matrix of joint {} in pose {} {}", argument, i % joints, i / joints, kBadMatrix);
+    matrices[i] = *matrix;
+  }
+  return matrices;
+}
+
+Result<GivenSkin> skinFrom(const lorica_skin& skin) {
+  LORICA_TRY_DO(given(skin.vertices, "skin.vertices", skin.triangles, "skin.triangles", skin.joints, "skin.joints",
+                      skin.weights, "skin.weights", skin.joint_from_model, "skin.joint_from_model"));
+  GivenSkin given;
+  if (skin.name != nullptr && skin.name[0] != '\0') given.name = skin.name;
+  given.perVertex = skin.joints_per_vertex == 0 ? 4 : skin.joints_per_vertex;
+  given.positions = {skin.vertices, 3 * skin.vertex_count};
+  given.corners = {skin.triangles, 3 * skin.triangle_count};
+  given.joints = {skin.joints, given.perVertex * skin.vertex_count};
+  given.weights = {skin.weights, given.perVertex * skin.vertex_count};
+  given.jointFromModel = {skin.joint_from_model, 16 * skin.joint_count};
+  return given;
+}
+
 /// Its own clips; empty if there is no character.
 std::span<const Clip> clipsOf(const lorica_character* character) {
   if (character == nullptr || !character->owner->file) return {};
@@ -73,9 +103,27 @@ lorica_status lorica_character_read_with(const char* name_or_file, const lorica_
     LORICA_TRY(const CharacterOptions reading, readingFrom(options));
     ProgramHost host;
     LORICA_TRY(CharacterPointer read, openCharacter(name_or_file, reading, host));
-    std::string guess = read->file ? firstGuessOf(*read->file) : std::string();
+    std::string guess = guessAbout(*read);
     std::string notes = fmt::format("{}", fmt::join(notesOf(*read), "\n"));
     *out = new lorica_character{std::move(read), std::move(guess), std::move(notes)};
+    return {};
+  });
+}
+
+lorica_status lorica_character_make(const lorica_skin* skin, const lorica_character_options* options,
+                                    lorica_character** out) {
+  return guarded([&]() -> Result<void> {
+    LORICA_TRY_DO(given(skin, "skin", out, "out"));
+    LORICA_TRY(const lorica_skin whole, taken(skin, "skin"));
+    LORICA_TRY(const CharacterOptions reading, readingFrom(options));
+    LORICA_TRY(const GivenSkin checked, skinFrom(whole));
+    LORICA_TRY(std::vector<Affine3> poses,
+               matricesFrom(whole.poses, whole.pose_count * whole.joint_count, "poses", whole.joint_count));
+    if (whole.pose_count == 0) return invalidArgument("skin: pose_count is 0, expected poses that it is decomposed in");
+    ProgramHost host;
+    LORICA_TRY(CharacterPointer made, makeCharacter(checked, reading, host));
+    std::string notes = fmt::format("{}", fmt::join(notesOf(*made), "\n"));
+    *out = new lorica_character{std::move(made), {}, std::move(notes), std::move(poses)};
     return {};
   });
 }
@@ -145,7 +193,9 @@ lorica_status lorica_body_make(const lorica_character* character, const lorica_b
     ProgramHost host(progressFrom(wanted.progress, wanted.user), wanted.threads, wanted.parts);
     CharacterBodySettings settings{wanted.parts, {std::nullopt, wanted.hull_vertices}};
     if (wanted.cover > 0.0) settings.cover.tolerance = wanted.cover;
-    LORICA_TRY(auto made, makeCharacterBody(character->owner, settings, host));
+    LORICA_TRY(auto made, character->poses.empty()
+                              ? makeCharacterBody(character->owner, settings, host)
+                              : makeBodyInPoses(character->owner, character->poses, settings, host));
     *out = new lorica_body{std::move(made)};
     return {};
   });
@@ -164,6 +214,23 @@ lorica_status lorica_body_save(const lorica_body* body, const char* file) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(body, "body", file, "file"));
     return writeDecomposition(file, body->body->content);
+  });
+}
+
+lorica_status lorica_body_from_bytes(const lorica_character* character, const void* bytes, size_t count,
+                                     lorica_body** out) {
+  return guarded([&]() -> Result<void> {
+    LORICA_TRY_DO(given(character, "character", bytes, "bytes", out, "out"));
+    LORICA_TRY(auto read, parseCharacterBody(character->owner, {static_cast<const char*>(bytes), count}));
+    *out = new lorica_body{std::move(read)};
+    return {};
+  });
+}
+
+lorica_status lorica_body_bytes(const lorica_body* body, void* bytes, size_t room, size_t* count) {
+  return guarded([&]() -> Result<void> {
+    LORICA_TRY_DO(given(body, "body"));
+    return handOut(body->body->content, bytes, room, count);
   });
 }
 

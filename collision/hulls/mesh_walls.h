@@ -1,6 +1,6 @@
 #pragma once
 
-#include "session/prepare/subject.h"
+#include "collision/hulls/subject.h"
 
 #include <cstdint>
 #include <optional>

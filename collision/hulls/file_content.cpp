@@ -1,12 +1,14 @@
-#include "session/prepare/file_content.h"
+#include "collision/hulls/file_content.h"
 
 #include "acd/level_of_detail.h"
 #include "acd/training_range.h"
+#include "collision/hulls/keyframes.h"
+#include "collision/hulls/quality.h"
 #include "collision/live/part_bones.h"
 #include "geometry/counts.h"
+#include "geometry/errors.h"
+#include "geometry/text.h"
 #include "geometry/threads.h"
-#include "session/prepare/keyframes.h"
-#include "session/prepare/quality.h"
 
 #include <algorithm>
 #include <utility>
@@ -72,6 +74,19 @@ DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, cons
   }
   content.decomposition = std::move(decomposition);
   return content;
+}
+
+Result<void> checkMadeFrom(const Subject& subject, const DecompositionFile& content, const std::string& from) {
+  if (content.meshHash == topologyHash(subject.mesh)) return {};
+  return invalidArgument("{}: made from {} ({} vertices), expected a decomposition of {} ({} vertices)", from,
+                         content.source, grouped(content.decomposition.vertexCount), subject.name,
+                         grouped(std::ssize(subject.mesh.vertices)));
+}
+
+Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file) {
+  LORICA_TRY(DecompositionFile read, readDecomposition(file));
+  LORICA_TRY_DO(checkMadeFrom(subject, read, file.string()));
+  return read;
 }
 
 }  // namespace lorica

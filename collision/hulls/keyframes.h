@@ -52,4 +52,8 @@ struct ChosenKeyframes {
                                                       std::span<const SkeletalMotion> motions, int atMost,
                                                       double closeEnough);
 
+/// The same of poses that are given by their bones. @param worldFromModel  poses x jointCount, at least one pose
+[[nodiscard]] ChosenKeyframes chooseAmongPoses(const Character& character, std::span<const Affine3> worldFromModel,
+                                               int atMost, double closeEnough);
+
 }  // namespace lorica

@@ -1,10 +1,10 @@
-#include "session/prepare/character_walls.h"
+#include "collision/hulls/character_walls.h"
 
+#include "collision/hulls/mesh_walls.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "geometry/triangle_tree.h"
-#include "session/prepare/mesh_walls.h"
 #include "skinning/body/body_assembly.h"
 #include "skinning/body/transfer_weights.h"
 #include "skinning/body/weld.h"

@@ -2,8 +2,8 @@
 
 #include "acd/decomposition.h"
 #include "acd/hull_cover.h"
-#include "session/prepare/cover_choice.h"
-#include "session/prepare/file_content.h"
+#include "collision/hulls/cover_choice.h"
+#include "collision/hulls/file_content.h"
 #include "skinning/character.h"
 
 #include <optional>

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "session/prepare/subject.h"
+#include "collision/hulls/host.h"
+#include "collision/hulls/subject.h"
 
 #include <string>
 #include <vector>

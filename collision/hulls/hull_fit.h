@@ -2,11 +2,11 @@
 
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
-#include "session/prepare/cover_choice.h"
-#include "session/prepare/part_hulls.h"
-#include "session/prepare/quality.h"
-#include "session/prepare/subject.h"
-#include "session/prepare/training.h"
+#include "collision/hulls/cover_choice.h"
+#include "collision/hulls/part_hulls.h"
+#include "collision/hulls/quality.h"
+#include "collision/hulls/subject.h"
+#include "collision/hulls/training.h"
 
 #include <optional>
 

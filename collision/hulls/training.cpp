@@ -1,11 +1,10 @@
-#include "session/prepare/training.h"
+#include "collision/hulls/training.h"
 
-#include "capture/retarget/proxy_skeleton.h"
+#include "collision/hulls/keyframes.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
-#include "session/prepare/keyframes.h"
 
 #include <algorithm>
 #include <chrono>
@@ -17,45 +16,6 @@ namespace {
 constexpr double kLikeEnough = 0.02;  // in heights of the character: closer poses need no keyframe of their own
 
 }  // namespace
-
-Result<Training> trainingMotions(const Character& character, std::span<const Motion> given, std::span<const Clip> clips,
-                                 const std::function<Result<std::vector<Motion>>()>& usual) {
-  Training training;
-  const auto add = [&](std::span<const Motion> motions) -> Result<void> {
-    for (const Motion& motion : motions) {
-      LORICA_TRY(SkeletalMotion performed, performedBy(character, motion));
-      training.motions.push_back(std::move(performed));
-    }
-    return {};
-  };
-  if (!given.empty()) {
-    LORICA_TRY_DO(add(given));
-    return training;
-  }
-  if (!clips.empty()) {
-    training.ownClips = true;
-    training.motions.reserve(clips.size());
-    // Long clips are looked at less often.
-    double seconds = 0.0;
-    for (const Clip& clip : clips) seconds += clip.seconds;
-    const double most = kMaxTrainingPoses / character.skeleton.jointCount() / std::max(seconds, 1.0);
-    for (const Clip& clip : clips) {
-      const double rate = std::min(clip.framesPerSecond > 0.0 ? clip.framesPerSecond : kClipRate, most);
-      training.motions.push_back(sampleWhole(character.skeleton, clip, rate));
-      training.motions.back().name = clip.name;
-    }
-  }
-  if (canPerform(character)) {
-    const Result<std::vector<Motion>> motions = usual();
-    if (!motions && clips.empty()) return motions.error();
-    if (motions) {
-      LORICA_TRY_DO(add(*motions));
-    }
-  }
-  if (training.motions.empty())
-    training.motions.push_back({"rest pose", character.skeleton, {0.0}, restPose(character.skeleton)});
-  return training;
-}
 
 Result<Keyframes> trainingKeyframes(const Character& character, const Training& training, std::optional<int> count) {
   std::size_t frameCount = 0;
@@ -83,18 +43,10 @@ Result<Keyframes> trainingKeyframes(const Character& character, const Training& 
   return Keyframes{std::move(positions), *count, {}, 0.0, sampleBones(character, training.motions, *count)};
 }
 
-Result<std::vector<Motion>> readMotions(std::span<const std::string> names, Host& host) {
-  std::vector<Motion> motions;
-  motions.reserve(names.size());
-  for (const std::string& name : names) {
-    LORICA_TRY(Motion motion, readMotion(name, {}, host));
-    motions.push_back(std::move(motion));
-  }
-  return motions;
-}
-
-Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions) {
-  return trainingMotions(*subject.character, motions, subject.clips(), [] { return Result(shippedMotions()); });
+Keyframes trainingKeyframes(const Character& character, std::span<const Affine3> worldFromModel) {
+  ChosenKeyframes found =
+      chooseAmongPoses(character, worldFromModel, kDefaultKeyframes, kLikeEnough * character.height);
+  return {std::move(found.positions), countOf(found.sources), {}, found.farthest, std::move(found.worldFromModel)};
 }
 
 Result<TimedDecomposition> decomposeTimed(const std::string& name, const TriMesh& mesh, PoseView keyframes,

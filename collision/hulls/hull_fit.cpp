@@ -1,10 +1,10 @@
-#include "session/prepare/hull_fit.h"
+#include "collision/hulls/hull_fit.h"
 
 #include "acd/held_vertices.h"
 #include "acd/level_of_detail.h"
+#include "collision/hulls/file_content.h"
 #include "collision/live/attached_vertices.h"
 #include "geometry/counts.h"
-#include "session/prepare/file_content.h"
 
 #include <algorithm>
 #include <optional>

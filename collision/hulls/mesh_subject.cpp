@@ -1,9 +1,9 @@
-#include "session/prepare/mesh_subject.h"
+#include "collision/hulls/mesh_subject.h"
 
 #include "acd/part_concavity.h"
+#include "collision/hulls/mesh_walls.h"
 #include "geometry/errors.h"
 #include "geometry/small_faults.h"
-#include "session/prepare/mesh_walls.h"
 #include "skinning/body/mesh_body.h"
 
 #include <fmt/format.h>

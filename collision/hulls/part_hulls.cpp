@@ -1,4 +1,4 @@
-#include "session/prepare/part_hulls.h"
+#include "collision/hulls/part_hulls.h"
 
 #include "acd/hull_budget.h"
 #include "acd/transfer.h"

@@ -1,4 +1,4 @@
-#include "session/prepare/mesh_walls.h"
+#include "collision/hulls/mesh_walls.h"
 
 #include "acd/part_concavity.h"
 #include "geometry/counts.h"
@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 #include <vector>
@@ -19,7 +20,8 @@
 namespace lorica {
 namespace {
 
-constexpr std::ptrdiff_t kMaxSheets = 512;  // with a wall each
+constexpr std::ptrdiff_t kMaxSheets = 512;                                     // with a wall each
+constexpr std::array<const char*, 3> kWallNames = {"auto", "solid", "shell"};  // in the order of WallChoice
 
 enum class ShellRole : std::uint8_t { kShell, kSolid, kSealed, kDropped };
 
@@ -200,6 +202,15 @@ class WallMaker {
 };
 
 }  // namespace
+
+std::optional<WallChoice> wallChoiceNamed(std::string_view name) {
+  const auto found = std::find(kWallNames.begin(), kWallNames.end(), name);
+  return found == kWallNames.end() ? std::nullopt : std::optional(static_cast<WallChoice>(found - kWallNames.begin()));
+}
+
+const char* nameOf(WallChoice walls) {
+  return kWallNames[static_cast<std::size_t>(walls)];
+}
 
 void append(TriMesh& mesh, const TriMesh& other) {
   const VertexIndex first = countOf(mesh.vertices);

@@ -2,11 +2,13 @@
 
 #include "acd/decomposition_file.h"
 #include "acd/hull_cover.h"
+#include "collision/hulls/subject.h"
+#include "collision/hulls/training.h"
 #include "collision/live/choose_cover.h"
 #include "geometry/convex_hull.h"
-#include "session/prepare/training.h"
 #include "skinning/character.h"
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -27,5 +29,12 @@ using UsedHulls = std::vector<std::vector<ConvexHull>>;
 [[nodiscard]] DecompositionFile fileContent(const std::string& name, const TriMesh& mesh, const Character* character,
                                             const Training* training, PoseView keyframes, Decomposition decomposition,
                                             const UsedHulls& hulls);
+
+/// An error if parts were made from another mesh. @param from  where they are from: the name of a file
+[[nodiscard]] Result<void> checkMadeFrom(const Subject& subject, const DecompositionFile& content,
+                                         const std::string& from);
+
+/// The decomposition in a .lorica file, or an error if it was made from another mesh or cannot be read.
+[[nodiscard]] Result<DecompositionFile> readDecompositionOf(const Subject& subject, const std::filesystem::path& file);
 
 }  // namespace lorica
