@@ -74,6 +74,26 @@ template <typename Range, typename Test>
 bool none_of(Range&& range, Test test) {
   return std::none_of(std::begin(range), std::end(range), test);
 }
+template <typename Range, typename Test>
+auto count_if(Range&& range, Test test) {
+  return std::count_if(std::begin(range), std::end(range), test);
+}
+template <typename Range, typename Less = lorica_less, typename Projection = std::identity>
+auto max_element(Range&& range, Less less = {}, Projection projection = {}) {
+  return std::max_element(std::begin(range), std::end(range), [&](const auto& a, const auto& b) {
+    return less(std::invoke(projection, a), std::invoke(projection, b));
+  });
+}
+template <typename Range, typename Less = lorica_less, typename Projection = std::identity>
+auto min_element(Range&& range, Less less = {}, Projection projection = {}) {
+  return std::min_element(std::begin(range), std::end(range), [&](const auto& a, const auto& b) {
+    return less(std::invoke(projection, a), std::invoke(projection, b));
+  });
+}
+template <typename Range, typename Other>
+bool equal(const Range& range, const Other& other) {
+  return std::equal(std::begin(range), std::end(range), std::begin(other), std::end(other));
+}
 template <typename Range, typename Out>
 auto copy(Range&& range, Out out) {
   return std::copy(std::begin(range), std::end(range), out);

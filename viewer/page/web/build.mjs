@@ -1,6 +1,7 @@
-// usage: node build.mjs OUT_FOLDER NODE_MODULES_PARENT
-// Makes the page that `lorica serve` embeds: page.js, page.css, index.html and licences.txt. The packages of package.json
-// have to be in NODE_MODULES_PARENT/node_modules, with the hashes of hashes.txt.
+// usage: node build.mjs OUT_FOLDER NODE_MODULES_PARENT [LORICA_PACKAGE]
+// Makes the page that `lorica serve` embeds: page.js, page.css, index.html and licences.txt. With the folder of the npm
+// package `lorica` it makes the page "Try Lorica" of the site instead, from try/. The packages of package.json have to be in
+// NODE_MODULES_PARENT/node_modules, with the hashes of hashes.txt.
 import fs from 'node:fs';
 import { createRequire } from 'node:module';
 import path from 'node:path';
@@ -12,8 +13,10 @@ const fail = (sentence) => {
   console.error(`viewer/page/web/build.mjs: ${sentence}`);
   process.exit(1);
 };
-const [out, parent] = process.argv.slice(2);
-if (!parent) fail('usage: node build.mjs OUT_FOLDER NODE_MODULES_PARENT');
+const [out, parent, own] = process.argv.slice(2);
+if (!parent) fail('usage: node build.mjs OUT_FOLDER NODE_MODULES_PARENT [LORICA_PACKAGE]');
+const lorica = own && path.resolve(own);
+const folder = lorica ? path.join(here, 'try') : here;
 const modules = path.join(path.resolve(parent), 'node_modules');
 
 /// What npm says that it installed, by name.
@@ -26,8 +29,8 @@ function installed() {
   }
 }
 
-/// Every package that is here has to be known with this hash, and every known one here. Of esbuild's programs only that
-/// of this machine is installed.
+/// Every package that is here has to be known with this hash, and those of package.json here. Of esbuild's programs only
+/// that of this machine is installed.
 function check(packages) {
   const known = new Map(
     fs
@@ -37,7 +40,7 @@ function check(packages) {
       .map((line) => line.split(/\s+/))
       .map(([name, version, hash]) => [name, { version, hash }]),
   );
-  const wanted = new Set([...known.keys()].filter((name) => !name.startsWith('@esbuild/')));
+  const wanted = new Set(Object.keys(JSON.parse(fs.readFileSync(path.join(folder, 'package.json'), 'utf8')).dependencies));
   for (const [name, { version, integrity }] of packages) {
     const expected = known.get(name);
     if (!expected) {
@@ -67,8 +70,16 @@ try {
 const start = performance.now();
 const bundle = await esbuild
   .build({
-    entryPoints: [path.join(here, 'src', 'main.js')],
+    entryPoints: lorica
+      ? { try: path.join(folder, 'main.js'), worker: path.join(lorica, 'worker.js') }
+      : { page: path.join(here, 'src', 'main.js') },
+    outdir: path.resolve(out),
+    alias: lorica ? { lorica: path.join(lorica, 'lorica.js'), 'lorica/worker': path.join(lorica, 'worker.js'),
+      'lorica/rapier': path.join(lorica, 'rapier.js') } : {},
+    external: ['node:*'],
     bundle: true,
+    splitting: lorica !== undefined, // what is needed later is loaded later
+    chunkNames: '[name]',
     minify: true,
     format: 'esm',
     target: 'es2022',
@@ -106,13 +117,15 @@ const licences = bundled.map((name) => {
 });
 
 fs.mkdirSync(out, { recursive: true });
+for (const file of bundle.outputFiles) fs.writeFileSync(file.path, file.contents);
 const script = bundle.outputFiles[0].contents;
-fs.writeFileSync(path.join(out, 'page.js'), script);
-for (const file of ['index.html', 'page.css']) fs.copyFileSync(path.join(here, file), path.join(out, file));
+const copied = lorica ? ['index.html', 'try.css', '../page.css', '../../../../LICENSE'] : ['index.html', 'page.css'];
+for (const file of copied) fs.copyFileSync(path.join(folder, file), path.join(out, path.basename(file)));
+if (lorica) fs.copyFileSync(path.join(lorica, 'lorica.wasm'), path.join(out, 'lorica.wasm'));
 fs.writeFileSync(
   path.join(out, 'licences.txt'),
   `The page of Lorica contains these packages.\n\n${licences.join(`\n${'-'.repeat(72)}\n\n`)}`,
 );
 console.log(
-  `page.js ${script.length} bytes, ${gzipSync(script, { level: 9 }).length} with gzip, ${bundled.length} packages, bundled in ${seconds.toFixed(2)} s`,
+  `${path.basename(bundle.outputFiles[0].path)} ${script.length} bytes, ${gzipSync(script, { level: 9 }).length} with gzip, ${bundled.length} packages, bundled in ${seconds.toFixed(2)} s`,
 );
