@@ -46,11 +46,7 @@ Result<Motion> motionNamed(const std::string& name) {
 }  // namespace
 
 Result<CharacterPointer> openCharacter(const std::string& nameOrFile, const CharacterOptions& reading, Host& host) {
-  for (const auto& [length, name] :
-       {std::pair(reading.bodyResolution, "body_resolution"), std::pair(reading.thickness, "thickness")}) {
-    if (!(length >= 0.0 && length < kInfinity))
-      return invalidArgument("{}: found {}, expected 0 m or more", name, length);
-  }
+  LORICA_TRY_DO(checkLengths(reading));
   LORICA_TRY(Subject read, readCharacter(nameOrFile, reading, host));
   return std::make_shared<const Subject>(std::move(read));
 }

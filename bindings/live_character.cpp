@@ -69,7 +69,17 @@ std::vector<std::string> notesOf(const Subject& character) {
   return notes;
 }
 
+Result<void> checkLengths(const CharacterOptions& options) {
+  for (const auto& [length, name] :
+       {std::pair(options.bodyResolution, "body_resolution"), std::pair(options.thickness, "thickness")}) {
+    if (!(length >= 0.0 && length < kInfinity))
+      return invalidArgument("{}: found {}, expected 0 m or more", name, length);
+  }
+  return {};
+}
+
 Result<CharacterPointer> makeCharacter(const GivenSkin& skin, const CharacterOptions& options, Host& host) {
+  LORICA_TRY_DO(checkLengths(options));
   const std::vector<std::int64_t> corners(skin.corners.begin(), skin.corners.end());
   LORICA_TRY(MeshSequence mesh, checkedMesh(skin.positions, skin.positions.size() / 3, corners));
   LORICA_TRY(Character character, characterOf(skin));

@@ -45,6 +45,9 @@ struct GivenSkin {
   std::span<const double> jointFromModel;  ///< inverse bind matrices: 16 numbers of each joint, by columns
 };
 
+/// An error if a length of the options is below 0 or not finite.
+[[nodiscard]] Result<void> checkLengths(const CharacterOptions& options);
+
 /// The skin as a character, whose joints have no parents: in the options, `body`, `bodyResolution`, `walls` and
 /// `thickness` count, as for the character of a file.
 [[nodiscard]] Result<CharacterPointer> makeCharacter(const GivenSkin& skin, const CharacterOptions& options,

@@ -1,5 +1,15 @@
 /// Lorica and Jolt (jolt-physics).
 
+/// The shape of settings, which are given back.
+const made = (Jolt, settings, what) => {
+  const result = settings.Create();
+  if (result.HasError()) throw new Error(`Jolt makes no ${what}: ${result.GetError().c_str()}`);
+  const shape = result.Get();
+  shape.AddRef();
+  Jolt.destroy(settings);
+  return shape;
+};
+
 /// One hull as a shape of Jolt. @param positions  x y z of each vertex   @param count  of them, none = all
 export function hullShape(Jolt, positions, count = positions.length / 3) {
   const settings = new Jolt.ConvexHullShapeSettings(), point = new Jolt.Vec3();
@@ -9,12 +19,7 @@ export function hullShape(Jolt, positions, count = positions.length / 3) {
     settings.mPoints.push_back(point);
   }
   Jolt.destroy(point);
-  const result = settings.Create();
-  if (result.HasError()) throw new Error(`Jolt makes no hull: ${result.GetError().c_str()}`);
-  const shape = result.Get();
-  shape.AddRef();
-  Jolt.destroy(settings);
-  return shape;
+  return made(Jolt, settings, 'hull');
 }
 
 /// The hulls of a decomposed mesh as one shape.
@@ -25,11 +30,7 @@ export function partsShape(Jolt, parts) {
   for (const shape of shapes) settings.AddShapeShape(origin, still, shape, 0);
   Jolt.destroy(still);
   Jolt.destroy(origin);
-  const result = settings.Create();
-  if (result.HasError()) throw new Error(`Jolt makes no compound: ${result.GetError().c_str()}`);
-  const shape = result.Get();
-  shape.AddRef();
-  Jolt.destroy(settings);
+  const shape = made(Jolt, settings, 'compound');
   for (const part of shapes) part.Release();
   return shape;
 }

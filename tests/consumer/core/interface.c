@@ -253,6 +253,9 @@ static void test_what_is_not_there(void) {
   lorica_character_options shell = {.size = sizeof shell, .walls = LORICA_CHARACTER_SHELL};
   CHECK(lorica_character_make(&skin, &shell, &character) == LORICA_OK);
   lorica_character_free(character);
+  shell.body_resolution = -1;
+  CHECK(lorica_character_make(&skin, &shell, &character) == LORICA_INVALID_ARGUMENT);
+  CHECK(strstr(lorica_last_error(), "body_resolution: found -1") != NULL);
 }
 
 int main(void) {

@@ -47,13 +47,14 @@ const hullMesh = new THREE.Mesh(new THREE.BufferGeometry(), new THREE.MeshStanda
   flatShading: true, transparent: true, opacity: 0.55, roughness: 0.8 }));
 hullMesh.frustumCulled = false;
 stage.scene.add(hullMesh);
+const tone = new THREE.Color();
 const drawHulls = (hulls) => {
   const { geometry } = hullMesh;
   const count = hulls.reduce((sum, { indices, triangleCount = indices.length / 3 }) => sum + 3 * triangleCount, 0);
   if (!geometry.attributes.position || geometry.attributes.position.count < count) {
     for (const name of ['position', 'color']) geometry.setAttribute(name, new THREE.BufferAttribute(new Float32Array(6 * count), 3));
   }
-  const { position, color } = geometry.attributes, tone = new THREE.Color();
+  const { position, color } = geometry.attributes;
   let at = 0;
   hulls.forEach(({ positions, indices, triangleCount = indices.length / 3 }, part) => {
     tone.set(kColors[part % kColors.length]);
