@@ -81,7 +81,7 @@ def about(info, settings=None):
     """The files that describe a wheel."""
     numpy = "numpy" if int(abi(settings)) >= 313 else "numpy <2"  # Debian 12's pybind11 2.10 knows no newer one
     metadata = f"""Metadata-Version: 2.1
-Name: lorica
+Name: lorica-collision
 Version: {version()}
 Summary: {SUMMARY}
 License: Apache-2.0
@@ -104,7 +104,7 @@ def record(files, info):
 
 
 def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
-    info = f"lorica-{version()}.dist-info"
+    info = f"lorica_collision-{version()}.dist-info"
     (Path(metadata_directory) / info).mkdir()
     for path, content in about(info, config_settings).items():
         (Path(metadata_directory) / path).write_bytes(content)
@@ -112,11 +112,11 @@ def prepare_metadata_for_build_wheel(metadata_directory, config_settings=None):
 
 
 def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
-    info = f"lorica-{version()}.dist-info"
+    info = f"lorica_collision-{version()}.dist-info"
     with tempfile.TemporaryDirectory() as stage:
         files = {**package(built(config_settings), Path(stage), config_settings, info), **about(info, config_settings)}
     files[f"{info}/RECORD"] = record(files, info)
-    name = f"lorica-{version()}-{tag(config_settings)}.whl"
+    name = f"lorica_collision-{version()}-{tag(config_settings)}.whl"
     with zipfile.ZipFile(Path(wheel_directory) / name, "w", zipfile.ZIP_DEFLATED) as wheel:
         for path, content in files.items():
             entry = zipfile.ZipInfo(path)  # its time is fixed, so that equal builds give equal wheels

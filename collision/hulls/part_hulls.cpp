@@ -137,20 +137,26 @@ Result<void> checkHullsHold(const PartHulls& hulls, std::span<const Vec3> vertic
   }
   const double tolerance = kOutside * all.diagonal();
   std::vector<double> outside(which.size(), 0.0);
-  parallelFor(which.size(), [&](std::size_t k) {
-    const Vec3& p = vertices[which[k]];
-    double least = kInfinity;
-    for (const auto& [corners, box, planes] : solids) {
-      double distance = (box.min - p).cwiseMax(p - box.max).cwiseMax(0.0).norm();
-      distance = planes.height(p - origin, distance, least);
-      if (planes.empty()) {
-        distance = kInfinity;
-        for (const Vec3& corner : corners) distance = std::min(distance, (corner - p).norm());
+  constexpr std::size_t kBlock = 256;  // neighbours are often in the same hull: that of the last one is asked first
+  parallelFor((which.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+    std::size_t likely = 0;
+    for (std::size_t k = block * kBlock; k < std::min(which.size(), (block + 1) * kBlock); ++k) {
+      const Vec3& p = vertices[which[k]];
+      double least = kInfinity;
+      for (std::size_t i = 0; i < solids.size() && least > tolerance; ++i) {
+        const std::size_t asked = (likely + i) % solids.size();
+        const auto& [corners, box, planes] = solids[asked];
+        double distance = (box.min - p).cwiseMax(p - box.max).cwiseMax(0.0).norm();
+        distance = planes.height(p - origin, distance, least);
+        if (planes.empty()) {
+          distance = kInfinity;
+          for (const Vec3& corner : corners) distance = std::min(distance, (corner - p).norm());
+        }
+        least = std::min(least, distance);
+        if (least <= tolerance) likely = asked;
       }
-      least = std::min(least, distance);
-      if (least <= tolerance) break;
+      outside[k] = least;
     }
-    outside[k] = least;
   });
   // Planes of triangles that are nearly slivers say too much: the distance from the triangles decides.
   std::vector<std::unique_ptr<TriangleTree>> trees(solids.size());

@@ -29,7 +29,7 @@ function(run)
 endfunction()
 
 run(${PYTHON} -m pip wheel --quiet --no-deps --no-build-isolation --config-settings=build-dir=${BUILD} --wheel-dir ${WORK} ${SOURCE})
-file(GLOB wheel ${WORK}/lorica-*.whl)
+file(GLOB wheel ${WORK}/lorica_collision-*.whl)
 run(${PYTHON} -m venv --system-site-packages ${WORK}/venv)
 run(${WORK}/venv/bin/pip install --quiet ${wheel})
 run(${WORK}/venv/bin/python use.py)

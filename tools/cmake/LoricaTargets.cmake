@@ -129,12 +129,16 @@ endif()
 
 # lorica_library(acd SOURCES a.cpp b.cpp HEADERS a.h LINKS lorica::geometry PRIVATE_LINKS TBB::tbb)
 # HEADERS are the public ones: they are installed, and include each other as <lorica/acd/a.h> there. Internal headers are
-# not listed. SINGLE sources are in no batch. HOT: see lorica_optimise.
+# not listed. SINGLE sources are in no batch. HOT: see lorica_optimise. ONCE: its sources that are small rather than quick in a
+# page, which loads them.
 function(lorica_library name)
-  cmake_parse_arguments(ARG "HOT" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS;SINGLE" ${ARGN})
+  cmake_parse_arguments(ARG "HOT" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS;SINGLE;ONCE" ${ARGN})
   add_library(lorica_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
   add_library(lorica::${name} ALIAS lorica_${name})
-  set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name})
+  if(NOT EMSCRIPTEN)
+    set_target_properties(lorica_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
+  endif()
   target_include_directories(lorica_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> "$<BUILD_INTERFACE:${lorica_as_installed}>" $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(lorica_${name} PUBLIC cxx_std_20)  # for those who use the installed headers
@@ -144,6 +148,9 @@ function(lorica_library name)
   lorica_flags(lorica_${name})
   if(EMSCRIPTEN AND NOT name MATCHES "^(geometry|acd|live)$")
     lorica_optimise(lorica_${name} -Os)  # what a page loads
+  elseif(EMSCRIPTEN)
+    set_source_files_properties(${ARG_ONCE} PROPERTIES COMPILE_OPTIONS -Os)
+    list(APPEND ARG_SINGLE ${ARG_ONCE})
   elseif(NOT ARG_HOT)
     lorica_optimise(lorica_${name} -O2)
   elseif(LORICA_COUNTS_WORK AND NOT name STREQUAL "geometry")
