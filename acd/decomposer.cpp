@@ -258,11 +258,12 @@ class Decomposer {
                                                                 [&](const SharedPiece& p) { return exceeds(*p); }));
   }
 
+  /// Whether the leaves that exceed a limit of single parts are cut now, all of them and no other.
+  [[nodiscard]] bool allAreCut() const { return partsLimited() && met_ == 0 && errorMet_; }
+
   /// Whether cutting a leaf helps to meet the limits: if only those of single parts are missed, leaves that meet them
   /// are not cut.
-  [[nodiscard]] bool worthCutting(const Leaf& leaf) const {
-    return !partsLimited() || met_ > 0 || !errorMet_ || exceeds(*leaf.piece);
-  }
+  [[nodiscard]] bool worthCutting(const Leaf& leaf) const { return !allAreCut() || exceeds(*leaf.piece); }
 
   [[nodiscard]] Leaf leafOf(Part part) const {
     Leaf leaf;
@@ -319,8 +320,21 @@ class Decomposer {
         largest = leaves_[i].piece->error(*k);
         worst = i;
       }
+      if (worst && allAreCut()) searchAhead(*worst);
       if (!worst || search(leaves_[*worst])) return worst;
     }
+  }
+
+  /// Searches a leaf, and with it those that are probably next, as many as there are threads.
+  void searchAhead(std::size_t leaf) {
+    std::vector<std::size_t> next;
+    for (std::size_t i = 0; i < leaves_.size(); ++i) {
+      if (!leaves_[i].searched && exceeds(*leaves_[i].piece)) next.push_back(i);
+    }
+    const auto first = [&](std::size_t i) { return i == leaf ? kInfinity : leaves_[i].piece->totalError(); };
+    std::stable_sort(next.begin(), next.end(), [&](std::size_t a, std::size_t b) { return first(a) > first(b); });
+    if (next.empty() || next[0] != leaf) return;
+    parallelPieces(std::min(next.size(), threadsHere()), [&](std::size_t i) { (void)search(leaves_[next[i]]); });
   }
 
   /// The part whose best split has the largest gain, or the largest share of its error if it has no gain. A part's
@@ -354,8 +368,11 @@ class Decomposer {
     context_.addCutPoints(cut.newPoints);
     splitFrom_.push_back(index);
     leaves_.emplace_back();
-    parallelBoth([&] { leaves_[index] = leafOf(std::move(cut.above)); },
-                 [&] { leaves_.back() = leafOf(std::move(cut.below)); });
+    const auto become = [&](Leaf& leaf, Part& part) {
+      leaf = leafOf(std::move(part));
+      if (allAreCut()) (void)exceeds(*leaf.piece);  // asked for sooner or later
+    };
+    parallelBoth([&] { become(leaves_[index], cut.above); }, [&] { become(leaves_.back(), cut.below); });
   }
 
   /// Algorithm 1, last line: components that no plane could separate become separate parts; with limits, only where
@@ -430,10 +447,10 @@ class Decomposer {
     const double radius = settings_.maxConcavity / kConcavityVolumeWeight;
     const double maxEmpty = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
     std::array<std::vector<SharedPiece>, 2> tried = {atLimit_, stages_.back()};
-    for (std::vector<SharedPiece>& parts : tried) {
+    parallelPieces(tried.size(), [&](std::size_t i) {
       std::vector<PartIndex> none;
-      mergeWithin(parts, none, context_, maxEmpty, [&](const Piece& common) { return !exceeds(common); });
-    }
+      mergeWithin(tried[i], none, context_, maxEmpty, [&](const Piece& common) { return !exceeds(common); });
+    });
     const bool first = tried[0].size() != tried[1].size() ? tried[0].size() < tried[1].size()
                                                           : hullVolumeOf(tried[0]) <= hullVolumeOf(tried[1]);
     std::vector<SharedPiece>& best = first ? tried[0] : tried[1];

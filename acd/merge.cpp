@@ -77,6 +77,8 @@ bool near(const Group& a, const Group& b) {
 struct FreePair {
   std::size_t a = 0, b = 0;
   double cost = kInfinity;
+  mutable bool asked = false;                             // whether they may be
+  mutable std::shared_ptr<const Piece> common = nullptr;  // if so
 
   bool operator<(const FreePair& o) const { return std::tie(cost, a, b) < std::tie(o.cost, o.a, o.b); }
 };
@@ -134,12 +136,26 @@ void mergePairs(std::vector<std::shared_ptr<const Piece>>& parts, std::vector<Pa
   }
   add(std::move(pairs));
   std::vector<PartIndex> mergedInto(parts.size(), -1);
+  // Common parts are made late: those of all candidates together would be many times the mesh. After a refusal the next
+  // ones are probably asked for, too.
+  std::size_t ahead = 1;
   while (!candidates.empty()) {
+    if (!candidates.begin()->asked) {
+      std::vector<const FreePair*> next;
+      for (auto pair = candidates.begin(); pair != candidates.end() && next.size() < ahead; ++pair) {
+        if (!pair->asked) next.push_back(&*pair);
+      }
+      parallelPieces(next.size(), [&](std::size_t i) {
+        std::shared_ptr<const Piece> common = commonPart(*parts[next[i]->a], *parts[next[i]->b], context);
+        if (allowed(*common)) next[i]->common = std::move(common);
+        next[i]->asked = true;
+      });
+    }
     const std::size_t a = candidates.begin()->a, b = candidates.begin()->b;
+    std::shared_ptr<const Piece> common = std::move(candidates.begin()->common);
     candidates.erase(candidates.begin());
-    // Made only now: those of all candidates together would be many times the mesh.
-    std::shared_ptr<const Piece> common = commonPart(*parts[a], *parts[b], context);
-    if (!allowed(*common)) continue;
+    ahead = common ? 1 : threadsHere();
+    if (!common) continue;
     std::erase_if(candidates, [&](const FreePair& p) { return p.a == a || p.b == a || p.a == b || p.b == b; });
     parts[a] = std::move(common);
     parts[b] = nullptr;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 namespace lorica {
@@ -16,6 +17,8 @@ namespace {
 constexpr double kThin = 1e-5;
 // A part is convex if its hull has at most this much more volume, as a share.
 constexpr double kNoSpace = 1e-9;
+// Distances from planes are inexact by less than this share of the hull's diagonal.
+constexpr double kPlaneRounding = 1e-13;
 constexpr int kSamples = 2000;  // on a hull, as many as CoACD takes
 // More where it is near what matters.
 constexpr int kNearSamples = 6000;
@@ -54,6 +57,20 @@ HullPlanes::HullPlanes(const ConvexHull& hull) {
     normals_.push_back(doubled.normalized());
     offsets_.push_back(normals_.back().dot(a));
   }
+}
+
+bool HullPlanes::holdsNear(const std::array<Vec3, 3>& triangle, double enough) {
+  const auto near = [&](std::size_t plane) {
+    return std::ranges::all_of(triangle,
+                               [&](const Vec3& p) { return offsets_[plane] - normals_[plane].dot(p) <= enough; });
+  };
+  if (!normals_.empty() && near(last_)) return true;
+  for (std::size_t i = 0; i < normals_.size(); ++i) {
+    if (!near(i)) continue;
+    last_ = i;
+    return true;
+  }
+  return normals_.empty();
 }
 
 double HullPlanes::depth(const Vec3& p, double enough) {
@@ -98,8 +115,10 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
   double all = 0.0;
   for (const Triangle& t : triangles) all += 0.5 * rowsOf(t, spacing) * rowsOf(t, spacing);
   const double apart = spacing * std::sqrt(std::max(1.0, all / kMaxSurfaceSamples));
+  const double rounding = kPlaneRounding * boundsOf(hull.vertices).diagonal();
   for (const Triangle& t : triangles) {
     const Vec3& a = points[t[0]];
+    if (planes.holdsNear({a, points[t[1]], points[t[2]]}, concavity - rounding)) continue;
     const Vec3 ab = points[t[1]] - a, ac = points[t[2]] - a;
     const int rows = rowsOf(t, apart);
     for (int i = 0; i <= rows; ++i) {
@@ -110,10 +129,24 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
     }
     if (concavity > enough) return concavity;
   }
-  const TriangleTree surface(points, triangles);
+  std::optional<TriangleTree> surface;
+  const auto any = [](std::int32_t) { return true; };
+  std::array<Vec3, 3> nearest{};  // the triangle that was nearest to the sample before
+  std::vector<std::int32_t> faceOf;
   for (const int samples : {kSamples, kNearSamples}) {
-    for (const Vec3& p : spreadPoints(hull.vertices, hull.triangles, samples, samples)) {
-      concavity = std::max(concavity, surface.distance(p, concavity));
+    const std::vector<Vec3> spread = spreadPoints(hull.vertices, hull.triangles, samples, samples, &faceOf);
+    for (std::size_t i = 0; i < spread.size(); ++i) {
+      const Vec3& p = spread[i];
+      const auto within = [&](double distanceSq) { return distanceSq <= concavity * concavity; };
+      // A corner of the hull is one of the part.
+      if (std::ranges::any_of(hull.triangles[faceOf[i]],
+                              [&](VertexIndex v) { return within((hull.vertices[v] - p).squaredNorm()); }))
+        continue;
+      if (surface && within(nearestOnTriangle(p, nearest).first)) continue;
+      if (!surface) surface.emplace(points, triangles, TriangleTree::Use::kDistances);
+      const TriangleTree::Hit hit = surface->nearest(p, kInfinity, any, concavity);
+      nearest = surface->corners(hit);
+      concavity = std::max(concavity, hit.distance);
       if (concavity > enough) return concavity;
     }
     if (concavity < kNear * ignoreBelow) break;

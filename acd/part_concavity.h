@@ -3,6 +3,7 @@
 #include "geometry/convex_hull.h"
 #include "geometry/triangle_tree.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -24,6 +25,8 @@ class HullPlanes {
   [[nodiscard]] std::size_t count() const { return normals_.size(); }
   [[nodiscard]] const Vec3& normal(std::size_t i) const { return normals_[i]; }
   [[nodiscard]] double offset(std::size_t i) const { return offsets_[i]; }
+  /// Whether one plane has the whole triangle at most `enough` below it [m]: then no point of it lies deeper.
+  [[nodiscard]] bool holdsNear(const std::array<Vec3, 3>& triangle, double enough);
   /// How deep a point of the hull lies below its surface [m]; 0 if that is at most `enough`.
   [[nodiscard]] double depth(const Vec3& p, double enough);
 

@@ -49,6 +49,10 @@ auto withThreads(int /*threads*/, const Work& work) {
   return work();
 }
 
+inline std::size_t threadsHere() {
+  return 1;
+}
+
 #else
 
 /// step(i) for each i from first on and below last.
@@ -87,6 +91,12 @@ auto withThreads(int threads, const Work& work) {
   std::optional<std::invoke_result_t<Work> > result;
   arena.execute([&] { result.emplace(work()); });
   return std::move(*result);
+}
+
+/// How many threads may share the work: how much it pays to do before it is known to be needed. No result may depend on
+/// it.
+inline std::size_t threadsHere() {
+  return tbb::this_task_arena::max_concurrency();
 }
 
 #endif

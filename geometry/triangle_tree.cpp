@@ -61,12 +61,15 @@ std::pair<double, Vec3> nearestOnTriangle(const Vec3& p, const std::array<Vec3, 
   return best;
 }
 
-TriangleTree::TriangleTree(std::vector<std::array<Vec3, 3>> corners)
-    : corners_(std::move(corners)), original_(corners_.size()) {
+TriangleTree::TriangleTree(std::vector<std::array<Vec3, 3>> corners, Use use)
+    : corners_(std::move(corners)), original_(corners_.size()), use_(use) {
   LORICA_CHECK(!corners_.empty(), "a triangle tree needs at least one triangle");
   std::iota(original_.begin(), original_.end(), 0);
   nodes_.reserve(corners_.size());
-  build(0, corners_.size());
+  std::vector<Vec3> centers;
+  centers.reserve(corners_.size());
+  for (const auto& [a, b, c] : corners_) centers.emplace_back(a + b + c);
+  build(centers, 0, corners_.size());
   // The tree was built over indices: reorder the corners to match.
   std::vector<std::array<Vec3, 3>> ordered;
   ordered.reserve(corners_.size());
@@ -74,13 +77,15 @@ TriangleTree::TriangleTree(std::vector<std::array<Vec3, 3>> corners)
   corners_ = std::move(ordered);
 }
 
-TriangleTree::TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles)
-    : TriangleTree([&] {
-        std::vector<std::array<Vec3, 3>> corners;
-        corners.reserve(triangles.size());
-        for (const Triangle& t : triangles) corners.push_back({vertices[t[0]], vertices[t[1]], vertices[t[2]]});
-        return corners;
-      }()) {}
+TriangleTree::TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles, Use use)
+    : TriangleTree(
+          [&] {
+            std::vector<std::array<Vec3, 3>> corners;
+            corners.reserve(triangles.size());
+            for (const Triangle& t : triangles) corners.push_back({vertices[t[0]], vertices[t[1]], vertices[t[2]]});
+            return corners;
+          }(),
+          use) {}
 
 void TriangleTree::measure(Node& node, std::size_t first, std::size_t count) const {
   double area = 0.0;
@@ -91,7 +96,6 @@ void TriangleTree::measure(Node& node, std::size_t first, std::size_t count) con
     node.dipole += normal;
     node.center += own / 3.0 * (a + b + c);
     area += own;
-    for (const Vec3* corner : {&a, &b, &c}) node.box.extend(*corner);
   }
   node.center = area > 0.0 ? Vec3(node.center / area) : node.box.center();
   for (std::size_t i = first; i < first + count; ++i) {
@@ -102,35 +106,39 @@ void TriangleTree::measure(Node& node, std::size_t first, std::size_t count) con
   node.radius = std::sqrt(node.radius);
 }
 
-void TriangleTree::build(std::size_t first, std::size_t count) {
+void TriangleTree::build(std::span<const Vec3> centers, std::size_t first, std::size_t count) {
   const std::size_t self = nodes_.size();
   nodes_.emplace_back();
   if (count <= kLeafSize) {
     // Libraries leave other orders behind; sums are to be the same everywhere.
     std::sort(original_.begin() + first, original_.begin() + first + count);
-    measure(nodes_[self], first, count);
+    for (std::size_t i = first; i < first + count; ++i) {
+      for (const Vec3& corner : corners_[original_[i]]) nodes_[self].box.extend(corner);
+    }
+    if (use_ == Use::kAll) measure(nodes_[self], first, count);
     nodes_[self].first = first;
     nodes_[self].count = count;
     return;
   }
-  const auto center = [&](std::int32_t i) -> Vec3 {
-    const auto& [a, b, c] = corners_[i];
-    return a + b + c;
-  };
-  Aabb centers;
-  for (std::size_t i = first; i < first + count; ++i) centers.extend(center(original_[i]));
+  Aabb box;
+  for (std::size_t i = first; i < first + count; ++i) box.extend(centers[original_[i]]);
   Eigen::Index axis = 0;
-  (centers.max - centers.min).maxCoeff(&axis);
+  (box.max - box.min).maxCoeff(&axis);
   const auto begin = original_.begin() + first;
   const std::size_t half = count / 2;
   std::nth_element(begin, begin + half, begin + count, [&](std::int32_t a, std::int32_t b) {
-    const double ca = center(a)[axis], cb = center(b)[axis];
+    const double ca = centers[a][axis], cb = centers[b][axis];
     return ca != cb ? ca < cb : a < b;
   });
-  build(first, half);
+  build(centers, first, half);
+  const std::size_t second = nodes_.size();
   nodes_[self].first = countOf(nodes_);
-  build(first + half, count - half);
-  measure(nodes_[self], first, count);
+  build(centers, first + half, count - half);
+  for (const std::size_t child : {self + 1, second}) {
+    nodes_[self].box.extend(nodes_[child].box.min);
+    nodes_[self].box.extend(nodes_[child].box.max);
+  }
+  if (use_ == Use::kAll) measure(nodes_[self], first, count);
 }
 
 double TriangleTree::windingNumber(const Vec3& p, std::size_t* looked) const {
@@ -159,7 +167,7 @@ double TriangleTree::windingNumber(const Vec3& p, std::size_t* looked) const {
 }
 
 std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles, int count,
-                               std::optional<std::uint64_t> seed) {
+                               std::optional<std::uint64_t> seed, std::vector<std::int32_t>* triangleOf) {
   std::vector<double> areaUpTo;
   areaUpTo.reserve(triangles.size());
   double area = 0.0;
@@ -175,6 +183,7 @@ std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const T
   const auto fraction = [](double x) { return x - std::floor(x); };
   std::vector<Vec3> points;
   points.reserve(count);
+  if (triangleOf != nullptr) triangleOf->clear();
   std::size_t k = 0;
   for (int i = 0; i < count; ++i) {
     const double at = (i + unit(2 + i)) * area / count;
@@ -183,6 +192,7 @@ std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const T
     // The square root makes points uniform by area: it maps a uniform number to the distance from a corner.
     const double r = std::sqrt(fraction(offsetR + i * 0.7548776662466927));
     const double u = r * fraction(offsetU + i * 0.5698402909980532);
+    if (triangleOf != nullptr) triangleOf->push_back(static_cast<std::int32_t>(k));
     points.emplace_back((1.0 - r) * vertices[t[0]] + (r - u) * vertices[t[1]] + u * vertices[t[2]]);
   }
   return points;

@@ -24,10 +24,13 @@ class TriangleTree {
     Vec3 shares = Vec3::Zero();                                 ///< barycentric: point = sum of shares x corners
   };
 
+  /// What a tree is asked for: without winding numbers it is built in half the time.
+  enum class Use { kAll, kDistances };
+
   /// @param corners  of at least one triangle; segments and points (equal corners) are allowed
-  explicit TriangleTree(std::vector<std::array<Vec3, 3>> corners);
+  explicit TriangleTree(std::vector<std::array<Vec3, 3>> corners, Use use = Use::kAll);
   /// @param triangles  at least one
-  TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles);
+  TriangleTree(std::span<const Vec3> vertices, std::span<const Triangle> triangles, Use use = Use::kAll);
 
   /// The nearest of the triangles for which `accept(triangle)` is true; on ties the first.
   /// @param within  maximum distance [m]
@@ -73,12 +76,13 @@ class TriangleTree {
   /// Calls visit(entry) for the triangles of groups whose box `reaches(box)` lets pass.
   template <typename Reaches, typename Visit>
   void forEachEntry(Reaches&& reaches, Visit&& visit) const;
-  void build(std::size_t first, std::size_t count);
+  void build(std::span<const Vec3> centers, std::size_t first, std::size_t count);
   void measure(Node& node, std::size_t first, std::size_t count) const;
 
   std::vector<std::array<Vec3, 3>> corners_;  ///< in the order of the tree
   std::vector<std::int32_t> original_;
   std::vector<Node> nodes_;
+  Use use_;
 };
 
 /// The nearest point of a triangle, which may be degenerate.
@@ -160,8 +164,10 @@ void TriangleTree::forEachEntry(Reaches&& reaches, Visit&& visit) const {
 
 /// Points spread evenly over triangles, one in each of equally many strips of equal area: at random in the strip, or in
 /// its middle without a seed.
+/// @param triangleOf  if given, the triangle of each
 /// @return none if the triangles have no area
 [[nodiscard]] std::vector<Vec3> spreadPoints(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                                             int count, std::optional<std::uint64_t> seed = {});
+                                             int count, std::optional<std::uint64_t> seed = {},
+                                             std::vector<std::int32_t>* triangleOf = nullptr);
 
 }  // namespace lorica

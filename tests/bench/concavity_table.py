@@ -6,8 +6,8 @@ the mean part, the same as `lorica score` measures it for anybody's hulls, CPU s
 of the result. The last rows are means, and the median of the seconds. A mesh that is refused has the sentence instead.
 
 WHO=COMMAND is another program, which writes hulls as OBJ: {mesh}, {out} and {parts}, as many as the first preset made, are
-put in. With --turned each mesh (.off) is turned N times, seeded, at the same limit in its own unit: the fewest and the
-most parts, and how far apart the concavities lie.
+put in. With --turned each mesh (.off, .obj) is turned N times, seeded, at the same limit in its own unit: the fewest and the
+most parts, and how far apart the concavities lie. The exit status is 1 if one that is taken as it lies is refused in a rotation.
 """
 import csv
 import json
@@ -53,11 +53,20 @@ def made_by(who, mesh, parts, hulls):
 
 
 def turned(mesh, preset, count, file):
-    """The fewest and the most parts of the turned mesh, and how far apart its concavities lie."""
+    """The fewest and the most parts of the turned mesh, and how far apart its concavities lie; or what refused it."""
     import numpy as np
-    lines = [line for line in (line.split("#")[0].strip() for line in mesh.read_text().splitlines()[1:]) if line]
-    vertices = int(lines[0].split()[0])
-    places = np.array([line.split()[:3] for line in lines[1:vertices + 1]], float)
+    words = [line.split("#")[0].split() for line in mesh.read_text().splitlines()]
+    if mesh.suffix == ".obj":
+        places = [line[1:4] for line in words if line[:1] == ["v"]]
+        number = lambda word: int(word.split("/")[0])
+        faces = [[number(word) - 1 if number(word) > 0 else len(places) + number(word) for word in line[1:]]
+                 for line in words if line[:1] == ["f"]]
+    else:
+        words = [line for line in words if line and line != ["OFF"]]
+        vertices, triangles = map(int, words[0][-3:-1] if words[0][0] == "OFF" else words[0][:2])
+        places = [line[:3] for line in words[1:vertices + 1]]
+        faces = [list(map(int, line[1:int(line[0]) + 1])) for line in words[vertices + 1:vertices + triangles + 1]]
+    places = np.array(places, float)
     side = lambda points: np.ptp(points, axis=0).max()  # what CoACD divides by, which is another one for a turned mesh
     random, results = np.random.default_rng(1), []
     for _ in range(count):
@@ -66,11 +75,12 @@ def turned(mesh, preset, count, file):
         turn[:, 0] *= np.linalg.det(turn)
         moved = places @ turn.T
         rows = [" ".join(map(repr, row)) for row in moved.tolist()]
-        file.write_text("\n".join(["OFF", lines[0], *rows, *lines[vertices + 1:]]) + "\n")
+        shapes = [" ".join(map(str, [len(face), *face])) for face in faces]
+        file.write_text("\n".join(["OFF", f"{len(places)} {len(faces)} 0", *rows, *shapes]) + "\n")
         share = side(moved) / side(places)
         of, _, said = decompose(file, preset, limit=0.05 / share)
         if said:
-            return said
+            return f"turned: {said}" if not decompose(mesh, preset)[2] else said
         results.append((of["parts"], of["concavity"] * share))
     parts, concavity = zip(*results)
     return [min(parts), max(parts), max(concavity) - min(concavity)]
@@ -88,7 +98,7 @@ lorica, folder, *everyone = arguments
 out = csv.writer(sys.stdout, lineterminator="\n")
 out.writerow(("mesh preset fewest_parts most_parts spread" if turns else
               "mesh preset parts concavity mean_concavity cpu_seconds hash scored scored_mean").split())
-parts = {}
+parts, refused = {}, 0
 for who in everyone or ["fast"]:
     rows, name = [], who.partition("=")[0]
     for mesh in sorted(Path(folder).iterdir(), key=lambda path: path.name.lower()):
@@ -98,6 +108,7 @@ for who in everyone or ["fast"]:
             row = (turned(mesh, who, turns, Path(work) / "turned.off") if turns else
                    made_by(who, mesh, parts.get(mesh, ""), Path(work) / "hulls.obj"))
         if isinstance(row, str):
+            refused += row.startswith("turned: ")
             out.writerow([mesh.stem, name, row])
             continue
         parts.setdefault(mesh, row[0])
@@ -109,3 +120,4 @@ for who in everyone or ["fast"]:
         means = [statistics.median(column) if index == 3 else statistics.fmean(column)
                  if column and not isinstance(column[0], str) else "" for index, column in enumerate(of)]
         out.writerow([f"mean of {len(rows)}", name, *shown(means)])
+sys.exit(1 if refused else 0)
