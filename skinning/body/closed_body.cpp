@@ -185,6 +185,9 @@ class BodyMaker {
     if (!step(1)) return cancelled();
 
     body_.resolution = settings_.resolution > 0.0 ? settings_.resolution : chooseResolution(source);
+    // Too fine for the thinnest in any case: an eighth of what the grid may have is enough.
+    const double finest = finestVoxel(source.mesh);
+    if (settings_.resolution <= 0.0 && body_.resolution < finest) body_.resolution = 2.0 * finest;
     const Aabb box = boundsOf(character_.mesh.vertices);
     const double coarsest = kCoarsest * (box.max - box.min).maxCoeff();
     if (settings_.resolution > coarsest) {

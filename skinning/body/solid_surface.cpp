@@ -33,6 +33,10 @@ constexpr double kStepIn = 0.5;
 constexpr double kStepOut = -0.53;
 constexpr int kBlock = 4;  // voxels: far from triangles, winding numbers are computed per block
 
+Vec3 gridSizes(const Aabb& box, double voxel) {
+  return ((box.max - box.min).array() / voxel + 2.0 * (kBand + 2)).ceil() + 1.0;
+}
+
 class Solid {
  public:
   Solid(const SolidSource& source, double voxel) : source_(source), voxel_(voxel) {}
@@ -52,20 +56,15 @@ class Solid {
  private:
   Result<void> layGrid() {
     const Aabb box = surfaceBounds(source_.mesh);
-    const auto sizesOf = [&](double voxel) -> Vec3 {
-      return ((box.max - box.min).array() / voxel + 2.0 * (kBand + 2)).ceil() + 1.0;
-    };
     const Vec3 margin = Vec3::Constant((kBand + 2) * voxel_);
-    const Vec3 sizes = sizesOf(voxel_);
+    const Vec3 sizes = gridSizes(box, voxel_);
     const double count = sizes.prod();
     if (!(count <= kMaxVoxels)) {
-      constexpr double kFiner = 1.02;
-      double min = voxel_ * kFiner;  // margin for rounding
-      while (!(sizesOf(min / kFiner).prod() <= kMaxVoxels)) min *= kFiner;
       return invalidArgument(
           "voxels of {:.4g} m: the character's box of {:.3g} x {:.3g} x {:.3g} m has more than {} "
           "of them, expected voxels of at least {:.3g} m",
-          voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(), kMaxVoxels, min);
+          voxel_, box.max.x() - box.min.x(), box.max.y() - box.min.y(), box.max.z() - box.min.z(), kMaxVoxels,
+          finestVoxel(source_.mesh));
     }
     for (std::size_t i = 0; i < 3; ++i) grid_.size[i] = sizes[i];
     grid_.origin = box.min - margin;
@@ -357,6 +356,14 @@ class Solid {
 };
 
 }  // namespace
+
+double finestVoxel(const TriMesh& mesh) {
+  constexpr double kCoarser = 1.02;
+  const Aabb box = surfaceBounds(mesh);
+  double voxel = (box.max - box.min).maxCoeff() / kMaxVoxels;
+  while (voxel > 0.0 && gridSizes(box, voxel).prod() > kMaxVoxels) voxel *= kCoarser;
+  return voxel * kCoarser;  // margin for rounding
+}
 
 Result<SolidSurface> solidSurface(const SolidSource& source, double voxel) {
   return Solid(source, voxel).make();

@@ -17,6 +17,9 @@ struct SolidSurface {
   std::size_t rodTriangles = 0;    ///< of limbs too thin for the voxels, which were thickened
 };
 
+/// The finest voxels of which solidSurface() takes a mesh, a little coarser [m].
+[[nodiscard]] double finestVoxel(const TriMesh& mesh);
+
 /// The surface of the volume that triangles enclose; they need not form a closed surface.
 ///
 /// On a grid: a point is inside if its winding number is above 0.5, or if it cannot be reached from outside. Distances

@@ -208,6 +208,17 @@ TEST(Body, DegenerateInputIsRefusedInWords) {
             "body resolution 0.13 m: expected at most 0.125 m, an eighth of the character's longest side");
 }
 
+/// Thin closed things tell how fine the voxels have to be, and open surfaces how large the grid is.
+TEST(Body, AChosenResolutionIsNeverTooFineForTheGrid) {
+  TriMesh corner = test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1));
+  corner.triangles.resize(6);
+  const TriMesh crumb = test::makeBox(Vec3(1.5, 0, 0), Vec3(1.501, 0.001, 0.001));
+  const Character both = rigid(test::joined(corner, crumb));
+  const ClosedBody body = test::valueOf(makeBody(both));
+  EXPECT_GT(body.resolution, 0.0);
+  EXPECT_LT(body.resolution, 0.01);
+}
+
 TEST(Body, CanBeCancelledAtEveryStep) {
   const Character boxes =
       rigid(test::joined(test::makeBox(Vec3(0, 0, 0), Vec3(1, 1, 1)), test::makeBox(Vec3(0.5, 0, 0), Vec3(2, 1, 1))));
