@@ -130,7 +130,6 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
     if (concavity > enough) return concavity;
   }
   std::optional<TriangleTree> surface;
-  const auto any = [](std::int32_t) { return true; };
   std::array<Vec3, 3> nearest{};  // the triangle that was nearest to the sample before
   std::vector<std::int32_t> faceOf;
   for (const int samples : {kSamples, kNearSamples}) {
@@ -144,7 +143,7 @@ double partConcavity(const ConvexHull& hull, std::span<const Vec3> points, std::
         continue;
       if (surface && within(nearestOnTriangle(p, nearest).first)) continue;
       if (!surface) surface.emplace(points, triangles, TriangleTree::Use::kDistances);
-      const TriangleTree::Hit hit = surface->nearest(p, kInfinity, any, concavity);
+      const TriangleTree::Hit hit = surface->nearest(p, concavity);
       nearest = surface->corners(hit);
       concavity = std::max(concavity, hit.distance);
       if (concavity > enough) return concavity;

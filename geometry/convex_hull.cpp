@@ -475,11 +475,10 @@ class HullBuilder {
         corners.push_back({grid(a), grid(b), grid(c)});
         alive.push_back(i);
       }
-      const TriangleTree surface(std::move(corners));
+      const TriangleTree surface(std::move(corners), TriangleTree::Use::kDistances);
       const double within = tolerance_ * diagonal_;
       std::erase_if(candidates, [&](int p) {
-        const TriangleTree::Hit hit = surface.nearest(
-            grid(p), kInfinity, [](std::int32_t) { return true; }, within);
+        const TriangleTree::Hit hit = surface.nearest(grid(p), within);
         return hit.distance <= within || determinant(faces_[alive[hit.triangle]], p) <= 0.0;
       });
     }

@@ -37,16 +37,13 @@ class TriangleTree {
   /// @param enough  one that is no farther than this will do [m]
   template <typename Accept>
   [[nodiscard]] Hit nearest(const Vec3& p, double within, Accept&& accept, double enough = -1.0) const;
-  [[nodiscard]] Hit nearest(const Vec3& p) const {
-    return nearest(p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; });
+  [[nodiscard]] Hit nearest(const Vec3& p, double enough = -1.0) const {
+    return nearest(
+        p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; }, enough);
   }
 
   /// Distance from p to the nearest triangle [m]; to any that is no farther than `enough`, if there is one.
-  [[nodiscard]] double distance(const Vec3& p, double enough = -1.0) const {
-    return nearest(
-               p, std::numeric_limits<double>::infinity(), [](std::int32_t) { return true; }, enough)
-        .distance;
-  }
+  [[nodiscard]] double distance(const Vec3& p, double enough = -1.0) const { return nearest(p, enough).distance; }
   /// The nearest triangle.
   [[nodiscard]] const std::array<Vec3, 3>& corners(const Hit& hit) const { return corners_[hit.entry]; }
 

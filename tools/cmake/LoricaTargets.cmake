@@ -135,10 +135,7 @@ function(lorica_library name)
   cmake_parse_arguments(ARG "HOT" "" "SOURCES;HEADERS;LINKS;PRIVATE_LINKS;SINGLE;ONCE" ${ARGN})
   add_library(lorica_${name} STATIC ${ARG_SOURCES} ${ARG_HEADERS})
   add_library(lorica::${name} ALIAS lorica_${name})
-  set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name})
-  if(NOT EMSCRIPTEN)
-    set_target_properties(lorica_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  endif()
+  set_target_properties(lorica_${name} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(lorica_${name} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> "$<BUILD_INTERFACE:${lorica_as_installed}>" $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_compile_features(lorica_${name} PUBLIC cxx_std_20)  # for those who use the installed headers

@@ -12,7 +12,8 @@ if(EXISTS /usr/lib/llvm-16/bin/clang)
 endif()
 set(CMAKE_CXX_COMPILER_LAUNCHER ${run})
 set(CMAKE_CXX_LINKER_LAUNCHER ${run})
-# Eigen's and Highway's vectors: SSE2's, which emscripten has on those of WebAssembly, and Highway's own for any compiler.
-# Eigen would choose assembly for x86 by the version of the compiler.
+# Eigen's vectors are SSE2's, which emscripten has on those of WebAssembly, so that its sums have the order that they have
+# elsewhere; its small functions would stay calls. It would choose assembly for x86 by the version of the compiler. Highway's
+# are those of WebAssembly, with what web/hwy/highway.h adds.
 set(CMAKE_CXX_FLAGS_INIT "-msimd128 -msse2 -fgnuc-version=5.99 -DEIGEN_MAX_STATIC_ALIGN_BYTES=16 \"-DEIGEN_STRONG_INLINE=inline __attribute__((always_inline))\" -I${CMAKE_CURRENT_LIST_DIR}/web -include ${CMAKE_CURRENT_LIST_DIR}/old_libcxx.h")
 set(CMAKE_EXE_LINKER_FLAGS_INIT "-sALLOW_MEMORY_GROWTH=1 -sMAXIMUM_MEMORY=4GB -sTOTAL_STACK=4194304")
