@@ -164,6 +164,19 @@ test('three: a skinned mesh, its bones, and the lines of its hulls', async () =>
   }
 });
 
+test('Rapier: of a hull that it cannot build the one before stays', async () => {
+  const RAPIER = await import('@dimforge/rapier3d-compat');
+  await RAPIER.init();
+  const world = new RAPIER.World({ x: 0, y: 0, z: 0 });
+  const hull = { positions: Float64Array.of(0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1), vertexCount: 4 };
+  const body = rapier.followLive(RAPIER, world, { hulls: [hull] });
+  body.update();
+  hull.positions.fill(NaN);
+  body.update();
+  assert.equal(body.parts.size, 1);
+  assert.equal(world.colliders.len(), 1);
+});
+
 test('Rapier: parts fall as one body, a ball lands on live hulls', async () => {
   const RAPIER = await import('@dimforge/rapier3d-compat');
   await RAPIER.init();

@@ -3,7 +3,7 @@ import * as THREE from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { GLTFExporter } from 'three/addons/exporters/GLTFExporter.js';
 import { load } from 'lorica';
-import { followLive } from 'lorica/rapier';
+import { addParts, followLive } from 'lorica/rapier';
 import { startWorker } from 'lorica/worker';
 import { Stage, lit } from '../src/stage.js';
 import { makeSnake, readModel, Subject } from './model.js';
@@ -84,12 +84,7 @@ const startWorld = () => {
   world.createCollider(RAPIER.ColliderDesc.cuboid(50 * size, 0.1, 50 * size).setTranslation(0, -0.1, 0));
   bodies = null;
   if (live) bodies = followLive(RAPIER, world, live);
-  else if (made) {
-    for (const { positions } of made.hulls) {
-      const shape = RAPIER.ColliderDesc.convexHull(Float32Array.from(positions));
-      if (shape) world.createCollider(shape);
-    }
-  }
+  else if (made) addParts(RAPIER, world, made, RAPIER.RigidBodyDesc.fixed());
 };
 
 const facts = (rows) => {
