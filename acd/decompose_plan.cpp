@@ -65,7 +65,12 @@ Plan planFor(const DecomposeSettings& settings) {
   }
   // Where limits are for single parts: of a ring every cut gains nothing, but its arcs can be cut further.
   const bool partsLimited = settings.maxDistance > 0.0 || settings.maxConcavity > 0.0;
-  if (partsLimited && settings.preset != DecomposePreset::kPaper) plan.cuts.effort.acrossBelow = 0.2;
+  if (partsLimited && settings.preset != DecomposePreset::kPaper) {
+    plan.cuts.effort.acrossBelow = 0.2;
+    plan.cuts.fewerEffort = quickEffort(plan.cuts.effort);
+    plan.cuts.fewerPatience = settings.preset == DecomposePreset::kQuality ? 2.0 : 1.0;
+    if (settings.maxError <= 0.0) plan.cuts.overCutUpTo = 32;
+  }
   // Planes that do not pass through concave edges would then cut off endlessly many small pieces.
   if (toTheEnd) {
     plan.cuts.effort.axisPlanes = plan.cuts.effort.diagonalPlanes = plan.cuts.effort.refinedPlanes = 0;

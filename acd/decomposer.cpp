@@ -1,6 +1,7 @@
 #include "acd/decomposer.h"
 
 #include "acd/decompose_plan.h"
+#include "acd/fewer_parts.h"
 #include "acd/hull_distance.h"
 #include "acd/merge.h"
 #include "acd/part_concavity.h"
@@ -71,7 +72,7 @@ class Decomposer {
       // Cut further, so that merging has alternatives; merging stops while the limits are still met.
       met_ = leaves_.size();
       atLimit_ = piecesNow();
-      giveUpAt(static_cast<std::size_t>(std::ceil(met_ * cuts_.overCut)));
+      giveUpAt(cuts_.piecesOnceMet(met_));
       return true;
     }
     if (std::ranges::find(counts_, leaves_.size()) != counts_.end()) stages_.push_back(piecesNow());
@@ -105,23 +106,24 @@ class Decomposer {
     return other;
   }
 
-  /// Merges the pieces to at most the requested number of parts.
-  void merge() {
+  /// Merges the pieces to at most the requested number of parts. Returns false if cancelled.
+  [[nodiscard]] bool merge() {
     if (settings_.maxParts == 0 && !limited()) (void)separateComponents();
     stages_.push_back(piecesNow());
     if (cuts_.overCut <= 1.0) {
       parts_ = stages_.back();
-    } else {
-      const std::size_t wanted = settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : leaves_.size();
-      parts_ = met_ > 0 ? mergedWithinLimits(wanted) : bestMerged(wanted);
+      return true;
     }
+    const std::size_t wanted = settings_.maxParts > 0 ? static_cast<std::size_t>(settings_.maxParts) : leaves_.size();
+    if (met_ > 0 && settings_.maxError <= 0.0) return mergeByPairs(wanted);
+    parts_ = met_ > 0 ? mergedWithinLimits(wanted) : bestMerged(wanted);
+    return true;
   }
 
   /// Whether the limits are met that another misses, or the parts are fewer, or as many and with less hull volume.
   [[nodiscard]] bool betterThan(const Decomposer& other) const {
     if ((met_ > 0) != (other.met_ > 0)) return met_ > 0;
-    if (parts_.size() != other.parts_.size()) return parts_.size() < other.parts_.size();
-    return hullVolumeOf(parts_) < hullVolumeOf(other.parts_);
+    return betterThan(parts_, other.parts_);
   }
 
   /// Improves the parts as far as the limits allow. Returns false if cancelled.
@@ -170,6 +172,12 @@ class Decomposer {
     std::optional<Split> split;
     double gain = 0.0;
   };
+
+  /// Whether parts are fewer, or as many and with less hull volume.
+  static bool betterThan(std::span<const SharedPiece> parts, std::span<const SharedPiece> others) {
+    if (parts.size() != others.size()) return parts.size() < others.size();
+    return hullVolumeOf(parts) < hullVolumeOf(others);
+  }
 
   /// Whether there are limits that each part must meet.
   [[nodiscard]] bool partsLimited() const { return settings_.maxDistance > 0.0 || settings_.maxConcavity > 0.0; }
@@ -441,27 +449,37 @@ class Decomposer {
     return best;
   }
 
-  /// Merges pairs that meet the limits of single parts, from the pieces that first met them and from all, and returns
-  /// fewer parts or those with less hull volume; never more than `max`.
-  [[nodiscard]] std::vector<SharedPiece> mergedByPairs(std::size_t max) const {
+  /// Merges pairs, and makes two of three, as long as the limits of single parts are met; never more than `max`.
+  /// Returns false if cancelled.
+  [[nodiscard]] bool mergeByPairs(std::size_t max) {
     const double radius = settings_.maxConcavity / kConcavityVolumeWeight;
-    const double maxEmpty = 4.0 / 3.0 * std::numbers::pi * radius * radius * radius;
-    std::array<std::vector<SharedPiece>, 2> tried = {atLimit_, stages_.back()};
-    parallelPieces(tried.size(), [&](std::size_t i) {
+    const double maxEmpty = radius > 0.0 ? 4.0 / 3.0 * std::numbers::pi * radius * radius * radius : kInfinity;
+    const auto allowed = [&](const Piece& part) { return !exceeds(part); };
+    const auto tell = [&] { return goOn(leaves_.size(), leaves_.size()); };
+    const auto mergeAllowed = [&](std::vector<SharedPiece>& parts) {
       std::vector<PartIndex> none;
-      mergeWithin(tried[i], none, context_, maxEmpty, [&](const Piece& common) { return !exceeds(common); });
-    });
-    const bool first = tried[0].size() != tried[1].size() ? tried[0].size() < tried[1].size()
-                                                          : hullVolumeOf(tried[0]) <= hullVolumeOf(tried[1]);
-    std::vector<SharedPiece>& best = first ? tried[0] : tried[1];
-    return best.size() > max ? merged(stages_.back(), max) : std::move(best);
+      mergeWithin(parts, none, context_, maxEmpty, allowed);
+    };
+    std::array<std::vector<SharedPiece>, 2> tried = {atLimit_, stages_.back()};
+    // What remains of a surface can be farther from its hull than the whole was.
+    if (tried[1].size() == met_ || !limitsMet(tried[1])) tried[1].clear();
+    parallelPieces(tried.size(), [&](std::size_t i) { mergeAllowed(tried[i]); });
+    parts_ = std::move(tried[!tried[1].empty() && betterThan(tried[1], tried[0])]);
+    while (true) {
+      const std::size_t before = parts_.size();
+      if (!makeFewer(parts_, context_, cuts_.fewerEffort, cuts_.fewerPatience * before, allowed, tell)) return false;
+      const std::size_t fewer = parts_.size();
+      if (fewer < before) mergeAllowed(parts_);
+      if (parts_.size() == fewer) break;
+    }
+    if (parts_.size() > max) parts_ = merged(stages_.back(), max);
+    return true;
   }
 
   /// Binary search for the fewest parts that meet the limits, assuming that fewer parts are worse; never more than
   /// `max`.
   [[nodiscard]] std::vector<SharedPiece> mergedWithinLimits(std::size_t max) const {
     const std::vector<SharedPiece>& pieces = stages_.back();
-    if (settings_.maxConcavity > 0.0 && settings_.maxError <= 0.0) return mergedByPairs(max);
     std::size_t kept = atLimit_.size(), broken = 0;
     std::vector<SharedPiece> best = atLimit_;
     while (broken + 1 < kept) {
@@ -518,11 +536,10 @@ std::unique_ptr<Decomposer> divided(const TriMesh& mesh, PoseView keyframes, con
     if (!now.step()) return nullptr;
     if (!other && best->cutsAcross()) other = best->withoutCutsAcross();
     if (other && now.met() > 0) {
-      (others ? *best : *other).giveUpAt(static_cast<std::size_t>(std::ceil(now.met() * plan.overCut)));
+      (others ? *best : *other).giveUpAt(plan.piecesOnceMet(now.met()));
     }
   }
-  best->merge();
-  if (other) other->merge();
+  if (!best->merge() || (other && !other->merge())) return nullptr;
   return other && other->betterThan(*best) ? std::move(other) : std::move(best);
 }
 

@@ -17,14 +17,6 @@ namespace {
 // Moves that save less than this fraction of the mesh's volume are not made.
 constexpr double kWorthwhile = 2e-4;
 
-std::size_t worstKeyframe(const Piece& piece) {
-  std::size_t worst = 0;
-  for (std::size_t k = 1; k < piece.volume.size(); ++k) {
-    if (piece.error(k) > piece.error(worst)) worst = k;
-  }
-  return worst;
-}
-
 class Improver {
  public:
   Improver(std::vector<Piece>& parts, CutContext& context, const ImproveRound& round)
@@ -123,7 +115,7 @@ class Improver {
         const double before = parts_[trial.pair->a].totalHullVolume() + parts_[trial.pair->b].totalHullVolume();
         trial.joined = join(trial.pair->a, trial.pair->b);
         trial.split =
-            bestSplit(trial.joined, worstKeyframe(trial.joined), context_, round_.effort, before - worthwhile_);
+            bestSplit(trial.joined, trial.joined.worstKeyframe(), context_, round_.effort, before - worthwhile_);
       });
       for (Trial& trial : trials) {
         ++failures_;
@@ -181,7 +173,7 @@ class Improver {
     if (own.known) return;
     own.known = true;
     if (parts_[i].totalError() <= worthwhile_) return;
-    own.split = bestSplit(parts_[i], worstKeyframe(parts_[i]), context_, round_.effort);
+    own.split = bestSplit(parts_[i], parts_[i].worstKeyframe(), context_, round_.effort);
     if (own.split) own.gain = parts_[i].totalHullVolume() - own.split->hullVolume;
   }
 

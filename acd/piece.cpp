@@ -69,6 +69,14 @@ double Piece::totalError() const {
   return sum;
 }
 
+std::size_t Piece::worstKeyframe() const {
+  std::size_t worst = 0;
+  for (std::size_t k = 1; k < volume.size(); ++k) {
+    if (error(k) > error(worst)) worst = k;
+  }
+  return worst;
+}
+
 double Piece::totalHullVolume() const {
   return std::accumulate(hullVolume.begin(), hullVolume.end(), 0.0);
 }

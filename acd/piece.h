@@ -40,6 +40,8 @@ struct Piece {
   /// The error (Eq. 3) in one keyframe [m^3].
   [[nodiscard]] double error(std::size_t k) const { return hullVolume[k] - volume[k]; }
   [[nodiscard]] double totalError() const;
+  /// The keyframe with the largest error; of equal ones the first.
+  [[nodiscard]] std::size_t worstKeyframe() const;
   [[nodiscard]] double totalHullVolume() const;
 };
 

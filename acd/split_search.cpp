@@ -7,6 +7,7 @@
 #include "geometry/threads.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -17,7 +18,36 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kExact = 1e-10;  // tolerance of a hull, see convexHullVolume()
 constexpr double kSolid = 1e-9;   // minimum hull volume of a half, as a fraction of the mesh's volume
 
+constexpr double kFarBetter = 0.1;  // of the error: so much less is worth a cut across an axis that is not the longest
+
 constexpr std::size_t kScoredPoints = 4000;  // of small parts, so many points are at least scored with hulls
+
+/// Of points, the longest last.
+Mat3 principalAxesOf(std::span<const Vec3> points) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / countOf(points);
+  Mat3 covariance = Mat3::Zero();
+  for (const Vec3& p : points) covariance += (p - mean) * (p - mean).transpose();
+  return symmetricAxes(covariance).vectors;
+}
+
+/// What lies above a plane of triangles that are given by three corners each.
+std::vector<Vec3> keptBy(std::span<const Vec3> corners, const Plane& plane) {
+  std::vector<Vec3> kept;
+  for (std::size_t i = 0; i < corners.size(); i += 3) {
+    std::array<Vec3, 4> polygon;
+    std::size_t count = 0;
+    for (int e = 0; e < 3; ++e) {
+      const Vec3& a = corners[i + e];
+      const Vec3& b = corners[i + (e + 1) % 3];
+      const double from = plane.normal.dot(a) - plane.offset, to = plane.normal.dot(b) - plane.offset;
+      if (from >= 0.0) polygon[count++] = a;
+      if ((from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0)) polygon[count++] = a + from / (from - to) * (b - a);
+    }
+    for (std::size_t c = 2; c < count; ++c) kept.insert(kept.end(), {polygon[0], polygon[c - 1], polygon[c]});
+  }
+  return kept;
+}
 
 class SplitSearch {
  public:
@@ -60,10 +90,10 @@ class SplitSearch {
       }
       bool across = false;
       if (effort_.acrossBelow > 0.0 && piece_.totalHullVolume() - least < effort_.acrossBelow * piece_.totalError()) {
-        std::vector<Plane> middle;
-        addPlanesAcross(principalAxes().col(2), 1, middle);
-        across = !std::isinf(score(middle[0], kInfinity, 0.0, effort_.coarse));
-        if (across) plane = middle[0];
+        if (const std::optional<Plane> middle = planeAcross()) {
+          plane = *middle;
+          across = true;
+        }
       }
       // Coarse hulls are no larger than exact ones, and the balance term is at most this.
       if (least - effort_.balance * piece_.totalError() >= toBeat) return std::nullopt;
@@ -97,7 +127,7 @@ class SplitSearch {
   /// Adds evenly spaced planes perpendicular to the coordinate axes, which are those of the mesh's own
   /// frame, to their diagonals and to the principal axes of the hull points.
   void addAxisPlanes(std::vector<Plane>& planes) const {
-    const Mat3 own = principalAxes();
+    const Mat3 own = principalAxesOf(hullPoints_);
     std::vector<Vec3> axes = {Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
     for (int i = 0; i < 3; ++i) {
       const Vec3 axis = own.col(i);
@@ -107,13 +137,56 @@ class SplitSearch {
     for (const Vec3& diagonal : diagonals()) addPlanesAcross(diagonal, effort_.diagonalPlanes, planes);
   }
 
-  /// Of the hull points, the longest last.
-  [[nodiscard]] Mat3 principalAxes() const {
-    Vec3 mean = Vec3::Zero();
-    for (const Vec3& p : hullPoints_) mean += p / countOf(hullPoints_);
-    Mat3 covariance = Mat3::Zero();
-    for (const Vec3& p : hullPoints_) covariance += (p - mean) * (p - mean).transpose();
-    return symmetricAxes(covariance).vectors;
+  /// The plane in the middle across the longest axis, or across another one if that is better by far after one more cut
+  /// of both halves: a tube is cut along its axis, although that gains nothing yet. None if no plane divides the piece.
+  [[nodiscard]] std::optional<Plane> planeAcross() const {
+    const Mat3 axes = principalAxesOf(hullPoints_);
+    std::vector<Plane> planes;
+    for (const int axis : {2, 1, 0}) addPlanesAcross(axes.col(axis), 1, planes);
+    const std::vector<Vec3> surface = corners();
+    std::vector<double> after(planes.size(), kInfinity);
+    parallelFor(planes.size(), [&](std::size_t i) {
+      if (std::isinf(score(planes[i], kInfinity, 0.0, effort_.coarse))) return;
+      after[i] = afterTwoCuts(surface, planes[i]) + (i == 0 ? 0.0 : kFarBetter * piece_.error(keyframe_));
+    });
+    const auto best = std::min_element(after.begin(), after.end());
+    return std::isinf(*best) ? std::nullopt : std::optional(planes[best - after.begin()]);
+  }
+
+  /// The corners of the piece's triangles, three each.
+  [[nodiscard]] std::vector<Vec3> corners() const {
+    std::vector<Vec3> surface;
+    surface.reserve(3 * piece_.part.triangles.size());
+    for (const Triangle& t : piece_.part.triangles) {
+      for (const PointIndex p : t) surface.push_back(points()[p]);
+    }
+    return surface;
+  }
+
+  /// The hull volume of the halves after each is cut again in the middle across one of its axes, if that is less.
+  [[nodiscard]] double afterTwoCuts(std::span<const Vec3> surface, const Plane& plane) const {
+    double sum = 0.0;
+    for (const double side : {1.0, -1.0}) {
+      const std::vector<Vec3> half = keptBy(surface, {side * plane.normal, side * plane.offset});
+      std::vector<Vec3> outer;
+      const HullOutline outline = convexHullOutline(half, effort_.coarse);
+      for (const VertexIndex v : outline.points) outer.push_back(half[v]);
+      double least = outline.volume;
+      const Mat3 axes = principalAxesOf(outer);
+      for (int i = 0; i < 3; ++i) {
+        const Vec3 axis = axes.col(i);
+        double low = kInfinity, high = -kInfinity;
+        for (const Vec3& p : outer) {
+          low = std::min(low, axis.dot(p));
+          high = std::max(high, axis.dot(p));
+        }
+        const double middle = 0.5 * (low + high);
+        least = std::min(least, convexHullVolume(keptBy(half, {axis, middle}), effort_.coarse) +
+                                    convexHullVolume(keptBy(half, {-axis, -middle}), effort_.coarse));
+      }
+      sum += least;
+    }
+    return sum;
   }
 
   /// Directions to the middles of a cube's edges and to its corners, one of each opposite pair.

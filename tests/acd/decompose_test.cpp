@@ -1,5 +1,6 @@
 #include "acd/decompose.h"
 
+#include "acd/fewer_parts.h"
 #include "acd/improve.h"
 #include "acd/part_concavity.h"
 #include "acd/transfer.h"
@@ -15,6 +16,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <tuple>
 
 namespace lorica {
@@ -354,6 +356,41 @@ TEST(Decompose, MeetsAConcavityWithFewPartsWhereNoCutGains) {
   }
 }
 
+/// A tube of 1 m radius and 4 m height, its wall 0.1 m thick.
+TriMesh makeTube(int sides) {
+  TriMesh tube;
+  for (int i = 0; i < sides; ++i) {
+    const double angle = 2.0 * M_PI * i / sides;
+    for (const double radius : {1.0, 0.9}) {
+      for (const double z : {-2.0, 2.0}) {
+        tube.vertices.push_back({radius * std::cos(angle), radius * std::sin(angle), z});
+      }
+    }
+    // Outside, inside, top, bottom; corners are 0 outer low, 1 outer high, 2 inner low, 3 inner high.
+    for (const auto& [a, b] : std::vector<std::pair<int, int>>{{0, 1}, {3, 2}, {1, 3}, {2, 0}}) {
+      const int here = 4 * i, next = 4 * ((i + 1) % sides);
+      tube.triangles.push_back({here + a, next + a, next + b});
+      tube.triangles.push_back({here + a, next + b, here + b});
+    }
+  }
+  return tube;
+}
+
+/// The hull of a sector of its wall adds a segment of a circle to it; nine sectors are the fewest. Cuts only across the
+/// longest axis would leave rings, and halves of halves sixteen sectors.
+TEST(Decompose, ATubeIsCutAlongItsAxisIntoFewSectors) {
+  const TriMesh tube = makeTube(180);
+  const double angle = 2.0 * M_PI / 8.6, height = 4.0;
+  const double empty = height * 0.5 * 0.9 * 0.9 * (angle - std::sin(angle));
+  const double limit = std::max(0.9 * (1.0 - std::cos(0.5 * angle)), emptyConcavity(empty));
+  for (const DecomposePreset preset : {DecomposePreset::kFast, DecomposePreset::kQuality}) {
+    const Decomposition d = decomposed(tube, {.maxParts = 0, .preset = preset, .maxConcavity = limit});
+    expectSound(tube, tube.vertices, d);
+    EXPECT_GE(d.parts.size(), 9u);
+    EXPECT_LE(d.parts.size(), 12u);
+  }
+}
+
 /// Two boxes that touch, one 20 micrometres wider: one hull would hold them, but the wall between them is half a metre
 /// from it.
 TEST(Decompose, MeetsAConcavityWhereSolidsTouch) {
@@ -426,6 +463,55 @@ TEST(Improve, WithoutPatienceOnlyExchangesAreMade) {
   round.patience = 0;
   ASSERT_TRUE(improve(torus.parts, torus.context, round, [] { return true; }));
   EXPECT_LT(hullVolume(torus.parts), before);
+}
+
+/// The four parts of a torus, and what may be: no limit, or a hull of at most so much volume.
+struct SharedParts : CutTorus {
+  SharedParts() {
+    for (Piece& part : parts) shared.push_back(std::make_shared<const Piece>(std::move(part)));
+  }
+  bool makeFewer(double mostVolume, double patience, bool goOn = true) {
+    const auto allowed = [&](const Piece& part) {
+      part.excess = part.hullVolume[0] / mostVolume;
+      return *part.excess <= 1.0;
+    };
+    return lorica::makeFewer(shared, context, someRound().effort, patience, allowed, [&] { return goOn; });
+  }
+  std::vector<std::shared_ptr<const Piece>> shared;
+};
+
+TEST(MakeFewer, MakesTwoOfThreeAsLongAsBothAreAllowed) {
+  SharedParts torus;
+  ASSERT_TRUE(torus.makeFewer(1e3, 10.0));
+  EXPECT_EQ(torus.shared.size(), 2u);
+  double volume = 0.0;
+  for (const std::shared_ptr<const Piece>& part : torus.shared) {
+    volume += part->volume[0];
+    EXPECT_TRUE(test::isClosed(part->part.triangles));
+  }
+  EXPECT_NEAR(volume, torus.context.meshVolume[0], 1e-9);
+}
+
+TEST(MakeFewer, KeepsPartsWhereNoneIsAllowedOrPatienceIsNone) {
+  for (const auto& [mostVolume, patience] : {std::pair(1e-3, 10.0), std::pair(1e3, 0.0)}) {
+    SharedParts torus;
+    const std::vector<std::shared_ptr<const Piece>> before = torus.shared;
+    ASSERT_TRUE(torus.makeFewer(mostVolume, patience));
+    EXPECT_EQ(torus.shared, before);
+  }
+}
+
+/// Half a torus fits in the limit only if the plane is in the middle.
+TEST(MakeFewer, MovesAPlaneThatLeavesOneHalfTooLarge) {
+  SharedParts torus;
+  const double half = 0.55 * convexHull(torus.mesh.vertices).volume;
+  ASSERT_TRUE(torus.makeFewer(half, 10.0));
+  EXPECT_LT(torus.shared.size(), 4u);
+  for (const std::shared_ptr<const Piece>& part : torus.shared) EXPECT_LE(part->hullVolume[0], half);
+}
+
+TEST(MakeFewer, CanBeCancelled) {
+  EXPECT_FALSE(SharedParts().makeFewer(1e3, 10.0, false));
 }
 
 /// A torus in two keyframes, the second deformed. Positions are on a coarse grid, so that they do not depend on the
