@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <unordered_map>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -56,6 +57,20 @@ void assignThin(const Part& part, std::span<const std::size_t> thin, std::size_t
 }
 
 }  // namespace
+
+void keepBelow(std::vector<Vec3>& polygon, const Plane& plane, std::vector<Vec3>& scratch) {
+  scratch.clear();
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec3& a = polygon[i];
+    const Vec3& b = polygon[(i + 1) % polygon.size()];
+    const double aboveA = plane.normal.dot(a) - plane.offset, aboveB = plane.normal.dot(b) - plane.offset;
+    if (aboveA <= 0.0) scratch.push_back(a);
+    if ((aboveA < 0.0 && aboveB > 0.0) || (aboveA > 0.0 && aboveB < 0.0)) {
+      scratch.push_back(a + aboveA / (aboveA - aboveB) * (b - a));
+    }
+  }
+  std::swap(polygon, scratch);
+}
 
 void PlaneSides::classify(const Part& part, std::span<const Vec3> points, const Plane& plane, double tolerance) {
   for (PointIndex p : part.points) classify(p, points, plane, tolerance);

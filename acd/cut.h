@@ -14,6 +14,10 @@ struct Plane {
   double offset = 0.0;
 };
 
+/// Cuts off what of a convex polygon is above a plane.
+/// @param scratch  kept from call to call
+void keepBelow(std::vector<Vec3>& polygon, const Plane& plane, std::vector<Vec3>& scratch);
+
 /// Sides of a plane on which the points of a part are: -1 below, 0 on it, 1 above. Candidate planes always contain
 /// vertices of the mesh, so "on the plane" is a separate state; such vertices belong to the caps of both sides.
 class PlaneSides {

@@ -32,6 +32,9 @@ constexpr double kConvexEnough = 1e-5;
 // A component with less than this share of the mesh's volume is a sliver and no cavity, whatever the sign.
 constexpr double kNothing = 1e-9;
 
+// So many attempts in a row without fewer parts are enough: of hundreds of parts, each costs as much as of few.
+constexpr double kMostPatience = 64.0;
+
 /// Hull volume of all pieces over all keyframes.
 double hullVolumeOf(const auto& pieces) {
   double sum = 0.0;
@@ -467,7 +470,9 @@ class Decomposer {
     parts_ = std::move(tried[!tried[1].empty() && betterThan(tried[1], tried[0])]);
     while (true) {
       const std::size_t before = parts_.size();
-      if (!makeFewer(parts_, context_, cuts_.fewerEffort, cuts_.fewerPatience * before, allowed, tell)) return false;
+      if (!makeFewer(parts_, context_, cuts_.fewerEffort, std::min(cuts_.fewerPatience * before, kMostPatience),
+                     allowed, tell))
+        return false;
       const std::size_t fewer = parts_.size();
       if (fewer < before) mergeAllowed(parts_);
       if (parts_.size() == fewer) break;

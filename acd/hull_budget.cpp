@@ -1,5 +1,6 @@
 #include "acd/hull_budget.h"
 
+#include "acd/fewer_planes.h"
 #include "acd/small_lp.h"
 #include "geometry/counts.h"
 
@@ -513,30 +514,37 @@ BudgetedHull rectangleAround(const ConvexHull& flat) {
 
 }  // namespace
 
-BudgetedHull simplifyHull(const ConvexHull& hull, int maxVertices) {
-  LORICA_CHECK(maxVertices >= 4, "a hull with volume has at least four vertices");
-  if (hull.vertices.size() <= static_cast<std::size_t>(maxVertices)) {
-    return {{hull.vertices, hull.triangles}, hull.volume, 1.0};
+BudgetedHull simplifyHull(const ConvexHull& hull, const HullBudget& budget) {
+  const auto& [maxVertices, maxPlanes, turnPlanes] = budget;
+  for (const int limit : {maxVertices, maxPlanes}) {
+    LORICA_CHECK(limit == 0 || limit >= 4, "a hull with volume has at least four vertices and four planes");
   }
+  const auto within = [](std::size_t count, int limit) { return limit == 0 || count <= std::size_t(limit); };
+  const auto asItIs = [&] { return BudgetedHull{{hull.vertices, hull.triangles}, hull.volume, 1.0}; };
+  const bool few = within(hull.vertices.size(), maxVertices);
+  if (few && within(hull.triangles.size(), maxPlanes)) return asItIs();
   if (hull.degenerate()) return rectangleAround(hull);
 
   const OwnAxes axes = ownAxesOf(hull);
-  std::vector<Vec3> body;
-  body.reserve(hull.vertices.size());
-  for (const Vec3& p : hull.vertices) body.push_back(axes.to(p));
+  ConvexHull own = hull;
+  for (Vec3& p : own.vertices) p = axes.to(p);
+  const std::vector<Vec3>& body = own.vertices;
+  if (few && within(planesOf(own), maxPlanes)) return asItIs();
 
-  // The shell, and simple shapes as fallbacks: a tetrahedron always exists.
+  // What was found, and simple shapes as fallbacks: a tetrahedron always exists.
   std::vector<ConvexHull> found;
   found.push_back(tetrahedronAround(body));
-  if (maxVertices >= 8) found.push_back(boxAround(body));
-  if (ConvexHull shrunk = shrunkShell(body, maxVertices); !shrunk.degenerate()) found.push_back(std::move(shrunk));
+  if (within(8, maxVertices) && within(6, maxPlanes)) found.push_back(boxAround(body));
+  found.push_back(maxPlanes > 0 ? fewerPlanes(own, maxPlanes, maxVertices, turnPlanes)
+                                : shrunkShell(body, maxVertices));
+  std::erase_if(found, [](const ConvexHull& shape) { return shape.degenerate(); });
   std::stable_sort(found.begin(), found.end(),
                    [](const ConvexHull& a, const ConvexHull& b) { return a.volume < b.volume; });
 
   for (const ConvexHull& candidate : found) {
     if (std::optional<BudgetedHull> best = fitted(candidate, axes, hull, body)) return std::move(*best);
   }
-  return {{hull.vertices, hull.triangles}, hull.volume, 1.0};
+  return asItIs();
 }
 
 }  // namespace lorica

@@ -1,5 +1,6 @@
 #include "acd/part_concavity.h"
 
+#include "acd/cut.h"
 #include "acd/volume_coverage.h"
 #include "geometry/counts.h"
 #include "geometry/triangle_tree.h"
@@ -28,21 +29,6 @@ constexpr double kMaxSurfaceSamples = 2e7;  // on a part: of very many slivers t
 constexpr double kOnFace = 1e-7;  // of the hull's diagonal: nearer to a plane is in the hull
 constexpr int kLines = 4096;      // for the volume of a part
 constexpr double kInside = 0.5;   // winding number
-
-/// What is left of a polygon below a plane.
-void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset, std::vector<Vec3>& kept) {
-  kept.clear();
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const Vec3& a = polygon[i];
-    const Vec3& b = polygon[(i + 1) % polygon.size()];
-    const double aboveA = normal.dot(a) - offset, aboveB = normal.dot(b) - offset;
-    if (aboveA <= 0.0) kept.push_back(a);
-    if ((aboveA < 0.0 && aboveB > 0.0) || (aboveA > 0.0 && aboveB < 0.0)) {
-      kept.push_back(a + aboveA / (aboveA - aboveB) * (b - a));
-    }
-  }
-  std::swap(polygon, kept);
-}
 
 }  // namespace
 
@@ -163,7 +149,7 @@ TriMesh clippedToHull(const TriMesh& solid, const ConvexHull& hull) {
     polygon.assign({solid.vertices[t[0]], solid.vertices[t[1]], solid.vertices[t[2]]});
     if (!overlap(boundsOf(polygon), box)) continue;
     for (std::size_t i = 0; i < planes.count() && polygon.size() >= 3; ++i) {
-      clip(polygon, planes.normal(i), planes.offset(i) + margin, kept);
+      keepBelow(polygon, {planes.normal(i), planes.offset(i) + margin}, kept);
     }
     if (polygon.size() < 3) continue;
     const VertexIndex first = countOf(part.vertices);

@@ -31,20 +31,13 @@ Mat3 principalAxesOf(std::span<const Vec3> points) {
   return symmetricAxes(covariance).vectors;
 }
 
-/// What lies above a plane of triangles that are given by three corners each.
-std::vector<Vec3> keptBy(std::span<const Vec3> corners, const Plane& plane) {
-  std::vector<Vec3> kept;
+/// What lies below a plane of triangles that are given by three corners each.
+std::vector<Vec3> keptBelow(const Plane& plane, std::span<const Vec3> corners) {
+  std::vector<Vec3> kept, polygon, scratch;
   for (std::size_t i = 0; i < corners.size(); i += 3) {
-    std::array<Vec3, 4> polygon;
-    std::size_t count = 0;
-    for (int e = 0; e < 3; ++e) {
-      const Vec3& a = corners[i + e];
-      const Vec3& b = corners[i + (e + 1) % 3];
-      const double from = plane.normal.dot(a) - plane.offset, to = plane.normal.dot(b) - plane.offset;
-      if (from >= 0.0) polygon[count++] = a;
-      if ((from > 0.0 && to < 0.0) || (from < 0.0 && to > 0.0)) polygon[count++] = a + from / (from - to) * (b - a);
-    }
-    for (std::size_t c = 2; c < count; ++c) kept.insert(kept.end(), {polygon[0], polygon[c - 1], polygon[c]});
+    polygon.assign(corners.begin() + i, corners.begin() + i + 3);
+    keepBelow(polygon, plane, scratch);
+    for (std::size_t c = 2; c < polygon.size(); ++c) kept.insert(kept.end(), {polygon[0], polygon[c - 1], polygon[c]});
   }
   return kept;
 }
@@ -133,8 +126,8 @@ class SplitSearch {
       const Vec3 axis = own.col(i);
       if (axis.cwiseAbs().maxCoeff() < 0.98) axes.push_back(axis);
     }
-    for (const Vec3& axis : axes) addPlanesAcross(axis, effort_.axisPlanes, planes);
-    for (const Vec3& diagonal : diagonals()) addPlanesAcross(diagonal, effort_.diagonalPlanes, planes);
+    for (const Vec3& axis : axes) addPlanesAcross(hullPoints_, axis, effort_.axisPlanes, planes);
+    for (const Vec3& diagonal : diagonals()) addPlanesAcross(hullPoints_, diagonal, effort_.diagonalPlanes, planes);
   }
 
   /// The plane in the middle across the longest axis, or across another one if that is better by far after one more cut
@@ -142,7 +135,7 @@ class SplitSearch {
   [[nodiscard]] std::optional<Plane> planeAcross() const {
     const Mat3 axes = principalAxesOf(hullPoints_);
     std::vector<Plane> planes;
-    for (const int axis : {2, 1, 0}) addPlanesAcross(axes.col(axis), 1, planes);
+    for (const int axis : {2, 1, 0}) addPlanesAcross(hullPoints_, axes.col(axis), 1, planes);
     const std::vector<Vec3> surface = corners();
     std::vector<double> after(planes.size(), kInfinity);
     parallelFor(planes.size(), [&](std::size_t i) {
@@ -167,22 +160,17 @@ class SplitSearch {
   [[nodiscard]] double afterTwoCuts(std::span<const Vec3> surface, const Plane& plane) const {
     double sum = 0.0;
     for (const double side : {1.0, -1.0}) {
-      const std::vector<Vec3> half = keptBy(surface, {side * plane.normal, side * plane.offset});
+      const std::vector<Vec3> half = keptBelow({side * plane.normal, side * plane.offset}, surface);
       std::vector<Vec3> outer;
       const HullOutline outline = convexHullOutline(half, effort_.coarse);
       for (const VertexIndex v : outline.points) outer.push_back(half[v]);
       double least = outline.volume;
       const Mat3 axes = principalAxesOf(outer);
-      for (int i = 0; i < 3; ++i) {
-        const Vec3 axis = axes.col(i);
-        double low = kInfinity, high = -kInfinity;
-        for (const Vec3& p : outer) {
-          low = std::min(low, axis.dot(p));
-          high = std::max(high, axis.dot(p));
-        }
-        const double middle = 0.5 * (low + high);
-        least = std::min(least, convexHullVolume(keptBy(half, {axis, middle}), effort_.coarse) +
-                                    convexHullVolume(keptBy(half, {-axis, -middle}), effort_.coarse));
+      std::vector<Plane> planes;
+      for (int i = 0; i < 3; ++i) addPlanesAcross(outer, axes.col(i), 1, planes);
+      for (const auto& [normal, offset] : planes) {
+        least = std::min(least, convexHullVolume(keptBelow({normal, offset}, half), effort_.coarse) +
+                                    convexHullVolume(keptBelow({-normal, -offset}, half), effort_.coarse));
       }
       sum += least;
     }
@@ -199,9 +187,9 @@ class SplitSearch {
     return found;
   }
 
-  void addPlanesAcross(const Vec3& axis, int count, std::vector<Plane>& planes) const {
+  static void addPlanesAcross(std::span<const Vec3> points, const Vec3& axis, int count, std::vector<Plane>& planes) {
     double low = kInfinity, high = -kInfinity;
-    for (const Vec3& p : hullPoints_) {
+    for (const Vec3& p : points) {
       low = std::min(low, axis.dot(p));
       high = std::max(high, axis.dot(p));
     }

@@ -184,7 +184,7 @@ std::string endingSentence(const DecomposeOutcome& outcome) {
 
 /// "at most 32, before 2,023; volume +2.5 %, at most +4.4 % (part 7)"
 std::string growthInWords(const PartHulls& hulls) {
-  if (hulls.maxVertices == hulls.maxVerticesBefore) {
+  if (hulls.totalGrowth == 1.0) {
     return fmt::format("at most {}, unchanged", grouped(hulls.maxVertices));
   }
   const auto worst = std::max_element(hulls.growth.begin(), hulls.growth.end());
@@ -196,7 +196,7 @@ std::string growthInWords(const PartHulls& hulls) {
 /// Whether hulls in a single pose are simplified: those of a mesh, and those of the exported bind pose. For a character
 /// in motion see HullCover.
 bool boundsHulls(const DecomposeOptions& options, const Subject& subject) {
-  return options.cover.hullVertices > 0 && (!subject.character || !options.obj.empty());
+  return options.cover.budget().given() && (!subject.character || !options.obj.empty());
 }
 
 Report decomposeReport(const DecomposeOptions& options, const Subject& subject, const DecomposeOutcome& outcome) {
@@ -276,6 +276,7 @@ Report decomposeReport(const DecomposeOptions& options, const Subject& subject, 
   report.add("hash", "hash", hexDigits(hashOf(made.decomposition)));
   if (character) report.add(coverFacts(cover, cover ? std::optional(coverVolume) : std::nullopt));
   if (options.cover.hullVertices > 0) report.add("hullVertices", options.cover.hullVertices);
+  if (options.cover.hullPlanes > 0) report.add("hullPlanes", "hull planes", options.cover.hullPlanes);
   if (boundsHulls(options, subject)) {
     report.add("hullGrowth", character ? "exported hulls" : "hull vertices", hulls.totalGrowth,
                growthInWords(hulls) + (character ? ", in the bind pose" : ""));
@@ -354,6 +355,12 @@ Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions
   }
   if (subject.character) {
     LORICA_TRY_DO(checkCover(options.cover, *subject.character));
+    if (options.cover.hullPlanes > 0 && options.obj.empty()) {
+      return invalidArgument(
+          "--hull-planes {} is for hulls in one pose, but {} moves: expected --export-obj, or "
+          "--hull-vertices",
+          options.cover.hullPlanes, subject.name);
+    }
   }
   if (subject.body && subject.body->made && options.body == "never") {
     return badMesh("{}: its surface is not one closed solid ({}, {}), and --body never was given", subject.name,
@@ -374,7 +381,7 @@ Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions
       return invalidArgument("{} is for what moves, but {} is a static mesh",
                              options.frames.empty() ? "--csv" : "--export-frames", subject.name);
     }
-    if (!options.cover.exact()) {
+    if (!options.cover.exact() || options.cover.hullPlanes > 0) {
       return invalidArgument("the hulls of frames are exact: expected no {}", asTyped(options.cover));
     }
   }
@@ -393,13 +400,13 @@ Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions
 /// Says, before any work, which limits give if not all can hold.
 void sayWhatGives(const DecomposeOptions& options, const DecomposeSettings& limits, Host& host) {
   std::vector<std::string> kept, given;
-  if (!options.cover.exact()) kept.push_back(asTyped(options.cover));
+  if (!options.cover.exact() || options.cover.hullPlanes > 0) kept.push_back(asTyped(options.cover));
   if (options.maxError > 0.0) given.push_back("--max-error " + percent(limits.maxError));
   if (limits.maxDistance > 0.0) given.push_back(fmt::format("--max-distance {:g}", limits.maxDistance));
   if (options.maxConcavity > 0.0) given.push_back(fmt::format("--max-concavity {:g}", options.maxConcavity));
   if (kept.empty() || given.empty()) return;
   if (limits.maxParts > 0) kept.push_back(fmt::format("--parts {}", limits.maxParts));
-  host.warn(fmt::format("hulls of few points are larger: where not all limits can hold, {} will, and {} will not",
+  host.warn(fmt::format("simpler hulls are larger: where not all limits can hold, {} will, and {} will not",
                         fmt::join(kept, " and "), fmt::join(given, " and ")));
 }
 
@@ -521,6 +528,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       "  lorica decompose bunny.off --picture parts.png\n"
       "  lorica decompose bunny.off --parts 16 --hull-vertices 32 --export-obj hulls.obj\n"
       "      hulls limited to your engine's vertex count: at most 32 vertices each, slightly larger\n"
+      "  lorica decompose bunny.off --parts 16 --hull-planes 18 --export-obj hulls.obj\n"
+      "      hulls of at most 18 flat faces each, for engines and maps that clip with planes\n"
       "  lorica decompose bunny.off --parts 16 --preset quality\n"
       "      tighter parts in a few more seconds\n"
       "  lorica decompose bottle.obj\n"
@@ -548,7 +557,8 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       "      an open, torn or flipped mesh is repaired, or gets a closed body; the report says which\n"
       "\nThe hulls contain every vertex of the input's surface. Of a mesh, exports have the units and coordinates of\n"
       "the file (glTF: Y up; COLLADA: converted to metres, Y up); of a character, metres, Y up, facing +Z.\n"
-      "For a character, --export-obj writes the hulls of its bind pose; with --hull-vertices they are enlarged to\n"
+      "For a character, --export-obj writes the hulls of its bind pose; with --hull-vertices or --hull-planes they are "
+      "enlarged to\n"
       "contain it. Volumes, score, error and distance are those of the hulls that are exported; for a character\n"
       "those of its live hulls, and volumes, score and error are means over the keyframes. The points of the hull\n"
       "cover are chosen in 128 poses, half of them from the motions and half random within joint limits, and\n"
@@ -602,6 +612,7 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
   addCount(*app, "--hull-vertices", options->cover.hullVertices, 4,
            "Replace each hull by a larger one of at most N vertices, and report the growth; for a character, in every "
            "frame");
+  addHullPlanes(*app, options->cover.hullPlanes);
   app->add_flag("--held-out", options->heldOut,
                 "Also measure the error of a character's hulls in 32 poses that the parts were not trained on");
   app->add_option("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")

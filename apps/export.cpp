@@ -39,7 +39,7 @@ struct RigidExport {
 };
 
 std::string growthOf(const PartHulls& hulls) {
-  if (hulls.maxVertices == hulls.maxVerticesBefore) return fmt::format("at most {}", hulls.maxVertices);
+  if (hulls.totalGrowth == 1.0) return fmt::format("at most {}", hulls.maxVertices);
   return fmt::format("at most {}, before {}; volume +{}", hulls.maxVertices, hulls.maxVerticesBefore,
                      percent(hulls.totalGrowth - 1.0));
 }
@@ -186,6 +186,7 @@ struct ExportOptions {
   std::string engine;
   std::string up = "y";   // of a mesh
   int hullVertices = -1;  // -1 = the engine's
+  int hullPlanes = 0;
   bool perBone = false;
   std::vector<std::string> packages;  // NAME=DIR
   bool capsules = false;
@@ -210,11 +211,11 @@ std::optional<Format> formatOf(const std::string& file) {
   return std::nullopt;
 }
 
-/// The vertex limit: what was asked for, else the engine's, else what every engine is fine with. 0 = none.
-int vertexLimit(const ExportOptions& options) {
-  if (options.hullVertices >= 0) return options.hullVertices;
+/// What was asked for; of vertices, else the engine's limit, else what every engine is fine with.
+HullBudget budgetOf(const ExportOptions& options) {
+  if (options.hullVertices >= 0) return {options.hullVertices, options.hullPlanes};
   const std::optional<Engine> engine = engineNamed(options.engine);
-  return engine && engine->maxVertices > 0 ? engine->maxVertices : kUsualVertices;
+  return {engine && engine->maxVertices > 0 ? engine->maxVertices : kUsualVertices, options.hullPlanes};
 }
 
 /// Rejects, before any work, outputs that cannot be written and options that contradict each other.
@@ -293,7 +294,7 @@ Result<RigidExport> makeRigid(const ExportOptions& options, const ExportSource& 
     Task task(host, "Making hulls", "hulls");
     LORICA_TRY(rigid.colliders,
                makeRigidColliders(character, source.content.decomposition, poses.sampledView(),
-                                  {vertexLimit(options), options.perBone, host.threads, task.progress()}));
+                                  {budgetOf(options), options.perBone, host.threads, task.progress()}));
   }
   rigid.trainingPoses = poses.sampledView().poseCount();
   rigid.heldOutPoses = poses.heldOutView().poseCount();
@@ -305,7 +306,7 @@ Result<RigidExport> makeRigid(const ExportOptions& options, const ExportSource& 
 
 /// The hulls of a mesh, or of a character in one pose.
 Result<PartHulls> hullsInOnePose(const ExportOptions& options, const ExportSource& source, Host& host) {
-  const int limit = vertexLimit(options);
+  const HullBudget limit = budgetOf(options);
   return options.at ? hullsAt(source, options.motion, options.reading, *options.at, limit, host)
                     : restHulls(source, limit, host);
 }
@@ -407,7 +408,7 @@ Result<void> runExport(const ExportOptions& options, const CommonOptions& common
                                   : ": is no robot, expected no --capsules, --max-concavity and --package"));
   }
   if (robot) {
-    const int limit = vertexLimit(options);
+    const HullBudget limit = budgetOf(options);
     LORICA_TRY(const RobotReport made,
                exportRobot({reading, options.output, options.packages, limit, options.capsules, common.force}, host));
     ExportReport report(fs::path(reading.input).filename().string(), options.output);
@@ -475,6 +476,7 @@ Command addExport(CLI::App& parent, CommonOptions& common) {
   addCount(*app, "--hull-vertices", options->hullVertices, 0,
            "Limit each hull to N vertices, at least 4; it is enlarged to contain the same; 0 = no limit [default: the "
            "engine's, else 64]");
+  addHullPlanes(*app, options->hullPlanes);
   app->add_flag("--per-bone", options->perBone,
                 "One rigid hull for each bone of a character: the skin is cut along weights");
   app->add_flag("--mocap", options->mocap, "In .xml: bodies without joints, for poses from outside (mocap_pos)");

@@ -193,6 +193,13 @@ void addBodyOptions(CLI::App& app, BodyOptions& options) {
            "Limit each hull to N vertices in every frame; hulls grow to contain the body");
 }
 
+void addHullPlanes(CLI::App& app, int& planes) {
+  addCount(
+      app, "--hull-planes", planes, 4,
+      "Limit each hull to N planes, those of its flat faces; it is enlarged to contain the same. Not for hulls that "
+      "bend with a character");
+}
+
 CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std::string& description) {
   const auto read = [&tolerance](const std::string& text) -> std::string {
     double length = 0.0;

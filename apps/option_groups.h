@@ -36,6 +36,8 @@ void addSenderOption(CLI::App& app, std::string& file);
 void addBodyOptions(CLI::App& app, BodyOptions& options);
 /// --cover: `exact`, or a length above zero [m].
 CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std::string& description);
+/// --hull-planes, of hulls in one pose.
+void addHullPlanes(CLI::App& app, int& planes);
 /// --body: auto, never or always.
 void addBodyOption(CLI::App& app, std::string& body);
 /// A check that accepts the names of engines.

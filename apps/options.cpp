@@ -73,7 +73,8 @@ constexpr std::array<Heading, 10> kHeadings = {{
      "--motion --clip --person --format --lens --rest --mirror --upper-body --smooth --min-cutoff --beta "
      "--keyframes --sender --inject"},
     {"The parts and hulls",
-     "--parts --max-concavity --max-error --max-distance --exact --preset --engine --hull-vertices --per-bone "
+     "--parts --max-concavity --max-error --max-distance --exact --preset --engine --hull-vertices --hull-planes "
+     "--per-bone "
      "--decomposition --cover --capsules --package --mocap --khr --show-colliders --up --self-contacts --held-out "
      "--candidates --orientations"},
     {"What it writes",

@@ -53,7 +53,7 @@ Result<CharacterPointer> openCharacter(const std::string& nameOrFile, const Char
 
 Result<std::shared_ptr<const CharacterBody>> makeCharacterBody(CharacterPointer owner,
                                                                const CharacterBodySettings& settings, Host& host) {
-  LORICA_TRY_DO(checkCounts(settings.parts, settings.cover.hullVertices, host.threads));
+  LORICA_TRY_DO(checkCounts(settings.parts, settings.cover.budget(), host.threads));
   LORICA_TRY_DO(checkCover(settings.cover, *owner->character));
   LORICA_TRY(DecompositionFile content,
              settings.parts > 0 ? decomposed(*owner, settings, host) : chooseBody({"", settings.cover}, *owner, host));

@@ -14,9 +14,11 @@ namespace lorica {
 
 Result<MeshParts> partsOfFrames(MeshSequence mesh, const MeshPartsSettings& settings, const CharacterOptions& reading,
                                 const EarlierParts* earlier, Host& host) {
-  if (settings.hullVertices > 0) {
-    return invalidArgument("hull_vertices: found {} for several frames, whose hulls are exact: expected 0",
-                           settings.hullVertices);
+  for (const auto& [name, limit] :
+       {std::pair{"hull_vertices", settings.hullVertices}, {"hull_planes", settings.hullPlanes}}) {
+    if (limit > 0) {
+      return invalidArgument("{}: found {} for several frames, whose hulls are exact: expected 0", name, limit);
+    }
   }
   mesh.name = "mesh";
   LORICA_TRY(mesh, checkedSequence(std::move(mesh)));

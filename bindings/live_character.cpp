@@ -119,7 +119,7 @@ Result<std::shared_ptr<const CharacterBody>> makeBodyInPoses(CharacterPointer ow
                                                              std::span<const Affine3> worldFromJoint,
                                                              const CharacterBodySettings& settings, Host& host) {
   constexpr int kUsualParts = 16;  // as `lorica play`
-  LORICA_TRY_DO(checkCounts(settings.parts, settings.cover.hullVertices, host.threads));
+  LORICA_TRY_DO(checkCounts(settings.parts, settings.cover.budget(), host.threads));
   const Character& character = *owner->character;
   LORICA_TRY_DO(checkCover(settings.cover, character));
   const std::size_t jointCount = character.skeleton.jointCount();

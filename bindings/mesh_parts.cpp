@@ -97,12 +97,13 @@ std::string repairsOf(const Subject& subject) {
 }
 
 Result<MeshParts> partsOfMesh(MeshSequence mesh, const MeshPartsSettings& settings) {
-  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.hullVertices, settings.decompose.threads));
+  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.budget(), settings.decompose.threads));
   ProgramHost host(settings.decompose.progress, settings.decompose.threads, settings.decompose.maxParts);
   if (mesh.frameCount() > 1) return partsOfFrames(std::move(mesh), settings, readingOf(settings), nullptr, host);
   LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
   const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
-  FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices}, true, settings.decompose};
+  FitRequest request{subject, keyframes,         nullptr, {std::nullopt, settings.hullVertices, settings.hullPlanes},
+                     true,    settings.decompose};
   request.settings.maxConcavity = settings.maxConcavity * concavityUnitOf(subject);
   LORICA_TRY(Fit fit, fitHulls(request, host));
   LORICA_TRY(PartHulls made, holding(subject, fit));
@@ -115,13 +116,13 @@ Result<EarlierParts> earlierPartsIn(const std::filesystem::path& file) {
 }
 
 Result<MeshParts> partsAsBefore(EarlierParts earlier, MeshSequence mesh, const MeshPartsSettings& settings) {
-  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.hullVertices, settings.decompose.threads));
+  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.budget(), settings.decompose.threads));
   ProgramHost host(settings.decompose.progress, settings.decompose.threads);
   if (mesh.frameCount() > 1) return partsOfFrames(std::move(mesh), settings, readingOf(settings), &earlier, host);
   LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
   LORICA_TRY_DO(checkMadeFrom(subject, earlier.content, earlier.from));
   const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
-  FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices}, true, {}};
+  FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices, settings.hullPlanes}, true, {}};
   request.settings.threads = settings.decompose.threads;
   LORICA_TRY(Fit fit, fitOf(request, {earlier.content.decomposition, 0.0}, host));
   LORICA_TRY(PartHulls made, holding(subject, fit));

@@ -21,11 +21,14 @@ namespace lorica {
 struct MeshPartsSettings {
   DecomposeSettings decompose;  ///< its limits hold on the hulls that are given, as those of `lorica decompose`
   int hullVertices = 0;         ///< a hull with more is enclosed in a larger one of at most as many, 0 = no limit
+  int hullPlanes = 0;           ///< the same for the planes of its faces
   BodyChoice closed = BodyChoice::kIfNeeded;
   WallChoice walls = WallChoice::kByReach;
   double thickness = 0.0;     ///< of thin walls, 0 = automatic
   int keyframes = 0;          ///< that a mesh in several poses is decomposed in; 0 = up to 12 different ones
   double maxConcavity = 0.0;  ///< limit of partConcavity() as a share of concavityUnit(), 0 = no limit
+
+  [[nodiscard]] HullBudget budget() const { return {hullVertices, hullPlanes}; }
 };
 
 /// A mesh in convex hulls that together contain every vertex of its surface. Lengths are in the mesh's unit.

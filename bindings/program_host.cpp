@@ -3,15 +3,19 @@
 #include "geometry/errors.h"
 #include "geometry/work_budgets.h"
 
+#include <utility>
+
 namespace lorica {
-Result<void> checkCounts(int parts, int hullVertices, int threads) {
+Result<void> checkCounts(int parts, const HullBudget& budget, int threads) {
   const auto fits = [](int count, int min, int max) { return count == 0 || (count >= min && count <= max); };
   if (!fits(threads, 1, kMaxThreads)) {
     return invalidArgument("threads: found {}, expected 1 to {}, or 0 for all of the machine's", threads, kMaxThreads);
   }
-  if (!fits(hullVertices, 4, kMaxOfAnything)) {
-    return invalidArgument("vertices of a hull: found {}, expected at least 4 and at most {}, or 0 for no limit",
-                           hullVertices, kMaxOfAnything);
+  for (const auto& [what, limit] : {std::pair{"vertices", budget.vertices}, {"planes", budget.planes}}) {
+    if (!fits(limit, 4, kMaxOfAnything)) {
+      return invalidArgument("{} of a hull: found {}, expected at least 4 and at most {}, or 0 for no limit", what,
+                             limit, kMaxOfAnything);
+    }
   }
   if (!fits(parts, 1, kMaxOfAnything)) {
     return invalidArgument("parts: found {}, expected 0 to {}", parts, kMaxOfAnything);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decompose.h"
+#include "acd/hull_budget.h"
 #include "collision/hulls/host.h"
 #include "geometry/result.h"
 
@@ -11,8 +12,8 @@
 namespace lorica {
 
 /// Refuses numbers that a program asks for and no machine can give. 0 is the default of each.
-/// @param hullVertices  of a hull: at least 4, or 0 for no limit
-[[nodiscard]] Result<void> checkCounts(int parts, int hullVertices, int threads);
+/// @param budget  its limits are at least 4, or 0 for no limit
+[[nodiscard]] Result<void> checkCounts(int parts, const HullBudget& budget, int threads);
 
 /// What reads FBX and COLLADA files: the program lorica_character_reader, which lies where this library's modules do.
 /// If it is missing, reading these formats fails with its name.

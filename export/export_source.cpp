@@ -24,10 +24,10 @@ std::string sourceNextTo(const fs::path& lorica, const std::string& source) {
   return isBareName(source) ? source : (lorica.parent_path() / fs::path(source).filename()).string();
 }
 
-/// Hulls of at most so many vertices.
-Result<PartHulls> limited(std::span<const ConvexHull> hulls, int maxVertices, Host& host) {
+/// Hulls within a budget.
+Result<PartHulls> limited(std::span<const ConvexHull> hulls, const HullBudget& budget, Host& host) {
   Task task(host, "Making hulls", "hulls");
-  PartHulls made = simplifyHulls(hulls, maxVertices, host.threads, task.progress());
+  PartHulls made = simplifyHulls(hulls, budget, host.threads, task.progress());
   if (host.cancelled()) return cancelled();
   return made;
 }
@@ -83,20 +83,20 @@ Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& opti
   return ExportSource{options.input, std::move(subject), std::move(made.file)};
 }
 
-Result<PartHulls> restHulls(const ExportSource& source, int maxVertices, Host& host) {
+Result<PartHulls> restHulls(const ExportSource& source, const HullBudget& budget, Host& host) {
   const Subject& subject = source.subject;
   const Decomposition& decomposition = source.content.decomposition;
   const std::vector<std::vector<PointIndex>> attached =
       subject.character ? attachedVerticesOf(decomposition, liftPoints(*subject.character, decomposition))
                         : assignHeldVertices(decomposition, subject.mesh.vertices, subject.held);
   LORICA_TRY(PartHulls hulls,
-             limited(hullsIn(withHeldVertices(decomposition, attached), subject.mesh.vertices), maxVertices, host));
+             limited(hullsIn(withHeldVertices(decomposition, attached), subject.mesh.vertices), budget, host));
   LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(hulls, subject.mesh.vertices, verticesToHold(subject))));
   return hulls;
 }
 
 Result<PartHulls> hullsAt(const ExportSource& source, const std::string& motion, const MotionOptions& reading,
-                          double at, int maxVertices, Host& host) {
+                          double at, const HullBudget& budget, Host& host) {
   const Character& character = *source.subject.character;
   LORICA_TRY(const Motion read, readMotion(motion, reading, host));
   if (!(at <= read.seconds())) {
@@ -113,7 +113,7 @@ Result<PartHulls> hullsAt(const ExportSource& source, const std::string& motion,
 
   std::vector<ConvexHull> hulls;
   for (const LivePart& part : body.parts()) hulls.push_back(worldHull(part));
-  return limited(hulls, maxVertices, host);
+  return limited(hulls, budget, host);
 }
 
 Result<CoverPoses> exportPoses(const Subject& subject) {

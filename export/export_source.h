@@ -39,12 +39,12 @@ inline constexpr int kExportParts = 16;
 [[nodiscard]] Result<ExportSource> divideMesh(Subject subject, const ExportSourceOptions& options, Host& host);
 
 /// Hulls of a mesh, or of a character's bind pose: they contain every vertex, which is checked.
-[[nodiscard]] Result<PartHulls> restHulls(const ExportSource& source, int maxVertices, Host& host);
+[[nodiscard]] Result<PartHulls> restHulls(const ExportSource& source, const HullBudget& budget, Host& host);
 
 /// The live hulls of a character in one frame of a motion.
 /// @param at  seconds after the motion's first frame
 [[nodiscard]] Result<PartHulls> hullsAt(const ExportSource& source, const std::string& motion,
-                                        const MotionOptions& reading, double at, int maxVertices, Host& host);
+                                        const MotionOptions& reading, double at, const HullBudget& budget, Host& host);
 
 /// Poses of the character's default training, and others to measure.
 [[nodiscard]] Result<CoverPoses> exportPoses(const Subject& subject);

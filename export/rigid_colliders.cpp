@@ -196,7 +196,7 @@ Result<std::vector<RigidCollider>> makeRigidColliders(const Character& character
     collider.part = groups[i].part;
     collider.capsule = capsuleAround(hull.vertices);
     BudgetedHull budgeted{{hull.vertices, hull.triangles}, hull.volume, 1.0};
-    if (settings.maxVertices > 0) budgeted = simplifyHull(hull, settings.maxVertices);
+    if (settings.budget.given()) budgeted = simplifyHull(hull, settings.budget);
     collider.hull = std::move(budgeted.mesh);
     collider.volume = budgeted.volume;
   });

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
+#include "acd/hull_budget.h"
 #include "collision/live/choose_cover.h"
 #include "collision/live/lifted_point.h"
 #include "export/capsule.h"
@@ -29,7 +30,7 @@ struct RigidCollider {
 
 /// How rigid hulls are fitted to the bones.
 struct RigidColliderSettings {
-  int maxVertices = 0;   ///< of a hull, at least 4; 0 = no limit
+  HullBudget budget;     ///< of each hull
   bool perBone = false;  ///< one hull for each bone: the skin is cut along weights, and the parts are not used
   int threads = 0;       ///< 0 = all of the machine's; the result does not depend on it
   std::function<bool(int done, int hulls)> progress = {};  ///< false = stop

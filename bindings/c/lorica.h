@@ -122,7 +122,8 @@ typedef struct lorica_decompose_options {
   double max_concavity;     /* fewest parts whose concavity, as CoACD measures it, is at most this; 0 = no limit */
   double thickness;         /* of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap */
   int32_t walls;            /* lorica_walls */
-  int32_t keyframes; /* of several frames, decompose in so many at even intervals; 0 = up to 12 that differ most */
+  int32_t keyframes;   /* of several frames, decompose in so many at even intervals; 0 = up to 12 that differ most */
+  int32_t hull_planes; /* as hull_vertices: flat faces, of any number of corners */
 } lorica_decompose_options;
 
 /* A convex polyhedron. Filled by the library; see Ownership. */
@@ -142,7 +143,8 @@ typedef struct lorica_parts lorica_parts;
  * seed: the same input gives the same hulls. @param options  null = defaults */
 LORICA_API lorica_status lorica_decompose(const lorica_mesh* mesh, const lorica_decompose_options* options,
                                           lorica_parts** out);
-/* The parts in a .lorica file that was made from this mesh. @param options  only hull_vertices, closed_body, threads */
+/* The parts in a .lorica file that was made from this mesh. @param options  only hull_vertices, hull_planes,
+ * closed_body, threads */
 LORICA_API lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh,
                                            const lorica_decompose_options* options, lorica_parts** out);
 /* Writes a .lorica file, completely or not at all. It holds no positions. */

@@ -39,6 +39,7 @@ Result<MeshPartsSettings> settingsFrom(const lorica_decompose_options* given) {
   settings.decompose.threads = options.threads;
   settings.decompose.progress = progressFrom(options.progress, options.user);
   settings.hullVertices = options.hull_vertices;
+  settings.hullPlanes = options.hull_planes;
   settings.closed = kChoices[options.closed_body];
   settings.maxConcavity = options.max_concavity;
   settings.thickness = options.thickness;

@@ -54,8 +54,8 @@ PartList makeParts(MeshSequence mesh, MeshPartsSettings settings, const py::obje
 
 PartList decomposeMesh(const py::object& vertices, const py::object& faces, std::optional<int> parts, double maxError,
                        double maxDistance, double maxConcavity, const std::string& preset, int hullVertices,
-                       const std::string& closedBody, const std::string& walls, double thickness, int threads,
-                       const py::object& progress, std::optional<int> keyframes, int candidates) {
+                       int hullPlanes, const std::string& closedBody, const std::string& walls, double thickness,
+                       int threads, const py::object& progress, std::optional<int> keyframes, int candidates) {
   const bool limited = maxError > 0.0 || maxDistance > 0.0 || maxConcavity > 0.0;
   MeshPartsSettings settings;
   settings.decompose.maxParts = parts.value_or(limited ? 0 : kUsualParts);
@@ -66,6 +66,7 @@ PartList decomposeMesh(const py::object& vertices, const py::object& faces, std:
       {{{"paper", DecomposePreset::kPaper}, {"fast", DecomposePreset::kFast}, {"quality", DecomposePreset::kQuality}}});
   settings.decompose.threads = threads;
   settings.hullVertices = hullVertices;
+  settings.hullPlanes = hullPlanes;
   settings.closed = choiceOf<BodyChoice>(
       "closed_body", closedBody,
       {{{"auto", BodyChoice::kIfNeeded}, {"never", BodyChoice::kNever}, {"always", BodyChoice::kAlways}}});
@@ -80,9 +81,11 @@ PartList decomposeMesh(const py::object& vertices, const py::object& faces, std:
   return makeParts(meshFrom(vertices, faces), settings, progress, partsOfMesh);
 }
 
-PartList loadParts(const fs::path& file, const py::object& vertices, const py::object& faces, int hullVertices) {
+PartList loadParts(const fs::path& file, const py::object& vertices, const py::object& faces, int hullVertices,
+                   int hullPlanes) {
   MeshPartsSettings settings;
   settings.hullVertices = hullVertices;
+  settings.hullPlanes = hullPlanes;
   return makeParts(meshFrom(vertices, faces), settings, py::none(),
                    [&](MeshSequence mesh, const MeshPartsSettings& given) -> Result<MeshParts> {
                      LORICA_TRY(EarlierParts earlier, earlierPartsIn(file));
@@ -199,8 +202,9 @@ PYBIND11_MODULE(_lorica, module) {
   addCharacters(module);
   module.def("decompose", &decomposeMesh, "vertices"_a, "faces"_a, "parts"_a = py::none(), py::kw_only(),
              "max_error"_a = 0.0, "max_distance"_a = 0.0, "max_concavity"_a = 0.0, "preset"_a = "fast",
-             "hull_vertices"_a = 0, "closed_body"_a = "auto", "walls"_a = "auto", "thickness"_a = 0.0, "threads"_a = 0,
-             "progress"_a = py::none(), "keyframes"_a = py::none(), "candidates"_a = 0,
+             "hull_vertices"_a = 0, "hull_planes"_a = 0, "closed_body"_a = "auto", "walls"_a = "auto",
+             "thickness"_a = 0.0, "threads"_a = 0, "progress"_a = py::none(), "keyframes"_a = py::none(),
+             "candidates"_a = 0,
              R"(Decompose a mesh into nearly convex parts, and return their hulls.
 
 The hulls together contain every vertex of the surface. The same arguments give the same hulls on any number of threads:
@@ -215,6 +219,7 @@ max_concavity  use the fewest parts whose concavity, as CoACD measures it, is at
 preset         "paper", "fast" or "quality"
 hull_vertices  enclose hulls with more vertices in larger ones with at most this many, at least 4; 0 = no limit. It and
                parts always hold; the limits give where not all can
+hull_planes    the same for planes of hulls: flat faces, of any number of corners
 closed_body    "auto" builds a closed surface if the mesh cannot be repaired, "never" refuses such a mesh, "always"
 walls          what an open surface is: "auto" = a thin wall, unless nothing outside can reach what is behind it; "solid";
                "shell" = a thin wall, also where it is closed
@@ -227,6 +232,7 @@ candidates     concave edges that are tried for each cut; 0 = the preset's, 8
 Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a sentence, or Cancelled.
 Warns, as a RuntimeWarning, of an error above 50 %.)");
   module.def("load_parts", &loadParts, "file"_a, "vertices"_a, "faces"_a, py::kw_only(), "hull_vertices"_a = 0,
+             "hull_planes"_a = 0,
              "The parts in a .lorica file that was made from this mesh, or from one with the same faces.");
   module.def("read_mesh", &readMeshFile, "file"_a,
              "Read .off, .obj, .ply or .stl: (n, 3) float64 vertices and (m, 3) int32 faces, read-only, no copy.");

@@ -4,7 +4,7 @@ import fs from 'node:fs';
 import { load } from './lorica.js';
 
 const USAGE = `usage: lorica decompose MESH.obj -o HULLS.obj [--parts N] [--concavity X] [--hull-vertices N]
-                [--preset fast|paper|quality] [--walls auto|solid|shell]
+                [--hull-planes N] [--preset fast|paper|quality] [--walls auto|solid|shell]
 MESH.obj is one mesh. HULLS.obj gets an object for each part; with -o FILE.lorica the parts for Lorica itself.
 Other formats, characters and everything else need the full command, which has the same name.`;
 
@@ -50,7 +50,8 @@ const formatObj = (hulls) => {
   return `${lines.join('\n')}\n`;
 };
 
-const NAMES = { '--parts': 'parts', '--concavity': 'concavity', '--hull-vertices': 'hullVertices', '--preset': 'preset',
+const NAMES = { '--parts': 'parts', '--concavity': 'concavity', '--hull-vertices': 'hullVertices',
+  '--hull-planes': 'hullPlanes', '--preset': 'preset',
   '--walls': 'walls', '-o': 'output' };
 const [command, ...rest] = process.argv.slice(2);
 if (command === undefined || command === '-h' || command === '--help') {

@@ -21,6 +21,8 @@ export interface DecomposeOptions {
   maxDistance?: number;
   /** Hulls with more vertices are enclosed in larger ones with at most so many. At least 4. */
   hullVertices?: number;
+  /** The same for planes: flat faces, of any number of corners. */
+  hullPlanes?: number;
   /** How hard it tries: 'fast' unless given; 'paper' is the algorithm as published. */
   preset?: 'fast' | 'paper' | 'quality';
   /** What an open surface is: 'auto' makes thin walls where space behind it can be reached. */

@@ -31,7 +31,8 @@ const layout = (fields) => {
 };
 const MESH = layout({ size: 'u', vertices: 'u', vertexCount: 'u', triangles: 'u', triangleCount: 'u', frameCount: 'u' });
 const DECOMPOSE = layout({ size: 'u', parts: 'u', preset: 'u', maxError: 'd', maxDistance: 'd', hullVertices: 'u',
-  closedBody: 'u', threads: 'u', progress: 'u', user: 'u', maxConcavity: 'd', thickness: 'd', walls: 'u', keyframes: 'u' });
+  closedBody: 'u', threads: 'u', progress: 'u', user: 'u', maxConcavity: 'd', thickness: 'd', walls: 'u', keyframes: 'u',
+  hullPlanes: 'u' });
 const HULL = layout({ size: 'u', vertices: 'u', vertexCount: 'u', triangles: 'u', triangleCount: 'u', volume: 'd' });
 const SKIN = layout({ size: 'u', name: 'u', vertices: 'u', vertexCount: 'u', triangles: 'u', triangleCount: 'u',
   joints: 'u', weights: 'u', jointsPerVertex: 'u', jointFromModel: 'u', jointCount: 'u', poses: 'u', poseCount: 'u' });
@@ -333,7 +334,7 @@ export class Lorica {
         maxDistance: number(options, 'maxDistance'), hullVertices: number(options, 'hullVertices'),
         closedBody: indexOf(CLOSED, options.closedBody ?? 'if needed', 'closedBody'), progress,
         maxConcavity: number(options, 'concavity'), thickness: number(options, 'thickness'),
-        walls: indexOf(WALLS, options.walls ?? 'auto', 'walls') });
+        walls: indexOf(WALLS, options.walls ?? 'auto', 'walls'), hullPlanes: number(options, 'hullPlanes') });
       return make(core.packedMesh(memory, positions, indices), settings, out, memory);
     })));
   }

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 namespace lorica {
 namespace {
@@ -42,8 +43,9 @@ Result<void> checkCover(const CoverRequest& request, const Character& character)
 std::string asTyped(const CoverRequest& request) {
   std::string text;
   if (request.tolerance) text = fmt::format("--cover {:g}", *request.tolerance);
-  if (request.hullVertices > 0) {
-    text += fmt::format("{}--hull-vertices {}", text.empty() ? "" : " ", request.hullVertices);
+  for (const auto& [option, limit] :
+       {std::pair{"--hull-vertices", request.hullVertices}, {"--hull-planes", request.hullPlanes}}) {
+    if (limit > 0) text += fmt::format("{}{} {}", text.empty() ? "" : " ", option, limit);
   }
   return text;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
+#include "acd/hull_budget.h"
 #include "acd/hull_cover.h"
 #include "collision/hulls/host.h"
 #include "collision/live/choose_cover.h"
@@ -32,11 +33,14 @@ inline constexpr double kPartsOfCover = 0.4;
 struct CoverRequest {
   std::optional<double> tolerance;  ///< [m]; 0 = exact
   int hullVertices = 0;             ///< maximum for each hull; 0 = no limit
+  int hullPlanes = 0;  ///< the same, of hulls in one pose: those of a mesh, and a character's that are exported
 
   /// Whether the user asked for anything
   [[nodiscard]] bool given() const { return tolerance.has_value() || hullVertices > 0; }
   /// Whether every point is kept, so that nothing has to be chosen.
   [[nodiscard]] bool exact() const { return tolerance.value_or(0.0) == 0.0 && hullVertices == 0; }
+  /// Of hulls in one pose
+  [[nodiscard]] HullBudget budget() const { return {hullVertices, hullPlanes}; }
 };
 
 /// Rejects, before any work, a contradictory request or a tolerance that is out of range.
@@ -51,7 +55,7 @@ struct CoverRequest {
 [[nodiscard]] double volumeGrowth(const Character& character, const Decomposition& decomposition,
                                   const CoverPoses& poses, const HullCover& cover);
 
-/// "--cover 0.002 --hull-vertices 64"
+/// "--cover 0.002 --hull-vertices 64 --hull-planes 18"
 [[nodiscard]] std::string asTyped(const CoverRequest& request);
 
 }  // namespace lorica

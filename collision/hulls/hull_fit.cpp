@@ -63,7 +63,7 @@ Result<Fit> fitOf(const FitRequest& request, TimedDecomposition made, Host& host
   fit.held = withHeldVertices(parts, attached);
   if (!subject.character || request.exported) {
     fit.exported =
-        simplifyHulls(hullsIn(fit.held, subject.mesh.vertices), request.cover.hullVertices, request.settings.threads);
+        simplifyHulls(hullsIn(fit.held, subject.mesh.vertices), request.cover.budget(), request.settings.threads);
   }
   if (subject.character) {
     const Character& character = *subject.character;
@@ -76,7 +76,7 @@ Result<Fit> fitOf(const FitRequest& request, TimedDecomposition made, Host& host
     }
     const BonePoseView bones{request.keyframes.worldFromModel, character.skeleton.jointCount()};
     fit.hulls = liveHulls(character, parts, cover, bones);
-  } else if (request.cover.hullVertices == 0) {
+  } else if (!request.cover.budget().given()) {
     fit.hulls = hullsOfParts(fit.held, posesOf(request));
   } else {
     std::vector<ConvexHull>& hulls = fit.hulls.emplace_back();

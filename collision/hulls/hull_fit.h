@@ -17,7 +17,7 @@ struct FitRequest {
   const Subject& subject;
   const Keyframes& keyframes;
   const CoverPoses* coverPoses = nullptr;  ///< of a character whose cover is not exact; else null
-  CoverRequest cover;                      ///< of a mesh, only the vertex limit is used
+  CoverRequest cover;                      ///< of a mesh, only the budget of hulls is used
   bool exported = false;                   ///< whether a character's hulls are exported in the bind pose
   /// Its limits are to hold on the hulls that are used: those that are exported for a mesh, the live ones in the
   /// keyframes for a character.
@@ -61,7 +61,7 @@ struct Fit {
 /// @param made  of the subject's mesh, or of another one with the same triangles
 [[nodiscard]] Result<Fit> fitOf(const FitRequest& request, TimedDecomposition made, Host& host);
 
-/// The content of a .lorica file. Of a mesh it has all points, whatever the vertex limit of the exported hulls.
+/// The content of a .lorica file. Of a mesh it has all points, whatever the budget of the exported hulls.
 /// @param training  of a character; else null
 [[nodiscard]] DecompositionFile fileContent(const FitRequest& request, const Training* training, const Fit& fit);
 

@@ -80,13 +80,13 @@ std::vector<ConvexHull> hullsIn(const Decomposition& decomposition, std::span<co
   return partHulls(decomposition, points);
 }
 
-PartHulls simplifyHulls(std::span<const ConvexHull> hulls, int maxVertices, int threads,
+PartHulls simplifyHulls(std::span<const ConvexHull> hulls, const HullBudget& budget, int threads,
                         const std::function<bool(int done, int hulls)>& progress) {
   std::vector<BudgetedHull> exported(hulls.size());
   (void)inParallel(hulls.size(), threads, progress, [&](std::size_t i) {
     const ConvexHull& hull = hulls[i];
-    exported[i] = maxVertices > 0 ? simplifyHull(hull, maxVertices)
-                                  : BudgetedHull{{hull.vertices, hull.triangles}, hull.volume, 1.0};
+    exported[i] =
+        budget.given() ? simplifyHull(hull, budget) : BudgetedHull{{hull.vertices, hull.triangles}, hull.volume, 1.0};
   });
 
   PartHulls result;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "acd/decomposition.h"
+#include "acd/hull_budget.h"
 #include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
 
@@ -23,9 +24,9 @@ struct PartHulls {
 [[nodiscard]] std::vector<ConvexHull> hullsIn(const Decomposition& decomposition, std::span<const Vec3> vertices);
 
 /// @param hulls        one a part
-/// @param maxVertices  hulls with more vertices are replaced by larger ones, see simplifyHull(). 0 = no limit
+/// @param budget       hulls beyond it are replaced by larger ones, see simplifyHull()
 /// @param progress     if it returns false, the rest is empty
-[[nodiscard]] PartHulls simplifyHulls(std::span<const ConvexHull> hulls, int maxVertices, int threads,
+[[nodiscard]] PartHulls simplifyHulls(std::span<const ConvexHull> hulls, const HullBudget& budget, int threads,
                                       const std::function<bool(int done, int hulls)>& progress = {});
 
 /// Checks that vertices are inside a hull, or at most 1e-6 of the hulls' diagonal outside.

@@ -299,7 +299,7 @@ Result<Divided> divide(const RobotMesh& mesh, TriMesh surface, const RobotExport
   const std::string name = mesh.file.empty() ? mesh.name : mesh.file.filename().string();
   LORICA_TRY(Subject subject, meshSubject(name, divided.surface, how.reading, host));
   LORICA_TRY(const ExportSource source, divideMesh(std::move(subject), how, host));
-  LORICA_TRY(PartHulls made, restHulls(source, options.maxVertices, host));
+  LORICA_TRY(PartHulls made, restHulls(source, options.budget, host));
   for (NamedMesh& each : made.objects) {
     if (!each.mesh.triangles.empty()) divided.hulls.push_back(std::move(each.mesh));
   }

@@ -19,7 +19,7 @@ struct RobotExportOptions {
   ExportSourceOptions source;
   std::filesystem::path output;  ///< of the same kind and in the same folder, since what it names is found from there
   std::vector<std::string> packages;  ///< folders of ROS packages: "NAME=FOLDER"
-  int maxVertices = 0;                ///< of a hull; 0 = no limit
+  HullBudget budget;                  ///< of each hull
   bool capsules = false;              ///< instead of hulls, each around one
   bool replace = false;               ///< files that are there already
 };

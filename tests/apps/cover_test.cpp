@@ -306,6 +306,28 @@ TEST(HullVertices, GrowthIsReportedWithoutAnExportToo) {
   EXPECT_FALSE(without.json().contains("hullGrowth"));
 }
 
+TEST(HullPlanes, ExportedHullsHaveSoFewFaces) {
+  const TemporaryFolder folder;
+  const TriMesh ball = makeSphere(1.0, 12, 18);
+  const std::filesystem::path mesh = writeObj(folder, "ball.obj", ball);
+  const std::filesystem::path hulls = folder.path() / "hulls.obj";
+  for (const char* command : {"decompose", "export"}) {
+    std::vector<std::string> line = {command, mesh, "--parts", "1", "--hull-planes", "12", "--force", "--json", "-"};
+    if (line.front() == "export") line.insert(line.begin() + 2, hulls);
+    if (line.front() == "decompose") line.insert(line.end(), {"--export-obj", hulls});
+    const CommandResult result = runLorica(line);
+    ASSERT_EQ(result.exitCode, 0) << result.err;
+    const std::vector<NamedMesh> objects = valueOf(readObjObjects(hulls));
+    ASSERT_EQ(objects.size(), 1u);
+    const ConvexHull exported = convexHull(objects.front().mesh.vertices);
+    EXPECT_LE(exported.vertices.size(), 20u);  // 12 planes, three in each corner
+    EXPECT_LE(largestViolation(exported, ball.vertices), 1e-8);
+    EXPECT_LT(exported.volume, 1.03 * 5.5503);  // of a dodecahedron around it
+    EXPECT_NEAR(result.json()[line.front() == "export" ? "growth" : "hullGrowth"].get<double>(),
+                exported.volume / convexHull(ball.vertices).volume, 1e-8);
+  }
+}
+
 TEST(HullVertices, BoxesNeedNoMore) {
   const TemporaryFolder folder;
   const std::filesystem::path mesh = writeObj(folder, "l.obj", makeLShape());

@@ -286,9 +286,9 @@ def hulls(page):
         ["Lorica", *(f"{growth(limit, 'growth'):.2g} %" for limit in limits)],
         ["PCHS", *(f"{growth(limit, 'pchs_growth'):.2g} %" for limit in limits)],
         ["rows where Lorica adds no more", *(f"{below(limit)} of {len(of[limit])}" for limit in limits)]])
-    page.section("Hulls with few vertices", "The volume that is added to the hulls of the same rows when they may have only so many vertices: "
-                 "median of the rows. PCHS (Jacobson 2026, progressive convex hull simplification) drops half-spaces, and was written for "
-                 "this comparison from its paper; 18 half-spaces are what it is shown with there, and here at most 11 vertices.", about,
+    page.section("Hulls with few vertices", "The volume that is added to the hulls of the same rows when they may have only so many vertices "
+                 "or half-spaces: median of the rows. PCHS (Jacobson 2026, progressive convex hull simplification) drops half-spaces, and "
+                 "was written from its paper; 18 half-spaces are what it is shown with there.", about,
                  hull_vertices=bars("Added volume, less is better", "%", [
                      (limit, [("Lorica", growth(limit, "growth")), ("PCHS", growth(limit, "pchs_growth"))]) for limit in limits], log=True))
 

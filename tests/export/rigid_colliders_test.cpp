@@ -56,7 +56,7 @@ TEST(RigidColliders, HoldTheSurfaceInEveryPoseThatTheyAreMadeFrom) {
   const Character figure = test::stickFigure();
   const std::vector<Affine3> poses = test::bentPoses(figure, kBends);
   for (const int limit : {0, 16}) {
-    const std::vector<RigidCollider> colliders = collidersOf(figure, poses, {limit, false, 1});
+    const std::vector<RigidCollider> colliders = collidersOf(figure, poses, {{limit}, false, 1});
     ASSERT_EQ(colliders.size(), 2U);
     for (std::size_t k = 0; k < kBends.size(); ++k) {
       EXPECT_LT(farthestOutside(figure, colliders, std::span(poses).subspan(2 * k, 2)), 1e-6) << "pose " << k;
@@ -96,8 +96,8 @@ TEST(RigidColliders, SplitVerticesCountOnce) {
   EXPECT_EQ(std::ranges::distance(first.begin(), std::unique(first.begin(), first.end())),
             countOf(figure.mesh.vertices));
   const std::vector<Affine3> poses = test::bentPoses(figure, kBends);
-  const std::vector<RigidCollider> one = collidersOf(figure, poses, {0, true, 1}),
-                                   same = collidersOf(split, poses, {0, true, 1});
+  const std::vector<RigidCollider> one = collidersOf(figure, poses, {{}, true, 1}),
+                                   same = collidersOf(split, poses, {{}, true, 1});
   ASSERT_EQ(one.size(), same.size());
   for (std::size_t i = 0; i < one.size(); ++i) {
     EXPECT_EQ(one[i].joint, same[i].joint);
@@ -133,8 +133,8 @@ TEST(RigidColliders, DoNotDependOnThreads) {
   std::vector<Affine3> bones(pose.size());
   computeWorldFromJoint(mannequin.skeleton, pose, bones);
   computeWorldFromModel(mannequin, bones, bones);
-  const std::vector<RigidCollider> one = collidersOf(mannequin, bones, {32, true, 1});
-  const std::vector<RigidCollider> many = collidersOf(mannequin, bones, {32, true, 5});
+  const std::vector<RigidCollider> one = collidersOf(mannequin, bones, {{32}, true, 1});
+  const std::vector<RigidCollider> many = collidersOf(mannequin, bones, {{32}, true, 5});
   ASSERT_EQ(one.size(), many.size());
   EXPECT_GT(one.size(), 20U);
   for (std::size_t i = 0; i < one.size(); ++i) {
@@ -169,7 +169,7 @@ TEST(RigidColliders, AreStoppedWhereTheirProgressSays) {
   const Character figure = test::stickFigure();
   const std::vector<Affine3> poses = test::bentPoses(figure, {0.0});
   const auto stop = [](int done, int all) { return done > all; };
-  const auto made = makeRigidColliders(figure, test::onePart(figure), {poses, 2}, {0, false, 1, stop});
+  const auto made = makeRigidColliders(figure, test::onePart(figure), {poses, 2}, {{}, false, 1, stop});
   EXPECT_EQ(made.error().code, ErrorCode::kCancelled);
   const std::vector<RigidCollider> colliders = collidersOf(figure, poses);
   EXPECT_EQ(measureFit(figure, colliders, {poses, 2}, 1, stop).error().code, ErrorCode::kCancelled);

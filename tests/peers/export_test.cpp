@@ -78,7 +78,7 @@ std::optional<Exported> exported(const Animated& animated) {
   made.character = body->character;
   made.poses = coverPoses(made.character, std::span(&made.motion, 1)).value();
   made.colliders =
-      makeRigidColliders(made.character, undivided(made.character), made.poses.sampledView(), {kVertices, true, 0})
+      makeRigidColliders(made.character, undivided(made.character), made.poses.sampledView(), {{kVertices}, true, 0})
           .value();
   made.model = rigidModelOf(made.character, made.colliders);
   return made;

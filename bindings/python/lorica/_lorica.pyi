@@ -347,6 +347,7 @@ def decompose(
     max_concavity: float = 0.0,
     preset: str = "fast",
     hull_vertices: int = 0,
+    hull_planes: int = 0,
     closed_body: str = "auto",
     walls: str = "auto",
     thickness: float = 0.0,
@@ -369,6 +370,7 @@ def decompose(
     preset         "paper", "fast" or "quality"
     hull_vertices  enclose hulls with more vertices in larger ones with at most this many, at least 4; 0 = no limit. It and
                    parts always hold; the limits give where not all can
+    hull_planes    the same for planes of hulls: flat faces, of any number of corners
     closed_body    "auto" builds a closed surface if the mesh cannot be repaired, "never" refuses such a mesh, "always"
     walls          what an open surface is: "auto" = a thin wall, unless nothing outside can reach what is behind it; "solid";
                    "shell" = a thin wall, also where it is closed
@@ -381,7 +383,7 @@ def decompose(
     Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a sentence, or Cancelled.
     Warns, as a RuntimeWarning, of an error above 50 %.
     """
-def load_parts(file: Path, vertices: ArrayLike, faces: ArrayLike, *, hull_vertices: int = 0) -> Parts:
+def load_parts(file: Path, vertices: ArrayLike, faces: ArrayLike, *, hull_vertices: int = 0, hull_planes: int = 0) -> Parts:
     """The parts in a .lorica file that was made from this mesh, or from one with the same faces."""
 def read_mesh(file: Path) -> Tuple[NDArray[np.float64], NDArray[np.int32]]:
     """Read .off, .obj, .ply or .stl: (n, 3) float64 vertices and (m, 3) int32 faces, read-only, no copy."""

@@ -160,6 +160,9 @@ static void test_bad_meshes(void) {
   options.preset = LORICA_FAST;
   options.hull_vertices = 2;
   FAILS(LORICA_INVALID_ARGUMENT, "found 2, expected at least 4", lorica_decompose(&mesh, &options, &parts));
+  options.hull_vertices = 0;
+  options.hull_planes = 3;
+  FAILS(LORICA_INVALID_ARGUMENT, "planes of a hull: found 3", lorica_decompose(&mesh, &options, &parts));
   int calls = 0;
   options = (lorica_decompose_options){.size = sizeof options, .progress = cancel, .user = &calls};
   FAILS(LORICA_CANCELLED, "cancel", lorica_decompose(&mesh, &options, &parts));

@@ -31,6 +31,7 @@ int main(void) {
   FIELD(lorica_decompose_options, thickness);
   FIELD(lorica_decompose_options, walls);
   FIELD(lorica_decompose_options, keyframes);
+  FIELD(lorica_decompose_options, hull_planes);
   STRUCT(lorica_skin);
   FIELD(lorica_skin, size);
   FIELD(lorica_skin, name);

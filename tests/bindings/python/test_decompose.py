@@ -33,6 +33,14 @@ class Decompose(unittest.TestCase):
             if limit:
                 self.assertLessEqual(max(len(hull.vertices) for hull in parts), limit)
 
+    def test_planes_of_hulls_are_few(self):
+        vertices, faces = torus(24, 12)
+        few = lorica.decompose(vertices, faces, parts=6, hull_planes=10)
+        self.assertLessEqual(max(len(hull.vertices) for hull in few), 16)  # three planes in each corner
+        nearest = np.min([farthest_outside(hull, vertices) for hull in few], axis=0)
+        self.assertLess(nearest.max(), 1e-6)
+        self.assertLess(few.hull_volume, lorica.decompose(vertices, faces, parts=6, hull_vertices=7).hull_volume)
+
     def test_types_and_strides_do_not_matter(self):
         vertices, faces = l_shape()
         same = lorica.decompose(vertices, faces, parts=2)
@@ -189,6 +197,7 @@ class Refused(unittest.TestCase):
             {"walls": "thick"},
             {"hull_vertices": 3},
             {"hull_vertices": 2**31 - 1},
+            {"hull_planes": 3},
             {"preset": "best"},
             {"closed_body": "maybe"},
             {"progress": 3},
@@ -222,7 +231,7 @@ class Refused(unittest.TestCase):
         self.assertAlmostEqual(other.errors[8], parts.errors[0], 5)
         with self.assertRaises(IndexError):
             parts.frame(9)
-        for settings in ({"keyframes": 0}, {"keyframes": 10}, {"hull_vertices": 8}):
+        for settings in ({"keyframes": 0}, {"keyframes": 10}, {"hull_vertices": 8}, {"hull_planes": 8}):
             with self.subTest(settings):
                 self.refuses("expected", frames, faces, **settings)
 

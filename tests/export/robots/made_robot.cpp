@@ -189,7 +189,7 @@ RobotExportOptions madeOptions(const fs::path& robot, const std::string& output)
   RobotExportOptions options;
   options.source.input = robot.string();
   options.output = robot.parent_path() / output;
-  options.maxVertices = 64;
+  options.budget.vertices = 64;
   options.packages = {"made=" + robot.parent_path().string()};
   return options;
 }
