@@ -20,7 +20,7 @@ enum class DecomposePreset : std::uint8_t {
 
 /// Increase this when decompose() or chooseCover() gives a different result for the same input, or when .lorica files
 /// hold more data, so that caches written by older versions are not used.
-inline constexpr std::uint64_t kAlgorithmVersion = 14;
+inline constexpr std::uint64_t kAlgorithmVersion = 15;
 
 /// How a mesh is cut, and when cutting stops; whichever limit is reached first.
 struct DecomposeSettings {

@@ -33,7 +33,7 @@ constexpr double kConvexEnough = 1e-5;
 constexpr double kNothing = 1e-9;
 
 // So many attempts in a row without fewer parts are enough: of hundreds of parts, each costs as much as of few.
-constexpr double kMostPatience = 64.0;
+constexpr double kMostPatience = 192.0;
 
 /// Hull volume of all pieces over all keyframes.
 double hullVolumeOf(const auto& pieces) {
@@ -235,7 +235,7 @@ class Decomposer {
   [[nodiscard]] double excessOf(const Piece& piece) const {
     std::vector<double> excess(context_.keyframeCount(), 0.0);
     parallelFor(excess.size(), [&](std::size_t k) {
-      if (piece.convex[k] && piece.error(k) <= kConvexEnough * piece.hullVolume[k]) return;
+      if (piece.convex[k] && std::abs(piece.error(k)) <= kConvexEnough * piece.hullVolume[k]) return;
       std::vector<Vec3> corners;
       corners.reserve(piece.hullPoints[k].size());
       for (const PointIndex p : piece.hullPoints[k]) corners.push_back(context_.points[k][p]);

@@ -5,6 +5,7 @@
 #include "geometry/errors.h"
 #include "geometry/mesh_repair.h"
 #include "geometry/sheets.h"
+#include "geometry/shell_union.h"
 #include "geometry/small_faults.h"
 #include "geometry/text.h"
 #include "skinning/body/mesh_body.h"
@@ -54,11 +55,16 @@ class WallMaker {
     for (const TriMesh& solid : solids_) append(body.mesh, solid);
     body.figures.solids = solids_.size();
     if (const std::vector<Triangle> sealed = trianglesOf(ShellRole::kSealed); !sealed.empty()) {
-      LORICA_TRY(const MeshBody made, makeMeshBody(meshOf(mesh_, sealed), settings_));
-      TriMesh solid{{made.mesh.vertices.begin(), made.mesh.vertices.begin() + made.firstOriginal}, made.mesh.triangles};
+      LORICA_TRY(const TriMesh solid, solidOf(meshOf(mesh_, sealed), body.figures));
       append(body.mesh, solid);
-      body.figures.resolution = made.resolution;
-      body.figures.distances = made.distances;
+    }
+    if (!body.mesh.triangles.empty()) {  // space that two solids fill would count twice
+      Result<std::optional<ShellUnion>> whole = uniteShells(body.mesh);
+      if (!whole) {
+        LORICA_TRY(body.mesh, solidOf(body.mesh, body.figures));
+      } else if (*whole) {
+        body.mesh = std::move((*whole)->mesh);
+      }
     }
     addWalls(body);
     // Two sheets, or two places of one, may touch along an edge.
@@ -81,6 +87,15 @@ class WallMaker {
   }
 
  private:
+  /// A closed surface around all that a mesh encloses, built with voxels.
+  Result<TriMesh> solidOf(const TriMesh& mesh, RebuiltMesh& figures) const {
+    LORICA_TRY(MeshBody made, makeMeshBody(mesh, settings_));
+    figures.resolution = made.resolution;
+    figures.distances = made.distances;
+    made.mesh.vertices.resize(made.firstOriginal);
+    return std::move(made.mesh);
+  }
+
   /// Of very many sheets (leaves, a soup of triangles): one shell around everything.
   Result<std::optional<WallBody>> oneShell() const {
     const Aabb box = surfaceBounds(mesh_);

@@ -195,7 +195,7 @@ class BodyMaker {
           "body resolution {:.4g} m: expected at most {:.4g} m, an eighth of the character's longest side",
           settings_.resolution, coarsest);
     }
-    Result<SolidSurface> made = solidSurface(source, body_.resolution);
+    Result<SolidSurface> made = solidSurface(source, body_.resolution, settings_.keepThin);
     if (source.crowded()) return crowded(source);
     LORICA_TRY(const SolidSurface solid, std::move(made));
     tell(solid);

@@ -15,6 +15,7 @@ namespace lorica {
 struct BodySettings {
   double resolution = 0.0;  ///< voxel edge if a surface has to be built [m]; 0 = from the character's thickness
   bool keepClosed = true;   ///< false: build a surface even if the character's own is closed
+  bool keepThin = false;    ///< thicken what is thinner than a voxel; false: only limbs and rods, the rest is left out
   int threads = 0;          ///< 0 = all hardware threads; the result does not depend on it
   std::function<bool(int done, int steps)> progress = {};  ///< return false to cancel
 };

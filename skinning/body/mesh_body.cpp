@@ -71,16 +71,15 @@ Result<MeshBody> makeMeshBody(const TriMesh& mesh, const BodySettings& settings)
     for (int i = 0; i < 3; ++i) p[i] = kRounding * std::round(p[i] / kRounding);
   }
   const Vec3 lengths = lengthsOf(scaled.vertices, used);
+  if (lengths.minCoeff() < kFlat * lengths.maxCoeff()) {
+    return badMesh("it is exactly flat and has no volume to cut, give it a thickness");
+  }
   LORICA_TRY(Character character, rigidCharacter(std::move(scaled)));
   BodySettings unitSettings = settings;
   unitSettings.resolution = settings.resolution / size;
   unitSettings.keepClosed = false;
-  Result<ClosedBody> closed = makeBody(character, unitSettings);
-  if (!closed && lengths.minCoeff() < kFlat * lengths.maxCoeff()) {
-    return badMesh("it is exactly flat and has no volume to cut, give it a thickness");
-  }
-  if (!closed) return closed.error();
-  ClosedBody& made = *closed;
+  unitSettings.keepThin = true;
+  LORICA_TRY(ClosedBody made, makeBody(character, unitSettings));
 
   MeshBody body;
   body.firstOriginal = made.bodyVertices;

@@ -28,10 +28,13 @@ constexpr double kTouch = 1.1;                 // voxels: limbs touch where the 
 constexpr float kRemoved = 0.3f;               // voxels: distance stored for a removed voxel
 constexpr float kSlope = 8.0f;                 // voxels of distance per unit of winding number, across holes
 constexpr double kCrumb = 2e-3;                // of the volume: smaller pieces are dropped
+constexpr double kThinCrumb = 1e-6;            // of the volume, where thin things are kept
 constexpr int kSurfaceRounds = 8;              // of smoothing; each has a step inward and one outward (Taubin 1995)
 constexpr double kStepIn = 0.5;
 constexpr double kStepOut = -0.53;
-constexpr int kBlock = 4;  // voxels: far from triangles, winding numbers are computed per block
+constexpr double kBehind = 0.25;      // voxels
+constexpr double kCornerReach = 2.5;  // voxels: corners that stand out no farther are taken
+constexpr int kBlock = 4;             // voxels: far from triangles, winding numbers are computed per block
 
 Vec3 gridSizes(const Aabb& box, double voxel) {
   return ((box.max - box.min).array() / voxel + 2.0 * (kBand + 2)).ceil() + 1.0;
@@ -39,7 +42,7 @@ Vec3 gridSizes(const Aabb& box, double voxel) {
 
 class Solid {
  public:
-  Solid(const SolidSource& source, double voxel) : source_(source), voxel_(voxel) {}
+  Solid(const SolidSource& source, double voxel, bool keepThin) : source_(source), voxel_(voxel), keepThin_(keepThin) {}
 
   Result<SolidSurface> make() {
     LORICA_TRY_DO(layGrid());
@@ -211,12 +214,12 @@ class Solid {
     TriMesh rods;
     rods.vertices = source_.mesh.vertices;
     for (std::size_t k = 0; k < source_.mesh.triangles.size(); ++k) {
-      if (source_.roles[k] != TriangleRole::kSkin) continue;
+      if (source_.roles[k] == TriangleRole::kHidden || (!keepThin_ && !source_.isSkin(k))) continue;
       const Thickness& limb = source_.ofJoint[source_.jointOfTriangle[k]];
       const Thickness& piece = source_.ofPatch[source_.patchOfTriangle[k]];
       const bool rod =
           limb.middle < kRod * voxel_ || (piece.middle < kRod * voxel_ && piece.length > kRod * voxel_);  // not a rivet
-      if (rod && !isInSolid(k)) {
+      if ((rod && !isInSolid(k, false)) || (keepThin_ && !isInSolid(k, true))) {
         rods.triangles.push_back(source_.mesh.triangles[k]);
       }
     }
@@ -230,17 +233,29 @@ class Solid {
     return {};
   }
 
-  /// Whether solid is near a triangle's middle and corners.
-  [[nodiscard]] bool isInSolid(std::size_t triangle) const {
+  /// Whether solid is near a triangle's middle and corners: several voxels around the nearest one, or barely: a corner
+  /// of the cell just behind.
+  [[nodiscard]] bool isInSolid(std::size_t triangle, bool barely) const {
     const std::array<Vec3, 3> t = source_.corners(triangle);
+    const Vec3 behind = kBehind * (t[1] - t[0]).cross(t[2] - t[0]).stableNormalized();
     const auto near = [&](const Vec3& p) {
-      const Eigen::Vector3i at = ((p - grid_.origin) / voxel_).array().round().cast<int>();
-      return solidAround(at.x(), at.y(), at.z()) > kLayer;
+      const Vec3 at = (p - grid_.origin) / voxel_;
+      if (barely) return hasSolidCorner((at - behind).array().floor().cast<int>());
+      const Eigen::Vector3i voxel = at.array().round().cast<int>();
+      return solidAround(voxel.x(), voxel.y(), voxel.z()) > kLayer;
     };
     const Vec3 middle = (t[0] + t[1] + t[2]) / 3.0;
     return near(middle) && std::all_of(t.begin(), t.end(), [&](const Vec3& corner) {
              return near(0.2 * middle + 0.8 * corner) && near(0.6 * middle + 0.4 * corner);
            });
+  }
+
+  /// Whether a corner of the cell that begins at a voxel is solid.
+  [[nodiscard]] bool hasSolidCorner(const Eigen::Vector3i& at) const {
+    for (int i = 0; i < 8; ++i) {
+      if (grid_.at(at.x() + (i & 1), at.y() + (i >> 1 & 1), at.z() + (i >> 2)) < 0.0f) return true;
+    }
+    return false;
   }
 
   /// Removes voxels where two limbs touch.
@@ -304,7 +319,7 @@ class Solid {
     TriMesh kept;
     std::vector<VertexIndex> numberOf(mesh.vertices.size(), -1);
     for (std::size_t p = 0; p < trianglesOf.size(); ++p) {
-      if (volumes[p] < kCrumb * whole) {
+      if (volumes[p] < (keepThin_ ? kThinCrumb : kCrumb) * whole) {
         if (volumes[p] > 0.0) ++result_.droppedPieces;
         continue;
       }
@@ -325,7 +340,39 @@ class Solid {
     LORICA_TRY(MeshRepair repaired, repairClosedMesh(kept));
     result_.mesh = std::move(repaired.mesh);
     smooth(result_.mesh);
+    if (keepThin_) takeCorners(result_.mesh);
     return std::move(result_);
+  }
+
+  /// Moves vertices of the surface to those of the triangles that are just outside: those that voxels round off.
+  void takeCorners(TriMesh& mesh) const {
+    struct Move {
+      double distance = 0.0;
+      VertexIndex from = -1;
+    };
+    const TriangleTree tree(mesh.vertices, mesh.triangles);
+    std::vector<Move> moves(source_.mesh.vertices.size());
+    parallelFor(moves.size(), [&](std::size_t v) {
+      const Vec3& corner = source_.mesh.vertices[v];
+      const TriangleTree::Hit hit = tree.nearest(corner, kCornerReach * voxel_, [](std::int32_t) { return true; });
+      if (hit.triangle < 0 || tree.windingNumber(corner) > kInsideLevel) return;
+      Eigen::Index nearest = 0;
+      hit.shares.maxCoeff(&nearest);
+      moves[v] = {hit.distance, mesh.triangles[hit.triangle][nearest]};
+    });
+    std::vector<std::size_t> order;
+    for (std::size_t v = 0; v < moves.size(); ++v) {
+      if (moves[v].from >= 0) order.push_back(v);
+    }
+    std::ranges::stable_sort(order,
+                             [&](std::size_t a, std::size_t b) { return moves[a].distance > moves[b].distance; });
+    std::vector<bool> moved(mesh.vertices.size());
+    for (const std::size_t v : order) {
+      const VertexIndex from = moves[v].from;
+      if (moved[from]) continue;
+      mesh.vertices[from] = source_.mesh.vertices[v];
+      moved[from] = true;
+    }
   }
 
   /// Smooths the grid's steps out of the surface.
@@ -350,6 +397,7 @@ class Solid {
 
   const SolidSource& source_;
   double voxel_;
+  bool keepThin_;
   VoxelGrid grid_;
   std::vector<float> winding_;
   SolidSurface result_;
@@ -365,8 +413,8 @@ double finestVoxel(const TriMesh& mesh) {
   return voxel * kCoarser;  // margin for rounding
 }
 
-Result<SolidSurface> solidSurface(const SolidSource& source, double voxel) {
-  return Solid(source, voxel).make();
+Result<SolidSurface> solidSurface(const SolidSource& source, double voxel, bool keepThin) {
+  return Solid(source, voxel, keepThin).make();
 }
 
 }  // namespace lorica

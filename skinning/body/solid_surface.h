@@ -26,8 +26,9 @@ struct SolidSurface {
 /// to the triangles (OpenVDB) position the surface between the grid's points, so that it follows the triangles where
 /// there are any; holes are closed where the winding number is 0.5. Geometry thinner than a voxel is left out; limbs
 /// that touch are kept separate where they overlap by less than a voxel.
-/// @param voxel  edge [m]
+/// @param voxel     edge [m]
+/// @param keepThin  see BodySettings
 /// @return the surface; kBadMesh if nothing is enclosed, kInvalidArgument if there would be too many voxels
-[[nodiscard]] Result<SolidSurface> solidSurface(const SolidSource& source, double voxel);
+[[nodiscard]] Result<SolidSurface> solidSurface(const SolidSource& source, double voxel, bool keepThin);
 
 }  // namespace lorica

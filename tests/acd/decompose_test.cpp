@@ -4,6 +4,7 @@
 #include "acd/improve.h"
 #include "acd/part_concavity.h"
 #include "acd/transfer.h"
+#include "geometry/convex_hull.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
 #include "geometry/small_faults.h"
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <tuple>
 
 namespace lorica {
@@ -400,6 +402,17 @@ TEST(Decompose, MeetsAConcavityWhereSolidsTouch) {
   const Decomposition d = decomposed(mesh, {.maxParts = 0, .maxConcavity = 0.05});
   expectSound(mesh, mesh.vertices, d);
   EXPECT_EQ(d.parts.size(), 2u);
+}
+
+/// Two slabs that cross at 30 degrees: they have more volume than their hull, since each counts where they overlap.
+/// Their wedges are no less concave for that.
+TEST(Decompose, MeetsAConcavityWhereSolidsOverlap) {
+  const TriMesh slab = test::makeBox({-1.0, -0.25, -1.0}, {1.0, 0.25, 1.0});
+  const Quat turn(Eigen::AngleAxisd(std::numbers::pi / 6.0, Vec3::UnitZ()));
+  const TriMesh mesh = test::joined(slab, test::moved(slab, [&](const Vec3& p) { return Vec3(turn * p); }));
+  ASSERT_LT(convexHull(mesh.vertices).volume, signedVolume(mesh.vertices, mesh.triangles));
+  const Decomposition d = decomposed(mesh, {.maxParts = 0, .maxConcavity = 0.05});
+  EXPECT_EQ(d.parts.size(), 2u);  // the slabs; one before
 }
 
 /// A torus cut badly into four parts: in half, then a small slice off each half.

@@ -49,5 +49,22 @@ TEST(HullFit, AMeshTurnedAnyWayGetsHullsThatHoldIt) {
   }
 }
 
+/// Of open meshes, too, whose bodies are built with voxels: what is thinner than those has parts of its own, not hulls
+/// that reach for it.
+TEST(HullFit, AnOpenMeshMeetsTheLimit) {
+  LORICA_REQUIRE_DATASET(readme, "solids/README.md");
+  Host host;
+  for (const char* name : {"bowl.obj", "pr2_l_finger.obj"}) {
+    SCOPED_TRACE(name);
+    const Subject subject = valueOf(readSubject((readme.parent_path() / name).string(), {}, host));
+    ASSERT_TRUE(subject.rebuilt);
+    const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
+    FitRequest request{subject, keyframes, nullptr, {}, true, {.maxParts = 64}};
+    request.settings.maxConcavity = 0.05 * concavityUnitOf(subject);
+    const Fit fit = valueOf(fitHulls(request, host));
+    EXPECT_TRUE(fit.concavityMet(request.settings)) << fit.concavity->largest / request.settings.maxConcavity;
+  }
+}
+
 }  // namespace
 }  // namespace lorica::test

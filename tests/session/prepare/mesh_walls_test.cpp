@@ -256,6 +256,18 @@ TEST(MeshWalls, MakeFlatThingsSolid) {
   EXPECT_EQ(hullsOf(body.mesh, 8).size(), 2u);
 }
 
+/// Two balls that overlap, and a sheet: the space that both fill counts once.
+TEST(MeshWalls, BesideSolidsThatOverlap) {
+  const double distance = 0.8;
+  const TriMesh balls = joined(makeSphere(1.0, 24, 32), shifted(makeSphere(1.0, 23, 31), {distance, 0.01, 0.02}));
+  const WallBody body = wallsOf(joined(balls, shifted(openBox(0.5), {0, 5, 0})));
+  EXPECT_EQ(body.figures.solids, 2u);
+  const double apart = Vec3(distance, 0.01, 0.02).norm();
+  const double lens = kPi / 12.0 * (4.0 + apart) * (2.0 - apart) * (2.0 - apart);
+  const double walls = 5.0 * body.figures.thickness;  // of a unit square each
+  EXPECT_NEAR(signedVolume(body.mesh.vertices, body.mesh.triangles), 8.0 / 3.0 * kPi - lens + walls, 0.15);
+}
+
 TEST(MeshWalls, CanBeOneSided) {
   TriMesh strip;  // Moebius
   constexpr int kCount = 40;

@@ -86,6 +86,37 @@ TEST(MeshBody, AClosedMeshIsRebuiltToo) {
   EXPECT_NEAR(signedVolume(body.mesh.vertices, body.mesh.triangles), 3.0, 0.1);
 }
 
+/// A ball with a blade and a needle, both far thinner than a voxel, and with a hole.
+TEST(MeshBody, HoldsWhatIsThinnerThanItsVoxels) {
+  const TriMesh blade = makeBox({0.5, -0.5, -0.002}, {2.5, 0.5, 0.002});
+  const TriMesh needle = makeBox({-0.002, 0.5, -0.002}, {0.002, 3.0, 0.002});
+  TriMesh mesh = joined(joined(makeSphere(1.0, 24, 32), blade), needle);
+  mesh.triangles.erase(mesh.triangles.begin() + 300);
+  const MeshBody body = valueOf(makeMeshBody(mesh));
+  ASSERT_GT(body.resolution, 0.02);
+  EXPECT_TRUE(checkClosedTwoManifold(body.mesh));
+  EXPECT_LE(body.distances.farthestOutside, 0.5 * body.resolution);
+  // A voxel or two thick.
+  const double ball = 4.0 / 3.0 * std::numbers::pi, outside = 1.6;  // of the blade
+  const double volume = signedVolume(body.mesh.vertices, body.mesh.triangles);
+  EXPECT_GT(volume, 0.98 * ball);
+  EXPECT_LT(volume, ball + 2.0 * body.resolution * outside + 4.0 * body.resolution * body.resolution * 2.5);
+}
+
+TEST(MeshBody, HasTheCornersOfTheMesh) {
+  const TriMesh mesh = makeBox({0, 0, 0}, {1, 2, 3});
+  const MeshBody body = valueOf(makeMeshBody(mesh));
+  const double volume = signedVolume(body.mesh.vertices, body.mesh.triangles);
+  EXPECT_NEAR(volume, 6.0, 0.1);
+  for (const Vec3& corner : mesh.vertices) {
+    double nearest = kInfinity;
+    for (VertexIndex v = 0; v < body.firstOriginal; ++v) {
+      nearest = std::min(nearest, (body.mesh.vertices[v] - corner).norm());
+    }
+    EXPECT_LE(nearest, 1e-9) << corner.transpose();
+  }
+}
+
 TEST(MeshBody, EveryDamagedTorusGetsOne) {
   const TriMesh torus = makeTorus(1.0, 0.4, 32, 20);
   const double volume = signedVolume(torus.vertices, torus.triangles);
