@@ -96,7 +96,7 @@ class Dropping {
     std::vector<Vec3> some;
     for (const std::size_t j : ring_[i]) some.push_back(dual_[j]);
     for (int d = 0; d < 27; ++d) {
-      const Vec3 direction(d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1);
+      const Vec3 direction = Eigen::Vector3i(d % 3 - 1, d / 3 % 3 - 1, d / 9 - 1).cast<double>();
       std::size_t best = i == 0 ? 1 : 0;
       for (std::size_t j = 0; j < dual_.size(); ++j) {
         if (j != i && direction.dot(dual_[j]) > direction.dot(dual_[best])) best = j;

@@ -2,6 +2,7 @@
 
 #include "acd/decompose.h"
 #include "acd/decomposition_file.h"
+#include "acd/hull_budget.h"
 #include "acd/transfer.h"
 #include "collision/hulls/frame_hulls.h"
 #include "collision/hulls/host.h"

@@ -32,9 +32,10 @@ constexpr double kThinCrumb = 1e-6;            // of the volume, where thin thin
 constexpr int kSurfaceRounds = 8;              // of smoothing; each has a step inward and one outward (Taubin 1995)
 constexpr double kStepIn = 0.5;
 constexpr double kStepOut = -0.53;
-constexpr double kBehind = 0.25;      // voxels
-constexpr double kCornerReach = 2.5;  // voxels: corners that stand out no farther are taken
-constexpr int kBlock = 4;             // voxels: far from triangles, winding numbers are computed per block
+constexpr double kBehind = 0.25;        // voxels
+constexpr double kSameDistance = 1e-6;  // voxels
+constexpr double kCornerReach = 2.5;    // voxels: corners that stand out no farther are taken
+constexpr int kBlock = 4;               // voxels: far from triangles, winding numbers are computed per block
 
 Vec3 gridSizes(const Aabb& box, double voxel) {
   return ((box.max - box.min).array() / voxel + 2.0 * (kBand + 2)).ceil() + 1.0;
@@ -347,7 +348,7 @@ class Solid {
   /// Moves vertices of the surface to those of the triangles that are just outside: those that voxels round off.
   void takeCorners(TriMesh& mesh) const {
     struct Move {
-      double distance = 0.0;
+      double distance = 0.0;  // in steps
       VertexIndex from = -1;
     };
     const TriangleTree tree(mesh.vertices, mesh.triangles);
@@ -358,7 +359,8 @@ class Solid {
       if (hit.triangle < 0 || tree.windingNumber(corner) > kInsideLevel) return;
       Eigen::Index nearest = 0;
       hit.shares.maxCoeff(&nearest);
-      moves[v] = {hit.distance, mesh.triangles[hit.triangle][nearest]};
+      // In steps, so that rounding does not choose between corners that are as far.
+      moves[v] = {std::round(hit.distance / (kSameDistance * voxel_)), mesh.triangles[hit.triangle][nearest]};
     });
     std::vector<std::size_t> order;
     for (std::size_t v = 0; v < moves.size(); ++v) {

@@ -118,7 +118,7 @@ TEST(MeshInput, AnOpenMeshGetsABodyThatHoldsItsVertices) {
   EXPECT_LT(body["voxel"].get<double>(), 0.2);
   EXPECT_LT(body["meanDistance"].get<double>(), body["farthestDistance"].get<double>());
   EXPECT_LT(body["meanDistance"].get<double>(), 0.05);
-  EXPECT_GT(json["attachedVertices"].get<int>(), 0);
+  EXPECT_LE(json["attachedVertices"].get<int>(), 5);  // the body holds nearly all
   const double diagonal = boundsOf(mesh.vertices).diagonal();
   EXPECT_LE(farthestOutside(mesh, hulls), 1e-6 * diagonal);
   // All figures are of these hulls: report, export and file.
@@ -197,7 +197,7 @@ TEST(MeshInput, TheUnitDoesNotMatter) {
     EXPECT_EQ(json["vertices"], results[0]["vertices"]);
     EXPECT_EQ(json["attachedVertices"], results[0]["attachedVertices"]);
     // A torus looks the same all around: rounding decides between cuts that are equally good.
-    EXPECT_NEAR(json["score"].get<double>(), results[0]["score"].get<double>(), 1e-4);
+    EXPECT_NEAR(json["score"].get<double>(), results[0]["score"].get<double>(), 2e-3);
     for (const char* key : {"voxel", "meanDistance", "farthestDistance"}) {
       EXPECT_NEAR(json["body"][key].get<double>(), results[0]["body"][key].get<double>(), 1e-9) << key;
     }
