@@ -13,15 +13,15 @@
 namespace lorica {
 namespace {
 
-constexpr double kSame = 1e-7;       // half-spaces and corners closer than this are one
-constexpr double kSliver = 1e-12;    // twice the area below which a triangle has no reliable plane
-constexpr double kFar = 1e4;         // a corner farther away counts as one that does not exist
-constexpr double kReach = 100.0;     // faces are looked at so far from the origin
-constexpr std::size_t kStart = 256;  // planes to drop from; of more, those that matter the least go at once
+constexpr double kSameHalfSpace = 1e-7;   // half-spaces and corners closer than this are one
+constexpr double kTooSmall = 1e-12;       // twice the area below which a triangle has no reliable plane
+constexpr double kNoCorner = 1e4;         // a corner farther away counts as one that does not exist
+constexpr double kFaceReach = 100.0;      // faces are looked at so far from the origin
+constexpr std::size_t kMostPlanes = 256;  // planes to drop from; of more, those that matter the least go at once
 // Turning, as tangents of angles.
 constexpr double kFirstTurn = 0.3, kLastTurn = 0.005;
-constexpr int kRounds = 8;              // in which each plane is turned
-constexpr double kRoundGain = 1e-3;     // share of the volume that a round gains if there is another one
+constexpr int kMovedRounds = 8;         // in which each plane is turned
+constexpr double kMovedGain = 1e-3;     // share of the volume that a round gains if there is another one
 constexpr int kExchanges = 20;          // of a plane
 constexpr double kExchangeGain = 1e-4;  // share of the volume that an exchange gains
 
@@ -34,11 +34,13 @@ std::vector<Vec3> dualOf(const ConvexHull& body) {
     Vec3 normal = (body.vertices[t[1]] - a).cross(body.vertices[t[2]] - a);
     if (normal.dot(a) < 0.0) normal = -normal;  // axes may mirror
     const double length = normal.norm();
-    if (length <= kSliver) continue;  // its neighbours bound the same region
+    if (length <= kTooSmall) continue;  // its neighbours bound the same region
     double offset = 0.0;
     for (const Vec3& p : body.vertices) offset = std::max(offset, normal.dot(p));
     const Vec3 found = normal / offset;
-    const auto same = [&](const Vec3& d) { return (d - found).squaredNorm() <= kSame * kSame * found.squaredNorm(); };
+    const auto same = [&](const Vec3& d) {
+      return (d - found).squaredNorm() <= kSameHalfSpace * kSameHalfSpace * found.squaredNorm();
+    };
     if (std::ranges::none_of(dual, same)) dual.push_back(found);
   }
   return dual;
@@ -117,7 +119,7 @@ class Dropping {
       const Vec3 &a = rest.vertices[t[0]], &b = rest.vertices[t[1]], &c = rest.vertices[t[2]];
       const Vec3 corner = cornerOf(a, b, c);
       // Unbounded if the origin is not inside the dual, where each face would have it below.
-      if ((b - a).cross(c - a).dot(a) <= 0.0 || !(corner.norm() < kFar)) return kInfinity;
+      if ((b - a).cross(c - a).dot(a) <= 0.0 || !(corner.norm() < kNoCorner)) return kInfinity;
       if (dual_[i].dot(corner) > 1.0) region.push_back(corner);
     }
     if (region.empty()) return 0.0;
@@ -155,14 +157,14 @@ class Moving {
 
  private:
   void turnAll() {
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kMovedRounds; ++round) {
       double before = 0.0, gained = 0.0;
       for (std::size_t i = 0; i < planes_.size(); ++i) {
         const auto [from, to] = turn(i);
         before = std::max(before, from);
         gained += from - to;
       }
-      if (gained <= kRoundGain * before) return;
+      if (gained <= kMovedGain * before) return;
     }
   }
 
@@ -263,7 +265,7 @@ class Moving {
 
   /// What all half-spaces but one leave of a plane.
   void findFace(const Plane& plane, std::size_t left, std::vector<Vec3>& face) {
-    const Vec3 u = kReach * plane.normal.unitOrthogonal(), v = plane.normal.cross(u),
+    const Vec3 u = kFaceReach * plane.normal.unitOrthogonal(), v = plane.normal.cross(u),
                middle = plane.offset * plane.normal;
     face.assign({middle + u + v, middle - u + v, middle - u - v, middle + u - v});
     for (std::size_t j = 0; j < planes_.size() && face.size() >= 3; ++j) {
@@ -291,8 +293,8 @@ ConvexHull polyhedron(std::span<const Vec3> dual) {
   const ConvexHull hull = convexHull(dual);
   for (const Triangle& t : hull.triangles) {
     const Vec3 corner = cornerOf(hull.vertices[t[0]], hull.vertices[t[1]], hull.vertices[t[2]]);
-    if (!(corner.norm() < kFar)) return {};
-    const auto same = [&](const Vec3& c) { return (c - corner).norm() <= 1e3 * kSame; };
+    if (!(corner.norm() < kNoCorner)) return {};
+    const auto same = [&](const Vec3& c) { return (c - corner).norm() <= 1e3 * kSameHalfSpace; };
     if (std::ranges::none_of(corners, same)) corners.push_back(corner);
   }
   return convexHull(corners);
@@ -306,7 +308,7 @@ int planesOf(const ConvexHull& body) {
 
 ConvexHull fewerPlanes(const ConvexHull& body, int maxPlanes, int maxVertices, bool turned) {
   std::vector<Vec3> dual = dualOf(body);
-  for (double tolerance = 1e-4; turned && dual.size() > kStart && tolerance < 0.01; tolerance *= 1.5) {
+  for (double tolerance = 1e-4; turned && dual.size() > kMostPlanes && tolerance < 0.01; tolerance *= 1.5) {
     std::vector<Vec3> outer;
     for (const VertexIndex i : convexHullOutline(dual, tolerance).points) outer.push_back(dual[i]);
     dual = std::move(outer);

@@ -29,6 +29,8 @@ test('parts, hulls and their file have the hashes of the C interface', () => {
   assert.ok(calls.length > 0 && parts.error > 0 && parts.repaired === '' && parts.warning === '');
   const again = lorica.openParts(parts.bytes(), tube.positions, tube.indices);
   assert.equal(again.hash, expected.parts);
+  const flat = lorica.decompose(tube.positions, tube.indices, { parts: 6, hullPlanes: 8 });
+  assert.ok(flat.hulls.every((hull) => hull.positions.length <= 3 * 12));  // three planes in each corner
   parts.free();
   assert.throws(() => parts.hulls, /freed/);
   again.free();
