@@ -20,10 +20,11 @@ constexpr double kFaceReach = 100.0;      // faces are looked at so far from the
 constexpr std::size_t kMostPlanes = 256;  // planes to drop from; of more, those that matter the least go at once
 // Turning, as tangents of angles.
 constexpr double kFirstTurn = 0.3, kLastTurn = 0.005;
-constexpr int kMovedRounds = 8;         // in which each plane is turned
-constexpr double kMovedGain = 1e-3;     // share of the volume that a round gains if there is another one
-constexpr int kExchanges = 20;          // of a plane
-constexpr double kExchangeGain = 1e-4;  // share of the volume that an exchange gains
+constexpr int kMovedRounds = 8;                // in which each plane is turned
+constexpr double kMovedGain = 1e-3;            // share of the volume that a round gains if there is another one
+constexpr int kExchanges = 20;                 // of a plane
+constexpr double kExchangeGain = 1e-4;         // share of the volume that an exchange gains
+constexpr std::size_t kMostCuts = 20'000'000;  // of faces by planes, which take about a second
 
 /// Half-spaces normal . x <= 1 around the origin, which are points of the dual: dropping one takes a vertex from a
 /// convex hull.
@@ -160,6 +161,7 @@ class Moving {
     for (int round = 0; round < kMovedRounds; ++round) {
       double before = 0.0, gained = 0.0;
       for (std::size_t i = 0; i < planes_.size(); ++i) {
+        if (cuts_ > kMostCuts) return;
         const auto [from, to] = turn(i);
         before = std::max(before, from);
         gained += from - to;
@@ -176,6 +178,7 @@ class Moving {
     for (std::size_t i = 0; i < planes_.size(); ++i) order.emplace_back(lookWithout(i), i);
     std::ranges::sort(order);
     for (const auto& [without, i] : order) {
+      if (cuts_ > kMostCuts) return false;
       const double found = lookWithout(i);
       std::vector<Vec3> corners;
       for (const std::vector<Vec3>& face : faces_) corners.insert(corners.end(), face.begin(), face.end());
@@ -254,6 +257,7 @@ class Moving {
   /// The volume of that below one more plane.
   double volumeWith(const Plane& plane) {
     findFace(plane, left_, face_);
+    cuts_ += planes_.size();
     double volume = coneOf(plane, face_);
     for (std::size_t i = 0; i < planes_.size(); ++i) {
       face_ = faces_[i];
@@ -268,6 +272,7 @@ class Moving {
     const Vec3 u = kFaceReach * plane.normal.unitOrthogonal(), v = plane.normal.cross(u),
                middle = plane.offset * plane.normal;
     face.assign({middle + u + v, middle - u + v, middle - u - v, middle + u - v});
+    cuts_ += planes_.size();
     for (std::size_t j = 0; j < planes_.size() && face.size() >= 3; ++j) {
       if (j != left && &planes_[j] != &plane) keepBelow(face, planes_[j], scratch_);
     }
@@ -284,6 +289,7 @@ class Moving {
   std::vector<Plane> planes_;
   std::vector<std::vector<Vec3>> faces_;  ///< without one of the planes
   std::size_t left_ = 0;                  ///< that one
+  std::size_t cuts_ = 0;                  ///< of faces by planes so far
   std::vector<Vec3> face_, scratch_;
 };
 

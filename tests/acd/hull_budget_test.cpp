@@ -205,6 +205,10 @@ TEST(HullBudget, PlanesAroundRoundThingsAreAsGoodAsCanBe) {
   std::cout << "ball, 12 planes: " << twelve.volume / dodecahedron << " times a dodecahedron\n";
   EXPECT_GE(twelve.volume, dodecahedron * radius * radius * radius);
   EXPECT_LE(twelve.volume, dodecahedron * 1.02);
+  // Of many planes, as many are moved as a second allows.
+  const BudgetedHull many = simplifyHull(ball, {0, 150});
+  expectAround(many, ball, 2 * 150 - 4);
+  EXPECT_LE(many.growth, 1.03);
 }
 
 TEST(HullBudget, FlatHullsGetARectangle) {
