@@ -1,6 +1,7 @@
 #include "bindings/character_body.h"
 #include "bindings/live_contacts.h"
 #include "bindings/python/arrays.h"
+#include "bindings/python/docstrings.h"
 #include "bindings/python/work.h"
 #include "export/contact_export.h"
 #include "geometry/text.h"
@@ -302,32 +303,19 @@ std::shared_ptr<Player> play(const py::object& motion, const BodyHandle& body, c
 }
 
 void addCharacter(py::module_& module) {
-  py::class_<CharacterHandle>(module, "Character",
-                              "A character: a skinned mesh with a skeleton. Metres, Y up, facing +Z.")
+  py::class_<CharacterHandle>(module, "Character", docOf("Character"))
       .def(py::init(&openNamed), "file"_a = "mannequin", py::kw_only(), "map"_a = py::none(), "walls"_a = "solid",
            "thickness"_a = 0.0, "body_resolution"_a = 0.0, "hidden"_a = std::vector<std::string>(),
-           "expressions"_a = std::vector<std::string>(),
-           R"(Read .glb, .gltf, .vrm, .fbx or .dae; or the built-in "mannequin".
-
-An open surface gets a closed body.
-
-map              file that says which joints are the humanoid's bones; None = automatic
-walls            what an open surface is: "solid", unless all of it is sheets; "auto" = a thin wall, unless nothing
-                 outside can reach what is behind it; "shell" = a thin wall, also where it is closed
-thickness        of thin walls [m]; 0 = 1 % of their longest side, at most half of the narrowest gap
-body_resolution  of the voxels of a closed body, if one has to be made [m]; 0 = automatic
-hidden           names of meshes that are left out, such as a weapon
-expressions      "NAME=WEIGHT" each; the hulls hold what these morph)")
+           "expressions"_a = std::vector<std::string>(), docOf("Character.__init__"))
       .def_property_readonly(
-          "name", [](const CharacterHandle& self) { return textFrom(self.character().name); }, "Of the file.")
+          "name", [](const CharacterHandle& self) { return textFrom(self.character().name); }, docOf("Character.name"))
       .def_property_readonly(
-          "height", [](const CharacterHandle& self) { return self.character().height; }, "In the bind pose [m].")
+          "height", [](const CharacterHandle& self) { return self.character().height; }, docOf("Character.height"))
       .def_property_readonly(
-          "joints", [](const CharacterHandle& self) { return jointNames(self.character()); },
-          "Names, parents before children.")
+          "joints", [](const CharacterHandle& self) { return jointNames(self.character()); }, docOf("Character.joints"))
       .def_property_readonly(
           "parents", [](const CharacterHandle& self) { return jointParents(self.character()); },
-          "For each joint its parent's index; -1 = none.")
+          docOf("Character.parents"))
       .def_property_readonly(
           "clips",
           [](const CharacterHandle& self) {
@@ -335,39 +323,30 @@ expressions      "NAME=WEIGHT" each; the hulls hold what these morph)")
             for (const Clip& clip : self.owner->clips()) names.push_back(clip.name);
             return names;
           },
-          "Names of its own animations.")
+          docOf("Character.clips"))
       .def_property_readonly(
           "first_guess",
           [](const CharacterHandle& self) {
             return self.owner->file ? firstGuessOf(*self.owner->file) : std::string();
           },
-          "What the file was taken to be: rest pose, unit, axes, facing and floor, in words.")
+          docOf("Character.first_guess"))
       .def_property_readonly(
-          "notes", [](const CharacterHandle& self) { return notesOf(*self.owner); },
-          "What was repaired, guessed or left out when the file was read: one sentence each.")
+          "notes", [](const CharacterHandle& self) { return notesOf(*self.owner); }, docOf("Character.notes"))
       .def_property_readonly(
           "vertices",
           [](const py::object& self) {
             return view(self.cast<const CharacterHandle&>().character().mesh.vertices, self);
           },
-          "(n, 3) float64, read-only, no copy: of the closed body in the bind pose [m].")
+          docOf("Character.vertices"))
       .def_property_readonly(
           "faces",
           [](const py::object& self) {
             return view(self.cast<const CharacterHandle&>().character().mesh.triangles, self);
           },
-          "(m, 3) int32, read-only, no copy: the closed body.")
+          docOf("Character.faces"))
       .def("body", &makeBodyOf, "parts"_a = 0, py::kw_only(), "cover"_a = py::none(), "hull_vertices"_a = 0,
-           "threads"_a = 0, "progress"_a = py::none(),
-           R"(Decompose the character, trained on its own clips and on recordings of people.
-
-parts          at most this many; 0 = the body of `lorica play`, 16 parts, kept in the user's cache
-cover          length [m]: use fewer points, so that the surface sticks out by at most this before the hulls are
-               enlarged to hold it; None or 0 = all points
-hull_vertices  at most this many in each hull and frame, at least 4; 0 = no limit
-threads        0 = all of the machine's
-progress       called with the numbers of parts done and wanted; return False to cancel)")
-      .def("load_body", &loadBody, "file"_a, "The body in a .lorica file that was made from this character.")
+           "threads"_a = 0, "progress"_a = py::none(), docOf("Character.body"))
+      .def("load_body", &loadBody, "file"_a, docOf("Character.load_body"))
       .def("__repr__", [](const CharacterHandle& self) {
         return textFrom(fmt::format("<lorica.Character {} with {}>", self.character().name,
                                     counted(self.character().skeleton.jointCount(), "joint")));
@@ -375,22 +354,20 @@ progress       called with the numbers of parts done and wanted; return False to
 }
 
 void addBody(py::module_& module) {
-  py::class_<BodyHandle>(module, "Body", "A decomposed character. Immutable; threads may share it.")
+  py::class_<BodyHandle>(module, "Body", docOf("Body"))
       .def_property_readonly(
           "character", [](const BodyHandle& self) { return CharacterHandle{self.body->owner}; },
-          "The one it was made from.")
+          docOf("Body.character"))
       .def(
           "__len__", [](const BodyHandle& self) { return self.body->content.decomposition.parts.size(); },
-          "Number of parts.")
+          docOf("Body.__len__"))
       .def_property_readonly(
-          "error", [](const BodyHandle& self) { return self.body->content.meanError; },
-          "(hull volume - mesh volume) / mesh volume, mean over the training poses.")
+          "error", [](const BodyHandle& self) { return self.body->content.meanError; }, docOf("Body.error"))
       .def(
-          "live", [](const BodyHandle& self) { return std::make_shared<Live>(self); },
-          "A live body, to be moved by your own skeleton.")
+          "live", [](const BodyHandle& self) { return std::make_shared<Live>(self); }, docOf("Body.live"))
       .def(
           "save", [](const BodyHandle& self, const fs::path& file) { save(self.body->content, file); }, "file"_a,
-          "Write a .lorica file, for load_body() and the command.")
+          docOf("Body.save"))
       .def("__repr__", [](const BodyHandle& self) {
         return textFrom(fmt::format("<lorica.Body of {}: {}>", self.body->character().name,
                                     counted(std::ssize(self.body->content.decomposition.parts), "part")));
@@ -406,76 +383,30 @@ auto vectorOf(Vec3 Contact::*member) {
 }
 
 void addFrame(py::module_& module) {
-  py::class_<FrameHandle>(module, "Frame", "A body in one pose. It stays as it is when the body moves on.")
+  py::class_<FrameHandle>(module, "Frame", docOf("Frame"))
       .def_property_readonly(
-          "time", [](const FrameHandle& self) { return self.frame->time; }, "In the motion [s].")
+          "time", [](const FrameHandle& self) { return self.frame->time; }, docOf("Frame.time"))
       .def_property_readonly(
           "hulls", [](const FrameHandle& self) { return hullList(self.frame->hulls, self.frame); },
-          "A Hull for each part, in world space [m].")
+          docOf("Frame.hulls"))
       .def_property_readonly(
           "world_from_joint",
           [](const py::object& self) { return view(self.cast<const FrameHandle&>().frame->worldFromJoint, self); },
-          "(joints, 4, 4) float64, read-only, no copy.");
-  py::class_<SelfContact>(module, "Contact", "Two parts of one body that overlap and are no neighbours.")
-      .def_readonly("first", &SelfContact::first, "Index of a part, below `second`.")
-      .def_readonly("second", &SelfContact::second, "Index of the other part.")
-      .def_property_readonly("position", vectorOf(&SelfContact::position),
-                             "(3,) float64: where the overlap is deepest, world [m].")
-      .def_property_readonly("direction", vectorOf(&SelfContact::direction),
-                             "(3,) float64: unit, from the first part to the second.")
-      .def_readonly("depth", &SelfContact::depth, "How far the second has to move along the direction [m].");
-  py::class_<ShapeContact>(module, "Touch", "A part of a body and a shape of yours that overlap.")
-      .def_readonly("part", &ShapeContact::part, "Index of the part.")
-      .def_property_readonly("position", vectorOf(&ShapeContact::position),
-                             "(3,) float64: where the overlap is deepest, world [m].")
-      .def_property_readonly("direction", vectorOf(&ShapeContact::direction),
-                             "(3,) float64: unit, from the part to the shape.")
-      .def_readonly("depth", &ShapeContact::depth, "How far the shape has to move along the direction [m].");
+          docOf("Frame.world_from_joint"));
+  py::class_<SelfContact>(module, "Contact", docOf("Contact"))
+      .def_readonly("first", &SelfContact::first, docOf("Contact.first"))
+      .def_readonly("second", &SelfContact::second, docOf("Contact.second"))
+      .def_property_readonly("position", vectorOf(&SelfContact::position), docOf("Contact.position"))
+      .def_property_readonly("direction", vectorOf(&SelfContact::direction), docOf("Contact.direction"))
+      .def_readonly("depth", &SelfContact::depth, docOf("Contact.depth"));
+  py::class_<ShapeContact>(module, "Touch", docOf("Touch"))
+      .def_readonly("part", &ShapeContact::part, docOf("Touch.part"))
+      .def_property_readonly("position", vectorOf(&ShapeContact::position), docOf("Touch.position"))
+      .def_property_readonly("direction", vectorOf(&ShapeContact::direction), docOf("Touch.direction"))
+      .def_readonly("depth", &ShapeContact::depth, docOf("Touch.depth"));
 }
 
-constexpr const char* kMotion = R"(How the parts moved from the pose before the last to the last one.
-
-Returns (world_from_part, previous_world_from_part, linear, angular): float64 (parts, 4, 4), (parts, 4, 4), the frames of
-the parts, which follow the best-fit rigid motion of their points, in this pose and the one before; (parts, 3), velocities
-of their origins [m/s]; (parts, 3), about world axes [rad/s]. After the first pose nothing has moved.
-
-seconds  between the two poses, above 0)";
-constexpr const char* kSwept =
-    "What each part swept by a straight motion from the pose before the last to the last one: a list of Hull, world "
-    "[m].";
-
-constexpr const char* kTouches = R"(Parts that a convex solid of yours overlaps in the last pose: a list of Touch.
-
-The solid is everything within `radius` of the convex hull of `points`: one point makes a ball, two a capsule, eight
-corners a box.
-
-points  (n, 3) or (3,) numbers, world [m]
-radius  0 or more [m])";
-
 constexpr std::array<double, 3> kNoHalf = {0.0, 0.0, 0.0};
-constexpr const char* kCast = R"(Where rays enter the hulls in the last pose, each the nearest hull on its way; or where
-balls or capsules that are swept along them touch.
-
-Returns (parts, distances, positions, normals) of n rays: int32 (n,), -1 where nothing is hit; float64 (n,) [m], 0 where
-a ray begins inside, inf where nothing is hit; float64 (n, 3), world [m], nan where nothing is hit; float64 (n, 3), unit,
-outward, against rays that begin inside. Before the first pose nothing is hit.
-
-origins     (n, 3) numbers, or one point for all rays, world [m]
-directions  (n, 3) numbers, of any length above 0
-reach       where the rays end [m]
-radius      of balls or capsules [m]; 0 = rays
-half        x y z from the middle of a capsule, which moves along the ray, to an end of its axis [m]; 0 = balls)";
-
-constexpr const char* kCastOnSkin = R"(Where rays meet the skin in the last pose, from either side.
-
-It is looked for in hulls that the rays enter; a ray that passes a hull but not the skin within goes on to the next hull.
-Returns (triangles, weights, distances, positions) of n rays: int32 (n,), rows of Character.faces, -1 where no skin is
-met; float64 (n, 3), barycentric: of the triangles' corners, nan where no skin is met; float64 (n,) [m], inf where no
-skin is met; float64 (n, 3), world [m], nan where no skin is met.
-
-origins     (n, 3) numbers, or one point for all rays, world [m]
-directions  (n, 3) numbers, of any length above 0
-reach       where the rays end [m])";
 
 Live& liveOf(Live& self) {
   return self;
@@ -493,14 +424,14 @@ auto ofLive(Answer (Live::*method)(Given...)) {
 /// What a body in its last pose can be asked.
 template <typename Self>
 void addQueries(py::class_<Self, std::shared_ptr<Self>>& type, const char* contacts) {
-  type.def("motion", ofLive<Self>(&Live::motion), "seconds"_a, kMotion)
-      .def("swept", ofLive<Self>(&Live::swept), kSwept)
+  type.def("motion", ofLive<Self>(&Live::motion), "seconds"_a, docOf("Live.motion"))
+      .def("swept", ofLive<Self>(&Live::swept), docOf("Live.swept"))
       .def("contacts", ofLive<Self>(&Live::contacts), contacts)
-      .def("touches", ofLive<Self>(&Live::touches), "points"_a, "radius"_a = 0.0, kTouches)
+      .def("touches", ofLive<Self>(&Live::touches), "points"_a, "radius"_a = 0.0, docOf("Live.touches"))
       .def("cast", ofLive<Self>(&Live::cast), "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0,
-           py::arg_v("half", kNoHalf, "..."), kCast)
+           py::arg_v("half", kNoHalf, "..."), docOf("Live.cast"))
       .def("cast_on_skin", ofLive<Self>(&Live::castOnSkin), "origins"_a, "directions"_a, "reach"_a = kInfinity,
-           kCastOnSkin);
+           docOf("Live.cast_on_skin"));
 }
 
 }  // namespace
@@ -509,49 +440,24 @@ void addCharacters(py::module_& module) {
   addCharacter(module);
   addBody(module);
   addFrame(module);
-  py::class_<Live, std::shared_ptr<Live>> live(module, "Live",
-                                               "A body that is moved. Threads may share it, one call at a time.");
-  live.def(
-      "pose", &Live::pose, "world_from_joint"_a,
-      "Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s.");
-  addQueries(live, "Overlaps of its own parts in the last pose: a list of Contact.");
-  py::class_<Player, std::shared_ptr<Player>> player(module, "Player", "A motion on a body: an iterator of Frame.");
+  py::class_<Live, std::shared_ptr<Live>> live(module, "Live", docOf("Live"));
+  live.def("pose", &Live::pose, "world_from_joint"_a, docOf("Live.pose"));
+  addQueries(live, docOf("Live.contacts"));
+  py::class_<Player, std::shared_ptr<Player>> player(module, "Player", docOf("Player"));
   player.def("__iter__", [](const std::shared_ptr<Player>& self) { return self; })
       .def("__next__", &Player::step)
       .def(
-          "__len__", [](const Player& self) { return self.motion.frameCount(); }, "Number of frames.")
-      .def("at", &Player::at, "time"_a,
-           "The Frame at any time [s], between two frames interpolated; before the first and after the last the body "
-           "keeps their pose. Iteration goes on where it was.")
+          "__len__", [](const Player& self) { return self.motion.frameCount(); }, docOf("Player.__len__"))
+      .def("at", &Player::at, "time"_a, docOf("Player.at"))
       .def_property_readonly(
-          "times", [](const Player& self) { return self.motion.times; }, "Of the frames [s].")
+          "times", [](const Player& self) { return self.motion.times; }, docOf("Player.times"))
       .def_property_readonly(
-          "first_guess", [](const Player& self) { return self.firstGuess; },
-          "What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words.");
-  addQueries(player, "Overlaps of the body's own parts in the last frame: a list of Contact.");
+          "first_guess", [](const Player& self) { return self.firstGuess; }, docOf("Player.first_guess"));
+  addQueries(player, docOf("Player.contacts"));
   module.def("contacts", &contactsOf, "motion"_a, "character"_a = "", py::kw_only(), "scene"_a = "",
              "near"_a = ContactTable::kNear, "clip"_a = "", "mirror"_a = false, "decomposition"_a = "", "threads"_a = 0,
-             "progress"_a = py::none(),
-             R"(A table of all contacts in a motion, as `lorica contacts` writes it: a dict of arrays.
-
-Each row is a contact, or a pair that is nearly one, in a frame: frame, time [s], kind (index of `kinds`), avatar, part,
-bone (index of `bones`), other_avatar, other_part, other_bone, prop (-1 = none), depth [m] (below 0 the distance), point
-and normal (n, 3), velocity (n, 3) of the other [m/s], strength [N s], slip [m/s], foot (index of `feet`), phase (index of
-`phases`). For each frame: frame_time, frame_standing (frames, avatars, 2). `notes` has what should be known.
-
-motion         as for play(); several are separated by commas
-character      file or "mannequin"; "" = the mannequin, or the motion's own character
-scene          file or name of a shipped scene; "" = only a floor
-near           greatest distance of rows [m]
-decomposition  .lorica file of the character; "" = the body of `lorica play`
-progress       called with numbers of parts; return False to cancel)");
-  module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false,
-             R"(Let a body perform a motion: `for frame in lorica.play("walk.bvh", body): frame.hulls`.
-
-motion  recorded joints (.csv, .txt, .json), .bvh, depth (.oni), or a character file with clips; or the name of a shipped
-        recording: "walk"
-clip    of a character file with several; empty = the first
-mirror  swap left and right)");
+             "progress"_a = py::none(), docOf("contacts"));
+  module.def("play", &play, "motion"_a, "body"_a, py::kw_only(), "clip"_a = "", "mirror"_a = false, docOf("play"));
 }
 
 }  // namespace lorica

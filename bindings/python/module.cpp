@@ -1,6 +1,6 @@
 #include "bindings/mesh_parts.h"
 #include "bindings/python/arrays.h"
-#include "bindings/python/made_only.h"
+#include "bindings/python/docstrings.h"
 #include "bindings/python/work.h"
 #include "geometry/files.h"
 #include "geometry/mesh_files.h"
@@ -102,15 +102,15 @@ py::tuple readMeshFile(const fs::path& file) {
 }
 
 void addHull(py::module_& module) {
-  py::class_<HullView>(module, "Hull", "A convex polyhedron.")
+  py::class_<HullView>(module, "Hull", docOf("Hull"))
       .def_property_readonly(
           "vertices", [](const py::object& self) { return view(self.cast<const HullView&>().hull->vertices, self); },
-          "(n, 3) float64, read-only, no copy. Of a mesh in its unit; of a character in metres, in world space.")
+          docOf("Hull.vertices"))
       .def_property_readonly(
           "faces", [](const py::object& self) { return view(self.cast<const HullView&>().hull->triangles, self); },
-          "(m, 3) int32, read-only, no copy: triangles, counter-clockwise seen from outside. None while it is flat.")
+          docOf("Hull.faces"))
       .def_property_readonly(
-          "volume", [](const HullView& self) { return self.hull->volume; }, "In the cubed unit of the vertices.")
+          "volume", [](const HullView& self) { return self.hull->volume; }, docOf("Hull.volume"))
       .def("__repr__", [](const HullView& self) {
         return fmt::format("<lorica.Hull with {}>", counted(std::ssize(self.hull->vertices), "vertex", "vertices"));
       });
@@ -124,9 +124,7 @@ std::size_t checkedIndex(py::ssize_t index, std::size_t size, const char* what) 
 }
 
 void addParts(py::module_& module) {
-  py::class_<PartList>(
-      module, "Parts",
-      "The convex hulls of a mesh: a sequence of Hull; of a mesh in several frames, those of the first.")
+  py::class_<PartList>(module, "Parts", docOf("Parts"))
       .def("__len__", [](const PartList& self) { return self.parts->hulls().size(); })
       .def("__getitem__",
            [](const PartList& self, py::ssize_t index) {
@@ -135,25 +133,23 @@ void addParts(py::module_& module) {
            })
       .def("__iter__", [](const PartList& self) { return py::iter(hullList(self.parts->hulls(), self.parts)); })
       .def_property_readonly(
-          "hulls", [](const PartList& self) { return hullList(self.parts->hulls(), self.parts); }, "A list of Hull.")
+          "hulls", [](const PartList& self) { return hullList(self.parts->hulls(), self.parts); }, docOf("Parts.hulls"))
       .def_property_readonly(
-          "frame_count", [](const PartList& self) { return self.parts->frames.size(); },
-          "1, or as many as the vertices had.")
+          "frame_count", [](const PartList& self) { return self.parts->frames.size(); }, docOf("Parts.frame_count"))
       .def(
           "frame",
           [](const PartList& self, py::ssize_t index) {
             return hullList(self.parts->frames[checkedIndex(index, self.parts->frames.size(), "frame")], self.parts);
           },
-          "index"_a, "The hulls of a frame, in the order of the parts: a list of Hull.")
+          "index"_a, docOf("Parts.frame"))
       .def_property_readonly(
           "mesh_volume", [](const PartList& self) { return self.parts->errors.front().meshVolume; },
-          "Of the mesh, or of the closed body that was built for it; in the first frame.")
+          docOf("Parts.mesh_volume"))
       .def_property_readonly(
           "hull_volume", [](const PartList& self) { return self.parts->errors.front().hullVolume; },
-          "The sum over the hulls, in the first frame.")
+          docOf("Parts.hull_volume"))
       .def_property_readonly(
-          "error", [](const PartList& self) { return self.parts->meanError(); },
-          "(hull volume - mesh volume) / mesh volume; of several frames, the mean.")
+          "error", [](const PartList& self) { return self.parts->meanError(); }, docOf("Parts.error"))
       .def_property_readonly(
           "errors",
           [](const PartList& self) {
@@ -161,22 +157,43 @@ void addParts(py::module_& module) {
             for (const PoseError& error : self.parts->errors) errors.append(error.relative());
             return errors;
           },
-          "The error of each frame.")
+          docOf("Parts.errors"))
       .def_property_readonly(
-          "keyframes", [](const PartList& self) { return self.parts->keyframes; },
-          "The frames that the mesh was decomposed in; the others are unseen.")
+          "keyframes", [](const PartList& self) { return self.parts->keyframes; }, docOf("Parts.keyframes"))
       .def_property_readonly(
           "hash", [](const PartList& self) { return hexDigits(hashOf(self.parts->content.decomposition)); },
-          "Of the parts, as `lorica decompose` prints it.")
+          docOf("Parts.hash"))
       .def_property_readonly(
-          "repaired", [](const PartList& self) { return self.parts->repaired; },
-          "What was done to the mesh first, in words; empty if nothing.")
+          "repaired", [](const PartList& self) { return self.parts->repaired; }, docOf("Parts.repaired"))
       .def(
           "save", [](const PartList& self, const fs::path& file) { save(self.parts->content, file); }, "file"_a,
-          "Writes a .lorica file. It holds no positions: load_parts() and the command need the mesh, too.")
+          docOf("Parts.save"))
       .def("__repr__", [](const PartList& self) {
         return fmt::format("<lorica.Parts: {}>", counted(std::ssize(self.parts->hulls()), "hull"));
       });
+}
+
+/// Called where an object without content is used: pybind11 would give it memory that nothing filled.
+void* refuseContent(std::size_t) {
+  throw py::type_error("this object was made by __new__ alone and is empty: call its class, or lorica's functions");
+}
+
+/// Lets no object of the module's classes be used that was not made by its constructor or a function: `__new__` alone,
+/// as `copy` and `pickle` call it, leaves an object without content, and any attribute of it would crash the
+/// interpreter. It raises TypeError instead, as `copy` and `pickle` do at once.
+void refuseUnmadeObjects(const py::module_& module) {
+  const auto* base = reinterpret_cast<PyTypeObject*>(py::detail::get_internals().instance_base);
+  for (const auto& [name, value] : py::dict(module.attr("__dict__"))) {
+    auto* type = reinterpret_cast<PyTypeObject*>(value.ptr());
+    if (!PyType_Check(value.ptr()) || PyType_IsSubtype(type, const_cast<PyTypeObject*>(base)) == 0) continue;
+    py::detail::get_type_info(type)->operator_new = &refuseContent;
+    const std::string sentence = fmt::format("a lorica.{} cannot be copied or pickled: lorica's functions make it",
+                                             py::str(name).cast<std::string>());
+    const auto refuse = [sentence](const py::args&, const py::kwargs&) -> py::object {
+      throw py::type_error(sentence);
+    };
+    value.attr("__reduce_ex__") = py::cpp_function(refuse, py::is_method(value));
+  }
 }
 
 }  // namespace
@@ -195,8 +212,8 @@ PYBIND11_MODULE(_lorica, module) {
   using py::literals::operator""_a;
   module.doc() = "Convex parts of meshes and of moving characters.";
   module.attr("__version__") = LORICA_VERSION;
-  module.attr("Cancelled") = py::reinterpret_steal<py::object>(PyErr_NewExceptionWithDoc(
-      "lorica.Cancelled", "The progress function returned False.", PyExc_RuntimeError, nullptr));
+  module.attr("Cancelled") = py::reinterpret_steal<py::object>(
+      PyErr_NewExceptionWithDoc("lorica.Cancelled", docOf("Cancelled"), PyExc_RuntimeError, nullptr));
   addHull(module);
   addParts(module);
   addCharacters(module);
@@ -204,37 +221,9 @@ PYBIND11_MODULE(_lorica, module) {
              "max_error"_a = 0.0, "max_distance"_a = 0.0, "max_concavity"_a = 0.0, "preset"_a = "fast",
              "hull_vertices"_a = 0, "hull_planes"_a = 0, "closed_body"_a = "auto", "walls"_a = "auto",
              "thickness"_a = 0.0, "threads"_a = 0, "progress"_a = py::none(), "keyframes"_a = py::none(),
-             "candidates"_a = 0,
-             R"(Decompose a mesh into nearly convex parts, and return their hulls.
-
-The hulls together contain every vertex of the surface. The same arguments give the same hulls on any number of threads:
-there is no seed. A mesh with small faults is repaired; an open one gets a closed body, see `closed_body`.
-
-vertices       (n, 3) finite numbers, in any unit; or (k, n, 3): the mesh in k frames, whose hulls Parts.frame() has
-faces          (m, 3) integers: triangles, counter-clockwise seen from outside
-parts          at most this many; 0 = until no concave edge remains; None = 16, or with a limit below as many as it takes
-max_error      stop when the hulls have at most this much more volume, relative to the mesh; 0 = no limit
-max_distance   use the fewest parts with no point of a hull farther than this from the surface; 0 = no limit
-max_concavity  use the fewest parts whose concavity, as CoACD measures it, is at most this; 0 = no limit
-preset         "paper", "fast" or "quality"
-hull_vertices  enclose hulls with more vertices in larger ones with at most this many, at least 4; 0 = no limit. It and
-               parts always hold; the limits give where not all can
-hull_planes    the same for planes of hulls: flat faces, of any number of corners
-closed_body    "auto" builds a closed surface if the mesh cannot be repaired, "never" refuses such a mesh, "always"
-walls          what an open surface is: "auto" = a thin wall, unless nothing outside can reach what is behind it; "solid";
-               "shell" = a thin wall, also where it is closed
-thickness      of thin walls; 0 = 1 % of the longest side, at most half of the narrowest gap
-threads        0 = all of the machine's
-progress       called with the numbers of parts done and wanted; return False to cancel
-keyframes      of several frames, decompose in so many at even intervals; None = up to 12 that differ most
-candidates     concave edges that are tried for each cut; 0 = the preset's, 8
-
-Other threads of Python run meanwhile; Ctrl-C cancels. Raises ValueError with a sentence, or Cancelled.
-Warns, as a RuntimeWarning, of an error above 50 %.)");
+             "candidates"_a = 0, docOf("decompose"));
   module.def("load_parts", &loadParts, "file"_a, "vertices"_a, "faces"_a, py::kw_only(), "hull_vertices"_a = 0,
-             "hull_planes"_a = 0,
-             "The parts in a .lorica file that was made from this mesh, or from one with the same faces.");
-  module.def("read_mesh", &readMeshFile, "file"_a,
-             "Read .off, .obj, .ply or .stl: (n, 3) float64 vertices and (m, 3) int32 faces, read-only, no copy.");
+             "hull_planes"_a = 0, docOf("load_parts"));
+  module.def("read_mesh", &readMeshFile, "file"_a, docOf("read_mesh"));
   refuseUnmadeObjects(module);
 }
