@@ -424,14 +424,14 @@ auto ofLive(Answer (Live::*method)(Given...)) {
 /// What a body in its last pose can be asked.
 template <typename Self>
 void addQueries(py::class_<Self, std::shared_ptr<Self>>& type, const char* contacts) {
-  type.def("motion", ofLive<Self>(&Live::motion), "seconds"_a, docOf("Live.motion"))
-      .def("swept", ofLive<Self>(&Live::swept), docOf("Live.swept"))
+  type.def("motion", ofLive<Self>(&Live::motion), "seconds"_a, docOf("_Posed.motion"))
+      .def("swept", ofLive<Self>(&Live::swept), docOf("_Posed.swept"))
       .def("contacts", ofLive<Self>(&Live::contacts), contacts)
-      .def("touches", ofLive<Self>(&Live::touches), "points"_a, "radius"_a = 0.0, docOf("Live.touches"))
+      .def("touches", ofLive<Self>(&Live::touches), "points"_a, "radius"_a = 0.0, docOf("_Posed.touches"))
       .def("cast", ofLive<Self>(&Live::cast), "origins"_a, "directions"_a, "reach"_a = kInfinity, "radius"_a = 0.0,
-           py::arg_v("half", kNoHalf, "..."), docOf("Live.cast"))
+           py::arg_v("half", kNoHalf, "..."), docOf("_Posed.cast"))
       .def("cast_on_skin", ofLive<Self>(&Live::castOnSkin), "origins"_a, "directions"_a, "reach"_a = kInfinity,
-           docOf("Live.cast_on_skin"));
+           docOf("_Posed.cast_on_skin"));
 }
 
 }  // namespace

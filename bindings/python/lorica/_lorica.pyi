@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union
+from typing import Any, Callable, Dict, Iterator, List, Optional, Sequence, Tuple, Union, type_check_only
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -197,10 +197,9 @@ class Touch:
     def depth(self) -> float:
         """How far the shape has to move along the direction [m]."""
 
-class Live:
-    """A body that is moved. Threads may share it, one call at a time."""
-    def pose(self, world_from_joint: ArrayLike) -> Frame:
-        """Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s."""
+@type_check_only
+class _Posed:
+    """What a moved body can be asked about its last pose."""
     def motion(
         self, seconds: float
     ) -> Tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -214,8 +213,6 @@ class Live:
         """
     def swept(self) -> List[Hull]:
         """What each part swept by a straight motion from the pose before the last to the last one: a list of Hull, world [m]."""
-    def contacts(self) -> List[Contact]:
-        """Overlaps of its own parts in the last pose: a list of Contact."""
     def touches(self, points: ArrayLike, radius: float = 0.0) -> List[Touch]:
         """Parts that a convex solid of yours overlaps in the last pose: a list of Touch.
 
@@ -261,7 +258,14 @@ class Live:
         reach       where the rays end [m]
         """
 
-class Player:
+class Live(_Posed):
+    """A body that is moved. Threads may share it, one call at a time."""
+    def pose(self, world_from_joint: ArrayLike) -> Frame:
+        """Move it: (joints, 4, 4) finite numbers, each joint's transform to world space [m]. Returns a Frame at 0 s."""
+    def contacts(self) -> List[Contact]:
+        """Overlaps of its own parts in the last pose: a list of Contact."""
+
+class Player(_Posed):
     """A motion on a body: an iterator of Frame."""
     def __iter__(self) -> Player:
         """Itself."""
@@ -277,65 +281,8 @@ class Player:
         """What the motion's file was taken to be: rest pose, unit, axes, facing and floor, in words."""
     def at(self, time: float) -> Frame:
         """The Frame at any time [s], between two frames interpolated; before the first and after the last the body keeps their pose. Iteration goes on where it was."""
-    def motion(
-        self, seconds: float
-    ) -> Tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """How the parts moved from the pose before the last to the last one.
-
-        Returns (world_from_part, previous_world_from_part, linear, angular): float64 (parts, 4, 4), (parts, 4, 4), the frames of
-        the parts, which follow the best-fit rigid motion of their points, in this pose and the one before; (parts, 3), velocities
-        of their origins [m/s]; (parts, 3), about world axes [rad/s]. After the first pose nothing has moved.
-
-        seconds  between the two poses, above 0
-        """
-    def swept(self) -> List[Hull]:
-        """What each part swept by a straight motion from the pose before the last to the last one: a list of Hull, world [m]."""
     def contacts(self) -> List[Contact]:
         """Overlaps of the body's own parts in the last frame: a list of Contact."""
-    def touches(self, points: ArrayLike, radius: float = 0.0) -> List[Touch]:
-        """Parts that a convex solid of yours overlaps in the last pose: a list of Touch.
-
-        The solid is everything within `radius` of the convex hull of `points`: one point makes a ball, two a capsule, eight
-        corners a box.
-
-        points  (n, 3) or (3,) numbers, world [m]
-        radius  0 or more [m]
-        """
-    def cast(
-        self,
-        origins: ArrayLike,
-        directions: ArrayLike,
-        reach: float = ...,
-        radius: float = 0.0,
-        half: Sequence[float] = ...,
-    ) -> Tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Where rays enter the hulls in the last pose, each the nearest hull on its way; or where
-        balls or capsules that are swept along them touch.
-
-        Returns (parts, distances, positions, normals) of n rays: int32 (n,), -1 where nothing is hit; float64 (n,) [m], 0 where
-        a ray begins inside, inf where nothing is hit; float64 (n, 3), world [m], nan where nothing is hit; float64 (n, 3), unit,
-        outward, against rays that begin inside. Before the first pose nothing is hit.
-
-        origins     (n, 3) numbers, or one point for all rays, world [m]
-        directions  (n, 3) numbers, of any length above 0
-        reach       where the rays end [m]
-        radius      of balls or capsules [m]; 0 = rays
-        half        x y z from the middle of a capsule, which moves along the ray, to an end of its axis [m]; 0 = balls
-        """
-    def cast_on_skin(
-        self, origins: ArrayLike, directions: ArrayLike, reach: float = ...
-    ) -> Tuple[NDArray[np.int32], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Where rays meet the skin in the last pose, from either side.
-
-        It is looked for in hulls that the rays enter; a ray that passes a hull but not the skin within goes on to the next hull.
-        Returns (triangles, weights, distances, positions) of n rays: int32 (n,), rows of Character.faces, -1 where no skin is
-        met; float64 (n, 3), barycentric: of the triangles' corners, nan where no skin is met; float64 (n,) [m], inf where no
-        skin is met; float64 (n, 3), world [m], nan where no skin is met.
-
-        origins     (n, 3) numbers, or one point for all rays, world [m]
-        directions  (n, 3) numbers, of any length above 0
-        reach       where the rays end [m]
-        """
 
 def decompose(
     vertices: ArrayLike,

@@ -9,7 +9,15 @@ from pathlib import Path
 import lorica
 from lorica import _lorica
 
-STUBS = ast.parse((Path(lorica.__file__).parent / "_lorica.pyi").read_text())
+STUBS = ast.parse((Path(lorica.__file__).parent / "_lorica.pyi").read_text()).body
+SHARED = {node.name: node for node in STUBS if isinstance(node, ast.ClassDef) and node.name.startswith("_")}
+PUBLIC = [node for node in STUBS if isinstance(node, (ast.ClassDef, ast.FunctionDef)) and node.name not in SHARED]
+
+
+def members_of(node):
+    """The functions of a class by name, with those that it shares with others."""
+    body = [member for base in node.bases if base.id in SHARED for member in SHARED[base.id].body] + node.body
+    return {member.name: member for member in body if isinstance(member, ast.FunctionDef)}
 
 
 def arguments_of(function):
@@ -27,16 +35,16 @@ def runtime_arguments(function):
 
 class Stubs(unittest.TestCase):
     def test_they_have_every_public_name(self):
-        stubbed = {node.name for node in STUBS.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+        stubbed = {node.name for node in PUBLIC}
         self.assertEqual(stubbed, {name for name in dir(_lorica) if not name.startswith("_")})
         self.assertEqual(stubbed, set(lorica.__all__))
 
     def test_classes_have_the_members(self):
-        for node in STUBS.body:
+        for node in PUBLIC:
             if not isinstance(node, ast.ClassDef) or node.name == "Cancelled":
                 continue
             real = getattr(_lorica, node.name)
-            stubbed = {member.name: member for member in node.body if isinstance(member, ast.FunctionDef)}
+            stubbed = members_of(node)
             public = {name for name in vars(real) if not name.startswith("_")}
             self.assertEqual({name for name in stubbed if not name.startswith("_")}, public, node.name)
             for name, member in stubbed.items():
@@ -47,16 +55,15 @@ class Stubs(unittest.TestCase):
                     self.assertEqual(runtime_arguments(found), arguments_of(member), f"{node.name}.{name}")
 
     def test_functions_have_the_arguments(self):
-        for node in STUBS.body:
+        for node in PUBLIC:
             if isinstance(node, ast.FunctionDef):
                 self.assertEqual(runtime_arguments(getattr(_lorica, node.name)), arguments_of(node), node.name)
 
     def test_they_say_what_the_module_says(self):
-        for node in STUBS.body:
-            if not isinstance(node, (ast.ClassDef, ast.FunctionDef)):
-                continue
+        for node in PUBLIC:
             found = getattr(_lorica, node.name)
-            members = [(m, getattr(found, m.name)) for m in getattr(node, "body", []) if isinstance(m, ast.FunctionDef)]
+            stubbed = members_of(node) if isinstance(node, ast.ClassDef) else {}
+            members = [(member, getattr(found, name)) for name, member in stubbed.items()]
             for stub, real in [(node, found), *members]:
                 said = inspect.getdoc(real) or ""
                 if "->" in said.split("\n")[0]:  # a function's own words follow its signature
