@@ -67,14 +67,11 @@ std::uint64_t BakeOptions::memoryBytes() const {
 }
 
 void addBakeOptions(CLI::App& app, BakeOptions& options) {
-  app.add_option(
-         "LIST", options.lists,
-         "Meshes, characters, folders, patterns in quotes, or lists of them: a path on each line, .csv with the "
-         "column `input`, .jsonl with \"input\"; other columns are settings, such as `parts`")
+  app.add_option("LIST", options.lists,
+                 "Meshes, characters, folders, patterns in quotes, or lists of them: a path on each line, .csv with "
+                 "the column `input`, .jsonl with \"input\"; other columns are settings, such as `parts`")
       ->required();
-  app.add_option("--out", options.out, "Folder of the results; several processes may share it")
-      ->type_name("DIR")
-      ->required();
+  addOption(app, "--out", options.out, "DIR", "Folder of the results; several processes may share it")->required();
   // The usual ones of `lorica decompose` and `lorica export`, checked as in a list.
   const auto add = [&](const std::string& name, const char* description, const char* type) {
     const auto read = [&options, name](const std::string& text) -> std::string {
@@ -84,7 +81,7 @@ void addBakeOptions(CLI::App& app, BakeOptions& options) {
       all.insert(all.end(), values->begin(), values->end());
       return "";
     };
-    return addReader(app, "--" + name, read, description, type);
+    return addReader(app, "--" + name, read, type, description);
   };
   add("parts", "Maximum number of parts of each item, as for `lorica decompose`", "N");
   add("max-error", "Stop when the hulls have at most this much extra volume", "E");
@@ -112,11 +109,10 @@ void addBakeOptions(CLI::App& app, BakeOptions& options) {
     options.shard = shard.value_or(Shard());
     return shard ? "" : fmt::format("found `{}`, expected I/N with I from 1 to N, such as 2/10", text);
   };
-  addReader(app, "--shard", readShard,
-            "Do the I-th of N shares of the list, which are chosen by content [default: all]", "I/N");
+  addReader(app, "--shard", readShard, "I/N",
+            "Do the I-th of N shares of the list, which are chosen by content [default: all]");
   addCount(app, "--jobs", options.jobs, 1, "Items at a time, which share the threads [default: one for each thread]");
-  app.add_option("--memory", options.memory, "Memory for all items at a time [default: what the machine has]")
-      ->type_name("SIZE")
+  addOption(app, "--memory", options.memory, "SIZE", "Memory for all items at a time [default: what the machine has]")
       ->transform(memorySize());
   addSeconds(app, "--timeout", options.timeout, "Give an item up after this time [default: 3600]");
   app.add_flag("--retry-failed", options.retryFailed, "Do items again that have failed");

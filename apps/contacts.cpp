@@ -49,10 +49,10 @@ Command addContacts(CLI::App& parent, CommonOptions& common) {
                     "      two people among boxes\n"
                     "\nA row a contact and frame: docs/CONTACTS.md has the columns.");
   addMotionOptions(*app, request->cast);
-  app->add_option("-o,--out", *output, "Output file: .npz, .csv or .jsonl")->type_name("FILE");
+  addOption(*app, "-o,--out", *output, "FILE", "Output file: .npz, .csv or .jsonl");
   addLength(*app, "--near", request->near, "Also pairs that are apart by at most this [default: 0.05]");
   addBodyOptions(*app, request->cast.body);
-  app->add_option("--scene", request->cast.scene, "Scene, as of `lorica play` [default: a floor]")->type_name("SCENE");
+  addOption(*app, "--scene", request->cast.scene, "SCENE", "Scene, as of `lorica play` [default: a floor]");
   return {app, [request, output](const CommonOptions& given, Host& host) -> Result<void> {
             const CastRequest& cast = request->cast;
             const bool nothing = cast.motion.empty() && cast.character.empty() && cast.scene.empty();

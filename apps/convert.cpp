@@ -192,22 +192,19 @@ Command addConvert(CLI::App& parent, CommonOptions& common) {
                     "      everyone, each with a number");
   app->add_option("IN", options->input,
                   "Recorded joints, depth, .bvh, a character file with clips, VMC packets (.pcap), a session "
-                  "(.lsession), or the "
-                  "name of a shipped recording")
+                  "(.lsession), or the name of a shipped recording")
       ->required();
   app->add_option("OUT", options->output,
                   "Output file: .csv, .bvh, .glb with --character, or .oni of a depth recording")
       ->required();
   addReadingOptions(*app, options->motion);
   addPlayingOptions(*app, options->motion);
-  app->add_option(
-         "--character", options->character.name,
-         "Move this character: .glb, .gltf, .vrm, .fbx, .dae or mannequin. OUT.glb is its file with the motion as "
-         "first animation, in its units (of FBX and COLLADA: what Lorica has read, in metres); OUT.bvh has its "
-         "joints, in centimetres")
-      ->type_name("FILE");
-  app->add_option("--map", options->character.map, "Bone map of the character; `lorica info --write-map` creates one")
-      ->type_name("FILE.json");
+  addOption(*app, "--character", options->character.name, "FILE",
+            "Move this character: .glb, .gltf, .vrm, .fbx, .dae or mannequin. OUT.glb is its file with the motion as "
+            "first animation, in its units (of FBX and COLLADA: what Lorica has read, in metres); OUT.bvh has its "
+            "joints, in centimetres");
+  addOption(*app, "--map", options->character.map, "FILE.json",
+            "Bone map of the character; `lorica info --write-map` creates one");
   app->add_flag("--camera-frame", options->cameraFrame,
                 "Of a depth recording, also write the joints of everyone in the camera's frame (OUT.cam.csv) and whose "
                 "each pixel is (OUT.lab), to judge the tracker");

@@ -296,10 +296,9 @@ Report decomposeReport(const DecomposeOptions& options, const Subject& subject, 
     report.note("Nothing was written: --picture draws the parts, --export-obj and -o write them.");
   }
   if (!keyframes.chosen.empty()) {
-    report.note(
-        fmt::format("These keyframes were chosen: every frame is within {:.2f} m of one of them (root mean square over "
-                    "the body).",
-                    keyframes.farthest));
+    report.note(fmt::format(
+        "These keyframes were chosen: every frame is within {:.2f} m of one of them (root mean square over the body).",
+        keyframes.farthest));
   }
   return report;
 }
@@ -357,8 +356,7 @@ Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions
     LORICA_TRY_DO(checkCover(options.cover, *subject.character));
     if (options.cover.hullPlanes > 0 && options.obj.empty()) {
       return invalidArgument(
-          "--hull-planes {} is for hulls in one pose, but {} moves: expected --export-obj, or "
-          "--hull-vertices",
+          "--hull-planes {} is for hulls in one pose, but {} moves: expected --export-obj, or --hull-vertices",
           options.cover.hullPlanes, subject.name);
     }
   }
@@ -569,15 +567,14 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
       ->required();
   addCount(*app, "--parts", options->parts, 1,
            "Maximum number of parts; fewer are made if they fit as well [default without limits: 16 for a character, "
-           "256 for "
-           "a mesh; else none]");
+           "256 for a mesh; else none]");
   CLI::Option* maxError =
       addShare(*app, "--max-error", options->maxError,
                "Stop when the extra volume of the hulls, relative to the mesh, is at most E: 0.05 or 5%");
   CLI::Option* maxDistance = addLength(
       *app, "--max-distance", options->maxDistance,
-      "Use the fewest parts with no point of the hulls farther than this from the surface in any keyframe, in "
-      "units of the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
+      "Use the fewest parts with no point of the hulls farther than this from the surface in any keyframe, in units of "
+      "the mesh. It gives where --parts or --hull-vertices is in the way; with --max-error, both hold");
   CLI::Option* maxConcavity = addShare(
       *app, "--max-concavity", options->maxConcavity,
       "Use the fewest parts whose concavity, as CoACD measures it, is at most E: how far hull and part are from each "
@@ -592,50 +589,42 @@ Command addDecompose(CLI::App& parent, CommonOptions& common) {
   addCountOrAuto(*app, "--keyframes", options->keyframes, 1,
                  "Number of poses that a character is trained on, evenly over the motions; `auto` chooses and lists up "
                  "to 12 very different ones [default: 12, or auto for the character's own clips]");
-  app->add_option(
-         "--motion", options->motions,
-         "Take keyframes from this motion; may be repeated [default: the character's own clips, else the shipped "
-         "recordings]")
-      ->type_name("FILE")
-      ->expected(1)
-      ->take_all();
+  addRepeated(*app, "--motion", options->motions, "FILE",
+              "Take keyframes from this motion; may be repeated [default: the character's own clips, else the shipped "
+              "recordings]");
   addCharacterOptions(*app, options->character);
   addBodyOption(*app, options->body);
   addCount(*app, "--candidates", options->candidates, 1,
            "Concave edges to try for each cut [default: from the preset, 8]");
   addCount(*app, "--orientations", options->orientations, 1,
            "Planes to try at each of these edges [default: from the preset, 3 for fast, else 5]");
-  addCover(*app, options->cover.tolerance,
-           "Hull cover of a character: `exact` keeps the surface inside the hulls in every pose; a length keeps fewer "
-           "points, "
-           "so that the surface protrudes by at most this length before the hulls are enlarged [default: exact]");
+  addCover(
+      *app, options->cover.tolerance,
+      "Hull cover of a character: `exact` keeps the surface inside the hulls in every pose; a length keeps fewer "
+      "points, so that the surface protrudes by at most this length before the hulls are enlarged [default: exact]");
   addCount(*app, "--hull-vertices", options->cover.hullVertices, 4,
            "Replace each hull by a larger one of at most N vertices, and report the growth; for a character, in every "
            "frame");
   addHullPlanes(*app, options->cover.hullPlanes);
   app->add_flag("--held-out", options->heldOut,
                 "Also measure the error of a character's hulls in 32 poses that the parts were not trained on");
-  app->add_option("-o,--output", options->output, "Write the decomposition, for use with `lorica play`")
-      ->type_name("FILE.lorica");
-  app->add_option("--export-obj", options->obj, "Write the parts' hulls")->type_name("FILE.obj");
-  app->add_option("--decomposition", options->decomposition,
-                  "Use these parts, of another mesh with the same triangles, and compare them with as many of its own")
-      ->type_name("FILE.lorica")
+  addOption(*app, "-o,--output", options->output, "FILE.lorica", "Write the decomposition, for use with `lorica play`");
+  addOption(*app, "--export-obj", options->obj, "FILE.obj", "Write the parts' hulls");
+  addOption(*app, "--decomposition", options->decomposition, "FILE.lorica",
+            "Use these parts, of another mesh with the same triangles, and compare them with as many of its own")
       ->excludes("--parts")
       ->excludes(maxError)
       ->excludes(maxDistance)
       ->excludes(maxConcavity);
-  app->add_option("--export-frames", options->frames,
-                  "Write the hulls of every frame of a sequence, or of the motions: .obj (a file a frame), .npz, .pc2, "
-                  "or .glb, which plays them")
-      ->type_name("FILE");
-  app->add_option("--csv", options->csv, "Write volumes, error and score of every frame")->type_name("FILE.csv");
+  addOption(*app, "--export-frames", options->frames, "FILE",
+            "Write the hulls of every frame of a sequence, or of the motions: .obj (a file a frame), .npz, .pc2, or "
+            ".glb, which plays them");
+  addOption(*app, "--csv", options->csv, "FILE.csv", "Write volumes, error and score of every frame");
   CLI::Option* picture = app->add_option("--picture", options->picture, "Draw the parts' hulls, each in its colour");
   picture->type_name("FILE.png");
-  app->add_option("--up", options->up,
-                  "Axis that is up in the picture: `auto` = the one on which a mesh stands broad, Y "
-                  "if in doubt [default: auto]")
-      ->type_name("AXIS")
+  addOption(
+      *app, "--up", options->up, "AXIS",
+      "Axis that is up in the picture: `auto` = the one on which a mesh stands broad, Y if in doubt [default: auto]")
       ->transform(oneOf({"auto", "y", "z"}))
       ->needs(picture);
   return {app, [options](const CommonOptions& given, Host& host) { return runDecompose(*options, given, host); }};

@@ -199,8 +199,7 @@ Command addDemo(CLI::App& parent, CommonOptions& common) {
       "CHARACTER", options->request.character,
       "A character: a humanoid does all of it, another performs a clip of its own or stands [default: mannequin]");
   addSceneOption(*app, options->request.scene);
-  app->add_option("--out", options->out, "Folder for the video and the pictures [default: lorica-demo]")
-      ->type_name("DIR");
+  addOption(*app, "--out", options->out, "DIR", "Folder for the video and the pictures [default: lorica-demo]");
   CLI::Option* window = app->add_flag("--window", options->window,
                                       "Open a window and repeat until it is closed; fail if there is no display");
   app->add_flag("--headless", options->headless, "Do not open a window, even if there is a display")->excludes(window);

@@ -195,9 +195,7 @@ struct ExportOptions {
   bool showColliders = false;
 };
 
-constexpr const char* kFormats =
-    ".obj, .stl or .ply (meshes of hulls), .xml (MuJoCo's MJCF), .urdf, .glb or "
-    ".vrm";
+constexpr const char* kFormats = ".obj, .stl or .ply (meshes of hulls), .xml (MuJoCo's MJCF), .urdf, .glb or .vrm";
 
 enum class Format { kMeshes, kMjcf, kUrdf, kGlb, kVrm };
 
@@ -261,8 +259,8 @@ Result<void> checkSubject(const ExportOptions& options, const Subject& subject) 
   const std::optional<Format> format = formatOf(options.output);
   if (format == Format::kVrm && !(subject.file && subject.file->format.starts_with("VRM"))) {
     return invalidArgument(
-        "{}: a .vrm gets colliders for the springs of a VRM character, but {} is none; expected "
-        ".glb, .xml, .urdf, .obj, .stl or .ply",
+        "{}: a .vrm gets colliders for the springs of a VRM character, but {} is none; expected .glb, .xml, .urdf, "
+        ".obj, .stl or .ply",
         options.output, subject.name);
   }
   if (options.up == "z" && (subject.character || (format != Format::kMjcf && format != Format::kUrdf))) {
@@ -273,8 +271,7 @@ Result<void> checkSubject(const ExportOptions& options, const Subject& subject) 
   if (subject.file && subject.file->format == kSequence && rigid) {
     return unsupported(
         "{} is a mesh in several poses, whose hulls bend: `lorica decompose {} --export-frames OUT.glb` writes those "
-        "of "
-        "all; expected .obj, .stl or .ply, which get those of the first",
+        "of all; expected .obj, .stl or .ply, which get those of the first",
         subject.name, options.source.input);
   }
   if (subject.character) return {};
@@ -455,23 +452,19 @@ Command addExport(CLI::App& parent, CommonOptions& common) {
                   "decomposition (.lorica), or a robot (.xml of MuJoCo, .urdf)")
       ->required();
   app->add_option("OUT", options->output, std::string("Output file: ") + kFormats)->required();
-  app->add_option("--decomposition", options->source.decomposition,
-                  "Decomposition of IN, written by `lorica decompose -o`")
-      ->type_name("FILE.lorica");
+  addOption(*app, "--decomposition", options->source.decomposition, "FILE.lorica",
+            "Decomposition of IN, written by `lorica decompose -o`");
   addCount(*app, "--parts", options->source.parts, 1,
            "Number of parts that a mesh is divided into; a character's are those of its decomposition [default: 16]");
   addShare(*app, "--max-concavity", options->source.maxConcavity,
            "Of a robot's meshes: the fewest parts of at most this concavity, see `decompose` [default: 0.05]");
   app->add_flag("--capsules", options->capsules, "Of a robot: a capsule around each hull instead of it");
-  app->add_option("--package", options->packages, "Folder of a ROS package that a robot names; may be repeated")
-      ->type_name("NAME=FOLDER")
-      ->expected(1)
-      ->take_all();
+  addRepeated(*app, "--package", options->packages, "NAME=FOLDER",
+              "Folder of a ROS package that a robot names; may be repeated");
   addPresetOption(*app, options->preset);
-  app->add_option("--engine", options->engine,
-                  "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx "
-                  "60, jolt 256; mujoco and godot take any, and get 64")
-      ->type_name("NAME")
+  addOption(*app, "--engine", options->engine, "NAME",
+            "Limit the vertices of hulls to what an engine takes, and use its names: unity 255, unreal 32, physx 60, "
+            "jolt 256; mujoco and godot take any, and get 64")
       ->transform(anEngine());
   addCount(*app, "--hull-vertices", options->hullVertices, 0,
            "Limit each hull to N vertices, at least 4; it is enlarged to contain the same; 0 = no limit [default: the "
@@ -484,16 +477,12 @@ Command addExport(CLI::App& parent, CommonOptions& common) {
       "--khr", options->khr,
       std::string("In .glb: also KHR_physics_rigid_bodies, as drafted on ") + kKhrDraft + ", not yet ratified");
   app->add_flag("--show-colliders", options->showColliders, "In .glb: draw the hulls, translucent, over the character");
-  app->add_option("--up", options->up,
-                  "The axis of a mesh that points up; of z, .xml and .urdf keep the mesh's axes [default: y]")
-      ->type_name("AXIS")
+  addOption(*app, "--up", options->up, "AXIS",
+            "The axis of a mesh that points up; of z, .xml and .urdf keep the mesh's axes [default: y]")
       ->transform(oneOf({"y", "z"}));
-  app->add_option("--motion", options->motion,
-                  "With --at: recorded joints, .bvh, a character file with clips, or a "
-                  "shipped recording")
-      ->type_name("FILE");
-  app->add_option("--at", options->at, "Export the live hulls of this moment of --motion [s]")
-      ->type_name("SECONDS")
+  addOption(*app, "--motion", options->motion, "FILE",
+            "With --at: recorded joints, .bvh, a character file with clips, or a shipped recording");
+  addOption(*app, "--at", options->at, "SECONDS", "Export the live hulls of this moment of --motion [s]")
       ->check(numberError<double>);
   addReadingOptions(*app, options->reading);
   addCharacterOptions(*app, options->source.reading);

@@ -40,8 +40,7 @@ Error nothingNamed(const std::string& name) {
   return notFound(
       "{}: no such file and no shipped recording with that name, expected a mesh (.off, .obj, .ply, .stl), a character "
       "(.glb, .gltf, .vrm, .fbx, .dae), a motion (joints, .bvh, depth), a decomposition (.lorica), mannequin, or one "
-      "of "
-      "{}",
+      "of {}",
       name, shippedNames(folder, {".csv", ".oni"}, name));
 }
 
@@ -295,15 +294,15 @@ Command addInfo(CLI::App& parent, CommonOptions& common) {
       "  lorica info mannequin          # the built-in character");
   CLI::Option* file = app->add_option(
       "FILE", options->input,
-      "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded "
-      "joints), depth (.oni, .mkv, .bag, .npz, a folder of PNG), decomposition (.lorica), or a shipped name");
+      "Mesh (.off, .obj, .ply, .stl), character (.glb, .gltf, .vrm, .fbx, .dae), motion (.bvh, recorded joints), depth "
+      "(.oni, .mkv, .bag, .npz, a folder of PNG), decomposition (.lorica), or a shipped name");
   CLI::Option* devices =
       app->add_flag("--devices", options->devices, "List depth cameras instead of describing a file")->excludes(file);
-  app->add_option("--driver", options->driver, "Additional OpenNI2 driver: lib*.so")->type_name("FILE")->needs(devices);
+  addOption(*app, "--driver", options->driver, "FILE", "Additional OpenNI2 driver: lib*.so")->needs(devices);
   addCharacterOptions(*app, options->character);
   addTextureOption(*app, options->character.textureSize);
-  app->add_option("--write-map", options->writeMap, "Write the character's bone map: its joint for each humanoid bone")
-      ->type_name("FILE.json");
+  addOption(*app, "--write-map", options->writeMap, "FILE.json",
+            "Write the character's bone map: its joint for each humanoid bone");
   addReadingOptions(*app, options->motion);
   return {app, [options](const CommonOptions& given, Host& host) { return runInfo(*options, given, host); }};
 }

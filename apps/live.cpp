@@ -24,11 +24,11 @@ Report liveReport(const Run& run, const DrawnFiles& drawn) {
   const Session& session = run.session;
   const RunStatistics& statistics = run.statistics;
   const bool nobody = run.tracked() && run.log.figures().followed == 0;
-  Report report(fmt::format("{} followed {}: {}", session.character().name, nobody ? "nobody" : run.name(),
-                            counted(statistics.frames(), "frame")),
-                "source character parts avatars depthFrames framesWithPerson maxPeople unplugged firstPose tracking "
-                "depthStream stream latency streams frames contacts touches propsTouched avatarTouches selfContacts "
-                "training stages");
+  Report report(
+      fmt::format("{} followed {}: {}", session.character().name, nobody ? "nobody" : run.name(),
+                  counted(statistics.frames(), "frame")),
+      "source character parts avatars depthFrames framesWithPerson maxPeople unplugged firstPose tracking depthStream "
+      "stream latency streams frames contacts touches propsTouched avatarTouches selfContacts training stages");
   report.add("source", run.name());
   report.add("character", session.character().name);
   report.add("parts", run.cast.avatars.front().body.decomposition.parts.size());
@@ -123,10 +123,8 @@ Result<void> follow(const ShowOptions& given, const CommonOptions& common, Host&
   if (given.webcam) {
     return invalidArgument(
         "--webcam: Lorica looks at depth images, which a webcam has not: let a program that follows you by webcam, "
-        "such "
-        "as VSeeFace, send VMC to 127.0.0.1, port 39539, and start `lorica live --vmc 39539`; docs/RECIPES.md has it "
-        "step "
-        "by step");
+        "such as VSeeFace, send VMC to 127.0.0.1, port 39539, and start `lorica live --vmc 39539`; docs/RECIPES.md has "
+        "it step by step");
   }
   LORICA_TRY_DO(checkOutputs(given.run, given.pictures, common, given.request.files()));
   LORICA_TRY_DO(checkLive(given.live, host));
@@ -190,18 +188,17 @@ Command addLive(CLI::App& parent, CommonOptions& common) {
                                  "People to follow at once, each with an avatar, at most 6 [default: 1]")
                             ->excludes(person);
   CLI::Option* lower = addWearerOptions(*app, options->live);
-  CLI::Option* nite = app->add_option("--nite", options->live.nite, "Track with NiTE 2, if you have it: libNiTE2.so")
-                          ->type_name("FILE")
-                          ->excludes(person)
-                          ->excludes(people)
-                          ->excludes(lower);
+  CLI::Option* nite =
+      addOption(*app, "--nite", options->live.nite, "FILE", "Track with NiTE 2, if you have it: libNiTE2.so")
+          ->excludes(person)
+          ->excludes(people)
+          ->excludes(lower);
   addVmcInputOptions(*app, options->live.vmc)->excludes(person)->excludes(people)->excludes(nite)->excludes(lower);
   addSenderOption(*app, options->live.vmc.sender);
   addOutputOptions(*app, options->run);
-  app->add_option("--character", options->request.character,
-                  "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin; with --people one for all or one for each, "
-                  "separated by commas [default: mannequin]")
-      ->type_name("FILE");
+  addOption(*app, "--character", options->request.character, "FILE",
+            "Character: .glb, .gltf, .vrm, .fbx, .dae or mannequin; with --people one for all or one for each, "
+            "separated by commas [default: mannequin]");
   addPlayingOptions(*app, options->request.performing);
   addCharacterOptions(*app, options->request.reading);
   addSpringOption(*app, options->request.springs);

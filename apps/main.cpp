@@ -210,8 +210,8 @@ int runCommand(int argc, char** argv) {
       "  lorica info hero.glb                     # describe your own character\n"
       "  lorica play walk --character hero.glb --window\n"
       "\n`lorica help COMMAND` describes each command.\n"
-      "Exit status: 0 = done, 1 = a failure of Lorica, 2 = bad input or output that cannot be written, "
-      "130 = Ctrl-C before the end.");
+      "Exit status: 0 = done, 1 = a failure of Lorica, 2 = bad input or output that cannot be written, 130 = Ctrl-C "
+      "before the end.");
   CommonOptions common;
   std::vector<Command> commands;
   const auto add = [&](const char* group, std::initializer_list<AddCommand*> adding) {

@@ -65,18 +65,16 @@ constexpr std::array<Heading, 10> kHeadings = {{
      "--vmc --depth --depth-format --virtual --webcam --device --devices --driver --people --three-point --lower-body "
      "--nite --delay"},
     {"The character",
-     "--character --map --write-map --hide --springs --expression --body --walls --thickness "
-     "--body-resolution"},
+     "--character --map --write-map --hide --springs --expression --body --walls --thickness --body-resolution"},
     {"Where it is seen", "--window --serve --lan --vr --headless --port --recordings --certificate --key"},
     {"What is seen", "--scene --background --size --camera --show --eye --target --strip --texture-size"},
     {"The motion",
-     "--motion --clip --person --format --lens --rest --mirror --upper-body --smooth --min-cutoff --beta "
-     "--keyframes --sender --inject"},
+     "--motion --clip --person --format --lens --rest --mirror --upper-body --smooth --min-cutoff --beta --keyframes "
+     "--sender --inject"},
     {"The parts and hulls",
      "--parts --max-concavity --max-error --max-distance --exact --preset --engine --hull-vertices --hull-planes "
-     "--per-bone "
-     "--decomposition --cover --capsules --package --mocap --khr --show-colliders --up --self-contacts --held-out "
-     "--candidates --orientations"},
+     "--per-bone --decomposition --cover --capsules --package --mocap --khr --show-colliders --up --self-contacts "
+     "--held-out --candidates --orientations"},
     {"What it writes",
      "--out --output --export --export-obj --export-frames --picture --csv --snapshots --every --video --from --to "
      "--at --frame --near --record --seconds --frames --as-fast-as-possible --events --camera-frame"},
@@ -310,8 +308,8 @@ std::unique_ptr<CLI::App> makeCommandLine(const std::string& name, const std::st
   return app;
 }
 
-CLI::Option* addReader(CLI::App& app, const std::string& name, TextCheck read, const std::string& description,
-                       const std::string& typeName) {
+CLI::Option* addReader(CLI::App& app, const std::string& name, TextCheck read, const std::string& typeName,
+                       const std::string& description) {
   const auto isRead = [](const CLI::results_t&) { return true; };
   return app.add_option(name, isRead, description)->type_name(typeName)->transform(checkedBy(std::move(read)));
 }
@@ -361,20 +359,18 @@ CLI::App* addSubcommand(CLI::App& parent, CommonOptions& common, const std::stri
   app->set_help_flag("-h", "Show the most important options");
   app->set_help_all_flag("--help", "Show all options");
   app->footer("Examples:\n" + examples);
-  app->add_option("--json", common.json, "Write the report as JSON; `-` = to standard output, instead of the text")
-      ->type_name("FILE");
-  app->add_option("--threads", common.threads,
-                  "Number of threads; the result does not depend on it [default: all cores]")
-      ->type_name("N")
+  addOption(*app, "--json", common.json, "FILE",
+            "Write the report as JSON; `-` = to standard output, instead of the text");
+  addOption(*app, "--threads", common.threads, "N",
+            "Number of threads; the result does not depend on it [default: all cores]")
       ->transform(countBetween(1, kMaxThreads));
   app->add_flag("--force", common.force, "Overwrite files that exist");
   app->add_flag("--trust-paths", common.trustPaths,
                 "Characters, scenes and sessions may name files outside their own folders");
   if (name != "bake") {  // whose option of that name is for all its processes
-    app->add_option("--memory", common.memory,
-                    "Memory that the command may take [default: 2G, or 200 bytes for each byte of its files; no limit "
-                    "with --window]")
-        ->type_name("SIZE")
+    addOption(*app, "--memory", common.memory, "SIZE",
+              "Memory that the command may take [default: 2G, or 200 bytes for each byte of its files; no limit with "
+              "--window]")
         ->transform(memorySize(64));  // less does not hold the libraries
   }
   return app;
@@ -382,12 +378,12 @@ CLI::App* addSubcommand(CLI::App& parent, CommonOptions& common, const std::stri
 
 CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int min, const std::string& description,
                       int max) {
-  return app.add_option(name, value, description)->type_name("N")->transform(countBetween(min, max));
+  return addOption(app, name, value, "N", description)->transform(countBetween(min, max));
 }
 
 CLI::Option* addCountOrAuto(CLI::App& app, const std::string& name, int& value, int min,
                             const std::string& description) {
-  return app.add_option(name, value, description)->type_name("N")->transform(countBetween(min, kMaxOfAnything, true));
+  return addOption(app, name, value, "N", description)->transform(countBetween(min, kMaxOfAnything, true));
 }
 
 CLI::Validator oneOf(std::vector<std::string> words) {
@@ -424,20 +420,20 @@ CLI::Option* addMoment(CLI::App& app, const std::string& name, double& value, co
     if (parseWhole(text, number) && std::isfinite(number) && number >= 0.0) return "";
     return fmt::format("found `{}`, expected 0 seconds or more", text);
   };
-  return app.add_option(name, value, description)->type_name("S")->transform(checkedBy(check));
+  return addOption(app, name, value, "S", description)->transform(checkedBy(check));
 }
 
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description) {
-  return app.add_option(name, value, description)->type_name("S")->transform(numberAboveZero("seconds"));
+  return addOption(app, name, value, "S", description)->transform(numberAboveZero("seconds"));
 }
 
-CLI::Option* addPositive(CLI::App& app, const std::string& name, double& value, const std::string& description,
-                         const std::string& typeName) {
-  return app.add_option(name, value, description)->type_name(typeName)->transform(numberAboveZero("a number"));
+CLI::Option* addPositive(CLI::App& app, const std::string& name, double& value, const std::string& typeName,
+                         const std::string& description) {
+  return addOption(app, name, value, typeName, description)->transform(numberAboveZero("a number"));
 }
 
 CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, const std::string& description) {
-  return app.add_option(name, value, description)->type_name("METRES")->transform(numberAboveZero("a length"));
+  return addOption(app, name, value, "METRES", description)->transform(numberAboveZero("a length"));
 }
 
 CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, const std::string& description) {
@@ -455,7 +451,7 @@ CLI::Option* addShare(CLI::App& app, const std::string& name, double& value, con
     if (isPercent) text = fmt::format("{}", number / 100.0);
     return "";
   };
-  return app.add_option(name, value, description)->type_name("E")->transform(checkedBy(check));
+  return addOption(app, name, value, "E", description)->transform(checkedBy(check));
 }
 
 }  // namespace lorica

@@ -47,9 +47,23 @@ template <typename Number>
   return "found `" + text + "`, expected a " + (std::is_integral_v<Number> ? "whole number" : "number");
 }
 
+/// An option with a value of any type that CLI11 reads.
+template <typename Value>
+CLI::Option* addOption(CLI::App& app, const std::string& name, Value& value, const std::string& typeName,
+                       const std::string& description) {
+  return app.add_option(name, value, description)->type_name(typeName);
+}
+
+/// The same that may be repeated.
+template <typename Value>
+CLI::Option* addRepeated(CLI::App& app, const std::string& name, std::vector<Value>& values,
+                         const std::string& typeName, const std::string& description) {
+  return addOption(app, name, values, typeName, description)->expected(1)->take_all();
+}
+
 /// An option of any type. @param read  puts each value where it belongs, and returns as TextCheck does
-CLI::Option* addReader(CLI::App& app, const std::string& name, TextCheck read, const std::string& description,
-                       const std::string& typeName);
+CLI::Option* addReader(CLI::App& app, const std::string& name, TextCheck read, const std::string& typeName,
+                       const std::string& description);
 
 /// An option with an integer value from `min` to `max`; other values are rejected.
 CLI::Option* addCount(CLI::App& app, const std::string& name, int& value, int min, const std::string& description,
@@ -70,8 +84,8 @@ CLI::Option* addMoment(CLI::App& app, const std::string& name, double& value, co
 /// An option with a positive number of seconds.
 CLI::Option* addSeconds(CLI::App& app, const std::string& name, double& value, const std::string& description);
 /// An option with a positive number.
-CLI::Option* addPositive(CLI::App& app, const std::string& name, double& value, const std::string& description,
-                         const std::string& typeName);
+CLI::Option* addPositive(CLI::App& app, const std::string& name, double& value, const std::string& typeName,
+                         const std::string& description);
 /// An option with a positive length.
 CLI::Option* addLength(CLI::App& app, const std::string& name, double& value, const std::string& description);
 /// An option with a positive fraction, as a number or in percent: 0.05 or 5%.

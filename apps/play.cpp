@@ -49,10 +49,10 @@ Report playReport(const Run& run, const DrawnFiles& drawn) {
   const Motion& motion = *avatars.front().motion;
   const DecompositionFile& file = avatars.front().body;
   const bool one = avatars.size() == 1;
-  Report report(fmt::format("{} performed {}: {}", whoOf(run), run.name(), counted(statistics.frames(), "frame")),
-                "recording format firstGuess notes character parts error cover avatars frames contacts touches "
-                "propsTouched avatarTouches selfContacts training stages targets refusedLegs smoothingDelay snapshots "
-                "video videoFrames hash");
+  Report report(
+      fmt::format("{} performed {}: {}", whoOf(run), run.name(), counted(statistics.frames(), "frame")),
+      "recording format firstGuess notes character parts error cover avatars frames contacts touches propsTouched "
+      "avatarTouches selfContacts training stages targets refusedLegs smoothingDelay snapshots video videoFrames hash");
   report.add("recording", motion.name);
   report.add("format", motion.format);
   report.add("firstGuess", motion.firstGuess);

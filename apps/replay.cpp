@@ -135,10 +135,9 @@ Command addReplay(CLI::App& parent, CommonOptions& common) {
       "The session stores the names and hashes of its character and decomposition; the hashes are checked.");
   app->add_option("SESSION", options->request.file, "Session written by `lorica record` or --record: .lsession")
       ->required();
-  app->add_option("--character", options->request.character, "File of the character, if it was moved")
-      ->type_name("FILE");
-  app->add_option("--decomposition", options->request.decomposition, "File of the decomposition, if it was moved")
-      ->type_name("FILE.lorica");
+  addOption(*app, "--character", options->request.character, "FILE", "File of the character, if it was moved");
+  addOption(*app, "--decomposition", options->request.decomposition, "FILE.lorica",
+            "File of the decomposition, if it was moved");
   addOutputOptions(*app, options->run);
   CLI::Option* window =
       app->add_flag("--window", options->window, "Open a window with a timeline; fail if there is no display");

@@ -103,8 +103,8 @@ Facts meshFacts(const Subject& subject) {
   std::string words;
   if (body.resolution > 0.0) {
     words = fmt::format(
-        "built with voxels of {:.4g}, {}; from its surface to the original {:.4g} on average, {:.4g} "
-        "at most; the original's vertices are up to {:.4g} outside, and in the hulls",
+        "built with voxels of {:.4g}, {}; from its surface to the original {:.4g} on average, {:.4g} at most; the "
+        "original's vertices are up to {:.4g} outside, and in the hulls",
         body.resolution, body.problem.empty() ? "for --body always was given" : "because " + body.problem,
         distances.meanToOriginal, distances.farthestToOriginal, distances.farthestOutside);
   }

@@ -254,14 +254,12 @@ Command addScore(CLI::App& parent, CommonOptions& common) {
   app->add_option("MESH", options->mesh,
                   "Mesh (.off, .obj, .ply, .stl, .glb), `mannequin` in its bind pose, or a mesh in several poses")
       ->required();
-  app->add_option(
-         "PARTS.obj", options->parts,
-         "Parts, one object each; of a mesh in several poses its .lorica, or a folder or 'pattern*.obj' with a "
-         "file for each frame")
+  app->add_option("PARTS.obj", options->parts,
+                  "Parts, one object each; of a mesh in several poses its .lorica, or a folder or 'pattern*.obj' with "
+                  "a file for each frame")
       ->required();
   addCount(*app, "--every", options->every, 1, "Of a mesh in several poses, score every N-th frame [default: 1]");
-  app->add_option("--csv", options->csv, "Of a mesh in several poses, write the scores of every frame")
-      ->type_name("FILE.csv");
+  addOption(*app, "--csv", options->csv, "FILE.csv", "Of a mesh in several poses, write the scores of every frame");
   addWallOptions(*app, options->reading);
   addHideOption(*app, options->reading.hidden);
   return {app, [options](const CommonOptions& given, Host& host) { return runScore(*options, given, host); }};

@@ -40,14 +40,12 @@ void addServeOptions(CLI::App& app, ServeOptions& options, bool flag) {
   CLI::Option* lan =
       app.add_flag("--lan", options.setting.lan,
                    "Show the page to phones and headsets on this network: with TLS, for those who have the link");
-  CLI::Option* recordings = app.add_option("--recordings", options.setting.recordings,
-                                           "Folder that people at the page may record sessions and open files into")
-                                ->type_name("DIR");
-  CLI::Option* certificate = app.add_option("--certificate", options.setting.certificate,
-                                            "Certificate of the page [default: one that Lorica makes and keeps]")
-                                 ->type_name("FILE.pem");
+  CLI::Option* recordings = addOption(app, "--recordings", options.setting.recordings, "DIR",
+                                      "Folder that people at the page may record sessions and open files into");
+  CLI::Option* certificate = addOption(app, "--certificate", options.setting.certificate, "FILE.pem",
+                                       "Certificate of the page [default: one that Lorica makes and keeps]");
   certificate->needs(lan)->needs(
-      app.add_option("--key", options.setting.key, "Its private key")->type_name("FILE.pem")->needs(certificate));
+      addOption(app, "--key", options.setting.key, "FILE.pem", "Its private key")->needs(certificate));
   for (CLI::Option* option : {port, lan, recordings}) {
     if (flag) option->needs(serve);
   }

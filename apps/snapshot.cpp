@@ -272,28 +272,24 @@ Command addSnapshot(CLI::App& parent, CommonOptions& common) {
                     "\nThe hulls of each frame are the same as in `lorica play`: compare the hashes. Skin, bones\n"
                     "and ground alone need no hulls: then none are made, and there is no hash.");
   addMotionOptions(*app, options->request);
-  app->add_option("-o,--out", options->out, "Output file; several pictures get a numbered suffix [default: MOTION.png]")
-      ->type_name("FILE");
-  app->add_option("--at", options->at, "Times in seconds since the first frame, separated by commas [default: halfway]")
-      ->type_name("S")
+  addOption(*app, "-o,--out", options->out, "FILE",
+            "Output file; several pictures get a numbered suffix [default: MOTION.png]");
+  addOption(*app, "--at", options->at, "S",
+            "Times in seconds since the first frame, separated by commas [default: halfway]")
       ->delimiter(',')
       ->check(numberError<double>);
-  app->add_option("--frame", options->frames, "Frames, counted from 0, separated by commas")
-      ->type_name("N")
+  addOption(*app, "--frame", options->frames, "N", "Frames, counted from 0, separated by commas")
       ->delimiter(',')
       ->check(numberError<int>);
   CLI::Option* video =
-      app->add_option("--video", options->pictures.video, "Write a real-time video of all frames, as .mp4")
-          ->type_name("FILE");
+      addOption(*app, "--video", options->pictures.video, "FILE", "Write a real-time video of all frames, as .mp4");
   addMoment(*app, "--from", options->from, "Start of the video")->needs(video);
   addSeconds(*app, "--to", options->to, "End of the video [default: the end of the motion]")->needs(video);
   addLookOptions(*app, options->pictures);
-  app->add_option(
-         "--show", options->show,
-         "Draw only these: skin (as the character's maker drew it), parts (its body coloured by part), hulls, bones, "
-         "props, particles, contacts, ground, caption [default: all except bones; of a character with materials the "
-         "skin without parts and hulls]")
-      ->type_name("WHAT")
+  addOption(*app, "--show", options->show, "WHAT",
+            "Draw only these: skin (as the character's maker drew it), parts (its body coloured by part), hulls, "
+            "bones, props, particles, contacts, ground, caption [default: all except bones; of a character with "
+            "materials the skin without parts and hulls]")
       ->delimiter(',')
       ->transform(oneOf({"skin", "parts", "hulls", "bones", "props", "particles", "contacts", "ground", "caption"}));
   addTextureOption(*app, options->request.reading.textureSize);
