@@ -364,16 +364,12 @@ Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions
     return badMesh("{}: its surface is not one closed solid ({}, {}), and --body never was given", subject.name,
                    counted(subject.body->shells, "shell"), counted(subject.body->openEdges, "open edge"));
   }
-  if (!options.output.empty()) {
-    LORICA_TRY_DO(checkOutput(common, "--output", options.output, ".lorica"));
-  }
+  if (!options.output.empty()) LORICA_TRY_DO(checkOutput(common, "--output", options.output, ".lorica"));
   if (!options.obj.empty()) {
     LORICA_TRY_DO(checkNotTaken("--export-obj", options.obj, {options.input()}));
     LORICA_TRY_DO(checkOutput(common, "--export-obj", options.obj, ".obj"));
   }
-  if (!options.picture.empty()) {
-    LORICA_TRY_DO(checkOutput(common, "--picture", options.picture, ".png"));
-  }
+  if (!options.picture.empty()) LORICA_TRY_DO(checkOutput(common, "--picture", options.picture, ".png"));
   if (!options.frames.empty() || !options.csv.empty()) {
     if (!subject.character) {
       return invalidArgument("{} is for what moves, but {} is a static mesh",
@@ -383,12 +379,8 @@ Result<void> checkDecompose(const DecomposeOptions& options, const CommonOptions
       return invalidArgument("the hulls of frames are exact: expected no {}", asTyped(options.cover));
     }
   }
-  if (!options.csv.empty()) {
-    LORICA_TRY_DO(checkOutput(common, "--csv", options.csv, ".csv"));
-  }
-  if (!options.frames.empty()) {
-    LORICA_TRY_DO(checkFrameFile(options.frames));
-  }
+  if (!options.csv.empty()) LORICA_TRY_DO(checkOutput(common, "--csv", options.csv, ".csv"));
+  if (!options.frames.empty()) LORICA_TRY_DO(checkFrameFile(options.frames));
   std::vector<std::filesystem::path> others(options.motions.begin(), options.motions.end());
   others.insert(others.end(), options.inputs.begin(), options.inputs.end());
   others.insert(others.end(), {options.output, options.obj, options.picture, options.csv});
@@ -421,9 +413,7 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   LORICA_TRY(const std::vector<Motion> motions, readMotions(options.motions, host));
   reading.suits = [&](const CharacterFile& file) -> Result<void> {
     if (file.isMesh()) return {};
-    for (const Motion& motion : motions) {
-      LORICA_TRY_DO(checkPerformed(file.character, motion));
-    }
+    for (const Motion& motion : motions) LORICA_TRY_DO(checkPerformed(file.character, motion));
     return {};
   };
   LORICA_TRY(const Subject subject, readInputs(options.inputs, reading, host));
@@ -495,9 +485,7 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   if (!options.output.empty()) {
     LORICA_TRY_DO(writeDecomposition(options.output, fileContent(request, training ? &*training : nullptr, fit)));
   }
-  if (!options.obj.empty()) {
-    LORICA_TRY_DO(writeMeshes(options.obj, fit.exported.objects));
-  }
+  if (!options.obj.empty()) LORICA_TRY_DO(writeMeshes(options.obj, fit.exported.objects));
   if (!options.picture.empty()) {
     LORICA_TRY(SnapshotCamera camera, SnapshotCamera::create(960, 720));
     outcome.up = upInPicture(options, subject, fit.exported.objects);
@@ -506,9 +494,7 @@ Result<void> runDecompose(const DecomposeOptions& options, const CommonOptions& 
   if (!options.frames.empty()) {
     LORICA_TRY(outcome.written, writeFrameHulls(options.frames, *outcome.frames, fit.held));
   }
-  if (!options.csv.empty()) {
-    LORICA_TRY_DO(writeFileAtomically(options.csv, formatFrameTable(*outcome.frames)));
-  }
+  if (!options.csv.empty()) LORICA_TRY_DO(writeFileAtomically(options.csv, formatFrameTable(*outcome.frames)));
   return publish(common, decomposeReport(options, subject, outcome));
 }
 

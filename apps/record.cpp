@@ -145,9 +145,7 @@ Result<Recording> record(DepthRecorder& recorder, Tracker& tracker, JointCsvWrit
     const std::span<const TrackedPerson> people = tracker.track(frame);
     const std::lock_guard<std::mutex> lock(files);
     if (finished) break;  // the program is being ended
-    for (const TrackedPerson& person : people) {
-      LORICA_TRY_DO(joints.add(person.skeleton));
-    }
+    for (const TrackedPerson& person : people) LORICA_TRY_DO(joints.add(person.skeleton));
     if (!firstTime) firstTime = frame.time;
     recording.seconds = frame.time - *firstTime;
   }

@@ -142,9 +142,7 @@ Json Report::json() const {
 Result<void> publish(const CommonOptions& options, const Report& report, bool outputTaken) {
   const std::string text = fileText(report.json());
   if (options.json == "-") return print(text, "the JSON");
-  if (!options.json.empty()) {
-    LORICA_TRY_DO(writeFileAtomically(options.json, text));
-  }
+  if (!options.json.empty()) LORICA_TRY_DO(writeFileAtomically(options.json, text));
   if (!outputTaken) return print(report.text(), "the report");
   say(report.text());
   return {};

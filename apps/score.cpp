@@ -195,9 +195,7 @@ Result<void> runScore(const ScoreOptions& options, const CommonOptions& common, 
   CharacterOptions reading = options.reading;
   LORICA_TRY(const Subject subject, readSubject(options.mesh, reading, host));
   const bool sequence = subject.character && subject.file && subject.file->format == kSequence;
-  if (!options.csv.empty()) {
-    LORICA_TRY_DO(checkOutput(common, "--csv", options.csv, ".csv"));
-  }
+  if (!options.csv.empty()) LORICA_TRY_DO(checkOutput(common, "--csv", options.csv, ".csv"));
   if (sequence) return scoreSequence(options, common, subject, host);
   if (!options.csv.empty() || options.every > 1) {
     return invalidArgument("{} is for a mesh in several poses, but {} has one",

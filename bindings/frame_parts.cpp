@@ -23,9 +23,7 @@ Result<MeshParts> partsOfFrames(MeshSequence mesh, const MeshPartsSettings& sett
   mesh.name = "mesh";
   LORICA_TRY(mesh, checkedSequence(std::move(mesh)));
   LORICA_TRY(const Subject subject, sequenceSubject(std::move(mesh), reading, host));
-  if (earlier != nullptr) {
-    LORICA_TRY_DO(checkMadeFrom(subject, earlier->content, earlier->from));
-  }
+  if (earlier != nullptr) LORICA_TRY_DO(checkMadeFrom(subject, earlier->content, earlier->from));
   const Character& character = *subject.character;
   const std::optional<int> count = settings.keyframes > 0 ? std::optional(settings.keyframes) : std::nullopt;
   LORICA_TRY(const Training training, trainingMotions(subject, {}));

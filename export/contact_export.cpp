@@ -268,8 +268,8 @@ Result<ContactLabels> findContacts(
     labels.rowCount += found.size();
     if (labels.rowCount > request.mostRows) {
       return invalidArgument(
-          "{}: found more than {} rows in {} of {} frames, expected at most that: a part of the motion, "
-          "or a shorter --near",
+          "{}: found more than {} rows in {} of {} frames, expected at most that: a part of the motion, or a shorter "
+          "--near",
           labels.name, grouped(static_cast<long long>(request.mostRows)), session.frameCount(), expected);
     }
     for (ContactRow row : found) {

@@ -22,9 +22,7 @@ Result<void> check(const lorica_body_options& options) {
 
 /// @param names  so many, none of them null
 Result<std::vector<std::string>> namesFrom(const char* const* names, std::size_t count, const char* argument) {
-  if (count > 0) {
-    LORICA_TRY_DO(given(names, argument));
-  }
+  if (count > 0) LORICA_TRY_DO(given(names, argument));
   for (std::size_t i = 0; i < count; ++i) {
     if (names[i] == nullptr) return invalidArgument("{} {} is null", argument, i);
   }
@@ -48,9 +46,7 @@ Result<CharacterOptions> readingFrom(const lorica_character_options* given) {
 /// Poses of so many joints.
 Result<std::vector<Affine3>> matricesFrom(const double* numbers, std::size_t count, const char* argument,
                                           std::size_t joints) {
-  if (count > 0) {
-    LORICA_TRY_DO(given(numbers, argument));
-  }
+  if (count > 0) LORICA_TRY_DO(given(numbers, argument));
   std::vector<Affine3> matrices(count);
   for (std::size_t i = 0; i < count; ++i) {
     const std::optional<Affine3> matrix = affineFrom(numbers + 16 * i);

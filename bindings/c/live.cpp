@@ -139,9 +139,7 @@ lorica_status lorica_live_cast_rays(lorica_live* live, const double* rays, size_
                                     double* normals) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(live, "live"));
-    if (count > 0) {
-      LORICA_TRY_DO(given(rays, "rays", parts, "parts"));
-    }
+    if (count > 0) LORICA_TRY_DO(given(rays, "rays", parts, "parts"));
     const Vec3 axis = half != nullptr ? Vec3(half) : Vec3(Vec3::Zero());
     LORICA_TRY_DO(checkCast(reach, radius, axis));
     const RayQuery& query = live->live.rays();
@@ -161,9 +159,7 @@ lorica_status lorica_live_cast_on_skin(lorica_live* live, const double* rays, si
                                        int32_t* triangles, double* weights, double* distances, double* positions) {
   return guarded([&]() -> Result<void> {
     LORICA_TRY_DO(given(live, "live"));
-    if (count > 0) {
-      LORICA_TRY_DO(given(rays, "rays", triangles, "triangles"));
-    }
+    if (count > 0) LORICA_TRY_DO(given(rays, "rays", triangles, "triangles"));
     LORICA_TRY_DO(checkCast(reach, 0.0, Vec3::Zero()));
     for (std::size_t i = 0; i < count; ++i) {
       const SkinHit hit = live->live.castOnSkin({Vec3(rays + 6 * i), Vec3(rays + 6 * i + 3), reach});

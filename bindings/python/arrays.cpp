@@ -74,10 +74,8 @@ std::vector<Affine3> transformsFrom(const py::object& matrices, std::size_t coun
   for (std::size_t t = 0; t < count; ++t) {
     const Eigen::Map<const RowMajor> matrix(rows.data() + 16 * t);
     if (!matrix.allFinite() || !matrix.row(3).isApprox(Eigen::RowVector4d(0.0, 0.0, 0.0, 1.0))) {
-      throw py::value_error(
-          fmt::format("transforms: the matrix of joint {} has a number that is not finite, or a last "
-                      "row that is not 0 0 0 1",
-                      t));
+      throw py::value_error(fmt::format(
+          "transforms: the matrix of joint {} has a number that is not finite, or a last row that is not 0 0 0 1", t));
     }
     transforms[t].matrix() = matrix;
   }
