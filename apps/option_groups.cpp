@@ -202,7 +202,7 @@ void addBodyOption(CLI::App& app, std::string& body) {
 
 CLI::Validator anEngine() {
   std::vector<std::string> names;
-  for (const Engine& engine : engines()) names.emplace_back(engine.name);
+  for (const Engine& engine : kEngines) names.emplace_back(engine.name);
   return oneOf(std::move(names));
 }
 

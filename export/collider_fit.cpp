@@ -56,8 +56,7 @@ class Hull {
     std::vector<double> upTo;
     double all = 0.0;
     for (const Triangle& t : mesh_->triangles) {
-      const Vec3& a = mesh_->vertices[t[0]];
-      all += 0.5 * (mesh_->vertices[t[1]] - a).cross(mesh_->vertices[t[2]] - a).norm();
+      all += 0.5 * areaNormal(mesh_->vertices, t).norm();
       upTo.push_back(all);
     }
     std::vector<Vec3> points;
@@ -86,9 +85,9 @@ class Hull {
   static std::vector<Plane> planesOf(const TriMesh& mesh) {
     std::vector<Plane> planes;
     for (const Triangle& t : mesh.triangles) {
-      const Vec3& a = mesh.vertices[t[0]];
-      const Vec3 normal = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a);
-      if (normal.norm() > 1e-14) planes.push_back({normal.normalized(), normal.normalized().dot(a)});
+      const Vec3 normal = areaNormal(mesh.vertices, t);
+      if (!(normal.norm() > 1e-14)) continue;
+      planes.push_back({normal.normalized(), normal.normalized().dot(mesh.vertices[t[0]])});
     }
     return planes;
   }

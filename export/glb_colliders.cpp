@@ -27,30 +27,22 @@ void useExtension(Json& document, const char* name) {
 /// A mesh of one hull. @return its index
 int addHullMesh(GltfWriter& writer, const TriMesh& hull, const std::string& name, int material) {
   std::vector<float> positions;
-  for (const Vec3& p : hull.vertices) {
-    for (int i = 0; i < 3; ++i) positions.push_back(p[i]);
-  }
+  for (const Vec3& p : hull.vertices) positions.insert(positions.end(), p.begin(), p.end());
   std::vector<std::uint32_t> indices;
   for (const Triangle& t : hull.triangles) indices.insert(indices.end(), t.begin(), t.end());
-  Json primitive;
-  primitive["attributes"]["POSITION"] = writer.addNumbers(positions, "VEC3", true);
-  primitive["indices"] = writer.addNumbers(std::span<const std::uint32_t>(indices), "SCALAR");
-  primitive["material"] = material;
-  Json mesh;
-  mesh["name"] = name;
-  mesh["primitives"] = Json::array({std::move(primitive)});
-  return writer.add("meshes", std::move(mesh));
+  const int points = writer.addNumbers(positions, "VEC3", true);
+  const int corners = writer.addNumbers(std::span<const std::uint32_t>(indices), "SCALAR");
+  const Json primitive = {{"attributes", {{"POSITION", points}}}, {"indices", corners}, {"material", material}};
+  return writer.add("meshes", {{"name", name}, {"primitives", Json::array({primitive})}});
 }
 
 /// What is not drawn has a material whose every point is cut out, since programs import nodes that are switched off
 /// without what makes them colliders.
 int addGlass(GltfWriter& writer, bool shown) {
-  Json material;
-  material["name"] = kColliderMaterial;
-  material["pbrMetallicRoughness"]["baseColorFactor"] = Json::array({0.2, 0.6, 1.0, shown ? 0.3 : 0.0});
-  material["pbrMetallicRoughness"]["metallicFactor"] = 0.0;
-  material["alphaMode"] = shown ? "BLEND" : "MASK";
-  return writer.add("materials", std::move(material));
+  const Json colour = {{"baseColorFactor", {0.2, 0.6, 1.0, shown ? 0.3 : 0.0}}, {"metallicFactor", 0.0}};
+  return writer.add(
+      "materials",
+      {{"name", kColliderMaterial}, {"pbrMetallicRoughness", colour}, {"alphaMode", shown ? "BLEND" : "MASK"}});
 }
 
 /// A node with a hull and what makes it a collider. @return its index
@@ -59,25 +51,15 @@ int addHullNode(GltfWriter& writer, const TriMesh& hull, const std::string& plai
   const std::string name = settings.prefix + plain + settings.postfix;
   const int mesh = addHullMesh(writer, hull, name, material);
   Json& shapes = writer.document["extensions"][kOmiShape]["shapes"];
-  Json shape;
-  shape["type"] = "convex";
-  shape["convex"]["mesh"] = mesh;
-  const std::size_t shapeIndex = shapes.size();
-  shapes.push_back(std::move(shape));
-
-  Json node;
-  node["name"] = name;
-  node["mesh"] = mesh;
-  Json& body = node["extensions"][kOmiBody];
-  body["motion"]["type"] = motion;
-  body["collider"]["shape"] = shapeIndex;
+  Json node = {{"name", name}, {"mesh", mesh}};
+  node["extensions"][kOmiBody] = {{"motion", {{"type", motion}}}, {"collider", {{"shape", shapes.size()}}}};
+  shapes.push_back({{"type", "convex"}, {"convex", {{"mesh", mesh}}}});
   useExtension(writer.document, kOmiBody);
   useExtension(writer.document, kOmiShape);
   if (settings.khr) {
     Json& rigid = node["extensions"][kKhr];
     if (std::string_view(motion) == "kinematic") rigid["motion"]["isKinematic"] = true;
-    rigid["collider"]["geometry"]["mesh"] = mesh;
-    rigid["collider"]["geometry"]["convexHull"] = true;
+    rigid["collider"]["geometry"] = {{"mesh", mesh}, {"convexHull", true}};
     useExtension(writer.document, kKhr);
   }
   return writer.add("nodes", std::move(node));
@@ -93,8 +75,6 @@ void hang(Json& document, int node, int parent) {
   const auto scene = document.value("scene", std::size_t{0});
   document["scenes"][scene]["nodes"].push_back(node);
 }
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kMaxBalls = 12;  // of a capsule
 
@@ -133,12 +113,10 @@ std::vector<NodeCapsule> capsulesOnNodes(const CharacterDocument& document, std:
 
 /// VRMC_springBone 1.0: a group of spheres and capsules, used by every spring.
 int addToVrm1(Json& springBone, std::span<const NodeCapsule> capsules) {
-  Json group;
-  group["name"] = "Lorica";
+  Json group = {{"name", "Lorica"}};
   for (const auto& [node, capsule] : capsules) {
     const bool ball = (capsule.to - capsule.from).norm() < 1e-3 * capsule.radius;
-    Json collider;
-    collider["node"] = node;
+    Json collider = {{"node", node}};
     Json& shape = collider["shape"][ball ? "sphere" : "capsule"];
     shape["offset"] = listOf(capsule.from);
     shape["radius"] = capsule.radius;
@@ -159,17 +137,12 @@ int addToVrm0(Json& animation, std::span<const NodeCapsule> capsules) {
   for (const auto& [node, capsule] : capsules) {
     const double length = (capsule.to - capsule.from).norm();
     const int balls = std::clamp(1 + static_cast<int>(std::ceil(length / capsule.radius)), 1, kMaxBalls);
-    Json group;
-    group["node"] = node;
+    Json group = {{"node", node}};
     for (int b = 0; b < balls; ++b) {
       const double t = balls == 1 ? 0.5 : static_cast<double>(b) / (balls - 1);
       const Vec3 center = (1.0 - t) * capsule.from + t * capsule.to;
-      Json ball;
-      ball["offset"]["x"] = center.x();
-      ball["offset"]["y"] = center.y();
-      ball["offset"]["z"] = -center.z();
-      ball["radius"] = capsule.radius;
-      group["colliders"].push_back(std::move(ball));
+      group["colliders"].push_back(
+          {{"offset", {{"x", center.x()}, {"y", center.y()}, {"z", -center.z()}}}, {"radius", capsule.radius}});
       ++added;
     }
     animation["colliderGroups"].push_back(std::move(group));
@@ -203,8 +176,7 @@ Result<void> writeGlbHulls(const std::filesystem::path& file, const std::vector<
                            const GlbColliderSettings& settings) {
   CharacterDocument document;
   GltfWriter& writer = document.writer;
-  writer.document["asset"]["version"] = "2.0";
-  writer.document["asset"]["generator"] = "Lorica";
+  writer.document["asset"] = {{"version", "2.0"}, {"generator", "Lorica"}};
   writer.document["scene"] = 0;
   const int material = addGlass(writer, true);
   for (const NamedMesh& hull : hulls) {

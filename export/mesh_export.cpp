@@ -19,12 +19,9 @@ std::string stlOf(const std::vector<NamedMesh>& meshes) {
   for (const NamedMesh& each : meshes) {
     text += fmt::format("solid {}\n", each.name);
     for (const Triangle& t : each.mesh.triangles) {
-      const Vec3& a = each.mesh.vertices[t[0]];
-      const Vec3& b = each.mesh.vertices[t[1]];
-      const Vec3& c = each.mesh.vertices[t[2]];
-      const Vec3 normal = (b - a).cross(c - a).normalized();
-      text += "facet normal " + written(normal, digits) + "\nouter loop\n";
-      for (const Vec3& p : {a, b, c}) text += "vertex " + written(p, digits) + "\n";
+      const std::vector<Vec3>& vertices = each.mesh.vertices;
+      text += "facet normal " + written(areaNormal(vertices, t).normalized(), digits) + "\nouter loop\n";
+      for (const VertexIndex v : t) text += "vertex " + written(vertices[v], digits) + "\n";
       text += "endloop\nendfacet\n";
     }
     text += fmt::format("endsolid {}\n", each.name);
@@ -82,11 +79,9 @@ std::string formatBinaryStl(const TriMesh& mesh) {
   std::string bytes(80, ' ');
   appendLittleEndian(static_cast<std::uint32_t>(mesh.triangles.size()), bytes);
   for (const Triangle& t : mesh.triangles) {
-    const Vec3& a = mesh.vertices[t[0]];
-    const Vec3& b = mesh.vertices[t[1]];
-    const Vec3& c = mesh.vertices[t[2]];
-    for (const Vec3& v : {Vec3((b - a).cross(c - a).normalized()), a, b, c}) {
-      for (int i = 0; i < 3; ++i) appendLittleEndian(static_cast<float>(v[i]), bytes);
+    const Vec3 normal = areaNormal(mesh.vertices, t).normalized();
+    for (const Vec3& v : {normal, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]}) {
+      for (const double x : v) appendLittleEndian(static_cast<float>(x), bytes);
     }
     appendLittleEndian(std::uint16_t{0}, bytes);
   }

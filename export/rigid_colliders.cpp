@@ -81,8 +81,7 @@ std::vector<Group> groupByBone(std::span<const JointIndex> parents, PartIndex pa
 }
 
 Facet facetOf(const Triangle& t, std::span<const Vec3> bind) {
-  const double area = 0.5 * (bind[t[1]] - bind[t[0]]).cross(bind[t[2]] - bind[t[0]]).norm();
-  return {{t[0], t[1], t[2]}, area};
+  return {{t[0], t[1], t[2]}, 0.5 * areaNormal(bind, t).norm()};
 }
 
 /// The surface of each part and the vertices attached to it, by bones.

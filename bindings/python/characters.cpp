@@ -5,7 +5,6 @@
 #include "bindings/python/work.h"
 #include "export/contact_export.h"
 #include "geometry/text.h"
-#include "session/prepare/first_guess.h"
 
 #include <fmt/format.h>
 #include <pybind11/stl.h>
@@ -325,10 +324,7 @@ void addCharacter(py::module_& module) {
           },
           docOf("Character.clips"))
       .def_property_readonly(
-          "first_guess",
-          [](const CharacterHandle& self) {
-            return self.owner->file ? firstGuessOf(*self.owner->file) : std::string();
-          },
+          "first_guess", [](const CharacterHandle& self) { return guessAbout(*self.owner); },
           docOf("Character.first_guess"))
       .def_property_readonly(
           "notes", [](const CharacterHandle& self) { return notesOf(*self.owner); }, docOf("Character.notes"))
