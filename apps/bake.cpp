@@ -21,7 +21,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -52,11 +51,9 @@ struct BakeOptions {
 /// "2/10" as the second of ten.
 std::optional<Shard> shardIn(const std::string& text) {
   Shard shard;
-  const char* end = text.data() + text.size();
-  const auto [slash, error] = std::from_chars(text.data(), end, shard.index);
-  if (error != std::errc() || slash == end || *slash != '/') return std::nullopt;
-  const auto [stopped, countError] = std::from_chars(slash + 1, end, shard.count);
-  const bool whole = countError == std::errc() && stopped == end;
+  const std::size_t slash = text.find('/');
+  if (slash == std::string::npos || !parseWhole(text.substr(0, slash), shard.index)) return std::nullopt;
+  const bool whole = parseWhole(text.substr(slash + 1), shard.count);
   if (!whole || shard.count < 1 || shard.index < 1 || shard.index > shard.count) return std::nullopt;
   return shard;
 }

@@ -181,9 +181,7 @@ void addHullPlanes(CLI::App& app, int& planes) {
 CLI::Option* addCover(CLI::App& app, std::optional<double>& tolerance, const std::string& description) {
   const auto read = [&tolerance](const std::string& text) -> std::string {
     double length = 0.0;
-    const char* end = text.data() + text.size();
-    const auto [stopped, error] = std::from_chars(text.data(), end, length);
-    const bool given = error == std::errc() && stopped == end && std::isfinite(length) && length > 0.0;
+    const bool given = parseWhole(text, length) && std::isfinite(length) && length > 0.0;
     if (!given && text != "exact") {
       return fmt::format("found `{}`, expected exact, or a length above 0 in metres such as 0.002", text);
     }

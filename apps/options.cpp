@@ -224,14 +224,6 @@ class HelpFormatter : public CLI::Formatter {
   std::size_t width_ = helpWidth();
 };
 
-/// Parses the whole text as a number. @return false if it is not one
-template <typename Number>
-bool parseWhole(const std::string& text, Number& number) {
-  const char* end = text.data() + text.size();
-  const auto [stopped, error] = std::from_chars(text.data(), end, number);
-  return error == std::errc() && stopped == end;
-}
-
 CLI::Validator countBetween(int min, int max, bool orAuto = false) {
   return checkedBy([=](std::string& text) -> std::string {
     int number = 0;

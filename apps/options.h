@@ -7,11 +7,13 @@
 
 #include <CLI/CLI.hpp>
 
+#include <charconv>
 #include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -37,6 +39,14 @@ using TextCheck = std::function<std::string(std::string&)>;
 /// For Option::transform().
 [[nodiscard]] inline CLI::Validator checkedBy(TextCheck check) {
   return CLI::Validator(std::move(check), "");
+}
+
+/// Parses the whole text as a number. @return false if it is not one
+template <typename Number>
+[[nodiscard]] bool parseWhole(const std::string& text, Number& number) {
+  const char* end = text.data() + text.size();
+  const auto [stopped, error] = std::from_chars(text.data(), end, number);
+  return error == std::errc() && stopped == end;
 }
 
 /// Why a text is no number of the type; empty if it is one. For Option::check().

@@ -23,11 +23,6 @@ std::string volumeText(double volume) {
   return std::isfinite(volume) ? fmt::format("{:.6g}", volume) : "too large to be measured";
 }
 
-/// A number for JSON, which has no infinity.
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json();
-}
-
 namespace fs = std::filesystem;
 
 constexpr int kRowsInFull = 32;
@@ -184,7 +179,7 @@ Report describeMesh(const Subject& subject) {
   const char* remedy = measurable ? "; `lorica decompose` builds a closed body around it" : "";
   report.add("closed", "closed", closed.ok(), closed ? "yes, it can be decomposed" : "no: " + problem + remedy);
   report.add("problem", orNull(problem));
-  report.add("volume", "volume", finite(volume), volumeText(volume));
+  report.add("volume", "volume", std::isfinite(volume) ? Json(volume) : Json(), volumeText(volume));
   report.add("hullVolume", "hull volume", measurable ? Json(hullVolume) : Json(),
              measurable ? volumeText(hullVolume) : "too large to be measured");
   const bool compared = closed && hullVolume > 0.0;

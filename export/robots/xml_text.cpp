@@ -102,23 +102,13 @@ std::size_t startOf(pugi::xml_node element) {
 
 std::string escapedXml(std::string_view text) {
   std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '<':
-        escaped += "&lt;";
-        break;
-      case '&':
-        escaped += "&amp;";
-        break;
-      case '"':
-        escaped += "&quot;";
-        break;
-      case '\'':
-        escaped += "&apos;";
-        break;
-      default:
-        escaped += c;
-    }
+  using namespace std::string_view_literals;
+  for (const char& c : text) {
+    escaped += c == '<'    ? "&lt;"sv
+               : c == '&'  ? "&amp;"sv
+               : c == '"'  ? "&quot;"sv
+               : c == '\'' ? "&apos;"sv
+                           : std::string_view(&c, 1);
   }
   return escaped;
 }
