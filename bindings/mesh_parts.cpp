@@ -31,12 +31,6 @@ Result<Subject> subjectOf(MeshSequence mesh, const MeshPartsSettings& settings, 
   return meshSubject("mesh", {std::move(mesh.positions), std::move(mesh.triangles)}, reading, host);
 }
 
-/// The hulls that are exported, which hold the mesh.
-Result<PartHulls> holding(const Subject& subject, Fit& fit) {
-  LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
-  return std::move(fit.exported);
-}
-
 MeshParts partsOf(const Subject& subject, PartHulls made, DecompositionFile content) {
   MeshParts result;
   std::vector<ConvexHull>& hulls = result.frames.emplace_back();
@@ -53,6 +47,28 @@ MeshParts partsOf(const Subject& subject, PartHulls made, DecompositionFile cont
   result.warning = doubtAboutHulls(meanErrorOf(result.errors));
   result.content = std::move(content);
   return result;
+}
+
+/// @param earlier  parts that were made before; null = to be made
+Result<MeshParts> partsWith(const EarlierParts* earlier, MeshSequence mesh, const MeshPartsSettings& settings) {
+  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.budget(), settings.decompose.threads));
+  ProgramHost host(settings.decompose.progress, settings.decompose.threads,
+                   earlier != nullptr ? 0 : settings.decompose.maxParts);
+  if (mesh.frameCount() > 1) return partsOfFrames(std::move(mesh), settings, readingOf(settings), earlier, host);
+  LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
+  if (earlier != nullptr) LORICA_TRY_DO(checkMadeFrom(subject, earlier->content, earlier->from));
+  const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
+  FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices, settings.hullPlanes}, true, {}};
+  request.settings.threads = settings.decompose.threads;
+  if (earlier == nullptr) {
+    request.settings = settings.decompose;
+    request.settings.maxConcavity = settings.maxConcavity * concavityUnitOf(subject);
+  }
+  LORICA_TRY(Fit fit, earlier != nullptr ? fitOf(request, {earlier->content.decomposition, 0.0}, host)
+                                         : fitHulls(request, host));
+  LORICA_TRY_DO(prefixed(subject.name, checkHullsHold(fit.exported, subject.mesh.vertices, verticesToHold(subject))));
+  return partsOf(subject, std::move(fit.exported),
+                 earlier != nullptr ? earlier->content : fileContent(request, nullptr, fit));
 }
 
 }  // namespace
@@ -97,17 +113,7 @@ std::string repairsOf(const Subject& subject) {
 }
 
 Result<MeshParts> partsOfMesh(MeshSequence mesh, const MeshPartsSettings& settings) {
-  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.budget(), settings.decompose.threads));
-  ProgramHost host(settings.decompose.progress, settings.decompose.threads, settings.decompose.maxParts);
-  if (mesh.frameCount() > 1) return partsOfFrames(std::move(mesh), settings, readingOf(settings), nullptr, host);
-  LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
-  const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
-  FitRequest request{subject, keyframes,         nullptr, {std::nullopt, settings.hullVertices, settings.hullPlanes},
-                     true,    settings.decompose};
-  request.settings.maxConcavity = settings.maxConcavity * concavityUnitOf(subject);
-  LORICA_TRY(Fit fit, fitHulls(request, host));
-  LORICA_TRY(PartHulls made, holding(subject, fit));
-  return partsOf(subject, std::move(made), fileContent(request, nullptr, fit));
+  return partsWith(nullptr, std::move(mesh), settings);
 }
 
 Result<EarlierParts> earlierPartsIn(const std::filesystem::path& file) {
@@ -115,18 +121,8 @@ Result<EarlierParts> earlierPartsIn(const std::filesystem::path& file) {
   return EarlierParts{file.string(), std::move(content)};
 }
 
-Result<MeshParts> partsAsBefore(EarlierParts earlier, MeshSequence mesh, const MeshPartsSettings& settings) {
-  LORICA_TRY_DO(checkCounts(settings.decompose.maxParts, settings.budget(), settings.decompose.threads));
-  ProgramHost host(settings.decompose.progress, settings.decompose.threads);
-  if (mesh.frameCount() > 1) return partsOfFrames(std::move(mesh), settings, readingOf(settings), &earlier, host);
-  LORICA_TRY(const Subject subject, subjectOf(std::move(mesh), settings, host));
-  LORICA_TRY_DO(checkMadeFrom(subject, earlier.content, earlier.from));
-  const Keyframes keyframes{subject.mesh.vertices, 1, {}, 0.0};
-  FitRequest request{subject, keyframes, nullptr, {std::nullopt, settings.hullVertices, settings.hullPlanes}, true, {}};
-  request.settings.threads = settings.decompose.threads;
-  LORICA_TRY(Fit fit, fitOf(request, {earlier.content.decomposition, 0.0}, host));
-  LORICA_TRY(PartHulls made, holding(subject, fit));
-  return partsOf(subject, std::move(made), std::move(earlier.content));
+Result<MeshParts> partsAsBefore(const EarlierParts& earlier, MeshSequence mesh, const MeshPartsSettings& settings) {
+  return partsWith(&earlier, std::move(mesh), settings);
 }
 
 }  // namespace lorica

@@ -68,7 +68,7 @@ struct EarlierParts {
 /// The same parts again.
 /// @param mesh      the one that they were made from, as it was then; or another with the same triangles
 /// @param settings  only hullVertices, closed and threads are used
-[[nodiscard]] Result<MeshParts> partsAsBefore(EarlierParts earlier, MeshSequence mesh,
+[[nodiscard]] Result<MeshParts> partsAsBefore(const EarlierParts& earlier, MeshSequence mesh,
                                               const MeshPartsSettings& settings);
 
 /// partsOfMesh() of a mesh in several poses. @param earlier  parts that were made before; null = to be made

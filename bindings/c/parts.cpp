@@ -137,8 +137,8 @@ lorica_status lorica_parts_load(const char* file, const lorica_mesh* mesh, const
   return makeParts(mesh, options, out,
                    [&](MeshSequence checked, const MeshPartsSettings& settings) -> Result<MeshParts> {
                      LORICA_TRY_DO(given(file, "file"));
-                     LORICA_TRY(EarlierParts earlier, earlierPartsIn(file));
-                     return partsAsBefore(std::move(earlier), std::move(checked), settings);
+                     LORICA_TRY(const EarlierParts earlier, earlierPartsIn(file));
+                     return partsAsBefore(earlier, std::move(checked), settings);
                    });
 }
 

@@ -88,8 +88,8 @@ PartList loadParts(const fs::path& file, const py::object& vertices, const py::o
   settings.hullPlanes = hullPlanes;
   return makeParts(meshFrom(vertices, faces), settings, py::none(),
                    [&](MeshSequence mesh, const MeshPartsSettings& given) -> Result<MeshParts> {
-                     LORICA_TRY(EarlierParts earlier, earlierPartsIn(file));
-                     return partsAsBefore(std::move(earlier), std::move(mesh), given);
+                     LORICA_TRY(const EarlierParts earlier, earlierPartsIn(file));
+                     return partsAsBefore(earlier, std::move(mesh), given);
                    });
 }
 
