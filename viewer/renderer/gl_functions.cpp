@@ -6,8 +6,8 @@ namespace lorica {
 
 Result<GlFunctions> loadGlFunctions(void* (*getProc)(const char*)) {
   GlFunctions gl;
-#define LORICA_GL_LOAD(TYPE, name)                                                                     \
-  gl.name = reinterpret_cast<PFNGL##TYPE##PROC>(getProc("gl" #name));                                  \
+#define LORICA_GL_LOAD(name)                                                                           \
+  gl.name = reinterpret_cast<decltype(gl.name)>(getProc("gl" #name));                                  \
   if (gl.name == nullptr) {                                                                            \
     return Error{ErrorCode::kNoDisplay, "the OpenGL library lacks gl" #name ": OpenGL 3.3 is needed"}; \
   }

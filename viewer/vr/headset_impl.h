@@ -27,42 +27,17 @@ using PFNEGLGETPROCADDRESSPROC = void (*(*)(const char*))();
 #include <openxr/openxr_platform.h>
 
 /// The functions of OpenXR that Lorica uses, without "xr". The first is what ends all, also where another is lacking.
-#define LORICA_XR_FUNCTIONS(X)         \
-  X(DestroyInstance)                   \
-  X(AcquireSwapchainImage)             \
-  X(ApplyHapticFeedback)               \
-  X(AttachSessionActionSets)           \
-  X(BeginFrame)                        \
-  X(BeginSession)                      \
-  X(CreateAction)                      \
-  X(CreateActionSet)                   \
-  X(CreateActionSpace)                 \
-  X(CreateReferenceSpace)              \
-  X(CreateSession)                     \
-  X(CreateSwapchain)                   \
-  X(DestroySession)                    \
-  X(EndFrame)                          \
-  X(EndSession)                        \
-  X(EnumerateSwapchainFormats)         \
-  X(EnumerateSwapchainImages)          \
-  X(EnumerateViewConfigurationViews)   \
-  X(GetActionStateBoolean)             \
-  X(GetActionStateFloat)               \
-  X(GetActionStateVector2f)            \
-  X(GetInstanceProperties)             \
-  X(GetOpenGLGraphicsRequirementsKHR)  \
-  X(GetSystem)                         \
-  X(GetSystemProperties)               \
-  X(LocateSpace)                       \
-  X(LocateViews)                       \
-  X(PollEvent)                         \
-  X(ReleaseSwapchainImage)             \
-  X(ResultToString)                    \
-  X(StringToPath)                      \
-  X(SuggestInteractionProfileBindings) \
-  X(SyncActions)                       \
-  X(WaitFrame)                         \
-  X(WaitSwapchainImage)
+// Several a line, which clang-format would each indent further.
+// clang-format off
+#define LORICA_XR_FUNCTIONS(X)                                                                                     \
+  X(DestroyInstance) X(AcquireSwapchainImage) X(ApplyHapticFeedback) X(AttachSessionActionSets) X(BeginFrame)      \
+  X(BeginSession) X(CreateAction) X(CreateActionSet) X(CreateActionSpace) X(CreateReferenceSpace) X(CreateSession) \
+  X(CreateSwapchain) X(DestroySession) X(EndFrame) X(EndSession) X(EnumerateSwapchainFormats)                      \
+  X(EnumerateSwapchainImages) X(EnumerateViewConfigurationViews) X(GetActionStateBoolean) X(GetActionStateFloat)   \
+  X(GetActionStateVector2f) X(GetInstanceProperties) X(GetOpenGLGraphicsRequirementsKHR) X(GetSystem)              \
+  X(GetSystemProperties) X(LocateSpace) X(LocateViews) X(PollEvent) X(ReleaseSwapchainImage) X(ResultToString)     \
+  X(StringToPath) X(SuggestInteractionProfileBindings) X(SyncActions) X(WaitFrame) X(WaitSwapchainImage)
+// clang-format on
 
 /// Those of XR_EXT_hand_tracking, where the runtime has it.
 #define LORICA_XR_HAND_FUNCTIONS(X) \
