@@ -18,7 +18,6 @@
 #include "geometry/text.h"
 #include "session/prepare/body.h"
 #include "session/prepare/cover_poses.h"
-#include "session/prepare/played_mesh.h"
 #include "session/prepare/subject.h"
 #include "session/prepare/training_motions.h"
 #include "skinning/import/character_file.h"

@@ -13,7 +13,6 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
-#include "session/prepare/played_mesh.h"
 #include "session/prepare/subject.h"
 #include "viewer/player/parts_picture.h"
 

@@ -12,7 +12,6 @@
 #include "geometry/text.h"
 #include "session/prepare/body.h"
 #include "session/prepare/motion.h"
-#include "session/prepare/played_mesh.h"
 #include "session/prepare/subject.h"
 
 #include <fmt/format.h>

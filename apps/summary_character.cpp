@@ -4,7 +4,7 @@
 #include "geometry/text.h"
 #include "session/prepare/cast.h"
 #include "session/prepare/first_guess.h"
-#include "session/prepare/played_mesh.h"
+#include "session/prepare/subject.h"
 #include "skinning/linear_blend.h"
 #include "skinning/look/picture.h"
 

@@ -1,11 +1,13 @@
 #include "session/contact_events.h"
 
+#include "acd/transfer.h"
 #include "collision/world/strike_limit.h"
 #include "geometry/counts.h"
-#include "session/part_masses.h"
+#include "geometry/mass_properties.h"
 #include "session/session.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lorica {
 namespace {
@@ -13,7 +15,20 @@ namespace {
 // Frames that are closer in time are repeated ones.
 constexpr double kShortestEventSeconds = 0.001;
 
+constexpr double kBodyDensity = 1000.0;  // of water [kg/m^3]
+
 }  // namespace
+
+std::vector<double> partMasses(const Decomposition& decomposition, const Character& character) {
+  std::vector<Vec3> points(decomposition.pointCount());
+  transfer(decomposition, character.mesh.vertices, points);
+  std::vector<double> masses;
+  masses.reserve(decomposition.parts.size());
+  for (const Part& part : decomposition.parts) {
+    masses.push_back(kBodyDensity * std::abs(massProperties(points, part.triangles).volume));
+  }
+  return masses;
+}
 
 ContactEvents::ContactEvents(const Session& session) : time_(session.time()) {
   masses_.reserve(session.avatars().size());

@@ -1,11 +1,17 @@
 #pragma once
 
+#include "acd/decomposition.h"
 #include "collision/world/touch_tracker.h"
+#include "skinning/character.h"
 
 #include <span>
 #include <vector>
 
 namespace lorica {
+
+/// Mass of each part of a character: its own volume in the bind pose, without those of its neighbours, as if it were of
+/// water [kg].
+[[nodiscard]] std::vector<double> partMasses(const Decomposition& decomposition, const Character& character);
 
 class Session;
 

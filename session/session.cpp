@@ -4,7 +4,7 @@
 #include "geometry/clock.h"
 #include "geometry/counts.h"
 #include "geometry/threads.h"
-#include "session/part_masses.h"
+#include "session/contact_events.h"
 
 #include <tbb/task_group.h>
 #include <xxhash.h>

@@ -2,14 +2,34 @@
 
 #include "capture/fault_injector.h"
 #include "capture/skeleton_frame.h"
-#include "session/byte_writer.h"
 #include "session/pose_source.h"
 
 #include <memory>
 #include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace lorica {
+
+/// Appends numbers to a byte string.
+class ByteWriter {
+ public:
+  template <typename Number>
+  /// Appends a number as it is in memory.
+  void put(Number number) {
+    static_assert(std::is_arithmetic_v<Number>);
+    const auto* bytes = reinterpret_cast<const char*>(&number);
+    bytes_.append(bytes, sizeof(Number));
+  }
+  void put(std::string_view bytes) { bytes_ += bytes; }            ///< appends them
+  void clear() { bytes_.clear(); }                                 ///< keeps the memory
+  [[nodiscard]] std::string_view bytes() const { return bytes_; }  ///< all that was appended
+
+ private:
+  std::string bytes_;
+};
 
 /// Raw joints or poses that were read from a source, before faults, smoothing and retargeting.
 struct SourceLog {
@@ -39,6 +59,11 @@ void putExpressions(std::span<const NamedWeight> expressions, ByteWriter& bytes)
 /// A source that appends the poses that it gives to a log.
 [[nodiscard]] std::unique_ptr<PoseSource> makeLoggedSource(std::unique_ptr<PoseSource> source,
                                                            std::shared_ptr<SourceLog> log);
+
+/// Injects faults of whole frames into poses: late and freeze, see FaultSettings. Allocates nothing per frame.
+/// @return the source, or an error if the settings have faults of single joints, which do not apply to poses
+[[nodiscard]] Result<std::unique_ptr<PoseSource>> makePoseFaults(std::unique_ptr<PoseSource> source,
+                                                                 const FaultSettings& settings);
 
 /// Processing of joints or poses between their source and a session: they are logged, then faults are injected, then
 /// joints are smoothed and retargeted. The same for recording, playback and replay.

@@ -2,7 +2,7 @@
 
 #include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/skeletal_retarget.h"
-#include "session/prepare/played_mesh.h"
+#include "session/prepare/subject.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>

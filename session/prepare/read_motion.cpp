@@ -9,9 +9,9 @@
 #include "session/prepare/depth_motion.h"
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/first_guess.h"
-#include "session/prepare/played_mesh.h"
 #include "session/prepare/smpl.h"
 #include "session/prepare/stream_motion.h"
+#include "session/prepare/subject.h"
 #include "skinning/import/character_file.h"
 
 #include <fmt/format.h>

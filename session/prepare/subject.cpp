@@ -2,20 +2,23 @@
 
 #include "collision/hulls/character_walls.h"
 #include "collision/hulls/mesh_subject.h"
+#include "geometry/arrays/mesh_sequence.h"
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 #include "session/prepare/body.h"
 #include "session/prepare/decomposition_cache.h"
-#include "session/prepare/expressions.h"
 #include "session/prepare/file_kinds.h"
-#include "session/prepare/played_mesh.h"
 #include "session/prepare/read_motion.h"
+#include "session/prepare/smpl.h"
 #include "skinning/import/bone_map.h"
 #include "skinning/look/avatar.h"
 #include "skinning/mannequin/mannequin.h"
 #include "skinning/morphs/shapes.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
 #include <utility>
 
 namespace lorica {
@@ -116,6 +119,27 @@ Result<Subject> characterSubject(const std::string& file, CharacterFile read, co
   return subject;
 }
 
+/// A mesh in several poses as a character that plays them: in the unit and axes of its files. A single pose is a mesh,
+/// see CharacterFile::isMesh().
+Result<CharacterFile> playedFile(MeshSequence sequence) {
+  const std::span<const Vec3> first = sequence.frame(0);
+  TriMesh mesh{{first.begin(), first.end()}, std::move(sequence.triangles)};
+  std::vector<double> times;
+  for (int f = 0; f < sequence.frameCount(); ++f) times.push_back(f / sequence.framesPerSecond);
+  LORICA_TRY(PlayedMesh played, playedMesh(sequence.name, std::move(mesh), sequence.positions, times));
+  CharacterFile file;
+  file.character = std::move(played.character);
+  file.nodeOfJoint.assign(file.character.skeleton.jointCount(), -1);
+  if (sequence.frameCount() > 1) {
+    played.clip.framesPerSecond = sequence.framesPerSecond;
+    file.clips.push_back(std::move(played.clip));
+  }
+  file.format = kSequence;
+  file.meshes = file.primitives = file.maxInfluences = 1;
+  file.notes = std::move(sequence.notes);
+  return file;
+}
+
 }  // namespace
 
 Result<Subject> readSubject(const std::string& input, const CharacterOptions& options, Host& host) {
@@ -180,6 +204,38 @@ Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOpti
     return invalidArgument("{}: found a mesh without skin and clips, expected a character", nameOrFile);
   };
   return readSubject(nameOrFile, reading, host);
+}
+
+Result<CharacterFile> readPlayed(const std::string& input, Host& host, std::vector<std::string> hidden) {
+  if (!namesSequence(input)) return readCharacterFile(input, host.characterFiles(std::move(hidden)));
+  if (archiveKindOf(input) == ArchiveKind::kSmplModel) return readSmplModel(input);
+  if (!hidden.empty()) return invalidArgument("{}: is one mesh in several poses: expected no --hide", input);
+  Task task(host, "Reading " + input, "files");
+  LORICA_TRY(MeshSequence sequence, readMeshSequence(input, task.progress()));
+  return prefixed(input, playedFile(std::move(sequence)));
+}
+
+Result<std::vector<float>> chosenExpressions(const Expressions& expressions, std::span<const std::string> given,
+                                             const std::string& input) {
+  std::vector<float> weights(expressions.list.size(), 0.0F);
+  for (const std::string& one : given) {
+    const auto bad = [&](const std::string& what) { return invalidArgument("--expression {}: {}", one, what); };
+    const std::size_t equals = one.rfind('=');
+    if (equals == std::string::npos) return bad("expected a name and a weight, such as Joy=1");
+    float weight = 0.0F;
+    const char* end = one.data() + one.size();
+    const auto [stopped, problem] = std::from_chars(one.data() + equals + 1, end, weight);
+    if (problem != std::errc() || stopped != end || !(weight >= 0.0F && weight <= 1.0F)) {
+      return bad("expected a weight from 0 to 1");
+    }
+    const std::string name = one.substr(0, equals);
+    const std::optional<std::size_t> index = findExpression(expressions, name);
+    if (!index && expressions.list.empty()) return bad(fmt::format("{} has no expressions", input));
+    if (!index)
+      return bad(fmt::format("{} has no expression {}, expected one of {}", input, name, namesOf(expressions)));
+    weights[*index] = weight;
+  }
+  return weights;
 }
 
 }  // namespace lorica

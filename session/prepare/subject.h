@@ -3,8 +3,12 @@
 #include "collision/hulls/host.h"
 #include "collision/hulls/subject.h"
 #include "geometry/result.h"
+#include "skinning/import/character_file.h"
+#include "skinning/morphs/expressions.h"
 
+#include <span>
 #include <string>
+#include <vector>
 
 namespace lorica {
 
@@ -24,5 +28,22 @@ struct MeshSequence;
 
 /// A character by its name or file, or an error that says what is expected.
 [[nodiscard]] Result<Subject> readCharacter(const std::string& nameOrFile, const CharacterOptions& options, Host& host);
+
+/// CharacterFile::format of a mesh in several poses.
+inline constexpr const char* kSequence = "mesh sequence";
+
+/// Reads what kindOf() calls a character: its file, see readCharacterFile(), or a mesh in several poses, see
+/// readMeshSequence().
+/// @param hidden  see CharacterFileSettings
+[[nodiscard]] Result<CharacterFile> readPlayed(const std::string& input, Host& host,
+                                               std::vector<std::string> hidden = {});
+
+/// The weight of each expression of a character.
+/// @param given  "Joy=1" and the like; several weights of one expression: the last counts
+/// @param input  name of the character, for messages
+/// @return one weight for each expression; or an error that lists the known ones, or says what a weight may be
+[[nodiscard]] Result<std::vector<float>> chosenExpressions(const Expressions& expressions,
+                                                           std::span<const std::string> given,
+                                                           const std::string& input);
 
 }  // namespace lorica

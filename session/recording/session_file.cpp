@@ -1,7 +1,6 @@
 #include "session/recording/session_file.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
-#include "session/byte_writer.h"
 
 #include "geometry/byte_reader.h"
 #include "geometry/errors.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-/// An avatar as ContactTable sees it. Internal: not installed.
+/// Avatars and the props that they meet, as ContactTable sees them. Internal: not installed.
 
 #include "collision/live/extent_kernel.h"
 #include "collision/world/shape_contact.h"
@@ -9,6 +9,7 @@
 #include <array>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 namespace lorica {
@@ -74,6 +75,40 @@ struct ContactOutline {
   double time_ = 0.0, seconds_ = 0.0;  // of the frame
   std::vector<Bones> past_;            // oldest first: one that is kFootSeconds ago or more, and those since
   std::size_t known_ = 0;              // of `past_`; the rest is memory for more
+};
+
+/// A prop and a part: measured between hulls, or told by the physics.
+struct PropMeeting {
+  int avatar = 0, part = 0, prop = 0;
+  Meeting meeting;
+  double impulse = 0.0;
+
+  [[nodiscard]] auto key() const { return std::tuple(avatar, part, prop); }
+};
+
+/// Finds the props that parts of avatars touch or are near to.
+class PropMeetings {
+ public:
+  /// @param reach  to which is searched [m]
+  explicit PropMeetings(double reach) : reach_(reach) {}
+
+  /// Those of the session's last frame, in the order of PropMeeting::key(): of each pair the deepest, with all
+  /// impulses. Valid until the next call.
+  std::span<const PropMeeting> find(const Session& session, std::span<ContactOutline> outlines);
+
+ private:
+  /// A convex piece of a prop in world space.
+  struct Piece {
+    std::vector<Vec3> points = {};
+    double radius = 0.0;
+    Aabb box;  ///< with the radius
+  };
+  void setPiece(const Prop& prop, std::size_t hull);
+  void findProp(int index, const Prop& prop, int avatar, ContactOutline& outline);
+
+  double reach_;
+  std::vector<PropMeeting> found_;
+  Piece piece_;
 };
 
 }  // namespace lorica

@@ -3,7 +3,6 @@
 #include "collision/world/strike_limit.h"
 #include "geometry/counts.h"
 #include "session/scenes/contact_outline.h"
-#include "session/scenes/contact_props.h"
 
 #include <algorithm>
 #include <optional>

@@ -259,8 +259,7 @@ void refuseLargeMeshes(const SceneFile& scene, SceneElement& root) {
   }
 }
 
-}  // namespace
-
+/// Reads "avatars" of a scene.
 std::vector<AvatarSetting> readStage(SceneElement& root) {
   std::vector<AvatarSetting> stage;
   root.each("avatars", [&](SceneElement& element) {
@@ -284,6 +283,8 @@ std::vector<AvatarSetting> readStage(SceneElement& root) {
   });
   return stage;
 }
+
+}  // namespace
 
 Result<SceneFile> parseScene(std::string_view text, std::string_view name, const SceneReading& reading) {
   const auto bad = [&](std::string_view what) { return badFormat("{}: {}", name, what); };

@@ -26,11 +26,6 @@ struct AvatarSetting {
   std::optional<Vec3f> color;           ///< its look is tinted with this, linear RGB; none = as it is
 };
 
-class SceneElement;
-
-/// Reads "avatars" of a scene. Internal to scene_file.cpp.
-[[nodiscard]] std::vector<AvatarSetting> readStage(SceneElement& root);
-
 /// The contents of a scene file: props, links and particles around avatars, and avatars. Format: docs/SCENES.md.
 struct SceneFile {
   /// A ball joint between two props, or between a prop and the world; see World::addLink().

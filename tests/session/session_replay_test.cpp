@@ -3,7 +3,6 @@
 #include "capture/files/joint_csv.h"
 #include "collision/particles/particles.h"
 #include "geometry/files.h"
-#include "session/pose_faults.h"
 #include "session/recording/session_blocks.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"

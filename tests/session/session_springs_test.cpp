@@ -2,7 +2,6 @@
 
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"
-#include "session/pose_faults.h"
 #include "session/recording/session_blocks.h"
 #include "session/recording/session_recorder.h"
 #include "session/recording/session_replay.h"

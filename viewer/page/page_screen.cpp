@@ -2,7 +2,7 @@
 
 #include "geometry/clock.h"
 #include "geometry/counts.h"
-#include "session/prepare/played_mesh.h"
+#include "session/prepare/subject.h"
 #include "skinning/clip_files/character_document.h"
 #include "viewer/page/sent_file.h"
 #include "viewer/player/window_opener.h"

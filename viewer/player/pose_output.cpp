@@ -4,7 +4,7 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "session/contact_events.h"
-#include "session/prepare/expressions.h"
+#include "session/prepare/subject.h"
 #include "viewer/player/session_face.h"
 
 #include <fmt/format.h>
