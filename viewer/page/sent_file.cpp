@@ -2,7 +2,7 @@
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "viewer/player/dated_file.h"
+#include "viewer/player/window_opener.h"
 
 #include <fmt/format.h>
 

@@ -172,4 +172,9 @@ struct Shown {
 /// Prepares a screen for a run: its title and what is drawn. @param background  see setBackground()
 void prepareScreen(const Run& run, Screen& screen, const std::optional<Background>& background);
 
+/// Draws the depth image: near is light, unmeasured pixels are black. The tracked joints are green if they are seen and
+/// orange if they are guessed. The picture has half the width and height of the depth image; it stays empty before the
+/// first one.
+void drawDepthPicture(const DepthCamera& camera, const DepthSight& sight, Image& picture);
+
 }  // namespace lorica

@@ -5,14 +5,16 @@
 #include "geometry/text.h"
 #include "session/prepare/file_kinds.h"
 #include "skinning/import/character_file.h"
-#include "viewer/player/dated_file.h"
 #include "viewer/player/window_settings.h"
 
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <ctime>
 #include <iterator>
+#include <system_error>
 
 namespace lorica {
 namespace {
@@ -137,7 +139,26 @@ std::vector<std::string> leftOut(const CastRequest& wanted, const CastRequest& m
   return names;
 }
 
+constexpr int kMaxOfADay = 999;
+constexpr std::uintmax_t kLeastFree = std::uintmax_t{2} << 30;  // [bytes]
+
 }  // namespace
+
+Result<std::string> newDatedFile(const fs::path& folder, std::string_view ending) {
+  std::error_code error;
+  if (const fs::space_info space = fs::space(folder, error); error || space.available < kLeastFree) {
+    return unwritable("{}: {}", folder.string(),
+                      error ? error.message() : fmt::format("less than {} MiB free", kLeastFree >> 20));
+  }
+  const std::string day = fmt::format("{:%Y-%m-%d}", fmt::localtime(std::time(nullptr)));
+  for (int number = 1; number <= kMaxOfADay; ++number) {
+    const fs::path file = folder / fmt::format("{}_{:03}{}", day, number, ending);
+    if (!fs::exists(file, error) &&
+        !fs::exists(fs::path(file).replace_extension(fmt::format(".part{}", ending)), error))
+      return file.string();
+  }
+  return unwritable("{}: {} files ({}) of {}", folder.string(), kMaxOfADay, ending, day);
+}
 
 WindowOpener::WindowOpener(const Cast& present, Host& host, std::string whyNot)
     : host_(host), whyNot_(std::move(whyNot)), motions_(shippedRecordings()) {

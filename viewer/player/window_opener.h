@@ -1,5 +1,6 @@
 #pragma once
 
+#include "geometry/result.h"
 #include "session/prepare/cast.h"
 #include "viewer/player/monitored_host.h"
 #include "viewer/renderer/window_values.h"
@@ -20,6 +21,11 @@ inline constexpr const char* kWrittenOnce = "what is written or sent is one sess
 
 /// In the folder that recordInto() names: the files that people sent who watch.
 inline constexpr const char* kSentFolder = "opened";
+
+/// A new name of today in a folder, such as 2026-03-01_002.lsession; at most 999 of a kind a day. What others
+/// ask for never fills the disk: less than 2 GiB free is an error.
+/// @param ending  with its dot
+[[nodiscard]] Result<std::string> newDatedFile(const std::filesystem::path& folder, std::string_view ending);
 
 /// Opens in a window what the user drops on it or picks, while the present session continues.
 class WindowOpener {

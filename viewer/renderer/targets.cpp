@@ -1,4 +1,4 @@
-#include "viewer/renderer/targets.h"
+#include "viewer/renderer/renderer_impl.h"
 
 #include "geometry/errors.h"
 
@@ -7,7 +7,6 @@
 #include <utility>
 
 namespace lorica {
-
 namespace {
 
 struct Settings {

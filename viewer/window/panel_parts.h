@@ -1,9 +1,8 @@
 #pragma once
 
 #include "geometry/result.h"
-#include "viewer/renderer/panel_colors.h"
+#include "viewer/renderer/picture_area.h"
 #include "viewer/renderer/window_values.h"
-#include "viewer/window/free_area.h"
 #include "viewer/window/time_graph.h"
 
 #include <imgui.h>

@@ -4,7 +4,7 @@
 #include "tests/support/value_of.h"
 #include "tests/viewer/page/test_client.h"
 #include "viewer/page/page_files.h"
-#include "viewer/renderer/panel_colors.h"
+#include "viewer/renderer/window_values.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

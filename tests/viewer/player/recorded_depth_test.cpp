@@ -4,7 +4,6 @@
 #include "capture/tracking/depth_joints.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/datasets.h"
-#include "viewer/player/depth_picture.h"
 #include "viewer/player/run.h"
 
 #include <gtest/gtest.h>

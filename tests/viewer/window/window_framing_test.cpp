@@ -1,7 +1,7 @@
 #include "geometry/random_numbers.h"
 #include "tests/viewer/window/window_at_work.h"
 #include "viewer/renderer/frame_setup.h"
-#include "viewer/window/free_area.h"
+#include "viewer/renderer/picture_area.h"
 #include "viewer/window/orbit_camera.h"
 #include "viewer/window/quality_choice.h"
 #include "viewer/window/time_graph.h"
