@@ -1,7 +1,6 @@
 #include "session/prepare/live_cast.h"
 
 #include "capture/headset/three_point_body.h"
-#include "capture/tracking/depth_joints.h"
 #include "collision/hulls/cover_choice.h"
 #include "geometry/clock.h"
 #include "geometry/counts.h"

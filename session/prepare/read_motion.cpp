@@ -2,7 +2,6 @@
 
 #include "capture/files/bvh_file.h"
 #include "capture/files/joint_csv.h"
-#include "capture/files/joint_stream.h"
 #include "capture/retarget/skeletal_retarget.h"
 #include "geometry/errors.h"
 #include "geometry/text.h"
@@ -17,7 +16,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <initializer_list>
 
 namespace lorica {
 namespace {

@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <optional>
 
 namespace lorica {
 namespace {

@@ -13,7 +13,6 @@
 #include <charconv>
 #include <functional>
 #include <limits>
-#include <utility>
 
 namespace lorica {
 namespace {

@@ -14,7 +14,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include <array>
 #include <chrono>
 #include <system_error>
 #include <thread>

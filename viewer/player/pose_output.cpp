@@ -4,14 +4,12 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "session/contact_events.h"
-#include "session/prepare/subject.h"
 #include "viewer/player/session_face.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <chrono>
-#include <optional>
 #include <thread>
 #include <utility>
 

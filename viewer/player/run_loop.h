@@ -4,7 +4,7 @@
 #include "session/prepare/detail_levels.h"
 #include "session/prepare/scenes.h"
 #include "session/prepare/settling.h"
-#include "viewer/player/avatar_focus.h"
+#include "viewer/player/follow_camera.h"
 #include "viewer/player/hands.h"
 #include "viewer/player/headset_link.h"
 #include "viewer/player/monitored_host.h"

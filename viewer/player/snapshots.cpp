@@ -16,7 +16,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <string_view>
 #include <utility>
 
 namespace lorica {

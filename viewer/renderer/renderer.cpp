@@ -1,6 +1,5 @@
 #include "viewer/renderer/renderer.h"
 
-#include "viewer/renderer/frame_setup.h"
 #include "viewer/renderer/renderer_impl.h"
 
 #include <algorithm>

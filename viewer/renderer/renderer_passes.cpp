@@ -1,11 +1,8 @@
-#include "viewer/renderer/frame_setup.h"
-#include "viewer/renderer/prop_mesh.h"
 #include "viewer/renderer/renderer_impl.h"
 #include "viewer/renderer/text.h"
 
 #include <algorithm>
 #include <limits>
-#include <span>
 #include <utility>
 
 namespace lorica {

@@ -1,4 +1,3 @@
-#include "viewer/renderer/frame_setup.h"
 #include "viewer/renderer/renderer_impl.h"
 
 #include <algorithm>

@@ -9,6 +9,17 @@
 
 namespace lorica {
 
+/// Characters of UTF-8 text. Damaged bytes become U+FFFD, control characters other than '\n' and '\t' blanks.
+[[nodiscard]] std::u32string charactersOf(std::string_view utf8);
+
+// Characters are drawn with DejaVu Sans, and what it lacks with the first of the other fonts (Noto Sans CJK, Droid)
+// that is installed and has it. They are looked for in /usr/share/fonts, or in the folder that LORICA_FONTS names.
+// Without any, nothing is drawn, and standard error says so once.
+
+/// The file of the font that draws a character, for other libraries; empty = there is no font. Valid until the program
+/// ends.
+[[nodiscard]] std::string_view fontFileFor(char32_t character);
+
 /// Anti-aliased text: coverage 0 to 255, row 0 at the top.
 struct TextMask {
   int width = 0;
@@ -16,7 +27,7 @@ struct TextMask {
   std::vector<std::uint8_t> coverage;
 };
 
-/// Draws lines of UTF-8 text (separated by '\n'; '\t' moves to the next tab stop) with the fonts of font.h.
+/// Draws lines of UTF-8 text (separated by '\n'; '\t' moves to the next tab stop).
 /// @param lineHeight  distance of baselines [pixels], at least 6
 [[nodiscard]] TextMask drawText(std::string_view text, int lineHeight);
 

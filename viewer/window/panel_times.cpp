@@ -1,7 +1,6 @@
 #include "viewer/window/panel_parts.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 
 namespace lorica {

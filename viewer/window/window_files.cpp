@@ -1,7 +1,6 @@
 #include "viewer/window/window_impl.h"
 
 #include "viewer/pictures/image_files.h"
-#include "viewer/renderer/gl_functions.h"
 
 #include <fmt/format.h>
 

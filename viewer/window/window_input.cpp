@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
-#include <string_view>
 #include <utility>
 
 namespace lorica {

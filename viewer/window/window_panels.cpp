@@ -1,5 +1,5 @@
 #include "geometry/errors.h"
-#include "viewer/renderer/font.h"
+#include "viewer/renderer/text.h"
 #include "viewer/window/panel_parts.h"
 
 #include <backends/imgui_impl_opengl3.h>
@@ -15,7 +15,7 @@
 namespace lorica {
 namespace {
 
-/// Fills an atlas with one font: ASCII and other characters, by the fonts of viewer/renderer/font.h; without these the
+/// Fills an atlas with one font: ASCII and other characters, by the fonts of viewer/renderer/text.h; without these the
 /// font of Dear ImGui, which has ASCII.
 /// @param lineHeight  distance of baselines [pixels], at least 8
 /// @param others      beyond ASCII

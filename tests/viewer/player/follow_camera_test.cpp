@@ -5,7 +5,6 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
 #include "tests/support/value_of.h"
-#include "viewer/player/avatar_focus.h"
 #include "viewer/player/snapshots.h"
 #include "viewer/renderer/picture_area.h"
 

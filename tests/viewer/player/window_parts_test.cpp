@@ -8,7 +8,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"
 #include "tests/support/meshes.h"
-#include "viewer/player/avatar_focus.h"
+#include "viewer/player/follow_camera.h"
 #include "viewer/player/hands.h"
 #include "viewer/player/parts_picture.h"
 #include "viewer/player/warning_board.h"

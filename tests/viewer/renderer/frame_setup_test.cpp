@@ -3,7 +3,6 @@
 #include "tests/support/meshes.h"
 #include "tests/viewer/renderer/avatar_squares.h"
 #include "tests/viewer/renderer/pictures.h"
-#include "viewer/renderer/font.h"
 #include "viewer/renderer/overlay_mesh.h"
 #include "viewer/renderer/scene.h"
 #include "viewer/renderer/text.h"
