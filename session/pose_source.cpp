@@ -103,19 +103,6 @@ Result<SkeletalMotion> playedBy(const Skeleton& skeleton, Result<std::unique_ptr
   }
 }
 
-/// @param performer  a Skeleton or a Character
-template <typename Performer>
-Result<std::vector<SkeletalMotion>> performEach(const Performer& performer,
-                                                std::span<const std::vector<SkeletonFrame>> recordings) {
-  std::vector<SkeletalMotion> motions;
-  motions.reserve(recordings.size());
-  for (const std::vector<SkeletonFrame>& recording : recordings) {
-    LORICA_TRY(SkeletalMotion motion, perform(performer, recording));
-    motions.push_back(std::move(motion));
-  }
-  return motions;
-}
-
 }  // namespace
 
 Result<std::unique_ptr<PoseSource>> makeJointPoseSource(const Skeleton& skeleton,
@@ -149,16 +136,6 @@ Result<SkeletalMotion> perform(const Character& character, std::span<const Skele
                                const JointSettings& settings) {
   return playedBy(character.skeleton, makeJointPoseSource(character, recordedSource(recording), settings),
                   recording.size());
-}
-
-Result<std::vector<SkeletalMotion>> performAll(const Skeleton& skeleton,
-                                               std::span<const std::vector<SkeletonFrame>> recordings) {
-  return performEach(skeleton, recordings);
-}
-
-Result<std::vector<SkeletalMotion>> performAll(const Character& character,
-                                               std::span<const std::vector<SkeletonFrame>> recordings) {
-  return performEach(character, recordings);
 }
 
 }  // namespace lorica

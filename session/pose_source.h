@@ -71,11 +71,4 @@ struct JointSettings {
 [[nodiscard]] Result<SkeletalMotion> perform(const Character& character, std::span<const SkeletonFrame> recording,
                                              const JointSettings& settings = {});
 
-/// The same for several recordings. Each is retargeted independently, without state from the one before.
-[[nodiscard]] Result<std::vector<SkeletalMotion>> performAll(const Skeleton& skeleton,
-                                                             std::span<const std::vector<SkeletonFrame>> recordings);
-/// The poses of several recordings of one character.
-[[nodiscard]] Result<std::vector<SkeletalMotion>> performAll(const Character& character,
-                                                             std::span<const std::vector<SkeletonFrame>> recordings);
-
 }  // namespace lorica

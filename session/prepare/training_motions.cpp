@@ -8,8 +8,8 @@
 
 namespace lorica {
 
-Result<Training> trainingMotions(const Character& character, std::span<const Motion> given, std::span<const Clip> clips,
-                                 const std::function<Result<std::vector<Motion>>()>& usual) {
+Result<Training> trainingMotions(const Character& character, std::span<const Motion> given,
+                                 std::span<const Clip> clips) {
   Training training;
   const auto add = [&](std::span<const Motion> motions) -> Result<void> {
     for (const Motion& motion : motions) {
@@ -35,13 +35,7 @@ Result<Training> trainingMotions(const Character& character, std::span<const Mot
       training.motions.back().name = clip.name;
     }
   }
-  if (canPerform(character)) {
-    const Result<std::vector<Motion>> motions = usual();
-    if (!motions && clips.empty()) return motions.error();
-    if (motions) {
-      LORICA_TRY_DO(add(*motions));
-    }
-  }
+  if (canPerform(character)) LORICA_TRY_DO(add(shippedMotions()));
   if (training.motions.empty())
     training.motions.push_back({"rest pose", character.skeleton, {0.0}, restPose(character.skeleton)});
   return training;
@@ -58,7 +52,7 @@ Result<std::vector<Motion>> readMotions(std::span<const std::string> names, Host
 }
 
 Result<Training> trainingMotions(const Subject& subject, std::span<const Motion> motions) {
-  return trainingMotions(*subject.character, motions, subject.clips(), [] { return Result(shippedMotions()); });
+  return trainingMotions(*subject.character, motions, subject.clips());
 }
 
 }  // namespace lorica

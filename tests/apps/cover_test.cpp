@@ -46,11 +46,12 @@ const BoundedBody& boundedBody() {
 
 /// The poses in which the command chooses covers: from the shipped recordings.
 CoverPoses posesOfTheCommand(const Character& character) {
-  std::vector<std::vector<SkeletonFrame>> recordings;
+  std::vector<SkeletalMotion> motions;
   for (const char* name : {"walk", "wave", "jumping_jacks", "squat_and_reach", "punch_and_kick", "turn_around"}) {
-    recordings.push_back(readJointCsv(recordingsFolder() / (std::string(name) + ".csv")).value());
+    const std::vector<SkeletonFrame> frames = readJointCsv(recordingsFolder() / (std::string(name) + ".csv")).value();
+    motions.push_back(perform(character.skeleton, frames).value());
   }
-  return coverPoses(character, performAll(character.skeleton, recordings).value()).value();
+  return coverPoses(character, motions).value();
 }
 
 /// Largest distance of the parts' points outside the hulls of the stored cover, over the poses [m].

@@ -70,15 +70,6 @@ TEST(PoseSource, PerformedFramesAreTheRetargetersOwn) {
   }
 }
 
-TEST(PoseSource, RecordingsOneAfterTheOtherKnowNothingOfEachOther) {
-  const std::vector<std::vector<SkeletonFrame>> twice = {wave(), wave()};
-  const std::vector<SkeletalMotion> motions = performAll(skeleton(), twice).value();
-  ASSERT_EQ(motions.size(), 2u);
-  for (int f = 0; f < motions[0].frameCount(); ++f) {
-    EXPECT_EQ(difference(motions[0].pose(f), motions[1].pose(f)), 0.0) << f;
-  }
-}
-
 TEST(PoseSource, AMirroredWaveIsDoneWithTheOtherArm) {
   const auto highest = [](const SkeletalMotion& motion, HumanBone bone) {
     std::vector<Affine3> worldFromJoint(static_cast<std::size_t>(skeleton().jointCount()));

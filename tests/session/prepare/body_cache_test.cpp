@@ -232,7 +232,7 @@ TEST(UsedHulls, AreTheHullsThatPlay) {
   wave.name = "wave";
   wave.joints = shippedFrames("wave");
   const std::vector<Motion> motions = {wave};
-  const Training training = test::valueOf(trainingMotions(character, motions, {}, {}));
+  const Training training = test::valueOf(trainingMotions(character, motions, {}));
   for (const int count : {3, kChooseKeyframes}) {
     const Keyframes keyframes = test::valueOf(trainingKeyframes(character, training, count));
     const PoseView poses{keyframes.positions, static_cast<int>(character.mesh.vertices.size())};

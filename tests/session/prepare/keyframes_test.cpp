@@ -27,12 +27,19 @@ std::vector<SkeletonFrame> firstFrames(std::string_view motion, std::size_t coun
   return frames;
 }
 
+std::vector<SkeletalMotion> performEach(const Character& character,
+                                        std::span<const std::vector<SkeletonFrame>> recordings) {
+  std::vector<SkeletalMotion> motions;
+  for (const auto& recording : recordings) motions.push_back(perform(character.skeleton, recording).value());
+  return motions;
+}
+
 class Keyframes : public testing::Test {
  protected:
   Character character_ = makeMannequin();
   std::size_t vertexCount_ = character_.mesh.vertices.size();
   std::vector<std::vector<SkeletonFrame>> recordings_ = {firstFrames("walk", 17), firstFrames("punch_and_kick", 30)};
-  std::vector<SkeletalMotion> motions_ = performAll(character_.skeleton, recordings_).value();
+  std::vector<SkeletalMotion> motions_ = performEach(character_, recordings_);
 
   /// Index of each keyframe in the concatenated recordings.
   std::vector<int> framesOf(const std::vector<Vec3>& keyframes) {
@@ -79,7 +86,7 @@ TEST_F(Keyframes, MoreThanThereAreFramesIsRefused) {
 TEST_F(Keyframes, ACharacterWithoutHumanBonesIsRefused) {
   Joint root;
   root.name = "root";
-  EXPECT_TRUE(test::has(test::errorOf(performAll(*Skeleton::create({root}), recordings_)).message, "hips"));
+  EXPECT_TRUE(test::has(test::errorOf(perform(*Skeleton::create({root}), recordings_.front())).message, "hips"));
 }
 
 TEST_F(Keyframes, ChosenOnesAreFramesOfTheRecordingsAndSayWhich) {
@@ -162,9 +169,7 @@ class CoverPosesOf : public testing::Test {
   std::size_t jointCount_ = static_cast<std::size_t>(character_.skeleton.jointCount());
   std::vector<std::vector<SkeletonFrame>> recordings_ = {firstFrames("walk", 17), firstFrames("punch_and_kick", 30)};
 
-  [[nodiscard]] std::vector<SkeletalMotion> motions() const {
-    return performAll(character_.skeleton, recordings_).value();
-  }
+  [[nodiscard]] std::vector<SkeletalMotion> motions() const { return performEach(character_, recordings_); }
 
   /// worldFromModel of every frame in sessions of the recordings.
   std::vector<std::vector<Affine3>> framesOfSessions() {
@@ -315,14 +320,12 @@ std::vector<std::string> namesOf(const Training& training) {
 }
 
 using Names = std::vector<std::string>;
-const auto kUsual = [] { return Result<std::vector<Motion>>(std::vector<Motion>{recorded("walk")}); };
-const auto kNotFound = [] { return Result<std::vector<Motion>>(Error{ErrorCode::kNotFound, "no recordings"}); };
 
 TEST(Training, IsOnTheMotionsThatAreGiven) {
   const Character character = makeMannequin();
   const std::vector<Motion> given = {recorded("wave")};
   const std::vector<Clip> clips = {stillClip()};
-  const Training training = test::valueOf(trainingMotions(character, given, clips, kNotFound));
+  const Training training = test::valueOf(trainingMotions(character, given, clips));
   EXPECT_EQ(namesOf(training), Names{"wave"});
   EXPECT_FALSE(training.ownClips);
 }
@@ -330,19 +333,11 @@ TEST(Training, IsOnTheMotionsThatAreGiven) {
 TEST(Training, OfACharacterWithClipsIsOnThemAndOnTheUsualMotions) {
   const Character character = makeMannequin();
   const std::vector<Clip> clips = {stillClip()};
-  const Training training = test::valueOf(trainingMotions(character, {}, clips, kUsual));
-  EXPECT_EQ(namesOf(training), (Names{"Stand", "walk"}));
+  const Training training = test::valueOf(trainingMotions(character, {}, clips));
+  Names expected{"Stand"};
+  expected.insert(expected.end(), std::begin(kShippedMotions), std::end(kShippedMotions));
+  EXPECT_EQ(namesOf(training), expected);
   EXPECT_TRUE(training.ownClips);
-}
-
-TEST(Training, NeedsTheUsualMotionsOnlyWhereThereAreNoClips) {
-  const Character character = makeMannequin();
-  const std::vector<Clip> clips = {stillClip()};
-  const Training withClips = test::valueOf(trainingMotions(character, {}, clips, kNotFound));
-  EXPECT_EQ(namesOf(withClips), Names{"Stand"});
-  const Result<Training> without = trainingMotions(character, {}, {}, kNotFound);
-  ASSERT_FALSE(without);
-  EXPECT_EQ(without.error().message, "no recordings");
 }
 
 TEST(Training, OfWhatIsNoHumanoidAndHasNoClipsIsItsRestPose) {
@@ -350,7 +345,7 @@ TEST(Training, OfWhatIsNoHumanoidAndHasNoClipsIsItsRestPose) {
   std::vector<Joint> joints(character.skeleton.joints().begin(), character.skeleton.joints().end());
   for (Joint& joint : joints) joint.bone.reset();
   character.skeleton = *Skeleton::create(std::move(joints));
-  const Training training = test::valueOf(trainingMotions(character, {}, {}, kNotFound));
+  const Training training = test::valueOf(trainingMotions(character, {}, {}));
   EXPECT_EQ(namesOf(training), Names{"rest pose"});
 }
 
@@ -358,7 +353,7 @@ TEST(Training, LooksAtLongClipsLessOften) {
   const Character character = makeMannequin();
   std::vector<Clip> clips(2, stillClip());
   for (Clip& clip : clips) clip.seconds = kMaxTrainingPoses / kClipRate / character.skeleton.jointCount();
-  const Training training = trainingMotions(character, {}, clips, kUsual).value();
+  const Training training = trainingMotions(character, {}, clips).value();
   double poses = 0.0;
   for (std::size_t i = 0; i < clips.size(); ++i) {
     poses += static_cast<double>(training.motions[i].times.size() - 1) * character.skeleton.jointCount();
