@@ -76,14 +76,15 @@ Result<std::unique_ptr<Screens>> Screens::open(bool window, const ServeOptions& 
 
 void Screens::announce(Host& host) const {
   if (!server_) return;
-  for (const std::string& link : server_->links()) host.tell("Watch at " + link);
+  for (const std::string& link : server_->facts().links) host.tell("Watch at " + link);
   if (lan_) {
-    if (server_->certificateRenewed()) {
+    if (server_->facts().certificateRenewed) {
       host.tell(
           "This machine has another address than before, so its certificate is new: phones that had it ask again.");
     }
-    host.tell("Browsers warn of a certificate that they do not know: its SHA-256 is\n  " + server_->fingerprint());
-    if (isatty(STDERR_FILENO) == 1) say(qrCode(server_->links().front()));  // it is coloured
+    host.tell("Browsers warn of a certificate that they do not know: its SHA-256 is\n  " +
+              server_->facts().fingerprint);
+    if (isatty(STDERR_FILENO) == 1) say(qrCode(server_->facts().links.front()));  // it is coloured
   }
 }
 

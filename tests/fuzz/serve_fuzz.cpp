@@ -147,7 +147,7 @@ struct Stage {
     for (const ClientMessage& message : messages) {
       const Change& change = message.change;
       for (const std::string& file : change.files) {
-        LORICA_CHECK(std::filesystem::path(file).parent_path() == server->sentFiles(), "a file elsewhere");
+        LORICA_CHECK(std::filesystem::path(file).parent_path() == server->facts().sentFiles, "a file elsewhere");
       }
       LORICA_CHECK(message.client > 0 || !change.files.empty(), "a message of nobody");
       LORICA_CHECK(change.ray.origin.allFinite() && change.velocity.allFinite(), "a change that cannot be");
@@ -158,7 +158,7 @@ struct Stage {
   [[nodiscard]] int files() const {
     int count = 0;
     std::error_code none;
-    for (const auto& entry : std::filesystem::directory_iterator(server->sentFiles(), none)) {
+    for (const auto& entry : std::filesystem::directory_iterator(server->facts().sentFiles, none)) {
       ++count;
       LORICA_CHECK(std::filesystem::remove(entry.path()), "a file that cannot be removed");
     }

@@ -193,7 +193,7 @@ TEST(PeerServe, ThePageSaysWhatIsWrong) {
 
   json result;
   std::atomic<bool> ended = false;
-  std::thread browser([&, link = fmt::format("https://localhost:{}/#{}", server->port(), server->token())] {
+  std::thread browser([&, link = fmt::format("https://localhost:{}/#{}", server->port(), server->facts().token)] {
     result = check(link, "wrong");
     ended = true;
   });
@@ -341,7 +341,7 @@ TEST(PeerServe, AWalkWithAHeadsetRegistersItThroughThePage) {
   json result;
   std::atomic<bool> ended = false;
   std::thread browser([&] {
-    result = check(server->links().front(), "walk");
+    result = check(server->facts().links.front(), "walk");
     ended = true;
   });
   HeadsetLink link;
@@ -455,7 +455,7 @@ TEST(PeerServe, EachSceneLooksAsInASnapshot) {
   json result;
   std::atomic<bool> ended = false;
   std::thread browser([&] {
-    result = check(server->links().front(), "scenes");
+    result = check(server->facts().links.front(), "scenes");
     ended = true;
   });
   using Layer = std::pair<const char*, bool SceneOptions::*>;
@@ -572,7 +572,7 @@ TEST(PeerServe, MorphTargetsOfAPlainFileMoveAsInASnapshot) {
   json result;
   std::atomic<bool> ended = false;
   std::thread browser([&] {
-    result = check(server->links().front(), "expressions");
+    result = check(server->facts().links.front(), "expressions");
     ended = true;
   });
   WindowValues values;

@@ -267,7 +267,7 @@ void PageScreen::addTimes(std::span<const TimedStage> stages) {
 }
 
 void PageScreen::send(const std::string& notice, bool problem) {
-  const std::string text = withoutFolder(notice, server_.sentFiles());
+  const std::string text = withoutFolder(notice, server_.facts().sentFiles);
   server_.say(jsonText({{"type", "notice"}, {"text", text}, {"problem", problem}}));
 }
 
@@ -290,8 +290,8 @@ std::string PageScreen::controlsOf(const Controls& controls) const {
   for (const Control& control : controls) {
     if (!control.isOn(on_screen::kPage)) continue;
     list.push_back(jsonOf(control));
-    if (control.id == ControlId::kOpen && control.whyNot.empty() && !server_.noSentFiles().empty()) {
-      list.back()["no"] = server_.noSentFiles();
+    if (control.id == ControlId::kOpen && control.whyNot.empty() && !server_.facts().noSentFiles.empty()) {
+      list.back()["no"] = server_.facts().noSentFiles;
     }
   }
   return jsonText(Json{{"type", "controls"}, {"controls", std::move(list)}});

@@ -56,11 +56,7 @@ Result<void> useCertificate(const Certificate& certificate, const ServeSetting& 
 struct PageServer::Impl : ServerState {
   std::optional<tcp::acceptor> acceptor;
   std::thread thread;
-  std::vector<std::string> links;
-  int port = 0;
   asio::steady_timer pause{io};  // before the next one is accepted
-  std::string fingerprint;
-  bool renewed = false;
   // Of the session's thread.
   ServedFrame filling;
   std::uint32_t run = 0;
@@ -138,7 +134,7 @@ Result<std::unique_ptr<PageServer>> PageServer::start(const ServeSetting& settin
     }
     LORICA_TRY(const Certificate certificate, certificateOf(setting, hosts));
     impl.fingerprint = fingerprintOf(certificate.chain);
-    impl.renewed = certificate.renewed;
+    impl.certificateRenewed = certificate.renewed;
     impl.tls.emplace(asio::ssl::context::tls_server);
     LORICA_TRY_DO(useCertificate(certificate, setting, *impl.tls));
   } else {
@@ -164,32 +160,8 @@ PageServer::~PageServer() {
   impl_->thread.join();
 }
 
-const std::vector<std::string>& PageServer::links() const {
-  return impl_->links;
-}
-
-const std::filesystem::path& PageServer::sentFiles() const {
-  return impl_->sentFiles;
-}
-
-std::string_view PageServer::noSentFiles() const {
-  return impl_->noSentFiles;
-}
-
-int PageServer::port() const {
-  return impl_->port;
-}
-
-const std::string& PageServer::fingerprint() const {
-  return impl_->fingerprint;
-}
-
-bool PageServer::certificateRenewed() const {
-  return impl_->renewed;
-}
-
-const std::string& PageServer::token() const {
-  return impl_->token;
+const ServerFacts& PageServer::facts() const {
+  return *impl_;
 }
 
 unsigned PageServer::layers() const {

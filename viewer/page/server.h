@@ -52,6 +52,17 @@ struct ServeLimits {
   std::size_t headerBytes = 8192;   ///< of a request
 };
 
+/// What is known of a server that was started.
+struct ServerFacts {
+  int port = 0;
+  std::vector<std::string> links;   ///< one for each address of this machine: with the token
+  std::string token;                ///< empty = none is needed
+  std::string fingerprint;          ///< SHA-256 of the certificate, as browsers show it; empty without TLS
+  bool certificateRenewed = false;  ///< the one that was kept is not for the addresses of today: another was made
+  std::filesystem::path sentFiles;  ///< where files are kept that clients open; empty = nowhere
+  std::string_view noSentFiles;     ///< why they cannot open any; empty = they can. With static storage duration
+};
+
 /// The server: HTTP and one WebSocket on one port, in a thread of its own. The session's thread hands frames over and
 /// takes messages; it never waits for a client.
 class PageServer {
@@ -62,19 +73,8 @@ class PageServer {
   /// Says goodbye to all clients.
   ~PageServer();
 
-  /// One for each address of this machine: with the token.
-  [[nodiscard]] const std::vector<std::string>& links() const;
-  [[nodiscard]] int port() const;
-  [[nodiscard]] const std::string& token() const;  ///< empty = none is needed
-  /// SHA-256 of the certificate, as browsers show it; empty without TLS.
-  [[nodiscard]] const std::string& fingerprint() const;
-  /// Whether the certificate that was kept is not for the addresses of today, so that another was made.
-  [[nodiscard]] bool certificateRenewed() const;
-
-  /// Where files are kept that clients open; empty = nowhere.
-  [[nodiscard]] const std::filesystem::path& sentFiles() const;
-  /// Why clients cannot open files; empty = they can. With static storage duration.
-  [[nodiscard]] std::string_view noSentFiles() const;
+  [[nodiscard]] const ServerFacts& facts() const;
+  [[nodiscard]] int port() const { return facts().port; }
 
   // For the session's thread.
   /// What the clients want to see, together; 0 = there are none or no layers are wanted.

@@ -14,29 +14,24 @@
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
-#include <filesystem>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <set>
 #include <string>
-#include <string_view>
 
 // For viewer/page/ alone.
 
 namespace lorica {
 
 /// What all clients of a server share. All of it belongs to the server's thread, but for what the mutex guards.
-struct ServerState {
+struct ServerState : ServerFacts {
   ServeLimits limits;
-  std::string token;            // empty = none is needed
   std::set<std::string> hosts;  // that a request may name, with the port; empty = all
   bool secure = false;
   std::optional<boost::asio::ssl::context> tls;
   boost::asio::io_context io{1};
-  std::filesystem::path sentFiles;                 // of clients; empty = nowhere
-  std::string_view noSentFiles;                    // why; empty = they are kept
-  std::optional<boost::asio::thread_pool> writer;  // of them: a disk may be slow
+  std::optional<boost::asio::thread_pool> writer;  // of sentFiles: a disk may be slow
   bool receiving = false;                          // a file is coming: memory is for one at a time
 
   // Of the server's thread.

@@ -460,7 +460,8 @@ TEST(SentFiles, AreKeptWholeUnderANameOfTheServer) {
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_EQ(messages[i].change.id, ControlId::kOpen);
     EXPECT_TRUE(messages[i].change.files.at(0).ends_with(endings[i])) << messages[i].change.files.at(0);
-    EXPECT_EQ(std::filesystem::path(messages[i].change.files.at(0)).parent_path(), receiver.stage.server->sentFiles());
+    EXPECT_EQ(std::filesystem::path(messages[i].change.files.at(0)).parent_path(),
+              receiver.stage.server->facts().sentFiles);
     EXPECT_EQ(valueOf(readFile(messages[i].change.files.at(0))), contents[i]);
   }
   EXPECT_EQ(receiver.files().size(), 3u);
@@ -548,7 +549,7 @@ TEST(SentFiles, TheSecondWaitsForTheFirst) {
 
 TEST(SentFiles, TheirFolderHasALimit) {
   const Receiver receiver;
-  const std::filesystem::path folder = receiver.stage.server->sentFiles();
+  const std::filesystem::path folder = receiver.stage.server->facts().sentFiles;
   EXPECT_EQ(statusOf(answerTo(receiver.stage.server->port(), "/open/bvh", "first")), "202");
   std::ofstream(folder / "large").put('x');
   std::filesystem::resize_file(folder / "large", kMaxSentFiles - 5 - 5);  // sparse
@@ -562,7 +563,7 @@ TEST(SentFiles, TheirFolderHasALimit) {
 /// A folder that is not this user's own, or cannot be made, is a sentence without its name.
 TEST(SentFiles, AFolderThatCannotBeUsedIsASentence) {
   const Receiver receiver;
-  const std::filesystem::path folder = receiver.stage.server->sentFiles();
+  const std::filesystem::path folder = receiver.stage.server->facts().sentFiles;
   std::ofstream(folder).put('x');
   const std::string answer = answerTo(receiver.stage.server->port(), "/open/bvh", "text");
   EXPECT_EQ(statusOf(answer), "507");
@@ -607,10 +608,10 @@ TEST(SecureServer, NothingIsSeenWithoutTheToken) {
   setting.recordings = folder.path() / "recordings";
   Stage stage(setting);
   const int port = stage.server->port();
-  const std::string token = stage.server->token();
+  const std::string token = stage.server->facts().token;
   ASSERT_EQ(token.size(), 22u);
-  EXPECT_TRUE(stage.server->links().front().ends_with("/#" + token));
-  EXPECT_EQ(stage.server->fingerprint(), fingerprintOf(made.chain));
+  EXPECT_TRUE(stage.server->facts().links.front().ends_with("/#" + token));
+  EXPECT_EQ(stage.server->facts().fingerprint, fingerprintOf(made.chain));
   // A browser whose user leaves https:// out is sent there, and keeps the part behind #, which no server gets.
   for (const std::string path : {"/", "/live", "/character/0.glb", "/none"}) {
     const std::string plain = TestClient(port).get(path, "Authorization: Bearer " + token + "\r\n");
@@ -633,7 +634,7 @@ TEST(SecureServer, NothingIsSeenWithoutTheToken) {
     sender.write(put(sender, "/open/bvh", 4, header) + "text");
     EXPECT_EQ(statusOf(sender.read("one.\n")), "401");
   }
-  EXPECT_FALSE(std::filesystem::exists(stage.server->sentFiles()));
+  EXPECT_FALSE(std::filesystem::exists(stage.server->facts().sentFiles));
   TestClient sender(port, true);
   sender.write(put(sender, "/open/bvh", 4, "Authorization: Bearer " + token + "\r\n") + "text");
   EXPECT_EQ(statusOf(sender.read("opened.\n")), "202");
@@ -660,7 +661,7 @@ TEST(SecureServer, StrangersTakeNoPlaceOfThoseWhoHaveTheToken) {
     limits.strangersOfAnAddress = ofAnAddress;
     Stage stage(setting, limits);
     const int port = stage.server->port();
-    const std::string header = "Sec-WebSocket-Protocol: lorica.live.1, token." + stage.server->token() + "\r\n";
+    const std::string header = "Sec-WebSocket-Protocol: lorica.live.1, token." + stage.server->facts().token + "\r\n";
     std::vector<std::unique_ptr<TestClient>> silent, watching;
     for (int round = 0; round < limits.connections; ++round) {
       for (int i = 0; i < 12; ++i) silent.push_back(std::make_unique<TestClient>(port));
