@@ -17,7 +17,6 @@
 #include "geometry/errors.h"
 #include "geometry/text.h"
 #include "session/prepare/body.h"
-#include "session/prepare/cover_poses.h"
 #include "session/prepare/subject.h"
 #include "session/prepare/training_motions.h"
 #include "skinning/import/character_file.h"

@@ -5,10 +5,10 @@
 #include "collision/hulls/quality.h"
 #include "geometry/errors.h"
 #include "session/prepare/body.h"
-#include "session/prepare/cover_poses.h"
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/first_guess.h"
 #include "session/prepare/read_motion.h"
+#include "session/prepare/training_motions.h"
 
 #include <fmt/ranges.h>
 

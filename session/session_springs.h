@@ -57,8 +57,6 @@ class SessionSprings {
   /// hashOf(SpringBones) of the springs as given.
   [[nodiscard]] std::uint64_t hash() const { return hash_; }
   [[nodiscard]] const SpringSimulation& simulation() const { return simulation_; }  ///< the joints that swing
-  /// Null unless the mode is kBody.
-  [[nodiscard]] const LiveObstacles* obstacles() const { return obstacles_ ? &*obstacles_ : nullptr; }
 
  private:
   SessionSprings(SpringSimulation simulation, SpringMode mode, std::uint64_t hash);

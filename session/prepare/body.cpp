@@ -3,7 +3,6 @@
 #include "collision/hulls/quality.h"
 #include "geometry/counts.h"
 #include "geometry/errors.h"
-#include "session/prepare/cover_poses.h"
 #include "session/prepare/training_motions.h"
 
 #include <algorithm>

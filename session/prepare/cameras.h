@@ -2,13 +2,18 @@
 
 #include "capture/sensor/depth_frame.h"
 #include "capture/skeleton_frame.h"
+#include "collision/hulls/host.h"
+#include "geometry/errors.h"
 #include "geometry/interrupt.h"
 #include "geometry/result.h"
 #include "session/prepare/abandoned_work.h"
 
+#include <chrono>
 #include <functional>
+#include <future>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 
 namespace lorica {
@@ -40,12 +45,26 @@ struct DepthOptions {
 /// Says what a stream is waited for from. @return the name of that work
 [[nodiscard]] std::string tellWaiting(const DepthOptions& options, Host& host);
 
-/// Runs work that calls openDepth(), see runOrAbandon(); it ends early if it is cancelled.
+/// Runs work that calls openDepth(), which may not be possible to stop. If the work of this thread has a monitor and is
+/// cancelled meanwhile, it is given up: its result counts no more, and main() ends with endWithoutIt().
+/// @param work  owns what it uses; ends early if it is cancelled
+/// @return its result, or kCancelled
 template <class T>
 [[nodiscard]] Result<T> openWaiting(const DepthOptions& options, Host& host, std::function<Result<T>()> work) {
   const Interrupt stops = [&] { return host.cancelled(); };
   const InterruptScope scope(&stops);
-  return runOrAbandon<T>(tellWaiting(options, host), host, std::move(work));
+  const std::string label = tellWaiting(options, host);
+  if (!host.inBackground()) return work();
+  const Task opening(host, label, "");
+  std::packaged_task<Result<T>()> task(std::move(work));
+  std::future<Result<T>> result = task.get_future();
+  std::thread(std::move(task)).detach();
+  while (result.wait_for(std::chrono::milliseconds(20)) != std::future_status::ready) {
+    if (!host.cancelled()) continue;
+    noteAbandoned();
+    return cancelled();
+  }
+  return result.get();
 }
 
 }  // namespace lorica

@@ -8,7 +8,6 @@
 #include "geometry/interrupt.h"
 #include "geometry/text.h"
 #include "geometry/work_budgets.h"
-#include "session/prepare/abandoned_work.h"
 #include "session/prepare/scenes.h"
 #include "session/prepare/stream_motion.h"
 #include "session/stream_pose_source.h"

@@ -6,7 +6,7 @@
 #include "geometry/convex_hull.h"
 #include "geometry/mesh_files.h"
 #include "session/pose_source.h"
-#include "session/prepare/cover_poses.h"
+#include "session/prepare/training_motions.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/refusals.h"

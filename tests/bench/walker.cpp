@@ -7,7 +7,7 @@
 #include "collision/hulls/keyframes.h"
 #include "collision/live/choose_cover.h"
 #include "session/pose_source.h"
-#include "session/prepare/cover_poses.h"
+#include "session/prepare/training_motions.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"
 

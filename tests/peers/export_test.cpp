@@ -6,7 +6,7 @@
 #include "export/robot_files.h"
 #include "geometry/files.h"
 #include "geometry/triangle_tree.h"
-#include "session/prepare/cover_poses.h"
+#include "session/prepare/training_motions.h"
 #include "skinning/body/closed_body.h"
 #include "skinning/clip_files/character_document.h"
 #include "skinning/linear_blend.h"

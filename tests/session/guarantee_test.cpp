@@ -6,7 +6,7 @@
 #include "collision/live/choose_cover.h"
 #include "collision/live/live_body.h"
 #include "session/pose_source.h"
-#include "session/prepare/cover_poses.h"
+#include "session/prepare/training_motions.h"
 #include "skinning/humanoid/joint_limits.h"
 #include "skinning/linear_blend.h"
 #include "skinning/mannequin/mannequin.h"

@@ -13,8 +13,6 @@ namespace {
 
 constexpr double kCreaseCosine = 0.766;  // of 40 degrees
 
-}  // namespace
-
 PropMesh makeBevelledBox() {
   PropMesh mesh;
   // Each face is a grid of 4 x 4 vertices; the middle four have the face's normal, the others form the bevel:
@@ -54,8 +52,6 @@ PropMesh makeBevelledBox() {
   return mesh;
 }
 
-namespace {
-
 constexpr std::uint32_t kSegments = 24;
 
 /// Connects rings of kSegments vertices each, from top to bottom.
@@ -86,8 +82,6 @@ void addRings(PropMesh& mesh, int from, int to, float y) {
     }
   }
 }
-
-}  // namespace
 
 PropMesh makePropSphere() {
   PropMesh mesh;
@@ -129,6 +123,8 @@ PropMesh makePropCylinder() {
   joinRings(mesh, kRings.size());
   return mesh;
 }
+
+}  // namespace
 
 PropMesh makePropMesh(PropShape shape) {
   switch (shape) {

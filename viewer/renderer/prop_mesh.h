@@ -21,18 +21,9 @@ struct PropMesh {
   std::vector<std::uint32_t> indices;
 };
 
-/// Box with bevelled edges: 96 vertices, 108 triangles.
-[[nodiscard]] PropMesh makeBevelledBox();
-
-/// Sphere of 360 vertices and 624 triangles.
-[[nodiscard]] PropMesh makePropSphere();
-
-/// Capsule about y: the two separated halves of a sphere.
-[[nodiscard]] PropMesh makePropCapsule();
-
-/// Cylinder about y with bevelled rims.
-[[nodiscard]] PropMesh makePropCylinder();
-
+/// Of a box with bevelled edges: 96 vertices, 108 triangles. Of a sphere: 360 vertices, 624 triangles. Of a capsule
+/// about y: the two separated halves of a sphere. Of a cylinder about y: with bevelled rims. A prop with a mesh has its
+/// own.
 [[nodiscard]] PropMesh makePropMesh(PropShape shape);
 
 /// Vertex shader input of one prop.

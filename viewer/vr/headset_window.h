@@ -47,8 +47,6 @@ class HeadsetWindow final : public Window {
   /// Null once it is gone.
   [[nodiscard]] const Headset* headset() const { return headset_.get(); }
   [[nodiscard]] const HeadsetPlace& place() const { return place_; }
-  /// What was drawn last for an eye, 0 = left.
-  [[nodiscard]] const Camera& eye(int index) const { return eyes_[index]; }
   /// Why there is no session in the headset; empty = there is one.
   [[nodiscard]] const std::string& ended() const { return ended_; }
 

@@ -4,7 +4,6 @@
 #include "collision/hulls/cover_choice.h"
 #include "geometry/work_budgets.h"
 #include "session/pose_source.h"
-#include "session/prepare/cover_poses.h"
 #include "session/prepare/training_motions.h"
 #include "session/session.h"
 #include "skinning/humanoid/joint_limits.h"

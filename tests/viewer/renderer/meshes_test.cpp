@@ -197,7 +197,7 @@ TEST(PropMesh, BoxHasItsExtentsAndNearlyItsVolume) {
   std::vector<PropInstance> instances;
   makePropInstances(props, PropShape::kBox, instances);
   ASSERT_EQ(instances.size(), 1u);
-  const TriMesh mesh = placed(makeBevelledBox(), instances[0]);
+  const TriMesh mesh = placed(makePropMesh(PropShape::kBox), instances[0]);
   const Aabb box = boundsOf(mesh.vertices);
   EXPECT_LT((box.min - Vec3(0.8, 1.7, 2.6)).norm(), 1e-5);
   EXPECT_LT((box.max - Vec3(1.2, 2.3, 3.4)).norm(), 1e-5);
@@ -215,7 +215,7 @@ TEST(PropMesh, SphereHasItsRadiusAndNearlyItsVolume) {
   EXPECT_TRUE(instances.empty());
   makePropInstances(props, PropShape::kSphere, instances);
   ASSERT_EQ(instances.size(), 1u);
-  const TriMesh mesh = placed(makePropSphere(), instances[0]);
+  const TriMesh mesh = placed(makePropMesh(PropShape::kSphere), instances[0]);
   for (const Vec3& v : mesh.vertices) EXPECT_NEAR(v.norm(), 0.25, 1e-6);
   const double ball = 4.0 / 3.0 * EIGEN_PI * std::pow(0.25, 3);
   EXPECT_NEAR(signedVolume(mesh.vertices, mesh.triangles), ball, 0.04 * ball);
