@@ -9,7 +9,6 @@
 #include "geometry/text.h"
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/scenes.h"
-#include "session/prepare/settling.h"
 #include "skinning/look/avatar.h"
 
 #include <fmt/format.h>

@@ -6,7 +6,6 @@
 #include "geometry/errors.h"
 #include "geometry/mesh_files.h"
 #include "session/prepare/body.h"
-#include "session/prepare/decomposition_cache.h"
 #include "session/prepare/file_kinds.h"
 #include "session/prepare/read_motion.h"
 #include "session/prepare/smpl.h"

@@ -173,8 +173,4 @@ Result<std::shared_ptr<EventsOutput>> makeEventsOutput(const std::string& to, st
   return Output(std::make_shared<EventsWriter>(file, part, descriptor, std::move(next)));
 }
 
-Result<void> finishEvents(const std::shared_ptr<EventsOutput>& output) {
-  return output ? output->finish() : Result<void>();
-}
-
 }  // namespace lorica

@@ -22,7 +22,5 @@ class EventsOutput : public StepWatcher {
 /// @return the output, null if `to` is empty, or an error
 [[nodiscard]] Result<std::shared_ptr<EventsOutput>> makeEventsOutput(const std::string& to,
                                                                      std::shared_ptr<StepWatcher> next, Host& host);
-/// EventsOutput::finish(); does nothing without an output.
-[[nodiscard]] Result<void> finishEvents(const std::shared_ptr<EventsOutput>& output);
 
 }  // namespace lorica

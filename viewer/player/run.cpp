@@ -92,7 +92,7 @@ Result<void> Run::watch(Host& host) {
   LORICA_TRY(
       const std::shared_ptr<StepWatcher> sender,
       makePoseOutput(setting.out, cast.avatars.front().subject, cast.request.reading.expressions, live_, next, sent));
-  LORICA_TRY_DO(finishEvents(events_));
+  LORICA_TRY_DO(finish());
   LORICA_TRY(events_, makeEventsOutput(setting.events, sender, host));
   session.watch(events_ ? events_ : sender);
   return {};

@@ -124,7 +124,7 @@ class Run {
   [[nodiscard]] Result<int> stopRecording();
 
   /// Ends the events' file.
-  [[nodiscard]] Result<void> finish() { return finishEvents(events_); }
+  [[nodiscard]] Result<void> finish() { return events_ ? events_->finish() : Result<void>(); }
 
  private:
   Run(Cast cast, RunSetting setting, Session session);

@@ -9,7 +9,7 @@
 #include "collision/live/live_body.h"
 #include "geometry/files.h"
 #include "geometry/random_numbers.h"
-#include "session/prepare/decomposition_cache.h"
+#include "session/prepare/body.h"
 #include "session/prepare/training_motions.h"
 #include "session/recording/session_file.h"
 #include "skinning/mannequin/mannequin.h"

@@ -2,7 +2,7 @@
 
 #include "geometry/clock.h"
 #include "geometry/interrupt.h"
-#include "viewer/player/warning_board.h"
+#include "viewer/player/window_texts.h"
 
 #include <gtest/gtest.h>
 

@@ -11,8 +11,8 @@
 #include "viewer/player/follow_camera.h"
 #include "viewer/player/hands.h"
 #include "viewer/player/parts_picture.h"
-#include "viewer/player/warning_board.h"
 #include "viewer/player/window_opener.h"
+#include "viewer/player/window_texts.h"
 
 #include <gtest/gtest.h>
 
