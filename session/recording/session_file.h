@@ -1,11 +1,14 @@
 #pragma once
 
 #include "capture/fault_injector.h"
+#include "geometry/result.h"
 #include "session/pose_source.h"
 #include "session/session.h"
 #include "session/session_hashes.h"
 #include "session/world_action.h"
 
+#include <bit>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <optional>
@@ -110,5 +113,33 @@ struct SessionFile {
 /// Converts the header to the JSON of its block, and back.
 [[nodiscard]] std::string textOf(const SessionHeader& header);
 [[nodiscard]] Result<SessionHeader> parseSessionHeader(std::string_view text, const std::string& name);
+
+/// The bytes of .lsession files: a magic word, then blocks, each with kind, length and two checksums that chain it to
+/// the previous block. Format: docs/SESSIONS.md.
+static_assert(std::endian::native == std::endian::little, "session files are little-endian");
+
+inline constexpr std::string_view kSessionMagic = "LSESSION";
+/// Maximum size of a block, to detect invalid lengths [bytes].
+inline constexpr std::uint32_t kLargestBlock = 64u << 20u;
+
+enum class BlockKind : std::uint32_t { kHeader = 1, kScene = 2, kStep = 3, kEnd = 4 };
+
+/// Appends a block to a file's bytes. @param chain  checksum of the previous block, input and output; initially 0
+void appendBlock(BlockKind kind, std::string_view payload, std::uint64_t& chain, std::string& bytes);
+
+struct Block {
+  BlockKind kind = BlockKind::kEnd;
+  std::string_view payload;  ///< in the file's bytes
+  std::size_t offset = 0;    ///< in the file
+};
+
+struct Blocks {
+  std::vector<Block> blocks;
+  std::size_t cut = 0;  ///< number of bytes of an incomplete block at the end
+};
+
+/// Reads all complete blocks of a file. Copies nothing; lengths are checked before they are used.
+/// @return the blocks, or an error with the position of damaged bytes
+[[nodiscard]] Result<Blocks> readBlocks(std::string_view bytes, const std::string& name);
 
 }  // namespace lorica

@@ -3,7 +3,7 @@
 #include "geometry/descriptor.h"
 #include "geometry/errors.h"
 #include "geometry/new_file.h"
-#include "session/recording/session_blocks.h"
+#include "session/recording/session_file.h"
 
 #include <fmt/format.h>
 #include <unistd.h>

@@ -8,7 +8,7 @@
 #include "tests/apps/mesh_text.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
-#include "viewer/page/sent_file.h"
+#include "viewer/page/page_files.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 #include "geometry/files.h"
-#include "session/recording/session_blocks.h"
+#include "session/recording/session_file.h"
 #include "tests/apps/run_command.h"
 #include "tests/support/datasets.h"
 #include "tests/support/has.h"

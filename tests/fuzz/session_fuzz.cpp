@@ -1,4 +1,3 @@
-#include "session/recording/session_blocks.h"
 #include "session/recording/session_file.h"
 
 #include <cmath>

@@ -3,7 +3,6 @@
 #include "geometry/files.h"
 #include "geometry/random_numbers.h"
 #include "geometry/work_budgets.h"
-#include "session/recording/session_blocks.h"
 #include "tests/session/small_session.h"
 #include "tests/support/datasets.h"
 #include "tests/support/has.h"

@@ -3,7 +3,7 @@
 #include "capture/files/joint_csv.h"
 #include "collision/particles/particles.h"
 #include "geometry/files.h"
-#include "session/recording/session_blocks.h"
+#include "session/recording/session_file.h"
 #include "session/treated_source.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/session/small_session.h"

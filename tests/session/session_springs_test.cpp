@@ -2,7 +2,7 @@
 
 #include "acd/decompose.h"
 #include "capture/files/joint_csv.h"
-#include "session/recording/session_blocks.h"
+#include "session/recording/session_file.h"
 #include "session/recording/session_recorder.h"
 #include "session/recording/session_replay.h"
 #include "session/session.h"

@@ -5,7 +5,6 @@
 #include "geometry/errors.h"
 #include "viewer/page/link.h"
 #include "viewer/page/page_files.h"
-#include "viewer/page/sent_file.h"
 
 #include <fcntl.h>
 

@@ -4,7 +4,7 @@
 #include "geometry/counts.h"
 #include "session/prepare/subject.h"
 #include "skinning/clip_files/character_document.h"
-#include "viewer/page/sent_file.h"
+#include "viewer/page/page_files.h"
 #include "viewer/player/window_opener.h"
 
 #include <fmt/format.h>

@@ -7,7 +7,6 @@
 #include "geometry/errors.h"
 #include "geometry/files.h"
 #include "geometry/user_folders.h"
-#include "viewer/page/certificate.h"
 #include "viewer/page/link.h"
 #include "viewer/player/window_opener.h"
 

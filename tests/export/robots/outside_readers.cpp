@@ -11,7 +11,6 @@
 #include "geometry/files.h"
 #include "geometry/little_endian.h"
 #include "geometry/mesh_files.h"
-#include "session/recording/session_blocks.h"
 #include "session/recording/session_file.h"
 #include "session/scenes/scene_file.h"
 #include "skinning/import/bone_map.h"

@@ -1,4 +1,3 @@
-#include "viewer/page/certificate.h"
 
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"

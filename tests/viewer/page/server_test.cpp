@@ -6,9 +6,8 @@
 #include "tests/support/datasets.h"
 #include "tests/support/value_of.h"
 #include "tests/viewer/page/test_client.h"
-#include "viewer/page/certificate.h"
+#include "viewer/page/link.h"
 #include "viewer/page/page_files.h"
-#include "viewer/page/sent_file.h"
 
 #include <gtest/gtest.h>
 
