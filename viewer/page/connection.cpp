@@ -1,4 +1,4 @@
-#include "viewer/page/client_socket.h"
+#include "viewer/page/server_state.h"
 
 #include <boost/beast/websocket/rfc6455.hpp>
 

@@ -1,8 +1,6 @@
 #include "viewer/page/server_state.h"
 
 #include <boost/asio/post.hpp>
-#include <boost/asio/ssl.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "geometry/errors.h"
 #include "geometry/files.h"
@@ -13,7 +11,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include <chrono>
 #include <system_error>
 #include <thread>
 

@@ -1,4 +1,4 @@
-#include "viewer/page/client_socket.h"
+#include "viewer/page/server_state.h"
 
 #include <boost/beast/websocket.hpp>
 
@@ -7,7 +7,6 @@
 #include "geometry/text.h"
 
 #include <algorithm>
-#include <array>
 
 namespace lorica {
 namespace {
