@@ -87,43 +87,6 @@ std::size_t MovingHull::memory() const {
   return sizeof(*this) + surface_.memory() + bytes(vertices_) + bytes(inside_) + bytes(slot_);
 }
 
-VertexIndex MovingHull::support(const Vec3& direction, VertexIndex startHint) const {
-  const auto along = [&](VertexIndex p) {
-    const PointRow& q = at(p);
-    return direction.x() * q.x + direction.y() * q.y + direction.z() * q.z;
-  };
-  const auto higherOf = [&](VertexIndex a, VertexIndex b) { return along(b) > along(a) ? b : a; };
-  if (flat()) {
-    VertexIndex highest = startHint;
-    visitScrambled([&](VertexIndex p) { highest = higherOf(highest, p); });
-    return highest;
-  }
-  VertexIndex best = isVertex(startHint) ? startHint : vertices_.front();
-  double max = along(best);
-  while (true) {
-    const HalfEdge first = surface_.outOf(best);
-    VertexIndex higher = best;
-    HalfEdge h = first;
-    do {
-      const VertexIndex candidate = surface_.end(h);
-      const double value = along(candidate);
-      if (value > max) {
-        max = value;
-        higher = candidate;
-      }
-      h = surface_.turn(h);
-    } while (h != first);
-    if (higher != best) {
-      best = higher;
-      continue;
-    }
-    // The edges of a vertex span the cone that contains the hull, so nothing is higher. The exception is a vertex
-    // within a flat face that faces the other way; only then is its position lower than s.
-    if (max > 0.0) return best;
-    return std::accumulate(vertices_.begin(), vertices_.end(), best, higherOf);
-  }
-}
-
 bool MovingHull::repair() {
   // Turned faces come first: everything else assumes that s sees the whole surface from inside.
   constexpr int kRounds = 8;

@@ -38,7 +38,6 @@ class MovingHull {
 
   /// Updates the hull to new positions. Any motion is allowed.
   /// @param points  pointCount points [ticks], whole numbers from -kMaxTicks to kMaxTicks; must stay valid for volume()
-  /// and support()
   void update(std::span<const PointRow> points);
 
   /// Begins to fetch what update() reads first.
@@ -64,11 +63,6 @@ class MovingHull {
 
   /// [ticks^3]; 0 when flat.
   [[nodiscard]] double volume() const;
-
-  /// The vertex farthest along a direction, found by climbing over neighbours; searched among all points when flat.
-  /// Requires an update.
-  /// @param startHint  a point id, ideally the answer for a direction or frame nearby; others only cost time
-  [[nodiscard]] VertexIndex support(const Vec3& direction, VertexIndex startHint) const;
 
   /// What the last update did.
   struct Counts {

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
 
 // Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
@@ -83,14 +82,13 @@ HWY_INLINE void transpose(const Found& found, std::size_t slots, std::uint32_t* 
 void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const float* z, std::size_t count,
                  float radiusSq, const std::uint8_t* skipped, std::size_t firstBlock, std::size_t lastBlock,
                  int maxNeighbours, std::uint32_t* slots, std::size_t firstSlot, std::size_t* firstSlots,
-                 std::uint8_t* slotCounts, std::uint8_t* overflows) {
+                 std::uint8_t* slotCounts) {
   Found found;
   std::array<int, kParticleBlock> counts;
   ParticleGrid::Runs runs;
   for (std::size_t block = firstBlock; block < lastBlock; ++block) {
     int longest = 0, runCount = 0;
     bool runsKnown = false;
-    overflows[block] = 0;
     for (std::size_t lane = 0; lane < kParticleBlock; ++lane) {
       const std::size_t i = block * kParticleBlock + lane;
       counts[lane] = 0;
@@ -101,12 +99,9 @@ void buildBlocks(const ParticleGrid& grid, const float* x, const float* y, const
       }
       if (lane == 0 || !runsKnown || !grid.sameCellAsBefore(i)) runCount = grid.runsAround(i, runs);
       runsKnown = true;
-      counts[lane] = findNear(runs.data(), runCount, x, y, z, static_cast<std::uint32_t>(i), radiusSq, maxNeighbours,
-                              found[lane].data());
-      if (counts[lane] > maxNeighbours) {
-        counts[lane] = maxNeighbours;
-        ++overflows[block];
-      }
+      const int near = findNear(runs.data(), runCount, x, y, z, static_cast<std::uint32_t>(i), radiusSq, maxNeighbours,
+                                found[lane].data());
+      counts[lane] = std::min(near, maxNeighbours);
       longest = std::max(longest, counts[lane]);
     }
     slotCounts[block] = static_cast<std::uint8_t>(longest);
@@ -134,8 +129,7 @@ NeighbourLists::NeighbourLists(std::size_t capacity, int maxNeighbours)
     : maxNeighbours_(maxNeighbours),
       slots_(paddedCount(capacity) * static_cast<std::size_t>(maxNeighbours)),
       firstSlots_(paddedCount(capacity) / kParticleBlock),
-      slotCounts_(firstSlots_.size()),
-      overflows_(firstSlots_.size()) {
+      slotCounts_(firstSlots_.size()) {
   LORICA_CHECK(maxNeighbours > 0 && maxNeighbours <= kMaxNeighbours, "maxNeighbours must be from 1 to kMaxNeighbours");
 }
 
@@ -144,18 +138,13 @@ void NeighbourLists::build(const ParticleGrid& grid, const float* x, const float
   constexpr std::size_t kBlocksInChunk = 32;
   const std::size_t blocks = (count + kParticleBlock - 1) / kParticleBlock;
   const std::size_t chunks = (blocks + kBlocksInChunk - 1) / kBlocksInChunk;
-  std::fill(overflows_.begin(), overflows_.end(), std::uint8_t{0});
   parallelFor(chunks, [&](std::size_t chunk) {
     const std::size_t first = chunk * kBlocksInChunk, last = std::min(blocks, first + kBlocksInChunk);
     HWY_DYNAMIC_DISPATCH(buildBlocks)
     (grid, x, y, z, count, radius * radius, skipped.empty() ? nullptr : skipped.data(), first, last, maxNeighbours_,
      slots_.data(), first * kParticleBlock * static_cast<std::size_t>(maxNeighbours_), firstSlots_.data(),
-     slotCounts_.data(), overflows_.data());
+     slotCounts_.data());
   });
-}
-
-std::size_t NeighbourLists::overflows() const {
-  return std::accumulate(overflows_.begin(), overflows_.end(), std::size_t{0});
 }
 
 }  // namespace lorica

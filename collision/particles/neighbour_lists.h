@@ -44,8 +44,6 @@ class NeighbourLists {
   /// Slots of a block.
   [[nodiscard]] const std::uint32_t* slots(std::size_t block) const { return &slots_[firstSlots_[block]]; }
   [[nodiscard]] int slotCount(std::size_t block) const { return slotCounts_[block]; }
-  /// Number of lists without space for all neighbours, in the last build.
-  [[nodiscard]] std::size_t overflows() const;
 
  private:
   int maxNeighbours_;
@@ -53,7 +51,6 @@ class NeighbourLists {
   std::vector<std::uint32_t> slots_;
   std::vector<std::size_t> firstSlots_;  // of each block
   std::vector<std::uint8_t> slotCounts_;
-  std::vector<std::uint8_t> overflows_;  // of each block
 };
 
 }  // namespace lorica

@@ -11,11 +11,6 @@
 
 namespace lorica {
 
-void defaultWeights(const Morphs& morphs, std::span<float> targetWeights) {
-  LORICA_CHECK(targetWeights.size() == morphs.targets.size(), "one weight per target");
-  for (std::size_t t = 0; t < targetWeights.size(); ++t) targetWeights[t] = morphs.targets[t].defaultWeight;
-}
-
 void sampleMorphWeights(std::span<const MorphWeightTrack> tracks, double time, std::span<float> targetWeights) {
   for (const MorphWeightTrack& track : tracks) {
     const std::size_t first = track.firstTarget;

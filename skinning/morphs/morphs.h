@@ -45,9 +45,6 @@ struct Morphs {
       clips;  ///< one list for each clip of the file, empty if it moves no target
 };
 
-/// Writes the weights that the bind pose contains. @param targetWeights  one for each target
-void defaultWeights(const Morphs& morphs, std::span<float> targetWeights);
-
 /// Samples the weights of a clip. Before its first key a track has the first value, after its last key the last value.
 /// Does not allocate memory.
 /// @param tracks         one element of Morphs::clips

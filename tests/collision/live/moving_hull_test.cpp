@@ -375,31 +375,6 @@ TEST(MovingHull, EveryInstructionSetGivesTheSameFacesAndVolume) {
   test::onEveryInstructionSet([&] { EXPECT_EQ(run(), first); });
 }
 
-TEST(MovingHull, SupportIsTheHighestOfAllPoints) {
-  Random random(12);
-  for (const Shape& shape : shapes()) {
-    const auto count = static_cast<VertexIndex>(shape.points.size());
-    MovingHull hull(count);
-    VertexIndex hint = 0;
-    for (int frame = 0; frame < 4; ++frame) {
-      Cloud posed = shape.points;
-      for (Vec3& p : posed) p = frame == 3 ? Vec3(p.x(), p.y(), 0.0) : twisted(p, 0.3 * frame);
-      const std::vector<PointRow> rows = aboutTheirMean(posed, kTicks);
-      hull.update(rows);
-      for (int trial = 0; trial < 100; ++trial) {
-        // Whole numbers, so that sums are exact and ties are ties; some along axes, where whole faces tie.
-        Vec3 direction = (uniformVec3(random, -1000.0, 1000.0)).array().round();
-        if (trial % 5 == 0) direction = (uniformVec3(random, -1.4, 1.4)).array().round();
-        const auto along = [&](const PointRow& r) { return direction.dot(Vec3(r.x, r.y, r.z)); };
-        hint = hull.support(direction, trial % 2 == 0 ? hint : static_cast<VertexIndex>(random() % rows.size()));
-        double max = along(rows[0]);
-        for (const PointRow& r : rows) max = std::max(max, along(r));
-        ASSERT_EQ(along(rows[hint]), max) << shape.name;
-      }
-    }
-  }
-}
-
 constexpr double kTicksPerMetre = 2e6;
 using Rows = std::vector<PointRow>;
 

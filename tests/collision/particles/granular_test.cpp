@@ -285,7 +285,7 @@ struct Case {
 };
 
 /// The lists, by the particles' original indices.
-std::vector<std::set<std::uint32_t>> listed(const std::vector<ParticleRow>& positions, float radius, bool all = true) {
+std::vector<std::set<std::uint32_t>> listed(const std::vector<ParticleRow>& positions, float radius) {
   ParticleGrid grid(positions.size());
   grid.sort(positions, radius);
   std::vector<float> x(paddedCount(positions.size())), y(x.size()), z(x.size());
@@ -297,7 +297,6 @@ std::vector<std::set<std::uint32_t>> listed(const std::vector<ParticleRow>& posi
   }
   NeighbourLists lists(positions.size(), 96);
   lists.build(grid, x.data(), y.data(), z.data(), positions.size(), radius, std::vector<std::uint8_t>(x.size()));
-  EXPECT_TRUE(!all || lists.overflows() == 0);
   std::vector<std::set<std::uint32_t>> result(positions.size());
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const std::size_t block = i / kParticleBlock;
@@ -339,7 +338,7 @@ TEST(NeighbourLists, OfWhatIsPressedTogetherSoManyAreLookedAt) {
   // A clump at the lower end of a cell, and two particles at its upper end, too far away from it.
   std::vector<ParticleRow> positions(NeighbourLists::kMaxLooked - 2, ParticleRow{0.001f, 0.001f, 0.001f, 0.0f});
   positions.insert(positions.end(), 2, ParticleRow{0.049f, 0.049f, 0.049f, 0.0f});
-  const auto upper = [&] { return listed(positions, 0.05f, false).back().size(); };
+  const auto upper = [&] { return listed(positions, 0.05f).back().size(); };
   EXPECT_EQ(upper(), 1u);
   positions.insert(positions.begin(), positions.front());
   EXPECT_EQ(upper(), 1u) << "the first of the two is the last that is looked at";

@@ -77,8 +77,7 @@ Clip addClip(std::mt19937& random, KeyInterpolation interpolation, Morphs& morph
 
 Expressions noExpressions(const Morphs& morphs) {
   Expressions expressions;
-  expressions.baseWeights.resize(morphs.targets.size());
-  defaultWeights(morphs, expressions.baseWeights);
+  for (const MorphTarget& target : morphs.targets) expressions.baseWeights.push_back(target.defaultWeight);
   return expressions;
 }
 
@@ -118,8 +117,7 @@ TEST(Shapes, PosesOfAClipAreTheMorphedBindPoseSkinned) {
           pose[j] = shaped.skeleton.joint(static_cast<JointIndex>(j)).rest;
         }
         sampleClip(clips[0], time, pose);
-        std::vector<float> weights(morphs.targets.size());
-        defaultWeights(morphs, weights);
+        std::vector<float> weights = noExpressions(morphs).baseWeights;
         sampleMorphWeights(morphs.clips[0], time, weights);
         Character morphed = plain;
         applyMorphs(morphs, weights, plain.mesh.vertices, {}, morphed.mesh.vertices, {});
