@@ -1,6 +1,5 @@
 #pragma once
 
-#include "collision/live/bone_kernel.h"
 #include "collision/live/lifted_point.h"
 #include "collision/live/point_row.h"
 #include "geometry/math.h"
@@ -10,6 +9,12 @@
 #include <vector>
 
 namespace lorica {
+
+/// Four columns of x, y, z and a fourth number.
+template <class Number>
+struct alignas(4 * sizeof(Number)) FourColumns {
+  std::array<std::array<Number, 4>, 4> column{};
+};
 
 /// The lifted points of one part, packed such that a frame's bones give all of them in microseconds. Immutable: any
 /// number of characters may share one.

@@ -1,8 +1,8 @@
 #include "collision/particles/fluid.h"
 
-#include "collision/particles/fluid_kernel.h"
 #include "collision/particles/particle_set.h"
 #include "collision/particles/standing_water.h"
+#include "collision/particles/substep_kernel.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -66,7 +66,7 @@ FluidKernels makeKernels(double spacing) {
           .max = {}};
 }
 
-/// What a rigid body's surface adds at a distance, as a wall does: see fluid_kernel.cpp.
+/// What a rigid body's surface adds at a distance, as a wall does: see substep_kernel.cpp.
 struct Wall {
   float density, slope;
 };

@@ -1,7 +1,7 @@
 #include "collision/particles/granular.h"
 
-#include "collision/particles/granular_kernel.h"
 #include "collision/particles/particle_set.h"
+#include "collision/particles/substep_kernel.h"
 #include "geometry/result.h"
 
 #include <algorithm>

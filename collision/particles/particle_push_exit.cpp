@@ -1,4 +1,4 @@
-#include "collision/particles/particle_push_exit.h"
+#include "collision/particles/particle_push_kernel.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,5 @@
 #include "collision/particles/particle_push_kernel.h"
 
-#include "collision/particles/particle_push_exit.h"
-
 // Highway compiles the code between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE once for each instruction set.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "collision/particles/particle_push_kernel.cpp"

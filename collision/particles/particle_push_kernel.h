@@ -57,6 +57,20 @@ struct PushLeave {
 /// @param p  local
 [[nodiscard]] bool isAbove(const PushHulls& hulls, std::uint32_t hull, const Vec3f& p, float by);
 
+/// The new position of a particle that was inside.
+struct PushExit {
+  Vec3f position;     ///< local, outside all hulls
+  std::size_t hull;   ///< hull on whose surface it is, an index into hulls()
+  std::size_t plane;  ///< the plane on which it is
+};
+
+/// A way out of the union of the hulls, not necessarily the nearest. Method: docs/PARTICLES.md. In
+/// particle_push_exit.cpp.
+/// @param start   local, inside a hull
+/// @param inside  the hull in which it is deepest
+[[nodiscard]] PushExit findExit(const PushHulls& hulls, const PushGrid& grid, const Vec3f& start,
+                                const PushDepth& inside);
+
 /// Working memory of a thread for a chunk of particles.
 struct PushScratch {
   /// A particle, in the order of cells.

@@ -1,6 +1,6 @@
 #include "collision/world/part_shape.h"
 
-#include "collision/live/support_kernel.h"
+#include "collision/live/extent_kernel.h"
 #include "geometry/counts.h"
 #include "geometry/result.h"
 

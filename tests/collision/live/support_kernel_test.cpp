@@ -1,6 +1,5 @@
-#include "collision/live/support_kernel.h"
-
 #include "collision/live/extent_kernel.h"
+
 #include "collision/live/hull_distance.h"
 #include "geometry/convex_hull.h"
 #include "geometry/random_numbers.h"
