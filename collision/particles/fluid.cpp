@@ -1,8 +1,5 @@
 #include "collision/particles/fluid.h"
 
-#include "collision/particles/particle_set.h"
-#include "collision/particles/standing_water.h"
-#include "collision/particles/substep_kernel.h"
 #include "geometry/result.h"
 
 #include <algorithm>
@@ -78,279 +75,224 @@ Wall wallAt(const FluidKernels& k, float distance) {
 
 }  // namespace
 
-struct Fluid::State {
-  explicit State(const FluidSettings& wanted);
-
-  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity);
-  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
-  void holdUp();
-  void predict(float seconds, bool sorts);
-  void keepVolume(float seconds);
-  void findMotions(float seconds);
-  void meetBodies();
-  void pressBodies(float seconds);
-  void touchBodies(float seconds);
-  void pushOut(float seconds);
-  /// That any particle can be from where it was sorted [m].
-  [[nodiscard]] float farthest() const {
-    return (1.0f + (kSubstepsPerSort - 1) * kFastest + kSubstepsPerSort * kLongestMove * settings.iterations) * spacing;
-  }
-
-  FluidSettings settings;
-  ParticleSet set;  // motions are velocities [m/s]
-  float spacing;
-  FluidKernels kernels;
-  std::vector<ParticleRow> before;  // positions in the previous substep
-  std::vector<float> pressure, nextPressure;
-  std::vector<float> lasting, nextLasting;  // its mean over time
-  float pressureSeconds = 0.0f;             // of the substep that the pressures belong to
-  StandingWater standing;
-  std::vector<StandingWater::Solid> solids;
-  std::vector<ParticleRow> lift, nextLift;  // see StandingWater
-  double mass;                              // of a particle [kg]
-  std::vector<ParticleRow> bodyWalls;       // see BodyTerms; all 0 where no body is near
-  std::vector<float> bodyYielding;
-  std::span<const ParticleBodies::Contact> contacts;
-};
-
-Fluid::State::State(const FluidSettings& wanted)
-    : settings(wanted),
-      set(wanted.capacity, particleRoom(wanted.floor, wanted.walls, 0.5 * wanted.spacing), 0.5 * wanted.spacing,
-          kMaxNeighbours),
-      spacing(wanted.spacing),
-      kernels(makeKernels(wanted.spacing)),
-      before(set.position.size()),
-      pressure(set.position.size()),
-      nextPressure(set.position.size()),
-      lasting(set.position.size()),
-      nextLasting(set.position.size()),
-      standing(wanted.capacity, spacing, set.room.min - Vec3f::Constant(0.5f * spacing),
-               set.room.max + Vec3f::Constant(0.5f * spacing)),
-      lift(set.position.size()),
-      nextLift(set.position.size()),
-      mass(wanted.density * std::pow(wanted.spacing, 3.0)),
-      bodyWalls(set.position.size()),
-      bodyYielding(set.position.size()) {
-  const Vec3f half(0.5f * spacing, 0.5f * spacing, 0.5f * spacing);
-  kernels.min = rowOf(set.room.min - half);
-  kernels.max = rowOf(set.room.max + half);
+Fluid::Fluid(const FluidSettings& wanted)
+    : ParticleSimulation({wanted.capacity, particleRoom(wanted.floor, wanted.walls, 0.5 * wanted.spacing),
+                          0.5 * wanted.spacing, kMaxNeighbours}),
+      settings_(wanted),
+      spacing_(wanted.spacing),
+      kernels_(makeKernels(wanted.spacing)),
+      before_(set_.position.size()),
+      pressure_(set_.position.size()),
+      nextPressure_(set_.position.size()),
+      lasting_(set_.position.size()),
+      nextLasting_(set_.position.size()),
+      standing_(wanted.capacity, spacing_, set_.room.min - Vec3f::Constant(0.5f * spacing_),
+                set_.room.max + Vec3f::Constant(0.5f * spacing_)),
+      lift_(set_.position.size()),
+      nextLift_(set_.position.size()),
+      mass_(wanted.density * std::pow(wanted.spacing, 3.0)),
+      bodyWalls_(set_.position.size()),
+      bodyYielding_(set_.position.size()) {
+  const Vec3f half(0.5f * spacing_, 0.5f * spacing_, 0.5f * spacing_);
+  kernels_.min = rowOf(set_.room.min - half);
+  kernels_.max = rowOf(set_.room.max + half);
 }
 
-std::size_t Fluid::State::add(std::span<const Vec3f> positions, const Vec3& velocity) {
+std::size_t Fluid::add(std::span<const Vec3f> positions, const Vec3& velocity) {
   const Vec3f speed = velocity.cast<float>();
-  const std::size_t added = set.add(positions, speed, speed);
-  std::fill_n(pressure.begin() + (set.count - added), added, 0.0f);
-  std::fill_n(lasting.begin() + (set.count - added), added, 0.0f);
+  const std::size_t added = set_.add(positions, speed, speed);
+  std::fill_n(pressure_.begin() + (set_.count - added), added, 0.0f);
+  std::fill_n(lasting_.begin() + (set_.count - added), added, 0.0f);
   return added;
 }
 
-void Fluid::State::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
-  if (set.count == 0) return;
-  const ParticleSet::Substeps substeps = set.beginFrame(parts, bodies, seconds, settings.substepSeconds);
+void Fluid::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
+  if (set_.count == 0) return;
+  const ParticleSet::Substeps substeps = set_.beginFrame(parts, bodies, seconds, settings_.substepSeconds);
   holdUp();
   for (int substep = 0; substep < substeps.count; ++substep) {
     predict(substeps.seconds, substep % kSubstepsPerSort == 0);
-    if (!set.rigid.empty()) {
-      set.rigid.advance(substep);
-      set.rigid.gather(set.grid, set.position, kernels.reach + spacing, farthest());
+    if (!set_.rigid.empty()) {
+      set_.rigid.advance(substep);
+      set_.rigid.gather(set_.grid, set_.position, kernels_.reach + spacing_, farthest());
     }
     keepVolume(substeps.seconds);
     findMotions(substeps.seconds);
-    if (!set.rigid.empty()) touchBodies(substeps.seconds);
+    if (!set_.rigid.empty()) touchBodies(substeps.seconds);
     if (substeps.pushes(substep)) {
-      set.body.advance(substep);
+      set_.body.advance(substep);
       pushOut(substeps.seconds);
     }
   }
-  set.endFrame(bodies);
-  set.publish(1.0f);
+  set_.endFrame(bodies);
+  set_.publish(1.0f);
 }
 
-// A drop's own pressures cannot hold up a high column in few iterations. So nine tenths of the weight of standing water
-// is taken off it for the frame; what it then lacks or has too much, they correct. All of the weight would leave
+// A drop's own pressures cannot hold up a high column in few iterations. So nine tenths of the weight of standing
+// water is taken off it for the frame; what it then lacks or has too much, they correct. All of the weight would leave
 // nothing that brings drops back together.
-void Fluid::State::holdUp() {
-  solids.clear();
-  const auto add = [&](const Vec3f& min, const Vec3f& max) { solids.push_back({min, max}); };
-  for (const ParticleObstacle::Sweep& sweep : set.body.sweeps()) {
+void Fluid::holdUp() {
+  solids_.clear();
+  const auto add = [&](const Vec3f& min, const Vec3f& max) { solids_.push_back({min, max}); };
+  for (const ParticleObstacle::Sweep& sweep : set_.body.sweeps()) {
     add({sweep.min[0], sweep.min[1], sweep.min[2]}, {sweep.max[0], sweep.max[1], sweep.max[2]});
   }
-  set.rigid.forBoxes(add);
-  standing.find({set.position.data(), set.count}, settings.gravity.cast<float>(), solids);
-  set.forEach([&](std::size_t i) { lift[i] = standing.lift(i, set.position[i]); });
+  set_.rigid.forBoxes(add);
+  standing_.find({set_.position.data(), set_.count}, settings_.gravity.cast<float>(), solids_);
+  set_.forEach([&](std::size_t i) { lift_[i] = standing_.lift(i, set_.position[i]); });
 }
 
 // Applies gravity and moves the particles. In every second substep, sorts them by their new positions and finds their
 // neighbours there.
-void Fluid::State::predict(float seconds, bool sorts) {
-  const Vec3f fall = settings.gravity.cast<float>() * seconds;
-  const float fastest = kFastest * spacing / seconds;
-  set.forEach([&](std::size_t i) {
-    const Vec3f speed = vectorOf(set.motion[i]) + fall + kHeld * seconds * vectorOf(lift[i]);
+void Fluid::predict(float seconds, bool sorts) {
+  const Vec3f fall = settings_.gravity.cast<float>() * seconds;
+  const float fastest = kFastest * spacing_ / seconds;
+  set_.forEach([&](std::size_t i) {
+    const Vec3f speed = vectorOf(set_.motion[i]) + fall + kHeld * seconds * vectorOf(lift_[i]);
     const float length = std::sqrt(speed.x() * speed.x() + speed.y() * speed.y() + speed.z() * speed.z());
     const float rate = length > fastest ? fastest / length * seconds : seconds;
-    set.nextPosition[i] = rowOf(set.room.nearest(vectorOf(set.position[i]) + rate * speed));
+    set_.nextPosition[i] = rowOf(set_.room.nearest(vectorOf(set_.position[i]) + rate * speed));
   });
   if (!sorts) {
-    std::swap(before, set.position);
-    std::swap(set.position, set.nextPosition);
+    std::swap(before_, set_.position);
+    std::swap(set_.position, set_.nextPosition);
     return;
   }
-  const float listed = kListed * kernels.reach;
-  set.sort({set.nextPosition.data(), set.count}, listed, kRows, [&](std::size_t i, std::size_t from) {
-    before[i] = set.position[from];
-    nextPressure[i] = pressure[from];
-    nextLasting[i] = lasting[from];
-    nextLift[i] = lift[from];
+  const float listed = kListed * kernels_.reach;
+  set_.sort({set_.nextPosition.data(), set_.count}, listed, kRows, [&](std::size_t i, std::size_t from) {
+    before_[i] = set_.position[from];
+    nextPressure_[i] = pressure_[from];
+    nextLasting_[i] = lasting_[from];
+    nextLift_[i] = lift_[from];
   });
-  std::swap(pressure, nextPressure);
-  std::swap(lasting, nextLasting);
-  std::swap(lift, nextLift);
-  set.forEach([&](std::size_t i) { set.position[i] = {set.x[i], set.y[i], set.z[i], 0.0f}; });
-  set.lists.build(set.grid, set.x.data(), set.y.data(), set.z.data(), set.count, listed, {});
+  std::swap(pressure_, nextPressure_);
+  std::swap(lasting_, nextLasting_);
+  std::swap(lift_, nextLift_);
+  set_.forEach([&](std::size_t i) { set_.position[i] = {set_.x[i], set_.y[i], set_.z[i], 0.0f}; });
+  set_.lists.build(set_.grid, set_.x.data(), set_.y.data(), set_.z.data(), set_.count, listed, {});
 }
 
 // Pressures start from those of the previous substep.
-void Fluid::State::keepVolume(float seconds) {
-  const ParticleRow min = rowOf(set.room.min), max = rowOf(set.room.max);
-  const float rate = pressureSeconds > 0.0f ? seconds / pressureSeconds : 0.0f;
+void Fluid::keepVolume(float seconds) {
+  const ParticleRow min = rowOf(set_.room.min), max = rowOf(set_.room.max);
+  const float rate = pressureSeconds_ > 0.0f ? seconds / pressureSeconds_ : 0.0f;
   const float scale = rate * rate;  // pressures are in units of displacement
   const float share = std::min(1.0f, seconds / kLasting);
-  pressureSeconds = seconds;
-  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So where
-  // standing water is not held up, the part that is lost is replaced by what lasts.
-  set.forEach([&](std::size_t i) {
-    const float mean = scale * (lasting[i] + share * (pressure[i] - lasting[i])), now = scale * pressure[i];
-    lasting[i] = std::min(mean, now);
-    const float held = lift[i].w, kept = kKeptPressure + held * (kKeptStanding - kKeptPressure);
-    pressure[i] = kept * now + (1.0f - kKeptPressure) * (1.0f - held) * lasting[i];
+  pressureSeconds_ = seconds;
+  // A pressure that is only partly kept yields to a column's weight; one that is kept entirely makes it swing. So
+  // where standing water is not held up, the part that is lost is replaced by what lasts.
+  set_.forEach([&](std::size_t i) {
+    const float mean = scale * (lasting_[i] + share * (pressure_[i] - lasting_[i])), now = scale * pressure_[i];
+    lasting_[i] = std::min(mean, now);
+    const float held = lift_[i].w, kept = kKeptPressure + held * (kKeptStanding - kKeptPressure);
+    pressure_[i] = kept * now + (1.0f - kKeptPressure) * (1.0f - held) * lasting_[i];
   });
-  for (int iteration = 0; iteration < settings.iterations; ++iteration) {
+  for (int iteration = 0; iteration < settings_.iterations; ++iteration) {
     const float pressed = iteration == 0 ? 0.0f : 1.0f;
     BodyTerms terms;
-    if (!set.rigid.empty()) {
+    if (!set_.rigid.empty()) {
       meetBodies();
-      terms = {bodyWalls.data(), bodyYielding.data()};
+      terms = {bodyWalls_.data(), bodyYielding_.data()};
     }
-    set.forBlocks([&](std::size_t begin, std::size_t end) {
-      findPressures(kernels, set.position.data(), set.lists, terms, begin, end, pressure.data(), pressed,
-                    set.nextPosition.data());
+    set_.forBlocks([&](std::size_t begin, std::size_t end) {
+      findPressures(kernels_, set_.position.data(), set_.lists, terms, begin, end, pressure_.data(), pressed,
+                    set_.nextPosition.data());
     });
-    set.forBlocks([&](std::size_t begin, std::size_t end) {
-      movePressed(kernels, set.nextPosition.data(), set.lists, terms, min, max, kLongestMove * spacing, begin, end,
-                  set.position.data());
+    set_.forBlocks([&](std::size_t begin, std::size_t end) {
+      movePressed(kernels_, set_.nextPosition.data(), set_.lists, terms, min, max, kLongestMove * spacing_, begin, end,
+                  set_.position.data());
     });
-    if (!set.rigid.empty()) pressBodies(seconds);
+    if (!set_.rigid.empty()) pressBodies(seconds);
   }
 }
 
 // A body's surface counts as a wall. Its mass is divided among the particles near it, so that all of them together do
 // not push it farther than they should.
-void Fluid::State::meetBodies() {
-  contacts = set.rigid.find(set.position, kernels.reach);
-  for (const ParticleBodies::Contact& contact : contacts) {
-    const Wall wall = wallAt(kernels, contact.distance);
-    ParticleRow& sum = bodyWalls[contact.particle];
+void Fluid::meetBodies() {
+  contacts_ = set_.rigid.find(set_.position, kernels_.reach);
+  for (const ParticleBodies::Contact& contact : contacts_) {
+    const Wall wall = wallAt(kernels_, contact.distance);
+    ParticleRow& sum = bodyWalls_[contact.particle];
     const Vec3f slope = wall.slope * contact.normal;
     sum = {sum.x + slope.x(), sum.y + slope.y(), sum.z + slope.z(), sum.w + wall.density};
-    const double yielding = set.rigid.yielding(contact, set.position[contact.particle]);
-    bodyYielding[contact.particle] +=
-        static_cast<float>(mass * yielding * set.rigid.contactsOf(contact.body)) * wall.slope * wall.slope;
+    const double yielding = set_.rigid.yielding(contact, set_.position[contact.particle]);
+    bodyYielding_[contact.particle] +=
+        static_cast<float>(mass_ * yielding * set_.rigid.contactsOf(contact.body)) * wall.slope * wall.slope;
   }
 }
 
 // What particles were moved by a body's surface, they push the body.
-void Fluid::State::pressBodies(float seconds) {
-  for (const ParticleBodies::Contact& contact : contacts) {
-    const ParticleRow& at = set.position[contact.particle];
-    const Vec3f way = -at.w * wallAt(kernels, contact.distance).slope * contact.normal;
-    set.rigid.push(contact, at, mass / seconds * way.cast<double>());
-    bodyWalls[contact.particle] = {};
-    bodyYielding[contact.particle] = 0.0f;
+void Fluid::pressBodies(float seconds) {
+  for (const ParticleBodies::Contact& contact : contacts_) {
+    const ParticleRow& at = set_.position[contact.particle];
+    const Vec3f way = -at.w * wallAt(kernels_, contact.distance).slope * contact.normal;
+    set_.rigid.push(contact, at, mass_ / seconds * way.cast<double>());
+    bodyWalls_[contact.particle] = {};
+    bodyYielding_[contact.particle] = 0.0f;
   }
-  set.rigid.follow();
+  set_.rigid.follow();
 }
 
 // Particles that are too fast for the pressure to hold them off, and those that the surface drags along.
-void Fluid::State::touchBodies(float seconds) {
-  const float touching = kTouching * spacing;
-  for (const ParticleBodies::Contact& contact : set.rigid.find(set.position, spacing)) {
-    ParticleRow &at = set.position[contact.particle], &motion = set.motion[contact.particle];
+void Fluid::touchBodies(float seconds) {
+  const float touching = kTouching * spacing_;
+  for (const ParticleBodies::Contact& contact : set_.rigid.find(set_.position, spacing_)) {
+    ParticleRow &at = set_.position[contact.particle], &motion = set_.motion[contact.particle];
     Vec3f velocity = vectorOf(motion);
-    velocity += set.rigid.drag(contact, at, velocity, mass, kDrag * settings.viscosity);
+    velocity += set_.rigid.drag(contact, at, velocity, mass_, kDrag * settings_.viscosity);
     const double leaving = std::min(0.0f, (touching - contact.distance) / seconds);
-    velocity += set.rigid.collide(contact, at, velocity, 1.0 / mass, 0.0, leaving);
+    velocity += set_.rigid.collide(contact, at, velocity, 1.0 / mass_, 0.0, leaving);
     motion = rowOf(velocity);
     if (contact.distance >= touching) continue;
-    at = rowOf(set.room.nearest(vectorOf(at) + (touching - contact.distance) * contact.normal));
+    at = rowOf(set_.room.nearest(vectorOf(at) + (touching - contact.distance) * contact.normal));
   }
-  set.rigid.follow();
+  set_.rigid.follow();
 }
 
 // Velocities are what the particles moved, made more alike by viscosity.
-void Fluid::State::findMotions(float seconds) {
-  set.forEach([&](std::size_t i) {
-    const ParticleRow &to = set.position[i], &from = before[i];
-    set.motion[i] = {(to.x - from.x) / seconds, (to.y - from.y) / seconds, (to.z - from.z) / seconds, 0.0f};
+void Fluid::findMotions(float seconds) {
+  set_.forEach([&](std::size_t i) {
+    const ParticleRow &to = set_.position[i], &from = before_[i];
+    set_.motion[i] = {(to.x - from.x) / seconds, (to.y - from.y) / seconds, (to.z - from.z) / seconds, 0.0f};
   });
-  set.forBlocks([&](std::size_t begin, std::size_t end) {
-    blendMotions(kernels, set.position.data(), set.motion.data(), set.lists, static_cast<float>(settings.viscosity),
-                 begin, end, set.nextMotion.data());
+  set_.forBlocks([&](std::size_t begin, std::size_t end) {
+    blendMotions(kernels_, set_.position.data(), set_.motion.data(), set_.lists,
+                 static_cast<float>(settings_.viscosity), begin, end, set_.nextMotion.data());
   });
-  std::swap(set.motion, set.nextMotion);
+  std::swap(set_.motion, set_.nextMotion);
 }
 
-void Fluid::State::pushOut(float seconds) {
-  if (!set.markAround(ParticleSet::Parts::kAll, farthest(), set.nearBody)) return;
-  set.candidates.clear();
-  set.candidateOf.clear();
-  for (std::size_t i = 0; i < set.count; ++i) {
-    if (set.nearBody[i] == 0) continue;
-    set.nearBody[i] = 0;
-    set.candidates.push_back(vectorOf(set.position[i]));
-    set.candidateOf.push_back(i);
+void Fluid::pushOut(float seconds) {
+  if (!set_.markAround(ParticleSet::Parts::kAll, farthest(), set_.nearBody)) return;
+  set_.candidates.clear();
+  set_.candidateOf.clear();
+  for (std::size_t i = 0; i < set_.count; ++i) {
+    if (set_.nearBody[i] == 0) continue;
+    set_.nearBody[i] = 0;
+    set_.candidates.push_back(vectorOf(set_.position[i]));
+    set_.candidateOf.push_back(i);
   }
-  const float fastest = kFastest * spacing / seconds;
-  for (const ParticleTouch& touch : set.body.push(set.candidates, set.room)) {
-    const std::size_t i = set.candidateOf[touch.particle];
-    Vec3f velocity = vectorOf(set.motion[i]);
+  const float fastest = kFastest * spacing_ / seconds;
+  for (const ParticleTouch& touch : set_.body.push(set_.candidates, set_.room)) {
+    const std::size_t i = set_.candidateOf[touch.particle];
+    Vec3f velocity = vectorOf(set_.motion[i]);
     velocity += velocityChange(touch, velocity);
     const float speed = velocity.norm();
     if (speed > fastest) velocity *= fastest / speed;
-    set.position[i] = rowOf(set.candidates[touch.particle]);
-    set.motion[i] = rowOf(velocity);
+    set_.position[i] = rowOf(set_.candidates[touch.particle]);
+    set_.motion[i] = rowOf(velocity);
   }
+}
+
+float Fluid::farthest() const {
+  return (1.0f + (kSubstepsPerSort - 1) * kFastest + kSubstepsPerSort * kLongestMove * settings_.iterations) * spacing_;
 }
 
 Result<Fluid> Fluid::create(const FluidSettings& settings) {
   LORICA_TRY_DO(checkAboveZero("particle spacing", settings.spacing));
   LORICA_TRY_DO(checkAboveZero("length of substeps", settings.substepSeconds));
   LORICA_TRY_DO(checkAboveZero("number of iterations", settings.iterations));
-  return Fluid(std::make_unique<State>(settings));
-}
-Fluid::Fluid(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Fluid::~Fluid() = default;
-Fluid::Fluid(Fluid&&) noexcept = default;
-Fluid& Fluid::operator=(Fluid&&) noexcept = default;
-
-std::size_t Fluid::add(std::span<const Vec3f> positions, const Vec3& velocity) {
-  return state_->add(positions, velocity);
-}
-
-void Fluid::step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
-  state_->step(parts, seconds, bodies);
-}
-
-std::span<const Vec3f> Fluid::positions() const {
-  return {state_->set.positions.data(), state_->set.count};
-}
-
-std::span<const Vec3f> Fluid::velocities() const {
-  return {state_->set.velocities.data(), state_->set.count};
-}
-
-const FluidSettings& Fluid::settings() const {
-  return state_->settings;
+  return Fluid(settings);
 }
 
 }  // namespace lorica

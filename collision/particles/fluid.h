@@ -1,14 +1,13 @@
 #pragma once
 
-#include "collision/live/live_part.h"
-#include "collision/particles/particle_bodies.h"
-#include "geometry/math.h"
-#include "geometry/result.h"
+#include "collision/particles/particle_set.h"
+#include "collision/particles/standing_water.h"
+#include "collision/particles/substep_kernel.h"
 
 #include <cstddef>
-#include <memory>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace lorica {
 
@@ -30,37 +29,45 @@ struct FluidSettings {
 ///
 /// After a step no particle is deeper than 1 mm in a part, below the floor or beyond a wall. None is faster than 12 m/s
 /// with the default settings: five spacings in a substep. The same bits for any number of threads and on every
-/// instruction set. Stepping does not allocate after the first frame with a body.
-class Fluid {
+/// instruction set. Stepping does not allocate after the first frame with a body. Internal to Particles.
+class Fluid final : public ParticleSimulation {
  public:
   /// Empty; memory for the capacity is taken now.
   /// @return the fluid, or which setting is out of range (kInvalidArgument)
   [[nodiscard]] static Result<Fluid> create(const FluidSettings& settings);
-  ~Fluid();
-  Fluid(Fluid&&) noexcept;
-  Fluid& operator=(Fluid&&) noexcept;
 
-  /// Adds particles up to the capacity; ideally they are one spacing apart.
-  /// @param positions  world [m]; non-finite ones are skipped
-  /// @return how many were added
-  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity = Vec3::Zero());
-
-  /// Moves the fluid from the last frame to this one; the parts move from their previous to their present pose.
-  /// @param seconds  above 0
-  /// @param bodies   that they meet; see ParticleBody
-  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {});
-
-  [[nodiscard]] std::size_t size() const { return positions().size(); }  ///< number of particles so far
-  /// In the order in which they were added [m].
-  [[nodiscard]] std::span<const Vec3f> positions() const;
-  /// In the same order [m/s].
-  [[nodiscard]] std::span<const Vec3f> velocities() const;
-  [[nodiscard]] const FluidSettings& settings() const;  ///< what it was made with
+  /// Ideally particles are one spacing apart.
+  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity = Vec3::Zero()) override;
+  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {}) override;
 
  private:
-  struct State;
-  explicit Fluid(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Fluid(const FluidSettings& wanted);
+  void holdUp();
+  void predict(float seconds, bool sorts);
+  void keepVolume(float seconds);
+  void findMotions(float seconds);
+  void meetBodies();
+  void pressBodies(float seconds);
+  void touchBodies(float seconds);
+  void pushOut(float seconds);
+  /// That any particle can be from where it was sorted [m].
+  [[nodiscard]] float farthest() const;
+
+  // Motions of the set are velocities [m/s].
+  FluidSettings settings_;
+  float spacing_;
+  FluidKernels kernels_;
+  std::vector<ParticleRow> before_;  // positions in the previous substep
+  std::vector<float> pressure_, nextPressure_;
+  std::vector<float> lasting_, nextLasting_;  // its mean over time
+  float pressureSeconds_ = 0.0f;              // of the substep that the pressures belong to
+  StandingWater standing_;
+  std::vector<StandingWater::Solid> solids_;
+  std::vector<ParticleRow> lift_, nextLift_;  // see StandingWater
+  double mass_;                               // of a particle [kg]
+  std::vector<ParticleRow> bodyWalls_;        // see BodyTerms; all 0 where no body is near
+  std::vector<float> bodyYielding_;
+  std::span<const ParticleBodies::Contact> contacts_;
 };
 
 }  // namespace lorica

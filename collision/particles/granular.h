@@ -1,14 +1,13 @@
 #pragma once
 
-#include "collision/live/live_part.h"
-#include "collision/particles/particle_bodies.h"
-#include "geometry/math.h"
-#include "geometry/result.h"
+#include "collision/particles/particle_set.h"
+#include "collision/particles/substep_kernel.h"
 
 #include <cstddef>
-#include <memory>
+#include <cstdint>
 #include <optional>
 #include <span>
+#include <vector>
 
 namespace lorica {
 
@@ -29,39 +28,37 @@ struct GranularSettings {
 ///
 /// After a step no grain is deeper than 1 mm in a part, below the floor or beyond a wall. None is faster than a
 /// diameter in a substep (4.8 m/s with the default settings). Grains at rest cost little. The same bits for any number
-/// of threads and on every instruction set. Stepping does not allocate after the first frame with a body.
-class Granular {
+/// of threads and on every instruction set. Stepping does not allocate after the first frame with a body. Internal to
+/// Particles.
+class Granular final : public ParticleSimulation {
  public:
   /// Empty; memory for the capacity is taken now.
   /// @return the sand, or which setting is out of range (kInvalidArgument)
   [[nodiscard]] static Result<Granular> create(const GranularSettings& settings);
-  ~Granular();
-  Granular(Granular&&) noexcept;
-  Granular& operator=(Granular&&) noexcept;
 
-  /// Adds grains up to the capacity; ideally they do not overlap.
-  /// @param positions  centres, world [m]; non-finite ones are skipped
-  /// @return how many were added
-  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity = Vec3::Zero());
-
-  /// Moves the grains from the last frame to this one; the parts move from their previous to their present pose.
-  /// @param seconds  above 0
-  /// @param bodies   that they meet; see ParticleBody
-  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {});
-
-  [[nodiscard]] std::size_t size() const { return positions().size(); }  ///< number of grains so far
-  /// Centres, in the order in which they were added [m].
-  [[nodiscard]] std::span<const Vec3f> positions() const;
-  /// In the same order [m/s].
-  [[nodiscard]] std::span<const Vec3f> velocities() const;
-  [[nodiscard]] const GranularSettings& settings() const;  ///< what it was made with
+  /// Positions are those of centres; ideally grains do not overlap.
+  std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity = Vec3::Zero()) override;
+  void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies = {}) override;
   /// Grains that were not at rest in the last substep.
   [[nodiscard]] std::size_t awakeCount() const;
 
  private:
-  struct State;
-  explicit Granular(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  explicit Granular(const GranularSettings& wanted);
+  void sort(float seconds);
+  void findNeighbours(const ParticleRow& fall);
+  void stepContacts(float seconds);
+  void touchBodies(float seconds);
+  void pushOut(float seconds);
+  void rouse(float seconds);
+
+  // Motions of the set are displacements in a substep [m]; for w, see GrainPass.
+  GranularSettings settings_;
+  std::vector<ParticleRow> goal_, nextGoal_;
+  float diameter_;
+  float motionSeconds_;  // of the substeps that the motions belong to
+  std::vector<std::uint8_t> asleep_, woken_;
+  bool anySleeps_ = false;
+  double mass_;  // of a grain [kg]
 };
 
 }  // namespace lorica

@@ -111,4 +111,33 @@ struct ParticleSet {
   std::vector<Vec3f> positions, velocities;  // by id
 };
 
+/// Sand or water, moved frame by frame.
+class ParticleSimulation {
+ public:
+  virtual ~ParticleSimulation() = default;
+
+  /// Adds particles up to the capacity.
+  /// @param positions  world [m]; non-finite ones are skipped
+  /// @return how many were added
+  virtual std::size_t add(std::span<const Vec3f> positions, const Vec3& velocity) = 0;
+
+  /// Moves the particles from the last frame to this one; the parts move from their previous to their present pose.
+  /// @param seconds  above 0
+  /// @param bodies   that they meet; see ParticleBody
+  virtual void step(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) = 0;
+
+  [[nodiscard]] std::size_t size() const { return set_.count; }  ///< number of particles so far
+  /// In the order in which they were added, world [m].
+  [[nodiscard]] std::span<const Vec3f> positions() const { return std::span(set_.positions).first(set_.count); }
+  /// In the same order [m/s].
+  [[nodiscard]] std::span<const Vec3f> velocities() const { return std::span(set_.velocities).first(set_.count); }
+
+ protected:
+  explicit ParticleSimulation(ParticleSet set) : set_(std::move(set)) {}
+  ParticleSimulation(ParticleSimulation&&) = default;
+  ParticleSimulation& operator=(ParticleSimulation&&) = default;
+
+  ParticleSet set_;
+};
+
 }  // namespace lorica

@@ -1,6 +1,7 @@
 #include "collision/particles/particles.h"
 
-#include "collision/particles/particle_set.h"
+#include "collision/particles/fluid.h"
+#include "collision/particles/granular.h"
 #include "geometry/counts.h"
 #include "geometry/random_numbers.h"
 #include "geometry/result.h"
@@ -55,13 +56,19 @@ void shuffle(std::vector<Vec3f>& disc) {
 
 }  // namespace
 
+Particles::Particles(const ParticleSettings& settings, std::unique_ptr<ParticleSimulation> simulation)
+    : settings_(settings), simulation_(std::move(simulation)) {}
+Particles::~Particles() = default;
+Particles::Particles(Particles&&) noexcept = default;
+Particles& Particles::operator=(Particles&&) noexcept = default;
+
 Result<Particles> Particles::create(const ParticleSettings& settings, std::span<const ParticleBody> bodies) {
   LORICA_TRY_DO(checkAboveZero("particle radius", settings.radius));
   for (const ParticleSettings::Pour& pour : settings.pours) {
     LORICA_TRY_DO(checkAboveZero("radius of a pour", pour.radius));
   }
-  Particles made(settings);
   const std::size_t capacity = countOf(settings);
+  std::unique_ptr<ParticleSimulation> simulation;
   if (settings.kind == ParticleSettings::Kind::kSand) {
     GranularSettings sand;
     sand.capacity = capacity;
@@ -70,7 +77,8 @@ Result<Particles> Particles::create(const ParticleSettings& settings, std::span<
     sand.gravity = settings.gravity;
     sand.floor = settings.floor;
     sand.walls = settings.walls;
-    LORICA_TRY(made.sand_, Granular::create(sand));
+    LORICA_TRY(Granular grains, Granular::create(sand));
+    simulation = std::make_unique<Granular>(std::move(grains));
   } else {
     FluidSettings water;
     water.capacity = capacity;
@@ -79,8 +87,10 @@ Result<Particles> Particles::create(const ParticleSettings& settings, std::span<
     water.gravity = settings.gravity;
     water.floor = settings.floor;
     water.walls = settings.walls;
-    LORICA_TRY(made.water_, Fluid::create(water));
+    LORICA_TRY(Fluid fluid, Fluid::create(water));
+    simulation = std::make_unique<Fluid>(std::move(fluid));
   }
+  Particles made(settings, std::move(simulation));
   made.added_.reserve(capacity);
   for (const ParticleSettings::Fill& box : settings.fills) made.fill(box, bodies);
   made.sources_.resize(settings.pours.size());
@@ -140,7 +150,7 @@ void Particles::fill(const ParticleSettings::Fill& fill, std::span<const Particl
     if (taken[i] == 0) added_[kept++] = added_[i];
   }
   added_.resize(kept);
-  add(added_, Vec3::Zero());
+  simulation_->add(added_, Vec3::Zero());
 }
 
 void Particles::pour(std::size_t index, double seconds) {
@@ -165,26 +175,14 @@ void Particles::pour(std::size_t index, double seconds) {
     const int below = i / positions;  // layers that are full
     if (below > 0) offset.y() = std::max(offset.y(), layer * below);
     const Vec3f position = (pour.middle + offset).cast<float>();
-    add(std::span(&position, 1), pour.velocity - later * settings_.gravity);
+    simulation_->add(std::span(&position, 1), pour.velocity - later * settings_.gravity);
   }
   source.poured += count;
 }
 
-void Particles::add(std::span<const Vec3f> positions, const Vec3& velocity) {
-  if (sand_) {
-    sand_->add(positions, velocity);
-  } else {
-    water_->add(positions, velocity);
-  }
-}
-
 void Particles::move(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies) {
   for (std::size_t i = 0; i < sources_.size(); ++i) pour(i, seconds);
-  if (sand_) {
-    sand_->step(parts, seconds, bodies);
-  } else {
-    water_->step(parts, seconds, bodies);
-  }
+  simulation_->step(parts, seconds, bodies);
 }
 
 bool Particles::settle(std::span<const LivePart> parts, std::span<const ParticleBody> bodies) {
@@ -214,11 +212,11 @@ void Particles::step(std::span<const LivePart> parts, double seconds, std::span<
 }
 
 std::span<const Vec3f> Particles::positions() const {
-  return sand_ ? sand_->positions() : water_->positions();
+  return simulation_->positions();
 }
 
 std::span<const Vec3f> Particles::velocities() const {
-  return sand_ ? sand_->velocities() : water_->velocities();
+  return simulation_->velocities();
 }
 
 }  // namespace lorica

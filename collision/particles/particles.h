@@ -1,20 +1,22 @@
 #pragma once
 
 #include "collision/live/live_part.h"
-#include "collision/particles/fluid.h"
-#include "collision/particles/granular.h"
+#include "collision/particles/particle_bodies.h"
 #include "geometry/math.h"
 #include "geometry/result.h"
 #include "geometry/work_budgets.h"
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 namespace lorica {
+
+class ParticleSimulation;
 
 /// The grains or water particles of a scene, and their sources.
 struct ParticleSettings {
@@ -55,6 +57,9 @@ class Particles {
   /// @return sand or water, or which setting is out of range (kInvalidArgument)
   [[nodiscard]] static Result<Particles> create(const ParticleSettings& settings,
                                                 std::span<const ParticleBody> bodies = {});
+  ~Particles();
+  Particles(Particles&&) noexcept;
+  Particles& operator=(Particles&&) noexcept;
 
   /// Advances by a frame. The first call also settles the particles, unless settle() has done so.
   /// @param seconds  above 0
@@ -77,15 +82,13 @@ class Particles {
   [[nodiscard]] std::span<const Vec3f> velocities() const;
 
  private:
-  explicit Particles(const ParticleSettings& settings) : settings_(settings) {}
+  Particles(const ParticleSettings& settings, std::unique_ptr<ParticleSimulation> simulation);
   void fill(const ParticleSettings::Fill& fill, std::span<const ParticleBody> bodies);
   void pour(std::size_t source, double seconds);
-  void add(std::span<const Vec3f> positions, const Vec3& velocity);
   void move(std::span<const LivePart> parts, double seconds, std::span<ParticleBody> bodies);
 
   ParticleSettings settings_;
-  std::optional<Granular> sand_;
-  std::optional<Fluid> water_;
+  std::unique_ptr<ParticleSimulation> simulation_;
   struct Source {
     std::vector<Vec3f> disc;  // positions side by side
     double due = 0.0;         // particles
