@@ -10,58 +10,30 @@ namespace lorica {
 
 namespace {
 
-constexpr std::array<std::string_view, kHumanBoneCount> kBoneNames = {"hips",
-                                                                      "spine",
-                                                                      "chest",
-                                                                      "upperChest",
-                                                                      "neck",
-                                                                      "head",
-                                                                      "leftUpperLeg",
-                                                                      "leftLowerLeg",
-                                                                      "leftFoot",
-                                                                      "leftToes",
-                                                                      "rightUpperLeg",
-                                                                      "rightLowerLeg",
-                                                                      "rightFoot",
-                                                                      "rightToes",
-                                                                      "leftShoulder",
-                                                                      "leftUpperArm",
-                                                                      "leftLowerArm",
-                                                                      "leftHand",
-                                                                      "rightShoulder",
-                                                                      "rightUpperArm",
-                                                                      "rightLowerArm",
-                                                                      "rightHand",
-                                                                      "leftThumbMetacarpal",
-                                                                      "leftThumbProximal",
-                                                                      "leftThumbDistal",
-                                                                      "leftIndexProximal",
-                                                                      "leftIndexIntermediate",
-                                                                      "leftIndexDistal",
-                                                                      "leftMiddleProximal",
-                                                                      "leftMiddleIntermediate",
-                                                                      "leftMiddleDistal",
-                                                                      "leftRingProximal",
-                                                                      "leftRingIntermediate",
-                                                                      "leftRingDistal",
-                                                                      "leftLittleProximal",
-                                                                      "leftLittleIntermediate",
-                                                                      "leftLittleDistal",
-                                                                      "rightThumbMetacarpal",
-                                                                      "rightThumbProximal",
-                                                                      "rightThumbDistal",
-                                                                      "rightIndexProximal",
-                                                                      "rightIndexIntermediate",
-                                                                      "rightIndexDistal",
-                                                                      "rightMiddleProximal",
-                                                                      "rightMiddleIntermediate",
-                                                                      "rightMiddleDistal",
-                                                                      "rightRingProximal",
-                                                                      "rightRingIntermediate",
-                                                                      "rightRingDistal",
-                                                                      "rightLittleProximal",
-                                                                      "rightLittleIntermediate",
-                                                                      "rightLittleDistal"};
+/// In the order of HumanBone.
+constexpr std::array<std::string_view, kHumanBoneCount> kBoneNames = [] {
+  std::string_view left =
+      "hips spine chest upperChest neck head "
+      "leftUpperLeg leftLowerLeg leftFoot leftToes rightUpperLeg rightLowerLeg rightFoot rightToes "
+      "leftShoulder leftUpperArm leftLowerArm leftHand rightShoulder rightUpperArm rightLowerArm rightHand "
+      "leftThumbMetacarpal leftThumbProximal leftThumbDistal "
+      "leftIndexProximal leftIndexIntermediate leftIndexDistal "
+      "leftMiddleProximal leftMiddleIntermediate leftMiddleDistal "
+      "leftRingProximal leftRingIntermediate leftRingDistal "
+      "leftLittleProximal leftLittleIntermediate leftLittleDistal "
+      "rightThumbMetacarpal rightThumbProximal rightThumbDistal "
+      "rightIndexProximal rightIndexIntermediate rightIndexDistal "
+      "rightMiddleProximal rightMiddleIntermediate rightMiddleDistal "
+      "rightRingProximal rightRingIntermediate rightRingDistal "
+      "rightLittleProximal rightLittleIntermediate rightLittleDistal";
+  std::array<std::string_view, kHumanBoneCount> names;
+  for (std::string_view& name : names) {
+    name = left.substr(0, left.find(' '));
+    left.remove_prefix(std::min(name.size() + 1, left.size()));
+  }
+  return names;
+}();
+static_assert(kBoneNames.back() == "rightLittleDistal");
 
 [[nodiscard]] bool isFinite(const JointTransform& t) {
   return t.translation.allFinite() && t.rotation.coeffs().allFinite() && t.scale.allFinite();

@@ -36,12 +36,9 @@ Planes planesOf(const ConvexHull& hull) {
   planes.normals.resize(hull.triangles.size(), 3);
   planes.offsets.resize(planes.normals.rows());
   for (std::size_t f = 0; f < hull.triangles.size(); ++f) {
-    const Vec3& a = hull.vertices[hull.triangles[f][0]];
-    const Vec3& b = hull.vertices[hull.triangles[f][1]];
-    const Vec3& c = hull.vertices[hull.triangles[f][2]];
-    const Vec3 normal = (b - a).cross(c - a).stableNormalized();
+    const Vec3 normal = areaNormal(hull.vertices, hull.triangles[f]).stableNormalized();
     planes.normals.row(f) = normal.transpose();
-    planes.offsets[f] = normal.dot(a);
+    planes.offsets[f] = normal.dot(hull.vertices[hull.triangles[f][0]]);
   }
   return planes;
 }

@@ -22,10 +22,9 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 // A part extends 2^20 to 2^21 ticks from its mean: a tick is less than a millionth of its size. MovingHull accepts up
-// to 2^22. Coarser ticks would round more points onto each other's planes, which costs time.
+// to kMaxTicks. Coarser ticks would round more points onto each other's planes, which costs time.
 constexpr int kTickBits = 21;
-constexpr float kLargest = 4194304.0f;  // 2^22
-constexpr float kSmallest = 65536.0f;   // 2^16: below this, ticks are refined
+constexpr float kSmallest = 65536.0f;  // 2^16: below this, ticks are refined
 
 /// The tick for a part that extends this far from its mean; a power of two.
 double tickFor(double reach) {
@@ -181,7 +180,7 @@ void LiveBody::update(std::span<const Affine3> worldFromModel) {
       if (round == 0) track.moved = taken;
       if (!taken || !isFinite(parts_[i].worldFromPart)) break;
       const float largest = lifted.evaluate(track.taken, track.rows);
-      track.inRange = largest <= kLargest;  // not if it is no number
+      track.inRange = largest <= kMaxTicks;  // not if it is no number
       if (largest >= kSmallest && track.inRange) break;
       // After a pose out of all proportion, ticks say nothing about the size: those of the bind pose are tried.
       double tick = tickFor(track.tick * largest);
@@ -245,7 +244,7 @@ void LiveBody::readRows(Track& track, const Isometry3& worldFromPart) {
     track.inRange = track.inRange && p.allFinite();
   }
   const double largest = track.tick > 0.0 ? reach / track.tick : 0.0;
-  if (!(largest >= kSmallest && largest <= kLargest)) track.tick = tickFor(reach);
+  if (!(largest >= kSmallest && largest <= kMaxTicks)) track.tick = tickFor(reach);
   const double ticks = track.tick > 0.0 ? 1.0 / track.tick : 0.0;
   for (std::size_t k = 0; k < track.points.size(); ++k) {
     const Vec3f p = (ticks * track.points[k]).array().round().cast<float>();

@@ -18,10 +18,7 @@ void weighPoints(const Decomposition& decomposition, const Part& part, std::span
   for (std::size_t i = 0; i < part.triangles.size(); ++i) {
     if (part.sourceTriangle[i] < 0) continue;
     const Triangle& t = part.triangles[i];
-    const Vec3& a = points[t[0]];
-    const Vec3& b = points[t[1]];
-    const Vec3& c = points[t[2]];
-    const double area = 0.5 * (b - a).cross(c - a).norm();
+    const double area = 0.5 * areaNormal(points, t).norm();
     for (const PointIndex p : t) weight[p] += area / 3.0;
   }
   // A cut point is a blend of two earlier points: distribute its weight to them, from the last cut point to the first.

@@ -27,11 +27,9 @@ void writePlanes(const ConvexHull& hull, std::span<double> planes) {
   std::fill(planes.begin(), planes.end() - static_cast<std::ptrdiff_t>(count), 0.0);
   std::fill(planes.end() - static_cast<std::ptrdiff_t>(count), planes.end(), 1.0);
   for (std::size_t f = 0; f < hull.triangles.size(); ++f) {
-    const auto& [a, b, c] = hull.triangles[f];
-    const Vec3 corner = hull.vertices[a];
-    const Vec3 normal = (hull.vertices[b] - corner).cross(hull.vertices[c] - corner);
+    const Vec3 normal = areaNormal(hull.vertices, hull.triangles[f]);
     for (std::size_t axis = 0; axis < 3; ++axis) planes[axis * count + f] = normal[axis];
-    planes[3 * count + f] = normal.dot(corner);
+    planes[3 * count + f] = normal.dot(hull.vertices[hull.triangles[f][0]]);
   }
 }
 

@@ -98,12 +98,11 @@ void ParticleObstacle::takeFaces(const LivePart& part) {
   Faces& faces = faces_.emplace_back();
   faces.first = planes_.size();
   for (const Triangle& t : part.shape.triangles) {
-    const Vec3& corner = part.shape.vertices[t[0]];
-    const Vec3 area = (part.shape.vertices[t[1]] - corner).cross(part.shape.vertices[t[2]] - corner);
+    const Vec3 area = areaNormal(part.shape.vertices, t);
     const double length = area.norm();
     if (!(length > 1e-12)) continue;
     const Vec3 normal = area / length;
-    planes_.push_back({normal, normal.dot(corner) + radius_});
+    planes_.push_back({normal, normal.dot(part.shape.vertices[t[0]]) + radius_});
   }
   faces.end = planes_.size();
   for (const Vec3& v : part.shape.vertices) faces.box.extend(v);

@@ -96,9 +96,8 @@ struct Nearest {
   for (const ConvexHull& hull : mesh.hulls) {
     Nearest own{-kInfinity, Vec3::UnitY()};
     for (const Triangle& t : hull.triangles) {
-      const Vec3& a = hull.vertices[t[0]];
-      const Vec3 normal = (hull.vertices[t[1]] - a).cross(hull.vertices[t[2]] - a).stableNormalized();
-      const double distance = normal.dot(point - a);
+      const Vec3 normal = areaNormal(hull.vertices, t).stableNormalized();
+      const double distance = normal.dot(point - hull.vertices[t[0]]);
       if (distance > own.distance) own = {distance, normal};
     }
     if (own.distance < nearest.distance) nearest = own;
@@ -161,9 +160,8 @@ struct Nearest {
 void LiveObstacles::takeFaces(const ConvexHull& hull, Solid& solid) {
   solid.planes.clear();
   for (const Triangle& t : hull.triangles) {
-    const Vec3& a = hull.vertices[t[0]];
-    const Vec3 normal = (hull.vertices[t[1]] - a).cross(hull.vertices[t[2]] - a).stableNormalized();
-    if (normal.squaredNorm() > 0.5) solid.planes.push_back({normal, normal.dot(a)});
+    const Vec3 normal = areaNormal(hull.vertices, t).stableNormalized();
+    if (normal.squaredNorm() > 0.5) solid.planes.push_back({normal, normal.dot(hull.vertices[t[0]])});
   }
   solid.center = boundsOf(hull.vertices).center();
   double radiusSq = 0.0;

@@ -73,10 +73,8 @@ double quickOverlapAlong(const Pair& pair, const Vec3& direction) {
 /// Searches the face normals of a hull for a direction of smaller depth. Never fails, but ignores edges.
 /// @param sign  +1 for the first part's faces, -1 for the second's
 void tryFaces(const Pair& pair, const LivePart& part, double sign, PartOverlap& overlap) {
-  const std::vector<Vec3>& v = part.shape.vertices;
   for (const Triangle& t : part.shape.triangles) {
-    const Vec3& corner = v[t[0]];
-    const Vec3 normal = (v[t[1]] - corner).cross(v[t[2]] - corner);
+    const Vec3 normal = areaNormal(part.shape.vertices, t);
     const double length = normal.norm();
     if (!(length > 0.0)) continue;
     const Vec3 direction = part.worldFromPart.linear() * (sign / length * normal);

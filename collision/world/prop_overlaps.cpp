@@ -34,8 +34,7 @@ std::vector<Box> boxesAround(std::span<const Prop> props) {
 
 bool contains(const ConvexHull& hull, const Vec3& p) {
   return std::all_of(hull.triangles.begin(), hull.triangles.end(), [&](const Triangle& t) {
-    const Vec3& a = hull.vertices[t[0]];
-    return (hull.vertices[t[1]] - a).cross(hull.vertices[t[2]] - a).dot(p - a) < 0.0;
+    return areaNormal(hull.vertices, t).dot(p - hull.vertices[t[0]]) < 0.0;
   });
 }
 
@@ -138,9 +137,8 @@ struct Obstacle {
 bool areClear(const Obstacle& part, const Prop& prop, const Vec3& moved) {
   const Vec3 center = prop.worldFromProp.translation() + moved;
   for (const Triangle& t : part.hull.triangles) {
-    const Vec3& a = part.hull.vertices[t[0]];
-    const Vec3 normal = (part.hull.vertices[t[1]] - a).cross(part.hull.vertices[t[2]] - a).normalized();
-    if (normal.dot(center - a) - reach(prop, normal) > kClear) return true;
+    const Vec3 normal = areaNormal(part.hull.vertices, t).normalized();
+    if (normal.dot(center - part.hull.vertices[t[0]]) - reach(prop, normal) > kClear) return true;
   }
   for (int axis = 0; axis < 3; ++axis) {
     const Vec3 direction = prop.worldFromProp.linear().col(axis);

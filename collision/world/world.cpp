@@ -63,43 +63,12 @@ World::Impl::~Impl() {
   if (settings.floor) world.removeRigidBody(floor.get());
 }
 
-void World::Impl::addProp(const Prop& prop) {
-  LORICA_CHECK(props.size() < kMaxProps, "too many props for the broad phase");
-  const PropBody* same = nullptr;
-  if (prop.mesh) {
-    const auto found = std::ranges::find(props, prop.mesh, &Prop::mesh);
-    if (found != props.end()) same = &propBodies[found - props.begin()];
-  }
-  propBodies.push_back(makePropBody(prop, countOf(props), same));
-  addBody(propBodies.back(), prop.mass == 0.0);
-  props.push_back(prop);
-}
-
 void World::Impl::addBody(const PropBody& body, bool isStatic) {
   if (isStatic) {
     world.addRigidBody(body.body.get(), kFloorGroup, kPropGroup);
   } else {
     world.addRigidBody(body.body.get(), kPropGroup, kFloorGroup | kPropGroup | kPartGroup);
   }
-}
-
-void World::Impl::addLink(int a, int b, const Vec3& position) {
-  if (a == kWorldItself) std::swap(a, b);
-  LORICA_CHECK(isProp(a) && (b == kWorldItself || isProp(b)) && a != b,
-               "a link connects a prop to another prop or to the world");
-  for (const int t : thrown) LORICA_CHECK(t != a && t != b, "thrown props cannot have links: they may be replaced");
-  btRigidBody& first = *propBodies[a].body;
-  const btVector3 inFirst = first.getWorldTransform().inverse() * toBullet(position);
-  std::unique_ptr<btPoint2PointConstraint> link;
-  if (b == kWorldItself) {
-    link = std::make_unique<btPoint2PointConstraint>(first, inFirst);
-  } else {
-    btRigidBody& second = *propBodies[b].body;
-    link = std::make_unique<btPoint2PointConstraint>(first, second, inFirst,
-                                                     second.getWorldTransform().inverse() * toBullet(position));
-  }
-  world.addConstraint(link.get(), true);
-  links.push_back(std::move(link));
 }
 
 void World::Impl::resolveInitialOverlaps(std::span<const std::span<const LivePart>> present) {
@@ -259,12 +228,38 @@ World::World(World&&) noexcept = default;
 World& World::operator=(World&&) noexcept = default;
 
 int World::addProp(const Prop& prop) {
-  impl_->addProp(prop);
-  return countOf(impl_->props) - 1;
+  std::vector<Prop>& props = impl_->props;
+  LORICA_CHECK(props.size() < kMaxProps, "too many props for the broad phase");
+  const PropBody* same = nullptr;
+  if (prop.mesh) {
+    const auto found = std::ranges::find(props, prop.mesh, &Prop::mesh);
+    if (found != props.end()) same = &impl_->propBodies[found - props.begin()];
+  }
+  impl_->propBodies.push_back(makePropBody(prop, countOf(props), same));
+  impl_->addBody(impl_->propBodies.back(), prop.mass == 0.0);
+  props.push_back(prop);
+  return countOf(props) - 1;
 }
 
 void World::addLink(int a, int b, const Vec3& position) {
-  impl_->addLink(a, b, position);
+  if (a == kWorldItself) std::swap(a, b);
+  LORICA_CHECK(impl_->isProp(a) && (b == kWorldItself || impl_->isProp(b)) && a != b,
+               "a link connects a prop to another prop or to the world");
+  for (const int t : impl_->thrown) {
+    LORICA_CHECK(t != a && t != b, "thrown props cannot have links: they may be replaced");
+  }
+  btRigidBody& first = *impl_->propBodies[a].body;
+  const btVector3 inFirst = first.getWorldTransform().inverse() * toBullet(position);
+  std::unique_ptr<btPoint2PointConstraint> link;
+  if (b == kWorldItself) {
+    link = std::make_unique<btPoint2PointConstraint>(first, inFirst);
+  } else {
+    btRigidBody& second = *impl_->propBodies[b].body;
+    link = std::make_unique<btPoint2PointConstraint>(first, second, inFirst,
+                                                     second.getWorldTransform().inverse() * toBullet(position));
+  }
+  impl_->world.addConstraint(link.get(), true);
+  impl_->links.push_back(std::move(link));
 }
 
 Result<void> World::setParticles(const ParticleSettings& settings) {

@@ -80,7 +80,7 @@ void Island::clear() {
 
 void DisjointSets::reset(int count) {
   parents_.resize(count);
-  for (int i = 0; i < count; ++i) parents_[i] = i;
+  std::iota(parents_.begin(), parents_.end(), 0);
 }
 
 int DisjointSets::find(int i) {

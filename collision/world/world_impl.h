@@ -163,10 +163,8 @@ struct World::Impl {
 
   explicit Impl(const Settings& s);
   ~Impl();
-  void addProp(const Prop& prop);
   void replaceProp(int index, const Prop& prop);
   void addBody(const PropBody& body, bool isStatic);
-  void addLink(int a, int b, const Vec3& position);
   [[nodiscard]] bool isProp(int index) const { return index >= 0 && index < countOf(props); }
   /// Number of hands that hold a prop.
   [[nodiscard]] int holdersOf(int prop) const;

@@ -15,9 +15,8 @@ std::shared_ptr<const Avatar> makePlainAvatar(const Character& character, const 
   avatar->look.groups.push_back({character.name, 0, 0, mesh.triangles.size(), false});
   avatar->look.normals.assign(mesh.vertices.size(), Vec3f::Zero());
   for (const Triangle& t : mesh.triangles) {
-    const Vec3& a = mesh.vertices[t[0]];
-    const Vec3f twiceTheArea = (mesh.vertices[t[1]] - a).cross(mesh.vertices[t[2]] - a).cast<float>();
-    for (const VertexIndex v : t) avatar->look.normals[v] += twiceTheArea;
+    const Vec3f area = areaNormal(mesh.vertices, t).cast<float>();
+    for (const VertexIndex v : t) avatar->look.normals[v] += area;
   }
   for (Vec3f& normal : avatar->look.normals) normal.normalize();
   return avatar;
