@@ -28,7 +28,7 @@ void writeHead(const JointTree& tree, JointIndex first, const Vec3& up, double t
   std::vector<JointIndex> way = {first};
   while (tree.children(way.back()).size() == 1 && way.size() < 6) way.push_back(tree.children(way.back()).front());
   const bool isLeaf = tree.children(way.back()).empty();
-  const auto segment = [&](std::size_t i) { return (tree.position(way[i]) - tree.position(way[i - 1])).norm(); };
+  const auto segment = [&](std::size_t i) { return tree.distance(way[i], way[i - 1]); };
   // The last joint of an unbranched chain may be the top of the head: a head is longer than a neck.
   if (isLeaf && way.size() == 2 && segment(1) > 0.3 * trunkLength) way.pop_back();
   if (isLeaf && way.size() > 2 && segment(way.size() - 1) > 1.5 * segment(way.size() - 2)) way.pop_back();
@@ -42,13 +42,12 @@ void writeHead(const JointTree& tree, JointIndex first, const Vec3& up, double t
 
 void writeShoulder(const JointTree& tree, JointIndex chest, HumanBone shoulder, JointIndex upperArm,
                    std::span<const JointName> names, BoneJoints& bones) {
-  const double armLength = std::max(1e-9, (tree.position(upperArm) - tree.position(chest)).norm());
+  const double armLength = std::max(1e-9, tree.distance(upperArm, chest));
   for (const JointIndex joint : tree.pathBelow(chest, upperArm)) {
     if (joint == upperArm) return;
-    const bool apart = (tree.position(joint) - tree.position(upperArm)).norm() > 0.05 * armLength;
-    const bool used = std::find(bones.begin(), bones.end(), joint) != bones.end();
+    const bool apart = tree.distance(joint, upperArm) > 0.05 * armLength;
     const bool carriesHead = tree.isBelow(jointOf(bones, kHead), joint);
-    if (!apart || used || carriesHead || isHelper(names[joint])) continue;
+    if (!apart || isUsed(bones, joint) || carriesHead || isHelper(names[joint])) continue;
     jointOf(bones, shoulder) = joint;
     return;
   }
@@ -58,18 +57,21 @@ void writeShoulder(const JointTree& tree, JointIndex chest, HumanBone shoulder, 
   return left ? bone : mirrored(bone);
 }
 
+/// The middle between a left bone and its mirror image; none if one of them is missing.
+[[nodiscard]] std::optional<Vec3> middleOf(const JointTree& tree, const BoneJoints& bones, HumanBone left) {
+  const JointIndex a = jointOf(bones, left), b = jointOf(bones, mirrored(left));
+  if (a == kNoJoint || b == kNoJoint) return std::nullopt;
+  return 0.5 * (tree.position(a) + tree.position(b));
+}
+
 /// From between the thighs to between the arms; without arms to the head; else opposite to the legs [m].
 [[nodiscard]] Vec3 trunkAxis(const JointTree& tree, const BoneJoints& bones, const Vec3& legTop) {
-  const auto both = [&](HumanBone left) {
-    return jointOf(bones, left) != kNoJoint && jointOf(bones, mirrored(left)) != kNoJoint;
-  };
-  const auto middle = [&](HumanBone left) -> Vec3 {
-    return 0.5 * (tree.position(jointOf(bones, left)) + tree.position(jointOf(bones, mirrored(left))));
-  };
-  if (both(kLeftUpperArm)) return middle(kLeftUpperArm) - legTop;
+  if (const std::optional<Vec3> arms = middleOf(tree, bones, kLeftUpperArm)) return *arms - legTop;
   if (jointOf(bones, kHead) != kNoJoint) return tree.position(jointOf(bones, kHead)) - legTop;
-  if (both(kLeftFoot)) return legTop - middle(kLeftFoot);
-  return both(kLeftLowerLeg) ? Vec3(legTop - middle(kLeftLowerLeg)) : Vec3(Vec3::Zero());
+  for (const HumanBone end : {kLeftFoot, kLeftLowerLeg}) {
+    if (const std::optional<Vec3> legs = middleOf(tree, bones, end)) return legTop - *legs;
+  }
+  return Vec3::Zero();
 }
 
 /// Hands and feet that have a sibling at the same place, and fingers, whose order depends on how the hand is held.
@@ -80,11 +82,10 @@ void addEndDoubts(const JointTree& tree, const BoneJoints& bones, std::vector<Bo
                                    std::pair(kLeftFoot, kLeftLowerLeg), std::pair(kRightFoot, kRightLowerLeg)}) {
     const JointIndex joint = jointOf(bones, end);
     if (joint == kNoJoint) continue;
-    const Vec3& place = tree.position(joint);
-    const double length = (place - tree.position(jointOf(bones, above))).norm();
+    const double length = tree.distance(joint, jointOf(bones, above));
     const std::vector<JointIndex>& siblings = tree.children(tree.parent(joint));
     const bool shared = std::any_of(siblings.begin(), siblings.end(), [&](JointIndex other) {
-      return other != joint && (tree.position(other) - place).norm() < kSamePlace * length;
+      return other != joint && tree.distance(other, joint) < kSamePlace * length;
     });
     if (shared) ends.push_back(end);
   }
@@ -107,7 +108,6 @@ void addBonesByShape(const JointTree& tree, std::span<const JointName> names, Bo
   const JointIndex rightLeg = jointOf(bones, kRightUpperLeg);
   if (hips == kNoJoint || leftLeg == kNoJoint || rightLeg == kNoJoint) return;
   const Reach reach(tree);
-  const auto isUsed = [&](JointIndex joint) { return std::find(bones.begin(), bones.end(), joint) != bones.end(); };
 
   JointIndex chest = topOfTrunk(tree, bones);
   if (chest == kNoJoint) chest = hips;
@@ -135,7 +135,7 @@ void addBonesByShape(const JointTree& tree, std::span<const JointName> names, Bo
       return tree.isBelow(jointOf(bones, kLeftUpperArm), joint) || tree.isBelow(jointOf(bones, kRightUpperArm), joint);
     };
     for (const JointIndex joint : tree.pathBelow(chest, jointOf(bones, kHead))) {
-      if (isUsed(joint)) break;
+      if (isUsed(bones, joint)) break;
       if (isHelper(names[joint]) || carriesArm(joint)) continue;
       jointOf(bones, kNeck) = joint;
       break;
@@ -150,11 +150,10 @@ void addBonesByShape(const JointTree& tree, std::span<const JointName> names, Bo
     // Adds the next joint along a limb if its distance is plausible.
     const auto follow = [&](HumanBone from, HumanBone last, HumanBone to, double min) {
       if (at(from) == kNoJoint || at(last) == kNoJoint || at(to) != kNoJoint) return;
-      const double above = (tree.position(at(last)) - tree.position(at(from))).norm();
+      const double above = tree.distance(at(last), at(from));
       for (const JointIndex joint : reach.wayDown(at(last))) {
-        const double beyond = (tree.position(joint) - tree.position(at(last))).norm();
-        if (joint == at(last) || beyond < min * above || isHelper(names[joint])) continue;
-        if (!isUsed(joint)) at(to) = joint;
+        if (joint == at(last) || tree.distance(joint, at(last)) < min * above || isHelper(names[joint])) continue;
+        if (!isUsed(bones, joint)) at(to) = joint;
         return;
       }
     };
@@ -226,12 +225,7 @@ void dropSidewaysThighs(const JointTree& tree, BoneJoints& bones) {
 
 /// Whether arms and legs point the same way, across the trunk: an animal, whatever the names of its joints.
 [[nodiscard]] bool isFourLegged(const JointTree& tree, const BoneJoints& bones) {
-  const auto middle = [&](HumanBone left) -> std::optional<Vec3> {
-    const JointIndex a = jointOf(bones, left);
-    const JointIndex b = jointOf(bones, mirrored(left));
-    if (a == kNoJoint || b == kNoJoint) return std::nullopt;
-    return 0.5 * (tree.position(a) + tree.position(b));
-  };
+  const auto middle = [&](HumanBone left) { return middleOf(tree, bones, left); };
   const std::optional<Vec3> legTop = middle(kLeftUpperLeg);
   const std::optional<Vec3> legEnd = middle(kLeftFoot) ? middle(kLeftFoot) : middle(kLeftLowerLeg);
   const std::optional<Vec3> armTop = middle(kLeftUpperArm);
@@ -311,8 +305,7 @@ void writeLimb(const JointTree& tree, const Reach& reach, const MirroredTops& pa
 void dropStrayBones(const JointTree& tree, const BoneJoints& given, BoneJoints& bones) {
   BoneJoints kept = given;
   for (std::size_t bone = 0; bone < bones.size(); ++bone) {
-    if (kept[bone] == kNoJoint && std::find(kept.begin(), kept.end(), bones[bone]) == kept.end())
-      kept[bone] = bones[bone];
+    if (kept[bone] == kNoJoint && !isUsed(kept, bones[bone])) kept[bone] = bones[bone];
   }
   bones = kept;
   for (std::size_t bone = 0; bone < bones.size(); ++bone) {

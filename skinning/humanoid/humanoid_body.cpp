@@ -35,10 +35,6 @@ constexpr std::size_t kMaxDeepPairs = 40;  ///< pairs that are compared joint by
 constexpr std::size_t kMaxOfLimb = 32;     ///< joints of a limb that are compared
 constexpr double kInCommon = 0.5;          ///< of the shorter limb, at least, is common to matched limbs
 
-[[nodiscard]] double jointDistance(const JointTree& tree, JointIndex a, JointIndex b) {
-  return (tree.position(a) - tree.position(b)).norm();
-}
-
 void keepLongest(std::vector<LimbPair>& pairs, std::size_t count) {
   std::stable_sort(pairs.begin(), pairs.end(),
                    [](const LimbPair& a, const LimbPair& b) { return a.length > b.length; });
@@ -72,10 +68,10 @@ void match(const JointTree& tree, LimbPair& pair) {
       Best& here = best[i * b.size() + j];
       for (std::size_t k = i + 1; k < a.size(); ++k) {
         if (!tree.isBelow(a[k], a[i])) continue;
-        const double down = jointDistance(tree, a[i], a[k]);
+        const double down = tree.distance(a[i], a[k]);
         for (std::size_t l = j + 1; l < b.size(); ++l) {
           if (!tree.isBelow(b[l], b[j])) continue;
-          const double other = jointDistance(tree, b[j], b[l]);
+          const double other = tree.distance(b[j], b[l]);
           const double shorter = std::min(down, other);
           if (shorter < kAlike * std::max(down, other) || shorter <= 0.0) continue;
           const Best& after = best[k * b.size() + l];
@@ -131,7 +127,7 @@ void match(const JointTree& tree, LimbPair& pair) {
   std::vector<LimbPair> pairs;
   for (JointIndex branch = 0; branch < tree.jointCount(); ++branch) {
     std::vector<JointIndex> children = tree.children(branch);
-    const auto whole = [&](JointIndex child) { return reach.length[child] + jointDistance(tree, child, branch); };
+    const auto whole = [&](JointIndex child) { return reach.length[child] + tree.distance(child, branch); };
     std::erase_if(children, [&](JointIndex child) { return reach.size[child] < 2; });
     std::stable_sort(children.begin(), children.end(), [&](JointIndex a, JointIndex b) { return whole(a) > whole(b); });
     if (children.size() > kMaxChildren) children.resize(kMaxChildren);
@@ -206,7 +202,7 @@ void match(const JointTree& tree, LimbPair& pair) {
     for (std::size_t i = 0; i < 2; ++i) {
       if ((limbs[0].*to == kNoJoint) != (limbs[1].*to == kNoJoint)) return false;
       if (limbs[i].*to == kNoJoint) return true;
-      lengths[i] = (tree.position(limbs[i].*to) - tree.position(limbs[i].*from)).norm();
+      lengths[i] = tree.distance(limbs[i].*to, limbs[i].*from);
     }
     return std::min(lengths[0], lengths[1]) > 0.7 * std::max(lengths[0], lengths[1]);
   };

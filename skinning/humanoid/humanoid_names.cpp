@@ -56,12 +56,12 @@ using NameRows = std::map<std::string, std::vector<NameRow>>;
   return rows;
 }
 
-/// One entry per namingConventions(), parsed once.
+/// One entry per naming convention, parsed once.
 [[nodiscard]] const std::vector<NameRows>& rowsOfConventions() {
   static const std::vector<NameRows> all = [] {
     std::vector<NameRows> made;
-    made.reserve(namingConventions().size());
-    for (const NamingConvention& convention : namingConventions()) made.push_back(readRows(convention));
+    made.reserve(std::size(kNamingConventions));
+    for (const NamingConvention& convention : kNamingConventions) made.push_back(readRows(convention));
     return made;
   }();
   return all;
@@ -72,9 +72,7 @@ class ConventionMatch {
  public:
   ConventionMatch(const NameRows& rows, std::span<const JointName> names, const BoneJoints& given) : rows_(rows) {
     for (std::size_t i = 0; i < names.size(); ++i) {
-      const JointIndex joint = i;
-      if (std::find(given.begin(), given.end(), joint) != given.end()) continue;
-      addCandidates(joint, names[i]);
+      if (!isUsed(given, i)) addCandidates(i, names[i]);
     }
     for (std::size_t bone = 0; bone < kHumanBoneCount; ++bone) {
       Candidates& all = candidates_[bone];
@@ -166,10 +164,6 @@ class ChainSearch {
 
 [[nodiscard]] bool has(const BoneJoints& bones, HumanBone bone) {
   return jointOf(bones, bone) != kNoJoint;
-}
-
-[[nodiscard]] bool isUsed(const BoneJoints& bones, JointIndex joint) {
-  return std::find(bones.begin(), bones.end(), joint) != bones.end();
 }
 
 [[nodiscard]] bool isAmong(const Candidates& named, JointIndex joint) {
@@ -363,13 +357,13 @@ namespace {
   NamedBones best;
   best.jointOf = given;
   int bestWeight = 0;
-  for (std::size_t c = 0; c < namingConventions().size(); ++c) {
+  for (std::size_t c = 0; c < std::size(kNamingConventions); ++c) {
     BoneJoints bones;
     const int weight = solve(ConventionMatch(rowsOfConventions()[c], names, given), bones);
     if (weight <= bestWeight) continue;
     bestWeight = weight;
     best.jointOf = bones;
-    best.convention = namingConventions()[c].name;
+    best.convention = kNamingConventions[c].name;
   }
   return best;
 }
@@ -424,9 +418,7 @@ struct FlatBones {
   for (const Candidate& candidate : match.of(kSpine)) {
     if (isFree(candidate.joint)) bones.trunk.push_back(candidate.joint);
   }
-  const auto fromHips = [&](JointIndex joint) {
-    return (tree.position(joint) - tree.position(jointOf(bones.jointOf, kHips))).norm();
-  };
+  const auto fromHips = [&](JointIndex joint) { return tree.distance(joint, jointOf(bones.jointOf, kHips)); };
   std::stable_sort(bones.trunk.begin(), bones.trunk.end(),
                    [&](JointIndex a, JointIndex b) { return fromHips(a) < fromHips(b); });
   bones.count += countOf(bones.trunk);
@@ -478,7 +470,7 @@ std::vector<JointIndex> parentsByNames(const JointTree& tree, std::span<const Jo
       double nearest = kInfinity;
       const auto consider = [&](JointIndex other) {
         if (other == kNoJoint) return;
-        const double distance = (tree.position(other) - tree.position(joint)).norm();
+        const double distance = tree.distance(other, joint);
         if (!(distance < nearest)) return;
         nearest = distance;
         parents[i] = other;

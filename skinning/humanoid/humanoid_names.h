@@ -4,6 +4,7 @@
 #include "skinning/humanoid/humanoid_tree.h"
 #include "skinning/humanoid/humanoid_words.h"
 
+#include <algorithm>
 #include <span>
 #include <string>
 #include <vector>
@@ -42,6 +43,11 @@ void assignTrunk(std::span<const JointIndex> fromHipsUp, BoneJoints& bones);
 }
 [[nodiscard]] inline JointIndex jointOf(const BoneJoints& bones, HumanBone bone) {
   return bones[ordinalOf(bone)];
+}
+
+/// Whether a joint is one of the bones.
+[[nodiscard]] inline bool isUsed(const BoneJoints& bones, JointIndex joint) {
+  return std::find(bones.begin(), bones.end(), joint) != bones.end();
 }
 
 /// The lowest joint that carries both arms and the head; kNoJoint if there are neither arms nor head.

@@ -183,10 +183,6 @@ constexpr std::size_t kMaxOnWay = 16;
 /// Joints closer together than this fraction of a limb's length coincide.
 constexpr double kSamePosition = 1e-3;
 
-[[nodiscard]] double distance(const JointTree& tree, JointIndex a, JointIndex b) {
-  return (tree.position(a) - tree.position(b)).norm();
-}
-
 [[nodiscard]] double angleBetween(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
@@ -218,8 +214,8 @@ constexpr double kSamePosition = 1e-3;
   double before = 0.0;
   double after = 0.0;
   for (std::size_t i = 1; i < way.size(); ++i) {
-    if (i <= at[0]) before += distance(tree, way[i - 1], way[i]);
-    if (i > at[2]) after += distance(tree, way[i - 1], way[i]);
+    if (i <= at[0]) before += tree.distance(way[i - 1], way[i]);
+    if (i > at[2]) after += tree.distance(way[i - 1], way[i]);
   }
   const double both = upper.norm() + lower.norm();
   score -= 0.5 * std::max(0.0, before / both - 0.4) + std::max(0.0, after / both - 0.35);
@@ -247,7 +243,7 @@ Reach::Reach(const JointTree& tree) {
     const std::size_t p = parent;
     size[p] += size[i];
     // On ties the first child: children are visited in reverse order.
-    const double reached = length[i] + distance(tree, joint, parent);
+    const double reached = length[i] + tree.distance(joint, parent);
     if (next[p] != kNoJoint && reached < length[p]) continue;
     length[p] = reached;
     next[p] = joint;
@@ -269,7 +265,7 @@ Limb splitLimb(const JointTree& tree, std::span<const JointIndex> way, LimbKind 
   if (way.size() == 2) return limb;
 
   double wholeLength = 0.0;
-  for (std::size_t i = 1; i < way.size(); ++i) wholeLength += distance(tree, way[i - 1], way[i]);
+  for (std::size_t i = 1; i < way.size(); ++i) wholeLength += tree.distance(way[i - 1], way[i]);
   std::array<std::size_t, 3> best = {0, 1, 2};
   double bestScore = -1e300;
   for (std::size_t i = 0; i < way.size(); ++i) {
@@ -287,7 +283,7 @@ Limb splitLimb(const JointTree& tree, std::span<const JointIndex> way, LimbKind 
   limb.lower = way[best[1]];
   limb.end = way[best[2]];
   for (std::size_t i = best[2] + 1; i < way.size() && limb.beyond == kNoJoint; ++i) {
-    if (distance(tree, way[i], limb.end) > kSamePosition * wholeLength) limb.beyond = way[i];
+    if (tree.distance(way[i], limb.end) > kSamePosition * wholeLength) limb.beyond = way[i];
   }
   return limb;
 }
@@ -299,7 +295,7 @@ namespace {
                                                    JointIndex first, bool thumb) {
   std::vector<JointIndex> way = reach.wayDown(first);
   // A finger's metacarpal starts at the wrist and is longer than its distance from the hand.
-  if (!thumb && way.size() > 3 && distance(tree, hand, way[0]) < distance(tree, way[0], way[1])) way.erase(way.begin());
+  if (!thumb && way.size() > 3 && tree.distance(hand, way[0]) < tree.distance(way[0], way[1])) way.erase(way.begin());
   if (way.size() > 3) way.resize(3);
   return way;
 }
@@ -365,7 +361,7 @@ void addFingersByNames(const JointTree& tree, std::span<const JointName> names, 
     for (JointIndex joint = 0; joint < tree.jointCount(); ++joint) {
       const JointName& name = names[joint];
       if (name.side != side || !tree.isBelow(joint, hand)) continue;
-      if (std::find(bones.begin(), bones.end(), joint) != bones.end()) continue;
+      if (isUsed(bones, joint)) continue;
       const std::optional<FingerName> read = readFinger(name, thumbIsZero);
       if (read) found[read->finger].push_back({joint, read->segment});
     }

@@ -20,6 +20,9 @@ class JointTree {
   [[nodiscard]] JointIndex parent(JointIndex joint) const { return parent_[at(joint)]; }
   [[nodiscard]] const std::vector<JointIndex>& children(JointIndex joint) const { return children_[at(joint)]; }
   [[nodiscard]] const Vec3& position(JointIndex joint) const { return position_[at(joint)]; }  ///< world [m]
+  [[nodiscard]] double distance(JointIndex a, JointIndex b) const {
+    return (position(a) - position(b)).norm();
+  }  ///< [m]
   /// Whether a joint is a descendant of another; a joint is not below itself.
   [[nodiscard]] bool isBelow(JointIndex joint, JointIndex ancestor) const;
   [[nodiscard]] bool isBelowOrSame(JointIndex joint, JointIndex ancestor) const {
