@@ -3,7 +3,7 @@
 #include "geometry/counts.h"
 #include "geometry/errors.h"
 #include "geometry/files.h"
-#include "skinning/import/hidden_meshes.h"
+#include "skinning/import/character_parts.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "skinning/import/assimp_file.h"
+#include "skinning/import/scene_readers.h"
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"

@@ -6,7 +6,6 @@
 #include "skinning/import/bind_frames.h"
 #include "skinning/import/character_parts.h"
 #include "skinning/import/file_scene.h"
-#include "skinning/import/hidden_meshes.h"
 #include "skinning/morphs/shapes.h"
 
 #include <fmt/format.h>

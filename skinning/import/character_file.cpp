@@ -4,11 +4,9 @@
 #include "geometry/files.h"
 #include "geometry/interrupt.h"
 #include "geometry/text.h"
-#include "skinning/import/assimp_file.h"
 #include "skinning/import/file_scene.h"
-#include "skinning/import/gltf_file.h"
 #include "skinning/import/isolated_scene.h"
-#include "skinning/import/vrm_expressions.h"
+#include "skinning/import/scene_readers.h"
 
 #include <nlohmann/json.hpp>
 

@@ -1,4 +1,4 @@
-#include "skinning/import/gltf_compression.h"
+#include "skinning/import/gltf_document.h"
 
 #include "geometry/errors.h"
 #include "geometry/text.h"

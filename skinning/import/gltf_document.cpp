@@ -6,7 +6,6 @@
 #include "geometry/little_endian.h"
 #include "geometry/work_budgets.h"
 #include "skinning/import/file_scene.h"
-#include "skinning/import/gltf_compression.h"
 #include "skinning/import/json_values.h"
 #include "skinning/import/uri.h"
 

@@ -1,4 +1,4 @@
-#include "skinning/import/gltf_file.h"
+#include "skinning/import/scene_readers.h"
 
 #include "geometry/counts.h"
 #include "geometry/errors.h"
@@ -8,7 +8,6 @@
 #include "skinning/import/gltf_document.h"
 #include "skinning/import/gltf_parts.h"
 #include "skinning/import/json_values.h"
-#include "skinning/import/vrm_expressions.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -273,10 +272,8 @@ class GltfSceneReader {
       if (!from.matrix.empty()) setMatrix(node, Affine3(Eigen::Matrix<double, 3, 4>(matrix.topRows<3>())));
       scene_.nodes.push_back(std::move(node));
     }
-    if (unturned > 0) {
-      scene_.notes.push_back(counted(unturned, "node has a rotation that is not of unit length: normalised",
-                                     "nodes have rotations that are not of unit length: normalised"));
-    }
+    scene_.note(unturned, "node has a rotation that is not of unit length: normalised",
+                "nodes have rotations that are not of unit length: normalised");
     return {};
   }
 

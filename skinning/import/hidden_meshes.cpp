@@ -1,4 +1,4 @@
-#include "skinning/import/hidden_meshes.h"
+#include "skinning/import/character_parts.h"
 
 #include "geometry/errors.h"
 #include "geometry/text.h"

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "geometry/named_file.h"
-#include "skinning/import/assimp_file.h"
 #include "skinning/import/character_file.h"
 #include "skinning/import/file_scene.h"
+#include "skinning/import/scene_readers.h"
 
 #include <cstddef>
 #include <cstdint>

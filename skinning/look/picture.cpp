@@ -158,8 +158,7 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
 }
 
 /// Decodes a file that begins with PNG's signature.
-[[nodiscard]] Result<Picture> decodePng(std::span<const std::byte> bytes, const std::string& name,
-                                        const PictureLimits& limits) {
+[[nodiscard]] Result<Picture> decodePng(std::span<const std::byte> bytes, const std::string& name, int largestSide) {
   LORICA_TRY(const PictureClaim claim, pngClaim(bytes, name));
   LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
 
@@ -178,7 +177,7 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
   LORICA_CHECK(png_get_rowbytes(reader.png, reader.info) == rowBytes, "libpng gives rows of another length");
 
   // A picture that will be reduced is never held whole, unless its rows come in several passes.
-  const PictureSize wanted = limitedSize(size, limits.largestSide);
+  const PictureSize wanted = limitedSize(size, largestSide);
   if (passes == 1 && (wanted.width < size.width || wanted.height < size.height)) {
     PictureShrink shrink(size, wanted);
     std::vector<std::uint8_t> row(rowBytes);
@@ -188,7 +187,7 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
   Picture picture{size.width, size.height, {}};
   picture.rgba.resize(rowBytes * size.height);
   if (!readPicture(reader, passes, picture)) return damaged();
-  return shrunk(std::move(picture), limits.largestSide);
+  return shrunk(std::move(picture), largestSide);
 }
 
 [[nodiscard]] Result<PictureClaim> webpClaim(std::span<const std::byte> bytes, const std::string& name) {
@@ -202,8 +201,7 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
 }
 
 /// Decodes a file that begins as WebP: lossy or lossless, not animated.
-[[nodiscard]] Result<Picture> decodeWebp(std::span<const std::byte> bytes, const std::string& name,
-                                         const PictureLimits& limits) {
+[[nodiscard]] Result<Picture> decodeWebp(std::span<const std::byte> bytes, const std::string& name, int largestSide) {
   LORICA_TRY(const PictureClaim claim, webpClaim(bytes, name));
   LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
   Picture picture{static_cast<int>(claim.width), static_cast<int>(claim.height), {}};
@@ -212,7 +210,7 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
       nullptr) {
     return damagedWebp(bytes, name);
   }
-  return shrunk(std::move(picture), limits.largestSide);
+  return shrunk(std::move(picture), largestSide);
 }
 
 /// The size in the frame header, and whether this kind of JPEG is decoded (ITU-T T.81, annex B:
@@ -267,15 +265,14 @@ int shrinkOf(PictureSize size, PictureSize wanted) {
 }
 
 /// Decodes a file that begins with JPEG's first marker.
-[[nodiscard]] Result<Picture> decodeJpeg(std::span<const std::byte> bytes, const std::string& name,
-                                         const PictureLimits& limits) {
+[[nodiscard]] Result<Picture> decodeJpeg(std::span<const std::byte> bytes, const std::string& name, int largestSide) {
   LORICA_TRY(const PictureClaim claim, jpegClaim(bytes, name));
   LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
 
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
   if (!decoder) return unreadable("{}: TurboJPEG does not start", name);
   const PictureSize size{static_cast<int>(claim.width), static_cast<int>(claim.height)};
-  const int by = shrinkOf(size, limitedSize(size, limits.largestSide));
+  const int by = shrinkOf(size, limitedSize(size, largestSide));
   Picture picture{size.width / by, size.height / by, {}};
   picture.rgba.resize(static_cast<std::size_t>(picture.width) * picture.height * 4);
   // libjpeg only warns of missing and damaged pixels. The limit of scans is against small files that take minutes.
@@ -285,7 +282,7 @@ int shrinkOf(PictureSize size, PictureSize wanted) {
     return badFormat("{}: a JPEG picture of {} bytes that is damaged: {}", name, bytes.size(),
                      tjGetErrorStr2(decoder.get()));
   }
-  return shrunk(std::move(picture), limits.largestSide);
+  return shrunk(std::move(picture), largestSide);
 }
 
 /// What a file is, by the bytes at one place in it.
@@ -299,7 +296,7 @@ struct Signature {
 struct Format {
   Signature signature;
   Result<PictureClaim> (*claim)(std::span<const std::byte> bytes, const std::string& name);
-  Result<Picture> (*decode)(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits);
+  Result<Picture> (*decode)(std::span<const std::byte> bytes, const std::string& name, int largestSide);
 };
 
 constexpr Format kFormats[] = {
@@ -375,12 +372,12 @@ int sideThatFits(std::span<const EncodedPicture> pictures, int largestSide) {
 
 }  // namespace
 
-Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::string& name, const PictureLimits& limits) {
-  if (limits.largestSide < 0) {
-    return invalidArgument("{}: largest side of {} pixels, expected 0 or more", name, limits.largestSide);
+Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::string& name, int largestSide) {
+  if (largestSide < 0) {
+    return invalidArgument("{}: largest side of {} pixels, expected 0 or more", name, largestSide);
   }
   LORICA_TRY(const Format* format, formatOf(bytes, name));
-  return format->decode(bytes, name, limits);
+  return format->decode(bytes, name, largestSide);
 }
 
 Result<PictureSize> readPictureSize(std::span<const std::byte> bytes, const std::string& name) {
@@ -416,7 +413,7 @@ std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pict
   (void)inParallel(pictures.size(), settings.threads, settings.progress, [&](std::size_t i) {
     std::unique_lock lock(oneLarge, std::defer_lock);
     if (large[i] != 0) lock.lock();
-    if (beyond[i] == 0) decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, {largestSide});
+    if (beyond[i] == 0) decoded[i] = decodePicture(pictures[i].bytes, pictures[i].name, largestSide);
   });
   return decoded;
 }

@@ -19,11 +19,6 @@ struct Picture {
   std::vector<std::uint8_t> rgba;  ///< four bytes a pixel, row by row from the top; sRGB, straight opacity
 };
 
-/// How large pictures may become in memory.
-struct PictureLimits {
-  int largestSide = 0;  ///< pixels; a larger picture is reduced to it, keeping its proportions. 0 = as stored
-};
-
 /// What a picture's header says.
 struct PictureSize {
   int width = 0;   ///< pixels
@@ -52,10 +47,11 @@ struct PictureSize {
 /// Memory: 4 bytes a pixel of the stored picture, in addition 6 for a progressive JPEG; a reduced PNG that is not
 /// interlaced needs only some rows of it, a halved JPEG a quarter or less.
 ///
-/// @param name  begins each error's sentence
+/// @param name         begins each error's sentence
+/// @param largestSide  pixels; a larger picture is reduced to it, keeping its proportions. 0 = as stored
 /// @return the picture, or kBadFormat (damaged, truncated, a wrong size), kUnsupported (another type, too large)
 [[nodiscard]] Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::string& name,
-                                            const PictureLimits& limits = {});
+                                            int largestSide = 0);
 
 /// A picture file in memory that somebody else owns.
 struct EncodedPicture {
@@ -65,7 +61,7 @@ struct EncodedPicture {
 
 /// How pictures are decoded.
 struct DecodeSettings {
-  int largestSide = 0;  ///< see PictureLimits
+  int largestSide = 0;  ///< see decodePicture()
   int threads = 0;      ///< 0 = all hardware threads; the result does not depend on it
   /// Called after each picture, one call at a time, from any thread; return false to cancel.
   std::function<bool(int done, int count)> progress = {};

@@ -59,7 +59,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto bytes = std::as_bytes(std::span(file));
   const Result<Picture> stored = decodePicture(bytes, "fuzz");
   checkPicture(stored, 0);
-  const Result<Picture> reduced = decodePicture(bytes, "fuzz", {9});
+  const Result<Picture> reduced = decodePicture(bytes, "fuzz", 9);
   checkPicture(reduced, 9);
   LORICA_CHECK(stored.ok() == reduced.ok(), "a picture that is whole only as stored, or only reduced");
   return 0;

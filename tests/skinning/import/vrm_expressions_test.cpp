@@ -1,4 +1,4 @@
-#include "skinning/import/vrm_expressions.h"
+#include "skinning/import/scene_readers.h"
 #include "geometry/work_budgets.h"
 
 #include "tests/skinning/import/small_character.h"

@@ -126,7 +126,7 @@ std::vector<std::byte> exactBytes(std::string_view content) {
 }
 
 Result<Picture> decoded(std::string_view content, int largestSide) {
-  return decodePicture(exactBytes(content), "sample", {largestSide});
+  return decodePicture(exactBytes(content), "sample", largestSide);
 }
 
 void expectRefused(const Result<Picture>& result, ErrorCode code, std::string_view words) {

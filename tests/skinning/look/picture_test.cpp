@@ -127,7 +127,7 @@ TEST(Pictures, AnyNumberOfThreadsGivesTheSameInOrder) {
     }
     ASSERT_EQ(pictures.size(), files.size());
     for (std::size_t i = 0; i < files.size(); ++i) {
-      const Result<Picture> alone = decodePicture(encoded[i].bytes, encoded[i].name, {12});
+      const Result<Picture> alone = decodePicture(encoded[i].bytes, encoded[i].name, 12);
       ASSERT_EQ(pictures[i].ok(), alone.ok());
       EXPECT_EQ(alone.ok(), i != 4);
       if (alone) {
