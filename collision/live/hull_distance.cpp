@@ -19,14 +19,11 @@ struct Simplex {
   std::array<Corner, 4> corner;
   std::size_t count = 0;
 
-  [[nodiscard]] Vec3 nearest() const {
+  [[nodiscard]] Vec3 nearest() const { return weighted(&Corner::at); }
+  [[nodiscard]] Vec3 onHull() const { return weighted(&Corner::onHull); }
+  [[nodiscard]] Vec3 weighted(Vec3 Corner::*of) const {
     Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 0; i < count; ++i) sum += corner[i].weight * corner[i].at;
-    return sum;
-  }
-  [[nodiscard]] Vec3 onHull() const {
-    Vec3 sum = Vec3::Zero();
-    for (std::size_t i = 0; i < count; ++i) sum += corner[i].weight * corner[i].onHull;
+    for (std::size_t i = 0; i < count; ++i) sum += corner[i].weight * corner[i].*of;
     return sum;
   }
   void keep(std::initializer_list<std::pair<std::size_t, double>> kept) {

@@ -138,13 +138,14 @@ Result<Bytes> GltfAccessors::elements(int viewIndex, std::uint64_t offset, std::
 }
 
 template <typename Number>
-Result<std::vector<Number>> GltfAccessors::read(int index, int components, const std::string& user, bool wantIntegers) {
+Result<std::vector<Number>> GltfAccessors::read(int index, int components, const std::string& user) {
   if (workStopped()) return cancelled();
   LORICA_TRY_DO(checkIndex(document_, index, document_.model.accessors.size(), user, "accessor"));
   const tinygltf::Accessor& accessor = document_.model.accessors[index];
   const std::string who = fmt::format("accessor {}", index);
 
   // 1. Its declaration.
+  constexpr bool wantIntegers = std::is_integral_v<Number>;
   const std::size_t wanted = components;
   if (tinygltf::GetNumComponentsInType(accessor.type) != components || accessor.type == TINYGLTF_TYPE_MAT2) {
     return badFormat("{}: {}: has {} numbers per element, expected {} for {}", document_.name, who,
@@ -217,11 +218,11 @@ Result<std::vector<Number>> GltfAccessors::read(int index, int components, const
 }
 
 Result<std::vector<double>> GltfAccessors::anyNumbers(int accessor, int components, const std::string& user) {
-  return read<double>(accessor, components, user, false);
+  return read<double>(accessor, components, user);
 }
 
 Result<std::vector<std::uint32_t>> GltfAccessors::integers(int accessor, int components, const std::string& user) {
-  return read<std::uint32_t>(accessor, components, user, true);
+  return read<std::uint32_t>(accessor, components, user);
 }
 
 Result<GltfKeys> GltfAccessors::keys(const tinygltf::Animation& animation, int index, int components,
@@ -243,7 +244,7 @@ Result<GltfKeys> GltfAccessors::keys(const tinygltf::Animation& animation, int i
 }
 
 Result<std::vector<double>> GltfAccessors::numbers(int accessor, int components, const std::string& user) {
-  LORICA_TRY(std::vector<double> all, read<double>(accessor, components, user, false));
+  LORICA_TRY(std::vector<double> all, read<double>(accessor, components, user));
   const auto broken = std::find_if(all.begin(), all.end(), [](double x) { return !std::isfinite(x); });
   if (broken != all.end()) {
     return badFormat("{}: accessor {}: element {} has {}, expected finite numbers for {}", document_.name, accessor,

@@ -52,8 +52,7 @@ class GltfAccessors {
                                                             std::uint64_t elementBytes, const std::string& who,
                                                             std::uint64_t& stride) const;
   template <typename Number>
-  [[nodiscard]] Result<std::vector<Number>> read(int accessor, int components, const std::string& user,
-                                                 bool wantIntegers);
+  [[nodiscard]] Result<std::vector<Number>> read(int accessor, int components, const std::string& user);
 
   const GltfDocument& document_;
   std::uint64_t budget_;

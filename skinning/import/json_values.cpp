@@ -16,6 +16,11 @@ using Json = nlohmann::json;
   return value.is_number() && std::isfinite(value.get<float>());
 }
 
+/// Whether it is a list that begins with so many finite numbers.
+[[nodiscard]] bool hasNumbers(const Json& list, std::size_t count) {
+  return list.is_array() && list.size() >= count && std::all_of(list.begin(), list.begin() + count, isFiniteNumber);
+}
+
 }  // namespace
 
 const Json& memberOf(const Json& object, const char* key) {
@@ -54,10 +59,7 @@ const Json& listOf(const Json& object, const char* key) {
 
 void numbersOf(const Json& object, const char* key, std::span<float> values) {
   const Json& list = memberOf(object, key);
-  if (!list.is_array() || list.size() < values.size()) return;
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    if (!isFiniteNumber(list[i])) return;
-  }
+  if (!hasNumbers(list, values.size())) return;
   for (std::size_t i = 0; i < values.size(); ++i) values[i] = list[i].get<float>();
 }
 
@@ -67,11 +69,7 @@ float MemberReader::number(const Json& object, const char* key, float otherwise)
 }
 
 void MemberReader::numbers(const Json& object, const char* key, std::span<float> values) {
-  const Json& list = memberOf(object, key);
-  if (!list.is_array() || list.size() < values.size() ||
-      !std::all_of(list.begin(), list.begin() + values.size(), isFiniteNumber)) {
-    note(object, key, counted(std::ssize(values), "number"));
-  }
+  if (!hasNumbers(memberOf(object, key), values.size())) note(object, key, counted(std::ssize(values), "number"));
   numbersOf(object, key, values);
 }
 

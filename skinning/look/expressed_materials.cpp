@@ -36,21 +36,6 @@ void add(const TextureTransformBind& bind, float weight, const TextureUse& from,
   shown.transform += weight * (whole - from.transform);
 }
 
-/// All but the matcap, which is not found by texture coordinates. @tparam M  Material or const Material
-template <typename M>
-[[nodiscard]] auto texturesByCoordinates(M& material) {
-  return std::array{&material.base,
-                    &material.metallicRoughness,
-                    &material.normal,
-                    &material.occlusion,
-                    &material.emissiveTexture,
-                    &material.toon.shade,
-                    &material.toon.shiftTexture,
-                    &material.toon.rim,
-                    &material.toon.outlineWidthTexture,
-                    &material.toon.uvAnimationMask};
-}
-
 }  // namespace
 
 bool changesMaterials(const Expressions& expressions) {
@@ -73,9 +58,13 @@ void expressMaterials(const Expressions& expressions, std::span<const float> eff
       add(bind, weight, materials[bind.material], shown[bind.material]);
     }
     for (const TextureTransformBind& bind : expressions.list[e].textures) {
-      const auto from = texturesByCoordinates(materials[bind.material]);
-      const auto to = texturesByCoordinates(shown[bind.material]);
-      for (std::size_t t = 0; t < from.size(); ++t) add(bind, weight, *from[t], *to[t]);
+      Material& to = shown[bind.material];
+      const auto from = materials[bind.material].textures();
+      const auto textures = Material::texturesOf(to);
+      for (std::size_t t = 0; t < from.size(); ++t) {
+        const bool byNormal = textures[t] == &to.toon.matcap;  // no coordinates
+        if (!byNormal) add(bind, weight, *from[t], *textures[t]);
+      }
     }
   }
 }

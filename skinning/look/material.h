@@ -92,20 +92,22 @@ struct Material {
   int drawOrder = 0;                      ///< of blended materials: lower ones first (MToon's renderQueueOffsetNumber)
   ToonMaterial toon;                      ///< only for Shading::kToon
 
-  /// All textures, so that a check or a conversion does not miss one.
-  [[nodiscard]] std::array<const TextureUse*, 11> textures() const {
-    return {&base,
-            &metallicRoughness,
-            &normal,
-            &occlusion,
-            &emissiveTexture,
-            &toon.shade,
-            &toon.shiftTexture,
-            &toon.matcap,
-            &toon.rim,
-            &toon.outlineWidthTexture,
-            &toon.uvAnimationMask};
+  /// All textures of a Material or a const Material, so that a check or a conversion does not miss one.
+  template <typename M>
+  [[nodiscard]] static auto texturesOf(M& material) {
+    return std::array{&material.base,
+                      &material.metallicRoughness,
+                      &material.normal,
+                      &material.occlusion,
+                      &material.emissiveTexture,
+                      &material.toon.shade,
+                      &material.toon.shiftTexture,
+                      &material.toon.matcap,
+                      &material.toon.rim,
+                      &material.toon.outlineWidthTexture,
+                      &material.toon.uvAnimationMask};
   }
+  [[nodiscard]] auto textures() const { return texturesOf(*this); }  ///< the same of this one
 };
 
 }  // namespace lorica

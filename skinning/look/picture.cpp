@@ -158,10 +158,8 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
 }
 
 /// Decodes a file that begins with PNG's signature.
-[[nodiscard]] Result<Picture> decodePng(std::span<const std::byte> bytes, const std::string& name, int largestSide) {
-  LORICA_TRY(const PictureClaim claim, pngClaim(bytes, name));
-  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
-
+[[nodiscard]] Result<Picture> decodePng(std::span<const std::byte> bytes, const std::string& name, PictureSize size,
+                                        int largestSide) {
   PngReader reader(bytes);
   reader.png = png_create_read_struct(PNG_LIBPNG_VER_STRING, &reader, onError, onWarning);
   if (reader.png != nullptr) reader.info = png_create_info_struct(reader.png);
@@ -172,7 +170,6 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
   };
   int passes = 0;
   if (!readHead(reader, passes)) return damaged();
-  const PictureSize size{static_cast<int>(claim.width), static_cast<int>(claim.height)};
   const std::size_t rowBytes = static_cast<std::size_t>(size.width) * 4;
   LORICA_CHECK(png_get_rowbytes(reader.png, reader.info) == rowBytes, "libpng gives rows of another length");
 
@@ -201,11 +198,10 @@ std::uint32_t bigEndian(std::span<const std::byte> bytes) {
 }
 
 /// Decodes a file that begins as WebP: lossy or lossless, not animated.
-[[nodiscard]] Result<Picture> decodeWebp(std::span<const std::byte> bytes, const std::string& name, int largestSide) {
-  LORICA_TRY(const PictureClaim claim, webpClaim(bytes, name));
-  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
-  Picture picture{static_cast<int>(claim.width), static_cast<int>(claim.height), {}};
-  picture.rgba.resize(std::size_t{4} * claim.width * claim.height);
+[[nodiscard]] Result<Picture> decodeWebp(std::span<const std::byte> bytes, const std::string& name, PictureSize size,
+                                         int largestSide) {
+  Picture picture{size.width, size.height, {}};
+  picture.rgba.resize(std::size_t{4} * size.width * size.height);
   if (WebPDecodeRGBAInto(dataOf(bytes), bytes.size(), picture.rgba.data(), picture.rgba.size(), 4 * picture.width) ==
       nullptr) {
     return damagedWebp(bytes, name);
@@ -265,13 +261,10 @@ int shrinkOf(PictureSize size, PictureSize wanted) {
 }
 
 /// Decodes a file that begins with JPEG's first marker.
-[[nodiscard]] Result<Picture> decodeJpeg(std::span<const std::byte> bytes, const std::string& name, int largestSide) {
-  LORICA_TRY(const PictureClaim claim, jpegClaim(bytes, name));
-  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
-
+[[nodiscard]] Result<Picture> decodeJpeg(std::span<const std::byte> bytes, const std::string& name, PictureSize size,
+                                         int largestSide) {
   const std::unique_ptr<void, int (*)(tjhandle)> decoder(tjInitDecompress(), tjDestroy);
   if (!decoder) return unreadable("{}: TurboJPEG does not start", name);
-  const PictureSize size{static_cast<int>(claim.width), static_cast<int>(claim.height)};
   const int by = shrinkOf(size, limitedSize(size, largestSide));
   Picture picture{size.width / by, size.height / by, {}};
   picture.rgba.resize(static_cast<std::size_t>(picture.width) * picture.height * 4);
@@ -296,7 +289,8 @@ struct Signature {
 struct Format {
   Signature signature;
   Result<PictureClaim> (*claim)(std::span<const std::byte> bytes, const std::string& name);
-  Result<Picture> (*decode)(std::span<const std::byte> bytes, const std::string& name, int largestSide);
+  Result<Picture> (*decode)(std::span<const std::byte> bytes, const std::string& name, PictureSize size,
+                            int largestSide);
 };
 
 constexpr Format kFormats[] = {
@@ -346,6 +340,13 @@ Result<const Format*> formatOf(std::span<const std::byte> bytes, const std::stri
   return unsupported("{}: {}, expected a PNG, JPEG or WebP picture", name, whatIs(content));
 }
 
+/// The size that a picture of this type claims to have, within the limits.
+Result<PictureSize> sizeIn(const Format& format, std::span<const std::byte> bytes, const std::string& name) {
+  LORICA_TRY(const PictureClaim claim, format.claim(bytes, name));
+  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
+  return PictureSize{static_cast<int>(claim.width), static_cast<int>(claim.height)};
+}
+
 std::uint64_t pixelsOf(const PictureSize& size) {
   return std::uint64_t(size.width) * std::uint64_t(size.height);
 }
@@ -377,14 +378,13 @@ Result<Picture> decodePicture(std::span<const std::byte> bytes, const std::strin
     return invalidArgument("{}: largest side of {} pixels, expected 0 or more", name, largestSide);
   }
   LORICA_TRY(const Format* format, formatOf(bytes, name));
-  return format->decode(bytes, name, largestSide);
+  LORICA_TRY(const PictureSize size, sizeIn(*format, bytes, name));
+  return format->decode(bytes, name, size, largestSide);
 }
 
 Result<PictureSize> readPictureSize(std::span<const std::byte> bytes, const std::string& name) {
   LORICA_TRY(const Format* format, formatOf(bytes, name));
-  LORICA_TRY(const PictureClaim claim, format->claim(bytes, name));
-  LORICA_TRY_DO(checkClaim(claim, bytes.size(), name));
-  return PictureSize{static_cast<int>(claim.width), static_cast<int>(claim.height)};
+  return sizeIn(*format, bytes, name);
 }
 
 std::vector<Result<Picture>> decodePictures(std::span<const EncodedPicture> pictures, const DecodeSettings& settings) {
