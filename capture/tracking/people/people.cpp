@@ -1,13 +1,5 @@
 #include "capture/tracking/people/people.h"
 
-#include "capture/tracking/people/background.h"
-#include "capture/tracking/people/components.h"
-#include "capture/tracking/people/depth_grid.h"
-#include "capture/tracking/people/head_finder.h"
-#include "capture/tracking/people/person_evidence.h"
-#include "capture/tracking/people/person_image.h"
-#include "capture/tracking/people/person_owners.h"
-#include "capture/tracking/people/room_planes.h"
 #include "geometry/counts.h"
 #include "geometry/result.h"
 
@@ -54,145 +46,97 @@ constexpr double kLongestFrame = 1.0;                // longer pauses count as t
 
 }  // namespace
 
-struct PeopleFinder::Impl {
-  Impl(const DepthCamera& depthCamera, int max);
-
-  void classify();
-  bool takeFurnitureOff();
-  void measure();
-  void doubtHidden();
-  void giveUpFurniture(bool floorIsNew);
-  void makeBackground(int slot);
-  void explain(int slot, const fit::PosedModel& body);
-  void explainPieces(int slot, const fit::PosedModel& body);
-  void report();
-  void paint(std::span<const std::uint16_t> depthMm);
-  void find(const DepthFrame& frame);
-
-  [[nodiscard]] bool looksLikePerson(const PersonSlot& slot) const;
-
-  DepthCamera camera;
-  int maxPeople;
-  DepthGrid grid;
-  FloorFinder floor;
-  WallFinder walls;
-  FloorPositions positions;
-  Background background;
-  PersonEvidence evidence;
-  HeadFinder headFinder;
-  ComponentFinder finder;
-  PersonOwners owners;
-  PersonMoves moves;
-  DepthTable floorNoise;  ///< of heights over the floor, for a camera 1 m up [m]
-
-  std::vector<int> strange;  ///< cells of each surface that were of people whom the network does not know
-
-  std::vector<CellKind> kinds;
-  std::span<std::uint8_t> person;  ///< of the owners: slot + 1
-  std::vector<std::uint8_t> lastPerson;
-  std::vector<std::uint8_t> taken;
-  std::vector<std::uint16_t> lastDepthMm;
-  PersonSlots slots;
-  double time = 0.0, elapsed = 0.0;
-  bool started = false;
-  int frameCount = 0;
-
-  std::vector<PersonSegment> people;
-  std::vector<std::uint8_t> labels;
-  Isometry3 floorFromCamera = Isometry3::Identity();
-};
-
-PeopleFinder::Impl::Impl(const DepthCamera& depthCamera, int max)
-    : camera(depthCamera),
-      maxPeople(std::clamp(max, 1, kPersonSlots - 2)),
-      grid(depthCamera),
-      floor(grid),
-      walls(grid),
-      positions(grid),
-      background(grid),
-      evidence(grid),
-      headFinder(grid),
-      finder(grid),
-      owners(grid, depthCamera),
-      moves(grid),
-      floorNoise([](double depth) { return kFloorNoises * depthNoise(depth) / depth; }),
-      strange(kMaxSurfaces),
-      kinds(grid.cellCount()),
-      person(owners.person()),
-      lastPerson(grid.cellCount()),
-      taken(grid.cellCount()),
-      lastDepthMm(grid.cellCount()),
-      labels(static_cast<std::size_t>(depthCamera.width) * depthCamera.height) {
-  people.reserve(kPersonSlots);
-  floorFromCamera = floor.floorFromCamera();
+PeopleFinder::PeopleFinder(const DepthCamera& depthCamera, int max)
+    : camera_(depthCamera),
+      maxPeople_(std::clamp(max, 1, kPersonSlots - 2)),
+      grid_(depthCamera),
+      floor_(grid_),
+      walls_(grid_),
+      positions_(grid_),
+      background_(grid_),
+      evidence_(grid_),
+      headFinder_(grid_),
+      finder_(grid_),
+      owners_(grid_, depthCamera),
+      moves_(grid_),
+      floorNoise_([](double depth) { return kFloorNoises * depthNoise(depth) / depth; }),
+      strange_(kMaxSurfaces),
+      kinds_(grid_.cellCount()),
+      person_(owners_.person()),
+      lastPerson_(grid_.cellCount()),
+      taken_(grid_.cellCount()),
+      lastDepthMm_(grid_.cellCount()),
+      labels_(static_cast<std::size_t>(depthCamera.width) * depthCamera.height) {
+  people_.reserve(kPersonSlots);
+  floorFromCamera_ = floor_.floorFromCamera();
 }
 
-void PeopleFinder::Impl::classify() {
-  std::ranges::fill(kinds, CellKind::kNone);
-  if (floor.found()) {
-    const float height = positions.cameraHeight();
-    for (int r = 0; r < grid.height; ++r) {
-      for (int c = 0; c < grid.width; ++c) {
-        const std::size_t i = grid.index(c, r);
-        const std::uint16_t depthMm = grid.depthMm[i];
-        const float above = 0.001F * depthMm * positions.slope(c, r) + height;
-        if (depthMm != 0 && above < kFloorThickness + floorNoise[depthMm] * height) kinds[i] = CellKind::kFloor;
+void PeopleFinder::classify() {
+  std::ranges::fill(kinds_, CellKind::kNone);
+  if (floor_.found()) {
+    const float height = positions_.cameraHeight();
+    for (int r = 0; r < grid_.height; ++r) {
+      for (int c = 0; c < grid_.width; ++c) {
+        const std::size_t i = grid_.index(c, r);
+        const std::uint16_t depthMm = grid_.depthMm[i];
+        const float above = 0.001F * depthMm * positions_.slope(c, r) + height;
+        if (depthMm != 0 && above < kFloorThickness + floorNoise_[depthMm] * height) kinds_[i] = CellKind::kFloor;
       }
     }
   }
-  walls.mark(grid, kinds);
-  background.classify(grid, kinds);
+  walls_.mark(grid_, kinds_);
+  background_.classify(grid_, kinds_);
 }
 
 /// Surfaces in front of unknown background that are part person and part room, as the network sees them, are divided.
 /// @return whether there are any
-bool PeopleFinder::Impl::takeFurnitureOff() {
-  const std::span<const std::int16_t> logits = evidence.logits();
-  const std::span<const std::int32_t> label = finder.labels();
-  const std::span<const DepthComponent> all = finder.components();
+bool PeopleFinder::takeFurnitureOff() {
+  const std::span<const std::int16_t> logits = evidence_.logits();
+  const std::span<const std::int32_t> label = finder_.labels();
+  const std::span<const DepthComponent> all = finder_.components();
   // Whoever the network does not know well is left alone, most of all people half behind others.
-  std::ranges::fill(strange, 0);
+  std::ranges::fill(strange_, 0);
   for (std::size_t i = 0; i < label.size(); ++i) {
-    if (label[i] >= 0 && lastPerson[i] != 0) strange[label[i]] += slots[lastPerson[i] - 1U].strange;
+    if (label[i] >= 0 && lastPerson_[i] != 0) strange_[label[i]] += slots_[lastPerson_[i] - 1U].strange;
   }
   bool any = false;
   for (std::size_t i = 0; i < label.size(); ++i) {
-    if (label[i] < 0 || kinds[i] != CellKind::kUnknown) continue;
+    if (label[i] < 0 || kinds_[i] != CellKind::kUnknown) continue;
     const DepthComponent& one = all[label[i]];
     const bool whole =
-        isTooNear(one, grid) || one.affirmed > kWholeShare * one.cells ||
+        isTooNear(one, grid_) || one.affirmed > kWholeShare * one.cells ||
         (3 * one.affirmed < one.cells && !isOversize(one) && one.area * one.affirmed < kMinVisibleArea * one.cells);
-    if (whole || 3 * strange[label[i]] > one.cells || logits[i] >= (lastPerson[i] != 0 ? kLeaves : kJoins)) continue;
-    kinds[i] = CellKind::kFurniture;
+    if (whole || 3 * strange_[label[i]] > one.cells || logits[i] >= (lastPerson_[i] != 0 ? kLeaves : kJoins)) continue;
+    kinds_[i] = CellKind::kFurniture;
     any = true;
   }
   return any;
 }
 
-void PeopleFinder::Impl::measure() {
-  for (PersonSlot& slot : slots) {
+void PeopleFinder::measure() {
+  for (PersonSlot& slot : slots_) {
     slot.cells = slot.newCells = slot.affirmed = 0;
     slot.sum.setZero();
     slot.heights.fill(0);
     slot.cutAbove = slot.cutAside = false;
   }
-  for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      const std::size_t i = grid.index(c, r);
-      if (person[i] == 0) continue;
-      PersonSlot& slot = slots[person[i] - 1U];
-      const Vec3f position = positions(grid, c, r);
+  for (int r = 0; r < grid_.height; ++r) {
+    for (int c = 0; c < grid_.width; ++c) {
+      const std::size_t i = grid_.index(c, r);
+      if (person_[i] == 0) continue;
+      PersonSlot& slot = slots_[person_[i] - 1U];
+      const Vec3f position = positions_(grid_, c, r);
       ++slot.cells;
-      slot.newCells += kinds[i] == CellKind::kNew;
-      slot.affirmed += evidence.logits()[i] > 0;
+      slot.newCells += kinds_[i] == CellKind::kNew;
+      slot.affirmed += evidence_.logits()[i] > 0;
       slot.sum += position;
-      slot.cutAbove = slot.cutAbove || r <= grid.firstRow + 1;
-      slot.cutAside = slot.cutAside || c <= grid.firstColumn + 1 || c >= grid.lastColumn - 1;
+      slot.cutAbove = slot.cutAbove || r <= grid_.firstRow + 1;
+      slot.cutAside = slot.cutAside || c <= grid_.firstColumn + 1 || c >= grid_.lastColumn - 1;
       ++slot.heights[std::clamp(static_cast<int>((position.y() + kBinsFrom) * kBinsPerMetre), 0, kHeightBins - 1)];
     }
   }
   for (int k = 0; k < kPersonSlots; ++k) {
-    PersonSlot& slot = slots[k];
+    PersonSlot& slot = slots_[k];
     if (!slot.used) continue;
     slot.seen = slot.cells >= kMinCells;
     if (slot.seen) {
@@ -205,7 +149,7 @@ void PeopleFinder::Impl::measure() {
       while (bin > 0 && above < kTopCells + slot.cells / kTopShare) above += slot.heights[--bin];
       slot.top = kBinHeight * (bin + 1) - kBinsFrom;
       const Vec3f middle = slot.sum / static_cast<float>(slot.cells);
-      const double since = time - slot.lastSeen;
+      const double since = time_ - slot.lastSeen;
       if (since > kPauseFrom && since < kPauseTo) {
         const Vec3f velocity = (middle - slot.middle) / static_cast<float>(since);
         slot.velocity += kVelocityShare * (velocity - slot.velocity);
@@ -214,26 +158,26 @@ void PeopleFinder::Impl::measure() {
         slot.velocity.setZero();
       }
       slot.middle = middle;
-      slot.lastSeen = time;
-      if (slot.born == time) moves.remember(grid, person, k);
+      slot.lastSeen = time_;
+      if (slot.born == time_) moves_.remember(grid_, person_, k);
       if (slot.moved) continue;
-      const bool isMoving = kOfCells * slot.newCells > kNewCells * slot.cells || moves.hasMoved(grid, person, k);
+      const bool isMoving = kOfCells * slot.newCells > kNewCells * slot.cells || moves_.hasMoved(grid_, person_, k);
       slot.movingFrames = isMoving ? slot.movingFrames + 1 : 0;
       slot.moved = slot.movingFrames >= kMovingFrames;
-    } else if (time - slot.lastSeen > (slot.moved || slot.confirmed ? kRemembered : kDoubtful)) {
+    } else if (time_ - slot.lastSeen > (slot.moved || slot.confirmed ? kRemembered : kDoubtful)) {
       slot = PersonSlot{};
     }
   }
 }
 
 /// The network was shown few people behind others: of those it is not asked.
-void PeopleFinder::Impl::doubtHidden() {
-  const Vec3f origin = floorFromCamera.translation().cast<float>();
-  for (PersonSlot& slot : slots) {
+void PeopleFinder::doubtHidden() {
+  const Vec3f origin = floorFromCamera_.translation().cast<float>();
+  for (PersonSlot& slot : slots_) {
     if (!slot.seen) continue;
     Vec3f away = slot.middle - origin;
     away.y() = 0.0F;
-    for (const PersonSlot& other : slots) {
+    for (const PersonSlot& other : slots_) {
       if (!other.seen || &other == &slot) continue;
       Vec3f nearer = other.middle - origin;
       nearer.y() = 0.0F;
@@ -245,14 +189,15 @@ void PeopleFinder::Impl::doubtHidden() {
 }
 
 /// Something that never moves, or proves to be low once the floor is known, is not a person.
-void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
+void PeopleFinder::giveUpFurniture(bool floorIsNew) {
   for (int k = 0; k < kPersonSlots; ++k) {
-    PersonSlot& slot = slots[k];
+    PersonSlot& slot = slots_[k];
     if (!slot.seen || slot.moved) continue;
-    const double age = time - slot.born;
-    const bool low = floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * kSmallPart < countOf(person);
+    const double age = time_ - slot.born;
+    const bool low =
+        floorIsNew && !slot.cutAbove && slot.top < kMinHeight && slot.cells * kSmallPart < countOf(person_);
     const auto looksHuman = [&] {
-      return slot.confirmed || hasHeadAndShoulders(grid, positions, person, k, slot.top, slot.cutAside);
+      return slot.confirmed || hasHeadAndShoulders(grid_, positions_, person_, k, slot.top, slot.cutAside);
     };
     const bool likely = age < kStillSeconds || (age < kPersonSeconds && looksHuman());
     if (!low && likely) continue;
@@ -260,50 +205,51 @@ void PeopleFinder::Impl::giveUpFurniture(bool floorIsNew) {
   }
 }
 
-void PeopleFinder::Impl::makeBackground(int k) {
-  for (std::size_t i = 0; i < person.size(); ++i) {
-    if (person[i] != k + 1) continue;
-    person[i] = 0;
-    background.absorb(grid, i);
+void PeopleFinder::makeBackground(int k) {
+  for (std::size_t i = 0; i < person_.size(); ++i) {
+    if (person_[i] != k + 1) continue;
+    person_[i] = 0;
+    background_.absorb(grid_, i);
   }
-  owners.refuse(slots[k].middle, time);
-  slots[k] = PersonSlot{};
+  owners_.refuse(slots_[k].middle, time_);
+  slots_[k] = PersonSlot{};
 }
 
-void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
+void PeopleFinder::explainCells(int k, const fit::PosedModel& body) {
   // Where the body is in the image.
-  const Isometry3 cameraFromFloor = floorFromCamera.inverse();
+  const Isometry3 cameraFromFloor = floorFromCamera_.inverse();
   double left = 1e9, right = -1e9, top = 1e9, bottom = -1e9;
   for (const fit::ShapedCapsule& capsule : body.capsule) {
     const Vec3 middle = cameraFromFloor * capsule.middle.cast<double>();
     const double depth = std::max(kNearestBody, -middle.z());
-    const double reach = (capsule.reach + kFar) * camera.focalX() / depth;
-    const double x = 0.5 * camera.width + camera.focalX() * middle.x() / depth;
-    const double y = 0.5 * camera.height - camera.focalY() * middle.y() / depth;
+    const double reach = (capsule.reach + kFar) * camera_.focalX() / depth;
+    const double x = 0.5 * camera_.width + camera_.focalX() * middle.x() / depth;
+    const double y = 0.5 * camera_.height - camera_.focalY() * middle.y() / depth;
     left = std::min(left, x - reach);
     right = std::max(right, x + reach);
     top = std::min(top, y - reach);
     bottom = std::max(bottom, y + reach);
   }
   const std::uint8_t mine = k + 1;
-  for (int r = 0; r < grid.height; ++r) {
-    for (int c = 0; c < grid.width; ++c) {
-      const std::size_t i = grid.index(c, r);
-      const bool was = person[i] == mine;
-      const double x = c * grid.step, y = r * grid.step;
+  for (int r = 0; r < grid_.height; ++r) {
+    for (int c = 0; c < grid_.width; ++c) {
+      const std::size_t i = grid_.index(c, r);
+      const bool was = person_[i] == mine;
+      const double x = c * grid_.step, y = r * grid_.step;
       const bool within = x > left && x < right && y > top && y < bottom;
-      if (kinds[i] == CellKind::kNone || (!was && (!within || person[i] != 0)) || kinds[i] == CellKind::kNew) continue;
-      if (kinds[i] == CellKind::kFloor || kinds[i] == CellKind::kWall || kinds[i] == CellKind::kFurniture) continue;
-      const Vec3f position = positions(grid, c, r);
+      if (kinds_[i] == CellKind::kNone || (!was && (!within || person_[i] != 0)) || kinds_[i] == CellKind::kNew)
+        continue;
+      if (kinds_[i] == CellKind::kFloor || kinds_[i] == CellKind::kWall || kinds_[i] == CellKind::kFurniture) continue;
+      const Vec3f position = positions_(grid_, c, r);
       float nearest = kFar;
       for (const fit::ShapedCapsule& capsule : body.capsule) {
         if ((position - capsule.middle).norm() - capsule.reach >= nearest) continue;
         nearest = std::min(nearest, std::abs(fit::distanceTo(body, capsule, position).distance));
       }
-      if (was && nearest >= kFar) lastPerson[i] = 0;
-      if (!was && nearest < kNear && evidence.logits()[i] > kNever) {
-        lastPerson[i] = mine;
-        if (kinds[i] == CellKind::kBackground) background.forget(i);
+      if (was && nearest >= kFar) lastPerson_[i] = 0;
+      if (!was && nearest < kNear && evidence_.logits()[i] > kNever) {
+        lastPerson_[i] = mine;
+        if (kinds_[i] == CellKind::kBackground) background_.forget(i);
       }
     }
   }
@@ -311,48 +257,49 @@ void PeopleFinder::Impl::explain(int k, const fit::PosedModel& body) {
 
 /// A piece in front of unknown background that the body does not explain, such as a chair or someone else's leg, is no
 /// longer the person's by having been theirs.
-void PeopleFinder::Impl::explainPieces(int k, const fit::PosedModel& body) {
-  const std::span<const DepthComponent> all = finder.components();
-  const std::span<const std::int32_t> label = finder.labels();
+void PeopleFinder::explainPieces(int k, const fit::PosedModel& body) {
+  const std::span<const DepthComponent> all = finder_.components();
+  const std::span<const std::int32_t> label = finder_.labels();
   for (std::size_t component = 0; component < all.size(); ++component) {
     const DepthComponent& one = all[component];
-    const bool isNew = 2 * one.newCells > one.cells, main = 2 * one.cells > slots[k].cells;
-    if (!owners.isOf(component, k) || isNew || main) continue;
+    const bool isNew = 2 * one.newCells > one.cells, main = 2 * one.cells > slots_[k].cells;
+    if (!owners_.isOf(component, k) || isNew || main) continue;
     const auto each = [&](const auto& act) {
       for (int r = one.top; r <= one.bottom; ++r) {
         for (int c = one.left; c <= one.right; ++c) {
-          if (label[grid.index(c, r)] == static_cast<std::int32_t>(component)) act(c, r);
+          if (label[grid_.index(c, r)] == static_cast<std::int32_t>(component)) act(c, r);
         }
       }
     };
     int far = 0;
     each([&](int c, int r) {
-      const Vec3f position = positions(grid, c, r);
+      const Vec3f position = positions_(grid_, c, r);
       const auto isNear = [&](const fit::ShapedCapsule& capsule) {
         return (position - capsule.middle).norm() - capsule.reach < kFar &&
                std::abs(fit::distanceTo(body, capsule, position).distance) < kFar;
       };
       far += std::ranges::none_of(body.capsule, isNear);
     });
-    if (2 * far > one.cells) each([&](int c, int r) { lastPerson[grid.index(c, r)] = 0; });
+    if (2 * far > one.cells) each([&](int c, int r) { lastPerson_[grid_.index(c, r)] = 0; });
   }
 }
 
 /// True for a person who has moved or stands free. Something cut off by the image's top or sides may also be a shelf:
 /// it must show head and shoulders. What hangs together with the room and stands still, such as a chair before a
 /// partition, needs a few cells that the network knows, unless it is too near for that.
-bool PeopleFinder::Impl::looksLikePerson(const PersonSlot& slot) const {
+bool PeopleFinder::looksLikePerson(const PersonSlot& slot) const {
   if (slot.moved) return true;
   if (slot.attached && slot.affirmed < kFewKnown * slot.cells && horizontally(slot.middle) > kNearestKnown)
     return false;
   if (!slot.cutAbove && !slot.cutAside) return true;
-  return hasHeadAndShoulders(grid, positions, person, static_cast<int>(&slot - slots.data()), slot.top, slot.cutAside);
+  return hasHeadAndShoulders(grid_, positions_, person_, static_cast<int>(&slot - slots_.data()), slot.top,
+                             slot.cutAside);
 }
 
 /// Reports the nearest people, moving ones first; people already reported are kept.
-void PeopleFinder::Impl::report() {
+void PeopleFinder::report() {
   int reported = 0;
-  for (const PersonSlot& slot : slots) reported += slot.used && slot.reported;
+  for (const PersonSlot& slot : slots_) reported += slot.used && slot.reported;
   for (;;) {
     PersonSlot* next = nullptr;
     PersonSlot* min = nullptr;
@@ -360,7 +307,7 @@ void PeopleFinder::Impl::report() {
       if (a.moved != b.moved) return a.moved;
       return std::hypot(a.middle.x(), a.middle.z()) < std::hypot(b.middle.x(), b.middle.z());
     };
-    for (PersonSlot& slot : slots) {
+    for (PersonSlot& slot : slots_) {
       if (!slot.used) continue;
       if (slot.reported) {
         if (min == nullptr || before(*min, slot)) min = &slot;
@@ -369,7 +316,7 @@ void PeopleFinder::Impl::report() {
       }
     }
     if (next == nullptr) return;
-    if (reported == maxPeople) {
+    if (reported == maxPeople_) {
       // Furniture gives way to people.
       if (min == nullptr || min->moved || !next->moved) return;
       min->reported = false;
@@ -380,122 +327,168 @@ void PeopleFinder::Impl::report() {
     next->reported = true;
     for (int user = 1; next->user == 0; ++user) {
       const bool given =
-          std::ranges::any_of(slots, [&](const PersonSlot& slot) { return slot.used && slot.user == user; });
+          std::ranges::any_of(slots_, [&](const PersonSlot& slot) { return slot.used && slot.user == user; });
       if (!given) next->user = user;
     }
   }
 }
 
 /// The output: people by increasing number.
-void PeopleFinder::Impl::paint(std::span<const std::uint16_t> depthMm) {
-  people.clear();
+void PeopleFinder::paint(std::span<const std::uint16_t> depthMm) {
+  people_.clear();
   std::array<std::uint8_t, kPersonSlots> numbers{};
   for (;;) {
     const PersonSlot* next = nullptr;
-    for (const PersonSlot& slot : slots) {
+    for (const PersonSlot& slot : slots_) {
       if (!slot.used || !slot.seen || !slot.reported) continue;
-      if (!people.empty() && slot.user <= people.back().user) continue;
+      if (!people_.empty() && slot.user <= people_.back().user) continue;
       if (next == nullptr || slot.user < next->user) next = &slot;
     }
     if (next == nullptr) break;
     PersonSegment segment;
     segment.user = next->user;
-    segment.left = camera.width;
-    segment.top = camera.height;
+    segment.left = camera_.width;
+    segment.top = camera_.height;
     segment.middle = next->middle.cast<double>();
     segment.topHeight = next->top;
     segment.moved = next->moved;
     // If the network knows somebody connected to the room, it is certain which pixels are theirs.
     segment.attached = next->attached && (next->strange || next->affirmed < kStrange * next->cells);
-    people.push_back(segment);
-    numbers[next - slots.data()] = people.size();
+    people_.push_back(segment);
+    numbers[next - slots_.data()] = people_.size();
   }
-  paintPeople(grid, finder, depthMm, numbers, person, people, labels);
+  labelPixels(depthMm, numbers);
 }
 
-void PeopleFinder::Impl::find(const DepthFrame& frame) {
-  elapsed = started ? std::clamp(frame.time - time, 0.0, kLongestFrame) : 0.0;
-  time = frame.time;
-  started = true;
-  grid.fill(frame.depthMm);
-  const bool floorBefore = floor.found();
-  floor.update(grid);
-  walls.update(grid, floor.up().cast<float>());
-  const bool floorIsNew = floor.found() && !floorBefore;
-  floorFromCamera = floor.floorFromCamera();
-  positions.set(grid, floorFromCamera);
-  classify();
-  evidence.update(grid, positions, floor.found());
-  for (std::size_t i = 0; i < kinds.size(); ++i) {
-    if (kinds[i] != CellKind::kBackground || background.isSettled(i)) continue;
-    if (evidence.logits()[i] > kUnlearns) kinds[i] = CellKind::kUnknown;
+/// A pixel belongs to the neighbouring surface that matches its depth best.
+/// @param numbers  for each slot the label of its pixels, 0 if it is not shown
+void PeopleFinder::labelPixels(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> numbers) {
+  for (std::size_t i = 0; i < labels_.size(); ++i) labels_[i] = depthMm[i] == 0 ? 255 : 0;
+  if (people_.empty()) return;
+
+  const int pixelWidth = grid_.width * grid_.step;
+  const std::size_t stride = grid_.imageWidth();
+  for (int r = 0; r < grid_.height; ++r) {
+    for (int c = 0; c < grid_.width; ++c) {
+      // Most cells are surrounded by cells of the same label.
+      const int left = std::max(c - 1, 0), right = std::min(c + 1, grid_.width - 1);
+      const int above = std::max(r - 1, 0), below = std::min(r + 1, grid_.height - 1);
+      const std::size_t cell = grid_.index(c, r);
+      const std::uint8_t own = person_[cell];
+      bool same = true;
+      for (int y = above; y <= below && same; ++y) {
+        for (int x = left; x <= right; ++x) same = same && person_[grid_.index(x, y)] == own;
+      }
+      if (same && own == 0) continue;
+      for (int dy = 0; dy < grid_.step; ++dy) {
+        for (int dx = 0; dx < grid_.step; ++dx) {
+          const std::size_t pixel = static_cast<std::size_t>(r * grid_.step + dy) * stride + (c * grid_.step + dx);
+          const int depth = depthMm[pixel];
+          if (depth == 0) continue;
+          std::uint8_t slot = own;
+          const float step = 1000.0F * finder_.step(depth);
+          int nearest = std::abs(depth - grid_.depthMm[cell]);
+          if (!same && nearest > 0.5F * step) {
+            for (int y = above; y <= below; ++y) {
+              for (int x = left; x <= right; ++x) {
+                const std::size_t other = grid_.index(x, y);
+                const int off = std::abs(depth - grid_.depthMm[other]);
+                if (off >= nearest) continue;
+                nearest = off;
+                slot = person_[other];
+              }
+            }
+          }
+          // Noise within a person still belongs to the person; a hole in the middle does not.
+          if (nearest > (same ? 3.0F : 1.0F) * step) slot = 0;
+          if (slot == 0 || numbers[slot - 1U] == 0) continue;
+          labels_[pixel] = numbers[slot - 1U];
+          PersonSegment& one = people_[numbers[slot - 1U] - 1U];
+          const int x = c * grid_.step + dx, y = r * grid_.step + dy;
+          one.left = std::min(one.left, x);
+          one.right = std::max(one.right, x + 1);
+          one.top = std::min(one.top, y);
+          one.bottom = std::max(one.bottom, y + 1);
+          ++one.pixelCount;
+        }
+      }
+    }
   }
-  const LastCells last{lastPerson, lastDepthMm};
-  finder.find(grid, positions, kinds, last, evidence.logits());
-  if (takeFurnitureOff()) finder.find(grid, positions, kinds, last, evidence.logits());
-  const bool looking = frameCount++ % kHeadPause == 0;
+  for (PersonSegment& one : people_) {
+    if (one.pixelCount == 0) one.left = one.top = 0;
+    const int step = grid_.step;
+    one.cutByBorder = one.left < (grid_.firstColumn + 1) * step || one.top < (grid_.firstRow + 1) * step ||
+                      one.right > std::min(grid_.lastColumn * step, pixelWidth) || one.bottom > grid_.lastRow * step;
+  }
+}
+
+void PeopleFinder::find(const DepthFrame& frame) {
+  LORICA_CHECK(frame.depthMm.size() == labels_.size(), "the depth image must have the camera's size");
+  elapsed_ = started_ ? std::clamp(frame.time - time_, 0.0, kLongestFrame) : 0.0;
+  time_ = frame.time;
+  started_ = true;
+  grid_.fill(frame.depthMm);
+  const bool floorBefore = floor_.found();
+  floor_.update(grid_);
+  walls_.update(grid_, floor_.up().cast<float>());
+  const bool floorIsNew = floor_.found() && !floorBefore;
+  floorFromCamera_ = floor_.floorFromCamera();
+  positions_.set(grid_, floorFromCamera_);
+  classify();
+  evidence_.update(grid_, positions_, floor_.found());
+  for (std::size_t i = 0; i < kinds_.size(); ++i) {
+    if (kinds_[i] != CellKind::kBackground || background_.isSettled(i)) continue;
+    if (evidence_.logits()[i] > kUnlearns) kinds_[i] = CellKind::kUnknown;
+  }
+  const LastCells last{lastPerson_, lastDepthMm_};
+  finder_.find(grid_, positions_, kinds_, last, evidence_.logits());
+  if (takeFurnitureOff()) finder_.find(grid_, positions_, kinds_, last, evidence_.logits());
+  const bool looking = frameCount_++ % kHeadPause == 0;
   const std::span<const FoundHead> heads =
-      looking ? headFinder.find(grid, positions, floor.found()) : std::span<const FoundHead>();
-  owners.share({grid, positions, finder, kinds, last, heads, looking, floorFromCamera, floor.found(), time, elapsed},
-               slots);
-  for (const std::uint32_t cell : owners.uncovered()) background.forget(cell);
+      looking ? headFinder_.find(grid_, positions_, floor_.found()) : std::span<const FoundHead>();
+  owners_.share(
+      {grid_, positions_, finder_, kinds_, last, heads, looking, floorFromCamera_, floor_.found(), time_, elapsed_},
+      slots_);
+  for (const std::uint32_t cell : owners_.uncovered()) background_.forget(cell);
   measure();
   doubtHidden();
   giveUpFurniture(floorIsNew);
 
   // The background is learnt from what certainly belongs to nobody.
-  const std::span<const std::int32_t> label = finder.labels();
-  for (std::size_t i = 0; i < taken.size(); ++i) {
-    const bool maybe = label[i] >= 0 && owners.mayBeSomeone(label[i]);
-    taken[i] = person[i] != 0 || maybe || (evidence.logits()[i] > 0 && kinds[i] >= CellKind::kBackground);
+  const std::span<const std::int32_t> label = finder_.labels();
+  for (std::size_t i = 0; i < taken_.size(); ++i) {
+    const bool maybe = label[i] >= 0 && owners_.mayBeSomeone(label[i]);
+    taken_[i] = person_[i] != 0 || maybe || (evidence_.logits()[i] > 0 && kinds_[i] >= CellKind::kBackground);
   }
-  background.learn(grid, kinds, taken);
+  background_.learn(grid_, kinds_, taken_);
   report();
   paint(frame.depthMm);
-  std::ranges::copy(person, lastPerson.begin());
-  lastDepthMm = grid.depthMm;
+  std::ranges::copy(person_, lastPerson_.begin());
+  lastDepthMm_ = grid_.depthMm;
 }
 
-PeopleFinder::PeopleFinder(const DepthCamera& camera, int maxPeople)
-    : impl_(std::make_unique<Impl>(camera, maxPeople)) {}
-PeopleFinder::~PeopleFinder() = default;
-
-void PeopleFinder::find(const DepthFrame& frame) {
-  LORICA_CHECK(frame.depthMm.size() == impl_->labels.size(), "the depth image must have the camera's size");
-  impl_->find(frame);
-}
 void PeopleFinder::confirm(int user) {
-  for (PersonSlot& slot : impl_->slots) slot.confirmed = slot.confirmed || (slot.used && slot.user == user);
+  for (PersonSlot& slot : slots_) slot.confirmed = slot.confirmed || (slot.used && slot.user == user);
 }
+
 void PeopleFinder::explain(int user, const fit::PosedModel& body) {
   for (int k = 0; k < kPersonSlots; ++k) {
-    const PersonSlot& slot = impl_->slots[k];
+    const PersonSlot& slot = slots_[k];
     if (!slot.used || slot.user != user) continue;
     if (slot.attached) {
-      impl_->explain(k, body);
+      explainCells(k, body);
     } else {
-      impl_->explainPieces(k, body);
+      explainPieces(k, body);
     }
   }
 }
+
 void PeopleFinder::reject(int user) {
   for (int k = 0; k < kPersonSlots; ++k) {
-    if (!impl_->slots[k].used || impl_->slots[k].user != user) continue;
-    impl_->makeBackground(k);
-    std::ranges::replace(impl_->lastPerson, static_cast<std::uint8_t>(k + 1), std::uint8_t{0});
+    if (!slots_[k].used || slots_[k].user != user) continue;
+    makeBackground(k);
+    std::ranges::replace(lastPerson_, static_cast<std::uint8_t>(k + 1), std::uint8_t{0});
   }
-}
-std::span<const PersonSegment> PeopleFinder::people() const {
-  return impl_->people;
-}
-std::span<const std::uint8_t> PeopleFinder::labels() const {
-  return impl_->labels;
-}
-const Isometry3& PeopleFinder::floorFromCamera() const {
-  return impl_->floorFromCamera;
-}
-bool PeopleFinder::floorFound() const {
-  return impl_->floor.found();
 }
 
 }  // namespace lorica

@@ -2,11 +2,18 @@
 
 #include "capture/sensor/depth_frame.h"
 #include "capture/tracking/fit/body_model.h"
+#include "capture/tracking/people/background.h"
+#include "capture/tracking/people/components.h"
+#include "capture/tracking/people/depth_grid.h"
+#include "capture/tracking/people/head_finder.h"
+#include "capture/tracking/people/person_evidence.h"
+#include "capture/tracking/people/person_owners.h"
+#include "capture/tracking/people/room_planes.h"
 #include "geometry/math.h"
 
 #include <cstdint>
-#include <memory>
 #include <span>
+#include <vector>
 
 namespace lorica {
 
@@ -27,8 +34,9 @@ struct PersonSegment {
 /// Use one instance per camera, because it keeps state. Does not allocate after the first frames.
 class PeopleFinder {
  public:
-  explicit PeopleFinder(const DepthCamera& camera, int maxPeople);
-  ~PeopleFinder();
+  PeopleFinder(const DepthCamera& camera, int maxPeople);
+  PeopleFinder(const PeopleFinder&) = delete;
+  PeopleFinder& operator=(const PeopleFinder&) = delete;
 
   /// @param frame  width x height of the camera
   void find(const DepthFrame& frame);
@@ -44,15 +52,52 @@ class PeopleFinder {
   void reject(int user);
 
   /// By increasing user number.
-  [[nodiscard]] std::span<const PersonSegment> people() const;
+  [[nodiscard]] std::span<const PersonSegment> people() const { return people_; }
   /// width x height: 0 background, 255 not measured, else the index in people() + 1.
-  [[nodiscard]] std::span<const std::uint8_t> labels() const;
-  [[nodiscard]] const Isometry3& floorFromCamera() const;
-  [[nodiscard]] bool floorFound() const;
+  [[nodiscard]] std::span<const std::uint8_t> labels() const { return labels_; }
+  [[nodiscard]] const Isometry3& floorFromCamera() const { return floorFromCamera_; }
+  [[nodiscard]] bool floorFound() const { return floor_.found(); }
 
  private:
-  struct Impl;
-  std::unique_ptr<Impl> impl_;
+  void classify();
+  bool takeFurnitureOff();
+  void measure();
+  void doubtHidden();
+  void giveUpFurniture(bool floorIsNew);
+  void makeBackground(int slot);
+  void explainCells(int slot, const fit::PosedModel& body);
+  void explainPieces(int slot, const fit::PosedModel& body);
+  void report();
+  void paint(std::span<const std::uint16_t> depthMm);
+  void labelPixels(std::span<const std::uint16_t> depthMm, std::span<const std::uint8_t> numbers);
+  [[nodiscard]] bool looksLikePerson(const PersonSlot& slot) const;
+
+  DepthCamera camera_;
+  int maxPeople_;
+  DepthGrid grid_;
+  FloorFinder floor_;
+  WallFinder walls_;
+  FloorPositions positions_;
+  Background background_;
+  PersonEvidence evidence_;
+  HeadFinder headFinder_;
+  ComponentFinder finder_;
+  PersonOwners owners_;
+  PersonMoves moves_;
+  DepthTable floorNoise_;     ///< of heights over the floor, for a camera 1 m up [m]
+  std::vector<int> strange_;  ///< cells of each surface that were of people whom the network does not know
+  std::vector<CellKind> kinds_;
+  std::span<std::uint8_t> person_;  ///< of the owners: slot + 1
+  std::vector<std::uint8_t> lastPerson_;
+  std::vector<std::uint8_t> taken_;
+  std::vector<std::uint16_t> lastDepthMm_;
+  PersonSlots slots_;
+  double time_ = 0.0, elapsed_ = 0.0;
+  bool started_ = false;
+  int frameCount_ = 0;
+  std::vector<PersonSegment> people_;
+  std::vector<std::uint8_t> labels_;
+  Isometry3 floorFromCamera_ = Isometry3::Identity();
 };
 
 }  // namespace lorica
