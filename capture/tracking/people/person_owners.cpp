@@ -84,74 +84,9 @@ bool standsApart(const PeopleScene& scene, std::size_t component, int slot, int 
 
 }  // namespace
 
-void PersonSplit::apply(const DepthGrid& grid, const ComponentFinder& finder, const FloorPositions& positions,
-                        std::size_t component, unsigned slotMask, std::span<const SplitShare> shares,
-                        const LastCells& last, std::span<std::uint8_t> person) {
-  const DepthComponent& one = finder.components()[component];
-  const std::int32_t label = component;
-  const std::span<const std::int32_t> labels = finder.labels();
-  queue_.clear();
-  for (int r = one.top; r <= one.bottom; ++r) {
-    for (int c = one.left; c <= one.right; ++c) {
-      const std::size_t i = grid.index(c, r);
-      if (labels[i] != label) continue;
-
-      const Vec3f position = positions(grid, c, r);
-      std::array<float, kPersonSlots> away{};
-      int closest = -1;
-      float next = 1e9F;  // distance of the second closest axis
-      for (int k = 0; k < kPersonSlots; ++k) {
-        if (!holds(slotMask, k)) continue;
-        const float distance = away[k] = horizontally(position - shares[k].middle);
-        if (closest < 0 || distance < away[closest]) {
-          if (closest >= 0) next = away[closest];
-          closest = k;
-        } else if (distance < next) {
-          next = distance;
-        }
-      }
-      const float min = away[closest];
-      if (min < kCore && min < 0.5F * next) {
-        person[i] = closest + 1;
-        queue_.push_back(i);
-        continue;
-      }
-      int nearest = kSameDepth;
-      for (int k = 0; k < kPersonSlots; ++k) {
-        if (!holds(slotMask, k) || away[k] > min + kAlien) continue;
-        const SplitShare& share = shares[k];
-        const int column = c - share.columns, row = r - share.rows;
-        if (column < 0 || column >= grid.width || row < 0 || row >= grid.height) continue;
-        const std::size_t before = grid.index(column, row);
-        const int off = std::abs(grid.depthMm[i] - last.depthMm[before]);
-        if (last.person[before] != k + 1 || off >= nearest) continue;
-        nearest = off;
-        person[i] = k + 1;
-      }
-      if (person[i] != 0) queue_.push_back(i);
-    }
-  }
-  grow(grid, finder, label, 0.5F, person);
-  grow(grid, finder, label, 1.0F, person);
-}
-
-void PersonSplit::grow(const DepthGrid& grid, const ComponentFinder& finder, std::int32_t label, float steps,
-                       std::span<std::uint8_t> person) {
-  const std::span<const std::int32_t> labels = finder.labels();
-  for (std::size_t next = 0; next < queue_.size(); ++next) {
-    const std::size_t i = queue_[next];
-    const float step = 1000.0F * steps * finder.step(grid.depthMm[i]);
-    grid.visitNeighbours(i, [&](std::size_t j) {
-      if (labels[j] != label || person[j] != 0) return;
-      if (std::abs(grid.depthMm[i] - grid.depthMm[j]) >= step) return;
-      person[j] = person[i];
-      queue_.push_back(j);
-    });
-  }
-}
-
 PersonOwners::PersonOwners(const DepthGrid& grid, const DepthCamera& camera)
-    : camera_(camera), split_(grid), atHeads_(grid), person_(grid.cellCount()) {
+    : camera_(camera), atHeads_(grid), person_(grid.cellCount()) {
+  queue_.reserve(grid.cellCount());
   owner_.reserve(2048);
   nobody_.resize(grid.cellCount());
 }
@@ -202,7 +137,7 @@ void PersonOwners::give(const PeopleScene& scene, std::size_t component, int slo
   }
 }
 
-SplitShare PersonOwners::shareOf(const PeopleScene& scene, const PersonSlot& slot) const {
+PersonOwners::SplitShare PersonOwners::shareOf(const PeopleScene& scene, const PersonSlot& slot) const {
   SplitShare share;
   share.middle = expectedMiddle(scene, slot);
   const Isometry3 cameraFromFloor = scene.floorFromCamera.inverse();
@@ -220,13 +155,74 @@ void PersonOwners::splitBetween(const PeopleScene& scene, std::size_t component,
                                 const LastCells& last) {
   std::array<SplitShare, kPersonSlots> shares{};
   for (int k = 0; k < kPersonSlots; ++k) {
-    if ((slotMask & (1U << k)) == 0) continue;
+    if (!holds(slotMask, k)) continue;
     PersonSlot& slot = slots[k];
     slot.seen = true;
     shares[k] = shareOf(scene, slot);
   }
   owner_[component] = kSeveral;
-  split_.apply(scene.grid, scene.surfaces, scene.positions, component, slotMask, shares, last, person_);
+  const DepthGrid& grid = scene.grid;
+  const DepthComponent& one = scene.surfaces.components()[component];
+  const std::int32_t label = component;
+  const std::span<const std::int32_t> labels = scene.surfaces.labels();
+  queue_.clear();
+  for (int r = one.top; r <= one.bottom; ++r) {
+    for (int c = one.left; c <= one.right; ++c) {
+      const std::size_t i = grid.index(c, r);
+      if (labels[i] != label) continue;
+
+      const Vec3f position = scene.positions(grid, c, r);
+      std::array<float, kPersonSlots> away{};
+      int closest = -1;
+      float next = 1e9F;  // distance of the second closest axis
+      for (int k = 0; k < kPersonSlots; ++k) {
+        if (!holds(slotMask, k)) continue;
+        const float distance = away[k] = horizontally(position - shares[k].middle);
+        if (closest < 0 || distance < away[closest]) {
+          if (closest >= 0) next = away[closest];
+          closest = k;
+        } else if (distance < next) {
+          next = distance;
+        }
+      }
+      const float min = away[closest];
+      if (min < kCore && min < 0.5F * next) {
+        person_[i] = closest + 1;
+        queue_.push_back(i);
+        continue;
+      }
+      int nearest = kSameDepth;
+      for (int k = 0; k < kPersonSlots; ++k) {
+        if (!holds(slotMask, k) || away[k] > min + kAlien) continue;
+        const SplitShare& share = shares[k];
+        const int column = c - share.columns, row = r - share.rows;
+        if (column < 0 || column >= grid.width || row < 0 || row >= grid.height) continue;
+        const std::size_t before = grid.index(column, row);
+        const int off = std::abs(grid.depthMm[i] - last.depthMm[before]);
+        if (last.person[before] != k + 1 || off >= nearest) continue;
+        nearest = off;
+        person_[i] = k + 1;
+      }
+      if (person_[i] != 0) queue_.push_back(i);
+    }
+  }
+  grow(scene, label, 0.5F);
+  grow(scene, label, 1.0F);
+}
+
+void PersonOwners::grow(const PeopleScene& scene, std::int32_t label, float steps) {
+  const DepthGrid& grid = scene.grid;
+  const std::span<const std::int32_t> labels = scene.surfaces.labels();
+  for (std::size_t next = 0; next < queue_.size(); ++next) {
+    const std::size_t i = queue_[next];
+    const float step = 1000.0F * steps * scene.surfaces.step(grid.depthMm[i]);
+    grid.visitNeighbours(i, [&](std::size_t j) {
+      if (labels[j] != label || person_[j] != 0) return;
+      if (std::abs(grid.depthMm[i] - grid.depthMm[j]) >= step) return;
+      person_[j] = person_[i];
+      queue_.push_back(j);
+    });
+  }
 }
 
 void PersonOwners::assign(const PeopleScene& scene, PersonSlots& slots) {

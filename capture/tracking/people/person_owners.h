@@ -12,34 +12,6 @@
 
 namespace lorica {
 
-/// Expected position of a person who touches others.
-struct SplitShare {
-  int columns = 0, rows = 0;     ///< expected motion of the person in the image since the last frame [cells]
-  Vec3f middle = Vec3f::Zero();  ///< of the person's points now, floor frame [m]
-};
-
-/// Divides a surface between people who touch.
-class PersonSplit {
- public:
-  explicit PersonSplit(const DepthGrid& grid) { queue_.reserve(grid.cellCount()); }
-
-  /// Cells around a person's axis are theirs. So are the cells where they were in the last frame, moved along, at about
-  /// that depth, unless they are much nearer to another's axis. The remaining cells go to the person whose cells are
-  /// the fewest steps away, crossing small depth steps first.
-  /// @param slotMask  people who may receive cells
-  /// @param shares    one per slot
-  /// @param person    slot + 1 of each cell; written for the cells of the component
-  void apply(const DepthGrid& grid, const ComponentFinder& finder, const FloorPositions& positions,
-             std::size_t component, unsigned slotMask, std::span<const SplitShare> shares, const LastCells& last,
-             std::span<std::uint8_t> person);
-
- private:
-  void grow(const DepthGrid& grid, const ComponentFinder& finder, std::int32_t label, float steps,
-            std::span<std::uint8_t> person);
-
-  std::vector<std::uint32_t> queue_;
-};
-
 /// Assigns surfaces to people from frame to frame: to those already present, to newcomers, and to those who return.
 class PersonOwners {
  public:
@@ -62,6 +34,12 @@ class PersonOwners {
   [[nodiscard]] bool mayBeSomeone(std::size_t component) const;
 
  private:
+  /// Expected position of a person who touches others.
+  struct SplitShare {
+    int columns = 0, rows = 0;     ///< expected motion of the person in the image since the last frame [cells]
+    Vec3f middle = Vec3f::Zero();  ///< of the person's points now, floor frame [m]
+  };
+
   void assign(const PeopleScene& scene, PersonSlots& slots);
   void findNewcomers(const PeopleScene& scene, PersonSlots& slots);
   bool separateHeads(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
@@ -69,16 +47,21 @@ class PersonOwners {
                                                        float max) const;
   void joinPieces(const PeopleScene& scene, PersonSlots& slots);
   void give(const PeopleScene& scene, std::size_t component, int slot, PersonSlots& slots);
+  /// Divides a surface between people who touch. Cells around a person's axis are theirs. So are the cells where they
+  /// were in the last frame, moved along, at about that depth, unless they are much nearer to another's axis. The
+  /// remaining cells go to the person whose cells are the fewest steps away, crossing small depth steps first.
+  /// @param slotMask  people who may receive cells
   void splitBetween(const PeopleScene& scene, std::size_t component, unsigned slotMask, PersonSlots& slots,
                     const LastCells& last);
+  void grow(const PeopleScene& scene, std::int32_t label, float steps);
   [[nodiscard]] bool isDenied(const PeopleScene& scene, const DepthComponent& one, int slot,
                               const PersonSlots& slots) const;
   [[nodiscard]] SplitShare shareOf(const PeopleScene& scene, const PersonSlot& slot) const;
 
   DepthCamera camera_;
-  PersonSplit split_;
   PeopleAtHeads atHeads_;
   std::vector<std::uint8_t> person_;
+  std::vector<std::uint32_t> queue_;       ///< of splitBetween()
   std::vector<std::uint8_t> nobody_;       ///< zeros
   std::array<int, kPersonSlots> known_{};  ///< cells of people that the network affirms
   std::vector<int> owner_;                 ///< of components: slot, or a special value of person_owners.cpp
