@@ -17,8 +17,6 @@ Q smallTurn(int axis, float angle) {
   return Q(Eigen::AngleAxisf(angle, V3::Unit(axis)));
 }
 
-constexpr std::uint8_t kNobody = 255;
-
 /// Whether a point just beside the edge of a flat capsule is outside the image or behind something else.
 bool isHiddenBeside(const BodyView& view, const PosedModel& body, const Sample& edge) {
   const Sample beside{edge.capsule, edge.along, 3.0F * edge.aside};
@@ -387,13 +385,11 @@ void BodyFitter::refineProportions(const BodyView& view, const std::array<float,
   }
 }
 
-CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& proportions, const BodyPose& pose,
-                                     std::vector<std::uint8_t>* owner) {
+CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& proportions, const BodyPose& pose) {
   CapsuleSupport support;
   lastCapsule_.resize(std::max(lastCapsule_.size(), view.points().size()));
   poseBody(pose, proportions, body_);
   const auto points = view.points();
-  if (owner) owner->assign(points.size(), kNobody);
   const std::size_t n = std::min<std::size_t>(points.size(), 500);
   int unexplained = 0;
   for (std::size_t i = 0; i < n; ++i) {
@@ -406,7 +402,6 @@ CapsuleSupport BodyFitter::supportOf(const BodyView& view, const Proportions& pr
     ++support.points[c];
     support.distance[c] += off;
     support.seen[c] += view.areaOf(points[i]);
-    if (owner) (*owner)[i] = m.capsule;
   }
   if (n > 0) {
     support.meanDistance /= n;

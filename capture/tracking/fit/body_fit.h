@@ -70,10 +70,7 @@ class BodyFitter {
   void refineProportions(const BodyView& view, const std::array<float, kProportionCount>& deviation, BodyPose& pose,
                          Proportions& proportions);
 
-  /// @param owner  receives the capsule of each point of the view, or 255 if it is farther than 0.1 m from all of them;
-  /// may be null
-  CapsuleSupport supportOf(const BodyView& view, const Proportions& proportions, const BodyPose& pose,
-                           std::vector<std::uint8_t>* owner = nullptr);
+  CapsuleSupport supportOf(const BodyView& view, const Proportions& proportions, const BodyPose& pose);
 
  private:
   using Gram = Eigen::Matrix<float, 6, 6>;

@@ -74,17 +74,10 @@ std::array<NodeDef, kNodeCount> makeNodes() {
   return nodes;
 }
 
-/// Of the left side and the middle, in model space.
-struct CapsuleRow {
-  Node node;
-  V3 a, b;
-  float radiusA, radiusB;
-  float flat;
-};
-
 std::array<Capsule, kCapsuleCount> makeCapsules() {
-  // Fitted to the mannequin's skin by bench programs; see docs/TRACKING.md.
-  const std::array<CapsuleRow, 13> rows = {{
+  // Of the left side and the middle, in model space. Fitted to the mannequin's skin by bench programs; see
+  // docs/TRACKING.md.
+  const std::array<Capsule, 13> rows = {{
       {kPelvis, {0.0F, 0.905F, -0.010F}, {0.0F, 1.020F, -0.001F}, 0.105F, 0.102F, 0.64F},
       {kSpine, {0.0F, 1.030F, 0.003F}, {0.0F, 1.190F, 0.001F}, 0.094F, 0.098F, 0.72F},
       {kChest, {0.0F, 1.220F, -0.001F}, {0.0F, 1.345F, -0.008F}, 0.110F, 0.121F, 0.71F},
@@ -102,7 +95,7 @@ std::array<Capsule, kCapsuleCount> makeCapsules() {
   const auto& nodes = nodeDefs();
   std::array<Capsule, kCapsuleCount> capsules;
   std::size_t n = 0;
-  for (const CapsuleRow& row : rows) {
+  for (const Capsule& row : rows) {
     const V3 origin = nodes[row.node].position;
     capsules[n++] = {row.node, row.a - origin, row.b - origin, row.radiusA, row.radiusB, row.flat};
     if (row.node < kLeftClavicle) continue;

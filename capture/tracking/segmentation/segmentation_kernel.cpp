@@ -1,4 +1,4 @@
-#include "capture/tracking/segmentation/segmentation_kernel.h"
+#include "capture/tracking/segmentation/convolution.h"
 
 #include <algorithm>
 #include <cstddef>
