@@ -111,7 +111,7 @@ Result<Report> describeDepthRecording(const std::filesystem::path& file, const s
   const DepthRecordingInfo& info = read->about();
   const DepthCamera& camera = read->camera();
   const double rate = info.duration > 0.0 ? (info.frameCount - 1) / info.duration : 0.0;
-  const auto* const oni = dynamic_cast<const OniSource*>(read.get());
+  const auto* const oni = dynamic_cast<const OniFile*>(read.get());
   const bool mirrored = oni != nullptr && oni->info().mirrored;
   Report report(read->name() + ": a depth recording");
   report.add("kind", "depth recording");

@@ -237,7 +237,7 @@ Result<std::unique_ptr<DepthRecording>> openDepthRecording(const fs::path& path,
   if (!lens.empty())
     return invalidArgument("{}: --lens is for recordings of a camera's own images; .oni says its camera",
                            path.string());
-  LORICA_TRY(std::unique_ptr<OniSource> opened, openOni(path));
+  LORICA_TRY(std::unique_ptr<OniFile> opened, openOni(path));
   return std::unique_ptr<DepthRecording>(std::move(opened));
 }
 

@@ -1,6 +1,7 @@
 #include "capture/sensor/oni_file.h"
 
 #include "capture/sensor/oni_records.h"
+#include "geometry/descriptor.h"
 #include "geometry/errors.h"
 
 #include <fcntl.h>
@@ -19,15 +20,12 @@ namespace {
 
 class FileBytes : public OniBytes {
  public:
-  FileBytes(int descriptor, std::uint64_t size) : descriptor_(descriptor), size_(size) {}
-  ~FileBytes() override { ::close(descriptor_); }
-  FileBytes(const FileBytes&) = delete;
-  FileBytes& operator=(const FileBytes&) = delete;
+  FileBytes(int descriptor, std::uint64_t size) : file_(descriptor), size_(size) {}
 
   [[nodiscard]] std::uint64_t size() const override { return size_; }
   [[nodiscard]] bool read(std::uint64_t at, std::span<std::uint8_t> out) const override {
     while (!out.empty()) {
-      const ssize_t got = ::pread(descriptor_, out.data(), out.size(), at);
+      const ssize_t got = ::pread(file_.get(), out.data(), out.size(), at);
       if (got < 0 && errno == EINTR) continue;
       if (got <= 0) return false;
       out = out.subspan(got);
@@ -37,7 +35,7 @@ class FileBytes : public OniBytes {
   }
 
  private:
-  int descriptor_;
+  Descriptor file_;
   std::uint64_t size_;
 };
 
@@ -113,26 +111,34 @@ struct OniFile::Contents {
   OniDepthDecoder decoder;
 };
 
-OniFile::OniFile(std::unique_ptr<Contents> contents) : contents_(std::move(contents)) {}
+OniFile::OniFile(std::unique_ptr<Contents> contents, std::string name)
+    : DepthRecording(std::move(name), {fmt::format("OpenNI {}", contents->index.info.version),
+                                       contents->index.info.device,
+                                       {},
+                                       contents->index.info.frameCount,
+                                       contents->index.info.duration,
+                                       contents->index.info.cutOff,
+                                       {}}),
+      contents_(std::move(contents)) {}
 OniFile::OniFile(OniFile&&) noexcept = default;
 OniFile& OniFile::operator=(OniFile&&) noexcept = default;
 OniFile::~OniFile() = default;
 
-Result<OniFile> OniFile::indexed(std::unique_ptr<OniBytes> bytes, std::string name) {
+Result<OniFile> OniFile::indexed(std::unique_ptr<OniBytes> bytes, const std::filesystem::path& file) {
   auto contents = std::make_unique<Contents>();
-  contents->name = std::move(name);
+  contents->name = file.string();
   contents->bytes = std::move(bytes);
   LORICA_TRY(contents->index, indexOni(*contents->bytes, contents->name));
-  return OniFile(std::move(contents));
+  return OniFile(std::move(contents), file.filename().string());
 }
 
 Result<OniFile> OniFile::open(const std::filesystem::path& file) {
   LORICA_TRY(std::unique_ptr<OniBytes> bytes, openBytes(file));
-  return indexed(std::move(bytes), file.string());
+  return indexed(std::move(bytes), file);
 }
 
 Result<OniFile> OniFile::parse(std::string_view bytes, std::string name) {
-  return indexed(bytesInMemory(bytes), std::move(name));
+  return indexed(bytesInMemory(bytes), name);
 }
 
 const OniInfo& OniFile::info() const {
@@ -183,19 +189,9 @@ Result<void> OniFile::read(int frame, DepthFrame& out) {
   return {};
 }
 
-OniSource::OniSource(OniFile file, std::string name)
-    : DepthRecording(std::move(name), {fmt::format("OpenNI {}", file.info().version),
-                                       file.info().device,
-                                       {},
-                                       file.info().frameCount,
-                                       file.info().duration,
-                                       file.info().cutOff,
-                                       {}}),
-      file_(std::move(file)) {}
-
-Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file) {
+Result<std::unique_ptr<OniFile>> openOni(const std::filesystem::path& file) {
   LORICA_TRY(OniFile opened, OniFile::open(file));
-  return std::make_unique<OniSource>(std::move(opened), file.filename().string());
+  return std::make_unique<OniFile>(std::move(opened));
 }
 
 }  // namespace lorica

@@ -35,7 +35,7 @@ struct OniInfo {
 ///
 /// docs/SENSORS.md describes the format. If there are several depth streams, the first is read. The file's seek tables
 /// are not used, so they may be wrong.
-class OniFile {
+class OniFile final : public DepthRecording {
  public:
   /// Reads all record headers: takes milliseconds for a minute of recording.
   /// @return the file, or an error with file, byte, found and expected
@@ -45,41 +45,26 @@ class OniFile {
 
   OniFile(OniFile&&) noexcept;
   OniFile& operator=(OniFile&&) noexcept;
-  ~OniFile();
+  ~OniFile() override;
 
   [[nodiscard]] const OniInfo& info() const;  ///< read when it was opened
+  [[nodiscard]] const DepthCamera& camera() const override { return info().camera; }
   /// Time of a depth frame [s]: in the sensor's clock, increases from frame to frame.
-  [[nodiscard]] double timeOf(int frame) const;
+  [[nodiscard]] double timeOf(int frame) const override;
   /// Reads one depth frame. All frames cost the same: each is packed independently.
   /// @param frame  below info().frameCount; checked by LORICA_CHECK
   /// @param out    overwritten completely, reusing its storage; undefined after an error
-  [[nodiscard]] Result<void> read(int frame, DepthFrame& out);
+  [[nodiscard]] Result<void> read(int frame, DepthFrame& out) override;
 
  private:
   struct Contents;
-  explicit OniFile(std::unique_ptr<Contents> contents);
-  static Result<OniFile> indexed(std::unique_ptr<OniBytes> bytes, std::string name);
+  OniFile(std::unique_ptr<Contents> contents, std::string name);
+  static Result<OniFile> indexed(std::unique_ptr<OniBytes> bytes, const std::filesystem::path& file);
 
   std::unique_ptr<Contents> contents_;
 };
 
-/// The depth frames of an .oni recording.
-class OniSource : public DepthRecording {
- public:
-  /// @param name  for messages.
-  explicit OniSource(OniFile file, std::string name);
-
-  [[nodiscard]] const DepthCamera& camera() const override { return file_.info().camera; }
-  [[nodiscard]] const OniInfo& info() const { return file_.info(); }  ///< of the file
-
- private:
-  [[nodiscard]] double timeOf(int frame) const override { return file_.timeOf(frame); }
-  [[nodiscard]] Result<void> read(int frame, DepthFrame& out) override { return file_.read(frame, out); }
-
-  OniFile file_;
-};
-
 /// Opens an .oni recording. @return the source, or an error with file, byte, found and expected
-[[nodiscard]] Result<std::unique_ptr<OniSource>> openOni(const std::filesystem::path& file);
+[[nodiscard]] Result<std::unique_ptr<OniFile>> openOni(const std::filesystem::path& file);
 
 }  // namespace lorica

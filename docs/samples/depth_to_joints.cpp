@@ -20,7 +20,7 @@ int fail(const lorica::Error& error) {
 int main(int argc, char** argv) {
   const auto recording = lorica::openOni(argc > 1 ? argv[1] : LORICA_RECORDINGS_DIR "/wave_depth.oni");
   if (!recording) return fail(recording.error());
-  lorica::OniSource& source = **recording;
+  lorica::OniFile& source = **recording;
 
   // One tracker for each camera; it keeps the person's proportions and the floor.
   auto tracker = lorica::Tracker::create(source.camera());

@@ -138,7 +138,7 @@ TEST(Info, DescribesARecording) {
 
 TEST(Info, ADepthRecordingOfAnotherKindIsTheSameAsOni) {
   const TemporaryFolder folder;
-  const std::unique_ptr<OniSource> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
+  const std::unique_ptr<OniFile> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
   const DepthCamera& camera = source->camera();
   NamedArray depth{"depth", "<u2", {0, std::size_t(camera.height), std::size_t(camera.width)}, {}};
   NamedArray times{"times", "<f8", {0}, {}}, lens{"K", "<f8", {3, 3}, {}};

@@ -99,7 +99,7 @@ TEST(Live, CtrlCEndsItWithASummary) {
 /// Sends a shipped recording at its own pace, again and again, until nobody reads any more.
 void sendDepthTo(const std::string& pipe) {
   const int out = open(pipe.c_str(), O_WRONLY | O_CLOEXEC);
-  const std::unique_ptr<OniSource> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
+  const std::unique_ptr<OniFile> source = valueOf(openOni(recordingsFolder() / "wave_depth.oni"));
   const DepthCamera& camera = source->camera();
   const DepthLens lens = DepthLens::pinhole(camera.width, camera.height, camera.horizontalFov, camera.verticalFov);
   DepthFrame frame;

@@ -32,7 +32,7 @@ constexpr double kSeated = 0.35;      ///< how much lower than standing hips are
 
 /// Depth images of a recording, at most kFrames.
 Result<std::vector<std::vector<std::uint16_t>>> readFrames(const RealRecording& recording, DepthCamera& camera) {
-  Result<std::unique_ptr<OniSource>> source = openOni(recording.file);
+  Result<std::unique_ptr<OniFile>> source = openOni(recording.file);
   if (!source) return source.error();
   camera = (*source)->camera();
   std::vector<std::vector<std::uint16_t>> frames;

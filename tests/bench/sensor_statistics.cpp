@@ -309,7 +309,7 @@ std::vector<double> metres(std::span<const std::uint16_t> depthMm) {
 }
 
 Result<Images> readImages(const fs::path& file, std::size_t maxFrames) {
-  Result<std::unique_ptr<OniSource>> source = openOni(file);
+  Result<std::unique_ptr<OniFile>> source = openOni(file);
   if (!source) return source.error();
   Images images{(*source)->camera().width, (*source)->camera().height, {}};
   DepthFrame frame;

@@ -361,7 +361,7 @@ Result<Measured> track(DepthSource& source, const RealRecording& recording, cons
 }
 
 Result<Measured> trackReal(const RealRecording& recording, const Joints& offsets, const RealOptions& options) {
-  Result<std::unique_ptr<OniSource>> source = openOni(recording.file);
+  Result<std::unique_ptr<OniFile>> source = openOni(recording.file);
   if (!source) return source.error();
   const std::unique_ptr<DepthSource> shown = altered(std::move(*source), options.variant);
   return track(*shown, altered(recording, options.variant), altered(offsets, options.variant), options,

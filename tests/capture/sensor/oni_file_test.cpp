@@ -246,7 +246,7 @@ TEST(OniFile, FilesThatAreNoneAreSentences) {
   EXPECT_NE(text.error().message.find("found \"this\", expected \"NI10\""), std::string::npos) << text.error().message;
 }
 
-TEST(OniSource, GivesEveryFrameOnceInOrder) {
+TEST(OniFile, GivesEveryFrameOnceInOrder) {
   const test::TemporaryFolder folder;
   const std::unique_ptr<DepthSource> source = test::valueOf(openOni(folder.write("body.oni", someFile({}, 7))));
   EXPECT_EQ(source->name(), "body.oni");
@@ -263,9 +263,9 @@ TEST(OniSource, GivesEveryFrameOnceInOrder) {
   }
 }
 
-TEST(OniSource, SeekingGivesTheFramesOfReadingThrough) {
+TEST(OniFile, SeekingGivesTheFramesOfReadingThrough) {
   const test::TemporaryFolder folder;
-  const std::unique_ptr<OniSource> source = test::valueOf(openOni(folder.write("body.oni", someFile({}, 7))));
+  const std::unique_ptr<OniFile> source = test::valueOf(openOni(folder.write("body.oni", someFile({}, 7))));
   DepthFrame frame;
   for (const int wanted : {6, 0, 3, 3, 5}) {
     source->seek(wanted);
@@ -284,7 +284,7 @@ TEST(OniSource, SeekingGivesTheFramesOfReadingThrough) {
   EXPECT_EQ(source->position(), 0);
 }
 
-TEST(OniSource, ADamagedFrameLeavesTheCallersAlone) {
+TEST(OniFile, ADamagedFrameLeavesTheCallersAlone) {
   const test::TemporaryFolder folder;
   OniWriterSettings settings;
   settings.codec = OniCodec::kPacked;

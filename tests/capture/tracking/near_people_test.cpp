@@ -106,7 +106,7 @@ TEST(RealPeople, SomebodyNearIsFollowedWhileTheyTurnAround) {
   // As it is, and as cameras give it that align their depth with a picture.
   for (const auto& [side, below] : {std::pair{0, 0}, {44, 0}, {0, 72}}) {
     SCOPED_TRACE(testing::Message() << side << " " << below);
-    const std::unique_ptr<OniSource> source = openOni(oni).value();
+    const std::unique_ptr<OniFile> source = openOni(oni).value();
     DepthCamera camera = source->camera();
     camera.width += 2 * side;
     camera.height += below;

@@ -248,7 +248,7 @@ struct Seen {
 };
 
 Seen followRecorded(const std::filesystem::path& oni, const std::vector<std::map<int, True>>& people, int seconds) {
-  const std::unique_ptr<OniSource> source = openOni(oni).value();
+  const std::unique_ptr<OniFile> source = openOni(oni).value();
   Tracker tracker = Tracker::create(source->camera()).value();
   Seen seen;
   const int start = people.empty() ? 0 : people[0].begin()->first;
@@ -311,7 +311,7 @@ TEST(RealPeople, SomeoneOnASofaIsFoundInTwoSeconds) {
 /// A chair before a partition has a head and shoulders, hangs together with the room and never moves.
 TEST(Tracker, FurnitureThatStandsStillIsNobody) {
   LORICA_REQUIRE_DATASET(path, "depth_real/N_kitB_behind_a2s4.oni");
-  const std::unique_ptr<OniSource> source = openOni(path).value();
+  const std::unique_ptr<OniFile> source = openOni(path).value();
   Tracker tracker = Tracker::create(source->camera()).value();
   DepthFrame frame;
   int followed = 0;

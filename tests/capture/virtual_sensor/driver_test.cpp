@@ -112,7 +112,7 @@ TEST(Driver, TheStockRecorderRecordsItAndNothingIsLost) {
   const StagedClient client;
   const std::string script = "motion=wave pace=fast noise=mild";
   ASSERT_EQ(client.run(script, {"record", "10", client.path("body.oni").string()}), 0);
-  Result<std::unique_ptr<OniSource>> source = openOni(client.path("body.oni"));
+  Result<std::unique_ptr<OniFile>> source = openOni(client.path("body.oni"));
   ASSERT_TRUE(source) << source.error().message;
   EXPECT_GE((*source)->info().frameCount, 10);
   EXPECT_NEAR((*source)->camera().horizontalFov, DepthCamera{}.horizontalFov, 1e-6);

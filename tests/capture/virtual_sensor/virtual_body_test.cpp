@@ -153,7 +153,7 @@ TEST(VirtualFurniture, IsMovedRigidly) {
 }
 
 TEST(VirtualRecording, TheShippedRecordingIsWhatTheVirtualSensorShows) {
-  Result<std::unique_ptr<OniSource>> source = openOni(test::recordingsFolder() / "wave_depth.oni");
+  Result<std::unique_ptr<OniFile>> source = openOni(test::recordingsFolder() / "wave_depth.oni");
   ASSERT_TRUE(source) << source.error().message;
   ASSERT_EQ((*source)->info().frameCount, 80);
   EXPECT_FALSE((*source)->info().cutOff);

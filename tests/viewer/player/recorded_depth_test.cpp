@@ -20,7 +20,7 @@ namespace {
 
 /// What `live` would show of the recording.
 std::vector<std::vector<std::uint8_t>> picturesOf(const std::filesystem::path& file) {
-  std::unique_ptr<OniSource> depth = openOni(file).value();
+  std::unique_ptr<OniFile> depth = openOni(file).value();
   Tracker tracker = Tracker::create(depth->camera()).value();
   DepthJoints people(std::move(depth), std::move(tracker));
   std::vector<std::vector<std::uint8_t>> pictures;

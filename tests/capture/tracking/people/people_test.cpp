@@ -353,7 +353,7 @@ TEST(PeopleFinder, RandomDepthIsSurvived) {
 
 TEST(PeopleFinder, RealRecordingShowsOneWhoIsCutOff) {
   LORICA_REQUIRE_DATASET(file, "oni/3DJ_Test/test.oni");
-  std::unique_ptr<OniSource> source = openOni(file).value();
+  std::unique_ptr<OniFile> source = openOni(file).value();
   PeopleFinder finder(source->camera(), 2);
   DepthFrame frame;
   int frames = 0;
