@@ -71,8 +71,10 @@ struct RecordingLimits {
 };
 
 /// Writes all images of a source as .oni while they come, and gives each of them in order: one that is not read in time
-/// is read from the file. The source belongs to a thread of the recorder meanwhile.
-class DepthRecorder final : public DepthSource {
+/// is read from the file. The source belongs to a thread of the recorder meanwhile. Its next() returns kEnd after the
+/// last image, and an error, of the source or of the disk, after those that came before it. Its destructor abandons an
+/// unfinished recording and keeps the x.part.oni file.
+class DepthRecorder : public DepthSource {
  public:
   /// Creates a file beside `file`, named x.part.oni. It can be played even if this program is killed; if a killed
   /// program left such a file behind, it is kept as x.found-1.oni. No file is left if this fails.
@@ -80,27 +82,16 @@ class DepthRecorder final : public DepthSource {
   [[nodiscard]] static Result<std::unique_ptr<DepthRecorder>> start(DepthSource& source,
                                                                     const std::filesystem::path& file,
                                                                     const RecordingLimits& limits = {});
-  /// Abandons an unfinished recording and keeps the x.part.oni file.
-  ~DepthRecorder() override;
 
-  [[nodiscard]] const DepthCamera& camera() const override;
-  [[nodiscard]] std::string name() const override;
-  /// @return kEnd after the last image; an error, of the source or of the disk, after those that came before it
-  [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
   /// No further image is recorded; those that were not read yet can still be.
-  void stop();
+  virtual void stop() = 0;
 
   /// The recording that a killed program left behind, under its new name; nothing if there was none.
-  [[nodiscard]] const std::optional<std::filesystem::path>& found() const;
+  [[nodiscard]] virtual const std::optional<std::filesystem::path>& found() const = 0;
   /// Ends the recording and renames it to its final name. @return number of frames
-  [[nodiscard]] Result<int> finish();
+  [[nodiscard]] virtual Result<int> finish() = 0;
   /// Ends the recording and removes its file, for one without frames.
-  void discard();
-
- private:
-  class Impl;
-  explicit DepthRecorder(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  virtual void discard() = 0;
 };
 
 /// Writes a recording as .oni, without loss.

@@ -126,25 +126,27 @@ Result<void> writeOni(DepthRecording& recording, const std::filesystem::path& fi
   return out->finish();
 }
 
-class DepthRecorder::Impl {
+namespace {
+
+class OniRecorder final : public DepthRecorder {
  public:
-  Impl(DepthSource& source, std::filesystem::path target, const RecordingLimits& limits)
+  OniRecorder(DepthSource& source, std::filesystem::path target, const RecordingLimits& limits)
       : source_(source),
         limits_(limits),
         target_(std::move(target)),
         beside_(std::filesystem::path(target_).replace_extension(".part.oni")) {}
-  ~Impl() { stop(); }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+  ~OniRecorder() override { stop(); }
+  OniRecorder(const OniRecorder&) = delete;
+  OniRecorder& operator=(const OniRecorder&) = delete;
 
   Result<void> start();
-  Result<DepthRead> next(DepthFrame& frame);
-  void stop();
-  Result<int> finish();
-  void discard();
-
-  [[nodiscard]] const DepthSource& source() const { return source_; }
-  [[nodiscard]] const std::optional<std::filesystem::path>& found() const { return found_; }
+  [[nodiscard]] const DepthCamera& camera() const override { return source_.camera(); }
+  [[nodiscard]] std::string name() const override { return source_.name(); }
+  Result<DepthRead> next(DepthFrame& frame) override;
+  void stop() override;
+  [[nodiscard]] const std::optional<std::filesystem::path>& found() const override { return found_; }
+  Result<int> finish() override;
+  void discard() override;
 
  private:
   struct Image {
@@ -180,7 +182,7 @@ class DepthRecorder::Impl {
   std::thread thread_;
 };
 
-Result<void> DepthRecorder::Impl::start() {
+Result<void> OniRecorder::start() {
   LORICA_TRY_DO(checkOniSize(source_));
   LORICA_TRY(std::optional<std::filesystem::path> found, keepFound(beside_));
   found_ = std::move(found);
@@ -198,7 +200,7 @@ Result<void> DepthRecorder::Impl::start() {
 }
 
 /// Runs on the thread of its own.
-void DepthRecorder::Impl::receive() {
+void OniRecorder::receive() {
   DepthFrame frame;
   for (bool more = true; more;) {
     Result<DepthRead> read = source_.next(frame);
@@ -214,7 +216,7 @@ void DepthRecorder::Impl::receive() {
   }
 }
 
-Result<bool> DepthRecorder::Impl::write(const DepthFrame& frame) {
+Result<bool> OniRecorder::write(const DepthFrame& frame) {
   const double begin = images_.empty() ? frame.time : images_.front().time;
   const std::string packed = packOniDepth(OniCodec::kTable, frame.depthMm);
   const std::string record = oniImage(frame.time - begin, static_cast<std::uint32_t>(images_.size() + 1), packed);
@@ -226,7 +228,7 @@ Result<bool> DepthRecorder::Impl::write(const DepthFrame& frame) {
          !(limits_.seconds > 0.0 && frame.time - begin >= limits_.seconds);
 }
 
-Result<DepthRead> DepthRecorder::Impl::next(DepthFrame& frame) {
+Result<DepthRead> OniRecorder::next(DepthFrame& frame) {
   Image image{};
   {
     std::unique_lock<std::mutex> lock(mutex_);
@@ -250,7 +252,7 @@ Result<DepthRead> DepthRecorder::Impl::next(DepthFrame& frame) {
   return DepthRead::kFrame;
 }
 
-void DepthRecorder::Impl::stop() {
+void OniRecorder::stop() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     stopped_ = true;
@@ -258,7 +260,7 @@ void DepthRecorder::Impl::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-Result<int> DepthRecorder::Impl::finish() {
+Result<int> OniRecorder::finish() {
   stop();
   const auto frames = static_cast<std::uint32_t>(images_.size());
   const std::uint64_t last = images_.empty() ? 0 : microseconds(images_.back().time - images_.front().time);
@@ -274,42 +276,19 @@ Result<int> DepthRecorder::Impl::finish() {
   return static_cast<int>(frames);
 }
 
-void DepthRecorder::Impl::discard() {
+void OniRecorder::discard() {
   stop();
   (void)::unlink(beside_.c_str());
   file_.close();
 }
 
-DepthRecorder::DepthRecorder(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-DepthRecorder::~DepthRecorder() = default;
+}  // namespace
 
 Result<std::unique_ptr<DepthRecorder>> DepthRecorder::start(DepthSource& source, const std::filesystem::path& file,
                                                             const RecordingLimits& limits) {
-  auto impl = std::make_unique<Impl>(source, file, limits);
-  LORICA_TRY_DO(impl->start());
-  return std::unique_ptr<DepthRecorder>(new DepthRecorder(std::move(impl)));
-}
-
-const DepthCamera& DepthRecorder::camera() const {
-  return impl_->source().camera();
-}
-std::string DepthRecorder::name() const {
-  return impl_->source().name();
-}
-Result<DepthRead> DepthRecorder::next(DepthFrame& frame) {
-  return impl_->next(frame);
-}
-void DepthRecorder::stop() {
-  impl_->stop();
-}
-const std::optional<std::filesystem::path>& DepthRecorder::found() const {
-  return impl_->found();
-}
-Result<int> DepthRecorder::finish() {
-  return impl_->finish();
-}
-void DepthRecorder::discard() {
-  impl_->discard();
+  auto recorder = std::make_unique<OniRecorder>(source, file, limits);
+  LORICA_TRY_DO(recorder->start());
+  return std::unique_ptr<DepthRecorder>(std::move(recorder));
 }
 
 }  // namespace lorica

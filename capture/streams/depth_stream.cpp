@@ -104,22 +104,25 @@ std::string depthStreamName(const std::string& at) {
   return address ? textOf(*address) : printable(at, 200);
 }
 
-class DepthStream::Impl {
+namespace {
+
+class DepthReceiver final : public DepthStream {
  public:
-  explicit Impl(const DepthStreamSettings& settings)
+  explicit DepthReceiver(const DepthStreamSettings& settings)
       : settings_(settings), way_(wayOf(settings.at)), parser_(settings.bare), wake_(::eventfd(0, EFD_CLOEXEC)) {}
-  ~Impl();
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
+  ~DepthReceiver() override;
+  DepthReceiver(const DepthReceiver&) = delete;
+  DepthReceiver& operator=(const DepthReceiver&) = delete;
 
   Result<void> listen();
   Result<void> waitForCamera();
-  Result<DepthRead> next(DepthFrame& frame);
+  Result<DepthRead> next(DepthFrame& frame) override;
 
-  [[nodiscard]] std::string name() const { return "depth from " + depthStreamName(settings_.at); }
-  [[nodiscard]] const DepthCamera& camera() const { return rectifier_->camera(); }
-  [[nodiscard]] std::uint16_t port() const { return way_ == Way::kPort ? portOf(listener_.get()) : 0; }
-  [[nodiscard]] Counts counts() const {
+  /// "depth from 127.0.0.1:7000"
+  [[nodiscard]] std::string name() const override { return "depth from " + depthStreamName(settings_.at); }
+  [[nodiscard]] const DepthCamera& camera() const override { return rectifier_->camera(); }
+  [[nodiscard]] std::uint16_t port() const override { return way_ == Way::kPort ? portOf(listener_.get()) : 0; }
+  [[nodiscard]] Counts counts() const override {
     const std::lock_guard<std::mutex> lock(mutex_);
     return counts_;
   }
@@ -164,7 +167,7 @@ class DepthStream::Impl {
   std::thread thread_;
 };
 
-DepthStream::Impl::~Impl() {
+DepthReceiver::~DepthReceiver() {
   if (thread_.joinable()) {
     const std::uint64_t one = 1;
     (void)!::write(wake_.get(), &one, sizeof one);
@@ -173,7 +176,7 @@ DepthStream::Impl::~Impl() {
   if (ownsPath_) (void)::unlink(settings_.at.c_str());
 }
 
-Result<void> DepthStream::Impl::listen() {
+Result<void> DepthReceiver::listen() {
   const auto take = [](Descriptor& into, int descriptor) { into.reset(descriptor); };
   if (way_ == Way::kInput) {
     if (::isatty(STDIN_FILENO) != 0)
@@ -206,7 +209,7 @@ Result<void> DepthStream::Impl::listen() {
 }
 
 /// Runs on the thread of its own.
-void DepthStream::Impl::receive() {
+void DepthReceiver::receive() {
   for (;;) {
     const double silent = since(heard_);
     const bool within = parser_.within();
@@ -246,7 +249,7 @@ void DepthStream::Impl::receive() {
 }
 
 /// @return whether to go on
-bool DepthStream::Impl::readSome() {
+bool DepthReceiver::readSome() {
   const std::span<std::byte> place = parser_.wanted();
   const ssize_t size = ::read(stream_.get(), place.data(), place.size());
   if (size < 0 && (errno == EINTR || errno == EAGAIN)) return true;
@@ -288,7 +291,7 @@ bool DepthStream::Impl::readSome() {
 }
 
 /// The sender is gone; the next may come.
-void DepthStream::Impl::leave() {
+void DepthReceiver::leave() {
   if (fifo_) {
     // Opened again before it is closed: a sender that comes meanwhile finds a reader.
     const Result<int> again = openPipe(settings_.at);
@@ -306,7 +309,7 @@ void DepthStream::Impl::leave() {
   changed_.notify_all();
 }
 
-void DepthStream::Impl::fail(Error error) {
+void DepthReceiver::fail(Error error) {
   stream_.close();
   listener_.close();
   const std::lock_guard<std::mutex> lock(mutex_);
@@ -315,7 +318,7 @@ void DepthStream::Impl::fail(Error error) {
 }
 
 /// An image is complete.
-void DepthStream::Impl::give() {
+void DepthReceiver::give() {
   const std::lock_guard<std::mutex> lock(mutex_);
   ++counts_.images;
   counts_.dropped += fresh_ ? 1 : 0;
@@ -327,7 +330,7 @@ void DepthStream::Impl::give() {
   changed_.notify_all();
 }
 
-Result<void> DepthStream::Impl::waitForCamera() {
+Result<void> DepthReceiver::waitForCamera() {
   std::optional<DepthLens> lens = settings_.bare ? std::optional(settings_.bare->lens) : std::nullopt;
   for (std::unique_lock<std::mutex> lock(mutex_); !lens;) {
     changed_.wait_for(lock, kShortWait, [&] { return lens_ || error_ || ended_; });
@@ -345,7 +348,7 @@ Result<void> DepthStream::Impl::waitForCamera() {
 }
 
 /// Goes on from the last image by the sender's clock, or by ours where that does not agree.
-double DepthStream::Impl::timeOf(double sent, double arrival, std::int64_t sender) {
+double DepthReceiver::timeOf(double sent, double arrival, std::int64_t sender) {
   const double here = std::max(arrival - lastArrival_, 1e-6);
   const double there = sent - lastSent_;
   const bool known = lastSender_ == sender && sent >= 0.0 && lastSent_ >= 0.0 && there > 0.0;
@@ -356,7 +359,7 @@ double DepthStream::Impl::timeOf(double sent, double arrival, std::int64_t sende
   return lastTime_ += step;
 }
 
-Result<DepthRead> DepthStream::Impl::next(DepthFrame& frame) {
+Result<DepthRead> DepthReceiver::next(DepthFrame& frame) {
   double sent = 0.0, arrival = 0.0;
   std::int64_t sender = 0;
   {
@@ -379,8 +382,7 @@ Result<DepthRead> DepthStream::Impl::next(DepthFrame& frame) {
   return DepthRead::kFrame;
 }
 
-DepthStream::DepthStream(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-DepthStream::~DepthStream() = default;
+}  // namespace
 
 Result<void> DepthStream::check(const DepthStreamSettings& settings) {
   const std::string& at = settings.at;
@@ -394,26 +396,10 @@ Result<void> DepthStream::check(const DepthStreamSettings& settings) {
 
 Result<std::unique_ptr<DepthStream>> DepthStream::open(const DepthStreamSettings& settings) {
   LORICA_TRY_DO(check(settings));
-  auto impl = std::make_unique<Impl>(settings);
-  LORICA_TRY_DO(impl->listen());
-  LORICA_TRY_DO(impl->waitForCamera());
-  return std::unique_ptr<DepthStream>(new DepthStream(std::move(impl)));
-}
-
-const DepthCamera& DepthStream::camera() const {
-  return impl_->camera();
-}
-std::string DepthStream::name() const {
-  return impl_->name();
-}
-Result<DepthRead> DepthStream::next(DepthFrame& frame) {
-  return impl_->next(frame);
-}
-DepthStream::Counts DepthStream::counts() const {
-  return impl_->counts();
-}
-std::uint16_t DepthStream::port() const {
-  return impl_->port();
+  auto receiver = std::make_unique<DepthReceiver>(settings);
+  LORICA_TRY_DO(receiver->listen());
+  LORICA_TRY_DO(receiver->waitForCamera());
+  return std::unique_ptr<DepthStream>(std::move(receiver));
 }
 
 }  // namespace lorica

@@ -85,7 +85,7 @@ struct DepthStreamSettings {
 /// start at 0 and go on over its pauses; a sender's clock that disagrees with ours by more than a second is not used.
 /// Standard input has an end. What is no depth stream is an error, once and for all; once the camera is known, who
 /// sends that to a socket or a port is left and counted instead. No allocation after the first image.
-class DepthStream final : public DepthSource {
+class DepthStream : public DepthSource {
  public:
   struct Counts {
     std::int64_t images = 0;   ///< that came whole
@@ -100,21 +100,10 @@ class DepthStream final : public DepthSource {
   /// Listens, and waits for the first header, unless images have none: forever, or until the thread's work is stopped.
   /// @return the source, or why there is none: the port is taken, a file that is no pipe, a stream that is none
   [[nodiscard]] static Result<std::unique_ptr<DepthStream>> open(const DepthStreamSettings& settings);
-  ~DepthStream() override;
 
-  [[nodiscard]] const DepthCamera& camera() const override;
-  /// "depth from 127.0.0.1:7000"
-  [[nodiscard]] std::string name() const override;
-  [[nodiscard]] Result<DepthRead> next(DepthFrame& frame) override;
-
-  [[nodiscard]] Counts counts() const;
+  [[nodiscard]] virtual Counts counts() const = 0;
   /// The port that it listens on; 0 = none.
-  [[nodiscard]] std::uint16_t port() const;
-
- private:
-  class Impl;
-  explicit DepthStream(std::unique_ptr<Impl> impl);
-  std::unique_ptr<Impl> impl_;
+  [[nodiscard]] virtual std::uint16_t port() const = 0;
 };
 
 /// What a user is told of where a stream comes from: "standard input", "127.0.0.1:7000", a path.
