@@ -34,7 +34,6 @@ class RawRecording final : public DepthRecording {
   [[nodiscard]] const DepthCamera& camera() const override { return rectifier_.camera(); }
 
  private:
-  [[nodiscard]] double timeOf(int frame) const override { return raw_.times[frame]; }
   [[nodiscard]] Result<void> read(int frame, DepthFrame& out) override {
     LORICA_TRY_DO(raw_.read(frame, image_));
     rectifier_.apply(image_, out.depthMm);

@@ -34,15 +34,12 @@ class DepthRecording : public DepthSource {
   [[nodiscard]] int position() const { return position_; }
   /// Moves to a frame; costs little. @param frame  clamped to 0 .. about().frameCount
   void seek(int frame);
-  /// Moves to the first frame at or after a time, counted from the first frame [s].
-  void seekTime(double seconds);
 
  protected:
   /// At its first frame.
   DepthRecording(std::string name, DepthRecordingInfo about) : name_(std::move(name)), about_(std::move(about)) {}
-  /// Of a frame below about().frameCount [s]; increases from frame to frame.
-  [[nodiscard]] virtual double timeOf(int frame) const = 0;
-  /// @param out  overwritten completely, reusing its storage; undefined after an error
+  /// @param frame  below about().frameCount
+  /// @param out    overwritten completely, reusing its storage; undefined after an error
   [[nodiscard]] virtual Result<void> read(int frame, DepthFrame& out) = 0;
 
  private:

@@ -68,21 +68,6 @@ void DepthRecording::seek(int frame) {
   position_ = std::clamp(frame, 0, about_.frameCount);
 }
 
-void DepthRecording::seekTime(double seconds) {
-  const double wanted = timeOf(0) + seconds;
-  int first = 0;
-  int last = about_.frameCount;
-  while (first < last) {
-    const int middle = first + (last - first) / 2;
-    if (timeOf(middle) < wanted) {
-      first = middle + 1;
-    } else {
-      last = middle;
-    }
-  }
-  position_ = first;
-}
-
 Result<std::unique_ptr<OniBytes>> openBytes(const std::filesystem::path& file) {
   const int descriptor = ::open(file.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (descriptor < 0) {

@@ -50,7 +50,7 @@ class OniFile final : public DepthRecording {
   [[nodiscard]] const OniInfo& info() const;  ///< read when it was opened
   [[nodiscard]] const DepthCamera& camera() const override { return info().camera; }
   /// Time of a depth frame [s]: in the sensor's clock, increases from frame to frame.
-  [[nodiscard]] double timeOf(int frame) const override;
+  [[nodiscard]] double timeOf(int frame) const;
   /// Reads one depth frame. All frames cost the same: each is packed independently.
   /// @param frame  below info().frameCount; checked by LORICA_CHECK
   /// @param out    overwritten completely, reusing its storage; undefined after an error

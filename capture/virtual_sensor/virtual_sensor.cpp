@@ -87,24 +87,6 @@ Isometry3 worldFromCameraAt(const Vec3& position, double tiltDown, double headin
   return worldFromCamera;
 }
 
-std::vector<Aabb> chairAt(const Vec3& middle) {
-  constexpr double kHalf = 0.22;       // of the seat
-  constexpr double kThickness = 0.04;  // of all parts
-  constexpr double kSeat = 0.45;
-  constexpr double kBack = 0.90;
-  std::vector<Aabb> boxes;
-  boxes.reserve(6);
-  const auto add = [&](const Vec3& min, const Vec3& max) { boxes.push_back({middle + min, middle + max}); };
-  add({-kHalf, kSeat - kThickness, -kHalf}, {kHalf, kSeat, kHalf});
-  add({-kHalf, kSeat, -kHalf - kThickness}, {kHalf, kBack, -kHalf});
-  for (const double x : {-kHalf, kHalf - kThickness}) {
-    for (const double z : {-kHalf, kHalf - kThickness}) {
-      add({x, 0.0, z}, {x + kThickness, kSeat - kThickness, z + kThickness});
-    }
-  }
-  return boxes;
-}
-
 void drawRoom(const VirtualRoom& room, DepthRenderer& renderer) {
   const Isometry3 cameraFromWorld = room.worldFromCamera.inverse();
   const Vec3 position = room.worldFromCamera.translation();

@@ -29,10 +29,6 @@ struct VirtualRoom {
   std::vector<Aabb> boxes;            ///< furniture
 };
 
-/// A chair of six boxes, 0.45 m to the seat, for a person who sits at a position and faces +Z.
-/// @param middle  of the seat, on the floor [m]
-[[nodiscard]] std::vector<Aabb> chairAt(const Vec3& middle);
-
 /// Draws floor, wall and boxes, all with label 0.
 void drawRoom(const VirtualRoom& room, DepthRenderer& renderer);
 

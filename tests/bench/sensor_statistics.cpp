@@ -8,6 +8,7 @@
 #include "tests/bench/generators/other_cameras.h"
 #include "tests/bench/measure.h"
 #include "tests/bench/real_recordings.h"
+#include "tests/support/chair.h"
 #include "viewer/pictures/image_files.h"
 
 #include <fmt/format.h>
@@ -395,7 +396,7 @@ Result<VirtualSensor> roomBefore(const DepthNoiseSettings& noise, bool person) {
   settings.camera.height /= 2;
   settings.room.worldFromCamera = worldFromCameraAt({0.0, 1.2, 2.6}, 0.2);
   settings.room.wall = -1.2;
-  settings.room.boxes = chairAt({0.8, 0.0, 0.3});
+  settings.room.boxes = test::chairAt({0.8, 0.0, 0.3});
   settings.room.boxes.push_back({Vec3(-1.6, 0.0, -0.8), Vec3(-0.8, 1.6, -0.2)});
   settings.room.boxes.push_back({Vec3(0.4, 0.0, 0.9), Vec3(0.9, 0.5, 1.1)});
   std::vector<VirtualPerson> people;

@@ -6,6 +6,7 @@
 #include "skinning/import/character_file.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/generators/motion_clips.h"
+#include "tests/support/chair.h"
 
 #include <algorithm>
 #include <cmath>
@@ -193,7 +194,7 @@ std::vector<TrackedMotion> formulaMotions() {
   all.push_back(made("back_turned", MotionKind::kBackTurned, wave));
   all.back().turn = kPi;
   all.push_back(made("sit_on_chair", MotionKind::kSitting, sitOnChair()));
-  all.back().furniture = chairAt({0.0, 0.0, -0.36});
+  all.back().furniture = test::chairAt({0.0, 0.0, -0.36});
   all.push_back(made("occlusion", MotionKind::kOcclusion, shippedFrames("jumping_jacks")));
   all.back().screens.push_back({{Vec3(-1.6, 0.0, 1.3), Vec3(1.6, 2.2, 1.35)}, {2.0, 3.0}});
   all.back().seconds = 5.0;

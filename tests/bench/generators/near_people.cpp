@@ -3,6 +3,7 @@
 #include "skinning/mannequin/mannequin.h"
 #include "tests/bench/generators/motion_clips.h"
 #include "tests/bench/generators/other_cameras.h"
+#include "tests/support/chair.h"
 
 #include <algorithm>
 #include <array>
@@ -110,7 +111,7 @@ VirtualSensor nearSensor(const NearScene& scene, std::uint64_t seed) {
   const double up = std::atan((1.0 - 2.0 * kAbove) * half) - scene.tiltDown;
   const double eye = crown - scene.distance * std::tan(up);
   settings.room.worldFromCamera = worldFromCameraAt({0.0, eye, scene.distance}, scene.tiltDown);
-  if (scene.seated) settings.room.boxes = chairAt(Vec3::Zero());
+  if (scene.seated) settings.room.boxes = test::chairAt(Vec3::Zero());
   return VirtualSensor::create(std::move(people), settings).value();
 }
 

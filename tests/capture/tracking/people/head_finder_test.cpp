@@ -4,6 +4,7 @@
 #include "capture/tracking/people/room_planes.h"
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "skinning/mannequin/mannequin.h"
+#include "tests/support/chair.h"
 
 #include <gtest/gtest.h>
 
@@ -69,7 +70,7 @@ TEST(HeadFinder, WhatIsAsLowAsAKneeIsNoHead) {
 
 TEST(HeadFinder, FindsNoneInAnEmptyRoomWithFurniture) {
   VirtualRoom room;
-  room.boxes = chairAt({0.3, 0.0, 0.0});
+  room.boxes = test::chairAt({0.3, 0.0, 0.0});
   room.boxes.push_back({Vec3(-1.6, 0.0, -1.2), Vec3(-0.8, 0.75, -0.4)});
   VirtualSensor sensor = sensorBefore({}, room);
   const Seen seen(sensor);

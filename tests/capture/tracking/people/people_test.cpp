@@ -6,6 +6,7 @@
 #include "capture/virtual_sensor/virtual_sensor.h"
 #include "skinning/mannequin/mannequin.h"
 #include "tests/support/allocations.h"
+#include "tests/support/chair.h"
 #include "tests/support/datasets.h"
 
 #include <gtest/gtest.h>
@@ -129,7 +130,7 @@ TEST(PeopleFinder, EmptyImageHasNobody) {
 
 TEST(PeopleFinder, RoomWithFurnitureHasNobody) {
   VirtualSensorSettings settings;
-  settings.room.boxes = chairAt({0.3, 0.0, 0.0});
+  settings.room.boxes = test::chairAt({0.3, 0.0, 0.0});
   settings.room.boxes.push_back({Vec3(-1.6, 0.0, -1.2), Vec3(-0.8, 0.75, -0.4)});
   const Watched seen = watch({}, settings, true, 20);
   EXPECT_EQ(seen.maxPeople, 0U);
@@ -222,7 +223,7 @@ TEST(PeopleFinder, WhoEntersIsFoundAndWhatHeWalkedPastIsNot) {
   people[0].absent.push_back({0.0, 1.5});
   people[0].leaveSpeed = 1.5;
   VirtualSensorSettings settings;
-  settings.room.boxes = chairAt({0.9, 0.0, -0.6});
+  settings.room.boxes = test::chairAt({0.9, 0.0, -0.6});
   double last = 0.0;
   const Watched seen = watch(std::move(people), settings, true, 60, 1,
                              [&](std::uint64_t, const PeopleFinder& finder, const VirtualSensor& sensor) {
@@ -235,7 +236,7 @@ TEST(PeopleFinder, WhoEntersIsFoundAndWhatHeWalkedPastIsNot) {
 TEST(PeopleFinder, WhoSitsDownIsToldFromTheChair) {
   // Squats over a chair that was there before.
   VirtualSensorSettings settings;
-  settings.room.boxes = chairAt({0.0, 0.0, -0.5});
+  settings.room.boxes = test::chairAt({0.0, 0.0, -0.5});
   const Watched seen = watch(everyone(performing("squat_and_reach")), settings, true, 30, 4);
   EXPECT_GE(seen.mean[0], 0.95);
   EXPECT_GE(seen.min[0], 0.9);
