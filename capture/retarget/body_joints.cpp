@@ -4,11 +4,14 @@
 #include "capture/retarget/human_rig.h"
 #include "capture/retarget/mirrored_axes.h"
 #include "capture/retarget/retarget.h"
+#include "geometry/counts.h"
 #include "geometry/errors.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <initializer_list>
+#include <optional>
 
 namespace lorica {
 namespace {
@@ -16,33 +19,16 @@ namespace {
 using B = HumanBone;
 using J = BodyJoint;
 
-struct TrackedBone {
-  J joint;
-  B bone;
-};
-/// All except the torso, which is not the joint of a bone.
-constexpr std::array<TrackedBone, kBodyJointCount - 1> kTracked = {{{J::kHead, B::kHead},
-                                                                    {J::kNeck, B::kNeck},
-                                                                    {J::kLeftShoulder, B::kLeftUpperArm},
-                                                                    {J::kRightShoulder, B::kRightUpperArm},
-                                                                    {J::kLeftElbow, B::kLeftLowerArm},
-                                                                    {J::kRightElbow, B::kRightLowerArm},
-                                                                    {J::kLeftHand, B::kLeftHand},
-                                                                    {J::kRightHand, B::kRightHand},
-                                                                    {J::kLeftHip, B::kLeftUpperLeg},
-                                                                    {J::kRightHip, B::kRightUpperLeg},
-                                                                    {J::kLeftKnee, B::kLeftLowerLeg},
-                                                                    {J::kRightKnee, B::kRightLowerLeg},
-                                                                    {J::kLeftFoot, B::kLeftFoot},
-                                                                    {J::kRightFoot, B::kRightFoot}}};
 /// A floor closer to y = 0 than this is left unchanged [m].
 constexpr double kFloorIsZero = 0.05;
 
-double medianOf(std::vector<double> values, double otherwise) {
-  if (values.empty()) return otherwise;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
+bool seen(const SkeletonFrame& frame, std::initializer_list<J> joints) {
+  return std::all_of(joints.begin(), joints.end(),
+                     [&](J joint) { return frame[joint].confidence > 0.0 && frame[joint].position.allFinite(); });
+}
+
+Vec3 middleOf(const SkeletonFrame& frame, J left, J right) {
+  return 0.5 * (frame[left].position + frame[right].position);
 }
 
 /// Bone lengths of the person in the frames.
@@ -52,20 +38,15 @@ class Lengths {
 
   /// Median distance of two joints; `otherwise` if they are never seen together [m].
   [[nodiscard]] double between(J a, J b, double otherwise) const {
-    std::vector<double> values;
-    for (const SkeletonFrame& frame : frames_) {
-      if (seen(frame, a) && seen(frame, b)) values.push_back((frame[a].position - frame[b].position).norm());
-    }
-    return atLeast(medianOf(std::move(values), otherwise));
+    const auto distance = [&](const SkeletonFrame& frame) { return (frame[a].position - frame[b].position).norm(); };
+    return atLeast(median({a, b}, distance, otherwise));
   }
   /// Distance from the middle of two joints to a third.
   [[nodiscard]] double fromMiddle(J left, J right, J other, double otherwise) const {
-    std::vector<double> values;
-    for (const SkeletonFrame& frame : frames_) {
-      if (!seen(frame, left) || !seen(frame, right) || !seen(frame, other)) continue;
-      values.push_back((0.5 * (frame[left].position + frame[right].position) - frame[other].position).norm());
-    }
-    return atLeast(medianOf(std::move(values), otherwise));
+    const auto distance = [&](const SkeletonFrame& frame) {
+      return (middleOf(frame, left, right) - frame[other].position).norm();
+    };
+    return atLeast(median({left, right, other}, distance, otherwise));
   }
   /// Combined value for both sides of the body.
   [[nodiscard]] double ofBoth(J leftA, J leftB, J rightA, J rightB, double otherwise) const {
@@ -73,32 +54,40 @@ class Lengths {
   }
   /// Height of the shoulders above the torso, measured along the trunk [m].
   [[nodiscard]] double shouldersOverTorso(double otherwise) const {
-    std::vector<double> values;
-    for (const SkeletonFrame& frame : frames_) {
-      const bool all = seen(frame, J::kTorso) && seen(frame, J::kNeck) && seen(frame, J::kLeftShoulder) &&
-                       seen(frame, J::kRightShoulder);
-      if (!all) continue;
-      const Vec3 up = frame[J::kNeck].position - frame[J::kTorso].position;
-      const Vec3 middle = 0.5 * (frame[J::kLeftShoulder].position + frame[J::kRightShoulder].position);
-      if (up.norm() > 0.05) values.push_back((middle - frame[J::kTorso].position).dot(up.normalized()));
-    }
-    return medianOf(std::move(values), otherwise);
+    const auto height = [](const SkeletonFrame& frame) -> std::optional<double> {
+      const Vec3 torso = frame[J::kTorso].position, up = frame[J::kNeck].position - torso;
+      if (!(up.norm() > 0.05)) return std::nullopt;
+      return (middleOf(frame, J::kLeftShoulder, J::kRightShoulder) - torso).dot(up.normalized());
+    };
+    return median({J::kTorso, J::kNeck, J::kLeftShoulder, J::kRightShoulder}, height, otherwise);
   }
   [[nodiscard]] double lowestFoot() const {
-    std::vector<double> heights;
+    double lowest = kInfinity;
     for (const SkeletonFrame& frame : frames_) {
       for (const J foot : {J::kLeftFoot, J::kRightFoot}) {
-        if (seen(frame, foot)) heights.push_back(frame[foot].position.y());
+        if (seen(frame, {foot})) lowest = std::min(lowest, frame[foot].position.y());
       }
     }
-    return heights.empty() ? 0.0 : *std::min_element(heights.begin(), heights.end());
-  }
-  [[nodiscard]] static bool seen(const SkeletonFrame& frame, J joint) {
-    return frame[joint].confidence > 0.0 && frame[joint].position.allFinite();
+    return std::isfinite(lowest) ? lowest : 0.0;
   }
 
  private:
   static double atLeast(double length) { return std::clamp(length, 0.01, 10.0); }
+
+  /// The median of a measure over the frames that show some joints.
+  template <typename Measure>
+  [[nodiscard]] double median(std::initializer_list<J> joints, const Measure& measure, double otherwise) const {
+    std::vector<double> values;
+    for (const SkeletonFrame& frame : frames_) {
+      if (!seen(frame, joints)) continue;
+      if (const std::optional<double> value = measure(frame)) values.push_back(*value);
+    }
+    if (values.empty()) return otherwise;
+    const auto middle = values.begin() + countOf(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+  }
+
   const std::vector<SkeletonFrame>& frames_;
 };
 
@@ -129,23 +118,15 @@ Result<Skeleton> skeletonFrom(const Lengths& lengths) {
   const double shoulderHeight = std::clamp(lengths.shouldersOverTorso(chest), 0.0, 2.0 * chest);
   const double halfShoulders = 0.5 * lengths.between(J::kLeftShoulder, J::kRightShoulder, 0.34);
   const double halfHips = 0.5 * lengths.between(J::kLeftHip, J::kRightHip, 0.18);
-  for (const bool left : {true, false}) {
-    const double m = left ? 1.0 : -1.0;
-    const JointIndex shoulder =
-        add(nameOf(left ? J::kLeftShoulder : J::kRightShoulder), torso, left ? B::kLeftUpperArm : B::kRightUpperArm,
-            {m * halfShoulders, shoulderHeight, 0.0});
-    const JointIndex elbow = add(nameOf(left ? J::kLeftElbow : J::kRightElbow), shoulder,
-                                 left ? B::kLeftLowerArm : B::kRightLowerArm, {m * upperArm, 0.0, 0.0});
-    add(nameOf(left ? J::kLeftHand : J::kRightHand), elbow, left ? B::kLeftHand : B::kRightHand,
-        {m * forearm, 0.0, 0.0});
-  }
-  for (const bool left : {true, false}) {
-    const double m = left ? 1.0 : -1.0;
-    const JointIndex hip = add(nameOf(left ? J::kLeftHip : J::kRightHip), hips,
-                               left ? B::kLeftUpperLeg : B::kRightUpperLeg, {m * halfHips, 0.0, 0.0});
-    const JointIndex knee = add(nameOf(left ? J::kLeftKnee : J::kRightKnee), hip,
-                                left ? B::kLeftLowerLeg : B::kRightLowerLeg, {0.0, -thigh, 0.0});
-    add(nameOf(left ? J::kLeftFoot : J::kRightFoot), knee, left ? B::kLeftFoot : B::kRightFoot, {0.0, -shin, 0.0});
+  for (std::size_t i = 0; i < kLimbCount; ++i) {
+    const LimbBones& limb = limbs()[i];
+    const bool leg = i >= kFirstLeg;
+    const double m = i % 2 == 0 ? 1.0 : -1.0;
+    const Vec3 begin = leg ? Vec3(m * halfHips, 0.0, 0.0) : Vec3(m * halfShoulders, shoulderHeight, 0.0);
+    const JointIndex upper = add(nameOf(limb.upperJoint), leg ? hips : torso, limb.upper, begin);
+    const JointIndex lower =
+        add(nameOf(limb.lowerJoint), upper, limb.lower, leg ? Vec3(0.0, -thigh, 0.0) : Vec3(m * upperArm, 0.0, 0.0));
+    add(nameOf(limb.endJoint), lower, limb.end, leg ? Vec3(0.0, -shin, 0.0) : Vec3(m * forearm, 0.0, 0.0));
   }
   return Skeleton::create(std::move(joints));
 }
@@ -160,10 +141,11 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
   if (!completed.isWhole()) {
     LORICA_TRY(std::vector<SkeletonFrame> frames, bodyJointsOf(completed.complete(motion)));
     for (SkeletonFrame& frame : frames) {
-      for (const TrackedBone& tracked : kTracked) {
-        TrackedJoint& joint = frame[tracked.joint];
-        if (!completed.knowsPositionOf(tracked.bone)) joint = {};
-        if (!completed.speaksOf(tracked.bone)) {
+      for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+        if (!kBoneOfJoint[j]) continue;
+        TrackedJoint& joint = frame.joints[j];
+        if (!completed.knowsPositionOf(*kBoneOfJoint[j])) joint = {};
+        if (!completed.speaksOf(*kBoneOfJoint[j])) {
           joint.orientation.reset();
           joint.confidence *= 0.5;
         }
@@ -179,8 +161,9 @@ Result<std::vector<SkeletonFrame>> bodyJointsOf(const SkeletalMotion& motion) {
     SkeletonFrame& frame = frames[f];
     frame.time = motion.times[f];
     const HumanPose human = body.read(motion.pose(static_cast<int>(f)));
-    for (const TrackedBone& tracked : kTracked) {
-      if (has(tracked.bone)) frame[tracked.joint] = {body.positionOf(tracked.bone), human[tracked.bone], 1.0};
+    for (std::size_t j = 0; j < kBodyJointCount; ++j) {
+      const std::optional<B> bone = kBoneOfJoint[j];
+      if (bone && has(*bone)) frame.joints[j] = {body.positionOf(*bone), human[*bone], 1.0};
     }
     const Vec3 neck = has(B::kNeck)
                           ? body.positionOf(B::kNeck)
@@ -208,9 +191,7 @@ Result<SkeletalMotion> skeletalMotionOf(const std::vector<SkeletonFrame>& frames
   for (const SkeletonFrame& frame : frames) {
     retargeter.apply(frame, pose);
     // The retargeter puts feet on the floor; here the body stays at the position where it was seen.
-    if (Lengths::seen(frame, J::kLeftHip) && Lengths::seen(frame, J::kRightHip)) {
-      middleHip = 0.5 * (frame[J::kLeftHip].position + frame[J::kRightHip].position);
-    }
+    if (seen(frame, {J::kLeftHip, J::kRightHip})) middleHip = middleOf(frame, J::kLeftHip, J::kRightHip);
     pose[0].translation = middleHip;
     motion.times.push_back(frame.time);
     motion.poses.insert(motion.poses.end(), pose.begin(), pose.end());

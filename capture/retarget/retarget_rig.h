@@ -26,6 +26,14 @@ inline constexpr int kFirstLeg = 2;   ///< index of the left leg
 /// In the order of kLimbCount.
 [[nodiscard]] const std::array<LimbBones, kLimbCount>& limbs();
 
+/// The bone that begins at each tracked joint; at the torso there is none.
+inline constexpr std::array<std::optional<HumanBone>, kBodyJointCount> kBoneOfJoint = {
+    HumanBone::kHead,          HumanBone::kNeck,          HumanBone::kLeftUpperArm,
+    HumanBone::kRightUpperArm, HumanBone::kLeftLowerArm,  HumanBone::kRightLowerArm,
+    HumanBone::kLeftHand,      HumanBone::kRightHand,     std::nullopt,
+    HumanBone::kLeftUpperLeg,  HumanBone::kRightUpperLeg, HumanBone::kLeftLowerLeg,
+    HumanBone::kRightLowerLeg, HumanBone::kLeftFoot,      HumanBone::kRightFoot};
+
 /// Rotation whose columns are left, up and forward: exactly along `left`, with `up` as close as possible. Empty if the
 /// two are short or nearly parallel.
 [[nodiscard]] std::optional<Quat> frameAlongLeft(const Vec3& left, const Vec3& up);

@@ -56,14 +56,6 @@ double lowestOf(const TriMesh& mesh) {
   return lowest;
 }
 
-using J = BodyJoint;
-
-/// The bone whose joint position is used for a tracked joint; the torso has none.
-constexpr std::array<std::optional<B>, kBodyJointCount> kBoneOfJoint = {
-    B::kHead,          B::kNeck,         B::kLeftUpperArm,  B::kRightUpperArm, B::kLeftLowerArm,
-    B::kRightLowerArm, B::kLeftHand,     B::kRightHand,     std::nullopt,      B::kLeftUpperLeg,
-    B::kRightUpperLeg, B::kLeftLowerLeg, B::kRightLowerLeg, B::kLeftFoot,      B::kRightFoot};
-
 bool sameNames(const Skeleton& a, const Skeleton& b) {
   return std::equal(a.joints().begin(), a.joints().end(), b.joints().begin(), b.joints().end(),
                     [](const Joint& p, const Joint& q) { return p.name == q.name; });
